@@ -1,0 +1,12 @@
+/* FNV-1a, 64 bit: Fowler, Noll, Vo; parameters as published in RFC 9923. */
+#include "base/hash.h"
+
+uint64_t pl_hash(uint64_t seed, const void *bytes, size_t size) {
+  const unsigned char *byte = bytes;
+  uint64_t hash = seed;
+  for (size_t i = 0; i < size; i++) {
+    hash ^= byte[i];
+    hash *= 0x100000001b3u;
+  }
+  return hash;
+}

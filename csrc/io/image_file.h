@@ -1,0 +1,25 @@
+/* Reading PNG and JPEG images, from files and from memory. */
+#ifndef PL_IO_IMAGE_FILE_H
+#define PL_IO_IMAGE_FILE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+#include "geom/image.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Decodes PNG or JPEG (told apart by their first bytes). 16-bit samples are reduced to 8, palettes
+ * are expanded. Refuses more than 2^28 texels, and broken or truncated data (PL_E_FORMAT); other
+ * formats are PL_E_UNSUPPORTED with the format named. `name` is used in error texts. */
+pl_status pl_image_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out);
+/* The same from a file; PL_E_IO with the path when it cannot be read. */
+pl_status pl_image_load(const char *path, pl_image *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,199 @@
+"""The C core. Everything done per pixel, ray, vertex or time step happens here.
+
+Frames and units: SI, radians. A *pose* is 7 doubles (x, y, z, qw, qx, qy, qz): the rotation and
+translation that take child coordinates to root coordinates, metres. The root frame is inertial with
+ICRF axes and its origin at the root body. Camera axes are OpenCV's: x right, y down, z forward.
+
+Errors of the core are raised as `ValueError` (bad argument, range, format, unsupported),
+`OSError` (files), `MemoryError`, `KeyboardInterrupt` (cancelled) or `RuntimeError` (device).
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+F64 = NDArray[np.float64]
+
+class Channel(TypedDict):
+    name: str
+    dtype: str  # NumPy type string, e.g. "float32"
+    components: int  # 0: (H, W); n: (H, W, n); -1: (H, W, levels)
+    unit: str
+    doc: str
+
+CHANNELS: tuple[Channel, ...]
+"""Every per-pixel channel the core can compute, in a fixed order."""
+
+EFFECTS: tuple[dict[str, str], ...]
+"""Every row of the table of effects: {"name", "doc"}."""
+
+REFLECTANCES: tuple[dict[str, str], ...]
+"""Every reflectance model: {"name", "doc"}."""
+
+OBJECT_LABEL: Sequence[tuple[Any, ...]]
+"""Description (name, type, shape) for numpy.dtype of one row of the object labels."""
+
+class Model:
+    """A spacecraft model read from .gltf or .glb; immutable, in the file's units, turned to z-up."""
+
+    def __init__(self, path: str) -> None: ...
+    @property
+    def path(self) -> str: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def vertex_count(self) -> int: ...
+    @property
+    def bounds(self) -> F64:
+        """(2, 3): smallest and largest coordinates, model units, z-up."""
+    @property
+    def parts(self) -> tuple[dict[str, Any], ...]:
+        """{"name", "material"} of each part (one primitive of one node)."""
+    @property
+    def materials(self) -> tuple[str, ...]: ...
+    @property
+    def warnings(self) -> tuple[str, ...]: ...
+    def mesh(self) -> dict[str, NDArray[Any]]:
+        """Copies: positions (V,3) f32, normals (V,3) f32, uv (V,2) f32 or absent,
+        indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
+
+class Map:
+    """A filtered image texture: an equirectangular map of a body. PNG or JPEG."""
+
+    def __init__(self, path: str, srgb: bool = True) -> None: ...
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height), texels."""
+    @property
+    def mean(self) -> F64:
+        """(4,) mean linear RGBA."""
+
+class Scene:
+    """What does not change from frame to frame: models, maps, label ids."""
+
+    def __init__(self, levels: int) -> None:
+        """levels: number of semantic levels, 1..8."""
+    def add_body(
+        self,
+        *,
+        name: str,
+        map: Map | None,
+        map_center_lon_rad: float,
+        reflectance: str,
+        instance_id: int,
+        part_id: int,
+        class_ids: NDArray[np.uint16],
+    ) -> int:
+        """An ellipsoid; returns its index. class_ids: (levels,)."""
+    def add_object(
+        self,
+        *,
+        name: str,
+        model: Model,
+        offset: F64,
+        obj_id: int,
+        instance_id: int,
+        part_ids: NDArray[np.int32],
+        class_ids: NDArray[np.uint16],
+    ) -> int:
+        """A model instance; a model point p is at scale * (p - offset) in the object's frame.
+        offset: (3,) model units; part_ids: (parts,); class_ids: (parts, levels)."""
+
+class Quality(TypedDict):
+    samples: int  # colour samples a pixel, 1..65536
+    max_bounces: int  # 0..64
+    tolerance_dn: float  # an effect whose bound is below this is left out; 0 keeps all that apply
+    force_on: Sequence[str]  # effects kept whatever their bound
+    force_off: Sequence[str]  # effects left out whatever their bound
+
+class Exposure(TypedDict):
+    mode: str  # "fixed" | "auto"
+    white_radiance: float  # W m-2 sr-1 shown as 255 (fixed)
+    percentile: float  # auto: this percentile of the lit pixels ...
+    key: float  # auto: ... is shown at this fraction of white (linear)
+
+class FrameRequest(TypedDict):
+    seed: int
+    index: int
+    width: int
+    height: int
+    K: F64  # (3, 3), pixels, integer pixel centres
+    camera_pose: F64  # (2, 7): camera to root at shutter opening and closing
+    object_poses: F64  # (objects, 2, 7)
+    object_scale: F64  # (objects,), metres per model unit
+    body_poses: F64  # (bodies, 2, 7)
+    body_radii: F64  # (bodies, 3), m
+    body_albedo: F64  # (bodies, 3), linear factor on the map (or the colour itself without one)
+    body_emission: F64  # (bodies, 3), W m-2 sr-1
+    sun_position: F64  # (3,), m, root frame
+    sun_radius: float  # m
+    sun_irradiance: float  # W m-2 at 1 AU, in every colour band
+    quality: Quality
+    exposure: Exposure
+
+class PlanRow(TypedDict):
+    name: str
+    on: bool
+    reason: str
+    bound_dn: float
+    cost_ms: float
+    value: float  # the effect's parameter (samples, bounces, ...), 1 where it has none
+
+class FrameResult(TypedDict):
+    white_radiance: float
+    plan: list[PlanRow]
+    timings_s: dict[str, float]
+
+class Renderer:
+    """Renders frames of one scene; keeps its accelerators and buffers between frames."""
+
+    def __init__(self, scene: Scene) -> None: ...
+    def render(
+        self,
+        request: FrameRequest,
+        out: Mapping[str, NDArray[Any]],
+        threads: int = 1,
+    ) -> FrameResult:
+        """Fills the arrays of `out`: any of CHANNELS by name, C-contiguous, exact shape and type,
+        and "objects": (objects,) of OBJECT_LABEL. Releases the GIL; ctrl-C cancels."""
+    def plan(self, request: FrameRequest) -> FrameResult:
+        """The plan of a frame without rendering it (automatic exposure is metered)."""
+
+BODIES: dict[str, dict[str, Any]]
+"""The table of constants: name -> {"gm_m3_s2", "radii_m": (a, b, c), "orientation": bool,
+"geometric_albedo", "bond_albedo", "parent": str | None}. Lower-case names."""
+
+def body_orientation(name: str, tdb_day: float, tdb_fraction: F64) -> F64:
+    """Body-fixed to ICRF quaternions (n, 4) at JD(TDB) = tdb_day + tdb_fraction (n,)."""
+
+def kepler_states(elements: Mapping[str, float], gm: float, t_s: F64) -> F64:
+    """(n, 6) position m and velocity m/s in the elements' frame at times t_s (n,).
+
+    elements: periapsis_m, eccentricity, inclination_rad, raan_rad, arg_periapsis_rad,
+    since_periapsis_s (time since periapsis at t = 0). Any conic."""
+
+def tree_poses(
+    nodes: Sequence[Mapping[str, Any]], tdb_day: float, tdb_fraction: float, t_s: F64
+) -> F64:
+    """Poses (n_times, n_nodes, 7) of a tree of bodies and objects in the root frame.
+
+    Each node: {"name": str, "parent": index or -1, "motion": M, "rotation": R}, in any order.
+    M: {"kind": "fixed", "position_m": (3,)} (ICRF axes from the parent's centre) or
+       {"kind": "kepler", "gm": float, "elements": {...}, "frame": "icrf" | "equator",
+        "parent_body": name in BODIES or None} ("equator": the parent's equator of date, x along
+       its ascending node on the ICRF equator; needs parent_body).
+    R: {"kind": "fixed", "q": (4,)} | {"kind": "spin", "q": (4,), "axis": (3,), "rate_rad_s": f}
+       (axis in the object's own frame: q(t) = q * rot(axis, rate t)) | {"kind": "body", "body": name}
+       | {"kind": "lvlh"} (z to the parent's centre, y along minus the orbit normal).
+    Errors: a cycle of parents (ValueError that prints the cycle)."""
+
+def philox(key: tuple[int, int], counter: tuple[int, int, int, int], count: int) -> NDArray[np.uint64]:
+    """`count` words of Philox4x64-10, as numpy.random.Philox gives them (for tests)."""
+
+def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
+    """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
+
+def version() -> dict[str, str]:
+    """Versions of what the core was built with: embree, png, jpeg, instruction set ..."""
