@@ -1,0 +1,17 @@
+/* The sRGB transfer functions (IEC 61966-2-1). */
+#ifndef PL_MATH_COLOR_H
+#define PL_MATH_COLOR_H
+
+#include <math.h>
+
+/* Linear light to display value; both nominally [0, 1]. Negative input stays on the linear toe. */
+static inline float pl_srgb_encode(float linear) {
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
+}
+/* Display value to linear light. */
+static inline float pl_srgb_decode(float encoded) {
+  return encoded <= 0.04045f ? encoded * (1.0f / 12.92f)
+                             : powf((encoded + 0.055f) * (1.0f / 1.055f), 2.4f);
+}
+
+#endif
