@@ -7,7 +7,8 @@
 #include "base/status.h"
 
 /* Writes to a temporary file beside `path` and renames it, so that no half-written file is ever
- * seen. `bits` 8 (uint8 samples) or 16 (native uint16 samples); `channels` 1..4. `level` zlib 0..9. */
+ * seen. `bits` 8 (uint8 samples) or 16 (native uint16 samples); `channels` 1..4. `level` zlib 0..9.
+ */
 pl_status pl_png_write(const char *path, const void *samples, int width, int height, int channels,
                        int bits, int level);
 

@@ -1,0 +1,192 @@
+/* Building mip pyramids: exact box filter in linear light, stored in 8 bits.
+ *
+ * Level k+1 has floor(side / 2) texels a side (at least 1), as in OpenGL. Where a side is odd a
+ * texel of level k+1 covers 2 + 1/n texels of level k; all that it covers are averaged by the
+ * fraction covered (the polyphase box of Guthe & Heckbert, "Non-power-of-two mipmapping", NVIDIA
+ * 2005), so that the mean of every level is the mean of the image and no edge shifts. Levels are
+ * averaged from the unrounded level above: the 8 bits stored are within half a code of the true
+ * mean. */
+#include "geom/mipmap.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "math/color.h"
+
+/* Linear value of an 8-bit code, also between two codes. */
+static float decode(float code, bool srgb) {
+  return srgb ? pl_srgb_decode(code / 255.0f) : code / 255.0f;
+}
+
+enum { GUESSES = 4096 };
+
+/* The inverse of a code table: a first guess by equal steps of linear light, then the few
+ * comparisons that are left. */
+typedef struct encoder {
+  float upper[256];       /* linear value half-way (in codes) between code c and c + 1 */
+  uint8_t guess[GUESSES]; /* code of linear value i / GUESSES */
+} encoder;
+
+static void encoder_init(bool srgb, encoder *out) {
+  for (int c = 0; c < 255; c++)
+    out->upper[c] = decode((float)c + 0.5f, srgb);
+  out->upper[255] = INFINITY;
+  int code = 0;
+  for (int i = 0; i < GUESSES; i++) {
+    while ((float)i / GUESSES >= out->upper[code])
+      code++;
+    out->guess[i] = (uint8_t)code;
+  }
+}
+
+static uint8_t encode(const encoder *table, float linear) {
+  int i = (int)(linear * GUESSES);
+  i = i < 0 ? 0 : i >= GUESSES ? GUESSES - 1 : i;
+  int code = table->guess[i];
+  while (linear >= table->upper[code])
+    code++;
+  return (uint8_t)code;
+}
+
+/* The source texels under one destination texel along one axis. */
+typedef struct span {
+  int first, count; /* count 1..3 */
+  float weight[3];  /* sum 1 */
+} span;
+
+static span span_of(int i, int from, int to) {
+  /* In units of 1/to of a source texel the destination covers [i from, (i + 1) from). */
+  const int64_t begin = (int64_t)i * from, end = begin + from;
+  span s = {.first = (int)(begin / to)};
+  for (int64_t k = s.first; k * to < end && s.count < 3; k++) {
+    const int64_t low = k * to > begin ? k * to : begin;
+    const int64_t high = (k + 1) * to < end ? (k + 1) * to : end;
+    s.weight[s.count++] = (float)((double)(high - low) / (double)from);
+  }
+  return s;
+}
+
+/* Where a level is averaged from: the image's codes, or the floats of the level above. */
+typedef struct source {
+  int width, height;
+  const uint8_t *codes; /* or NULL */
+  const float *linear;  /* when codes is NULL */
+} source;
+
+typedef struct builder {
+  pl_mip_pyramid *pyramid;
+  encoder color, alpha;
+} builder;
+
+static void average(const builder *b, const source *from, span xs, span ys, float *out) {
+  const pl_mip_pyramid *p = b->pyramid;
+  const int n = p->channels;
+  float sum[4] = {0};
+  for (int j = 0; j < ys.count; j++) {
+    for (int i = 0; i < xs.count; i++) {
+      const size_t texel =
+          ((size_t)(ys.first + j) * (size_t)from->width + (size_t)(xs.first + i)) * (size_t)n;
+      const float weight = xs.weight[i] * ys.weight[j];
+      for (int c = 0; c < n; c++) {
+        const float *table = pl_mip_is_alpha(c, n) ? p->alpha_table : p->color_table;
+        sum[c] += weight * (from->codes != NULL ? table[from->codes[texel + (size_t)c]]
+                                                : from->linear[texel + (size_t)c]);
+      }
+    }
+  }
+  memcpy(out, sum, (size_t)n * sizeof *out);
+}
+
+/* Fills one level and its unrounded copy `linear`, which may be the array read from: a texel is
+ * written only after all at or behind its place have been read. */
+static void build_level(const builder *b, const source *from, int width, int height,
+                        uint8_t *texels, float *linear) {
+  const int n = b->pyramid->channels;
+  size_t next = 0;
+  for (int y = 0; y < height; y++) {
+    const span ys = span_of(y, from->height, height);
+    for (int x = 0; x < width; x++, next += (size_t)n) {
+      float value[4];
+      average(b, from, span_of(x, from->width, width), ys, value);
+      for (int c = 0; c < n; c++) {
+        linear[next + (size_t)c] = value[c];
+        texels[next + (size_t)c] = encode(pl_mip_is_alpha(c, n) ? &b->alpha : &b->color, value[c]);
+      }
+    }
+  }
+}
+
+/* Sizes of all levels; returns the number of texels of levels 1 and above. */
+static size_t lay_out(pl_mip_pyramid *p, int width, int height) {
+  size_t texels = 0;
+  p->level_count = 0;
+  for (;;) {
+    p->levels[p->level_count++] = (pl_mip_level){width, height, NULL};
+    if (p->level_count > 1)
+      texels += (size_t)width * (size_t)height;
+    if (width == 1 && height == 1)
+      return texels;
+    width = width > 1 ? width / 2 : 1;
+    height = height > 1 ? height / 2 : 1;
+  }
+}
+
+static void fill(pl_mip_pyramid *p, bool srgb, float *linear) {
+  builder b = {.pyramid = p};
+  encoder_init(srgb, &b.color);
+  encoder_init(false, &b.alpha);
+  source from = {p->levels[0].width, p->levels[0].height, p->base, NULL};
+  uint8_t *next = p->smaller;
+  for (int k = 1; k < p->level_count; k++) {
+    pl_mip_level *level = &p->levels[k];
+    build_level(&b, &from, level->width, level->height, next, linear);
+    level->texels = next;
+    next += (size_t)level->width * (size_t)level->height * (size_t)p->channels;
+    from = (source){level->width, level->height, NULL, linear};
+  }
+}
+
+static pl_status allocate_and_fill(pl_mip_pyramid *p, bool srgb, size_t smaller) {
+  if (p->level_count == 1)
+    return PL_OK;
+  const size_t n = (size_t)p->channels;
+  const size_t first = (size_t)p->levels[1].width * (size_t)p->levels[1].height;
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(smaller, n, "the mip levels of a texture", &memory));
+  p->smaller = memory;
+  p->bytes += smaller * n;
+  PL_TRY(pl_alloc_or_fail(first, n * sizeof(float), "building mip levels", &memory));
+  fill(p, srgb, memory);
+  pl_free(memory);
+  return PL_OK;
+}
+
+pl_status pl_mip_build(pl_image *image, bool srgb, pl_mip_pyramid *out) {
+  const pl_image taken = *image;
+  *image = (pl_image){0};
+  *out = (pl_mip_pyramid){.channels = taken.channels, .base = taken.texels};
+  if (taken.texels == NULL || taken.channels < 1 || taken.channels > 4 || taken.width < 1 ||
+      taken.height < 1 || taken.width > 65536 || taken.height > 65536) {
+    pl_mip_clear(out);
+    return pl_fail(PL_E_ARGUMENT, "texture from an image of %d x %d texels, %d channels",
+                   taken.width, taken.height, taken.channels);
+  }
+  for (int c = 0; c < 256; c++) {
+    out->color_table[c] = decode((float)c, srgb);
+    out->alpha_table[c] = decode((float)c, false);
+  }
+  const size_t smaller = lay_out(out, taken.width, taken.height);
+  out->levels[0].texels = out->base;
+  out->bytes = (size_t)taken.width * (size_t)taken.height * (size_t)taken.channels;
+  const pl_status status = allocate_and_fill(out, srgb, smaller);
+  if (status != PL_OK)
+    pl_mip_clear(out);
+  return status;
+}
+
+void pl_mip_clear(pl_mip_pyramid *pyramid) {
+  pl_free(pyramid->base);
+  pl_free(pyramid->smaller);
+  *pyramid = (pl_mip_pyramid){0};
+}

@@ -1,0 +1,209 @@
+/* Reading filtered textures: wrap modes, bilinear and trilinear lookups, anisotropic footprints. */
+#include "geom/texture.h"
+
+#include <math.h>
+#include <stdint.h>
+
+#include "base/memory.h"
+#include "geom/mipmap.h"
+
+/* Taps along the longer axis of a footprint; a longer one is blurred rather than aliased. */
+enum { MAX_TAPS = 16 };
+/* Beyond this many texels a footprint is the whole texture. Also keeps its square finite. */
+static const float FOOTPRINT_LIMIT = 1e9f;
+
+struct pl_texture {
+  pl_mip_pyramid mips;
+  pl_wrap wrap_u, wrap_v;
+  const float *table[4]; /* code to linear of each stored channel; point into mips */
+  float mean[4];         /* RGBA */
+};
+
+/* From the stored channels to RGBA: grey spreads, missing alpha is 1. */
+static void expand(const float stored[4], int channels, float out[4]) {
+  const float *s = stored;
+  out[0] = s[0];
+  out[1] = channels < 3 ? s[0] : s[1];
+  out[2] = channels < 3 ? s[0] : s[2];
+  out[3] = channels == 4 ? s[3] : channels == 2 ? s[1] : 1.0f;
+}
+
+/* The mean by counting codes: exact, and one addition a sample. */
+static void measure_mean(pl_texture *texture) {
+  const pl_mip_pyramid *mips = &texture->mips;
+  const int n = mips->channels;
+  const size_t texels = (size_t)mips->levels[0].width * (size_t)mips->levels[0].height;
+  float mean[4] = {0};
+  for (int c = 0; c < n; c++) {
+    uint64_t counts[256] = {0};
+    for (size_t i = 0; i < texels; i++)
+      counts[mips->base[i * (size_t)n + (size_t)c]]++;
+    double sum = 0.0;
+    for (int code = 0; code < 256; code++)
+      sum += (double)counts[code] * (double)texture->table[c][code];
+    mean[c] = (float)(sum / (double)texels);
+  }
+  expand(mean, n, texture->mean);
+}
+
+pl_status pl_texture_create(pl_image *image, bool srgb, pl_wrap wrap_u, pl_wrap wrap_v,
+                            pl_texture **out) {
+  *out = NULL;
+  void *memory;
+  pl_status status = pl_alloc_or_fail(1, sizeof(pl_texture), "a texture", &memory);
+  if (status != PL_OK) {
+    pl_image_clear(image);
+    return status;
+  }
+  pl_texture *texture = memory;
+  status = pl_mip_build(image, srgb, &texture->mips);
+  if (status != PL_OK) {
+    pl_free(texture);
+    return status;
+  }
+  texture->wrap_u = wrap_u;
+  texture->wrap_v = wrap_v;
+  for (int c = 0; c < 4; c++)
+    texture->table[c] = pl_mip_is_alpha(c, texture->mips.channels) ? texture->mips.alpha_table
+                                                                   : texture->mips.color_table;
+  measure_mean(texture);
+  *out = texture;
+  return PL_OK;
+}
+
+void pl_texture_destroy(pl_texture *texture) {
+  if (texture == NULL)
+    return;
+  pl_mip_clear(&texture->mips);
+  pl_free(texture);
+}
+
+/* floorf for |x| < 2^31 without a library call (the baseline instruction set has no rounding). */
+static inline float floor_small(float x) {
+  const float whole = (float)(int)x;
+  return whole > x ? whole - 1.0f : whole;
+}
+
+/* The two texels beside coordinate t (|t| < 2^31, texture widths) along an axis of `size`
+ * texels, and the weight of the second. Texel centres lie at (i + 0.5) / size. */
+static inline float neighbours(float t, int size, pl_wrap wrap, int *low, int *high) {
+  if (wrap == PL_WRAP_REPEAT) {
+    t -= floor_small(t);
+  } else if (wrap == PL_WRAP_CLAMP) {
+    t = fminf(fmaxf(t, 0.0f), 1.0f);
+  } else {
+    t -= 2.0f * floor_small(0.5f * t);
+    t = t > 1.0f ? 2.0f - t : t;
+  }
+  /* t is in [0, 1] (1 by rounding), so i0 is in -1..size-1 and i1 in 0..size. */
+  const float x = t * (float)size - 0.5f;
+  const float below = floor_small(x);
+  const int i0 = (int)below, i1 = i0 + 1;
+  if (wrap == PL_WRAP_REPEAT) {
+    *low = i0 < 0 ? size - 1 : i0;
+    *high = i1 >= size ? 0 : i1;
+  } else { /* the mirror image of the edge texel is itself */
+    *low = i0 < 0 ? 0 : i0;
+    *high = i1 >= size ? size - 1 : i1;
+  }
+  return x - below;
+}
+
+/* Adds `weight` times the bilinear value at (u, v) of one level to sum, in stored channels. */
+static inline void add_bilinear(const pl_texture *texture, int level_index, float u, float v,
+                                float weight, float sum[4]) {
+  const pl_mip_level *level = &texture->mips.levels[level_index];
+  const int n = texture->mips.channels;
+  int x0, x1, y0, y1;
+  const float fx = neighbours(u, level->width, texture->wrap_u, &x0, &x1);
+  const float fy = neighbours(v, level->height, texture->wrap_v, &y0, &y1);
+  const size_t row = (size_t)level->width * (size_t)n;
+  const uint8_t *top = level->texels + (size_t)y0 * row;
+  const uint8_t *bottom = level->texels + (size_t)y1 * row;
+  const size_t left = (size_t)x0 * (size_t)n, right = (size_t)x1 * (size_t)n;
+  const float w00 = (1.0f - fx) * (1.0f - fy), w10 = fx * (1.0f - fy);
+  const float w01 = (1.0f - fx) * fy, w11 = fx * fy;
+  for (int c = 0; c < n; c++) {
+    const float *table = texture->table[c];
+    const size_t k = (size_t)c;
+    sum[c] += weight * (w00 * table[top[left + k]] + w10 * table[top[right + k]] +
+                        w01 * table[bottom[left + k]] + w11 * table[bottom[right + k]]);
+  }
+}
+
+/* How a footprint is read: `taps` lookups at `level` (+ `blend` of the next), spread along
+ * (step_u, step_v). */
+typedef struct footprint {
+  int taps;
+  int level;
+  float blend;
+  float step_u, step_v; /* uv between two taps */
+} footprint;
+
+/* Axes of the ellipse with the covariance of the parallelogram: the singular values of the Jacobian
+ * [a b] in texels (Heckbert, "Fundamentals of texture mapping", 1989, section 3.5). The shorter
+ * sets the level, the longer is walked (McCormack et al., "Feline", SIGGRAPH 1999). Singular
+ * values, as against the vectors themselves, do not care how the parallelogram is sheared. */
+static footprint footprint_of(const pl_texture *texture, const float a[2], const float b[2]) {
+  const pl_mip_pyramid *mips = &texture->mips;
+  const footprint all = {1, mips->level_count - 1, 0.0f, 0.0f, 0.0f};
+  const float w = (float)mips->levels[0].width, h = (float)mips->levels[0].height;
+  const float ax = a[0] * w, ay = a[1] * h, bx = b[0] * w, by = b[1] * h;
+  const float extent = fabsf(ax) + fabsf(ay) + fabsf(bx) + fabsf(by);
+  if (!(extent < FOOTPRINT_LIMIT)) /* also not a number */
+    return all;
+  const float xx = ax * ax + bx * bx, yy = ay * ay + by * by, xy = ax * ay + bx * by;
+  const float half = 0.5f * (xx - yy), root = sqrtf(half * half + xy * xy);
+  const float longer = sqrtf(0.5f * (xx + yy) + root);
+  if (longer <= 1.0f)
+    return (footprint){.taps = 1};
+  float shorter = fmaxf(fabsf(ax * by - ay * bx) / longer, 1.0f);
+  footprint f = {.taps = (int)ceilf(fminf(longer / shorter, (float)MAX_TAPS) - 1e-3f)};
+  f.taps = f.taps < 1 ? 1 : f.taps;
+  shorter = fmaxf(shorter, longer / MAX_TAPS);
+  const float level = log2f(shorter);
+  if (level >= (float)(mips->level_count - 1))
+    return all;
+  f.level = (int)level;
+  f.blend = level - (float)f.level;
+  if (f.taps > 1) {
+    /* Eigenvector of the larger eigenvalue, from the better conditioned row. */
+    const float ex = half >= 0.0f ? half + root : xy, ey = half >= 0.0f ? xy : root - half;
+    const float norm = sqrtf(ex * ex + ey * ey);
+    const float stride = norm > 0.0f ? longer / (norm * (float)f.taps) : 0.0f;
+    f.step_u = ex * stride / w;
+    f.step_v = ey * stride / h;
+  }
+  return f;
+}
+
+void pl_texture_sample(const pl_texture *texture, float u, float v, const float a[2],
+                       const float b[2], float out[4]) {
+  /* A coordinate that is not a number, or so large that it has no fraction, reads the origin. */
+  u = fabsf(u) < FOOTPRINT_LIMIT ? u : 0.0f;
+  v = fabsf(v) < FOOTPRINT_LIMIT ? v : 0.0f;
+  const footprint f = footprint_of(texture, a, b);
+  const float weight = 1.0f / (float)f.taps;
+  float sum[4] = {0};
+  for (int i = 0; i < f.taps; i++) {
+    const float along = (float)i - 0.5f * (float)(f.taps - 1);
+    const float tap_u = u + along * f.step_u, tap_v = v + along * f.step_v;
+    add_bilinear(texture, f.level, tap_u, tap_v, weight * (1.0f - f.blend), sum);
+    if (f.blend > 0.0f)
+      add_bilinear(texture, f.level + 1, tap_u, tap_v, weight * f.blend, sum);
+  }
+  expand(sum, texture->mips.channels, out);
+}
+
+void pl_texture_mean(const pl_texture *texture, float out[4]) {
+  for (int c = 0; c < 4; c++)
+    out[c] = texture->mean[c];
+}
+
+void pl_texture_size(const pl_texture *texture, int *width, int *height, int *channels) {
+  *width = texture->mips.levels[0].width;
+  *height = texture->mips.levels[0].height;
+  *channels = texture->mips.channels;
+}
+
+size_t pl_texture_bytes(const pl_texture *texture) { return sizeof *texture + texture->mips.bytes; }

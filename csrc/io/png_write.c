@@ -1,0 +1,170 @@
+/* Writing PNG files that are either whole or not there. */
+#define _POSIX_C_SOURCE 200809L
+#include "io/png_write.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <png.h>
+#include <setjmp.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+
+/* Names tried for the temporary file: other threads of this process, and what a killed process
+ * with this id has left, may hold some. */
+enum { MAX_NAMES = 1000 };
+/* Above this level the file's size matters more than time: libpng then tries all filters. */
+enum { LAST_FAST_LEVEL = 6 };
+
+/* All state lives here, outside the frame that longjmp returns to. */
+typedef struct writer {
+  const char *path;
+  char *temporary; /* owned */
+  int descriptor;
+  int error;     /* errno of the first failed write */
+  char text[96]; /* libpng's words */
+  const unsigned char *samples;
+  int width, height, channels, bits, level;
+  png_structp png;
+  png_infop info;
+} writer;
+
+static void on_error(png_structp png, png_const_charp text) {
+  writer *w = png_get_error_ptr(png);
+  snprintf(w->text, sizeof w->text, "%s", text);
+  png_longjmp(png, 1);
+}
+
+static void on_warning(png_structp png, png_const_charp text) {
+  (void)png;
+  (void)text;
+}
+
+static void on_write(png_structp png, png_bytep bytes, png_size_t count) {
+  writer *w = png_get_io_ptr(png);
+  while (count > 0) {
+    const ssize_t put = write(w->descriptor, bytes, count);
+    if (put < 0 && errno == EINTR)
+      continue;
+    if (put <= 0) {
+      w->error = put < 0 ? errno : ENOSPC;
+      png_error(png, "write");
+    }
+    bytes += put;
+    count -= (size_t)put;
+  }
+}
+
+static void on_flush(png_structp png) { (void)png; }
+
+static png_voidp on_allocate(png_structp png, png_alloc_size_t size) {
+  (void)png;
+  return pl_alloc(size, 1);
+}
+
+static void on_free(png_structp png, png_voidp memory) {
+  (void)png;
+  pl_free(memory);
+}
+
+/* Nothing that varies between runs (time, text) is written, and the filters are fixed. */
+static void write_all(writer *w) {
+  static const int color_types[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
+                                    PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_RGB_ALPHA};
+  png_structp png = w->png;
+  png_set_write_fn(png, w, on_write, on_flush);
+  png_set_compression_level(png, w->level);
+  const bool flat = w->level == 0 || (w->channels == 1 && w->bits == 8); /* masks, mostly */
+  png_set_filter(png, PNG_FILTER_TYPE_BASE,
+                 flat ? PNG_FILTER_NONE
+                      : (w->level > LAST_FAST_LEVEL ? PNG_ALL_FILTERS : PNG_FILTER_SUB));
+  png_set_IHDR(png, w->info, (png_uint_32)w->width, (png_uint_32)w->height, w->bits,
+               color_types[w->channels - 1], PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, w->info);
+  const int one = 1;
+  if (w->bits == 16 && *(const char *)&one == 1)
+    png_set_swap(png);
+  const size_t row = (size_t)w->width * (size_t)w->channels * (size_t)(w->bits / 8);
+  for (int y = 0; y < w->height; y++)
+    png_write_row(png, w->samples + (size_t)y * row);
+  png_write_end(png, NULL);
+}
+
+static pl_status guarded_write(writer *w) {
+  if (setjmp(png_jmpbuf(w->png)) != 0) {
+    if (w->error != 0)
+      return pl_fail(PL_E_IO, "%s: cannot be written: %s", w->path, strerror(w->error));
+    return pl_fail(PL_E_MEMORY, "%s: cannot be encoded: %s", w->path, w->text);
+  }
+  write_all(w);
+  return PL_OK;
+}
+
+static pl_status encode(writer *w) {
+  w->png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, w, on_error, on_warning, NULL,
+                                     on_allocate, on_free);
+  w->info = w->png != NULL ? png_create_info_struct(w->png) : NULL;
+  const pl_status status = w->info != NULL
+                               ? guarded_write(w)
+                               : pl_fail(PL_E_MEMORY, "%s: out of memory for PNG", w->path);
+  png_destroy_write_struct(&w->png, &w->info);
+  return status;
+}
+
+/* Creates the temporary file beside the target, under a name nobody else has. */
+static pl_status open_temporary(writer *w) {
+  const size_t capacity = strlen(w->path) + 48;
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(capacity, 1, "a file name", &memory));
+  w->temporary = memory;
+  for (int k = 0; k < MAX_NAMES; k++) {
+    snprintf(w->temporary, capacity, "%s.%ld.%d.tmp", w->path, (long)getpid(), k);
+    w->descriptor = open(w->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (w->descriptor >= 0 || errno != EEXIST)
+      break;
+  }
+  if (w->descriptor < 0)
+    return pl_fail(PL_E_IO, "%s: cannot be written: %s", w->path, strerror(errno));
+  return PL_OK;
+}
+
+static pl_status write_and_rename(writer *w) {
+  pl_status status = encode(w);
+  if (close(w->descriptor) != 0 && status == PL_OK)
+    status = pl_fail(PL_E_IO, "%s: cannot be written: %s", w->path, strerror(errno));
+  if (status == PL_OK && rename(w->temporary, w->path) != 0)
+    status = pl_fail(PL_E_IO, "%s: cannot be replaced: %s", w->path, strerror(errno));
+  if (status != PL_OK)
+    unlink(w->temporary);
+  return status;
+}
+
+pl_status pl_png_write(const char *path, const void *samples, int width, int height, int channels,
+                       int bits, int level) {
+  if (width < 1 || height < 1 || width > 65536 || height > 65536)
+    return pl_fail(PL_E_RANGE, "%s: %d x %d pixels; sides must be in 1..65536", path, width,
+                   height);
+  if (channels < 1 || channels > 4 || (bits != 8 && bits != 16))
+    return pl_fail(PL_E_RANGE, "%s: %d channels of %d bits; PNG has 1..4 of 8 or 16", path,
+                   channels, bits);
+  if (level < 0 || level > 9)
+    return pl_fail(PL_E_RANGE, "%s: compression level %d; must be in 0..9", path, level);
+  writer w = {.path = path,
+              .descriptor = -1,
+              .samples = samples,
+              .width = width,
+              .height = height,
+              .channels = channels,
+              .bits = bits,
+              .level = level};
+  pl_status status = open_temporary(&w);
+  if (status == PL_OK)
+    status = write_and_rename(&w);
+  pl_free(w.temporary);
+  return status;
+}
