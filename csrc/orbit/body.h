@@ -1,0 +1,39 @@
+/* The table of bodies: gravity, size, albedo, parent, and the IAU model of rotation. */
+#ifndef PL_ORBIT_BODY_H
+#define PL_ORBIT_BODY_H
+
+#include <stddef.h>
+
+/* One periodic term: argument phase + rate T + quadratic T^2, T in Julian centuries of TDB from
+ * J2000; right ascension and W take its sine, declination its cosine. Degrees. */
+typedef struct pl_rotation_term {
+  double phase_deg, rate_deg_century, quadratic_deg_century2;
+  double ra_deg, dec_deg, w_deg;
+} pl_rotation_term;
+
+/* North pole (ra, dec) in ICRF and prime meridian W, as the IAU's working group gives them. */
+typedef struct pl_rotation_model {
+  double ra_deg[2];  /* constant, per century */
+  double dec_deg[2]; /* constant, per century */
+  double w_deg[3];   /* constant, per day, per day^2 */
+  const pl_rotation_term *terms;
+  size_t term_count;
+} pl_rotation_model;
+
+typedef struct pl_body {
+  const char *name;   /* lower case */
+  const char *parent; /* name of the body it orbits; NULL for the sun */
+  double gm_m3_s2;
+  double radii_m[3];       /* semi-axes of the ellipsoid: a to longitude 0, b, c to the pole */
+  double geometric_albedo; /* V band; 0 for the sun, which is a source */
+  double bond_albedo;
+  pl_rotation_model rotation;
+} pl_body;
+
+/* All bodies, in a fixed order; static. */
+const pl_body *pl_body_table(size_t *count);
+
+/* NULL when there is no such body. */
+const pl_body *pl_body_find(const char *name);
+
+#endif
