@@ -1,0 +1,110 @@
+# Shared by the scripts of this folder: system packages, the virtual environment, the build, logs.
+# Sourced, not run. Everything can be repeated and does nothing when nothing changed.
+
+set -euo pipefail
+
+ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$ROOT"
+LOGS=$ROOT/build
+VENV=$ROOT/.venv
+JOBS=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
+export CMAKE_BUILD_PARALLEL_LEVEL=$JOBS
+STARTED=$SECONDS
+mkdir -p "$LOGS"
+
+# The real models and maps, where this checkout has them beside it.
+if [[ -z ${PERILUNE_DATA:-} && -d $ROOT/../shared/data ]]; then
+  PERILUNE_DATA=$(cd "$ROOT/../shared/data" && pwd)
+  export PERILUNE_DATA
+fi
+
+BUILD_PACKAGES=(
+  gcc g++ cmake ninja-build ccache
+  libembree-dev libpng-dev libjpeg-dev libtinygltf-dev nlohmann-json3-dev
+  python3 python3-dev python3-venv ca-certificates
+)
+TEST_PACKAGES=(binutils libcmocka-dev)
+FUZZ_PACKAGES=(clang llvm)
+
+say() { printf '==> %s\n' "$*"; }
+
+die() {
+  printf 'error: %s\n' "$*" >&2
+  exit 1
+}
+
+finished() { say "$1 (in $((SECONDS - STARTED)) s)"; }
+
+# quietly NAME COMMAND...: output goes to build/NAME.log and is shown only on failure.
+quietly() {
+  local log=$LOGS/$1.log
+  shift
+  if ! "$@" >"$log" 2>&1; then
+    tail -n 200 "$log" >&2
+    die "failed: $* (whole log: $log)"
+  fi
+}
+
+is_installed() {
+  [[ $(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null) == installed ]]
+}
+
+# as_root COMMAND...: with sudo when we are not root.
+as_root() {
+  if ((EUID == 0)); then
+    env DEBIAN_FRONTEND=noninteractive "$@"
+  elif command -v sudo >/dev/null; then
+    sudo env DEBIAN_FRONTEND=noninteractive "$@"
+  else
+    die "not root and no sudo; as root, run: $*"
+  fi
+}
+
+# need_packages NAME...: installs the system packages that are missing.
+need_packages() {
+  local missing=() package
+  command -v dpkg-query >/dev/null || die "needs Debian 12, Ubuntu 24.04 or a relative of theirs"
+  for package in "$@"; do
+    is_installed "$package" || missing+=("$package")
+  done
+  ((${#missing[@]} == 0)) && return
+  say "Installing system packages: ${missing[*]}"
+  quietly apt-update as_root apt-get update
+  for package in "${missing[@]}"; do
+    apt-cache show "$package" >/dev/null 2>&1 ||
+      die "apt knows no package '$package'; on Ubuntu, enable the component 'universe'"
+  done
+  quietly apt-install as_root apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+# need_venv: the virtual environment, made with the system's Python.
+need_venv() {
+  local python=${PERILUNE_PYTHON:-/usr/bin/python3}
+  "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
+    die "$python is $("$python" -V 2>&1); Python 3.11 or newer is needed (set PERILUNE_PYTHON)"
+  if ! "$VENV/bin/python" -c 'import pip' >/dev/null 2>&1; then
+    say "Making the virtual environment .venv with $("$python" -V)"
+    rm -rf "$VENV"
+    quietly venv "$python" -m venv "$VENV"
+  fi
+  export PATH=$VENV/bin:$PATH
+}
+
+# need_package [EXTRA]: builds and installs perilune in place, with the dependencies of the extra.
+# When dependencies and metadata are as last time only the extension is brought up to date.
+need_package() {
+  local extra=${1:-} state stamp
+  state=$(cat pyproject.toml setup.py | sha256sum)
+  for stamp in "$VENV/.perilune" ${extra:+"$VENV/.perilune-$extra"}; do
+    if [[ $(cat "$stamp" 2>/dev/null) != "$state" ]]; then
+      say "Installing Python packages and building perilune"
+      quietly pip-build "$VENV/bin/pip" install "setuptools>=68" wheel "numpy>=2"
+      quietly pip-install "$VENV/bin/pip" install --no-build-isolation -e ".${extra:+[$extra]}"
+      printf '%s' "$state" >"$VENV/.perilune"
+      [[ -z $extra ]] || printf '%s' "$state" >"$VENV/.perilune-$extra"
+      return
+    fi
+  done
+  say "Bringing the extension up to date"
+  quietly build "$VENV/bin/python" setup.py build_ext --inplace
+}
