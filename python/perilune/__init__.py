@@ -1,0 +1,1 @@
+"""Perilune: annotated synthetic images of spacecraft, planets and the Moon's surface."""

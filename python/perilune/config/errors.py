@@ -1,0 +1,78 @@
+"""Configuration errors that read like help: file, key path, value, what is allowed."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NoReturn
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from perilune.drivers import path_text
+
+_SHOWN_NAMES = 40
+
+
+class ConfigError(ValueError):
+    """A configuration that cannot be used; the text names the file and every faulty key."""
+
+
+def nearest(name: object, allowed: Iterable[str]) -> str:
+    """`; did you mean 'x'? allowed: a, b` for a name that is not one of `allowed`."""
+    names = list(allowed)
+    close = difflib.get_close_matches(str(name), names, n=1, cutoff=0.5)
+    hint = f"; did you mean '{close[0]}'?" if close else ";"
+    shown = ", ".join(names[:_SHOWN_NAMES]) + (", ..." if len(names) > _SHOWN_NAMES else "")
+    return f"{hint} allowed: {shown or '(none)'}"
+
+
+def fail(path: str, text: str) -> NoReturn:
+    """Raises, inside a validator, an error at `path` below the value being validated."""
+    raise PydanticCustomError("perilune", "{text}", {"text": text, "path": path})
+
+
+def _walk(tree: Any, loc: Sequence[Any], missing: bool) -> tuple[list[Any], Any]:
+    """The path in the file that pydantic's location means (no union tags), and its value."""
+    path: list[Any] = []
+    value = tree
+    for position, part in enumerate(loc):
+        below = isinstance(value, Mapping) and part in value
+        if isinstance(value, list) and isinstance(part, int):
+            below = part < len(value)
+        if below:
+            path.append(part)
+            value = value[part]
+        elif missing and position == len(loc) - 1:
+            path.append(part)
+            value = None
+    return path, value
+
+
+def _describe(error: ErrorDetails, tree: Any, driven: Mapping[str, float]) -> str:
+    path, value = _walk(tree, error["loc"], error["type"] == "missing")
+    below = error.get("ctx", {}).get("path", "") if error["type"] == "perilune" else ""
+    key = path_text((*path, below) if below else tuple(path))
+    if error["type"] == "missing":
+        return f"{key}: required, but missing"
+    scalar = not below and not isinstance(value, (Mapping, list, tuple)) and value is not None
+    shown = f" = {value!r}" if scalar else ""
+    if key in driven and error["type"] == "int_type":
+        return f"{key}: takes no driver (it fixes a count, an identity or the shape of an array)"
+    text = error["msg"].replace("Input should be", "must be")
+    text = text.replace("Tuple should have", "must have").replace(" after validation", "")
+    if error["type"] == "union_tag_invalid":
+        allowed = [tag.strip().strip("'") for tag in error["ctx"]["expected_tags"].split(",")]
+        text = f"no kind '{error['ctx']['tag']}'{nearest(error['ctx']['tag'], allowed)}"
+    elif error["type"] == "union_tag_not_found":
+        text = "needs the key 'kind'"
+    where = " (a value or limit of its driver)" if key in driven else ""
+    return f"{key or '(top level)'}{shown}: {text}{where}"
+
+
+def from_validation(
+    error: ValidationError, tree: Any, source: str, driven: Mapping[str, float] | None = None
+) -> ConfigError:
+    """A pydantic error in the words of the configuration file."""
+    lines = [_describe(detail, tree, driven or {}) for detail in error.errors()]
+    return ConfigError(f"{source}:\n" + "\n".join(f"  {line}" for line in dict.fromkeys(lines)))

@@ -1,0 +1,50 @@
+"""Dotted overrides: {"camera.width": 64} applied to a configuration's tree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from perilune.config.errors import ConfigError
+from perilune.config.loader import parse_yaml
+
+
+def parse_override(text: str) -> tuple[str, Any]:
+    """'camera.width=64' -> ('camera.width', 64); the value is read as YAML."""
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise ConfigError(f"--set {text}: must be key=value, such as camera.width=64")
+    return key.strip(), parse_yaml(value, f"--set {text}")
+
+
+def _step(node: Any, part: str, key: str) -> tuple[Any, str | int]:
+    """The container and the index that `part` addresses in it."""
+    if isinstance(node, dict):
+        return node, part
+    if isinstance(node, list):
+        if not part.isdecimal() or int(part) >= len(node):
+            raise ConfigError(
+                f"override {key}: '{part}' is no index of a list of {len(node)} values"
+            )
+        return node, int(part)
+    raise ConfigError(f"override {key}: '{part}' is below a single value, {node!r}")
+
+
+def apply_overrides(tree: dict[str, Any], overrides: Mapping[str, Any]) -> None:
+    """Changes the tree: sets each dotted key, making sections on the way; None removes the key.
+
+    A key must name something the schema knows; the validation that follows sees to that.
+    """
+    for key, value in overrides.items():
+        node: Any = tree
+        parts = key.split(".")
+        for part in parts[:-1]:
+            node, index = _step(node, part, key)
+            if isinstance(node, dict) and node.get(part) is None:
+                node[part] = {}
+            node = node[index]
+        node, index = _step(node, parts[-1], key)
+        if value is None and isinstance(node, dict):
+            node.pop(parts[-1], None)
+        else:
+            node[index] = value

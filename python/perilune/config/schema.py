@@ -1,0 +1,339 @@
+"""The schema of a configuration: what may stand in the file, its units, ranges and defaults."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+
+from perilune.config.camera import Camera
+from perilune.config.errors import fail, nearest
+from perilune.config.types import (
+    Direction,
+    Finite,
+    Inclination,
+    Integer,
+    NonNegative,
+    Positive,
+    PositiveVec3,
+    Rgb,
+    StaticFinite,
+    StaticNonNegative,
+    StaticVec3,
+    Strict,
+    Vec3,
+)
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
+_EPOCH = re.compile(
+    r"(\d{4})-(\d\d)-(\d\d)(?:[T ](\d\d):(\d\d)(?::(\d\d(?:\.\d{1,9})?))?)?(?:Z|\+00:00)?"
+)
+_YEARS = (1960, 2100)  # UTC exists since 1960; the ephemeris of the Earth holds until 2100
+
+
+class Time(Strict):
+    """Frame i is taken step_s * i seconds after the epoch."""
+
+    epoch: str
+    """UTC, ISO 8601: 2026-03-20T12:00:00Z."""
+    step_s: Finite = 0.0
+    """Seconds from one frame to the next."""
+
+    @field_validator("epoch")
+    @classmethod
+    def _iso_utc(cls, value: str) -> str:
+        match = _EPOCH.fullmatch(value)
+        if not match:
+            fail("", "must be an ISO 8601 date in UTC, such as 2026-03-20T12:00:00Z")
+        if not _YEARS[0] <= int(match[1]) <= _YEARS[1]:
+            fail("", f"years {_YEARS[0]} to {_YEARS[1]} are covered")
+        return value
+
+    def utc_fields(self) -> tuple[int, int, int, int, int, float]:
+        """Year, month, day, hour, minute, second of the epoch."""
+        match = _EPOCH.fullmatch(self.epoch)
+        assert match is not None  # the validator has matched it
+        year, month, day, hour, minute = (int(match[k] or 0) for k in range(1, 6))
+        return year, month, day, hour, minute, float(match[6] or 0.0)
+
+
+class Sun(Strict):
+    """The Sun; its position follows from the date unless a direction is given."""
+
+    radius_km: Positive = 695700.0
+    irradiance_w_m2: NonNegative = 1361.0
+    """At one astronomical unit, in every colour band."""
+    direction: Direction | None = None
+    """Towards the Sun from the root body, ICRF axes, instead of the date's."""
+    distance_au: Positive = 1.0
+    """From the root body; used with `direction` only."""
+
+
+class Orbit(Strict):
+    """A Keplerian orbit, elements at the epoch; or a fixed position."""
+
+    around: str
+    """Name of a body entry."""
+    altitude_km: Positive | None = None
+    """Altitude of the periapsis over the mean equatorial radius."""
+    semi_major_axis_km: Finite | None = None
+    """Negative for a hyperbola."""
+    periapsis_km: Positive | None = None
+    """Distance of the periapsis from the body's centre."""
+    eccentricity: NonNegative = 0.0
+    inclination_deg: Inclination = 0.0
+    raan_deg: Finite = 0.0
+    arg_periapsis_deg: Finite = 0.0
+    mean_anomaly_deg: Finite | None = None
+    true_anomaly_deg: Finite | None = None
+    frame: Literal["equator", "icrf"] | None = None
+    """Plane the elements refer to; equator (of date) where the body has one, icrf otherwise."""
+    position_km: Vec3 | None = None
+    """Instead of elements: a fixed position from the body's centre, ICRF axes."""
+
+    @model_validator(mode="after")
+    def _one_description(self) -> Orbit:
+        sizes = ("altitude_km", "semi_major_axis_km", "periapsis_km")
+        if self.position_km is not None:
+            others = self.model_fields_set - {"around", "position_km"}
+            if others:
+                fail(sorted(others)[0], "does not go with position_km, which replaces an orbit")
+            return self
+        self._exactly_one(*sizes, "position_km")
+        self._exactly_one("mean_anomaly_deg", "true_anomaly_deg")
+        self._check_conic()
+        return self
+
+    def _check_conic(self) -> None:
+        e, a = self.eccentricity, self.semi_major_axis_km
+        if a is not None and (e == 1.0 or a == 0.0 or (a > 0.0) != (e < 1.0)):
+            fail(
+                "semi_major_axis_km",
+                f"{a:g} does not go with eccentricity {e:g}: positive for e < 1, negative for "
+                "e > 1, undefined for e = 1 (give periapsis_km)",
+            )
+        if e == 1.0 and self.mean_anomaly_deg is not None:
+            fail("mean_anomaly_deg", "undefined on a parabola (e = 1); give true_anomaly_deg")
+
+
+class Spin(Strict):
+    """A rotation to ICRF axes, and a constant spin from the epoch on."""
+
+    rotation_deg: Vec3 = (0.0, 0.0, 0.0)
+    """Roll, pitch, yaw: about x, then y, then z of the reference axes."""
+    spin_axis: Direction = (0.0, 0.0, 1.0)
+    """In the thing's own frame."""
+    spin_rate_deg_s: Finite = 0.0
+
+
+class Attitude(Spin):
+    """How a spacecraft is turned: its rotation and spin are relative to the pointing frame."""
+
+    pointing: Literal["inertial", "lvlh"] = "inertial"
+    """inertial: ICRF axes. lvlh: z to the body's centre, y along minus the orbit normal."""
+
+
+def _rotation_tag(value: Any) -> str:
+    return "body" if isinstance(value, str) else "spin"
+
+
+class Body(Strict):
+    """An ellipsoid: a planet, a moon, an asteroid."""
+
+    kind: str
+    """A name in the table of bodies, or `ellipsoid` (then radii_km and gm_km3_s2 are needed)."""
+    radii_km: PositiveVec3 | None = None
+    """Semi-axes along body-fixed x, y, z; replaces the table's."""
+    gm_km3_s2: Positive | None = None
+    """Gravitational parameter; replaces the table's."""
+    ephemeris: str | None = None
+    """For `ellipsoid`: the body of the table in whose place it stands (root: earth)."""
+    color_map: str | None = None
+    """Equirectangular PNG or JPEG; relative to this file, or data:... under PERILUNE_DATA."""
+    map_center_lon_deg: StaticFinite = 0.0
+    """East longitude of the map's centre column."""
+    albedo: Rgb | None = None
+    """Linear factor on the map (default 1); without a map, the colour (table's Bond albedo)."""
+    emission_w_m2_sr: Rgb = (0.0, 0.0, 0.0)
+    reflectance: str = "lambert"
+    """A name in the table of reflectance models."""
+    orbit: Orbit | None = None
+    """Around another body; without it the ephemeris of its kind places it."""
+    rotation: (
+        Annotated[
+            Annotated[Literal["body"], Tag("body")] | Annotated[Spin, Tag("spin")],
+            Discriminator(_rotation_tag),
+        ]
+        | None
+    ) = None
+    """`body`: the table's rotation (default where it has one); or a fixed one and a spin."""
+    class_: str | None = Field(default=None, alias="class")
+    """Class of object for the labels (default: kind, or the entry's name for an ellipsoid)."""
+
+    @model_validator(mode="after")
+    def _ellipsoid(self) -> Body:
+        if self.kind == "ellipsoid":
+            for key in ("radii_km", "gm_km3_s2"):
+                if getattr(self, key) is None:
+                    fail(key, "required for kind: ellipsoid")
+            if self.albedo is None and self.color_map is None:
+                fail("albedo", "required for kind: ellipsoid without a color_map")
+        elif self.ephemeris is not None:
+            fail("ephemeris", f"only for kind: ellipsoid; {self.kind} has its own")
+        if self.kind == "sun":
+            fail("kind", "the Sun is always there (section `sun`); list the other bodies")
+        if self.orbit is not None and self.ephemeris is not None:
+            fail("ephemeris", "give an orbit or an ephemeris, not both")
+        return self
+
+
+class ContinuousSymmetry(Strict):
+    """Full rotational symmetry about a line of the model frame."""
+
+    axis: StaticVec3
+    offset_m: StaticVec3 = (0.0, 0.0, 0.0)
+
+
+class Symmetries(Strict):
+    """Symmetries of a model, about its frame's origin; written to BOP as stated, never guessed."""
+
+    discrete_deg: tuple[StaticVec3, ...] = ()
+    """Rotations (roll, pitch, yaw) that leave the model as it is; every one but the identity."""
+    continuous: tuple[ContinuousSymmetry, ...] = ()
+
+
+class Spacecraft(Strict):
+    """A model on an orbit."""
+
+    model: str
+    """.glb or .gltf; relative to this file, or data:... under PERILUNE_DATA."""
+    size_m: Positive | None = None
+    """Longest side of the bounding box."""
+    metres_per_unit: Positive | None = None
+    centre: Literal["bounds", "origin"] = "bounds"
+    """What flies on the orbit: the bounding box's centre, or the file's origin."""
+    orbit: Orbit
+    attitude: Attitude = Attitude()
+    obj_id: Annotated[Integer, Field(ge=0)] | None = None
+    """BOP object id (default: 1, 2, ... in the order of this section)."""
+    class_: str | None = Field(default=None, alias="class")
+    """Class of object for the labels (default: the entry's name)."""
+    part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    """Class of part -> patterns on part and material names; before those of `labels`."""
+    symmetries: Symmetries = Symmetries()
+
+    @model_validator(mode="after")
+    def _one_scale(self) -> Spacecraft:
+        self._exactly_one("size_m", "metres_per_unit")
+        return self
+
+
+class Render(Strict):
+    """Quality and outputs of a frame."""
+
+    samples: Annotated[Integer, Field(ge=1, le=65536)] = 16
+    """Colour samples a pixel."""
+    max_bounces: Annotated[Integer, Field(ge=0, le=64)] = 4
+    tolerance_dn: NonNegative = 1.0
+    """An effect that can change no pixel by more is left out; 0 keeps all that apply."""
+    force_on: tuple[str, ...] = ()
+    """Effects kept whatever their bound."""
+    force_off: tuple[str, ...] = ()
+    """Effects left out whatever their bound."""
+    channels: tuple[str, ...] = ("rgb", "depth", "semantic", "part", "instance", "objects")
+    """What a sample holds unless asked otherwise."""
+
+    @model_validator(mode="after")
+    def _not_both(self) -> Render:
+        both = sorted(set(self.force_on) & set(self.force_off))
+        if both:
+            fail("force_off", f"{both[0]} is in force_on too")
+        return self
+
+
+Level = Literal["kind", "object", "part"]
+
+
+class Labels(Strict):
+    """What the levels of `semantic` mean; id 0 is the background at every level."""
+
+    levels: Annotated[tuple[Level, ...], Field(min_length=1)] = ("kind", "object", "part")
+    """kind of thing (body, spacecraft), class of object, class of part."""
+    part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
+    """Class of part -> shell patterns on part and material names, any case; first match wins."""
+    other_part: str = "other"
+    """Class of the parts of a spacecraft that no pattern matches."""
+    ids: dict[Level, dict[str, Annotated[Integer, Field(ge=1, le=65535)]]] = Field(
+        default_factory=dict
+    )
+    """Fixed ids of class names per level; the others are numbered in the order of the file."""
+
+    @model_validator(mode="after")
+    def _unique(self) -> Labels:
+        if len(set(self.levels)) != len(self.levels):
+            fail("levels", "a level occurs twice")
+        for level, names in self.ids.items():
+            if len(set(names.values())) != len(names):
+                fail(f"ids.{level}", "two names have the same id")
+        return self
+
+
+class Drivers(Strict):
+    """Defaults of the drivers: {ideal, jitter_variance, clip_min, clip_max} on any number."""
+
+    strength: StaticNonNegative = 1.0
+    """Factor on every variance; 0 gives exactly the ideal values."""
+    interval: Annotated[Integer, Field(ge=1)] = 1
+    """A value is drawn anew every so many frames."""
+
+
+class Config(Strict):
+    """A whole configuration."""
+
+    version: Literal[1]
+    name: str = "perilune"
+    description: str = ""
+    seed: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
+    time: Time
+    root: str
+    """Name of the body entry whose centre is the origin of the root frame (ICRF axes)."""
+    sun: Sun = Sun()
+    bodies: Annotated[dict[str, Body], Field(min_length=1)]
+    spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
+    camera: Camera
+    render: Render = Render()
+    labels: Labels = Labels()
+    drivers: Drivers = Drivers()
+
+    @model_validator(mode="after")
+    def _names(self) -> Config:
+        for section, entries in (("bodies", self.bodies), ("spacecraft", self.spacecraft)):
+            for name in entries:
+                if not _NAME.fullmatch(name):
+                    fail(f"{section}.{name}", "a name is letters, digits, _ and -, no digit first")
+        for name in self.spacecraft:
+            if name in self.bodies:
+                fail(f"spacecraft.{name}", "a body has the same name")
+        return self
+
+    @model_validator(mode="after")
+    def _references(self) -> Config:
+        def known(path: str, name: str | None, allowed: list[str]) -> None:
+            if name is not None and name not in allowed:
+                fail(path, f"no entry named '{name}'{nearest(name, allowed)}")
+
+        bodies = list(self.bodies)
+        known("root", self.root, bodies)
+        for section, entries in (("bodies", self.bodies), ("spacecraft", self.spacecraft)):
+            for name, entry in entries.items():
+                if entry.orbit is not None:
+                    others = [other for other in bodies if other != name]
+                    known(f"{section}.{name}.orbit.around", entry.orbit.around, others)
+        if self.bodies[self.root].orbit is not None:
+            fail(f"bodies.{self.root}.orbit", "the root body is the origin and has no orbit")
+        trajectory = self.camera.trajectory
+        things = [*self.spacecraft, *bodies]
+        known("camera.trajectory.target", getattr(trajectory, "target", None), things)
+        known("camera.trajectory.background", getattr(trajectory, "background", None), bodies)
+        return self

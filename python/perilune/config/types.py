@@ -1,0 +1,92 @@
+"""Numbers, ranges and vectors of the schema, and the base of its models."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from perilune.config.errors import fail, nearest
+from perilune.drivers import Drawn
+
+
+def _refuse_drawn(value: Any) -> Any:
+    items = value if isinstance(value, (list, tuple)) else [value]
+    if any(isinstance(item, Drawn) for item in items):
+        fail("", "takes no driver: it is fixed when the scene is built")
+    return value
+
+
+def _pair(value: Any) -> Any:
+    return value if isinstance(value, (list, tuple, Mapping, str, type(None))) else (value, value)
+
+
+def _triple(value: Any) -> Any:
+    plain = isinstance(value, (list, tuple, Mapping, str, type(None)))
+    return value if plain else (value, value, value)
+
+
+def _ordered(value: tuple[float, float]) -> tuple[float, float]:
+    if value[0] > value[1]:
+        fail("", f"a range is [smallest, largest], not [{value[0]:g}, {value[1]:g}]")
+    return value
+
+
+def _direction(value: tuple[float, float, float]) -> tuple[float, float, float]:
+    norm = math.hypot(*value)
+    if not norm > 0.0:
+        fail("", "a direction must not be zero")
+    return (value[0] / norm, value[1] / norm, value[2] / norm)
+
+
+# Strict numbers: a quoted "3" or a boolean is a mistake, and an int key does not take 3.0, which is
+# also what makes counts and identities refuse drivers.
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
+NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
+Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
+Inclination = Annotated[float, Field(strict=True, ge=0.0, le=180.0)]
+Integer = Annotated[int, Field(strict=True)]
+StaticFinite = Annotated[Finite, BeforeValidator(_refuse_drawn)]
+StaticNonNegative = Annotated[NonNegative, BeforeValidator(_refuse_drawn)]
+Vec3 = tuple[Finite, Finite, Finite]
+PositiveVec3 = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(_triple)]
+Direction = Annotated[Vec3, AfterValidator(_direction)]
+Rgb = Annotated[tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(_triple)]
+"""A number for all three bands, or [r, g, b] (linear)."""
+PositiveRange = Annotated[
+    tuple[Positive, Positive], BeforeValidator(_pair), AfterValidator(_ordered)
+]
+"""A number, or [smallest, largest]."""
+FiniteRange = Annotated[tuple[Finite, Finite], BeforeValidator(_pair), AfterValidator(_ordered)]
+_HalfTurn = Annotated[float, Field(strict=True, ge=0.0, le=180.0)]
+AngleRange = Annotated[
+    tuple[_HalfTurn, _HalfTurn], BeforeValidator(_pair), AfterValidator(_ordered)
+]
+StaticVec3 = Annotated[Vec3, BeforeValidator(_refuse_drawn)]
+
+
+class Strict(BaseModel):
+    """Base of every section: extra keys are refused with the nearest name, values are frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping):
+            return data
+        allowed = [field.alias or name for name, field in cls.model_fields.items()]
+        for key in data:
+            if key not in allowed:
+                fail(str(key), f"unknown key{nearest(key, allowed)}")
+        return data
+
+    def _exactly_one(self, *names: str, optional: bool = False) -> None:
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) > 1:
+            fail("", f"give only one of {', '.join(given)}")
+        if not given and not optional:
+            fail("", f"give exactly one of {', '.join(names)}")

@@ -1,0 +1,122 @@
+"""Scalar drivers: a number of the configuration replaced by a clipped normal variable.
+
+A driver is a mapping {ideal, jitter_variance, clip_min, clip_max} in the place of a number, with
+`interval` (frames) and `strength` optional. Its value at a frame is
+
+    clip(ideal + N(0, jitter_variance * strength), clip_min, clip_max)
+
+keyed by (seed, key path, frame // interval): independent of order, worker and other drivers.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from perilune.random import generator
+
+_NUMBERS = ("ideal", "jitter_variance", "clip_min", "clip_max")
+_OPTIONAL = ("interval", "strength")
+
+
+class Drawn(float):
+    """A number that a driver put in place of its mapping; keys that cannot vary refuse it."""
+
+
+class DriverError(ValueError):
+    """A mapping that is meant as a driver, but is none."""
+
+    def __init__(self, path: str, text: str) -> None:
+        super().__init__(f"{path}: {text}")
+
+
+@dataclass(frozen=True)
+class Driver:
+    """One driven key; `path` addresses it in the tree, `name` is the path as text."""
+
+    path: tuple[str | int, ...]
+    name: str
+    ideal: float
+    jitter_variance: float
+    clip_min: float
+    clip_max: float
+    interval: int | None
+    strength: float | None
+
+    def draw(self, seed: int, frame: int, strength: float, interval: int) -> float:
+        """The value at a frame; strength and interval are the defaults of the configuration."""
+        own_strength = strength if self.strength is None else self.strength
+        deviation = math.sqrt(self.jitter_variance * own_strength)
+        if deviation == 0.0:
+            return self.ideal
+        epoch = frame // (self.interval or interval)
+        normal = generator(seed, f"driver:{self.name}", epoch).standard_normal()
+        return min(max(self.ideal + deviation * float(normal), self.clip_min), self.clip_max)
+
+
+def path_text(path: tuple[str | int, ...]) -> str:
+    """('camera', 'K', 4) -> 'camera.K[4]'."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def _number(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise DriverError(name, f"must be a finite number, not {value!r}")
+    return float(value)
+
+
+def _parse(path: tuple[str | int, ...], raw: Mapping[str, Any]) -> Driver:
+    name = path_text(path)
+    for key in raw:
+        if key not in _NUMBERS + _OPTIONAL:
+            allowed = ", ".join(_NUMBERS + _OPTIONAL)
+            raise DriverError(f"{name}.{key}", f"unknown key of a driver; allowed: {allowed}")
+    for key in _NUMBERS:
+        if key not in raw:
+            raise DriverError(name, f"a driver needs {', '.join(_NUMBERS)}; {key} is missing")
+    ideal, variance, low, high = (_number(f"{name}.{key}", raw[key]) for key in _NUMBERS)
+    if variance < 0.0:
+        raise DriverError(f"{name}.jitter_variance", f"must not be negative: {variance:g}")
+    if not low <= ideal <= high:
+        raise DriverError(
+            f"{name}.ideal", f"{ideal:g} is outside [clip_min, clip_max] = [{low:g}, {high:g}]"
+        )
+    interval = raw.get("interval")
+    if interval is not None and (type(interval) is not int or interval < 1):
+        raise DriverError(f"{name}.interval", f"must be a whole number of frames, not {interval!r}")
+    strength = raw.get("strength")
+    if strength is not None:
+        strength = _number(f"{name}.strength", strength)
+        if strength < 0.0:
+            raise DriverError(f"{name}.strength", f"must not be negative: {strength:g}")
+    return Driver(path, name, ideal, variance, low, high, interval, strength)
+
+
+def find(tree: Any, path: tuple[str | int, ...] = ()) -> Iterator[Driver]:
+    """All drivers of a tree, in its order: mappings that hold the key `ideal`."""
+    if isinstance(tree, Mapping):
+        if "ideal" in tree or "jitter_variance" in tree:
+            yield _parse(path, tree)
+            return
+        for key, value in tree.items():
+            yield from find(value, (*path, key))
+    elif isinstance(tree, (list, tuple)):
+        for index, value in enumerate(tree):
+            yield from find(value, (*path, index))
+
+
+def substitute(tree: Any, values: Mapping[tuple[str | int, ...], float]) -> Any:
+    """A copy of the tree with the mappings at the given paths replaced by numbers."""
+    result = copy.deepcopy(tree)
+    for path, value in values.items():
+        node = result
+        for part in path[:-1]:
+            node = node[part]
+        node[path[-1]] = Drawn(value)
+    return result

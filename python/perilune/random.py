@@ -1,0 +1,27 @@
+"""Counter-based random numbers: what is drawn depends on (seed, what, frame) and nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_FNV_OFFSET = 0xCBF29CE484222325
+_FNV_PRIME = 0x100000001B3
+_MASK = (1 << 64) - 1
+
+
+def stable_hash(text: str) -> int:
+    """FNV-1a of the UTF-8 bytes, 64 bit (RFC 9923), as csrc/base/hash.h: the same everywhere."""
+    value = _FNV_OFFSET
+    for byte in text.encode():
+        value = ((value ^ byte) * _FNV_PRIME) & _MASK
+    return value
+
+
+def generator(seed: int, what: str, frame: int) -> np.random.Generator:
+    """Philox4x64 keyed by (seed, hash of `what`), its counter starting at (0, 0, 0, frame).
+
+    Two frames' streams are 2^192 blocks apart, so they never meet.
+    """
+    key = np.array([seed & _MASK, stable_hash(what)], dtype=np.uint64)
+    counter = np.array([0, 0, 0, frame], dtype=np.uint64)
+    return np.random.Generator(np.random.Philox(key=key, counter=counter))
