@@ -1,0 +1,36 @@
+/* Labels of mesh objects: pose, visible box, visible pixels. */
+#ifndef PL_ANNOTATE_OBJECT_LABEL_H
+#define PL_ANNOTATE_OBJECT_LABEL_H
+
+#include <stdint.h>
+
+#include "render/vertex.h"
+
+/* One row of Sample.objects; laid out as NumPy sees it. Pose at mid-exposure:
+ * p_camera = R p_object + t, OpenCV axes, metres. */
+typedef struct pl_object_label {
+  double R_m2c[9];       /* row-major */
+  double t_m2c[3];       /* m */
+  int32_t instance_id;
+  int32_t obj_id;
+  int32_t bbox_visib[4]; /* x, y, w, h; w = x_max - x_min as in BOP; -1s when unseen */
+  int32_t px_count_visib;
+  int32_t in_view;       /* 1 when the bounding sphere touches the frustum */
+} pl_object_label;
+
+/* Where an object is seen; mergeable in any order. */
+typedef struct pl_extent {
+  int32_t x0, y0, x1, y1; /* inclusive; x0 > x1 when unseen */
+  int32_t count;
+} pl_extent;
+#define PL_EXTENT_NONE ((pl_extent){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0})
+
+/* Adds the pixels of a tile; extents: one per object. */
+void pl_extent_add(pl_extent *extents, size_t object_count, const pl_vertex *points, size_t stride,
+                   const int tile[4]);
+void pl_extent_merge(pl_extent *into, const pl_extent *from);
+
+void pl_object_label_fill(const pl_snapshot *shot, const pl_shot_object *object,
+                          const pl_extent *extent, pl_object_label *out);
+
+#endif

@@ -1,0 +1,21 @@
+/* One line per effect; the rows live beside what they describe. */
+#include "frame/effects.h"
+
+#include <string.h>
+
+#include "light/effects.h"
+#include "render/effects.h"
+#include "shade/effects.h"
+
+const pl_effect *const pl_effects[] = {
+    &pl_effect_soft_sun,      &pl_effect_cast_shadows, &pl_effect_bounces,
+    &pl_effect_body_bounces, &pl_effect_surface_maps, &pl_effect_antialiasing,
+};
+const size_t pl_effect_count = sizeof pl_effects / sizeof pl_effects[0];
+
+int pl_effect_find(const char *name) {
+  for (size_t i = 0; i < pl_effect_count; i++)
+    if (strcmp(pl_effects[i]->name, name) == 0)
+      return (int)i;
+  return -1;
+}

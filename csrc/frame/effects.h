@@ -1,0 +1,13 @@
+/* The list of all effect rows. */
+#ifndef PL_FRAME_EFFECTS_H
+#define PL_FRAME_EFFECTS_H
+
+#include "plan/effect.h"
+
+extern const pl_effect *const pl_effects[];
+extern const size_t pl_effect_count;
+
+/* Index by name, or -1. */
+int pl_effect_find(const char *name);
+
+#endif

@@ -1,0 +1,278 @@
+/* One frame from request to arrays. */
+#include "frame/frame.h"
+
+#include <string.h>
+#include <time.h>
+
+#include "base/memory.h"
+#include "frame/effects.h"
+#include "render/render.h"
+#include "sensor/encode.h"
+
+/* Longer side of the metering pass, pixels, and its samples. */
+enum { METER_SIDE = 96, METER_SAMPLES = 4 };
+
+struct pl_renderer {
+  const pl_scene *scene; /* borrowed */
+  pl_tracer *tracer;
+  pl_render_scratch *scratch;
+  pl_arena arena;
+  pl_encoder encoder;
+};
+
+static const char *const stage_names[PL_STAGE_COUNT] = {"snapshot", "meter",  "plan",
+                                                        "realise",  "render", "label"};
+
+const char *pl_stage_name(pl_stage stage) { return stage_names[stage]; }
+
+static double now_s(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Adds the time since *start to a stage and starts the next. */
+static void lap(pl_frame_result *result, pl_stage stage, double *start) {
+  const double now = now_s();
+  result->seconds[stage] += now - *start;
+  *start = now;
+}
+
+pl_status pl_renderer_create(const pl_scene *scene, pl_renderer **out) {
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_renderer), "a renderer", &memory));
+  pl_renderer *renderer = memory;
+  renderer->scene = scene;
+  pl_arena_init(&renderer->arena);
+  pl_encoder_init(&renderer->encoder);
+  const pl_status status = pl_tracer_create(&renderer->tracer);
+  if (status != PL_OK)
+    pl_renderer_destroy(renderer);
+  else
+    *out = renderer;
+  return status;
+}
+
+void pl_renderer_destroy(pl_renderer *renderer) {
+  if (renderer == NULL)
+    return;
+  pl_tracer_destroy(renderer->tracer);
+  pl_render_scratch_destroy(renderer->scratch);
+  pl_arena_clear(&renderer->arena);
+  pl_free(renderer);
+}
+
+/* Scratch memory for exactly this many workers. */
+static pl_status ensure_scratch(pl_renderer *renderer, int threads) {
+  if (renderer->scratch != NULL && pl_render_scratch_threads(renderer->scratch) == threads)
+    return PL_OK;
+  pl_render_scratch_destroy(renderer->scratch);
+  renderer->scratch = NULL;
+  return pl_render_scratch_create(threads, &renderer->scratch);
+}
+
+static bool wants_colour(const pl_frame_request *request) {
+  return request->rgb != NULL || request->radiance != NULL;
+}
+
+static pl_status check_request(const pl_frame_request *request) {
+  const pl_exposure *e = &request->exposure;
+  if (request->samples < 1 || request->samples > 65536)
+    return pl_fail(PL_E_RANGE, "samples must be in 1..65536, not %d", request->samples);
+  if (request->max_bounces < 0 || request->max_bounces > 64)
+    return pl_fail(PL_E_RANGE, "max_bounces must be in 0..64, not %d", request->max_bounces);
+  if (!(request->wish.tolerance_dn >= 0.0))
+    return pl_fail(PL_E_RANGE, "tolerance_dn must be at least 0");
+  if (!e->automatic && !(e->white_radiance > 0.0 && isfinite(e->white_radiance)))
+    return pl_fail(PL_E_RANGE, "exposure: white_radiance must be finite and positive");
+  if (e->automatic && !(e->percentile >= 0.0 && e->percentile <= 100.0 && e->key > 0.0))
+    return pl_fail(PL_E_RANGE, "exposure: percentile must be in 0..100 and key positive");
+  return PL_OK;
+}
+
+/* --- automatic exposure: the same frame, small, direct light only ------------------------------ */
+
+typedef struct meter {
+  float *luminances; /* one per pixel */
+  int width;
+} meter;
+
+static pl_status meter_tile(void *context, const pl_tile_result *result, int worker) {
+  (void)worker;
+  meter *meter = context;
+  for (int y = 0; y < result->tile.height; y++)
+    for (int x = 0; x < result->tile.width; x++)
+      meter->luminances[(size_t)(result->tile.y0 + y) * (size_t)meter->width +
+                        (size_t)(result->tile.x0 + x)] =
+          pl_luminance(result->radiance[y * PL_TILE_SIDE + x]);
+  return PL_OK;
+}
+
+static void shrink_camera(pl_camera *camera) {
+  const int side = camera->width > camera->height ? camera->width : camera->height;
+  if (side <= METER_SIDE)
+    return;
+  const double s = (double)METER_SIDE / side;
+  const int w = (int)fmax(1.0, s * camera->width + 0.5);
+  const int h = (int)fmax(1.0, s * camera->height + 0.5);
+  const double sx = (double)w / camera->width, sy = (double)h / camera->height;
+  camera->fx *= sx;
+  camera->skew *= sx;
+  camera->fy *= sy;
+  camera->cx = (camera->cx + 0.5) * sx - 0.5;
+  camera->cy = (camera->cy + 0.5) * sy - 0.5;
+  camera->width = w;
+  camera->height = h;
+}
+
+static pl_status meter_frame(pl_renderer *renderer, const pl_frame_request *request,
+                             const pl_snapshot *shot, double fallback, double *white_radiance) {
+  pl_snapshot small = *shot;
+  shrink_camera(&small.camera);
+  const size_t count = (size_t)small.camera.width * (size_t)small.camera.height;
+  meter meter = {pl_arena_alloc(&renderer->arena, count, sizeof(float)), small.camera.width};
+  if (meter.luminances == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for metering");
+  const pl_render_settings settings = {.seed = request->seed,
+                                       .frame = request->index,
+                                       .samples = METER_SAMPLES,
+                                       .cast_shadows = true,
+                                       .surface_maps = true};
+  PL_TRY(pl_tracer_set(renderer->tracer, &small));
+  PL_TRY(pl_render(&small, renderer->tracer, &settings, renderer->scratch, meter_tile, &meter,
+                   request->cancel));
+  *white_radiance = pl_exposure_meter(&request->exposure, meter.luminances, count, fallback);
+  return PL_OK;
+}
+
+/* --- the frame ----------------------------------------------------------------------------------*/
+
+/* A white Lambert surface facing the sun at the brightest thing of the scene. */
+static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
+  double irradiance = pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].in_frame)
+      irradiance = fmax(irradiance, view->things[i].irradiance);
+  return fmax(irradiance / PL_PI, 1e-30);
+}
+
+static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request,
+                            pl_snapshot *shot, pl_frame_result *result) {
+  double start = now_s();
+  *result = (pl_frame_result){0};
+  PL_TRY(check_request(request));
+  PL_TRY(pl_placement_check(renderer->scene, &request->placement));
+  PL_TRY(ensure_scratch(renderer, request->threads));
+  pl_arena_reset(&renderer->arena);
+  pl_view view;
+  PL_TRY(pl_snapshot_build(renderer->scene, &request->placement, &renderer->arena, shot));
+  PL_TRY(pl_snapshot_view(shot, &renderer->arena, &view));
+  lap(result, PL_STAGE_SNAPSHOT, &start);
+  view.samples = request->samples;
+  view.max_bounces = request->max_bounces;
+  view.white_radiance = request->exposure.white_radiance;
+  if (request->exposure.automatic)
+    PL_TRY(meter_frame(renderer, request, shot, sunlit_white(shot, &view), &view.white_radiance));
+  result->white_radiance = view.white_radiance;
+  lap(result, PL_STAGE_METER, &start);
+  PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &view, &request->wish, &result->plan));
+  pl_snapshot_cull(shot, &view, request->wish.tolerance_dn);
+  lap(result, PL_STAGE_PLAN, &start);
+  return PL_OK;
+}
+
+pl_status pl_renderer_plan(pl_renderer *renderer, const pl_frame_request *request,
+                           pl_frame_result *result) {
+  pl_snapshot shot;
+  return plan_frame(renderer, request, &shot, result);
+}
+
+typedef struct output {
+  const pl_frame_request *request;
+  const pl_snapshot *shot;
+  const pl_encoder *encoder;
+  float white_radiance;
+  pl_extent *extents; /* workers x objects */
+} output;
+
+static void write_colour(const output *output, const pl_tile_result *result) {
+  const size_t width = (size_t)output->shot->camera.width;
+  for (int y = 0; y < result->tile.height; y++) {
+    const size_t first = (size_t)(result->tile.y0 + y) * width + (size_t)result->tile.x0;
+    const pl_vec3f *row = result->radiance + y * PL_TILE_SIDE;
+    const size_t count = (size_t)result->tile.width;
+    if (output->request->rgb != NULL)
+      pl_encode_rgb(output->encoder, row, count, output->white_radiance,
+                    output->request->rgb + 3 * first);
+    if (output->request->radiance != NULL)
+      memcpy(output->request->radiance + 3 * first, row, count * sizeof *row);
+  }
+}
+
+static pl_status write_tile(void *context, const pl_tile_result *result, int worker) {
+  const output *output = context;
+  const pl_snapshot *shot = output->shot;
+  const int tile[4] = {result->tile.x0, result->tile.y0, result->tile.width, result->tile.height};
+  write_colour(output, result);
+  for (size_t i = 0; i < pl_channel_count; i++)
+    if (output->request->channels[i] != NULL)
+      pl_channel_write(&pl_channels[i], shot, result->points, PL_TILE_SIDE, tile,
+                       shot->camera.width, output->request->channels[i]);
+  if (!result->empty)
+    pl_extent_add(output->extents + (size_t)worker * shot->object_count, shot->object_count,
+                  result->points, PL_TILE_SIDE, tile);
+  return PL_OK;
+}
+
+static pl_render_settings settings_of(const pl_frame_request *request, const pl_plan *plan) {
+  const int samples = pl_plan_value(plan, "antialiasing");
+  return (pl_render_settings){
+      .seed = request->seed,
+      .frame = request->index,
+      .samples = !wants_colour(request) ? 0 : samples > 0 ? samples : 1,
+      .bounces = pl_plan_value(plan, "bounces"),
+      .body_bounces = pl_plan_value(plan, "body_bounces") > 0,
+      .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
+      .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
+      .surface_maps = pl_plan_value(plan, "surface_maps") > 0,
+  };
+}
+
+static void label_objects(const output *output, int threads) {
+  const pl_snapshot *shot = output->shot;
+  for (size_t i = 0; i < shot->object_count; i++) {
+    pl_extent extent = PL_EXTENT_NONE;
+    for (size_t w = 0; w < (size_t)threads; w++)
+      pl_extent_merge(&extent, &output->extents[w * shot->object_count + i]);
+    pl_object_label_fill(shot, &shot->objects[i], &extent, &output->request->objects[i]);
+  }
+}
+
+pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *request,
+                            pl_frame_result *result) {
+  pl_snapshot shot;
+  PL_TRY(plan_frame(renderer, request, &shot, result));
+  double start = now_s();
+  const size_t extents = (size_t)request->threads * shot.object_count;
+  output output = {
+      .request = request,
+      .shot = &shot,
+      .encoder = &renderer->encoder,
+      .white_radiance = (float)result->white_radiance,
+      .extents = pl_arena_alloc(&renderer->arena, extents, sizeof(pl_extent)),
+  };
+  if (output.extents == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for labels");
+  for (size_t i = 0; i < extents; i++)
+    output.extents[i] = PL_EXTENT_NONE;
+  PL_TRY(pl_tracer_set(renderer->tracer, &shot));
+  lap(result, PL_STAGE_REALISE, &start);
+  const pl_render_settings settings = settings_of(request, &result->plan);
+  PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
+                   request->cancel));
+  lap(result, PL_STAGE_RENDER, &start);
+  if (request->objects != NULL)
+    label_objects(&output, request->threads);
+  lap(result, PL_STAGE_LABEL, &start);
+  return PL_OK;
+}

@@ -1,0 +1,52 @@
+/* The way of one frame: placement -> snapshot -> exposure -> plan -> rays -> arrays. */
+#ifndef PL_FRAME_FRAME_H
+#define PL_FRAME_FRAME_H
+
+#include "annotate/channel.h"
+#include "annotate/object_label.h"
+#include "base/parallel.h"
+#include "plan/plan.h"
+#include "scene/scene.h"
+#include "sensor/exposure.h"
+
+enum { PL_FRAME_CHANNELS_MAX = 32 };
+
+typedef struct pl_frame_request {
+  uint64_t seed, index;
+  pl_placement placement;
+  int samples;     /* ceiling of colour samples a pixel, >= 1 */
+  int max_bounces; /* >= 0 */
+  pl_plan_wish wish;
+  pl_exposure exposure;
+  int threads;
+  pl_cancel *cancel; /* may be NULL */
+  /* Where results go; NULL: not computed. All are height x width images, row-major. */
+  uint8_t *rgb;                          /* 3 a pixel */
+  float *radiance;                       /* 3 a pixel, W m-2 sr-1 */
+  void *channels[PL_FRAME_CHANNELS_MAX]; /* by index in pl_channels */
+  pl_object_label *objects;              /* one per object of the scene */
+} pl_frame_request;
+
+/* Stages, timed. */
+typedef enum pl_stage { PL_STAGE_SNAPSHOT, PL_STAGE_METER, PL_STAGE_PLAN, PL_STAGE_REALISE,
+                        PL_STAGE_RENDER, PL_STAGE_LABEL, PL_STAGE_COUNT } pl_stage;
+const char *pl_stage_name(pl_stage stage);
+
+typedef struct pl_frame_result {
+  pl_plan plan;
+  double white_radiance;          /* W m-2 sr-1 shown as 255 */
+  double seconds[PL_STAGE_COUNT]; /* wall time; never part of an array */
+} pl_frame_result;
+
+/* Renders frames of one scene; keeps accelerators and buffers. Not thread-safe; not to be used in
+ * a process other than the one that made it. */
+typedef struct pl_renderer pl_renderer;
+pl_status pl_renderer_create(const pl_scene *scene, pl_renderer **out); /* borrows the scene */
+void pl_renderer_destroy(pl_renderer *renderer);
+pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *request,
+                            pl_frame_result *result);
+/* Everything up to the plan. */
+pl_status pl_renderer_plan(pl_renderer *renderer, const pl_frame_request *request,
+                           pl_frame_result *result);
+
+#endif

@@ -1,0 +1,38 @@
+/* Ray against ellipsoid; normals and coordinates on it. */
+#include "geom/ellipsoid.h"
+
+bool pl_ellipsoid_intersect(pl_vec3 radii_m, pl_vec3 origin, pl_vec3 direction, double t_min,
+                            double *t) {
+  const pl_vec3 f = {origin.x / radii_m.x, origin.y / radii_m.y, origin.z / radii_m.z};
+  const pl_vec3 d = {direction.x / radii_m.x, direction.y / radii_m.y, direction.z / radii_m.z};
+  const double a = pl_vec3_dot(d, d);
+  if (!(a > 0.0))
+    return false;
+  const double b = -pl_vec3_dot(f, d);
+  const double nearest = pl_vec3_norm(pl_vec3_madd(f, b / a, d)); /* of the line to the centre */
+  const double discriminant = a * (1.0 - nearest) * (1.0 + nearest);
+  if (!(discriminant >= 0.0))
+    return false;
+  const double f_norm = pl_vec3_norm(f);
+  const double c = (f_norm - 1.0) * (f_norm + 1.0);
+  const double q = b + copysign(sqrt(discriminant), b);
+  double t0 = q != 0.0 ? c / q : 0.0, t1 = q / a;
+  if (t0 > t1) {
+    const double swap = t0;
+    t0 = t1;
+    t1 = swap;
+  }
+  *t = t0 > t_min ? t0 : t1;
+  return *t > t_min;
+}
+
+pl_vec3 pl_ellipsoid_normal(pl_vec3 radii_m, pl_vec3 point) {
+  const pl_vec3 gradient = {point.x / (radii_m.x * radii_m.x), point.y / (radii_m.y * radii_m.y),
+                            point.z / (radii_m.z * radii_m.z)};
+  return pl_vec3_unit(gradient);
+}
+
+void pl_ellipsoid_lon_lat(pl_vec3 point, double *lon_rad, double *lat_rad) {
+  *lon_rad = atan2(point.y, point.x);
+  *lat_rad = atan2(point.z, sqrt(point.x * point.x + point.y * point.y));
+}

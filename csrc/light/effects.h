@@ -1,0 +1,9 @@
+/* Effect rows that describe light sources. */
+#ifndef PL_LIGHT_EFFECTS_H
+#define PL_LIGHT_EFFECTS_H
+
+#include "plan/effect.h"
+
+extern const pl_effect pl_effect_soft_sun;
+
+#endif

@@ -1,0 +1,66 @@
+/* The effect row `soft_sun`: the sun as a disc instead of a point. */
+#include "light/effects.h"
+
+#include <math.h>
+
+/* The largest difference between cos+ under a point and under a uniform disc of angular radius a
+ * is at the terminator, 2/(3 pi) a (the disc's mean height above the horizon when it is cut in
+ * half: the first moment of a half disc). */
+static const double TERMINATOR = 0.21220659;
+/* A lobe this many times wider than the sun hides its shape (peak changes by < 1/k^2). */
+static const double LOBE_RATIO = 16.0;
+
+static const char *absent(const pl_view *view) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].in_frame && view->things[i].irradiance > 0.0)
+      return NULL;
+  return "nothing in the frame is lit by the sun";
+}
+
+/* Width of the widest penumbra in pixels: disc diameter times the reach of the shadow over the
+ * size of a pixel at the receiver. */
+static double penumbra_px(const pl_view *view) {
+  double widest = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *receiver = &view->things[i];
+    if (!receiver->in_frame)
+      continue;
+    const double nearest = fmax(receiver->distance_m - receiver->radius_m, 0.0);
+    const double pixel_m = nearest * view->pixel_rad;
+    for (size_t k = 0; k < view->thing_count; k++) {
+      const pl_view_thing *caster = &view->things[k];
+      if ((k == i && caster->is_body) || !pl_view_shadow_reaches(view, caster, receiver))
+        continue;
+      double square = 0.0;
+      for (int axis = 0; axis < 3; axis++)
+        square += pow(receiver->center_m[axis] - caster->center_m[axis], 2.0);
+      const double reach = sqrt(square) + receiver->radius_m + caster->radius_m;
+      const double width_m = 2.0 * tan(view->sun_radius_rad) * reach;
+      widest = fmax(widest, pixel_m > 0.0 ? width_m / pixel_m : INFINITY);
+    }
+  }
+  return widest;
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  if (value > 0)
+    return 0.0;
+  if (pl_view_alpha_min(view) < LOBE_RATIO * view->sun_radius_rad)
+    return pl_view_dn(view, view->white_radiance);
+  const double share = fmin(1.0, TERMINATOR * view->sun_radius_rad + penumbra_px(view));
+  return pl_view_dn(view, share * pl_view_radiance_max(view));
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 2e-5 * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_soft_sun = {
+    .name = "soft_sun",
+    .doc = "The sun as a disc: penumbrae, soft terminators, round glints; off: a point",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

@@ -1,0 +1,35 @@
+/* Direction, size and strength of the sun's disc. */
+#include "light/sun.h"
+
+#include "math/sampling.h"
+
+pl_sun_view pl_sun_view_at(const pl_shot_sun *sun, pl_vec3 point) {
+  const pl_vec3 to_sun = pl_vec3_sub(sun->position, point);
+  const double distance = pl_vec3_norm(to_sun);
+  const double sine = distance > sun->radius_m ? sun->radius_m / distance : 1.0;
+  const double irradiance = pl_shot_sun_irradiance(sun, point);
+  return (pl_sun_view){
+      .direction = pl_vec3_to_float(pl_vec3_unit(to_sun)),
+      .sin_radius = (float)sine,
+      /* 1 - cos a = sin^2 a / (1 + cos a) keeps its digits for a small disc. */
+      .one_minus_cos = (float)(sine * sine / (1.0 + sqrt(fmax(0.0, 1.0 - sine * sine)))),
+      .irradiance = (float)irradiance,
+      /* A uniform disc of radius a gives the irradiance pi sin^2(a) L on a plate facing it. */
+      .radiance = (float)(irradiance / (PL_PI * sine * sine)),
+      .distance_m = (float)distance,
+  };
+}
+
+pl_vec3f pl_sun_sample(const pl_sun_view *view, const float u[2]) {
+  const pl_basis basis = pl_basis_make(view->direction);
+  return pl_basis_to_world(&basis, pl_sample_cone(u[0], u[1], view->one_minus_cos));
+}
+
+float pl_sun_pdf(const pl_sun_view *view) { return pl_cone_pdf(view->one_minus_cos); }
+
+bool pl_sun_covers(const pl_sun_view *view, pl_vec3f direction) {
+  /* By the sine: the cosine of a quarter of a degree has no digits left in float. */
+  const pl_vec3f across = pl_vec3f_cross(view->direction, direction);
+  return pl_vec3f_dot(view->direction, direction) > 0.0f &&
+         pl_vec3f_dot(across, across) < view->sin_radius * view->sin_radius;
+}

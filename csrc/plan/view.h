@@ -1,0 +1,48 @@
+/* What a frame is about to see, as plain data: the input of every effect's bound. */
+#ifndef PL_PLAN_VIEW_H
+#define PL_PLAN_VIEW_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* One mesh object or body, reduced to what bounds need. */
+typedef struct pl_view_thing {
+  bool is_body;         /* convex ellipsoid; otherwise a mesh */
+  bool in_frame;        /* its bounding sphere touches the frustum */
+  bool textured;        /* has a colour map */
+  double distance_m;    /* camera to the centre of the bounding sphere */
+  double radius_m;      /* of the bounding sphere */
+  double center_m[3];   /* camera-relative, root axes */
+  double albedo_max;    /* upper bound of the reflectance in any band, 0..1 */
+  double ggx_alpha_min; /* smallest GGX alpha of its materials; 1 when nothing is glossy */
+  double irradiance;    /* of the unshadowed sun, W m-2 per band */
+  double emission_max;  /* W m-2 sr-1 */
+} pl_view_thing;
+
+typedef struct pl_view {
+  int width, height;       /* pixels */
+  double pixel_rad;        /* angle of one pixel on the axis */
+  double white_radiance;   /* W m-2 sr-1 encoded as 255 */
+  double sun_radius_rad;   /* angular radius of the sun at the camera */
+  double sun_direction[3]; /* unit, from the camera, root axes */
+  bool sun_in_frame;
+  int samples;     /* the user's ceiling of colour samples a pixel */
+  int max_bounces; /* the user's ceiling of bounces */
+  const pl_view_thing *things; /* borrowed */
+  size_t thing_count;
+} pl_view;
+
+/* Digital numbers (of 255, display-encoded) that a change of `radiance` can make at most: the sRGB
+ * encoding is concave, so the change is largest on black. */
+double pl_view_dn(const pl_view *view, double radiance);
+/* Largest radiance of directly lit diffuse surfaces in the frame, W m-2 sr-1. */
+double pl_view_radiance_max(const pl_view *view);
+/* Whether anything in the frame is glossy enough to mirror the sun. */
+double pl_view_alpha_min(const pl_view *view);
+/* Whether the shadow of `caster` (umbra and penumbra) can reach `receiver`. */
+bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
+                            const pl_view_thing *receiver);
+/* Upper bound of the fraction of a receiver's sky that `source` fills: 1 when they may touch. */
+double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source);
+
+#endif

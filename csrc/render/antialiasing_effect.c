@@ -1,0 +1,37 @@
+/* The effect row `antialiasing`: how many colour samples a pixel gets. */
+#include "render/effects.h"
+
+#include <math.h>
+
+static const char *absent(const pl_view *view) {
+  if (view->sun_in_frame)
+    return NULL;
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].in_frame)
+      return NULL;
+  return "the frame is empty";
+}
+
+static int ceiling(const pl_view *view) { return view->samples; }
+
+/* A pixel on an edge is off by at most the whole step with one sample, and by 1/sqrt(n) of it
+ * with n stratified ones (the discrepancy of half planes). Glints reach the display's white. */
+static double bound_dn(const pl_view *view, int value) {
+  double step = pl_view_radiance_max(view);
+  if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
+    step = view->white_radiance;
+  return pl_view_dn(view, step / sqrt(value > 0 ? value : 1));
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return 3e-4 * view->width * view->height * value;
+}
+
+const pl_effect pl_effect_antialiasing = {
+    .name = "antialiasing",
+    .doc = "Colour samples a pixel; off: one through the pixel's centre",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

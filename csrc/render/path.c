@@ -1,0 +1,193 @@
+/* Unidirectional path tracing: the sun is sampled at every vertex and met by chance, both weighted
+ * by the power heuristic (Veach 1997). Work is done in waves over a tile, so that shadow rays of a
+ * wave go through the tracer together. */
+#include "render/path.h"
+
+#include "light/sun.h"
+#include "math/sampler.h"
+#include "math/sampling.h"
+#include "shade/reflectance.h"
+
+/* Dimension pairs of one vertex: sun, direction, lobe and roulette. */
+enum { DIMENSIONS = 3, ROULETTE_AFTER = 3 };
+/* After a bounce whose lobe is wider than this density, mirrors are blurred to this alpha: the
+ * caustics that no sampler here finds become broad and free of fireflies. Energy is kept; the bias
+ * falls under the row `bounces` (Kaplanyan and Dachsbacher 2013, path-space regularisation). */
+static const float WIDE_PDF = 20.0f, REGULAR_ALPHA = 0.3f;
+/* A cone that stands for a diffuse bounce opens no wider than this. */
+static const float SPREAD_MAX = 0.5f;
+
+void pl_path_subpixel(uint32_t index, double offset[2]) {
+  const double x = 0.5 + 0.75487766624669276 * index, y = 0.5 + 0.56984029099805327 * index;
+  offset[0] = x - floor(x) - 0.5;
+  offset[1] = y - floor(y) - 0.5;
+}
+
+static void add(pl_vec3f *sum, pl_vec3f value) { *sum = pl_vec3f_add(*sum, value); }
+
+static size_t start_paths(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
+  double offset[2];
+  size_t count = 0;
+  pl_path_subpixel(index, offset);
+  for (int y = 0; y < context->tile.height; y++) {
+    for (int x = 0; x < context->tile.width; x++) {
+      const pl_vec3 direction = pl_snapshot_ray(context->shot, context->tile.x0 + x + offset[0],
+                                                context->tile.y0 + y + offset[1]);
+      b->paths[count] = (pl_path){
+          .beam = {.direction = direction, .spread = context->spread},
+          .throughput = {1.0f, 1.0f, 1.0f},
+          .pdf = INFINITY,
+          .pixel = (uint32_t)(y * PL_TILE_SIDE + x),
+      };
+      b->rays[count] = (pl_ray){.t_max = INFINITY,
+                                .direction = pl_vec3_to_float(direction),
+                                .skip_body = PL_NOTHING};
+      count++;
+    }
+  }
+  return count;
+}
+
+/* A ray that leaves the scene sees the sun or nothing. */
+static void shade_miss(const pl_path_context *context, const pl_path *path, pl_tile_buffers *b) {
+  if (!context->settings->soft_sun && !isinf(path->pdf))
+    return; /* a point sun cannot be met by chance */
+  const pl_sun_view sun = pl_sun_view_at(&context->shot->sun, path->beam.origin);
+  if (!pl_sun_covers(&sun, pl_vec3_to_float(path->beam.direction)))
+    return;
+  const float weight = pl_power_heuristic(path->pdf, pl_sun_pdf(&sun));
+  add(&b->radiance[path->pixel], pl_vec3f_scale(path->throughput, weight * sun.radiance));
+}
+
+/* Queues the sun's light at the vertex, or adds it at once where shadows are off. */
+static size_t shade_sun(const pl_path_context *context, const pl_path *path,
+                        const pl_vertex *vertex, const float u[2], pl_vec3f wo, size_t queued,
+                        pl_tile_buffers *b) {
+  const pl_surface *s = &vertex->surface;
+  const bool soft = context->settings->soft_sun;
+  const pl_sun_view sun = pl_sun_view_at(&context->shot->sun, vertex->position);
+  const pl_vec3f toward = soft ? pl_sun_sample(&sun, u) : sun.direction;
+  if (!(pl_vec3f_dot(toward, s->ng) > 0.0f) || !(pl_vec3f_dot(toward, s->n) > 0.0f))
+    return queued;
+  const pl_vec3f wi = pl_surface_to_local(s, toward);
+  float scale = sun.irradiance;
+  if (soft) {
+    const float pdf = pl_sun_pdf(&sun);
+    scale = sun.radiance / pdf * pl_power_heuristic(pdf, s->reflectance->pdf(s, wo, wi));
+  }
+  const pl_vec3f light = pl_vec3f_scale(
+      pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi)), scale);
+  if (!(pl_vec3f_max(light) > 0.0f))
+    return queued;
+  if (!context->settings->cast_shadows) {
+    add(&b->radiance[path->pixel], light);
+    return queued;
+  }
+  b->shadow_rays[queued] = pl_vertex_ray(vertex, context->shot, toward, sun.distance_m);
+  b->pending[queued] = (pl_pending){light, path->pixel};
+  return queued + 1;
+}
+
+/* Survival by the throughput; the survivors carry the light of the dead. */
+static bool roulette(pl_path *next, int bounce, float u) {
+  if (bounce < ROULETTE_AFTER)
+    return true;
+  const float survive = fminf(0.95f, pl_vec3f_max(next->throughput));
+  if (!(u < survive))
+    return false;
+  next->throughput = pl_vec3f_scale(next->throughput, 1.0f / survive);
+  return true;
+}
+
+/* Draws where the path goes on from the vertex. */
+static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
+                   int bounce, const float u[2], const float choice[2], pl_vec3f wo, pl_path *next,
+                   pl_ray *ray) {
+  const pl_surface *s = &vertex->surface;
+  pl_vec3f wi, weight;
+  float pdf;
+  if (!s->reflectance->sample(s, wo, u, choice[0], &wi, &weight, &pdf) || !(wi.z > 0.0f))
+    return false;
+  const pl_vec3f direction = pl_vec3f_unit(pl_surface_to_world(s, wi));
+  if (!(pl_vec3f_dot(direction, s->ng) > 0.0f))
+    return false;
+  *ray = pl_vertex_ray(vertex, context->shot, direction, INFINITY);
+  const float width = path->beam.width_m + path->beam.spread * (float)vertex->t;
+  /* The solid angle that one draw of density pdf stands for is about 1/pdf. */
+  const float opening = fminf(2.0f * sqrtf(1.0f / (PL_PI_F * pdf)), SPREAD_MAX);
+  *next = (pl_path){
+      .beam = {.origin = pl_vec3f_to_double(ray->origin),
+               .direction = pl_vec3_unit(pl_vec3f_to_double(direction)),
+               .width_m = width,
+               .spread = fmaxf(path->beam.spread, opening)},
+      .throughput = pl_vec3f_mul(path->throughput, weight),
+      .pdf = pdf,
+      .alpha_min = pdf < WIDE_PDF ? REGULAR_ALPHA : path->alpha_min,
+      .pixel = path->pixel,
+  };
+  return roulette(next, bounce, choice[1]);
+}
+
+static bool goes_on(const pl_path_context *context, const pl_vertex *vertex, int bounce) {
+  const bool on_body = vertex->thing >= context->shot->object_count;
+  const pl_render_settings *s = context->settings;
+  if (on_body)
+    return s->body_bounces && bounce < (s->bounces > 1 ? s->bounces : 1);
+  return bounce < s->bounces;
+}
+
+/* Shades the hit of path `i`; the continued path takes place `kept` <= i. */
+static void shade_hit(const pl_path_context *context, uint32_t index, int bounce, size_t i,
+                      size_t *kept, size_t *queued, pl_tile_buffers *b) {
+  const pl_path path = b->paths[i];
+  pl_vertex vertex;
+  pl_vertex_locate(context->shot, &path.beam, &b->hits[i], &vertex);
+  pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, &vertex);
+  pl_surface *s = &vertex.surface;
+  s->alpha = fmaxf(s->alpha, path.alpha_min);
+  add(&b->radiance[path.pixel], pl_vec3f_mul(path.throughput, s->emission));
+  const uint32_t first = (uint32_t)bounce * DIMENSIONS, seed = b->seeds[path.pixel];
+  const pl_vec3f wo =
+      pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
+  float u[2];
+  pl_sample_2d(index, seed, first, u);
+  *queued = shade_sun(context, &path, &vertex, u, wo, *queued, b);
+  if (!goes_on(context, &vertex, bounce))
+    return;
+  float choice[2];
+  pl_sample_2d(index, seed, first + 1, u);
+  pl_sample_2d(index, seed, first + 2, choice);
+  if (extend(context, &path, &vertex, bounce, u, choice, wo, &b->paths[*kept], &b->rays[*kept]))
+    ++*kept;
+}
+
+static size_t shade_wave(const pl_path_context *context, uint32_t index, int bounce, size_t count,
+                         pl_tile_buffers *b) {
+  size_t kept = 0, queued = 0;
+  for (size_t i = 0; i < count; i++) {
+    if (b->hits[i].thing == PL_NOTHING)
+      shade_miss(context, &b->paths[i], b);
+    else
+      shade_hit(context, index, bounce, i, &kept, &queued, b);
+  }
+  pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, queued, bounce == 0);
+  for (size_t i = 0; i < queued; i++)
+    if (!b->occluded[i])
+      add(&b->radiance[b->pending[i].pixel], b->pending[i].radiance);
+  return kept;
+}
+
+void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
+  size_t count = start_paths(context, index, b);
+  if (index == 0) {
+    for (size_t i = 0; i < count; i++)
+      b->hits[i] = b->center_hits[b->paths[i].pixel];
+  } else {
+    pl_tracer_closest(context->tracer, b->rays, b->hits, count, true, context->meshes);
+  }
+  for (int bounce = 0; count > 0; bounce++) {
+    count = shade_wave(context, index, bounce, count, b);
+    if (count > 0)
+      pl_tracer_closest(context->tracer, b->rays, b->hits, count, false, true);
+  }
+}

@@ -1,0 +1,54 @@
+/* Path tracing of one tile, one sample of every pixel at a time. */
+#ifndef PL_RENDER_PATH_H
+#define PL_RENDER_PATH_H
+
+#include "render/render.h"
+
+/* A path on its way: where it goes on is the ray of the same index. */
+typedef struct pl_path {
+  pl_beam beam;
+  pl_vec3f throughput;
+  float pdf;       /* density with which the ray's direction was drawn; infinite for the camera's */
+  float alpha_min; /* surfaces count as at least this rough (path regularisation) */
+  uint32_t pixel;  /* index in the tile */
+} pl_path;
+
+/* Light that arrives if a shadow ray is free. */
+typedef struct pl_pending {
+  pl_vec3f radiance;
+  uint32_t pixel;
+} pl_pending;
+
+/* All buffers of one worker. */
+typedef struct pl_tile_buffers {
+  pl_vertex points[PL_TILE_PIXELS];
+  pl_hit center_hits[PL_TILE_PIXELS];
+  pl_vec3f radiance[PL_TILE_PIXELS];
+  uint32_t seeds[PL_TILE_PIXELS];
+  pl_path paths[PL_TILE_PIXELS];
+  pl_ray rays[PL_TILE_PIXELS];
+  pl_hit hits[PL_TILE_PIXELS];
+  pl_pending pending[PL_TILE_PIXELS];
+  pl_ray shadow_rays[PL_TILE_PIXELS];
+  bool occluded[PL_TILE_PIXELS];
+} pl_tile_buffers;
+
+/* What a tile needs to know. */
+typedef struct pl_path_context {
+  const pl_snapshot *shot;
+  const pl_tracer *tracer;
+  const pl_render_settings *settings;
+  pl_tile tile;
+  float spread; /* of a colour sample's cone, per metre */
+  bool meshes;  /* whether a mesh may be in this tile's cone */
+} pl_path_context;
+
+/* Adds sample `index` of every pixel to buffers->radiance (a sum over samples). The geometry
+ * buffer's hits serve sample 0. */
+void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *buffers);
+
+/* Position of colour sample `index` in its pixel, from the centre: the R2 lattice (Roberts 2018),
+ * whose first point is the centre itself, so that the labels' ray is a colour sample too. */
+void pl_path_subpixel(uint32_t index, double offset[2]);
+
+#endif

@@ -1,0 +1,184 @@
+/* Tiles: skip what can only see black space, fill the geometry buffer, sample colour. */
+#include "render/render.h"
+
+#include "base/hash.h"
+#include "base/memory.h"
+#include "light/sun.h"
+#include "math/philox.h"
+#include "render/path.h"
+
+struct pl_render_scratch {
+  int threads;
+  pl_tile_buffers *buffers; /* owned, one per worker */
+};
+
+pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
+  void *scratch, *buffers;
+  if (threads < 1 || threads > 256)
+    return pl_fail(PL_E_RANGE, "threads must be in 1..256, not %d", threads);
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_render_scratch), "scratch memory", &scratch));
+  const pl_status status = pl_alloc_or_fail((size_t)threads, sizeof(pl_tile_buffers),
+                                            "tile buffers", &buffers);
+  if (status != PL_OK) {
+    pl_free(scratch);
+    return status;
+  }
+  *out = scratch;
+  **out = (pl_render_scratch){threads, buffers};
+  return PL_OK;
+}
+
+void pl_render_scratch_destroy(pl_render_scratch *scratch) {
+  if (scratch == NULL)
+    return;
+  pl_free(scratch->buffers);
+  pl_free(scratch);
+}
+
+int pl_render_scratch_threads(const pl_render_scratch *scratch) { return scratch->threads; }
+
+typedef struct job {
+  const pl_snapshot *shot;
+  const pl_tracer *tracer;
+  const pl_render_settings *settings;
+  pl_render_scratch *scratch;
+  pl_tile_fn done;
+  void *context;
+  int columns; /* tiles a row */
+  double pixel_rad;
+} job;
+
+static pl_tile tile_of(const job *job, size_t item) {
+  const int column = (int)(item % (size_t)job->columns), row = (int)(item / (size_t)job->columns);
+  const int x0 = column * PL_TILE_SIDE, y0 = row * PL_TILE_SIDE;
+  const int w = job->shot->camera.width - x0, h = job->shot->camera.height - y0;
+  return (pl_tile){x0, y0, w < PL_TILE_SIDE ? w : PL_TILE_SIDE, h < PL_TILE_SIDE ? h : PL_TILE_SIDE};
+}
+
+/* The cone about the tile's middle that holds all its pixels. */
+static void tile_cone(const job *job, pl_tile tile, pl_vec3 *axis, double *half_angle_rad) {
+  const double x0 = tile.x0 - 0.5, y0 = tile.y0 - 0.5;
+  const double x1 = x0 + tile.width, y1 = y0 + tile.height;
+  const double corner[4][2] = {{x0, y0}, {x1, y0}, {x0, y1}, {x1, y1}};
+  *axis = pl_snapshot_ray(job->shot, 0.5 * (x0 + x1), 0.5 * (y0 + y1));
+  *half_angle_rad = 0.0;
+  for (int i = 0; i < 4; i++) {
+    const pl_vec3 ray = pl_snapshot_ray(job->shot, corner[i][0], corner[i][1]);
+    const double angle = atan2(pl_vec3_norm(pl_vec3_cross(ray, *axis)), pl_vec3_dot(ray, *axis));
+    *half_angle_rad = fmax(*half_angle_rad, angle);
+  }
+  *half_angle_rad *= 1.0 + 1e-9;
+}
+
+/* What the tile's cone can meet. */
+static void tile_content(const job *job, pl_tile tile, bool *meshes, bool *anything) {
+  pl_vec3 axis;
+  double half_angle;
+  const pl_snapshot *shot = job->shot;
+  tile_cone(job, tile, &axis, &half_angle);
+  *meshes = false;
+  for (size_t i = 0; i < shot->object_count && !*meshes; i++)
+    *meshes = shot->objects[i].in_frame && pl_sphere_in_cone(shot->objects[i].center,
+                                                             shot->objects[i].radius_m, axis,
+                                                             half_angle);
+  *anything = *meshes || pl_sphere_in_cone(shot->sun.position, shot->sun.radius_m, axis, half_angle);
+  for (size_t i = 0; i < shot->body_count && !*anything; i++)
+    *anything = pl_sphere_in_cone(shot->bodies[i].center, shot->bodies[i].radius_m, axis,
+                                  half_angle);
+}
+
+/* One word of randomness a pixel, keyed by (seed, "render", frame, pixel). */
+static void draw_seeds(const job *job, pl_tile tile, uint32_t *seeds) {
+  const uint64_t key[2] = {job->settings->seed, pl_hash(PL_HASH_SEED, "render", 6)};
+  for (int y = 0; y < tile.height; y++) {
+    for (int x = 0; x < tile.width; x++) {
+      const uint64_t pixel =
+          (uint64_t)(tile.y0 + y) * (uint64_t)job->shot->camera.width + (uint64_t)(tile.x0 + x);
+      const uint64_t counter[4] = {pixel, job->settings->frame, 0, 0};
+      uint64_t words[4];
+      pl_philox(key, counter, words);
+      seeds[y * PL_TILE_SIDE + x] = (uint32_t)words[0];
+    }
+  }
+}
+
+/* The geometry buffer: what the pixels' centre rays hit. */
+static void fill_points(const job *job, pl_tile tile, bool meshes, pl_tile_buffers *b) {
+  size_t count = 0;
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++) {
+      const pl_vec3 direction = pl_snapshot_ray(job->shot, tile.x0 + x, tile.y0 + y);
+      b->paths[count].beam =
+          (pl_beam){.direction = direction, .spread = (float)job->pixel_rad};
+      b->paths[count].pixel = (uint32_t)(y * PL_TILE_SIDE + x);
+      b->rays[count++] = (pl_ray){.t_max = INFINITY,
+                                  .direction = pl_vec3_to_float(direction),
+                                  .skip_body = PL_NOTHING};
+    }
+  pl_tracer_closest(job->tracer, b->rays, b->hits, count, true, meshes);
+  for (size_t i = 0; i < count; i++) {
+    const uint32_t pixel = b->paths[i].pixel;
+    b->center_hits[pixel] = b->hits[i];
+    b->points[pixel].thing = PL_NOTHING;
+    if (b->hits[i].thing == PL_NOTHING)
+      continue;
+    pl_vertex_locate(job->shot, &b->paths[i].beam, &b->hits[i], &b->points[pixel]);
+    pl_vertex_shade(job->shot, &b->paths[i].beam, false, &b->points[pixel]);
+  }
+}
+
+static void sample_colour(const job *job, pl_tile tile, bool meshes, pl_tile_buffers *b) {
+  const int samples = job->settings->samples;
+  const pl_path_context context = {
+      .shot = job->shot,
+      .tracer = job->tracer,
+      .settings = job->settings,
+      .tile = tile,
+      .spread = (float)(job->pixel_rad / sqrt((double)samples)),
+      .meshes = meshes,
+  };
+  draw_seeds(job, tile, b->seeds);
+  for (int i = 0; i < samples; i++)
+    pl_path_sample(&context, (uint32_t)i, b);
+  for (int i = 0; i < PL_TILE_PIXELS; i++)
+    b->radiance[i] = pl_vec3f_scale(b->radiance[i], 1.0f / (float)samples);
+}
+
+static pl_status render_tile(void *context, size_t item, int worker) {
+  const job *job = context;
+  pl_tile_buffers *b = &job->scratch->buffers[worker];
+  const pl_tile tile = tile_of(job, item);
+  bool meshes, anything;
+  tile_content(job, tile, &meshes, &anything);
+  for (int i = 0; i < PL_TILE_PIXELS; i++)
+    b->radiance[i] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+  if (anything) {
+    fill_points(job, tile, meshes, b);
+    if (job->settings->samples > 0)
+      sample_colour(job, tile, meshes, b);
+  } else {
+    for (int i = 0; i < PL_TILE_PIXELS; i++)
+      b->points[i].thing = PL_NOTHING;
+  }
+  const pl_tile_result result = {tile, !anything, b->points, b->radiance};
+  return job->done(job->context, &result, worker);
+}
+
+pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
+                    const pl_render_settings *settings, pl_render_scratch *scratch,
+                    pl_tile_fn done, void *context, pl_cancel *cancel) {
+  const int columns = (shot->camera.width + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
+  const int rows = (shot->camera.height + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
+  job job = {
+      .shot = shot,
+      .tracer = tracer,
+      .settings = settings,
+      .scratch = scratch,
+      .done = done,
+      .context = context,
+      .columns = columns,
+      .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
+  };
+  return pl_parallel_for(scratch->threads, (size_t)columns * (size_t)rows, render_tile, &job,
+                         cancel);
+}

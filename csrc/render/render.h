@@ -1,0 +1,48 @@
+/* The loop over tiles: geometry buffer by the pixels' centre rays, colour by path tracing. */
+#ifndef PL_RENDER_RENDER_H
+#define PL_RENDER_RENDER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/parallel.h"
+#include "render/vertex.h"
+
+enum { PL_TILE_SIDE = 32, PL_TILE_PIXELS = PL_TILE_SIDE * PL_TILE_SIDE };
+
+typedef struct pl_render_settings {
+  uint64_t seed, frame; /* key all randomness */
+  int samples;          /* colour samples a pixel; 0: no colour, labels alone */
+  int bounces;          /* on meshes */
+  bool body_bounces;    /* paths go on from bodies */
+  bool soft_sun, cast_shadows, surface_maps;
+} pl_render_settings;
+
+typedef struct pl_tile {
+  int x0, y0, width, height; /* pixels */
+} pl_tile;
+
+/* A finished tile. Arrays have PL_TILE_SIDE pixels a row; valid until the callback returns. A pixel
+ * that sees nothing has points[i].thing == PL_NOTHING. */
+typedef struct pl_tile_result {
+  pl_tile tile;
+  bool empty;               /* nothing was or could be hit; points are all PL_NOTHING */
+  const pl_vertex *points;  /* what the centre ray hits; surface holds only the frame's ng */
+  const pl_vec3f *radiance; /* W m-2 sr-1; zeros when samples is 0 */
+} pl_tile_result;
+
+typedef pl_status (*pl_tile_fn)(void *context, const pl_tile_result *result, int worker);
+
+/* Per-worker memory, kept between frames. */
+typedef struct pl_render_scratch pl_render_scratch;
+pl_status pl_render_scratch_create(int threads, pl_render_scratch **out);
+void pl_render_scratch_destroy(pl_render_scratch *scratch);
+int pl_render_scratch_threads(const pl_render_scratch *scratch);
+
+/* Renders the snapshot that `tracer` was set to. `done` is called once a tile, on the worker that
+ * made it. Results do not depend on the number of threads. */
+pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
+                    const pl_render_settings *settings, pl_render_scratch *scratch,
+                    pl_tile_fn done, void *context, pl_cancel *cancel);
+
+#endif

@@ -1,0 +1,38 @@
+/* A point where a ray meets the scene: exact position, normals and surface. */
+#ifndef PL_RENDER_VERTEX_H
+#define PL_RENDER_VERTEX_H
+
+#include "shade/surface.h"
+#include "trace/tracer.h"
+
+/* The ray in double, with the cone that it stands for. */
+typedef struct pl_beam {
+  pl_vec3 origin;    /* camera-relative, root axes, m */
+  pl_vec3 direction; /* unit */
+  float width_m;     /* of the cone at the origin */
+  float spread;      /* growth of the width per metre */
+} pl_beam;
+
+typedef struct pl_vertex {
+  pl_vec3 position;   /* camera-relative, root axes, m */
+  double t;           /* along the beam, m */
+  uint32_t thing;
+  uint32_t triangle;
+  float w[3];         /* barycentric weights */
+  pl_vec3f ng;        /* outward geometric normal (of the file's winding), unit */
+  pl_surface surface; /* frame and colours, turned to the viewer's side */
+} pl_vertex;
+
+/* Position, geometric normal and weights only: what labels need. Primary hits are re-intersected
+ * in double with the winning triangle's or body's own equation. */
+void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit,
+                      pl_vertex *out);
+/* Shading frame and material at a located vertex. Without `maps` textures count as their means. */
+void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, bool maps, pl_vertex *vertex);
+
+/* Start of a secondary ray from the vertex towards `direction`: off the surface by a few ulp of the
+ * coordinates and a sliver of the footprint (science: sun shadow rays need an epsilon). */
+pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,
+                     float t_max);
+
+#endif

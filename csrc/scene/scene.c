@@ -1,0 +1,76 @@
+/* Growing and freeing a scene. */
+#include "scene/scene.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+
+pl_status pl_scene_init(int levels, pl_scene *out) {
+  *out = (pl_scene){0};
+  if (levels < 1 || levels > PL_LEVELS_MAX)
+    return pl_fail(PL_E_RANGE, "%d semantic levels: must be 1..%d", levels, PL_LEVELS_MAX);
+  out->levels = levels;
+  return PL_OK;
+}
+
+static void object_clear(pl_object *object) {
+  pl_free(object->name);
+  pl_free(object->part_ids);
+  pl_free(object->class_ids);
+}
+
+void pl_scene_clear(pl_scene *scene) {
+  for (size_t i = 0; i < scene->object_count; i++)
+    object_clear(&scene->objects[i]);
+  for (size_t i = 0; i < scene->body_count; i++)
+    pl_free(scene->bodies[i].name);
+  pl_free(scene->objects);
+  pl_free(scene->bodies);
+  *scene = (pl_scene){0};
+}
+
+static void *copy(const void *from, size_t count, size_t size) {
+  void *to = pl_alloc(count, size);
+  if (to != NULL && count > 0)
+    memcpy(to, from, count * size);
+  return to;
+}
+
+pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
+                              pl_vec3 offset, int32_t obj_id, int32_t instance_id,
+                              const int32_t *part_ids, const uint16_t *class_ids) {
+  pl_object *grown = pl_realloc(scene->objects, scene->object_count + 1, sizeof *grown);
+  if (grown == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for object '%s'", name);
+  scene->objects = grown;
+  const size_t levels = (size_t)scene->levels;
+  pl_object object = {
+      .name = pl_strdup(name),
+      .model = model,
+      .offset = offset,
+      .obj_id = obj_id,
+      .instance_id = instance_id,
+      .part_ids = copy(part_ids, model->part_count, sizeof *part_ids),
+      .class_ids = copy(class_ids, model->part_count * levels, sizeof *class_ids),
+      .summary = pl_model_summarise(model),
+  };
+  if (object.name == NULL || object.part_ids == NULL || object.class_ids == NULL) {
+    object_clear(&object);
+    return pl_fail(PL_E_MEMORY, "out of memory for object '%s'", name);
+  }
+  scene->objects[scene->object_count++] = object;
+  return PL_OK;
+}
+
+pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
+  pl_body *grown = pl_realloc(scene->bodies, scene->body_count + 1, sizeof *grown);
+  if (grown == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
+  scene->bodies = grown;
+  pl_body added = *body;
+  added.name = pl_strdup(body->name);
+  if (added.name == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
+  scene->bodies[scene->body_count++] = added;
+  return PL_OK;
+}

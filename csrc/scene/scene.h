@@ -1,0 +1,99 @@
+/* The scene: what stays from frame to frame (models, maps, label ids) and what a frame places. */
+#ifndef PL_SCENE_SCENE_H
+#define PL_SCENE_SCENE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+#include "geom/model.h"
+#include "math/rotation.h"
+#include "shade/material_surface.h"
+#include "shade/reflectance.h"
+
+enum { PL_LEVELS_MAX = 8 };
+
+/* An instance of a model. A model point p lies at scale * (p - offset) in the object's frame. */
+typedef struct pl_object {
+  char *name;              /* owned */
+  const pl_model *model;   /* borrowed */
+  pl_vec3 offset;          /* model units */
+  int32_t obj_id, instance_id;
+  int32_t *part_ids;       /* owned, one per model part */
+  uint16_t *class_ids;     /* owned, levels per model part */
+  pl_model_summary summary;
+} pl_object;
+
+/* An ellipsoid with an equirectangular map. Its frame: x at longitude 0, z at the north pole. */
+typedef struct pl_body {
+  char *name;                        /* owned */
+  const pl_texture *map;             /* borrowed, NULL for none */
+  double map_center_lon_rad;         /* longitude of the map's centre column */
+  const pl_reflectance *reflectance; /* row of the table */
+  int32_t instance_id, part_id;
+  uint16_t class_ids[PL_LEVELS_MAX];
+} pl_body;
+
+typedef struct pl_scene {
+  int levels;
+  pl_object *objects; /* owned */
+  size_t object_count;
+  pl_body *bodies; /* owned */
+  size_t body_count;
+} pl_scene;
+
+/* levels: of semantic labels, 1..PL_LEVELS_MAX. */
+pl_status pl_scene_init(int levels, pl_scene *out);
+void pl_scene_clear(pl_scene *scene);
+/* Copies name, part_ids (model->part_count) and class_ids (part_count x levels). */
+pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
+                              pl_vec3 offset, int32_t obj_id, int32_t instance_id,
+                              const int32_t *part_ids, const uint16_t *class_ids);
+/* Copies *body and its name. */
+pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body);
+
+/* Child-to-root poses when the shutter opens and when it closes; root frame, metres. */
+typedef struct pl_motion {
+  pl_pose open, close;
+} pl_motion;
+/* Pose in the middle of the exposure, the instant of all labels. */
+pl_pose pl_motion_middle(const pl_motion *motion);
+
+typedef struct pl_object_state {
+  pl_motion motion;
+  double scale; /* metres per model unit */
+} pl_object_state;
+
+typedef struct pl_body_state {
+  pl_motion motion;
+  pl_vec3 radii_m;
+  float albedo[3];   /* factor on the map, or the albedo itself */
+  float emission[3]; /* W m-2 sr-1 */
+} pl_body_state;
+
+typedef struct pl_sun {
+  pl_vec3 position_m;   /* root frame */
+  double radius_m;
+  double irradiance_au; /* W m-2 at 1 AU, in every band */
+} pl_sun;
+
+/* A pinhole camera: p_pixel = K p, OpenCV axes, integer pixel centres. */
+typedef struct pl_camera {
+  int width, height;     /* pixels */
+  double fx, fy, cx, cy, skew; /* pixels */
+  pl_motion motion;      /* camera to root */
+} pl_camera;
+/* Direction of a pixel position in camera axes with z = 1 (not unit). */
+pl_vec3 pl_camera_ray(const pl_camera *camera, double u, double v);
+
+/* Everything that changes with the frame; arrays are borrowed and as long as the scene's. */
+typedef struct pl_placement {
+  const pl_object_state *objects;
+  const pl_body_state *bodies;
+  pl_sun sun;
+  pl_camera camera;
+} pl_placement;
+/* PL_E_RANGE naming the object or key for non-finite or non-positive values. */
+pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placement);
+
+#endif

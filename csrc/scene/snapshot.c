@@ -1,0 +1,117 @@
+/* Re-basing the world on the camera. */
+#include "scene/snapshot.h"
+
+/* IAU 2012 resolution B2. */
+#define ASTRONOMICAL_UNIT_M 149597870700.0
+
+pl_vec3 pl_snapshot_ray(const pl_snapshot *snapshot, double u, double v) {
+  const pl_vec3 direction = pl_camera_ray(&snapshot->camera, u, v);
+  return pl_mat3_mul_vec(snapshot->camera_to_root, pl_vec3_unit(direction));
+}
+
+bool pl_sphere_in_cone(pl_vec3 center, double radius_m, pl_vec3 axis, double half_angle_rad) {
+  const double distance = pl_vec3_norm(center);
+  if (distance <= radius_m)
+    return true;
+  const double along = pl_vec3_dot(center, axis);
+  const double across = pl_vec3_norm(pl_vec3_cross(center, axis));
+  return atan2(across, along) <= half_angle_rad + asin(radius_m / distance);
+}
+
+double pl_shot_sun_irradiance(const pl_shot_sun *sun, pl_vec3 point) {
+  const pl_vec3 to_sun = pl_vec3_sub(sun->position, point);
+  return sun->irradiance_au * ASTRONOMICAL_UNIT_M * ASTRONOMICAL_UNIT_M /
+         pl_vec3_dot(to_sun, to_sun);
+}
+
+/* Half angle of the cone about the axis through the image centre that holds the whole image. */
+static void image_cone(const pl_snapshot *shot, pl_vec3 *axis, double *half_angle_rad) {
+  const double w = shot->camera.width, h = shot->camera.height;
+  const double corner[4][2] = {
+      {-0.5, -0.5}, {w - 0.5, -0.5}, {-0.5, h - 0.5}, {w - 0.5, h - 0.5}};
+  *axis = pl_snapshot_ray(shot, 0.5 * (w - 1.0), 0.5 * (h - 1.0));
+  *half_angle_rad = 0.0;
+  for (int i = 0; i < 4; i++) {
+    const pl_vec3 ray = pl_snapshot_ray(shot, corner[i][0], corner[i][1]);
+    const double angle =
+        atan2(pl_vec3_norm(pl_vec3_cross(ray, *axis)), pl_vec3_dot(ray, *axis));
+    *half_angle_rad = fmax(*half_angle_rad, angle);
+  }
+}
+
+static void build_object(const pl_object *object, const pl_object_state *state, pl_vec3 camera,
+                         pl_shot_object *out) {
+  const pl_pose pose = pl_motion_middle(&state->motion);
+  *out = (pl_shot_object){.object = object, .scale = state->scale, .kept = true};
+  out->rotation = pl_mat3_from_quat(pose.q);
+  out->position = pl_vec3_sub(pose.t, camera);
+  const pl_mat3 m = out->rotation;
+  const double s = state->scale;
+  const pl_vec3 shift = pl_mat3_mul_vec(m, pl_vec3_scale(object->offset, -s));
+  const pl_vec3 t = pl_vec3_add(out->position, shift);
+  const double columns[12] = {s * m.row[0].x, s * m.row[1].x, s * m.row[2].x, s * m.row[0].y,
+                              s * m.row[1].y, s * m.row[2].y, s * m.row[0].z, s * m.row[1].z,
+                              s * m.row[2].z, t.x,            t.y,            t.z};
+  for (int i = 0; i < 12; i++)
+    out->to_view[i] = (float)columns[i];
+  const float *low = object->model->bounds_min, *high = object->model->bounds_max;
+  const pl_vec3 middle = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]),
+                          0.5 * (low[2] + high[2])};
+  const pl_vec3 half = {0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]),
+                        0.5 * (high[2] - low[2])};
+  const pl_vec3 local = pl_vec3_scale(pl_vec3_sub(middle, object->offset), s);
+  out->center = pl_vec3_add(out->position, pl_mat3_mul_vec(m, local));
+  out->radius_m = s * pl_vec3_norm(half) * (1.0 + 1e-6);
+}
+
+static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_vec3 camera,
+                            pl_shot_body *out) {
+  const pl_pose pose = pl_motion_middle(&state->motion);
+  *out = (pl_shot_body){.body = body, .state = state};
+  out->rotation = pl_mat3_from_quat(pose.q);
+  out->center = pl_vec3_sub(pose.t, camera);
+  out->camera = pl_mat3_mul_vec_t(out->rotation, pl_vec3_scale(out->center, -1.0));
+  const pl_vec3 r = state->radii_m;
+  out->radius_m = fmax(r.x, fmax(r.y, r.z));
+  const pl_vec3 scaled = {out->camera.x / r.x, out->camera.y / r.y, out->camera.z / r.z};
+  if (!(pl_vec3_norm(scaled) > 1.0))
+    return pl_fail(PL_E_RANGE, "the camera is inside body '%s' (%.6g of its radius)", body->name,
+                   pl_vec3_norm(scaled));
+  return PL_OK;
+}
+
+pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,
+                            pl_snapshot *out) {
+  const pl_pose camera = pl_motion_middle(&placement->camera.motion);
+  *out = (pl_snapshot){
+      .levels = scene->levels,
+      .camera = placement->camera,
+      .camera_to_root = pl_mat3_from_quat(camera.q),
+      .camera_position = camera.t,
+      .objects = pl_arena_alloc(arena, scene->object_count, sizeof(pl_shot_object)),
+      .object_count = scene->object_count,
+      .bodies = pl_arena_alloc(arena, scene->body_count, sizeof(pl_shot_body)),
+      .body_count = scene->body_count,
+      .sun = {pl_vec3_sub(placement->sun.position_m, camera.t), placement->sun.radius_m,
+              placement->sun.irradiance_au, false},
+  };
+  if (out->objects == NULL || out->bodies == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the snapshot");
+  if (!(pl_vec3_norm(out->sun.position) > out->sun.radius_m))
+    return pl_fail(PL_E_RANGE, "the camera is inside the sun");
+  pl_vec3 axis;
+  double half_angle;
+  image_cone(out, &axis, &half_angle);
+  out->sun.in_frame = pl_sphere_in_cone(out->sun.position, out->sun.radius_m, axis, half_angle);
+  for (size_t i = 0; i < scene->object_count; i++) {
+    pl_shot_object *object = &out->objects[i];
+    build_object(&scene->objects[i], &placement->objects[i], camera.t, object);
+    object->in_frame = pl_sphere_in_cone(object->center, object->radius_m, axis, half_angle);
+  }
+  for (size_t i = 0; i < scene->body_count; i++) {
+    pl_shot_body *body = &out->bodies[i];
+    PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], camera.t, body));
+    body->in_frame = pl_sphere_in_cone(body->center, body->radius_m, axis, half_angle);
+  }
+  return PL_OK;
+}

@@ -1,0 +1,76 @@
+/* The frozen, camera-relative scene of one frame: what ray tracing and shading read. Axes are the
+ * root's, the origin is the camera at mid-exposure. */
+#ifndef PL_SCENE_SNAPSHOT_H
+#define PL_SCENE_SNAPSHOT_H
+
+#include <stdbool.h>
+
+#include "base/memory.h"
+#include "plan/view.h"
+#include "scene/scene.h"
+
+typedef struct pl_shot_object {
+  const pl_object *object; /* borrowed */
+  double scale;            /* metres per model unit */
+  pl_mat3 rotation;        /* object axes to root axes */
+  pl_vec3 position;        /* of the object's origin, camera-relative, m */
+  float to_view[12];       /* model units to view, 3x4 column-major (x, y, z axes, translation) */
+  pl_vec3 center;          /* of the bounding sphere, camera-relative, m */
+  double radius_m;         /* of the bounding sphere */
+  bool in_frame;           /* the sphere touches the frustum */
+  bool kept;               /* part of the accelerator; culled ones cannot touch the image */
+} pl_shot_object;
+
+typedef struct pl_shot_body {
+  const pl_body *body;         /* borrowed */
+  const pl_body_state *state;  /* borrowed */
+  pl_mat3 rotation;            /* body axes to root axes */
+  pl_vec3 center;              /* camera-relative, m */
+  pl_vec3 camera;              /* the camera in body axes, from the body's centre, m */
+  double radius_m;             /* largest semi-axis */
+  bool in_frame;
+} pl_shot_body;
+
+typedef struct pl_shot_sun {
+  pl_vec3 position;     /* camera-relative, m */
+  double radius_m;
+  double irradiance_au; /* W m-2 at 1 AU */
+  bool in_frame;        /* the disc touches the frustum */
+} pl_shot_sun;
+
+typedef struct pl_snapshot {
+  int levels;
+  pl_camera camera;       /* intrinsics; its motion is not used any more */
+  pl_mat3 camera_to_root; /* rotation at mid-exposure */
+  pl_vec3 camera_position; /* root frame, m */
+  pl_shot_object *objects;
+  size_t object_count;
+  pl_shot_body *bodies;
+  size_t body_count;
+  pl_shot_sun sun;
+} pl_snapshot;
+
+/* Built in `arena`; borrows scene and placement for as long as it is used. PL_E_RANGE when the
+ * camera is inside a body. */
+pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,
+                            pl_snapshot *out);
+
+/* The view of a snapshot; things are objects, then bodies, built in `arena`. Exposure and the
+ * user's ceilings are filled in by the caller. */
+pl_status pl_snapshot_view(const pl_snapshot *snapshot, pl_arena *arena, pl_view *out);
+
+/* Drops objects that can neither be seen nor, by shadow or reflection, change what is seen by more
+ * than `tolerance_dn`. */
+void pl_snapshot_cull(pl_snapshot *snapshot, const pl_view *view, double tolerance_dn);
+
+/* Unit direction in root axes through pixel position (u, v). */
+pl_vec3 pl_snapshot_ray(const pl_snapshot *snapshot, double u, double v);
+
+/* Whether a sphere (camera-relative, root axes) can touch the cone about a unit axis. A camera
+ * inside the sphere always does. */
+bool pl_sphere_in_cone(pl_vec3 center, double radius_m, pl_vec3 axis, double half_angle_rad);
+
+/* Irradiance of the unshadowed sun at a camera-relative point, W m-2. */
+double pl_shot_sun_irradiance(const pl_shot_sun *sun, pl_vec3 point);
+
+#endif

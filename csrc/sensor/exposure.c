@@ -1,0 +1,30 @@
+/* Metering. */
+#include "sensor/exposure.h"
+
+#include <stdlib.h>
+
+float pl_luminance(pl_vec3f radiance) {
+  return 0.2126f * radiance.x + 0.7152f * radiance.y + 0.0722f * radiance.z;
+}
+
+static int ascending(const void *a, const void *b) {
+  const float x = *(const float *)a, y = *(const float *)b;
+  return (x > y) - (x < y);
+}
+
+double pl_exposure_meter(const pl_exposure *exposure, float *luminances, size_t count,
+                         double fallback) {
+  const float lit = 1e-3f;
+  size_t first = 0;
+  if (count == 0)
+    return fallback;
+  qsort(luminances, count, sizeof *luminances, ascending);
+  const float threshold = lit * luminances[count - 1];
+  while (first < count && !(luminances[first] > threshold))
+    first++;
+  if (first == count)
+    return fallback;
+  const double place = exposure->percentile / 100.0 * (double)(count - 1 - first);
+  const double metered = luminances[first + (size_t)(place + 0.5)];
+  return metered > 0.0 ? metered / exposure->key : fallback;
+}

@@ -1,0 +1,25 @@
+/* Exposure: which radiance is shown as white. */
+#ifndef PL_SENSOR_EXPOSURE_H
+#define PL_SENSOR_EXPOSURE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "math/vec.h"
+
+typedef struct pl_exposure {
+  bool automatic;
+  double white_radiance; /* fixed: W m-2 sr-1 encoded as 255 */
+  double percentile;     /* automatic: this percentile of the lit pixels, 0..100 ... */
+  double key;            /* ... is shown at this fraction of white, linear */
+} pl_exposure;
+
+/* Rec. 709 luminance weights. */
+float pl_luminance(pl_vec3f radiance);
+
+/* The white radiance that an automatic exposure chooses for metered luminances (sorted in place).
+ * Pixels darker than a thousandth of the brightest count as unlit; `fallback` when none is lit. */
+double pl_exposure_meter(const pl_exposure *exposure, float *luminances, size_t count,
+                         double fallback);
+
+#endif

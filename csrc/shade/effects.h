@@ -1,0 +1,9 @@
+/* Effect rows that describe surfaces. */
+#ifndef PL_SHADE_EFFECTS_H
+#define PL_SHADE_EFFECTS_H
+
+#include "plan/effect.h"
+
+extern const pl_effect pl_effect_surface_maps;
+
+#endif

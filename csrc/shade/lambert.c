@@ -1,0 +1,32 @@
+/* Lambert: radiance independent of direction, albedo = base colour. */
+#include "math/sampling.h"
+#include "shade/reflectance.h"
+
+static pl_vec3f evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {
+  (void)wo;
+  return pl_vec3f_scale(surface->color, pl_cosine_hemisphere_pdf(wi.z));
+}
+
+static float pdf(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {
+  (void)surface;
+  (void)wo;
+  return pl_cosine_hemisphere_pdf(wi.z);
+}
+
+static bool sample(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
+                   pl_vec3f *wi, pl_vec3f *weight, float *density) {
+  (void)wo;
+  (void)choice;
+  *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
+  *density = pl_cosine_hemisphere_pdf(wi->z);
+  *weight = surface->color;
+  return *density > 0.0f;
+}
+
+const pl_reflectance pl_reflectance_lambert = {
+    .name = "lambert",
+    .doc = "Lambert: albedo/pi in every direction",
+    .evaluate = evaluate,
+    .pdf = pdf,
+    .sample = sample,
+};

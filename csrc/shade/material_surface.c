@@ -1,0 +1,155 @@
+/* Evaluates glTF materials at a point: factors times maps times vertex colours. */
+#include "shade/material_surface.h"
+
+#include "shade/reflectance.h"
+
+/* Weights of the footprint vector's end on the three corners, relative to its start: least squares
+ * in the triangle's plane. Degenerate triangles give zeros. */
+static void barycentric_step(const pl_triangle_point *point, pl_vec3f step, float out[3]) {
+  const float e11 = pl_vec3f_dot(point->edge1, point->edge1);
+  const float e12 = pl_vec3f_dot(point->edge1, point->edge2);
+  const float e22 = pl_vec3f_dot(point->edge2, point->edge2);
+  const float s1 = pl_vec3f_dot(point->edge1, step), s2 = pl_vec3f_dot(point->edge2, step);
+  const float determinant = e11 * e22 - e12 * e12;
+  out[0] = out[1] = out[2] = 0.0f;
+  if (!(determinant > 1e-12f * e11 * e22))
+    return;
+  out[1] = (e22 * s1 - e12 * s2) / determinant;
+  out[2] = (e11 * s2 - e12 * s1) / determinant;
+  out[0] = -out[1] - out[2];
+}
+
+static void mix2(const float *values, const uint32_t *corner, const float w[3], float out[2]) {
+  for (uint32_t k = 0; k < 2; k++)
+    out[k] = w[0] * values[2 * corner[0] + k] + w[1] * values[2 * corner[1] + k] +
+             w[2] * values[2 * corner[2] + k];
+}
+
+void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int set, float uv[2],
+                    float a[2], float b[2]) {
+  const float *values = set == 0 || set == 1 ? model->uvs[set] : NULL;
+  uv[0] = uv[1] = a[0] = a[1] = b[0] = b[1] = 0.0f;
+  if (values == NULL)
+    return;
+  const uint32_t *corner = model->indices + 3 * (size_t)point->triangle;
+  float step_a[3], step_b[3];
+  barycentric_step(point, point->footprint_a, step_a);
+  barycentric_step(point, point->footprint_b, step_b);
+  mix2(values, corner, point->w, uv);
+  mix2(values, corner, step_a, a);
+  mix2(values, corner, step_b, b);
+}
+
+static void transform(const pl_uv_transform *t, float v[2], float translate) {
+  const float u = t->m[0][0] * v[0] + t->m[0][1] * v[1] + translate * t->m[0][2];
+  v[1] = t->m[1][0] * v[0] + t->m[1][1] * v[1] + translate * t->m[1][2];
+  v[0] = u;
+}
+
+/* Value of a texture slot at the point; white when there is none. */
+static void slot_value(const pl_model *model, const pl_triangle_point *point,
+                       const pl_texture_slot *slot, bool maps, float out[4]) {
+  out[0] = out[1] = out[2] = out[3] = 1.0f;
+  if (slot->texture < 0)
+    return;
+  const pl_texture *texture = model->textures[slot->texture];
+  if (!maps) {
+    pl_texture_mean(texture, out);
+    return;
+  }
+  float uv[2], a[2], b[2];
+  pl_material_uv(model, point, slot->uv_set, uv, a, b);
+  transform(&slot->transform, uv, 1.0f);
+  transform(&slot->transform, a, 0.0f);
+  transform(&slot->transform, b, 0.0f);
+  pl_texture_sample(texture, uv[0], uv[1], a, b, out);
+}
+
+static void vertex_color(const pl_model *model, const pl_triangle_point *point, float out[4]) {
+  out[0] = out[1] = out[2] = out[3] = 1.0f;
+  if (model->colors == NULL)
+    return;
+  const uint32_t *corner = model->indices + 3 * (size_t)point->triangle;
+  for (uint32_t k = 0; k < 4; k++)
+    out[k] = point->w[0] * model->colors[4 * corner[0] + k] +
+             point->w[1] * model->colors[4 * corner[1] + k] +
+             point->w[2] * model->colors[4 * corner[2] + k];
+}
+
+static const pl_material *material_of(const pl_model *model, uint32_t triangle) {
+  return &model->materials[model->parts[model->triangle_part[triangle]].material];
+}
+
+static void bend_normal(const pl_model *model, const pl_triangle_point *point,
+                        const pl_material *material, pl_surface *surface) {
+  float value[4];
+  slot_value(model, point, &material->normal_map, true, value);
+  const float x = (2.0f * value[0] - 1.0f) * material->normal_scale;
+  const float y = (2.0f * value[1] - 1.0f) * material->normal_scale;
+  const float z = fmaxf(2.0f * value[2] - 1.0f, 0.05f); /* maps keep the surface's side */
+  const pl_vec3f n = pl_vec3f_unit(pl_surface_to_world(surface, pl_vec3f_make(x, y, z)));
+  surface->n = n;
+  surface->t = pl_vec3f_unit(pl_vec3f_madd(surface->t, -pl_vec3f_dot(surface->t, n), n));
+  surface->b = pl_vec3f_cross(n, surface->t);
+}
+
+void pl_material_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
+                         pl_surface *surface) {
+  const pl_material *material = material_of(model, point->triangle);
+  float base[4], vertex[4], mr[4], emissive[4];
+  slot_value(model, point, &material->base_color_map, maps, base);
+  slot_value(model, point, &material->metallic_roughness_map, maps, mr);
+  slot_value(model, point, &material->emissive_map, maps, emissive);
+  vertex_color(model, point, vertex);
+  surface->color = pl_vec3f_make(base[0] * vertex[0] * material->base_color[0],
+                                 base[1] * vertex[1] * material->base_color[1],
+                                 base[2] * vertex[2] * material->base_color[2]);
+  surface->emission = pl_vec3f_make(emissive[0] * material->emissive[0],
+                                    emissive[1] * material->emissive[1],
+                                    emissive[2] * material->emissive[2]);
+  const float roughness = mr[1] * material->roughness;
+  surface->alpha = roughness * roughness;
+  surface->metallic = mr[2] * material->metallic;
+  surface->reflectance =
+      material->unlit ? &pl_reflectance_lambert : &pl_reflectance_metallic_roughness;
+  if (maps && material->normal_map.texture >= 0 && model->tangents != NULL)
+    bend_normal(model, point, material, surface);
+}
+
+float pl_material_opacity(const pl_model *model, const pl_triangle_point *point) {
+  const pl_material *material = material_of(model, point->triangle);
+  if (material->alpha_mode == PL_ALPHA_OPAQUE)
+    return 1.0f;
+  float base[4], vertex[4];
+  slot_value(model, point, &material->base_color_map, true, base);
+  vertex_color(model, point, vertex);
+  const float alpha = base[3] * vertex[3] * material->base_color[3];
+  if (material->alpha_mode == PL_ALPHA_MASK)
+    return alpha >= material->alpha_cutoff ? 1.0f : 0.0f;
+  return fminf(fmaxf(alpha, 0.0f), 1.0f);
+}
+
+bool pl_model_has_opacity(const pl_model *model) {
+  for (size_t i = 0; i < model->material_count; i++)
+    if (model->materials[i].alpha_mode != PL_ALPHA_OPAQUE)
+      return true;
+  return false;
+}
+
+pl_model_summary pl_model_summarise(const pl_model *model) {
+  pl_model_summary out = {.ggx_alpha_min = 1.0};
+  for (size_t i = 0; i < model->material_count; i++) {
+    const pl_material *m = &model->materials[i];
+    for (int k = 0; k < 3; k++) {
+      /* The specular lobe over a diffuse base reflects at most everything. */
+      out.albedo_max = fmax(out.albedo_max, m->unlit ? m->base_color[k] : 1.0);
+      out.emission_max = fmax(out.emission_max, m->emissive[k]);
+    }
+    const double roughness = m->metallic_roughness_map.texture >= 0 ? 0.0 : m->roughness;
+    if (!m->unlit)
+      out.ggx_alpha_min = fmin(out.ggx_alpha_min, roughness * roughness);
+    out.textured |= m->base_color_map.texture >= 0 || m->normal_map.texture >= 0 ||
+                    m->metallic_roughness_map.texture >= 0 || m->emissive_map.texture >= 0;
+  }
+  return out;
+}

@@ -1,0 +1,42 @@
+/* From a hit on a model or body to a surface: materials, textures, normal maps. */
+#ifndef PL_SHADE_MATERIAL_SURFACE_H
+#define PL_SHADE_MATERIAL_SURFACE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "geom/model.h"
+#include "shade/surface.h"
+
+/* A point of a triangle, in the axes of the view. */
+typedef struct pl_triangle_point {
+  uint32_t triangle;
+  float w[3];             /* barycentric weights of the three corners */
+  pl_vec3f edge1, edge2;  /* corner 1 - corner 0, corner 2 - corner 0, metres */
+  pl_vec3f footprint_a, footprint_b; /* half axes doubled: a pixel's extent on the surface, metres */
+} pl_triangle_point;
+
+/* uv of set `set` and the footprint in it; zeros when the model has no such set. */
+void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int set, float uv[2],
+                    float a[2], float b[2]);
+
+/* Fills colour, lobe parameters and emission of `surface` from the material of the triangle.
+ * With `maps` false no texture is read: a texture counts as its mean. `t`, `b`, `n` hold the
+ * geometric shading frame on input (n interpolated, t along the tangent) and are bent by the
+ * normal map. */
+void pl_material_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
+                         pl_surface *surface);
+
+/* Opacity of the material there, 0..1: MASK is thresholded to 0 or 1, BLEND is the alpha itself. */
+float pl_material_opacity(const pl_model *model, const pl_triangle_point *point);
+/* Whether any material of the model may be less than opaque. */
+bool pl_model_has_opacity(const pl_model *model);
+
+/* Bounds for the plan: largest reflectance, smallest GGX alpha, largest emission, any texture. */
+typedef struct pl_model_summary {
+  double albedo_max, ggx_alpha_min, emission_max;
+  bool textured;
+} pl_model_summary;
+pl_model_summary pl_model_summarise(const pl_model *model);
+
+#endif

@@ -1,0 +1,119 @@
+/* The metallic-roughness surface of glTF 2.0, appendix B: a GGX microfacet lobe over a diffuse
+ * base, mixed by metalness. */
+#include "math/sampling.h"
+#include "shade/reflectance.h"
+
+/* Reflectance of dielectrics at normal incidence: index 1.5 (glTF 2.0, B.2.3). */
+static const float DIELECTRIC_F0 = 0.04f;
+/* Below this alpha a mirror's peak overflows float; 1e-3 blurs by 0.06 deg, a quarter of the
+ * sun's radius. */
+static const float ALPHA_MIN = 1e-3f;
+
+static float alpha_of(const pl_surface *s) { return fmaxf(s->alpha, ALPHA_MIN); }
+
+static pl_vec3f f0_of(const pl_surface *s) {
+  const float m = s->metallic, d = DIELECTRIC_F0 * (1.0f - m);
+  return pl_vec3f_make(d + m * s->color.x, d + m * s->color.y, d + m * s->color.z);
+}
+
+/* Schlick (1994). */
+static pl_vec3f fresnel(pl_vec3f f0, float cosine) {
+  const float c = fminf(fmaxf(1.0f - cosine, 0.0f), 1.0f);
+  const float c5 = c * c * c * c * c;
+  return pl_vec3f_make(f0.x + (1.0f - f0.x) * c5, f0.y + (1.0f - f0.y) * c5,
+                       f0.z + (1.0f - f0.z) * c5);
+}
+
+/* Trowbridge-Reitz (GGX) distribution at half vector h; its tail is written without 1 - cos^2. */
+static float ggx(float alpha, pl_vec3f h) {
+  const float x = h.x / alpha, y = h.y / alpha;
+  const float k = x * x + y * y + h.z * h.z;
+  return 1.0f / (PL_PI_F * alpha * alpha * k * k);
+}
+
+/* Smith's Lambda for GGX (Heitz 2014, eq. 72). */
+static float lambda(float alpha, pl_vec3f w) {
+  const float tan2 = alpha * alpha * (w.x * w.x + w.y * w.y) / fmaxf(w.z * w.z, 1e-12f);
+  return 0.5f * (sqrtf(1.0f + tan2) - 1.0f);
+}
+
+/* Chance of drawing the specular lobe: its share of the reflected light, kept off 0 and 1 where
+ * both lobes exist. */
+static float specular_chance(const pl_surface *s, pl_vec3f wo) {
+  const float specular = pl_vec3f_max(fresnel(f0_of(s), wo.z));
+  const float diffuse = (1.0f - s->metallic) * pl_vec3f_max(s->color);
+  if (!(diffuse > 0.0f))
+    return 1.0f;
+  return fminf(fmaxf(specular / (specular + diffuse), 0.1f), 0.9f);
+}
+
+static pl_vec3f evaluate(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
+  if (!(wi.z > 0.0f) || !(wo.z > 0.0f))
+    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  const float alpha = alpha_of(s);
+  const pl_vec3f h = pl_vec3f_unit(pl_vec3f_add(wo, wi));
+  const pl_vec3f f = fresnel(f0_of(s), pl_vec3f_dot(wo, h));
+  /* Height-correlated Smith (Heitz 2014, eq. 99); cos(wi) cancels one of the two cosines. */
+  const float g = 1.0f / (1.0f + lambda(alpha, wo) + lambda(alpha, wi));
+  const float specular = ggx(alpha, h) * g / (4.0f * wo.z);
+  const float diffuse = (1.0f - s->metallic) * wi.z / PL_PI_F;
+  return pl_vec3f_make(f.x * specular + (1.0f - f.x) * diffuse * s->color.x,
+                       f.y * specular + (1.0f - f.y) * diffuse * s->color.y,
+                       f.z * specular + (1.0f - f.z) * diffuse * s->color.z);
+}
+
+/* Density of wi from visible normals (Heitz 2018, eq. 17). */
+static float specular_pdf(float alpha, pl_vec3f wo, pl_vec3f h) {
+  return ggx(alpha, h) / (4.0f * wo.z * (1.0f + lambda(alpha, wo)));
+}
+
+static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
+  if (!(wi.z > 0.0f) || !(wo.z > 0.0f))
+    return 0.0f;
+  const float chance = specular_chance(s, wo);
+  const pl_vec3f h = pl_vec3f_unit(pl_vec3f_add(wo, wi));
+  return chance * specular_pdf(alpha_of(s), wo, h) +
+         (1.0f - chance) * pl_cosine_hemisphere_pdf(wi.z);
+}
+
+/* A visible microfacet normal: Heitz, "Sampling the GGX distribution of visible normals",
+ * JCGT 7(4), 2018. */
+static pl_vec3f sample_visible_normal(float alpha, pl_vec3f wo, const float u[2]) {
+  const pl_vec3f v = pl_vec3f_unit(pl_vec3f_make(alpha * wo.x, alpha * wo.y, wo.z));
+  const float length2 = v.x * v.x + v.y * v.y;
+  const pl_vec3f t1 = length2 > 0.0f
+                          ? pl_vec3f_scale(pl_vec3f_make(-v.y, v.x, 0.0f), 1.0f / sqrtf(length2))
+                          : pl_vec3f_make(1.0f, 0.0f, 0.0f);
+  const pl_vec3f t2 = pl_vec3f_cross(v, t1);
+  const pl_vec3f d = pl_sample_disc(u[0], u[1]);
+  const float s = 0.5f * (1.0f + v.z);
+  const float y = (1.0f - s) * sqrtf(fmaxf(0.0f, 1.0f - d.x * d.x)) + s * d.y;
+  const float z = sqrtf(fmaxf(0.0f, 1.0f - d.x * d.x - y * y));
+  const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(pl_vec3f_scale(t1, d.x), y, t2), z, v);
+  return pl_vec3f_unit(pl_vec3f_make(alpha * n.x, alpha * n.y, fmaxf(1e-6f, n.z)));
+}
+
+static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float choice, pl_vec3f *wi,
+                   pl_vec3f *weight, float *density) {
+  if (!(wo.z > 0.0f))
+    return false;
+  if (choice < specular_chance(s, wo)) {
+    const pl_vec3f h = sample_visible_normal(alpha_of(s), wo, u);
+    *wi = pl_vec3f_sub(pl_vec3f_scale(h, 2.0f * pl_vec3f_dot(wo, h)), wo);
+  } else {
+    *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
+  }
+  *density = pdf(s, wo, *wi);
+  if (!(*density > 0.0f))
+    return false;
+  *weight = pl_vec3f_scale(evaluate(s, wo, *wi), 1.0f / *density);
+  return true;
+}
+
+const pl_reflectance pl_reflectance_metallic_roughness = {
+    .name = "metallic_roughness",
+    .doc = "glTF 2.0 metallic-roughness: GGX (Smith, Schlick) over a diffuse base",
+    .evaluate = evaluate,
+    .pdf = pdf,
+    .sample = sample,
+};

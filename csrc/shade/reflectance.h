@@ -1,0 +1,34 @@
+/* Reflectance models behind one table: evaluate, pdf and sample, never sample alone. */
+#ifndef PL_SHADE_REFLECTANCE_H
+#define PL_SHADE_REFLECTANCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "shade/surface.h"
+
+/* wo, wi: unit, local frame (z = shading normal), wo.z > 0. */
+struct pl_reflectance {
+  const char *name;
+  const char *doc; /* formula's source and range */
+  /* BRDF times cos(wi), 1/sr; zero when wi.z <= 0. */
+  pl_vec3f (*evaluate)(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
+  /* Density of `sample` per solid angle at wi; 0 when it cannot come. */
+  float (*pdf)(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
+  /* Draws wi from u in [0,1)^2 and a lobe choice in [0,1); false if the draw falls below the
+   * horizon. *weight = evaluate / pdf. */
+  bool (*sample)(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
+                 pl_vec3f *wi, pl_vec3f *weight, float *pdf);
+};
+
+extern const pl_reflectance pl_reflectance_lambert;
+extern const pl_reflectance pl_reflectance_metallic_roughness;
+
+/* The table, in a fixed order. */
+extern const pl_reflectance *const pl_reflectances[];
+extern const size_t pl_reflectance_count;
+
+/* Row by name, or NULL. */
+const pl_reflectance *pl_reflectance_find(const char *name);
+
+#endif

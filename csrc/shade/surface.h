@@ -1,0 +1,27 @@
+/* A point of a surface as the light transport sees it: frame, colours, lobe parameters. */
+#ifndef PL_SHADE_SURFACE_H
+#define PL_SHADE_SURFACE_H
+
+#include "math/vec.h"
+
+typedef struct pl_reflectance pl_reflectance;
+
+/* Directions point away from the surface. wo and wi below are in the local frame (t, b, n). */
+typedef struct pl_surface {
+  pl_vec3f t, b, n;                  /* shading frame, right-handed, unit; n on the viewer's side */
+  pl_vec3f ng;                       /* geometric normal on the viewer's side */
+  pl_vec3f color;                    /* base colour or albedo, linear, 0..1 */
+  pl_vec3f emission;                 /* W m-2 sr-1 */
+  float metallic;                    /* 0..1 */
+  float alpha;                       /* GGX alpha = roughness^2 */
+  const pl_reflectance *reflectance; /* row of the table */
+} pl_surface;
+
+static inline pl_vec3f pl_surface_to_local(const pl_surface *s, pl_vec3f v) {
+  return (pl_vec3f){pl_vec3f_dot(s->t, v), pl_vec3f_dot(s->b, v), pl_vec3f_dot(s->n, v)};
+}
+static inline pl_vec3f pl_surface_to_world(const pl_surface *s, pl_vec3f v) {
+  return pl_vec3f_madd(pl_vec3f_madd(pl_vec3f_scale(s->t, v.x), v.y, s->b), v.z, s->n);
+}
+
+#endif

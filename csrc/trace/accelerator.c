@@ -1,0 +1,127 @@
+/* Building and moving Embree scenes. */
+#include "trace/accelerator.h"
+
+#include "base/memory.h"
+
+pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing) {
+  const enum RTCError error = rtcGetDeviceError(tracer->device);
+  if (error == RTC_ERROR_NONE)
+    return PL_OK;
+  if (error == RTC_ERROR_OUT_OF_MEMORY)
+    return pl_fail(PL_E_MEMORY, "Embree is out of memory while %s", doing);
+  return pl_fail(PL_E_DEVICE, "Embree error %d while %s", (int)error, doing);
+}
+
+/* Opacity at a candidate hit: below one half the surface is not there for this ray. */
+static void opacity_filter(const struct RTCFilterFunctionNArguments *arguments) {
+  const pl_model *model = arguments->geometryUserPtr;
+  for (unsigned i = 0; i < arguments->N; i++) {
+    if (arguments->valid[i] == 0)
+      continue;
+    const float u = pl_embree_hit_u(arguments->hit, arguments->N, i);
+    const float v = pl_embree_hit_v(arguments->hit, arguments->N, i);
+    const pl_triangle_point point = {
+        .triangle = pl_embree_hit_triangle(arguments->hit, arguments->N, i),
+        .w = {1.0f - u - v, u, v},
+    };
+    if (pl_material_opacity(model, &point) < 0.5f)
+      arguments->valid[i] = 0;
+  }
+}
+
+static void share_buffers(RTCGeometry geometry, const pl_model *model) {
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                             model->positions, 0, 3 * sizeof(float), model->vertex_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, model->indices,
+                             0, 3 * sizeof(uint32_t), model->triangle_count);
+}
+
+static pl_status build_model(pl_tracer *tracer, const pl_model *model, RTCScene *out) {
+  RTCScene scene = rtcNewScene(tracer->device);
+  RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+  share_buffers(geometry, model);
+  if (pl_model_has_opacity(model)) {
+    rtcSetGeometryUserData(geometry, (void *)(uintptr_t)model);
+    rtcSetGeometryIntersectFilterFunction(geometry, opacity_filter);
+    rtcSetGeometryOccludedFilterFunction(geometry, opacity_filter);
+  }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene);
+  const pl_status status = pl_accelerator_check(tracer, "building a model's accelerator");
+  if (status != PL_OK)
+    rtcReleaseScene(scene);
+  else
+    *out = scene;
+  return status;
+}
+
+static pl_status scene_of(pl_tracer *tracer, const pl_model *model, RTCScene *out) {
+  for (size_t i = 0; i < tracer->model_count; i++) {
+    if (tracer->models[i].model == model) {
+      *out = tracer->models[i].scene;
+      return PL_OK;
+    }
+  }
+  pl_model_accelerator *grown =
+      pl_realloc(tracer->models, tracer->model_count + 1, sizeof *grown);
+  if (grown == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for accelerators");
+  tracer->models = grown;
+  PL_TRY(build_model(tracer, model, out));
+  tracer->models[tracer->model_count++] = (pl_model_accelerator){model, *out};
+  return PL_OK;
+}
+
+static void remove_instance(pl_tracer *tracer, size_t index) {
+  pl_instance *instance = &tracer->instances[index];
+  if (instance->model == NULL)
+    return;
+  rtcDetachGeometry(tracer->top, (unsigned)index);
+  rtcReleaseGeometry(instance->geometry);
+  *instance = (pl_instance){0};
+}
+
+static pl_status place_instance(pl_tracer *tracer, size_t index, const pl_shot_object *object) {
+  pl_instance *instance = &tracer->instances[index];
+  const pl_model *model = object->object->model;
+  if (instance->model != model) {
+    RTCScene scene = NULL;
+    remove_instance(tracer, index);
+    PL_TRY(scene_of(tracer, model, &scene));
+    instance->geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    instance->model = model;
+    rtcSetGeometryInstancedScene(instance->geometry, scene);
+    rtcAttachGeometryByID(tracer->top, instance->geometry, (unsigned)index);
+  }
+  rtcSetGeometryTransform(instance->geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                          object->to_view);
+  rtcCommitGeometry(instance->geometry);
+  return PL_OK;
+}
+
+pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) {
+  if (snapshot->object_count > tracer->instance_count) {
+    pl_instance *grown = pl_realloc(tracer->instances, snapshot->object_count, sizeof *grown);
+    if (grown == NULL)
+      return pl_fail(PL_E_MEMORY, "out of memory for instances");
+    tracer->instances = grown;
+    for (size_t i = tracer->instance_count; i < snapshot->object_count; i++)
+      grown[i] = (pl_instance){0};
+    tracer->instance_count = snapshot->object_count;
+  }
+  tracer->has_meshes = false;
+  for (size_t i = 0; i < tracer->instance_count; i++) {
+    if (i >= snapshot->object_count || !snapshot->objects[i].kept) {
+      remove_instance(tracer, i);
+      continue;
+    }
+    PL_TRY(place_instance(tracer, i, &snapshot->objects[i]));
+    tracer->has_meshes = true;
+  }
+  rtcCommitScene(tracer->top);
+  return pl_accelerator_check(tracer, "placing instances");
+}

@@ -1,0 +1,33 @@
+/* Embree scenes: one per model, kept, and one of instances, moved every frame. */
+#ifndef PL_TRACE_ACCELERATOR_H
+#define PL_TRACE_ACCELERATOR_H
+
+#include "trace/embree.h"
+#include "trace/tracer.h"
+
+typedef struct pl_model_accelerator {
+  const pl_model *model; /* borrowed; the key */
+  RTCScene scene;        /* owned */
+} pl_model_accelerator;
+
+typedef struct pl_instance {
+  const pl_model *model; /* what `geometry` instances now; NULL when absent */
+  RTCGeometry geometry;  /* owned; attached under the object's index while present */
+} pl_instance;
+
+struct pl_tracer {
+  RTCDevice device;
+  RTCScene top;                   /* instances, ids = object indices */
+  pl_model_accelerator *models;   /* owned */
+  size_t model_count;
+  pl_instance *instances; /* owned, one per object */
+  size_t instance_count;
+  const pl_snapshot *snapshot; /* borrowed */
+  bool has_meshes;             /* the top scene holds an instance */
+};
+
+/* PL_E_DEVICE with Embree's error if there is one pending. */
+pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing);
+pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot);
+
+#endif

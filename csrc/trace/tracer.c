@@ -1,0 +1,190 @@
+/* Casting rays: meshes first, then the few bodies, nearest wins. */
+#include "trace/tracer.h"
+
+#include <stdio.h>
+
+#include "base/memory.h"
+#include "geom/ellipsoid.h"
+#include "trace/accelerator.h"
+
+enum { PACKET = 8 };
+
+#define PL_TEXT_OF(x) #x
+#define PL_TEXT(x) PL_TEXT_OF(x)
+
+const char *pl_tracer_version(void) {
+  return PL_TEXT(RTC_VERSION_MAJOR) "." PL_TEXT(RTC_VERSION_MINOR) "." PL_TEXT(RTC_VERSION_PATCH);
+}
+
+pl_status pl_tracer_create(pl_tracer **out) {
+  pl_tracer *tracer = pl_alloc(1, sizeof *tracer);
+  if (tracer == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for a tracer");
+  tracer->device = rtcNewDevice("threads=1,set_affinity=0");
+  if (tracer->device == NULL) {
+    const int error = (int)rtcGetDeviceError(NULL);
+    pl_free(tracer);
+    return pl_fail(PL_E_DEVICE, "Embree cannot open a device (error %d)", error);
+  }
+  tracer->top = rtcNewScene(tracer->device);
+  rtcSetSceneFlags(tracer->top, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
+  const pl_status status = pl_accelerator_check(tracer, "opening a scene");
+  if (status != PL_OK)
+    pl_tracer_destroy(tracer);
+  else
+    *out = tracer;
+  return status;
+}
+
+void pl_tracer_destroy(pl_tracer *tracer) {
+  if (tracer == NULL)
+    return;
+  for (size_t i = 0; i < tracer->instance_count; i++)
+    if (tracer->instances[i].model != NULL)
+      rtcReleaseGeometry(tracer->instances[i].geometry);
+  if (tracer->top != NULL)
+    rtcReleaseScene(tracer->top);
+  for (size_t i = 0; i < tracer->model_count; i++)
+    rtcReleaseScene(tracer->models[i].scene);
+  rtcReleaseDevice(tracer->device);
+  pl_free(tracer->instances);
+  pl_free(tracer->models);
+  pl_free(tracer);
+}
+
+pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot) {
+  tracer->snapshot = NULL;
+  PL_TRY(pl_accelerator_update(tracer, snapshot));
+  tracer->snapshot = snapshot;
+  return PL_OK;
+}
+
+static void fill_ray8(struct RTCRay8 *packet, const pl_ray *rays, size_t count, int *valid) {
+  for (size_t i = 0; i < PACKET; i++) {
+    const pl_ray *ray = &rays[i < count ? i : 0];
+    valid[i] = i < count ? -1 : 0;
+    packet->org_x[i] = ray->origin.x;
+    packet->org_y[i] = ray->origin.y;
+    packet->org_z[i] = ray->origin.z;
+    packet->dir_x[i] = ray->direction.x;
+    packet->dir_y[i] = ray->direction.y;
+    packet->dir_z[i] = ray->direction.z;
+    packet->tnear[i] = 0.0f;
+    packet->tfar[i] = ray->t_max;
+    packet->time[i] = 0.0f;
+    packet->mask[i] = UINT32_MAX;
+    packet->id[i] = 0;
+    packet->flags[i] = 0;
+  }
+}
+
+static void closest_packet(RTCScene scene, const pl_ray *rays, pl_hit *hits, size_t count) {
+  struct RTCRayHit8 packet;
+  _Alignas(32) int valid[PACKET];
+  fill_ray8(&packet.ray, rays, count, valid);
+  for (int i = 0; i < PACKET; i++)
+    packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  pl_embree_intersect8(valid, scene, &packet);
+  for (size_t i = 0; i < count; i++) {
+    if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
+      continue;
+    hits[i] = (pl_hit){packet.hit.instID[0][i], packet.hit.primID[i], packet.ray.tfar[i],
+                       packet.hit.u[i], packet.hit.v[i]};
+  }
+}
+
+static struct RTCRay single_ray(const pl_ray *ray) {
+  return (struct RTCRay){
+      .org_x = ray->origin.x,
+      .org_y = ray->origin.y,
+      .org_z = ray->origin.z,
+      .dir_x = ray->direction.x,
+      .dir_y = ray->direction.y,
+      .dir_z = ray->direction.z,
+      .tnear = 0.0f,
+      .tfar = ray->t_max,
+      .mask = UINT32_MAX,
+  };
+}
+
+static void closest_single(RTCScene scene, const pl_ray *ray, pl_hit *hit) {
+  struct RTCRayHit query = {.ray = single_ray(ray)};
+  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  pl_embree_intersect1(scene, &query);
+  if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
+    *hit = (pl_hit){query.hit.instID[0], query.hit.primID, query.ray.tfar, query.hit.u,
+                    query.hit.v};
+}
+
+/* Distance to a body, or infinity. */
+static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
+  const pl_vec3 origin = pl_vec3_add(
+      body->camera, pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(ray->origin)));
+  const pl_vec3 direction =
+      pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(ray->direction));
+  double t;
+  return pl_ellipsoid_intersect(body->state->radii_m, origin, direction, 0.0, &t) ? t : INFINITY;
+}
+
+static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit) {
+  for (size_t b = 0; b < shot->body_count; b++) {
+    if (ray->skip_body == b)
+      continue;
+    const double t = body_distance(&shot->bodies[b], ray);
+    const double limit = hit->thing != PL_NOTHING ? hit->t : ray->t_max;
+    if (t < limit)
+      *hit = (pl_hit){.thing = (uint32_t)(shot->object_count + b), .t = (float)t};
+  }
+}
+
+void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
+                       bool coherent, bool meshes) {
+  meshes = meshes && tracer->has_meshes;
+  for (size_t i = 0; i < count; i++)
+    hits[i].thing = PL_NOTHING;
+  if (meshes && coherent)
+    for (size_t i = 0; i < count; i += PACKET)
+      closest_packet(tracer->top, rays + i, hits + i, count - i < PACKET ? count - i : PACKET);
+  else if (meshes)
+    for (size_t i = 0; i < count; i++)
+      closest_single(tracer->top, &rays[i], &hits[i]);
+  for (size_t i = 0; i < count; i++)
+    closest_body(tracer->snapshot, &rays[i], &hits[i]);
+}
+
+static void occluded_packet(RTCScene scene, const pl_ray *rays, bool *occluded, size_t count) {
+  struct RTCRay8 packet;
+  _Alignas(32) int valid[PACKET];
+  fill_ray8(&packet, rays, count, valid);
+  pl_embree_occluded8(valid, scene, &packet);
+  for (size_t i = 0; i < count; i++)
+    occluded[i] = packet.tfar[i] < 0.0f; /* Embree sets -inf on a hit */
+}
+
+static bool occluded_single(RTCScene scene, const pl_ray *ray) {
+  struct RTCRay query = single_ray(ray);
+  pl_embree_occluded1(scene, &query);
+  return query.tfar < 0.0f;
+}
+
+static bool occluded_by_body(const pl_snapshot *shot, const pl_ray *ray) {
+  for (size_t b = 0; b < shot->body_count; b++)
+    if (ray->skip_body != b && body_distance(&shot->bodies[b], ray) < ray->t_max)
+      return true;
+  return false;
+}
+
+void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occluded, size_t count,
+                        bool coherent) {
+  for (size_t i = 0; i < count; i++)
+    occluded[i] = false;
+  if (tracer->has_meshes && coherent)
+    for (size_t i = 0; i < count; i += PACKET)
+      occluded_packet(tracer->top, rays + i, occluded + i,
+                      count - i < PACKET ? count - i : PACKET);
+  else if (tracer->has_meshes)
+    for (size_t i = 0; i < count; i++)
+      occluded[i] = occluded_single(tracer->top, &rays[i]);
+  for (size_t i = 0; i < count; i++)
+    occluded[i] = occluded[i] || occluded_by_body(tracer->snapshot, &rays[i]);
+}

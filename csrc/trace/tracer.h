@@ -1,0 +1,51 @@
+/* Closest hits and occlusion in a snapshot: meshes through Embree, bodies analytically. */
+#ifndef PL_TRACE_TRACER_H
+#define PL_TRACE_TRACER_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+#include "scene/snapshot.h"
+
+/* Things are numbered objects first, then bodies. */
+#define PL_NOTHING UINT32_MAX
+
+typedef struct pl_ray {
+  pl_vec3f origin;    /* camera-relative, root axes, m */
+  float t_max;        /* m */
+  pl_vec3f direction; /* unit */
+  uint32_t skip_body; /* index of a body that cannot be hit (its own convex surface), or PL_NOTHING */
+} pl_ray;
+
+typedef struct pl_hit {
+  uint32_t thing;    /* object index; object_count + body index; or PL_NOTHING */
+  uint32_t triangle; /* of the object's model */
+  float t;           /* m along the unit direction */
+  float u, v;        /* barycentric weights of corners 1 and 2 */
+} pl_hit;
+
+typedef struct pl_tracer pl_tracer;
+
+/* Opens an Embree device of one build thread, so that accelerators are the same everywhere. */
+pl_status pl_tracer_create(pl_tracer **out);
+void pl_tracer_destroy(pl_tracer *tracer);
+
+/* Makes `snapshot` the one that rays are cast in. Accelerators of models are built once and kept;
+ * only instances move. The snapshot is borrowed until the next call. */
+pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot);
+
+/* Thread-safe. `coherent` rays (neighbours with similar directions) go as packets. The choice is
+ * part of the result's definition: it must not depend on threads. `meshes` false skips meshes: the
+ * caller knows that these rays can meet none. */
+void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
+                       bool coherent, bool meshes);
+/* occluded[i] is true if anything lies on ray i before t_max. */
+void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occluded, size_t count,
+                        bool coherent);
+
+/* Embree's version and instruction set, e.g. "3.13.5". */
+const char *pl_tracer_version(void);
+
+#endif
