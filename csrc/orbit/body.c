@@ -7,6 +7,7 @@
  * until 2050). Phobos keeps its terms above 0.03 deg. Albedos: NASA planetary fact sheets. */
 #include "orbit/body.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -101,4 +102,16 @@ const pl_body *pl_body_find(const char *name) {
     if (strcmp(bodies[i].name, name) == 0)
       return &bodies[i];
   return NULL;
+}
+
+pl_status pl_body_require(const char *name, const pl_body **out) {
+  *out = pl_body_find(name);
+  if (*out)
+    return PL_OK;
+  char names[256] = "";
+  size_t used = 0;
+  for (size_t i = 0; i < COUNT(bodies) && used < sizeof names; i++)
+    used +=
+        (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", bodies[i].name);
+  return pl_fail(PL_E_ARGUMENT, "no body named '%s'; allowed: %s", name, names);
 }

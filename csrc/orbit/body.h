@@ -4,6 +4,8 @@
 
 #include <stddef.h>
 
+#include "base/status.h"
+
 /* One periodic term: argument phase + rate T + quadratic T^2, T in Julian centuries of TDB from
  * J2000; right ascension and W take its sine, declination its cosine. Degrees. */
 typedef struct pl_rotation_term {
@@ -35,5 +37,8 @@ const pl_body *pl_body_table(size_t *count);
 
 /* NULL when there is no such body. */
 const pl_body *pl_body_find(const char *name);
+
+/* The same, but PL_E_ARGUMENT with a text that lists the names there are. */
+pl_status pl_body_require(const char *name, const pl_body **out);
 
 #endif

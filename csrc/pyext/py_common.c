@@ -1,0 +1,30 @@
+/* Status codes as Python exceptions. */
+#include "pyext/py_common.h"
+
+static PyObject *exception_of(pl_status status) {
+  switch (status) {
+  case PL_E_IO:
+    return PyExc_OSError;
+  case PL_E_MEMORY:
+    return PyExc_MemoryError;
+  case PL_E_CANCELLED:
+    return PyExc_KeyboardInterrupt;
+  case PL_E_DEVICE:
+    return PyExc_RuntimeError;
+  case PL_E_ARGUMENT:
+  case PL_E_RANGE:
+  case PL_E_FORMAT:
+  case PL_E_UNSUPPORTED:
+    return PyExc_ValueError;
+  case PL_OK:
+  case PL_STATUS_COUNT:
+    break;
+  }
+  return PyExc_SystemError; /* a caller's mistake: there was nothing to raise */
+}
+
+PyObject *pl_py_raise(pl_status status) {
+  if (!PyErr_Occurred())
+    PyErr_SetString(exception_of(status), pl_error_text());
+  return NULL;
+}

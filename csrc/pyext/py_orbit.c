@@ -1,0 +1,143 @@
+/* Bodies, orbits and random words for Python. */
+#include "pyext/py_orbit.h"
+
+#include "math/philox.h"
+#include "orbit/elements.h"
+#include "orbit/orientation.h"
+#include "pyext/py_read.h"
+#include "pyext/py_tree.h"
+
+PyDoc_STRVAR(orientation_doc,
+             "body_orientation($module, name, tdb_day, tdb_fraction)\n--\n\n"
+             "Body-fixed to ICRF quaternions (n, 4) at JD(TDB) = tdb_day + tdb_fraction (n,).");
+
+static PyObject *body_orientation(PyObject *module, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"name", "tdb_day", "tdb_fraction", NULL};
+  (void)module;
+  const char *name = NULL;
+  double day = 0.0;
+  PyObject *fraction_object = NULL;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sdO:body_orientation", names, &name, &day,
+                                   &fraction_object))
+    return NULL;
+  const pl_body *body = NULL;
+  const pl_status status = pl_body_require(name, &body);
+  if (status != PL_OK)
+    return pl_py_raise(status);
+  PyArrayObject *fractions = pl_py_doubles(fraction_object, "tdb_fraction");
+  if (!fractions)
+    return NULL;
+  npy_intp shape[2] = {PyArray_SIZE(fractions), 4};
+  PyObject *out = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  if (out) {
+    const double *fraction = PyArray_DATA(fractions);
+    pl_quat *q = PyArray_DATA((PyArrayObject *)out);
+    for (npy_intp i = 0; i < shape[0]; i++) {
+      if (!isfinite(day) || !isfinite(fraction[i])) {
+        Py_CLEAR(out);
+        PyErr_Format(PyExc_ValueError, "tdb_day or tdb_fraction[%zd] is not finite", (Py_ssize_t)i);
+        break;
+      }
+      q[i] = pl_body_orientation(body, day, fraction[i]);
+    }
+  }
+  Py_DECREF(fractions);
+  return out;
+}
+
+PyDoc_STRVAR(kepler_doc,
+             "kepler_states($module, elements, gm, t_s)\n--\n\n"
+             "(n, 6) position m and velocity m/s in the elements' frame at times t_s (n,).");
+
+static PyObject *kepler_states(PyObject *module, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"elements", "gm", "t_s", NULL};
+  (void)module;
+  PyObject *elements = NULL, *time_object = NULL;
+  double gm = 0.0;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OdO:kepler_states", names, &elements, &gm,
+                                   &time_object))
+    return NULL;
+  pl_orbit orbit;
+  if (pl_py_read_orbit(elements, gm, "elements", &orbit) < 0)
+    return NULL;
+  PyArrayObject *times = pl_py_doubles(time_object, "t_s");
+  if (!times)
+    return NULL;
+  npy_intp shape[2] = {PyArray_SIZE(times), 6};
+  PyObject *out = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  pl_status status = PL_OK;
+  if (out) {
+    const double *t_s = PyArray_DATA(times);
+    pl_state *states = PyArray_DATA((PyArrayObject *)out);
+    Py_BEGIN_ALLOW_THREADS status = pl_orbit_states(&orbit, (size_t)shape[0], t_s, states);
+    Py_END_ALLOW_THREADS
+  }
+  Py_DECREF(times);
+  if (status != PL_OK) {
+    Py_XDECREF(out);
+    return pl_py_raise(status);
+  }
+  return out;
+}
+
+PyDoc_STRVAR(philox_doc, "philox($module, key, counter, count)\n--\n\n"
+                         "`count` words of Philox4x64-10, as numpy.random.Philox gives them.");
+
+static PyObject *philox(PyObject *module, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"key", "counter", "count", NULL};
+  (void)module;
+  PyObject *parts[6] = {NULL};
+  Py_ssize_t count = 0;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "(OO)(OOOO)n:philox", names, &parts[0], &parts[1],
+                                   &parts[2], &parts[3], &parts[4], &parts[5], &count))
+    return NULL;
+  uint64_t words[6];
+  for (int i = 0; i < 6; i++) {
+    words[i] = PyLong_AsUnsignedLongLong(parts[i]); /* negative or too large: OverflowError */
+    if (PyErr_Occurred())
+      return NULL;
+  }
+  if (count < 0) {
+    PyErr_Format(PyExc_ValueError, "count is %zd, but must not be negative", count);
+    return NULL;
+  }
+  npy_intp shape[1] = {count};
+  PyObject *out = PyArray_SimpleNew(1, shape, NPY_UINT64);
+  if (out)
+    pl_philox_fill(words, words + 2, (size_t)count, PyArray_DATA((PyArrayObject *)out));
+  return out;
+}
+
+#define KEYWORDS(function) ((PyCFunction)(void (*)(void))(function))
+PyMethodDef pl_py_orbit_methods[] = {
+    {"body_orientation", KEYWORDS(body_orientation), METH_VARARGS | METH_KEYWORDS, orientation_doc},
+    {"kepler_states", KEYWORDS(kepler_states), METH_VARARGS | METH_KEYWORDS, kepler_doc},
+    {"tree_poses", KEYWORDS(pl_py_tree_poses), METH_VARARGS | METH_KEYWORDS, pl_py_tree_poses_doc},
+    {"philox", KEYWORDS(philox), METH_VARARGS | METH_KEYWORDS, philox_doc},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyObject *body_constants(const pl_body *body) {
+  return Py_BuildValue("{s:d,s:(ddd),s:O,s:d,s:d,s:z}", "gm_m3_s2", body->gm_m3_s2, "radii_m",
+                       body->radii_m[0], body->radii_m[1], body->radii_m[2], "orientation", Py_True,
+                       "geometric_albedo", body->geometric_albedo, "bond_albedo", body->bond_albedo,
+                       "parent", body->parent);
+}
+
+int pl_py_orbit_add_constants(PyObject *module) {
+  PyObject *all = PyDict_New();
+  if (!all)
+    return -1;
+  size_t count = 0;
+  const pl_body *bodies = pl_body_table(&count);
+  int status = 0;
+  for (size_t i = 0; i < count && status == 0; i++) {
+    PyObject *one = body_constants(&bodies[i]);
+    status = one ? PyDict_SetItemString(all, bodies[i].name, one) : -1;
+    Py_XDECREF(one);
+  }
+  if (status == 0)
+    status = PyModule_AddObjectRef(module, "BODIES", all);
+  Py_DECREF(all);
+  return status;
+}

@@ -1,0 +1,106 @@
+/* Members of mappings as C values. */
+#include "pyext/py_read.h"
+
+#include <string.h>
+
+int pl_py_prefix_error(const char *where) {
+  PyObject *type = NULL, *value = NULL, *trace = NULL;
+  PyErr_Fetch(&type, &value, &trace);
+  if (!type || (!PyErr_GivenExceptionMatches(type, PyExc_ValueError) &&
+                !PyErr_GivenExceptionMatches(type, PyExc_TypeError))) {
+    PyErr_Restore(type, value, trace);
+    return -1;
+  }
+  PyErr_NormalizeException(&type, &value, &trace);
+  PyErr_Format(type, "%s: %S", where, value ? value : type);
+  Py_XDECREF(type);
+  Py_XDECREF(value);
+  Py_XDECREF(trace);
+  return -1;
+}
+
+int pl_py_member(PyObject *mapping, const char *key, int optional, const char *where,
+                 PyObject **out) {
+  *out = NULL;
+  if (!PyMapping_Check(mapping)) {
+    PyErr_Format(PyExc_TypeError, "%s: must be a mapping with the key '%s'", where, key);
+    return -1;
+  }
+  *out = PyMapping_GetItemString(mapping, key);
+  if (*out)
+    return 0;
+  if (!PyErr_ExceptionMatches(PyExc_KeyError))
+    return pl_py_prefix_error(where);
+  PyErr_Clear();
+  if (!optional) {
+    PyErr_Format(PyExc_ValueError, "%s: the key '%s' is missing", where, key);
+    return -1;
+  }
+  Py_INCREF(Py_None);
+  *out = Py_None;
+  return 0;
+}
+
+int pl_py_member_double(PyObject *mapping, const char *key, const char *where, double *out) {
+  PyObject *item = NULL;
+  if (pl_py_member(mapping, key, 0, where, &item) < 0)
+    return -1;
+  *out = PyFloat_AsDouble(item);
+  Py_DECREF(item);
+  if (PyErr_Occurred()) {
+    pl_py_prefix_error(key);
+    return pl_py_prefix_error(where);
+  }
+  return 0;
+}
+
+int pl_py_member_doubles(PyObject *mapping, const char *key, const char *where, npy_intp count,
+                         double *out) {
+  PyObject *item = NULL;
+  if (pl_py_member(mapping, key, 0, where, &item) < 0)
+    return -1;
+  PyArrayObject *array = pl_py_doubles(item, key);
+  Py_DECREF(item);
+  if (!array)
+    return pl_py_prefix_error(where);
+  if (PyArray_SIZE(array) != count) {
+    PyErr_Format(PyExc_ValueError, "%s: %s has %zd numbers, but must have %zd", where, key,
+                 (Py_ssize_t)PyArray_SIZE(array), (Py_ssize_t)count);
+    Py_DECREF(array);
+    return -1;
+  }
+  memcpy(out, PyArray_DATA(array), (size_t)count * sizeof *out);
+  Py_DECREF(array);
+  return 0;
+}
+
+int pl_py_member_text(PyObject *mapping, const char *key, const char *where, PyObject **owner,
+                      const char **out) {
+  *out = NULL;
+  if (pl_py_member(mapping, key, 0, where, owner) < 0)
+    return -1;
+  if (PyUnicode_Check(*owner))
+    *out = PyUnicode_AsUTF8AndSize(*owner, NULL);
+  else
+    PyErr_Format(PyExc_TypeError, "%s: %s must be text", where, key);
+  if (*out)
+    return 0;
+  Py_CLEAR(*owner);
+  return -1;
+}
+
+PyArrayObject *pl_py_doubles(PyObject *object, const char *name) {
+  PyArrayObject *array =
+      (PyArrayObject *)PyArray_FROMANY(object, NPY_DOUBLE, 0, 0, NPY_ARRAY_CARRAY_RO);
+  if (!array) {
+    pl_py_prefix_error(name);
+    return NULL;
+  }
+  if (PyArray_NDIM(array) != 1) {
+    PyErr_Format(PyExc_ValueError, "%s has %d dimensions, but must have 1", name,
+                 PyArray_NDIM(array));
+    Py_DECREF(array);
+    return NULL;
+  }
+  return array;
+}

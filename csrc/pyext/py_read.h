@@ -1,0 +1,27 @@
+/* Reading arguments: members of mappings, with errors that say where the value was. */
+#ifndef PL_PYEXT_PY_READ_H
+#define PL_PYEXT_PY_READ_H
+
+#include "pyext/py_common.h"
+
+/* All give 0, or -1 with an exception that starts with `where`, e.g. "node 'iss': motion". */
+
+/* New reference to mapping[key]; a missing key is a ValueError, or Py_None if `optional`. */
+int pl_py_member(PyObject *mapping, const char *key, int optional, const char *where,
+                 PyObject **out);
+int pl_py_member_double(PyObject *mapping, const char *key, const char *where, double *out);
+/* `count` numbers from any sequence or array. */
+int pl_py_member_doubles(PyObject *mapping, const char *key, const char *where, npy_intp count,
+                         double *out);
+/* UTF-8 text that lives as long as *owner, a new reference. */
+int pl_py_member_text(PyObject *mapping, const char *key, const char *where, PyObject **owner,
+                      const char **out);
+
+/* Prefixes the current exception, if it is a ValueError or TypeError, with "where: "; returns -1.
+ */
+int pl_py_prefix_error(const char *where);
+
+/* A contiguous double array of one dimension (new reference), or NULL. */
+PyArrayObject *pl_py_doubles(PyObject *object, const char *name);
+
+#endif
