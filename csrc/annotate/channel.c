@@ -111,17 +111,17 @@ static pl_vec3 to_viewer(const pl_vertex *vertex) {
 
 static void write_incidence(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
   float *out = pixel;
-  *out = vertex == NULL ? NAN
-                        : (float)angle_between(pl_vec3f_to_double(vertex->surface.n),
-                                               to_sun(shot, vertex));
+  *out = vertex == NULL
+             ? NAN
+             : (float)angle_between(pl_vec3f_to_double(vertex->surface.n), to_sun(shot, vertex));
 }
 
 static void write_emission(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
   (void)shot;
   float *out = pixel;
-  *out = vertex == NULL ? NAN
-                        : (float)angle_between(pl_vec3f_to_double(vertex->surface.n),
-                                               to_viewer(vertex));
+  *out = vertex == NULL
+             ? NAN
+             : (float)angle_between(pl_vec3f_to_double(vertex->surface.n), to_viewer(vertex));
 }
 
 static void write_phase(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
@@ -134,8 +134,7 @@ const pl_channel pl_channels[] = {
      write_depth},
     {"range", "float32", 4, 0, "m", "distance along the ray; 0 where nothing is hit", write_range},
     {"normal", "float32", 4, 3, "1",
-     "unit shading normal on the viewer's side, camera axes; 0 where nothing is hit",
-     write_normal},
+     "unit shading normal on the viewer's side, camera axes; 0 where nothing is hit", write_normal},
     {"position", "float64", 8, 3, "m", "root frame; nan where nothing is hit", write_position},
     {"object_coords", "float32", 4, 3, "m",
      "coordinates in the object's or body's own frame; nan where nothing is hit",

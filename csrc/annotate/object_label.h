@@ -9,13 +9,13 @@
 /* One row of Sample.objects; laid out as NumPy sees it. Pose at mid-exposure:
  * p_camera = R p_object + t, OpenCV axes, metres. */
 typedef struct pl_object_label {
-  double R_m2c[9];       /* row-major */
-  double t_m2c[3];       /* m */
+  double R_m2c[9]; /* row-major */
+  double t_m2c[3]; /* m */
   int32_t instance_id;
   int32_t obj_id;
   int32_t bbox_visib[4]; /* x, y, w, h; w = x_max - x_min as in BOP; -1s when unseen */
   int32_t px_count_visib;
-  int32_t in_view;       /* 1 when the bounding sphere touches the frustum */
+  int32_t in_view; /* 1 when the bounding sphere touches the frustum */
 } pl_object_label;
 
 /* Where an object is seen; mergeable in any order. */

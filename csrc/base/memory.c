@@ -109,8 +109,7 @@ static pl_arena_block *block_create(size_t capacity) {
 void *pl_arena_alloc(pl_arena *arena, size_t count, size_t size) {
   if (size != 0 && count > (SIZE_MAX - ARENA_ALIGNMENT) / size)
     return NULL;
-  const size_t bytes =
-      (count * size + ARENA_ALIGNMENT - 1) & ~(size_t)(ARENA_ALIGNMENT - 1);
+  const size_t bytes = (count * size + ARENA_ALIGNMENT - 1) & ~(size_t)(ARENA_ALIGNMENT - 1);
   pl_arena_block *last = NULL;
   for (pl_arena_block *block = arena->current; block != NULL; block = block->next) {
     if (block->capacity - block->used >= bytes) {

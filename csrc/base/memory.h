@@ -22,7 +22,8 @@ uint64_t pl_memory_allocations(void);
 /* Zeroed memory for `count` items of `size` bytes; NULL when out of memory or count*size
  * overflows (the caller reports). count or size 0 gives a valid pointer. */
 void *pl_alloc(size_t count, size_t size);
-/* Changes the item count, keeps content; new bytes are not zeroed. NULL leaves `memory` as it was. */
+/* Changes the item count, keeps content; new bytes are not zeroed. NULL leaves `memory` as it was.
+ */
 void *pl_realloc(void *memory, size_t count, size_t size);
 void pl_free(void *memory);
 

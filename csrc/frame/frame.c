@@ -90,7 +90,8 @@ static pl_status check_request(const pl_frame_request *request) {
   return PL_OK;
 }
 
-/* --- automatic exposure: the same frame, small, direct light only ------------------------------ */
+/* --- automatic exposure: the same frame, small, direct light only ------------------------------
+ */
 
 typedef struct meter {
   float *luminances; /* one per pixel */
@@ -145,7 +146,8 @@ static pl_status meter_frame(pl_renderer *renderer, const pl_frame_request *requ
   return PL_OK;
 }
 
-/* --- the frame ----------------------------------------------------------------------------------*/
+/* --- the frame
+ * ----------------------------------------------------------------------------------*/
 
 /* A white Lambert surface facing the sun at the brightest thing of the scene. */
 static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
@@ -229,7 +231,9 @@ static pl_render_settings settings_of(const pl_frame_request *request, const pl_
   return (pl_render_settings){
       .seed = request->seed,
       .frame = request->index,
-      .samples = !wants_colour(request) ? 0 : samples > 0 ? samples : 1,
+      .samples = !wants_colour(request) ? 0
+                 : samples > 0          ? samples
+                                        : 1,
       .bounces = pl_plan_value(plan, "bounces"),
       .body_bounces = pl_plan_value(plan, "body_bounces") > 0,
       .soft_sun = pl_plan_value(plan, "soft_sun") > 0,

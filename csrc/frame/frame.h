@@ -28,8 +28,15 @@ typedef struct pl_frame_request {
 } pl_frame_request;
 
 /* Stages, timed. */
-typedef enum pl_stage { PL_STAGE_SNAPSHOT, PL_STAGE_METER, PL_STAGE_PLAN, PL_STAGE_REALISE,
-                        PL_STAGE_RENDER, PL_STAGE_LABEL, PL_STAGE_COUNT } pl_stage;
+typedef enum pl_stage {
+  PL_STAGE_SNAPSHOT,
+  PL_STAGE_METER,
+  PL_STAGE_PLAN,
+  PL_STAGE_REALISE,
+  PL_STAGE_RENDER,
+  PL_STAGE_LABEL,
+  PL_STAGE_COUNT
+} pl_stage;
 const char *pl_stage_name(pl_stage stage);
 
 typedef struct pl_frame_result {

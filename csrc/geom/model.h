@@ -33,38 +33,38 @@ typedef enum pl_alpha_mode { PL_ALPHA_OPAQUE, PL_ALPHA_MASK, PL_ALPHA_BLEND } pl
 
 /* glTF 2.0 metallic-roughness material; colours linear. */
 typedef struct pl_material {
-  char *name;            /* owned, never NULL */
-  float base_color[4];   /* linear RGBA factor */
-  float metallic;        /* factor, 0..1 */
-  float roughness;       /* perceptual factor, 0..1; alpha = roughness^2 */
-  float emissive[3];     /* linear factor */
-  float normal_scale;    /* factor on x and y of the normal map */
-  float alpha_cutoff;    /* for PL_ALPHA_MASK */
+  char *name;          /* owned, never NULL */
+  float base_color[4]; /* linear RGBA factor */
+  float metallic;      /* factor, 0..1 */
+  float roughness;     /* perceptual factor, 0..1; alpha = roughness^2 */
+  float emissive[3];   /* linear factor */
+  float normal_scale;  /* factor on x and y of the normal map */
+  float alpha_cutoff;  /* for PL_ALPHA_MASK */
   pl_alpha_mode alpha_mode;
   bool double_sided;
-  bool unlit;            /* KHR_materials_unlit: taken as a Lambert surface of the base colour */
-  pl_texture_slot base_color_map; /* sRGB */
+  bool unlit; /* KHR_materials_unlit: taken as a Lambert surface of the base colour */
+  pl_texture_slot base_color_map;         /* sRGB */
   pl_texture_slot metallic_roughness_map; /* linear: G roughness, B metallic */
-  pl_texture_slot normal_map; /* linear */
-  pl_texture_slot emissive_map; /* sRGB */
+  pl_texture_slot normal_map;             /* linear */
+  pl_texture_slot emissive_map;           /* sRGB */
 } pl_material;
 
 /* A part: one primitive of one node. Names need not be unique. */
 typedef struct pl_part {
-  char *name;         /* node name (or mesh name, or "node N"), owned, never NULL */
-  int node;           /* index in the file */
+  char *name;          /* node name (or mesh name, or "node N"), owned, never NULL */
+  int node;            /* index in the file */
   int mesh, primitive; /* indices in the file */
-  int material;       /* index into materials */
+  int material;        /* index into materials */
 } pl_part;
 
 typedef struct pl_model {
   size_t vertex_count, triangle_count;
-  float *positions;    /* 3 per vertex, model units, z-up */
-  float *normals;      /* 3 per vertex, unit; computed flat/smooth when the file has none */
-  float *tangents;     /* 4 per vertex (xyz unit, w = handedness) or NULL when no normal map */
-  float *uvs[2];       /* 2 per vertex or NULL */
-  float *colors;       /* linear RGBA per vertex or NULL */
-  uint32_t *indices;   /* 3 per triangle, counter-clockwise seen from outside */
+  float *positions;        /* 3 per vertex, model units, z-up */
+  float *normals;          /* 3 per vertex, unit; computed flat/smooth when the file has none */
+  float *tangents;         /* 4 per vertex (xyz unit, w = handedness) or NULL when no normal map */
+  float *uvs[2];           /* 2 per vertex or NULL */
+  float *colors;           /* linear RGBA per vertex or NULL */
+  uint32_t *indices;       /* 3 per triangle, counter-clockwise seen from outside */
   uint32_t *triangle_part; /* per triangle, index into parts */
 
   size_t part_count, material_count, texture_count;
@@ -73,7 +73,7 @@ typedef struct pl_model {
   pl_texture **textures;  /* owned */
 
   float bounds_min[3], bounds_max[3]; /* of positions */
-  char *warnings;      /* owned, lines separated by '\n', "" when there are none */
+  char *warnings;                     /* owned, lines separated by '\n', "" when there are none */
 } pl_model;
 
 /* Frees everything, including the struct; NULL is allowed. */

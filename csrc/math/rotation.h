@@ -24,10 +24,9 @@ typedef struct pl_pose {
 #define PL_POSE_IDENTITY ((pl_pose){{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}})
 
 static inline pl_quat pl_quat_mul(pl_quat a, pl_quat b) {
-  return (pl_quat){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-                   a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-                   a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                   a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
+  return (pl_quat){
+      a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+      a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 static inline pl_quat pl_quat_conjugate(pl_quat q) { return (pl_quat){q.w, -q.x, -q.y, -q.z}; }
 /* Zero or non-finite input gives the identity. */

@@ -28,9 +28,7 @@ static inline pl_vec3 pl_vec3_scale(pl_vec3 a, double s) {
 static inline pl_vec3 pl_vec3_madd(pl_vec3 a, double s, pl_vec3 b) { /* a + s b */
   return (pl_vec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
 }
-static inline double pl_vec3_dot(pl_vec3 a, pl_vec3 b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+static inline double pl_vec3_dot(pl_vec3 a, pl_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static inline pl_vec3 pl_vec3_cross(pl_vec3 a, pl_vec3 b) {
   return (pl_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

@@ -13,7 +13,8 @@ typedef struct pl_effect {
   const char *(*absent)(const pl_view *view);
   /* Largest value worth setting; at least 1. */
   int (*ceiling)(const pl_view *view);
-  /* Upper bound of what a pixel changes, in digital numbers, between `value` and the limit of all. */
+  /* Upper bound of what a pixel changes, in digital numbers, between `value` and the limit of all.
+   */
   double (*bound_dn)(const pl_view *view, int value);
   /* Rough cost at `value`, milliseconds on one thread. */
   double (*cost_ms)(const pl_view *view, int value);

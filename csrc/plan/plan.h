@@ -30,7 +30,8 @@ typedef struct pl_plan_wish {
 } pl_plan_wish;
 
 /* Keeps each effect whose bound exceeds the tolerance, at the smallest value whose residual does
- * not, or at its ceiling. Forcing on sets the ceiling. PL_E_ARGUMENT if a row is forced both ways. */
+ * not, or at its ceiling. Forcing on sets the ceiling. PL_E_ARGUMENT if a row is forced both ways.
+ */
 pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_view *view,
                         const pl_plan_wish *wish, pl_plan *out);
 

@@ -26,8 +26,8 @@ typedef struct pl_view {
   double sun_radius_rad;   /* angular radius of the sun at the camera */
   double sun_direction[3]; /* unit, from the camera, root axes */
   bool sun_in_frame;
-  int samples;     /* the user's ceiling of colour samples a pixel */
-  int max_bounces; /* the user's ceiling of bounces */
+  int samples;                 /* the user's ceiling of colour samples a pixel */
+  int max_bounces;             /* the user's ceiling of bounces */
   const pl_view_thing *things; /* borrowed */
   size_t thing_count;
 } pl_view;

@@ -39,9 +39,8 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
           .pdf = INFINITY,
           .pixel = (uint32_t)(y * PL_TILE_SIDE + x),
       };
-      b->rays[count] = (pl_ray){.t_max = INFINITY,
-                                .direction = pl_vec3_to_float(direction),
-                                .skip_body = PL_NOTHING};
+      b->rays[count] = (pl_ray){
+          .t_max = INFINITY, .direction = pl_vec3_to_float(direction), .skip_body = PL_NOTHING};
       count++;
     }
   }
@@ -75,8 +74,8 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
     const float pdf = pl_sun_pdf(&sun);
     scale = sun.radiance / pdf * pl_power_heuristic(pdf, s->reflectance->pdf(s, wo, wi));
   }
-  const pl_vec3f light = pl_vec3f_scale(
-      pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi)), scale);
+  const pl_vec3f light =
+      pl_vec3f_scale(pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi)), scale);
   if (!(pl_vec3f_max(light) > 0.0f))
     return queued;
   if (!context->settings->cast_shadows) {

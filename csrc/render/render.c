@@ -17,8 +17,8 @@ pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
   if (threads < 1 || threads > 256)
     return pl_fail(PL_E_RANGE, "threads must be in 1..256, not %d", threads);
   PL_TRY(pl_alloc_or_fail(1, sizeof(pl_render_scratch), "scratch memory", &scratch));
-  const pl_status status = pl_alloc_or_fail((size_t)threads, sizeof(pl_tile_buffers),
-                                            "tile buffers", &buffers);
+  const pl_status status =
+      pl_alloc_or_fail((size_t)threads, sizeof(pl_tile_buffers), "tile buffers", &buffers);
   if (status != PL_OK) {
     pl_free(scratch);
     return status;
@@ -52,7 +52,8 @@ static pl_tile tile_of(const job *job, size_t item) {
   const int column = (int)(item % (size_t)job->columns), row = (int)(item / (size_t)job->columns);
   const int x0 = column * PL_TILE_SIDE, y0 = row * PL_TILE_SIDE;
   const int w = job->shot->camera.width - x0, h = job->shot->camera.height - y0;
-  return (pl_tile){x0, y0, w < PL_TILE_SIDE ? w : PL_TILE_SIDE, h < PL_TILE_SIDE ? h : PL_TILE_SIDE};
+  return (pl_tile){x0, y0, w < PL_TILE_SIDE ? w : PL_TILE_SIDE,
+                   h < PL_TILE_SIDE ? h : PL_TILE_SIDE};
 }
 
 /* The cone about the tile's middle that holds all its pixels. */
@@ -78,13 +79,14 @@ static void tile_content(const job *job, pl_tile tile, bool *meshes, bool *anyth
   tile_cone(job, tile, &axis, &half_angle);
   *meshes = false;
   for (size_t i = 0; i < shot->object_count && !*meshes; i++)
-    *meshes = shot->objects[i].in_frame && pl_sphere_in_cone(shot->objects[i].center,
-                                                             shot->objects[i].radius_m, axis,
-                                                             half_angle);
-  *anything = *meshes || pl_sphere_in_cone(shot->sun.position, shot->sun.radius_m, axis, half_angle);
+    *meshes =
+        shot->objects[i].in_frame &&
+        pl_sphere_in_cone(shot->objects[i].center, shot->objects[i].radius_m, axis, half_angle);
+  *anything =
+      *meshes || pl_sphere_in_cone(shot->sun.position, shot->sun.radius_m, axis, half_angle);
   for (size_t i = 0; i < shot->body_count && !*anything; i++)
-    *anything = pl_sphere_in_cone(shot->bodies[i].center, shot->bodies[i].radius_m, axis,
-                                  half_angle);
+    *anything =
+        pl_sphere_in_cone(shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle);
 }
 
 /* One word of randomness a pixel, keyed by (seed, "render", frame, pixel). */
@@ -108,12 +110,10 @@ static void fill_points(const job *job, pl_tile tile, bool meshes, pl_tile_buffe
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
       const pl_vec3 direction = pl_snapshot_ray(job->shot, tile.x0 + x, tile.y0 + y);
-      b->paths[count].beam =
-          (pl_beam){.direction = direction, .spread = (float)job->pixel_rad};
+      b->paths[count].beam = (pl_beam){.direction = direction, .spread = (float)job->pixel_rad};
       b->paths[count].pixel = (uint32_t)(y * PL_TILE_SIDE + x);
-      b->rays[count++] = (pl_ray){.t_max = INFINITY,
-                                  .direction = pl_vec3_to_float(direction),
-                                  .skip_body = PL_NOTHING};
+      b->rays[count++] = (pl_ray){
+          .t_max = INFINITY, .direction = pl_vec3_to_float(direction), .skip_body = PL_NOTHING};
     }
   pl_tracer_closest(job->tracer, b->rays, b->hits, count, true, meshes);
   for (size_t i = 0; i < count; i++) {
@@ -165,8 +165,8 @@ static pl_status render_tile(void *context, size_t item, int worker) {
 }
 
 pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
-                    const pl_render_settings *settings, pl_render_scratch *scratch,
-                    pl_tile_fn done, void *context, pl_cancel *cancel) {
+                    const pl_render_settings *settings, pl_render_scratch *scratch, pl_tile_fn done,
+                    void *context, pl_cancel *cancel) {
   const int columns = (shot->camera.width + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
   const int rows = (shot->camera.height + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
   job job = {

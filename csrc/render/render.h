@@ -42,7 +42,7 @@ int pl_render_scratch_threads(const pl_render_scratch *scratch);
 /* Renders the snapshot that `tracer` was set to. `done` is called once a tile, on the worker that
  * made it. Results do not depend on the number of threads. */
 pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
-                    const pl_render_settings *settings, pl_render_scratch *scratch,
-                    pl_tile_fn done, void *context, pl_cancel *cancel);
+                    const pl_render_settings *settings, pl_render_scratch *scratch, pl_tile_fn done,
+                    void *context, pl_cancel *cancel);
 
 #endif

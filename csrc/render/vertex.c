@@ -26,7 +26,8 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
   double t = hit->t, u = hit->u, v = hit->v;
   if (fabs(facing) > 1e-9 * sqrt(area2)) {
     const double exact = -pl_vec3_dot(normal, from) / facing;
-    if (fabs(exact - t) <= 1e-3 * fabs(t) + 1e-3) { /* otherwise edge-on: rounding, not refinement */
+    if (fabs(exact - t) <=
+        1e-3 * fabs(t) + 1e-3) { /* otherwise edge-on: rounding, not refinement */
       const pl_vec3 p = pl_vec3_madd(from, exact, beam->direction);
       t = exact;
       u = pl_vec3_dot(pl_vec3_cross(p, e2), normal) / area2;
@@ -43,8 +44,7 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
 
 static void locate_body(const pl_shot_body *body, const pl_beam *beam, const pl_hit *hit,
                         pl_vertex *out) {
-  const pl_vec3 origin =
-      pl_vec3_add(body->camera, pl_mat3_mul_vec_t(body->rotation, beam->origin));
+  const pl_vec3 origin = pl_vec3_add(body->camera, pl_mat3_mul_vec_t(body->rotation, beam->origin));
   const pl_vec3 direction = pl_mat3_mul_vec_t(body->rotation, beam->direction);
   double t = hit->t;
   pl_ellipsoid_intersect(body->state->radii_m, origin, direction, 0.0, &t);
@@ -169,11 +169,10 @@ static void shade_body(const pl_shot_body *body, const pl_beam *beam, bool maps,
   float map[4];
   set_frame(surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
   body_color(body, vertex, beam, maps, map);
-  surface->color = pl_vec3f_make(fminf(map[0] * state->albedo[0], 1.0f),
-                                 fminf(map[1] * state->albedo[1], 1.0f),
-                                 fminf(map[2] * state->albedo[2], 1.0f));
-  surface->emission =
-      pl_vec3f_make(state->emission[0], state->emission[1], state->emission[2]);
+  surface->color =
+      pl_vec3f_make(fminf(map[0] * state->albedo[0], 1.0f), fminf(map[1] * state->albedo[1], 1.0f),
+                    fminf(map[2] * state->albedo[2], 1.0f));
+  surface->emission = pl_vec3f_make(state->emission[0], state->emission[1], state->emission[2]);
   surface->metallic = 0.0f;
   surface->alpha = 1.0f;
   surface->reflectance = body->body->reflectance;
@@ -200,8 +199,7 @@ void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, bool maps, pl
     shade_mesh(&shot->objects[vertex->thing], beam, maps, vertex);
   else
     shade_body(&shot->bodies[vertex->thing - shot->object_count], beam, maps, vertex);
-  face_viewer(&vertex->surface, vertex->ng,
-              pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
+  face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
 }
 
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,

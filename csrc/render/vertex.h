@@ -14,8 +14,8 @@ typedef struct pl_beam {
 } pl_beam;
 
 typedef struct pl_vertex {
-  pl_vec3 position;   /* camera-relative, root axes, m */
-  double t;           /* along the beam, m */
+  pl_vec3 position; /* camera-relative, root axes, m */
+  double t;         /* along the beam, m */
   uint32_t thing;
   uint32_t triangle;
   float w[3];         /* barycentric weights */

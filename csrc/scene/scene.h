@@ -15,12 +15,12 @@ enum { PL_LEVELS_MAX = 8 };
 
 /* An instance of a model. A model point p lies at scale * (p - offset) in the object's frame. */
 typedef struct pl_object {
-  char *name;              /* owned */
-  const pl_model *model;   /* borrowed */
-  pl_vec3 offset;          /* model units */
+  char *name;            /* owned */
+  const pl_model *model; /* borrowed */
+  pl_vec3 offset;        /* model units */
   int32_t obj_id, instance_id;
-  int32_t *part_ids;       /* owned, one per model part */
-  uint16_t *class_ids;     /* owned, levels per model part */
+  int32_t *part_ids;   /* owned, one per model part */
+  uint16_t *class_ids; /* owned, levels per model part */
   pl_model_summary summary;
 } pl_object;
 
@@ -72,16 +72,16 @@ typedef struct pl_body_state {
 } pl_body_state;
 
 typedef struct pl_sun {
-  pl_vec3 position_m;   /* root frame */
+  pl_vec3 position_m; /* root frame */
   double radius_m;
   double irradiance_au; /* W m-2 at 1 AU, in every band */
 } pl_sun;
 
 /* A pinhole camera: p_pixel = K p, OpenCV axes, integer pixel centres. */
 typedef struct pl_camera {
-  int width, height;     /* pixels */
+  int width, height;           /* pixels */
   double fx, fy, cx, cy, skew; /* pixels */
-  pl_motion motion;      /* camera to root */
+  pl_motion motion;            /* camera to root */
 } pl_camera;
 /* Direction of a pixel position in camera axes with z = 1 (not unit). */
 pl_vec3 pl_camera_ray(const pl_camera *camera, double u, double v);

@@ -27,14 +27,12 @@ double pl_shot_sun_irradiance(const pl_shot_sun *sun, pl_vec3 point) {
 /* Half angle of the cone about the axis through the image centre that holds the whole image. */
 static void image_cone(const pl_snapshot *shot, pl_vec3 *axis, double *half_angle_rad) {
   const double w = shot->camera.width, h = shot->camera.height;
-  const double corner[4][2] = {
-      {-0.5, -0.5}, {w - 0.5, -0.5}, {-0.5, h - 0.5}, {w - 0.5, h - 0.5}};
+  const double corner[4][2] = {{-0.5, -0.5}, {w - 0.5, -0.5}, {-0.5, h - 0.5}, {w - 0.5, h - 0.5}};
   *axis = pl_snapshot_ray(shot, 0.5 * (w - 1.0), 0.5 * (h - 1.0));
   *half_angle_rad = 0.0;
   for (int i = 0; i < 4; i++) {
     const pl_vec3 ray = pl_snapshot_ray(shot, corner[i][0], corner[i][1]);
-    const double angle =
-        atan2(pl_vec3_norm(pl_vec3_cross(ray, *axis)), pl_vec3_dot(ray, *axis));
+    const double angle = atan2(pl_vec3_norm(pl_vec3_cross(ray, *axis)), pl_vec3_dot(ray, *axis));
     *half_angle_rad = fmax(*half_angle_rad, angle);
   }
 }
@@ -49,9 +47,18 @@ static void build_object(const pl_object *object, const pl_object_state *state, 
   const double s = state->scale;
   const pl_vec3 shift = pl_mat3_mul_vec(m, pl_vec3_scale(object->offset, -s));
   const pl_vec3 t = pl_vec3_add(out->position, shift);
-  const double columns[12] = {s * m.row[0].x, s * m.row[1].x, s * m.row[2].x, s * m.row[0].y,
-                              s * m.row[1].y, s * m.row[2].y, s * m.row[0].z, s * m.row[1].z,
-                              s * m.row[2].z, t.x,            t.y,            t.z};
+  const double columns[12] = {s * m.row[0].x,
+                              s * m.row[1].x,
+                              s * m.row[2].x,
+                              s * m.row[0].y,
+                              s * m.row[1].y,
+                              s * m.row[2].y,
+                              s * m.row[0].z,
+                              s * m.row[1].z,
+                              s * m.row[2].z,
+                              t.x,
+                              t.y,
+                              t.z};
   for (int i = 0; i < 12; i++)
     out->to_view[i] = (float)columns[i];
   const float *low = object->model->bounds_min, *high = object->model->bounds_max;

@@ -22,17 +22,17 @@ typedef struct pl_shot_object {
 } pl_shot_object;
 
 typedef struct pl_shot_body {
-  const pl_body *body;         /* borrowed */
-  const pl_body_state *state;  /* borrowed */
-  pl_mat3 rotation;            /* body axes to root axes */
-  pl_vec3 center;              /* camera-relative, m */
-  pl_vec3 camera;              /* the camera in body axes, from the body's centre, m */
-  double radius_m;             /* largest semi-axis */
+  const pl_body *body;        /* borrowed */
+  const pl_body_state *state; /* borrowed */
+  pl_mat3 rotation;           /* body axes to root axes */
+  pl_vec3 center;             /* camera-relative, m */
+  pl_vec3 camera;             /* the camera in body axes, from the body's centre, m */
+  double radius_m;            /* largest semi-axis */
   bool in_frame;
 } pl_shot_body;
 
 typedef struct pl_shot_sun {
-  pl_vec3 position;     /* camera-relative, m */
+  pl_vec3 position; /* camera-relative, m */
   double radius_m;
   double irradiance_au; /* W m-2 at 1 AU */
   bool in_frame;        /* the disc touches the frustum */
@@ -40,8 +40,8 @@ typedef struct pl_shot_sun {
 
 typedef struct pl_snapshot {
   int levels;
-  pl_camera camera;       /* intrinsics; its motion is not used any more */
-  pl_mat3 camera_to_root; /* rotation at mid-exposure */
+  pl_camera camera;        /* intrinsics; its motion is not used any more */
+  pl_mat3 camera_to_root;  /* rotation at mid-exposure */
   pl_vec3 camera_position; /* root frame, m */
   pl_shot_object *objects;
   size_t object_count;

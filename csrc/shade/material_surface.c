@@ -104,9 +104,9 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
   surface->color = pl_vec3f_make(base[0] * vertex[0] * material->base_color[0],
                                  base[1] * vertex[1] * material->base_color[1],
                                  base[2] * vertex[2] * material->base_color[2]);
-  surface->emission = pl_vec3f_make(emissive[0] * material->emissive[0],
-                                    emissive[1] * material->emissive[1],
-                                    emissive[2] * material->emissive[2]);
+  surface->emission =
+      pl_vec3f_make(emissive[0] * material->emissive[0], emissive[1] * material->emissive[1],
+                    emissive[2] * material->emissive[2]);
   const float roughness = mr[1] * material->roughness;
   surface->alpha = roughness * roughness;
   surface->metallic = mr[2] * material->metallic;

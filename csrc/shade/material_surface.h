@@ -11,9 +11,10 @@
 /* A point of a triangle, in the axes of the view. */
 typedef struct pl_triangle_point {
   uint32_t triangle;
-  float w[3];             /* barycentric weights of the three corners */
-  pl_vec3f edge1, edge2;  /* corner 1 - corner 0, corner 2 - corner 0, metres */
-  pl_vec3f footprint_a, footprint_b; /* half axes doubled: a pixel's extent on the surface, metres */
+  float w[3];            /* barycentric weights of the three corners */
+  pl_vec3f edge1, edge2; /* corner 1 - corner 0, corner 2 - corner 0, metres */
+  pl_vec3f footprint_a,
+      footprint_b; /* half axes doubled: a pixel's extent on the surface, metres */
 } pl_triangle_point;
 
 /* uv of set `set` and the footprint in it; zeros when the model has no such set. */

@@ -66,8 +66,7 @@ static pl_status scene_of(pl_tracer *tracer, const pl_model *model, RTCScene *ou
       return PL_OK;
     }
   }
-  pl_model_accelerator *grown =
-      pl_realloc(tracer->models, tracer->model_count + 1, sizeof *grown);
+  pl_model_accelerator *grown = pl_realloc(tracer->models, tracer->model_count + 1, sizeof *grown);
   if (grown == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for accelerators");
   tracer->models = grown;
@@ -97,8 +96,7 @@ static pl_status place_instance(pl_tracer *tracer, size_t index, const pl_shot_o
     rtcSetGeometryInstancedScene(instance->geometry, scene);
     rtcAttachGeometryByID(tracer->top, instance->geometry, (unsigned)index);
   }
-  rtcSetGeometryTransform(instance->geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
-                          object->to_view);
+  rtcSetGeometryTransform(instance->geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, object->to_view);
   rtcCommitGeometry(instance->geometry);
   return PL_OK;
 }

@@ -17,8 +17,8 @@ typedef struct pl_instance {
 
 struct pl_tracer {
   RTCDevice device;
-  RTCScene top;                   /* instances, ids = object indices */
-  pl_model_accelerator *models;   /* owned */
+  RTCScene top;                 /* instances, ids = object indices */
+  pl_model_accelerator *models; /* owned */
   size_t model_count;
   pl_instance *instances; /* owned, one per object */
   size_t instance_count;

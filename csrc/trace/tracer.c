@@ -112,16 +112,15 @@ static void closest_single(RTCScene scene, const pl_ray *ray, pl_hit *hit) {
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   pl_embree_intersect1(scene, &query);
   if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-    *hit = (pl_hit){query.hit.instID[0], query.hit.primID, query.ray.tfar, query.hit.u,
-                    query.hit.v};
+    *hit =
+        (pl_hit){query.hit.instID[0], query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
 }
 
 /* Distance to a body, or infinity. */
 static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
-  const pl_vec3 origin = pl_vec3_add(
-      body->camera, pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(ray->origin)));
-  const pl_vec3 direction =
-      pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(ray->direction));
+  const pl_vec3 origin =
+      pl_vec3_add(body->camera, pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(ray->origin)));
+  const pl_vec3 direction = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(ray->direction));
   double t;
   return pl_ellipsoid_intersect(body->state->radii_m, origin, direction, 0.0, &t) ? t : INFINITY;
 }
@@ -180,8 +179,7 @@ void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occlu
     occluded[i] = false;
   if (tracer->has_meshes && coherent)
     for (size_t i = 0; i < count; i += PACKET)
-      occluded_packet(tracer->top, rays + i, occluded + i,
-                      count - i < PACKET ? count - i : PACKET);
+      occluded_packet(tracer->top, rays + i, occluded + i, count - i < PACKET ? count - i : PACKET);
   else if (tracer->has_meshes)
     for (size_t i = 0; i < count; i++)
       occluded[i] = occluded_single(tracer->top, &rays[i]);

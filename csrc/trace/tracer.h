@@ -16,7 +16,8 @@ typedef struct pl_ray {
   pl_vec3f origin;    /* camera-relative, root axes, m */
   float t_max;        /* m */
   pl_vec3f direction; /* unit */
-  uint32_t skip_body; /* index of a body that cannot be hit (its own convex surface), or PL_NOTHING */
+  uint32_t
+      skip_body; /* index of a body that cannot be hit (its own convex surface), or PL_NOTHING */
 } pl_ray;
 
 typedef struct pl_hit {

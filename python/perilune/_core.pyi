@@ -137,9 +137,10 @@ class PlanRow(TypedDict):
     name: str
     on: bool
     reason: str
-    bound_dn: float
+    bound_dn: float  # of leaving it out
+    residual_dn: float  # of keeping it at `value` rather than at the limit of all
     cost_ms: float
-    value: float  # the effect's parameter (samples, bounces, ...), 1 where it has none
+    value: int  # 0: off; 1: on; more where it has a count (samples, bounces)
 
 class FrameResult(TypedDict):
     white_radiance: float
@@ -196,4 +197,4 @@ def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
 
 def version() -> dict[str, str]:
-    """Versions of what the core was built with: embree, png, jpeg, instruction set ..."""
+    """What the core was built with: embree, compiler, instruction_set (of this machine)."""

@@ -1,0 +1,136 @@
+/* The module _core: types, tables, small functions. */
+#define PL_IMPORT_NUMPY
+#include "pyext/py_common.h"
+
+#include <string.h>
+
+#include "frame/effects.h"
+#include "io/png_write.h"
+#include "pyext/py_orbit.h"
+#include "pyext/py_request.h"
+#include "pyext/py_types.h"
+#include "shade/reflectance.h"
+#include "trace/tracer.h"
+
+/* Channels of an image array: (H, W) has one; 0 when the shape is none we write. */
+static int image_channels(PyArrayObject *array) {
+  if (PyArray_NDIM(array) == 2)
+    return 1;
+  if (PyArray_NDIM(array) == 3 && PyArray_DIM(array, 2) >= 1 && PyArray_DIM(array, 2) <= 4)
+    return (int)PyArray_DIM(array, 2);
+  return 0;
+}
+
+static PyObject *png_write(PyObject *module, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"path", "array", "level", NULL};
+  (void)module;
+  PyObject *path = NULL, *object;
+  int level = 6;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&O|i:png_write", names, PyUnicode_FSConverter,
+                                   &path, &object, &level))
+    return NULL;
+  PyArrayObject *array = (PyArrayObject *)PyArray_FROM_OF(object, NPY_ARRAY_IN_ARRAY);
+  const int type = array != NULL ? PyArray_TYPE(array) : NPY_NOTYPE;
+  const int channels = array != NULL ? image_channels(array) : 0;
+  if (array == NULL || (type != NPY_UINT8 && type != NPY_UINT16) || channels == 0) {
+    if (array != NULL)
+      PyErr_SetString(PyExc_ValueError,
+                      "png_write takes uint8 or uint16 arrays of shape (H, W) or (H, W, 1..4)");
+    Py_XDECREF((PyObject *)array);
+    Py_DECREF(path);
+    return NULL;
+  }
+  const char *name = PyBytes_AsString(path);
+  const int height = (int)PyArray_DIM(array, 0), width = (int)PyArray_DIM(array, 1);
+  pl_status status;
+  Py_BEGIN_ALLOW_THREADS status = pl_png_write(name, PyArray_DATA(array), width, height, channels,
+                                               type == NPY_UINT8 ? 8 : 16, level);
+  Py_END_ALLOW_THREADS Py_DECREF((PyObject *)array);
+  Py_DECREF(path);
+  if (status != PL_OK)
+    return pl_py_raise(status);
+  Py_RETURN_NONE;
+}
+
+static const char *instruction_set(void) {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512f"))
+    return "avx512";
+  if (__builtin_cpu_supports("avx2"))
+    return "avx2";
+  return "sse2";
+#elif defined(__aarch64__)
+  return "neon";
+#else
+  return "generic";
+#endif
+}
+
+static PyObject *version(PyObject *module, PyObject *unused) {
+  (void)module;
+  (void)unused;
+  return Py_BuildValue("{s:s,s:s,s:s}", "embree", pl_tracer_version(), "compiler", __VERSION__,
+                       "instruction_set", instruction_set());
+}
+
+static PyMethodDef functions[] = {
+    {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
+     "Writes an image array as PNG, atomically."},
+    {"version", version, METH_NOARGS, "Versions of what the core was built with."},
+    {NULL, NULL, 0, NULL},
+};
+
+/* Adds a new reference (or NULL after an error) to the module. */
+static int add(PyObject *module, const char *name, PyObject *value) {
+  const int failed = value == NULL ? -1 : PyModule_AddObjectRef(module, name, value);
+  Py_XDECREF(value);
+  return failed;
+}
+
+static PyObject *named_rows(size_t count, const char *(*name)(size_t), const char *(*doc)(size_t)) {
+  PyObject *rows = PyTuple_New((Py_ssize_t)count);
+  for (size_t i = 0; rows != NULL && i < count; i++) {
+    PyObject *row = Py_BuildValue("{s:s,s:s}", "name", name(i), "doc", doc(i));
+    if (row == NULL)
+      Py_CLEAR(rows);
+    else
+      PyTuple_SetItem(rows, (Py_ssize_t)i, row);
+  }
+  return rows;
+}
+
+static const char *effect_name(size_t i) { return pl_effects[i]->name; }
+static const char *effect_doc(size_t i) { return pl_effects[i]->doc; }
+static const char *reflectance_name(size_t i) { return pl_reflectances[i]->name; }
+static const char *reflectance_doc(size_t i) { return pl_reflectances[i]->doc; }
+
+static int execute(PyObject *module) {
+  PyType_Spec *const specs[] = {&pl_py_model_spec, &pl_py_map_spec, &pl_py_scene_spec,
+                                &pl_py_renderer_spec};
+  if (PyArray_ImportNumPyAPI() < 0)
+    return -1;
+  for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++)
+    if (add(module, strrchr(specs[i]->name, '.') + 1,
+            PyType_FromModuleAndSpec(module, specs[i], NULL)) < 0)
+      return -1;
+  if (add(module, "CHANNELS", pl_py_channels()) < 0 ||
+      add(module, "OBJECT_LABEL", pl_py_object_label()) < 0 ||
+      add(module, "EFFECTS", named_rows(pl_effect_count, effect_name, effect_doc)) < 0 ||
+      add(module, "REFLECTANCES",
+          named_rows(pl_reflectance_count, reflectance_name, reflectance_doc)) < 0 ||
+      PyModule_AddFunctions(module, pl_py_orbit_methods) < 0)
+    return -1;
+  return pl_py_orbit_add_constants(module);
+}
+
+static PyModuleDef_Slot slots[] = {
+    {Py_mod_exec, (void *)execute},
+    {0, NULL},
+};
+
+static PyModuleDef definition = {
+    PyModuleDef_HEAD_INIT,  .m_name = "perilune._core", .m_doc = "The C core of Perilune.",
+    .m_methods = functions, .m_slots = slots,
+};
+
+PyMODINIT_FUNC PyInit__core(void) { return PyModuleDef_Init(&definition); }

@@ -1,0 +1,90 @@
+/* The type Map: a filtered image texture. */
+#include "pyext/py_types.h"
+
+#include "geom/texture.h"
+#include "io/image_file.h"
+
+typedef struct map_object {
+  PyObject_HEAD pl_texture *texture; /* owned */
+} map_object;
+
+static void map_dealloc(PyObject *self) {
+  PyTypeObject *type = Py_TYPE(self);
+  pl_texture_destroy(((map_object *)self)->texture);
+  ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
+  Py_DECREF(type);
+}
+
+const pl_texture *pl_py_map_of(PyObject *object) {
+  if (!pl_py_is(object, (void *)map_dealloc)) {
+    PyErr_SetString(PyExc_TypeError, "map must be a perilune._core.Map");
+    return NULL;
+  }
+  return ((map_object *)object)->texture;
+}
+
+static pl_status load(const char *path, bool srgb, pl_texture **out) {
+  pl_image image;
+  PL_TRY(pl_image_load(path, &image));
+  return pl_texture_create(&image, srgb, PL_WRAP_REPEAT, PL_WRAP_CLAMP, out);
+}
+
+static PyObject *map_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"path", "srgb", NULL};
+  PyObject *bytes = NULL;
+  int srgb = 1;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&|p:Map", names, PyUnicode_FSConverter, &bytes,
+                                   &srgb))
+    return NULL;
+  map_object *self = (map_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  if (self == NULL) {
+    Py_DECREF(bytes);
+    return NULL;
+  }
+  pl_status status;
+  const char *path = PyBytes_AsString(bytes);
+  Py_BEGIN_ALLOW_THREADS status = load(path, srgb != 0, &self->texture);
+  Py_END_ALLOW_THREADS Py_DECREF(bytes);
+  if (status != PL_OK) {
+    Py_DECREF(self);
+    return pl_py_raise(status);
+  }
+  return (PyObject *)self;
+}
+
+static PyObject *get_size(PyObject *self, void *closure) {
+  (void)closure;
+  int width, height, channels;
+  pl_texture_size(((map_object *)self)->texture, &width, &height, &channels);
+  return Py_BuildValue("(ii)", width, height);
+}
+
+static PyObject *get_mean(PyObject *self, void *closure) {
+  (void)closure;
+  npy_intp shape[1] = {4};
+  float mean[4];
+  PyObject *array = PyArray_SimpleNew(1, shape, NPY_DOUBLE);
+  if (array == NULL)
+    return NULL;
+  pl_texture_mean(((map_object *)self)->texture, mean);
+  for (int k = 0; k < 4; k++)
+    ((double *)PyArray_DATA((PyArrayObject *)array))[k] = mean[k];
+  return array;
+}
+
+static PyGetSetDef map_getset[] = {
+    {"size", get_size, NULL, "(width, height), texels.", NULL},
+    {"mean", get_mean, NULL, "(4,) mean linear RGBA.", NULL},
+    {NULL, NULL, NULL, NULL, NULL},
+};
+
+static PyType_Slot map_slots[] = {
+    {Py_tp_doc, "Map(path, srgb=True)\n--\n\nA filtered equirectangular map; PNG or JPEG."},
+    {Py_tp_new, (void *)map_new},
+    {Py_tp_dealloc, (void *)map_dealloc},
+    {Py_tp_getset, map_getset},
+    {0, NULL},
+};
+
+PyType_Spec pl_py_map_spec = {"perilune._core.Map", sizeof(map_object), 0, Py_TPFLAGS_DEFAULT,
+                              map_slots};

@@ -1,0 +1,212 @@
+/* The type Model: a glTF file, immutable. */
+#include "pyext/py_types.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "geom/texture.h"
+#include "io/gltf.h"
+#include "math/color.h"
+
+typedef struct model_object {
+  PyObject_HEAD pl_model *model; /* owned */
+  PyObject *path;                /* str */
+} model_object;
+
+static void model_dealloc(PyObject *self) {
+  model_object *model = (model_object *)self;
+  PyTypeObject *type = Py_TYPE(self);
+  pl_model_destroy(model->model);
+  Py_XDECREF(model->path);
+  ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
+  Py_DECREF(type);
+}
+
+const pl_model *pl_py_model_of(PyObject *object) {
+  if (!pl_py_is(object, (void *)model_dealloc)) {
+    PyErr_SetString(PyExc_TypeError, "model must be a perilune._core.Model");
+    return NULL;
+  }
+  return ((model_object *)object)->model;
+}
+
+static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"path", NULL};
+  PyObject *path, *bytes = NULL;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "U:Model", names, &path) ||
+      !PyUnicode_FSConverter(path, &bytes))
+    return NULL;
+  model_object *self = (model_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  if (self == NULL) {
+    Py_DECREF(bytes);
+    return NULL;
+  }
+  pl_status status;
+  const char *name = PyBytes_AsString(bytes);
+  Py_BEGIN_ALLOW_THREADS status = pl_gltf_load(name, &self->model);
+  Py_END_ALLOW_THREADS Py_DECREF(bytes);
+  if (status != PL_OK) {
+    Py_DECREF(self);
+    return pl_py_raise(status);
+  }
+  Py_INCREF(path);
+  self->path = path;
+  return (PyObject *)self;
+}
+
+static const pl_model *of(PyObject *self) { return ((model_object *)self)->model; }
+
+static PyObject *get_path(PyObject *self, void *closure) {
+  (void)closure;
+  return Py_NewRef(((model_object *)self)->path);
+}
+
+static PyObject *get_triangle_count(PyObject *self, void *closure) {
+  (void)closure;
+  return PyLong_FromSize_t(of(self)->triangle_count);
+}
+
+static PyObject *get_vertex_count(PyObject *self, void *closure) {
+  (void)closure;
+  return PyLong_FromSize_t(of(self)->vertex_count);
+}
+
+static PyObject *get_bounds(PyObject *self, void *closure) {
+  (void)closure;
+  npy_intp shape[2] = {2, 3};
+  PyObject *array = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  if (array == NULL)
+    return NULL;
+  double *out = PyArray_DATA((PyArrayObject *)array);
+  for (int k = 0; k < 3; k++) {
+    out[k] = of(self)->bounds_min[k];
+    out[3 + k] = of(self)->bounds_max[k];
+  }
+  return array;
+}
+
+static PyObject *get_parts(PyObject *self, void *closure) {
+  (void)closure;
+  const pl_model *model = of(self);
+  PyObject *parts = PyTuple_New((Py_ssize_t)model->part_count);
+  for (size_t i = 0; parts != NULL && i < model->part_count; i++) {
+    const pl_part *part = &model->parts[i];
+    PyObject *item = Py_BuildValue("{s:s,s:s}", "name", part->name, "material",
+                                   model->materials[part->material].name);
+    if (item == NULL)
+      Py_CLEAR(parts);
+    else
+      PyTuple_SetItem(parts, (Py_ssize_t)i, item);
+  }
+  return parts;
+}
+
+static PyObject *get_materials(PyObject *self, void *closure) {
+  (void)closure;
+  const pl_model *model = of(self);
+  PyObject *names = PyTuple_New((Py_ssize_t)model->material_count);
+  for (size_t i = 0; names != NULL && i < model->material_count; i++) {
+    PyObject *name = PyUnicode_FromString(model->materials[i].name);
+    if (name == NULL)
+      Py_CLEAR(names);
+    else
+      PyTuple_SetItem(names, (Py_ssize_t)i, name);
+  }
+  return names;
+}
+
+static PyObject *get_warnings(PyObject *self, void *closure) {
+  (void)closure;
+  PyObject *text = PyUnicode_FromString(of(self)->warnings);
+  PyObject *lines = text != NULL ? PyUnicode_Splitlines(text, 0) : NULL;
+  PyObject *tuple = lines != NULL ? PyList_AsTuple(lines) : NULL;
+  Py_XDECREF(text);
+  Py_XDECREF(lines);
+  return tuple;
+}
+
+/* A new array holding a copy of `values`, put into `dict` under `key`. */
+static int put_copy(PyObject *dict, const char *key, const void *values, size_t rows, int columns,
+                    int type) {
+  npy_intp shape[2] = {(npy_intp)rows, columns};
+  if (values == NULL)
+    return 0;
+  PyObject *array = PyArray_SimpleNew(columns > 0 ? 2 : 1, shape, type);
+  if (array == NULL)
+    return -1;
+  memcpy(PyArray_DATA((PyArrayObject *)array), values,
+         (size_t)PyArray_NBYTES((PyArrayObject *)array));
+  const int failed = PyDict_SetItemString(dict, key, array);
+  Py_DECREF(array);
+  return failed;
+}
+
+/* Mean colour of a triangle's material, sRGB bytes: what viewers of exported models show. */
+static void triangle_color(const pl_model *model, size_t triangle, uint8_t out[3]) {
+  const pl_material *material =
+      &model->materials[model->parts[model->triangle_part[triangle]].material];
+  float mean[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+  if (material->base_color_map.texture >= 0)
+    pl_texture_mean(model->textures[material->base_color_map.texture], mean);
+  for (int k = 0; k < 3; k++) {
+    const float linear = fminf(fmaxf(mean[k] * material->base_color[k], 0.0f), 1.0f);
+    out[k] = (uint8_t)(255.0f * pl_srgb_encode(linear) + 0.5f);
+  }
+}
+
+static int put_triangle_colors(PyObject *dict, const pl_model *model) {
+  npy_intp shape[2] = {(npy_intp)model->triangle_count, 3};
+  PyObject *array = PyArray_SimpleNew(2, shape, NPY_UINT8);
+  if (array == NULL)
+    return -1;
+  uint8_t *out = PyArray_DATA((PyArrayObject *)array);
+  for (size_t t = 0; t < model->triangle_count; t++)
+    triangle_color(model, t, out + 3 * t);
+  const int failed = PyDict_SetItemString(dict, "triangle_color", array);
+  Py_DECREF(array);
+  return failed;
+}
+
+static PyObject *model_mesh(PyObject *self, PyObject *unused) {
+  (void)unused;
+  const pl_model *m = of(self);
+  PyObject *dict = PyDict_New();
+  if (dict == NULL)
+    return NULL;
+  if (put_copy(dict, "positions", m->positions, m->vertex_count, 3, NPY_FLOAT32) < 0 ||
+      put_copy(dict, "normals", m->normals, m->vertex_count, 3, NPY_FLOAT32) < 0 ||
+      put_copy(dict, "uv", m->uvs[0], m->vertex_count, 2, NPY_FLOAT32) < 0 ||
+      put_copy(dict, "indices", m->indices, m->triangle_count, 3, NPY_UINT32) < 0 ||
+      put_copy(dict, "triangle_part", m->triangle_part, m->triangle_count, 0, NPY_UINT32) < 0 ||
+      put_triangle_colors(dict, m) < 0)
+    Py_CLEAR(dict);
+  return dict;
+}
+
+static PyGetSetDef model_getset[] = {
+    {"path", get_path, NULL, "Path of the file.", NULL},
+    {"triangle_count", get_triangle_count, NULL, NULL, NULL},
+    {"vertex_count", get_vertex_count, NULL, NULL, NULL},
+    {"bounds", get_bounds, NULL, "(2, 3) smallest and largest coordinates, model units.", NULL},
+    {"parts", get_parts, NULL, "Name and material of each part.", NULL},
+    {"materials", get_materials, NULL, "Names of the materials.", NULL},
+    {"warnings", get_warnings, NULL, "What the loader repaired or skipped.", NULL},
+    {NULL, NULL, NULL, NULL, NULL},
+};
+
+static PyMethodDef model_methods[] = {
+    {"mesh", model_mesh, METH_NOARGS, "Copies of the mesh's arrays, by name."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot model_slots[] = {
+    {Py_tp_doc, "Model(path)\n--\n\nA spacecraft model read from .gltf or .glb; immutable."},
+    {Py_tp_new, (void *)model_new},
+    {Py_tp_dealloc, (void *)model_dealloc},
+    {Py_tp_getset, model_getset},
+    {Py_tp_methods, model_methods},
+    {0, NULL},
+};
+
+PyType_Spec pl_py_model_spec = {"perilune._core.Model", sizeof(model_object), 0, Py_TPFLAGS_DEFAULT,
+                                model_slots};

@@ -1,0 +1,140 @@
+/* Where results go: channels by name, and their description for Python. */
+#include "pyext/py_request.h"
+
+#include <string.h>
+
+/* Colour channels come from the sensor, the others from the table of label channels. */
+static const struct {
+  const char *name, *dtype, *unit, *doc;
+} colour_channels[] = {
+    {"rgb", "uint8", "DN", "display-encoded (sRGB)"},
+    {"radiance", "float32", "W m-2 sr-1", "before the sensor"},
+};
+enum { COLOUR_CHANNELS = sizeof colour_channels / sizeof colour_channels[0] };
+
+static int type_number(const char *dtype) {
+  static const struct {
+    const char *name;
+    int number;
+  } types[] = {{"uint8", NPY_UINT8},
+               {"uint16", NPY_UINT16},
+               {"int32", NPY_INT32},
+               {"float32", NPY_FLOAT32},
+               {"float64", NPY_FLOAT64}};
+  for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
+    if (strcmp(types[i].name, dtype) == 0)
+      return types[i].number;
+  return NPY_NOTYPE;
+}
+
+/* The array's data if it is writable, C-contiguous and of exactly this type and shape. */
+static void *checked_data(PyObject *object, const char *name, int type, int nd,
+                          const npy_intp *shape) {
+  if (!PyArray_Check(object)) {
+    PyErr_Format(PyExc_TypeError, "out['%s'] must be a NumPy array", name);
+    return NULL;
+  }
+  PyArrayObject *array = (PyArrayObject *)object;
+  int fits = PyArray_TYPE(array) == type && PyArray_NDIM(array) == nd && PyArray_ISCARRAY(array);
+  for (int i = 0; fits && i < nd; i++)
+    fits = PyArray_DIM(array, i) == shape[i];
+  if (!fits) {
+    PyErr_Format(
+        PyExc_ValueError,
+        "out['%s'] must be writable, C-contiguous and of the type and shape of the channel", name);
+    return NULL;
+  }
+  return PyArray_DATA(array);
+}
+
+static void *channel_data(PyObject *object, const char *name, const char *dtype, int components,
+                          int levels, const pl_camera *camera) {
+  const npy_intp shape[3] = {camera->height, camera->width, components < 0 ? levels : components};
+  return checked_data(object, name, type_number(dtype), components == 0 ? 2 : 3, shape);
+}
+
+static void *object_data(PyObject *object, size_t count) {
+  if (!PyArray_Check(object)) {
+    PyErr_SetString(PyExc_TypeError, "out['objects'] must be a NumPy array");
+    return NULL;
+  }
+  PyArrayObject *array = (PyArrayObject *)object;
+  if (PyArray_NDIM(array) != 1 || PyArray_DIM(array, 0) != (npy_intp)count ||
+      !PyArray_ISCARRAY(array) ||
+      PyArray_NBYTES(array) != (npy_intp)(count * sizeof(pl_object_label))) {
+    PyErr_Format(PyExc_ValueError, "out['objects'] must be (%zu,) of OBJECT_LABEL", count);
+    return NULL;
+  }
+  return PyArray_DATA(array);
+}
+
+static int set_output(const char *name, PyObject *array, const pl_scene *scene,
+                      pl_frame_request *request) {
+  const pl_camera *camera = &request->placement.camera;
+  if (strcmp(name, "objects") == 0)
+    return (request->objects = object_data(array, scene->object_count)) != NULL ? 0 : -1;
+  if (strcmp(name, "rgb") == 0)
+    return (request->rgb = channel_data(array, name, "uint8", 3, 0, camera)) != NULL ? 0 : -1;
+  if (strcmp(name, "radiance") == 0)
+    return (request->radiance = channel_data(array, name, "float32", 3, 0, camera)) != NULL ? 0
+                                                                                            : -1;
+  for (size_t i = 0; i < pl_channel_count; i++) {
+    const pl_channel *channel = &pl_channels[i];
+    if (strcmp(channel->name, name) != 0)
+      continue;
+    request->channels[i] =
+        channel_data(array, name, channel->dtype, channel->components, scene->levels, camera);
+    return request->channels[i] != NULL ? 0 : -1;
+  }
+  PyErr_Format(PyExc_ValueError, "unknown channel '%s'; see perilune._core.CHANNELS", name);
+  return -1;
+}
+
+int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,
+                          pl_frame_request *request) {
+  PyObject *items = PyMapping_Items(out);
+  const Py_ssize_t count = items != NULL ? PyList_Size(items) : -1;
+  int failed = count < 0;
+  for (Py_ssize_t i = 0; !failed && i < count; i++) {
+    PyObject *pair = PyList_GetItem(items, i);
+    PyObject *array = PyTuple_GetItem(pair, 1);
+    const char *name = PyUnicode_AsUTF8AndSize(PyTuple_GetItem(pair, 0), NULL);
+    failed = name == NULL || PyList_Append(kept, array) < 0 ||
+             set_output(name, array, scene, request) < 0;
+  }
+  Py_XDECREF(items);
+  return failed ? -1 : 0;
+}
+
+static PyObject *channel_entry(const char *name, const char *dtype, int components,
+                               const char *unit, const char *doc) {
+  return Py_BuildValue("{s:s,s:s,s:i,s:s,s:s}", "name", name, "dtype", dtype, "components",
+                       components, "unit", unit, "doc", doc);
+}
+
+PyObject *pl_py_channels(void) {
+  PyObject *tuple = PyTuple_New((Py_ssize_t)(COLOUR_CHANNELS + pl_channel_count));
+  for (size_t i = 0; tuple != NULL && i < COLOUR_CHANNELS + pl_channel_count; i++) {
+    PyObject *entry;
+    if (i < COLOUR_CHANNELS) {
+      entry = channel_entry(colour_channels[i].name, colour_channels[i].dtype, 3,
+                            colour_channels[i].unit, colour_channels[i].doc);
+    } else {
+      const pl_channel *c = &pl_channels[i - COLOUR_CHANNELS];
+      entry = channel_entry(c->name, c->dtype, c->components, c->unit, c->doc);
+    }
+    if (entry == NULL)
+      Py_CLEAR(tuple);
+    else
+      PyTuple_SetItem(tuple, (Py_ssize_t)i, entry);
+  }
+  return tuple;
+}
+
+PyObject *pl_py_object_label(void) {
+  /* The struct has no padding, so NumPy's packed layout is the compiler's. */
+  _Static_assert(sizeof(pl_object_label) == 12 * 8 + 8 * 4, "pl_object_label has padding");
+  return Py_BuildValue("[(ss(ii)),(ss(i)),(ss),(ss),(ss(i)),(ss),(ss)]", "R_m2c", "<f8", 3, 3,
+                       "t_m2c", "<f8", 3, "instance_id", "<i4", "obj_id", "<i4", "bbox_visib",
+                       "<i4", 4, "px_count_visib", "<i4", "in_view", "<i4");
+}

@@ -1,0 +1,190 @@
+/* The type Renderer: one scene's frames; releases the GIL, listens to ctrl-C. */
+#include "pyext/py_request.h"
+#include "pyext/py_types.h"
+
+#include <time.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+
+typedef struct renderer_object {
+  PyObject_HEAD PyObject *scene; /* Scene */
+  const pl_scene *core;          /* of `scene` */
+  pl_renderer *renderer;         /* owned */
+  pl_py_states states;
+  pid_t pid; /* Embree and its memory belong to the process that opened them */
+  int busy;  /* guarded by the GIL */
+} renderer_object;
+
+static void renderer_dealloc(PyObject *object) {
+  renderer_object *self = (renderer_object *)object;
+  PyTypeObject *type = Py_TYPE(object);
+  if (self->pid == getpid()) /* in a forked child the device is a dead copy: leave it be */
+    pl_renderer_destroy(self->renderer);
+  pl_free(self->states.objects);
+  pl_free(self->states.bodies);
+  Py_XDECREF(self->scene);
+  ((freefunc)PyType_GetSlot(type, Py_tp_free))(object);
+  Py_DECREF(type);
+}
+
+static pl_status open_renderer(renderer_object *self) {
+  void *objects, *bodies;
+  PL_TRY(pl_alloc_or_fail(self->core->object_count, sizeof(pl_object_state), "poses", &objects));
+  self->states.objects = objects;
+  PL_TRY(pl_alloc_or_fail(self->core->body_count, sizeof(pl_body_state), "poses", &bodies));
+  self->states.bodies = bodies;
+  return pl_renderer_create(self->core, &self->renderer);
+}
+
+static PyObject *renderer_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"scene", NULL};
+  PyObject *scene;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O:Renderer", names, &scene))
+    return NULL;
+  const pl_scene *core = pl_py_scene_freeze(scene);
+  if (core == NULL)
+    return NULL;
+  renderer_object *self =
+      (renderer_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  if (self == NULL)
+    return NULL;
+  self->scene = Py_NewRef(scene);
+  self->core = core;
+  self->pid = getpid();
+  const pl_status status = open_renderer(self);
+  if (status != PL_OK) {
+    Py_DECREF(self);
+    return pl_py_raise(status);
+  }
+  return (PyObject *)self;
+}
+
+/* Runs Python's signal handlers now and then while the GIL is released. */
+typedef struct poller {
+  PyThreadState *state; /* of the calling thread, saved */
+  double next_s;
+} poller;
+
+static double now_s(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static bool poll_signals(void *context) {
+  const double period_s = 0.05;
+  poller *poller = context;
+  const double now = now_s();
+  if (now < poller->next_s)
+    return false;
+  poller->next_s = now + period_s;
+  PyEval_RestoreThread(poller->state);
+  const int raised = PyErr_CheckSignals();
+  poller->state = PyEval_SaveThread();
+  return raised != 0;
+}
+
+static PyObject *plan_rows(const pl_plan *plan) {
+  PyObject *rows = PyList_New((Py_ssize_t)plan->count);
+  for (size_t i = 0; rows != NULL && i < plan->count; i++) {
+    const pl_plan_row *row = &plan->rows[i];
+    PyObject *entry = Py_BuildValue("{s:s,s:O,s:s,s:d,s:d,s:d,s:i}", "name", row->effect->name,
+                                    "on", row->value > 0 ? Py_True : Py_False, "reason",
+                                    row->reason, "bound_dn", row->bound_dn, "residual_dn",
+                                    row->residual_dn, "cost_ms", row->cost_ms, "value", row->value);
+    if (entry == NULL)
+      Py_CLEAR(rows);
+    else
+      PyList_SetItem(rows, (Py_ssize_t)i, entry);
+  }
+  return rows;
+}
+
+static PyObject *result_dict(const pl_frame_result *result) {
+  PyObject *timings = PyDict_New();
+  for (int i = 0; timings != NULL && i < PL_STAGE_COUNT; i++) {
+    PyObject *seconds = PyFloat_FromDouble(result->seconds[i]);
+    if (seconds == NULL || PyDict_SetItemString(timings, pl_stage_name((pl_stage)i), seconds) < 0)
+      Py_CLEAR(timings);
+    Py_XDECREF(seconds);
+  }
+  PyObject *rows = timings != NULL ? plan_rows(&result->plan) : NULL;
+  if (rows == NULL) {
+    Py_XDECREF(timings);
+    return NULL;
+  }
+  return Py_BuildValue("{s:d,s:N,s:N}", "white_radiance", result->white_radiance, "plan", rows,
+                       "timings_s", timings);
+}
+
+static int check_use(const renderer_object *self) {
+  if (self->pid != getpid()) {
+    PyErr_SetString(PyExc_ValueError,
+                    "this Renderer was made in another process; make one in each process");
+    return -1;
+  }
+  if (self->busy) {
+    PyErr_SetString(PyExc_ValueError, "this Renderer is rendering in another thread");
+    return -1;
+  }
+  return 0;
+}
+
+typedef pl_status (*renderer_fn)(pl_renderer *, const pl_frame_request *, pl_frame_result *);
+
+static PyObject *run(renderer_object *self, pl_frame_request *request, renderer_fn function) {
+  pl_frame_result result;
+  poller poller = {NULL, now_s()};
+  pl_cancel cancel = {.poll = poll_signals, .context = &poller};
+  request->cancel = &cancel;
+  self->busy = 1;
+  poller.state = PyEval_SaveThread();
+  const pl_status status = function(self->renderer, request, &result);
+  PyEval_RestoreThread(poller.state);
+  self->busy = 0;
+  return status == PL_OK ? result_dict(&result) : pl_py_raise(status);
+}
+
+static PyObject *renderer_render(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"request", "out", "threads", NULL};
+  renderer_object *self = (renderer_object *)object;
+  PyObject *request, *out, *result = NULL;
+  pl_frame_request frame = {.threads = 1};
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OO|i:render", names, &request, &out,
+                                   &frame.threads) ||
+      check_use(self) < 0)
+    return NULL;
+  PyObject *kept = PyList_New(0);
+  if (kept != NULL && pl_py_request_parse(request, self->core, &self->states, &frame) == 0 &&
+      pl_py_request_outputs(out, self->core, kept, &frame) == 0)
+    result = run(self, &frame, pl_renderer_frame);
+  Py_XDECREF(kept);
+  return result;
+}
+
+static PyObject *renderer_plan(PyObject *object, PyObject *request) {
+  renderer_object *self = (renderer_object *)object;
+  pl_frame_request frame = {.threads = 1};
+  if (check_use(self) < 0 || pl_py_request_parse(request, self->core, &self->states, &frame) < 0)
+    return NULL;
+  return run(self, &frame, pl_renderer_plan);
+}
+
+static PyMethodDef renderer_methods[] = {
+    {"render", (PyCFunction)(void (*)(void))renderer_render, METH_VARARGS | METH_KEYWORDS,
+     "Fills the arrays of `out`; returns exposure, plan and timings."},
+    {"plan", renderer_plan, METH_O, "The plan of a frame, without rendering it."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot renderer_slots[] = {
+    {Py_tp_doc, "Renderer(scene)\n--\n\nRenders frames of one scene."},
+    {Py_tp_new, (void *)renderer_new},
+    {Py_tp_dealloc, (void *)renderer_dealloc},
+    {Py_tp_methods, renderer_methods},
+    {0, NULL},
+};
+
+PyType_Spec pl_py_renderer_spec = {"perilune._core.Renderer", sizeof(renderer_object), 0,
+                                   Py_TPFLAGS_DEFAULT, renderer_slots};

@@ -1,0 +1,187 @@
+/* Reading the request dictionary. */
+#include "pyext/py_request.h"
+
+#include "frame/effects.h"
+#include "pyext/py_types.h"
+
+/* Borrowed value of a key; KeyError naming it when absent. */
+static PyObject *item(PyObject *dict, const char *key) {
+  PyObject *value = PyDict_GetItemString(dict, key);
+  if (value == NULL && !PyErr_Occurred())
+    PyErr_Format(PyExc_KeyError, "the request lacks '%s'", key);
+  return value;
+}
+
+static int get_double(PyObject *dict, const char *key, double *out) {
+  PyObject *value = item(dict, key);
+  if (value == NULL)
+    return -1;
+  *out = PyFloat_AsDouble(value);
+  return *out == -1.0 && PyErr_Occurred() ? -1 : 0;
+}
+
+static int get_int(PyObject *dict, const char *key, int *out) {
+  PyObject *value = item(dict, key);
+  if (value == NULL)
+    return -1;
+  const long number = PyLong_AsLong(value);
+  if (number == -1 && PyErr_Occurred())
+    return -1;
+  if (number < INT_MIN || number > INT_MAX) {
+    PyErr_Format(PyExc_ValueError, "%s: %ld does not fit", key, number);
+    return -1;
+  }
+  *out = (int)number;
+  return 0;
+}
+
+static int get_u64(PyObject *dict, const char *key, uint64_t *out) {
+  PyObject *value = item(dict, key);
+  if (value == NULL)
+    return -1;
+  *out = PyLong_AsUnsignedLongLong(value);
+  return PyErr_Occurred() ? -1 : 0;
+}
+
+static PyArrayObject *get_array(PyObject *dict, const char *key, int nd, const npy_intp *shape) {
+  PyObject *value = item(dict, key);
+  return value != NULL ? pl_py_array(value, key, NPY_DOUBLE, nd, shape) : NULL;
+}
+
+static pl_pose pose_from(const double *p) {
+  return (pl_pose){{p[0], p[1], p[2]}, {p[3], p[4], p[5], p[6]}};
+}
+
+static pl_motion motion_from(const double *p) {
+  return (pl_motion){pose_from(p), pose_from(p + 7)};
+}
+
+static int parse_camera(PyObject *dict, pl_camera *camera) {
+  const npy_intp k_shape[2] = {3, 3}, pose_shape[2] = {2, 7};
+  if (get_int(dict, "width", &camera->width) < 0 || get_int(dict, "height", &camera->height) < 0)
+    return -1;
+  PyArrayObject *k = get_array(dict, "K", 2, k_shape);
+  PyArrayObject *pose = k != NULL ? get_array(dict, "camera_pose", 2, pose_shape) : NULL;
+  if (pose != NULL) {
+    const double *m = PyArray_DATA(k);
+    camera->fx = m[0];
+    camera->skew = m[1];
+    camera->cx = m[2];
+    camera->fy = m[4];
+    camera->cy = m[5];
+    camera->motion = motion_from(PyArray_DATA(pose));
+  }
+  Py_XDECREF((PyObject *)k);
+  Py_XDECREF((PyObject *)pose);
+  return pose != NULL ? 0 : -1;
+}
+
+static int parse_objects(PyObject *dict, size_t count, pl_object_state *out) {
+  const npy_intp shape[3] = {(npy_intp)count, 2, 7};
+  PyArrayObject *poses = get_array(dict, "object_poses", 3, shape);
+  PyArrayObject *scale = poses != NULL ? get_array(dict, "object_scale", 1, shape) : NULL;
+  for (size_t i = 0; scale != NULL && i < count; i++)
+    out[i] = (pl_object_state){motion_from((const double *)PyArray_DATA(poses) + 14 * i),
+                               ((const double *)PyArray_DATA(scale))[i]};
+  Py_XDECREF((PyObject *)poses);
+  Py_XDECREF((PyObject *)scale);
+  return scale != NULL ? 0 : -1;
+}
+
+static int parse_bodies(PyObject *dict, size_t count, pl_body_state *out) {
+  const npy_intp poses[3] = {(npy_intp)count, 2, 7}, three[2] = {(npy_intp)count, 3};
+  PyArrayObject *a[4] = {NULL, NULL, NULL, NULL};
+  const int ok = (a[0] = get_array(dict, "body_poses", 3, poses)) != NULL &&
+                 (a[1] = get_array(dict, "body_radii", 2, three)) != NULL &&
+                 (a[2] = get_array(dict, "body_albedo", 2, three)) != NULL &&
+                 (a[3] = get_array(dict, "body_emission", 2, three)) != NULL;
+  for (size_t i = 0; ok && i < count; i++) {
+    const double *radii = (const double *)PyArray_DATA(a[1]) + 3 * i;
+    out[i].motion = motion_from((const double *)PyArray_DATA(a[0]) + 14 * i);
+    out[i].radii_m = (pl_vec3){radii[0], radii[1], radii[2]};
+    for (size_t k = 0; k < 3; k++) {
+      out[i].albedo[k] = (float)((const double *)PyArray_DATA(a[2]))[3 * i + k];
+      out[i].emission[k] = (float)((const double *)PyArray_DATA(a[3]))[3 * i + k];
+    }
+  }
+  for (int i = 0; i < 4; i++)
+    Py_XDECREF((PyObject *)a[i]);
+  return ok ? 0 : -1;
+}
+
+static int parse_sun(PyObject *dict, pl_sun *sun) {
+  const npy_intp three[1] = {3};
+  if (get_double(dict, "sun_radius", &sun->radius_m) < 0 ||
+      get_double(dict, "sun_irradiance", &sun->irradiance_au) < 0)
+    return -1;
+  PyArrayObject *position = get_array(dict, "sun_position", 1, three);
+  if (position == NULL)
+    return -1;
+  const double *p = PyArray_DATA(position);
+  sun->position_m = (pl_vec3){p[0], p[1], p[2]};
+  Py_DECREF((PyObject *)position);
+  return 0;
+}
+
+/* Names of effects as a mask. */
+static int parse_mask(PyObject *dict, const char *key, uint32_t *mask) {
+  PyObject *names = item(dict, key);
+  const Py_ssize_t count = names != NULL ? PySequence_Size(names) : -1;
+  *mask = 0;
+  for (Py_ssize_t i = 0; i < count; i++) {
+    PyObject *name = PySequence_GetItem(names, i);
+    const char *text = name != NULL ? PyUnicode_AsUTF8AndSize(name, NULL) : NULL;
+    const int index = text != NULL ? pl_effect_find(text) : -1;
+    if (text != NULL && index < 0)
+      PyErr_Format(PyExc_ValueError, "%s: unknown effect '%s'; see perilune._core.EFFECTS", key,
+                   text);
+    Py_XDECREF(name);
+    if (index < 0)
+      return -1;
+    *mask |= 1u << index;
+  }
+  return count < 0 ? -1 : 0;
+}
+
+static int parse_quality(PyObject *dict, pl_frame_request *out) {
+  PyObject *quality = item(dict, "quality");
+  if (quality == NULL || get_int(quality, "samples", &out->samples) < 0 ||
+      get_int(quality, "max_bounces", &out->max_bounces) < 0 ||
+      get_double(quality, "tolerance_dn", &out->wish.tolerance_dn) < 0)
+    return -1;
+  if (parse_mask(quality, "force_on", &out->wish.force_on) < 0)
+    return -1;
+  return parse_mask(quality, "force_off", &out->wish.force_off);
+}
+
+static int parse_exposure(PyObject *dict, pl_exposure *out) {
+  PyObject *exposure = item(dict, "exposure");
+  PyObject *mode = exposure != NULL ? item(exposure, "mode") : NULL;
+  if (mode == NULL || get_double(exposure, "white_radiance", &out->white_radiance) < 0 ||
+      get_double(exposure, "percentile", &out->percentile) < 0 ||
+      get_double(exposure, "key", &out->key) < 0)
+    return -1;
+  out->automatic = PyUnicode_CompareWithASCIIString(mode, "auto") == 0;
+  if (!out->automatic && PyUnicode_CompareWithASCIIString(mode, "fixed") != 0) {
+    PyErr_Format(PyExc_ValueError, "exposure.mode must be 'auto' or 'fixed', not %R", mode);
+    return -1;
+  }
+  return 0;
+}
+
+int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
+                        pl_frame_request *out) {
+  if (!PyDict_Check(request)) {
+    PyErr_SetString(PyExc_TypeError, "request must be a dict");
+    return -1;
+  }
+  out->placement.objects = states->objects;
+  out->placement.bodies = states->bodies;
+  if (get_u64(request, "seed", &out->seed) < 0 || get_u64(request, "index", &out->index) < 0 ||
+      parse_camera(request, &out->placement.camera) < 0 ||
+      parse_objects(request, scene->object_count, states->objects) < 0 ||
+      parse_bodies(request, scene->body_count, states->bodies) < 0 ||
+      parse_sun(request, &out->placement.sun) < 0 || parse_quality(request, out) < 0)
+    return -1;
+  return parse_exposure(request, &out->exposure);
+}

@@ -1,0 +1,27 @@
+/* From the request dictionary of Python to the request struct of the core. */
+#ifndef PL_PYEXT_PY_REQUEST_H
+#define PL_PYEXT_PY_REQUEST_H
+
+#include "pyext/py_common.h"
+
+#include "frame/frame.h"
+
+/* Room for what a frame places; one per renderer, sized by its scene. */
+typedef struct pl_py_states {
+  pl_object_state *objects; /* owned */
+  pl_body_state *bodies;    /* owned */
+} pl_py_states;
+
+/* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */
+int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
+                        pl_frame_request *out);
+/* Points the request at the arrays of `out` (a mapping name -> ndarray), checking type, shape and
+ * contiguity. References are appended to `kept`. */
+int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,
+                          pl_frame_request *request);
+
+/* CHANNELS and OBJECT_LABEL, as documented in the stub. New references. */
+PyObject *pl_py_channels(void);
+PyObject *pl_py_object_label(void);
+
+#endif

@@ -1,0 +1,148 @@
+/* The type Scene: models, maps and label ids that stay from frame to frame. */
+#include "pyext/py_types.h"
+
+#include <string.h>
+
+typedef struct scene_object {
+  PyObject_HEAD pl_scene scene;
+  PyObject *kept; /* list: what the scene borrows from */
+  int frozen;
+} scene_object;
+
+static void scene_dealloc(PyObject *self) {
+  PyTypeObject *type = Py_TYPE(self);
+  pl_scene_clear(&((scene_object *)self)->scene);
+  Py_XDECREF(((scene_object *)self)->kept);
+  ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
+  Py_DECREF(type);
+}
+
+const pl_scene *pl_py_scene_freeze(PyObject *object) {
+  if (!pl_py_is(object, (void *)scene_dealloc)) {
+    PyErr_SetString(PyExc_TypeError, "scene must be a perilune._core.Scene");
+    return NULL;
+  }
+  ((scene_object *)object)->frozen = 1;
+  return &((scene_object *)object)->scene;
+}
+
+static PyObject *scene_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"levels", NULL};
+  int levels;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "i:Scene", names, &levels))
+    return NULL;
+  scene_object *self = (scene_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  if (self == NULL)
+    return NULL;
+  self->kept = PyList_New(0);
+  const pl_status status = pl_scene_init(levels, &self->scene);
+  if (self->kept == NULL || status != PL_OK) {
+    Py_DECREF(self);
+    return status != PL_OK ? pl_py_raise(status) : NULL;
+  }
+  return (PyObject *)self;
+}
+
+static int check_open(const scene_object *self) {
+  if (!self->frozen)
+    return 0;
+  PyErr_SetString(PyExc_ValueError, "the scene is in use by a Renderer; make a new one");
+  return -1;
+}
+
+static const pl_reflectance *find_reflectance(const char *name) {
+  const pl_reflectance *found = pl_reflectance_find(name);
+  if (found == NULL)
+    PyErr_Format(PyExc_ValueError, "unknown reflectance '%s'; see perilune._core.REFLECTANCES",
+                 name);
+  return found;
+}
+
+static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"name",        "map",     "map_center_lon_rad", "reflectance",
+                          "instance_id", "part_id", "class_ids",          NULL};
+  scene_object *self = (scene_object *)object;
+  PyObject *map, *classes;
+  const char *name, *reflectance;
+  pl_body body = {0};
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiO:add_body", names, &name, &map,
+                                   &body.map_center_lon_rad, &reflectance, &body.instance_id,
+                                   &body.part_id, &classes) ||
+      check_open(self) < 0)
+    return NULL;
+  body.name = (char *)(uintptr_t)name; /* copied by the scene */
+  body.reflectance = find_reflectance(reflectance);
+  if (body.reflectance == NULL)
+    return NULL;
+  if (map != Py_None && (body.map = pl_py_map_of(map)) == NULL)
+    return NULL;
+  const npy_intp shape[1] = {self->scene.levels};
+  PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, shape);
+  if (ids == NULL)
+    return NULL;
+  memcpy(body.class_ids, PyArray_DATA(ids), (size_t)self->scene.levels * sizeof(uint16_t));
+  Py_DECREF((PyObject *)ids);
+  if (PyList_Append(self->kept, map) < 0)
+    return NULL;
+  const pl_status status = pl_scene_add_body(&self->scene, &body);
+  return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);
+}
+
+/* The three arrays of an object, checked; references in out[]. */
+static int object_arrays(const scene_object *self, const pl_model *model, PyObject *offset,
+                         PyObject *parts, PyObject *classes, PyArrayObject *out[3]) {
+  const npy_intp three[1] = {3}, part[1] = {(npy_intp)model->part_count};
+  const npy_intp table[2] = {(npy_intp)model->part_count, self->scene.levels};
+  if ((out[0] = pl_py_array(offset, "offset", NPY_DOUBLE, 1, three)) == NULL ||
+      (out[1] = pl_py_array(parts, "part_ids", NPY_INT32, 1, part)) == NULL ||
+      (out[2] = pl_py_array(classes, "class_ids", NPY_UINT16, 2, table)) == NULL)
+    return -1;
+  return 0;
+}
+
+static PyObject *scene_add_object(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"name",        "model",    "offset",    "obj_id",
+                          "instance_id", "part_ids", "class_ids", NULL};
+  scene_object *self = (scene_object *)object;
+  PyObject *py_model, *offset, *parts, *classes, *added = NULL;
+  const char *name;
+  int obj_id, instance_id;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOOiiOO:add_object", names, &name, &py_model,
+                                   &offset, &obj_id, &instance_id, &parts, &classes) ||
+      check_open(self) < 0)
+    return NULL;
+  const pl_model *model = pl_py_model_of(py_model);
+  if (model == NULL)
+    return NULL;
+  PyArrayObject *arrays[3] = {NULL, NULL, NULL};
+  if (object_arrays(self, model, offset, parts, classes, arrays) == 0 &&
+      PyList_Append(self->kept, py_model) == 0) {
+    const double *o = PyArray_DATA(arrays[0]);
+    const pl_status status =
+        pl_scene_add_object(&self->scene, name, model, (pl_vec3){o[0], o[1], o[2]}, obj_id,
+                            instance_id, PyArray_DATA(arrays[1]), PyArray_DATA(arrays[2]));
+    added = status == PL_OK ? PyLong_FromSize_t(self->scene.object_count - 1) : pl_py_raise(status);
+  }
+  for (int i = 0; i < 3; i++)
+    Py_XDECREF((PyObject *)arrays[i]);
+  return added;
+}
+
+static PyMethodDef scene_methods[] = {
+    {"add_body", (PyCFunction)(void (*)(void))scene_add_body, METH_VARARGS | METH_KEYWORDS,
+     "Adds an ellipsoid; returns its index."},
+    {"add_object", (PyCFunction)(void (*)(void))scene_add_object, METH_VARARGS | METH_KEYWORDS,
+     "Adds an instance of a model; returns its index."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot scene_slots[] = {
+    {Py_tp_doc, "Scene(levels)\n--\n\nWhat does not change from frame to frame."},
+    {Py_tp_new, (void *)scene_new},
+    {Py_tp_dealloc, (void *)scene_dealloc},
+    {Py_tp_methods, scene_methods},
+    {0, NULL},
+};
+
+PyType_Spec pl_py_scene_spec = {"perilune._core.Scene", sizeof(scene_object), 0, Py_TPFLAGS_DEFAULT,
+                                scene_slots};

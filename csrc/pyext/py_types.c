@@ -1,0 +1,45 @@
+/* Checks shared by the types. */
+#include "pyext/py_types.h"
+
+int pl_py_is(PyObject *object, void *dealloc) {
+  return (PyType_GetFlags(Py_TYPE(object)) & Py_TPFLAGS_HEAPTYPE) != 0 &&
+         PyType_GetSlot(Py_TYPE(object), Py_tp_dealloc) == dealloc;
+}
+
+/* "(2, 7)", with "any" for free dimensions. */
+static PyObject *shape_text(int nd, const npy_intp *shape) {
+  PyObject *text = PyUnicode_FromString("(");
+  for (int i = 0; i < nd && text != NULL; i++) {
+    PyObject *longer = shape[i] < 0 ? PyUnicode_FromFormat("%U%sany", text, i > 0 ? ", " : "")
+                                    : PyUnicode_FromFormat("%U%s%zd", text, i > 0 ? ", " : "",
+                                                           (Py_ssize_t)shape[i]);
+    Py_DECREF(text);
+    text = longer;
+  }
+  return text;
+}
+
+static void raise_shape(const char *what, int nd, const npy_intp *shape, PyArrayObject *array) {
+  PyObject *wanted = shape_text(nd, shape);
+  PyObject *got = shape_text(PyArray_NDIM(array), PyArray_DIMS(array));
+  if (wanted != NULL && got != NULL)
+    PyErr_Format(PyExc_ValueError, "%s: shape must be %U), not %U)", what, wanted, got);
+  Py_XDECREF(wanted);
+  Py_XDECREF(got);
+}
+
+PyArrayObject *pl_py_array(PyObject *object, const char *what, int type, int nd,
+                           const npy_intp *shape) {
+  PyArrayObject *array = (PyArrayObject *)PyArray_FROMANY(object, type, 0, 0, NPY_ARRAY_IN_ARRAY);
+  if (array == NULL)
+    return NULL;
+  int same = PyArray_NDIM(array) == nd;
+  for (int i = 0; same && i < nd; i++)
+    same = shape[i] < 0 || PyArray_DIM(array, i) == shape[i];
+  if (!same) {
+    raise_shape(what, nd, shape, array);
+    Py_DECREF((PyObject *)array);
+    return NULL;
+  }
+  return array;
+}

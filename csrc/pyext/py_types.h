@@ -1,0 +1,28 @@
+/* The module's types, and safe access to what they hold. */
+#ifndef PL_PYEXT_PY_TYPES_H
+#define PL_PYEXT_PY_TYPES_H
+
+#include "pyext/py_common.h"
+
+#include "geom/model.h"
+#include "scene/scene.h"
+
+extern PyType_Spec pl_py_model_spec, pl_py_map_spec, pl_py_scene_spec, pl_py_renderer_spec;
+
+/* Borrowed contents; NULL with TypeError when the object is of another type. */
+const pl_model *pl_py_model_of(PyObject *object);
+const pl_texture *pl_py_map_of(PyObject *object);
+/* Marks the scene as in use, so that nothing is added any more. */
+const pl_scene *pl_py_scene_freeze(PyObject *object);
+
+/* Whether `object` is of the type that has this tp_dealloc: our types cannot be subclassed, so the
+ * function identifies them without module state (the limited API of 3.11 has no way from an
+ * argument to the module). */
+int pl_py_is(PyObject *object, void *dealloc);
+
+/* `array` as C-contiguous values of `type` with exactly these dimensions (-1: any), or NULL with
+ * ValueError naming `what`. A new reference. */
+PyArrayObject *pl_py_array(PyObject *object, const char *what, int type, int nd,
+                           const npy_intp *shape);
+
+#endif
