@@ -65,7 +65,7 @@ class Fixed(Strict):
 
 
 class Hook(Strict):
-    """A function of the user's: module:function, called with a trajectories.Scene."""
+    """A function of the user's, called as function(world, **params) with a perilune.world.World."""
 
     kind: Literal["hook"]
     function: str

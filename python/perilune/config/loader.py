@@ -20,7 +20,7 @@ _MAX_DEPTH = 64
 class _Loader(yaml.SafeLoader):
     """YAML with the scalars of version 1.2: no dates, no base-60 numbers, no yes/no/on/off."""
 
-    yaml_implicit_resolvers: ClassVar[dict[str, list[tuple[str, re.Pattern[str]]]]] = {}
+    yaml_implicit_resolvers: ClassVar[dict[str, Any]] = {}  # type: ignore[misc]
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         seen: dict[str, int] = {}

@@ -1,0 +1,123 @@
+"""Time scales, and where the bodies and the Sun are at a date (pyerfa), ICRF axes, metres.
+
+Geometric positions: light time and aberration are left out (the Sun's direction moves by at most
+0.006 deg). Accuracy against JPL's ephemerides, from the notes of the ERFA routines: Earth 5 km over
+1900-2100 (epv00), Moon 10 km or so (moon98), planets below 1' (Mercury to Mars), 6' (Saturn)
+(plan94). Phobos and Europa stand over their own prime meridian, as their rotation is locked: good
+to their libration and eccentricity, 2 deg.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import erfa
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core, rotations
+from perilune.config.errors import nearest
+
+F64 = NDArray[np.float64]
+
+AU_M = 149597870700.0
+_DAY_S = 86400.0
+_PLANETS = ("mercury", "venus", "", "mars", "jupiter", "saturn", "uranus", "neptune")
+"""In plan94's order; the third there is the Earth-Moon barycentre, epv00 is better."""
+_SYNCHRONOUS_M = {"phobos": 9.376e6, "europa": 6.711e8}
+"""Distance from the planet of satellites that keep their x axis towards it (JPL mean elements)."""
+
+
+@dataclass(frozen=True)
+class Date:
+    """JD(TDB) as two doubles, day + fraction, so that a nanosecond is not lost."""
+
+    day: float
+    fraction: float
+
+    def after(self, seconds: float) -> Date:
+        """The date `seconds` of TDB later."""
+        days, rest = divmod(self.fraction + seconds / _DAY_S, 1.0)
+        return Date(self.day + days, rest)
+
+    def utc(self) -> str:
+        """ISO 8601 with milliseconds."""
+        with warnings.catch_warnings():
+            # "Dubious year": leap seconds of the future are not known; none are assumed.
+            warnings.simplefilter("ignore", erfa.ErfaWarning)
+            tt = erfa.tdbtt(self.day, self.fraction, _tdb_minus_tt(self.day, self.fraction))
+            utc = erfa.taiutc(*erfa.tttai(*tt))
+            year, month, day, clock = erfa.d2dtf("UTC", 3, *utc)
+        hms = f"{clock['h']:02d}:{clock['m']:02d}:{clock['s']:02d}.{clock['f']:03d}"
+        return f"{year:04d}-{month:02d}-{day:02d}T{hms}Z"
+
+
+def date_from_utc(fields: tuple[int, int, int, int, int, float]) -> Date:
+    """JD(TDB) of year, month, day, hour, minute, second UTC; leap seconds (second 60) are known."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", erfa.ErfaWarning)
+        tt = erfa.taitt(*erfa.utctai(*erfa.dtf2d("UTC", *fields)))
+    day, fraction = erfa.tttdb(*tt, _tdb_minus_tt(*tt))
+    whole = np.floor(day)
+    return Date(float(whole), 0.0).after((float(day - whole) + float(fraction)) * _DAY_S)
+
+
+def _tdb_minus_tt(day: float, fraction: float) -> float:
+    """Seconds, at the geocentre (Fairhead and Bretagnon 1990), where UT1 does not matter."""
+    return float(erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0))
+
+
+def _earth(date: Date) -> F64:
+    heliocentric, _ = erfa.epv00(date.day, date.fraction)
+    return np.asarray(heliocentric["p"]) * AU_M
+
+
+def _moon(date: Date) -> F64:
+    return _earth(date) + np.asarray(erfa.moon98(date.day, date.fraction)["p"]) * AU_M
+
+
+def _planet(name: str) -> Callable[[Date], F64]:
+    number = _PLANETS.index(name) + 1
+    return lambda date: np.asarray(erfa.plan94(date.day, date.fraction, number)["p"]) * AU_M
+
+
+def _synchronous(name: str) -> Callable[[Date], F64]:
+    def position(date: Date) -> F64:
+        q = _core.body_orientation(name, date.day, np.array([date.fraction]))[0]
+        towards_planet = rotations.rotate(q, np.array([1.0, 0.0, 0.0]))
+        planet = heliocentric_m(str(_core.BODIES[name]["parent"]), date)
+        return planet - _SYNCHRONOUS_M[name] * towards_planet
+
+    return position
+
+
+_HELIOCENTRIC: dict[str, Callable[[Date], F64]] = {
+    "sun": lambda date: np.zeros(3),
+    "earth": _earth,
+    "moon": _moon,
+    **{name: _planet(name) for name in _PLANETS if name},
+    **{name: _synchronous(name) for name in _SYNCHRONOUS_M},
+}
+
+
+def has_ephemeris(name: str) -> bool:
+    """Whether the place of a body at a date is known."""
+    return name in _HELIOCENTRIC
+
+
+def heliocentric_m(name: str, date: Date) -> F64:
+    """Position from the Sun's centre."""
+    if name not in _HELIOCENTRIC:
+        raise ValueError(f"no ephemeris of '{name}'{nearest(name, _HELIOCENTRIC)}")
+    return _HELIOCENTRIC[name](date)
+
+
+def relative_m(name: str, origin: str, date: Date) -> F64:
+    """Position of a body from another's centre; `sun` is one of them."""
+    if {name, origin} == {"moon", "earth"}:
+        # Straight from the theory, without the rounding of a heliocentric difference.
+        moon = np.asarray(erfa.moon98(date.day, date.fraction)["p"]) * AU_M
+        return moon if name == "moon" else -moon
+    return heliocentric_m(name, date) - heliocentric_m(origin, date)

@@ -1,0 +1,45 @@
+"""Checks the names a configuration takes from the core's tables: bodies, reflectances, effects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from perilune import _core
+from perilune.config.errors import ConfigError, nearest
+from perilune.config.schema import Config
+
+OBJECTS = "objects"
+"""The name under which a sample's object labels are asked for, beside the pixel channels."""
+
+
+def channel_names() -> list[str]:
+    """Everything that can be asked for in `channels`."""
+    return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS]
+
+
+def check_channels(channels: Iterable[str], where: str) -> None:
+    """ConfigError for a channel that does not exist."""
+    known = channel_names()
+    for name in channels:
+        if name not in known:
+            raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
+
+
+def check_references(config: Config, source: str) -> None:
+    """ConfigError naming the key, the nearest name and all that are allowed."""
+
+    def known(path: str, name: str | None, allowed: list[str]) -> None:
+        if name is not None and name not in allowed:
+            raise ConfigError(f"{source}:\n  {path}: no '{name}'{nearest(name, allowed)}")
+
+    bodies = [name for name in _core.BODIES if name != "sun"]
+    reflectances = [row["name"] for row in _core.REFLECTANCES]
+    effects = [row["name"] for row in _core.EFFECTS]
+    for name, body in config.bodies.items():
+        known(f"bodies.{name}.kind", body.kind, [*bodies, "ellipsoid"])
+        known(f"bodies.{name}.ephemeris", body.ephemeris, bodies)
+        known(f"bodies.{name}.reflectance", body.reflectance, reflectances)
+    for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
+        for name in names:
+            known(f"render.force_{key}", name, effects)
+    check_channels(config.render.channels, f"{source}:\n  render.channels")

@@ -1,0 +1,177 @@
+"""What one process holds of the core for a configuration: models, maps, scene, renderer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from threading import Lock
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.config.document import Document
+from perilune.config.errors import ConfigError
+from perilune.config.schema import Config, Spacecraft, Symmetries
+from perilune.labels import Taxonomy, object_class, taxonomy
+
+F64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ObjectModel:
+    """The model of a spacecraft: p_object = metres_per_unit * (p_model - offset)."""
+
+    name: str
+    """The spacecraft's entry."""
+    obj_id: int
+    class_name: str
+    model: _core.Model
+    offset: F64
+    """Model units."""
+    metres_per_unit: float
+    """Of the configuration's ideal values; a driver on the size changes it per frame."""
+    radius_m: float
+    """Of a sphere about the object's origin that holds the model."""
+    symmetries: Symmetries
+
+
+def metres_per_unit(craft: Spacecraft, model: _core.Model) -> float:
+    """Scale of a spacecraft's model, as stated or from its size."""
+    if craft.metres_per_unit is not None:
+        return craft.metres_per_unit
+    assert craft.size_m is not None  # the schema asks for one of the two
+    low, high = model.bounds
+    return craft.size_m / float((high - low).max())
+
+
+def _reach_units(model: _core.Model, offset: F64) -> float:
+    """Distance from the offset to the farthest corner of the bounding box, model units."""
+    return math.hypot(*np.abs(model.bounds - offset).max(axis=0))
+
+
+def _obj_ids(config: Config) -> dict[str, int]:
+    """As stated; the others get the smallest free numbers from 1, in order."""
+    stated = {n: c.obj_id for n, c in config.spacecraft.items() if c.obj_id is not None}
+    first: dict[int, str] = {}
+    for name, number in stated.items():
+        other = first.setdefault(number, name)
+        a, b = config.spacecraft[name], config.spacecraft[other]
+        same = ("model", "size_m", "metres_per_unit", "centre")
+        if any(getattr(a, key) != getattr(b, key) for key in same):
+            raise ConfigError(
+                f"spacecraft.{name}.obj_id = {number}: {other} has it too, but another model or "
+                "size; one id stands for one model"
+            )
+    used = set(stated.values())
+    free = (number for number in range(1, len(used) + len(config.spacecraft) + 1))
+    unused = (number for number in free if number not in used)
+    return {name: stated[name] if name in stated else next(unused) for name in config.spacecraft}
+
+
+class Handles:
+    """Built lazily, once a process; `lock` guards the renderer, which renders a frame at a time."""
+
+    def __init__(self, document: Document) -> None:
+        self.document = document
+        self.lock = Lock()
+
+    @cached_property
+    def models(self) -> Mapping[str, ObjectModel]:
+        """Spacecraft entry -> its model, in the order of the configuration."""
+        config = self.document.config
+        ids = _obj_ids(config)
+        files: dict[str, _core.Model] = {}
+        result: dict[str, ObjectModel] = {}
+        for name, craft in config.spacecraft.items():
+            path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
+            if path not in files:
+                files[path] = _core.Model(path)
+            model = files[path]
+            bounds = model.bounds
+            offset = bounds.mean(axis=0) if craft.centre == "bounds" else np.zeros(3)
+            if not float((bounds[1] - bounds[0]).max()) > 0.0:
+                raise ValueError(f"spacecraft.{name}.model: {path}: has no extent")
+            scale = metres_per_unit(craft, model)
+            result[name] = ObjectModel(
+                name=name,
+                obj_id=ids[name],
+                class_name=object_class(name, craft),
+                model=model,
+                offset=offset,
+                metres_per_unit=scale,
+                radius_m=scale * _reach_units(model, offset),
+                symmetries=craft.symmetries,
+            )
+        return result
+
+    @cached_property
+    def taxonomy(self) -> Taxonomy:
+        """Names and ids of all labels."""
+        parts = {name: row.model.parts for name, row in self.models.items()}
+        return taxonomy(self.document.config, parts)
+
+    def scales(self, config: Config) -> dict[str, float]:
+        """Metres per model unit of each spacecraft in a frame."""
+        crafts = config.spacecraft
+        return {name: metres_per_unit(crafts[name], row.model) for name, row in self.models.items()}
+
+    def radii_m(self, config: Config) -> dict[str, float]:
+        """Bounding radius about the origin of each spacecraft in a frame."""
+        return {
+            name: scale * _reach_units(self.models[name].model, self.models[name].offset)
+            for name, scale in self.scales(config).items()
+        }
+
+    @cached_property
+    def maps(self) -> Mapping[str, _core.Map]:
+        """Body entry -> its colour map, of those that have one."""
+        files: dict[str, _core.Map] = {}
+        result: dict[str, _core.Map] = {}
+        for name, body in self.document.config.bodies.items():
+            if body.color_map is not None:
+                path = str(self.document.path(body.color_map, f"bodies.{name}.color_map"))
+                result[name] = files.setdefault(path, files.get(path) or _core.Map(path))
+        return result
+
+    @cached_property
+    def renderer(self) -> _core.Renderer:
+        """The core's renderer of the scene."""
+        config, labels = self.document.config, self.taxonomy
+        scene = _core.Scene(len(labels.levels))
+        part_ids: dict[str, list[int]] = {}
+        part_classes: dict[str, list[str]] = {}
+        for part in labels.parts:
+            part_ids.setdefault(part.owner, []).append(part.id)
+            part_classes.setdefault(part.owner, []).append(part.class_name)
+        for name, body in config.bodies.items():
+            scene.add_body(
+                name=name,
+                map=self.maps.get(name),
+                map_center_lon_rad=math.radians(body.map_center_lon_deg),
+                reflectance=body.reflectance,
+                instance_id=labels.instances[name],
+                part_id=part_ids[name][0],
+                class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[
+                    0
+                ],
+            )
+        for name, row in self.models.items():
+            scene.add_object(
+                name=name,
+                model=row.model,
+                offset=row.offset,
+                obj_id=row.obj_id,
+                instance_id=labels.instances[name],
+                part_ids=np.array(part_ids[name], dtype=np.int32),
+                class_ids=_class_ids(labels, "spacecraft", row.class_name, part_classes[name]),
+            )
+        return _core.Renderer(scene)
+
+
+def _class_ids(
+    labels: Taxonomy, kind: str, object_name: str, parts: Sequence[str]
+) -> NDArray[np.uint16]:
+    return labels.class_ids(*({"kind": kind, "object": object_name, "part": p} for p in parts))

@@ -1,0 +1,98 @@
+"""Quaternions (w, x, y, z) of a few bodies and cameras; per-pixel rotation is the core's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+F64 = NDArray[np.float64]
+
+
+def multiply(a: F64, b: F64) -> F64:
+    """Hamilton product: first b, then a."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return np.array(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ]
+    )
+
+
+def conjugate(q: F64) -> F64:
+    """The inverse rotation."""
+    return np.asarray(q * np.array([1.0, -1.0, -1.0, -1.0]))
+
+
+def rotate(q: F64, v: F64) -> F64:
+    """The vector v turned by q."""
+    t = 2.0 * np.cross(q[1:], v)
+    return np.asarray(v + q[0] * t + np.cross(q[1:], t))
+
+
+def axis_angle(axis: Sequence[float] | F64, angle_rad: float) -> F64:
+    """Rotation about a unit axis; the angle is reduced first, so that long spins stay exact."""
+    half = 0.5 * math.remainder(angle_rad, 4.0 * math.pi)
+    return np.concatenate([[math.cos(half)], np.asarray(axis) * math.sin(half)])
+
+
+def from_rpy_deg(rpy: Sequence[float]) -> F64:
+    """Roll about x, then pitch about y, then yaw about z, all of the reference axes."""
+    roll, pitch, yaw = (math.radians(angle) for angle in rpy)
+    q = multiply(axis_angle((0.0, 1.0, 0.0), pitch), axis_angle((1.0, 0.0, 0.0), roll))
+    return multiply(axis_angle((0.0, 0.0, 1.0), yaw), q)
+
+
+def to_matrix(q: F64) -> F64:
+    """3x3 matrix of a unit quaternion."""
+    w, x, y, z = q
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def from_matrix(m: F64) -> F64:
+    """Unit quaternion of a rotation matrix (Shepperd 1978: the largest component is the pivot)."""
+    trace = float(np.trace(m))
+    squares = np.array([trace, m[0, 0], m[1, 1], m[2, 2]])
+    pivot = int(np.argmax(squares))
+    if pivot == 0:
+        q = np.array([1 + trace, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+    else:
+        i = pivot - 1
+        j, k = (i + 1) % 3, (i + 2) % 3
+        q = np.empty(4)
+        q[0] = m[k, j] - m[j, k]
+        q[1 + i] = 1 + m[i, i] - m[j, j] - m[k, k]
+        q[1 + j] = m[j, i] + m[i, j]
+        q[1 + k] = m[k, i] + m[i, k]
+    return np.asarray(q / np.linalg.norm(q))
+
+
+def middle(a: F64, b: F64) -> F64:
+    """Halfway between two rotations along the shorter arc, as the core takes mid-exposure."""
+    q = a + (b if float(a @ b) >= 0.0 else -b)
+    return np.asarray(q / np.linalg.norm(q))
+
+
+def look_at(forward: F64, up: F64) -> F64:
+    """Camera axes (x right, y down, z forward) with z forward and -y as near `up` as can be.
+
+    Where the two are parallel, the axis farthest from `forward` takes the place of `up`.
+    """
+    z = forward / np.linalg.norm(forward)
+    x = np.cross(z, up)
+    if np.linalg.norm(x) < 1e-9 * np.linalg.norm(up):
+        x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
+    x /= np.linalg.norm(x)
+    return from_matrix(np.column_stack([x, np.cross(z, x), z]))

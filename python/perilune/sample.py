@@ -1,0 +1,86 @@
+"""A rendered frame: a mapping of channel names to arrays, with its labels, camera and plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+
+F64 = NDArray[np.float64]
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class CameraLabel:
+    """The camera in the middle of the exposure: p_camera = R_w2c p_root + t_w2c, OpenCV axes."""
+
+    K: F64
+    """(3, 3), pixels, integer pixel centres."""
+    width: int
+    height: int
+    R_w2c: F64
+    """(3, 3), from root (ICRF) axes."""
+    t_w2c: F64
+    """(3,), m."""
+
+    @property
+    def position_m(self) -> F64:
+        """The camera's place in the root frame."""
+        return -self.R_w2c.T @ self.t_w2c
+
+
+class Sample(Mapping[str, Array]):
+    """One frame. `sample["rgb"]` and the like are the pixel channels that were asked for."""
+
+    __slots__ = ("_channels", "_objects", "camera", "meta", "plan")
+
+    def __init__(
+        self,
+        channels: Mapping[str, Array],
+        objects: Array | None,
+        camera: CameraLabel,
+        meta: Mapping[str, Any],
+        plan: list[_core.PlanRow],
+    ) -> None:
+        self._channels = dict(channels)
+        self._objects = objects
+        self.camera = camera
+        self.meta = dict(meta)
+        """seed, index, time_utc, drivers, white_radiance, timings_s."""
+        self.plan = plan
+
+    @property
+    def objects(self) -> Array:
+        """Labels of the spacecraft, one row each in the order of the configuration."""
+        if self._objects is None:
+            raise AttributeError("this sample has no object labels: ask for the channel 'objects'")
+        return self._objects
+
+    @property
+    def has_objects(self) -> bool:
+        """Whether object labels were asked for."""
+        return self._objects is not None
+
+    def __getitem__(self, name: str) -> Array:
+        try:
+            return self._channels[name]
+        except KeyError:
+            held = ", ".join(self._channels) or "no channel"
+            raise KeyError(f"'{name}' was not asked for; this sample holds {held}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._channels)
+
+    def __len__(self) -> int:
+        return len(self._channels)
+
+    def __repr__(self) -> str:
+        arrays = ", ".join(f"{k}: {v.dtype} {v.shape}" for k, v in self._channels.items())
+        count = len(self._objects) if self._objects is not None else 0
+        noun = "object" if count == 1 else "objects"
+        return f"<Sample {self.meta['index']}, {self.meta['time_utc']}, {count} {noun}: {arrays}>"

@@ -1,0 +1,296 @@
+"""A simulation: frames as a pure function of (configuration, seed, index)."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core, bodies, labels, orbits, rotations, trajectories, world
+from perilune.config import Config, ConfigError, Document, load
+from perilune.config.references import OBJECTS, check_channels, check_references
+from perilune.handles import Handles, ObjectModel
+from perilune.sample import CameraLabel, Sample
+
+F64 = NDArray[np.float64]
+Array = NDArray[Any]
+ConfigSource = str | os.PathLike[str] | Mapping[str, Any]
+
+_orphans: list[Handles] = []
+"""Handles of a parent process: a fork must neither use them nor destroy them (the ray tracer's
+threads do not exist in the child), so they stay referenced until it ends."""
+
+
+def default_threads() -> int:
+    """The processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class Simulation:
+    """Random access to frames: `sim[i]` is the same whatever was rendered before, and where.
+
+    Opened by perilune.open. Pickles as its configuration; in every process, forked ones too, the
+    core's objects are made when first needed.
+    """
+
+    def __init__(
+        self, document: Document, trajectory: Callable[[world.World], Any] | None = None
+    ) -> None:
+        """trajectory: a callable that gives the camera's poses instead of the configured one."""
+        check_references(document.config, document.source)
+        self._document = document
+        self._trajectory = trajectory
+        self._epoch = bodies.date_from_utc(document.config.time.utc_fields())
+        self._handles: Handles | None = None
+        self._pid = 0
+        try:
+            orbits.poses(document.config, self._epoch, 0.0)
+        except ValueError as error:
+            raise ConfigError(f"{document.source}:\n  {error}") from None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Simulation, (self._document, self._trajectory)
+
+    def __repr__(self) -> str:
+        camera = self.config.camera
+        return (
+            f"<Simulation {self.config.name}, seed {self.config.seed}, "
+            f"{camera.width}x{camera.height}>"
+        )
+
+    @property
+    def config(self) -> Config:
+        """The configuration with every driver at its ideal value."""
+        return self._document.config
+
+    @property
+    def document(self) -> Document:
+        """The configuration as loaded: its file, tree and drivers."""
+        return self._document
+
+    @property
+    def taxonomy(self) -> labels.Taxonomy:
+        """Names and ids of the labels; loads the models."""
+        return self._mine().taxonomy
+
+    @property
+    def models(self) -> Mapping[str, ObjectModel]:
+        """Spacecraft entry -> its model, id and scale; loads the models."""
+        return self._mine().models
+
+    def _mine(self) -> Handles:
+        """This process's handles."""
+        pid = os.getpid()
+        if self._handles is None or self._pid != pid:
+            if self._handles is not None:
+                _orphans.append(self._handles)
+            self._handles, self._pid = Handles(self._document), pid
+        return self._handles
+
+    def config_at(self, index: int) -> tuple[Config, dict[str, float]]:
+        """The configuration of a frame, and what its drivers drew, by key path."""
+        return self._document.at(_checked_index(index))
+
+    def world(self, index: int) -> world.World:
+        """Where everything is in a frame, the camera aside."""
+        config, _ = self.config_at(index)
+        return world.build(config, index, self._epoch, self._mine().radii_m(config))
+
+    def request(self, index: int) -> _core.FrameRequest:
+        """What the core is asked to render for a frame."""
+        scene = self.world(index)
+        poses = trajectories.camera_poses(scene, self._trajectory)
+        return _request(scene, poses, self._mine().scales(scene.config))
+
+    def plan(self, index: int) -> list[_core.PlanRow]:
+        """The effects kept and dropped in a frame, with reasons; nothing is rendered."""
+        request, handles = self.request(index), self._mine()
+        with handles.lock:
+            return handles.renderer.plan(request)["plan"]
+
+    def __getitem__(self, index: int) -> Sample:
+        return self.frame(index)
+
+    def frame(
+        self,
+        index: int,
+        channels: Sequence[str] | None = None,
+        threads: int | None = None,
+        out: Mapping[str, Array] | None = None,
+    ) -> Sample:
+        """Renders a frame.
+
+        channels: names to compute (default: render.channels). threads: does not change the result
+        (default: all processors of the process). out: arrays to write into by channel name, as an
+        earlier sample's; the others are new.
+        """
+        config, drawn = self.config_at(index)
+        names = list(dict.fromkeys(config.render.channels if channels is None else channels))
+        check_channels(names, "channels")
+        request, handles = self.request(index), self._mine()
+        arrays = _arrays(config, names, out or {})
+        with handles.lock:
+            result = handles.renderer.render(
+                request, arrays, default_threads() if threads is None else _checked_threads(threads)
+            )
+        meta = {
+            "seed": config.seed,
+            "index": index,
+            "time_utc": self._epoch.after(config.time.step_s * index).utc(),
+            "drivers": drawn,
+            "white_radiance": result["white_radiance"],
+            "timings_s": result["timings_s"],
+        }
+        objects = arrays.pop(OBJECTS, None)
+        return Sample(arrays, objects, _camera_label(request), meta, result["plan"])
+
+
+def open(  # noqa: A001 (perilune.open is the interface)
+    config: ConfigSource,
+    seed: int | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    base: str | os.PathLike[str] | None = None,
+    trajectory: Callable[[world.World], Any] | None = None,
+    **dotted: Any,
+) -> Simulation:
+    """Opens a configuration: a YAML or JSON file, or a mapping of the same shape.
+
+    seed: replaces the file's. overrides: {"camera.width": 64} and so on, None removes a key; more
+    can be given as keywords, **{"render.samples": 4}. base: the folder that relative paths refer to
+    (default: the file's, or the current one). trajectory: a callable (perilune.world.World) ->
+    camera pose (7,) or (2, 7), camera to root, instead of the configured trajectory.
+    """
+    changes = {**(overrides or {}), **dotted}
+    if seed is not None:
+        changes["seed"] = seed
+    return Simulation(load(config, changes, Path(base) if base is not None else None), trajectory)
+
+
+def _checked_index(index: int) -> int:
+    number = index.__index__() if hasattr(index, "__index__") else None
+    if number is None:
+        raise TypeError(f"a frame's index is an integer, not {type(index).__name__}")
+    if not 0 <= number < 2**31:
+        raise IndexError(f"frame {number}: indices run from 0 to 2^31 - 1")
+    return number
+
+
+def _checked_threads(threads: int) -> int:
+    if threads < 1:
+        raise ValueError(f"threads = {threads}: must be 1 or more")
+    return threads
+
+
+def intrinsics(config: Config) -> F64:
+    """K (3, 3) with integer pixel centres: a centred camera has cx = (width - 1) / 2."""
+    camera = config.camera
+    if camera.K is not None:
+        return np.array(camera.K).reshape(3, 3)
+    focal = camera.focal_px
+    if focal is None:
+        assert camera.fov_deg is not None  # the schema asks for one of the three
+        focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
+    cx, cy = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
+    return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
+
+
+def _albedos(config: Config) -> F64:
+    rows = []
+    for body in config.bodies.values():
+        if body.albedo is not None:
+            rows.append(body.albedo)
+        elif body.color_map is not None:
+            rows.append((1.0, 1.0, 1.0))
+        else:
+            rows.append((float(_core.BODIES[body.kind]["bond_albedo"]),) * 3)
+    return np.array(rows, dtype=np.float64)
+
+
+def _request(
+    scene: world.World, camera_poses: F64, scales: Mapping[str, float]
+) -> _core.FrameRequest:
+    config = scene.config
+    render, exposure = config.render, config.camera.exposure
+    return {
+        "seed": config.seed,
+        "index": scene.index,
+        "width": config.camera.width,
+        "height": config.camera.height,
+        "K": intrinsics(config),
+        "camera_pose": camera_poses,
+        "object_poses": _stacked([scene.poses[name] for name in config.spacecraft], (2, 7)),
+        "object_scale": np.array([scales[name] for name in config.spacecraft], dtype=np.float64),
+        "body_poses": _stacked([scene.poses[name] for name in config.bodies], (2, 7)),
+        "body_radii": _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
+        "body_albedo": _albedos(config),
+        "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
+        "sun_position": scene.sun_position_m,
+        "sun_radius": config.sun.radius_km * 1e3,
+        "sun_irradiance": config.sun.irradiance_w_m2,
+        "quality": {
+            "samples": render.samples,
+            "max_bounces": render.max_bounces,
+            "tolerance_dn": render.tolerance_dn,
+            "force_on": list(render.force_on),
+            "force_off": list(render.force_off),
+        },
+        "exposure": {
+            "mode": exposure.mode,
+            "white_radiance": exposure.white_radiance_w_m2_sr or 1.0,  # unused in mode auto
+            "percentile": exposure.percentile,
+            "key": exposure.key,
+        },
+    }
+
+
+def _stacked(rows: list[F64], shape: tuple[int, ...]) -> F64:
+    return np.stack(rows) if rows else np.empty((0, *shape))
+
+
+@lru_cache(maxsize=1)
+def object_dtype() -> np.dtype[Any]:
+    """The type of a row of `Sample.objects`."""
+    return np.dtype(list(_core.OBJECT_LABEL))
+
+
+def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type of a channel's array."""
+    if name == OBJECTS:
+        return (len(config.spacecraft),), object_dtype()
+    channel = next(row for row in _core.CHANNELS if row["name"] == name)
+    count = channel["components"]
+    tail = () if count == 0 else (count if count > 0 else len(config.labels.levels),)
+    return (config.camera.height, config.camera.width, *tail), np.dtype(channel["dtype"])
+
+
+def _arrays(config: Config, names: Sequence[str], out: Mapping[str, Array]) -> dict[str, Array]:
+    arrays: dict[str, Array] = {}
+    for name in names:
+        shape, dtype = channel_layout(config, name)
+        given = out.get(name)
+        if given is None:
+            arrays[name] = np.empty(shape, dtype)
+        elif given.shape != shape or given.dtype != dtype or not given.flags.c_contiguous:
+            raise ValueError(
+                f"out['{name}']: must be a C-contiguous {dtype} array of shape {shape}, "
+                f"not {given.dtype} {given.shape}"
+            )
+        else:
+            arrays[name] = given
+    return arrays
+
+
+def _camera_label(request: _core.FrameRequest) -> CameraLabel:
+    opening, closing = request["camera_pose"]
+    R_w2c = rotations.to_matrix(rotations.middle(opening[3:], closing[3:])).T
+    center = 0.5 * (opening[:3] + closing[:3])
+    return CameraLabel(request["K"], request["width"], request["height"], R_w2c, -R_w2c @ center)

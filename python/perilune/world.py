@@ -1,0 +1,107 @@
+"""The world of one frame before the camera: where everything is while the shutter is open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import orbits, rotations
+from perilune.bodies import Date
+from perilune.config.camera import Camera
+from perilune.config.schema import Config
+from perilune.random import generator
+
+F64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class World:
+    """What a trajectory sees. Root frame, metres; poses at shutter opening and closing."""
+
+    config: Config
+    index: int
+    epoch: Date
+    t_s: float
+    """Shutter opening, seconds after the epoch."""
+    poses: Mapping[str, F64]
+    """Name of a body or spacecraft -> (2, 7)."""
+    body_radii_m: Mapping[str, F64]
+    """Name of a body -> semi-axes (3,)."""
+    craft_radius_m: Mapping[str, float]
+    """Name of a spacecraft -> radius of a sphere about its origin that holds it."""
+    sun_position_m: F64
+
+    @property
+    def camera(self) -> Camera:
+        """The camera's configuration in this frame."""
+        return self.config.camera
+
+    @property
+    def date(self) -> Date:
+        """Shutter opening."""
+        return self.epoch.after(self.t_s)
+
+    def position_m(self, name: str) -> F64:
+        """Centre at shutter opening (3,)."""
+        return self.poses[name][0, :3]
+
+    def radius_m(self, name: str) -> float:
+        """Radius of a sphere about the centre that holds a body or spacecraft."""
+        if name in self.craft_radius_m:
+            return self.craft_radius_m[name]
+        return float(self.body_radii_m[name].max())
+
+    def random(self, what: str) -> np.random.Generator:
+        """The frame's random numbers for `what`; the same whatever else is drawn."""
+        return generator(self.config.seed, what, self.index)
+
+    def body_axes(self, name: str, vector: F64, when: int = 0) -> F64:
+        """A vector of the root frame in the axes of a body or spacecraft."""
+        return rotations.rotate(rotations.conjugate(self.poses[name][when, 3:]), vector)
+
+    def inside(self, point_m: F64, clearance_m: float = 0.0, when: int = 0) -> str | None:
+        """Name of a body that a point is in, or nearer to than about the clearance."""
+        for name, radii in self.body_radii_m.items():
+            from_center = point_m - self.poses[name][when, :3]
+            p = self.body_axes(name, from_center, when) / (radii + clearance_m)
+            if float(p @ p) <= 1.0:
+                return name
+        return None
+
+    def hit_m(self, name: str, origin_m: F64, direction: F64) -> float | None:
+        """Distance to the first point of a body ahead on a ray of unit direction; None: no hit.
+
+        From inside a body the distance is 0.
+        """
+        radii = self.body_radii_m[name]
+        p = self.body_axes(name, origin_m - self.position_m(name)) / radii
+        d = self.body_axes(name, direction) / radii
+        if float(p @ p) <= 1.0:
+            return 0.0
+        a, b = float(d @ d), float(p @ d)
+        nearest = p - d * (b / a)  # of the ray's line to the unit sphere's centre
+        inside = 1.0 - float(nearest @ nearest)
+        if b >= 0.0 or inside < 0.0:
+            return None
+        return float(-b / a - np.sqrt(inside / a))
+
+
+def build(config: Config, index: int, epoch: Date, craft_radius_m: Mapping[str, float]) -> World:
+    """The world of frame `index`; the sizes of the spacecraft come from their models."""
+    t_s = config.time.step_s * index
+    exposure = config.camera.exposure_time_s
+    opening = orbits.poses(config, epoch, t_s)
+    closing = orbits.poses(config, epoch, t_s + exposure) if exposure > 0.0 else opening
+    return World(
+        config=config,
+        index=index,
+        epoch=epoch,
+        t_s=t_s,
+        poses={name: np.stack([opening[name], closing[name]]) for name in opening},
+        body_radii_m={name: orbits.radii_m(body) for name, body in config.bodies.items()},
+        craft_radius_m=craft_radius_m,
+        sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * exposure)),
+    )
