@@ -28,9 +28,8 @@ def foreign_symbols(library: Path) -> list[str]:
             continue
         member, name = match["member"], match["name"]
         mangled = name.startswith(("_Z", "DW.ref."))
-        if member.endswith(".c.o") or not mangled:
-            if not name.startswith("pl_"):
-                found.append(f"{member}: {name}")
+        if (member.endswith(".c.o") or not mangled) and not name.startswith("pl_"):
+            found.append(f"{member}: {name}")
     return found
 
 
@@ -42,6 +41,7 @@ def build_dir(repo_dir: Path) -> Path:
 
 def test_external_symbols_carry_the_prefix(build_dir: Path) -> None:
     library = build_dir / "libperilune_core.a"
+    assert library.exists(), f"{library}: not built yet (script/test builds it)"
     members = {match["member"] for line in nm("-A", str(library)) if (match := LINE.match(line))}
     assert "memory.c.o" in members
     assert foreign_symbols(library) == []
