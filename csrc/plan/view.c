@@ -15,6 +15,25 @@ double pl_view_dn(const pl_view *view, double radiance) {
   return linear >= 1.0 ? 255.0 : 255.0 * encode(linear);
 }
 
+double pl_view_dn_dimming(double fraction) {
+  /* x -> (1 - f) x moves the encoding most at x = 1, where its slope is 1.055/2.4. */
+  return fraction >= 1.0 ? 255.0 : 255.0 * (1.0 - encode(1.0 - fraction));
+}
+
+double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
+                          const pl_view_thing *receiver) {
+  double square = 0.0;
+  for (int k = 0; k < 3; k++)
+    square += pow(receiver->center_m[k] - caster->center_m[k], 2.0);
+  const double gap = sqrt(square) - receiver->radius_m;
+  if (!pl_view_shadow_reaches(view, caster, receiver))
+    return 0.0;
+  if (gap <= caster->radius_m || !(view->sun_radius_rad > 0.0))
+    return 1.0;
+  const double ratio = asin(caster->radius_m / gap) / view->sun_radius_rad;
+  return fmin(1.0, ratio * ratio);
+}
+
 double pl_view_radiance_max(const pl_view *view) {
   double largest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++) {

@@ -35,6 +35,11 @@ typedef struct pl_view {
 /* Digital numbers (of 255, display-encoded) that a change of `radiance` can make at most: the sRGB
  * encoding is concave, so the change is largest on black. */
 double pl_view_dn(const pl_view *view, double radiance);
+/* Digital numbers that dimming lit surfaces by a fraction can make at most. */
+double pl_view_dn_dimming(double fraction);
+/* Upper bound of the fraction of the sun's disc that `caster` hides from anywhere on `receiver`. */
+double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
+                          const pl_view_thing *receiver);
 /* Largest radiance of directly lit diffuse surfaces in the frame, W m-2 sr-1. */
 double pl_view_radiance_max(const pl_view *view);
 /* Whether anything in the frame is glossy enough to mirror the sun. */

@@ -27,24 +27,22 @@ static void add(pl_vec3f *sum, pl_vec3f value) { *sum = pl_vec3f_add(*sum, value
 
 static size_t start_paths(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
   double offset[2];
-  size_t count = 0;
   pl_path_subpixel(index, offset);
-  for (int y = 0; y < context->tile.height; y++) {
-    for (int x = 0; x < context->tile.width; x++) {
-      const pl_vec3 direction = pl_snapshot_ray(context->shot, context->tile.x0 + x + offset[0],
-                                                context->tile.y0 + y + offset[1]);
-      b->paths[count] = (pl_path){
-          .beam = {.direction = direction, .spread = context->spread},
-          .throughput = {1.0f, 1.0f, 1.0f},
-          .pdf = INFINITY,
-          .pixel = (uint32_t)(y * PL_TILE_SIDE + x),
-      };
-      b->rays[count] = (pl_ray){
-          .t_max = INFINITY, .direction = pl_vec3_to_float(direction), .skip_body = PL_NOTHING};
-      count++;
-    }
+  for (size_t i = 0; i < b->active_count; i++) {
+    const uint32_t pixel = b->active[i];
+    const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
+    const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+    const pl_vec3 direction = pl_snapshot_ray(context->shot, x + offset[0], y + offset[1]);
+    b->paths[i] = (pl_path){
+        .beam = {.direction = direction, .spread = context->spread},
+        .throughput = {1.0f, 1.0f, 1.0f},
+        .pdf = INFINITY,
+        .pixel = pixel,
+    };
+    b->rays[i] = (pl_ray){
+        .t_max = INFINITY, .direction = pl_vec3_to_float(direction), .skip_body = PL_NOTHING};
   }
-  return count;
+  return b->active_count;
 }
 
 /* A ray that leaves the scene sees the sun or nothing. */
@@ -58,13 +56,33 @@ static void shade_miss(const pl_path_context *context, const pl_path *path, pl_t
   add(&b->radiance[path->pixel], pl_vec3f_scale(path->throughput, weight * sun.radiance));
 }
 
+/* The sun at a vertex. Across an object it moves by the object's size over the sun's distance:
+ * nothing, unless the object is a world of its own. */
+static pl_sun_view sun_at(const pl_path_context *context, const pl_vertex *vertex) {
+  const double negligible = 1e-6;
+  if (vertex->thing < context->shot->object_count) {
+    const pl_sun_view *sun = &context->suns[vertex->thing];
+    if (context->shot->objects[vertex->thing].radius_m < negligible * sun->distance_m)
+      return *sun;
+  }
+  return pl_sun_view_at(&context->shot->sun, vertex->position);
+}
+
+/* Whether shadow rays are worth casting from here. */
+static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) {
+  const size_t objects = context->shot->object_count;
+  if (!context->settings->cast_shadows)
+    return false;
+  return vertex->thing < objects || context->shot->bodies[vertex->thing - objects].shadowed;
+}
+
 /* Queues the sun's light at the vertex, or adds it at once where shadows are off. */
 static size_t shade_sun(const pl_path_context *context, const pl_path *path,
                         const pl_vertex *vertex, const float u[2], pl_vec3f wo, size_t queued,
                         pl_tile_buffers *b) {
   const pl_surface *s = &vertex->surface;
   const bool soft = context->settings->soft_sun;
-  const pl_sun_view sun = pl_sun_view_at(&context->shot->sun, vertex->position);
+  const pl_sun_view sun = sun_at(context, vertex);
   const pl_vec3f toward = soft ? pl_sun_sample(&sun, u) : sun.direction;
   if (!(pl_vec3f_dot(toward, s->ng) > 0.0f) || !(pl_vec3f_dot(toward, s->n) > 0.0f))
     return queued;
@@ -78,7 +96,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
       pl_vec3f_scale(pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi)), scale);
   if (!(pl_vec3f_max(light) > 0.0f))
     return queued;
-  if (!context->settings->cast_shadows) {
+  if (!shadows_at(context, vertex)) {
     add(&b->radiance[path->pixel], light);
     return queued;
   }
@@ -140,7 +158,7 @@ static void shade_hit(const pl_path_context *context, uint32_t index, int bounce
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
   const pl_path path = b->paths[i];
   pl_vertex vertex;
-  pl_vertex_locate(context->shot, &path.beam, &b->hits[i], &vertex);
+  pl_vertex_locate(context->shot, &path.beam, &b->hits[i], false, &vertex);
   pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, &vertex);
   pl_surface *s = &vertex.surface;
   s->alpha = fmaxf(s->alpha, path.alpha_min);
@@ -160,12 +178,19 @@ static void shade_hit(const pl_path_context *context, uint32_t index, int bounce
     ++*kept;
 }
 
+/* A first hit on the body whose radiance is known for the whole pixel. */
+static bool is_settled(const pl_tile_buffers *b, int bounce, size_t i) {
+  return bounce == 0 && b->settled_thing[b->paths[i].pixel] == b->hits[i].thing;
+}
+
 static size_t shade_wave(const pl_path_context *context, uint32_t index, int bounce, size_t count,
                          pl_tile_buffers *b) {
   size_t kept = 0, queued = 0;
   for (size_t i = 0; i < count; i++) {
     if (b->hits[i].thing == PL_NOTHING)
       shade_miss(context, &b->paths[i], b);
+    else if (is_settled(b, bounce, i))
+      add(&b->radiance[b->paths[i].pixel], b->settled[b->paths[i].pixel]);
     else
       shade_hit(context, index, bounce, i, &kept, &queued, b);
   }

@@ -2,6 +2,7 @@
 #ifndef PL_RENDER_PATH_H
 #define PL_RENDER_PATH_H
 
+#include "light/sun.h"
 #include "render/render.h"
 
 /* A path on its way: where it goes on is the ray of the same index. */
@@ -25,6 +26,12 @@ typedef struct pl_tile_buffers {
   pl_hit center_hits[PL_TILE_PIXELS];
   pl_vec3f radiance[PL_TILE_PIXELS];
   uint32_t seeds[PL_TILE_PIXELS];
+  uint32_t active[PL_TILE_PIXELS]; /* pixels that need all samples; the first active_count */
+  size_t active_count;
+  /* Radiance of the body that a pixel's centre hits, where it is one value for the whole pixel: all
+   * samples that hit that body share it. PL_NOTHING: every sample is shaded. */
+  uint32_t settled_thing[PL_TILE_PIXELS];
+  pl_vec3f settled[PL_TILE_PIXELS];
   pl_path paths[PL_TILE_PIXELS];
   pl_ray rays[PL_TILE_PIXELS];
   pl_hit hits[PL_TILE_PIXELS];
@@ -38,12 +45,19 @@ typedef struct pl_path_context {
   const pl_snapshot *shot;
   const pl_tracer *tracer;
   const pl_render_settings *settings;
+  const pl_sun_view *suns; /* the sun at each object's centre */
   pl_tile tile;
-  float spread; /* of a colour sample's cone, per metre */
-  bool meshes;  /* whether a mesh may be in this tile's cone */
+  double pixel_rad; /* angle of a pixel */
+  float spread;     /* of a colour sample's cone, per metre */
+  bool meshes;      /* whether a mesh may be in this tile's cone */
+  uint32_t body;    /* the only body that may be in it; PL_NOTHING for none or several */
 } pl_path_context;
 
-/* Adds sample `index` of every pixel to buffers->radiance (a sum over samples). The geometry
+/* Fills settled_thing, settled and the list of active pixels; pixels that need no samples get their
+ * radiance. Reads points and center_hits. */
+void pl_path_settle(const pl_path_context *context, pl_tile_buffers *buffers);
+
+/* Adds sample `index` of every active pixel to buffers->radiance (a sum over samples). The geometry
  * buffer's hits serve sample 0. */
 void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *buffers);
 

@@ -10,6 +10,8 @@
 struct pl_render_scratch {
   int threads;
   pl_tile_buffers *buffers; /* owned, one per worker */
+  pl_sun_view *suns;        /* owned, one per object */
+  size_t sun_count;         /* room in suns */
 };
 
 pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
@@ -24,7 +26,7 @@ pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
     return status;
   }
   *out = scratch;
-  **out = (pl_render_scratch){threads, buffers};
+  **out = (pl_render_scratch){.threads = threads, .buffers = buffers};
   return PL_OK;
 }
 
@@ -32,6 +34,7 @@ void pl_render_scratch_destroy(pl_render_scratch *scratch) {
   if (scratch == NULL)
     return;
   pl_free(scratch->buffers);
+  pl_free(scratch->suns);
   pl_free(scratch);
 }
 
@@ -72,21 +75,33 @@ static void tile_cone(const job *job, pl_tile tile, pl_vec3 *axis, double *half_
 }
 
 /* What the tile's cone can meet. */
-static void tile_content(const job *job, pl_tile tile, bool *meshes, bool *anything) {
+typedef struct content {
+  bool meshes, anything;
+  uint32_t body; /* the only body; PL_NOTHING for none or several, or beside the sun */
+} content;
+
+static content tile_content(const job *job, pl_tile tile) {
   pl_vec3 axis;
   double half_angle;
   const pl_snapshot *shot = job->shot;
+  content out = {.body = PL_NOTHING};
   tile_cone(job, tile, &axis, &half_angle);
-  *meshes = false;
-  for (size_t i = 0; i < shot->object_count && !*meshes; i++)
-    *meshes =
+  for (size_t i = 0; i < shot->object_count && !out.meshes; i++)
+    out.meshes =
         shot->objects[i].in_frame &&
         pl_sphere_in_cone(shot->objects[i].center, shot->objects[i].radius_m, axis, half_angle);
-  *anything =
-      *meshes || pl_sphere_in_cone(shot->sun.position, shot->sun.radius_m, axis, half_angle);
-  for (size_t i = 0; i < shot->body_count && !*anything; i++)
-    *anything =
-        pl_sphere_in_cone(shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle);
+  const bool sun = pl_sphere_in_cone(shot->sun.position, shot->sun.radius_m, axis, half_angle);
+  size_t bodies = 0;
+  for (size_t i = 0; i < shot->body_count; i++) {
+    if (!pl_sphere_in_cone(shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle))
+      continue;
+    bodies++;
+    out.body = (uint32_t)i;
+  }
+  if (bodies != 1)
+    out.body = PL_NOTHING;
+  out.anything = out.meshes || sun || bodies > 0;
+  return out;
 }
 
 /* One word of randomness a pixel, keyed by (seed, "render", frame, pixel). */
@@ -122,23 +137,29 @@ static void fill_points(const job *job, pl_tile tile, bool meshes, pl_tile_buffe
     b->points[pixel].thing = PL_NOTHING;
     if (b->hits[i].thing == PL_NOTHING)
       continue;
-    pl_vertex_locate(job->shot, &b->paths[i].beam, &b->hits[i], &b->points[pixel]);
-    pl_vertex_shade(job->shot, &b->paths[i].beam, false, &b->points[pixel]);
+    pl_vertex_locate(job->shot, &b->paths[i].beam, &b->hits[i], true, &b->points[pixel]);
+    pl_vertex_orient(job->shot, &b->paths[i].beam, &b->points[pixel]);
   }
 }
 
-static void sample_colour(const job *job, pl_tile tile, bool meshes, pl_tile_buffers *b) {
+static void sample_colour(const job *job, pl_tile tile, const content *content,
+                          pl_tile_buffers *b) {
   const int samples = job->settings->samples;
   const pl_path_context context = {
       .shot = job->shot,
       .tracer = job->tracer,
       .settings = job->settings,
+      .suns = job->scratch->suns,
       .tile = tile,
+      .pixel_rad = job->pixel_rad,
       .spread = (float)(job->pixel_rad / sqrt((double)samples)),
-      .meshes = meshes,
+      .meshes = content->meshes,
+      .body = content->body,
   };
-  draw_seeds(job, tile, b->seeds);
-  for (int i = 0; i < samples; i++)
+  pl_path_settle(&context, b);
+  if (b->active_count > 0)
+    draw_seeds(job, tile, b->seeds);
+  for (int i = 0; i < samples && b->active_count > 0; i++)
     pl_path_sample(&context, (uint32_t)i, b);
   for (int i = 0; i < PL_TILE_PIXELS; i++)
     b->radiance[i] = pl_vec3f_scale(b->radiance[i], 1.0f / (float)samples);
@@ -148,20 +169,33 @@ static pl_status render_tile(void *context, size_t item, int worker) {
   const job *job = context;
   pl_tile_buffers *b = &job->scratch->buffers[worker];
   const pl_tile tile = tile_of(job, item);
-  bool meshes, anything;
-  tile_content(job, tile, &meshes, &anything);
+  const content content = tile_content(job, tile);
   for (int i = 0; i < PL_TILE_PIXELS; i++)
     b->radiance[i] = (pl_vec3f){0.0f, 0.0f, 0.0f};
-  if (anything) {
-    fill_points(job, tile, meshes, b);
+  if (content.anything) {
+    fill_points(job, tile, content.meshes, b);
     if (job->settings->samples > 0)
-      sample_colour(job, tile, meshes, b);
+      sample_colour(job, tile, &content, b);
   } else {
     for (int i = 0; i < PL_TILE_PIXELS; i++)
       b->points[i].thing = PL_NOTHING;
   }
-  const pl_tile_result result = {tile, !anything, b->points, b->radiance};
+  const pl_tile_result result = {tile, !content.anything, b->points, b->radiance};
   return job->done(job->context, &result, worker);
+}
+
+/* The sun as each object's centre sees it. */
+static pl_status view_suns(pl_render_scratch *scratch, const pl_snapshot *shot) {
+  if (shot->object_count > scratch->sun_count) {
+    pl_sun_view *grown = pl_realloc(scratch->suns, shot->object_count, sizeof *grown);
+    if (grown == NULL)
+      return pl_fail(PL_E_MEMORY, "out of memory for %zu objects", shot->object_count);
+    scratch->suns = grown;
+    scratch->sun_count = shot->object_count;
+  }
+  for (size_t i = 0; i < shot->object_count; i++)
+    scratch->suns[i] = pl_sun_view_at(&shot->sun, shot->objects[i].center);
+  return PL_OK;
 }
 
 pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
@@ -179,6 +213,7 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .columns = columns,
       .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
   };
+  PL_TRY(view_suns(scratch, shot));
   return pl_parallel_for(scratch->threads, (size_t)columns * (size_t)rows, render_tile, &job,
                          cancel);
 }

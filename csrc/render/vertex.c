@@ -11,9 +11,37 @@ static pl_vec3 corner_of(const pl_shot_object *object, uint32_t index) {
   return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
 }
 
-/* Plane of the winning triangle in double; weights from areas. A sliver whose plane is undefined
- * keeps the tracer's own answer. */
+/* The edge between two corners in view axes; float, since the translation drops out. */
+static pl_vec3f edge_of(const pl_shot_object *object, const float *from, const float *to) {
+  const float *m = object->to_view;
+  const float x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2];
+  return pl_vec3f_make(m[0] * x + m[3] * y + m[6] * z, m[1] * x + m[4] * y + m[7] * z,
+                       m[2] * x + m[5] * y + m[8] * z);
+}
+
+static void set_weights(pl_vertex *vertex, double u, double v) {
+  vertex->w[1] = fminf(fmaxf((float)u, 0.0f), 1.0f);
+  vertex->w[2] = fminf(fmaxf((float)v, 0.0f), 1.0f - vertex->w[1]);
+  vertex->w[0] = 1.0f - vertex->w[1] - vertex->w[2];
+}
+
+/* The tracer's own hit. */
 static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const pl_hit *hit,
+                        pl_vertex *out) {
+  const pl_model *model = object->object->model;
+  const uint32_t *corner = model->indices + 3 * (size_t)hit->triangle;
+  const float *a = model->positions + 3 * (size_t)corner[0];
+  out->edge1 = edge_of(object, a, model->positions + 3 * (size_t)corner[1]);
+  out->edge2 = edge_of(object, a, model->positions + 3 * (size_t)corner[2]);
+  out->ng = pl_vec3f_unit(pl_vec3f_cross(out->edge1, out->edge2));
+  out->t = hit->t;
+  out->position = pl_vec3_madd(beam->origin, out->t, beam->direction);
+  set_weights(out, hit->u, hit->v);
+}
+
+/* Plane of the winning triangle in double; weights from areas. A sliver whose plane is undefined or
+ * seen edge-on keeps the tracer's answer. */
+static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const pl_hit *hit,
                         pl_vertex *out) {
   const uint32_t *corner = object->object->model->indices + 3 * (size_t)hit->triangle;
   const pl_vec3 a = corner_of(object, corner[0]);
@@ -23,23 +51,17 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
   const pl_vec3 from = pl_vec3_sub(beam->origin, a);
   const double facing = pl_vec3_dot(normal, beam->direction);
   const double area2 = pl_vec3_dot(normal, normal);
-  double t = hit->t, u = hit->u, v = hit->v;
-  if (fabs(facing) > 1e-9 * sqrt(area2)) {
-    const double exact = -pl_vec3_dot(normal, from) / facing;
-    if (fabs(exact - t) <=
-        1e-3 * fabs(t) + 1e-3) { /* otherwise edge-on: rounding, not refinement */
-      const pl_vec3 p = pl_vec3_madd(from, exact, beam->direction);
-      t = exact;
-      u = pl_vec3_dot(pl_vec3_cross(p, e2), normal) / area2;
-      v = pl_vec3_dot(pl_vec3_cross(e1, p), normal) / area2;
-    }
-  }
+  if (!(fabs(facing) > 1e-9 * sqrt(area2)))
+    return;
+  const double t = -pl_vec3_dot(normal, from) / facing;
+  if (!(fabs(t - out->t) <= 1e-3 * fabs(out->t) + 1e-3))
+    return;
+  const pl_vec3 p = pl_vec3_madd(from, t, beam->direction);
   out->t = t;
   out->position = pl_vec3_madd(beam->origin, t, beam->direction);
-  out->w[1] = fminf(fmaxf((float)u, 0.0f), 1.0f);
-  out->w[2] = fminf(fmaxf((float)v, 0.0f), 1.0f - out->w[1]);
-  out->w[0] = 1.0f - out->w[1] - out->w[2];
   out->ng = pl_vec3_to_float(pl_vec3_unit(normal));
+  set_weights(out, pl_vec3_dot(pl_vec3_cross(p, e2), normal) / area2,
+              pl_vec3_dot(pl_vec3_cross(e1, p), normal) / area2);
 }
 
 static void locate_body(const pl_shot_body *body, const pl_beam *beam, const pl_hit *hit,
@@ -56,14 +78,17 @@ static void locate_body(const pl_shot_body *body, const pl_beam *beam, const pl_
   out->w[0] = out->w[1] = out->w[2] = 0.0f;
 }
 
-void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit,
+void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
                       pl_vertex *out) {
   out->thing = hit->thing;
   out->triangle = hit->triangle;
-  if (hit->thing < shot->object_count)
-    locate_mesh(&shot->objects[hit->thing], beam, hit, out);
-  else
+  if (hit->thing >= shot->object_count) {
     locate_body(&shot->bodies[hit->thing - shot->object_count], beam, hit, out);
+    return;
+  }
+  locate_mesh(&shot->objects[hit->thing], beam, hit, out);
+  if (exact)
+    refine_mesh(&shot->objects[hit->thing], beam, hit, out);
 }
 
 /* The cone's ellipse on the tangent plane: across, and along the view direction's projection. */
@@ -101,32 +126,41 @@ static pl_vec3f mix3(const float *values, size_t stride, const uint32_t *corner,
   return out;
 }
 
-static pl_vec3f rotate(const pl_mat3 *m, pl_vec3f v) {
-  return pl_vec3_to_float(pl_mat3_mul_vec(*m, pl_vec3f_to_double(v)));
+/* A direction of the object's axes in view axes. */
+static pl_vec3f rotate(const pl_shot_object *object, pl_vec3f v) {
+  const pl_mat3 *m = &object->rotation;
+  return pl_vec3f_make(
+      (float)m->row[0].x * v.x + (float)m->row[0].y * v.y + (float)m->row[0].z * v.z,
+      (float)m->row[1].x * v.x + (float)m->row[1].y * v.y + (float)m->row[1].z * v.z,
+      (float)m->row[2].x * v.x + (float)m->row[2].y * v.y + (float)m->row[2].z * v.z);
+}
+
+/* Interpolated normal on the side of the geometric one: in published files normals and winding may
+ * disagree. */
+static pl_vec3f mesh_normal(const pl_shot_object *object, const pl_vertex *vertex) {
+  const pl_model *model = object->object->model;
+  const uint32_t *corner = model->indices + 3 * (size_t)vertex->triangle;
+  const pl_vec3f n = pl_vec3f_unit(rotate(object, mix3(model->normals, 3, corner, vertex->w)));
+  return pl_vec3f_dot(n, vertex->ng) < 0.0f ? pl_vec3f_scale(n, -1.0f) : n;
 }
 
 static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, bool maps,
                        pl_vertex *vertex) {
   const pl_model *model = object->object->model;
   const uint32_t *corner = model->indices + 3 * (size_t)vertex->triangle;
-  pl_surface *surface = &vertex->surface;
-  pl_vec3f n = pl_vec3f_unit(rotate(&object->rotation, mix3(model->normals, 3, corner, vertex->w)));
-  if (pl_vec3f_dot(n, vertex->ng) < 0.0f) /* normals and winding may disagree in published files */
-    n = pl_vec3f_scale(n, -1.0f);
   pl_vec3f tangent = {0.0f, 0.0f, 0.0f};
   float handedness = 1.0f;
   if (model->tangents != NULL) {
-    tangent = rotate(&object->rotation, mix3(model->tangents, 4, corner, vertex->w));
+    tangent = rotate(object, mix3(model->tangents, 4, corner, vertex->w));
     handedness = model->tangents[4 * (size_t)corner[0] + 3] < 0.0f ? -1.0f : 1.0f;
   }
-  set_frame(surface, n, tangent, handedness);
+  set_frame(&vertex->surface, mesh_normal(object, vertex), tangent, handedness);
   pl_triangle_point point = {.triangle = vertex->triangle,
-                             .w = {vertex->w[0], vertex->w[1], vertex->w[2]}};
-  const pl_vec3 a = corner_of(object, corner[0]);
-  point.edge1 = pl_vec3_to_float(pl_vec3_sub(corner_of(object, corner[1]), a));
-  point.edge2 = pl_vec3_to_float(pl_vec3_sub(corner_of(object, corner[2]), a));
+                             .w = {vertex->w[0], vertex->w[1], vertex->w[2]},
+                             .edge1 = vertex->edge1,
+                             .edge2 = vertex->edge2};
   footprint(vertex, beam, &point.footprint_a, &point.footprint_b);
-  pl_material_surface(model, &point, maps, surface);
+  pl_material_surface(model, &point, maps, &vertex->surface);
 }
 
 /* Change of longitude and latitude over a step in body axes, as map coordinates. The poles, where
@@ -192,6 +226,14 @@ static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
     const pl_vec3f n = pl_vec3f_unit(pl_vec3f_madd(surface->n, 1e-3f - cosine, view));
     set_frame(surface, n, surface->t, 1.0f);
   }
+}
+
+void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex) {
+  const bool on_mesh = vertex->thing < shot->object_count;
+  const pl_vec3f n = on_mesh ? mesh_normal(&shot->objects[vertex->thing], vertex) : vertex->ng;
+  const bool behind = pl_vec3_dot(pl_vec3f_to_double(vertex->ng), beam->direction) > 0.0;
+  vertex->surface.ng = behind ? pl_vec3f_scale(vertex->ng, -1.0f) : vertex->ng;
+  vertex->surface.n = behind ? pl_vec3f_scale(n, -1.0f) : n;
 }
 
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, bool maps, pl_vertex *vertex) {

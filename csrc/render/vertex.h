@@ -18,15 +18,18 @@ typedef struct pl_vertex {
   double t;         /* along the beam, m */
   uint32_t thing;
   uint32_t triangle;
-  float w[3];         /* barycentric weights */
-  pl_vec3f ng;        /* outward geometric normal (of the file's winding), unit */
-  pl_surface surface; /* frame and colours, turned to the viewer's side */
+  float w[3];            /* barycentric weights */
+  pl_vec3f edge1, edge2; /* of a mesh triangle: corner 1 - corner 0, corner 2 - corner 0, m */
+  pl_vec3f ng;           /* outward geometric normal (of the file's winding), unit */
+  pl_surface surface;    /* frame and colours, turned to the viewer's side */
 } pl_vertex;
 
-/* Position, geometric normal and weights only: what labels need. Primary hits are re-intersected
- * in double with the winning triangle's or body's own equation. */
-void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit,
+/* Position, geometric normal and weights only: what labels need. With `exact` the hit is
+ * re-intersected in double with the winning triangle's own equation; bodies always are. */
+void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
                       pl_vertex *out);
+/* The interpolated shading normal on the viewer's side, into surface.n and surface.ng alone. */
+void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex);
 /* Shading frame and material at a located vertex. Without `maps` textures count as their means. */
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, bool maps, pl_vertex *vertex);
 

@@ -29,6 +29,7 @@ typedef struct pl_shot_body {
   pl_vec3 camera;             /* the camera in body axes, from the body's centre, m */
   double radius_m;            /* largest semi-axis */
   bool in_frame;
+  bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
 } pl_shot_body;
 
 typedef struct pl_shot_sun {
@@ -60,7 +61,8 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
 pl_status pl_snapshot_view(const pl_snapshot *snapshot, pl_arena *arena, pl_view *out);
 
 /* Drops objects that can neither be seen nor, by shadow or reflection, change what is seen by more
- * than `tolerance_dn`. */
+ * than `tolerance_dn`, and marks the bodies that shadows of more than that may fall on. Until then
+ * everything is kept and every body counts as shadowed. */
 void pl_snapshot_cull(pl_snapshot *snapshot, const pl_view *view, double tolerance_dn);
 
 /* Unit direction in root axes through pixel position (u, v). */

@@ -82,9 +82,20 @@ static bool matters(const pl_view *view, const pl_view_thing *thing, double tole
   return false;
 }
 
+static bool is_shadowed(const pl_view *view, const pl_view_thing *receiver, double tolerance_dn) {
+  double hidden = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (&view->things[i] != receiver)
+      hidden += pl_view_hidden_sun(view, &view->things[i], receiver);
+  return pl_view_dn_dimming(hidden) > tolerance_dn;
+}
+
 void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
   for (size_t i = 0; i < shot->object_count; i++) {
     pl_shot_object *object = &shot->objects[i];
     object->kept = object->in_frame || matters(view, &view->things[i], tolerance_dn);
   }
+  for (size_t i = 0; i < shot->body_count; i++)
+    shot->bodies[i].shadowed =
+        is_shadowed(view, &view->things[shot->object_count + i], tolerance_dn);
 }
