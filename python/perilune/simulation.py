@@ -97,16 +97,20 @@ class Simulation:
 
     def config_at(self, index: int) -> tuple[Config, dict[str, float]]:
         """The configuration of a frame, and what its drivers drew, by key path."""
-        return self._document.at(_checked_index(index))
+        return self._document.at(index)
 
     def world(self, index: int) -> world.World:
         """Where everything is in a frame, the camera aside."""
-        config, _ = self.config_at(index)
-        return world.build(config, index, self._epoch, self._mine().radii_m(config))
+        index = _checked_index(index)
+        config, drawn = self.config_at(index)
+        radii_m = self._mine().radii_m(config)
+        return world.build(config, drawn, index, self._epoch, radii_m)
 
     def request(self, index: int) -> _core.FrameRequest:
         """What the core is asked to render for a frame."""
-        scene = self.world(index)
+        return self._request(self.world(index))
+
+    def _request(self, scene: world.World) -> _core.FrameRequest:
         poses = trajectories.camera_poses(scene, self._trajectory)
         return _request(scene, poses, self._mine().scales(scene.config))
 
@@ -132,20 +136,19 @@ class Simulation:
         (default: all processors of the process). out: arrays to write into by channel name, as an
         earlier sample's; the others are new.
         """
-        config, drawn = self.config_at(index)
-        names = list(dict.fromkeys(config.render.channels if channels is None else channels))
+        names = list(dict.fromkeys(self.config.render.channels if channels is None else channels))
         check_channels(names, "channels")
-        request, handles = self.request(index), self._mine()
-        arrays = _arrays(config, names, out or {})
+        count = default_threads() if threads is None else _checked_threads(threads)
+        scene = self.world(index)
+        request, handles = self._request(scene), self._mine()
+        arrays = _arrays(scene.config, names, out or {})
         with handles.lock:
-            result = handles.renderer.render(
-                request, arrays, default_threads() if threads is None else _checked_threads(threads)
-            )
+            result = handles.renderer.render(request, arrays, count)
         meta = {
-            "seed": config.seed,
-            "index": index,
-            "time_utc": self._epoch.after(config.time.step_s * index).utc(),
-            "drivers": drawn,
+            "seed": scene.config.seed,
+            "index": scene.index,
+            "time_utc": scene.date.utc(),
+            "drivers": dict(scene.drivers),
             "white_radiance": result["white_radiance"],
             "timings_s": result["timings_s"],
         }

@@ -33,6 +33,8 @@ class World:
     craft_radius_m: Mapping[str, float]
     """Name of a spacecraft -> radius of a sphere about its origin that holds it."""
     sun_position_m: F64
+    drivers: Mapping[str, float]
+    """What the drivers drew, by key path."""
 
     @property
     def camera(self) -> Camera:
@@ -89,7 +91,13 @@ class World:
         return float(-b / a - np.sqrt(inside / a))
 
 
-def build(config: Config, index: int, epoch: Date, craft_radius_m: Mapping[str, float]) -> World:
+def build(
+    config: Config,
+    drivers: Mapping[str, float],
+    index: int,
+    epoch: Date,
+    craft_radius_m: Mapping[str, float],
+) -> World:
     """The world of frame `index`; the sizes of the spacecraft come from their models."""
     t_s = config.time.step_s * index
     exposure = config.camera.exposure_time_s
@@ -104,4 +112,5 @@ def build(config: Config, index: int, epoch: Date, craft_radius_m: Mapping[str, 
         body_radii_m={name: orbits.radii_m(body) for name, body in config.bodies.items()},
         craft_radius_m=craft_radius_m,
         sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * exposure)),
+        drivers=drivers,
     )

@@ -1,0 +1,254 @@
+"""The loader, the schema, overrides, paths and the texts of errors."""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+from pathlib import Path
+
+import pytest
+from perilune import config as cfg
+from perilune.config import ConfigError, parse_override
+from perilune.config.loader import parse_json, parse_yaml
+
+
+def load(scene, **overrides):
+    return cfg.load(scene, overrides)
+
+
+def failure(scene, **overrides) -> str:
+    with pytest.raises(ConfigError) as error:
+        load(scene, **overrides)
+    return str(error.value)
+
+
+def test_units_and_defaults(scene):
+    config = load(scene).config
+    assert config.spacecraft["sat"].orbit.altitude_km == 500.0
+    assert config.camera.exposure.mode == "auto"
+    assert config.labels.levels == ("kind", "object", "part")
+    assert config.sun.irradiance_w_m2 == 1361.0
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "expected"),
+    [
+        ("camera.widht", 3, ["camera.widht", "unknown key", "did you mean 'width'?", "height"]),
+        ("camera.width", 0, ["camera.width = 0", "greater than or equal to 1"]),
+        ("camera.width", 64.0, ["camera.width = 64.0", "integer"]),
+        ("camera.width", "64", ["camera.width = '64'", "integer"]),
+        ("camera.fov_deg", True, ["camera.fov_deg = True", "number"]),
+        ("camera.fov_deg", 180, ["camera.fov_deg = 180", "less than 180"]),
+        ("camera.focal_px", 100.0, ["camera", "only one of fov_deg, focal_px"]),
+        ("camera.fov_deg", None, ["exactly one of fov_deg, focal_px, K"]),
+        ("camera.trajectory.kind", "orbit_objekt", ["'orbit_objekt'", "did you mean 'orbit_obj"]),
+        ("camera.trajectory.target", "sta", ["camera.trajectory.target", "did you mean 'sat'?"]),
+        ("camera.trajectory.distance_m", [3, 1], ["distance_m", "[smallest, largest]"]),
+        ("camera.trajectory.distance_m", -1, ["distance_m", "greater than 0"]),
+        ("camera.trajectory.distance_m", math.nan, ["distance_m", "finite"]),
+        ("camera.trajectory.sun_angle_deg", [0, 200], ["sun_angle_deg", "180"]),
+        ("camera.trajectory.background", "mars", ["background", "'mars'", "allowed: earth"]),
+        ("camera.K", [1.0, 2.0], ["camera.K"]),
+        ("root", "erth", ["root", "did you mean 'earth'?"]),
+        ("time.epoch", "20 March 2026", ["time.epoch", "ISO 8601"]),
+        ("time.epoch", "1905-01-01", ["time.epoch", "1960 to 2100"]),
+        ("time", None, ["time: required"]),
+        ("version", 2, ["version = 2", "must be 1"]),
+        ("seed", -1, ["seed = -1"]),
+        ("bodies.earth.rotation", "bodi", ["bodies.earth.rotation = 'bodi'", "'body'"]),
+        ("bodies.earth.rotation", {"spin_axis": [0, 0, 0]}, ["spin_axis", "not be zero"]),
+        ("bodies.earth.albedo", -0.1, ["bodies.earth.albedo"]),
+        ("bodies.earth.kind", "ellipsoid", ["bodies.earth.radii_km", "required"]),
+        ("bodies.earth.kind", "sun", ["always there"]),
+        ("bodies.sat", {"kind": "moon"}, ["spacecraft.sat", "same name"]),
+        ("bodies.2nd", {"kind": "moon"}, ["bodies.2nd", "no digit first"]),
+        ("spacecraft.sat.metres_per_unit", 1.0, ["only one of size_m, metres_per_unit"]),
+        ("spacecraft.sat.orbit.around", "sat", ["orbit.around", "allowed: earth"]),
+        ("spacecraft.sat.orbit.eccentricity", -0.1, ["orbit.eccentricity = -0.1"]),
+        ("spacecraft.sat.orbit.inclination_deg", 181, ["inclination_deg = 181", "180"]),
+        ("spacecraft.sat.orbit.periapsis_km", 7e3, ["only one of altitude_km, periapsis_km"]),
+        ("spacecraft.sat.orbit.eccentricity", 1.0, ["mean_anomaly_deg", "parabola"]),
+        ("spacecraft.sat.orbit.position_km", [7e3, 0, 0], ["orbit.altitude_km", "position_km"]),
+        ("render.force_off", ["bounces"], ["render.force_off", "force_on"]),
+        ("labels.levels", ["kind", "kind"], ["labels.levels", "twice"]),
+        ("camera.exposure.mode", "fixed", ["white_radiance_w_m2_sr", "required"]),
+    ],
+)
+def test_errors_say_where_and_what(scene, key, value, expected):
+    if key == "render.force_off":
+        scene["render"]["force_on"] = ["bounces"]
+    text = failure(scene, **{key: value})
+    for part in expected:
+        assert part in text, text
+
+
+def test_every_fault_is_listed_once(scene):
+    text = failure(scene, **{"camera.width": 0, "seed": "x", "bodies.earth.albedo": -1})
+    assert len(text.splitlines()) == 4, text
+
+
+@pytest.mark.parametrize(
+    ("semi_major_axis_km", "eccentricity", "valid"),
+    [
+        (7000.0, 0.0, True),
+        (7000.0, 1.2, False),
+        (-9000.0, 1.8, True),
+        (-9000.0, 0.5, False),
+        (0.0, 0.5, False),
+    ],
+)
+def test_size_and_eccentricity_agree(scene, semi_major_axis_km, eccentricity, valid):
+    orbit = scene["spacecraft"]["sat"]["orbit"]
+    del orbit["altitude_km"]
+    orbit |= {"semi_major_axis_km": semi_major_axis_km, "eccentricity": eccentricity}
+    if valid:
+        load(scene)
+    else:
+        assert "does not go with eccentricity" in failure(scene)
+
+
+def test_yaml_and_json_give_the_same(scene, tmp_path):
+    import yaml
+
+    (tmp_path / "a.json").write_text(json.dumps(scene))
+    (tmp_path / "a.yaml").write_text(yaml.safe_dump(scene))
+    first, second = cfg.load(tmp_path / "a.json"), cfg.load(tmp_path / "a.yaml")
+    assert first.config == second.config
+    assert first.config.name == "a"
+    assert first.base == tmp_path.resolve()
+
+
+def test_yaml_scalars():
+    tree = parse_yaml(
+        "a: 1e3\nb: 12:30:00\nc: 2026-03-20T12:00:00Z\nd: on\ne: 010\nf: -.5\ng: ~\nh: true\n"
+        "i: 1.\nj: .inf\nk: 0x10\n",
+        "x",
+    )
+    assert tree == {
+        "a": 1000.0,
+        "b": "12:30:00",
+        "c": "2026-03-20T12:00:00Z",
+        "d": "on",
+        "e": 10,
+        "f": -0.5,
+        "g": None,
+        "h": True,
+        "i": 1.0,
+        "j": math.inf,
+        "k": "0x10",
+    }
+    assert parse_yaml("a: &x {b: 1}\nc: {<<: *x, d: 2}", "x")["c"] == {"b": 1, "d": 2}
+
+
+def test_duplicate_keys_are_refused():
+    with pytest.raises(ConfigError, match=r"f\.yaml: line 3.*'a' occurs twice \(lines 1 and 3\)"):
+        parse_yaml("a: 1\nb: 2\na: 3\n", "f.yaml")
+    with pytest.raises(ConfigError, match="'a' occurs twice"):
+        parse_json('{"b": {"a": 1, "a": 2}}', "f.json")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a: [1, 2", "- 1\n- 2", "", "1: 2\nversion: 1", "a: &a [*a]", "!!python/name:os.system x"],
+)
+def test_broken_yaml_names_the_file(tmp_path, text):
+    path = tmp_path / "broken.yaml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=r"broken\.yaml"):
+        cfg.load(path)
+
+
+def test_a_small_file_cannot_become_a_large_tree(tmp_path):
+    lines = ["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]"]
+    lines += [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 10)}]" for k in range(1, 10)]
+    path = tmp_path / "bomb.yaml"
+    path.write_text("\n".join(lines))
+    with pytest.raises(ConfigError, match="too large"):
+        cfg.load(path)
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"nothing\.yaml"):
+        cfg.load(tmp_path / "nothing.yaml")
+
+
+def test_overrides(scene):
+    document = load(
+        scene,
+        **{
+            "camera.width": 64,
+            "render.tolerance_dn": 0,
+            "camera.trajectory.distance_m.1": 30,
+            "labels.other_part": "rest",
+            "camera.fov_deg": None,
+            "camera.focal_px": 50.0,
+        },
+    )
+    config = document.config
+    assert (config.camera.width, config.camera.focal_px, config.camera.fov_deg) == (64, 50.0, None)
+    assert config.camera.trajectory.distance_m == (12.0, 30.0)
+    assert config.labels.other_part == "rest"
+    assert scene["camera"]["width"] == 48  # the caller's mapping is left alone
+
+
+def test_faulty_overrides(scene):
+    assert "is no index" in failure(scene, **{"camera.trajectory.distance_m.2": 1})
+    assert "below a single value" in failure(scene, **{"camera.width.x": 1})
+    assert "unknown key" in failure(scene, **{"camera.with": 1})
+
+
+def test_parse_override():
+    assert parse_override("camera.width=64") == ("camera.width", 64)
+    assert parse_override("a.b = [1, 2e1]") == ("a.b", [1, 20.0])
+    assert parse_override("a=") == ("a", None)
+    with pytest.raises(ConfigError, match="key=value"):
+        parse_override("camera.width")
+
+
+def test_paths(scene, tmp_path, monkeypatch):
+    document = cfg.load(scene, base=tmp_path)
+    (tmp_path / "a.glb").touch()
+    assert document.path("a.glb", "k") == tmp_path / "a.glb"
+    with pytest.raises(FileNotFoundError, match=r"spacecraft\.sat\.model: no such file.*b\.glb"):
+        document.path("b.glb", "spacecraft.sat.model")
+    monkeypatch.delenv("PERILUNE_DATA", raising=False)
+    with pytest.raises(FileNotFoundError, match="set the environment variable PERILUNE_DATA"):
+        document.path("data:a.glb", "k")
+    monkeypatch.setenv("PERILUNE_DATA", str(tmp_path))
+    assert document.path("data:a.glb", "k") == tmp_path / "a.glb"
+    with pytest.raises(FileNotFoundError, match=r"no such file: .*c\.glb \(PERILUNE_DATA is"):
+        document.path("data:c.glb", "k")
+
+
+def test_document_pickles(scene, tmp_path):
+    document = cfg.load(scene, base=tmp_path)
+    again = pickle.loads(pickle.dumps(document))
+    assert (again.config, again.base, again.source) == (document.config, tmp_path, document.source)
+
+
+def test_every_physical_key_has_its_unit():
+    """Numbers without a unit in their name are ratios, counts or identities listed here."""
+    units = ("_m", "_km", "_s", "_deg", "_deg_s", "_px", "_dn", "_au", "_km3_s2", "_w_m2")
+    plain = {
+        "version", "seed", "width", "height", "K", "eccentricity", "albedo", "samples",
+        "max_bounces", "metres_per_unit", "obj_id", "percentile", "key", "strength", "interval",
+        "direction", "spin_axis", "cone_axis", "up", "axis", "ids", "white_radiance_w_m2_sr",
+        "emission_w_m2_sr",
+    }  # fmt: skip
+    schema = cfg.Config.model_json_schema()
+    found = 0
+    for section in [schema, *schema["$defs"].values()]:
+        for name, entry in section.get("properties", {}).items():
+            text = json.dumps(entry)
+            if '"number"' in text or '"integer"' in text:
+                found += 1
+                assert name in plain or name.endswith(units), name
+    assert found > 40
+
+
+def test_own_scenes_load(repo_dir: Path):
+    paths = sorted((repo_dir / "configs").glob("*.yaml"))
+    assert paths, "no configurations"
+    for path in paths:
+        cfg.load(path)
