@@ -8,9 +8,16 @@ import pickle
 from pathlib import Path
 
 import pytest
+
 from perilune import config as cfg
 from perilune.config import ConfigError, parse_override
-from perilune.config.loader import parse_json, parse_yaml
+from perilune.config.loader import parse_json, parse_yaml, read_tree
+
+
+@pytest.fixture
+def scene(repo_dir):
+    """The tree of the small scene, free to be changed."""
+    return read_tree(repo_dir / "tests/python/scene.yaml")
 
 
 def load(scene, **overrides):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
 
 from perilune.config.camera import Camera
 from perilune.config.errors import fail, nearest
@@ -24,6 +24,7 @@ from perilune.config.types import (
     Strict,
     Vec3,
 )
+from perilune.drivers import Drawn
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 _EPOCH = re.compile(
@@ -255,6 +256,13 @@ class Render(Strict):
 Level = Literal["kind", "object", "part"]
 
 
+def _whole(value: Any) -> Any:
+    """A literal 1 would take 1.0, true and a driver's value too."""
+    if type(value) is not int:
+        fail("", "takes no driver" if isinstance(value, Drawn) else "must be a whole number")
+    return value
+
+
 class Labels(Strict):
     """What the levels of `semantic` mean; id 0 is the background at every level."""
 
@@ -291,7 +299,7 @@ class Drivers(Strict):
 class Config(Strict):
     """A whole configuration."""
 
-    version: Literal[1]
+    version: Annotated[Literal[1], BeforeValidator(_whole)]
     name: str = "perilune"
     description: str = ""
     seed: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
