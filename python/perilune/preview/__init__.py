@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import os
+import tempfile
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +12,10 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.preview.panels import Names
 from perilune.preview.sheet import draw_sheet
+from perilune.sample import Sample
+from perilune.simulation import Simulation
 
-if TYPE_CHECKING:
-    from perilune.sample import Sample
-
-__all__ = ["draw"]
+__all__ = ["draw", "png_bytes", "render_sheet", "save"]
 
 
 def draw(sample: Sample, title: str = "", names: Names | None = None) -> NDArray[np.uint8]:
@@ -24,4 +25,36 @@ def draw(sample: Sample, title: str = "", names: Names | None = None) -> NDArray
     ("instance", "part", "semantic/0") for the legends; ids are shown where a name is missing.
     """
     units = {channel["name"]: channel["unit"] for channel in _core.CHANNELS}
-    return draw_sheet(sample, title, names or {}, units)
+    return draw_sheet(sample, title or frame_title(sample), names or {}, units)
+
+
+def frame_title(sample: Sample, name: str = "frame") -> str:
+    """The heading of a sample: its frame, date, seed and size."""
+    camera, meta = sample.camera, sample.meta
+    return (
+        f"{name} {meta['index']} | {meta['time_utc']} | seed {meta['seed']} | "
+        f"{camera.width} x {camera.height}"
+    )
+
+
+def render_sheet(sim: Simulation, index: int, threads: int | None = None) -> NDArray[np.uint8]:
+    """Renders a frame with every channel there is, and draws its sheet."""
+    names = [channel["name"] for channel in _core.CHANNELS]
+    sample = sim.frame(index, channels=[*names, "objects"], threads=threads)
+    return draw(sample, frame_title(sample, sim.config.name), sim.taxonomy.channel_names)
+
+
+def save(sheet: NDArray[np.uint8], path: str | Path) -> None:
+    """Writes a sheet as PNG; OSError if it cannot be written, and then nothing is there."""
+    if Path(path).suffix.lower() != ".png":
+        raise ValueError(f"{path}: a sheet is written as PNG; the name must end in .png")
+    _core.png_write(os.fspath(path), sheet)
+
+
+def png_bytes(sheet: NDArray[np.uint8]) -> bytes:
+    """A sheet as the bytes of a PNG file."""
+    # The core writes files only; sheets are small and rare enough for a detour.
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "sheet.png"
+        save(sheet, path)
+        return path.read_bytes()

@@ -30,15 +30,16 @@ def resize(image: U8, height: int, width: int) -> U8:
         edges = _edges(columns, width)
         result = np.add.reduceat(result, edges[:-1], axis=1)
         result /= np.diff(edges)[None, :, None]
-    return np.rint(result).astype(np.uint8)
+    return np.asarray(np.rint(result), dtype=np.uint8)
 
 
-def fitted(height: int, width: int, box_height: int, box_width: int) -> tuple[int, int]:
-    """The largest (height, width) of the same shape inside a box.
+def fitted(size: tuple[int, ...], box: tuple[int, int]) -> tuple[int, int]:
+    """The largest (height, width) of the same shape inside a box (height, width).
 
     Small pictures are enlarged by whole factors, so that their pixels stay equal squares.
     """
-    factor = min(box_height / height, box_width / width)
+    height, width = size[0], size[1]
+    factor = min(box[0] / height, box[1] / width)
     if factor >= 1.0:
         whole = int(factor)
         return height * whole, width * whole

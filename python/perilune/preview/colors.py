@@ -71,9 +71,10 @@ def colored_ids(ids: NDArray[np.integer]) -> U8:
     """(H, W) ids to (H, W, 3). Looks colours up once an id, not once a pixel."""
     smallest, largest = int(ids.min()), int(ids.max())
     if largest - smallest < 1 << 16:
-        return id_colors(np.arange(smallest, largest + 1))[ids.astype(np.int64) - smallest]
+        palette = id_colors(np.arange(smallest, largest + 1))
+        return np.asarray(palette[ids.astype(np.int64) - smallest])
     unique, inverse = np.unique(ids, return_inverse=True)
-    return id_colors(unique)[inverse.reshape(ids.shape)]
+    return np.asarray(id_colors(unique)[inverse.reshape(ids.shape)])
 
 
 @dataclass(frozen=True)

@@ -47,10 +47,10 @@ def format_value(value: float, unit: str) -> str:
 
 def _valid(values: Array, context: Context) -> NDArray[np.bool_]:
     """Pixels with a value: finite, and hit where that is known."""
-    finite = np.isfinite(values)
+    finite = np.asarray(np.isfinite(values))
     if values.ndim == 3:
-        finite = finite.all(axis=2)
-    return finite if context.hit is None else finite & context.hit
+        finite = np.asarray(finite.all(axis=2))
+    return finite if context.hit is None else np.asarray(finite & context.hit)
 
 
 def scalar_panel(name: str, values: Array, context: Context) -> list[Panel]:

@@ -10,6 +10,7 @@ from perilune.preview import canvas, colors
 from perilune.preview.font import ADVANCE, GLYPH_HEIGHT, text_width
 from perilune.preview.overlay import draw_objects
 from perilune.preview.panels import Context, Names, Panel, channel_panels
+from perilune.sample import Sample
 
 U8 = NDArray[np.uint8]
 
@@ -77,7 +78,7 @@ def _draw_panel(sheet: U8, top: int, left: int, width: int, height: int, panel: 
     title = _shortened(panel.title, width)
     canvas.write_text(sheet, top, left, title, _BRIGHT, _SCALE)
     top += _TITLE
-    rows, columns = canvas.fitted(*panel.image.shape[:2], height, width)
+    rows, columns = canvas.fitted(panel.image.shape, (height, width))
     picture = canvas.resize(panel.image, rows, columns)
     at_top, at_left = top + (height - rows) // 2, left + (width - columns) // 2
     canvas.place(sheet, at_top, at_left, picture)
@@ -88,21 +89,21 @@ def _hit_mask(sample: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_] | None:
     for name in ("depth", "range"):
         if name in sample:
             values = sample[name]
-            return np.isfinite(values) & (values > 0)
+            return np.asarray(np.isfinite(values) & (values > 0))
     return None
 
 
-def _overlay_panel(sample: Any, box: tuple[int, int]) -> Panel:
+def _overlay_panel(sample: Sample, box: tuple[int, int]) -> Panel:
     """rgb at the size it will have on the sheet, so that lines keep their thickness."""
     rgb = sample["rgb"]
-    picture = canvas.resize(rgb, *canvas.fitted(*rgb.shape[:2], *box))
+    picture = canvas.resize(rgb, *canvas.fitted(rgb.shape, box))
     draw_objects(picture, sample.objects, sample.camera.K, rgb.shape[1])
     visible = int((sample.objects["px_count_visib"] > 0).sum())
     text = f"{visible} of {len(sample.objects)} objects visible"
     return Panel("visible boxes and axes", picture, text=text)
 
 
-def _panels(sample: Any, names: Names, units: Mapping[str, str]) -> list[Panel]:
+def _panels(sample: Sample, names: Names, units: Mapping[str, str]) -> list[Panel]:
     height, width = next(iter(sample.values())).shape[:2]
     step = -(-max(height, width) // _LONGEST_PX)
     thinned = {name: sample[name][::step, ::step] for name in sample}
@@ -115,8 +116,10 @@ def _panels(sample: Any, names: Names, units: Mapping[str, str]) -> list[Panel]:
     return found
 
 
-def draw_sheet(sample: Any, title: str, names: Names, units: Mapping[str, str]) -> U8:
+def draw_sheet(sample: Sample, title: str, names: Names, units: Mapping[str, str]) -> U8:
     """The whole sheet as (H, W, 3); `title` is its heading, with parts divided by " | "."""
+    if len(sample) == 0:
+        raise ValueError("preview: the sample holds no pixel channel to draw")
     height, width = next(iter(sample.values())).shape[:2]
     shape = min(max(height / width, _FLATTEST), _TALLEST)
     small = (round(PANEL_WIDTH * shape), PANEL_WIDTH)
@@ -124,9 +127,9 @@ def draw_sheet(sample: Any, title: str, names: Names, units: Mapping[str, str]) 
     large = (round(large_width * shape), large_width)
     leading: list[Panel] = []
     if "rgb" in sample:
-        units_of_rgb = Context(None, None, names, units)
-        leading = channel_panels("rgb", sample["rgb"], units_of_rgb)
-        leading.append(_overlay_panel(sample, large))
+        leading = channel_panels("rgb", sample["rgb"], Context(None, None, names, units))
+        if sample.has_objects:
+            leading.append(_overlay_panel(sample, large))
     others = _panels(sample, names, units)
     frame = _TITLE + _LEGEND + 8 + GAP
     rows = -(-len(others) // COLUMNS)
