@@ -1,0 +1,185 @@
+"""The files of a BOP scene folder: names, number formats, whole-or-nothing writing, what is done.
+
+Layout and number formats follow the BOP toolkit's format document: millimetres, ids of six digits
+in paths and without padding in JSON, 16-bit depth with a scale an image.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MM_PER_M = 1000.0
+LARGEST_DEPTH = 65534
+"""Largest depth value written; 65535 is left out because readers take it for saturation."""
+SMALLEST_EXPONENT = -3
+"""Finest depth scale is 10^-3 mm."""
+
+_PARTIAL = ".partial"
+_CAMERA_FILE = "scene_camera.json"
+_GT_FILE = "scene_gt.json"
+_IMAGE_FOLDERS = ("rgb", "depth", "mask_visib")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Writes a text file through a temporary file and a rename: it is whole or not there."""
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    try:
+        with open(temporary, "w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from error
+
+
+def write_bytes(path: Path, parts: Iterable[bytes]) -> None:
+    """The same for bytes."""
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    try:
+        with open(temporary, "wb") as file:
+            for part in parts:
+                file.write(part)
+        os.replace(temporary, path)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
+        raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from error
+
+
+def json_text(value: Any) -> str:
+    """Sorted keys; Python's shortest digits that give the same double back."""
+    return json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n"
+
+
+def json_by_id(entries: Mapping[int, Any]) -> str:
+    """An object keyed by ids in the order of numbers, one entry a line."""
+    lines = [
+        f'  "{key}": {json.dumps(entries[key], sort_keys=True, allow_nan=False)}'
+        for key in sorted(entries)
+    ]
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def depth_scale_mm(z_max_mm: float) -> float:
+    """Smallest of 1, 2, 5 x 10^k (k from -3) that brings z_max_mm into LARGEST_DEPTH steps."""
+    if not np.isfinite(z_max_mm) or z_max_mm < 0.0:
+        raise ValueError(f"depth scale: largest depth is {z_max_mm} mm; must be finite")
+    exponent = SMALLEST_EXPONENT
+    while True:
+        for digit in (1, 2, 5):
+            scale = float(f"{digit}e{exponent}")
+            if z_max_mm / scale <= LARGEST_DEPTH:
+                return scale
+        exponent += 1
+
+
+def encode_depth(depth_m: NDArray[np.floating], scale_mm: float) -> NDArray[np.uint16]:
+    """Depth in steps of the scale; 0 where there is none or where it lies beyond the last step."""
+    steps = np.rint(depth_m.astype(np.float64) * (MM_PER_M / scale_mm))
+    steps[~((steps > 0.0) & (steps <= LARGEST_DEPTH))] = 0.0
+    return steps.astype(np.uint16)
+
+
+@dataclass(frozen=True)
+class Record:
+    """What the JSON files of a scene say of one image."""
+
+    camera: dict[str, Any]
+    gt: list[dict[str, Any]]
+
+
+def _load_object(path: Path) -> dict[str, Any]:
+    """A JSON object, or an empty one if the file is absent or broken: then it is made again."""
+    try:
+        value = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, json.JSONDecodeError, UnicodeDecodeError):
+        return {}
+    return value if isinstance(value, dict) else {}
+
+
+class SceneFolder:
+    """One scene folder, and which of its images are finished.
+
+    An image is finished when its files are there and the scene's JSON names it, or, while the scene
+    is being written, a record of it lies in a hidden folder. The record is written after the files.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._partial = folder / _PARTIAL
+
+    def prepare(self) -> None:
+        """Makes the folders, and removes what an interrupted run left half written."""
+        for name in (*_IMAGE_FOLDERS, _PARTIAL):
+            directory = self.folder / name
+            directory.mkdir(parents=True, exist_ok=True)
+            for leftover in directory.glob("*.tmp"):
+                leftover.unlink(missing_ok=True)
+        for leftover in self.folder.glob("*.tmp"):
+            leftover.unlink(missing_ok=True)
+
+    def rgb(self, im_id: int) -> Path:
+        return self.folder / "rgb" / f"{im_id:06d}.png"
+
+    def depth(self, im_id: int) -> Path:
+        return self.folder / "depth" / f"{im_id:06d}.png"
+
+    def mask_visib(self, im_id: int, gt_id: int) -> Path:
+        return self.folder / "mask_visib" / f"{im_id:06d}_{gt_id:06d}.png"
+
+    def listed(self) -> dict[int, Record]:
+        """Images that both JSON files of the scene name."""
+        cameras = _load_object(self.folder / _CAMERA_FILE)
+        gts = _load_object(self.folder / _GT_FILE)
+        return {int(key): Record(cameras[key], gts[key]) for key in cameras if key in gts}
+
+    def finished(self) -> dict[int, Record]:
+        """Images that need not be rendered again."""
+        records = self.listed()
+        for path in sorted(self._partial.glob("*.json")):
+            value = _load_object(path)
+            if value:
+                records[int(path.stem)] = Record(value["camera"], value["gt"])
+        present = {
+            f"{name}/{entry}" for name in _IMAGE_FOLDERS for entry in _names(self.folder / name)
+        }
+        return {
+            im_id: record
+            for im_id, record in records.items()
+            if self._files_of(im_id, record) <= present
+        }
+
+    def _files_of(self, im_id: int, record: Record) -> set[str]:
+        paths = [self.rgb(im_id), self.depth(im_id)]
+        paths += [self.mask_visib(im_id, gt_id) for gt_id in range(len(record.gt))]
+        return {path.relative_to(self.folder).as_posix() for path in paths}
+
+    def keep(self, im_id: int, record: Record) -> None:
+        """Notes that the files of an image are complete."""
+        value = {"camera": record.camera, "gt": record.gt}
+        write_text(self._partial / f"{im_id:06d}.json", json_text(value))
+
+    def complete(self, records: Mapping[int, Record]) -> None:
+        """Writes the scene's JSON files, the last step; then the records are not needed."""
+        cameras = {im_id: record.camera for im_id, record in records.items()}
+        write_text(self.folder / _CAMERA_FILE, json_by_id(cameras))
+        gts = {im_id: record.gt for im_id, record in records.items()}
+        write_text(self.folder / _GT_FILE, json_by_id(gts))
+        shutil.rmtree(self._partial)
+
+
+def _names(folder: Path) -> list[str]:
+    try:
+        return os.listdir(folder)
+    except FileNotFoundError:
+        return []

@@ -1,0 +1,111 @@
+"""What a BOP dataset says of its simulation as a whole: models, nominal camera, provenance."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import perilune
+from perilune import _core, rotations
+from perilune.config.errors import ConfigError
+from perilune.config.schema import Symmetries
+from perilune.simulation import Simulation, intrinsics
+from perilune.writers.bop_models import BopModel, bop_model
+
+F64 = NDArray[np.float64]
+
+_SIZE_KEYS = ("size_m", "metres_per_unit")
+_HASH_BLOCK = 1 << 20
+
+
+def _refuse_driven_sizes(sim: Simulation) -> None:
+    """A BOP model has one size, so a size that varies from frame to frame has no place in it."""
+    for driver in sim.document.drivers:
+        if driver.path[0] == "spacecraft" and driver.path[-1] in _SIZE_KEYS:
+            raise ConfigError(
+                f"{sim.document.source}: {driver.name}: has a driver, but models of a BOP dataset "
+                "have one size; give it a number"
+            )
+
+
+def _discrete(symmetries: Symmetries) -> list[F64]:
+    return [
+        rotations.to_matrix(rotations.from_rpy_deg(angles)) for angles in symmetries.discrete_deg
+    ]
+
+
+def _continuous(symmetries: Symmetries) -> list[tuple[F64, F64]]:
+    return [(np.array(line.axis), np.array(line.offset_m)) for line in symmetries.continuous]
+
+
+def bop_models(sim: Simulation) -> dict[int, BopModel]:
+    """Object id -> model; spacecraft that share an id share a model."""
+    _refuse_driven_sizes(sim)
+    models: dict[int, BopModel] = {}
+    for row in sim.models.values():
+        if row.obj_id not in models:
+            models[row.obj_id] = bop_model(
+                row.obj_id,
+                row.model.mesh(),
+                row.offset,
+                row.metres_per_unit,
+                _discrete(row.symmetries),
+                _continuous(row.symmetries),
+            )
+    return models
+
+
+def camera_entry(sim: Simulation) -> dict[str, Any]:
+    """camera.json: the nominal camera; the truth of each image is in scene_camera.json."""
+    K = intrinsics(sim.config)
+    camera = sim.config.camera
+    return {
+        "cx": float(K[0, 2]),
+        "cy": float(K[1, 2]),
+        "depth_scale": 1.0,
+        "fx": float(K[0, 0]),
+        "fy": float(K[1, 1]),
+        "height": camera.height,
+        "width": camera.width,
+    }
+
+
+def _file_sha256(sim: Simulation, text: str, key: str) -> str:
+    digest = hashlib.sha256()
+    with open(sim.document.path(text, key), "rb") as file:
+        while block := file.read(_HASH_BLOCK):
+            digest.update(block)
+    return digest.hexdigest()
+
+
+def _files(sim: Simulation) -> dict[str, str]:
+    """Key of the configuration -> hash of the file it names."""
+    files = {}
+    for name, craft in sim.config.spacecraft.items():
+        key = f"spacecraft.{name}.model"
+        files[key] = _file_sha256(sim, craft.model, key)
+    for name, body in sim.config.bodies.items():
+        if body.color_map is not None:
+            key = f"bodies.{name}.color_map"
+            files[key] = _file_sha256(sim, body.color_map, key)
+    return files
+
+
+def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
+    """dataset_info.json: what makes the same dataset again. No time stamps."""
+    tree = {key: value for key, value in sim.document.tree.items() if key != "seed"}
+    text = json.dumps(tree, sort_keys=True, separators=(",", ":"))
+    return {
+        "chunk_size": chunk_size,
+        "config_name": sim.config.name,
+        "config_sha256": hashlib.sha256(text.encode("utf-8")).hexdigest(),
+        "description": sim.config.description,
+        "files_sha256": _files(sim),
+        "seed": sim.config.seed,
+        "split": split,
+        "versions": {"perilune": perilune.__version__, **_core.version()},
+    }

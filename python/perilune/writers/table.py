@@ -1,0 +1,48 @@
+"""The table of writers: a format's name, what it is, and the function that writes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from perilune.simulation import Simulation
+
+Progress = Callable[[int, int], None]
+"""Called with (frames on disk, frames asked for): once at the start, then after each frame."""
+
+
+@dataclass(frozen=True)
+class WriteReport:
+    """What a writer did."""
+
+    folder: Path
+    written: int
+    """Frames rendered and written by this call."""
+    kept: int
+    """Frames that an earlier call had finished."""
+
+
+class WriteFunction(Protocol):
+    """Writes frames of a simulation to a folder; may be interrupted and called again."""
+
+    def __call__(
+        self,
+        sim: Simulation,
+        frames: range,
+        out: str | Path,
+        *,
+        chunk_size: int = ...,
+        threads: int | None = ...,
+        progress: Progress | None = ...,
+    ) -> WriteReport: ...
+
+
+@dataclass(frozen=True)
+class Writer:
+    """One row of the table."""
+
+    name: str
+    doc: str
+    write: WriteFunction
