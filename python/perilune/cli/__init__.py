@@ -1,0 +1,70 @@
+"""The command line. A new command is its own file and one line of the table below."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+
+from perilune.cli.command import FAILED, INTERNAL, INTERRUPTED, Command
+from perilune.cli.info import INFO
+from perilune.cli.plan import PLAN
+from perilune.cli.preview import PREVIEW
+from perilune.cli.render import RENDER
+
+COMMANDS: tuple[Command, ...] = (RENDER, PREVIEW, PLAN, INFO)
+
+_EXPECTED = (ValueError, OSError, MemoryError, RuntimeError)
+"""Errors that say what the user can do; anything else is a fault of the program."""
+
+
+def _parser() -> ArgumentParser:
+    parser = ArgumentParser(prog="perilune", description="Annotated synthetic images of space.")
+    common = ArgumentParser(add_help=False)
+    common.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for command in COMMANDS:
+        sub = commands.add_parser(
+            command.name, help=command.doc, description=f"{command.doc}.", parents=[common]
+        )
+        command.configure(sub)
+        sub.set_defaults(run=command.run)
+    return parser
+
+
+def describe(error: BaseException) -> str:
+    """One message: the file first, as in the errors of the core."""
+    if isinstance(error, OSError) and error.strerror and error.filename:
+        return f"{error.filename}: {error.strerror}"
+    if isinstance(error, MemoryError) and not str(error):
+        return "out of memory"
+    return str(error) or type(error).__name__
+
+
+def _fail(args: Namespace, code: int, message: str) -> int:
+    if args.debug:
+        traceback.print_exc()
+    print(f"perilune {args.command}: {message}", file=sys.stderr)
+    return code
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs one command; returns its exit code (2: wrong usage, by argparse)."""
+    args = _parser().parse_args(argv)
+    try:
+        code: int = args.run(args)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        return _fail(args, INTERRUPTED, "interrupted")
+    except BrokenPipeError:
+        # The reader of our output has left (`| head`); nothing more can be said to it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except _EXPECTED as error:
+        return _fail(args, FAILED, describe(error))
+    except Exception as error:
+        text = f"internal error, {type(error).__name__}: {error}"
+        return _fail(args, INTERNAL, f"{text} (--debug shows where)")
+    return code
