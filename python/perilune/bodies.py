@@ -2,9 +2,10 @@
 
 Geometric positions: light time and aberration are left out (the Sun's direction moves by at most
 0.006 deg). Accuracy against JPL's ephemerides, from the notes of the ERFA routines: Earth 5 km over
-1900-2100 (epv00), Moon 10 km or so (moon98), planets 7" (Mercury, Venus), 26" (Mars), 90"
-(Jupiter to Uranus), 11" (Neptune) as seen from the Sun, 1800-2050 (plan94). Phobos and Europa stand over their own prime meridian, as their rotation is locked: good
-to their libration and eccentricity, 2 deg.
+1900-2100 (epv00); Moon 10 km or so (moon98); planets as seen from the Sun over 1800-2050 (plan94):
+7 arcsec (Mercury, Venus), 26 (Mars), 90 (Jupiter to Uranus), 11 (Neptune). Phobos and Europa stand
+over their own prime meridian, as their rotation is locked: good to their libration and
+eccentricity, 2 deg.
 """
 
 from __future__ import annotations

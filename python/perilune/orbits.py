@@ -83,6 +83,16 @@ def since_periapsis_s(orbit: Orbit, periapsis: float, gm: float) -> float:
     return (e * math.sinh(hyperbolic) - hyperbolic) / mean_motion
 
 
+def _default_frame(equator: str | None) -> str:
+    """The equator of the body's table entry; ICRF without one, and for the Earth.
+
+    ICRF's equator is the Earth's of J2000 (0.15 deg from that of 2026), and nodes of Earth orbits
+    are counted from the equinox, ICRF's x axis; the node of the equator of date on ICRF's equator,
+    from which `equator` counts, lies 90 deg from it.
+    """
+    return "icrf" if equator is None or equator == "earth" else "equator"
+
+
 def kepler_motion(orbit: Orbit, body: Body) -> dict[str, Any]:
     """The core's motion of an orbit around a body."""
     if orbit.position_km is not None:
@@ -95,7 +105,7 @@ def kepler_motion(orbit: Orbit, body: Body) -> dict[str, Any]:
             f"inside it (smallest radius {smallest / _KM:.6g} km)"
         )
     equator = table_name(body)
-    frame = orbit.frame or ("equator" if equator else "icrf")
+    frame = orbit.frame or _default_frame(equator)
     if frame == "equator" and equator is None:
         raise ValueError(
             f"frame: equator: {orbit.around} is an ellipsoid without ephemeris, its equator is not "

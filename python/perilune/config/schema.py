@@ -89,7 +89,9 @@ class Orbit(Strict):
     mean_anomaly_deg: Finite | None = None
     true_anomaly_deg: Finite | None = None
     frame: Literal["equator", "icrf"] | None = None
-    """Plane the elements refer to; equator (of date) where the body has one, icrf otherwise."""
+    """Plane of the elements. equator: the body's, of date, x along its ascending node on ICRF's;
+    icrf: the Earth's equator and equinox of J2000. Default: icrf around the Earth and bodies without
+    a known equator, equator around the others."""
     position_km: Vec3 | None = None
     """Instead of elements: a fixed position from the body's centre, ICRF axes."""
 
