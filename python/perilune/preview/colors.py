@@ -92,10 +92,12 @@ def _thinned(values: NDArray[np.floating]) -> F64:
     return np.sort(values[::step].astype(np.float64))
 
 
-def scale_values(values: NDArray[np.floating], valid: NDArray[np.bool_]) -> Scaled | None:
+def scale_values(
+    values: NDArray[np.floating], valid: NDArray[np.bool_], spread: bool = True
+) -> Scaled | None:
     """Monotonic map of the valid values to 0..1; None where there is none.
 
-    Positive values that span a large ratio are spread by the mean of their logarithm and their
+    With `spread`, positive values of a large ratio are set by the mean of their logarithm and their
     rank, so that a spacecraft metres away and a limb thousands of kilometres away both show relief.
     """
     chosen = values[valid]
@@ -106,7 +108,7 @@ def scale_values(values: NDArray[np.floating], valid: NDArray[np.bool_]) -> Scal
     if high <= low:
         t[valid] = 0.5
         return Scaled(t, low, high, "linear")
-    if low > 0.0 and high / low > _LOG_RATIO:
+    if spread and low > 0.0 and high / low > _LOG_RATIO:
         sample = _thinned(chosen)
         rank = np.interp(chosen, sample, np.linspace(0.0, 1.0, sample.size))
         t[valid] = 0.5 * rank + 0.5 * np.log(chosen / low) / np.log(high / low)

@@ -41,10 +41,16 @@ def draw_objects(picture: U8, objects: NDArray[Any], K: F64, image_width: int) -
         color = colors.id_colors(np.array([row["instance_id"]]))[0]
         left, top = placed(np.array([x - 0.5, y - 0.5]))
         right, bottom = placed(np.array([x + width + 0.5, y + height + 0.5]))
-        canvas.draw_box(picture, left, top, right, bottom, color)
+        right = min(right, picture.shape[1] - 2.0)
+        bottom = min(bottom, picture.shape[0] - 2.0)
+        canvas.draw_box(picture, max(left, 1.0), max(top, 1.0), right, bottom, color)
         tips = axis_tips_m(row["R_m2c"], row["t_m2c"], row["bbox_visib"], K)
         if not np.isfinite(tips).all() or (tips[:, 2] <= 0.0).any():
             continue
         pixels = project(K, tips)
+        start = placed(pixels[0])
         for axis, axis_color in enumerate(_AXIS_COLORS):
-            canvas.draw_line(picture, placed(pixels[0]), placed(pixels[axis + 1]), axis_color)
+            end = placed(pixels[axis + 1])
+            # A dark border keeps the line visible on a bright spacecraft.
+            canvas.draw_line(picture, start, end, colors.BACKGROUND, 4.0)
+            canvas.draw_line(picture, start, end, axis_color)

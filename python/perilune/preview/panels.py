@@ -56,11 +56,11 @@ def _valid(values: Array, context: Context) -> NDArray[np.bool_]:
 def scalar_panel(name: str, values: Array, context: Context) -> list[Panel]:
     """A quantity (H, W) on the ramp, with its smallest and largest value."""
     valid = _valid(values, context)
-    scaled = colors.scale_values(values, valid)
+    unit = context.units.get(name, "")
+    scaled = colors.scale_values(values, valid, spread=unit != "rad")
     image = colors.colored_values(scaled, valid)
     if scaled is None:
         return [Panel(name, image, text="no value in view")]
-    unit = context.units.get(name, "")
     title = f"{name} (log)" if scaled.rule == "log" else name
     ends = (format_value(scaled.low, unit), format_value(scaled.high, unit))
     return [Panel(title, image, bar=ends)]
