@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, bodies, labels, orbits, rotations, trajectories, world
+from perilune import _core, bodies, labels, orbits, rotations, trajectories
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.references import OBJECTS, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
 from perilune.sample import CameraLabel, Sample
+from perilune.world import World
+from perilune.world import build as build_world
 
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
@@ -42,7 +44,7 @@ class Simulation:
     """
 
     def __init__(
-        self, document: Document, trajectory: Callable[[world.World], Any] | None = None
+        self, document: Document, trajectory: Callable[[World], Any] | None = None
     ) -> None:
         """trajectory: a callable that gives the camera's poses instead of the configured one."""
         check_references(document.config, document.source)
@@ -99,18 +101,18 @@ class Simulation:
         """The configuration of a frame, and what its drivers drew, by key path."""
         return self._document.at(index)
 
-    def world(self, index: int) -> world.World:
+    def world(self, index: int) -> World:
         """Where everything is in a frame, the camera aside."""
         index = _checked_index(index)
         config, drawn = self.config_at(index)
         radii_m = self._mine().radii_m(config)
-        return world.build(config, drawn, index, self._epoch, radii_m)
+        return build_world(config, drawn, index, self._epoch, radii_m)
 
     def request(self, index: int) -> _core.FrameRequest:
         """What the core is asked to render for a frame."""
         return self._request(self.world(index))
 
-    def _request(self, scene: world.World) -> _core.FrameRequest:
+    def _request(self, scene: World) -> _core.FrameRequest:
         poses = trajectories.camera_poses(scene, self._trajectory)
         return _request(scene, poses, self._mine().scales(scene.config))
 
@@ -162,7 +164,7 @@ def open(  # noqa: A001 (perilune.open is the interface)
     overrides: Mapping[str, Any] | None = None,
     *,
     base: str | os.PathLike[str] | None = None,
-    trajectory: Callable[[world.World], Any] | None = None,
+    trajectory: Callable[[World], Any] | None = None,
     **dotted: Any,
 ) -> Simulation:
     """Opens a configuration: a YAML or JSON file, or a mapping of the same shape.
@@ -218,9 +220,7 @@ def _albedos(config: Config) -> F64:
     return np.array(rows, dtype=np.float64)
 
 
-def _request(
-    scene: world.World, camera_poses: F64, scales: Mapping[str, float]
-) -> _core.FrameRequest:
+def _request(scene: World, camera_poses: F64, scales: Mapping[str, float]) -> _core.FrameRequest:
     config = scene.config
     render, exposure = config.render, config.camera.exposure
     return {

@@ -90,8 +90,8 @@ class Orbit(Strict):
     true_anomaly_deg: Finite | None = None
     frame: Literal["equator", "icrf"] | None = None
     """Plane of the elements. equator: the body's, of date, x along its ascending node on ICRF's;
-    icrf: the Earth's equator and equinox of J2000. Default: icrf around the Earth and bodies without
-    a known equator, equator around the others."""
+    icrf: the Earth's equator and equinox of J2000. Default: icrf around the Earth and around bodies
+    without a known equator, equator around the others."""
     position_km: Vec3 | None = None
     """Instead of elements: a fixed position from the body's centre, ICRF axes."""
 
