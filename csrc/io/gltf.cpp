@@ -1,0 +1,284 @@
+/* Reading glTF 2.0: the C interface, the walk over the scene, and the flattened model. */
+#include "io/gltf.h"
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+
+#include "base/memory.h"
+#include "io/gltf_guard.hpp"
+#include "io/gltf_material.hpp"
+#include "io/gltf_mesh.hpp"
+
+namespace pl_gltf {
+
+namespace {
+
+struct ModelDeleter {
+  void operator()(pl_model *model) const { pl_model_destroy(model); }
+};
+using ModelPtr = std::unique_ptr<pl_model, ModelDeleter>;
+
+Asset parse_asset(const std::string &path, Warnings &warnings) {
+  Source source(path);
+  for (const std::string &remark : source.remarks())
+    warnings.add("%s", remark.c_str());
+  nlohmann::json document = parse_and_check(source, warnings);
+  Asset asset;
+  asset.buffers = load_buffers(document, source);
+  asset.images = load_images(document, source);
+  asset.no_view = strip_for_parser(document);
+  const std::string text = document.dump();
+  document = nullptr; /* frees it before the parser makes its own */
+  tinygltf::TinyGLTF parser;
+  std::string error, warning;
+  if (text.size() > INT32_MAX ||
+      !parser.LoadASCIIFromString(&asset.model, &error, &warning, text.data(),
+                                  static_cast<unsigned>(text.size()), "", tinygltf::NO_REQUIRE))
+    fail(PL_E_FORMAT, "%s", printable(error).c_str());
+  asset.source = std::make_shared<Source>(std::move(source));
+  asset.file_bytes = asset.source->total_bytes();
+  return asset;
+}
+
+/* Arrays of the model while it grows. */
+struct Flat {
+  std::vector<float> positions, normals, tangents, uvs[2], colors;
+  std::vector<uint32_t> indices, triangle_part;
+  struct Part {
+    std::string name;
+    int node, mesh, primitive, material;
+  };
+  std::vector<Part> parts;
+};
+
+/* Appends an optional array; vertices that lack it get `standard`. */
+void append_optional(std::vector<float> &all, const std::vector<float> &some, size_t before,
+                     size_t added, const std::vector<float> &standard) {
+  if (all.empty() && some.empty())
+    return;
+  const size_t n = standard.size();
+  while (all.size() < n * before)
+    all.insert(all.end(), standard.begin(), standard.end());
+  all.insert(all.end(), some.begin(), some.end());
+  while (all.size() < n * (before + added))
+    all.insert(all.end(), standard.begin(), standard.end());
+}
+
+void append(Flat &flat, const Piece &piece) {
+  const size_t before = flat.positions.size() / 3, added = piece.vertices();
+  if (before + added >= UINT32_MAX)
+    fail(PL_E_RANGE, "more than 2^32 vertices");
+  flat.positions.insert(flat.positions.end(), piece.positions.begin(), piece.positions.end());
+  flat.normals.insert(flat.normals.end(), piece.normals.begin(), piece.normals.end());
+  append_optional(flat.tangents, piece.tangents, before, added, {1, 0, 0, 1});
+  for (int set = 0; set < 2; set++)
+    append_optional(flat.uvs[set], piece.uvs[set], before, added, {0, 0});
+  append_optional(flat.colors, piece.colors, before, added, {1, 1, 1, 1});
+  for (const uint32_t v : piece.triangles)
+    flat.indices.push_back(static_cast<uint32_t>(before) + v);
+  flat.triangle_part.insert(flat.triangle_part.end(), piece.triangles.size() / 3,
+                            static_cast<uint32_t>(flat.parts.size() - 1));
+}
+
+/* Walks the scene and flattens it. */
+class Walker {
+public:
+  Walker(const Asset &asset, Warnings &warnings)
+      : asset_(asset), warnings_(warnings), used_(asset.model.materials.size() + 1, false) {}
+
+  void walk_scene();
+  const Tally &tally() const { return tally_; }
+  const std::vector<bool> &used_materials() const { return used_; }
+  Flat &flat() { return flat_; }
+
+private:
+  std::vector<int> roots() const;
+  void walk_node(int index, const Affine &parent);
+  void add_mesh(int mesh, int node, const Affine &to_root);
+
+  const Asset &asset_;
+  Warnings &warnings_;
+  std::vector<bool> used_;
+  Tally tally_;
+  Flat flat_;
+};
+
+/* Nodes of the default scene; of the first, when none is named; all roots, when there is none. */
+std::vector<int> Walker::roots() const {
+  const tinygltf::Model &model = asset_.model;
+  std::vector<bool> child(model.nodes.size(), false);
+  for (const tinygltf::Node &node : model.nodes)
+    for (const int c : node.children)
+      child[static_cast<size_t>(c)] = true;
+  std::vector<int> out;
+  if (model.scenes.empty()) {
+    for (size_t i = 0; i < model.nodes.size(); i++)
+      if (!child[i])
+        out.push_back(static_cast<int>(i));
+    return out;
+  }
+  const int scene = std::max(model.defaultScene, 0);
+  for (const int root : model.scenes[static_cast<size_t>(scene)].nodes) {
+    if (child[static_cast<size_t>(root)])
+      fail(PL_E_FORMAT, "scenes[%d]: nodes[%d] is not a root node", scene, root);
+    child[static_cast<size_t>(root)] = true; /* so that it cannot be named twice */
+    out.push_back(root);
+  }
+  return out;
+}
+
+void Walker::walk_scene() {
+  if (asset_.model.nodes.empty() && !asset_.model.meshes.empty()) {
+    warnings_.add("there are no nodes: every mesh is placed once, as it is");
+    for (size_t i = 0; i < asset_.model.meshes.size(); i++)
+      add_mesh(static_cast<int>(i), -1, Affine());
+    return;
+  }
+  for (const int root : roots())
+    walk_node(root, Affine());
+}
+
+/* The guard has checked that nodes form a forest of limited depth. */
+void Walker::walk_node(int index, const Affine &parent) {
+  const tinygltf::Node &node = asset_.model.nodes[static_cast<size_t>(index)];
+  const Affine to_root =
+      compose(parent, node_transform(node, static_cast<size_t>(index), warnings_));
+  if (node.mesh >= 0)
+    add_mesh(node.mesh, index, to_root);
+  for (const int child : node.children)
+    walk_node(child, to_root);
+}
+
+void Walker::add_mesh(int mesh_index, int node_index, const Affine &to_root) {
+  const tinygltf::Mesh &mesh = asset_.model.meshes[static_cast<size_t>(mesh_index)];
+  std::string name =
+      node_index >= 0 ? asset_.model.nodes[static_cast<size_t>(node_index)].name : "";
+  if (name.empty())
+    name = mesh.name;
+  if (name.empty())
+    name = node_index >= 0 ? "node " + std::to_string(node_index)
+                           : "mesh " + std::to_string(mesh_index);
+  for (size_t i = 0; i < mesh.primitives.size(); i++) {
+    const tinygltf::Primitive &primitive = mesh.primitives[i];
+    const std::string what =
+        "meshes[" + std::to_string(mesh_index) + "].primitives[" + std::to_string(i) + "]";
+    const Piece piece =
+        read_primitive(asset_, primitive, what, to_root,
+                       needs_of_material(asset_, primitive.material), tally_, warnings_);
+    if (piece.triangles.empty())
+      continue;
+    const size_t material =
+        primitive.material >= 0 ? static_cast<size_t>(primitive.material) : used_.size() - 1;
+    used_[material] = true;
+    flat_.parts.push_back(
+        {name, node_index, mesh_index, static_cast<int>(i), static_cast<int>(material)});
+    append(flat_, piece);
+  }
+}
+
+void report(const Tally &tally, Warnings &warnings) {
+  if (tally.zero_area > 0)
+    warnings.add("%zu zero-area triangles are left out", tally.zero_area);
+  if (tally.not_finite > 0)
+    warnings.add("%zu triangles with non-finite positions are left out", tally.not_finite);
+  if (tally.bad_normals > 0)
+    warnings.add("%zu degenerate normals are replaced", tally.bad_normals);
+  if (tally.points > 0)
+    warnings.add("%zu primitives of points are skipped", tally.points);
+  if (tally.lines > 0)
+    warnings.add("%zu primitives of lines are skipped", tally.lines);
+  if (tally.unplaced > 0)
+    warnings.add("%zu primitives without POSITION are skipped", tally.unplaced);
+}
+
+[[noreturn]] void refuse_empty(const Tally &tally) {
+  Warnings reasons;
+  report(tally, reasons);
+  std::string text = reasons.text();
+  std::replace(text.begin(), text.end(), '\n', ',');
+  fail(PL_E_FORMAT, "there is no triangle to render%s%s", text.empty() ? "" : ": ", text.c_str());
+}
+
+/* Moves an array into the model's memory; NULL when it is empty. */
+template <typename T> T *move_out(std::vector<T> &from, const char *what) {
+  if (from.empty())
+    return nullptr;
+  void *memory;
+  if (pl_alloc_or_fail(from.size(), sizeof(T), what, &memory) != PL_OK)
+    fail(PL_E_MEMORY, "%s", pl_error_text());
+  memcpy(memory, from.data(), from.size() * sizeof(T));
+  std::vector<T>().swap(from);
+  return static_cast<T *>(memory);
+}
+
+char *copy_text(const std::string &text) {
+  char *copy = pl_strdup(text.c_str());
+  if (copy == nullptr)
+    fail(PL_E_MEMORY, "out of memory for names");
+  return copy;
+}
+
+void fill_arrays(Flat &flat, pl_model *model) {
+  model->vertex_count = flat.positions.size() / 3;
+  model->triangle_count = flat.indices.size() / 3;
+  model->positions = move_out(flat.positions, "positions");
+  model->normals = move_out(flat.normals, "normals");
+  model->tangents = move_out(flat.tangents, "tangents");
+  for (int set = 0; set < 2; set++)
+    model->uvs[set] = move_out(flat.uvs[set], "texture coordinates");
+  model->colors = move_out(flat.colors, "vertex colours");
+  model->indices = move_out(flat.indices, "indices");
+  model->triangle_part = move_out(flat.triangle_part, "parts of triangles");
+  void *memory;
+  if (pl_alloc_or_fail(flat.parts.size(), sizeof(pl_part), "parts", &memory) != PL_OK)
+    fail(PL_E_MEMORY, "%s", pl_error_text());
+  model->parts = static_cast<pl_part *>(memory);
+  model->part_count = flat.parts.size();
+  for (size_t i = 0; i < flat.parts.size(); i++) {
+    const Flat::Part &part = flat.parts[i];
+    model->parts[i] = {copy_text(part.name), part.node, part.mesh, part.primitive, part.material};
+  }
+}
+
+ModelPtr load(const std::string &path) {
+  Warnings warnings;
+  const Asset asset = parse_asset(path, warnings);
+  Walker walker(asset, warnings);
+  walker.walk_scene();
+  const Tally &tally = walker.tally();
+  report(tally, warnings);
+  if (walker.flat().indices.empty())
+    refuse_empty(tally);
+  void *memory;
+  if (pl_alloc_or_fail(1, sizeof(pl_model), "a model", &memory) != PL_OK)
+    fail(PL_E_MEMORY, "%s", pl_error_text());
+  ModelPtr model(static_cast<pl_model *>(memory));
+  fill_arrays(walker.flat(), model.get());
+  build_materials(asset, walker.used_materials(), model.get(), warnings);
+  pl_model_measure(model.get());
+  model->warnings = copy_text(warnings.text());
+  return model;
+}
+
+} // namespace
+
+} // namespace pl_gltf
+
+extern "C" pl_status pl_gltf_load(const char *path, pl_model **out) {
+  *out = nullptr;
+  try {
+    *out = pl_gltf::load(path).release();
+    return PL_OK;
+  } catch (const pl_gltf::Fault &fault) {
+    return pl_fail(fault.status, "%s: %s", path, fault.text.c_str());
+  } catch (const std::bad_alloc &) {
+    return pl_fail(PL_E_MEMORY, "%s: out of memory", path);
+  } catch (const std::exception &error) {
+    return pl_fail(PL_E_FORMAT, "%s: %s", path, error.what());
+  } catch (...) {
+    return pl_fail(PL_E_FORMAT, "%s: unexpected failure", path);
+  }
+}

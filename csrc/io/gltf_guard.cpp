@@ -1,0 +1,227 @@
+/* The guard before tinygltf: JSON text, version, extensions, node hierarchy, buffers. */
+#include "io/gltf_guard.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace pl_gltf {
+
+namespace {
+
+using nlohmann::json;
+
+/* Nesting of the text. glTF itself needs about ten; the rest is for `extras`. */
+constexpr int MAX_JSON_DEPTH = 100;
+/* Nodes from the root to a leaf. */
+constexpr int MAX_NODE_DEPTH = 1000;
+
+/* Extensions the reader carries out, and those it may ignore although a file requires them. */
+const char *const implemented[] = {"KHR_texture_transform", "KHR_materials_unlit",
+                                   "KHR_materials_emissive_strength", "KHR_mesh_quantization"};
+const char *const ignorable[] = {"KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld"};
+
+template <size_t N> bool contains(const char *const (&list)[N], const std::string &name) {
+  return std::any_of(list, list + N, [&](const char *known) { return name == known; });
+}
+
+/* The parsers recurse by depth, so it is measured before they see the text. */
+void check_depth(Bytes text) {
+  int depth = 0;
+  bool quoted = false;
+  for (size_t i = 0; i < text.size; i++) {
+    const uint8_t c = text.data[i];
+    if (quoted) {
+      if (c == '\\')
+        i++;
+      else if (c == '"')
+        quoted = false;
+    } else if (c == '"') {
+      quoted = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > MAX_JSON_DEPTH)
+        fail(PL_E_FORMAT, "JSON nested deeper than %d", MAX_JSON_DEPTH);
+    } else if (c == '}' || c == ']') {
+      depth--;
+    }
+  }
+}
+
+json parse(Bytes text) {
+  if (text.size == 0)
+    fail(PL_E_FORMAT, "empty: there is no JSON");
+  check_depth(text);
+  try {
+    json document = json::parse(text.data, text.data + text.size);
+    if (!document.is_object())
+      fail(PL_E_FORMAT, "the JSON is not an object");
+    return document;
+  } catch (const json::exception &error) {
+    fail(PL_E_FORMAT, "broken JSON: %s", printable(error.what()).c_str());
+  }
+}
+
+void check_version(const json &document) {
+  const auto asset = document.find("asset");
+  if (asset == document.end() || !asset->is_object() || !asset->contains("version") ||
+      !(*asset)["version"].is_string())
+    fail(PL_E_FORMAT, "asset.version: is missing; only glTF 2.0 is read");
+  for (const char *key : {"version", "minVersion"}) {
+    const auto value = asset->find(key);
+    if (value == asset->end())
+      continue;
+    const std::string version = value->is_string() ? value->get<std::string>() : "";
+    const bool two = version.compare(0, 2, "2.") == 0 && version.size() > 2 &&
+                     version.find_first_not_of("0123456789", 2) == std::string::npos;
+    if (!two || (strcmp(key, "minVersion") == 0 && version != "2.0"))
+      fail(PL_E_UNSUPPORTED, "asset.%s: \"%s\"; only glTF 2.0 is read", key,
+           printable(version).c_str());
+  }
+}
+
+std::vector<std::string> names(const json &document, const char *key) {
+  std::vector<std::string> out;
+  const auto it = document.find(key);
+  if (it == document.end())
+    return out;
+  if (!it->is_array())
+    fail(PL_E_FORMAT, "%s: must be an array", key);
+  for (const json &name : *it) {
+    if (!name.is_string())
+      fail(PL_E_FORMAT, "%s: must hold strings", key);
+    out.push_back(name.get<std::string>());
+  }
+  return out;
+}
+
+void check_extensions(const json &document, Warnings &warnings) {
+  const std::vector<std::string> required = names(document, "extensionsRequired");
+  std::string refused;
+  for (const std::string &name : required)
+    if (!contains(implemented, name) && !contains(ignorable, name))
+      refused += (refused.empty() ? "" : ", ") + printable(name);
+  if (!refused.empty())
+    fail(PL_E_UNSUPPORTED, "requires %s, which is not supported", refused.c_str());
+  for (const std::string &name : names(document, "extensionsUsed"))
+    if (!contains(implemented, name))
+      warnings.add("extension %s is not supported and ignored", printable(name).c_str());
+}
+
+/* Each node has at most one parent and the roots reach all: then the hierarchy is a forest. */
+void check_hierarchy(const json &document) {
+  const auto nodes = document.find("nodes");
+  if (nodes == document.end())
+    return;
+  std::vector<int> parent(nodes->size(), -1);
+  for (size_t i = 0; i < nodes->size(); i++) {
+    const auto children = (*nodes)[i].find("children");
+    if (children == (*nodes)[i].end())
+      continue;
+    for (const json &child : *children) {
+      const size_t c = child.get<size_t>();
+      if (parent[c] >= 0)
+        fail(PL_E_FORMAT, "nodes[%zu] has two parents, nodes[%d] and nodes[%zu]", c, parent[c], i);
+      parent[c] = static_cast<int>(i);
+    }
+  }
+  /* A chain of parents longer than the number of nodes is a cycle. Depths are remembered, so that
+   * all chains together cost one pass. */
+  std::vector<int> depth(nodes->size(), 0);
+  for (size_t i = 0; i < nodes->size(); i++) {
+    std::vector<size_t> chain;
+    size_t n = i;
+    while (depth[n] == 0 && parent[n] >= 0 && chain.size() <= nodes->size()) {
+      chain.push_back(n);
+      n = static_cast<size_t>(parent[n]);
+    }
+    if (chain.size() > nodes->size())
+      fail(PL_E_FORMAT, "nodes[%zu] is in a cycle of nodes", n);
+    int d = depth[n] = std::max(depth[n], 1);
+    while (!chain.empty()) {
+      depth[chain.back()] = ++d;
+      chain.pop_back();
+    }
+    if (d > MAX_NODE_DEPTH)
+      fail(PL_E_FORMAT, "nodes[%zu] lies deeper than %d nodes", i, MAX_NODE_DEPTH);
+  }
+}
+
+void warn_of_the_ignored(const json &document, Warnings &warnings) {
+  const auto has = [&](const char *key) {
+    const auto it = document.find(key);
+    return it != document.end() && it->is_array() && !it->empty();
+  };
+  if (has("animations"))
+    warnings.add("animations are ignored: the model is read in its rest pose");
+  if (has("skins"))
+    warnings.add("skins are ignored: meshes are placed by their nodes");
+  if (has("cameras"))
+    warnings.add("cameras are ignored");
+}
+
+} // namespace
+
+json parse_and_check(const Source &source, Warnings &warnings) {
+  json document = parse(source.json());
+  check_version(document);
+  check_extensions(document, warnings);
+  check_schema(document);
+  check_hierarchy(document);
+  warn_of_the_ignored(document, warnings);
+  return document;
+}
+
+std::vector<Bytes> load_buffers(const json &document, Source &source) {
+  std::vector<Bytes> out;
+  const auto buffers = document.find("buffers");
+  for (size_t i = 0; buffers != document.end() && i < buffers->size(); i++) {
+    const json &buffer = (*buffers)[i];
+    const std::string what = "buffers[" + std::to_string(i) + "]";
+    const size_t length = buffer["byteLength"].get<size_t>();
+    Bytes bytes;
+    if (buffer.contains("uri"))
+      bytes = source.resolve(buffer["uri"].get_ref<const std::string &>(), what);
+    else if (i == 0 && source.binary())
+      bytes = source.binary_chunk();
+    /* A buffer without content is an error only when something is read from it. */
+    if ((bytes.data != nullptr || buffer.contains("uri")) && bytes.size < length)
+      fail(PL_E_FORMAT, "%s: byteLength is %zu, but only %zu bytes are there", what.c_str(), length,
+           bytes.size);
+    out.push_back({bytes.data, std::min(bytes.size, length)});
+  }
+  return out;
+}
+
+std::vector<ImageRef> load_images(const json &document, Source &source) {
+  std::vector<ImageRef> out;
+  const auto images = document.find("images");
+  for (size_t i = 0; images != document.end() && i < images->size(); i++) {
+    const json &image = (*images)[i];
+    ImageRef ref;
+    ref.name = "images[" + std::to_string(i) + "]";
+    if (image.contains("name"))
+      ref.name += " \"" + printable(image["name"].get<std::string>()) + "\"";
+    ref.view = image.value("bufferView", -1);
+    if (image.contains("uri"))
+      ref.file = source.resolve(image["uri"].get_ref<const std::string &>(), ref.name);
+    out.push_back(ref);
+  }
+  return out;
+}
+
+int strip_for_parser(json &document) {
+  for (const char *key : {"buffers", "images", "animations", "skins", "cameras", "extras",
+                          "extensions", "extensionsUsed", "extensionsRequired"})
+    document.erase(key);
+  json &views = document["bufferViews"];
+  if (!views.is_array())
+    views = json::array();
+  const size_t none = views.size();
+  views.push_back({{"buffer", 0}, {"byteLength", 1}});
+  const auto accessors = document.find("accessors");
+  for (size_t i = 0; accessors != document.end() && i < accessors->size(); i++)
+    if (!(*accessors)[i].contains("bufferView"))
+      (*accessors)[i]["bufferView"] = none;
+  return static_cast<int>(none);
+}
+
+} // namespace pl_gltf

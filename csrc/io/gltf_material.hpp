@@ -1,0 +1,24 @@
+/* From glTF materials to the model's materials and textures. Internal to io. */
+#ifndef PL_IO_GLTF_MATERIAL_HPP
+#define PL_IO_GLTF_MATERIAL_HPP
+
+#include <vector>
+
+#include "geom/model.h"
+#include "io/gltf_access.hpp"
+#include "io/gltf_mesh.hpp"
+
+namespace pl_gltf {
+
+/* What the mesh must provide for material `index` (-1: the default material). */
+Needs needs_of_material(const Asset &asset, int index);
+
+/* Fills model->materials and ->textures. `used[i]`: some triangle has material i; the last entry is
+ * the default material, present only when used. Maps of unused materials are not decoded, maps for
+ * which the model has no texture coordinates are left out with a warning. */
+void build_materials(const Asset &asset, const std::vector<bool> &used, pl_model *model,
+                     Warnings &warnings);
+
+} // namespace pl_gltf
+
+#endif

@@ -1,0 +1,416 @@
+/* Reading one primitive: triangles of any mode, vertices, normals (glTF 2.0, section 3.7.2). */
+#include "io/gltf_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pl_gltf {
+
+namespace {
+
+/* A normal shorter than this has no direction left after rounding. */
+constexpr double SHORTEST_NORMAL = 1e-6;
+/* What a model may cost for its size: files of any size may have this many triangles, and then one
+ * more a byte. (Nodes may share a mesh, so triangles can exceed what the bytes hold.) */
+constexpr size_t FREE_TRIANGLES = size_t{1} << 20;
+constexpr uint32_t NONE = UINT32_MAX;
+
+struct Vec {
+  double x = 0, y = 0, z = 0;
+};
+Vec operator-(const Vec &a, const Vec &b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vec cross(const Vec &a, const Vec &b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+double norm(const Vec &a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
+
+/* One primitive on its way into a piece. */
+class Builder {
+public:
+  Builder(const Asset &asset, const tinygltf::Primitive &primitive, const std::string &what,
+          const Affine &to_root, Tally &tally, Warnings &warnings)
+      : asset_(asset), primitive_(primitive), what_(what), to_root_(to_root),
+        flipped_(determinant(to_root) < 0.0), tally_(tally), warnings_(warnings) {}
+
+  Piece build(const Needs &needs);
+
+private:
+  int attribute(const char *name) const {
+    const auto it = primitive_.attributes.find(name);
+    return it == primitive_.attributes.end() ? -1 : it->second;
+  }
+  Accessor open(const char *name, int low, int high) const;
+  std::vector<uint32_t> corner_list(size_t vertices) const;
+  void read_triangles(size_t vertices);
+  void drop_degenerate(const Accessor &positions);
+  void number_vertices(size_t vertices);
+  void read_positions(const Accessor &positions);
+  void read_normals(const Accessor &normals);
+  void flat_normals();
+  void repair_normals(const std::vector<uint32_t> &bad);
+  void read_uvs();
+  void read_colors();
+  void read_tangents(const Accessor &tangents);
+  void copy_vertex(uint32_t vertex);
+  void add_tangents(const Needs &needs);
+  Vec face(
+      size_t triangle) const; /* cross product of two edges: twice the area, along the normal */
+
+  Vec place(const float p[3]) const;
+  Vec turn(const Vec &v) const { return {v.x, 0.0 - v.z, v.y}; } /* y up to z up, no -0 */
+
+  const Asset &asset_;
+  const tinygltf::Primitive &primitive_;
+  const std::string &what_;
+  const Affine &to_root_;
+  const bool flipped_;
+  Tally &tally_;
+  Warnings &warnings_;
+
+  Piece piece_;
+  std::vector<uint32_t> source_; /* the file's vertex behind each vertex of the piece */
+};
+
+/* Component types other than float are those of KHR_mesh_quantization. They are read as well where
+ * a file does not name the extension: their meaning is not in doubt. */
+Accessor Builder::open(const char *name, int low, int high) const {
+  const Accessor accessor(asset_, attribute(name), what_ + "." + name);
+  if (accessor.components() < low || accessor.components() > high)
+    fail(PL_E_FORMAT, "%s.%s: %d components; must have %d", what_.c_str(), name,
+         accessor.components(), low);
+  return accessor;
+}
+
+/* The vertices in drawing order: the index accessor, or 0, 1, 2 ... */
+std::vector<uint32_t> Builder::corner_list(size_t vertices) const {
+  std::vector<uint32_t> list;
+  if (primitive_.indices < 0) {
+    if (vertices >= NONE)
+      fail(PL_E_UNSUPPORTED, "%s: %zu vertices", what_.c_str(), vertices);
+    list.resize(vertices);
+    for (size_t i = 0; i < vertices; i++)
+      list[i] = static_cast<uint32_t>(i);
+    return list;
+  }
+  const std::string name = what_ + ".indices";
+  const Accessor indices(asset_, primitive_.indices, name);
+  if (indices.components() != 1 || !indices.is_unsigned_integer() || indices.normalized())
+    fail(PL_E_FORMAT, "%s: must be unsigned integer scalars", name.c_str());
+  list.resize(indices.count());
+  for (size_t i = 0; i < list.size(); i++) {
+    list[i] = indices.read_index(i);
+    if (list[i] == indices.restart_value())
+      fail(PL_E_FORMAT, "%s: entry %zu is %u, the primitive restart value, which glTF forbids",
+           name.c_str(), i, list[i]);
+    if (list[i] >= vertices)
+      fail(PL_E_FORMAT, "%s: entry %zu is %u, but there are %zu vertices", name.c_str(), i, list[i],
+           vertices);
+  }
+  return list;
+}
+
+void Builder::read_triangles(size_t vertices) {
+  const int mode = primitive_.mode;
+  const bool list_mode = mode == TINYGLTF_MODE_TRIANGLES;
+  /* The cost is known, and limited, before any memory is taken: accessors need no bytes. */
+  const size_t corners =
+      primitive_.indices < 0
+          ? vertices
+          : asset_.model.accessors[static_cast<size_t>(primitive_.indices)].count;
+  const size_t count = list_mode ? corners / 3 : corners < 3 ? 0 : corners - 2;
+  tally_.triangles = std::min(tally_.triangles, SIZE_MAX - count) + count;
+  if (tally_.triangles > FREE_TRIANGLES + asset_.file_bytes)
+    fail(PL_E_RANGE, "%s: more triangles (%zu) than a file of %zu bytes may have", what_.c_str(),
+         tally_.triangles, asset_.file_bytes);
+  const std::vector<uint32_t> list = corner_list(vertices);
+  if (list_mode ? list.size() % 3 != 0 : list.size() < 3)
+    warnings_.add("%s: %zu corners make no whole triangles; the rest is left out", what_.c_str(),
+                  list.size());
+  piece_.triangles.reserve(3 * count);
+  for (size_t t = 0; t < count; t++) {
+    size_t a = 3 * t, b = 3 * t + 1, c = 3 * t + 2;
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+      a = t, b = t + 1 + t % 2, c = t + 2 - t % 2;
+    else if (mode == TINYGLTF_MODE_TRIANGLE_FAN)
+      a = t + 1, b = t + 2, c = 0;
+    if (flipped_)
+      std::swap(b, c);
+    piece_.triangles.insert(piece_.triangles.end(), {list[a], list[b], list[c]});
+  }
+}
+
+Vec Builder::place(const float p[3]) const {
+  const double x = static_cast<double>(p[0]), y = static_cast<double>(p[1]),
+               z = static_cast<double>(p[2]);
+  const auto &m = to_root_.m;
+  const Vec root = {m[0][0] * x + m[0][1] * y + m[0][2] * z + to_root_.t[0],
+                    m[1][0] * x + m[1][1] * y + m[1][2] * z + to_root_.t[1],
+                    m[2][0] * x + m[2][1] * y + m[2][2] * z + to_root_.t[2]};
+  return turn(root);
+}
+
+/* Keeps triangles whose corners, as stored (float), span an area. */
+void Builder::drop_degenerate(const Accessor &positions) {
+  std::vector<uint32_t> kept;
+  kept.reserve(piece_.triangles.size());
+  for (size_t t = 0; t < piece_.triangles.size(); t += 3) {
+    Vec corner[3];
+    bool finite = true;
+    for (size_t k = 0; k < 3; k++) {
+      float p[4];
+      positions.read(piece_.triangles[t + k], p);
+      const Vec v = place(p);
+      const float x = static_cast<float>(v.x), y = static_cast<float>(v.y),
+                  z = static_cast<float>(v.z);
+      finite = finite && std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
+      corner[k] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    }
+    const double area = finite ? norm(cross(corner[1] - corner[0], corner[2] - corner[0])) : 0.0;
+    if (!finite)
+      tally_.not_finite++;
+    else if (!(area > 0.0))
+      tally_.zero_area++;
+    else
+      kept.insert(kept.end(), &piece_.triangles[t], &piece_.triangles[t] + 3);
+  }
+  piece_.triangles.swap(kept);
+}
+
+/* Numbers the vertices that are used, in the file's order. A table of all vertices is faster than
+ * sorting, unless the accessor is much larger than what this primitive uses of it. */
+void Builder::number_vertices(size_t vertices) {
+  std::vector<uint32_t> &triangles = piece_.triangles;
+  if (vertices <= 8 * triangles.size()) {
+    std::vector<uint32_t> number(vertices, NONE);
+    for (const uint32_t v : triangles)
+      number[v] = 0;
+    for (uint32_t v = 0; v < vertices; v++)
+      if (number[v] == 0) {
+        number[v] = static_cast<uint32_t>(source_.size());
+        source_.push_back(v);
+      }
+    for (uint32_t &v : triangles)
+      v = number[v];
+    return;
+  }
+  source_ = triangles;
+  std::sort(source_.begin(), source_.end());
+  source_.erase(std::unique(source_.begin(), source_.end()), source_.end());
+  for (uint32_t &v : triangles)
+    v = static_cast<uint32_t>(std::lower_bound(source_.begin(), source_.end(), v) -
+                              source_.begin());
+}
+
+void Builder::read_positions(const Accessor &positions) {
+  piece_.positions.resize(3 * source_.size());
+  for (size_t v = 0; v < source_.size(); v++) {
+    float p[4];
+    positions.read(source_[v], p);
+    const Vec q = place(p);
+    piece_.positions[3 * v] = static_cast<float>(q.x);
+    piece_.positions[3 * v + 1] = static_cast<float>(q.y);
+    piece_.positions[3 * v + 2] = static_cast<float>(q.z);
+  }
+}
+
+Vec Builder::face(size_t triangle) const {
+  Vec corner[3];
+  for (size_t k = 0; k < 3; k++) {
+    const float *p = &piece_.positions[3 * static_cast<size_t>(piece_.triangles[3 * triangle + k])];
+    corner[k] = {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+  }
+  return cross(corner[1] - corner[0], corner[2] - corner[0]);
+}
+
+void put_unit(std::vector<float> &array, size_t vertex, const Vec &v) {
+  const double length = norm(v);
+  array[3 * vertex] = static_cast<float>(v.x / length);
+  array[3 * vertex + 1] = static_cast<float>(v.y / length);
+  array[3 * vertex + 2] = static_cast<float>(v.z / length);
+}
+
+/* No normals in the file: flat shading (section 3.7.2.1), so no vertex is shared. */
+void Builder::flat_normals() {
+  std::vector<uint32_t> source(piece_.triangles.size());
+  std::vector<float> positions(3 * piece_.triangles.size());
+  piece_.normals.resize(positions.size());
+  for (size_t c = 0; c < piece_.triangles.size(); c++) {
+    source[c] = source_[piece_.triangles[c]];
+    std::copy_n(&piece_.positions[3 * static_cast<size_t>(piece_.triangles[c])], 3,
+                &positions[3 * c]);
+    put_unit(piece_.normals, c, face(c / 3));
+  }
+  for (size_t c = 0; c < piece_.triangles.size(); c++)
+    piece_.triangles[c] = static_cast<uint32_t>(c);
+  source_.swap(source);
+  piece_.positions.swap(positions);
+}
+
+/* Normals turn with the cofactors of the matrix: the inverse transpose without its division, which
+ * would fail for flattened nodes. The sign keeps them outward under mirroring. */
+void Builder::read_normals(const Accessor &normals) {
+  const auto &m = to_root_.m;
+  const double sign = flipped_ ? -1.0 : 1.0;
+  std::vector<uint32_t> bad;
+  piece_.normals.resize(3 * source_.size());
+  for (size_t v = 0; v < source_.size(); v++) {
+    float n[4];
+    normals.read(source_[v], n);
+    const double in[3] = {static_cast<double>(n[0]), static_cast<double>(n[1]),
+                          static_cast<double>(n[2])};
+    const double length = norm({in[0], in[1], in[2]});
+    double out[3];
+    for (int i = 0; i < 3; i++) {
+      const auto &a = m[(i + 1) % 3], &b = m[(i + 2) % 3];
+      out[i] = sign * ((a[1] * b[2] - a[2] * b[1]) * in[0] + (a[2] * b[0] - a[0] * b[2]) * in[1] +
+                       (a[0] * b[1] - a[1] * b[0]) * in[2]);
+    }
+    const Vec turned = turn({out[0], out[1], out[2]});
+    if (length > SHORTEST_NORMAL && std::isfinite(length) && norm(turned) > 0.0 &&
+        std::isfinite(norm(turned)))
+      put_unit(piece_.normals, v, turned);
+    else
+      bad.push_back(static_cast<uint32_t>(v));
+  }
+  if (!bad.empty())
+    repair_normals(bad);
+}
+
+/* A normal without direction becomes the mean of the faces around its vertex, by area. */
+void Builder::repair_normals(const std::vector<uint32_t> &bad) {
+  tally_.bad_normals += bad.size();
+  std::vector<Vec> sum(piece_.vertices()), any(piece_.vertices());
+  for (size_t c = 0; c < piece_.triangles.size(); c++) {
+    const Vec f = face(c / 3);
+    Vec &s = sum[piece_.triangles[c]];
+    s = {s.x + f.x, s.y + f.y, s.z + f.z};
+    any[piece_.triangles[c]] = f;
+  }
+  for (const uint32_t v : bad) /* opposite faces may cancel */
+    put_unit(piece_.normals, v, norm(sum[v]) > 1e-6 * norm(any[v]) ? sum[v] : any[v]);
+}
+
+void Builder::read_uvs() {
+  const char *const names[2] = {"TEXCOORD_0", "TEXCOORD_1"};
+  for (int set = 0; set < 2; set++) {
+    if (attribute(names[set]) < 0)
+      continue;
+    const Accessor uvs = open(names[set], 2, 2);
+    piece_.uvs[set].resize(2 * source_.size());
+    for (size_t v = 0; v < source_.size(); v++) {
+      float uv[4] = {0};
+      uvs.read(source_[v], uv);
+      for (size_t k = 0; k < 2; k++)
+        piece_.uvs[set][2 * v + k] = std::isfinite(uv[k]) ? uv[k] : 0.0f;
+    }
+  }
+}
+
+void Builder::read_colors() {
+  if (attribute("COLOR_0") < 0)
+    return;
+  const Accessor colors = open("COLOR_0", 3, 4);
+  piece_.colors.resize(4 * source_.size());
+  for (size_t v = 0; v < source_.size(); v++) {
+    float color[4] = {1, 1, 1, 1};
+    colors.read(source_[v], color);
+    for (size_t k = 0; k < 4; k++)
+      piece_.colors[4 * v + k] =
+          std::isfinite(color[k]) ? std::min(std::max(color[k], 0.0f), 1.0f) : 1.0f;
+  }
+}
+
+/* Tangents of the file lie in the surface, so they turn with the matrix itself. */
+void Builder::read_tangents(const Accessor &tangents) {
+  const auto &m = to_root_.m;
+  for (size_t v = 0; v < source_.size(); v++) {
+    float in[4];
+    tangents.read(source_[v], in);
+    const double t[3] = {static_cast<double>(in[0]), static_cast<double>(in[1]),
+                         static_cast<double>(in[2])};
+    const Vec turned = turn({m[0][0] * t[0] + m[0][1] * t[1] + m[0][2] * t[2],
+                             m[1][0] * t[0] + m[1][1] * t[1] + m[1][2] * t[2],
+                             m[2][0] * t[0] + m[2][1] * t[1] + m[2][2] * t[2]});
+    const double length = norm(turned);
+    if (!(length > 0.0) || !std::isfinite(length))
+      continue; /* keeps the computed one */
+    piece_.tangents[4 * v] = static_cast<float>(turned.x / length);
+    piece_.tangents[4 * v + 1] = static_cast<float>(turned.y / length);
+    piece_.tangents[4 * v + 2] = static_cast<float>(turned.z / length);
+    piece_.tangents[4 * v + 3] = (in[3] < 0.0f) == flipped_ ? 1.0f : -1.0f;
+  }
+}
+
+/* Appends a copy of a vertex, as far as it has been read when tangents are made. */
+void Builder::copy_vertex(uint32_t vertex) {
+  const auto copy = [vertex](std::vector<float> &array, size_t components) {
+    for (size_t k = 0; k < components && !array.empty(); k++)
+      array.push_back(array[components * vertex + k]);
+  };
+  source_.push_back(source_[vertex]);
+  copy(piece_.positions, 3);
+  copy(piece_.normals, 3);
+  copy(piece_.uvs[0], 2);
+  copy(piece_.uvs[1], 2);
+}
+
+/* Tangents are computed where the file has none, or only degenerate ones. Tangents of a file
+ * without normals are to be ignored (section 3.7.2.1). */
+void Builder::add_tangents(const Needs &needs) {
+  const bool given = attribute("TANGENT") >= 0 && attribute("NORMAL") >= 0;
+  const std::vector<float> &uvs = piece_.uvs[needs.tangent_uv_set];
+  if (uvs.empty())
+    return;
+  if (!given)
+    for (const uint32_t v : split_by_handedness(piece_.triangles, source_.size(), uvs))
+      copy_vertex(v);
+  compute_tangents(piece_, needs.tangent_uv_set);
+  if (given)
+    read_tangents(open("TANGENT", 4, 4));
+}
+
+Piece Builder::build(const Needs &needs) {
+  if (primitive_.mode == TINYGLTF_MODE_POINTS)
+    return tally_.points++, Piece();
+  if (primitive_.mode < TINYGLTF_MODE_TRIANGLES)
+    return tally_.lines++, Piece();
+  if (attribute("POSITION") < 0)
+    return tally_.unplaced++, Piece();
+  const Accessor positions = open("POSITION", 3, 3);
+  for (const auto &entry : primitive_.attributes) {
+    const size_t count = asset_.model.accessors[static_cast<size_t>(entry.second)].count;
+    if (count != positions.count())
+      fail(PL_E_FORMAT, "%s.%s: %zu elements, but POSITION has %zu", what_.c_str(),
+           printable(entry.first).c_str(), count, positions.count());
+  }
+  if (!primitive_.targets.empty())
+    warnings_.add("morph targets are ignored");
+  read_triangles(positions.count());
+  drop_degenerate(positions);
+  if (piece_.triangles.empty())
+    return Piece();
+  number_vertices(positions.count());
+  read_positions(positions);
+  if (attribute("NORMAL") >= 0)
+    read_normals(open("NORMAL", 3, 3));
+  else
+    flat_normals();
+  read_uvs();
+  for (int set = 0; set < 2; set++)
+    if (needs.uv_set[set] && piece_.uvs[set].empty())
+      warnings_.add("%s: its material has a map, but it has no TEXCOORD_%d", what_.c_str(), set);
+  if (needs.tangents)
+    add_tangents(needs);
+  read_colors();
+  return std::move(piece_);
+}
+
+} // namespace
+
+Piece read_primitive(const Asset &asset, const tinygltf::Primitive &primitive,
+                     const std::string &what, const Affine &to_root, const Needs &needs,
+                     Tally &tally, Warnings &warnings) {
+  return Builder(asset, primitive, what, to_root, tally, warnings).build(needs);
+}
+
+} // namespace pl_gltf

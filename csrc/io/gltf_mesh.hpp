@@ -1,0 +1,59 @@
+/* From primitives to one flattened triangle mesh. Internal to io. */
+#ifndef PL_IO_GLTF_MESH_HPP
+#define PL_IO_GLTF_MESH_HPP
+
+#include <string>
+#include <vector>
+
+#include "io/gltf_access.hpp"
+
+namespace pl_gltf {
+
+/* An affine map of a node to the root: p' = m p + t, double, file axes (y up). */
+struct Affine {
+  double m[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  double t[3] = {0, 0, 0};
+};
+
+double determinant(const Affine &a);
+Affine compose(const Affine &parent, const Affine &child);
+Affine node_transform(const tinygltf::Node &node, size_t index, Warnings &warnings);
+
+/* What one primitive of one node contributes; z-up, vertices numbered from 0. Arrays that a
+ * primitive does not have are empty. */
+struct Piece {
+  std::vector<uint32_t> triangles;                                 /* 3 per triangle */
+  std::vector<float> positions, normals, tangents, uvs[2], colors; /* 3, 3, 4, 2, 4 per vertex */
+  size_t vertices() const { return positions.size() / 3; }
+};
+
+/* What is counted over the whole model, for one warning each. */
+struct Tally {
+  size_t zero_area = 0, not_finite = 0, bad_normals = 0, points = 0, lines = 0;
+  size_t unplaced = 0;  /* primitives without POSITION */
+  size_t triangles = 0; /* of all pieces, as read */
+};
+
+/* How the material of a primitive is mapped, as far as the mesh must know. */
+struct Needs {
+  bool uv_set[2] = {false, false};
+  bool tangents = false;
+  int tangent_uv_set = 0;
+};
+
+/* Reads a primitive; a piece without triangles when it has none (points, lines, all degenerate). */
+Piece read_primitive(const Asset &asset, const tinygltf::Primitive &primitive,
+                     const std::string &what, const Affine &to_root, const Needs &needs,
+                     Tally &tally, Warnings &warnings);
+
+/* Splits vertices shared by triangles of opposite handedness in uv: triangles of the second kind
+ * are given new vertices, numbered from `vertices` on. Returns the vertex each new one is a copy
+ * of. */
+std::vector<uint32_t> split_by_handedness(std::vector<uint32_t> &triangles, size_t vertices,
+                                          const std::vector<float> &uvs);
+/* Fills piece.tangents from positions, normals and uvs (gltf_tangent.cpp). */
+void compute_tangents(Piece &piece, int uv_set);
+
+} // namespace pl_gltf
+
+#endif
