@@ -112,11 +112,18 @@ def find(tree: Any, path: tuple[str | int, ...] = ()) -> Iterator[Driver]:
 
 
 def substitute(tree: Any, values: Mapping[tuple[str | int, ...], float]) -> Any:
-    """A copy of the tree with the mappings at the given paths replaced by numbers."""
-    result = copy.deepcopy(tree)
+    """The tree with the mappings at the given paths replaced by numbers.
+
+    The tree itself is left alone; what no driver stands in is shared with it.
+    """
     for path, value in values.items():
-        node = result
-        for part in path[:-1]:
-            node = node[part]
-        node[path[-1]] = Drawn(value)
+        tree = _replaced(tree, path, Drawn(value))
+    return tree
+
+
+def _replaced(node: Any, path: tuple[str | int, ...], value: float) -> Any:
+    if not path:
+        return value
+    result = copy.copy(node)
+    result[path[0]] = _replaced(node[path[0]], path[1:], value)
     return result

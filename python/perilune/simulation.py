@@ -144,8 +144,12 @@ class Simulation:
         scene = self.world(index)
         request, handles = self._request(scene), self._mine()
         arrays = _arrays(scene.config, names, out or {})
-        with handles.lock:
-            result = handles.renderer.render(request, arrays, count)
+        try:
+            with handles.lock:
+                result = handles.renderer.render(request, arrays, count)
+        except Exception as error:
+            error.add_note(f"{self._document.source}: frame {scene.index}")
+            raise
         meta = {
             "seed": scene.config.seed,
             "index": scene.index,

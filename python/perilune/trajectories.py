@@ -46,19 +46,15 @@ class _Band:
         low, high = math.cos(self.low_rad), math.cos(self.high_rad)
         z = low + (high - low) * u
         radius, angle = math.sqrt(max(0.0, 1.0 - z * z)), 2.0 * math.pi * v
-        x_axis = np.cross(self.axis, np.eye(3)[int(np.argmin(np.abs(self.axis)))])
+        x_axis = rotations.cross(self.axis, np.eye(3)[int(np.argmin(np.abs(self.axis)))])
         x_axis /= np.linalg.norm(x_axis)
-        y_axis = np.cross(self.axis, x_axis)
+        y_axis = rotations.cross(self.axis, x_axis)
         sides = math.cos(angle) * x_axis + math.sin(angle) * y_axis
         return np.asarray(radius * sides + z * self.axis)
 
     def holds(self, direction: F64) -> bool:
-        angle = _angle(self.axis, direction)
+        angle = rotations.angle_rad(self.axis, direction)
         return self.low_rad - 1e-9 <= angle <= self.high_rad + 1e-9
-
-
-def _angle(a: F64, b: F64) -> float:
-    return math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
 
 
 def _unit(v: F64) -> F64:
@@ -116,7 +112,7 @@ def _no_pose(world: World, spec: OrbitObject, faults: Counter[str]) -> ValueErro
     bands = _bands(world, spec)
     if "background" in bands and "sun_angle_deg" in bands:
         behind, sun = bands["background"], bands["sun_angle_deg"]
-        middle = _angle(behind.axis, sun.axis)
+        middle = rotations.angle_rad(behind.axis, sun.axis)
         low = math.degrees(max(0.0, middle - behind.high_rad))
         high = math.degrees(min(math.pi, middle + behind.high_rad))
         text += (
