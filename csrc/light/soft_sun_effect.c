@@ -7,7 +7,7 @@
  * is at the terminator, 2/(3 pi) a (the disc's mean height above the horizon when it is cut in
  * half: the first moment of a half disc). */
 static const double TERMINATOR = 0.21220659;
-/* A lobe this many times wider than the sun hides its shape (peak changes by < 1/k^2). */
+/* A lobe this many times wider than the sun hides its shape. */
 static const double LOBE_RATIO = 16.0;
 
 static const char *absent(const pl_view *view) {
@@ -42,12 +42,22 @@ static double penumbra_px(const pl_view *view) {
   return widest;
 }
 
+/* What blurring with the disc takes off the peak of a lobe. A disc of radius a averages f to
+ * f + a^2/8 laplacian(f); GGX's peak is 1/(4 pi alpha^2) and its laplacian, by the half vector,
+ * -2/alpha^2 of that: a^2/(16 pi alpha^4) in all. Twice, for oblique views. */
+static double lobe_loss(const pl_view *view) {
+  const double alpha = pl_view_alpha_min(view);
+  const double ratio = view->sun_radius_rad / (alpha * alpha);
+  return alpha < 1.0 ? ratio * ratio / 8.0 : 0.0;
+}
+
 static double bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;
   if (pl_view_alpha_min(view) < LOBE_RATIO * view->sun_radius_rad)
     return pl_view_dn(view, view->white_radiance);
-  const double share = fmin(1.0, TERMINATOR * view->sun_radius_rad + penumbra_px(view));
+  const double share =
+      fmin(1.0, TERMINATOR * view->sun_radius_rad + penumbra_px(view)) + lobe_loss(view);
   return pl_view_dn(view, share * pl_view_radiance_max(view));
 }
 

@@ -3,6 +3,13 @@
 
 #include <math.h>
 
+static const double PI = 3.14159265358979323846;
+/* Surfaces count as at least this rough where they light others: paths that have left a diffuse
+ * surface see them so (render/path.c, path-space regularisation). */
+static const double LIGHT_ALPHA_MIN = 0.3;
+/* Slack of the shadow test for rounding at the scale of the solar system. */
+static const double SLACK = 1e-9;
+
 /* IEC 61966-2-1 */
 static double encode(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
@@ -20,27 +27,21 @@ double pl_view_dn_dimming(double fraction) {
   return fraction >= 1.0 ? 255.0 : 255.0 * (1.0 - encode(1.0 - fraction));
 }
 
-double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
-                          const pl_view_thing *receiver) {
-  double square = 0.0;
-  for (int k = 0; k < 3; k++)
-    square += pow(receiver->center_m[k] - caster->center_m[k], 2.0);
-  const double gap = sqrt(square) - receiver->radius_m;
-  if (!pl_view_shadow_reaches(view, caster, receiver))
-    return 0.0;
-  if (gap <= caster->radius_m || !(view->sun_radius_rad > 0.0))
-    return 1.0;
-  const double ratio = asin(caster->radius_m / gap) / view->sun_radius_rad;
-  return fmin(1.0, ratio * ratio);
-}
-
 double pl_view_radiance_max(const pl_view *view) {
   double largest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++) {
     const pl_view_thing *thing = &view->things[i];
     if (thing->in_frame)
-      largest = fmax(largest, thing->albedo_max * thing->irradiance / 3.14159265358979);
+      largest = fmax(largest, thing->albedo_max * thing->irradiance / PI);
   }
+  return largest;
+}
+
+double pl_view_emission_max(const pl_view *view) {
+  double largest = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].in_frame)
+      largest = fmax(largest, view->things[i].emission_max);
   return largest;
 }
 
@@ -52,31 +53,90 @@ double pl_view_alpha_min(const pl_view *view) {
   return smallest;
 }
 
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The penumbra is the inside of the cone that touches the sun and the caster crosswise. Its apex
+ * lies between them, at radius / sine of the half angle before the caster's centre. */
 bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
                             const pl_view_thing *receiver) {
-  double along = 0.0, square = 0.0;
+  double axis[3], from_apex[3], offset[3];
   for (int k = 0; k < 3; k++) {
-    const double offset = receiver->center_m[k] - caster->center_m[k];
-    along -= offset * view->sun_direction[k]; /* distance behind the caster, away from the sun */
-    square += offset * offset;
+    axis[k] = caster->center_m[k] - view->sun_position_m[k];
+    offset[k] = receiver->center_m[k] - caster->center_m[k];
   }
-  const double reach = caster->radius_m + receiver->radius_m;
-  if (along < -reach)
-    return false;
-  /* Parallax of the sun between the things is covered by doubling the penumbra's opening. */
-  const double opening = 2.0 * tan(view->sun_radius_rad) * (fabs(along) + reach);
-  const double across = sqrt(fmax(0.0, square - along * along));
-  return across < reach + opening;
+  const double distance = sqrt(dot(axis, axis));
+  const double sine = (view->sun_radius_m + caster->radius_m) / distance;
+  const double reach = (caster->radius_m + receiver->radius_m) * (1.0 + SLACK);
+  if (!(sine < 1.0) || dot(offset, offset) <= reach * reach)
+    return true; /* the caster holds the sun, or the receiver may touch the caster */
+  for (int k = 0; k < 3; k++) {
+    axis[k] /= distance;
+    from_apex[k] = offset[k] + axis[k] * caster->radius_m / sine;
+  }
+  if (dot(offset, axis) < -reach)
+    return false; /* on the sun's side */
+  const double gap = sqrt(dot(from_apex, from_apex));
+  if (gap <= receiver->radius_m)
+    return true;
+  const double cosine = fmin(1.0, fmax(-1.0, dot(from_apex, axis) / gap));
+  return acos(cosine) <= asin(sine) + asin(receiver->radius_m / gap) + SLACK;
+}
+
+bool pl_view_shadowed(const pl_view *view, size_t i) {
+  if (!view->things[i].is_body)
+    return true; /* by itself */
+  for (size_t k = 0; k < view->thing_count; k++)
+    if (k != i && pl_view_shadow_reaches(view, &view->things[k], &view->things[i]))
+      return true;
+  return false;
+}
+
+static double distance_m(const double a[3], const double b[3]) {
+  const double offset[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return sqrt(dot(offset, offset));
+}
+
+double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
+                          const pl_view_thing *receiver) {
+  const double gap = distance_m(receiver->center_m, caster->center_m) - receiver->radius_m;
+  const double farthest = distance_m(receiver->center_m, view->sun_position_m) + receiver->radius_m;
+  if (!pl_view_shadow_reaches(view, caster, receiver))
+    return 0.0;
+  if (gap <= caster->radius_m || !(view->sun_radius_m < farthest))
+    return 1.0;
+  const double ratio = asin(caster->radius_m / gap) / asin(view->sun_radius_m / farthest);
+  return fmin(1.0, ratio * ratio);
 }
 
 double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source) {
-  double square = 0.0;
-  for (int k = 0; k < 3; k++) {
-    const double offset = receiver->center_m[k] - source->center_m[k];
-    square += offset * offset;
-  }
-  const double gap = sqrt(square) - receiver->radius_m;
+  const double gap = distance_m(receiver->center_m, source->center_m) - receiver->radius_m;
   if (gap <= source->radius_m)
     return 1.0;
   return source->radius_m * source->radius_m / (gap * gap);
+}
+
+/* Bound of pi times a BRDF's value times cosine. Lambert: the albedo. GGX: D <= 1/(pi alpha^2) and
+ * cos(o) (1 + Lambda(o)) >= alpha/2, hence D G F/(4 cos(o)) <= F/(2 pi alpha^3); the diffuse base
+ * keeps at most 1 - F. */
+static double gain(double alpha) { return fmax(1.0, 0.5 / (alpha * alpha * alpha)); }
+
+double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source) {
+  const double lobe = gain(fmax(receiver->ggx_alpha_min, 1e-3)) * pl_view_factor(receiver, source);
+  return fmin(receiver->albedo_max, 1.0) * fmin(1.0, lobe);
+}
+
+double pl_view_light(const pl_view_thing *source) {
+  const double lobe = gain(fmax(source->ggx_alpha_min, LIGHT_ALPHA_MIN));
+  return source->albedo_max * lobe * source->irradiance / PI + source->emission_max;
+}
+
+double pl_view_series(const pl_view *view, int bounces) {
+  double albedo = 0.0, sum = 0.0, term = 1.0;
+  for (size_t i = 0; i < view->thing_count; i++)
+    albedo = fmax(albedo, fmin(1.0, view->things[i].albedo_max));
+  for (int i = 0; i < bounces; i++, term *= albedo)
+    sum += term;
+  return sum;
 }

@@ -15,16 +15,17 @@ typedef struct pl_view_thing {
   double center_m[3];   /* camera-relative, root axes */
   double albedo_max;    /* upper bound of the reflectance in any band, 0..1 */
   double ggx_alpha_min; /* smallest GGX alpha of its materials; 1 when nothing is glossy */
-  double irradiance;    /* of the unshadowed sun, W m-2 per band */
+  double irradiance;    /* of the unshadowed sun at its nearest point, W m-2 per band */
   double emission_max;  /* W m-2 sr-1 */
 } pl_view_thing;
 
 typedef struct pl_view {
-  int width, height;       /* pixels */
-  double pixel_rad;        /* angle of one pixel on the axis */
-  double white_radiance;   /* W m-2 sr-1 encoded as 255 */
-  double sun_radius_rad;   /* angular radius of the sun at the camera */
-  double sun_direction[3]; /* unit, from the camera, root axes */
+  int width, height;        /* pixels */
+  double pixel_rad;         /* angle of one pixel on the axis */
+  double white_radiance;    /* W m-2 sr-1 encoded as 255 */
+  double sun_radius_rad;    /* angular radius of the sun at the camera */
+  double sun_position_m[3]; /* camera-relative, root axes */
+  double sun_radius_m;
   bool sun_in_frame;
   int samples;                 /* the user's ceiling of colour samples a pixel */
   int max_bounces;             /* the user's ceiling of bounces */
@@ -37,17 +38,31 @@ typedef struct pl_view {
 double pl_view_dn(const pl_view *view, double radiance);
 /* Digital numbers that dimming lit surfaces by a fraction can make at most. */
 double pl_view_dn_dimming(double fraction);
-/* Upper bound of the fraction of the sun's disc that `caster` hides from anywhere on `receiver`. */
-double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
-                          const pl_view_thing *receiver);
 /* Largest radiance of directly lit diffuse surfaces in the frame, W m-2 sr-1. */
 double pl_view_radiance_max(const pl_view *view);
+/* Largest radiance that anything in the frame emits by itself, W m-2 sr-1. */
+double pl_view_emission_max(const pl_view *view);
 /* Whether anything in the frame is glossy enough to mirror the sun. */
 double pl_view_alpha_min(const pl_view *view);
 /* Whether the shadow of `caster` (umbra and penumbra) can reach `receiver`. */
 bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
                             const pl_view_thing *receiver);
+/* Upper bound of the fraction of the sun's disc that `caster` hides from anywhere on `receiver`. */
+double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
+                          const pl_view_thing *receiver);
+/* Whether the shadow of anything can reach things[i]. A body does not shadow itself: it is convex.
+ */
+bool pl_view_shadowed(const pl_view *view, size_t i);
+
 /* Upper bound of the fraction of a receiver's sky that `source` fills: 1 when they may touch. */
 double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source);
+/* Upper bound of the part of a source's radiance that the receiver sends on in any one direction,
+ * by one reflection: 0..1. */
+double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source);
+/* Upper bound of a thing's radiance as a light of others: the sun reflected, and its emission. */
+double pl_view_light(const pl_view_thing *source);
+/* 1 + r + r^2 + ..., `bounces` terms: what further reflections between things make of one, where
+ * r is the largest albedo in the scene. */
+double pl_view_series(const pl_view *view, int bounces);
 
 #endif

@@ -4,29 +4,51 @@
 #include <math.h>
 #include <stddef.h>
 
+/* Whether a thing has another in its sky; a mesh may have itself. */
+static bool has_sky(const pl_view *view, const pl_view_thing *thing) {
+  return !thing->is_body || view->thing_count > 1;
+}
+
 static const char *absent(const pl_view *view) {
   if (view->max_bounces == 0)
     return "max_bounces is 0";
   for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame && !view->things[i].is_body)
+    if (view->things[i].in_frame && has_sky(view, &view->things[i]))
       return NULL;
-  return "no mesh is in the frame";
+  return "nothing in the frame has anything in its sky";
 }
 
 static int ceiling(const pl_view *view) { return view->max_bounces > 0 ? view->max_bounces : 1; }
 
-/* What paths of more than `value` bounces can add: each bounce keeps at most the largest albedo,
- * a geometric series. Glossy surfaces may show the sun itself, hence the display's white. */
+/* Upper bound of the part of a thing's sky that other things, or the thing itself, fill, times its
+ * albedo. */
+static double return_of(const pl_view *view, const pl_view_thing *thing) {
+  double sum = thing->is_body ? 0.0 : 1.0;
+  for (size_t k = 0; k < view->thing_count; k++)
+    if (&view->things[k] != thing)
+      sum += pl_view_transfer(thing, &view->things[k]);
+  return fmin(thing->is_body ? 1.0 : thing->albedo_max, sum);
+}
+
+/* What paths of more than `value` bounces can add: each bounce keeps at most the largest return, a
+ * geometric series. Paths on bodies have one bounce more from the row `body_bounces`. */
 static double bound_dn(const pl_view *view, int value) {
-  double albedo = 0.0, radiance = 0.0;
+  double largest = 0.0, light = 0.0, radiance = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    largest = fmax(largest, return_of(view, &view->things[i]));
+    light = fmax(light, pl_view_light(&view->things[i]));
+  }
   for (size_t i = 0; i < view->thing_count; i++) {
     const pl_view_thing *thing = &view->things[i];
-    albedo = fmax(albedo, thing->albedo_max);
-    radiance = fmax(radiance, thing->albedo_max * thing->irradiance / 3.14159265358979);
+    if (!thing->in_frame || !has_sky(view, thing))
+      continue;
+    if (largest >= 1.0 || thing->ggx_alpha_min < 1.0)
+      return pl_view_dn(view, view->white_radiance); /* may show the sun itself */
+    const double bounces = thing->is_body && value == 0 ? 1 : value;
+    const double all = return_of(view, thing) * light / (1.0 - largest);
+    radiance = fmax(radiance, all * pow(largest, bounces));
   }
-  if (albedo >= 1.0)
-    return pl_view_dn(view, view->white_radiance);
-  return pl_view_dn(view, radiance * pow(albedo, value + 1) / (1.0 - albedo));
+  return pl_view_dn(view, radiance);
 }
 
 static double cost_ms(const pl_view *view, int value) {
@@ -51,7 +73,7 @@ static const char *body_absent(const pl_view *view) {
   return "no body in the frame has anything in its sky";
 }
 
-/* Light that a source reflects onto a Lambert body, by the source's view factor. */
+/* Light that sources reflect onto a body, by their view factors. */
 static double body_bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;
@@ -63,11 +85,10 @@ static double body_bound_dn(const pl_view *view, int value) {
     double sum = 0.0;
     for (size_t k = 0; k < view->thing_count; k++)
       if (k != i)
-        sum += view->things[k].albedo_max * view->things[k].irradiance *
-               pl_view_factor(receiver, &view->things[k]);
-    radiance = fmax(radiance, receiver->albedo_max * sum / 3.14159265358979);
+        sum += pl_view_transfer(receiver, &view->things[k]) * pl_view_light(&view->things[k]);
+    radiance = fmax(radiance, sum);
   }
-  return pl_view_dn(view, radiance);
+  return pl_view_dn(view, radiance * pl_view_series(view, view->max_bounces));
 }
 
 static double body_cost_ms(const pl_view *view, int value) {

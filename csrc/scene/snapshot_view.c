@@ -1,6 +1,14 @@
 /* The plan's view of a snapshot, and culling by it. */
 #include "scene/snapshot.h"
 
+/* The sun's light at the point of a sphere that is nearest to it. */
+static double irradiance_max(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
+  const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
+  const double distance = pl_vec3_norm(to_sun);
+  const double step = fmin(radius_m, fmax(0.0, distance - shot->sun.radius_m));
+  return pl_shot_sun_irradiance(&shot->sun, pl_vec3_madd(center, step / distance, to_sun));
+}
+
 static void set_center(pl_view_thing *thing, pl_vec3 center) {
   thing->center_m[0] = center.x;
   thing->center_m[1] = center.y;
@@ -16,7 +24,7 @@ static pl_view_thing object_thing(const pl_snapshot *shot, const pl_shot_object 
       .radius_m = object->radius_m,
       .albedo_max = summary->albedo_max,
       .ggx_alpha_min = summary->ggx_alpha_min,
-      .irradiance = pl_shot_sun_irradiance(&shot->sun, object->center),
+      .irradiance = irradiance_max(shot, object->center, object->radius_m),
       .emission_max = summary->emission_max,
   };
   set_center(&thing, object->center);
@@ -25,14 +33,17 @@ static pl_view_thing object_thing(const pl_snapshot *shot, const pl_shot_object 
 
 static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *body) {
   const pl_body_state *state = body->state;
+  const double albedo = fmax(state->albedo[0], fmax(state->albedo[1], state->albedo[2]));
+  /* Coats over a diffuse base reflect up to everything at grazing angles. */
+  const bool diffuse = body->body->reflectance == &pl_reflectance_lambert;
   pl_view_thing thing = {
       .is_body = true,
       .in_frame = body->in_frame,
       .textured = body->body->map != NULL,
       .radius_m = body->radius_m,
-      .albedo_max = fmax(state->albedo[0], fmax(state->albedo[1], state->albedo[2])),
+      .albedo_max = diffuse ? fmin(albedo, 1.0) : 1.0,
       .ggx_alpha_min = 1.0,
-      .irradiance = pl_shot_sun_irradiance(&shot->sun, body->center),
+      .irradiance = irradiance_max(shot, body->center, body->radius_m),
       .emission_max = fmax(state->emission[0], fmax(state->emission[1], state->emission[2])),
   };
   set_center(&thing, body->center);
@@ -49,14 +60,14 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
   for (size_t i = 0; i < shot->body_count; i++)
     things[shot->object_count + i] = body_thing(shot, &shot->bodies[i]);
   const pl_vec3 sun = shot->sun.position;
-  const pl_vec3 direction = pl_vec3_unit(sun);
   const double distance = pl_vec3_norm(sun);
   *out = (pl_view){
       .width = shot->camera.width,
       .height = shot->camera.height,
       .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
       .sun_radius_rad = asin(fmin(1.0, shot->sun.radius_m / distance)),
-      .sun_direction = {direction.x, direction.y, direction.z},
+      .sun_position_m = {sun.x, sun.y, sun.z},
+      .sun_radius_m = shot->sun.radius_m,
       .sun_in_frame = shot->sun.in_frame,
       .things = things,
       .thing_count = count,
@@ -64,22 +75,51 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
   return PL_OK;
 }
 
-/* Whether leaving `thing` out can change anything in the frame by more than the tolerance. */
-static bool matters(const pl_view *view, const pl_view_thing *thing, double tolerance_dn) {
+/* Whether the light that `thing` sends to, or hides from, what is in the frame exceeds the
+ * tolerance. What it hides is at most as bright as the brightest thing. */
+static bool reflects(const pl_view *view, const pl_view_thing *thing, double brightest,
+                     double tolerance_dn) {
   for (size_t i = 0; i < view->thing_count; i++) {
     const pl_view_thing *seen = &view->things[i];
-    if (seen == thing || !seen->in_frame)
-      continue;
-    if (pl_view_shadow_reaches(view, thing, seen))
-      return true;
-    /* A glossy surface shows a small thing as bright as a large one. */
-    const double factor = seen->ggx_alpha_min < 0.5 ? 1.0 : pl_view_factor(seen, thing);
-    const double radiance =
-        thing->albedo_max * seen->albedo_max * thing->irradiance / PL_PI * factor;
-    if (pl_view_dn(view, radiance) > tolerance_dn)
+    if (seen != thing && seen->in_frame &&
+        pl_view_dn(view, pl_view_transfer(seen, thing) * brightest) > tolerance_dn)
       return true;
   }
   return false;
+}
+
+/* Whether the shadow of `thing` on `source` takes more than the tolerance from the light that
+ * `source` sends to what is in the frame. The light taken is that of a source of the shadow's
+ * size, wherever on the source it falls. */
+static bool dims(const pl_view *view, const pl_view_thing *thing, const pl_view_thing *source,
+                 double tolerance_dn) {
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *seen = &view->things[i];
+    if (!seen->in_frame || seen == source)
+      continue;
+    pl_view_thing near = *seen, shadow = *source;
+    near.radius_m += source->radius_m;
+    shadow.radius_m = fmin(thing->radius_m, source->radius_m);
+    const double part = fmin(pl_view_transfer(seen, source), pl_view_transfer(&near, &shadow));
+    if (pl_view_dn(view, part * pl_view_light(source)) > tolerance_dn)
+      return true;
+  }
+  return false;
+}
+
+/* Whether leaving `thing` out can change anything in the frame by more than the tolerance. */
+static bool matters(const pl_view *view, const pl_view_thing *thing, double brightest,
+                    double tolerance_dn) {
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *receiver = &view->things[i];
+    if (receiver == thing || !pl_view_shadow_reaches(view, thing, receiver))
+      continue;
+    if (receiver->in_frame)
+      return true;
+    if (view->max_bounces > 0 && dims(view, thing, receiver, tolerance_dn))
+      return true;
+  }
+  return view->max_bounces > 0 && reflects(view, thing, brightest, tolerance_dn);
 }
 
 static bool is_shadowed(const pl_view *view, const pl_view_thing *receiver, double tolerance_dn) {
@@ -91,9 +131,13 @@ static bool is_shadowed(const pl_view *view, const pl_view_thing *receiver, doub
 }
 
 void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
+  double brightest = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++)
+    brightest = fmax(brightest, pl_view_light(&view->things[i]));
+  brightest *= pl_view_series(view, view->max_bounces);
   for (size_t i = 0; i < shot->object_count; i++) {
     pl_shot_object *object = &shot->objects[i];
-    object->kept = object->in_frame || matters(view, &view->things[i], tolerance_dn);
+    object->kept = object->in_frame || matters(view, &view->things[i], brightest, tolerance_dn);
   }
   for (size_t i = 0; i < shot->body_count; i++)
     shot->bodies[i].shadowed =

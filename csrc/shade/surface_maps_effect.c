@@ -11,28 +11,36 @@ static const char *absent(const pl_view *view) {
   return "nothing in the scene has a map";
 }
 
-/* In the frame a map can change everything up to the brightest diffuse radiance; outside it acts
- * through the light that it reflects, by its view factor from what is in the frame. */
+/* A map on a thing in the frame can change everything up to the brightest diffuse radiance; on a
+ * mesh a roughness map can turn a dull surface into a mirror of the sun, an emission map a dark one
+ * into a lamp. */
+static double own_radiance(const pl_view *view, const pl_view_thing *thing) {
+  const double diffuse = thing->albedo_max * thing->irradiance / 3.14159265358979;
+  return thing->is_body ? diffuse : fmax(diffuse, view->white_radiance);
+}
+
+/* Elsewhere a map acts through the light that it reflects or emits onto what is in the frame. */
+static double indirect(const pl_view *view, const pl_view_thing *receiver) {
+  double radiance = 0.0;
+  for (size_t k = 0; k < view->thing_count; k++) {
+    const pl_view_thing *source = &view->things[k];
+    if (source != receiver && source->textured)
+      radiance += pl_view_transfer(receiver, source) * pl_view_light(source);
+  }
+  return radiance * pl_view_series(view, view->max_bounces);
+}
+
 static double bound_dn(const pl_view *view, int value) {
+  double radiance = 0.0;
   if (value > 0)
     return 0.0;
-  double radiance = 0.0;
   for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *source = &view->things[i];
-    if (!source->textured)
+    const pl_view_thing *thing = &view->things[i];
+    if (!thing->in_frame)
       continue;
-    const double diffuse = source->albedo_max * source->irradiance / 3.14159265358979;
-    /* A roughness map can turn a dull surface into a mirror of the sun. */
-    const double own = source->is_body ? diffuse : fmax(diffuse, view->white_radiance);
-    if (source->in_frame)
-      radiance = own > radiance ? own : radiance;
-    for (size_t k = 0; k < view->thing_count; k++) {
-      const pl_view_thing *receiver = &view->things[k];
-      if (k == i || !receiver->in_frame || view->max_bounces == 0)
-        continue;
-      const double reflected = own * receiver->albedo_max * pl_view_factor(receiver, source);
-      radiance = reflected > radiance ? reflected : radiance;
-    }
+    if (thing->textured)
+      radiance = fmax(radiance, own_radiance(view, thing));
+    radiance = fmax(radiance, indirect(view, thing));
   }
   return pl_view_dn(view, radiance);
 }
