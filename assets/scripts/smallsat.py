@@ -86,11 +86,11 @@ def build() -> Document:
 
 
 def wing_rotation(turn: F64 | None) -> F64:
-    """Both wings' cells face +x, turned 20 degrees about the boom, as when tracking the Sun."""
-    track = rotation([0, 1, 0], -20.0)
+    """Both wings' cells face -x, away from what the telescope sees, turned 20 degrees sunward."""
+    track = rotation([0, 1, 0], 160.0)
     if turn is None:
         return track
-    # The right wing is the left one turned by half a turn about x, so that cells stay in front.
+    # The right wing is the left one turned by half a turn about x, so that its cells face the same way.
     return track @ np.diag([1.0, -1.0, -1.0])
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import json
-import os
 import struct
 import sys
 from pathlib import Path
@@ -213,17 +212,10 @@ def test_tango_key_points_lie_on_the_model():
         assert gap < (0.0051 if name.startswith("antenna") else 0.001), name
 
 
-@pytest.mark.needs_data
-def test_tango_key_points_are_the_published_ones():
-    root = os.environ.get("PERILUNE_DATA")
-    path = Path(root) / "pose/speedplus/tangoPoints.mat" if root else None
-    if path is None or not path.is_file():
-        if os.environ.get("CI") == "true":
-            pytest.fail("PERILUNE_DATA has no pose/speedplus/tangoPoints.mat")
-        pytest.skip("PERILUNE_DATA has no pose/speedplus/tangoPoints.mat")
+def test_tango_key_points_are_the_published_ones(data_dir):
     from scipy.io import loadmat
 
-    published = loadmat(path)["tango3Dpoints"].T
+    published = loadmat(data_dir / "pose/speedplus/tangoPoints.mat")["tango3Dpoints"].T
     np.testing.assert_allclose(tango_extras()["points_m"], published, rtol=0, atol=1e-3)
 
 
