@@ -86,11 +86,11 @@ def build() -> Document:
 
 
 def wing_rotation(turn: F64 | None) -> F64:
-    """Both wings' cells face -x, away from what the telescope sees, turned 20 degrees sunward."""
+    """Cells face -x, away from what the telescope sees, turned 20 degrees about the boom."""
     track = rotation([0, 1, 0], 160.0)
     if turn is None:
         return track
-    # The right wing is the left one turned by half a turn about x, so that its cells face the same way.
+    # Half a turn about x takes the wing to the right, and another track makes its cells match.
     return track @ np.diag([1.0, -1.0, -1.0])
 
 
@@ -100,7 +100,7 @@ def foil() -> Mesh:
     jitter = 0.020 * np.stack([gradient_noise(box.positions / 0.031, s) for s in (3, 4, 5)], axis=1)
     jitter -= box.normals * (jitter * box.normals).sum(axis=1, keepdims=True)
     box = Mesh(box.positions + jitter, box.normals, box.uvs, box.triangles)
-    return faceted(displaced(box, lambda p: blanket(p) + crumple(p, 11, 0.11, 0.028)), 0.75)
+    return faceted(displaced(box, lambda p: blanket(p) + crumple(p, 11, 0.11, 0.045)), 0.75)
 
 
 def blanket(points: F64) -> F64:
