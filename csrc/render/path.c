@@ -10,10 +10,11 @@
 
 /* Dimension pairs of one vertex: sun, direction, lobe and roulette. */
 enum { DIMENSIONS = 3, ROULETTE_AFTER = 3 };
-/* After a bounce whose lobe is wider than this density, mirrors are blurred to this alpha: the
- * caustics that no sampler here finds become broad and free of fireflies. Energy is kept; the bias
- * falls under the row `bounces` (Kaplanyan and Dachsbacher 2013, path-space regularisation). */
-static const float WIDE_PDF = 20.0f, REGULAR_ALPHA = 0.3f;
+/* After a bounce, surfaces count as at least so rough: twice the opening of the lobe that was drawn
+ * from, and no more than the cap. The caustics that no sampler here finds become as broad as the
+ * lobe that looks at them, and free of fireflies. Energy is kept; the bias falls under the row
+ * `bounces` (Kaplanyan and Dachsbacher 2013, path-space regularisation). */
+static const float REGULAR_FACTOR = 2.0f, REGULAR_CAP = 0.5f;
 /* A cone that stands for a diffuse bounce opens no wider than this. */
 static const float SPREAD_MAX = 0.5f;
 
@@ -131,15 +132,15 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   *ray = pl_vertex_ray(vertex, context->shot, direction, INFINITY);
   const float width = path->beam.width_m + path->beam.spread * (float)vertex->t;
   /* The solid angle that one draw of density pdf stands for is about 1/pdf. */
-  const float opening = fminf(2.0f * sqrtf(1.0f / (PL_PI_F * pdf)), SPREAD_MAX);
+  const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * pdf));
   *next = (pl_path){
       .beam = {.origin = pl_vec3f_to_double(ray->origin),
                .direction = pl_vec3_unit(pl_vec3f_to_double(direction)),
                .width_m = width,
-               .spread = fmaxf(path->beam.spread, opening)},
+               .spread = fmaxf(path->beam.spread, fminf(opening, SPREAD_MAX))},
       .throughput = pl_vec3f_mul(path->throughput, weight),
       .pdf = pdf,
-      .alpha_min = pdf < WIDE_PDF ? REGULAR_ALPHA : path->alpha_min,
+      .alpha_min = fmaxf(path->alpha_min, fminf(0.5f * REGULAR_FACTOR * opening, REGULAR_CAP)),
       .pixel = path->pixel,
   };
   return roulette(next, bounce, choice[1]);

@@ -8,6 +8,9 @@
 /* The whole disc clears the horizon when the sun is higher than its radius; the rest allows for
  * the change of the normal across a pixel. */
 static const float HORIZON_MARGIN = 3.0f;
+/* Towards the limb a pixel's footprint grows until one value is no mean any more: the view must be
+ * this steep, and the footprint this short against the body's radius. */
+static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.01f;
 
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
  */
@@ -20,6 +23,12 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   const pl_render_settings *settings = context->settings;
   if (body->body->reflectance != &pl_reflectance_lambert || settings->body_bounces ||
       (settings->cast_shadows && body->shadowed))
+    return false;
+  const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));
+  const float cosine = fabsf(pl_vec3f_dot(toward, vertex.ng));
+  const double footprint_m = vertex.t * context->pixel_rad / fmaxf(cosine, COSINE_MIN);
+  const pl_vec3 radii = body->state->radii_m;
+  if (cosine < COSINE_MIN || footprint_m > ARC_MAX_RAD * fmin(radii.x, fmin(radii.y, radii.z)))
     return false;
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);
   const float height = pl_vec3f_dot(sun.direction, vertex.ng);

@@ -1,0 +1,37 @@
+"""Makes the pictures of the README from configs/demo.yaml: `python docs/make_images.py`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+import perilune
+from perilune import _core
+from perilune.preview.colors import colored_ids
+
+ROOT = Path(__file__).resolve().parent.parent
+FRAMES = (0, 2, 5)
+
+
+def strip(index: int) -> np.ndarray:
+    """One frame as seen, with its normals and its parts: (H, 3 W, 3)."""
+    sim = perilune.open(
+        ROOT / "configs" / "demo.yaml",
+        overrides={"camera.width": 480, "camera.height": 320, "render.samples": 64},
+    )
+    sample = sim.frame(index, channels=["rgb", "normal", "part"])
+    hit = sample["part"] > 0
+    normals = np.where(hit[..., None], 127.5 * (sample["normal"] * [1, -1, -1] + 1), 0)
+    return np.hstack([sample["rgb"], normals.astype(np.uint8), colored_ids(sample["part"])])
+
+
+def main() -> None:
+    target = ROOT / "docs" / "images" / "demo.png"
+    target.parent.mkdir(exist_ok=True)
+    picture = np.ascontiguousarray(np.vstack([strip(index) for index in FRAMES]))
+    _core.png_write(str(target), picture, level=9)
+
+
+if __name__ == "__main__":
+    main()
