@@ -9,7 +9,10 @@ static const float DIELECTRIC_F0 = 0.04f;
  * sun's radius. */
 static const float ALPHA_MIN = 1e-3f;
 
-static float alpha_of(const pl_surface *s) { return fmaxf(s->alpha, ALPHA_MIN); }
+/* Cosines below this, a ten-thousandth of the sun's radius, count as this. */
+static const float COSINE_MIN = 1e-6f;
+
+static float alpha_of(const pl_surface *s) { return fminf(fmaxf(s->alpha, ALPHA_MIN), 1.0f); }
 
 static pl_vec3f f0_of(const pl_surface *s) {
   const float m = s->metallic, d = DIELECTRIC_F0 * (1.0f - m);
@@ -24,16 +27,18 @@ static pl_vec3f fresnel(pl_vec3f f0, float cosine) {
                        f0.z + (1.0f - f0.z) * c5);
 }
 
-/* Trowbridge-Reitz (GGX) distribution at half vector h; its tail is written without 1 - cos^2. */
+/* Trowbridge-Reitz (GGX) distribution at half vector h; its tail is written without 1 - cos^2. For
+ * alpha <= 1, k is at least 1; two opposite grazing directions leave no half vector and k = 0. */
 static float ggx(float alpha, pl_vec3f h) {
   const float x = h.x / alpha, y = h.y / alpha;
-  const float k = x * x + y * y + h.z * h.z;
+  const float k = fmaxf(x * x + y * y + h.z * h.z, 1.0f);
   return 1.0f / (PL_PI_F * alpha * alpha * k * k);
 }
 
 /* Smith's Lambda for GGX (Heitz 2014, eq. 72). */
 static float lambda(float alpha, pl_vec3f w) {
-  const float tan2 = alpha * alpha * (w.x * w.x + w.y * w.y) / fmaxf(w.z * w.z, 1e-12f);
+  const float tan2 =
+      alpha * alpha * (w.x * w.x + w.y * w.y) / fmaxf(w.z * w.z, COSINE_MIN * COSINE_MIN);
   return 0.5f * (sqrtf(1.0f + tan2) - 1.0f);
 }
 
@@ -47,24 +52,33 @@ static float specular_chance(const pl_surface *s, pl_vec3f wo) {
   return fminf(fmaxf(specular / (specular + diffuse), 0.1f), 0.9f);
 }
 
+/* The share of light that enters the base and leaves it again: what the coat would mirror at the
+ * more grazing of the two directions is missing. glTF's sample implementation has 1 - F(wo.h), with
+ * which a smooth white dielectric reflects up to twice the light that it gets. */
+static pl_vec3f base_share(pl_vec3f f0, pl_vec3f wo, pl_vec3f wi) {
+  const pl_vec3f f = fresnel(f0, fminf(wo.z, wi.z));
+  return pl_vec3f_make(1.0f - f.x, 1.0f - f.y, 1.0f - f.z);
+}
+
 static pl_vec3f evaluate(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   if (!(wi.z > 0.0f) || !(wo.z > 0.0f))
     return pl_vec3f_make(0.0f, 0.0f, 0.0f);
   const float alpha = alpha_of(s);
   const pl_vec3f h = pl_vec3f_unit(pl_vec3f_add(wo, wi));
-  const pl_vec3f f = fresnel(f0_of(s), pl_vec3f_dot(wo, h));
+  const pl_vec3f f0 = f0_of(s), base = base_share(f0, wo, wi);
+  const pl_vec3f f = fresnel(f0, pl_vec3f_dot(wo, h));
   /* Height-correlated Smith (Heitz 2014, eq. 99); cos(wi) cancels one of the two cosines. */
   const float g = 1.0f / (1.0f + lambda(alpha, wo) + lambda(alpha, wi));
-  const float specular = ggx(alpha, h) * g / (4.0f * wo.z);
+  const float specular = ggx(alpha, h) * g / (4.0f * fmaxf(wo.z, COSINE_MIN));
   const float diffuse = (1.0f - s->metallic) * wi.z / PL_PI_F;
-  return pl_vec3f_make(f.x * specular + (1.0f - f.x) * diffuse * s->color.x,
-                       f.y * specular + (1.0f - f.y) * diffuse * s->color.y,
-                       f.z * specular + (1.0f - f.z) * diffuse * s->color.z);
+  return pl_vec3f_make(f.x * specular + base.x * diffuse * s->color.x,
+                       f.y * specular + base.y * diffuse * s->color.y,
+                       f.z * specular + base.z * diffuse * s->color.z);
 }
 
 /* Density of wi from visible normals (Heitz 2018, eq. 17). */
 static float specular_pdf(float alpha, pl_vec3f wo, pl_vec3f h) {
-  return ggx(alpha, h) / (4.0f * wo.z * (1.0f + lambda(alpha, wo)));
+  return ggx(alpha, h) / (4.0f * fmaxf(wo.z, COSINE_MIN) * (1.0f + lambda(alpha, wo)));
 }
 
 static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
