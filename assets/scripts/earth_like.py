@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 F64 = NDArray[np.float64]
 
-WIDTH, HEIGHT = 2048, 1024
+WIDTH, HEIGHT = 4096, 2048
 SEED = 2026
 SEA_LEVEL = 0.16  # of the height below; leaves about a third of the surface as land
-QUALITY = 90
+QUALITY = 66
 
 # sRGB, by eye after photographs from low orbit (the Blue Marble and astronauts').
 ABYSS, OCEAN, SHELF = (7, 20, 52), (11, 35, 78), (28, 84, 112)
