@@ -1,12 +1,21 @@
 /* The encoder's tables and their use. */
 #include "sensor/encode.h"
 
-#include "math/color.h"
+#include <math.h>
+
+/* The smallest float whose display value reaches (code - 1/2)/255; in double, since the curve in
+ * float misplaces it by an ulp. Inverse of IEC 61966-2-1. */
+static float threshold_of(int code) {
+  const double encoded = (code - 0.5) / 255.0;
+  const double linear = encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
+  const float nearest = (float)linear;
+  return nearest < linear ? nextafterf(nearest, 2.0f) : nearest;
+}
 
 void pl_encoder_init(pl_encoder *encoder) {
   encoder->threshold[0] = 0.0f;
   for (int code = 1; code < 256; code++)
-    encoder->threshold[code] = pl_srgb_decode(((float)code - 0.5f) / 255.0f);
+    encoder->threshold[code] = threshold_of(code);
   int code = 0;
   for (int bin = 0; bin < PL_ENCODER_BINS; bin++) {
     const float x = (float)bin / PL_ENCODER_BINS;

@@ -14,12 +14,15 @@ static int ascending(const void *a, const void *b) {
 
 double pl_exposure_meter(const pl_exposure *exposure, float *luminances, size_t count,
                          double fallback) {
-  const float lit = 1e-3f;
+  const double lit = 1e-3;
   size_t first = 0;
   if (count == 0)
     return fallback;
+  for (size_t i = 0; i < count; i++)
+    if (!(luminances[i] > 0.0f)) /* NaN has no place in an order */
+      luminances[i] = 0.0f;
   qsort(luminances, count, sizeof *luminances, ascending);
-  const float threshold = lit * luminances[count - 1];
+  const double threshold = lit * fmin(luminances[count - 1], fallback);
   while (first < count && !(luminances[first] > threshold))
     first++;
   if (first == count)

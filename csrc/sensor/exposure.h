@@ -18,7 +18,9 @@ typedef struct pl_exposure {
 float pl_luminance(pl_vec3f radiance);
 
 /* The white radiance that an automatic exposure chooses for metered luminances (sorted in place).
- * Pixels darker than a thousandth of the brightest count as unlit; `fallback` when none is lit. */
+ * `fallback` is that of a sunlit white surface, and the answer when nothing is lit. Pixels darker
+ * than a thousandth of it count as unlit, or of the brightest pixel where all is darker: so neither
+ * the sun's disc nor a glint makes the rest of the frame count as dark. */
 double pl_exposure_meter(const pl_exposure *exposure, float *luminances, size_t count,
                          double fallback);
 
