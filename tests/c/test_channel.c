@@ -1,0 +1,216 @@
+/* Every label channel on vertices whose labels are known. */
+#include "harness.h"
+
+#include <stdio.h>
+
+#include "annotate/channel.h"
+#include "scenes.h"
+
+typedef struct fixture {
+  stage stage;
+  pl_model *model;
+  pl_arena arena;
+  pl_snapshot shot;
+} fixture;
+
+/* A cube and a body before a camera of any place and attitude. */
+static void fixture_init(fixture *f, test_random *random) {
+  f->model = cube_create(0.5);
+  stage_init(&f->stage, 8, 6, 10.0);
+  const pl_vec3 camera = pl_vec3_scale(random_direction(random), 7e8);
+  const pl_quat attitude = random_rotation(random);
+  f->stage.placement.camera.motion = still(camera, attitude);
+  stage_add_object(&f->stage, f->model,
+                   pl_vec3_add(camera, pl_quat_rotate(attitude, (pl_vec3){1, 2, 30})),
+                   random_rotation(random), 3.0);
+  stage_add_body(&f->stage, pl_vec3_add(camera, pl_quat_rotate(attitude, (pl_vec3){0, 0, 1e7})),
+                 (pl_vec3){6e6, 6e6, 5e6}, 0.5f);
+  f->stage.bodies[0].motion.open.q = f->stage.bodies[0].motion.close.q = random_rotation(random);
+  pl_arena_init(&f->arena);
+  assert_int_equal(pl_snapshot_build(&f->stage.scene, &f->stage.placement, &f->arena, &f->shot),
+                   PL_OK);
+}
+static void fixture_clear(fixture *f) {
+  pl_arena_clear(&f->arena);
+  stage_clear(&f->stage);
+  pl_model_destroy(f->model);
+}
+
+static void write_pixel(const fixture *f, const char *name, const pl_vertex *vertex, void *out) {
+  for (size_t i = 0; i < pl_channel_count; i++)
+    if (strcmp(pl_channels[i].name, name) == 0) {
+      pl_channels[i].write(&f->shot, vertex, out);
+      return;
+    }
+  fail_msg("no channel '%s'", name);
+}
+static float value_of(const fixture *f, const char *name, const pl_vertex *vertex) {
+  float out;
+  write_pixel(f, name, vertex, &out);
+  return out;
+}
+
+/* A vertex of an object or body at a point given in its own frame, metres. */
+static pl_vertex vertex_at(const fixture *f, uint32_t thing, pl_vec3 local, pl_vec3 *root) {
+  const pl_pose pose =
+      thing == 0 ? f->stage.objects[0].motion.open : f->stage.bodies[thing - 1].motion.open;
+  *root = pl_pose_apply(pose, local);
+  const pl_vec3 p = pl_vec3_sub(*root, f->stage.placement.camera.motion.open.t);
+  pl_vertex vertex = {.position = p, .t = pl_vec3_norm(p), .thing = thing, .triangle = 3};
+  vertex.surface.n = pl_vec3_to_float(pl_vec3_unit(pl_vec3_scale(p, -1.0)));
+  return vertex;
+}
+
+static void assert_close(double value, double expected, double tolerance) {
+  if (!(fabs(value - expected) <= tolerance))
+    fail_msg("%.9g, expected %.9g +- %.2g", value, expected, tolerance);
+}
+
+static void test_geometry(void **state) {
+  (void)state;
+  test_random random = {.seed = 61};
+  print_message("seed 61\n");
+  for (int i = 0; i < 50; i++) {
+    fixture f;
+    fixture_init(&f, &random);
+    for (uint32_t thing = 0; thing < 2; thing++) {
+      const double size = thing == 0 ? 1.5 : 5e6;
+      const pl_vec3 local = pl_vec3_scale(random_direction(&random), size);
+      pl_vec3 root;
+      const pl_vertex vertex = vertex_at(&f, thing, local, &root);
+      const pl_pose camera = f.stage.placement.camera.motion.open;
+      const pl_vec3 p =
+          pl_quat_rotate_inverse(camera.q, pl_vec3_sub(root, camera.t)); /* OpenCV axes */
+      const double range = pl_vec3_norm(p);
+      assert_close((double)value_of(&f, "depth", &vertex), p.z, 1e-6 * range);
+      assert_close((double)value_of(&f, "range", &vertex), range, 1e-6 * range);
+      double position[3];
+      write_pixel(&f, "position", &vertex, position);
+      assert_close(position[0], root.x, 1e-6);
+      assert_close(position[1], root.y, 1e-6);
+      assert_close(position[2], root.z, 1e-6);
+      float coords[3], normal[3];
+      write_pixel(&f, "object_coords", &vertex, coords);
+      assert_close((double)coords[0], local.x, 1e-6 * size);
+      assert_close((double)coords[1], local.y, 1e-6 * size);
+      assert_close((double)coords[2], local.z, 1e-6 * size);
+      write_pixel(&f, "normal", &vertex, normal); /* towards the camera */
+      assert_close((double)normal[0], -p.x / range, 1e-6);
+      assert_close((double)normal[1], -p.y / range, 1e-6);
+      assert_close((double)normal[2], -p.z / range, 1e-6);
+    }
+    fixture_clear(&f);
+  }
+}
+
+static void test_angles(void **state) {
+  (void)state;
+  test_random random = {.seed = 62};
+  fixture f;
+  fixture_init(&f, &random);
+  pl_vec3 root;
+  pl_vertex vertex = vertex_at(&f, 0, (pl_vec3){0, 0, 1.5}, &root);
+  const pl_vec3 viewer = pl_vec3_unit(pl_vec3_scale(vertex.position, -1.0));
+  const pl_vec3 sun = pl_vec3_unit(pl_vec3_sub(f.stage.placement.sun.position_m, root));
+  for (int i = 0; i < 100; i++) {
+    const pl_vec3 n = random_direction(&random);
+    vertex.surface.n = pl_vec3_to_float(n);
+    assert_close((double)value_of(&f, "incidence", &vertex), acos(pl_vec3_dot(n, sun)), 1e-5);
+    assert_close((double)value_of(&f, "emission", &vertex), acos(pl_vec3_dot(n, viewer)), 1e-5);
+    assert_close((double)value_of(&f, "phase", &vertex), acos(pl_vec3_dot(viewer, sun)), 1e-5);
+  }
+  fixture_clear(&f);
+}
+
+static void test_ids(void **state) {
+  (void)state;
+  test_random random = {.seed = 63};
+  fixture f;
+  fixture_init(&f, &random);
+  for (uint32_t thing = 0; thing < 2; thing++) {
+    pl_vec3 root;
+    const pl_vertex vertex = vertex_at(&f, thing, (pl_vec3){1, 0, 0}, &root);
+    int32_t part, instance;
+    uint16_t classes[2];
+    write_pixel(&f, "part", &vertex, &part);
+    write_pixel(&f, "instance", &vertex, &instance);
+    write_pixel(&f, "semantic", &vertex, classes);
+    assert_int_equal(part, thing + 1);
+    assert_int_equal(instance, thing + 1);
+    assert_int_equal(classes[0], 101 + thing);
+    assert_int_equal(classes[1], 201 + thing);
+  }
+  fixture_clear(&f);
+}
+
+static void test_background(void **state) {
+  (void)state;
+  test_random random = {.seed = 64};
+  fixture f;
+  fixture_init(&f, &random);
+  int32_t id = 9;
+  uint16_t classes[2] = {9, 9};
+  float normal[3] = {9, 9, 9};
+  double position[3];
+  write_pixel(&f, "part", NULL, &id);
+  assert_int_equal(id, 0);
+  id = 9;
+  write_pixel(&f, "instance", NULL, &id);
+  assert_int_equal(id, 0);
+  write_pixel(&f, "semantic", NULL, classes);
+  assert_true(classes[0] == 0 && classes[1] == 0);
+  write_pixel(&f, "normal", NULL, normal);
+  assert_true(normal[0] == 0 && normal[1] == 0 && normal[2] == 0);
+  write_pixel(&f, "position", NULL, position);
+  assert_true(isnan(position[0]) && isnan(position[2]));
+  assert_true(value_of(&f, "depth", NULL) == 0.0f && value_of(&f, "range", NULL) == 0.0f);
+  assert_true(isnan(value_of(&f, "incidence", NULL)) && isnan(value_of(&f, "emission", NULL)) &&
+              isnan(value_of(&f, "phase", NULL)));
+  fixture_clear(&f);
+}
+
+/* A tile of every channel changes its own pixels and no others. */
+static void test_tiles_stay_in_place(void **state) {
+  (void)state;
+  test_random random = {.seed = 65};
+  fixture f;
+  fixture_init(&f, &random);
+  enum { WIDTH = 8, HEIGHT = 6, STRIDE = 5, BYTES_MAX = 24 };
+  pl_vertex points[STRIDE * 3];
+  pl_vec3 root;
+  for (size_t i = 0; i < STRIDE * 3; i++) {
+    points[i] = vertex_at(&f, 0, (pl_vec3){0.1 * (double)i, 1, 0}, &root);
+    if (i % 4 == 0)
+      points[i].thing = PL_NOTHING;
+  }
+  const int tile[4] = {3, 2, 4, 3};
+  for (size_t c = 0; c < pl_channel_count; c++) {
+    const pl_channel *channel = &pl_channels[c];
+    const size_t bytes = pl_channel_elements(channel, 2) * channel->element;
+    unsigned char image[WIDTH * HEIGHT * BYTES_MAX], pixel[BYTES_MAX];
+    assert_true(bytes <= BYTES_MAX);
+    memset(image, 0xa5, sizeof image);
+    pl_channel_write(channel, &f.shot, points, STRIDE, tile, WIDTH, image);
+    for (int y = 0; y < HEIGHT; y++)
+      for (int x = 0; x < WIDTH; x++) {
+        const bool inside = x >= 3 && x < 7 && y >= 2 && y < 5;
+        const pl_vertex *v = inside ? &points[(y - 2) * STRIDE + x - 3] : NULL;
+        memset(pixel, 0xa5, sizeof pixel);
+        if (inside)
+          channel->write(&f.shot, v->thing != PL_NOTHING ? v : NULL, pixel);
+        assert_memory_equal(image + (size_t)(y * WIDTH + x) * bytes, pixel, bytes);
+      }
+  }
+  fixture_clear(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_geometry),
+      cmocka_unit_test(test_angles),
+      cmocka_unit_test(test_ids),
+      cmocka_unit_test(test_background),
+      cmocka_unit_test(test_tiles_stay_in_place),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
