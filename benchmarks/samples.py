@@ -14,7 +14,10 @@ import report
 import perilune
 
 REFERENCE = {"render.samples": 1024, "render.max_bounces": 8, "render.tolerance_dn": 0.0}
-KNOBS: dict[str, tuple[int, ...]] = {"samples": (1, 2, 4, 8, 16, 32, 64, 128), "max_bounces": (0, 1, 2, 4)}
+KNOBS: dict[str, tuple[int, ...]] = {
+    "samples": (1, 2, 4, 8, 16, 32, 64, 128),
+    "max_bounces": (0, 1, 2, 4),
+}
 BASE = {"samples": 64, "max_bounces": 8}
 
 

@@ -9,7 +9,7 @@ Errors of the core are raised as `ValueError` (bad argument, range, format, unsu
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict
+from typing import Any, Self, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,10 +35,11 @@ REFLECTANCES: tuple[dict[str, str], ...]
 OBJECT_LABEL: Sequence[tuple[Any, ...]]
 """Description (name, type, shape) for numpy.dtype of one row of the object labels."""
 
+@final
 class Model:
     """A spacecraft model read from .gltf or .glb; immutable, in the file's units, turned to z-up."""
 
-    def __init__(self, path: str) -> None: ...
+    def __new__(cls, path: str) -> Self: ...
     @property
     def path(self) -> str: ...
     @property
@@ -59,10 +60,11 @@ class Model:
         """Copies: positions (V,3) f32, normals (V,3) f32, uv (V,2) f32 or absent,
         indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
 
+@final
 class Map:
     """A filtered image texture: an equirectangular map of a body. PNG or JPEG."""
 
-    def __init__(self, path: str, srgb: bool = True) -> None: ...
+    def __new__(cls, path: str, srgb: bool = True) -> Self: ...
     @property
     def size(self) -> tuple[int, int]:
         """(width, height), texels."""
@@ -70,10 +72,11 @@ class Map:
     def mean(self) -> F64:
         """(4,) mean linear RGBA."""
 
+@final
 class Scene:
     """What does not change from frame to frame: models, maps, label ids."""
 
-    def __init__(self, levels: int) -> None:
+    def __new__(cls, levels: int) -> Self:
         """levels: number of semantic levels, 1..8."""
     def add_body(
         self,
@@ -147,10 +150,11 @@ class FrameResult(TypedDict):
     plan: list[PlanRow]
     timings_s: dict[str, float]
 
+@final
 class Renderer:
     """Renders frames of one scene; keeps its accelerators and buffers between frames."""
 
-    def __init__(self, scene: Scene) -> None: ...
+    def __new__(cls, scene: Scene) -> Self: ...
     def render(
         self,
         request: FrameRequest,
