@@ -42,7 +42,8 @@ private:
   Accessor open(const char *name, int low, int high) const;
   std::vector<uint32_t> corner_list(size_t vertices) const;
   void read_triangles(size_t vertices);
-  void drop_degenerate(const Accessor &positions);
+  bool drop_degenerate();
+  void place_triangles(const Accessor &positions);
   void number_vertices(size_t vertices);
   void read_positions(const Accessor &positions);
   void read_normals(const Accessor &normals);
@@ -149,33 +150,6 @@ Vec Builder::place(const float p[3]) const {
   return turn(root);
 }
 
-/* Keeps triangles whose corners, as stored (float), span an area. */
-void Builder::drop_degenerate(const Accessor &positions) {
-  std::vector<uint32_t> kept;
-  kept.reserve(piece_.triangles.size());
-  for (size_t t = 0; t < piece_.triangles.size(); t += 3) {
-    Vec corner[3];
-    bool finite = true;
-    for (size_t k = 0; k < 3; k++) {
-      float p[4];
-      positions.read(piece_.triangles[t + k], p);
-      const Vec v = place(p);
-      const float x = static_cast<float>(v.x), y = static_cast<float>(v.y),
-                  z = static_cast<float>(v.z);
-      finite = finite && std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
-      corner[k] = {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-    }
-    const double area = finite ? norm(cross(corner[1] - corner[0], corner[2] - corner[0])) : 0.0;
-    if (!finite)
-      tally_.not_finite++;
-    else if (!(area > 0.0))
-      tally_.zero_area++;
-    else
-      kept.insert(kept.end(), &piece_.triangles[t], &piece_.triangles[t] + 3);
-  }
-  piece_.triangles.swap(kept);
-}
-
 /* Numbers the vertices that are used, in the file's order. A table of all vertices is faster than
  * sorting, unless the accessor is much larger than what this primitive uses of it. */
 void Builder::number_vertices(size_t vertices) {
@@ -220,6 +194,43 @@ Vec Builder::face(size_t triangle) const {
     corner[k] = {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
   }
   return cross(corner[1] - corner[0], corner[2] - corner[0]);
+}
+
+/* Keeps triangles whose corners, as they are stored, span an area; true when all do. (Measured on
+ * the stored floats: GCC 12 vectorises double -> float -> double into nothing, so rounding a local
+ * double would not do.) */
+bool Builder::drop_degenerate() {
+  std::vector<uint32_t> kept;
+  kept.reserve(piece_.triangles.size());
+  for (size_t t = 0; t < piece_.triangles.size(); t += 3) {
+    bool finite = true;
+    for (size_t k = 0; k < 9; k++)
+      finite = finite &&
+               std::isfinite(
+                   piece_.positions[3 * static_cast<size_t>(piece_.triangles[t + k / 3]) + k % 3]);
+    if (!finite)
+      tally_.not_finite++;
+    else if (!(norm(face(t / 3)) > 0.0))
+      tally_.zero_area++;
+    else
+      kept.insert(kept.end(), &piece_.triangles[t], &piece_.triangles[t] + 3);
+  }
+  const bool all = kept.size() == piece_.triangles.size();
+  piece_.triangles.swap(kept);
+  return all;
+}
+
+/* The vertices of good triangles alone, with their positions. */
+void Builder::place_triangles(const Accessor &positions) {
+  number_vertices(positions.count());
+  read_positions(positions);
+  if (drop_degenerate())
+    return;
+  for (uint32_t &v : piece_.triangles)
+    v = source_[v];
+  source_.clear();
+  number_vertices(positions.count());
+  read_positions(positions);
 }
 
 void put_unit(std::vector<float> &array, size_t vertex, const Vec &v) {
@@ -386,11 +397,9 @@ Piece Builder::build(const Needs &needs) {
   if (!primitive_.targets.empty())
     warnings_.add("morph targets are ignored");
   read_triangles(positions.count());
-  drop_degenerate(positions);
+  place_triangles(positions);
   if (piece_.triangles.empty())
     return Piece();
-  number_vertices(positions.count());
-  read_positions(positions);
   if (attribute("NORMAL") >= 0)
     read_normals(open("NORMAL", 3, 3));
   else
