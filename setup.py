@@ -16,12 +16,21 @@ ROOT = Path(__file__).resolve().parent
 BUILD = Path(os.environ.get("PERILUNE_BUILD_DIR", ROOT / "build" / "extension"))
 
 
+def run(command: list[str]) -> None:
+    """Runs a command; its failure ends the build without a traceback, which would hide it."""
+    status = subprocess.run(command).returncode
+    if status != 0:
+        sys.exit(f"failed with status {status}: {' '.join(command)}")
+
+
 class CMakeBuild(build_ext):
     """Runs CMake for the one extension and puts the module where setuptools expects it."""
 
     def build_extension(self, ext: Extension) -> None:
         import numpy
 
+        if shutil.which("cmake") is None:
+            sys.exit("building perilune needs cmake, a C and a C++ compiler; see script/common.sh")
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
         configure = [
             "cmake",
@@ -34,10 +43,8 @@ class CMakeBuild(build_ext):
         ]
         if not (BUILD / "CMakeCache.txt").exists() and shutil.which("ninja"):
             configure += ["-G", "Ninja"]
-        subprocess.run(configure, check=True)
-        subprocess.run(
-            ["cmake", "--build", str(BUILD), "--target", "_core", "--parallel", jobs], check=True
-        )
+        run(configure)
+        run(["cmake", "--build", str(BUILD), "--target", "_core", "--parallel", jobs])
         target = Path(self.get_ext_fullpath(ext.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         # Replaced by rename: a process that has the old module loaded keeps its own copy.
