@@ -12,7 +12,7 @@
 
 #define NO_MAP ((pl_texture_slot){.texture = -1, .transform = PL_UV_IDENTITY})
 
-/* Grey 0.5, rough, not metallic. */
+/* Grey 0.5, rough, not metallic, seen from both sides. */
 static inline pl_material plain_material(void) {
   return (pl_material){
       .name = pl_strdup("plain"),
@@ -20,6 +20,7 @@ static inline pl_material plain_material(void) {
       .roughness = 1.0f,
       .normal_scale = 1.0f,
       .alpha_cutoff = 0.5f,
+      .double_sided = true,
       .base_color_map = NO_MAP,
       .metallic_roughness_map = NO_MAP,
       .normal_map = NO_MAP,
