@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "frame/effects.h"
+#include "math/color.h"
 #include "render/render.h"
 #include "sensor/encode.h"
 
@@ -226,8 +227,11 @@ static pl_status write_tile(void *context, const pl_tile_result *result, int wor
   return PL_OK;
 }
 
-static pl_render_settings settings_of(const pl_frame_request *request, const pl_plan *plan) {
+static pl_render_settings settings_of(const pl_frame_request *request,
+                                      const pl_frame_result *result) {
+  const pl_plan *plan = &result->plan;
   const int samples = pl_plan_value(plan, "antialiasing");
+  const bool all_samples = (request->wish.force_on >> pl_effect_find("antialiasing") & 1u) != 0;
   return (pl_render_settings){
       .seed = request->seed,
       .frame = request->index,
@@ -239,6 +243,8 @@ static pl_render_settings settings_of(const pl_frame_request *request, const pl_
       .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
       .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
       .surface_maps = pl_plan_value(plan, "surface_maps") > 0,
+      .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
+      .white_radiance = (float)result->white_radiance,
   };
 }
 
@@ -271,7 +277,7 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
     output.extents[i] = PL_EXTENT_NONE;
   PL_TRY(pl_tracer_set(renderer->tracer, &shot));
   lap(result, PL_STAGE_REALISE, &start);
-  const pl_render_settings settings = settings_of(request, &result->plan);
+  const pl_render_settings settings = settings_of(request, result);
   PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
                    request->cancel));
   lap(result, PL_STAGE_RENDER, &start);

@@ -202,12 +202,13 @@ void report(const Tally &tally, Warnings &warnings) {
   fail(PL_E_FORMAT, "there is no triangle to render%s%s", text.empty() ? "" : ": ", text.c_str());
 }
 
-/* Moves an array into the model's memory; NULL when it is empty. */
+/* Moves an array into the model's memory; NULL when it is empty. One element more than there is:
+ * Embree reads 16 bytes of the last vertex, which has 12. */
 template <typename T> T *move_out(std::vector<T> &from, const char *what) {
   if (from.empty())
     return nullptr;
   void *memory;
-  if (pl_alloc_or_fail(from.size(), sizeof(T), what, &memory) != PL_OK)
+  if (pl_alloc_or_fail(from.size() + 1, sizeof(T), what, &memory) != PL_OK)
     fail(PL_E_MEMORY, "%s", pl_error_text());
   memcpy(memory, from.data(), from.size() * sizeof(T));
   std::vector<T>().swap(from);

@@ -1,8 +1,15 @@
-/* The sRGB transfer functions (IEC 61966-2-1). */
+/* Luminance, and the sRGB transfer functions (IEC 61966-2-1). */
 #ifndef PL_MATH_COLOR_H
 #define PL_MATH_COLOR_H
 
 #include <math.h>
+
+#include "math/vec.h"
+
+/* Of linear RGB with Rec. 709 primaries. */
+static inline float pl_luminance(pl_vec3f c) {
+  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
 
 /* Linear light to display value; both nominally [0, 1]. Negative input stays on the linear toe. */
 static inline float pl_srgb_encode(float linear) {

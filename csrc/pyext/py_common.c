@@ -1,6 +1,8 @@
 /* Status codes as Python exceptions. */
 #include "pyext/py_common.h"
 
+#include <string.h>
+
 static PyObject *exception_of(pl_status status) {
   switch (status) {
   case PL_E_IO:
@@ -24,7 +26,13 @@ static PyObject *exception_of(pl_status status) {
 }
 
 PyObject *pl_py_raise(pl_status status) {
-  if (!PyErr_Occurred())
-    PyErr_SetString(exception_of(status), pl_error_text());
+  if (PyErr_Occurred())
+    return NULL;
+  /* Texts name files, and files may have names that are no UTF-8. */
+  PyObject *text =
+      PyUnicode_DecodeUTF8(pl_error_text(), (Py_ssize_t)strlen(pl_error_text()), "replace");
+  if (text != NULL)
+    PyErr_SetObject(exception_of(status), text);
+  Py_XDECREF(text);
   return NULL;
 }

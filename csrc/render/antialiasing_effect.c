@@ -29,7 +29,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_antialiasing = {
     .name = "antialiasing",
-    .doc = "Colour samples a pixel; off: one through the pixel's centre",
+    .doc = "The most colour samples a pixel gets; blocks of pixels that are quiet to within the "
+           "tolerance stop earlier. Off: one through the centre",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

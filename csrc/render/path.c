@@ -4,6 +4,7 @@
 #include "render/path.h"
 
 #include "light/sun.h"
+#include "math/color.h"
 #include "math/sampler.h"
 #include "math/sampling.h"
 #include "shade/reflectance.h"
@@ -54,7 +55,7 @@ static void shade_miss(const pl_path_context *context, const pl_path *path, pl_t
   if (!pl_sun_covers(&sun, pl_vec3_to_float(path->beam.direction)))
     return;
   const float weight = pl_power_heuristic(path->pdf, pl_sun_pdf(&sun));
-  add(&b->radiance[path->pixel], pl_vec3f_scale(path->throughput, weight * sun.radiance));
+  add(&b->sample[path->pixel], pl_vec3f_scale(path->throughput, weight * sun.radiance));
 }
 
 /* The sun at a vertex. Across an object it moves by the object's size over the sun's distance:
@@ -100,7 +101,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   if (!(pl_vec3f_max(light) > 0.0f))
     return queued;
   if (!shadows_at(context, vertex)) {
-    add(&b->radiance[path->pixel], light);
+    add(&b->sample[path->pixel], light);
     return queued;
   }
   /* Up to the sun's surface, less rounding: a body that stands for the sun is no obstacle. */
@@ -167,7 +168,7 @@ static void shade_hit(const pl_path_context *context, uint32_t index, int bounce
   pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, &vertex);
   pl_surface *s = &vertex.surface;
   s->alpha = fmaxf(s->alpha, path.alpha_min);
-  add(&b->radiance[path.pixel], pl_vec3f_mul(path.throughput, s->emission));
+  add(&b->sample[path.pixel], pl_vec3f_mul(path.throughput, s->emission));
   const uint32_t first = (uint32_t)bounce * DIMENSIONS, seed = b->seeds[path.pixel];
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
@@ -196,15 +197,26 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
     if (b->hits[i].thing == PL_NOTHING)
       shade_miss(context, &b->paths[i], b);
     else if (is_settled(b, bounce, i))
-      add(&b->radiance[b->paths[i].pixel], b->settled[b->paths[i].pixel]);
+      add(&b->sample[b->paths[i].pixel], b->settled[b->paths[i].pixel]);
     else
       shade_hit(context, index, bounce, i, &kept, &queued, b);
   }
   pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, queued, bounce == 0);
   for (size_t i = 0; i < queued; i++)
     if (!b->occluded[i])
-      add(&b->radiance[b->pending[i].pixel], b->pending[i].radiance);
+      add(&b->sample[b->pending[i].pixel], b->pending[i].radiance);
   return kept;
+}
+
+static void gather_sample(pl_tile_buffers *b) {
+  for (size_t i = 0; i < b->active_count; i++) {
+    const uint32_t pixel = b->active[i];
+    const float y = pl_luminance(b->sample[pixel]);
+    add(&b->radiance[pixel], b->sample[pixel]);
+    b->square[pixel] += y * y;
+    b->counts[pixel]++;
+    b->sample[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+  }
 }
 
 void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
@@ -220,4 +232,5 @@ void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buff
     if (count > 0)
       pl_tracer_closest(context->tracer, b->rays, b->hits, count, false, true);
   }
+  gather_sample(b);
 }

@@ -24,7 +24,10 @@ typedef struct pl_pending {
 typedef struct pl_tile_buffers {
   pl_vertex points[PL_TILE_PIXELS];
   pl_hit center_hits[PL_TILE_PIXELS];
-  pl_vec3f radiance[PL_TILE_PIXELS];
+  pl_vec3f radiance[PL_TILE_PIXELS]; /* sum over samples; in the end the mean */
+  pl_vec3f sample[PL_TILE_PIXELS];   /* the sample that is being traced */
+  float square[PL_TILE_PIXELS];      /* sum over samples of the squared luminance */
+  int counts[PL_TILE_PIXELS];        /* samples in the sums */
   uint32_t seeds[PL_TILE_PIXELS];
   uint32_t active[PL_TILE_PIXELS]; /* pixels that need all samples; the first active_count */
   size_t active_count;
@@ -57,9 +60,14 @@ typedef struct pl_path_context {
  * radiance. Reads points and center_hits. */
 void pl_path_settle(const pl_path_context *context, pl_tile_buffers *buffers);
 
-/* Adds sample `index` of every active pixel to buffers->radiance (a sum over samples). The geometry
- * buffer's hits serve sample 0. */
+/* Adds sample `index` of every active pixel to the sums. The geometry buffer's hits serve sample 0.
+ */
 void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *buffers);
+
+/* Takes the pixels of quiet blocks off the active list: those whose standard error, pooled over the
+ * block, is below the settings' noise_dn. Pooling keeps the decision from following a pixel's own
+ * luck, which would darken what is lit by rare paths. */
+void pl_path_prune(const pl_path_context *context, pl_tile_buffers *buffers);
 
 /* Position of colour sample `index` in its pixel, from the centre: the R2 lattice (Roberts 2018),
  * whose first point is the centre itself, so that the labels' ray is a colour sample too. */

@@ -7,6 +7,9 @@
 #include "math/philox.h"
 #include "render/path.h"
 
+/* Samples after which the noise is looked at for the first time; then at every doubling. */
+enum { FIRST_CHECK = 4 };
+
 struct pl_render_scratch {
   int threads;
   pl_tile_buffers *buffers; /* owned, one per worker */
@@ -159,10 +162,20 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
   pl_path_settle(&context, b);
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
-  for (int i = 0; i < samples && b->active_count > 0; i++)
+  int check = FIRST_CHECK;
+  for (int i = 0; i < samples && b->active_count > 0; i++) {
     pl_path_sample(&context, (uint32_t)i, b);
-  for (int i = 0; i < PL_TILE_PIXELS; i++)
-    b->radiance[i] = pl_vec3f_scale(b->radiance[i], 1.0f / (float)samples);
+    if (i + 1 != check)
+      continue;
+    check *= 2;
+    if (job->settings->noise_dn > 0.0f)
+      pl_path_prune(&context, b);
+  }
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++) {
+      const int pixel = y * PL_TILE_SIDE + x;
+      b->radiance[pixel] = pl_vec3f_scale(b->radiance[pixel], 1.0f / (float)b->counts[pixel]);
+    }
 }
 
 static pl_status render_tile(void *context, size_t item, int worker) {

@@ -1,6 +1,8 @@
 /* Pixels whose colour needs no sampling: the middle of a body, away from terminator and shadow. A
  * Lambert surface under a sun that is wholly above (or below) the horizon has a closed form, and
  * the map is filtered over the pixel's footprint, so one shading is the pixel's mean. */
+#include <string.h>
+
 #include "light/sun.h"
 #include "render/path.h"
 #include "shade/reflectance.h"
@@ -71,13 +73,17 @@ void pl_path_settle(const pl_path_context *context, pl_tile_buffers *b) {
   if (alone)
     cover_pixels(context, covered);
   b->active_count = 0;
+  memset(b->square, 0, sizeof b->square);
+  memset(b->sample, 0, sizeof b->sample);
   for (int y = 0; y < context->tile.height; y++) {
     for (int x = 0; x < context->tile.width; x++) {
       const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
       const bool settled = settle_pixel(context, pixel, b);
       b->settled_thing[pixel] = settled ? b->points[pixel].thing : PL_NOTHING;
-      if (settled && alone && covered[pixel])
-        b->radiance[pixel] = pl_vec3f_scale(b->settled[pixel], (float)context->settings->samples);
+      const bool done = settled && alone && covered[pixel];
+      b->counts[pixel] = done ? 1 : 0;
+      if (done)
+        b->radiance[pixel] = b->settled[pixel];
       else
         b->active[b->active_count++] = pixel;
     }

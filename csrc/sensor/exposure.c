@@ -3,10 +3,6 @@
 
 #include <stdlib.h>
 
-float pl_luminance(pl_vec3f radiance) {
-  return 0.2126f * radiance.x + 0.7152f * radiance.y + 0.0722f * radiance.z;
-}
-
 static int ascending(const void *a, const void *b) {
   const float x = *(const float *)a, y = *(const float *)b;
   return (x > y) - (x < y);

@@ -14,9 +14,6 @@ typedef struct pl_exposure {
   double key;            /* ... is shown at this fraction of white, linear */
 } pl_exposure;
 
-/* Rec. 709 luminance weights. */
-float pl_luminance(pl_vec3f radiance);
-
 /* The white radiance that an automatic exposure chooses for metered luminances (sorted in place).
  * `fallback` is that of a sunlit white surface, and the answer when nothing is lit. Pixels darker
  * than a thousandth of it count as unlit, or of the brightest pixel where all is darker: so neither

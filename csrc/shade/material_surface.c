@@ -76,7 +76,7 @@ static void vertex_color(const pl_model *model, const pl_triangle_point *point, 
              point->w[2] * model->colors[4 * corner[2] + k];
 }
 
-static const pl_material *material_of(const pl_model *model, uint32_t triangle) {
+const pl_material *pl_material_of(const pl_model *model, uint32_t triangle) {
   return &model->materials[model->parts[model->triangle_part[triangle]].material];
 }
 
@@ -95,7 +95,7 @@ static void bend_normal(const pl_model *model, const pl_triangle_point *point,
 
 void pl_material_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
                          pl_surface *surface) {
-  const pl_material *material = material_of(model, point->triangle);
+  const pl_material *material = pl_material_of(model, point->triangle);
   float base[4], vertex[4], mr[4], emissive[4];
   slot_value(model, point, &material->base_color_map, maps, base);
   slot_value(model, point, &material->metallic_roughness_map, maps, mr);
@@ -117,7 +117,7 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
 }
 
 float pl_material_opacity(const pl_model *model, const pl_triangle_point *point) {
-  const pl_material *material = material_of(model, point->triangle);
+  const pl_material *material = pl_material_of(model, point->triangle);
   if (material->alpha_mode == PL_ALPHA_OPAQUE)
     return 1.0f;
   float base[4], vertex[4];
@@ -127,13 +127,6 @@ float pl_material_opacity(const pl_model *model, const pl_triangle_point *point)
   if (material->alpha_mode == PL_ALPHA_MASK)
     return alpha >= material->alpha_cutoff ? 1.0f : 0.0f;
   return fminf(fmaxf(alpha, 0.0f), 1.0f);
-}
-
-bool pl_model_has_opacity(const pl_model *model) {
-  for (size_t i = 0; i < model->material_count; i++)
-    if (model->materials[i].alpha_mode != PL_ALPHA_OPAQUE)
-      return true;
-  return false;
 }
 
 pl_model_summary pl_model_summarise(const pl_model *model) {

@@ -30,8 +30,8 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
 
 /* Opacity of the material there, 0..1: MASK is thresholded to 0 or 1, BLEND is the alpha itself. */
 float pl_material_opacity(const pl_model *model, const pl_triangle_point *point);
-/* Whether any material of the model may be less than opaque. */
-bool pl_model_has_opacity(const pl_model *model);
+/* Material of a triangle; borrowed. */
+const pl_material *pl_material_of(const pl_model *model, uint32_t triangle);
 
 /* Bounds for the plan: largest reflectance, smallest GGX alpha, largest emission, any texture. */
 typedef struct pl_model_summary {

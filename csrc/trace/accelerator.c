@@ -12,21 +12,42 @@ pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing) {
   return pl_fail(PL_E_DEVICE, "Embree error %d while %s", (int)error, doing);
 }
 
-/* Opacity at a candidate hit: below one half the surface is not there for this ray. */
-static void opacity_filter(const struct RTCFilterFunctionNArguments *arguments) {
+/* Whether the surface is there for ray `i`. The back of a single-sided material is not (glTF 2.0,
+ * 3.9.6): published models put two such sheets back to back, a hair apart in either order, and rely
+ * on it. Light passes where sight does, so that neither sheet shades the other. Below an opacity of
+ * one half there is no surface either. */
+static bool is_there(const struct RTCFilterFunctionNArguments *arguments, unsigned i) {
   const pl_model *model = arguments->geometryUserPtr;
-  for (unsigned i = 0; i < arguments->N; i++) {
-    if (arguments->valid[i] == 0)
-      continue;
-    const float u = pl_embree_hit_u(arguments->hit, arguments->N, i);
-    const float v = pl_embree_hit_v(arguments->hit, arguments->N, i);
-    const pl_triangle_point point = {
-        .triangle = pl_embree_hit_triangle(arguments->hit, arguments->N, i),
-        .w = {1.0f - u - v, u, v},
-    };
-    if (pl_material_opacity(model, &point) < 0.5f)
+  const unsigned n = arguments->N;
+  const uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
+  const pl_material *material = pl_material_of(model, triangle);
+  if (!material->double_sided && pl_embree_from_behind(arguments->ray, arguments->hit, n, i))
+    return false;
+  if (material->alpha_mode == PL_ALPHA_OPAQUE)
+    return true;
+  const float u = pl_embree_hit_u(arguments->hit, n, i);
+  const float v = pl_embree_hit_v(arguments->hit, n, i);
+  const pl_triangle_point point = {.triangle = triangle, .w = {1.0f - u - v, u, v}};
+  return pl_material_opacity(model, &point) >= 0.5f;
+}
+
+static void presence_filter(const struct RTCFilterFunctionNArguments *arguments) {
+  for (unsigned i = 0; i < arguments->N; i++)
+    if (arguments->valid[i] != 0 && !is_there(arguments, i))
       arguments->valid[i] = 0;
-  }
+}
+
+/* Models that are opaque and double-sided throughout are traced without a filter. */
+static void set_filter(RTCGeometry geometry, const pl_model *model) {
+  bool always_there = true;
+  for (size_t i = 0; i < model->material_count; i++)
+    always_there &=
+        model->materials[i].double_sided && model->materials[i].alpha_mode == PL_ALPHA_OPAQUE;
+  if (always_there)
+    return;
+  rtcSetGeometryUserData(geometry, (void *)(uintptr_t)model);
+  rtcSetGeometryIntersectFilterFunction(geometry, presence_filter);
+  rtcSetGeometryOccludedFilterFunction(geometry, presence_filter);
 }
 
 static void share_buffers(RTCGeometry geometry, const pl_model *model) {
@@ -42,11 +63,7 @@ static pl_status build_model(pl_tracer *tracer, const pl_model *model, RTCScene 
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
   share_buffers(geometry, model);
-  if (pl_model_has_opacity(model)) {
-    rtcSetGeometryUserData(geometry, (void *)(uintptr_t)model);
-    rtcSetGeometryIntersectFilterFunction(geometry, opacity_filter);
-    rtcSetGeometryOccludedFilterFunction(geometry, opacity_filter);
-  }
+  set_filter(geometry, model);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);

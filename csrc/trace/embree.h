@@ -16,6 +16,12 @@ static inline float pl_embree_hit_u(const struct RTCHitN *hit, unsigned n, unsig
 static inline float pl_embree_hit_v(const struct RTCHitN *hit, unsigned n, unsigned i) {
   return ((const float *)hit)[4 * n + i];
 }
+/* Whether the ray meets the triangle from the side that its winding calls the back. */
+static inline int pl_embree_from_behind(const struct RTCRayN *ray, const struct RTCHitN *hit,
+                                        unsigned n, unsigned i) {
+  const float *d = (const float *)ray + 4 * n + i, *ng = (const float *)hit + i;
+  return d[0] * ng[0] + d[n] * ng[n] + d[2 * n] * ng[2 * n] > 0.0f;
+}
 static inline unsigned pl_embree_hit_triangle(const struct RTCHitN *hit, unsigned n, unsigned i) {
   return ((const unsigned *)hit)[5 * n + i];
 }

@@ -1,6 +1,7 @@
 /* Metering. */
 #include "harness.h"
 
+#include "math/color.h"
 #include "sensor/exposure.h"
 
 static const pl_exposure median = {.automatic = true, .percentile = 50.0, .key = 0.5};

@@ -327,6 +327,33 @@ static void test_cut_out(void **state) {
   pl_model_destroy(model);
 }
 
+/* A single-sided square is neither seen nor in the light's way from behind. */
+static void test_single_sided(void **state) {
+  (void)state;
+  pl_model *model = square_create(1.0); /* faces +z */
+  model->materials[0].double_sided = false;
+  world w;
+  world_init(&w);
+  stage_add_object(&w.stage, model, (pl_vec3){0, 0, 5}, PL_QUAT_IDENTITY, 1.0);
+  world_set(&w);
+  for (int front = 0; front < 2; front++) {
+    const pl_ray ray = {.origin = {0.3f, 0.2f, front ? 10 : 0},
+                        .direction = {0, 0, front ? -1 : 1},
+                        .t_max = INFINITY,
+                        .skip_body = PL_NOTHING};
+    for (int coherent = 0; coherent < 2; coherent++) {
+      pl_hit hit;
+      bool occluded;
+      pl_tracer_closest(w.tracer, &ray, &hit, 1, coherent, true);
+      pl_tracer_occluded(w.tracer, &ray, &occluded, 1, coherent);
+      assert_int_equal(hit.thing, front ? 0 : PL_NOTHING);
+      assert_int_equal(occluded, front);
+    }
+  }
+  world_clear(&w);
+  pl_model_destroy(model);
+}
+
 typedef struct shared {
   const world *w;
   const pl_ray *rays;
@@ -369,7 +396,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_random_scenes), cmocka_unit_test(test_ragged_counts),
       cmocka_unit_test(test_models_change), cmocka_unit_test(test_order_of_body_and_mesh),
-      cmocka_unit_test(test_cut_out),       cmocka_unit_test(test_threads_agree),
+      cmocka_unit_test(test_cut_out),       cmocka_unit_test(test_single_sided),
+      cmocka_unit_test(test_threads_agree),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
