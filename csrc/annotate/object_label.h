@@ -1,4 +1,4 @@
-/* Labels of mesh objects: pose, visible box, visible pixels. */
+/* Labels of mesh objects: pose, boxes, visible and amodal pixel counts. */
 #ifndef PL_ANNOTATE_OBJECT_LABEL_H
 #define PL_ANNOTATE_OBJECT_LABEL_H
 
@@ -11,10 +11,19 @@
 typedef struct pl_object_label {
   double R_m2c[9]; /* row-major */
   double t_m2c[3]; /* m */
+  /* px_count_visib / px_count_all, 0 when there is no silhouette; nan when amodal labels are off */
+  double visib_fract;
   int32_t instance_id;
   int32_t obj_id;
-  int32_t bbox_visib[4]; /* x, y, w, h; w = x_max - x_min as in BOP; -1s when unseen */
+  /* Boxes are x, y, w, h in image coordinates; w = x_max - x_min as in BOP; -1s when unseen.
+   * bbox_obj is that of the full silhouette, which may lie outside the image. */
+  int32_t bbox_visib[4];
+  int32_t bbox_obj[4];
   int32_t px_count_visib;
+  /* Pixels of the full silhouette: on the canvas with one image size of margin on each side, and
+   * those of them inside the image with non-zero depth. -1 when amodal labels are off. */
+  int32_t px_count_all;
+  int32_t px_count_valid;
   int32_t in_view; /* 1 when the bounding sphere touches the frustum */
 } pl_object_label;
 

@@ -133,8 +133,10 @@ PyObject *pl_py_channels(void) {
 
 PyObject *pl_py_object_label(void) {
   /* The struct has no padding, so NumPy's packed layout is the compiler's. */
-  _Static_assert(sizeof(pl_object_label) == 12 * 8 + 8 * 4, "pl_object_label has padding");
-  return Py_BuildValue("[(ss(ii)),(ss(i)),(ss),(ss),(ss(i)),(ss),(ss)]", "R_m2c", "<f8", 3, 3,
-                       "t_m2c", "<f8", 3, "instance_id", "<i4", "obj_id", "<i4", "bbox_visib",
-                       "<i4", 4, "px_count_visib", "<i4", "in_view", "<i4");
+  _Static_assert(sizeof(pl_object_label) == 13 * 8 + 14 * 4, "pl_object_label has padding");
+  return Py_BuildValue("[(ss(ii)),(ss(i)),(ss),(ss),(ss),(ss(i)),(ss(i)),(ss),(ss),(ss),(ss)]",
+                       "R_m2c", "<f8", 3, 3, "t_m2c", "<f8", 3, "visib_fract", "<f8", "instance_id",
+                       "<i4", "obj_id", "<i4", "bbox_visib", "<i4", 4, "bbox_obj", "<i4", 4,
+                       "px_count_visib", "<i4", "px_count_all", "<i4", "px_count_valid", "<i4",
+                       "in_view", "<i4");
 }

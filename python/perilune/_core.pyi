@@ -9,7 +9,7 @@ Errors of the core are raised as `ValueError` (bad argument, range, format, unsu
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Self, TypedDict, final
+from typing import Any, NotRequired, Self, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,13 @@ REFLECTANCES: tuple[dict[str, str], ...]
 """Every reflectance model: {"name", "doc"}."""
 
 OBJECT_LABEL: Sequence[tuple[Any, ...]]
-"""Description (name, type, shape) for numpy.dtype of one row of the object labels."""
+"""Description (name, type, shape) for numpy.dtype of one row of the object labels:
+
+R_m2c (3, 3), t_m2c (3,) m, instance_id, obj_id, in_view; and as in BOP's scene_gt_info:
+bbox_visib, bbox_obj (x, y, w, h with w = x_max - x_min; -1s when px_count_visib is 0),
+px_count_visib, px_count_all (silhouette on the canvas with one image size of margin on each
+side), px_count_valid (silhouette inside the image), visib_fract. With the request's "amodal" false:
+bbox_obj -1s, px_count_all and px_count_valid -1, visib_fract nan."""
 
 @final
 class Model:
@@ -51,7 +57,8 @@ class Model:
         """(2, 3): smallest and largest coordinates, model units, z-up."""
     @property
     def parts(self) -> tuple[dict[str, Any], ...]:
-        """{"name", "material"} of each part (one primitive of one node)."""
+        """{"name", "material", "node": index in the file} of each part: one primitive of one
+        node. Names need not be unique."""
     @property
     def materials(self) -> tuple[str, ...]: ...
     @property
@@ -59,6 +66,9 @@ class Model:
     def mesh(self) -> dict[str, NDArray[Any]]:
         """Copies: positions (V,3) f32, normals (V,3) f32, uv (V,2) f32 or absent,
         indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
+    def components(self) -> NDArray[np.uint32]:
+        """(T,): connected component of each triangle, vertices welded by position; numbered from
+        0 by falling number of triangles, then by first triangle."""
 
 @final
 class Map:
@@ -100,9 +110,11 @@ class Scene:
         instance_id: int,
         part_ids: NDArray[np.int32],
         class_ids: NDArray[np.uint16],
+        triangle_part: NDArray[np.uint32] | None = None,
     ) -> int:
         """A model instance; a model point p is at scale * (p - offset) in the object's frame.
-        offset: (3,) model units; part_ids: (parts,); class_ids: (parts, levels)."""
+        offset: (3,) model units; part_ids: (parts,); class_ids: (parts, levels); triangle_part:
+        (T,) index into them, instead of the model's own parts."""
 
 class Quality(TypedDict):
     samples: int  # colour samples a pixel, 1..65536
@@ -135,6 +147,7 @@ class FrameRequest(TypedDict):
     sun_irradiance: float  # W m-2 at 1 AU, in every colour band
     quality: Quality
     exposure: Exposure
+    amodal: NotRequired[bool]  # whether objects get the labels of their full silhouettes (True)
 
 class PlanRow(TypedDict):
     name: str
@@ -162,7 +175,9 @@ class Renderer:
         threads: int = 1,
     ) -> FrameResult:
         """Fills the arrays of `out`: any of CHANNELS by name, C-contiguous, exact shape and type,
-        and "objects": (objects,) of OBJECT_LABEL. Releases the GIL; ctrl-C cancels."""
+        "objects": (objects,) of OBJECT_LABEL, and "masks": (objects, height, width) uint8, 1 on
+        the full silhouette of each object inside the image, hidden parts too (the visible part is
+        where "instance" is the object's). Releases the GIL; ctrl-C cancels."""
     def plan(self, request: FrameRequest) -> FrameResult:
         """The plan of a frame without rendering it (automatic exposure is metered)."""
 
@@ -199,6 +214,9 @@ def philox(key: tuple[int, int], counter: tuple[int, int, int, int], count: int)
 
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
+
+def allocations() -> int:
+    """Allocations the core has made in this process so far; Embree's and NumPy's not counted."""
 
 def version() -> dict[str, str]:
     """What the core was built with: embree, compiler, instruction_set (of this machine)."""
