@@ -63,7 +63,7 @@ static const uint16_t *classes_of(const pl_snapshot *shot, const pl_vertex *vert
   if (vertex->thing >= shot->object_count)
     return shot->bodies[vertex->thing - shot->object_count].body->class_ids;
   const pl_object *object = shot->objects[vertex->thing].object;
-  const size_t part = object->model->triangle_part[vertex->triangle];
+  const size_t part = pl_object_part(object, vertex->triangle);
   return object->class_ids + part * (size_t)shot->levels;
 }
 
@@ -84,7 +84,7 @@ static void write_part(const pl_snapshot *shot, const pl_vertex *vertex, void *p
     return;
   }
   const pl_object *object = shot->objects[vertex->thing].object;
-  *out = object->part_ids[object->model->triangle_part[vertex->triangle]];
+  *out = object->part_ids[pl_object_part(object, vertex->triangle)];
 }
 
 static void write_instance(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "base/memory.h"
 #include "frame/effects.h"
 #include "io/png_write.h"
 #include "pyext/py_orbit.h"
@@ -73,7 +74,14 @@ static PyObject *version(PyObject *module, PyObject *unused) {
                        "instruction_set", instruction_set());
 }
 
+static PyObject *allocations(PyObject *module, PyObject *unused) {
+  (void)module;
+  (void)unused;
+  return PyLong_FromUnsignedLongLong(pl_memory_allocations());
+}
+
 static PyMethodDef functions[] = {
+    {"allocations", allocations, METH_NOARGS, "Allocations made by the core so far."},
     {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
     {"version", version, METH_NOARGS, "Versions of what the core was built with."},

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "geom/components.h"
 #include "geom/texture.h"
 #include "io/gltf.h"
 #include "math/color.h"
@@ -91,8 +92,8 @@ static PyObject *get_parts(PyObject *self, void *closure) {
   PyObject *parts = PyTuple_New((Py_ssize_t)model->part_count);
   for (size_t i = 0; parts != NULL && i < model->part_count; i++) {
     const pl_part *part = &model->parts[i];
-    PyObject *item = Py_BuildValue("{s:s,s:s}", "name", part->name, "material",
-                                   model->materials[part->material].name);
+    PyObject *item = Py_BuildValue("{s:s,s:s,s:i}", "name", part->name, "material",
+                                   model->materials[part->material].name, "node", part->node);
     if (item == NULL)
       Py_CLEAR(parts);
     else
@@ -183,6 +184,21 @@ static PyObject *model_mesh(PyObject *self, PyObject *unused) {
   return dict;
 }
 
+static PyObject *model_components(PyObject *self, PyObject *unused) {
+  (void)unused;
+  npy_intp shape[1] = {(npy_intp)of(self)->triangle_count};
+  PyObject *array = PyArray_SimpleNew(1, shape, NPY_UINT32);
+  if (array == NULL)
+    return NULL;
+  size_t count;
+  const pl_status status =
+      pl_components_find(of(self), PyArray_DATA((PyArrayObject *)array), &count);
+  if (status == PL_OK)
+    return array;
+  Py_DECREF(array);
+  return pl_py_raise(status);
+}
+
 static PyGetSetDef model_getset[] = {
     {"path", get_path, NULL, "Path of the file.", NULL},
     {"triangle_count", get_triangle_count, NULL, NULL, NULL},
@@ -196,6 +212,7 @@ static PyGetSetDef model_getset[] = {
 
 static PyMethodDef model_methods[] = {
     {"mesh", model_mesh, METH_NOARGS, "Copies of the mesh's arrays, by name."},
+    {"components", model_components, METH_NOARGS, "Connected component of each triangle."},
     {NULL, NULL, 0, NULL},
 };
 

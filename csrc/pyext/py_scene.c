@@ -88,43 +88,58 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);
 }
 
-/* The three arrays of an object, checked; references in out[]. */
-static int object_arrays(const scene_object *self, const pl_model *model, PyObject *offset,
-                         PyObject *parts, PyObject *classes, PyArrayObject *out[3]) {
-  const npy_intp three[1] = {3}, part[1] = {(npy_intp)model->part_count};
-  const npy_intp table[2] = {(npy_intp)model->part_count, self->scene.levels};
-  if ((out[0] = pl_py_array(offset, "offset", NPY_DOUBLE, 1, three)) == NULL ||
-      (out[1] = pl_py_array(parts, "part_ids", NPY_INT32, 1, part)) == NULL ||
-      (out[2] = pl_py_array(classes, "class_ids", NPY_UINT16, 2, table)) == NULL)
+/* What add_object takes, and the arrays made of it (owned references). */
+typedef struct object_arguments {
+  PyObject *offset, *parts, *classes, *triangle_part; /* borrowed; triangle_part may be None */
+  PyArrayObject *arrays[4];                           /* in the same order; the last may be NULL */
+} object_arguments;
+
+static int object_arrays(const scene_object *self, const pl_model *model, object_arguments *in) {
+  const npy_intp three[1] = {3}, triangles[1] = {(npy_intp)model->triangle_count};
+  const bool cut = in->triangle_part != Py_None;
+  npy_intp part[1] = {cut ? -1 : (npy_intp)model->part_count};
+  if ((in->arrays[0] = pl_py_array(in->offset, "offset", NPY_DOUBLE, 1, three)) == NULL ||
+      (in->arrays[1] = pl_py_array(in->parts, "part_ids", NPY_INT32, 1, part)) == NULL)
+    return -1;
+  const npy_intp table[2] = {PyArray_DIM(in->arrays[1], 0), self->scene.levels};
+  if ((in->arrays[2] = pl_py_array(in->classes, "class_ids", NPY_UINT16, 2, table)) == NULL)
+    return -1;
+  if (cut && (in->arrays[3] = pl_py_array(in->triangle_part, "triangle_part", NPY_UINT32, 1,
+                                          triangles)) == NULL)
     return -1;
   return 0;
 }
 
 static PyObject *scene_add_object(PyObject *object, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",        "model",    "offset",    "obj_id",
-                          "instance_id", "part_ids", "class_ids", NULL};
+  static char *names[] = {"name",     "model",     "offset",        "obj_id", "instance_id",
+                          "part_ids", "class_ids", "triangle_part", NULL};
   scene_object *self = (scene_object *)object;
-  PyObject *py_model, *offset, *parts, *classes, *added = NULL;
+  PyObject *py_model, *added = NULL;
+  object_arguments in = {.triangle_part = Py_None};
   const char *name;
   int obj_id, instance_id;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOOiiOO:add_object", names, &name, &py_model,
-                                   &offset, &obj_id, &instance_id, &parts, &classes) ||
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOOiiOO|O:add_object", names, &name, &py_model,
+                                   &in.offset, &obj_id, &instance_id, &in.parts, &in.classes,
+                                   &in.triangle_part) ||
       check_open(self) < 0)
     return NULL;
   const pl_model *model = pl_py_model_of(py_model);
   if (model == NULL)
     return NULL;
-  PyArrayObject *arrays[3] = {NULL, NULL, NULL};
-  if (object_arrays(self, model, offset, parts, classes, arrays) == 0 &&
-      PyList_Append(self->kept, py_model) == 0) {
-    const double *o = PyArray_DATA(arrays[0]);
-    const pl_status status =
-        pl_scene_add_object(&self->scene, name, model, (pl_vec3){o[0], o[1], o[2]}, obj_id,
-                            instance_id, PyArray_DATA(arrays[1]), PyArray_DATA(arrays[2]));
+  if (object_arrays(self, model, &in) == 0 && PyList_Append(self->kept, py_model) == 0) {
+    const double *o = PyArray_DATA(in.arrays[0]);
+    const pl_part_table table = {
+        .count = (size_t)PyArray_DIM(in.arrays[1], 0),
+        .part_ids = PyArray_DATA(in.arrays[1]),
+        .class_ids = PyArray_DATA(in.arrays[2]),
+        .triangle_part = in.arrays[3] != NULL ? PyArray_DATA(in.arrays[3]) : NULL,
+    };
+    const pl_status status = pl_scene_add_object(
+        &self->scene, name, model, (pl_vec3){o[0], o[1], o[2]}, obj_id, instance_id, &table);
     added = status == PL_OK ? PyLong_FromSize_t(self->scene.object_count - 1) : pl_py_raise(status);
   }
-  for (int i = 0; i < 3; i++)
-    Py_XDECREF((PyObject *)arrays[i]);
+  for (int i = 0; i < 4; i++)
+    Py_XDECREF((PyObject *)in.arrays[i]);
   return added;
 }
 

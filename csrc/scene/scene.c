@@ -15,6 +15,7 @@ pl_status pl_scene_init(int levels, pl_scene *out) {
 
 static void object_clear(pl_object *object) {
   pl_free(object->name);
+  pl_free(object->triangle_part);
   pl_free(object->part_ids);
   pl_free(object->class_ids);
 }
@@ -36,9 +37,24 @@ static void *copy(const void *from, size_t count, size_t size) {
   return to;
 }
 
+static pl_status check_parts(const char *name, const pl_model *model, const pl_part_table *parts) {
+  if (parts->triangle_part == NULL) {
+    if (parts->count != model->part_count)
+      return pl_fail(PL_E_RANGE, "object '%s': %zu parts, but its model has %zu", name,
+                     parts->count, model->part_count);
+    return PL_OK;
+  }
+  for (size_t t = 0; t < model->triangle_count; t++)
+    if (parts->triangle_part[t] >= parts->count)
+      return pl_fail(PL_E_RANGE, "object '%s': triangle %zu is of part %u, but there are %zu", name,
+                     t, (unsigned)parts->triangle_part[t], parts->count);
+  return PL_OK;
+}
+
 pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
                               pl_vec3 offset, int32_t obj_id, int32_t instance_id,
-                              const int32_t *part_ids, const uint16_t *class_ids) {
+                              const pl_part_table *parts) {
+  PL_TRY(check_parts(name, model, parts));
   pl_object *grown = pl_realloc(scene->objects, scene->object_count + 1, sizeof *grown);
   if (grown == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for object '%s'", name);
@@ -50,11 +66,16 @@ pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model 
       .offset = offset,
       .obj_id = obj_id,
       .instance_id = instance_id,
-      .part_ids = copy(part_ids, model->part_count, sizeof *part_ids),
-      .class_ids = copy(class_ids, model->part_count * levels, sizeof *class_ids),
+      .part_count = parts->count,
+      .part_ids = copy(parts->part_ids, parts->count, sizeof *parts->part_ids),
+      .class_ids = copy(parts->class_ids, parts->count * levels, sizeof *parts->class_ids),
       .summary = pl_model_summarise(model),
   };
-  if (object.name == NULL || object.part_ids == NULL || object.class_ids == NULL) {
+  if (parts->triangle_part != NULL)
+    object.triangle_part =
+        copy(parts->triangle_part, model->triangle_count, sizeof *parts->triangle_part);
+  const bool cut = parts->triangle_part == NULL || object.triangle_part != NULL;
+  if (!cut || object.name == NULL || object.part_ids == NULL || object.class_ids == NULL) {
     object_clear(&object);
     return pl_fail(PL_E_MEMORY, "out of memory for object '%s'", name);
   }

@@ -13,14 +13,25 @@
 
 enum { PL_LEVELS_MAX = 8 };
 
+/* How a model is cut into parts, and their labels. */
+typedef struct pl_part_table {
+  size_t count;                  /* parts */
+  const uint32_t *triangle_part; /* part of each of the model's triangles; NULL: the model's own,
+                                    then count is the model's part_count */
+  const int32_t *part_ids;       /* one per part */
+  const uint16_t *class_ids;     /* the scene's levels per part */
+} pl_part_table;
+
 /* An instance of a model. A model point p lies at scale * (p - offset) in the object's frame. */
 typedef struct pl_object {
   char *name;            /* owned */
   const pl_model *model; /* borrowed */
   pl_vec3 offset;        /* model units */
   int32_t obj_id, instance_id;
-  int32_t *part_ids;   /* owned, one per model part */
-  uint16_t *class_ids; /* owned, levels per model part */
+  size_t part_count;
+  uint32_t *triangle_part; /* owned, per triangle; NULL: the model's */
+  int32_t *part_ids;       /* owned, one per part */
+  uint16_t *class_ids;     /* owned, levels per part */
   pl_model_summary summary;
 } pl_object;
 
@@ -45,10 +56,15 @@ typedef struct pl_scene {
 /* levels: of semantic labels, 1..PL_LEVELS_MAX. */
 pl_status pl_scene_init(int levels, pl_scene *out);
 void pl_scene_clear(pl_scene *scene);
-/* Copies name, part_ids (model->part_count) and class_ids (part_count x levels). */
+/* Copies name and what the table points to. PL_E_RANGE for a triangle's part that is not in it. */
 pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
                               pl_vec3 offset, int32_t obj_id, int32_t instance_id,
-                              const int32_t *part_ids, const uint16_t *class_ids);
+                              const pl_part_table *parts);
+/* Part of a triangle of the object's model: index into part_ids. */
+static inline uint32_t pl_object_part(const pl_object *object, uint32_t triangle) {
+  return object->triangle_part != NULL ? object->triangle_part[triangle]
+                                       : object->model->triangle_part[triangle];
+}
 /* Copies *body and its name. */
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body);
 

@@ -58,9 +58,9 @@ static inline size_t stage_add_object(stage *s, const pl_model *model, pl_vec3 p
     classes[2 * i] = (uint16_t)(100 + id);
     classes[2 * i + 1] = (uint16_t)(200 + id);
   }
+  const pl_part_table table = {.count = model->part_count, .part_ids = parts, .class_ids = classes};
   assert_int_equal(
-      pl_scene_add_object(&s->scene, "object", model, (pl_vec3){0, 0, 0}, id, id, parts, classes),
-      PL_OK);
+      pl_scene_add_object(&s->scene, "object", model, (pl_vec3){0, 0, 0}, id, id, &table), PL_OK);
   s->objects[index] = (pl_object_state){still(position, rotation), scale};
   return index;
 }
