@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "frame/effects.h"
+#include "frame/labels.h"
 #include "math/color.h"
 #include "render/render.h"
 #include "sensor/encode.h"
@@ -16,6 +17,7 @@ enum { METER_SIDE = 96, METER_SAMPLES = 4 };
 struct pl_renderer {
   const pl_scene *scene; /* borrowed */
   pl_tracer *tracer;
+  pl_solo *solo; /* NULL until a silhouette is asked for */
   pl_render_scratch *scratch;
   pl_arena arena;
   pl_encoder encoder;
@@ -57,6 +59,7 @@ pl_status pl_renderer_create(const pl_scene *scene, pl_renderer **out) {
 void pl_renderer_destroy(pl_renderer *renderer) {
   if (renderer == NULL)
     return;
+  pl_solo_destroy(renderer->solo);
   pl_tracer_destroy(renderer->tracer);
   pl_render_scratch_destroy(renderer->scratch);
   pl_arena_clear(&renderer->arena);
@@ -195,7 +198,7 @@ typedef struct output {
   const pl_snapshot *shot;
   const pl_encoder *encoder;
   float white_radiance;
-  pl_extent *extents; /* workers x objects */
+  pl_labels labels;
 } output;
 
 static void write_colour(const output *output, const pl_tile_result *result) {
@@ -221,9 +224,7 @@ static pl_status write_tile(void *context, const pl_tile_result *result, int wor
     if (output->request->channels[i] != NULL)
       pl_channel_write(&pl_channels[i], shot, result->points, PL_TILE_SIDE, tile,
                        shot->camera.width, output->request->channels[i]);
-  if (!result->empty)
-    pl_extent_add(output->extents + (size_t)worker * shot->object_count, shot->object_count,
-                  result->points, PL_TILE_SIDE, tile);
+  pl_labels_tile(&output->labels, result, worker);
   return PL_OK;
 }
 
@@ -248,41 +249,25 @@ static pl_render_settings settings_of(const pl_frame_request *request,
   };
 }
 
-static void label_objects(const output *output, int threads) {
-  const pl_snapshot *shot = output->shot;
-  for (size_t i = 0; i < shot->object_count; i++) {
-    pl_extent extent = PL_EXTENT_NONE;
-    for (size_t w = 0; w < (size_t)threads; w++)
-      pl_extent_merge(&extent, &output->extents[w * shot->object_count + i]);
-    pl_object_label_fill(shot, &shot->objects[i], &extent, &output->request->objects[i]);
-  }
-}
-
 pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *request,
                             pl_frame_result *result) {
   pl_snapshot shot;
   PL_TRY(plan_frame(renderer, request, &shot, result));
   double start = now_s();
-  const size_t extents = (size_t)request->threads * shot.object_count;
   output output = {
       .request = request,
       .shot = &shot,
       .encoder = &renderer->encoder,
       .white_radiance = (float)result->white_radiance,
-      .extents = pl_arena_alloc(&renderer->arena, extents, sizeof(pl_extent)),
   };
-  if (output.extents == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory for labels");
-  for (size_t i = 0; i < extents; i++)
-    output.extents[i] = PL_EXTENT_NONE;
+  PL_TRY(pl_labels_prepare(request, &shot, &renderer->arena, &output.labels));
   PL_TRY(pl_tracer_set(renderer->tracer, &shot));
   lap(result, PL_STAGE_REALISE, &start);
   const pl_render_settings settings = settings_of(request, result);
   PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
                    request->cancel));
   lap(result, PL_STAGE_RENDER, &start);
-  if (request->objects != NULL)
-    label_objects(&output, request->threads);
+  PL_TRY(pl_labels_finish(&output.labels, renderer->tracer, &renderer->solo, &renderer->arena));
   lap(result, PL_STAGE_LABEL, &start);
   return PL_OK;
 }

@@ -25,6 +25,8 @@ typedef struct pl_frame_request {
   float *radiance;                       /* 3 a pixel, W m-2 sr-1 */
   void *channels[PL_FRAME_CHANNELS_MAX]; /* by index in pl_channels */
   pl_object_label *objects;              /* one per object of the scene */
+  uint8_t *masks; /* one image per object: 1 on its full silhouette, hidden parts too, else 0 */
+  bool amodal;    /* objects get the labels of their full silhouettes; false costs nothing */
 } pl_frame_request;
 
 /* Stages, timed. */

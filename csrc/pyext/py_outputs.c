@@ -68,11 +68,18 @@ static void *object_data(PyObject *object, size_t count) {
   return PyArray_DATA(array);
 }
 
+static void *mask_data(PyObject *object, size_t count, const pl_camera *camera) {
+  const npy_intp shape[3] = {(npy_intp)count, camera->height, camera->width};
+  return checked_data(object, "masks", NPY_UINT8, 3, shape);
+}
+
 static int set_output(const char *name, PyObject *array, const pl_scene *scene,
                       pl_frame_request *request) {
   const pl_camera *camera = &request->placement.camera;
   if (strcmp(name, "objects") == 0)
     return (request->objects = object_data(array, scene->object_count)) != NULL ? 0 : -1;
+  if (strcmp(name, "masks") == 0)
+    return (request->masks = mask_data(array, scene->object_count, camera)) != NULL ? 0 : -1;
   if (strcmp(name, "rgb") == 0)
     return (request->rgb = channel_data(array, name, "uint8", 3, 0, camera)) != NULL ? 0 : -1;
   if (strcmp(name, "radiance") == 0)

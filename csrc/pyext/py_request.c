@@ -169,6 +169,19 @@ static int parse_exposure(PyObject *dict, pl_exposure *out) {
   return 0;
 }
 
+/* The key may be absent: then true. */
+static int parse_amodal(PyObject *dict, bool *out) {
+  PyObject *value = PyDict_GetItemString(dict, "amodal");
+  if (value == NULL && PyErr_Occurred())
+    return -1;
+  if (value != NULL && !PyBool_Check(value)) {
+    PyErr_Format(PyExc_TypeError, "amodal must be True or False, not %R", value);
+    return -1;
+  }
+  *out = value == NULL || value == Py_True;
+  return 0;
+}
+
 int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
                         pl_frame_request *out) {
   if (!PyDict_Check(request)) {
@@ -181,7 +194,8 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_camera(request, &out->placement.camera) < 0 ||
       parse_objects(request, scene->object_count, states->objects) < 0 ||
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
-      parse_sun(request, &out->placement.sun) < 0 || parse_quality(request, out) < 0)
+      parse_sun(request, &out->placement.sun) < 0 || parse_quality(request, out) < 0 ||
+      parse_amodal(request, &out->amodal) < 0)
     return -1;
   return parse_exposure(request, &out->exposure);
 }

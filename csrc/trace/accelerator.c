@@ -76,7 +76,7 @@ static pl_status build_model(pl_tracer *tracer, const pl_model *model, RTCScene 
   return status;
 }
 
-static pl_status scene_of(pl_tracer *tracer, const pl_model *model, RTCScene *out) {
+pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model, RTCScene *out) {
   for (size_t i = 0; i < tracer->model_count; i++) {
     if (tracer->models[i].model == model) {
       *out = tracer->models[i].scene;
@@ -107,7 +107,7 @@ static pl_status place_instance(pl_tracer *tracer, size_t index, const pl_shot_o
   if (instance->model != model) {
     RTCScene scene = NULL;
     remove_instance(tracer, index);
-    PL_TRY(scene_of(tracer, model, &scene));
+    PL_TRY(pl_accelerator_of_model(tracer, model, &scene));
     instance->geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
     instance->model = model;
     rtcSetGeometryInstancedScene(instance->geometry, scene);

@@ -28,6 +28,8 @@ struct pl_tracer {
 
 /* PL_E_DEVICE with Embree's error if there is one pending. */
 pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing);
+/* The model's own scene, built when first asked for and kept. */
+pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model, RTCScene *out);
 pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot);
 
 #endif

@@ -16,6 +16,7 @@ typedef struct film {
   float *radiance;
   void *channels[PL_FRAME_CHANNELS_MAX];
   pl_object_label *objects;
+  uint8_t *masks;
 } film;
 
 static inline void *film_take(film *f, size_t *used, size_t bytes) {
@@ -33,6 +34,7 @@ static inline size_t film_lay_out(film *f, const stage *s) {
                                f->pixels * pl_channels[i].element *
                                    pl_channel_elements(&pl_channels[i], s->scene.levels));
   f->objects = film_take(f, &used, s->scene.object_count * sizeof(pl_object_label));
+  f->masks = film_take(f, &used, s->scene.object_count * f->pixels);
   return used;
 }
 
@@ -66,6 +68,8 @@ static inline pl_frame_request request_all(const stage *s, const film *f) {
       .rgb = f->rgb,
       .radiance = f->radiance,
       .objects = f->objects,
+      .masks = f->masks,
+      .amodal = true,
   };
   for (size_t i = 0; i < pl_channel_count; i++)
     request.channels[i] = f->channels[i];

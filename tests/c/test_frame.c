@@ -301,6 +301,7 @@ static void test_parts_of_a_request(void **state) {
     one.rgb = NULL;
     one.radiance = NULL;
     one.objects = NULL;
+    one.masks = NULL;
     memset(one.channels, 0, sizeof one.channels);
     one.channels[i] = part.channels[i];
     render(renderer, &one);

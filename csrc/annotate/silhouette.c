@@ -1,0 +1,186 @@
+/* Silhouettes: what the frame saw, and rays at one object alone for the rest. */
+#include "annotate/silhouette.h"
+
+enum { TILE = 32, TILE_PIXELS = TILE * TILE };
+
+static const pl_silhouette nothing = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0, 0, 0};
+
+void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], int image_width,
+                   pl_seen *seen) {
+  for (int y = 0; y < tile[3]; y++) {
+    pl_seen *out = seen + (size_t)(tile[1] + y) * (size_t)image_width + (size_t)tile[0];
+    const pl_vertex *row = points + (size_t)y * stride;
+    for (int x = 0; x < tile[2]; x++) {
+      out[x].thing = row[x].thing;
+      out[x].range_m = row[x].thing != PL_NOTHING ? (float)row[x].t : 0.0f;
+    }
+  }
+}
+
+/* One object's search; items are tiles of the box. */
+typedef struct search {
+  const pl_silhouette_job *job;
+  const pl_outline *outline;
+  uint32_t thing;
+  const pl_extent *extent; /* of what is seen */
+  int x0, y0, x1, y1;      /* the outline's box with what is seen, inclusive */
+  int columns;             /* tiles a row */
+  uint8_t *mask;
+} search;
+
+/* Pixels of a tile that only a ray can decide. */
+typedef struct doubts {
+  pl_vec3f directions[TILE_PIXELS];
+  int16_t x[TILE_PIXELS], y[TILE_PIXELS]; /* from the tile's corner */
+  bool hits[TILE_PIXELS];
+  size_t count;
+} doubts;
+
+static bool in_image(const pl_camera *camera, int x, int y) {
+  return x >= 0 && y >= 0 && x < camera->width && y < camera->height;
+}
+
+static void add_pixel(const search *search, int x, int y, pl_silhouette *into) {
+  const pl_camera *camera = &search->job->shot->camera;
+  const bool inside = in_image(camera, x, y);
+  into->x0 = into->x0 < x ? into->x0 : x;
+  into->y0 = into->y0 < y ? into->y0 : y;
+  into->x1 = into->x1 > x ? into->x1 : x;
+  into->y1 = into->y1 > y ? into->y1 : y;
+  into->count++;
+  into->inside += inside;
+  if (inside && search->mask != NULL)
+    search->mask[(size_t)y * (size_t)camera->width + (size_t)x] = 1;
+}
+
+static void merge(pl_silhouette *into, const pl_silhouette *from) {
+  into->x0 = into->x0 < from->x0 ? into->x0 : from->x0;
+  into->y0 = into->y0 < from->y0 ? into->y0 : from->y0;
+  into->x1 = into->x1 > from->x1 ? into->x1 : from->x1;
+  into->y1 = into->y1 > from->y1 ? into->y1 : from->y1;
+  into->count += from->count;
+  into->inside += from->inside;
+  into->rays += from->rays;
+}
+
+/* Decides a pixel by what the frame saw there, or leaves it to a ray. */
+static void look(const search *search, const int tile[4], int x, int y, doubts *doubts,
+                 pl_silhouette *into) {
+  const pl_snapshot *shot = search->job->shot;
+  const int u = tile[0] + x, v = tile[1] + y;
+  if (in_image(&shot->camera, u, v)) {
+    const pl_seen *seen = &search->job->seen[(size_t)v * (size_t)shot->camera.width + (size_t)u];
+    if (seen->thing == search->thing)
+      add_pixel(search, u, v, into);
+    if (seen->thing == search->thing || seen->thing == PL_NOTHING ||
+        seen->range_m > search->outline->far_m || search->outline->whole)
+      return;
+  }
+  doubts->directions[doubts->count] = pl_vec3_to_float(pl_snapshot_ray(shot, u, v));
+  doubts->x[doubts->count] = (int16_t)x;
+  doubts->y[doubts->count++] = (int16_t)y;
+}
+
+static void cast_doubts(const search *search, const int tile[4], doubts *doubts,
+                        pl_silhouette *into) {
+  if (doubts->count == 0)
+    return;
+  pl_solo_cast(search->job->solo, doubts->directions, doubts->hits, doubts->count);
+  into->rays += (int64_t)doubts->count;
+  for (size_t i = 0; i < doubts->count; i++)
+    if (doubts->hits[i])
+      add_pixel(search, tile[0] + doubts->x[i], tile[1] + doubts->y[i], into);
+}
+
+/* Whether the tile can hold nothing of the silhouette. */
+static bool misses(const search *search, const int tile[4]) {
+  const int x1 = tile[0] + tile[2] - 1, y1 = tile[1] + tile[3] - 1;
+  const pl_extent *e = search->extent;
+  const bool seen = tile[0] <= e->x1 && x1 >= e->x0 && tile[1] <= e->y1 && y1 >= e->y0;
+  return !seen &&
+         !pl_outline_meets(search->outline, &search->job->shot->camera, tile[0], tile[1], x1, y1);
+}
+
+/* Blocks of 4 x 2 pixels, so that a packet of eight is compact. */
+static pl_status search_tile(void *context, size_t item, int worker) {
+  const search *search = context;
+  const int x0 = search->x0 + TILE * (int)(item % (size_t)search->columns);
+  const int y0 = search->y0 + TILE * (int)(item / (size_t)search->columns);
+  const int w = search->x1 - x0 + 1, h = search->y1 - y0 + 1;
+  const int tile[4] = {x0, y0, w < TILE ? w : TILE, h < TILE ? h : TILE};
+  if (misses(search, tile))
+    return PL_OK;
+  pl_silhouette found = nothing;
+  doubts doubts;
+  doubts.count = 0;
+  for (int by = 0; by < tile[3]; by += 2)
+    for (int bx = 0; bx < tile[2]; bx += 4)
+      for (int y = by; y < by + 2 && y < tile[3]; y++)
+        for (int x = bx; x < bx + 4 && x < tile[2]; x++)
+          look(search, tile, x, y, &doubts, &found);
+  cast_doubts(search, tile, &doubts, &found);
+  merge(&search->job->workers[worker], &found);
+  return PL_OK;
+}
+
+/* What is seen is all there is. */
+static pl_silhouette from_extent(const pl_extent *extent) {
+  pl_silhouette out = nothing;
+  if (extent->count > 0)
+    out = (pl_silhouette){extent->x0,    extent->y0,    extent->x1, extent->y1,
+                          extent->count, extent->count, 0};
+  return out;
+}
+
+static search search_of(const pl_silhouette_job *job, size_t index, const pl_outline *outline,
+                        const pl_extent *extent) {
+  search search = {.job = job, .outline = outline, .thing = (uint32_t)index, .extent = extent};
+  pl_extent box = *extent;
+  if (!outline->whole) {
+    const pl_extent possible = {outline->x0, outline->y0, outline->x1, outline->y1, 0};
+    pl_extent_merge(&box, &possible);
+  }
+  search.x0 = box.x0;
+  search.y0 = box.y0;
+  search.x1 = box.x1;
+  search.y1 = box.y1;
+  search.columns = (search.x1 - search.x0 + TILE) / TILE;
+  return search;
+}
+
+pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t index, const pl_outline *outline,
+                             const pl_extent *extent, uint8_t *mask, pl_silhouette *out) {
+  if (outline->whole && (mask == NULL || extent->count == 0)) {
+    *out = from_extent(extent);
+    return PL_OK;
+  }
+  search search = search_of(job, index, outline, extent);
+  search.mask = mask;
+  const int rows = (search.y1 - search.y0 + TILE) / TILE;
+  for (int i = 0; i < job->threads; i++)
+    job->workers[i] = nothing;
+  if (!outline->whole)
+    PL_TRY(pl_solo_set(job->solo, &job->shot->objects[index]));
+  PL_TRY(pl_parallel_for(job->threads, (size_t)search.columns * (size_t)rows, search_tile, &search,
+                         job->cancel));
+  *out = nothing;
+  for (int i = 0; i < job->threads; i++)
+    merge(out, &job->workers[i]);
+  return PL_OK;
+}
+
+static int32_t saturated(int64_t count) { return count > INT32_MAX ? INT32_MAX : (int32_t)count; }
+
+void pl_silhouette_label(const pl_silhouette *silhouette, pl_object_label *label) {
+  label->px_count_all = saturated(silhouette->count);
+  label->px_count_valid = saturated(silhouette->inside);
+  label->visib_fract = 0.0;
+  if (silhouette->count > 0)
+    label->visib_fract = (double)label->px_count_visib / (double)silhouette->count;
+  if (label->px_count_visib <= 0)
+    return;
+  label->bbox_obj[0] = silhouette->x0;
+  label->bbox_obj[1] = silhouette->y0;
+  label->bbox_obj[2] = silhouette->x1 - silhouette->x0;
+  label->bbox_obj[3] = silhouette->y1 - silhouette->y0;
+}

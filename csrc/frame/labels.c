@@ -1,0 +1,101 @@
+/* Gathering what object labels and masks need, and writing them. */
+#include "frame/labels.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+
+static pl_status take(pl_arena *arena, size_t count, size_t size, void **out) {
+  *out = pl_arena_alloc(arena, count, size);
+  return *out != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for object labels");
+}
+
+static size_t pixels_of(const pl_snapshot *shot) {
+  return (size_t)shot->camera.width * (size_t)shot->camera.height;
+}
+
+static pl_status prepare_silhouettes(pl_arena *arena, pl_labels *out) {
+  void *memory;
+  const size_t count = out->shot->object_count;
+  PL_TRY(take(arena, count, sizeof(pl_outline), &memory));
+  out->outlines = memory;
+  pl_outline_build(out->shot, out->outlines);
+  bool needed = out->request->masks != NULL;
+  for (size_t i = 0; i < count; i++)
+    needed |= !out->outlines[i].whole;
+  if (!needed)
+    return PL_OK;
+  PL_TRY(take(arena, pixels_of(out->shot), sizeof(pl_seen), &memory));
+  out->seen = memory;
+  return PL_OK;
+}
+
+pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
+                            pl_arena *arena, pl_labels *out) {
+  void *memory;
+  const size_t extents = (size_t)request->threads * shot->object_count;
+  *out = (pl_labels){.request = request, .shot = shot};
+  if (request->objects == NULL && request->masks == NULL)
+    return PL_OK;
+  PL_TRY(take(arena, extents, sizeof(pl_extent), &memory));
+  out->extents = memory;
+  for (size_t i = 0; i < extents; i++)
+    out->extents[i] = PL_EXTENT_NONE;
+  return request->amodal || request->masks != NULL ? prepare_silhouettes(arena, out) : PL_OK;
+}
+
+void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int worker) {
+  const size_t count = labels->shot->object_count;
+  const int tile[4] = {result->tile.x0, result->tile.y0, result->tile.width, result->tile.height};
+  if (labels->seen != NULL)
+    pl_seen_write(result->points, PL_TILE_SIDE, tile, labels->shot->camera.width, labels->seen);
+  if (labels->extents != NULL && !result->empty)
+    pl_extent_add(labels->extents + (size_t)worker * count, count, result->points, PL_TILE_SIDE,
+                  tile);
+}
+
+static pl_status find_silhouette(const pl_labels *labels, const pl_silhouette_job *job,
+                                 size_t index, const pl_extent *extent) {
+  const pl_frame_request *request = labels->request;
+  const size_t pixels = pixels_of(labels->shot);
+  uint8_t *mask = request->masks != NULL ? request->masks + index * pixels : NULL;
+  pl_silhouette silhouette;
+  if (mask != NULL)
+    memset(mask, 0, pixels);
+  PL_TRY(pl_silhouette_find(job, index, &labels->outlines[index], extent, mask, &silhouette));
+  if (request->objects != NULL && request->amodal)
+    pl_silhouette_label(&silhouette, &request->objects[index]);
+  return PL_OK;
+}
+
+static pl_status label_object(const pl_labels *labels, const pl_silhouette_job *job, size_t index) {
+  const pl_snapshot *shot = labels->shot;
+  pl_extent extent = PL_EXTENT_NONE;
+  for (size_t w = 0; w < (size_t)labels->request->threads; w++)
+    pl_extent_merge(&extent, &labels->extents[w * shot->object_count + index]);
+  if (labels->request->objects != NULL)
+    pl_object_label_fill(shot, &shot->objects[index], &extent, &labels->request->objects[index]);
+  return labels->outlines != NULL ? find_silhouette(labels, job, index, &extent) : PL_OK;
+}
+
+pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_solo **solo,
+                           pl_arena *arena) {
+  void *workers;
+  const int threads = labels->request->threads;
+  if (labels->extents == NULL)
+    return PL_OK;
+  if (labels->seen != NULL && *solo == NULL)
+    PL_TRY(pl_solo_create(tracer, solo));
+  PL_TRY(take(arena, (size_t)threads, sizeof(pl_silhouette), &workers));
+  const pl_silhouette_job job = {
+      .shot = labels->shot,
+      .seen = labels->seen,
+      .solo = *solo,
+      .workers = workers,
+      .threads = threads,
+      .cancel = labels->request->cancel,
+  };
+  for (size_t i = 0; i < labels->shot->object_count; i++)
+    PL_TRY(label_object(labels, &job, i));
+  return PL_OK;
+}
