@@ -118,7 +118,7 @@ static PyObject *scene_add_object(PyObject *object, PyObject *args, PyObject *kw
   object_arguments in = {.triangle_part = Py_None};
   const char *name;
   int obj_id, instance_id;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOOiiOO|O:add_object", names, &name, &py_model,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOOiiOO|$O:add_object", names, &name, &py_model,
                                    &in.offset, &obj_id, &instance_id, &in.parts, &in.classes,
                                    &in.triangle_part) ||
       check_open(self) < 0)
