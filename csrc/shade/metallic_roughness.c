@@ -1,6 +1,8 @@
 /* The metallic-roughness surface of glTF 2.0, appendix B: a GGX microfacet lobe over a diffuse
- * base, mixed by metalness. */
+ * base, mixed by metalness. Light that the lobe loses between microfacets comes back as a second,
+ * broad lobe (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017). */
 #include "math/sampling.h"
+#include "shade/ggx_loss.h"
 #include "shade/reflectance.h"
 
 /* Reflectance of dielectrics at normal incidence: index 1.5 (glTF 2.0, B.2.3). */
@@ -42,14 +44,45 @@ static float lambda(float alpha, pl_vec3f w) {
   return 0.5f * (sqrtf(1.0f + tan2) - 1.0f);
 }
 
+/* What several reflections between microfacets leave of the lost light, by the mean of Schlick's
+ * reflectance over the hemisphere, f0 + (1 - f0)/21: the geometric series over further hits, each
+ * of which escapes with the chance 1 - loss. All of it for f0 = 1. */
+static float returned(float f0, float loss_mean) {
+  const float f = f0 + (1.0f - f0) * (1.0f / 21.0f);
+  return f * f * (1.0f - loss_mean) / (1.0f - f * loss_mean);
+}
+
+/* Multiply reflected light times cos(wi). Zero where the lobe is so sharp that it loses nothing,
+ * and for dielectrics, which return less than 0.005 of the light so: most surfaces are spared the
+ * cost.
+ */
+static pl_vec3f multiple(const pl_surface *s, pl_vec3f f0, float alpha, float cos_o, float cos_i) {
+  if (!(s->metallic > 0.0f))
+    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  const float roughness = sqrtf(alpha), mean = pl_ggx_loss_mean(roughness);
+  const float lost = pl_ggx_loss(roughness, cos_o) * pl_ggx_loss(roughness, cos_i);
+  if (!(lost > 0.0f))
+    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  const float scale = lost * cos_i / (PL_PI_F * mean);
+  return pl_vec3f_make(scale * returned(f0.x, mean), scale * returned(f0.y, mean),
+                       scale * returned(f0.z, mean));
+}
+
 /* Chance of drawing the specular lobe: its share of the reflected light, kept off 0 and 1 where
- * both lobes exist. */
+ * there is a diffuse base. The rest, base and multiple reflections, is drawn by the cosine. */
 static float specular_chance(const pl_surface *s, pl_vec3f wo) {
-  const float specular = pl_vec3f_max(fresnel(f0_of(s), wo.z));
-  const float diffuse = (1.0f - s->metallic) * pl_vec3f_max(s->color);
-  if (!(diffuse > 0.0f))
+  const pl_vec3f f0 = f0_of(s);
+  const float specular = pl_vec3f_max(fresnel(f0, wo.z));
+  const float base = (1.0f - s->metallic) * pl_vec3f_max(s->color);
+  float broad = base;
+  if (s->metallic > 0.0f) {
+    const float roughness = sqrtf(alpha_of(s));
+    broad += pl_ggx_loss(roughness, wo.z) * returned(pl_vec3f_max(f0), pl_ggx_loss_mean(roughness));
+  }
+  if (!(broad > 0.0f))
     return 1.0f;
-  return fminf(fmaxf(specular / (specular + diffuse), 0.1f), 0.9f);
+  const float chance = specular / (specular + broad);
+  return base > 0.0f ? fminf(fmaxf(chance, 0.1f), 0.9f) : chance;
 }
 
 /* The share of light that enters the base and leaves it again: what the coat would mirror at the
@@ -71,9 +104,10 @@ static pl_vec3f evaluate(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   const float g = 1.0f / (1.0f + lambda(alpha, wo) + lambda(alpha, wi));
   const float specular = ggx(alpha, h) * g / (4.0f * fmaxf(wo.z, COSINE_MIN));
   const float diffuse = (1.0f - s->metallic) * wi.z / PL_PI_F;
-  return pl_vec3f_make(f.x * specular + base.x * diffuse * s->color.x,
-                       f.y * specular + base.y * diffuse * s->color.y,
-                       f.z * specular + base.z * diffuse * s->color.z);
+  const pl_vec3f again = multiple(s, f0, alpha, wo.z, wi.z);
+  return pl_vec3f_make(f.x * specular + again.x + base.x * diffuse * s->color.x,
+                       f.y * specular + again.y + base.y * diffuse * s->color.y,
+                       f.z * specular + again.z + base.z * diffuse * s->color.z);
 }
 
 /* Density of wi from visible normals (Heitz 2018, eq. 17). */
@@ -126,7 +160,8 @@ static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float cho
 
 const pl_reflectance pl_reflectance_metallic_roughness = {
     .name = "metallic_roughness",
-    .doc = "glTF 2.0 metallic-roughness: GGX (Smith, Schlick) over a diffuse base",
+    .doc = "glTF 2.0 metallic-roughness: GGX (Smith, Schlick, multiple reflection) over a diffuse "
+           "base",
     .evaluate = evaluate,
     .pdf = pdf,
     .sample = sample,
