@@ -56,7 +56,9 @@ class Sample(Mapping[str, Array]):
 
     @property
     def objects(self) -> Array:
-        """Labels of the spacecraft, one row each in the order of the configuration."""
+        """Labels of the spacecraft, one row each in the order of the configuration.
+
+        The rows of `sample["masks"]` are in the same order."""
         if self._objects is None:
             raise AttributeError("this sample has no object labels: ask for the channel 'objects'")
         return self._objects

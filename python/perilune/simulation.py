@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from perilune import _core, bodies, labels, orbits, rotations, trajectories
 from perilune.config import Config, ConfigError, Document, load
-from perilune.config.references import OBJECTS, check_channels, check_references
+from perilune.config.references import MASKS, OBJECTS, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
 from perilune.sample import CameraLabel, Sample
 from perilune.world import World
@@ -256,6 +256,7 @@ def _request(scene: World, camera_poses: F64, scales: Mapping[str, float]) -> _c
             "percentile": exposure.percentile,
             "key": exposure.key,
         },
+        "amodal": render.amodal,
     }
 
 
@@ -273,6 +274,9 @@ def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype
     """Shape and type of a channel's array."""
     if name == OBJECTS:
         return (len(config.spacecraft),), object_dtype()
+    if name == MASKS:
+        size = (config.camera.height, config.camera.width)
+        return (len(config.spacecraft), *size), np.dtype(np.uint8)
     channel = next(row for row in _core.CHANNELS if row["name"] == name)
     count = channel["components"]
     tail = () if count == 0 else (count if count > 0 else len(config.labels.levels),)

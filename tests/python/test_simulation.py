@@ -15,7 +15,7 @@ from perilune import _core, rotations, simulation
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
 
-ALL = [channel["name"] for channel in _core.CHANNELS] + ["objects"]
+ALL = [channel["name"] for channel in _core.CHANNELS] + ["masks", "objects"]
 SMALL = {"camera.width": 64, "camera.height": 48, "render.samples": 2, "render.max_bounces": 1}
 
 

@@ -10,11 +10,13 @@ from perilune.config.schema import Config
 
 OBJECTS = "objects"
 """The name under which a sample's object labels are asked for, beside the pixel channels."""
+MASKS = "masks"
+"""Likewise of the full silhouettes, one image per spacecraft."""
 
 
 def channel_names() -> list[str]:
     """Everything that can be asked for in `channels`."""
-    return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS]
+    return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS, MASKS]
 
 
 def check_channels(channels: Iterable[str], where: str) -> None:

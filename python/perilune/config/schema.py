@@ -246,6 +246,8 @@ class Render(Strict):
     """Effects left out whatever their bound."""
     channels: tuple[str, ...] = ("rgb", "depth", "semantic", "part", "instance", "objects")
     """What a sample holds unless asked otherwise."""
+    amodal: Annotated[bool, Field(strict=True)] = True
+    """Whether object labels cover full silhouettes, with what is hidden or cut; costs rays."""
 
     @model_validator(mode="after")
     def _not_both(self) -> Render:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune.config.references import MASKS
 from perilune.preview import canvas, colors
 from perilune.preview.font import ADVANCE, GLYPH_HEIGHT, text_width
 from perilune.preview.overlay import draw_objects
@@ -104,9 +105,9 @@ def _overlay_panel(sample: Sample, box: tuple[int, int]) -> Panel:
 
 
 def _panels(sample: Sample, names: Names, units: Mapping[str, str]) -> list[Panel]:
-    height, width = next(iter(sample.values())).shape[:2]
-    step = -(-max(height, width) // _LONGEST_PX)
-    thinned = {name: sample[name][::step, ::step] for name in sample}
+    step = -(-max(sample.camera.height, sample.camera.width) // _LONGEST_PX)
+    # Masks are an image per object; the panel of instances shows what is seen of them.
+    thinned = {name: sample[name][::step, ::step] for name in sample if name != MASKS}
     context = Context(_hit_mask(thinned), thinned.get("instance"), names, units)
     found: list[Panel] = []
     for name, values in thinned.items():
@@ -120,7 +121,7 @@ def draw_sheet(sample: Sample, title: str, names: Names, units: Mapping[str, str
     """The whole sheet as (H, W, 3); `title` is its heading, with parts divided by " | "."""
     if len(sample) == 0:
         raise ValueError("preview: the sample holds no pixel channel to draw")
-    height, width = next(iter(sample.values())).shape[:2]
+    height, width = sample.camera.height, sample.camera.width
     shape = min(max(height / width, _FLATTEST), _TALLEST)
     small = (round(PANEL_WIDTH * shape), PANEL_WIDTH)
     large_width = 2 * PANEL_WIDTH + GAP
