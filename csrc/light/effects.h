@@ -5,5 +5,6 @@
 #include "plan/effect.h"
 
 extern const pl_effect pl_effect_soft_sun;
+extern const pl_effect pl_effect_emitters;
 
 #endif

@@ -80,6 +80,14 @@ const pl_material *pl_material_of(const pl_model *model, uint32_t triangle) {
   return &model->materials[model->parts[model->triangle_part[triangle]].material];
 }
 
+pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point, bool maps) {
+  const pl_material *material = pl_material_of(model, point->triangle);
+  float map[4];
+  slot_value(model, point, &material->emissive_map, maps, map);
+  return pl_vec3f_make(map[0] * material->emissive[0], map[1] * material->emissive[1],
+                       map[2] * material->emissive[2]);
+}
+
 static void bend_normal(const pl_model *model, const pl_triangle_point *point,
                         const pl_material *material, pl_surface *surface) {
   float value[4];
@@ -96,17 +104,14 @@ static void bend_normal(const pl_model *model, const pl_triangle_point *point,
 void pl_material_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
                          pl_surface *surface) {
   const pl_material *material = pl_material_of(model, point->triangle);
-  float base[4], vertex[4], mr[4], emissive[4];
+  float base[4], vertex[4], mr[4];
   slot_value(model, point, &material->base_color_map, maps, base);
   slot_value(model, point, &material->metallic_roughness_map, maps, mr);
-  slot_value(model, point, &material->emissive_map, maps, emissive);
   vertex_color(model, point, vertex);
   surface->color = pl_vec3f_make(base[0] * vertex[0] * material->base_color[0],
                                  base[1] * vertex[1] * material->base_color[1],
                                  base[2] * vertex[2] * material->base_color[2]);
-  surface->emission =
-      pl_vec3f_make(emissive[0] * material->emissive[0], emissive[1] * material->emissive[1],
-                    emissive[2] * material->emissive[2]);
+  surface->emission = pl_material_emission(model, point, maps);
   const float roughness = mr[1] * material->roughness;
   surface->alpha = roughness * roughness;
   surface->metallic = mr[2] * material->metallic;

@@ -28,6 +28,9 @@ void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int s
 void pl_material_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
                          pl_surface *surface);
 
+/* Light that the material emits there, W m-2 sr-1 in each band: glTF's emissive factor (times its
+ * emissive strength) counts as that, times the map. */
+pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point, bool maps);
 /* Opacity of the material there, 0..1: MASK is thresholded to 0 or 1, BLEND is the alpha itself. */
 float pl_material_opacity(const pl_model *model, const pl_triangle_point *point);
 /* Material of a triangle; borrowed. */

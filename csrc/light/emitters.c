@@ -1,0 +1,265 @@
+/* Emitters are picked by power over squared distance, triangles by power, points evenly by area;
+ * bodies by the cone of their bounding sphere. */
+#include "light/emitters.h"
+
+#include "geom/ellipsoid.h"
+#include "math/color.h"
+#include "math/sampling.h"
+#include "shade/material_surface.h"
+
+/* An emission map's mean counts as at least this part of its factor, so that a bright spot on a
+ * black map is drawn at all. */
+static const float MEAN_MIN = 1e-3f;
+
+/* --- the list --------------------------------------------------------------------------------- */
+
+/* Mean luminance of a triangle's emission; 0 if its material emits nothing. */
+static float luminance_of(const pl_model *model, uint32_t triangle) {
+  const pl_material *material = pl_material_of(model, triangle);
+  const float *e = material->emissive;
+  const float factor = pl_luminance(pl_vec3f_make(e[0], e[1], e[2]));
+  if (!(factor > 0.0f))
+    return 0.0f;
+  const pl_triangle_point any = {.triangle = triangle};
+  return fmaxf(pl_luminance(pl_material_emission(model, &any, false)), MEAN_MIN * factor);
+}
+
+static pl_vec3f to_view(const float m[12], const float *p) {
+  return pl_vec3f_make(m[0] * p[0] + m[3] * p[1] + m[6] * p[2] + m[9],
+                       m[1] * p[0] + m[4] * p[1] + m[7] * p[2] + m[10],
+                       m[2] * p[0] + m[5] * p[1] + m[8] * p[2] + m[11]);
+}
+
+typedef struct corners {
+  pl_vec3f a, edge1, edge2; /* m, view axes */
+  pl_vec3f normal;          /* by the winding; its length is twice the area */
+} corners;
+
+static corners corners_of(const pl_shot_object *object, uint32_t triangle) {
+  const pl_model *model = object->object->model;
+  const uint32_t *index = model->indices + 3 * (size_t)triangle;
+  corners out;
+  out.a = to_view(object->to_view, model->positions + 3 * (size_t)index[0]);
+  out.edge1 =
+      pl_vec3f_sub(to_view(object->to_view, model->positions + 3 * (size_t)index[1]), out.a);
+  out.edge2 =
+      pl_vec3f_sub(to_view(object->to_view, model->positions + 3 * (size_t)index[2]), out.a);
+  out.normal = pl_vec3f_cross(out.edge1, out.edge2);
+  return out;
+}
+
+static bool emits(const pl_shot_object *object) {
+  return object->kept && object->object->summary.emission_max > 0.0;
+}
+
+static double body_luminance(const pl_shot_body *body) {
+  const float *e = body->state->emission;
+  return (double)pl_luminance(pl_vec3f_make(e[0], e[1], e[2]));
+}
+
+static size_t count_triangles(const pl_snapshot *shot) {
+  size_t count = 0;
+  for (size_t i = 0; i < shot->object_count; i++) {
+    const pl_model *model = shot->objects[i].object->model;
+    if (!emits(&shot->objects[i]))
+      continue;
+    for (uint32_t t = 0; t < model->triangle_count; t++)
+      count += luminance_of(model, t) > 0.0f;
+  }
+  return count;
+}
+
+/* Adds an object's emissive triangles after the first `used` ones. */
+static void add_object(pl_emitters *list, size_t thing, size_t *used) {
+  const pl_shot_object *object = &list->shot->objects[thing];
+  const pl_model *model = object->object->model;
+  pl_emitter item = {.thing = (uint32_t)thing,
+                     .center = object->center,
+                     .radius_m = object->radius_m,
+                     .first = *used};
+  for (uint32_t t = 0; t < model->triangle_count; t++) {
+    const float luminance = luminance_of(model, t);
+    if (!(luminance > 0.0f))
+      continue;
+    const corners c = corners_of(object, t);
+    item.weight += 0.5 * (double)luminance * (double)pl_vec3f_norm(c.normal);
+    list->triangles[*used] = t;
+    list->sums[(*used)++] = (float)item.weight;
+  }
+  item.count = *used - item.first;
+  if (!(item.weight > 0.0))
+    return;
+  for (size_t i = item.first; i < *used; i++)
+    list->sums[i] = (float)((double)list->sums[i] / item.weight);
+  item.power = 0.5 * item.weight;
+  list->items[list->count++] = item;
+}
+
+static void add_body(pl_emitters *list, size_t index) {
+  const pl_shot_body *body = &list->shot->bodies[index];
+  const double luminance = body_luminance(body);
+  if (luminance > 0.0)
+    list->items[list->count++] =
+        (pl_emitter){.thing = (uint32_t)(list->shot->object_count + index),
+                     .center = body->center,
+                     .radius_m = body->radius_m,
+                     .power = luminance * PL_PI * body->radius_m * body->radius_m};
+}
+
+pl_status pl_emitters_build(const pl_snapshot *shot, bool maps, pl_arena *arena, pl_emitters *out) {
+  const size_t triangles = count_triangles(shot);
+  size_t used = 0;
+  *out = (pl_emitters){
+      .shot = shot,
+      .maps = maps,
+      .items = pl_arena_alloc(arena, shot->object_count + shot->body_count, sizeof(pl_emitter)),
+      .triangles = pl_arena_alloc(arena, triangles, sizeof(uint32_t)),
+      .sums = pl_arena_alloc(arena, triangles, sizeof(float)),
+  };
+  if (out->items == NULL || out->triangles == NULL || out->sums == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for emissive surfaces");
+  for (size_t i = 0; i < shot->object_count; i++)
+    if (emits(&shot->objects[i]))
+      add_object(out, i, &used);
+  for (size_t i = 0; i < shot->body_count; i++)
+    add_body(out, i);
+  return PL_OK;
+}
+
+/* --- choosing --------------------------------------------------------------------------------- */
+
+/* How much an emitter counts at a point. Inside its bounding sphere it is as at the sphere. */
+static double importance(const pl_emitter *item, pl_vec3 point) {
+  const pl_vec3 offset = pl_vec3_sub(item->center, point);
+  return item->power / fmax(pl_vec3_dot(offset, offset), item->radius_m * item->radius_m);
+}
+
+static double total_importance(const pl_emitters *list, pl_vec3 point) {
+  double sum = 0.0;
+  for (size_t i = 0; i < list->count; i++)
+    sum += importance(&list->items[i], point);
+  return sum;
+}
+
+static const pl_emitter *choose(const pl_emitters *list, pl_vec3 point, float u,
+                                double *probability) {
+  const double total = total_importance(list, point);
+  double left = (double)u * total;
+  size_t i = 0;
+  while (i + 1 < list->count && left >= importance(&list->items[i], point))
+    left -= importance(&list->items[i++], point);
+  *probability = importance(&list->items[i], point) / total;
+  return &list->items[i];
+}
+
+/* The triangle on whose share of the emitter's weight u falls. */
+static uint32_t choose_triangle(const pl_emitters *list, const pl_emitter *item, float u) {
+  size_t low = item->first, high = item->first + item->count - 1;
+  while (low < high) {
+    const size_t middle = low + (high - low) / 2;
+    if (u < list->sums[middle])
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return list->triangles[low];
+}
+
+/* --- sampling --------------------------------------------------------------------------------- */
+
+/* Density per solid angle of a point drawn by power over a mesh. */
+static double mesh_pdf(const pl_emitter *item, float luminance, double distance, double cosine) {
+  return (double)luminance / item->weight * distance * distance / cosine;
+}
+
+static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3 point,
+                        float choice, const float u[2], pl_emitter_sample *out) {
+  const pl_shot_object *object = &list->shot->objects[item->thing];
+  const pl_model *model = object->object->model;
+  const uint32_t triangle = choose_triangle(list, item, choice);
+  const corners c = corners_of(object, triangle);
+  /* Evenly over the triangle (Shirley and Chiu 1997, by the square root of one number). */
+  const float root = sqrtf(u[0]), v = root * u[1], w = 1.0f - root;
+  const pl_vec3f at = pl_vec3f_madd(pl_vec3f_madd(c.a, v, c.edge1), w, c.edge2);
+  const pl_vec3 way = pl_vec3_sub(pl_vec3f_to_double(at), point);
+  const double distance = pl_vec3_norm(way);
+  out->direction = pl_vec3_to_float(pl_vec3_unit(way));
+  const float facing = -pl_vec3f_dot(out->direction, pl_vec3f_unit(c.normal));
+  const pl_material *material = pl_material_of(model, triangle);
+  const float cosine = material->double_sided ? fabsf(facing) : facing;
+  /* Float coordinates are off by a few ulp at both ends. */
+  const float largest = fmaxf(fabsf(at.x), fmaxf(fabsf(at.y), fabsf(at.z)));
+  out->distance_m = (float)distance * 0.9999f - 0x1p-18f * largest;
+  if (!(cosine > 1e-6f) || !(out->distance_m > 0.0f))
+    return false;
+  const pl_triangle_point hit = {
+      .triangle = triangle, .w = {1.0f - v - w, v, w}, .edge1 = c.edge1, .edge2 = c.edge2};
+  if (pl_material_opacity(model, &hit) < 0.5f)
+    return false;
+  out->radiance = pl_material_emission(model, &hit, list->maps);
+  out->pdf = (float)mesh_pdf(item, luminance_of(model, triangle), distance, (double)cosine);
+  return true;
+}
+
+/* 1 - cos of the cone that holds a body; 2, all directions, from inside its bounding sphere. */
+static float cone_of(const pl_emitter *item, pl_vec3 point, pl_vec3 *axis) {
+  const pl_vec3 way = pl_vec3_sub(item->center, point);
+  const double sine = item->radius_m / pl_vec3_norm(way);
+  *axis = pl_vec3_unit(way);
+  if (!(sine < 1.0))
+    return 2.0f;
+  return (float)(sine * sine / (1.0 + sqrt(1.0 - sine * sine)));
+}
+
+static bool sample_body(const pl_emitters *list, const pl_emitter *item, pl_vec3 point,
+                        const float u[2], pl_emitter_sample *out) {
+  const pl_shot_body *body = &list->shot->bodies[item->thing - list->shot->object_count];
+  pl_vec3 axis;
+  const float cone = cone_of(item, point, &axis);
+  const pl_basis basis = pl_basis_make(pl_vec3_to_float(axis));
+  out->direction = pl_basis_to_world(&basis, pl_sample_cone(u[0], u[1], cone));
+  const pl_vec3 local = pl_vec3_add(body->camera, pl_mat3_mul_vec_t(body->rotation, point));
+  const pl_vec3 ray =
+      pl_mat3_mul_vec_t(body->rotation, pl_vec3_unit(pl_vec3f_to_double(out->direction)));
+  double t;
+  if (!pl_ellipsoid_intersect(body->state->radii_m, local, ray, 0.0, &t))
+    return false;
+  const float *e = body->state->emission;
+  out->radiance = pl_vec3f_make(e[0], e[1], e[2]);
+  out->distance_m = (float)t * 0.99999f;
+  out->pdf = pl_cone_pdf(cone);
+  return true;
+}
+
+bool pl_emitters_sample(const pl_emitters *list, pl_vec3 point, const float choice[2],
+                        const float u[2], pl_emitter_sample *out) {
+  if (list->count == 0)
+    return false;
+  double probability;
+  const pl_emitter *item = choose(list, point, choice[0], &probability);
+  const bool found = item->thing < list->shot->object_count
+                         ? sample_mesh(list, item, point, choice[1], u, out)
+                         : sample_body(list, item, point, u, out);
+  if (!found)
+    return false;
+  out->pdf = (float)((double)out->pdf * probability);
+  return out->pdf > 0.0f;
+}
+
+float pl_emitters_pdf(const pl_emitters *list, pl_vec3 point, const pl_emitter_hit *hit) {
+  for (size_t i = 0; i < list->count; i++) {
+    const pl_emitter *item = &list->items[i];
+    if (item->thing != hit->thing)
+      continue;
+    const double probability = importance(item, point) / total_importance(list, point);
+    pl_vec3 axis;
+    if (hit->thing >= list->shot->object_count)
+      return (float)(probability * (double)pl_cone_pdf(cone_of(item, point, &axis)));
+    const pl_model *model = list->shot->objects[hit->thing].object->model;
+    const float luminance = luminance_of(model, hit->triangle);
+    if (!(luminance > 0.0f) || !(hit->cosine > 1e-6f))
+      return 0.0f;
+    return (float)(probability * mesh_pdf(item, luminance, hit->t, (double)hit->cosine));
+  }
+  return 0.0f;
+}

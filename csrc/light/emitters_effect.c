@@ -1,0 +1,55 @@
+/* The effect row `emitters`: emissive surfaces and bodies light others. */
+#include "light/effects.h"
+
+#include <math.h>
+
+static const char *absent(const pl_view *view) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].emission_max > 0.0 && (view->thing_count > 1 || !view->things[i].is_body))
+      return NULL;
+  return "nothing in the scene emits light onto anything";
+}
+
+/* 1: meshes are lit, 2: bodies too. */
+static int ceiling(const pl_view *view) {
+  (void)view;
+  return 2;
+}
+
+/* Upper bound of what things[i] sends on in one direction of the light that emitters give it; a
+ * mesh may light itself. */
+static double sent_on(const pl_view *view, size_t i) {
+  const pl_view_thing *receiver = &view->things[i];
+  double sum = 0.0;
+  for (size_t k = 0; k < view->thing_count; k++)
+    if (k != i || !receiver->is_body)
+      sum += pl_view_transfer(receiver, &view->things[k]) * view->things[k].emission_max;
+  return sum;
+}
+
+/* Things that stay unlit at `value` are missed in the frame, and in what they reflect onwards. */
+static double bound_dn(const pl_view *view, int value) {
+  double radiance = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *thing = &view->things[i];
+    const bool lit = value > (thing->is_body ? 1 : 0);
+    if (!lit && (thing->in_frame || view->max_bounces > 0))
+      radiance = fmax(radiance, sent_on(view, i));
+  }
+  return pl_view_dn(view, radiance * pl_view_series(view, view->max_bounces + 1));
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 2.5e-4 * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_emitters = {
+    .name = "emitters",
+    .doc = "Light that emissive surfaces and bodies give to others: 1 on meshes, 2 on bodies too; "
+           "off: they are seen and light nothing",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
