@@ -16,6 +16,7 @@ from perilune.config.document import Document
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.labels import Taxonomy, object_class, taxonomy
+from perilune.parts import Partition, partition
 
 F64 = NDArray[np.float64]
 
@@ -108,9 +109,18 @@ class Handles:
         return result
 
     @cached_property
+    def partitions(self) -> Mapping[str, Partition]:
+        """Spacecraft entry -> how its model is cut into parts."""
+        crafts, source = self.document.config.spacecraft, self.document.source
+        return {
+            name: partition(row.model, crafts[name].parts, f"{source}:\n  spacecraft.{name}.parts")
+            for name, row in self.models.items()
+        }
+
+    @cached_property
     def taxonomy(self) -> Taxonomy:
         """Names and ids of all labels."""
-        parts = {name: row.model.parts for name, row in self.models.items()}
+        parts = {name: cut.entries for name, cut in self.partitions.items()}
         return taxonomy(self.document.config, parts)
 
     def scales(self, config: Config) -> dict[str, float]:
@@ -167,6 +177,7 @@ class Handles:
                 instance_id=labels.instances[name],
                 part_ids=np.array(part_ids[name], dtype=np.int32),
                 class_ids=_class_ids(labels, "spacecraft", row.class_name, part_classes[name]),
+                triangle_part=self.partitions[name].triangle_part,
             )
         return _core.Renderer(scene)
 

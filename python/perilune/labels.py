@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perilune.config.errors import ConfigError, nearest
 from perilune.config.schema import Body, Config, Spacecraft
+from perilune.parts import PartEntry
 
 BACKGROUND = "background"
 _SURFACE = "surface"
@@ -26,6 +26,7 @@ class Part:
     owner: str
     """Name of the spacecraft or body."""
     name: str
+    """Unique among the owner's parts."""
     material: str
     class_name: str
 
@@ -74,9 +75,13 @@ def object_class(name: str, entry: Body | Spacecraft) -> str:
     return entry.kind if isinstance(entry, Body) and entry.kind != "ellipsoid" else name
 
 
-def part_class(config: Config, craft: Spacecraft, part: Mapping[str, Any]) -> str:
-    """The first class with a pattern that fits the part's or the material's name, in any case."""
-    texts = [str(part["name"]).lower(), str(part["material"]).lower()]
+def part_class(config: Config, craft: Spacecraft, part: PartEntry) -> str:
+    """The first class with a pattern that fits one of the part's names, in any case.
+
+    Compared are the name with and without its number, the material, and name/material.
+    """
+    names = (part.name, part.base, part.material, f"{part.base}/{part.material}")
+    texts = [name.lower() for name in names]
     for table in (craft.part_classes, config.labels.part_classes):
         for class_name, patterns in table.items():
             if any(fnmatchcase(text, pattern.lower()) for pattern in patterns for text in texts):
@@ -97,7 +102,7 @@ def _numbered(level: str, names: Iterable[str], fixed: Mapping[str, int]) -> dic
     return ids
 
 
-def taxonomy(config: Config, parts: Mapping[str, Sequence[Mapping[str, Any]]]) -> Taxonomy:
+def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxonomy:
     """Numbers everything; `parts` are those of each spacecraft's model.
 
     Class ids follow from the configuration alone; part ids also from the models.
@@ -126,5 +131,5 @@ def taxonomy(config: Config, parts: Mapping[str, Sequence[Mapping[str, Any]]]) -
     for name, craft in config.spacecraft.items():
         for part in parts[name]:
             label = part_class(config, craft, part)
-            rows.append(Part(len(rows) + 1, name, part["name"], part["material"], label))
+            rows.append(Part(len(rows) + 1, name, part.name, part.material, label))
     return Taxonomy(config.labels.levels, classes, instances, tuple(rows))

@@ -16,6 +16,7 @@ from perilune import _core, bodies, labels, orbits, rotations, trajectories
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.references import MASKS, OBJECTS, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
+from perilune.parts import Partition
 from perilune.sample import CameraLabel, Sample
 from perilune.world import World
 from perilune.world import build as build_world
@@ -87,6 +88,11 @@ class Simulation:
     def models(self) -> Mapping[str, ObjectModel]:
         """Spacecraft entry -> its model, id and scale; loads the models."""
         return self._mine().models
+
+    @property
+    def partitions(self) -> Mapping[str, Partition]:
+        """Spacecraft entry -> how its model is cut into parts; loads the models."""
+        return self._mine().partitions
 
     def _mine(self) -> Handles:
         """This process's handles."""

@@ -10,11 +10,12 @@ from collections.abc import Sequence
 
 from perilune.cli.command import FAILED, INTERNAL, INTERRUPTED, Command
 from perilune.cli.info import INFO
+from perilune.cli.parts import PARTS
 from perilune.cli.plan import PLAN
 from perilune.cli.preview import PREVIEW
 from perilune.cli.render import RENDER
 
-COMMANDS: tuple[Command, ...] = (RENDER, PREVIEW, PLAN, INFO)
+COMMANDS: tuple[Command, ...] = (RENDER, PREVIEW, PLAN, PARTS, INFO)
 
 _EXPECTED = (ValueError, OSError, MemoryError, RuntimeError)
 """Errors that say what the user can do; anything else is a fault of the program."""

@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator
 
 from perilune.config.camera import Camera
 from perilune.config.errors import fail, nearest
+from perilune.config.parts import Parts
 from perilune.config.types import (
     Direction,
     Finite,
@@ -222,6 +223,7 @@ class Spacecraft(Strict):
     """BOP object id (default: 1, 2, ... in the order of this section)."""
     class_: str | None = Field(default=None, alias="class")
     """Class of object for the labels (default: the entry's name)."""
+    parts: Parts = Parts()
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
     """Class of part -> patterns on part and material names; before those of `labels`."""
     symmetries: Symmetries = Symmetries()
@@ -273,7 +275,8 @@ class Labels(Strict):
     levels: Annotated[tuple[Level, ...], Field(min_length=1)] = ("kind", "object", "part")
     """kind of thing (body, spacecraft), class of object, class of part."""
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
-    """Class of part -> shell patterns on part and material names, any case; first match wins."""
+    """Class of part -> shell patterns on part names, material names or `part/material`, in any
+    case; first match wins. `perilune parts CONFIG` lists the names."""
     other_part: str = "other"
     """Class of the parts of a spacecraft that no pattern matches."""
     ids: dict[Level, dict[str, Annotated[Integer, Field(ge=1, le=65535)]]] = Field(

@@ -1,0 +1,120 @@
+"""`perilune parts`: the parts of a model, to write the sections `parts` and `part_classes` by."""
+
+from __future__ import annotations
+
+import json
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from perilune import _core
+from perilune.cli.command import OK, Command
+from perilune.cli.options import add_config, open_simulation, whole_number
+from perilune.config.errors import nearest
+from perilune.config.parts import Parts
+from perilune.labels import part_class
+from perilune.parts import PartEntry, PartExtent, Partition, extents, partition
+
+_MODELS = (".glb", ".gltf")
+_COLUMNS = ("part", "material", "triangles", "min", "max", "class")
+_RIGHT = {"triangles"}
+
+
+def _configure(parser: ArgumentParser) -> None:
+    add_config(parser)
+    parser.epilog = "CONFIG may also be a model itself (.glb, .gltf); then no classes are shown."
+    parser.add_argument("--spacecraft", metavar="NAME", help="only this entry (default: all)")
+    parser.add_argument(
+        "--split",
+        choices=("primitive", "node", "component", "none"),
+        help="cut like this, without boxes, instead of as the file says",
+    )
+    parser.add_argument(
+        "--merge-below",
+        type=whole_number(0),
+        default=0,
+        metavar="N",
+        help="with --split component: pieces of fewer triangles are one part",
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def _asked(args: Namespace, stated: Parts) -> Parts:
+    if args.split is None and args.merge_below:
+        raise ValueError("--merge-below: goes with --split component")
+    if args.split is None:
+        return stated
+    return Parts.model_validate({"split": args.split, "merge_below": args.merge_below})
+
+
+def _row(entry: PartEntry, size: PartExtent, class_name: str | None) -> dict[str, Any]:
+    return {
+        "part": entry.name,
+        "material": entry.material,
+        "triangles": size.triangles,
+        "min": size.low.tolist() if size.triangles else None,
+        "max": size.high.tolist() if size.triangles else None,
+        **({} if class_name is None else {"class": class_name}),
+    }
+
+
+def _rows(
+    model: _core.Model, cut: Partition, classes: Sequence[str] | None
+) -> list[dict[str, Any]]:
+    sizes = extents(model, cut)
+    names = [None] * len(sizes) if classes is None else classes
+    return [_row(*row) for row in zip(cut.entries, sizes, names, strict=True)]
+
+
+def _of_model(args: Namespace) -> dict[str, list[dict[str, Any]]]:
+    model = _core.Model(args.config)
+    return {args.config: _rows(model, partition(model, _asked(args, Parts())), None)}
+
+
+def _of_config(args: Namespace) -> dict[str, list[dict[str, Any]]]:
+    sim = open_simulation(args)
+    crafts = sim.config.spacecraft
+    if args.spacecraft is not None and args.spacecraft not in crafts:
+        raise ValueError(f"no spacecraft '{args.spacecraft}'{nearest(args.spacecraft, crafts)}")
+    result = {}
+    for name in crafts if args.spacecraft is None else [args.spacecraft]:
+        model, settings = sim.models[name].model, _asked(args, crafts[name].parts)
+        cut = partition(model, settings, f"{args.config}:\n  spacecraft.{name}.parts")
+        classes = [part_class(sim.config, crafts[name], entry) for entry in cut.entries]
+        result[name] = _rows(model, cut, classes)
+    return result
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(f"{np.float64(number):.4g}" for number in value) + "]"
+    return "-" if value is None else str(value)
+
+
+def _table(rows: Sequence[dict[str, Any]]) -> str:
+    names = [name for name in _COLUMNS if not rows or name in rows[0]]
+    lines = [{name: name for name in names}]
+    lines += [{name: _cell(row[name]) for name in names} for row in rows]
+    widths = {name: max(len(line[name]) for line in lines) for name in names}
+    return "\n".join(
+        "  ".join(
+            line[name].rjust(widths[name]) if name in _RIGHT else line[name].ljust(widths[name])
+            for name in names
+        ).rstrip()
+        for line in lines
+    )
+
+
+def _run(args: Namespace) -> int:
+    found = (_of_model if args.config.lower().endswith(_MODELS) else _of_config)(args)
+    if args.json:
+        print(json.dumps(found, indent=2))
+        return OK
+    blocks = [f"{name}: {len(rows)} parts\n{_table(rows)}" for name, rows in found.items()]
+    print("\n\n".join(blocks) if blocks else "no spacecraft")
+    return OK
+
+
+PARTS = Command("parts", "lists the parts of models, their sizes and classes", _configure, _run)

@@ -1,0 +1,171 @@
+"""How a model's triangles are cut into parts: as the file has them, by connection, or by place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.config.errors import ConfigError
+from perilune.config.parts import PartBox, Parts
+
+F64 = NDArray[np.float64]
+
+SMALL = "small"
+"""Part of the components that are too small for one of their own."""
+WHOLE = "model"
+
+
+@dataclass(frozen=True)
+class PartEntry:
+    """A part before it is labelled."""
+
+    name: str
+    """Unique in its model: the second `panel` is `panel#2`."""
+    base: str
+    """Without the number: what patterns are compared with too."""
+    material: str
+    """Of most of its triangles."""
+
+
+@dataclass(frozen=True)
+class Partition:
+    """A model's parts, and which of them each triangle belongs to."""
+
+    entries: tuple[PartEntry, ...]
+    triangle_part: NDArray[np.uint32] | None
+    """(T,) index into entries; None: the model's own."""
+
+
+def unique_names(names: Iterable[str]) -> list[str]:
+    """`a, a, a#2, a` -> `a, a#3, a#2, a#4`: no two alike; a name's first use keeps it."""
+    wanted = list(names)
+    taken = set(wanted)
+    last: dict[str, int] = {}
+    result = []
+    for name in wanted:
+        unique, number = name, last.get(name, 0) + 1
+        if number > 1:
+            while f"{name}#{number}" in taken:
+                number += 1
+            unique = f"{name}#{number}"
+        last[name] = number
+        taken.add(unique)
+        result.append(unique)
+    return result
+
+
+def partition(model: _core.Model, settings: Parts, key: str = "parts") -> Partition:
+    """Cuts a model as `settings` say; `key` is where they stand, for errors.
+
+    Numbers of components are those of the whole model, so that a box does not change them.
+    """
+    own = model.parts
+    if settings.split == "primitive" and not settings.boxes:
+        bases = [part["name"] for part in own]
+        names = unique_names(bases)
+        materials = [part["material"] for part in own]
+        rows = zip(names, bases, materials, strict=True)
+        return Partition(tuple(PartEntry(*row) for row in rows), None)
+    mesh = model.mesh()
+    group, labels = _split(model, mesh["triangle_part"], settings)
+    group, labels = _with_boxes(model, mesh, settings.boxes, group, labels, key)
+    used, triangle_part = np.unique(group, return_inverse=True)
+    bases = [labels[k] for k in used]
+    names = unique_names(bases)
+    materials = _main_materials(model, mesh["triangle_part"], triangle_part, len(used))
+    entries = tuple(PartEntry(*row) for row in zip(names, bases, materials, strict=True))
+    return Partition(entries, triangle_part.astype(np.uint32))
+
+
+def _split(
+    model: _core.Model, triangle_part: NDArray[np.uint32], settings: Parts
+) -> tuple[NDArray[np.int64], list[str]]:
+    """Group of every triangle, and the groups' names."""
+    own = model.parts
+    part = triangle_part.astype(np.int64)
+    if settings.split == "none":
+        return np.zeros_like(part), [WHOLE]
+    if settings.split == "primitive":
+        return part, [row["name"] for row in own]
+    if settings.split == "node":
+        nodes = list(dict.fromkeys(row["node"] for row in own))
+        of_part = np.array([nodes.index(row["node"]) for row in own], dtype=np.int64)
+        first = {row["node"]: row["name"] for row in reversed(own)}
+        return of_part[part], [first[node] for node in nodes]
+    component = model.components().astype(np.int64)
+    sizes = np.bincount(component)
+    # Components are numbered by falling size, so that those to be merged come last.
+    kept = int((sizes >= settings.merge_below).sum())
+    return np.minimum(component, kept), [*(f"component-{k}" for k in range(kept)), SMALL]
+
+
+def _with_boxes(
+    model: _core.Model,
+    mesh: dict[str, NDArray[Any]],
+    boxes: dict[str, PartBox],
+    group: NDArray[np.int64],
+    labels: Sequence[str],
+    key: str,
+) -> tuple[NDArray[np.int64], list[str]]:
+    """Puts the triangles in boxes into groups of their own, which come first."""
+    centroids = mesh["positions"].astype(np.float64)[mesh["indices"]].mean(axis=1)
+    result = group + len(boxes)
+    free = np.ones(len(group), dtype=bool)
+    for number, (name, box) in enumerate(boxes.items()):
+        inside = ((centroids >= box.min) & (centroids <= box.max)).all(axis=1)
+        if not (inside & free).any():
+            why = "earlier boxes hold all its triangles" if inside.any() else _extent_text(model)
+            raise ConfigError(f"{key}.boxes.{name}: no triangle is left in it ({why})")
+        result[inside & free] = number
+        free &= ~inside
+    return result, [*boxes, *labels]
+
+
+def _extent_text(model: _core.Model) -> str:
+    low, high = model.bounds
+    return (
+        f"none has its centroid there; the model spans {np.round(low, 4).tolist()} to "
+        f"{np.round(high, 4).tolist()}"
+    )
+
+
+def _main_materials(
+    model: _core.Model,
+    model_part: NDArray[np.uint32],
+    triangle_part: NDArray[np.intp],
+    count: int,
+) -> list[str]:
+    """The material with most triangles of each part; of equal ones the first in the file."""
+    materials = list(dict.fromkeys(part["material"] for part in model.parts))
+    of_part = np.array([materials.index(part["material"]) for part in model.parts])
+    cells = triangle_part * len(materials) + of_part[model_part]
+    table = np.bincount(cells, minlength=count * len(materials))
+    return [materials[k] for k in table.reshape(count, len(materials)).argmax(axis=1)]
+
+
+@dataclass(frozen=True)
+class PartExtent:
+    """Size and place of a part, as `perilune parts` lists it."""
+
+    triangles: int
+    low: F64
+    """(3,), model units."""
+    high: F64
+
+
+def extents(model: _core.Model, cut: Partition) -> list[PartExtent]:
+    """Triangles and bounding box of every part, in their order."""
+    mesh = model.mesh()
+    part = mesh["triangle_part"] if cut.triangle_part is None else cut.triangle_part
+    corners = mesh["positions"][mesh["indices"]].astype(np.float64)
+    low = np.full((len(cut.entries), 3), np.inf)
+    high = np.full((len(cut.entries), 3), -np.inf)
+    np.minimum.at(low, part, corners.min(axis=1))
+    np.maximum.at(high, part, corners.max(axis=1))
+    counts = np.bincount(part, minlength=len(cut.entries))
+    return [PartExtent(int(n), a, b) for n, a, b in zip(counts, low, high, strict=True)]
