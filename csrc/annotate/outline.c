@@ -55,46 +55,61 @@ static void set_box(const pl_camera *camera, pl_outline *out) {
   }
 }
 
-static double cone_of(pl_vec3 center, double radius_m) {
-  const double distance = pl_vec3_norm(center);
-  return distance > radius_m ? asin(radius_m / distance) : PL_PI;
+/* With room for the mesh's rounding. */
+static void set_depths(pl_outline *out) {
+  out->z0_m = INFINITY;
+  out->z1_m = -INFINITY;
+  out->far_m = 0.0;
+  for (int k = 0; k < 8; k++) {
+    out->z0_m = fmin(out->z0_m, out->corners[k].z);
+    out->z1_m = fmax(out->z1_m, out->corners[k].z);
+    out->far_m = fmax(out->far_m, pl_vec3_norm(out->corners[k]));
+  }
+  const double room = 1e-6 * out->far_m;
+  out->z0_m -= room;
+  out->z1_m += room;
+  out->far_m += room;
 }
 
-static bool hides(pl_vec3 center, double radius_m, bool in_frame, const pl_shot_object *object,
-                  const pl_outline *outline) {
-  return in_frame && pl_vec3_norm(center) - radius_m <= outline->far_m &&
-         pl_sphere_in_cone(center, radius_m, pl_vec3_unit(object->center),
-                           outline->half_angle_rad + 1e-6);
+/* A ray that meets both meets first the one whose depth is smaller. */
+static bool object_hides(const pl_outline *other, const pl_outline *outline) {
+  return other->z0_m <= outline->z1_m && other->x0 <= outline->x1 && other->x1 >= outline->x0 &&
+         other->y0 <= outline->y1 && other->y1 >= outline->y0;
 }
 
-static bool is_hidden(const pl_snapshot *shot, size_t index, const pl_outline *outline) {
-  const pl_shot_object *object = &shot->objects[index];
-  for (size_t i = 0; i < shot->object_count; i++) {
-    const pl_shot_object *other = &shot->objects[i];
-    if (i != index && hides(other->center, other->radius_m, other->in_frame, object, outline))
+static bool body_hides(const pl_shot_body *body, const pl_shot_object *object,
+                       const pl_outline *outline) {
+  const double distance = pl_vec3_norm(object->center);
+  if (!body->in_frame || pl_vec3_norm(body->center) - body->radius_m > outline->far_m)
+    return false;
+  return distance <= object->radius_m ||
+         pl_sphere_in_cone(body->center, body->radius_m, pl_vec3_unit(object->center),
+                           asin(object->radius_m / distance) + 1e-6);
+}
+
+static bool is_hidden(const pl_snapshot *shot, size_t index, const pl_outline *outlines) {
+  for (size_t i = 0; i < shot->object_count; i++)
+    if (i != index && object_hides(&outlines[i], &outlines[index]))
       return true;
-  }
-  for (size_t i = 0; i < shot->body_count; i++) {
-    const pl_shot_body *body = &shot->bodies[i];
-    if (hides(body->center, body->radius_m, body->in_frame, object, outline))
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (body_hides(&shot->bodies[i], &shot->objects[index], &outlines[index]))
       return true;
-  }
   return false;
 }
 
 void pl_outline_build(const pl_snapshot *shot, pl_outline *outlines) {
   for (size_t i = 0; i < shot->object_count; i++) {
-    const pl_shot_object *object = &shot->objects[i];
+    outlines[i] = (pl_outline){0};
+    set_corners(shot, &shot->objects[i], &outlines[i]);
+    set_box(&shot->camera, &outlines[i]);
+    set_depths(&outlines[i]);
+  }
+  for (size_t i = 0; i < shot->object_count; i++) {
     pl_outline *out = &outlines[i];
-    *out = (pl_outline){0};
-    set_corners(shot, object, out);
-    set_box(&shot->camera, out);
-    out->far_m = (pl_vec3_norm(object->center) + object->radius_m) * (1.0 + 1e-6);
-    out->half_angle_rad = cone_of(object->center, object->radius_m);
     const bool inside = out->x0 >= 0 && out->y0 >= 0 && out->x1 < shot->camera.width &&
                         out->y1 < shot->camera.height;
-    const bool somewhere = out->x0 <= out->x1;
-    out->whole = !somewhere || (inside && object->in_frame && !is_hidden(shot, i, out));
+    const bool nowhere = out->x0 > out->x1;
+    out->whole = nowhere || (inside && shot->objects[i].in_frame && !is_hidden(shot, i, outlines));
   }
 }
 

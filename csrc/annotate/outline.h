@@ -8,17 +8,17 @@
 #include "scene/snapshot.h"
 
 typedef struct pl_outline {
-  pl_vec3 corners[8];    /* of the model's bounding box, camera axes, m */
-  int x0, y0, x1, y1;    /* pixels of the canvas it may cover, inclusive; x0 > x1 when none */
-  double far_m;          /* no point of it is farther */
-  double half_angle_rad; /* of the cone about its bounding sphere; pi around the camera */
-  bool whole;            /* its seen pixels are its silhouette */
+  pl_vec3 corners[8]; /* of the model's bounding box, camera axes, m */
+  int x0, y0, x1, y1; /* pixels of the canvas it may cover, inclusive; x0 > x1 when none */
+  double z0_m, z1_m;  /* of the corners, along the optical axis */
+  double far_m;       /* of the farthest corner from the camera */
+  bool whole;         /* its seen pixels are its silhouette */
 } pl_outline;
 
 /* The canvas is the image with one image size of margin on each side (BOP). An object is whole when
- * the box of its projected bounding box lies inside the image and no bounding sphere of another
- * thing that reaches nearer than the object's farthest point overlaps its own sphere's cone: then
- * no ray of a pixel centre can miss it by the image's border or by another thing before it. */
+ * its projected bounding box lies inside the image, and no other object whose box begins nearer
+ * than this one's ends projects on the same pixels, and no body whose bounding sphere does stands
+ * in the cone of its own: then neither the image's border nor another thing can take a pixel. */
 void pl_outline_build(const pl_snapshot *shot, pl_outline *outlines);
 
 /* Whether rays through canvas pixels x0..x1, y0..y1 may meet the object: false only when a side of
