@@ -23,10 +23,14 @@ from perilune.writers.bop_files import (
     depth_scale_mm,
     encode_depth,
     json_text,
+    make_folder,
     write_text,
 )
-from perilune.writers.bop_models import write_models
-from perilune.writers.bop_source import bop_models, camera_entry, dataset_info
+from perilune.writers.bop_finish import SOURCE_FILE, finish, reopen
+from perilune.writers.bop_labels import CocoHeader, Mask, annotation, info_entry
+from perilune.writers.bop_models import BopModel, write_models
+from perilune.writers.bop_shards import Note, Shard, check_frames, shard_chunks
+from perilune.writers.bop_source import bop_models, camera_entry, dataset_info, dataset_name
 from perilune.writers.queue import WriteQueue
 from perilune.writers.table import Progress, WriteReport
 
@@ -34,7 +38,7 @@ F64 = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
-CHANNELS = ("rgb", "depth", "instance", "objects")
+CHANNELS = ("rgb", "depth", "instance", "objects", "masks")
 """What is rendered for a frame."""
 DEFAULT_CHUNK = 1000
 _SPLIT = re.compile(r"[a-z0-9]+(_[a-z0-9]+)?")
@@ -42,27 +46,30 @@ _PNG_LEVEL = 6
 _MASK_ON = np.uint8(255)
 
 
-def image_record(sample: Sample, origins_m: Mapping[int, F64], scale_mm: float) -> Record:
-    """The JSON entries of a frame: camera, depth scale and the pose of every instance, in mm."""
-    gt = []
-    for row in sample.objects:
-        rotation = np.asarray(row["R_m2c"], dtype=np.float64)
-        # The origin of the BOP model lies at `origins_m` in the object's frame.
-        origin_m = row["t_m2c"] + rotation @ origins_m[int(row["obj_id"])]
-        gt.append(
-            {
-                "cam_R_m2c": rotation.ravel().tolist(),
-                "cam_t_m2c": (origin_m * MM_PER_M).tolist(),
-                "obj_id": int(row["obj_id"]),
-            }
-        )
-    camera = {
+def pose_entry(row: Any, origins_m: Mapping[int, F64]) -> dict[str, Any]:
+    """One entry of scene_gt.json, from an object's label."""
+    rotation = np.asarray(row["R_m2c"], dtype=np.float64)
+    # The origin of the BOP model lies at `origins_m` in the object's frame.
+    origin_m = row["t_m2c"] + rotation @ origins_m[int(row["obj_id"])]
+    return {
+        "cam_R_m2c": rotation.ravel().tolist(),
+        "cam_t_m2c": (origin_m * MM_PER_M).tolist(),
+        "obj_id": int(row["obj_id"]),
+    }
+
+
+def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
+    """One entry of scene_camera.json."""
+    return {
         "cam_K": np.asarray(sample.camera.K, dtype=np.float64).ravel().tolist(),
         "cam_R_w2c": np.asarray(sample.camera.R_w2c, dtype=np.float64).ravel().tolist(),
         "cam_t_w2c": (np.asarray(sample.camera.t_w2c) * MM_PER_M).tolist(),
         "depth_scale": scale_mm,
     }
-    return Record(camera, gt)
+
+
+def _write_mask(path: Path, mask: Mask) -> None:
+    _core.png_write(str(path), np.where(mask, _MASK_ON, np.uint8(0)), _PNG_LEVEL)
 
 
 def write_image(
@@ -70,16 +77,22 @@ def write_image(
 ) -> Record:
     """Writes the files of one frame into its scene folder, the record of it last."""
     depth_m, instance = sample["depth"], sample["instance"]
-    ids = sample.objects["instance_id"]
-    annotated = np.isin(instance, ids)
-    z_max_mm = float(depth_m[annotated].max(initial=0.0)) * MM_PER_M
-    scale_mm = depth_scale_mm(z_max_mm)
+    annotated = np.isin(instance, sample.objects["instance_id"])
+    scale_mm = depth_scale_mm(float(depth_m[annotated].max(initial=0.0)) * MM_PER_M)
+    depth = encode_depth(depth_m, scale_mm)
     _core.png_write(str(folder.rgb(im_id)), sample["rgb"], _PNG_LEVEL)
-    _core.png_write(str(folder.depth(im_id)), encode_depth(depth_m, scale_mm), _PNG_LEVEL)
-    for gt_id, instance_id in enumerate(ids):
-        mask = np.where(instance == instance_id, _MASK_ON, np.uint8(0))
-        _core.png_write(str(folder.mask_visib(im_id, gt_id)), mask, _PNG_LEVEL)
-    record = image_record(sample, origins_m, scale_mm)
+    _core.png_write(str(folder.depth(im_id)), depth, _PNG_LEVEL)
+    record = Record(camera_record(sample, scale_mm), [], [], [])
+    for gt_id, row in enumerate(sample.objects):
+        mask, visible = sample["masks"][gt_id] != 0, instance == row["instance_id"]
+        _write_mask(folder.mask(im_id, gt_id), mask)
+        _write_mask(folder.mask_visib(im_id, gt_id), visible)
+        info = info_entry(row, mask, depth > 0)
+        record.gt.append(pose_entry(row, origins_m))
+        record.gt_info.append(info)
+        if info["px_count_visib"] > 0:
+            obj_id, fraction = int(row["obj_id"]), info["visib_fract"]
+            record.annotations.append(annotation(im_id, obj_id, mask, visible, fraction))
     folder.keep(im_id, record)
     return record
 
@@ -91,6 +104,7 @@ class _Job:
     sim: Simulation
     split_folder: Path
     origins_m: Mapping[int, F64]
+    header: CocoHeader
     threads: int | None
     total: int
     progress: Progress | None
@@ -111,7 +125,7 @@ class _Job:
         if missing or folder.listed() != records:
             folder.prepare()
             self._render(folder, {im_id: images[im_id] for im_id in missing}, records)
-            folder.complete(records)
+            folder.complete(records, self.header)
 
     def _render(
         self, folder: SceneFolder, images: Mapping[int, int], records: dict[int, Record]
@@ -127,22 +141,7 @@ class _Job:
             self.advance(written=queue.drain())
 
 
-def _chunks(frames: range, chunk_size: int) -> dict[int, dict[int, int]]:
-    """Scene id -> image id -> frame index; a pure function, so workers can share the frames."""
-    chunks: dict[int, dict[int, int]] = {}
-    for index in sorted(frames):
-        scene_id, im_id = divmod(index, chunk_size)
-        chunks.setdefault(scene_id, {})[im_id] = index
-    return chunks
-
-
-def _check_arguments(frames: range, chunk_size: int, split: str) -> None:
-    if len(frames) == 0 or min(frames) < 0:
-        raise ValueError(f"frames: {frames} must hold at least one index and none below 0")
-    if not 1 <= chunk_size <= 1_000_000:
-        raise ValueError(f"chunk_size: {chunk_size} must be in 1..1000000 (ids have six digits)")
-    if max(frames) // chunk_size > 999_999:
-        raise ValueError(f"frames: {max(frames)} needs a scene id above 999999; use larger chunks")
+def _check_split(split: str) -> None:
     if not _SPLIT.fullmatch(split):
         raise ValueError(
             f"split: {split!r} must be lower-case letters and digits, with one '_' before a type"
@@ -170,6 +169,19 @@ def _check_same_source(path: Path, info: dict[str, Any]) -> bool:
     return True
 
 
+def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> dict[int, BopModel]:
+    """What the dataset says of its simulation as a whole; refuses a folder of another one."""
+    models = bop_models(sim)
+    info = dataset_info(sim, chunk_size, split)
+    make_folder(root)
+    if not _check_same_source(root / SOURCE_FILE, info):
+        write_text(root / SOURCE_FILE, json_text(info))
+    write_text(root / "camera.json", json_text(camera_entry(sim)))
+    if not (root / "models" / "models_info.json").exists():
+        write_models(root / "models", models)
+    return models
+
+
 def write_bop(
     sim: Simulation,
     frames: range,
@@ -178,36 +190,46 @@ def write_bop(
     chunk_size: int = DEFAULT_CHUNK,
     threads: int | None = None,
     split: str = "train",
+    shard: Shard | None = None,
     progress: Progress | None = None,
 ) -> WriteReport:
-    """Writes `frames` as a BOP dataset: images, depth, visible masks, poses, models.
+    """Writes `frames` as a BOP dataset: images, depth, masks, poses, COCO annotations, models.
 
     Frame i is image i % chunk_size of scene i // chunk_size. What an earlier call has finished is
     kept, so an interrupted or extended dataset is continued by calling this again; the same call
     gives the same bytes. Images are PNG, hence the split is named `train`: the BOP toolkit looks
     for JPEG in `train_pbr`. The toolkit also wants the folder's own name without `_` and `-`.
+    A split named `test` gets the files of targets.
+
+    shard = (k, n): only the k-th of n runs of whole chunks, k from 0; the shards may go to one
+    folder or to several, and `merge_bop` makes the dataset of them.
 
     Depth is stored for all surfaces up to the farthest annotated one; beyond it may be 0.
 
     Raises OSError if a file cannot be written (finished frames stay valid), ValueError if the
     folder belongs to another configuration, seed or chunk size.
     """
-    _check_arguments(frames, chunk_size, split)
+    check_frames(frames, chunk_size, shard or (0, 1))
+    _check_split(split)
     root = Path(out)
-    models = bop_models(sim)
-    info = dataset_info(sim, chunk_size, split)
-    root.mkdir(parents=True, exist_ok=True)
-    if not _check_same_source(root / "dataset_info.json", info):
-        write_text(root / "dataset_info.json", json_text(info))
-    write_text(root / "camera.json", json_text(camera_entry(sim)))
-    if not (root / "models" / "models_info.json").exists():
-        write_models(root / "models", models)
+    models = _write_source(sim, root, chunk_size, split)
+    images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
-    job = _Job(sim, root / split, origins_m, threads, len(frames), progress)
-    chunks = _chunks(frames, chunk_size)
-    for scene_id, images in chunks.items():
+    size = sim.config.camera
+    header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
+    total = sum(len(images) for images in images_of.values())
+    job = _Job(sim, root / split, origins_m, header, threads, total, progress)
+    kept = 0
+    for scene_id, images in images_of.items():
         done = SceneFolder(job.split_folder / f"{scene_id:06d}").finished()
-        job.advance(kept=sum(im_id in done for im_id in images))
-    for scene_id, images in chunks.items():
+        kept += sum(im_id in done for im_id in images)
+    if shard is not None:
+        Note(frames, shard).write(root)
+    if kept < total or shard is not None:
+        reopen(root)
+    job.advance(kept=kept)
+    for scene_id, images in images_of.items():
         job.write_chunk(scene_id, images)
+    if shard is None:
+        finish(root)
     return WriteReport(root, job.written, job.kept)

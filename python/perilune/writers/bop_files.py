@@ -10,12 +10,14 @@ import json
 import os
 import shutil
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from perilune.writers.bop_labels import CocoHeader
 
 MM_PER_M = 1000.0
 LARGEST_DEPTH = 65534
@@ -23,10 +25,28 @@ LARGEST_DEPTH = 65534
 SMALLEST_EXPONENT = -3
 """Finest depth scale is 10^-3 mm."""
 
-_PARTIAL = ".partial"
-_CAMERA_FILE = "scene_camera.json"
-_GT_FILE = "scene_gt.json"
-_IMAGE_FOLDERS = ("rgb", "depth", "mask_visib")
+CAMERA_FILE = "scene_camera.json"
+GT_FILE = "scene_gt.json"
+INFO_FILE = "scene_gt_info.json"
+COCO_FILE = "scene_gt_coco.json"
+SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE)
+IMAGE_FOLDERS = ("rgb", "depth", "mask", "mask_visib")
+PARTIAL = ".partial"
+"""Hidden folder of a scene that is being written."""
+
+
+def make_folder(folder: str | Path) -> None:
+    """Makes a folder that files can be written to; OSError that names it otherwise."""
+    path = Path(folder)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        # Only a file tells: permissions, read-only mounts and quotas have no common question.
+        probe = path / f".writable.{os.getpid()}.tmp"
+        probe.write_bytes(b"")
+        probe.unlink()
+    except OSError as error:
+        reason = "a file stands there" if isinstance(error, FileExistsError) else error.strerror
+        raise OSError(error.errno, f"cannot be written to: {reason}", str(path)) from error
 
 
 def write_text(path: Path, text: str) -> None:
@@ -70,6 +90,22 @@ def json_by_id(entries: Mapping[int, Any]) -> str:
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
+def json_rows(rows: Iterable[Any]) -> str:
+    """A list, one entry a line."""
+    lines = [f"  {json.dumps(row, sort_keys=True, allow_nan=False)}" for row in rows]
+    return "[\n" + ",\n".join(lines) + "\n]" if lines else "[]"
+
+
+def json_sections(sections: Mapping[str, Any]) -> str:
+    """An object of lists and of small values, every entry of a list on its own line."""
+    lines = []
+    for name in sorted(sections):
+        value = sections[name]
+        text = json_rows(value) if isinstance(value, list) else json.dumps(value, sort_keys=True)
+        lines.append(f"{json.dumps(name)}: {text}")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
 def depth_scale_mm(z_max_mm: float) -> float:
     """Smallest of 1, 2, 5 x 10^k (k from -3) that brings z_max_mm into LARGEST_DEPTH steps."""
     if not np.isfinite(z_max_mm) or z_max_mm < 0.0:
@@ -96,9 +132,18 @@ class Record:
 
     camera: dict[str, Any]
     gt: list[dict[str, Any]]
+    gt_info: list[dict[str, Any]]
+    annotations: list[dict[str, Any]]
+    """Of the COCO file, without their ids, which count through the scene."""
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Record | None:
+        """None if the value is not what `vars` of a record gives."""
+        names = {field.name for field in fields(cls)}
+        return cls(**value) if set(value) == names else None
 
 
-def _load_object(path: Path) -> dict[str, Any]:
+def load_object(path: Path) -> dict[str, Any]:
     """A JSON object, or an empty one if the file is absent or broken: then it is made again."""
     try:
         value = json.loads(path.read_text(encoding="utf-8"))
@@ -116,11 +161,11 @@ class SceneFolder:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._partial = folder / _PARTIAL
+        self._partial = folder / PARTIAL
 
     def prepare(self) -> None:
         """Makes the folders, and removes what an interrupted run left half written."""
-        for name in (*_IMAGE_FOLDERS, _PARTIAL):
+        for name in (*IMAGE_FOLDERS, PARTIAL):
             directory = self.folder / name
             directory.mkdir(parents=True, exist_ok=True)
             for leftover in directory.glob("*.tmp"):
@@ -134,47 +179,72 @@ class SceneFolder:
     def depth(self, im_id: int) -> Path:
         return self.folder / "depth" / f"{im_id:06d}.png"
 
+    def mask(self, im_id: int, gt_id: int) -> Path:
+        """The whole silhouette, as if nothing hid it."""
+        return self.folder / "mask" / f"{im_id:06d}_{gt_id:06d}.png"
+
     def mask_visib(self, im_id: int, gt_id: int) -> Path:
         return self.folder / "mask_visib" / f"{im_id:06d}_{gt_id:06d}.png"
 
     def listed(self) -> dict[int, Record]:
-        """Images that both JSON files of the scene name."""
-        cameras = _load_object(self.folder / _CAMERA_FILE)
-        gts = _load_object(self.folder / _GT_FILE)
-        return {int(key): Record(cameras[key], gts[key]) for key in cameras if key in gts}
+        """Images that all JSON files of the scene name."""
+        cameras, gts, infos, coco = (load_object(self.folder / name) for name in SCENE_FILES)
+        annotations: dict[str, list[dict[str, Any]]] = {
+            str(image["id"]): [] for image in coco.get("images", [])
+        }
+        for entry in coco.get("annotations", []):
+            own = {key: value for key, value in entry.items() if key != "id"}
+            annotations.setdefault(str(entry["image_id"]), []).append(own)
+        return {
+            int(key): Record(cameras[key], gts[key], infos[key], annotations[key])
+            for key in cameras
+            if key in gts and key in infos and key in annotations
+        }
 
     def finished(self) -> dict[int, Record]:
         """Images that need not be rendered again."""
         records = self.listed()
         for path in sorted(self._partial.glob("*.json")):
-            value = _load_object(path)
-            if value:
-                records[int(path.stem)] = Record(value["camera"], value["gt"])
+            record = Record.from_json(load_object(path))
+            if record is not None:
+                records[int(path.stem)] = record
         present = {
-            f"{name}/{entry}" for name in _IMAGE_FOLDERS for entry in _names(self.folder / name)
+            f"{name}/{entry}" for name in IMAGE_FOLDERS for entry in _names(self.folder / name)
         }
         return {
             im_id: record
             for im_id, record in records.items()
-            if self._files_of(im_id, record) <= present
+            if self.files_of(im_id, len(record.gt)) <= present
         }
 
-    def _files_of(self, im_id: int, record: Record) -> set[str]:
+    def files_of(self, im_id: int, instances: int) -> set[str]:
+        """The image files of one image, relative to the folder."""
         paths = [self.rgb(im_id), self.depth(im_id)]
-        paths += [self.mask_visib(im_id, gt_id) for gt_id in range(len(record.gt))]
+        for gt_id in range(instances):
+            paths += [self.mask(im_id, gt_id), self.mask_visib(im_id, gt_id)]
         return {path.relative_to(self.folder).as_posix() for path in paths}
+
+    def is_complete(self) -> bool:
+        """True when nothing of the scene is still being written."""
+        return not self._partial.exists() and all(
+            (self.folder / name).is_file() for name in SCENE_FILES
+        )
 
     def keep(self, im_id: int, record: Record) -> None:
         """Notes that the files of an image are complete."""
-        value = {"camera": record.camera, "gt": record.gt}
-        write_text(self._partial / f"{im_id:06d}.json", json_text(value))
+        write_text(self._partial / f"{im_id:06d}.json", json_text(vars(record)))
 
-    def complete(self, records: Mapping[int, Record]) -> None:
+    def complete(self, records: Mapping[int, Record], header: CocoHeader) -> None:
         """Writes the scene's JSON files, the last step; then the records are not needed."""
-        cameras = {im_id: record.camera for im_id, record in records.items()}
-        write_text(self.folder / _CAMERA_FILE, json_by_id(cameras))
-        gts = {im_id: record.gt for im_id, record in records.items()}
-        write_text(self.folder / _GT_FILE, json_by_id(gts))
+        tables: dict[str, dict[int, Any]] = {
+            CAMERA_FILE: {im_id: record.camera for im_id, record in records.items()},
+            GT_FILE: {im_id: record.gt for im_id, record in records.items()},
+            INFO_FILE: {im_id: record.gt_info for im_id, record in records.items()},
+        }
+        for name, table in tables.items():
+            write_text(self.folder / name, json_by_id(table))
+        coco = header.file({im_id: record.annotations for im_id, record in records.items()})
+        write_text(self.folder / COCO_FILE, json_sections(coco))
         shutil.rmtree(self._partial)
 
 

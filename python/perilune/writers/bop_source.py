@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,16 @@ def _refuse_driven_sizes(sim: Simulation) -> None:
             )
 
 
+def refuse_unfit(sim: Simulation) -> None:
+    """ConfigError for what a configuration may say, but a BOP dataset cannot hold."""
+    _refuse_driven_sizes(sim)
+    if not sim.config.render.amodal:
+        raise ConfigError(
+            f"{sim.document.source}: render.amodal: false leaves out the full silhouettes, which "
+            "a BOP dataset needs; remove it or say true"
+        )
+
+
 def _discrete(symmetries: Symmetries) -> list[F64]:
     return [
         rotations.to_matrix(rotations.from_rpy_deg(angles)) for angles in symmetries.discrete_deg
@@ -44,7 +55,7 @@ def _continuous(symmetries: Symmetries) -> list[tuple[F64, F64]]:
 
 def bop_models(sim: Simulation) -> dict[int, BopModel]:
     """Object id -> model; spacecraft that share an id share a model."""
-    _refuse_driven_sizes(sim)
+    refuse_unfit(sim)
     models: dict[int, BopModel] = {}
     for row in sim.models.values():
         if row.obj_id not in models:
@@ -95,6 +106,11 @@ def _files(sim: Simulation) -> dict[str, str]:
     return files
 
 
+def dataset_name(sim: Simulation) -> str:
+    """The configuration's name in lower-case letters and digits, all that BOP allows."""
+    return re.sub("[^a-z0-9]", "", sim.config.name.lower()) or "perilune"
+
+
 def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
     """dataset_info.json: what makes the same dataset again. No time stamps."""
     tree = {key: value for key, value in sim.document.tree.items() if key != "seed"}
@@ -103,6 +119,7 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
         "chunk_size": chunk_size,
         "config_name": sim.config.name,
         "config_sha256": hashlib.sha256(text.encode("utf-8")).hexdigest(),
+        "dataset_name": dataset_name(sim),
         "description": sim.config.description,
         "files_sha256": _files(sim),
         "seed": sim.config.seed,

@@ -35,6 +35,8 @@ class WriteFunction(Protocol):
         *,
         chunk_size: int = ...,
         threads: int | None = ...,
+        split: str = ...,
+        shard: tuple[int, int] | None = ...,
         progress: Progress | None = ...,
     ) -> WriteReport: ...
 

@@ -85,14 +85,15 @@ def scenes(dataset):
 
 
 def test_layout_is_exactly_the_formats(dataset):
-    expected = {"camera.json", "dataset_info.json", "models/models_info.json"}
+    expected = {"camera.json", "dataset_info.json", "dataset_info.md", "models/models_info.json"}
     expected.add("models/obj_000005.ply")
     for scene, images in ((0, 4), (1, 2)):
         folder = f"train/{scene:06d}"
-        expected |= {f"{folder}/scene_camera.json", f"{folder}/scene_gt.json"}
+        expected |= {f"{folder}/scene_{k}.json" for k in ("camera", "gt", "gt_info", "gt_coco")}
         for image in range(images):
             expected |= {f"{folder}/rgb/{image:06d}.png", f"{folder}/depth/{image:06d}.png"}
-            expected |= {f"{folder}/mask_visib/{image:06d}_{k:06d}.png" for k in range(2)}
+            for name in ("mask", "mask_visib"):
+                expected |= {f"{folder}/{name}/{image:06d}_{k:06d}.png" for k in range(2)}
     assert set(tree_bytes(dataset)) == expected
 
 
@@ -283,7 +284,9 @@ class Counted:
         return self._sim.frame(index, **options)
 
 
-@pytest.mark.parametrize("name", ["scene_gt.json", "scene_camera.json"])
+@pytest.mark.parametrize(
+    "name", ["scene_gt.json", "scene_camera.json", "scene_gt_info.json", "scene_gt_coco.json"]
+)
 def test_chunk_without_its_json_is_made_again(sim, dataset, tmp_path, name):
     out = tmp_path / "probes"
     perilune.write_bop(sim, FRAMES, out, chunk_size=4, threads=1)
@@ -294,10 +297,11 @@ def test_chunk_without_its_json_is_made_again(sim, dataset, tmp_path, name):
     assert tree_bytes(out) == tree_bytes(dataset)
 
 
-def test_missing_file_is_made_again(sim, dataset, tmp_path):
+@pytest.mark.parametrize("name", ["mask", "mask_visib"])
+def test_missing_file_is_made_again(sim, dataset, tmp_path, name):
     out = tmp_path / "probes"
     perilune.write_bop(sim, FRAMES, out, chunk_size=4, threads=1)
-    (out / "train" / "000000" / "mask_visib" / "000002_000001.png").unlink()
+    (out / "train" / "000000" / name / "000002_000001.png").unlink()
     counted = Counted(sim)
     perilune.write_bop(counted, FRAMES, out, chunk_size=4, threads=1)
     assert counted.rendered == [2]
