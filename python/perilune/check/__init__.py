@@ -1,0 +1,94 @@
+"""Checks a written dataset against itself: files, labels, images, models, targets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from pydantic import TypeAdapter
+
+from perilune.check.findings import Finding, Report
+from perilune.check.models import check_models
+from perilune.check.records import Camera, Source, read_json
+from perilune.check.scene import check_scene
+from perilune.writers.bop_files import IMAGE_FOLDERS
+from perilune.writers.bop_finish import (
+    CARD_FILE,
+    DETECTION,
+    LOCALISATION,
+    SOURCE_FILE,
+    card,
+    summary,
+    target_files,
+)
+from perilune.writers.bop_shards import NOTES
+
+__all__ = ["Finding", "Report", "check_bop"]
+
+_ROOT_FILES = {"camera.json", SOURCE_FILE, CARD_FILE}
+
+
+def _scenes(report: Report, split: Path) -> list[Path]:
+    """The scene folders; readers take every name in a split's folder for a number."""
+    if not split.is_dir():
+        report.add(split, "is missing")
+        return []
+    folders = []
+    for path in sorted(split.iterdir()):
+        named = path.is_dir() and len(path.name) == 6 and path.name.isdecimal()
+        if report.need(named, path, "is no scene folder (six digits)"):
+            folders.append(path)
+    report.need(bool(folders), split, "holds no scene")
+    return folders
+
+
+def _check_layout(report: Report, split: str) -> None:
+    known = {*_ROOT_FILES, "models", split, LOCALISATION, DETECTION, NOTES}
+    for path in sorted(report.folder.iterdir()):
+        report.need(path.name in known, path, "is not part of the dataset")
+    if (report.folder / NOTES).exists():
+        report.add(report.folder / NOTES, "shards are not merged: run `perilune merge` on them")
+
+
+def _check_summary(report: Report, source: Source, camera: Camera) -> None:
+    """Card and targets must be those of the scenes; asked only when the scenes are good."""
+    root = report.folder
+    found = summary(root / source.split)
+    texts = target_files(source.split, found)
+    texts[CARD_FILE] = card(source.model_dump(), camera.model_dump(), found)
+    for name, text in texts.items():
+        path = root / name
+        if not path.is_file():
+            report.add(path, "is missing: the dataset is not finished")
+        elif path.read_text(encoding="utf-8") != text:
+            report.add(path, "does not agree with the scenes")
+    for name in sorted({LOCALISATION, DETECTION} - set(texts)):
+        report.need(not (root / name).exists(), root / name, "only a test split has targets")
+
+
+def check_bop(folder: str | Path, progress: Callable[[int, int], None] | None = None) -> Report:
+    """Checks a BOP dataset that `write_bop` has written. progress: (images done, images)."""
+    report = Report(Path(folder))
+    if not report.folder.is_dir():
+        raise FileNotFoundError(f"{folder}: no such folder")
+    source = read_json(report, report.folder / SOURCE_FILE, TypeAdapter(Source))
+    camera = read_json(report, report.folder / "camera.json", TypeAdapter(Camera))
+    meshes = check_models(report)
+    if source is None or camera is None:
+        return report
+    _check_layout(report, source.split)
+    folders = _scenes(report, report.folder / source.split)
+    total = sum(len(list((path / IMAGE_FOLDERS[0]).glob("*.png"))) for path in folders)
+    done = 0
+
+    def step() -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(done, total)
+
+    for path in folders:
+        check_scene(report, path, source, meshes, (camera.width, camera.height), step)
+    if not report.findings:
+        _check_summary(report, source, camera)
+    return report

@@ -1,0 +1,97 @@
+"""Checks the models of a dataset: meshes, and models_info.json against them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune.check.findings import Report
+from perilune.check.ply import Mesh, PlyError, read_ply
+from perilune.check.records import ModelInfo, by_id, read_json
+from perilune.writers.diameter import diameter
+
+F64 = NDArray[np.float64]
+
+_SIZES = 1e-6
+"""Relative; sizes are exact but for the rounding of sums."""
+_CENTRE = 1e-5
+"""Of the diameter: how far the box's centre may lie from the origin in single precision."""
+_NORMALS = 1e-3
+ROTATION = 1e-9
+"""How far R^T R may be from the identity."""
+
+
+def rotation_fault(R: F64) -> str | None:
+    """Why a 3x3 matrix is no rotation."""
+    off = float(np.abs(R @ R.T - np.eye(3)).max())
+    if off > ROTATION:
+        return f"is not orthonormal: R R^T differs from 1 by {off:.3g}"
+    return None if np.linalg.det(R) > 0.0 else "has determinant -1: a reflection, no rotation"
+
+
+def _check_mesh(report: Report, path: Path, mesh: Mesh) -> bool:
+    if not report.need(len(mesh.faces) > 0, path, "has no triangle"):
+        return False
+    if not report.need(bool(np.isfinite(mesh.points).all()), path, "has non-finite vertices"):
+        return False
+    inside = mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.points)
+    report.need(inside, path, "has a face of a vertex that does not exist")
+    lengths = np.linalg.norm(mesh.normals, axis=1)
+    bad = np.count_nonzero(~(np.abs(lengths - 1.0) <= _NORMALS))
+    report.need(bad == 0, path, f"has {bad} normals that are not of unit length")
+    return True
+
+
+def _check_info(report: Report, path: Path, key: str, info: ModelInfo, mesh: Mesh) -> None:
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    longest = diameter(mesh.points)
+    truth = {"diameter": longest}
+    for axis, name in enumerate("xyz"):
+        truth[f"min_{name}"] = float(low[axis])
+        truth[f"size_{name}"] = float(high[axis] - low[axis])
+    for name, value in truth.items():
+        stated = getattr(info, name)
+        close = abs(stated - value) <= _SIZES * longest
+        report.need(close, path, f"{key}.{name} is {stated:g}, the model has {value:g}")
+    centre = float(np.abs(low + high).max()) / 2.0
+    report.need(
+        centre <= _CENTRE * longest,
+        path,
+        f"{key}: the model's box is centred {centre:g} mm from the origin",
+    )
+    for k, matrix in enumerate(info.symmetries_discrete):
+        R = np.reshape(matrix, (4, 4))
+        fault = rotation_fault(R[:3, :3])
+        report.need(fault is None, path, f"{key}.symmetries_discrete[{k}] {fault}")
+        last = R[3].tolist() == [0.0, 0.0, 0.0, 1.0]
+        report.need(last, path, f"{key}.symmetries_discrete[{k}]: last row must be 0 0 0 1")
+    for k, line in enumerate(info.symmetries_continuous):
+        unit = abs(float(np.linalg.norm(line.axis)) - 1.0) <= ROTATION
+        report.need(unit, path, f"{key}.symmetries_continuous[{k}].axis is not of unit length")
+
+
+def check_models(report: Report) -> dict[int, Mesh]:
+    """Checks models/; returns the meshes that can be used."""
+    folder = report.folder / "models"
+    infos = read_json(report, folder / "models_info.json", by_id(ModelInfo)) or {}
+    meshes: dict[int, Mesh] = {}
+    names = {f"obj_{int(key):06d}.ply": key for key in infos}
+    present = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    for name in sorted(present - set(names) - {"models_info.json"}):
+        report.add(folder / name, "is not in models_info.json")
+    for name, key in names.items():
+        path = folder / name
+        try:
+            mesh = read_ply(path)
+        except FileNotFoundError:
+            report.add(path, "is missing")
+            continue
+        except (OSError, PlyError) as error:
+            report.add(path, str(error))
+            continue
+        if _check_mesh(report, path, mesh):
+            _check_info(report, folder / "models_info.json", key, infos[key], mesh)
+            meshes[int(key)] = mesh
+    return meshes
