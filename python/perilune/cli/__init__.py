@@ -8,14 +8,30 @@ import traceback
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 
+from perilune.cli.check import CHECK
 from perilune.cli.command import FAILED, INTERNAL, INTERRUPTED, Command
 from perilune.cli.info import INFO
+from perilune.cli.merge import MERGE
+from perilune.cli.orbit import ORBIT
 from perilune.cli.parts import PARTS
 from perilune.cli.plan import PLAN
 from perilune.cli.preview import PREVIEW
 from perilune.cli.render import RENDER
+from perilune.cli.schema import SCHEMA
+from perilune.cli.stats import STATS
 
-COMMANDS: tuple[Command, ...] = (RENDER, PREVIEW, PLAN, PARTS, INFO)
+COMMANDS: tuple[Command, ...] = (
+    RENDER,
+    MERGE,
+    CHECK,
+    STATS,
+    PREVIEW,
+    PLAN,
+    PARTS,
+    ORBIT,
+    SCHEMA,
+    INFO,
+)
 
 _EXPECTED = (ValueError, OSError, MemoryError, RuntimeError)
 """Errors that say what the user can do; anything else is a fault of the program."""

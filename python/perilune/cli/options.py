@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from typing import Any
+from collections.abc import Callable, Iterable
 
 import perilune
 from perilune.config import parse_override
+from perilune.config.errors import nearest
 from perilune.simulation import Simulation, default_threads
 
+LAST_FRAME = 2**31 - 1
 
-def whole_number(smallest: int) -> Any:
-    """A reader of integers not below `smallest`."""
+
+def whole_number(smallest: int, largest: int | None = None) -> Callable[[str], int]:
+    """A reader of integers not below `smallest` and not above `largest`."""
 
     def read(text: str) -> int:
         try:
@@ -20,9 +23,35 @@ def whole_number(smallest: int) -> Any:
             raise ArgumentTypeError(f"{text!r} is not a whole number") from None
         if value < smallest:
             raise ArgumentTypeError(f"{value} is too small; at least {smallest}")
+        if largest is not None and value > largest:
+            raise ArgumentTypeError(f"{value} is too large; at most {largest}")
         return value
 
     return read
+
+
+def one_of(what: str, names: Iterable[str]) -> Callable[[str], str]:
+    """A reader of one of some names."""
+    allowed = list(names)
+
+    def read(text: str) -> str:
+        if text not in allowed:
+            raise ArgumentTypeError(f"no {what} '{text}'{nearest(text, allowed)}")
+        return text
+
+    return read
+
+
+def shard(text: str) -> tuple[int, int]:
+    """`0/4` to `3/4`."""
+    part, slash, count = text.partition("/")
+    try:
+        numbers = int(part), int(count)
+    except ValueError:
+        numbers = (-1, 0)
+    if not slash or not 0 <= numbers[0] < numbers[1]:
+        raise ArgumentTypeError(f"{text!r} is no K/N with 0 <= K < N, such as 0/4 to 3/4")
+    return numbers
 
 
 def frame_range(text: str) -> range:
@@ -42,6 +71,8 @@ def frame_range(text: str) -> range:
     frames = range(numbers[0], numbers[1], step)
     if not frames:
         raise ArgumentTypeError(f"{text!r} holds no frame (END is left out)")
+    if frames[-1] > LAST_FRAME:
+        raise ArgumentTypeError(f"{text!r}: the last frame there is has index {LAST_FRAME}")
     return frames
 
 
@@ -58,6 +89,28 @@ def add_config(parser: ArgumentParser) -> None:
         action="append",
         default=[],
         help="replaces a key of the configuration, e.g. camera.width=320; may be repeated",
+    )
+
+
+def add_frames(parser: ArgumentParser) -> None:
+    """--frames."""
+    parser.add_argument(
+        "--frames",
+        type=frame_range,
+        required=True,
+        metavar="FIRST:END",
+        help="frames to write: N, FIRST:END or FIRST:END:STEP; END is left out",
+    )
+
+
+def add_frame(parser: ArgumentParser) -> None:
+    """--frame."""
+    parser.add_argument(
+        "--frame",
+        type=whole_number(0, LAST_FRAME),
+        default=0,
+        metavar="N",
+        help="frame (default: 0)",
     )
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from perilune.cli.command import OK, Command
-from perilune.cli.options import add_config, open_simulation, whole_number
+from perilune.cli.options import add_config, add_frame, open_simulation
 
 _COLUMNS = ("effect", "on", "bound", "cost", "reason")
 _RIGHT = {"bound", "cost"}
@@ -17,9 +17,7 @@ _RIGHT = {"bound", "cost"}
 
 def _configure(parser: ArgumentParser) -> None:
     add_config(parser)
-    parser.add_argument(
-        "--frame", type=whole_number(0), default=0, metavar="N", help="frame (default: 0)"
-    )
+    add_frame(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 

@@ -6,14 +6,12 @@ from argparse import ArgumentParser, Namespace
 
 from perilune import preview
 from perilune.cli.command import OK, Command
-from perilune.cli.options import add_config, add_threads, open_simulation, whole_number
+from perilune.cli.options import add_config, add_frame, add_threads, open_simulation
 
 
 def _configure(parser: ArgumentParser) -> None:
     add_config(parser)
-    parser.add_argument(
-        "--frame", type=whole_number(0), default=0, metavar="N", help="frame (default: 0)"
-    )
+    add_frame(parser)
     parser.add_argument("--out", required=True, metavar="PNG", help="file to write")
     add_threads(parser)
 

@@ -1,0 +1,31 @@
+"""`perilune merge`: joins the shards of a dataset."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+
+from perilune.cli.command import OK, Command
+from perilune.writers.merge import merge_bop
+
+
+def _configure(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "folders",
+        nargs="+",
+        metavar="DIR",
+        help="folders that `perilune render --shard` has written to",
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder of the whole dataset (default: the only DIR)"
+    )
+
+
+def _run(args: Namespace) -> int:
+    report = merge_bop(args.folders, args.out)
+    print(f"{report.folder}: {report.scenes} scenes, {report.images} images, complete")
+    return OK
+
+
+MERGE = Command(
+    "merge", "joins shards, checks that none is missing, writes targets and card", _configure, _run
+)

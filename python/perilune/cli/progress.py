@@ -1,0 +1,39 @@
+"""The progress bar of the commands that go through images."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Any
+
+from tqdm import tqdm
+
+
+class Bar:
+    """A progress bar that counts only this run's images in its rate; silent without a terminal."""
+
+    def __init__(self) -> None:
+        self.done = 0
+        self.total = 0
+        self._bar: tqdm[Any] | None = None
+
+    def __call__(self, done: int, total: int) -> None:
+        self.done, self.total = done, total
+        bar = self._bar
+        if bar is None:
+            # Images of an earlier run are the bar's start, so that they do not count in its rate.
+            self._bar = bar = tqdm(
+                total=total, initial=done, unit="img", disable=None, dynamic_ncols=True
+            )
+        bar.update(done - bar.n)
+
+    def __enter__(self) -> Bar:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._bar is not None:
+            self._bar.close()

@@ -1,0 +1,43 @@
+"""`perilune stats`: distributions of what a written dataset shows."""
+
+from __future__ import annotations
+
+import json
+from argparse import ArgumentParser, Namespace
+from typing import Any
+
+from perilune.cli.command import OK, Command
+from perilune.writers.statistics import QUANTILES, bop_statistics
+
+
+def _configure(parser: ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="DIR", help="folder of the dataset")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def _table(found: dict[str, Any]) -> str:
+    head = ["", *(f"{q:.0%}" for q in QUANTILES), "mean"]
+    lines = [f"{found['scenes']} scenes, {found['images']} images, {found['instances']} instances"]
+    for obj_id, quantities in found["objects"].items():
+        rows = [head]
+        for name, numbers in quantities.items():
+            if isinstance(numbers, dict):
+                rows.append([name, *(f"{value:.4g}" for value in numbers.values())])
+        widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
+        lines += ["", f"object {obj_id}: {quantities['instances']} instances"]
+        for row in rows:
+            cells = [
+                cell.rjust(width) if k else cell.ljust(width)
+                for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+            ]
+            lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
+
+
+def _run(args: Namespace) -> int:
+    found = bop_statistics(args.folder)
+    print(json.dumps(found, indent=2) if args.json else _table(found))
+    return OK
+
+
+STATS = Command("stats", "prints distributions of a written dataset", _configure, _run)
