@@ -5,6 +5,10 @@ bool pl_ellipsoid_intersect(pl_vec3 radii_m, pl_vec3 origin, pl_vec3 direction, 
                             double *t) {
   const pl_vec3 f = {origin.x / radii_m.x, origin.y / radii_m.y, origin.z / radii_m.z};
   const pl_vec3 d = {direction.x / radii_m.x, direction.y / radii_m.y, direction.z / radii_m.z};
+  return pl_unit_sphere_intersect(f, d, t_min, t);
+}
+
+bool pl_unit_sphere_intersect(pl_vec3 f, pl_vec3 d, double t_min, double *t) {
   const double a = pl_vec3_dot(d, d);
   if (!(a > 0.0))
     return false;

@@ -13,6 +13,10 @@
 bool pl_ellipsoid_intersect(pl_vec3 radii_m, pl_vec3 origin, pl_vec3 direction, double t_min,
                             double *t);
 
+/* The same for the unit sphere: what an ellipsoid is in axes scaled by its radii. t is in units of
+ * `direction`, which need not be unit. */
+bool pl_unit_sphere_intersect(pl_vec3 origin, pl_vec3 direction, double t_min, double *t);
+
 /* Outward unit normal at a point of the surface. */
 pl_vec3 pl_ellipsoid_normal(pl_vec3 radii_m, pl_vec3 point);
 

@@ -5,8 +5,9 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include <jpeglib.h> /* first: the numbers in jerror.h depend on its version */
+
 #include <jerror.h>
-#include <jpeglib.h>
 
 #include "io/image_codec.h"
 

@@ -140,3 +140,11 @@ double pl_view_series(const pl_view *view, int bounces) {
     sum += term;
   return sum;
 }
+
+double pl_view_received(const pl_view *view, size_t i) {
+  double sum = 0.0;
+  for (size_t k = 0; k < view->thing_count; k++)
+    if (k != i)
+      sum += pl_view_transfer(&view->things[i], &view->things[k]) * pl_view_light(&view->things[k]);
+  return sum;
+}

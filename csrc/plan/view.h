@@ -65,4 +65,8 @@ double pl_view_light(const pl_view_thing *source);
  * r is the largest albedo in the scene. */
 double pl_view_series(const pl_view *view, int bounces);
 
+/* Upper bound of the radiance that thing `i` sends on of what all others reflect or emit onto it
+ * directly, W m-2 sr-1. */
+double pl_view_received(const pl_view *view, size_t i);
+
 #endif

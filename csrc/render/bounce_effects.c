@@ -82,11 +82,7 @@ static double body_bound_dn(const pl_view *view, int value) {
     const pl_view_thing *receiver = &view->things[i];
     if (!receiver->in_frame || !receiver->is_body)
       continue;
-    double sum = 0.0;
-    for (size_t k = 0; k < view->thing_count; k++)
-      if (k != i)
-        sum += pl_view_transfer(receiver, &view->things[k]) * pl_view_light(&view->things[k]);
-    radiance = fmax(radiance, sum);
+    radiance = fmax(radiance, pl_view_received(view, i));
   }
   return pl_view_dn(view, radiance * pl_view_series(view, view->max_bounces));
 }

@@ -5,12 +5,11 @@
 
 #include "light/sun.h"
 #include "math/color.h"
-#include "math/sampler.h"
 #include "math/sampling.h"
+#include "render/draws.h"
 #include "shade/reflectance.h"
 
-/* Dimension pairs of one vertex: sun, direction, lobe and roulette. */
-enum { DIMENSIONS = 3, ROULETTE_AFTER = 3 };
+enum { ROULETTE_AFTER = 3 };
 /* After a bounce, surfaces count as at least so rough: twice the opening of the lobe that was drawn
  * from, and no more than the cap. The caustics that no sampler here finds become as broad as the
  * lobe that looks at them, and free of fireflies. Energy is kept; the bias falls under the row
@@ -41,16 +40,30 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
         .pdf = INFINITY,
         .pixel = pixel,
     };
-    b->rays[i] = (pl_ray){
-        .t_max = INFINITY, .direction = pl_vec3_to_float(direction), .skip_body = PL_NOTHING};
+    b->rays[i] = (pl_ray){.t_max = INFINITY,
+                          .direction = pl_vec3_to_float(direction),
+                          .skip_body = context->bodies ? PL_NOTHING : PL_EVERY_BODY};
   }
   return b->active_count;
+}
+
+/* Whether a path may point at the sun: by the camera's view of it, where parallax is small. */
+static bool near_sun(const pl_path_context *context, const pl_path *path) {
+  const pl_sun_view *sun = &context->camera_sun;
+  const float parallax = 0.01f;
+  if (!(pl_vec3_norm(path->beam.origin) < parallax * sun->distance_m))
+    return true;
+  const pl_vec3f across = pl_vec3f_cross(sun->direction, pl_vec3_to_float(path->beam.direction));
+  const float reach = sun->sin_radius * (1.0f + 2.0f * parallax) + 2.0f * parallax;
+  return pl_vec3f_dot(across, across) < reach * reach;
 }
 
 /* A ray that leaves the scene sees the sun or nothing. */
 static void shade_miss(const pl_path_context *context, const pl_path *path, pl_tile_buffers *b) {
   if (!context->settings->soft_sun && !isinf(path->pdf))
     return; /* a point sun cannot be met by chance */
+  if (!near_sun(context, path))
+    return;
   const pl_sun_view sun = pl_sun_view_at(&context->shot->sun, path->beam.origin);
   if (!pl_sun_covers(&sun, pl_vec3_to_float(path->beam.direction)))
     return;
@@ -107,6 +120,9 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   /* Up to the sun's surface, less rounding: a body that stands for the sun is no obstacle. */
   const float reach = sun.distance_m * (1.0f - sun.sin_radius) * 0.999999f;
   b->shadow_rays[queued] = pl_vertex_ray(vertex, context->shot, toward, reach);
+  if (vertex->thing < context->shot->object_count &&
+      !context->shot->objects[vertex->thing].eclipsed)
+    b->shadow_rays[queued].skip_body = PL_EVERY_BODY;
   b->pending[queued] = (pl_pending){light, path->pixel};
   return queued + 1;
 }
@@ -152,37 +168,65 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
 }
 
 static bool goes_on(const pl_path_context *context, const pl_vertex *vertex, int bounce) {
-  const bool on_body = vertex->thing >= context->shot->object_count;
+  const size_t objects = context->shot->object_count;
   const pl_render_settings *s = context->settings;
-  if (on_body)
-    return s->body_bounces && bounce < (s->bounces > 1 ? s->bounces : 1);
+  if (vertex->thing >= objects)
+    return s->body_bounces && context->shot->bodies[vertex->thing - objects].bounced &&
+           bounce < (s->bounces > 1 ? s->bounces : 1);
   return bounce < s->bounces;
 }
 
-/* Shades the hit of path `i`; the continued path takes place `kept` <= i. */
-static void shade_hit(const pl_path_context *context, uint32_t index, int bounce, size_t i,
+/* The draws of path `i` of the wave. */
+typedef struct vertex_draws {
+  float sun[2], direction[2], choice[2];
+} vertex_draws;
+
+static vertex_draws draws_of(const pl_tile_buffers *b, size_t i) {
+  return (vertex_draws){{b->draws[0][i], b->draws[1][i]},
+                        {b->draws[2][i], b->draws[3][i]},
+                        {b->draws[4][i], b->draws[5][i]}};
+}
+
+/* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
+static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
   const pl_path path = b->paths[i];
-  pl_vertex vertex;
-  pl_vertex_locate(context->shot, &path.beam, &b->hits[i], false, &vertex);
-  pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, &vertex);
-  pl_surface *s = &vertex.surface;
+  const vertex_draws u = draws_of(b, i);
+  pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, vertex);
+  pl_surface *s = &vertex->surface;
   s->alpha = fmaxf(s->alpha, path.alpha_min);
   add(&b->sample[path.pixel], pl_vec3f_mul(path.throughput, s->emission));
-  const uint32_t first = (uint32_t)bounce * DIMENSIONS, seed = b->seeds[path.pixel];
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
-  float u[2];
-  pl_sample_2d(index, seed, first, u);
-  const bool onward = goes_on(context, &vertex, bounce);
-  *queued = shade_sun(context, &path, &vertex, u, wo, onward, *queued, b);
-  if (!onward)
-    return;
-  float choice[2];
-  pl_sample_2d(index, seed, first + 1, u);
-  pl_sample_2d(index, seed, first + 2, choice);
-  if (extend(context, &path, &vertex, bounce, u, choice, wo, &b->paths[*kept], &b->rays[*kept]))
+  const bool onward = goes_on(context, vertex, bounce);
+  *queued = shade_sun(context, &path, vertex, u.sun, wo, onward, *queued, b);
+  if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, &b->paths[*kept],
+                       &b->rays[*kept]))
     ++*kept;
+}
+
+/* Whether an earlier sample of the pixel can lend its radiance to a first hit; if not, this one
+ * becomes the lender. */
+static bool take_share(const pl_path_context *context, const pl_vertex *vertex, uint32_t pixel,
+                       pl_tile_buffers *b) {
+  const float same_normal = 0.9995f; /* 1.8 degrees */
+  pl_share *share = &b->shares[pixel];
+  const bool mesh = vertex->thing < context->shot->object_count;
+  const uint32_t part =
+      mesh ? context->shot->objects[vertex->thing].object->model->triangle_part[vertex->triangle]
+           : 0;
+  if (share->left > 0 && share->thing == vertex->thing && share->part == part &&
+      pl_vec3f_dot(share->ng, vertex->ng) > same_normal) {
+    share->left--;
+    add(&b->sample[pixel], share->radiance);
+    return true;
+  }
+  *share = (pl_share){.thing = vertex->thing,
+                      .part = part,
+                      .ng = vertex->ng,
+                      .left = context->settings->share - 1,
+                      .fresh = true};
+  return false;
 }
 
 /* A first hit on the body whose radiance is known for the whole pixel. */
@@ -190,16 +234,38 @@ static bool is_settled(const pl_tile_buffers *b, int bounce, size_t i) {
   return bounce == 0 && b->settled_thing[b->paths[i].pixel] == b->hits[i].thing;
 }
 
+/* A hit of path `i`, whatever it is. */
+static void visit_hit(const pl_path_context *context, int bounce, size_t i, size_t *kept,
+                      size_t *queued, pl_tile_buffers *b) {
+  const uint32_t pixel = b->paths[i].pixel;
+  pl_vertex vertex;
+  if (is_settled(b, bounce, i)) {
+    add(&b->sample[pixel], b->settled[pixel]);
+    return;
+  }
+  pl_vertex_locate(context->shot, &b->paths[i].beam, &b->hits[i], false, &vertex);
+  if (bounce == 0 && take_share(context, &vertex, pixel, b))
+    return;
+  shade_hit(context, bounce, i, &vertex, kept, queued, b);
+}
+
+static void draw_wave(uint32_t index, int bounce, size_t count, pl_tile_buffers *b) {
+  const pl_draws draws = {
+      {b->draws[0], b->draws[1]}, {b->draws[2], b->draws[3]}, {b->draws[4], b->draws[5]}};
+  for (size_t i = 0; i < count; i++)
+    b->wave_seeds[i] = b->seeds[b->paths[i].pixel];
+  pl_draws_fill(&draws, b->wave_seeds, count, index, (uint32_t)bounce);
+}
+
 static size_t shade_wave(const pl_path_context *context, uint32_t index, int bounce, size_t count,
                          pl_tile_buffers *b) {
   size_t kept = 0, queued = 0;
+  draw_wave(index, bounce, count, b);
   for (size_t i = 0; i < count; i++) {
     if (b->hits[i].thing == PL_NOTHING)
       shade_miss(context, &b->paths[i], b);
-    else if (is_settled(b, bounce, i))
-      add(&b->sample[b->paths[i].pixel], b->settled[b->paths[i].pixel]);
     else
-      shade_hit(context, index, bounce, i, &kept, &queued, b);
+      visit_hit(context, bounce, i, &kept, &queued, b);
   }
   pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, queued, bounce == 0);
   for (size_t i = 0; i < queued; i++)
@@ -215,6 +281,11 @@ static void gather_sample(pl_tile_buffers *b) {
     add(&b->radiance[pixel], b->sample[pixel]);
     b->square[pixel] += y * y;
     b->counts[pixel]++;
+    pl_share *share = &b->shares[pixel];
+    b->shaded[pixel] += share->fresh || share->thing == PL_NOTHING;
+    if (share->fresh)
+      share->radiance = b->sample[pixel];
+    share->fresh = false;
     b->sample[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
   }
 }
@@ -225,7 +296,10 @@ void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buff
     for (size_t i = 0; i < count; i++)
       b->hits[i] = b->center_hits[b->paths[i].pixel];
   } else {
-    pl_tracer_closest(context->tracer, b->rays, b->hits, count, true, context->meshes);
+    const size_t meshes = b->active_meshes;
+    pl_tracer_closest(context->tracer, b->rays, b->hits, meshes, true, true);
+    pl_tracer_closest(context->tracer, b->rays + meshes, b->hits + meshes, count - meshes, true,
+                      false);
   }
   for (int bounce = 0; count > 0; bounce++) {
     count = shade_wave(context, index, bounce, count, b);

@@ -3,6 +3,7 @@
 #define PL_RENDER_PATH_H
 
 #include "light/sun.h"
+#include "render/reach.h"
 #include "render/render.h"
 
 /* A path on its way: where it goes on is the ray of the same index. */
@@ -20,6 +21,18 @@ typedef struct pl_pending {
   uint32_t pixel;
 } pl_pending;
 
+/* The last sample of a pixel that was shaded. Samples that follow and hit the same part
+ * of the same object under nearly the same normal take its radiance over: what a pixel sees is
+ * sampled finely, its light less so. */
+typedef struct pl_share {
+  uint32_t thing; /* PL_NOTHING: no sample to share */
+  uint32_t part;
+  pl_vec3f ng;
+  pl_vec3f radiance;
+  int left;   /* samples that may still take it over */
+  bool fresh; /* the sample that is being traced is the one to be shared */
+} pl_share;
+
 /* All buffers of one worker. */
 typedef struct pl_tile_buffers {
   pl_vertex points[PL_TILE_PIXELS];
@@ -28,9 +41,11 @@ typedef struct pl_tile_buffers {
   pl_vec3f sample[PL_TILE_PIXELS];   /* the sample that is being traced */
   float square[PL_TILE_PIXELS];      /* sum over samples of the squared luminance */
   int counts[PL_TILE_PIXELS];        /* samples in the sums */
+  int shaded[PL_TILE_PIXELS];        /* of these, those that share no other's radiance */
   uint32_t seeds[PL_TILE_PIXELS];
-  uint32_t active[PL_TILE_PIXELS]; /* pixels that need all samples; the first active_count */
-  size_t active_count;
+  /* Pixels that need more samples: of these, the first active_meshes may see a mesh. */
+  uint32_t active[PL_TILE_PIXELS];
+  size_t active_count, active_meshes;
   /* Radiance of the body that a pixel's centre hits, where it is one value for the whole pixel: all
    * samples that hit that body share it. PL_NOTHING: every sample is shaded. */
   uint32_t settled_thing[PL_TILE_PIXELS];
@@ -41,6 +56,9 @@ typedef struct pl_tile_buffers {
   pl_pending pending[PL_TILE_PIXELS];
   pl_ray shadow_rays[PL_TILE_PIXELS];
   bool occluded[PL_TILE_PIXELS];
+  uint32_t wave_seeds[PL_TILE_PIXELS];
+  float draws[6][PL_TILE_PIXELS];
+  pl_share shares[PL_TILE_PIXELS];
 } pl_tile_buffers;
 
 /* What a tile needs to know. */
@@ -50,10 +68,12 @@ typedef struct pl_path_context {
   const pl_render_settings *settings;
   const pl_sun_view *suns; /* the sun at each object's centre */
   pl_tile tile;
-  double pixel_rad; /* angle of a pixel */
-  float spread;     /* of a colour sample's cone, per metre */
-  bool meshes;      /* whether a mesh may be in this tile's cone */
-  uint32_t body;    /* the only body that may be in it; PL_NOTHING for none or several */
+  pl_sun_view camera_sun; /* the sun as the camera sees it */
+  double pixel_rad;       /* angle of a pixel */
+  float spread;           /* of a colour sample's cone, per metre */
+  const pl_reach *reach;  /* where meshes may show */
+  bool bodies, sun;       /* whether any body, or the sun, may be in this tile's cone */
+  uint32_t body;          /* the only body that may be in it; PL_NOTHING for none or several */
 } pl_path_context;
 
 /* Fills settled_thing, settled and the list of active pixels; pixels that need no samples get their

@@ -16,10 +16,11 @@ static size_t block_of(uint32_t pixel) {
   return pixel / PL_TILE_SIDE / BLOCK * BLOCKS + pixel % PL_TILE_SIDE / BLOCK;
 }
 
-/* Variance of the mean of a pixel's luminance. */
+/* Variance of the mean of a pixel's luminance. Samples that share one shading count once. */
 static float pixel_variance(const pl_tile_buffers *b, uint32_t pixel) {
   const float n = (float)b->counts[pixel], m = pl_luminance(b->radiance[pixel]) / n;
-  return fmaxf(0.0f, b->square[pixel] / n - m * m) / (n - 1.0f);
+  const float independent = (float)b->shaded[pixel];
+  return fmaxf(0.0f, b->square[pixel] / n - m * m) / fmaxf(independent - 1.0f, 0.5f);
 }
 
 /* Blocks in which the centre rays meet more than one thing have outlines, and outlines have slivers
@@ -44,7 +45,7 @@ void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
     outline[block] |= thing[block] != b->points[pixel].thing;
     pixels[block] += 1.0f;
   }
-  size_t kept = 0;
+  size_t kept = 0, meshes = 0;
   for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
     const size_t block = block_of(pixel);
@@ -54,6 +55,9 @@ void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
     const float own = sqrtf(pixel_variance(b, pixel)) / OWN_NOISE;
     if (early || error_dn(context->settings, m, fmaxf(pooled, own)) > context->settings->noise_dn)
       b->active[kept++] = pixel;
+    if (i + 1 == b->active_meshes)
+      meshes = kept;
   }
   b->active_count = kept;
+  b->active_meshes = meshes;
 }

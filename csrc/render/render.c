@@ -6,8 +6,10 @@
 #include "light/sun.h"
 #include "math/philox.h"
 #include "render/path.h"
+#include "render/reach.h"
 
-/* Samples after which the noise is looked at for the first time; then at every doubling. */
+/* Independent samples after which the noise is looked at for the first time; then at every doubling
+ * of the samples. */
 enum { FIRST_CHECK = 4 };
 
 struct pl_render_scratch {
@@ -15,6 +17,7 @@ struct pl_render_scratch {
   pl_tile_buffers *buffers; /* owned, one per worker */
   pl_sun_view *suns;        /* owned, one per object */
   size_t sun_count;         /* room in suns */
+  pl_reach reach;
 };
 
 pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
@@ -38,6 +41,7 @@ void pl_render_scratch_destroy(pl_render_scratch *scratch) {
     return;
   pl_free(scratch->buffers);
   pl_free(scratch->suns);
+  pl_reach_clear(&scratch->reach);
   pl_free(scratch);
 }
 
@@ -79,7 +83,7 @@ static void tile_cone(const job *job, pl_tile tile, pl_vec3 *axis, double *half_
 
 /* What the tile's cone can meet. */
 typedef struct content {
-  bool meshes, anything;
+  bool meshes, bodies, sun;
   uint32_t body; /* the only body; PL_NOTHING for none or several, or beside the sun */
 } content;
 
@@ -89,11 +93,10 @@ static content tile_content(const job *job, pl_tile tile) {
   const pl_snapshot *shot = job->shot;
   content out = {.body = PL_NOTHING};
   tile_cone(job, tile, &axis, &half_angle);
-  for (size_t i = 0; i < shot->object_count && !out.meshes; i++)
-    out.meshes =
-        shot->objects[i].in_frame &&
-        pl_sphere_in_cone(shot->objects[i].center, shot->objects[i].radius_m, axis, half_angle);
-  const bool sun = pl_sphere_in_cone(shot->sun.position, shot->sun.radius_m, axis, half_angle);
+  for (int y = 0; y < tile.height; y += PL_REACH_BLOCK)
+    for (int x = 0; x < tile.width; x += PL_REACH_BLOCK)
+      out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y);
+  out.sun = pl_sphere_in_cone(shot->sun.position, shot->sun.radius_m, axis, half_angle);
   size_t bodies = 0;
   for (size_t i = 0; i < shot->body_count; i++) {
     if (!pl_sphere_in_cone(shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle))
@@ -103,7 +106,7 @@ static content tile_content(const job *job, pl_tile tile) {
   }
   if (bodies != 1)
     out.body = PL_NOTHING;
-  out.anything = out.meshes || sun || bodies > 0;
+  out.bodies = bodies > 0;
   return out;
 }
 
@@ -122,20 +125,38 @@ static void draw_seeds(const job *job, pl_tile tile, uint32_t *seeds) {
   }
 }
 
-/* The geometry buffer: what the pixels' centre rays hit. */
-static void fill_points(const job *job, pl_tile tile, bool meshes, pl_tile_buffers *b) {
-  size_t count = 0;
+/* Pixels of the tile, those that may see a mesh first; returns how many these are. */
+static size_t order_pixels(const job *job, pl_tile tile, uint32_t *pixels) {
+  size_t front = 0, count = 0;
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
-      const pl_vec3 direction = pl_snapshot_ray(job->shot, tile.x0 + x, tile.y0 + y);
-      b->paths[count].beam = (pl_beam){.direction = direction, .spread = (float)job->pixel_rad};
-      b->paths[count].pixel = (uint32_t)(y * PL_TILE_SIDE + x);
-      b->rays[count++] = (pl_ray){
-          .t_max = INFINITY, .direction = pl_vec3_to_float(direction), .skip_body = PL_NOTHING};
+      const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
+      pixels[count++] = pixel;
+      if (!pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y))
+        continue;
+      pixels[count - 1] = pixels[front];
+      pixels[front++] = pixel;
     }
-  pl_tracer_closest(job->tracer, b->rays, b->hits, count, true, meshes);
+  return front;
+}
+
+/* The geometry buffer: what the pixels' centre rays hit. */
+static void fill_points(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
+  const size_t count = (size_t)(tile.width * tile.height);
+  const size_t meshes = order_pixels(job, tile, b->active);
   for (size_t i = 0; i < count; i++) {
-    const uint32_t pixel = b->paths[i].pixel;
+    const uint32_t pixel = b->active[i];
+    const pl_vec3 direction = pl_snapshot_ray(job->shot, tile.x0 + (int)(pixel % PL_TILE_SIDE),
+                                              tile.y0 + (int)(pixel / PL_TILE_SIDE));
+    b->paths[i].beam = (pl_beam){.direction = direction, .spread = (float)job->pixel_rad};
+    b->rays[i] = (pl_ray){.t_max = INFINITY,
+                          .direction = pl_vec3_to_float(direction),
+                          .skip_body = content->bodies ? PL_NOTHING : PL_EVERY_BODY};
+  }
+  pl_tracer_closest(job->tracer, b->rays, b->hits, meshes, true, true);
+  pl_tracer_closest(job->tracer, b->rays + meshes, b->hits + meshes, count - meshes, true, false);
+  for (size_t i = 0; i < count; i++) {
+    const uint32_t pixel = b->active[i];
     b->center_hits[pixel] = b->hits[i];
     b->points[pixel].thing = PL_NOTHING;
     if (b->hits[i].thing == PL_NOTHING)
@@ -155,14 +176,17 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
       .suns = job->scratch->suns,
       .tile = tile,
       .pixel_rad = job->pixel_rad,
-      .spread = (float)(job->pixel_rad / sqrt((double)samples)),
-      .meshes = content->meshes,
+      .camera_sun = pl_sun_view_at(&job->shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
+      .spread = (float)(job->pixel_rad / sqrt(fmax(1.0, (double)samples / job->settings->share))),
+      .reach = &job->scratch->reach,
+      .bodies = content->bodies,
+      .sun = content->sun,
       .body = content->body,
   };
   pl_path_settle(&context, b);
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
-  int check = FIRST_CHECK;
+  int check = FIRST_CHECK * job->settings->share;
   for (int i = 0; i < samples && b->active_count > 0; i++) {
     pl_path_sample(&context, (uint32_t)i, b);
     if (i + 1 != check)
@@ -185,15 +209,16 @@ static pl_status render_tile(void *context, size_t item, int worker) {
   const content content = tile_content(job, tile);
   for (int i = 0; i < PL_TILE_PIXELS; i++)
     b->radiance[i] = (pl_vec3f){0.0f, 0.0f, 0.0f};
-  if (content.anything) {
-    fill_points(job, tile, content.meshes, b);
+  const bool anything = content.meshes || content.bodies || content.sun;
+  if (anything) {
+    fill_points(job, tile, &content, b);
     if (job->settings->samples > 0)
       sample_colour(job, tile, &content, b);
   } else {
     for (int i = 0; i < PL_TILE_PIXELS; i++)
       b->points[i].thing = PL_NOTHING;
   }
-  const pl_tile_result result = {tile, !content.anything, b->points, b->radiance};
+  const pl_tile_result result = {tile, !anything, b->points, b->radiance};
   return job->done(job->context, &result, worker);
 }
 
@@ -227,6 +252,7 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
   };
   PL_TRY(view_suns(scratch, shot));
+  PL_TRY(pl_reach_update(&scratch->reach, shot));
   return pl_parallel_for(scratch->threads, (size_t)columns * (size_t)rows, render_tile, &job,
                          cancel);
 }

@@ -16,6 +16,7 @@ typedef struct pl_render_settings {
   int bounces;          /* on meshes */
   bool body_bounces;    /* paths go on from bodies */
   bool soft_sun, cast_shadows, surface_maps;
+  int share;            /* samples of a pixel that may share one shading, >= 1 */
   float noise_dn;       /* pixels quieter than this get no more samples; 0: all get all */
   float white_radiance; /* what noise_dn refers to, W m-2 sr-1 encoded as 255 */
 } pl_render_settings;

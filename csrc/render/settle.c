@@ -1,8 +1,6 @@
 /* Pixels whose colour needs no sampling: the middle of a body, away from terminator and shadow. A
  * Lambert surface under a sun that is wholly above (or below) the horizon has a closed form, and
  * the map is filtered over the pixel's footprint, so one shading is the pixel's mean. */
-#include <string.h>
-
 #include "light/sun.h"
 #include "render/path.h"
 #include "shade/reflectance.h"
@@ -14,6 +12,33 @@ static const float HORIZON_MARGIN = 3.0f;
  * this steep, and the footprint this short against the body's radius. */
 static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.01f;
 
+/* Whether a sphere, widened by `margin_m`, covers part of the sun's disc as seen from a point. */
+static bool overlaps_sun(pl_vec3 center, double radius_m, double margin_m, pl_vec3 point,
+                         const pl_sun_view *sun) {
+  const pl_vec3 to_center = pl_vec3_sub(center, point);
+  const double distance = pl_vec3_norm(to_center), reach = radius_m + margin_m;
+  if (distance <= reach)
+    return true;
+  const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
+  const double angle =
+      atan2(pl_vec3_norm(pl_vec3_cross(to_center, toward)), pl_vec3_dot(to_center, toward));
+  return angle < asin(reach / distance) + asin(fmin(1.0, (double)sun->sin_radius));
+}
+
+/* Whether a shadow's edge or inside may come near a point of a body. */
+static bool near_shadow(const pl_snapshot *shot, const pl_vertex *vertex, const pl_sun_view *sun,
+                        double margin_m) {
+  const pl_vec3 p = vertex->position;
+  for (size_t i = 0; i < shot->object_count; i++)
+    if (overlaps_sun(shot->objects[i].center, shot->objects[i].radius_m, margin_m, p, sun))
+      return true;
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (vertex->thing != shot->object_count + i &&
+        overlaps_sun(shot->bodies[i].center, shot->bodies[i].radius_m, margin_m, p, sun))
+      return true;
+  return false;
+}
+
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
  */
 static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
@@ -23,8 +48,8 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
     return false;
   const pl_shot_body *body = &shot->bodies[vertex.thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
-  if (body->body->reflectance != &pl_reflectance_lambert || settings->body_bounces ||
-      (settings->cast_shadows && body->shadowed))
+  if (body->body->reflectance != &pl_reflectance_lambert ||
+      (settings->body_bounces && body->bounced))
     return false;
   const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));
   const float cosine = fabsf(pl_vec3f_dot(toward, vertex.ng));
@@ -34,7 +59,8 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
     return false;
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);
   const float height = pl_vec3f_dot(sun.direction, vertex.ng);
-  if (fabsf(height) < HORIZON_MARGIN * sun.sin_radius)
+  if (fabsf(height) < HORIZON_MARGIN * sun.sin_radius ||
+      (settings->cast_shadows && body->shadowed && near_shadow(shot, &vertex, &sun, footprint_m)))
     return false;
   const pl_beam beam = {
       .direction = pl_vec3_unit(vertex.position),
@@ -67,25 +93,48 @@ static void cover_pixels(const pl_path_context *context, bool covered[PL_TILE_PI
           corner[y][x] && corner[y][x + 1] && corner[y + 1][x] && corner[y + 1][x + 1];
 }
 
+/* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
+static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool covered,
+                         pl_tile_buffers *b) {
+  const bool black = !context->bodies && !context->sun;
+  if (!black && !(covered && b->settled_thing[pixel] != PL_NOTHING))
+    return false;
+  b->counts[pixel] = 1;
+  b->radiance[pixel] = black ? (pl_vec3f){0.0f, 0.0f, 0.0f} : b->settled[pixel];
+  return true;
+}
+
+static void reset_pixel(uint32_t pixel, pl_tile_buffers *b) {
+  b->counts[pixel] = b->shaded[pixel] = 0;
+  b->square[pixel] = 0.0f;
+  b->sample[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+  b->shares[pixel] = (pl_share){.thing = PL_NOTHING};
+}
+
+/* Appends a pixel to the active ones; those that may see a mesh stay in front. */
+static void activate(uint32_t pixel, bool mesh, pl_tile_buffers *b) {
+  b->active[b->active_count++] = pixel;
+  if (!mesh)
+    return;
+  b->active[b->active_count - 1] = b->active[b->active_meshes];
+  b->active[b->active_meshes++] = pixel;
+}
+
 void pl_path_settle(const pl_path_context *context, pl_tile_buffers *b) {
-  const bool alone = !context->meshes && context->body != PL_NOTHING;
-  bool covered[PL_TILE_PIXELS];
-  if (alone)
+  const bool one_body = context->body != PL_NOTHING && !context->sun;
+  bool covered[PL_TILE_PIXELS] = {false};
+  if (one_body)
     cover_pixels(context, covered);
-  b->active_count = 0;
-  memset(b->square, 0, sizeof b->square);
-  memset(b->sample, 0, sizeof b->sample);
+  b->active_count = b->active_meshes = 0;
   for (int y = 0; y < context->tile.height; y++) {
     for (int x = 0; x < context->tile.width; x++) {
       const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
+      const bool mesh = pl_reach_pixel(context->reach, context->tile.x0 + x, context->tile.y0 + y);
       const bool settled = settle_pixel(context, pixel, b);
       b->settled_thing[pixel] = settled ? b->points[pixel].thing : PL_NOTHING;
-      const bool done = settled && alone && covered[pixel];
-      b->counts[pixel] = done ? 1 : 0;
-      if (done)
-        b->radiance[pixel] = b->settled[pixel];
-      else
-        b->active[b->active_count++] = pixel;
+      reset_pixel(pixel, b);
+      if (mesh || !finish_pixel(context, pixel, covered[pixel], b))
+        activate(pixel, mesh, b);
     }
   }
 }

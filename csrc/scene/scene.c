@@ -18,6 +18,7 @@ static void object_clear(pl_object *object) {
   pl_free(object->triangle_part);
   pl_free(object->part_ids);
   pl_free(object->class_ids);
+  pl_cover_clear(&object->cover);
 }
 
 void pl_scene_clear(pl_scene *scene) {
@@ -78,6 +79,11 @@ pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model 
   if (!cut || object.name == NULL || object.part_ids == NULL || object.class_ids == NULL) {
     object_clear(&object);
     return pl_fail(PL_E_MEMORY, "out of memory for object '%s'", name);
+  }
+  const pl_status status = pl_cover_init(model, &object.cover);
+  if (status != PL_OK) {
+    object_clear(&object);
+    return status;
   }
   scene->objects[scene->object_count++] = object;
   return PL_OK;

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "geom/cover.h"
 #include "geom/model.h"
 #include "math/rotation.h"
 #include "shade/material_surface.h"
@@ -33,6 +34,7 @@ typedef struct pl_object {
   int32_t *part_ids;       /* owned, one per part */
   uint16_t *class_ids;     /* owned, levels per part */
   pl_model_summary summary;
+  pl_cover cover; /* owned */
 } pl_object;
 
 /* An ellipsoid with an equirectangular map. Its frame: x at longitude 0, z at the north pole. */

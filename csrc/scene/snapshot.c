@@ -40,7 +40,7 @@ static void image_cone(const pl_snapshot *shot, pl_vec3 *axis, double *half_angl
 static void build_object(const pl_object *object, const pl_object_state *state, pl_vec3 camera,
                          pl_shot_object *out) {
   const pl_pose pose = pl_motion_middle(&state->motion);
-  *out = (pl_shot_object){.object = object, .scale = state->scale, .kept = true};
+  *out = (pl_shot_object){.object = object, .scale = state->scale, .kept = true, .eclipsed = true};
   out->rotation = pl_mat3_from_quat(pose.q);
   out->position = pl_vec3_sub(pose.t, camera);
   const pl_mat3 m = out->rotation;
@@ -74,13 +74,18 @@ static void build_object(const pl_object *object, const pl_object_state *state, 
 static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_vec3 camera,
                             pl_shot_body *out) {
   const pl_pose pose = pl_motion_middle(&state->motion);
-  *out = (pl_shot_body){.body = body, .state = state, .shadowed = true};
+  *out = (pl_shot_body){.body = body, .state = state, .shadowed = true, .bounced = true};
   out->rotation = pl_mat3_from_quat(pose.q);
   out->center = pl_vec3_sub(pose.t, camera);
   out->camera = pl_mat3_mul_vec_t(out->rotation, pl_vec3_scale(out->center, -1.0));
   const pl_vec3 r = state->radii_m;
   out->radius_m = fmax(r.x, fmax(r.y, r.z));
   const pl_vec3 scaled = {out->camera.x / r.x, out->camera.y / r.y, out->camera.z / r.z};
+  out->camera_unit = scaled;
+  out->to_unit = pl_mat3_transpose(out->rotation);
+  const double radii[3] = {r.x, r.y, r.z};
+  for (int i = 0; i < 3; i++)
+    out->to_unit.row[i] = pl_vec3_scale(out->to_unit.row[i], 1.0 / radii[i]);
   if (!(pl_vec3_norm(scaled) > 1.0))
     return pl_fail(PL_E_RANGE, "the camera is inside body '%s' (%.6g of its radius)", body->name,
                    pl_vec3_norm(scaled));

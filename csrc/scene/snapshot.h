@@ -19,6 +19,7 @@ typedef struct pl_shot_object {
   double radius_m;         /* of the bounding sphere */
   bool in_frame;           /* the sphere touches the frustum */
   bool kept;               /* part of the accelerator; culled ones cannot touch the image */
+  bool eclipsed;           /* a body's shadow may fall on it; set by pl_snapshot_cull */
 } pl_shot_object;
 
 typedef struct pl_shot_body {
@@ -27,9 +28,12 @@ typedef struct pl_shot_body {
   pl_mat3 rotation;           /* body axes to root axes */
   pl_vec3 center;             /* camera-relative, m */
   pl_vec3 camera;             /* the camera in body axes, from the body's centre, m */
+  pl_mat3 to_unit;            /* root axes to body axes scaled by the radii: a unit sphere there */
+  pl_vec3 camera_unit;        /* the camera in those */
   double radius_m;            /* largest semi-axis */
   bool in_frame;
   bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
+  bool bounced;  /* others may noticeably light it by reflection; set by pl_snapshot_cull */
 } pl_shot_body;
 
 typedef struct pl_shot_sun {

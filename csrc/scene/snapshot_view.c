@@ -130,6 +130,13 @@ static bool is_shadowed(const pl_view *view, const pl_view_thing *receiver, doub
   return pl_view_dn_dimming(hidden) > tolerance_dn;
 }
 
+static bool is_eclipsed(const pl_view *view, const pl_view_thing *receiver) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].is_body && pl_view_hidden_sun(view, &view->things[i], receiver) > 0.0)
+      return true;
+  return false;
+}
+
 void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
   double brightest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
@@ -137,9 +144,14 @@ void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_d
   brightest *= pl_view_series(view, view->max_bounces);
   for (size_t i = 0; i < shot->object_count; i++) {
     pl_shot_object *object = &shot->objects[i];
+    object->eclipsed = is_eclipsed(view, &view->things[i]);
     object->kept = object->in_frame || matters(view, &view->things[i], brightest, tolerance_dn);
   }
-  for (size_t i = 0; i < shot->body_count; i++)
-    shot->bodies[i].shadowed =
-        is_shadowed(view, &view->things[shot->object_count + i], tolerance_dn);
+  const double series = pl_view_series(view, view->max_bounces);
+  for (size_t i = 0; i < shot->body_count; i++) {
+    const size_t thing = shot->object_count + i;
+    shot->bodies[i].shadowed = is_shadowed(view, &view->things[thing], tolerance_dn);
+    shot->bodies[i].bounced =
+        pl_view_dn(view, pl_view_received(view, thing) * series) > tolerance_dn;
+  }
 }

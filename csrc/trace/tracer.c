@@ -116,16 +116,24 @@ static void closest_single(RTCScene scene, const pl_ray *ray, pl_hit *hit) {
         (pl_hit){query.hit.instID[0], query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
 }
 
-/* Distance to a body, or infinity. */
+/* Distance to a body, or infinity. The bounding sphere is tried first, with room for the rounding
+ * of a direction that is unit in float. */
 static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
-  const pl_vec3 origin =
-      pl_vec3_add(body->camera, pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(ray->origin)));
-  const pl_vec3 direction = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(ray->direction));
+  const pl_vec3 o = pl_vec3f_to_double(ray->origin), d = pl_vec3f_to_double(ray->direction);
+  const pl_vec3 to_center = pl_vec3_sub(body->center, o);
+  const double along = pl_vec3_dot(to_center, d), square = pl_vec3_dot(to_center, to_center);
+  const double reach = body->radius_m * body->radius_m * (1.0 + 1e-6) + 1e-6 * square;
+  if (square - along * along > reach || (along < 0.0 && square > reach))
+    return INFINITY;
+  const pl_vec3 origin = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, o));
   double t;
-  return pl_ellipsoid_intersect(body->state->radii_m, origin, direction, 0.0, &t) ? t : INFINITY;
+  return pl_unit_sphere_intersect(origin, pl_mat3_mul_vec(body->to_unit, d), 0.0, &t) ? t
+                                                                                      : INFINITY;
 }
 
 static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit) {
+  if (ray->skip_body == PL_EVERY_BODY)
+    return;
   for (size_t b = 0; b < shot->body_count; b++) {
     if (ray->skip_body == b)
       continue;
@@ -167,6 +175,8 @@ static bool occluded_single(RTCScene scene, const pl_ray *ray) {
 }
 
 static bool occluded_by_body(const pl_snapshot *shot, const pl_ray *ray) {
+  if (ray->skip_body == PL_EVERY_BODY)
+    return false;
   for (size_t b = 0; b < shot->body_count; b++)
     if (ray->skip_body != b && body_distance(&shot->bodies[b], ray) < ray->t_max)
       return true;

@@ -11,6 +11,8 @@
 
 /* Things are numbered objects first, then bodies. */
 #define PL_NOTHING UINT32_MAX
+/* For pl_ray.skip_body: no body can be hit at all. */
+#define PL_EVERY_BODY (UINT32_MAX - 1)
 
 typedef struct pl_ray {
   pl_vec3f origin;    /* camera-relative, root axes, m */

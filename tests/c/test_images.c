@@ -285,11 +285,53 @@ static void test_eclipse(void **state) {
   }
 }
 
+/* Shared shadings and quiet blocks stay within the tolerance of the exact samples: a sphere with a
+ * terminator, a cube before it, half a digital number of rounding on either side. */
+static void test_tolerance_is_kept(void **state) {
+  (void)state;
+  pl_model *model = cube_create(0.5);
+  model->materials[0].unlit = true; /* Lambert: no noise but the sun's disc */
+  uint8_t pictures[2][48 * 40 * 3];
+  for (int exact = 0; exact < 2; exact++) {
+    stage s;
+    stage_init(&s, 48, 40, 60.0);
+    s.placement.sun.position_m = (pl_vec3){AU, 0.3 * AU, -0.6 * AU};
+    stage_add_body(&s, (pl_vec3){0, 0, 40}, (pl_vec3){12, 12, 11}, 0.5f);
+    stage_add_object(&s, model, (pl_vec3){1, 1, 14},
+                     pl_quat_axis_angle((pl_vec3){0.6, 0.8, 0}, 0.7), 4.0);
+    film f;
+    pl_renderer *renderer;
+    film_init(&f, &s);
+    pl_frame_request request = request_all(&s, &f);
+    request.samples = 256;
+    request.max_bounces = 0;
+    request.wish = (pl_plan_wish){.tolerance_dn = exact ? 0.0 : 1.0};
+    assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
+    render(renderer, &request);
+    memcpy(pictures[exact], f.rgb, sizeof pictures[exact]);
+    pl_renderer_destroy(renderer);
+    film_clear(&f);
+    stage_clear(&s);
+  }
+  int beyond = 0;
+  double square = 0.0;
+  for (size_t i = 0; i < sizeof pictures[0]; i++) {
+    const int step = abs((int)pictures[0][i] - (int)pictures[1][i]);
+    square += (double)(step * step);
+    beyond += step > 2;
+  }
+  print_message("RMS %.3f DN, %d values beyond 2 DN\n", sqrt(square / sizeof pictures[0]), beyond);
+  assert_true(sqrt(square / sizeof pictures[0]) < 1.0);
+  assert_true(beyond < (int)sizeof pictures[0] / 50); /* outlines, where blocks stop at 16 */
+  pl_model_destroy(model);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_lambert_sphere), cmocka_unit_test(test_cube_projects_on_its_mask),
       cmocka_unit_test(test_sun_disc),       cmocka_unit_test(test_glint_needs_no_bounce),
-      cmocka_unit_test(test_emission),       cmocka_unit_test(test_eclipse),
+      cmocka_unit_test(test_emission),       cmocka_unit_test(test_tolerance_is_kept),
+      cmocka_unit_test(test_eclipse),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,101 @@
+/* Recursive halving of a mesh. */
+#include "geom/cover.h"
+
+#include <math.h>
+
+#include "base/memory.h"
+
+/* 2^8 leaves; a leaf of so few triangles is not halved. */
+enum { DEPTH = 8, LEAF = 8 };
+
+static const float *vertex_of(const pl_model *model, uint32_t triangle, size_t corner) {
+  return model->positions + 3 * (size_t)model->indices[3 * (size_t)triangle + corner];
+}
+
+static float centroid(const pl_model *model, uint32_t triangle, int axis) {
+  return (vertex_of(model, triangle, 0)[axis] + vertex_of(model, triangle, 1)[axis] +
+          vertex_of(model, triangle, 2)[axis]) /
+         3.0f;
+}
+
+static pl_box box_of(const pl_model *model, const uint32_t *triangles, size_t count) {
+  pl_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  for (size_t i = 0; i < count; i++)
+    for (size_t corner = 0; corner < 3; corner++)
+      for (int axis = 0; axis < 3; axis++) {
+        const float x = vertex_of(model, triangles[i], corner)[axis];
+        box.low[axis] = fminf(box.low[axis], x);
+        box.high[axis] = fmaxf(box.high[axis], x);
+      }
+  return box;
+}
+
+/* Longest extent of the centroids, and its middle. */
+static int longest_axis(const pl_model *model, const uint32_t *triangles, size_t count,
+                        float *middle) {
+  int longest = 0;
+  float length = -1.0f;
+  for (int axis = 0; axis < 3; axis++) {
+    float low = INFINITY, high = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+      const float x = centroid(model, triangles[i], axis);
+      low = fminf(low, x);
+      high = fmaxf(high, x);
+    }
+    if (high - low > length) {
+      length = high - low;
+      longest = axis;
+      *middle = 0.5f * (low + high);
+    }
+  }
+  return longest;
+}
+
+/* Moves the triangles below the middle to the front; returns how many there are. */
+static size_t partition(const pl_model *model, uint32_t *triangles, size_t count) {
+  float middle = 0.0f;
+  const int axis = longest_axis(model, triangles, count, &middle);
+  size_t front = 0;
+  for (size_t i = 0; i < count; i++) {
+    if (!(centroid(model, triangles[i], axis) < middle))
+      continue;
+    const uint32_t swap = triangles[front];
+    triangles[front++] = triangles[i];
+    triangles[i] = swap;
+  }
+  return front;
+}
+
+static void halve(const pl_model *model, uint32_t *triangles, size_t count, int depth,
+                  pl_cover *cover) {
+  const size_t front = depth < DEPTH && count > LEAF ? partition(model, triangles, count) : 0;
+  if (front == 0 || front == count) {
+    cover->boxes[cover->count++] = box_of(model, triangles, count);
+    return;
+  }
+  halve(model, triangles, front, depth + 1, cover);
+  halve(model, triangles + front, count - front, depth + 1, cover);
+}
+
+pl_status pl_cover_init(const pl_model *model, pl_cover *out) {
+  void *boxes, *triangles;
+  *out = (pl_cover){0};
+  if (model->triangle_count == 0)
+    return PL_OK;
+  PL_TRY(pl_alloc_or_fail(model->triangle_count, sizeof(uint32_t), "a cover", &triangles));
+  const pl_status status = pl_alloc_or_fail(PL_COVER_BOXES_MAX, sizeof(pl_box), "a cover", &boxes);
+  if (status == PL_OK) {
+    uint32_t *order = triangles;
+    for (size_t i = 0; i < model->triangle_count; i++)
+      order[i] = (uint32_t)i;
+    out->boxes = boxes;
+    halve(model, order, model->triangle_count, 0, out);
+  }
+  pl_free(triangles);
+  return status;
+}
+
+void pl_cover_clear(pl_cover *cover) {
+  pl_free(cover->boxes);
+  *cover = (pl_cover){0};
+}
