@@ -154,3 +154,24 @@ def pair(small_scene):
         "spacecraft.probe.obj_id": 5,
         "spacecraft.mate": {"model": "probe.glb", "size_m": 4.0, "obj_id": 5, "orbit": orbit},
     }
+
+
+@pytest.fixture(scope="session")
+def crowd(pair):
+    """Overrides for a narrow view of three probes: hidden by another, cut by the image, unseen."""
+    near = dict(pair["spacecraft.mate"])
+    base = near["orbit"]["mean_anomaly_deg"] - 4e-5
+    near["orbit"] = dict(near["orbit"], mean_anomaly_deg=base + 1.5e-5)  # 1.8 m ahead
+    far = dict(pair["spacecraft.mate"], obj_id=7, size_m=5.0)
+    far["orbit"] = dict(far["orbit"], mean_anomaly_deg=200.0)  # behind the planet or the camera
+    return {
+        **pair,
+        "spacecraft.mate": near,
+        "spacecraft.far": far,
+        "camera.width": 80,
+        "camera.height": 64,
+        "camera.fov_deg": 28.0,
+        "camera.trajectory.aim_jitter_deg": 8.0,
+        "render.samples": 1,
+        "render.max_bounces": 0,
+    }
