@@ -132,6 +132,17 @@ static void shrink_camera(pl_camera *camera) {
   camera->height = h;
 }
 
+/* Lists the emitters where the settings want them. */
+static pl_status add_emitters(pl_renderer *renderer, const pl_snapshot *shot, int wanted,
+                              pl_emitters *emitters, pl_render_settings *settings) {
+  if (wanted == 0)
+    return PL_OK;
+  PL_TRY(pl_emitters_build(shot, settings->surface_maps, &renderer->arena, emitters));
+  settings->emitters = emitters->count > 0 ? emitters : NULL;
+  settings->emitters_on_bodies = emitters->count > 0 && wanted > 1;
+  return PL_OK;
+}
+
 static pl_status meter_frame(pl_renderer *renderer, const pl_frame_request *request,
                              const pl_snapshot *shot, double fallback, double *white_radiance) {
   pl_snapshot small = *shot;
@@ -140,12 +151,14 @@ static pl_status meter_frame(pl_renderer *renderer, const pl_frame_request *requ
   meter meter = {pl_arena_alloc(&renderer->arena, count, sizeof(float)), small.camera.width};
   if (meter.luminances == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for metering");
-  const pl_render_settings settings = {.seed = request->seed,
-                                       .frame = request->index,
-                                       .samples = METER_SAMPLES,
-                                       .share = 1,
-                                       .cast_shadows = true,
-                                       .surface_maps = true};
+  pl_render_settings settings = {.seed = request->seed,
+                                 .frame = request->index,
+                                 .samples = METER_SAMPLES,
+                                 .share = 1,
+                                 .cast_shadows = true,
+                                 .surface_maps = true};
+  pl_emitters emitters;
+  PL_TRY(add_emitters(renderer, &small, 2, &emitters, &settings));
   PL_TRY(pl_tracer_set(renderer->tracer, &small));
   PL_TRY(pl_render(&small, renderer->tracer, &settings, renderer->scratch, meter_tile, &meter,
                    request->cancel));
@@ -270,7 +283,10 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(pl_labels_prepare(request, &shot, &renderer->arena, &output.labels));
   PL_TRY(pl_tracer_set(renderer->tracer, &shot));
   lap(result, PL_STAGE_REALISE, &start);
-  const pl_render_settings settings = settings_of(request, result);
+  pl_render_settings settings = settings_of(request, result);
+  pl_emitters emitters;
+  const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
+  PL_TRY(add_emitters(renderer, &shot, emitters_value, &emitters, &settings));
   PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
                    request->cancel));
   lap(result, PL_STAGE_RENDER, &start);

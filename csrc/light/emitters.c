@@ -141,27 +141,34 @@ static double total_importance(const pl_emitters *list, pl_vec3 point) {
   return sum;
 }
 
-static const pl_emitter *choose(const pl_emitters *list, pl_vec3 point, float u,
+/* Picks an emitter and stretches what *u has left of its share to [0, 1) again: so the strata of
+ * the draw live on in the point. */
+static const pl_emitter *choose(const pl_emitters *list, pl_vec3 point, float *u,
                                 double *probability) {
   const double total = total_importance(list, point);
-  double left = (double)u * total;
+  double left = (double)*u * total, share = importance(&list->items[0], point);
   size_t i = 0;
-  while (i + 1 < list->count && left >= importance(&list->items[i], point))
-    left -= importance(&list->items[i++], point);
-  *probability = importance(&list->items[i], point) / total;
+  while (i + 1 < list->count && left >= share) {
+    left -= share;
+    share = importance(&list->items[++i], point);
+  }
+  *probability = share / total;
+  *u = fminf((float)(left / share), 1.0f - 0x1p-24f);
   return &list->items[i];
 }
 
-/* The triangle on whose share of the emitter's weight u falls. */
-static uint32_t choose_triangle(const pl_emitters *list, const pl_emitter *item, float u) {
+/* The triangle on whose share of the emitter's weight *u falls; stretches *u alike. */
+static uint32_t choose_triangle(const pl_emitters *list, const pl_emitter *item, float *u) {
   size_t low = item->first, high = item->first + item->count - 1;
   while (low < high) {
     const size_t middle = low + (high - low) / 2;
-    if (u < list->sums[middle])
+    if (*u < list->sums[middle])
       high = middle;
     else
       low = middle + 1;
   }
+  const float from = low > item->first ? list->sums[low - 1] : 0.0f, to = list->sums[low];
+  *u = to > from ? fminf(fmaxf((*u - from) / (to - from), 0.0f), 1.0f - 0x1p-24f) : 0.5f;
   return list->triangles[low];
 }
 
@@ -173,13 +180,14 @@ static double mesh_pdf(const pl_emitter *item, float luminance, double distance,
 }
 
 static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3 point,
-                        float choice, const float u[2], pl_emitter_sample *out) {
+                        const float u[2], pl_emitter_sample *out) {
   const pl_shot_object *object = &list->shot->objects[item->thing];
   const pl_model *model = object->object->model;
-  const uint32_t triangle = choose_triangle(list, item, choice);
+  float along = u[0];
+  const uint32_t triangle = choose_triangle(list, item, &along);
   const corners c = corners_of(object, triangle);
   /* Evenly over the triangle (Shirley and Chiu 1997, by the square root of one number). */
-  const float root = sqrtf(u[0]), v = root * u[1], w = 1.0f - root;
+  const float root = sqrtf(along), v = root * u[1], w = 1.0f - root;
   const pl_vec3f at = pl_vec3f_madd(pl_vec3f_madd(c.a, v, c.edge1), w, c.edge2);
   const pl_vec3 way = pl_vec3_sub(pl_vec3f_to_double(at), point);
   const double distance = pl_vec3_norm(way);
@@ -231,15 +239,16 @@ static bool sample_body(const pl_emitters *list, const pl_emitter *item, pl_vec3
   return true;
 }
 
-bool pl_emitters_sample(const pl_emitters *list, pl_vec3 point, const float choice[2],
-                        const float u[2], pl_emitter_sample *out) {
+bool pl_emitters_sample(const pl_emitters *list, pl_vec3 point, const float u[2],
+                        pl_emitter_sample *out) {
   if (list->count == 0)
     return false;
   double probability;
-  const pl_emitter *item = choose(list, point, choice[0], &probability);
+  float v[2] = {u[0], u[1]};
+  const pl_emitter *item = choose(list, point, &v[1], &probability);
   const bool found = item->thing < list->shot->object_count
-                         ? sample_mesh(list, item, point, choice[1], u, out)
-                         : sample_body(list, item, point, u, out);
+                         ? sample_mesh(list, item, point, v, out)
+                         : sample_body(list, item, point, v, out);
   if (!found)
     return false;
   out->pdf = (float)((double)out->pdf * probability);

@@ -40,10 +40,10 @@ typedef struct pl_emitter_sample {
 /* Lists what emits among the things that the snapshot keeps; memory comes from `arena`. */
 pl_status pl_emitters_build(const pl_snapshot *shot, bool maps, pl_arena *arena, pl_emitters *out);
 
-/* Draws a point of an emitter as seen from `point` (camera-relative): `choice` picks emitter and
- * triangle, `u` the point; all in [0, 1). False if what was drawn sends no light here. */
-bool pl_emitters_sample(const pl_emitters *emitters, pl_vec3 point, const float choice[2],
-                        const float u[2], pl_emitter_sample *out);
+/* Draws a point of an emitter as seen from `point` (camera-relative): u in
+ * [0, 1)^2. False if what was drawn sends no light here. */
+bool pl_emitters_sample(const pl_emitters *emitters, pl_vec3 point, const float u[2],
+                        pl_emitter_sample *out);
 
 /* Density with which pl_emitters_sample draws the direction of a ray from `point` that meets an
  * emitter, per solid angle. */

@@ -7,6 +7,7 @@
 #include "math/color.h"
 #include "math/sampling.h"
 #include "render/draws.h"
+#include "render/emitters_path.h"
 #include "shade/reflectance.h"
 
 enum { ROULETTE_AFTER = 3 };
@@ -195,11 +196,16 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, vertex);
   pl_surface *s = &vertex->surface;
   s->alpha = fmaxf(s->alpha, path.alpha_min);
-  add(&b->sample[path.pixel], pl_vec3f_mul(path.throughput, s->emission));
+  if (pl_vec3f_max(s->emission) > 0.0f) {
+    const float weight = pl_emitters_met(context, &path, &b->rays[i], vertex);
+    add(&b->sample[path.pixel], pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));
+  }
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
   const bool onward = goes_on(context, vertex, bounce);
   *queued = shade_sun(context, &path, vertex, u.sun, wo, onward, *queued, b);
+  if (context->settings->emitters != NULL)
+    *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, onward, *queued, b);
   if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, &b->paths[*kept],
                        &b->rays[*kept]))
     ++*kept;

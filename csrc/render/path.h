@@ -33,6 +33,9 @@ typedef struct pl_share {
   bool fresh; /* the sample that is being traced is the one to be shared */
 } pl_share;
 
+/* A path casts at most two shadow rays from a vertex: to the sun and to an emitter. */
+enum { PL_TILE_SHADOWS = 2 * PL_TILE_PIXELS };
+
 /* All buffers of one worker. */
 typedef struct pl_tile_buffers {
   pl_vertex points[PL_TILE_PIXELS];
@@ -53,9 +56,9 @@ typedef struct pl_tile_buffers {
   pl_path paths[PL_TILE_PIXELS];
   pl_ray rays[PL_TILE_PIXELS];
   pl_hit hits[PL_TILE_PIXELS];
-  pl_pending pending[PL_TILE_PIXELS];
-  pl_ray shadow_rays[PL_TILE_PIXELS];
-  bool occluded[PL_TILE_PIXELS];
+  pl_pending pending[PL_TILE_SHADOWS];
+  pl_ray shadow_rays[PL_TILE_SHADOWS];
+  bool occluded[PL_TILE_SHADOWS];
   uint32_t wave_seeds[PL_TILE_PIXELS];
   float draws[6][PL_TILE_PIXELS];
   pl_share shares[PL_TILE_PIXELS];

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include "base/parallel.h"
+#include "light/emitters.h"
 #include "render/vertex.h"
 
 enum { PL_TILE_SIDE = 32, PL_TILE_PIXELS = PL_TILE_SIDE * PL_TILE_SIDE };
@@ -16,9 +17,11 @@ typedef struct pl_render_settings {
   int bounces;          /* on meshes */
   bool body_bounces;    /* paths go on from bodies */
   bool soft_sun, cast_shadows, surface_maps;
-  int share;            /* samples of a pixel that may share one shading, >= 1 */
-  float noise_dn;       /* pixels quieter than this get no more samples; 0: all get all */
-  float white_radiance; /* what noise_dn refers to, W m-2 sr-1 encoded as 255 */
+  const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
+  bool emitters_on_bodies;     /* or else on meshes alone */
+  int share;                   /* samples of a pixel that may share one shading, >= 1 */
+  float noise_dn;              /* pixels quieter than this get no more samples; 0: all get all */
+  float white_radiance;        /* what noise_dn refers to, W m-2 sr-1 encoded as 255 */
 } pl_render_settings;
 
 typedef struct pl_tile {

@@ -48,7 +48,7 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
     return false;
   const pl_shot_body *body = &shot->bodies[vertex.thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
-  if (body->body->reflectance != &pl_reflectance_lambert ||
+  if (body->body->reflectance != &pl_reflectance_lambert || settings->emitters_on_bodies ||
       (settings->body_bounces && body->bounced))
     return false;
   const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));

@@ -1,0 +1,59 @@
+/* Next-event estimation of emitters. */
+#include "render/emitters_path.h"
+
+#include "light/emitters.h"
+#include "math/sampler.h"
+#include "math/sampling.h"
+#include "shade/reflectance.h"
+
+/* Dimension pair of the draws here, one a vertex: behind those of the longest path. */
+enum { FIRST_DIMENSION = 1 << 10 };
+
+/* Whether emitters are drawn at vertices on meshes (or bodies). */
+static bool drawn_on(const pl_render_settings *settings, bool on_body) {
+  return settings->emitters != NULL && (!on_body || settings->emitters_on_bodies);
+}
+
+float pl_emitters_met(const pl_path_context *context, const pl_path *path, const pl_ray *ray,
+                      const pl_vertex *vertex) {
+  if (isinf(path->pdf))
+    return 1.0f;
+  if (!drawn_on(context->settings, ray->skip_body != PL_NOTHING))
+    return 0.0f;
+  const pl_vec3f direction = pl_vec3_to_float(path->beam.direction);
+  const pl_emitter_hit hit = {vertex->thing, vertex->triangle, vertex->t,
+                              fabsf(pl_vec3f_dot(direction, vertex->ng))};
+  const float rival = pl_emitters_pdf(context->settings->emitters, path->beam.origin, &hit);
+  return pl_power_heuristic(path->pdf, rival);
+}
+
+size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
+                         const pl_vertex *vertex, int bounce, pl_vec3f wo, bool onward,
+                         size_t queued, pl_tile_buffers *b) {
+  const pl_surface *s = &vertex->surface;
+  if (!drawn_on(context->settings, vertex->thing >= context->shot->object_count))
+    return queued;
+  const uint32_t index = (uint32_t)b->counts[path->pixel]; /* samples before this one */
+  /* Drawn from where the shadow ray starts, so that a target seen edge-on is not its own obstacle.
+   */
+  pl_ray ray = pl_vertex_ray(vertex, context->shot, s->ng, 0.0f);
+  float u[2];
+  pl_emitter_sample drawn;
+  pl_sample_2d(index, b->seeds[path->pixel], FIRST_DIMENSION + (uint32_t)bounce, u);
+  if (!pl_emitters_sample(context->settings->emitters, pl_vec3f_to_double(ray.origin), u, &drawn) ||
+      !(pl_vec3f_dot(drawn.direction, s->ng) > 0.0f) ||
+      !(pl_vec3f_dot(drawn.direction, s->n) > 0.0f))
+    return queued;
+  const pl_vec3f wi = pl_surface_to_local(s, drawn.direction);
+  const float rival = onward ? s->reflectance->pdf(s, wo, wi) : 0.0f;
+  const float weight = pl_power_heuristic(drawn.pdf, rival) / drawn.pdf;
+  const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));
+  const pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, drawn.radiance), weight);
+  if (!(pl_vec3f_max(light) > 0.0f))
+    return queued;
+  ray.direction = drawn.direction;
+  ray.t_max = drawn.distance_m;
+  b->shadow_rays[queued] = ray;
+  b->pending[queued] = (pl_pending){light, path->pixel};
+  return queued + 1;
+}
