@@ -14,11 +14,11 @@ from hypothesis.extra import numpy as npst
 from PIL import Image
 from pycocotools import mask as coco_mask
 from pycocotools.coco import COCO
+from tests.python.output.silhouettes import silhouettes
 
 import perilune
 from perilune.config import ConfigError
 from perilune.writers import bop_labels
-from tests.python.output.silhouettes import silhouettes
 
 FRAMES = range(12)
 CHUNK = 5
