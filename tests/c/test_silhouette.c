@@ -253,8 +253,11 @@ static pl_object_label expected_label(const pl_object_label *visible, const int3
     }
   out.px_count_all = all.count;
   out.visib_fract = all.count > 0 ? (double)visible->px_count_visib / all.count : 0.0;
-  const int32_t box[4] = {all.x0, all.y0, all.x1 - all.x0, all.y1 - all.y0};
-  memcpy(out.bbox_obj, visible->px_count_visib > 0 ? box : unseen_box, sizeof box);
+  memcpy(out.bbox_obj, unseen_box, sizeof unseen_box);
+  if (visible->px_count_visib > 0) {
+    const int32_t box[4] = {all.x0, all.y0, all.x1 - all.x0, all.y1 - all.y0};
+    memcpy(out.bbox_obj, box, sizeof box);
+  }
   return out;
 }
 
