@@ -1,5 +1,10 @@
-/* Projected bounding boxes, and who can hide whom. */
+/* Projected boxes, and who can hide whom. */
 #include "annotate/outline.h"
+
+/* Step in which boxes about the camera's plane are narrowed down, pixels. */
+enum { STEP = 16 };
+
+static const pl_rect nowhere = {0, 0, -1, -1};
 
 /* Room for rounding between a box projected in double and a mesh traced in float: a pixel, and what
  * the float directions of a long lens add. */
@@ -7,63 +12,113 @@ static double margin_px(const pl_camera *camera) {
   return 1.0 + 4e-7 * fmax(camera->fx, camera->fy);
 }
 
-static void set_corners(const pl_snapshot *shot, const pl_shot_object *object, pl_outline *out) {
-  const pl_model *model = object->object->model;
-  const float *bounds[2] = {model->bounds_min, model->bounds_max};
-  for (int k = 0; k < 8; k++) {
-    const pl_vec3 p = {bounds[k & 1][0], bounds[k >> 1 & 1][1], bounds[k >> 2][2]};
-    const pl_vec3 local = pl_vec3_scale(pl_vec3_sub(p, object->object->offset), object->scale);
-    const pl_vec3 view = pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
-    out->corners[k] = pl_mat3_mul_vec_t(shot->camera_to_root, view);
-  }
-}
-
 /* nan, of a model without extent, is `low`. */
 static int to_pixel(double value, int low, int high) {
   return !(value > low) ? low : value >= high ? high : (int)value;
 }
 
-/* The box of the projected corners on the canvas; the whole canvas when some lie behind. */
-static void set_box(const pl_camera *camera, pl_outline *out) {
+static void set_corners(const pl_outline *outline, const float *low, const float *high,
+                        pl_vec3 corners[8]) {
+  pl_vec3 sides[3];
+  corners[0] = outline->origin;
+  for (int k = 0; k < 3; k++) {
+    corners[0] = pl_vec3_madd(corners[0], low[k], outline->axes[k]);
+    sides[k] = pl_vec3_scale(outline->axes[k], (double)high[k] - (double)low[k]);
+  }
+  for (int k = 0, count = 1; k < 3; k++, count *= 2)
+    for (int i = 0; i < count; i++)
+      corners[count + i] = pl_vec3_add(corners[i], sides[k]);
+}
+
+/* All corners lie before the camera. */
+static pl_rect rect_before(const pl_camera *camera, const pl_vec3 corners[8]) {
   const int w = camera->width, h = camera->height;
   const double margin = margin_px(camera);
   double u0 = INFINITY, v0 = INFINITY, u1 = -INFINITY, v1 = -INFINITY;
-  int before = 0;
   for (int k = 0; k < 8; k++) {
-    const pl_vec3 p = out->corners[k];
-    if (!(p.z > 0.0))
+    const pl_vec3 p = corners[k];
+    const double scale = 1.0 / p.z;
+    const double u = (camera->fx * p.x + camera->skew * p.y) * scale + camera->cx;
+    const double v = camera->fy * p.y * scale + camera->cy;
+    u0 = u < u0 ? u : u0;
+    u1 = u > u1 ? u : u1;
+    v0 = v < v0 ? v : v0;
+    v1 = v > v1 ? v : v1;
+  }
+  return (pl_rect){to_pixel(floor(u0 - margin), -w, 2 * w), to_pixel(floor(v0 - margin), -h, 2 * h),
+                   to_pixel(ceil(u1 + margin), -w - 1, 2 * w - 1),
+                   to_pixel(ceil(v1 + margin), -h - 1, 2 * h - 1)};
+}
+
+/* Whether every corner has a x + b y + c z > 0: the plane through the camera parts them from it. */
+static bool parts(const pl_vec3 corners[8], double a, double b, double c) {
+  for (int k = 0; k < 8; k++)
+    if (!(a * corners[k].x + b * corners[k].y + c * corners[k].z > 0.0))
+      return false;
+  return true;
+}
+
+/* The steps of [-size, 2 size) whose two bounding planes do not part the corners from the rays
+ * between them. The planes are a x + b y + (center - pixel) z = 0. */
+static void narrow(const pl_vec3 corners[8], double a, double b, double center, double margin,
+                   int size, int *from, int *to) {
+  *from = 2 * size;
+  *to = -size - 1;
+  for (int p = -size; p < 2 * size; p += STEP) {
+    const double low = p - margin, high = p + STEP - 1 + margin;
+    if (parts(corners, -a, -b, low - center) || parts(corners, a, b, center - high))
       continue;
-    before++;
-    const double u = (camera->fx * p.x + camera->skew * p.y) / p.z + camera->cx;
-    const double v = camera->fy * p.y / p.z + camera->cy;
-    u0 = fmin(u0, u);
-    u1 = fmax(u1, u);
-    v0 = fmin(v0, v);
-    v1 = fmax(v1, v);
+    *from = p < *from ? p : *from;
+    *to = p + STEP - 1;
   }
-  if (before < 8) {
-    u0 = v0 = -INFINITY;
-    u1 = v1 = INFINITY;
-  }
-  out->x0 = to_pixel(floor(u0 - margin), -w, 2 * w);
-  out->y0 = to_pixel(floor(v0 - margin), -h, 2 * h);
-  out->x1 = to_pixel(ceil(u1 + margin), -w - 1, 2 * w - 1);
-  out->y1 = to_pixel(ceil(v1 + margin), -h - 1, 2 * h - 1);
-  if (before == 0 || out->x0 > out->x1 || out->y0 > out->y1) {
-    out->x0 = out->y0 = 0;
-    out->x1 = out->y1 = -1;
-  }
+  *to = *to < 2 * size - 1 ? *to : 2 * size - 1;
+}
+
+/* Corners before and behind the camera: no projection, but planes through it still part. */
+static pl_rect rect_around(const pl_camera *camera, const pl_vec3 corners[8]) {
+  const double margin = margin_px(camera);
+  pl_rect rect;
+  narrow(corners, camera->fx, camera->skew, camera->cx, margin, camera->width, &rect.x0, &rect.x1);
+  narrow(corners, 0.0, camera->fy, camera->cy, margin, camera->height, &rect.y0, &rect.y1);
+  return rect;
+}
+
+pl_rect pl_outline_project(const pl_outline *outline, const pl_camera *camera, const float *low,
+                           const float *high) {
+  pl_vec3 corners[8];
+  int before = 0;
+  set_corners(outline, low, high, corners);
+  for (int k = 0; k < 8; k++)
+    before += corners[k].z > 0.0;
+  const pl_rect rect = before == 0   ? nowhere
+                       : before == 8 ? rect_before(camera, corners)
+                                     : rect_around(camera, corners);
+  return rect.x0 > rect.x1 || rect.y0 > rect.y1 ? nowhere : rect;
+}
+
+static void set_axes(const pl_snapshot *shot, const pl_shot_object *object, pl_outline *out) {
+  const pl_mat3 m = pl_mat3_mul(pl_mat3_transpose(shot->camera_to_root), object->rotation);
+  const double s = object->scale;
+  const pl_vec3 offset = object->object->offset;
+  out->axes[0] = pl_vec3_make(s * m.row[0].x, s * m.row[1].x, s * m.row[2].x);
+  out->axes[1] = pl_vec3_make(s * m.row[0].y, s * m.row[1].y, s * m.row[2].y);
+  out->axes[2] = pl_vec3_make(s * m.row[0].z, s * m.row[1].z, s * m.row[2].z);
+  out->origin = pl_mat3_mul_vec_t(shot->camera_to_root, object->position);
+  out->origin = pl_vec3_madd(out->origin, -offset.x, out->axes[0]);
+  out->origin = pl_vec3_madd(out->origin, -offset.y, out->axes[1]);
+  out->origin = pl_vec3_madd(out->origin, -offset.z, out->axes[2]);
 }
 
 /* With room for the mesh's rounding. */
-static void set_depths(pl_outline *out) {
+static void set_depths(const pl_model *model, pl_outline *out) {
+  pl_vec3 corners[8];
+  set_corners(out, model->bounds_min, model->bounds_max, corners);
   out->z0_m = INFINITY;
   out->z1_m = -INFINITY;
-  out->far_m = 0.0;
   for (int k = 0; k < 8; k++) {
-    out->z0_m = fmin(out->z0_m, out->corners[k].z);
-    out->z1_m = fmax(out->z1_m, out->corners[k].z);
-    out->far_m = fmax(out->far_m, pl_vec3_norm(out->corners[k]));
+    out->z0_m = fmin(out->z0_m, corners[k].z);
+    out->z1_m = fmax(out->z1_m, corners[k].z);
+    out->far_m = fmax(out->far_m, pl_vec3_norm(corners[k]));
   }
   const double room = 1e-6 * out->far_m;
   out->z0_m -= room;
@@ -73,8 +128,9 @@ static void set_depths(pl_outline *out) {
 
 /* A ray that meets both meets first the one whose depth is smaller. */
 static bool object_hides(const pl_outline *other, const pl_outline *outline) {
-  return other->z0_m <= outline->z1_m && other->x0 <= outline->x1 && other->x1 >= outline->x0 &&
-         other->y0 <= outline->y1 && other->y1 >= outline->y0;
+  const pl_rect a = other->rect, b = outline->rect;
+  return other->z0_m <= outline->z1_m && a.x0 <= b.x1 && a.x1 >= b.x0 && a.y0 <= b.y1 &&
+         a.y1 >= b.y0;
 }
 
 static bool body_hides(const pl_shot_body *body, const pl_shot_object *object,
@@ -87,49 +143,59 @@ static bool body_hides(const pl_shot_body *body, const pl_shot_object *object,
                            asin(object->radius_m / distance) + 1e-6);
 }
 
-static bool is_hidden(const pl_snapshot *shot, size_t index, const pl_outline *outlines) {
+static bool is_whole(const pl_snapshot *shot, size_t index, const pl_outline *outlines) {
+  const pl_rect r = outlines[index].rect;
+  const bool inside =
+      r.x0 >= 0 && r.y0 >= 0 && r.x1 < shot->camera.width && r.y1 < shot->camera.height;
+  if (r.x0 > r.x1)
+    return true;
+  if (!inside || !shot->objects[index].in_frame)
+    return false;
   for (size_t i = 0; i < shot->object_count; i++)
     if (i != index && object_hides(&outlines[i], &outlines[index]))
-      return true;
+      return false;
   for (size_t i = 0; i < shot->body_count; i++)
     if (body_hides(&shot->bodies[i], &shot->objects[index], &outlines[index]))
-      return true;
-  return false;
-}
-
-void pl_outline_build(const pl_snapshot *shot, pl_outline *outlines) {
-  for (size_t i = 0; i < shot->object_count; i++) {
-    outlines[i] = (pl_outline){0};
-    set_corners(shot, &shot->objects[i], &outlines[i]);
-    set_box(&shot->camera, &outlines[i]);
-    set_depths(&outlines[i]);
-  }
-  for (size_t i = 0; i < shot->object_count; i++) {
-    pl_outline *out = &outlines[i];
-    const bool inside = out->x0 >= 0 && out->y0 >= 0 && out->x1 < shot->camera.width &&
-                        out->y1 < shot->camera.height;
-    const bool nowhere = out->x0 > out->x1;
-    out->whole = nowhere || (inside && shot->objects[i].in_frame && !is_hidden(shot, i, outlines));
-  }
-}
-
-/* Corners of the box on the outer side of the plane a x + b y + c z = 0 through the camera. */
-static bool parts(const pl_outline *outline, double a, double b, double c) {
-  for (int k = 0; k < 8; k++) {
-    const pl_vec3 p = outline->corners[k];
-    if (a * p.x + b * p.y + c * p.z <= 0.0)
       return false;
-  }
   return true;
 }
 
-bool pl_outline_meets(const pl_outline *outline, const pl_camera *camera, int x0, int y0, int x1,
-                      int y1) {
-  const double margin = margin_px(camera);
-  const double left = x0 - margin - camera->cx, right = x1 + margin - camera->cx;
-  const double top = y0 - margin - camera->cy, bottom = y1 + margin - camera->cy;
-  const double fx = camera->fx, fy = camera->fy, skew = camera->skew;
-  return !parts(outline, -fx, -skew, left) && !parts(outline, fx, skew, -right) &&
-         !parts(outline, 0.0, -fy, top) && !parts(outline, 0.0, fy, -bottom) &&
-         !parts(outline, 0.0, 0.0, -1.0);
+/* The rectangle of all clusters, which is smaller than that of the bounding box. */
+static pl_status refine(const pl_snapshot *shot, size_t index, pl_cluster_cache *cache,
+                        pl_outline *out) {
+  PL_TRY(pl_cluster_cache_get(cache, shot->objects[index].object->model, &out->clusters));
+  pl_rect all = nowhere;
+  for (size_t i = 0; i < out->clusters.count; i++) {
+    const pl_cluster *box = &out->clusters.boxes[i];
+    const pl_rect r = pl_outline_project(out, &shot->camera, box->low, box->high);
+    if (r.x0 > r.x1)
+      continue;
+    const bool first = all.x0 > all.x1;
+    all.x0 = first || r.x0 < all.x0 ? r.x0 : all.x0;
+    all.y0 = first || r.y0 < all.y0 ? r.y0 : all.y0;
+    all.x1 = first || r.x1 > all.x1 ? r.x1 : all.x1;
+    all.y1 = first || r.y1 > all.y1 ? r.y1 : all.y1;
+  }
+  out->rect = all;
+  return PL_OK;
+}
+
+pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_outline *outlines) {
+  const size_t count = shot->object_count;
+  for (size_t i = 0; i < count; i++) {
+    const pl_model *model = shot->objects[i].object->model;
+    outlines[i] = (pl_outline){0};
+    set_axes(shot, &shot->objects[i], &outlines[i]);
+    set_depths(model, &outlines[i]);
+    outlines[i].rect =
+        pl_outline_project(&outlines[i], &shot->camera, model->bounds_min, model->bounds_max);
+  }
+  for (size_t i = 0; i < count; i++)
+    outlines[i].whole = is_whole(shot, i, outlines);
+  for (size_t i = 0; i < count; i++)
+    if (!outlines[i].whole)
+      PL_TRY(refine(shot, i, cache, &outlines[i]));
+  for (size_t i = 0; i < count; i++)
+    outlines[i].whole = is_whole(shot, i, outlines);
+  return PL_OK;
 }

@@ -5,25 +5,34 @@
 
 #include <stdbool.h>
 
+#include "annotate/clusters.h"
 #include "scene/snapshot.h"
 
+/* Pixels, inclusive; x0 > x1 when empty. */
+typedef struct pl_rect {
+  int x0, y0, x1, y1;
+} pl_rect;
+
 typedef struct pl_outline {
-  pl_vec3 corners[8]; /* of the model's bounding box, camera axes, m */
-  int x0, y0, x1, y1; /* pixels of the canvas it may cover, inclusive; x0 > x1 when none */
-  double z0_m, z1_m;  /* of the corners, along the optical axis */
-  double far_m;       /* of the farthest corner from the camera */
-  bool whole;         /* its seen pixels are its silhouette */
+  pl_rect rect;         /* of the canvas, that it may cover */
+  pl_vec3 axes[3];      /* of the model in camera axes, m per model unit */
+  pl_vec3 origin;       /* of the model in camera axes, m */
+  double z0_m, z1_m;    /* its depths lie between these */
+  double far_m;         /* no point of it is farther from the camera */
+  bool whole;           /* its seen pixels are its silhouette */
+  pl_clusters clusters; /* none where the bounding box alone shows that it is whole */
 } pl_outline;
 
 /* The canvas is the image with one image size of margin on each side (BOP). An object is whole when
- * its projected bounding box lies inside the image, and no other object whose box begins nearer
- * than this one's ends projects on the same pixels, and no body whose bounding sphere does stands
- * in the cone of its own: then neither the image's border nor another thing can take a pixel. */
-void pl_outline_build(const pl_snapshot *shot, pl_outline *outlines);
+ * the projected boxes of its triangles lie inside the image, and no other object whose box begins
+ * nearer than this one's ends projects on the same pixels, and no body whose bounding sphere begins
+ * nearer than this one's farthest corner stands in the cone of its own: then neither the image's
+ * border nor another thing can take a pixel. One that projects nowhere on the canvas is whole too.
+ */
+pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_outline *outlines);
 
-/* Whether rays through canvas pixels x0..x1, y0..y1 may meet the object: false only when a side of
- * their pyramid parts it from the bounding box. Holds for boxes around and behind the camera. */
-bool pl_outline_meets(const pl_outline *outline, const pl_camera *camera, int x0, int y0, int x1,
-                      int y1);
+/* The pixels that a box in model units may cover on the canvas. Holds around the camera. */
+pl_rect pl_outline_project(const pl_outline *outline, const pl_camera *camera, const float *low,
+                           const float *high);
 
 #endif

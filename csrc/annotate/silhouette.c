@@ -1,7 +1,10 @@
 /* Silhouettes: what the frame saw, and rays at one object alone for the rest. */
 #include "annotate/silhouette.h"
 
-enum { TILE = 32, TILE_PIXELS = TILE * TILE };
+#include <string.h>
+
+/* Sides of what a worker takes, and of what a ray is or is not cast for, pixels. */
+enum { TILE = 32, CELL = 8, TILE_PIXELS = TILE * TILE, TILE_CELLS = TILE / CELL };
 
 static const pl_silhouette nothing = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0, 0, 0};
 
@@ -22,9 +25,9 @@ typedef struct search {
   const pl_silhouette_job *job;
   const pl_outline *outline;
   uint32_t thing;
-  const pl_extent *extent; /* of what is seen */
-  int x0, y0, x1, y1;      /* the outline's box with what is seen, inclusive */
-  int columns;             /* tiles a row */
+  pl_rect box;        /* the outline's with what is seen */
+  int columns;        /* tiles a row */
+  size_t cell_stride; /* cells a row: those of whole tiles */
   uint8_t *mask;
 } search;
 
@@ -63,9 +66,9 @@ static void merge(pl_silhouette *into, const pl_silhouette *from) {
   into->rays += from->rays;
 }
 
-/* Decides a pixel by what the frame saw there, or leaves it to a ray. */
-static void look(const search *search, const int tile[4], int x, int y, doubts *doubts,
-                 pl_silhouette *into) {
+/* Decides a pixel by what the frame saw there, or leaves it to a ray if the object may be there. */
+static void look(const search *search, const int tile[4], int x, int y, bool possible,
+                 doubts *doubts, pl_silhouette *into) {
   const pl_snapshot *shot = search->job->shot;
   const int u = tile[0] + x, v = tile[1] + y;
   if (in_image(&shot->camera, u, v)) {
@@ -73,9 +76,11 @@ static void look(const search *search, const int tile[4], int x, int y, doubts *
     if (seen->thing == search->thing)
       add_pixel(search, u, v, into);
     if (seen->thing == search->thing || seen->thing == PL_NOTHING ||
-        seen->range_m > search->outline->far_m || search->outline->whole)
+        seen->range_m > search->outline->far_m)
       return;
   }
+  if (!possible)
+    return;
   doubts->directions[doubts->count] = pl_vec3_to_float(pl_snapshot_ray(shot, u, v));
   doubts->x[doubts->count] = (int16_t)x;
   doubts->y[doubts->count++] = (int16_t)y;
@@ -92,35 +97,66 @@ static void cast_doubts(const search *search, const int tile[4], doubts *doubts,
       add_pixel(search, tile[0] + doubts->x[i], tile[1] + doubts->y[i], into);
 }
 
-/* Whether the tile can hold nothing of the silhouette. */
-static bool misses(const search *search, const int tile[4]) {
-  const int x1 = tile[0] + tile[2] - 1, y1 = tile[1] + tile[3] - 1;
-  const pl_extent *e = search->extent;
-  const bool seen = tile[0] <= e->x1 && x1 >= e->x0 && tile[1] <= e->y1 && y1 >= e->y0;
-  return !seen &&
-         !pl_outline_meets(search->outline, &search->job->shot->camera, tile[0], tile[1], x1, y1);
+/* Blocks of 4 x 2 pixels, so that a packet of eight is compact. */
+static void look_at_cell(const search *search, const int tile[4], int x0, int y0, bool possible,
+                         doubts *doubts, pl_silhouette *into) {
+  const int x1 = x0 + CELL < tile[2] ? x0 + CELL : tile[2];
+  const int y1 = y0 + CELL < tile[3] ? y0 + CELL : tile[3];
+  for (int by = y0; by < y1; by += 2)
+    for (int bx = x0; bx < x1; bx += 4)
+      for (int y = by; y < by + 2 && y < y1; y++)
+        for (int x = bx; x < bx + 4 && x < x1; x++)
+          look(search, tile, x, y, possible, doubts, into);
 }
 
-/* Blocks of 4 x 2 pixels, so that a packet of eight is compact. */
 static pl_status search_tile(void *context, size_t item, int worker) {
   const search *search = context;
-  const int x0 = search->x0 + TILE * (int)(item % (size_t)search->columns);
-  const int y0 = search->y0 + TILE * (int)(item / (size_t)search->columns);
-  const int w = search->x1 - x0 + 1, h = search->y1 - y0 + 1;
+  const pl_camera *camera = &search->job->shot->camera;
+  const int column = (int)(item % (size_t)search->columns);
+  const int row = (int)(item / (size_t)search->columns);
+  const int x0 = search->box.x0 + TILE * column, y0 = search->box.y0 + TILE * row;
+  const int w = search->box.x1 - x0 + 1, h = search->box.y1 - y0 + 1;
   const int tile[4] = {x0, y0, w < TILE ? w : TILE, h < TILE ? h : TILE};
-  if (misses(search, tile))
-    return PL_OK;
+  const bool outside =
+      x0 + tile[2] <= 0 || y0 + tile[3] <= 0 || x0 >= camera->width || y0 >= camera->height;
+  const uint8_t *cells = search->job->cells + (size_t)(row * TILE_CELLS) * search->cell_stride +
+                         (size_t)(column * TILE_CELLS);
   pl_silhouette found = nothing;
   doubts doubts;
   doubts.count = 0;
-  for (int by = 0; by < tile[3]; by += 2)
-    for (int bx = 0; bx < tile[2]; bx += 4)
-      for (int y = by; y < by + 2 && y < tile[3]; y++)
-        for (int x = bx; x < bx + 4 && x < tile[2]; x++)
-          look(search, tile, x, y, &doubts, &found);
+  for (int y = 0; y < tile[3]; y += CELL, cells += search->cell_stride)
+    for (int x = 0; x < tile[2]; x += CELL) {
+      const bool possible = cells[x / CELL] != 0;
+      if (possible || !outside)
+        look_at_cell(search, tile, x, y, possible, &doubts, &found);
+    }
   cast_doubts(search, tile, &doubts, &found);
   merge(&search->job->workers[worker], &found);
   return PL_OK;
+}
+
+/* The canvas's tiles and one more each way, as a box need not begin at a tile of the canvas. */
+size_t pl_silhouette_cells(const pl_camera *camera) {
+  const size_t columns = (3 * (size_t)camera->width + TILE) / TILE + 1;
+  const size_t rows = (3 * (size_t)camera->height + TILE) / TILE + 1;
+  return columns * rows * TILE_CELLS * TILE_CELLS;
+}
+
+/* Marks the cells that some box of triangles projects on. */
+static void mark_cells(const search *search, int rows) {
+  const pl_rect box = search->box;
+  const pl_clusters *clusters = &search->outline->clusters;
+  uint8_t *cells = search->job->cells;
+  memset(cells, 0, search->cell_stride * (size_t)(rows * TILE_CELLS));
+  for (size_t i = 0; i < clusters->count && !search->outline->whole; i++) {
+    const pl_rect r = pl_outline_project(search->outline, &search->job->shot->camera,
+                                         clusters->boxes[i].low, clusters->boxes[i].high);
+    if (r.x0 > r.x1)
+      continue;
+    const size_t first = (size_t)((r.x0 - box.x0) / CELL), last = (size_t)((r.x1 - box.x0) / CELL);
+    for (int y = (r.y0 - box.y0) / CELL; y <= (r.y1 - box.y0) / CELL; y++)
+      memset(cells + (size_t)y * search->cell_stride + first, 1, last - first + 1);
+  }
 }
 
 /* What is seen is all there is. */
@@ -134,17 +170,15 @@ static pl_silhouette from_extent(const pl_extent *extent) {
 
 static search search_of(const pl_silhouette_job *job, size_t index, const pl_outline *outline,
                         const pl_extent *extent) {
-  search search = {.job = job, .outline = outline, .thing = (uint32_t)index, .extent = extent};
+  search search = {.job = job, .outline = outline, .thing = (uint32_t)index};
   pl_extent box = *extent;
   if (!outline->whole) {
-    const pl_extent possible = {outline->x0, outline->y0, outline->x1, outline->y1, 0};
-    pl_extent_merge(&box, &possible);
+    const pl_rect r = outline->rect;
+    pl_extent_merge(&box, &(pl_extent){r.x0, r.y0, r.x1, r.y1, 0});
   }
-  search.x0 = box.x0;
-  search.y0 = box.y0;
-  search.x1 = box.x1;
-  search.y1 = box.y1;
-  search.columns = (search.x1 - search.x0 + TILE) / TILE;
+  search.box = (pl_rect){box.x0, box.y0, box.x1, box.y1};
+  search.columns = (box.x1 - box.x0 + TILE) / TILE;
+  search.cell_stride = (size_t)search.columns * TILE_CELLS;
   return search;
 }
 
@@ -156,9 +190,10 @@ pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t index, const p
   }
   search search = search_of(job, index, outline, extent);
   search.mask = mask;
-  const int rows = (search.y1 - search.y0 + TILE) / TILE;
+  const int rows = (search.box.y1 - search.box.y0 + TILE) / TILE;
   for (int i = 0; i < job->threads; i++)
     job->workers[i] = nothing;
+  mark_cells(&search, rows);
   if (!outline->whole)
     PL_TRY(pl_solo_set(job->solo, &job->shot->objects[index]));
   PL_TRY(pl_parallel_for(job->threads, (size_t)search.columns * (size_t)rows, search_tile, &search,

@@ -4,7 +4,7 @@
  * Rays are cast only where the frame's own do not answer. Inside the image a pixel that sees the
  * object is of its silhouette, and one that sees nothing, or something beyond the object's farthest
  * point, is not; left are the pixels that see another thing at or before the object, and those
- * outside the image within the projected bounding box. */
+ * outside the image, as far as a box of some of the object's triangles projects there. */
 #ifndef PL_ANNOTATE_SILHOUETTE_H
 #define PL_ANNOTATE_SILHOUETTE_H
 
@@ -31,11 +31,16 @@ typedef struct pl_silhouette {
   int64_t rays;           /* cast to find out */
 } pl_silhouette;
 
+/* Bytes of scratch for the cells of a canvas. */
+size_t pl_silhouette_cells(const pl_camera *camera);
+
+/* `seen`, `solo` and `cells` may be NULL when no outline is asked for that is not whole, and no
+ * mask. */
 typedef struct pl_silhouette_job {
   const pl_snapshot *shot;
-  const pl_seen *seen;    /* the whole image; may be NULL when no outline is asked that is not whole
-                             and there is no mask */
+  const pl_seen *seen;    /* the whole image */
   pl_solo *solo;          /* set to other objects in passing */
+  uint8_t *cells;         /* scratch, of pl_silhouette_cells */
   pl_silhouette *workers; /* scratch, one per thread */
   int threads;
   pl_cancel *cancel; /* may be NULL */

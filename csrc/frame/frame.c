@@ -19,7 +19,7 @@ enum { SHARE = 4 };
 struct pl_renderer {
   const pl_scene *scene; /* borrowed */
   pl_tracer *tracer;
-  pl_solo *solo; /* NULL until a silhouette is asked for */
+  pl_label_tools label_tools;
   pl_render_scratch *scratch;
   pl_arena arena;
   pl_encoder encoder;
@@ -50,6 +50,7 @@ pl_status pl_renderer_create(const pl_scene *scene, pl_renderer **out) {
   renderer->scene = scene;
   pl_arena_init(&renderer->arena);
   pl_encoder_init(&renderer->encoder);
+  pl_label_tools_init(&renderer->label_tools);
   const pl_status status = pl_tracer_create(&renderer->tracer);
   if (status != PL_OK)
     pl_renderer_destroy(renderer);
@@ -61,7 +62,7 @@ pl_status pl_renderer_create(const pl_scene *scene, pl_renderer **out) {
 void pl_renderer_destroy(pl_renderer *renderer) {
   if (renderer == NULL)
     return;
-  pl_solo_destroy(renderer->solo);
+  pl_label_tools_clear(&renderer->label_tools);
   pl_tracer_destroy(renderer->tracer);
   pl_render_scratch_destroy(renderer->scratch);
   pl_arena_clear(&renderer->arena);
@@ -280,7 +281,8 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
       .encoder = &renderer->encoder,
       .white_radiance = (float)result->white_radiance,
   };
-  PL_TRY(pl_labels_prepare(request, &shot, &renderer->arena, &output.labels));
+  PL_TRY(
+      pl_labels_prepare(request, &shot, &renderer->label_tools, &renderer->arena, &output.labels));
   PL_TRY(pl_tracer_set(renderer->tracer, &shot));
   lap(result, PL_STAGE_REALISE, &start);
   pl_render_settings settings = settings_of(request, result);
@@ -290,7 +292,8 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
                    request->cancel));
   lap(result, PL_STAGE_RENDER, &start);
-  PL_TRY(pl_labels_finish(&output.labels, renderer->tracer, &renderer->solo, &renderer->arena));
+  PL_TRY(
+      pl_labels_finish(&output.labels, renderer->tracer, &renderer->label_tools, &renderer->arena));
   lap(result, PL_STAGE_LABEL, &start);
   return PL_OK;
 }

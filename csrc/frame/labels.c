@@ -5,6 +5,17 @@
 
 #include "base/memory.h"
 
+void pl_label_tools_init(pl_label_tools *tools) {
+  tools->solo = NULL;
+  pl_cluster_cache_init(&tools->clusters);
+}
+
+void pl_label_tools_clear(pl_label_tools *tools) {
+  pl_solo_destroy(tools->solo);
+  pl_cluster_cache_clear(&tools->clusters);
+  pl_label_tools_init(tools);
+}
+
 static pl_status take(pl_arena *arena, size_t count, size_t size, void **out) {
   *out = pl_arena_alloc(arena, count, size);
   return *out != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for object labels");
@@ -14,12 +25,12 @@ static size_t pixels_of(const pl_snapshot *shot) {
   return (size_t)shot->camera.width * (size_t)shot->camera.height;
 }
 
-static pl_status prepare_silhouettes(pl_arena *arena, pl_labels *out) {
+static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
   void *memory;
   const size_t count = out->shot->object_count;
   PL_TRY(take(arena, count, sizeof(pl_outline), &memory));
   out->outlines = memory;
-  pl_outline_build(out->shot, out->outlines);
+  PL_TRY(pl_outline_build(out->shot, &tools->clusters, out->outlines));
   bool needed = out->request->masks != NULL;
   for (size_t i = 0; i < count; i++)
     needed |= !out->outlines[i].whole;
@@ -31,7 +42,7 @@ static pl_status prepare_silhouettes(pl_arena *arena, pl_labels *out) {
 }
 
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
-                            pl_arena *arena, pl_labels *out) {
+                            pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
   void *memory;
   const size_t extents = (size_t)request->threads * shot->object_count;
   *out = (pl_labels){.request = request, .shot = shot};
@@ -41,7 +52,7 @@ pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *
   out->extents = memory;
   for (size_t i = 0; i < extents; i++)
     out->extents[i] = PL_EXTENT_NONE;
-  return request->amodal || request->masks != NULL ? prepare_silhouettes(arena, out) : PL_OK;
+  return request->amodal || request->masks != NULL ? prepare_silhouettes(tools, arena, out) : PL_OK;
 }
 
 void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int worker) {
@@ -78,19 +89,22 @@ static pl_status label_object(const pl_labels *labels, const pl_silhouette_job *
   return labels->outlines != NULL ? find_silhouette(labels, job, index, &extent) : PL_OK;
 }
 
-pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_solo **solo,
+pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_label_tools *tools,
                            pl_arena *arena) {
-  void *workers;
+  void *workers, *cells = NULL;
   const int threads = labels->request->threads;
   if (labels->extents == NULL)
     return PL_OK;
-  if (labels->seen != NULL && *solo == NULL)
-    PL_TRY(pl_solo_create(tracer, solo));
   PL_TRY(take(arena, (size_t)threads, sizeof(pl_silhouette), &workers));
+  if (labels->seen != NULL)
+    PL_TRY(take(arena, pl_silhouette_cells(&labels->shot->camera), 1, &cells));
+  if (labels->seen != NULL && tools->solo == NULL)
+    PL_TRY(pl_solo_create(tracer, &tools->solo));
   const pl_silhouette_job job = {
       .shot = labels->shot,
       .seen = labels->seen,
-      .solo = *solo,
+      .solo = tools->solo,
+      .cells = cells,
       .workers = workers,
       .threads = threads,
       .cancel = labels->request->cancel,

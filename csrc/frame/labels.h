@@ -16,13 +16,21 @@ typedef struct pl_labels {
   pl_seen *seen;        /* the image: with masks, or when some object may be hidden or cut */
 } pl_labels;
 
+/* What is kept from frame to frame; made when first needed. */
+typedef struct pl_label_tools {
+  pl_solo *solo;
+  pl_cluster_cache clusters;
+} pl_label_tools;
+void pl_label_tools_init(pl_label_tools *tools);
+void pl_label_tools_clear(pl_label_tools *tools); /* before the tracer is destroyed */
+
 /* All memory is the arena's. Touches nothing when neither objects nor masks are asked for. */
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
-                            pl_arena *arena, pl_labels *out);
+                            pl_label_tools *tools, pl_arena *arena, pl_labels *out);
 /* Called on the workers. */
 void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int worker);
-/* Fills the request's objects and masks. `solo` is created when first needed. */
-pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_solo **solo,
+/* Fills the request's objects and masks. */
+pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_label_tools *tools,
                            pl_arena *arena);
 
 #endif
