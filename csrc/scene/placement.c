@@ -13,17 +13,31 @@ pl_vec3 pl_camera_ray(const pl_camera *camera, double u, double v) {
   return (pl_vec3){(u - camera->cx - camera->skew * y) / camera->fx, y, 1.0};
 }
 
-static bool finite_vec(pl_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
+/* Lengths beyond which squares of float coordinates overflow, and so do Embree's (its rays end at
+ * 1.8e18). A model may be that many of its own units away, too: rays are turned into them. */
+#define REACH_M 1e18
+#define REACH_UNITS 1e17
+/* Objects and bodies smaller than this have no float box. */
+#define SIZE_MIN_M 1e-9
+/* Largest radiometric quantity: sums over lights and samples stay finite in float. */
+#define RADIOMETRY_MAX 1e30
+
+static bool in_reach(pl_vec3 v) {
+  return fabs(v.x) <= REACH_M && fabs(v.y) <= REACH_M && fabs(v.z) <= REACH_M;
+}
 
 static bool good_pose(const pl_pose *pose) {
   const pl_quat q = pose->q;
   const double n = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  return finite_vec(pose->t) && fabs(n - 1.0) < 1e-6;
+  return in_reach(pose->t) && fabs(n - 1.0) < 1e-6;
 }
 
 static pl_status check_motion(const char *kind, const char *name, const pl_motion *motion) {
   if (!good_pose(&motion->open) || !good_pose(&motion->close))
-    return pl_fail(PL_E_RANGE, "%s '%s': pose must be finite with a unit quaternion", kind, name);
+    return pl_fail(
+        PL_E_RANGE,
+        "%s '%s': pose must be finite with a unit quaternion, at most %g m from the root", kind,
+        name, REACH_M);
   return PL_OK;
 }
 
@@ -41,30 +55,50 @@ static pl_status check_camera(const pl_camera *camera) {
 static pl_status check_body(const pl_body *body, const pl_body_state *state) {
   PL_TRY(check_motion("body", body->name, &state->motion));
   const pl_vec3 r = state->radii_m;
-  if (!finite_vec(r) || !(r.x > 0.0) || !(r.y > 0.0) || !(r.z > 0.0))
-    return pl_fail(PL_E_RANGE, "body '%s': radii must be finite and positive", body->name);
+  if (!in_reach(r) || !(r.x >= SIZE_MIN_M) || !(r.y >= SIZE_MIN_M) || !(r.z >= SIZE_MIN_M))
+    return pl_fail(PL_E_RANGE, "body '%s': radii must be %g..%g m", body->name, SIZE_MIN_M,
+                   REACH_M);
   for (int k = 0; k < 3; k++)
     if (!(state->albedo[k] >= 0.0f && state->albedo[k] <= 10.0f) ||
-        !(state->emission[k] >= 0.0f && isfinite(state->emission[k])))
-      return pl_fail(PL_E_RANGE, "body '%s': albedo must be 0..10, emission finite and >= 0",
-                     body->name);
+        !(state->emission[k] >= 0.0f && state->emission[k] <= (float)RADIOMETRY_MAX))
+      return pl_fail(PL_E_RANGE, "body '%s': albedo must be 0..10, emission 0..%g", body->name,
+                     RADIOMETRY_MAX);
+  return PL_OK;
+}
+
+static pl_status check_object(const pl_object *object, const pl_object_state *state,
+                              pl_vec3 camera) {
+  PL_TRY(check_motion("object", object->name, &state->motion));
+  const float *low = object->model->bounds_min, *high = object->model->bounds_max;
+  double units = 0.0;
+  for (int k = 0; k < 3; k++)
+    units = fmax(units, (double)high[k] - low[k]);
+  const double size_m = state->scale * units;
+  if (!(state->scale > 0.0) || !isfinite(state->scale))
+    return pl_fail(PL_E_RANGE, "object '%s': scale must be finite and positive", object->name);
+  if (!(size_m >= SIZE_MIN_M && size_m <= REACH_M))
+    return pl_fail(PL_E_RANGE, "object '%s': is %.3g m long, must be %g..%g", object->name, size_m,
+                   SIZE_MIN_M, REACH_M);
+  const pl_pose pose = pl_motion_middle(&state->motion);
+  const double distance = pl_vec3_norm(pl_vec3_sub(pose.t, camera)) / state->scale;
+  if (!(distance <= REACH_UNITS))
+    return pl_fail(PL_E_RANGE, "object '%s': is %.3g of its model's units away, must be at most %g",
+                   object->name, distance, REACH_UNITS);
   return PL_OK;
 }
 
 pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placement) {
   PL_TRY(check_camera(&placement->camera));
-  for (size_t i = 0; i < scene->object_count; i++) {
-    const pl_object_state *state = &placement->objects[i];
-    PL_TRY(check_motion("object", scene->objects[i].name, &state->motion));
-    if (!(state->scale > 0.0) || !isfinite(state->scale))
-      return pl_fail(PL_E_RANGE, "object '%s': scale must be finite and positive",
-                     scene->objects[i].name);
-  }
+  const pl_vec3 camera = pl_motion_middle(&placement->camera.motion).t;
+  for (size_t i = 0; i < scene->object_count; i++)
+    PL_TRY(check_object(&scene->objects[i], &placement->objects[i], camera));
   for (size_t i = 0; i < scene->body_count; i++)
     PL_TRY(check_body(&scene->bodies[i], &placement->bodies[i]));
   const pl_sun *sun = &placement->sun;
-  if (!finite_vec(sun->position_m) || !(sun->radius_m > 0.0) || !isfinite(sun->radius_m) ||
-      !(sun->irradiance_au >= 0.0) || !isfinite(sun->irradiance_au))
-    return pl_fail(PL_E_RANGE, "sun: position, radius and irradiance must be finite, radius > 0");
+  if (!in_reach(sun->position_m) || !(sun->radius_m > 0.0) || !(sun->radius_m <= REACH_M))
+    return pl_fail(PL_E_RANGE, "sun: position and radius must be at most %g m, the radius above 0",
+                   REACH_M);
+  if (!(sun->irradiance_au >= 0.0 && sun->irradiance_au <= RADIOMETRY_MAX))
+    return pl_fail(PL_E_RANGE, "sun: irradiance must be 0..%g W m-2", RADIOMETRY_MAX);
   return PL_OK;
 }

@@ -25,6 +25,7 @@ F64 = NDArray[np.float64]
 Trajectory = Callable[[World], F64]
 
 _TRIES = 2000
+_REACH_M = 1e18  # as in the core: beyond, squares of float coordinates overflow
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -198,7 +199,11 @@ def _load(name: str) -> Callable[..., Any]:
 
 def checked(poses: Any, what: str) -> F64:
     """A hook's answer as (2, 7); refuses wrong shapes, non-finite values, zero quaternions."""
-    array = np.asarray(poses, dtype=np.float64)
+    try:
+        array = np.asarray(poses, dtype=np.float64)
+    except (TypeError, ValueError):
+        text = "must return a pose (7,) or poses (2, 7) of numbers"
+        raise ValueError(f"{what}: {text}, not {poses!r}") from None
     if array.shape == (7,):
         array = np.stack([array, array])
     if array.shape != (2, 7):
@@ -206,6 +211,8 @@ def checked(poses: Any, what: str) -> F64:
     norms = np.linalg.norm(array[:, 3:], axis=1)
     if not np.isfinite(array).all() or not (norms > 0.0).all():
         raise ValueError(f"{what}: returned a pose that is not finite, or a zero quaternion")
+    if np.abs(array[:, :3]).max() > _REACH_M:
+        raise ValueError(f"{what}: returned a position more than {_REACH_M:g} m from the root")
     result = array.copy()
     result[:, 3:] /= norms[:, None]
     return result

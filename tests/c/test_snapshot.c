@@ -262,6 +262,40 @@ static void test_placement_check(void **state) {
   pl_model_destroy(model);
 }
 
+/* Finite values with which float coordinates, or those of a ray in a model's units, overflow:
+ * Embree asserts that its rays are valid, which is the end of the process. */
+static void test_placement_out_of_reach(void **state) {
+  (void)state;
+  pl_model *model = cube_create(0.5);
+  stage s;
+  stage_init(&s, 64, 48, 60.0);
+  stage_add_object(&s, model, (pl_vec3){0, 0, 5}, PL_QUAT_IDENTITY, 1.0);
+  stage_add_body(&s, (pl_vec3){0, 0, 50}, (pl_vec3){1, 1, 1}, 0.5f);
+  const struct {
+    double *key, value;
+    pl_status expected;
+  } cases[] = {
+      {&s.objects[0].scale, 1e-30, PL_E_RANGE},
+      {&s.objects[0].scale, 1e-8, PL_OK},
+      {&s.objects[0].scale, 1e19, PL_E_RANGE},
+      {&s.objects[0].motion.open.t.x, 1e17, PL_OK},
+      {&s.objects[0].motion.open.t.x, 1e18, PL_E_RANGE}, /* too many of its units away */
+      {&s.placement.camera.motion.open.t.z, -1.1e18, PL_E_RANGE},
+      {&s.placement.sun.position_m.y, 1.1e18, PL_E_RANGE},
+      {&s.placement.sun.irradiance_au, 1e31, PL_E_RANGE},
+      {&s.bodies[0].radii_m.z, 1.1e18, PL_E_RANGE},
+      {&s.bodies[0].radii_m.z, 1e-10, PL_E_RANGE},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    const double kept = *cases[i].key;
+    *cases[i].key = cases[i].value;
+    assert_int_equal(pl_placement_check(&s.scene, &s.placement), cases[i].expected);
+    *cases[i].key = kept;
+  }
+  stage_clear(&s);
+  pl_model_destroy(model);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_rebasing_is_exact),
@@ -271,6 +305,7 @@ int main(void) {
       cmocka_unit_test(test_culling_keeps_black_screens),
       cmocka_unit_test(test_camera_inside),
       cmocka_unit_test(test_placement_check),
+      cmocka_unit_test(test_placement_out_of_reach),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -41,11 +41,23 @@ def _direction(value: tuple[float, float, float]) -> tuple[float, float, float]:
     return (value[0] / norm, value[1] / norm, value[2] / norm)
 
 
+# Far beyond use; within these no cube of a length overflows.
+_HUGE, _TINY = 1e30, 1e-30
+
+
+def _not_tiny(value: float) -> float:
+    if value < _TINY:
+        fail("", f"must be at least {_TINY:g}")
+    return value
+
+
 # Strict numbers: a quoted "3" or a boolean is a mistake, and an int key does not take 3.0, which is
 # also what makes counts and identities refuse drivers.
-Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
-NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-_HUGE, le=_HUGE)]
+Positive = Annotated[
+    float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=_HUGE), AfterValidator(_not_tiny)
+]
+NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=_HUGE)]
 Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 Inclination = Annotated[float, Field(strict=True, ge=0.0, le=180.0)]
 Integer = Annotated[int, Field(strict=True)]
