@@ -18,7 +18,6 @@ from perilune.cli.options import (
 )
 from perilune.cli.progress import Bar
 from perilune.writers import WRITERS
-from perilune.writers.bop_files import make_folder
 
 
 def _configure(parser: ArgumentParser) -> None:
@@ -57,7 +56,6 @@ def _configure(parser: ArgumentParser) -> None:
 
 def _run(args: Namespace) -> int:
     sim = open_simulation(args)
-    make_folder(args.out)
     start = time.perf_counter()
     with Bar() as bar:
         try:

@@ -30,7 +30,13 @@ from perilune.writers.bop_finish import SOURCE_FILE, finish, reopen
 from perilune.writers.bop_labels import CocoHeader, Mask, annotation, info_entry
 from perilune.writers.bop_models import BopModel, write_models
 from perilune.writers.bop_shards import Note, Shard, check_frames, shard_chunks
-from perilune.writers.bop_source import bop_models, camera_entry, dataset_info, dataset_name
+from perilune.writers.bop_source import (
+    bop_models,
+    camera_entry,
+    dataset_info,
+    dataset_name,
+    refuse_unfit,
+)
 from perilune.writers.queue import WriteQueue
 from perilune.writers.table import Progress, WriteReport
 
@@ -171,9 +177,10 @@ def _check_same_source(path: Path, info: dict[str, Any]) -> bool:
 
 def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> dict[int, BopModel]:
     """What the dataset says of its simulation as a whole; refuses a folder of another one."""
+    refuse_unfit(sim)
+    make_folder(root)  # before the models are read, so that a bad folder is told at once
     models = bop_models(sim)
     info = dataset_info(sim, chunk_size, split)
-    make_folder(root)
     if not _check_same_source(root / SOURCE_FILE, info):
         write_text(root / SOURCE_FILE, json_text(info))
     write_text(root / "camera.json", json_text(camera_entry(sim)))

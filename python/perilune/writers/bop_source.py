@@ -55,7 +55,6 @@ def _continuous(symmetries: Symmetries) -> list[tuple[F64, F64]]:
 
 def bop_models(sim: Simulation) -> dict[int, BopModel]:
     """Object id -> model; spacecraft that share an id share a model."""
-    refuse_unfit(sim)
     models: dict[int, BopModel] = {}
     for row in sim.models.values():
         if row.obj_id not in models:

@@ -116,6 +116,11 @@ def test_errors_are_one_message(small_scene, tmp_path):
     text = failed("render", small_scene, "--frames", "0:1", "--out", blocker / "set")
     assert str(blocker) in text
     assert len(text.splitlines()) == 1
+    assert "cannot be written to" in text
+    text = failed("render", small_scene, "--frames", "0:1", "--out", blocker)
+    assert f"{blocker}: cannot be written to: a file stands there" in text
+    text = failed("render", small_scene, "--frames", 0, "--split", "Test", "--out", tmp_path / "s")
+    assert "split: 'Test' must be lower-case" in text
 
 
 def test_debug_shows_the_traceback():
@@ -132,6 +137,10 @@ def test_debug_shows_the_traceback():
         (["render", "x.yaml", "--out", "o"], "--frames"),
         (["render", "x.yaml", "--out", "o", "--frames", "5:5"], "no frame"),
         (["render", "x.yaml", "--out", "o", "--frames", "0:1", "--format", "coco"], "coco"),
+        (["render", "x.yaml", "--out", "o", "--frames", "0", "--format", "bpo"], "mean 'bop'?"),
+        (["render", "x.yaml", "--out", "o", "--frames", "0", "--shard", "1"], "K/N"),
+        (["render", "x.yaml", "--out", "o", "--frames", "0:5000000000"], "2147483647"),
+        (["preview", "x.yaml", "--out", "o", "--frame", "5000000000"], "too large"),
         (["render", "x.yaml", "--out", "o", "--frames", "0:1", "--threads", "0"], "too small"),
         (["plan", "x.yaml", "--frame", "one"], "whole number"),
     ],

@@ -1,0 +1,112 @@
+"""The JSON Schema of configurations: takes what the loader takes, refuses misspelt keys."""
+
+from __future__ import annotations
+
+import copy
+import json
+import subprocess
+import sys
+
+import jsonschema
+import pytest
+
+import perilune
+from perilune.config import ConfigError, load
+from perilune.config.loader import read_tree
+
+
+@pytest.fixture(scope="module")
+def validator():
+    done = subprocess.run(
+        [sys.executable, "-m", "perilune", "schema"], capture_output=True, text=True, check=True
+    )
+    schema = json.loads(done.stdout)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def test_every_configuration_of_the_repository_is_valid(validator, repo_dir):
+    paths = [*sorted((repo_dir / "configs").glob("*.yaml")), repo_dir / "tests/python/scene.yaml"]
+    assert len(paths) > 5
+    for path in paths:
+        assert [e.message for e in validator.iter_errors(read_tree(path))] == [], path
+
+
+def changed(tree, path, value):
+    tree = copy.deepcopy(tree)
+    *parents, last = path.split(".")
+    node = tree
+    for key in parents:
+        node = node.setdefault(key, {})
+    if value is None:
+        del node[last]
+    else:
+        node[last] = value
+    return tree
+
+
+DRIVER = {"ideal": 1.0, "jitter_variance": 0.1, "clip_min": 0.5, "clip_max": 2.0}
+
+BAD = [
+    ("camera.widht", 640),
+    ("camera.width", "640"),
+    ("camera.width", DRIVER),
+    ("camera.width", 0),
+    ("camera.trajectory.kind", "orbits"),
+    ("camera.trajectory.distance", 3.0),
+    ("camera.trajectory.distance_m", [1.0, 2.0, 3.0]),
+    ("camera.trajectory", None),
+    ("bodies.planet.kind", "moom"),
+    ("bodies.planet.reflectance", "lamberts"),
+    ("bodies.planet.map_center_lon_deg", DRIVER),
+    ("bodies", {}),
+    ("spacecraft.smallsat.orbit.eccentricity", -0.1),
+    ("spacecraft.smallsat.orbit.eccentricity", {**DRIVER, "variance": 1.0}),
+    ("spacecraft.smallsat.orbit.eccentricity", {"ideal": 1.0}),
+    ("spacecraft.smallsat.model", None),
+    ("render.channels", ["rgb", "dept"]),
+    ("render.force_on", ["shadows"]),
+    ("labels.ids", {"kinds": {"a": 1}}),
+    ("drivers.strength", DRIVER),
+    ("version", 2),
+    ("rendr", {}),
+]
+
+
+@pytest.mark.parametrize(("path", "value"), BAD)
+def test_what_the_schema_refuses_the_loader_refuses(validator, repo_dir, path, value):
+    demo = repo_dir / "configs" / "demo.yaml"
+    tree = changed(read_tree(demo), path, value)
+    assert not validator.is_valid(tree)
+    with pytest.raises(ConfigError):
+        perilune.open(tree, base=demo.parent)
+
+
+GOOD = [
+    ("bodies.planet.radii_km", 6378.0),
+    ("bodies.planet.albedo", [0.1, DRIVER, 0.3]),
+    ("bodies.planet.albedo", DRIVER),
+    ("bodies.planet.rotation", {"rotation_deg": [0.0, 10.0, DRIVER]}),
+    ("camera.trajectory.distance_m", 9.0),
+    ("camera.trajectory.distance_m", [DRIVER, 9.0]),
+    ("camera.trajectory.distance_m", DRIVER),
+    ("camera.fov_deg", {**DRIVER, "interval": 5, "strength": 0.5}),
+    ("camera.exposure", {"mode": "auto"}),
+    ("spacecraft.smallsat.class", "satellite"),
+    ("spacecraft.smallsat.obj_id", 4),
+    ("render.samples", 4),
+]
+
+
+@pytest.mark.parametrize(("path", "value"), GOOD)
+def test_what_the_loader_takes_the_schema_takes(validator, repo_dir, path, value):
+    demo = repo_dir / "configs" / "demo.yaml"
+    tree = changed(read_tree(demo), path, value)
+    load(tree, base=demo.parent)
+    assert [error.message for error in validator.iter_errors(tree)] == []
+
+
+def test_keys_are_described(validator):
+    camera = validator.schema["$defs"]["Camera"]["properties"]
+    assert "field of view" in json.dumps(camera["fov_deg"])
+    assert "x-perilune" not in json.dumps(validator.schema)
