@@ -1,0 +1,102 @@
+"""Memory over many frames: the process does not grow, and the core allocates nothing anew."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import perilune
+from perilune import _core
+
+ALL = [channel["name"] for channel in _core.CHANNELS] + ["objects"]
+
+GROWTH = """
+import gc, json, os, sys
+import perilune
+from perilune import _core
+
+names = [channel["name"] for channel in _core.CHANNELS] + ["objects"]
+sim = perilune.open(sys.argv[1])
+sizes = {}
+page = os.sysconf("SC_PAGESIZE")
+for index in range(2000):
+    sample = sim.frame(index, channels=names, threads=2)
+    if index + 1 in (100, 500, 1000, 1500, 2000):
+        gc.collect()
+        with open("/proc/self/statm") as file:
+            sizes[index + 1] = int(file.read().split()[1]) * page
+print(json.dumps(sizes))
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.slow
+def test_resident_size_stays(repo_dir):
+    """After 2 000 small frames within 2 % of that after 100; in a process of its own."""
+    scene = str(repo_dir / "tests/python/scene.yaml")
+    result = subprocess.run(
+        [sys.executable, "-c", GROWTH, scene], capture_output=True, text=True, timeout=600,
+        check=False,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    sizes = json.loads(result.stdout)
+    assert abs(sizes["2000"] / sizes["100"] - 1.0) < 0.02, sizes
+
+
+def requests(repo_dir, scene, frames):
+    """The core's renderer, what it is asked in each frame, and arrays for everything it can fill.
+
+    Asking is not part of the frame: the tree of orbits, some 20 numbers, is made anew for each.
+    """
+    sim = perilune.open(repo_dir / scene, overrides={"camera.width": 80, "camera.height": 60})
+    first = sim.frame(0, channels=ALL, threads=1)
+    out = {**first, "objects": first.objects}
+    return sim._mine().renderer, [sim.request(index) for index in frames], out
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("scene", ["tests/python/scene.yaml", "configs/demo.yaml"])
+def test_frames_into_given_arrays_allocate_nothing(repo_dir, scene, threads):
+    """From the second frame on; the demo has textures and a map."""
+    before = _core.allocations()
+    renderer, asked, out = requests(repo_dir, scene, (0, 1, 2, 3, 7))
+    assert _core.allocations() > before  # the counter counts
+    renderer.render(asked[0], out, threads)
+    before = _core.allocations()
+    renderer.render(asked[0], out, threads)
+    assert _core.allocations() == before
+    # Others may need what the first did not (the silhouette of an object that is cut), once.
+    for request in asked:
+        renderer.render(request, out, threads)
+    before = _core.allocations()
+    for request in (*asked, *reversed(asked)):
+        renderer.render(request, out, threads)
+        assert _core.allocations() == before, f"frame {request['index']}"
+
+
+def test_fewer_or_more_threads_allocate_once(repo_dir):
+    """A change of the number of threads may allocate; a second frame with it does not."""
+    renderer, asked, out = requests(repo_dir, "tests/python/scene.yaml", (0, 1))
+    for threads in (3, 1, 2):
+        for request in asked:
+            renderer.render(request, out, threads)
+        before = _core.allocations()
+        renderer.render(asked[1], out, threads)
+        assert _core.allocations() == before
+
+
+def test_frames_of_the_python_layer_allocate_the_same(repo_dir):
+    """Through Simulation.frame: what is made to ask for a frame is given back, and no more."""
+    sim = perilune.open(repo_dir / "tests/python/scene.yaml")
+    first = sim.frame(0, channels=ALL, threads=2)
+    out = {**first, "objects": first.objects}
+    counts = []
+    for index in (*range(1, 6), *range(1, 6)):
+        before = _core.allocations()
+        sim.frame(index, channels=ALL, threads=2, out=out)
+        counts.append(_core.allocations() - before)
+    assert len(set(counts[5:])) == 1
+    assert counts[-1] < 10
