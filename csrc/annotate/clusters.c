@@ -1,12 +1,14 @@
-/* Triangles in Morton order of their centroids (Morton 1966), cut into runs of equal length. */
+/* Triangles in Morton order of their centroids (Morton 1966), halved at the highest bit in which a
+ * run's codes differ (Lauterbach et al. 2009) until the runs are short: no box spans a gap of the
+ * order. */
 #include "annotate/clusters.h"
 
 #include <math.h>
 
 #include "base/memory.h"
 
-/* Runs: as short as these allow. */
-enum { CLUSTERS_MAX = 1024, TRIANGLES_MIN = 8 };
+/* A run is short when it has fewer triangles than this, or than this part of the model's. */
+enum { TRIANGLES_SHORT = 4, PART_SHORT = 1024 };
 /* Radix of the sort; three digits make a code of 30 bits. */
 enum { DIGIT_BITS = 10, DIGITS = 1 << DIGIT_BITS };
 
@@ -69,8 +71,47 @@ static pl_cluster box_of(const pl_model *model, const uint32_t *triangles, size_
   return box;
 }
 
+typedef struct order {
+  const pl_model *model;
+  const uint32_t *codes;     /* by triangle */
+  const uint32_t *triangles; /* sorted by code */
+  size_t longest;            /* run */
+} order;
+
+/* Where the run's codes change in their highest differing bit; first when they are all the same. */
+static size_t halve(const order *order, size_t first, size_t end) {
+  const uint32_t low = order->codes[order->triangles[first]];
+  const uint32_t high = order->codes[order->triangles[end - 1]];
+  size_t begin = first;
+  uint32_t bit = 1u << (3 * DIGIT_BITS - 1);
+  if (low == high)
+    return first;
+  while (((low ^ high) & bit) == 0)
+    bit >>= 1;
+  while (begin < end) { /* the first with the bit set */
+    const size_t middle = begin + (end - begin) / 2;
+    if ((order->codes[order->triangles[middle]] & bit) != 0)
+      end = middle;
+    else
+      begin = middle + 1;
+  }
+  return begin;
+}
+
+/* Counts the boxes of a run, and writes them unless `boxes` is NULL. As deep as a code has bits. */
+static size_t cut(const order *order, size_t first, size_t end, pl_cluster *boxes) {
+  const size_t middle = end - first > order->longest ? halve(order, first, end) : first;
+  if (middle == first) {
+    if (boxes != NULL)
+      *boxes = box_of(order->model, order->triangles + first, end - first);
+    return 1;
+  }
+  const size_t left = cut(order, first, middle, boxes);
+  return left + cut(order, middle, end, boxes != NULL ? boxes + left : NULL);
+}
+
 /* memory: three numbers a triangle. */
-static void fill_boxes(const pl_model *model, size_t run, uint32_t *memory, pl_clusters *out) {
+static pl_status fill_boxes(const pl_model *model, uint32_t *memory, pl_clusters *out) {
   const size_t count = model->triangle_count;
   uint32_t *codes = memory, *a = codes + count, *b = a + count;
   for (size_t t = 0; t < count; t++) {
@@ -80,29 +121,24 @@ static void fill_boxes(const pl_model *model, size_t run, uint32_t *memory, pl_c
   sort_digit(codes, 0, count, a, b);
   sort_digit(codes, DIGIT_BITS, count, b, a);
   sort_digit(codes, 2 * DIGIT_BITS, count, a, b);
-  for (size_t i = 0; i < out->count; i++) {
-    const size_t first = i * run, left = count - first;
-    out->boxes[i] = box_of(model, b + first, left < run ? left : run);
-  }
+  const size_t part = count / PART_SHORT;
+  const order order = {model, codes, b, part > TRIANGLES_SHORT ? part : TRIANGLES_SHORT};
+  void *boxes;
+  *out = (pl_clusters){model, NULL, count > 0 ? cut(&order, 0, count, NULL) : 0};
+  PL_TRY(pl_alloc_or_fail(out->count, sizeof(pl_cluster), "boxes of a model", &boxes));
+  out->boxes = boxes;
+  if (count > 0)
+    cut(&order, 0, count, boxes);
+  return PL_OK;
 }
 
 static pl_status create(const pl_model *model, pl_clusters *out) {
-  void *memory, *boxes;
-  const size_t triangles = model->triangle_count;
-  const size_t even = (triangles + CLUSTERS_MAX - 1) / CLUSTERS_MAX;
-  const size_t run = even > TRIANGLES_MIN ? even : TRIANGLES_MIN;
-  const size_t count = (triangles + run - 1) / run;
-  PL_TRY(pl_alloc_or_fail(count, sizeof(pl_cluster), "boxes of a model", &boxes));
-  const pl_status status =
-      pl_alloc_or_fail(3 * triangles, sizeof(uint32_t), "sorting triangles", &memory);
-  if (status != PL_OK) {
-    pl_free(boxes);
-    return status;
-  }
-  *out = (pl_clusters){model, boxes, count};
-  fill_boxes(model, run, memory, out);
+  void *memory;
+  PL_TRY(
+      pl_alloc_or_fail(3 * model->triangle_count, sizeof(uint32_t), "sorting triangles", &memory));
+  const pl_status status = fill_boxes(model, memory, out);
   pl_free(memory);
-  return PL_OK;
+  return status;
 }
 
 pl_status pl_cluster_cache_get(pl_cluster_cache *cache, const pl_model *model, pl_clusters *out) {

@@ -96,6 +96,13 @@ pl_rect pl_outline_project(const pl_outline *outline, const pl_camera *camera, c
   return rect.x0 > rect.x1 || rect.y0 > rect.y1 ? nowhere : rect;
 }
 
+bool pl_outline_before(const pl_outline *outline, const float *low, const float *high) {
+  double z = outline->origin.z;
+  for (int k = 0; k < 3; k++)
+    z += fmin(low[k] * outline->axes[k].z, high[k] * outline->axes[k].z);
+  return z > 0.0;
+}
+
 static void set_axes(const pl_snapshot *shot, const pl_shot_object *object, pl_outline *out) {
   const pl_mat3 m = pl_mat3_mul(pl_mat3_transpose(shot->camera_to_root), object->rotation);
   const double s = object->scale;

@@ -34,5 +34,7 @@ pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_
 /* The pixels that a box in model units may cover on the canvas. Holds around the camera. */
 pl_rect pl_outline_project(const pl_outline *outline, const pl_camera *camera, const float *low,
                            const float *high);
+/* Whether all of the box lies before the camera. */
+bool pl_outline_before(const pl_outline *outline, const float *low, const float *high);
 
 #endif

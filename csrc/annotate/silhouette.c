@@ -142,21 +142,44 @@ size_t pl_silhouette_cells(const pl_camera *camera) {
   return columns * rows * TILE_CELLS * TILE_CELLS;
 }
 
-/* Marks the cells that some box of triangles projects on. */
-static void mark_cells(const search *search, int rows) {
+static void mark_rect(const search *search, pl_rect r) {
   const pl_rect box = search->box;
-  const pl_clusters *clusters = &search->outline->clusters;
-  uint8_t *cells = search->job->cells;
-  memset(cells, 0, search->cell_stride * (size_t)(rows * TILE_CELLS));
-  for (size_t i = 0; i < clusters->count && !search->outline->whole; i++) {
-    const pl_rect r = pl_outline_project(search->outline, &search->job->shot->camera,
-                                         clusters->boxes[i].low, clusters->boxes[i].high);
-    if (r.x0 > r.x1)
-      continue;
-    const size_t first = (size_t)((r.x0 - box.x0) / CELL), last = (size_t)((r.x1 - box.x0) / CELL);
-    for (int y = (r.y0 - box.y0) / CELL; y <= (r.y1 - box.y0) / CELL; y++)
-      memset(cells + (size_t)y * search->cell_stride + first, 1, last - first + 1);
+  const size_t first = (size_t)((r.x0 - box.x0) / CELL), last = (size_t)((r.x1 - box.x0) / CELL);
+  for (int y = (r.y0 - box.y0) / CELL; y <= (r.y1 - box.y0) / CELL; y++)
+    memset(search->job->cells + (size_t)y * search->cell_stride + first, 1, last - first + 1);
+}
+
+/* Marks the cells that a box projects on. The rectangle of a long box seen aslant is wide of it, so
+ * large ones are halved, at most `depth` times; not those about the camera's plane, of which halves
+ * say little and cost much. */
+static void mark_box(const search *search, const pl_cluster *box, int depth) {
+  const int small = 4 * CELL;
+  const pl_rect r =
+      pl_outline_project(search->outline, &search->job->shot->camera, box->low, box->high);
+  if (r.x0 > r.x1)
+    return;
+  if (depth == 0 || (r.x1 - r.x0 < small && r.y1 - r.y0 < small) ||
+      !pl_outline_before(search->outline, box->low, box->high)) {
+    mark_rect(search, r);
+    return;
   }
+  int axis = 0;
+  for (int k = 1; k < 3; k++)
+    if (box->high[k] - box->low[k] > box->high[axis] - box->low[axis])
+      axis = k;
+  pl_cluster halves[2] = {*box, *box};
+  halves[0].high[axis] = halves[1].low[axis] = 0.5f * (box->low[axis] + box->high[axis]);
+  mark_box(search, &halves[0], depth - 1);
+  mark_box(search, &halves[1], depth - 1);
+}
+
+/* Marks the cells where the object may be. */
+static void mark_cells(const search *search, int rows) {
+  const int depth = 6;
+  const pl_clusters *clusters = &search->outline->clusters;
+  memset(search->job->cells, 0, search->cell_stride * (size_t)(rows * TILE_CELLS));
+  for (size_t i = 0; i < clusters->count && !search->outline->whole; i++)
+    mark_box(search, &clusters->boxes[i], depth);
 }
 
 /* What is seen is all there is. */
