@@ -64,7 +64,7 @@ class ImageCheck:
         scene: SceneFolder,
         im_id: int,
         labels: ImageLabels,
-        meshes: Mapping[int, Mesh],
+        meshes: Mapping[int, Mesh | None],
         size: tuple[int, int],
     ) -> None:
         self.report = report
@@ -149,7 +149,7 @@ class ImageCheck:
         fault = rotation_fault(np.reshape(pose.cam_R_m2c, (3, 3)))
         self._need(fault is None, path, f"instance {gt_id}: cam_R_m2c {fault}")
         known = pose.obj_id in self.meshes
-        self._need(known, path, f"instance {gt_id}: obj_id {pose.obj_id} has no usable model")
+        self._need(known, path, f"instance {gt_id}: obj_id {pose.obj_id} is not in models/")
 
     def _info(
         self,

@@ -72,11 +72,11 @@ def _check_info(report: Report, path: Path, key: str, info: ModelInfo, mesh: Mes
         report.need(unit, path, f"{key}.symmetries_continuous[{k}].axis is not of unit length")
 
 
-def check_models(report: Report) -> dict[int, Mesh]:
-    """Checks models/; returns the meshes that can be used."""
+def check_models(report: Report) -> dict[int, Mesh | None]:
+    """Checks models/; returns the mesh of every object it lists, None for one that is of no use."""
     folder = report.folder / "models"
     infos = read_json(report, folder / "models_info.json", by_id(ModelInfo)) or {}
-    meshes: dict[int, Mesh] = {}
+    meshes: dict[int, Mesh | None] = dict.fromkeys(map(int, infos))
     names = {f"obj_{int(key):06d}.ply": key for key in infos}
     present = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
     for name in sorted(present - set(names) - {"models_info.json"}):

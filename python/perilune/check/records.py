@@ -16,6 +16,9 @@ T = TypeVar("T")
 _SHOWN = 5
 """Faults of one file that are told one by one."""
 
+LARGEST_SIDE = 32768
+"""Of an image, pixels: as in the configuration."""
+
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0.0)]
 Count = Annotated[int, Field(ge=0)]
@@ -38,8 +41,8 @@ class Camera(_Exact):
     depth_scale: Positive
     fx: Positive
     fy: Positive
-    height: Annotated[int, Field(ge=1)]
-    width: Annotated[int, Field(ge=1)]
+    height: Annotated[int, Field(ge=1, le=LARGEST_SIDE)]
+    width: Annotated[int, Field(ge=1, le=LARGEST_SIDE)]
 
 
 class SceneCamera(_Exact):

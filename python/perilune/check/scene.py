@@ -99,7 +99,7 @@ def check_scene(
     report: Report,
     folder: Path,
     source: Source,
-    meshes: Mapping[int, Mesh],
+    meshes: Mapping[int, Mesh | None],
     size: tuple[int, int],
     step: Step,
 ) -> None:

@@ -187,19 +187,22 @@ class SceneFolder:
         return self.folder / "mask_visib" / f"{im_id:06d}_{gt_id:06d}.png"
 
     def listed(self) -> dict[int, Record]:
-        """Images that all JSON files of the scene name."""
+        """Images that all JSON files of the scene name; none if one of the files is damaged."""
         cameras, gts, infos, coco = (load_object(self.folder / name) for name in SCENE_FILES)
-        annotations: dict[str, list[dict[str, Any]]] = {
-            str(image["id"]): [] for image in coco.get("images", [])
-        }
-        for entry in coco.get("annotations", []):
-            own = {key: value for key, value in entry.items() if key != "id"}
-            annotations.setdefault(str(entry["image_id"]), []).append(own)
-        return {
-            int(key): Record(cameras[key], gts[key], infos[key], annotations[key])
-            for key in cameras
-            if key in gts and key in infos and key in annotations
-        }
+        try:
+            annotations: dict[str, list[dict[str, Any]]] = {
+                str(image["id"]): [] for image in coco.get("images", [])
+            }
+            for entry in coco.get("annotations", []):
+                own = {key: value for key, value in entry.items() if key != "id"}
+                annotations[str(entry["image_id"])].append(own)
+            return {
+                int(key): Record(cameras[key], gts[key], infos[key], annotations[key])
+                for key in cameras
+                if key in gts and key in infos and key in annotations
+            }
+        except (KeyError, TypeError, ValueError, AttributeError):
+            return {}
 
     def finished(self) -> dict[int, Record]:
         """Images that need not be rendered again."""
@@ -232,7 +235,8 @@ class SceneFolder:
 
     def keep(self, im_id: int, record: Record) -> None:
         """Notes that the files of an image are complete."""
-        write_text(self._partial / f"{im_id:06d}.json", json_text(vars(record)))
+        text = json.dumps(vars(record), sort_keys=True, allow_nan=False)
+        write_text(self._partial / f"{im_id:06d}.json", text)
 
     def complete(self, records: Mapping[int, Record], header: CocoHeader) -> None:
         """Writes the scene's JSON files, the last step; then the records are not needed."""

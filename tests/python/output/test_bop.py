@@ -297,6 +297,18 @@ def test_chunk_without_its_json_is_made_again(sim, dataset, tmp_path, name):
     assert tree_bytes(out) == tree_bytes(dataset)
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{", '{"images": 3}', '{"images": [{}]}', '{"annotations": [{"image_id": 9}]}'],
+)
+def test_damaged_json_is_made_again(sim, dataset, tmp_path, text):
+    out = tmp_path / "probes"
+    perilune.write_bop(sim, FRAMES, out, chunk_size=4, threads=1)
+    (out / "train" / "000001" / "scene_gt_coco.json").write_text(text)
+    perilune.write_bop(sim, FRAMES, out, chunk_size=4, threads=1)
+    assert tree_bytes(out) == tree_bytes(dataset)
+
+
 @pytest.mark.parametrize("name", ["mask", "mask_visib"])
 def test_missing_file_is_made_again(sim, dataset, tmp_path, name):
     out = tmp_path / "probes"

@@ -347,7 +347,7 @@ FAULTS = {
     "unknown object": (
         json_fault(f"{S0}/scene_gt.json", lambda v: v["0"][0].update(obj_id=9)),
         "scene_gt",
-        "no usable model",
+        "not in models/",
     ),
     "key missing": (
         json_fault(f"{S0}/scene_gt.json", lambda v: drop(v["1"][0], "cam_t_m2c")),
@@ -515,6 +515,11 @@ FAULTS = {
         "dataset_info.md",
         "does not agree",
     ),
+    "camera too large": (
+        json_fault("camera.json", lambda v: v.update(height=10**9)),
+        "camera.json",
+        "32768",
+    ),
     "chunk too large": (
         json_fault("dataset_info.json", lambda v: v.update(chunk_size=2)),
         "scene_camera",
@@ -531,6 +536,13 @@ def test_fault_is_found(good, tmp_path, name):
     mutate(root)
     findings = check_bop(root).findings
     assert any(file in f.file and reason in f.reason for f in findings), findings
+
+
+def test_fault_of_a_model_is_told_once(good, tmp_path):
+    root = tmp_path / "crowd"
+    shutil.copytree(good, root)
+    (root / "models" / "obj_000005.ply").unlink()
+    assert [f.file for f in check_bop(root).findings] == ["models/obj_000005.ply"]
 
 
 def command(*words):
