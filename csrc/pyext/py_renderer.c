@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "frame/measure.h"
 
 typedef struct renderer_object {
   PyObject_HEAD PyObject *scene; /* Scene */
@@ -171,7 +172,30 @@ static PyObject *renderer_plan(PyObject *object, PyObject *request) {
   return run(self, &frame, pl_renderer_plan);
 }
 
+static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
+  renderer_object *self = (renderer_object *)object;
+  PyObject *request;
+  int repeats;
+  pl_frame_request frame = {.threads = 1};
+  if (!PyArg_ParseTuple(args, "Oi:measure_rays", &request, &repeats) || check_use(self) < 0 ||
+      pl_py_request_parse(request, self->core, &self->states, &frame) < 0)
+    return NULL;
+  pl_ray_times primary, shadow;
+  pl_status status;
+  self->busy = 1;
+  Py_BEGIN_ALLOW_THREADS status =
+      pl_measure_rays(self->core, &frame.placement, repeats, &primary, &shadow);
+  Py_END_ALLOW_THREADS self->busy = 0;
+  if (status != PL_OK)
+    return pl_py_raise(status);
+  return Py_BuildValue("{s:(ndd),s:(ndd)}", "primary", (Py_ssize_t)primary.rays, primary.ours_s,
+                       primary.raw_s, "shadow", (Py_ssize_t)shadow.rays, shadow.ours_s,
+                       shadow.raw_s);
+}
+
 static PyMethodDef renderer_methods[] = {
+    {"measure_rays", renderer_measure_rays, METH_VARARGS,
+     "Times a frame's rays against raw Embree: for benchmarks."},
     {"render", (PyCFunction)(void (*)(void))renderer_render, METH_VARARGS | METH_KEYWORDS,
      "Fills the arrays of `out`; returns exposure, plan and timings."},
     {"plan", renderer_plan, METH_O, "The plan of a frame, without rendering it."},

@@ -178,6 +178,11 @@ class Renderer:
         "objects": (objects,) of OBJECT_LABEL, and "masks": (objects, height, width) uint8, 1 on
         the full silhouette of each object inside the image, hidden parts too (the visible part is
         where "instance" is the object's). Releases the GIL; ctrl-C cancels."""
+    def measure_rays(
+        self, request: FrameRequest, repeats: int, /
+    ) -> dict[str, tuple[int, float, float]]:
+        """For benchmarks: "primary" and "shadow" rays of a frame -> (rays, seconds in the tracer,
+        seconds of Embree's packet call alone on the same rays), medians of `repeats`, 1..64."""
     def plan(self, request: FrameRequest) -> FrameResult:
         """The plan of a frame without rendering it (automatic exposure is metered)."""
 

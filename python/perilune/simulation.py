@@ -122,6 +122,12 @@ class Simulation:
         poses = trajectories.camera_poses(scene, self._trajectory)
         return _request(scene, poses, self._mine().scales(scene.config))
 
+    def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
+        """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""
+        request, handles = self.request(index), self._mine()
+        with handles.lock:
+            return handles.renderer.measure_rays(request, repeats)
+
     def plan(self, index: int) -> list[_core.PlanRow]:
         """The effects kept and dropped in a frame, with reasons; nothing is rendered."""
         request, handles = self.request(index), self._mine()

@@ -1,0 +1,79 @@
+/* Gathering a frame's rays. */
+#include "frame/measure.h"
+
+#include "light/sun.h"
+#include "render/reach.h"
+#include "render/render.h"
+
+typedef struct rays {
+  pl_ray *items; /* in the arena */
+  size_t count;
+} rays;
+
+/* Primary rays in the order of rendering. */
+static void gather_primary(const pl_snapshot *shot, const pl_reach *reach, rays *out) {
+  const int w = shot->camera.width, h = shot->camera.height;
+  for (int y0 = 0; y0 < h; y0 += PL_TILE_SIDE)
+    for (int x0 = 0; x0 < w; x0 += PL_TILE_SIDE)
+      for (int y = y0; y < y0 + PL_TILE_SIDE && y < h; y++)
+        for (int x = x0; x < x0 + PL_TILE_SIDE && x < w; x++)
+          if (pl_reach_pixel(reach, x, y))
+            out->items[out->count++] =
+                (pl_ray){.t_max = INFINITY,
+                         .direction = pl_vec3_to_float(pl_snapshot_ray(shot, x, y)),
+                         .skip_body = PL_NOTHING};
+}
+
+/* One ray to the sun from every sunlit side of a mesh that a primary ray hits. */
+static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, const rays *primary,
+                          rays *out) {
+  for (size_t i = 0; i < primary->count; i++) {
+    pl_hit hit;
+    pl_vertex vertex;
+    pl_tracer_closest(tracer, &primary->items[i], &hit, 1, true, true);
+    if (hit.thing >= shot->object_count)
+      continue;
+    const pl_beam beam = {.direction = pl_vec3f_to_double(primary->items[i].direction)};
+    pl_vertex_locate(shot, &beam, &hit, false, &vertex);
+    pl_vertex_orient(shot, &beam, &vertex);
+    const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);
+    if (pl_vec3f_dot(sun.direction, vertex.surface.ng) > 0.0f)
+      out->items[out->count++] = pl_vertex_ray(&vertex, shot, sun.direction, sun.distance_m);
+  }
+}
+
+static pl_status measure(const pl_snapshot *shot, pl_tracer *tracer, pl_reach *reach,
+                         pl_arena *arena, int repeats, pl_ray_times *primary,
+                         pl_ray_times *shadow) {
+  const size_t pixels = (size_t)shot->camera.width * (size_t)shot->camera.height;
+  rays first = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
+  rays second = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
+  if (first.items == NULL || second.items == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for rays");
+  PL_TRY(pl_tracer_set(tracer, shot));
+  PL_TRY(pl_reach_update(reach, shot));
+  gather_primary(shot, reach, &first);
+  gather_shadow(shot, tracer, &first, &second);
+  PL_TRY(pl_tracer_measure(tracer, first.items, first.count, false, repeats, primary));
+  return pl_tracer_measure(tracer, second.items, second.count, true, repeats, shadow);
+}
+
+pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, int repeats,
+                          pl_ray_times *primary, pl_ray_times *shadow) {
+  pl_arena arena;
+  pl_snapshot shot;
+  pl_reach reach = {0};
+  pl_tracer *tracer = NULL;
+  pl_arena_init(&arena);
+  pl_status status = pl_placement_check(scene, placement);
+  if (status == PL_OK)
+    status = pl_snapshot_build(scene, placement, &arena, &shot);
+  if (status == PL_OK)
+    status = pl_tracer_create(&tracer);
+  if (status == PL_OK)
+    status = measure(&shot, tracer, &reach, &arena, repeats, primary, shadow);
+  pl_tracer_destroy(tracer);
+  pl_reach_clear(&reach);
+  pl_arena_clear(&arena);
+  return status;
+}
