@@ -1,0 +1,322 @@
+"""Images against Mitsuba 3: the same meshes, materials and lights, within the noise of both.
+
+Each renderer makes RUNS images with different seeds; blocks of BLOCK x BLOCK pixels are compared by
+Welch's t-test with Sidak's correction for their number, as Mitsuba's own tests do. What the two
+define differently is left out: the sun is a direction, normals are flat, and the one glossy surface
+is smooth and seen steeply enough that shadowing and multiple scattering of microfacets vanish, and
+it has no light in its sky but what diffuse surfaces send (rough caustics are regularised here).
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import mitsuba
+import numpy as np
+import pytest
+from scipy import stats
+
+from perilune import _core
+
+WIDTH, HEIGHT, FOCAL = 64, 48, 70.0
+RUNS, OUR_SAMPLES, THEIR_SAMPLES = 8, 512, 128
+BLOCK = 4
+FALSE_ALARM = 0.001  # of one comparison, all blocks and bands together; seeds are fixed
+SOLAR, AU = 1361.0, 149597870700.0
+# Our samples of a pixel lie on one lattice in all runs: an edge through a pixel is off by up to
+# n^(-3/4) = 0.01 of its step with 512 of them; a block, where a few pixels are off alike, by
+# a fifth of that. As a standard error, of the contrast in the block.
+EDGE = 2e-3
+
+
+@dataclass
+class Shape:
+    """Triangles in world coordinates (z up) with one material."""
+
+    corners: np.ndarray  # (T, 3, 3), counter-clockwise from outside
+    color: tuple[float, float, float]
+    roughness: float | None = None  # None: Lambert; otherwise a metal that mirrors all light
+    radiance: tuple[float, float, float] | None = None
+
+
+def rectangle(center, a, b) -> np.ndarray:
+    c, a, b = (np.asarray(v, dtype=float) for v in (center, a, b))
+    p = [c - a - b, c + a - b, c + a + b, c - a + b]
+    return np.array([[p[0], p[1], p[2]], [p[0], p[2], p[3]]])
+
+
+def cube(center, half, turn) -> np.ndarray:
+    x = half * np.array([np.cos(turn), np.sin(turn), 0.0])
+    y = half * np.array([-np.sin(turn), np.cos(turn), 0.0])
+    z = np.array([0.0, 0.0, half])
+    faces = [(x, y, z), (-x, z, y), (y, z, x), (-y, x, z), (z, x, y), (-z, y, x)]
+    return np.concatenate([rectangle(center + n, a, b) for n, a, b in faces])
+
+
+def ball(center, radius, rings=12, sectors=24) -> np.ndarray:
+    theta, phi = np.meshgrid(
+        np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, sectors + 1), indexing="ij"
+    )
+    p = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
+    p = np.asarray(center) + radius * p
+    a, b, c, d = p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]
+    lower = np.stack([a, b, c], -2)[:-1].reshape(-1, 3, 3)  # no slivers at the poles
+    upper = np.stack([a, c, d], -2)[1:].reshape(-1, 3, 3)
+    return np.concatenate([lower, upper])
+
+
+GROUND = Shape(rectangle((0, 0, 0), (30, 0, 0), (0, 30, 0)), (0.6, 0.5, 0.4))
+BOX = Shape(cube(np.array([-0.9, -0.6, 0.5]), 0.5, 0.5), (0.8, 0.3, 0.2))
+BALL = Shape(ball((1.0, -0.9, 0.6), 0.6), (0.3, 0.5, 0.9))
+MIRROR = Shape(rectangle((0, 1.5, 0.9), (2, 0, 0), (0, 0, 0.9)), (1.0, 1.0, 1.0), roughness=0.2)
+BACKING = Shape(rectangle((0, 1.53, 0.92), (2.05, 0, 0), (0, 0, 0.92)), (0.1, 0.1, 0.1))
+LAMP = Shape(
+    rectangle((0.3, -1.0, 4.5), (0, 0.5, 0), (0.7, 0, 0)), (0.0, 0.0, 0.0), None, (900, 750, 300)
+)
+# To the sun; behind the mirror.
+SUN = np.array([0.4, 0.7, 0.8]) / np.linalg.norm([0.4, 0.7, 0.8])
+EYE, TARGET = np.array([0.5, -5.0, 4.2]), np.array([0.0, 0.0, 0.4])  # no horizon
+
+
+def flat_normals(shape: Shape) -> np.ndarray:
+    n = np.cross(
+        shape.corners[:, 1] - shape.corners[:, 0], shape.corners[:, 2] - shape.corners[:, 0]
+    )
+    return np.repeat((n / np.linalg.norm(n, axis=1, keepdims=True))[:, None], 3, axis=1)
+
+
+# --- ours ----------------------------------------------------------------------------------------
+
+
+def gltf_of(shapes: list[Shape], path: Path) -> Path:
+    def y_up(v: np.ndarray) -> np.ndarray:
+        v = v.reshape(-1, 3)
+        return np.stack([v[:, 0], v[:, 2], -v[:, 1]], -1).astype(np.float32)
+
+    document: dict = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": []}],
+        "materials": [],
+        "accessors": [],
+        "bufferViews": [],
+        "extensionsUsed": ["KHR_materials_unlit", "KHR_materials_emissive_strength"],
+    }
+    blob = b""
+    for i, shape in enumerate(shapes):
+        for values in (y_up(shape.corners), y_up(flat_normals(shape))):
+            view = {"buffer": 0, "byteOffset": len(blob), "byteLength": values.nbytes}
+            document["bufferViews"].append(view)
+            document["accessors"].append(
+                {
+                    "bufferView": len(document["bufferViews"]) - 1,
+                    "componentType": 5126,
+                    "count": len(values),
+                    "type": "VEC3",
+                    "min": values.min(0).tolist(),
+                    "max": values.max(0).tolist(),
+                }
+            )
+            blob += values.tobytes()
+        attributes = {"POSITION": 2 * i, "NORMAL": 2 * i + 1}
+        document["meshes"][0]["primitives"].append({"attributes": attributes, "material": i})
+        document["materials"].append(gltf_material(shape))
+    uri = "data:application/octet-stream;base64," + base64.b64encode(blob).decode()
+    document["buffers"] = [{"byteLength": len(blob), "uri": uri}]
+    path.write_text(json.dumps(document))
+    return path
+
+
+def gltf_material(shape: Shape) -> dict:
+    material: dict = {
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [*shape.color, 1.0],
+            "metallicFactor": 1.0,
+            "roughnessFactor": shape.roughness or 1.0,
+        },
+        "doubleSided": shape.radiance is None,
+    }
+    if shape.roughness is None:
+        material["extensions"] = {"KHR_materials_unlit": {}}  # Lambert
+    if shape.radiance is not None:
+        strength = max(shape.radiance)
+        material["emissiveFactor"] = [v / strength for v in shape.radiance]
+        material.setdefault("extensions", {})["KHR_materials_emissive_strength"] = {
+            "emissiveStrength": strength
+        }
+    return material
+
+
+def quaternion(m: np.ndarray) -> list[float]:
+    w = 0.5 * np.sqrt(max(0.0, 1.0 + np.trace(m)))
+    return [w, *(np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]]) / (4.0 * w))]
+
+
+def camera_pose() -> np.ndarray:
+    z = (TARGET - EYE) / np.linalg.norm(TARGET - EYE)
+    x = np.cross(z, [0.0, 0.0, 1.0])
+    x /= np.linalg.norm(x)
+    pose = np.array([*EYE, *quaternion(np.stack([x, np.cross(z, x), z], axis=1))])
+    return np.stack([pose, pose])
+
+
+def ours(shapes: list[Shape], irradiance: float, bounces: int, folder: Path) -> np.ndarray:
+    """(RUNS, H, W, 3) radiance."""
+    model = _core.Model(str(gltf_of(shapes, folder / "scene.gltf")))
+    assert model.warnings == ()
+    scene = _core.Scene(1)
+    parts = len(model.parts)
+    scene.add_object(
+        name="scene",
+        model=model,
+        offset=np.zeros(3),
+        obj_id=1,
+        instance_id=1,
+        part_ids=np.ones(parts, np.int32),
+        class_ids=np.ones((parts, 1), np.uint16),
+    )
+    request: _core.FrameRequest = {
+        "seed": 0,
+        "index": 0,
+        "width": WIDTH,
+        "height": HEIGHT,
+        "K": np.array([[FOCAL, 0, (WIDTH - 1) / 2], [0, FOCAL, (HEIGHT - 1) / 2], [0, 0, 1.0]]),
+        "camera_pose": camera_pose(),
+        "object_poses": np.array([[[0, 0, 0, 1.0, 0, 0, 0]] * 2]),
+        "object_scale": np.ones(1),
+        "body_poses": np.empty((0, 2, 7)),
+        "body_radii": np.empty((0, 3)),
+        "body_albedo": np.empty((0, 3)),
+        "body_emission": np.empty((0, 3)),
+        "sun_position": AU * SUN,
+        "sun_radius": 695700e3,
+        "sun_irradiance": irradiance,
+        "quality": {
+            "samples": OUR_SAMPLES,
+            "max_bounces": bounces,
+            "tolerance_dn": 0.0,
+            "force_on": ["antialiasing", "bounces", "cast_shadows", "emitters"],
+            "force_off": ["soft_sun"],
+        },
+        "exposure": {"mode": "fixed", "white_radiance": 400.0, "percentile": 99.0, "key": 0.8},
+    }
+    renderer = _core.Renderer(scene)
+    images = np.empty((RUNS, HEIGHT, WIDTH, 3), np.float32)
+    for run in range(RUNS):
+        request["index"] = run
+        renderer.render(request, {"radiance": images[run]}, threads=2)
+    return images.astype(np.float64)
+
+
+# --- theirs --------------------------------------------------------------------------------------
+
+
+def ply_of(shape: Shape, path: Path) -> str:
+    vertices = shape.corners.reshape(-1, 3)
+    lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}"]
+    lines += [f"property float {axis}" for axis in "xyz"]
+    lines += [f"element face {len(shape.corners)}", "property list uchar int vertex_indices"]
+    lines += ["end_header"] + [" ".join(f"{c:.9g}" for c in v) for v in vertices]
+    lines += [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(len(shape.corners))]
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)
+
+
+def mitsuba_shape(shape: Shape, path: Path) -> dict:
+    rgb = {"type": "rgb", "value": list(shape.color)}
+    bsdf: dict = {"type": "diffuse", "reflectance": rgb}
+    if shape.roughness is not None:
+        bsdf = {
+            "type": "roughconductor",
+            "material": "none",
+            "distribution": "ggx",
+            "alpha": shape.roughness**2,
+        }
+    out = {"type": "ply", "filename": ply_of(shape, path), "face_normals": True}
+    out["bsdf"] = bsdf if shape.radiance is not None else {"type": "twosided", "bsdf": bsdf}
+    if shape.radiance is not None:
+        radiance = {"type": "rgb", "value": [float(v) for v in shape.radiance]}
+        out["emitter"] = {"type": "area", "radiance": radiance}
+    return out
+
+
+def theirs(shapes: list[Shape], irradiance: float, bounces: int, folder: Path) -> np.ndarray:
+    mitsuba.set_variant("scalar_rgb")
+    transform = mitsuba.ScalarTransform4f
+    scene: dict = {
+        "type": "scene",
+        "integrator": {"type": "path", "max_depth": bounces + 2},
+        "sensor": {
+            "type": "perspective",
+            "fov_axis": "x",
+            "fov": float(np.degrees(2.0 * np.arctan(0.5 * WIDTH / FOCAL))),
+            "near_clip": 0.01,
+            "to_world": transform().look_at(origin=list(EYE), target=list(TARGET), up=[0, 0, 1]),
+            "film": {
+                "type": "hdrfilm",
+                "width": WIDTH,
+                "height": HEIGHT,
+                "rfilter": {"type": "box"},
+                "component_format": "float32",
+            },
+            "sampler": {"type": "independent", "sample_count": THEIR_SAMPLES},
+        },
+    }
+    if irradiance > 0.0:
+        scene["sun"] = {
+            "type": "directional",
+            "direction": list(-SUN),
+            "irradiance": {"type": "rgb", "value": irradiance},
+        }
+    for i, shape in enumerate(shapes):
+        scene[f"shape{i}"] = mitsuba_shape(shape, folder / f"{i}.ply")
+    loaded = mitsuba.load_dict(scene)
+    return np.stack([np.array(mitsuba.render(loaded, seed=run))[..., :3] for run in range(RUNS)])
+
+
+# --- the test ------------------------------------------------------------------------------------
+
+
+def tiled(images: np.ndarray) -> np.ndarray:
+    """(runs, block rows, block columns, pixels of a block, bands)."""
+    runs, height, width, bands = images.shape
+    rows = images.reshape(runs, height // BLOCK, BLOCK, width // BLOCK, BLOCK, bands)
+    return rows.swapaxes(2, 3).reshape(runs, height // BLOCK, width // BLOCK, BLOCK**2, bands)
+
+
+def worst_p_value(a: np.ndarray, b: np.ndarray) -> float:
+    """Chance, for all blocks together, of a difference like the largest if both have one mean."""
+    floor = (EDGE * np.ptp(tiled(a).mean(0), axis=2)) ** 2
+    a, b = tiled(a).mean(3), tiled(b).mean(3)
+    noise_a, noise_b = a.var(0, ddof=1) / RUNS, b.var(0, ddof=1) / RUNS
+    floor += (1e-6 * a.max()) ** 2  # rounding
+    t = (a.mean(0) - b.mean(0)) / np.sqrt(noise_a + noise_b + floor)
+    freedom = (noise_a + noise_b + floor) ** 2 / ((noise_a**2 + noise_b**2) / (RUNS - 1) + 1e-300)
+    p = 2.0 * stats.t.sf(np.abs(t), np.minimum(freedom, 1e6))
+    return float(-np.expm1(p.size * np.log1p(-p.min())))
+
+
+# Shapes, irradiance, bounces. One bounce off the mirror: what follows a diffuse bounce sees it
+# rougher here.
+CASES = {
+    "sun": ([GROUND, BOX, BALL], SOLAR, 2),
+    "sun, mirror": ([GROUND, BOX, BALL, MIRROR, BACKING], SOLAR, 1),
+    "lamp": ([GROUND, BOX, BALL, LAMP], 0.0, 2),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_same_image(case: str, tmp_path: Path):
+    a, b = ours(*CASES[case], tmp_path), theirs(*CASES[case], tmp_path)
+    p = worst_p_value(a, b)
+    ratio = a.mean() / b.mean()
+    print(f"{case}: p = {p:.3g} over all blocks, mean ratio {ratio:.5f}")
+    assert p > FALSE_ALARM
+    assert abs(ratio - 1.0) < 5e-3
+    # The test is sharp enough to see 3 %.
+    assert worst_p_value(1.03 * a, b) < FALSE_ALARM
