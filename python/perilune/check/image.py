@@ -249,26 +249,26 @@ class ImageCheck:
             return
         path, who = self._file(GT_FILE), f"instance {gt_id}"
         R, t = np.reshape(pose.cam_R_m2c, (3, 3)), np.array(pose.cam_t_m2c)
-        points = (mesh.points @ R.T + t) @ self.K.T
-        if points[:, 2].min() <= 0.0:
-            behind = points[:, 2].max() <= 0.0 and bool(mask.any())
+        points = self.K @ (R @ mesh.outline.T + t[:, None])
+        if points[2].min() <= 0.0:
+            behind = points[2].max() <= 0.0 and bool(mask.any())
             self._need(not behind, path, f"{who}: lies behind the camera, but mask/ is not empty")
             return
-        pixels = points[:, :2] / points[:, 2:]
+        pixels = points[:2] / points[2]
         if info.bbox_obj != NO_BOX:
             x, y, w, h = info.bbox_obj
-            low, high = pixels.min(axis=0) - _PIXELS, pixels.max(axis=0) + _PIXELS
+            low, high = pixels.min(axis=1) - _PIXELS, pixels.max(axis=1) + _PIXELS
             inside = low[0] <= x and low[1] <= y and x + w <= high[0] and y + h <= high[1]
             self._need(inside, path, f"{who}: bbox_obj is not inside the projected model")
         rows, columns = np.nonzero(mask)
         if rows.size == 0:
             return
         angles = np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-        axes = np.stack([np.cos(angles), np.sin(angles)])
-        model, seen = pixels @ axes, np.stack([columns, rows], axis=1) @ axes
+        axes = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        model, seen = axes @ pixels, axes @ np.stack([columns, rows])
         over = max(
-            float((seen.max(axis=0) - model.max(axis=0)).max()),
-            float((model.min(axis=0) - seen.min(axis=0)).max()),
+            float((seen.max(axis=1) - model.max(axis=1)).max()),
+            float((model.min(axis=1) - seen.min(axis=1)).max()),
         )
         reason = f"{who}: mask/ reaches {over:.3g} pixels beyond the projected model"
         self._need(over <= _PIXELS, path, reason)
@@ -289,7 +289,7 @@ class ImageCheck:
         points = rays * (steps * scale)[:, None]
         R, t = np.reshape(pose.cam_R_m2c, (3, 3)), np.array(pose.cam_t_m2c)
         local = (points - t) @ R
-        low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+        low, high = mesh.outline.min(axis=0), mesh.outline.max(axis=0)
         slack = (0.5 * scale + _DEPTH * steps * scale) * np.linalg.norm(rays, axis=1)
         slack += _SURFACE * float(np.linalg.norm(high - low)) + _DEPTH * float(np.linalg.norm(t))
         off = np.maximum(low - local, local - high).max(axis=1)

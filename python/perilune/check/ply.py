@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,16 @@ class Mesh:
     points: NDArray[np.float64]  # (V, 3)
     normals: NDArray[np.float64]  # (V, 3)
     faces: NDArray[np.int32]  # (T, 3)
+
+    @cached_property
+    def outline(self) -> NDArray[np.float64]:
+        """Points with the convex hull of all vertices: each place once, and of the places on a
+        line along x only the two ends."""
+        points = self.points[np.lexsort(self.points.T)]  # by z, then y, then x
+        new_line = (np.diff(points[:, 1:], axis=0) != 0.0).any(axis=1)
+        ends = np.ones((2, len(points)), dtype=bool)
+        ends[0, 1:] = ends[1, :-1] = new_line
+        return np.asarray(points[ends.any(axis=0)])
 
 
 def _header(lines: list[list[str]]) -> tuple[int, np.dtype[Any], int]:
