@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from perilune.writers.bop_files import CAMERA_FILE, SceneFolder, load_object, make_folder
-from perilune.writers.bop_finish import CARD_FILE, SOURCE_FILE, finish, scene_folders
+from perilune.writers.bop_finish import CARD_FILE, SOURCE_FILE, finish, reopen, scene_folders
 from perilune.writers.bop_shards import Note, chunks, read_notes, shard_chunks
 
 _log = logging.getLogger(__name__)
@@ -52,10 +52,15 @@ def _check_one_source(folders: Sequence[Path]) -> dict[str, Any]:
                 )
         if first.get("versions") != other.get("versions"):
             _log.warning("%s: was made with other versions than %s", folder, folders[0])
+    return first
+
+
+def _check_shared_files(folders: Sequence[Path]) -> None:
+    """Camera and models must be the same to the byte in all folders."""
+    for folder in folders[1:]:
         for name in ("camera.json", "models/models_info.json"):
             if (folder / name).read_bytes() != (folders[0] / name).read_bytes():
                 raise ValueError(f"{folder / name}: differs from that of {folders[0]}")
-    return first
 
 
 def _found_scenes(folders: Sequence[Path], split: str) -> dict[int, Path]:
@@ -143,9 +148,9 @@ def _copy_folder(source: Path, target: Path, stage: Path) -> None:
 def _gather(first: Path, scenes: Iterable[tuple[int, Path]], root: Path, split: str) -> None:
     """Brings the scenes, and what all shards share, into one folder."""
     make_folder(root)
-    held = (root / SOURCE_FILE).is_file()
-    if held and _check_one_source([first, root]) and not (root / CARD_FILE).exists():
-        _log.info("%s: continues a merge", root)
+    if (root / SOURCE_FILE).is_file():
+        _check_one_source([first, root])  # an earlier merge, interrupted or of fewer frames
+    reopen(root)
     for name in (SOURCE_FILE, "camera.json"):
         if not (root / name).exists():
             shutil.copyfile(first / name, root / name)
@@ -167,6 +172,7 @@ def merge_bop(folders: Sequence[str | Path], out: str | Path | None = None) -> M
     if out is None and len(roots) != 1:
         raise ValueError(f"{len(roots)} folders to merge: --out must say where to")
     source = _check_one_source(roots)
+    _check_shared_files(roots)
     split, chunk_size = str(source["split"]), int(source["chunk_size"])
     notes = [note for root in roots for note in read_notes(root)]
     for root in roots:

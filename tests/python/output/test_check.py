@@ -624,3 +624,23 @@ def test_png_reader_on_colour(good):
     np.testing.assert_array_equal(read_png(path, RGB8, (80, 64)), read(path))
     with pytest.raises(PngError, match="must be 8-bit grey"):
         read_png(path, GREY8, (80, 64))
+
+
+def test_images_without_any_spacecraft_are_a_good_dataset(small_scene, tmp_path):
+    changes = {
+        "spacecraft": None,
+        "camera.trajectory": {
+            "kind": "fixed",
+            "target": "planet",
+            "position_m": [1e7, 0.0, 0.0],
+        },
+    }
+    sim = perilune.open(small_scene, overrides=changes)
+    perilune.write_bop(sim, range(2), tmp_path / "empty", threads=1)
+    report = check_bop(tmp_path / "empty")
+    assert report.findings == []
+    assert (report.images, report.instances) == (2, 0)
+    assert json.loads((tmp_path / "empty/train/000000/scene_gt.json").read_text()) == {
+        "0": [],
+        "1": [],
+    }

@@ -88,6 +88,7 @@ def test_merge_goes_on_where_it_was_interrupted(shards, whole, tmp_path):
     out = tmp_path / "set"
     merge_bop(shards, out)
     shutil.rmtree(out / "test" / "000001")
+    shutil.rmtree(out / "models")
     (out / "dataset_info.md").unlink()
     (out / ".merge" / "rgb").mkdir(parents=True)  # half of a scene, not under its name yet
     merge_bop(shards, out)
@@ -142,6 +143,14 @@ def test_shards_of_other_sources_are_refused(small_scene, crowd, shards, tmp_pat
     write(other, tmp_path / "other", shard=(1, COUNT))
     with pytest.raises(ValueError, match=r"another dataset.*seed is 9"):
         merge_bop([shards[0], tmp_path / "other"], tmp_path / "set")
+
+
+def test_folder_of_another_dataset_is_not_merged_into(sim, small_scene, crowd, shards, tmp_path):
+    write(perilune.open(small_scene, seed=9, overrides=crowd), tmp_path / "set", range(1))
+    before = tree_bytes(tmp_path / "set")
+    with pytest.raises(ValueError, match="another dataset"):
+        merge_bop(shards, tmp_path / "set")
+    assert tree_bytes(tmp_path / "set") == before
 
 
 def test_same_scene_with_other_images_is_refused(sim, tmp_path):
