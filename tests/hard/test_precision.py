@@ -295,3 +295,43 @@ def test_body_positions_lie_on_the_sphere(case):
     p = out["position"][hit].astype(np.longdouble)
     height = np.sqrt((p * p).sum(-1)) - np.longdouble(scene.radius)
     assert np.abs(height).astype(float).max() < 1e-5
+
+
+@pytest.mark.parametrize("inside_px", [0.011, -0.011])
+@pytest.mark.parametrize("number", range(len(SCENES)))
+def test_an_edge_that_passes_next_to_a_whole_column(model, number, inside_px):
+    """The cube faces the camera, its left and upper edges 0.011 pixel from the centres of a column
+    and a row: every pixel of these is decided by that."""
+    place, roll = SCENES[number]
+    scene = Scene(place, roll, number)
+    scene.q_cube = scene.q_camera
+    scene.center = scene.eye + 5.0 * to_matrix(scene.q_camera)[:, 2]
+    reach = FOCAL * 0.5 / 4.5
+    scene.K[0, 2] = 190 - inside_px + reach  # the edge is at u = 190 - inside_px
+    scene.K[1, 2] = 120 - inside_px + reach
+    out = rendered(scene, model)
+    cube_t, edge = cube_hits(scene)
+    expected = np.isfinite(cube_t)
+    near = edge < 0.02
+    assert near.sum() > 250
+    assert (edge > 0.01).all()
+    assert ((out["instance"] == CUBE) == expected).all()
+    assert expected[near].all() == (inside_px > 0)
+
+
+@pytest.mark.parametrize("number", range(len(SCENES)))
+def test_the_limb_at_many_offsets(model, number):
+    """Pixel centres within 0.05 to 0.1 pixel of the limb, gathered over images shifted by parts of
+    a pixel: as many as a strict test needs."""
+    place, roll = SCENES[number]
+    close = 0
+    for step in range(8):
+        scene = Scene(place, roll, number)
+        scene.K[:2, 2] += np.array([0.37, 0.125]) * step
+        out = rendered(scene, model)
+        body_t, edge = body_hits(scene)
+        open_sky = out["instance"] != CUBE
+        sure = open_sky & (edge > 0.05)
+        assert ((out["instance"] == BODY) == np.isfinite(body_t))[sure].all()
+        close += (sure & (edge < 0.1)).sum()
+    assert close > 200

@@ -196,6 +196,30 @@ def test_labels_follow_the_parts(repo_dir, scene):
     assert "head" in shown
 
 
+def test_the_scene_checks_its_table_of_parts(model):
+    """A table of the wrong length, a part that is not in it, and no table with parts not the
+    model's: refused; otherwise kept as a copy."""
+    part = np.zeros(model.triangle_count, np.uint32)
+
+    def add(triangle_part, parts):
+        scene = _core.Scene(1)
+        return scene.add_object(
+            name="sat", model=model, offset=np.zeros(3), obj_id=1, instance_id=1,
+            part_ids=np.ones(parts, np.int32), class_ids=np.ones((parts, 1), np.uint16),
+            triangle_part=triangle_part,
+        )  # fmt: skip
+
+    assert add(part, 1) == 0
+    assert add(None, len(model.parts)) == 0
+    with pytest.raises(ValueError, match="triangle_part"):
+        add(part[:-1], 1)
+    with pytest.raises(ValueError, match="part_ids"):
+        add(None, 1)
+    part[-1] = 3
+    with pytest.raises(ValueError, match=r"object 'sat'.*is of part 3, but there are 3"):
+        add(part, 3)
+
+
 def test_command_lists_what_the_configuration_means(repo_dir, capsys):
     config = str(repo_dir / "tests/python/scene.yaml")
     assert main(["parts", config, "--json"]) == 0
