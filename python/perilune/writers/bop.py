@@ -178,9 +178,9 @@ def _check_same_source(path: Path, info: dict[str, Any]) -> bool:
 def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> dict[int, BopModel]:
     """What the dataset says of its simulation as a whole; refuses a folder of another one."""
     refuse_unfit(sim)
-    make_folder(root)  # before the models are read, so that a bad folder is told at once
     models = bop_models(sim)
     info = dataset_info(sim, chunk_size, split)
+    make_folder(root)  # when nothing but the disk can fail any more
     if not _check_same_source(root / SOURCE_FILE, info):
         write_text(root / SOURCE_FILE, json_text(info))
     write_text(root / "camera.json", json_text(camera_entry(sim)))

@@ -123,6 +123,12 @@ def test_errors_are_one_message(small_scene, tmp_path):
     assert "split: 'Test' must be lower-case" in text
 
 
+def test_missing_model_leaves_no_folder(small_scene, tmp_path):
+    words = ["--frames", 0, "--set", "spacecraft.probe.model=none.glb", "--out", tmp_path / "set"]
+    assert "none.glb" in failed("render", small_scene, *words)
+    assert not (tmp_path / "set").exists()
+
+
 def test_debug_shows_the_traceback():
     code, _, err = run("plan", "nothing.yaml", "--debug")
     assert code == 1
