@@ -13,7 +13,7 @@
 
 /* Longer side of the metering pass, pixels, and its samples. */
 enum { METER_SIDE = 96, METER_SAMPLES = 4 };
-/* Samples of a pixel that may share one shading of a mesh. */
+/* Samples of a pixel that may share one shading of a body. */
 enum { SHARE = 4 };
 
 struct pl_renderer {

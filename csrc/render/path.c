@@ -211,24 +211,22 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
     ++*kept;
 }
 
-/* Whether an earlier sample of the pixel can lend its radiance to a first hit; if not, this one
- * becomes the lender. */
+/* Whether an earlier sample of the pixel can lend its radiance to a first hit on a body; if not,
+ * this one becomes the lender. On meshes it does not pay: what is saved comes back as noise. */
 static bool take_share(const pl_path_context *context, const pl_vertex *vertex, uint32_t pixel,
                        pl_tile_buffers *b) {
   const float same_normal = 0.9995f; /* 1.8 degrees */
   pl_share *share = &b->shares[pixel];
-  const bool mesh = vertex->thing < context->shot->object_count;
-  const uint32_t part =
-      mesh ? context->shot->objects[vertex->thing].object->model->triangle_part[vertex->triangle]
-           : 0;
-  if (share->left > 0 && share->thing == vertex->thing && share->part == part &&
+  if (vertex->thing < context->shot->object_count)
+    return false;
+  if (share->left > 0 && share->thing == vertex->thing &&
       pl_vec3f_dot(share->ng, vertex->ng) > same_normal) {
     share->left--;
+    b->shared[pixel] = true;
     add(&b->sample[pixel], share->radiance);
     return true;
   }
   *share = (pl_share){.thing = vertex->thing,
-                      .part = part,
                       .ng = vertex->ng,
                       .left = context->settings->share - 1,
                       .fresh = true};
@@ -288,7 +286,8 @@ static void gather_sample(pl_tile_buffers *b) {
     b->square[pixel] += y * y;
     b->counts[pixel]++;
     pl_share *share = &b->shares[pixel];
-    b->shaded[pixel] += share->fresh || share->thing == PL_NOTHING;
+    b->shaded[pixel] += !b->shared[pixel];
+    b->shared[pixel] = false;
     if (share->fresh)
       share->radiance = b->sample[pixel];
     share->fresh = false;

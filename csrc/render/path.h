@@ -21,12 +21,10 @@ typedef struct pl_pending {
   uint32_t pixel;
 } pl_pending;
 
-/* The last sample of a pixel that was shaded. Samples that follow and hit the same part
- * of the same object under nearly the same normal take its radiance over: what a pixel sees is
- * sampled finely, its light less so. */
+/* The last sample of a pixel that was shaded on a body. Samples that follow and hit the same body
+ * under nearly the same normal take its radiance over: bodies are smooth. */
 typedef struct pl_share {
   uint32_t thing; /* PL_NOTHING: no sample to share */
-  uint32_t part;
   pl_vec3f ng;
   pl_vec3f radiance;
   int left;   /* samples that may still take it over */
@@ -62,6 +60,7 @@ typedef struct pl_tile_buffers {
   uint32_t wave_seeds[PL_TILE_PIXELS];
   float draws[6][PL_TILE_PIXELS];
   pl_share shares[PL_TILE_PIXELS];
+  bool shared[PL_TILE_PIXELS]; /* the sample that is being traced took another's radiance */
 } pl_tile_buffers;
 
 /* What a tile needs to know. */

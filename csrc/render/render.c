@@ -8,8 +8,7 @@
 #include "render/path.h"
 #include "render/reach.h"
 
-/* Independent samples after which the noise is looked at for the first time; then at every doubling
- * of the samples. */
+/* Samples after which the noise is looked at for the first time; then at every doubling. */
 enum { FIRST_CHECK = 4 };
 
 struct pl_render_scratch {
@@ -177,7 +176,7 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
       .tile = tile,
       .pixel_rad = job->pixel_rad,
       .camera_sun = pl_sun_view_at(&job->shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
-      .spread = (float)(job->pixel_rad / sqrt(fmax(1.0, (double)samples / job->settings->share))),
+      .spread = (float)(job->pixel_rad / sqrt((double)samples)),
       .reach = &job->scratch->reach,
       .bodies = content->bodies,
       .sun = content->sun,
@@ -186,7 +185,7 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
   pl_path_settle(&context, b);
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
-  int check = FIRST_CHECK * job->settings->share;
+  int check = FIRST_CHECK;
   for (int i = 0; i < samples && b->active_count > 0; i++) {
     pl_path_sample(&context, (uint32_t)i, b);
     if (i + 1 != check)

@@ -109,6 +109,7 @@ static void reset_pixel(uint32_t pixel, pl_tile_buffers *b) {
   b->square[pixel] = 0.0f;
   b->sample[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
   b->shares[pixel] = (pl_share){.thing = PL_NOTHING};
+  b->shared[pixel] = false;
 }
 
 /* Appends a pixel to the active ones; those that may see a mesh stay in front. */
