@@ -5,6 +5,7 @@
 
 #include "light/sun.h"
 #include "math/color.h"
+#include "math/sampler.h"
 #include "math/sampling.h"
 #include "render/draws.h"
 #include "render/emitters_path.h"
@@ -19,17 +20,20 @@ static const float REGULAR_FACTOR = 2.0f, REGULAR_CAP = 0.5f;
 /* A cone that stands for a diffuse bounce opens no wider than this. */
 static const float SPREAD_MAX = 0.5f;
 
-void pl_path_subpixel(uint32_t index, double offset[2]) {
-  const double x = 0.5 + 0.75487766624669276 * index, y = 0.5 + 0.56984029099805327 * index;
-  offset[0] = x - floor(x) - 0.5;
-  offset[1] = y - floor(y) - 0.5;
+void pl_path_subpixel(uint32_t index, int samples, double offset[2]) {
+  const uint32_t half = UINT32_C(1) << 31;
+  const uint32_t x = pl_sampler_reverse_bits(index) ^ half;
+  const uint32_t y = pl_sampler_reverse_bits(pl_sampler_pascal(index)) ^ half;
+  const double cell = 0.5 / samples;
+  offset[0] = index == 0 ? 0.0 : 0x1p-32 * x + cell - 0.5;
+  offset[1] = index == 0 ? 0.0 : 0x1p-32 * y + cell - 0.5;
 }
 
 static void add(pl_vec3f *sum, pl_vec3f value) { *sum = pl_vec3f_add(*sum, value); }
 
 static size_t start_paths(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
   double offset[2];
-  pl_path_subpixel(index, offset);
+  pl_path_subpixel(index, context->settings->samples, offset);
   for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
     const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);

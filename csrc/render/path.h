@@ -91,8 +91,10 @@ void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buff
  * luck, which would darken what is lit by rare paths. */
 void pl_path_prune(const pl_path_context *context, pl_tile_buffers *buffers);
 
-/* Position of colour sample `index` in its pixel, from the centre: the R2 lattice (Roberts 2018),
- * whose first point is the centre itself, so that the labels' ray is a colour sample too. */
-void pl_path_subpixel(uint32_t index, double offset[2]);
+/* Position of colour sample `index` of `samples` in its pixel, from the centre: the Sobol
+ * (0,2)-sequence turned so that its first point is the centre, where the labels' ray serves as a
+ * colour sample. Every aligned run of 2^k samples has one in each cell of every 2^k-fold division.
+ */
+void pl_path_subpixel(uint32_t index, int samples, double offset[2]);
 
 #endif

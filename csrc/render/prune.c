@@ -26,6 +26,8 @@ static float pixel_variance(const pl_tile_buffers *b, uint32_t pixel) {
 /* Blocks in which the centre rays meet more than one thing have outlines, and outlines have slivers
  * that few samples miss: they get at least so many. */
 enum { OUTLINE_SAMPLES = 16 };
+/* A pixel's variance means nothing before so many samples that share no shading. */
+enum { INDEPENDENT_MIN = 4 };
 
 /* A pixel that is itself so much noisier than its block goes on, whatever its neighbours say. */
 static const float OWN_NOISE = 2.0f;
@@ -49,7 +51,8 @@ void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
   for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
     const size_t block = block_of(pixel);
-    const bool early = outline[block] && b->counts[pixel] < OUTLINE_SAMPLES;
+    const bool early = b->shaded[pixel] < INDEPENDENT_MIN ||
+                       (outline[block] && b->counts[pixel] < OUTLINE_SAMPLES);
     const float m = mean[block] / pixels[block];
     const float pooled = sqrtf(variance[block] / pixels[block]);
     const float own = sqrtf(pixel_variance(b, pixel)) / OWN_NOISE;

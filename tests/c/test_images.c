@@ -87,7 +87,9 @@ static void check_sphere(double focal, double distance, double radius, pl_vec3 s
     }
   print_message("worst pixel %.2f of its tolerance, flux off by %.2g\n", worst,
                 flux / expected_flux - 1.0);
-  assert_true(expected_flux > 0.0 && fabs(flux / expected_flux - 1.0) < 2e-3);
+  /* Of a sphere of a few pixels most is outline: there 256 points of a net err by up to 256^-0.75.
+   */
+  assert_true(expected_flux > 0.0 && fabs(flux / expected_flux - 1.0) < 5e-3);
   film_clear(&f);
   stage_clear(&s);
 }
