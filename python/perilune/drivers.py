@@ -1,11 +1,13 @@
 """Scalar drivers: a number of the configuration replaced by a clipped normal variable.
 
 A driver is a mapping {ideal, jitter_variance, clip_min, clip_max} in the place of a number, with
-`interval` (frames) and `strength` optional. Its value at a frame is
+`interval` (steps of the timeline) and `strength` optional. Its value at a frame is
 
     clip(ideal + N(0, jitter_variance * strength), clip_min, clip_max)
 
-keyed by (seed, key path, frame // interval): independent of order, worker and other drivers.
+keyed by (seed, key path, step // interval): independent of order, worker and other drivers, and the
+same for all sensors of a step. Without an interval of its own, or a default one in the section
+`drivers`, a value is drawn once a scene (time.frames_per_scene steps).
 """
 
 from __future__ import annotations
@@ -46,13 +48,13 @@ class Driver:
     interval: int | None
     strength: float | None
 
-    def draw(self, seed: int, frame: int, strength: float, interval: int) -> float:
-        """The value at a frame; strength and interval are the defaults of the configuration."""
+    def draw(self, seed: int, step: int, strength: float, interval: int) -> float:
+        """The value at a step; strength and interval are the defaults of the configuration."""
         own_strength = strength if self.strength is None else self.strength
         deviation = math.sqrt(self.jitter_variance * own_strength)
         if deviation == 0.0:
             return self.ideal
-        epoch = frame // (self.interval or interval)
+        epoch = step // (self.interval or interval)
         normal = generator(seed, f"driver:{self.name}", epoch).standard_normal()
         return min(max(self.ideal + deviation * float(normal), self.clip_min), self.clip_max)
 
@@ -89,7 +91,7 @@ def _parse(path: tuple[str | int, ...], raw: Mapping[str, Any]) -> Driver:
         )
     interval = raw.get("interval")
     if interval is not None and (type(interval) is not int or interval < 1):
-        raise DriverError(f"{name}.interval", f"must be a whole number of frames, not {interval!r}")
+        raise DriverError(f"{name}.interval", f"must be a whole number of steps, not {interval!r}")
     strength = raw.get("strength")
     if strength is not None:
         strength = _number(f"{name}.strength", strength)

@@ -51,7 +51,7 @@ class Sample(Mapping[str, Array]):
         self._objects = objects
         self.camera = camera
         self.meta = dict(meta)
-        """seed, index, time_utc, drivers, white_radiance, timings_s."""
+        """seed, index, step, scene, time_utc, drivers, white_radiance, timings_s."""
         self.plan = plan
 
     @property

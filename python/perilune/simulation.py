@@ -18,6 +18,7 @@ from perilune.config.references import MASKS, OBJECTS, check_channels, check_ref
 from perilune.handles import Handles, ObjectModel
 from perilune.parts import Partition
 from perilune.sample import CameraLabel, Sample
+from perilune.timeline import Timeline
 from perilune.world import World
 from perilune.world import build as build_world
 
@@ -78,6 +79,11 @@ class Simulation:
     def document(self) -> Document:
         """The configuration as loaded: its file, tree and drivers."""
         return self._document
+
+    @property
+    def timeline(self) -> Timeline:
+        """Which step, scene and sensor each frame is."""
+        return self.config.timeline
 
     @property
     def taxonomy(self) -> labels.Taxonomy:
@@ -165,6 +171,8 @@ class Simulation:
         meta = {
             "seed": scene.config.seed,
             "index": scene.index,
+            "step": scene.step,
+            "scene": scene.scene,
             "time_utc": scene.date.utc(),
             "drivers": dict(scene.drivers),
             "white_radiance": result["white_radiance"],

@@ -13,6 +13,7 @@ from perilune.bodies import Date
 from perilune.config.camera import Camera
 from perilune.config.schema import Config
 from perilune.random import generator
+from perilune.timeline import Moment
 
 F64 = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ class World:
     """What a trajectory sees. Root frame, metres; poses at shutter opening and closing."""
 
     config: Config
-    index: int
+    moment: Moment
     epoch: Date
     t_s: float
     """Shutter opening, seconds after the epoch."""
@@ -35,6 +36,26 @@ class World:
     sun_position_m: F64
     drivers: Mapping[str, float]
     """What the drivers drew, by key path."""
+
+    @property
+    def index(self) -> int:
+        """Of the frame."""
+        return self.moment.index
+
+    @property
+    def step(self) -> int:
+        """Step of the timeline: t_s is step_s * step."""
+        return self.moment.step
+
+    @property
+    def scene(self) -> int:
+        """Run of time.frames_per_scene steps."""
+        return self.moment.scene
+
+    @property
+    def sensor(self) -> str | None:
+        """Name of the sensor that takes the frame; None without `sensors`."""
+        return self.moment.sensor
 
     @property
     def camera(self) -> Camera:
@@ -57,8 +78,15 @@ class World:
         return float(self.body_radii_m[name].max())
 
     def random(self, what: str) -> np.random.Generator:
-        """The frame's random numbers for `what`; the same whatever else is drawn."""
-        return generator(self.config.seed, what, self.index)
+        """The step's random numbers for `what`; the same whatever else is drawn.
+
+        All sensors of a step get the same ones.
+        """
+        return generator(self.config.seed, what, self.step)
+
+    def scene_random(self, what: str) -> np.random.Generator:
+        """The scene's random numbers for `what`: the same for all its steps."""
+        return generator(self.config.seed, f"scene:{what}", self.scene)
 
     def body_axes(self, name: str, vector: F64, when: int = 0) -> F64:
         """A vector of the root frame in the axes of a body or spacecraft."""
@@ -99,13 +127,14 @@ def build(
     craft_radius_m: Mapping[str, float],
 ) -> World:
     """The world of frame `index`; the sizes of the spacecraft come from their models."""
-    t_s = config.time.step_s * index
+    moment = config.timeline.at(index)
+    t_s = config.time.step_s * moment.step
     exposure = config.camera.exposure_time_s
     opening = orbits.poses(config, epoch, t_s)
     closing = orbits.poses(config, epoch, t_s + exposure) if exposure > 0.0 else opening
     return World(
         config=config,
-        index=index,
+        moment=moment,
         epoch=epoch,
         t_s=t_s,
         poses={name: np.stack([opening[name], closing[name]]) for name in opening},

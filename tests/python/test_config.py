@@ -242,6 +242,7 @@ def test_every_physical_key_has_its_unit():
         "max_bounces", "metres_per_unit", "obj_id", "percentile", "key", "strength", "interval",
         "direction", "spin_axis", "cone_axis", "up", "axis", "ids", "white_radiance_w_m2_sr",
         "emission_w_m2_sr", "min", "max", "merge_below",  # of parts: model units, triangles
+        "frames_per_scene",
     }  # fmt: skip
     schema = cfg.Config.model_json_schema()
     found = 0

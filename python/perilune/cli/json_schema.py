@@ -28,7 +28,7 @@ _DRIVER: dict[str, Any] = {
         "jitter_variance": {"type": "number", "minimum": 0},
         "clip_min": {"type": "number"},
         "clip_max": {"type": "number"},
-        "interval": {"type": "integer", "minimum": 1, "description": "Frames between draws."},
+        "interval": {"type": "integer", "minimum": 1, "description": "Steps between draws."},
         "strength": {"type": "number", "minimum": 0, "description": "Factor on the variance."},
     },
     "required": ["ideal", "jitter_variance", "clip_min", "clip_max"],

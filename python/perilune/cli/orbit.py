@@ -36,7 +36,7 @@ def states(sim: Simulation, index: int) -> Iterator[tuple[str, str, F64, F64, F6
     """
     config, _ = sim.config_at(index)
     epoch = bodies.date_from_utc(config.time.utc_fields())
-    t_s = config.time.step_s * index
+    t_s = config.time.step_s * config.timeline.at(index).step
     now = orbits.poses(config, epoch, t_s)
     around = [(orbits.poses(config, epoch, t_s + k * _STEP_S), w) for k, w in _STENCIL]
     time = epoch.after(t_s).utc()

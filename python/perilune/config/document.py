@@ -37,13 +37,17 @@ class Document:
         return Document, (self.tree, self.base, self.source)
 
     def at(self, frame: int) -> tuple[Config, dict[str, float]]:
-        """The configuration of a frame, and the values its drivers have there, by key path."""
+        """The configuration of a frame, and the values its drivers have there, by key path.
+
+        All frames of one step have the same.
+        """
         if not self.drivers:
             return self.config, {}
-        defaults = self.config.drivers
+        seed, strength = self.config.seed, self.config.drivers.strength
+        interval = self.config.drivers.interval or self.config.time.frames_per_scene
+        step = self.config.timeline.at(frame).step
         values = {
-            driver.path: driver.draw(self.config.seed, frame, defaults.strength, defaults.interval)
-            for driver in self.drivers
+            driver.path: driver.draw(seed, step, strength, interval) for driver in self.drivers
         }
         drawn = {driver.name: values[driver.path] for driver in self.drivers}
         return self._validate(values), drawn

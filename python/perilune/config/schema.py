@@ -26,6 +26,7 @@ from perilune.config.types import (
     Vec3,
 )
 from perilune.drivers import Drawn
+from perilune.timeline import Timeline
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 _EPOCH = re.compile(
@@ -35,12 +36,16 @@ _YEARS = (1960, 2100)  # UTC exists since 1960; the ephemeris of the Earth holds
 
 
 class Time(Strict):
-    """Frame i is taken step_s * i seconds after the epoch."""
+    """Step k lies step_s * k seconds after the epoch. Each step is a frame, or with `sensors` one
+    frame of each sensor that is triggered."""
 
     epoch: str
     """UTC, ISO 8601: 2026-03-20T12:00:00Z."""
     step_s: Finite = 0.0
-    """Seconds from one frame to the next."""
+    """Seconds from one step to the next."""
+    frames_per_scene: Annotated[Integer, Field(ge=1)] = 1
+    """Steps of a scene. What is drawn once a scene (orbits from samplers, drivers without an
+    interval) is drawn anew every so many steps; what is drawn at every step goes on."""
 
     @field_validator("epoch")
     @classmethod
@@ -299,8 +304,8 @@ class Drivers(Strict):
 
     strength: StaticNonNegative = 1.0
     """Factor on every variance; 0 gives exactly the ideal values."""
-    interval: Annotated[Integer, Field(ge=1)] = 1
-    """A value is drawn anew every so many frames."""
+    interval: Annotated[Integer, Field(ge=1)] | None = None
+    """A value is drawn anew every so many steps (default: time.frames_per_scene)."""
 
 
 class Config(Strict):
@@ -320,6 +325,11 @@ class Config(Strict):
     render: Render = Render()
     labels: Labels = Labels()
     drivers: Drivers = Drivers()
+
+    @property
+    def timeline(self) -> Timeline:
+        """Which step, scene and sensor each frame is; the same whatever drivers draw."""
+        return Timeline(self.time.frames_per_scene)
 
     @model_validator(mode="after")
     def _names(self) -> Config:

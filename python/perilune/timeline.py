@@ -1,0 +1,75 @@
+"""The timeline: which step, scene and sensor a frame's index stands for. Pure arithmetic.
+
+A step is an instant of the world; it lies step_s * step after the epoch. A scene is a run of
+`frames_per_scene` steps between two draws of what is drawn once a scene. In a step every triggered
+sensor takes a frame: frames count steps and, within a step, sensors in the order of the
+configuration. Without sensors a frame is a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What the index of a frame stands for.
+
+    The world of a frame is drawn by its step or its scene, so that all sensors of a step see the
+    same one; only what belongs to the image alone (noise of the renderer) is drawn by its index.
+    """
+
+    index: int
+    step: int
+    scene: int
+    sensor: str | None
+    """Name of the sensor; None where the configuration has no section `sensors`."""
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """The steps, scenes and sensors of a configuration."""
+
+    frames_per_scene: int = 1
+    """Steps from one scene to the next."""
+    trigger_intervals: Mapping[str, int] = field(default_factory=dict)
+    """Sensor -> it takes a frame every so many steps, from step 0 on."""
+
+    def at(self, index: int) -> Moment:
+        """The moment of a frame; index >= 0."""
+        step, sensor = self._step_and_sensor(index) if self.trigger_intervals else (index, None)
+        return Moment(index, step, step // self.frames_per_scene, sensor)
+
+    def frames_before(self, step: int) -> int:
+        """How many frames the steps 0 to step - 1 have."""
+        if not self.trigger_intervals:
+            return step
+        return sum(-(-step // interval) for interval in self.trigger_intervals.values())
+
+    def sensors_of(self, step: int) -> tuple[str, ...]:
+        """The sensors that take a frame at a step, in order; () without sensors."""
+        return tuple(n for n, interval in self.trigger_intervals.items() if step % interval == 0)
+
+    def index_of(self, step: int, sensor: str | None = None) -> int:
+        """The frame that a sensor takes at a step; ValueError if it takes none."""
+        first = self.frames_before(step)
+        if sensor is None and not self.trigger_intervals:
+            return first
+        names = self.sensors_of(step)
+        if sensor not in names:
+            raise ValueError(f"step {step}: sensor {sensor!r} takes no frame; {names} do")
+        return first + names.index(sensor)
+
+    def _step_and_sensor(self, index: int) -> tuple[int, str]:
+        # The last step with no more than `index` frames before it: it has the frame itself, as a
+        # step without frames has as many before it as the next one. The sensor triggered most
+        # often alone would have taken the frame at step `index * its interval`.
+        low, high = 0, index * min(self.trigger_intervals.values())
+        while low < high:
+            middle = (low + high + 1) // 2
+            if self.frames_before(middle) <= index:
+                low = middle
+            else:
+                high = middle - 1
+        return low, self.sensors_of(low)[index - self.frames_before(low)]
