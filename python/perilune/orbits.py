@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from perilune import _core, bodies, rotations
 from perilune.bodies import Date
-from perilune.config.schema import Attitude, Body, Config, Orbit, Spacecraft, Spin
+from perilune.config.attitude import Inertial, Lvlh, Spin
+from perilune.config.orbit import Elements, Kepler, Orbit
+from perilune.config.schema import Body, Config, Spacecraft
 
 F64 = NDArray[np.float64]
 
@@ -42,7 +44,7 @@ def gm_m3_s2(body: Body) -> float:
     return float(_core.BODIES[body.kind]["gm_m3_s2"])
 
 
-def periapsis_m(orbit: Orbit, body: Body) -> float:
+def periapsis_m(orbit: Elements, body: Body) -> float:
     """Distance of the periapsis from the body's centre."""
     if orbit.periapsis_km is not None:
         return orbit.periapsis_km * _KM
@@ -52,7 +54,7 @@ def periapsis_m(orbit: Orbit, body: Body) -> float:
     return orbit.semi_major_axis_km * (1.0 - orbit.eccentricity) * _KM
 
 
-def since_periapsis_s(orbit: Orbit, periapsis: float, gm: float) -> float:
+def since_periapsis_s(orbit: Elements, periapsis: float, gm: float) -> float:
     """Time since periapsis at the epoch; on an ellipse within half a period.
 
     Kepler's equation and its forms for hyperbola and parabola (Barker): Battin, An Introduction to
@@ -95,6 +97,8 @@ def _default_frame(equator: str | None) -> str:
 
 def kepler_motion(orbit: Orbit, body: Body) -> dict[str, Any]:
     """The core's motion of an orbit around a body."""
+    if not isinstance(orbit, Kepler) or orbit.state is not None:
+        raise ValueError(f"orbits of kind {orbit.kind}, or by state, are not propagated yet")
     if orbit.position_km is not None:
         return {"kind": "fixed", "position_m": np.array(orbit.position_km) * _KM}
     gm, periapsis = gm_m3_s2(body), periapsis_m(orbit, body)
@@ -171,7 +175,9 @@ def _nodes(config: Config, date: Date) -> list[dict[str, Any]]:
             try:
                 if isinstance(entry, Spacecraft):
                     motion = kepler_motion(entry.orbit, config.bodies[entry.orbit.around])
-                    lvlh = entry.attitude.pointing == "lvlh"
+                    if not isinstance(entry.attitude, (Inertial, Lvlh)):
+                        raise ValueError(f"pointing: {entry.attitude.pointing} is not there yet")
+                    lvlh = isinstance(entry.attitude, Lvlh)
                     rotation = {"kind": "lvlh"} if lvlh else _spin(entry.attitude)
                 else:
                     motion = _body_motion(config, name, date)
@@ -179,12 +185,14 @@ def _nodes(config: Config, date: Date) -> list[dict[str, Any]]:
             except ValueError as error:
                 raise ValueError(f"{section}.{name}: {error}") from None
             around = entry.orbit.around if entry.orbit is not None else config.root
+            if around not in index:
+                raise ValueError(f"{section}.{name}: orbits about spacecraft are not there yet")
             parent = -1 if name == config.root else index[around]
             add(name, parent, motion, rotation)
     return nodes
 
 
-def _turned(pose: F64, attitude: Attitude, t_s: float) -> F64:
+def _turned(pose: F64, attitude: Lvlh, t_s: float) -> F64:
     """A pose in the pointing frame's axes with the attitude's own rotation and spin applied."""
     spin = rotations.axis_angle(attitude.spin_axis, math.radians(attitude.spin_rate_deg_s) * t_s)
     own = rotations.multiply(rotations.from_rpy_deg(attitude.rotation_deg), spin)
@@ -197,7 +205,7 @@ def poses(config: Config, epoch: Date, t_s: float) -> Mapping[str, F64]:
     table = _core.tree_poses(nodes, epoch.day, epoch.fraction, np.array([t_s]))[0]
     result = {node["name"]: table[k] for k, node in enumerate(nodes)}
     for name, craft in config.spacecraft.items():
-        if craft.attitude.pointing == "lvlh":
+        if isinstance(craft.attitude, Lvlh):
             result[name] = _turned(result[name], craft.attitude, t_s)
     return result
 

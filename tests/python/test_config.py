@@ -77,6 +77,26 @@ def test_units_and_defaults(scene):
         ("spacecraft.sat.orbit.periapsis_km", 7e3, ["only one of altitude_km, periapsis_km"]),
         ("spacecraft.sat.orbit.eccentricity", 1.0, ["mean_anomaly_deg", "parabola"]),
         ("spacecraft.sat.orbit.position_km", [7e3, 0, 0], ["orbit.altitude_km", "position_km"]),
+        ("spacecraft.sat.orbit.kind", "keppler", ["orbit", "'keppler'", "did you mean 'kepler'?"]),
+        ("spacecraft.sat.orbit.state", {"position_km": [7e3, 0, 0], "velocity_km_s": [0, 7, 0]},
+         ["sat.orbit.altitude_km", "does not go with state"]),
+        ("spacecraft.sat.orbit", {"kind": "circular", "around": "earth"},
+         ["orbit.scale: required"]),
+        ("spacecraft.sat.orbit", {"kind": "tle", "around": "earth"},
+         ["exactly one of lines, file"]),
+        ("spacecraft.sat.orbit", {"kind": "hook", "around": "earth", "function": "x"},
+         ["orbit.function = 'x'", "module:function"]),
+        ("spacecraft.sat.orbit", {"kind": "database", "around": "earth", "class": "LOE"},
+         ["orbit.class = 'LOE'", "LEO"]),
+        ("spacecraft.sat.orbit",
+         {"kind": "database", "around": "earth", "class": "LEO", "v_step": 1},
+         ["orbit.v_step", "only for propagator: circular"]),
+        ("spacecraft.sat.attitude.pointing", "lvhl", ["'lvhl'", "did you mean 'lvlh'?"]),
+        ("spacecraft.sat.attitude", {"pointing": "target", "target": "erth"},
+         ["sat.attitude.target", "did you mean 'earth'?"]),
+        ("spacecraft.sat.attitude", {"pointing": "tumble", "rate_deg_s": [0, 0, 1]},
+         ["attitude.inertia_kg_m2: required"]),
+        ("spacecraft.sat.attitude.rotation_deg_step_v", 1, ["does not go with spin_rate_deg_s"]),
         ("render.force_off", ["bounces"], ["render.force_off", "force_on"]),
         ("labels.levels", ["kind", "kind"], ["labels.levels", "twice"]),
         ("camera.exposure.mode", "fixed", ["white_radiance_w_m2_sr", "required"]),
@@ -88,6 +108,43 @@ def test_errors_say_where_and_what(scene, key, value, expected):
     text = failure(scene, **{key: value})
     for part in expected:
         assert part in text, text
+
+
+def test_cycles_are_printed(scene):
+    orbit = {"altitude_km": 900.0, "mean_anomaly_deg": 0.0}
+    scene["spacecraft"]["sat"]["orbit"]["around"] = "b"
+    scene["bodies"]["a"] = {"kind": "moon", "orbit": {"around": "b", **orbit}}
+    scene["bodies"]["b"] = {"kind": "phobos", "orbit": {"around": "c", **orbit}}
+    scene["bodies"]["c"] = {"kind": "mars", "orbit": {"around": "a", **orbit}}
+    text = failure(scene)
+    assert "bodies.a.orbit.around: a cycle" in text
+    assert "a -> b -> c -> a" in text
+
+
+def test_spacecraft_as_parents(scene):
+    scene["spacecraft"]["mate"] = {
+        "model": "x.glb",
+        "size_m": 1.0,
+        "orbit": {"around": "sat", "semi_major_axis_km": 1.0, "mean_anomaly_deg": 0.0},
+    }
+    text = "mate.orbit.around: an orbit about a spacecraft needs spacecraft.sat.gm_km3_s2"
+    assert text in failure(scene)
+    scene["spacecraft"]["sat"]["gm_km3_s2"] = 1e-9
+    assert load(scene).config.spacecraft["mate"].orbit.around == "sat"
+    scene["spacecraft"]["mate"]["orbit"] = {"around": "sat", "position_km": [0.1, 0.0, 0.0]}
+    del scene["spacecraft"]["sat"]["gm_km3_s2"]
+    load(scene)
+
+
+def test_counting_by_steps_needs_a_step(scene):
+    scene["time"]["step_s"] = 0
+    scene["spacecraft"]["sat"]["attitude"] = {"rotation_deg_step_v": [0.0, 0.0, 1.0]}
+    assert "sat.attitude.rotation_deg_step_v: counts by steps" in failure(scene)
+    scene["spacecraft"]["sat"]["attitude"] = {"rotation_deg_step_v": 0}
+    load(scene)
+    orbit = {"kind": "circular", "around": "earth", "scale": 1.1, "v_step": 0.01}
+    scene["spacecraft"]["sat"]["orbit"] = orbit
+    assert "sat.orbit.v_step: counts by steps" in failure(scene)
 
 
 def test_every_fault_is_listed_once(scene):
@@ -236,13 +293,16 @@ def test_document_pickles(scene, tmp_path):
 
 def test_every_physical_key_has_its_unit():
     """Numbers without a unit in their name are ratios, counts or identities listed here."""
-    units = ("_m", "_km", "_s", "_deg", "_deg_s", "_px", "_dn", "_au", "_km3_s2", "_w_m2")
+    units = ("_m", "_km", "_s", "_deg", "_deg_s", "_px", "_dn", "_au", "_km3_s2", "_w_m2",
+             "_km_s", "_m2_kg", "_kg_m2", "_h")
     plain = {
         "version", "seed", "width", "height", "K", "eccentricity", "albedo", "samples",
         "max_bounces", "metres_per_unit", "obj_id", "percentile", "key", "strength", "interval",
         "direction", "spin_axis", "cone_axis", "up", "axis", "ids", "white_radiance_w_m2_sr",
         "emission_w_m2_sr", "min", "max", "merge_below",  # of parts: model units, triangles
         "frames_per_scene",
+        "v_step", "orbit_start", "scale", "j2", "cd", "cr", "rtol", "degree", "order", "number",
+        "rotation_deg_step_v",  # the paper's name: degrees in a step
     }  # fmt: skip
     schema = cfg.Config.model_json_schema()
     found = 0

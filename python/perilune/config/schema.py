@@ -5,15 +5,17 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from perilune.config.attitude import Attitude, BodyRotation, Inertial
 from perilune.config.camera import Camera
 from perilune.config.errors import fail, nearest
+from perilune.config.motion import check_motion
+from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
 from perilune.config.types import (
     Direction,
     Finite,
-    Inclination,
     Integer,
     NonNegative,
     Positive,
@@ -23,7 +25,6 @@ from perilune.config.types import (
     StaticNonNegative,
     StaticVec3,
     Strict,
-    Vec3,
 )
 from perilune.drivers import Drawn
 from perilune.timeline import Timeline
@@ -77,76 +78,6 @@ class Sun(Strict):
     """From the root body; used with `direction` only."""
 
 
-class Orbit(Strict):
-    """A Keplerian orbit, elements at the epoch; or a fixed position."""
-
-    around: str
-    """Name of a body entry."""
-    altitude_km: Positive | None = None
-    """Altitude of the periapsis over the mean equatorial radius."""
-    semi_major_axis_km: Finite | None = None
-    """Negative for a hyperbola."""
-    periapsis_km: Positive | None = None
-    """Distance of the periapsis from the body's centre."""
-    eccentricity: NonNegative = 0.0
-    inclination_deg: Inclination = 0.0
-    raan_deg: Finite = 0.0
-    arg_periapsis_deg: Finite = 0.0
-    mean_anomaly_deg: Finite | None = None
-    true_anomaly_deg: Finite | None = None
-    frame: Literal["equator", "icrf"] | None = None
-    """Plane of the elements. equator: the body's, of date, x along its ascending node on ICRF's;
-    icrf: the Earth's equator and equinox of J2000. Default: icrf around the Earth and around bodies
-    without a known equator, equator around the others."""
-    position_km: Vec3 | None = None
-    """Instead of elements: a fixed position from the body's centre, ICRF axes."""
-
-    @model_validator(mode="after")
-    def _one_description(self) -> Orbit:
-        sizes = ("altitude_km", "semi_major_axis_km", "periapsis_km")
-        if self.position_km is not None:
-            others = self.model_fields_set - {"around", "position_km"}
-            if others:
-                fail(sorted(others)[0], "does not go with position_km, which replaces an orbit")
-            return self
-        self._exactly_one(*sizes, "position_km")
-        self._exactly_one("mean_anomaly_deg", "true_anomaly_deg")
-        self._check_conic()
-        return self
-
-    def _check_conic(self) -> None:
-        e, a = self.eccentricity, self.semi_major_axis_km
-        if a is not None and (e == 1.0 or a == 0.0 or (a > 0.0) != (e < 1.0)):
-            fail(
-                "semi_major_axis_km",
-                f"{a:g} does not go with eccentricity {e:g}: positive for e < 1, negative for "
-                "e > 1, undefined for e = 1 (give periapsis_km)",
-            )
-        if e == 1.0 and self.mean_anomaly_deg is not None:
-            fail("mean_anomaly_deg", "undefined on a parabola (e = 1); give true_anomaly_deg")
-
-
-class Spin(Strict):
-    """A rotation to ICRF axes, and a constant spin from the epoch on."""
-
-    rotation_deg: Vec3 = (0.0, 0.0, 0.0)
-    """Roll, pitch, yaw: about x, then y, then z of the reference axes."""
-    spin_axis: Direction = (0.0, 0.0, 1.0)
-    """In the thing's own frame."""
-    spin_rate_deg_s: Finite = 0.0
-
-
-class Attitude(Spin):
-    """How a spacecraft is turned: its rotation and spin are relative to the pointing frame."""
-
-    pointing: Literal["inertial", "lvlh"] = "inertial"
-    """inertial: ICRF axes. lvlh: z to the body's centre, y along minus the orbit normal."""
-
-
-def _rotation_tag(value: Any) -> str:
-    return "body" if isinstance(value, str) else "spin"
-
-
 class Body(Strict):
     """An ellipsoid: a planet, a moon, an asteroid."""
 
@@ -168,15 +99,10 @@ class Body(Strict):
     reflectance: str = "lambert"
     """A name in the table of reflectance models."""
     orbit: Orbit | None = None
-    """Around another body; without it the ephemeris of its kind places it."""
-    rotation: (
-        Annotated[
-            Annotated[Literal["body"], Tag("body")] | Annotated[Spin, Tag("spin")],
-            Discriminator(_rotation_tag),
-        ]
-        | None
-    ) = None
-    """`body`: the table's rotation (default where it has one); or a fixed one and a spin."""
+    """Around another thing; without it the ephemeris of its kind places it."""
+    rotation: BodyRotation | None = None
+    """`body`: the table's rotation (default where it has one); or a fixed one and a spin, from ICRF
+    axes."""
     class_: str | None = Field(default=None, alias="class")
     """Class of object for the labels (default: kind, or the entry's name for an ellipsoid)."""
 
@@ -223,7 +149,9 @@ class Spacecraft(Strict):
     centre: Literal["bounds", "origin"] = "bounds"
     """What flies on the orbit: the bounding box's centre, or the file's origin."""
     orbit: Orbit
-    attitude: Attitude = Attitude()
+    gm_km3_s2: Positive | None = None
+    """Gravitational parameter, for a model that is orbited: an asteroid, a moonlet."""
+    attitude: Attitude = Inertial()
     obj_id: Annotated[Integer, Field(ge=0)] | None = None
     """BOP object id (default: 1, 2, ... in the order of this section)."""
     class_: str | None = Field(default=None, alias="class")
@@ -350,13 +278,7 @@ class Config(Strict):
 
         bodies = list(self.bodies)
         known("root", self.root, bodies)
-        for section, entries in (("bodies", self.bodies), ("spacecraft", self.spacecraft)):
-            for name, entry in entries.items():
-                if entry.orbit is not None:
-                    others = [other for other in bodies if other != name]
-                    known(f"{section}.{name}.orbit.around", entry.orbit.around, others)
-        if self.bodies[self.root].orbit is not None:
-            fail(f"bodies.{self.root}.orbit", "the root body is the origin and has no orbit")
+        check_motion(self)
         trajectory = self.camera.trajectory
         things = [*self.spacecraft, *bodies]
         known("camera.trajectory.target", getattr(trajectory, "target", None), things)

@@ -80,6 +80,17 @@ AngleRange = Annotated[
 StaticVec3 = Annotated[Vec3, BeforeValidator(_refuse_drawn)]
 
 
+def _module_function(value: str) -> str:
+    module, _, function = value.partition(":")
+    if not module or not all(part.isidentifier() for part in function.split(".")):
+        fail("", "must be module:function")
+    return value
+
+
+FunctionName = Annotated[str, AfterValidator(_module_function)]
+"""module:function of the user's."""
+
+
 class Strict(BaseModel):
     """Base of every section: extra keys are refused with the nearest name, values are frozen."""
 

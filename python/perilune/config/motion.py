@@ -1,0 +1,83 @@
+"""Checks what moves against what: names, cycles, masses and steps that orbits need."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from perilune.config.attitude import Spin, TargetPointing
+from perilune.config.errors import fail, nearest
+from perilune.config.orbit import Circular, Database, Hook, Kepler, Table, Tle
+
+if TYPE_CHECKING:
+    from perilune.config.schema import Body, Config, Spacecraft
+
+
+def sections(config: Config) -> Mapping[str, tuple[str, Body | Spacecraft]]:
+    """Name -> (section, entry) of every body, then every spacecraft, in the order of the file."""
+    bodies = {name: ("bodies", entry) for name, entry in config.bodies.items()}
+    crafts = {name: ("spacecraft", entry) for name, entry in config.spacecraft.items()}
+    return {**bodies, **crafts}
+
+
+def _check_cycles(things: Mapping[str, tuple[str, Any]]) -> None:
+    for start, (section, _) in things.items():
+        chain, at = [start], start
+        while (orbit := things[at][1].orbit) is not None:
+            at = orbit.around
+            if at == start:
+                text = " -> ".join([*chain, start])
+                fail(f"{section}.{start}.orbit.around", f"a cycle: each is around the next: {text}")
+            if at in chain:
+                break  # a cycle further on, told where it begins
+            chain.append(at)
+
+
+def _needs_gm(orbit: Any) -> bool:
+    if isinstance(orbit, Kepler):
+        return orbit.position_km is None
+    if isinstance(orbit, Database):
+        return orbit.propagator != "circular"
+    if isinstance(orbit, Hook):  # without a propagator, what the function returns decides
+        return orbit.propagator in ("kepler", "j2")
+    return not isinstance(orbit, (Circular, Table, Tle))
+
+
+def _steps(entry: Any) -> list[tuple[str, bool]]:
+    """Keys below an entry that count by steps, and whether they do."""
+    orbit, found = entry.orbit, []
+    if isinstance(orbit, (Circular, Database, Hook)):
+        found.append(("orbit.v_step", bool(orbit.v_step)))
+    for key in ("rotation", "attitude"):
+        turn = getattr(entry, key, None)
+        if isinstance(turn, Spin):
+            found.append((f"{key}.rotation_deg_step_v", turn.turns_by_step))
+    return found
+
+
+def check_motion(config: Config) -> None:
+    """Raises, inside a validator, an error that names the key."""
+    things = sections(config)
+    for name, (section, entry) in things.items():
+        path = f"{section}.{name}"
+        others = [other for other in things if other != name]
+        if entry.orbit is not None:
+            around = entry.orbit.around
+            if around not in others:
+                text = f"no entry named '{around}'{nearest(around, others)}"
+                fail(f"{path}.orbit.around", text)
+            parent = config.spacecraft.get(around)
+            if parent is not None and parent.gm_km3_s2 is None and _needs_gm(entry.orbit):
+                text = f"an orbit about a spacecraft needs spacecraft.{around}.gm_km3_s2"
+                fail(f"{path}.orbit.around", text)
+        attitude = getattr(entry, "attitude", None)
+        if isinstance(attitude, TargetPointing) and attitude.target not in others:
+            target = attitude.target
+            text = f"no entry named '{target}'{nearest(target, others)}"
+            fail(f"{path}.attitude.target", text)
+        for key, given in _steps(entry):
+            if given and config.time.step_s == 0.0:
+                fail(f"{path}.{key}", "counts by steps: it needs time.step_s")
+    if config.bodies[config.root].orbit is not None:
+        fail(f"bodies.{config.root}.orbit", "the root body is the origin and has no orbit")
+    _check_cycles(things)
