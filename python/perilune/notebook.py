@@ -1,4 +1,8 @@
-"""Samples as pictures in Jupyter: `%load_ext perilune.notebook`, or `show(sample)`.
+"""Samples and plots as pictures in Jupyter: `%load_ext perilune.notebook`, or `show(sample)`.
+
+After that a cell that ends in `sim[12]`, `sim.plot_orbits(frames=range(10))`,
+`sim.plot_trajectory(frames=range(10))` or `sim.ground_track(frames=range(100))` shows its picture,
+without matplotlib's own machinery for notebooks (plots need the extra `plot`).
 
 Nothing of Jupyter is imported: a notebook asks an object for `_repr_png_`, and hands its shell to
 `load_ipython_extension`.
@@ -6,11 +10,14 @@ Nothing of Jupyter is imported: a notebook asks an object for `_repr_png_`, and 
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
 from perilune import preview
 from perilune.preview.panels import Names
 from perilune.sample import Sample
+
+_FIGURE = "matplotlib.figure.Figure"
 
 
 class Sheet:
@@ -33,11 +40,21 @@ def _sample_png(sample: Sample) -> bytes | None:
     return show(sample).png if len(sample) else None
 
 
+def _figure_png(figure: Any) -> bytes:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png")
+    return buffer.getvalue()
+
+
 def load_ipython_extension(shell: Any) -> None:
-    """Makes samples show as their sheets."""
-    shell.display_formatter.formatters["image/png"].for_type(Sample, _sample_png)
+    """Makes samples show as their sheets, and matplotlib's figures as pictures."""
+    formatter = shell.display_formatter.formatters["image/png"]
+    formatter.for_type(Sample, _sample_png)
+    formatter.for_type(_FIGURE, _figure_png)  # by name: matplotlib need not be there
 
 
 def unload_ipython_extension(shell: Any) -> None:
     """Undoes it."""
-    shell.display_formatter.formatters["image/png"].pop(Sample, None)
+    formatter = shell.display_formatter.formatters["image/png"]
+    formatter.pop(Sample, None)
+    formatter.pop(_FIGURE, None)

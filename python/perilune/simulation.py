@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -180,6 +180,24 @@ class Simulation:
         }
         objects = arrays.pop(OBJECTS, None)
         return Sample(arrays, objects, _camera_label(request), meta, result["plan"])
+
+    def plot_orbits(self, frames: Iterable[int] = (0,), **options: Any) -> Any:
+        """A matplotlib Figure of the orbits in some frames; see perilune.plots.plot_orbits."""
+        from perilune.plots import plot_orbits
+
+        return plot_orbits(self, frames, **options)
+
+    def plot_trajectory(self, frames: Iterable[int], **options: Any) -> Any:
+        """A Figure of the camera's path about its target; see perilune.plots.plot_trajectory."""
+        from perilune.plots import plot_trajectory
+
+        return plot_trajectory(self, frames, **options)
+
+    def ground_track(self, frames: Iterable[int], **options: Any) -> Any:
+        """A Figure of the spacecraft's tracks on a body; see perilune.plots.plot_ground_track."""
+        from perilune.plots import plot_ground_track
+
+        return plot_ground_track(self, frames, **options)
 
 
 def open(  # noqa: A001 (perilune.open is the interface)
