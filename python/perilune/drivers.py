@@ -1,13 +1,16 @@
-"""Scalar drivers: a number of the configuration replaced by a clipped normal variable.
+"""Scalar drivers: a number of the configuration replaced by a random variable.
 
 A driver is a mapping {ideal, jitter_variance, clip_min, clip_max} in the place of a number, with
 `interval` (steps of the timeline) and `strength` optional. Its value at a frame is
 
     clip(ideal + N(0, jitter_variance * strength), clip_min, clip_max)
 
-keyed by (seed, key path, step // interval): independent of order, worker and other drivers, and the
-same for all sensors of a step. Without an interval of its own, or a default one in the section
-`drivers`, a value is drawn once a scene (time.frames_per_scene steps).
+The mapping {uniform: [low, high]} draws uniformly between two limits; a strength other than 1 draws
+about the middle, clipped to the limits, with the variance times the strength.
+
+All draws are keyed by (seed, key path, step // interval): independent of order, worker and other
+drivers, and the same for all sensors of a step. Without an interval of its own, or a default one in
+the section `drivers`, a value is drawn once a scene (time.frames_per_scene steps).
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ from typing import Any
 from perilune.random import generator
 
 _NUMBERS = ("ideal", "jitter_variance", "clip_min", "clip_max")
+_UNIFORM = "uniform"
 _OPTIONAL = ("interval", "strength")
 
 
@@ -47,6 +51,8 @@ class Driver:
     clip_max: float
     interval: int | None
     strength: float | None
+    uniform: bool = False
+    """Uniform from clip_min to clip_max rather than normal."""
 
     def draw(self, seed: int, step: int, strength: float, interval: int) -> float:
         """The value at a step; strength and interval are the defaults of the configuration."""
@@ -55,8 +61,10 @@ class Driver:
         if deviation == 0.0:
             return self.ideal
         epoch = step // (self.interval or interval)
-        normal = generator(seed, f"driver:{self.name}", epoch).standard_normal()
-        return min(max(self.ideal + deviation * float(normal), self.clip_min), self.clip_max)
+        rng = generator(seed, f"driver:{self.name}", epoch)
+        # Both of mean 0 and variance 1.
+        unit = math.sqrt(12.0) * (rng.random() - 0.5) if self.uniform else rng.standard_normal()
+        return min(max(self.ideal + deviation * float(unit), self.clip_min), self.clip_max)
 
 
 def path_text(path: tuple[str | int, ...]) -> str:
@@ -73,12 +81,8 @@ def _number(name: str, value: Any) -> float:
     return float(value)
 
 
-def _parse(path: tuple[str | int, ...], raw: Mapping[str, Any]) -> Driver:
-    name = path_text(path)
-    for key in raw:
-        if key not in _NUMBERS + _OPTIONAL:
-            allowed = ", ".join(_NUMBERS + _OPTIONAL)
-            raise DriverError(f"{name}.{key}", f"unknown key of a driver; allowed: {allowed}")
+def _normal(name: str, raw: Mapping[str, Any]) -> tuple[float, float, float, float]:
+    """ideal, jitter_variance, clip_min, clip_max."""
     for key in _NUMBERS:
         if key not in raw:
             raise DriverError(name, f"a driver needs {', '.join(_NUMBERS)}; {key} is missing")
@@ -89,6 +93,28 @@ def _parse(path: tuple[str | int, ...], raw: Mapping[str, Any]) -> Driver:
         raise DriverError(
             f"{name}.ideal", f"{ideal:g} is outside [clip_min, clip_max] = [{low:g}, {high:g}]"
         )
+    return ideal, variance, low, high
+
+
+def _uniform(name: str, raw: Mapping[str, Any]) -> tuple[float, float, float, float]:
+    """The same of the uniform distribution between two limits."""
+    limits = raw[_UNIFORM]
+    if not isinstance(limits, (list, tuple)) or len(limits) != 2:
+        raise DriverError(f"{name}.{_UNIFORM}", f"must be [low, high], not {limits!r}")
+    low, high = (_number(f"{name}.{_UNIFORM}[{k}]", value) for k, value in enumerate(limits))
+    if low > high:
+        raise DriverError(f"{name}.{_UNIFORM}", f"must be [low, high], not [{low:g}, {high:g}]")
+    return 0.5 * (low + high), (high - low) ** 2 / 12.0, low, high
+
+
+def _parse(path: tuple[str | int, ...], raw: Mapping[str, Any]) -> Driver:
+    name = path_text(path)
+    own = (_UNIFORM,) if _UNIFORM in raw else _NUMBERS
+    for key in raw:
+        if key not in own + _OPTIONAL:
+            allowed = ", ".join(own + _OPTIONAL)
+            raise DriverError(f"{name}.{key}", f"unknown key of a driver; allowed: {allowed}")
+    numbers = _uniform(name, raw) if _UNIFORM in raw else _normal(name, raw)
     interval = raw.get("interval")
     if interval is not None and (type(interval) is not int or interval < 1):
         raise DriverError(f"{name}.interval", f"must be a whole number of steps, not {interval!r}")
@@ -97,13 +123,13 @@ def _parse(path: tuple[str | int, ...], raw: Mapping[str, Any]) -> Driver:
         strength = _number(f"{name}.strength", strength)
         if strength < 0.0:
             raise DriverError(f"{name}.strength", f"must not be negative: {strength:g}")
-    return Driver(path, name, ideal, variance, low, high, interval, strength)
+    return Driver(path, name, *numbers, interval, strength, _UNIFORM in raw)
 
 
 def find(tree: Any, path: tuple[str | int, ...] = ()) -> Iterator[Driver]:
-    """All drivers of a tree, in its order: mappings that hold the key `ideal`."""
+    """All drivers of a tree, in its order: mappings that hold the key `ideal` or `uniform`."""
     if isinstance(tree, Mapping):
-        if "ideal" in tree or "jitter_variance" in tree:
+        if "ideal" in tree or "jitter_variance" in tree or _UNIFORM in tree:
             yield _parse(path, tree)
             return
         for key, value in tree.items():

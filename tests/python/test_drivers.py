@@ -70,6 +70,39 @@ def test_clipping():
         assert abs(share - expected) < 5.0 * math.sqrt(expected * (1.0 - expected) / COUNT)
 
 
+def test_uniform():
+    """Kolmogorov-Smirnov against the uniform distribution, as above."""
+    row = Driver(("a",), "a", 1.0, 16.0 / 12.0, -1.0, 3.0, None, None, uniform=True)
+    values = np.sort(draws(row))
+    assert values.min() >= -1.0
+    assert values.max() <= 3.0
+    distance = np.abs((values + 1.0) / 4.0 - (np.arange(COUNT) + 0.5) / COUNT).max()
+    assert distance * math.sqrt(COUNT) < 2.7
+    half = draws(row, strength=0.25)
+    assert half.min() >= 0.0
+    assert half.max() <= 2.0
+    assert (draws(row, strength=0.0) == 1.0).all()
+
+
+def test_uniform_in_a_file(scene):
+    document = cfg.load(scene, {"camera.fov_deg": {"uniform": [30.0, 50.0]}})
+    assert document.config.camera.fov_deg == 40.0
+    drawn = [document.at(index)[0].camera.fov_deg for index in range(20)]
+    assert len(set(drawn)) == 20
+    assert all(30.0 <= value <= 50.0 for value in drawn)
+
+
+def test_the_suns_direction_by_angles(scene):
+    angles = {"azimuth_deg": 90.0, "elevation_deg": {"uniform": [-30.0, 30.0]}}
+    document = cfg.load(scene, {"sun.direction": angles})
+    assert document.config.sun.direction == pytest.approx((0.0, 1.0, 0.0))
+    x, y, z = document.at(3)[0].sun.direction
+    assert (x, math.hypot(y, z)) == pytest.approx((0.0, 1.0))
+    assert 0.0 < abs(z) < 0.5
+    with pytest.raises(ConfigError, match=r"sun\.direction\.elevation_deg = 91"):
+        cfg.load(scene, {"sun.direction": {"azimuth_deg": 0.0, "elevation_deg": 91.0}})
+
+
 @pytest.mark.parametrize("ideal", [0.1, 1.0 / 3.0, -7e22, 5e-324])
 def test_strength_zero_gives_exactly_the_ideal(ideal):
     assert set(draws(driver(ideal), strength=0.0, count=50)) == {ideal}
@@ -167,6 +200,11 @@ def test_identities_and_shapes_take_no_driver(scene, key):
         (driven(40, 4, 30, 50, strength=-1), ["camera.fov_deg.strength", "negative"]),
         (driven(40, 4, 30, 50, sigma=1), ["camera.fov_deg.sigma", "unknown key", "strength"]),
         ({"ideal": 40}, ["camera.fov_deg", "jitter_variance is missing"]),
+        ({"uniform": [30, 20]}, ["camera.fov_deg.uniform", "[low, high]"]),
+        ({"uniform": [30]}, ["camera.fov_deg.uniform", "[low, high]"]),
+        ({"uniform": [30, "x"]}, ["camera.fov_deg.uniform[1]", "finite number"]),
+        ({"uniform": [30, 200]}, ["camera.fov_deg = 200.0", "less than 180", "driver"]),
+        ({"uniform": [30, 40], "ideal": 35}, ["camera.fov_deg.ideal", "unknown key", "uniform"]),
     ],
 )
 def test_faulty_drivers(scene, value, expected):

@@ -19,20 +19,43 @@ from perilune.drivers import Drawn
 _VARIES = "x-perilune-varies"
 """Marks, while the schema is made, a number in whose place a driver may stand."""
 
-_DRIVER: dict[str, Any] = {
-    "title": "Driver",
-    "description": "A number that varies: ideal + N(0, jitter_variance * strength), clipped.",
+_DRAWS: dict[str, Any] = {
+    "interval": {"type": "integer", "minimum": 1, "description": "Steps between draws."},
+    "strength": {"type": "number", "minimum": 0, "description": "Factor on the variance."},
+}
+_NORMAL: dict[str, Any] = {
+    "description": "ideal + N(0, jitter_variance * strength), clipped.",
     "type": "object",
     "properties": {
         "ideal": {"type": "number"},
         "jitter_variance": {"type": "number", "minimum": 0},
         "clip_min": {"type": "number"},
         "clip_max": {"type": "number"},
-        "interval": {"type": "integer", "minimum": 1, "description": "Steps between draws."},
-        "strength": {"type": "number", "minimum": 0, "description": "Factor on the variance."},
+        **_DRAWS,
     },
     "required": ["ideal", "jitter_variance", "clip_min", "clip_max"],
     "additionalProperties": False,
+}
+_UNIFORM: dict[str, Any] = {
+    "description": "Uniform between two limits.",
+    "type": "object",
+    "properties": {
+        "uniform": {
+            "type": "array",
+            "items": {"type": "number"},
+            "minItems": 2,
+            "maxItems": 2,
+            "description": "[low, high].",
+        },
+        **_DRAWS,
+    },
+    "required": ["uniform"],
+    "additionalProperties": False,
+}
+_DRIVER: dict[str, Any] = {
+    "title": "Driver",
+    "description": "A number that varies.",
+    "anyOf": [_NORMAL, _UNIFORM],
 }
 
 

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    field_validator,
+    model_validator,
+)
 
 from perilune.config.attitude import Attitude, BodyRotation, Inertial
 from perilune.config.camera import Camera
@@ -66,14 +76,43 @@ class Time(Strict):
         return year, month, day, hour, minute, float(match[6] or 0.0)
 
 
+class Angles(Strict):
+    """A direction by two angles; either may be driven."""
+
+    azimuth_deg: Finite
+    """About z, from x towards y."""
+    elevation_deg: Annotated[float, Field(strict=True, ge=-90.0, le=90.0)]
+    """From the xy plane towards z."""
+
+
+def _direction_tag(value: Any) -> str:
+    return "angles" if isinstance(value, (Mapping, Angles)) else "vector"
+
+
+def _vector(value: tuple[float, float, float] | Angles) -> tuple[float, float, float]:
+    if not isinstance(value, Angles):
+        return value
+    azimuth, elevation = math.radians(value.azimuth_deg), math.radians(value.elevation_deg)
+    flat = math.cos(elevation)
+    return (flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation))
+
+
 class Sun(Strict):
     """The Sun; its position follows from the date unless a direction is given."""
 
     radius_km: Positive = 695700.0
     irradiance_w_m2: NonNegative = 1361.0
     """At one astronomical unit, in every colour band."""
-    direction: Direction | None = None
-    """Towards the Sun from the root body, ICRF axes, instead of the date's."""
+    direction: (
+        Annotated[
+            Annotated[Direction, Tag("vector")] | Annotated[Angles, Tag("angles")],
+            Discriminator(_direction_tag),
+            AfterValidator(_vector),
+        ]
+        | None
+    ) = None
+    """Towards the Sun from the root body, ICRF axes, instead of the date's: a vector, or
+    {azimuth_deg, elevation_deg}."""
     distance_au: Positive = 1.0
     """From the root body; used with `direction` only."""
 
