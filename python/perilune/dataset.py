@@ -147,9 +147,19 @@ def _register_with_torch() -> None:
         data.IterableDataset.register(Stream)
 
 
+def _check_same_size(first: Sample, other: Sample) -> None:
+    a, b = first.camera, other.camera
+    if (a.width, a.height) != (b.width, b.height):
+        raise ValueError(
+            f"collate: images of {a.width} x {a.height} (sensor {a.sensor}) and of "
+            f"{b.width} x {b.height} (sensor {b.sensor}) do not stack; batch each sensor by itself"
+        )
+
+
 def collate(samples: Sequence[Sample], tensors: bool = False) -> dict[str, Any]:
     """A batch: every channel stacked to (N, ...), with K, R_w2c, t_w2c, index and objects.
 
+    Where there are sensors, `sensor` lists their names; all of a batch must have one size.
     objects: a list of structured arrays, as frames may hold different numbers. tensors: the stacked
     arrays as torch tensors. A DataLoader's collate_fn: functools.partial(collate, tensors=True).
     """
@@ -159,6 +169,7 @@ def collate(samples: Sequence[Sample], tensors: bool = False) -> dict[str, Any]:
     for sample in samples:
         if set(sample) != set(first):
             raise ValueError("collate: the samples hold different channels")
+        _check_same_size(first, sample)
     batch: dict[str, Any] = {name: np.stack([s[name] for s in samples]) for name in first}
     batch["K"] = np.stack([s.camera.K for s in samples])
     batch["R_w2c"] = np.stack([s.camera.R_w2c for s in samples])
@@ -168,6 +179,8 @@ def collate(samples: Sequence[Sample], tensors: bool = False) -> dict[str, Any]:
         import torch
 
         batch = {name: torch.from_numpy(array) for name, array in batch.items()}
+    if any(s.camera.sensor is not None for s in samples):
+        batch["sensor"] = [s.camera.sensor for s in samples]
     if first.has_objects:
         batch["objects"] = [s.objects for s in samples]
     return batch

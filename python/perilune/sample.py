@@ -27,6 +27,8 @@ class CameraLabel:
     """(3, 3), from root (ICRF) axes."""
     t_w2c: F64
     """(3,), m."""
+    sensor: str | None = None
+    """Name of the sensor; None where the configuration has no section `sensors`."""
 
     @property
     def position_m(self) -> F64:
@@ -51,7 +53,7 @@ class Sample(Mapping[str, Array]):
         self._objects = objects
         self.camera = camera
         self.meta = dict(meta)
-        """seed, index, step, scene, time_utc, drivers, white_radiance, timings_s."""
+        """seed, index, step, scene, sensor, time_utc, drivers, white_radiance, timings_s."""
         self.plan = plan
 
     @property

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from perilune import _core, bodies, labels, orbits, rotations, trajectories
 from perilune.config import Config, ConfigError, Document, load
+from perilune.config.camera import Camera
 from perilune.config.references import MASKS, OBJECTS, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
 from perilune.parts import Partition
@@ -64,11 +65,9 @@ class Simulation:
         return Simulation, (self._document, self._trajectory)
 
     def __repr__(self) -> str:
-        camera = self.config.camera
-        return (
-            f"<Simulation {self.config.name}, seed {self.config.seed}, "
-            f"{camera.width}x{camera.height}>"
-        )
+        cameras = self.config.cameras.items()
+        sizes = [f"{name or ''} {c.width}x{c.height}".lstrip() for name, c in cameras]
+        return f"<Simulation {self.config.name}, seed {self.config.seed}, {', '.join(sizes)}>"
 
     @property
     def config(self) -> Config:
@@ -110,7 +109,10 @@ class Simulation:
         return self._handles
 
     def config_at(self, index: int) -> tuple[Config, dict[str, float]]:
-        """The configuration of a frame, and what its drivers drew, by key path."""
+        """The configuration of a frame, and what its drivers drew, by key path.
+
+        Its section `camera` is the platform's; `world(index).camera` is what takes the frame.
+        """
         return self._document.at(index)
 
     def world(self, index: int) -> World:
@@ -173,13 +175,14 @@ class Simulation:
             "index": scene.index,
             "step": scene.step,
             "scene": scene.scene,
+            "sensor": scene.sensor,
             "time_utc": scene.date.utc(),
             "drivers": dict(scene.drivers),
             "white_radiance": result["white_radiance"],
             "timings_s": result["timings_s"],
         }
         objects = arrays.pop(OBJECTS, None)
-        return Sample(arrays, objects, _camera_label(request), meta, result["plan"])
+        return Sample(arrays, objects, _camera_label(request, scene.sensor), meta, result["plan"])
 
     def plot_orbits(self, frames: Iterable[int] = (0,), **options: Any) -> Any:
         """A matplotlib Figure of the orbits in some frames; see perilune.plots.plot_orbits."""
@@ -214,7 +217,8 @@ def open(  # noqa: A001 (perilune.open is the interface)
     seed: replaces the file's. overrides: {"camera.width": 64} and so on, None removes a key; more
     can be given as keywords, **{"render.samples": 4}. base: the folder that relative paths refer to
     (default: the file's, or the current one). trajectory: a callable (perilune.world.World) ->
-    camera pose (7,) or (2, 7), camera to root, instead of the configured trajectory.
+    camera pose (7,) or (2, 7), camera to root, instead of the configured trajectory; with `sensors`
+    it is the pose of the platform they sit on.
     """
     changes = {**(overrides or {}), **dotted}
     if seed is not None:
@@ -237,9 +241,8 @@ def _checked_threads(threads: int) -> int:
     return threads
 
 
-def intrinsics(config: Config) -> F64:
+def intrinsics(camera: Camera) -> F64:
     """K (3, 3) with integer pixel centres: a centred camera has cx = (width - 1) / 2."""
-    camera = config.camera
     if camera.K is not None:
         return np.array(camera.K).reshape(3, 3)
     focal = camera.focal_px
@@ -270,7 +273,7 @@ def _request(scene: World, camera_poses: F64, scales: Mapping[str, float]) -> _c
         "index": scene.index,
         "width": config.camera.width,
         "height": config.camera.height,
-        "K": intrinsics(config),
+        "K": intrinsics(config.camera),
         "camera_pose": camera_poses,
         "object_poses": _stacked([scene.poses[name] for name in config.spacecraft], (2, 7)),
         "object_scale": np.array([scales[name] for name in config.spacecraft], dtype=np.float64),
@@ -338,8 +341,9 @@ def _arrays(config: Config, names: Sequence[str], out: Mapping[str, Array]) -> d
     return arrays
 
 
-def _camera_label(request: _core.FrameRequest) -> CameraLabel:
+def _camera_label(request: _core.FrameRequest, sensor: str | None) -> CameraLabel:
     opening, closing = request["camera_pose"]
     R_w2c = rotations.to_matrix(rotations.middle(opening[3:], closing[3:])).T
     center = 0.5 * (opening[:3] + closing[:3])
-    return CameraLabel(request["K"], request["width"], request["height"], R_w2c, -R_w2c @ center)
+    size = request["width"], request["height"]
+    return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor)

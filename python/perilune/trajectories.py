@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from perilune import rotations
 from perilune.config.camera import Fixed, Hook, OrbitObject
+from perilune.config.sensors import Mounting, Sensor
 from perilune.world import World
 
 F64 = NDArray[np.float64]
@@ -155,7 +156,7 @@ def orbit_object(world: World) -> F64:
     """
     spec = world.camera.trajectory
     assert isinstance(spec, OrbitObject)
-    offset = _place(world, spec)
+    offset = _place(world.shared, spec)
     rng = world.random("camera.aim")
     low, high = spec.roll_deg
     roll = math.radians(low + (high - low) * float(rng.random()))
@@ -232,12 +233,38 @@ TRAJECTORIES: dict[str, Trajectory] = {
 }
 
 
-def camera_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
-    """Camera poses (2, 7) of a frame: the user's callable if there is one, else as configured."""
+def platform_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
+    """Poses (2, 7) of the platform: the user's callable if there is one, else as configured."""
     if own is not None:
-        poses = checked(own(world), getattr(own, "__name__", repr(own)))
+        return checked(own(world), getattr(own, "__name__", repr(own)))
+    return TRAJECTORIES[world.camera.trajectory.kind](world)
+
+
+def mounted(platform: F64, sensor: Sensor) -> F64:
+    """A sensor's poses (2, 7) on the platform's."""
+    place = sensor.transformation
+    if isinstance(place, Mounting):
+        offset, q = np.array(place.position_m), rotations.from_rpy_deg(place.rotation_deg)
     else:
-        poses = TRAJECTORIES[world.camera.trajectory.kind](world)
+        offset, q = np.array(place[:3]), np.array(place[3:])
+    return np.stack(
+        [
+            np.concatenate(
+                [
+                    pose[:3] + rotations.rotate(pose[3:], offset),
+                    rotations.multiply(pose[3:], q),
+                ]
+            )
+            for pose in platform
+        ]
+    )
+
+
+def camera_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
+    """Poses (2, 7) of the camera that takes the frame: the platform's, or a sensor's on it."""
+    poses = platform_poses(world, own)
+    if world.sensor is not None:
+        poses = mounted(poses, world.config.sensors[world.sensor])
     for when in range(2):
         body = world.inside(poses[when, :3], when=when)
         if body is not None:

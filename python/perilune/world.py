@@ -23,6 +23,7 @@ class World:
     """What a trajectory sees. Root frame, metres; poses at shutter opening and closing."""
 
     config: Config
+    """Its section `camera` is that of the sensor that takes the frame."""
     moment: Moment
     epoch: Date
     t_s: float
@@ -36,6 +37,8 @@ class World:
     sun_position_m: F64
     drivers: Mapping[str, float]
     """What the drivers drew, by key path."""
+    longest: World | None = None
+    """The same step with the longest exposure of its sensors; None where this one's is."""
 
     @property
     def index(self) -> int:
@@ -58,8 +61,16 @@ class World:
         return self.moment.sensor
 
     @property
+    def shared(self) -> World:
+        """The world that is the same for all sensors of the step: the platform is placed by it.
+
+        Its poses at closing are those of the longest exposure.
+        """
+        return self.longest or self
+
+    @property
     def camera(self) -> Camera:
-        """The camera's configuration in this frame."""
+        """The camera that takes the frame."""
         return self.config.camera
 
     @property
@@ -128,18 +139,28 @@ def build(
 ) -> World:
     """The world of frame `index`; the sizes of the spacecraft come from their models."""
     moment = config.timeline.at(index)
+    cameras = config.cameras
     t_s = config.time.step_s * moment.step
-    exposure = config.camera.exposure_time_s
     opening = orbits.poses(config, epoch, t_s)
-    closing = orbits.poses(config, epoch, t_s + exposure) if exposure > 0.0 else opening
-    return World(
-        config=config,
-        moment=moment,
-        epoch=epoch,
-        t_s=t_s,
-        poses={name: np.stack([opening[name], closing[name]]) for name in opening},
-        body_radii_m={name: orbits.radii_m(body) for name, body in config.bodies.items()},
-        craft_radius_m=craft_radius_m,
-        sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * exposure)),
-        drivers=drivers,
-    )
+    radii_m = {name: orbits.radii_m(body) for name, body in config.bodies.items()}
+
+    def world(camera: Camera, longest: World | None) -> World:
+        exposure = camera.exposure_time_s
+        closing = orbits.poses(config, epoch, t_s + exposure) if exposure > 0.0 else opening
+        return World(
+            config=config.model_copy(update={"camera": camera}),
+            moment=moment,
+            epoch=epoch,
+            t_s=t_s,
+            poses={name: np.stack([opening[name], closing[name]]) for name in opening},
+            body_radii_m=radii_m,
+            craft_radius_m=craft_radius_m,
+            sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * exposure)),
+            drivers=drivers,
+            longest=longest,
+        )
+
+    own = cameras[moment.sensor]
+    slowest = max(cameras.values(), key=lambda camera: camera.exposure_time_s)
+    shared = slowest.exposure_time_s > own.exposure_time_s
+    return world(own, world(slowest, None) if shared else None)

@@ -52,6 +52,7 @@ class SceneCamera(_Exact):
     cam_R_w2c: Nine  # noqa: N815
     cam_t_w2c: Three
     depth_scale: Positive
+    sensor: str | None = None
 
 
 class Pose(_Exact):
@@ -158,6 +159,13 @@ class ModelInfo(_Exact):
     symmetries_discrete: list[Sixteen] = []
 
 
+class SensorEntry(_Exact):
+    """An entry of `sensors` of dataset_info.json."""
+
+    name: str
+    trigger_interval: Annotated[int, Field(ge=1)]
+
+
 class Source(BaseModel):
     """dataset_info.json, as far as a check needs it; more keys are free."""
 
@@ -169,6 +177,8 @@ class Source(BaseModel):
     dataset_name: Annotated[str, Field(pattern="^[a-z0-9]+$")]
     description: str
     seed: int
+    sensors: list[SensorEntry] = []
+    """In the order in which they take frames; empty without sensors."""
     split: Annotated[str, Field(pattern="^[a-z0-9]+(_[a-z0-9]+)?$")]
 
 

@@ -20,6 +20,7 @@ from perilune.check.records import (
     by_id,
     read_json,
 )
+from perilune.timeline import Timeline
 from perilune.writers.bop_files import (
     CAMERA_FILE,
     COCO_FILE,
@@ -95,6 +96,18 @@ def _check_coco(
     return found
 
 
+def _check_sensors(
+    report: Report, folder: Path, source: Source, cameras: Mapping[str, SceneCamera]
+) -> None:
+    """Each image must be of the sensor whose turn it is."""
+    timeline = Timeline(1, {row.name: row.trigger_interval for row in source.sensors})
+    first = int(folder.name) * source.chunk_size
+    for key, camera in cameras.items():
+        truth = timeline.at(first + int(key)).sensor
+        reason = f"image {key}: sensor is {camera.sensor!r}, must be {truth!r}"
+        report.need(camera.sensor == truth, folder / CAMERA_FILE, reason)
+
+
 def check_scene(
     report: Report,
     folder: Path,
@@ -125,6 +138,7 @@ def check_scene(
     most = max(map(int, cameras), default=0)
     reason = f"image {most} is beyond the chunk size, {source.chunk_size}"
     report.need(most < source.chunk_size, folder / CAMERA_FILE, reason)
+    _check_sensors(report, folder, source, cameras)
     for key, camera in cameras.items():
         report.images += 1
         labels = ImageLabels(camera, poses[key], infos[key], listed[key])

@@ -18,6 +18,8 @@ def _configure(parser: ArgumentParser) -> None:
 def _table(found: dict[str, Any]) -> str:
     head = ["", *(f"{q:.0%}" for q in QUANTILES), "mean"]
     lines = [f"{found['scenes']} scenes, {found['images']} images, {found['instances']} instances"]
+    if "sensors" in found:
+        lines.append(", ".join(f"{name}: {n} images" for name, n in found["sensors"].items()))
     for obj_id, quantities in found["objects"].items():
         rows = [head]
         for name, numbers in quantities.items():

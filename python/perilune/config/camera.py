@@ -102,6 +102,19 @@ class Exposure(Strict):
         return self
 
 
+Matrix = tuple[Finite, Finite, Finite, Finite, Finite, Finite, Finite, Finite, Finite]
+INTRINSICS = ("fov_deg", "focal_px", "K")
+"""Keys of which a camera has exactly one."""
+
+
+def check_matrix(K: Matrix) -> None:
+    """Inside a validator: refuses what is no matrix of a pinhole camera."""
+    if K[0] <= 0.0 or K[4] <= 0.0:
+        fail("K", "the focal lengths K[0] and K[4] must be positive")
+    if K[3] != 0.0 or K[6:] != (0.0, 0.0, 1.0):
+        fail("K", "must be [fx, s, cx, 0, fy, cy, 0, 0, 1]")
+
+
 class Camera(Strict):
     """A pinhole camera; integer pixel centres, OpenCV axes (x right, y down, z forward)."""
 
@@ -110,7 +123,7 @@ class Camera(Strict):
     fov_deg: Annotated[float, Field(strict=True, gt=0.0, lt=180.0)] | None = None
     """Horizontal field of view, edge to edge."""
     focal_px: Positive | None = None
-    K: tuple[Finite, Finite, Finite, Finite, Finite, Finite, Finite, Finite, Finite] | None = None
+    K: Matrix | None = None
     """Row-major 3x3 matrix, pixels."""
     trajectory: Annotated[OrbitObject | Fixed | Hook, Field(discriminator="kind")]
     exposure_time_s: NonNegative = 0.0
@@ -119,10 +132,7 @@ class Camera(Strict):
 
     @model_validator(mode="after")
     def _intrinsics(self) -> Camera:
-        self._exactly_one("fov_deg", "focal_px", "K")
+        self._exactly_one(*INTRINSICS)
         if self.K is not None:
-            if self.K[0] <= 0.0 or self.K[4] <= 0.0:
-                fail("K", "the focal lengths K[0] and K[4] must be positive")
-            if self.K[3] != 0.0 or self.K[6:] != (0.0, 0.0, 1.0):
-                fail("K", "must be [fx, s, cx, 0, fy, cy, 0, 0, 1]")
+            check_matrix(self.K)
         return self

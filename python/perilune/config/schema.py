@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -23,6 +23,7 @@ from perilune.config.errors import fail, nearest
 from perilune.config.motion import check_motion
 from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
+from perilune.config.sensors import Sensor
 from perilune.config.types import (
     Direction,
     Finite,
@@ -289,6 +290,10 @@ class Config(Strict):
     bodies: Annotated[dict[str, Body], Field(min_length=1)]
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
     camera: Camera
+    """The platform's way, and its camera."""
+    sensors: dict[str, Sensor] = Field(default_factory=dict)
+    """Cameras that take the frames instead of `camera`, whose keys they have unless they say
+    otherwise. In a step each sensor that is triggered takes a frame, in the order of this file."""
     render: Render = Render()
     labels: Labels = Labels()
     drivers: Drivers = Drivers()
@@ -296,12 +301,25 @@ class Config(Strict):
     @property
     def timeline(self) -> Timeline:
         """Which step, scene and sensor each frame is; the same whatever drivers draw."""
-        return Timeline(self.time.frames_per_scene)
+        intervals = {name: sensor.trigger_interval for name, sensor in self.sensors.items()}
+        return Timeline(self.time.frames_per_scene, intervals)
+
+    @property
+    def cameras(self) -> dict[str | None, Camera]:
+        """What takes frames: each sensor's camera; without sensors the platform's, named None."""
+        if not self.sensors:
+            return {None: self.camera}
+        return {name: sensor.camera(self.camera) for name, sensor in self.sensors.items()}
 
     @model_validator(mode="after")
     def _names(self) -> Config:
-        for section, entries in (("bodies", self.bodies), ("spacecraft", self.spacecraft)):
-            for name in entries:
+        sections: dict[str, Iterable[str]] = {
+            "bodies": self.bodies,
+            "spacecraft": self.spacecraft,
+            "sensors": self.sensors,
+        }
+        for section, names in sections.items():
+            for name in names:
                 if not _NAME.fullmatch(name):
                     fail(f"{section}.{name}", "a name is letters, digits, _ and -, no digit first")
         for name in self.spacecraft:

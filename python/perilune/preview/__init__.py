@@ -29,10 +29,11 @@ def draw(sample: Sample, title: str = "", names: Names | None = None) -> NDArray
 
 
 def frame_title(sample: Sample, name: str = "frame") -> str:
-    """The heading of a sample: its frame, date, seed and size."""
+    """The heading of a sample: its frame, sensor, date, seed and size."""
     camera, meta = sample.camera, sample.meta
+    sensor = f" {camera.sensor}" if camera.sensor is not None else ""
     return (
-        f"{name} {meta['index']} | {meta['time_utc']} | seed {meta['seed']} | "
+        f"{name} {meta['index']}{sensor} | {meta['time_utc']} | seed {meta['seed']} | "
         f"{camera.width} x {camera.height}"
     )
 

@@ -35,6 +35,7 @@ from perilune.writers.bop_source import (
     camera_entry,
     dataset_info,
     dataset_name,
+    nominal_camera,
     refuse_unfit,
 )
 from perilune.writers.queue import WriteQueue
@@ -65,8 +66,10 @@ def pose_entry(row: Any, origins_m: Mapping[int, F64]) -> dict[str, Any]:
 
 
 def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
-    """One entry of scene_camera.json."""
+    """One entry of scene_camera.json; readers pass over the key `sensor`."""
+    sensor = sample.camera.sensor
     return {
+        **({} if sensor is None else {"sensor": sensor}),
         "cam_K": np.asarray(sample.camera.K, dtype=np.float64).ravel().tolist(),
         "cam_R_w2c": np.asarray(sample.camera.R_w2c, dtype=np.float64).ravel().tolist(),
         "cam_t_w2c": (np.asarray(sample.camera.t_w2c) * MM_PER_M).tolist(),
@@ -202,7 +205,10 @@ def write_bop(
 ) -> WriteReport:
     """Writes `frames` as a BOP dataset: images, depth, masks, poses, COCO annotations, models.
 
-    Frame i is image i % chunk_size of scene i // chunk_size. What an earlier call has finished is
+    Frame i is image i % chunk_size of scene i // chunk_size, whatever sensor takes it; of several
+    sensors, scene_camera.json names each image's, and all have one size, as BOP knows one size a
+    split. Sensors of other sizes go into datasets of their own: {"sensors.NAME": None} among the
+    overrides takes a sensor away without moving the others. What an earlier call has finished is
     kept, so an interrupted or extended dataset is continued by calling this again; the same call
     gives the same bytes. Images are PNG, hence the split is named `train`: the BOP toolkit looks
     for JPEG in `train_pbr`. The toolkit also wants the folder's own name without `_` and `-`.
@@ -222,7 +228,7 @@ def write_bop(
     models = _write_source(sim, root, chunk_size, split)
     images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
-    size = sim.config.camera
+    size = nominal_camera(sim)
     header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
     total = sum(len(images) for images in images_of.values())
     job = _Job(sim, root / split, origins_m, header, threads, total, progress)

@@ -101,6 +101,18 @@ def target_files(split: str, found: Summary) -> dict[str, str]:
     }
 
 
+def _sensor_lines(sensors: list[dict[str, Any]]) -> list[str]:
+    if not sensors:
+        return []
+    told = [
+        f"{row['name']} (every {row['trigger_interval']} steps)"
+        if row["trigger_interval"] > 1
+        else str(row["name"])
+        for row in sensors
+    ]
+    return [f"* sensors, one after the other in every step: {', '.join(told)}"]
+
+
 def card(info: Mapping[str, Any], camera: Mapping[str, Any], found: Summary) -> str:
     """The dataset card: what it shows, how much of it, and how it was made."""
     lines = [
@@ -113,6 +125,7 @@ def card(info: Mapping[str, Any], camera: Mapping[str, Any], found: Summary) -> 
         f"* split: {info['split']}",
         f"* scenes: {found.scenes} of up to {info['chunk_size']} images",
         f"* images: {found.images} of {camera['width']} x {camera['height']} pixels",
+        *_sensor_lines(info.get("sensors", [])),
         "",
         f"| obj_id | instances | of which {LEAST_VISIBLE:.0%} visible | mean visible fraction "
         "| mean visible pixels |",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 import perilune
 from perilune import _core, rotations
+from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Symmetries
 from perilune.simulation import Simulation, intrinsics
@@ -33,9 +34,21 @@ def _refuse_driven_sizes(sim: Simulation) -> None:
             )
 
 
+def _refuse_several_sizes(sim: Simulation) -> None:
+    sizes = {name: (camera.width, camera.height) for name, camera in sim.config.cameras.items()}
+    if len(set(sizes.values())) > 1:
+        told = ", ".join(f"{name} {width} x {height}" for name, (width, height) in sizes.items())
+        raise ConfigError(
+            f"{sim.document.source}: sensors: images of a BOP split have one size, but there are "
+            f"{told}; write each size into a folder of its own, without the other sensors "
+            "(--set sensors.NAME=null)"
+        )
+
+
 def refuse_unfit(sim: Simulation) -> None:
     """ConfigError for what a configuration may say, but a BOP dataset cannot hold."""
     _refuse_driven_sizes(sim)
+    _refuse_several_sizes(sim)
     if not sim.config.render.amodal:
         raise ConfigError(
             f"{sim.document.source}: render.amodal: false leaves out the full silhouettes, which "
@@ -69,10 +82,15 @@ def bop_models(sim: Simulation) -> dict[int, BopModel]:
     return models
 
 
+def nominal_camera(sim: Simulation) -> Camera:
+    """The camera of the dataset; of several sensors, the first."""
+    return next(iter(sim.config.cameras.values()))
+
+
 def camera_entry(sim: Simulation) -> dict[str, Any]:
     """camera.json: the nominal camera; the truth of each image is in scene_camera.json."""
-    K = intrinsics(sim.config)
-    camera = sim.config.camera
+    camera = nominal_camera(sim)
+    K = intrinsics(camera)
     return {
         "cx": float(K[0, 2]),
         "cy": float(K[1, 2]),
@@ -114,7 +132,12 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
     """dataset_info.json: what makes the same dataset again. No time stamps."""
     tree = {key: value for key, value in sim.document.tree.items() if key != "seed"}
     text = json.dumps(tree, sort_keys=True, separators=(",", ":"))
+    sensors = [
+        {"name": name, "trigger_interval": sensor.trigger_interval}
+        for name, sensor in sim.config.sensors.items()
+    ]
     return {
+        **({"sensors": sensors} if sensors else {}),
         "chunk_size": chunk_size,
         "config_name": sim.config.name,
         "config_sha256": hashlib.sha256(text.encode("utf-8")).hexdigest(),

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from perilune.writers.bop_files import MM_PER_M
+from perilune.writers.bop_files import CAMERA_FILE, MM_PER_M, load_object
 from perilune.writers.bop_finish import SOURCE_FILE, Instances, images_of, scene_folders
 
 QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -42,7 +42,10 @@ def _distribution(values: list[float]) -> dict[str, float]:
 
 
 def bop_statistics(folder: str | Path) -> dict[str, Any]:
-    """Counts, and quantiles of each quantity by object id; scenes must be complete."""
+    """Counts, and quantiles of each quantity by object id; scenes must be complete.
+
+    Where there are sensors, `sensors` says how many images each has taken.
+    """
     root = Path(folder)
     try:
         split = json.loads((root / SOURCE_FILE).read_text(encoding="utf-8"))["split"]
@@ -50,7 +53,11 @@ def bop_statistics(folder: str | Path) -> dict[str, Any]:
         raise ValueError(f"{root / SOURCE_FILE}: cannot be read ({error})") from error
     scenes, images = scene_folders(root / split), 0
     objects: dict[int, _Columns] = {}
+    sensors: dict[str, int] = {}
     for scene in scenes.values():
+        for camera in load_object(scene / CAMERA_FILE).values():
+            if "sensor" in camera:
+                sensors[camera["sensor"]] = sensors.get(camera["sensor"], 0) + 1
         for _, instances in images_of(scene):
             images += 1
             _measure(instances, objects)
@@ -60,4 +67,10 @@ def bop_statistics(folder: str | Path) -> dict[str, Any]:
         distributions = {name: _distribution(values) for name, values in columns.items()}
         rows[str(obj_id)] = {"instances": count, **distributions}
     instances = sum(row["instances"] for row in rows.values())
-    return {"scenes": len(scenes), "images": images, "instances": instances, "objects": rows}
+    return {
+        "scenes": len(scenes),
+        "images": images,
+        "instances": instances,
+        "objects": rows,
+        **({"sensors": sensors} if sensors else {}),
+    }
