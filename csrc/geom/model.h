@@ -9,7 +9,9 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "geom/animation.h"
 #include "geom/image.h"
+#include "geom/node.h"
 #include "geom/texture.h"
 
 #ifdef __cplusplus
@@ -71,6 +73,10 @@ typedef struct pl_model {
   pl_part *parts;         /* material of a triangle: parts[triangle_part[t]].material */
   pl_material *materials; /* at least one */
   pl_texture **textures;  /* owned */
+
+  pl_nodes nodes;           /* what placed the parts */
+  pl_animation *animations; /* owned; moving nodes of the scene, with at least one track */
+  size_t animation_count;
 
   float bounds_min[3], bounds_max[3]; /* of positions */
   char *warnings;                     /* owned, lines separated by '\n', "" when there are none */

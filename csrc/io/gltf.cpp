@@ -11,6 +11,7 @@
 #include "io/gltf_guard.hpp"
 #include "io/gltf_material.hpp"
 #include "io/gltf_mesh.hpp"
+#include "io/gltf_motion.hpp"
 
 namespace pl_gltf {
 
@@ -21,7 +22,8 @@ struct ModelDeleter {
 };
 using ModelPtr = std::unique_ptr<pl_model, ModelDeleter>;
 
-Asset parse_asset(const std::string &path, Warnings &warnings) {
+/* animations: those of the file, which tinygltf does not see. */
+Asset parse_asset(const std::string &path, nlohmann::json &animations, Warnings &warnings) {
   Source source(path);
   for (const std::string &remark : source.remarks())
     warnings.add("%s", remark.c_str());
@@ -29,6 +31,8 @@ Asset parse_asset(const std::string &path, Warnings &warnings) {
   Asset asset;
   asset.buffers = load_buffers(document, source);
   asset.images = load_images(document, source);
+  if (document.contains("animations"))
+    animations = std::move(document["animations"]);
   asset.no_view = strip_for_parser(document);
   const std::string text = document.dump();
   document = nullptr; /* frees it before the parser makes its own */
@@ -87,21 +91,26 @@ void append(Flat &flat, const Piece &piece) {
 class Walker {
 public:
   Walker(const Asset &asset, Warnings &warnings)
-      : asset_(asset), warnings_(warnings), used_(asset.model.materials.size() + 1, false) {}
+      : asset_(asset), warnings_(warnings), used_(asset.model.materials.size() + 1, false),
+        placed_(asset.model.nodes.size()) {}
 
   void walk_scene();
   const Tally &tally() const { return tally_; }
   const std::vector<bool> &used_materials() const { return used_; }
+  const std::vector<Placed> &placed() const { return placed_; }
+  const std::vector<int> &order() const { return order_; }
   Flat &flat() { return flat_; }
 
 private:
   std::vector<int> roots() const;
-  void walk_node(int index, const Affine &parent);
+  void walk_node(int index, int parent, const Affine &parent_to_root);
   void add_mesh(int mesh, int node, const Affine &to_root);
 
   const Asset &asset_;
   Warnings &warnings_;
   std::vector<bool> used_;
+  std::vector<Placed> placed_; /* by node */
+  std::vector<int> order_;     /* of the walk */
   Tally tally_;
   Flat flat_;
 };
@@ -138,18 +147,20 @@ void Walker::walk_scene() {
     return;
   }
   for (const int root : roots())
-    walk_node(root, Affine());
+    walk_node(root, -1, Affine());
 }
 
 /* The guard has checked that nodes form a forest of limited depth. */
-void Walker::walk_node(int index, const Affine &parent) {
+void Walker::walk_node(int index, int parent, const Affine &parent_to_root) {
   const tinygltf::Node &node = asset_.model.nodes[static_cast<size_t>(index)];
-  const Affine to_root =
-      compose(parent, node_transform(node, static_cast<size_t>(index), warnings_));
+  const Affine local = node_transform(node, static_cast<size_t>(index), warnings_);
+  const Affine to_root = compose(parent_to_root, local);
+  placed_[static_cast<size_t>(index)] = {true, parent, local};
+  order_.push_back(index);
   if (node.mesh >= 0)
     add_mesh(node.mesh, index, to_root);
   for (const int child : node.children)
-    walk_node(child, to_root);
+    walk_node(child, index, to_root);
 }
 
 void Walker::add_mesh(int mesh_index, int node_index, const Affine &to_root) {
@@ -246,7 +257,8 @@ void fill_arrays(Flat &flat, pl_model *model) {
 
 ModelPtr load(const std::string &path) {
   Warnings warnings;
-  const Asset asset = parse_asset(path, warnings);
+  nlohmann::json animations;
+  const Asset asset = parse_asset(path, animations, warnings);
   Walker walker(asset, warnings);
   walker.walk_scene();
   const Tally &tally = walker.tally();
@@ -258,6 +270,8 @@ ModelPtr load(const std::string &path) {
     fail(PL_E_MEMORY, "%s", pl_error_text());
   ModelPtr model(static_cast<pl_model *>(memory));
   fill_arrays(walker.flat(), model.get());
+  build_nodes(asset, walker.placed(), walker.order(), model.get());
+  build_animations(asset, animations, walker.placed(), model.get(), warnings);
   build_materials(asset, walker.used_materials(), model.get(), warnings);
   pl_model_measure(model.get());
   model->warnings = copy_text(warnings.text());

@@ -150,8 +150,6 @@ void warn_of_the_ignored(const json &document, Warnings &warnings) {
     const auto it = document.find(key);
     return it != document.end() && it->is_array() && !it->empty();
   };
-  if (has("animations"))
-    warnings.add("animations are ignored: the model is read in its rest pose");
   if (has("skins"))
     warnings.add("skins are ignored: meshes are placed by their nodes");
   if (has("cameras"))
