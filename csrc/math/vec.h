@@ -3,6 +3,7 @@
 #define PL_MATH_VEC_H
 
 #include <math.h>
+#include <stdbool.h>
 
 #define PL_PI 3.14159265358979323846
 #define PL_PI_F 3.14159265f
@@ -37,6 +38,9 @@ static inline double pl_vec3_norm(pl_vec3 a) { return sqrt(pl_vec3_dot(a, a)); }
 static inline pl_vec3 pl_vec3_unit(pl_vec3 a) {
   const double n = pl_vec3_norm(a);
   return n > 0.0 ? pl_vec3_scale(a, 1.0 / n) : a;
+}
+static inline bool pl_vec3_finite(pl_vec3 a) {
+  return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
 }
 
 static inline pl_vec3f pl_vec3f_make(float x, float y, float z) { return (pl_vec3f){x, y, z}; }

@@ -14,7 +14,7 @@ static double turn_part(double rate_deg, double days) {
   return remainder(product, 360.0) + fma(rate_deg, days, -product);
 }
 
-pl_pole pl_body_pole(const pl_body *body, double tdb_day, double tdb_fraction) {
+pl_pole pl_celestial_pole(const pl_celestial *body, double tdb_day, double tdb_fraction) {
   const pl_rotation_model *m = &body->rotation;
   const double whole = tdb_day - PL_J2000_JD; /* exact for whole and half days */
   const double days = whole + tdb_fraction;
@@ -43,11 +43,11 @@ static pl_quat equator_of(pl_pole pole) {
   return pl_quat_mul(about_z(0.5 * PL_PI + pole.ra_rad), tilt);
 }
 
-pl_quat pl_body_orientation(const pl_body *body, double tdb_day, double tdb_fraction) {
-  const pl_pole pole = pl_body_pole(body, tdb_day, tdb_fraction);
+pl_quat pl_celestial_orientation(const pl_celestial *body, double tdb_day, double tdb_fraction) {
+  const pl_pole pole = pl_celestial_pole(body, tdb_day, tdb_fraction);
   return pl_quat_unit(pl_quat_mul(equator_of(pole), about_z(pole.w_rad)));
 }
 
-pl_quat pl_body_equator(const pl_body *body, double tdb_day, double tdb_fraction) {
-  return pl_quat_unit(equator_of(pl_body_pole(body, tdb_day, tdb_fraction)));
+pl_quat pl_celestial_equator(const pl_celestial *body, double tdb_day, double tdb_fraction) {
+  return pl_quat_unit(equator_of(pl_celestial_pole(body, tdb_day, tdb_fraction)));
 }

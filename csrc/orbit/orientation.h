@@ -4,7 +4,7 @@
 
 #include "base/status.h"
 #include "math/rotation.h"
-#include "orbit/body.h"
+#include "orbit/celestial.h"
 
 #define PL_J2000_JD 2451545.0
 
@@ -14,12 +14,12 @@ typedef struct pl_pole {
 } pl_pole;
 
 /* At JD(TDB) = tdb_day + tdb_fraction, any split; the finer the parts, the finer the phase. */
-pl_pole pl_body_pole(const pl_body *body, double tdb_day, double tdb_fraction);
+pl_pole pl_celestial_pole(const pl_celestial *body, double tdb_day, double tdb_fraction);
 
 /* Body-fixed (x to longitude 0, z to the north pole) to ICRF. */
-pl_quat pl_body_orientation(const pl_body *body, double tdb_day, double tdb_fraction);
+pl_quat pl_celestial_orientation(const pl_celestial *body, double tdb_day, double tdb_fraction);
 
 /* Equator of date to ICRF: z to the pole, x along the ascending node of the equator on ICRF's. */
-pl_quat pl_body_equator(const pl_body *body, double tdb_day, double tdb_fraction);
+pl_quat pl_celestial_equator(const pl_celestial *body, double tdb_day, double tdb_fraction);
 
 #endif

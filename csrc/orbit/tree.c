@@ -6,22 +6,20 @@
 
 #include "base/memory.h"
 #include "orbit/attitude.h"
-#include "orbit/orientation.h"
 
 #define SECONDS_PER_DAY 86400.0
 
 struct pl_tree {
   size_t count;
-  pl_node *nodes; /* owned but for the names; quaternions and axes unit */
-  size_t *order;  /* owned; parents before children */
+  pl_tree_node *nodes; /* owned but for what they borrow; turns prepared */
+  size_t *order;       /* owned; parents before children */
+  double tdb_day, tdb_fraction;
 };
 
 typedef enum mark { MARK_NEW, MARK_OPEN, MARK_DONE } mark;
 
-static bool vec_finite(pl_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
-
 /* Names around the cycle, from `start` back to itself: "a -> b -> a", shortened when long. */
-static pl_status fail_cycle(const pl_node *nodes, size_t start) {
+static pl_status fail_cycle(const pl_tree_node *nodes, size_t start) {
   char text[600] = "";
   size_t used = 0, at = start;
   do {
@@ -39,7 +37,7 @@ static pl_status fail_cycle(const pl_node *nodes, size_t start) {
 
 /* Walks up from each node to the first one that is placed; then places the walked, topmost first.
  * `chain` and `marks` are scratch of `count` items. */
-static pl_status sort(size_t count, const pl_node *nodes, unsigned char *marks, size_t *chain,
+static pl_status sort(size_t count, const pl_tree_node *nodes, unsigned char *marks, size_t *chain,
                       size_t *order) {
   size_t placed = 0;
   for (size_t i = 0; i < count; i++) {
@@ -59,58 +57,54 @@ static pl_status sort(size_t count, const pl_node *nodes, unsigned char *marks, 
   return PL_OK;
 }
 
-static pl_status check_turn(pl_node *node) {
-  pl_turn *turn = &node->turn;
-  const pl_quat q = turn->q;
-  switch (turn->kind) {
-  case PL_TURN_SPIN:
-    if (!vec_finite(turn->axis) || !(pl_vec3_norm(turn->axis) > 0.0))
-      return pl_fail(PL_E_RANGE, "node '%s': the spin axis must be finite and not zero",
-                     node->name);
-    if (!isfinite(turn->rate_rad_s))
-      return pl_fail(PL_E_RANGE, "node '%s': rate_rad_s is not finite", node->name);
-    turn->axis = pl_vec3_unit(turn->axis);
-    /* fall through */
-  case PL_TURN_FIXED: {
-    const double n2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-    if (!isfinite(n2) || !(n2 > 0.0))
-      return pl_fail(PL_E_RANGE, "node '%s': the quaternion q must be finite and not zero",
-                     node->name);
-    turn->q = pl_quat_unit(q);
-    return PL_OK;
-  }
-  case PL_TURN_BODY:
-    return turn->body ? PL_OK : pl_fail(PL_E_ARGUMENT, "node '%s': no body to turn", node->name);
-  case PL_TURN_LVLH:
-    if (node->parent < 0)
-      return pl_fail(PL_E_ARGUMENT, "node '%s': lvlh needs a parent to face", node->name);
-    return PL_OK;
-  }
-  return pl_fail(PL_E_ARGUMENT, "node '%s': unknown kind of rotation", node->name);
+/* The text of an error, with the node in front of it. */
+static pl_status fail_at(const pl_tree_node *node, pl_status status) {
+  return pl_fail(status, "node '%s': %s", node->name, pl_error_text());
 }
 
-static pl_status check_node(size_t count, pl_node *node) {
-  if (node->parent < -1 || node->parent >= (ptrdiff_t)count)
-    return pl_fail(PL_E_ARGUMENT, "node '%s': parent %td does not exist; allowed: -1 to %td",
-                   node->name, node->parent, (ptrdiff_t)count - 1);
-  if (node->motion.kind == PL_MOTION_FIXED && !vec_finite(node->motion.position_m))
-    return pl_fail(PL_E_RANGE, "node '%s': position_m is not finite", node->name);
-  if (node->motion.kind == PL_MOTION_KEPLER && node->parent < 0)
-    return pl_fail(PL_E_ARGUMENT, "node '%s': an orbit needs a parent to go around", node->name);
-  return check_turn(node);
+static pl_status check_path(const pl_tree_node *node) {
+  if (node->path.kind == PL_PATH_FIXED && !pl_vec3_finite(node->path.position_m))
+    return pl_fail(PL_E_RANGE, "position_m is not finite");
+  if (node->path.kind == PL_PATH_PROPAGATED && node->parent < 0)
+    return pl_fail(PL_E_ARGUMENT, "an orbit needs a parent to go around");
+  if (node->path.kind == PL_PATH_PROPAGATED && !node->path.propagator)
+    return pl_fail(PL_E_ARGUMENT, "no propagator");
+  return PL_OK;
 }
 
-static pl_status tree_fill(pl_tree *tree, const pl_node *nodes) {
+static pl_status check_node(size_t count, size_t index, pl_tree_node *node) {
+  const ptrdiff_t last = (ptrdiff_t)count - 1;
+  if (node->parent < -1 || node->parent > last)
+    return pl_fail(PL_E_ARGUMENT, "parent %td does not exist; allowed: -1 to %td", node->parent,
+                   last);
+  PL_TRY(check_path(node));
+  PL_TRY(pl_turn_prepare(&node->turn));
+  const pl_turn *turn = &node->turn;
+  if ((turn->kind->needs & PL_TURN_PARENT) && node->parent < 0)
+    return pl_fail(PL_E_ARGUMENT, "the frame %s needs a parent", turn->kind->name);
+  if (!(turn->kind->needs & PL_TURN_AIM))
+    return PL_OK;
+  if (turn->towards > last)
+    return pl_fail(PL_E_ARGUMENT, "the node %td to point at does not exist; allowed: 0 to %td",
+                   turn->towards, last);
+  if (turn->towards == (ptrdiff_t)index)
+    return pl_fail(PL_E_ARGUMENT, "it cannot point at itself");
+  return PL_OK;
+}
+
+static pl_status tree_fill(pl_tree *tree, const pl_tree_node *nodes) {
   const size_t count = tree->count;
   PL_TRY(pl_alloc_or_fail(count, sizeof *tree->nodes, "nodes", (void **)&tree->nodes));
   PL_TRY(pl_alloc_or_fail(count, sizeof *tree->order, "order of nodes", (void **)&tree->order));
   if (count > 0)
     memcpy(tree->nodes, nodes, count * sizeof *nodes);
+  pl_status status = PL_OK;
   for (size_t i = 0; i < count; i++)
-    PL_TRY(check_node(count, &tree->nodes[i]));
+    if ((status = check_node(count, i, &tree->nodes[i])) != PL_OK)
+      return fail_at(&tree->nodes[i], status);
   size_t *chain = NULL;
   unsigned char *marks = NULL;
-  pl_status status = pl_alloc_or_fail(count, sizeof *chain, "order of nodes", (void **)&chain);
+  status = pl_alloc_or_fail(count, sizeof *chain, "order of nodes", (void **)&chain);
   if (status == PL_OK)
     status = pl_alloc_or_fail(count, sizeof *marks, "order of nodes", (void **)&marks);
   if (status == PL_OK)
@@ -120,10 +114,15 @@ static pl_status tree_fill(pl_tree *tree, const pl_node *nodes) {
   return status;
 }
 
-pl_status pl_tree_create(size_t count, const pl_node *nodes, pl_tree **out) {
+pl_status pl_tree_create(size_t count, const pl_tree_node *nodes, double tdb_day,
+                         double tdb_fraction, pl_tree **out) {
+  if (!isfinite(tdb_day) || !isfinite(tdb_fraction))
+    return pl_fail(PL_E_RANGE, "the epoch %g + %g is not finite", tdb_day, tdb_fraction);
   pl_tree *tree = NULL;
   PL_TRY(pl_alloc_or_fail(1, sizeof *tree, "tree of nodes", (void **)&tree));
   tree->count = count;
+  tree->tdb_day = tdb_day;
+  tree->tdb_fraction = tdb_fraction;
   const pl_status status = tree_fill(tree, nodes);
   if (status != PL_OK) {
     pl_tree_destroy(tree);
@@ -141,61 +140,100 @@ void pl_tree_destroy(pl_tree *tree) {
   pl_free(tree);
 }
 
-/* State of a node relative to its parent, ICRF axes. `equator` turns its orbit's frame to ICRF. */
-static pl_status relative_state(const pl_node *node, pl_quat equator, double t_s, pl_state *out) {
-  if (node->motion.kind == PL_MOTION_FIXED) {
-    *out = (pl_state){node->motion.position_m, {0.0, 0.0, 0.0}};
+static pl_status check_slot(size_t slot, size_t slots, const char *what) {
+  if (slot < slots)
     return PL_OK;
-  }
-  PL_TRY(pl_orbit_states(&node->motion.orbit, 1, &t_s, out));
-  if (node->motion.equator) {
-    out->r_m = pl_quat_rotate(equator, out->r_m);
-    out->v_m_s = pl_quat_rotate(equator, out->v_m_s);
+  return pl_fail(PL_E_ARGUMENT, "takes slot %zu of the given %s, which have %zu", slot, what,
+                 slots);
+}
+
+/* States of a node relative to its parent's centre. */
+static pl_status relative_states(const pl_path *path, size_t times, const double *t_s,
+                                 const pl_tree_given *given, pl_state *out) {
+  if (path->kind == PL_PATH_PROPAGATED)
+    return pl_propagator_states(path->propagator, times, t_s, out);
+  if (path->kind == PL_PATH_GIVEN)
+    PL_TRY(check_slot(path->slot, given->state_slots, "states"));
+  for (size_t i = 0; i < times; i++) {
+    out[i] = path->kind == PL_PATH_GIVEN ? given->states[i * given->state_slots + path->slot]
+                                         : (pl_state){.r_m = path->position_m};
+    if (!pl_vec3_finite(out[i].r_m) || !pl_vec3_finite(out[i].v_m_s))
+      return pl_fail(PL_E_RANGE, "the given state at time %zu is not finite", i);
   }
   return PL_OK;
 }
 
-static pl_status rotation_at(const pl_turn *turn, const pl_state *state, double tdb_day,
-                             double tdb_fraction, double t_s, pl_quat *out) {
-  switch (turn->kind) {
-  case PL_TURN_SPIN:
-    *out = pl_attitude_spin(turn->q, turn->axis, turn->rate_rad_s, t_s);
-    return PL_OK;
-  case PL_TURN_BODY:
-    *out = pl_body_orientation(turn->body, tdb_day, tdb_fraction + t_s / SECONDS_PER_DAY);
-    return PL_OK;
-  case PL_TURN_LVLH:
-    return pl_attitude_lvlh(state, out);
-  case PL_TURN_FIXED:
-    break;
-  }
-  *out = turn->q;
-  return PL_OK;
-}
-
-pl_status pl_tree_poses(const pl_tree *tree, double tdb_day, double tdb_fraction, size_t time_count,
-                        const double *t_s, pl_pose *out) {
-  if (!isfinite(tdb_day) || !isfinite(tdb_fraction))
-    return pl_fail(PL_E_RANGE, "the epoch %g + %g is not finite", tdb_day, tdb_fraction);
-  for (size_t i = 0; i < time_count; i++)
-    if (!isfinite(t_s[i]))
-      return pl_fail(PL_E_RANGE, "time %zu is not finite", i);
-  for (size_t k = 0; k < tree->count; k++) { /* parents first, all times of a node together */
-    const size_t index = tree->order[k];
-    const pl_node *node = &tree->nodes[index];
-    const pl_quat equator = node->motion.equator
-                                ? pl_body_equator(node->motion.equator, tdb_day, tdb_fraction)
-                                : PL_QUAT_IDENTITY;
-    for (size_t i = 0; i < time_count; i++) {
-      pl_pose *poses = out + i * tree->count;
-      pl_state state;
-      pl_status status = relative_state(node, equator, t_s[i], &state);
-      if (status == PL_OK)
-        status = rotation_at(&node->turn, &state, tdb_day, tdb_fraction, t_s[i], &poses[index].q);
-      if (status != PL_OK)
-        return pl_fail(status, "node '%s': %s", node->name, pl_error_text());
-      poses[index].t = node->parent < 0 ? state.r_m : pl_vec3_add(poses[node->parent].t, state.r_m);
+/* Adds a node's relative states to its parent's, whose places are known. */
+static void place(const pl_tree *tree, size_t index, size_t times, const pl_tree_states *out) {
+  const ptrdiff_t parent = tree->nodes[index].parent;
+  for (size_t i = 0; i < times; i++) {
+    const pl_state *relative = &out->relative[index * times + i];
+    const size_t row = i * tree->count;
+    pl_vec3 r = relative->r_m, v = relative->v_m_s;
+    if (parent >= 0) {
+      r = pl_vec3_add(out->poses[row + (size_t)parent].t, r);
+      v = pl_vec3_add(out->velocities[row + (size_t)parent], v);
     }
+    out->poses[row + index].t = r;
+    out->velocities[row + index] = v;
+  }
+}
+
+/* Everything the axes of a node may depend on, at time number i. */
+static pl_status look(const pl_tree *tree, size_t index, size_t i, size_t times, double t_s,
+                      const pl_tree_given *given, const pl_tree_states *out, pl_turn_view *view) {
+  const pl_tree_node *node = &tree->nodes[index];
+  const pl_pose *poses = &out->poses[i * tree->count];
+  *view = (pl_turn_view){
+      .tdb_day = tree->tdb_day,
+      .tdb_fraction = tree->tdb_fraction + t_s / SECONDS_PER_DAY,
+      .t_s = t_s,
+      .relative = out->relative[index * times + i],
+      .parent = node->parent < 0 ? PL_QUAT_IDENTITY : poses[node->parent].q,
+      .aim_m = node->turn.direction,
+  };
+  if ((node->turn.kind->needs & PL_TURN_AIM) && node->turn.towards >= 0)
+    view->aim_m = pl_vec3_sub(poses[node->turn.towards].t, poses[index].t);
+  if (!(node->turn.kind->needs & PL_TURN_GIVEN))
+    return PL_OK;
+  PL_TRY(check_slot(node->turn.slot, given->quat_slots, "quaternions"));
+  const pl_quat q = given->quats[i * given->quat_slots + node->turn.slot];
+  PL_TRY(pl_attitude_check(q, "given"));
+  view->given = pl_quat_unit(q);
+  return PL_OK;
+}
+
+static pl_status turn_node(const pl_tree *tree, size_t index, size_t times, const double *t_s,
+                           const pl_tree_given *given, const pl_tree_states *out) {
+  for (size_t i = 0; i < times; i++) {
+    pl_turn_view view;
+    PL_TRY(look(tree, index, i, times, t_s[i], given, out, &view));
+    PL_TRY(pl_turn_at(&tree->nodes[index].turn, &view, &out->poses[i * tree->count + index].q));
+  }
+  return PL_OK;
+}
+
+pl_status pl_tree_evaluate(const pl_tree *tree, size_t times, const double *t_s,
+                           const pl_tree_given *given, const pl_tree_states *out) {
+  static const pl_tree_given nothing = {0};
+  given = given ? given : &nothing;
+  for (size_t i = 0; i < times; i++)
+    if (!isfinite(t_s[i]))
+      return pl_fail(PL_E_RANGE, "time %zu is %g, but must be finite", i, t_s[i]);
+  for (size_t k = 0; k < tree->count; k++) {
+    const size_t index = tree->order[k];
+    const pl_tree_node *node = &tree->nodes[index];
+    const pl_status status =
+        relative_states(&node->path, times, t_s, given, &out->relative[index * times]);
+    if (status != PL_OK)
+      return fail_at(node, status);
+    place(tree, index, times, out);
+  }
+  for (size_t k = 0; k < tree->count; k++) { /* parents first: children may follow their axes */
+    const size_t index = tree->order[k];
+    const pl_status status = turn_node(tree, index, times, t_s, given, out);
+    if (status != PL_OK)
+      return fail_at(&tree->nodes[index], status);
   }
   return PL_OK;
 }

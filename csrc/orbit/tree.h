@@ -2,55 +2,61 @@
 #ifndef PL_ORBIT_TREE_H
 #define PL_ORBIT_TREE_H
 
-#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/status.h"
 #include "math/rotation.h"
-#include "orbit/body.h"
-#include "orbit/kepler.h"
+#include "orbit/propagator.h"
+#include "orbit/turn.h"
 
-typedef enum pl_motion_kind { PL_MOTION_FIXED, PL_MOTION_KEPLER } pl_motion_kind;
+typedef enum pl_path_kind { PL_PATH_FIXED, PL_PATH_PROPAGATED, PL_PATH_GIVEN } pl_path_kind;
 
-/* Path of a node relative to its parent's centre. */
-typedef struct pl_motion {
-  pl_motion_kind kind;
-  pl_vec3 position_m;     /* fixed: ICRF axes */
-  pl_orbit orbit;         /* kepler */
-  const pl_body *equator; /* kepler: the orbit is given on this body's equator of the epoch, x along
-                             its ascending node on ICRF's; NULL: on ICRF */
-} pl_motion;
+/* Path of a node relative to its parent's centre, or of a root in the root frame; ICRF axes. */
+typedef struct pl_path {
+  pl_path_kind kind;
+  pl_vec3 position_m;              /* fixed */
+  const pl_propagator *propagator; /* propagated; borrowed, must outlive the tree */
+  size_t slot;                     /* given: which of the caller's states */
+} pl_path;
 
-typedef enum pl_turn_kind { PL_TURN_FIXED, PL_TURN_SPIN, PL_TURN_BODY, PL_TURN_LVLH } pl_turn_kind;
-
-/* Rotation of a node, to ICRF whatever its parent does. */
-typedef struct pl_turn {
-  pl_turn_kind kind;
-  pl_quat q;           /* fixed, and spin at t = 0; need not be unit */
-  pl_vec3 axis;        /* spin: in the node's own frame; need not be unit */
-  double rate_rad_s;   /* spin */
-  const pl_body *body; /* body */
-} pl_turn;
-
-typedef struct pl_node {
+typedef struct pl_tree_node {
   const char *name; /* for errors; borrowed, must outlive the tree */
   ptrdiff_t parent; /* index of the parent in the same array, -1 for a root */
-  pl_motion motion; /* of a root: fixed, its place in the root frame */
+  pl_path path;
   pl_turn turn;
-} pl_node;
+} pl_tree_node;
+
+/* What the caller computes itself, at the times it asks for: time after time, slot by slot. */
+typedef struct pl_tree_given {
+  size_t state_slots;
+  const pl_state *states; /* [time * state_slots + slot] */
+  size_t quat_slots;
+  const pl_quat *quats; /* [time * quat_slots + slot]; need not be unit */
+} pl_tree_given;
+
+/* Where the results go; the caller's memory. */
+typedef struct pl_tree_states {
+  pl_pose *poses;      /* [time * nodes + node], to the root frame (ICRF axes) */
+  pl_vec3 *velocities; /* [time * nodes + node], m/s in the root frame */
+  pl_state *relative;  /* [node * times + time], to the centre of the parent, ICRF axes */
+} pl_tree_states;
 
 /* A tree ready to be evaluated. */
 typedef struct pl_tree pl_tree;
 
-/* Copies `nodes`, which may be in any order. Errors: PL_E_ARGUMENT for a parent that does not
- * exist, a cycle of parents (the text prints it by names), a root that orbits or faces a parent;
- * PL_E_RANGE for numbers that are not finite or a zero axis. Destroy with pl_tree_destroy. */
-pl_status pl_tree_create(size_t count, const pl_node *nodes, pl_tree **out);
+/* Copies `nodes`, which may be in any order; times count from the epoch JD(TDB) = tdb_day +
+ * tdb_fraction. Errors name the node: PL_E_ARGUMENT for a parent or target that does not exist, a
+ * cycle of parents (the text prints it by names), a root that orbits or faces a parent; PL_E_RANGE
+ * for numbers that are not finite or a zero axis. Destroy with pl_tree_destroy. */
+pl_status pl_tree_create(size_t count, const pl_tree_node *nodes, double tdb_day,
+                         double tdb_fraction, pl_tree **out);
 void pl_tree_destroy(pl_tree *tree);
 
-/* Poses of all nodes in the root frame (ICRF axes) at the epoch JD(TDB) = tdb_day + tdb_fraction
- * plus each of `t_s`: out[time * nodes + node]. Thread-safe on one tree. */
-pl_status pl_tree_poses(const pl_tree *tree, double tdb_day, double tdb_fraction, size_t time_count,
-                        const double *t_s, pl_pose *out);
+/* The states at `times` seconds after the epoch. `given` may be NULL when no node takes of it. All
+ * places come before all rotations, so that any node may point at any other. Allocates nothing (a
+ * propagator may, the first time). Thread-safe on one tree. PL_E_RANGE, naming the node, for times
+ * and given values that are not finite, and where a path or a rotation does not exist. */
+pl_status pl_tree_evaluate(const pl_tree *tree, size_t times, const double *t_s,
+                           const pl_tree_given *given, const pl_tree_states *out);
 
 #endif

@@ -7,8 +7,12 @@
 #include "base/memory.h"
 #include "frame/effects.h"
 #include "io/png_write.h"
+#include "orbit/propagator.h"
+#include "orbit/turn.h"
 #include "pyext/py_orbit.h"
+#include "pyext/py_propagator.h"
 #include "pyext/py_request.h"
+#include "pyext/py_tree.h"
 #include "pyext/py_types.h"
 #include "shade/reflectance.h"
 #include "trace/tracer.h"
@@ -112,9 +116,26 @@ static const char *effect_doc(size_t i) { return pl_effects[i]->doc; }
 static const char *reflectance_name(size_t i) { return pl_reflectances[i]->name; }
 static const char *reflectance_doc(size_t i) { return pl_reflectances[i]->doc; }
 
+static const char *propagator_name(size_t i) {
+  size_t count;
+  return pl_propagator_kinds(&count)[i]->name;
+}
+static const char *propagator_doc(size_t i) {
+  size_t count;
+  return pl_propagator_kinds(&count)[i]->doc;
+}
+static const char *turn_name(size_t i) {
+  size_t count;
+  return pl_turn_kinds(&count)[i].name;
+}
+static const char *turn_doc(size_t i) {
+  size_t count;
+  return pl_turn_kinds(&count)[i].doc;
+}
+
 static int execute(PyObject *module) {
-  PyType_Spec *const specs[] = {&pl_py_model_spec, &pl_py_map_spec, &pl_py_scene_spec,
-                                &pl_py_renderer_spec};
+  PyType_Spec *const specs[] = {&pl_py_model_spec,    &pl_py_map_spec,        &pl_py_scene_spec,
+                                &pl_py_renderer_spec, &pl_py_propagator_spec, &pl_py_tree_spec};
   if (PyArray_ImportNumPyAPI() < 0)
     return -1;
   for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++)
@@ -127,6 +148,12 @@ static int execute(PyObject *module) {
       add(module, "REFLECTANCES",
           named_rows(pl_reflectance_count, reflectance_name, reflectance_doc)) < 0 ||
       PyModule_AddFunctions(module, pl_py_orbit_methods) < 0)
+    return -1;
+  size_t propagators, turns;
+  pl_propagator_kinds(&propagators);
+  pl_turn_kinds(&turns);
+  if (add(module, "PROPAGATORS", named_rows(propagators, propagator_name, propagator_doc)) < 0 ||
+      add(module, "TURNS", named_rows(turns, turn_name, turn_doc)) < 0)
     return -1;
   return pl_py_orbit_add_constants(module);
 }

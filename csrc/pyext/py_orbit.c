@@ -2,10 +2,8 @@
 #include "pyext/py_orbit.h"
 
 #include "math/philox.h"
-#include "orbit/elements.h"
 #include "orbit/orientation.h"
 #include "pyext/py_read.h"
-#include "pyext/py_tree.h"
 
 PyDoc_STRVAR(orientation_doc,
              "body_orientation($module, name, tdb_day, tdb_fraction)\n--\n\n"
@@ -20,8 +18,8 @@ static PyObject *body_orientation(PyObject *module, PyObject *args, PyObject *kw
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sdO:body_orientation", names, &name, &day,
                                    &fraction_object))
     return NULL;
-  const pl_body *body = NULL;
-  const pl_status status = pl_body_require(name, &body);
+  const pl_celestial *body = NULL;
+  const pl_status status = pl_celestial_require(name, &body);
   if (status != PL_OK)
     return pl_py_raise(status);
   PyArrayObject *fractions = pl_py_doubles(fraction_object, "tdb_fraction");
@@ -38,45 +36,10 @@ static PyObject *body_orientation(PyObject *module, PyObject *args, PyObject *kw
         PyErr_Format(PyExc_ValueError, "tdb_day or tdb_fraction[%zd] is not finite", (Py_ssize_t)i);
         break;
       }
-      q[i] = pl_body_orientation(body, day, fraction[i]);
+      q[i] = pl_celestial_orientation(body, day, fraction[i]);
     }
   }
   Py_DECREF(fractions);
-  return out;
-}
-
-PyDoc_STRVAR(kepler_doc,
-             "kepler_states($module, elements, gm, t_s)\n--\n\n"
-             "(n, 6) position m and velocity m/s in the elements' frame at times t_s (n,).");
-
-static PyObject *kepler_states(PyObject *module, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"elements", "gm", "t_s", NULL};
-  (void)module;
-  PyObject *elements = NULL, *time_object = NULL;
-  double gm = 0.0;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OdO:kepler_states", names, &elements, &gm,
-                                   &time_object))
-    return NULL;
-  pl_orbit orbit;
-  if (pl_py_read_orbit(elements, gm, "elements", &orbit) < 0)
-    return NULL;
-  PyArrayObject *times = pl_py_doubles(time_object, "t_s");
-  if (!times)
-    return NULL;
-  npy_intp shape[2] = {PyArray_SIZE(times), 6};
-  PyObject *out = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
-  pl_status status = PL_OK;
-  if (out) {
-    const double *t_s = PyArray_DATA(times);
-    pl_state *states = PyArray_DATA((PyArrayObject *)out);
-    Py_BEGIN_ALLOW_THREADS status = pl_orbit_states(&orbit, (size_t)shape[0], t_s, states);
-    Py_END_ALLOW_THREADS
-  }
-  Py_DECREF(times);
-  if (status != PL_OK) {
-    Py_XDECREF(out);
-    return pl_py_raise(status);
-  }
   return out;
 }
 
@@ -111,13 +74,11 @@ static PyObject *philox(PyObject *module, PyObject *args, PyObject *kwargs) {
 #define KEYWORDS(function) ((PyCFunction)(void (*)(void))(function))
 PyMethodDef pl_py_orbit_methods[] = {
     {"body_orientation", KEYWORDS(body_orientation), METH_VARARGS | METH_KEYWORDS, orientation_doc},
-    {"kepler_states", KEYWORDS(kepler_states), METH_VARARGS | METH_KEYWORDS, kepler_doc},
-    {"tree_poses", KEYWORDS(pl_py_tree_poses), METH_VARARGS | METH_KEYWORDS, pl_py_tree_poses_doc},
     {"philox", KEYWORDS(philox), METH_VARARGS | METH_KEYWORDS, philox_doc},
     {NULL, NULL, 0, NULL},
 };
 
-static PyObject *body_constants(const pl_body *body) {
+static PyObject *body_constants(const pl_celestial *body) {
   return Py_BuildValue("{s:d,s:(ddd),s:O,s:d,s:d,s:z}", "gm_m3_s2", body->gm_m3_s2, "radii_m",
                        body->radii_m[0], body->radii_m[1], body->radii_m[2], "orientation", Py_True,
                        "geometric_albedo", body->geometric_albedo, "bond_albedo", body->bond_albedo,
@@ -129,7 +90,7 @@ int pl_py_orbit_add_constants(PyObject *module) {
   if (!all)
     return -1;
   size_t count = 0;
-  const pl_body *bodies = pl_body_table(&count);
+  const pl_celestial *bodies = pl_celestial_table(&count);
   int status = 0;
   for (size_t i = 0; i < count && status == 0; i++) {
     PyObject *one = body_constants(&bodies[i]);

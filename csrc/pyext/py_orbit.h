@@ -4,7 +4,7 @@
 
 #include "pyext/py_common.h"
 
-/* body_orientation, kepler_states, tree_poses, philox; ends with a NULL name. */
+/* body_orientation, philox; ends with a NULL name. */
 extern PyMethodDef pl_py_orbit_methods[];
 
 /* Adds BODIES. 0, or -1 with an exception set. */

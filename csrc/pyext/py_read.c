@@ -89,6 +89,73 @@ int pl_py_member_text(PyObject *mapping, const char *key, const char *where, PyO
   return -1;
 }
 
+int pl_py_member_choice(PyObject *mapping, const char *key, const char *where,
+                        const char *const *allowed, int count) {
+  PyObject *owner = NULL;
+  const char *text = NULL;
+  if (pl_py_member_text(mapping, key, where, &owner, &text) < 0)
+    return -1;
+  int found = -1;
+  for (int i = 0; i < count; i++)
+    if (strcmp(text, allowed[i]) == 0)
+      found = i;
+  if (found < 0) {
+    char names[200] = "";
+    for (int i = 0, used = 0; i < count && used < (int)sizeof names; i++)
+      used +=
+          snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", allowed[i]);
+    PyErr_Format(PyExc_ValueError, "%s: %s is '%s'; allowed: %s", where, key, text, names);
+  }
+  Py_DECREF(owner);
+  return found;
+}
+
+int pl_py_member_size(PyObject *mapping, const char *key, const char *where, size_t *out) {
+  PyObject *item = NULL;
+  if (pl_py_member(mapping, key, 0, where, &item) < 0)
+    return -1;
+  const Py_ssize_t value = PyLong_AsSsize_t(item);
+  Py_DECREF(item);
+  if (PyErr_Occurred()) {
+    pl_py_prefix_error(key);
+    return pl_py_prefix_error(where);
+  }
+  if (value < 0) {
+    PyErr_Format(PyExc_ValueError, "%s: %s is %zd, but must not be negative", where, key, value);
+    return -1;
+  }
+  *out = (size_t)value;
+  return 0;
+}
+
+/* Whether the key is there and not None; -1 with an exception. */
+static int has_member(PyObject *mapping, const char *key, const char *where) {
+  PyObject *item = NULL;
+  if (pl_py_member(mapping, key, 1, where, &item) < 0)
+    return -1;
+  const int there = item != Py_None;
+  Py_DECREF(item);
+  return there;
+}
+
+int pl_py_optional_double(PyObject *mapping, const char *key, const char *where, double *out) {
+  const int there = has_member(mapping, key, where);
+  return there > 0 ? pl_py_member_double(mapping, key, where, out) : there;
+}
+
+int pl_py_optional_doubles(PyObject *mapping, const char *key, const char *where, npy_intp count,
+                           double *out) {
+  const int there = has_member(mapping, key, where);
+  return there > 0 ? pl_py_member_doubles(mapping, key, where, count, out) : there;
+}
+
+int pl_py_check(pl_status status, const char *where) {
+  if (status == PL_OK)
+    return 0;
+  pl_py_raise(status);
+  return pl_py_prefix_error(where);
+}
+
 PyArrayObject *pl_py_doubles(PyObject *object, const char *name) {
   PyArrayObject *array =
       (PyArrayObject *)PyArray_FROMANY(object, NPY_DOUBLE, 0, 0, NPY_ARRAY_CARRAY_RO);

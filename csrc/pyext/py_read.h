@@ -17,6 +17,19 @@ int pl_py_member_doubles(PyObject *mapping, const char *key, const char *where, 
 int pl_py_member_text(PyObject *mapping, const char *key, const char *where, PyObject **owner,
                       const char **out);
 
+/* Index of mapping[key] in the `count` texts of `allowed`, or -1. */
+int pl_py_member_choice(PyObject *mapping, const char *key, const char *where,
+                        const char *const *allowed, int count);
+/* A whole number that is not negative. */
+int pl_py_member_size(PyObject *mapping, const char *key, const char *where, size_t *out);
+/* As without `optional`, but a missing key or None leaves *out as it is. */
+int pl_py_optional_double(PyObject *mapping, const char *key, const char *where, double *out);
+int pl_py_optional_doubles(PyObject *mapping, const char *key, const char *where, npy_intp count,
+                           double *out);
+
+/* 0 for PL_OK, else sets the exception of `status`, prefixed with "where: ", and gives -1. */
+int pl_py_check(pl_status status, const char *where);
+
 /* Prefixes the current exception, if it is a ValueError or TypeError, with "where: "; returns -1.
  */
 int pl_py_prefix_error(const char *where);

@@ -193,26 +193,57 @@ BODIES: dict[str, dict[str, Any]]
 def body_orientation(name: str, tdb_day: float, tdb_fraction: F64) -> F64:
     """Body-fixed to ICRF quaternions (n, 4) at JD(TDB) = tdb_day + tdb_fraction (n,)."""
 
-def kepler_states(elements: Mapping[str, float], gm: float, t_s: F64) -> F64:
-    """(n, 6) position m and velocity m/s in the elements' frame at times t_s (n,).
+PROPAGATORS: tuple[dict[str, str], ...]
+"""The kinds of propagators: {"name", "doc"}; doc states what is modelled and its error."""
 
-    elements: periapsis_m, eccentricity, inclination_rad, raan_rad, arg_periapsis_rad,
-    since_periapsis_s (time since periapsis at t = 0). Any conic."""
+TURNS: tuple[dict[str, str], ...]
+"""The frames that a node's rotation may follow: {"name", "doc"}."""
 
-def tree_poses(
-    nodes: Sequence[Mapping[str, Any]], tdb_day: float, tdb_fraction: float, t_s: F64
-) -> F64:
-    """Poses (n_times, n_nodes, 7) of a tree of bodies and objects in the root frame.
+@final
+class Propagator:
+    """A path about a parent, from the epoch JD(TDB) = tdb_day + tdb_fraction on; immutable.
+
+    spec, by its kind; metres, seconds, radians:
+    {"kind": "kepler", "gm", "elements" or "state", "frame": "icrf" | "equator", "parent_body": name
+     in BODIES or None}: elements at the epoch are periapsis_m, eccentricity, inclination_rad,
+     raan_rad, arg_periapsis_rad, since_periapsis_s, for any conic; state (6,) is position and
+     velocity. "equator": the body's equator of the epoch, x along its ascending node on ICRF's.
+    {"kind": "circular", "radii_m": (3,), "q": (4,), "start_rev", "rate_rev_s"}:
+     r = q (a cos u, b sin u, 0), u = 2 pi (start_rev + rate_rev_s t).
+    Errors (ValueError) start with the kind."""
+
+    def __new__(
+        cls, spec: Mapping[str, Any], tdb_day: float, tdb_fraction: float
+    ) -> Self: ...
+    @property
+    def kind(self) -> str:
+        """Name of its kind, as in PROPAGATORS."""
+    def states(self, t_s: F64, /) -> F64:
+        """(n, 6) position m and velocity m/s about the parent, ICRF axes, at seconds t_s (n,) after
+        the epoch. Thread-safe; the same bits in whatever order times are asked for."""
+
+@final
+class Tree:
+    """Bodies and objects that move about each other and turn; immutable.
 
     Each node: {"name": str, "parent": index or -1, "motion": M, "rotation": R}, in any order.
-    M: {"kind": "fixed", "position_m": (3,)} (ICRF axes from the parent's centre) or
-       {"kind": "kepler", "gm": float, "elements": {...}, "frame": "icrf" | "equator",
-        "parent_body": name in BODIES or None} ("equator": the parent's equator of date, x along
-       its ascending node on the ICRF equator; needs parent_body).
-    R: {"kind": "fixed", "q": (4,)} | {"kind": "spin", "q": (4,), "axis": (3,), "rate_rad_s": f}
-       (axis in the object's own frame: q(t) = q * rot(axis, rate t)) | {"kind": "body", "body": name}
-       | {"kind": "lvlh"} (z to the parent's centre, y along minus the orbit normal).
-    Errors: a cycle of parents (ValueError that prints the cycle)."""
+    M: a Propagator of the same epoch | {"kind": "fixed", "position_m": (3,)} (ICRF axes from the
+       parent's centre) | {"kind": "given", "slot": k} (states come with the times).
+    R: {"frame": F, "q": (4,), "axis": (3,), "rate_rad_s"}: frame(t) * q * rotation(axis, rate t),
+       all but the frame optional. F is a name of TURNS; "body" needs "body": name in BODIES; "sun"
+       and "target" need "towards": index of a node, or (3,) ICRF direction, and take "up": (3,)
+       ICRF direction instead of the orbit normal; "given" needs "slot".
+    Errors (ValueError) name the node; a cycle of parents is printed."""
+
+    def __new__(
+        cls, nodes: Sequence[Mapping[str, Any]], tdb_day: float, tdb_fraction: float
+    ) -> Self: ...
+    def states(
+        self, t_s: F64, given: F64 | None = None, given_q: F64 | None = None
+    ) -> tuple[F64, F64]:
+        """Poses (n, nodes, 7) to the root frame (ICRF axes) and velocities (n, nodes, 3), m/s in
+        it, at seconds t_s (n,) after the epoch. given (n, slots, 6): states about the parent of
+        nodes whose motion is given; given_q (n, slots, 4): axes of those whose rotation is."""
 
 def philox(key: tuple[int, int], counter: tuple[int, int, int, int], count: int) -> NDArray[np.uint64]:
     """`count` words of Philox4x64-10, as numpy.random.Philox gives them (for tests)."""

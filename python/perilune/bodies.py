@@ -13,6 +13,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import erfa
 import numpy as np
@@ -70,34 +71,44 @@ def _tdb_minus_tt(day: float, fraction: float) -> float:
     return float(erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0))
 
 
+def _state(pv: NDArray[Any]) -> F64:
+    """ERFA's position and velocity, AU and AU a day, as (6,) m and m/s."""
+    return np.concatenate([pv["p"] * AU_M, pv["v"] * (AU_M / _DAY_S)])
+
+
 def _earth(date: Date) -> F64:
     heliocentric, _ = erfa.epv00(date.day, date.fraction)
-    return np.asarray(heliocentric["p"]) * AU_M
+    return _state(heliocentric)
 
 
-def _moon(date: Date) -> F64:
-    return _earth(date) + np.asarray(erfa.moon98(date.day, date.fraction)["p"]) * AU_M
+def _geocentric_moon(date: Date) -> F64:
+    return _state(erfa.moon98(date.day, date.fraction))
 
 
 def _planet(name: str) -> Callable[[Date], F64]:
     number = _PLANETS.index(name) + 1
-    return lambda date: np.asarray(erfa.plan94(date.day, date.fraction, number)["p"]) * AU_M
+    return lambda date: _state(erfa.plan94(date.day, date.fraction, number))
 
 
 def _synchronous(name: str) -> Callable[[Date], F64]:
-    def position(date: Date) -> F64:
+    def from_planet_m(date: Date) -> F64:
         q = _core.body_orientation(name, date.day, np.array([date.fraction]))[0]
-        towards_planet = rotations.rotate(q, np.array([1.0, 0.0, 0.0]))
-        planet = heliocentric_m(str(_core.BODIES[name]["parent"]), date)
-        return planet - _SYNCHRONOUS_M[name] * towards_planet
+        return -_SYNCHRONOUS_M[name] * rotations.rotate(q, np.array([1.0, 0.0, 0.0]))
 
-    return position
+    def state(date: Date) -> F64:
+        # A difference over 2 s: the turn of 5e-4 rad leaves 1e-8 of the speed.
+        velocity = 0.5 * (from_planet_m(date.after(1.0)) - from_planet_m(date.after(-1.0)))
+        planet = _heliocentric(str(_core.BODIES[name]["parent"]), date)
+        from_planet: F64 = np.concatenate([from_planet_m(date), velocity])
+        return planet + from_planet
+
+    return state
 
 
 _HELIOCENTRIC: dict[str, Callable[[Date], F64]] = {
-    "sun": lambda date: np.zeros(3),
+    "sun": lambda date: np.zeros(6),
     "earth": _earth,
-    "moon": _moon,
+    "moon": lambda date: _earth(date) + _geocentric_moon(date),
     **{name: _planet(name) for name in _PLANETS if name},
     **{name: _synchronous(name) for name in _SYNCHRONOUS_M},
 }
@@ -108,17 +119,29 @@ def has_ephemeris(name: str) -> bool:
     return name in _HELIOCENTRIC
 
 
-def heliocentric_m(name: str, date: Date) -> F64:
-    """Position from the Sun's centre."""
+def _heliocentric(name: str, date: Date) -> F64:
     if name not in _HELIOCENTRIC:
         raise ValueError(f"no ephemeris of '{name}'{nearest(name, _HELIOCENTRIC)}")
     return _HELIOCENTRIC[name](date)
 
 
-def relative_m(name: str, origin: str, date: Date) -> F64:
-    """Position of a body from another's centre; `sun` is one of them."""
+def heliocentric_m(name: str, date: Date) -> F64:
+    """Position from the Sun's centre."""
+    return _heliocentric(name, date)[:3]
+
+
+def relative_state(name: str, origin: str, date: Date) -> F64:
+    """Position and velocity (6,), m and m/s, of a body from another's centre, ICRF axes.
+
+    `sun` is one of the bodies.
+    """
     if {name, origin} == {"moon", "earth"}:
         # Straight from the theory, without the rounding of a heliocentric difference.
-        moon = np.asarray(erfa.moon98(date.day, date.fraction)["p"]) * AU_M
+        moon = _geocentric_moon(date)
         return moon if name == "moon" else -moon
-    return heliocentric_m(name, date) - heliocentric_m(origin, date)
+    return _heliocentric(name, date) - _heliocentric(origin, date)
+
+
+def relative_m(name: str, origin: str, date: Date) -> F64:
+    """Position of a body from another's centre; `sun` is one of them."""
+    return relative_state(name, origin, date)[:3]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from perilune.bodies import Date
 from perilune.config.attitude import Inertial, Lvlh, Spin
 from perilune.config.orbit import Elements, Kepler, Orbit
 from perilune.config.schema import Body, Config, Spacecraft
+from perilune.motion import States, evaluate
 
 F64 = NDArray[np.float64]
 
@@ -131,23 +131,25 @@ def kepler_motion(orbit: Orbit, body: Body) -> dict[str, Any]:
     }
 
 
-def _spin(spin: Spin) -> dict[str, Any]:
+def _turned(frame: str, turn: Spin | Lvlh, **keys: Any) -> dict[str, Any]:
+    """The core's rotation of axes with the entry's own rotation and spin on top."""
     return {
-        "kind": "spin",
-        "q": rotations.from_rpy_deg(spin.rotation_deg),
-        "axis": np.array(spin.spin_axis),
-        "rate_rad_s": math.radians(spin.spin_rate_deg_s),
+        "frame": frame,
+        "q": rotations.from_rpy_deg(turn.rotation_deg),
+        "axis": np.array(turn.spin_axis),
+        "rate_rad_s": math.radians(turn.spin_rate_deg_s),
+        **keys,
     }
 
 
 def _body_rotation(body: Body) -> dict[str, Any]:
     if isinstance(body.rotation, Spin):
-        return _spin(body.rotation)
+        return _turned("inertial", body.rotation)
     name = table_name(body)
-    return {"kind": "body", "body": name} if name is not None else _spin(Spin())
+    return {"frame": "inertial"} if name is None else {"frame": "body", "body": name}
 
 
-def _body_motion(config: Config, name: str, date: Date) -> dict[str, Any]:
+def _body_motion(config: Config, name: str, epoch: Date) -> Any:
     body = config.bodies[name]
     if name == config.root:
         return {"kind": "fixed", "position_m": np.zeros(3)}
@@ -160,10 +162,14 @@ def _body_motion(config: Config, name: str, date: Date) -> dict[str, Any]:
         raise ValueError(
             f"it stands where the root body is (the ephemeris of {own}); give an orbit"
         )
-    return {"kind": "fixed", "position_m": bodies.relative_m(own, origin, date)}
+
+    def path(t_s: F64) -> F64:
+        return np.stack([bodies.relative_state(own, origin, epoch.after(t)) for t in t_s])
+
+    return path
 
 
-def _nodes(config: Config, date: Date) -> list[dict[str, Any]]:
+def _nodes(config: Config, epoch: Date) -> list[dict[str, Any]]:
     index = {name: k for k, name in enumerate(config.bodies)}
     nodes: list[dict[str, Any]] = []
 
@@ -177,10 +183,9 @@ def _nodes(config: Config, date: Date) -> list[dict[str, Any]]:
                     motion = kepler_motion(entry.orbit, config.bodies[entry.orbit.around])
                     if not isinstance(entry.attitude, (Inertial, Lvlh)):
                         raise ValueError(f"pointing: {entry.attitude.pointing} is not there yet")
-                    lvlh = isinstance(entry.attitude, Lvlh)
-                    rotation = {"kind": "lvlh"} if lvlh else _spin(entry.attitude)
+                    rotation = _turned(entry.attitude.pointing, entry.attitude)
                 else:
-                    motion = _body_motion(config, name, date)
+                    motion = _body_motion(config, name, epoch)
                     rotation = _body_rotation(entry)
             except ValueError as error:
                 raise ValueError(f"{section}.{name}: {error}") from None
@@ -192,22 +197,9 @@ def _nodes(config: Config, date: Date) -> list[dict[str, Any]]:
     return nodes
 
 
-def _turned(pose: F64, attitude: Lvlh, t_s: float) -> F64:
-    """A pose in the pointing frame's axes with the attitude's own rotation and spin applied."""
-    spin = rotations.axis_angle(attitude.spin_axis, math.radians(attitude.spin_rate_deg_s) * t_s)
-    own = rotations.multiply(rotations.from_rpy_deg(attitude.rotation_deg), spin)
-    return np.concatenate([pose[:3], rotations.multiply(pose[3:], own)])
-
-
-def poses(config: Config, epoch: Date, t_s: float) -> Mapping[str, F64]:
-    """Pose (7,) of every body and spacecraft in the root frame, t_s seconds after the epoch."""
-    nodes = _nodes(config, epoch.after(t_s))
-    table = _core.tree_poses(nodes, epoch.day, epoch.fraction, np.array([t_s]))[0]
-    result = {node["name"]: table[k] for k, node in enumerate(nodes)}
-    for name, craft in config.spacecraft.items():
-        if isinstance(craft.attitude, Lvlh):
-            result[name] = _turned(result[name], craft.attitude, t_s)
-    return result
+def states(config: Config, epoch: Date, t_s: F64) -> States:
+    """States of every body and spacecraft in the root frame, t_s (n,) seconds after the epoch."""
+    return evaluate(_nodes(config, epoch), epoch, t_s)
 
 
 def sun_position_m(config: Config, date: Date) -> F64:

@@ -57,7 +57,7 @@ class Simulation:
         self._handles: Handles | None = None
         self._pid = 0
         try:
-            orbits.poses(document.config, self._epoch, 0.0)
+            orbits.states(document.config, self._epoch, np.zeros(1))
         except ValueError as error:
             raise ConfigError(f"{document.source}:\n  {error}") from None
 

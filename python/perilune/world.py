@@ -30,6 +30,8 @@ class World:
     """Shutter opening, seconds after the epoch."""
     poses: Mapping[str, F64]
     """Name of a body or spacecraft -> (2, 7)."""
+    velocities_m_s: Mapping[str, F64]
+    """Name of a body or spacecraft -> (2, 3)."""
     body_radii_m: Mapping[str, F64]
     """Name of a body -> semi-axes (3,)."""
     craft_radius_m: Mapping[str, float]
@@ -141,18 +143,18 @@ def build(
     moment = config.timeline.at(index)
     cameras = config.cameras
     t_s = config.time.step_s * moment.step
-    opening = orbits.poses(config, epoch, t_s)
     radii_m = {name: orbits.radii_m(body) for name, body in config.bodies.items()}
 
     def world(camera: Camera, longest: World | None) -> World:
         exposure = camera.exposure_time_s
-        closing = orbits.poses(config, epoch, t_s + exposure) if exposure > 0.0 else opening
+        states = orbits.states(config, epoch, np.array([t_s, t_s + exposure]))
         return World(
             config=config.model_copy(update={"camera": camera}),
             moment=moment,
             epoch=epoch,
             t_s=t_s,
-            poses={name: np.stack([opening[name], closing[name]]) for name in opening},
+            poses=states.poses,
+            velocities_m_s=states.velocities_m_s,
             body_radii_m=radii_m,
             craft_radius_m=craft_radius_m,
             sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * exposure)),

@@ -12,9 +12,9 @@
 
 #define DEGREE (180.0 / PL_PI)
 
-static const pl_body *body(const char *name) {
-  const pl_body *found = NULL;
-  assert_int_equal(pl_body_require(name, &found), PL_OK);
+static const pl_celestial *body(const char *name) {
+  const pl_celestial *found = NULL;
+  assert_int_equal(pl_celestial_require(name, &found), PL_OK);
   return found;
 }
 static double turned(double degrees) { return degrees - 360.0 * floor(degrees / 360.0); }
@@ -37,7 +37,7 @@ static void test_epoch(void **state) {
       {"earth", 0.0, 90.0, 190.147},
   };
   for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
-    const pl_pole pole = pl_body_pole(body(table[i].name), PL_J2000_JD, 0.0);
+    const pl_pole pole = pl_celestial_pole(body(table[i].name), PL_J2000_JD, 0.0);
     assert_true(fabs(turned(pole.ra_rad * DEGREE) - table[i].ra) < 1e-11);
     assert_true(fabs(pole.dec_rad * DEGREE - table[i].dec) < 1e-11);
     if (table[i].w >= 0.0)
@@ -59,7 +59,7 @@ static void test_phase_in_parts(void **state) {
   };
   for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
     const pl_pole pole =
-        pl_body_pole(body(table[i].name), PL_J2000_JD + table[i].day, table[i].fraction);
+        pl_celestial_pole(body(table[i].name), PL_J2000_JD + table[i].day, table[i].fraction);
     assert_true(fabs(remainder(pole.w_rad * DEGREE - table[i].w, 360.0)) < 4e-13);
   }
 }
@@ -68,12 +68,12 @@ static void test_phase_in_parts(void **state) {
 static void test_split(void **state) {
   (void)state;
   size_t count = 0;
-  const pl_body *bodies = pl_body_table(&count);
+  const pl_celestial *bodies = pl_celestial_table(&count);
   assert_int_equal(count, 12);
   for (size_t i = 0; i < count; i++) {
-    const pl_quat a = pl_body_orientation(&bodies[i], 2461000.5, 0.75);
-    assert_true(angle_between(a, pl_body_orientation(&bodies[i], 2461001.0, 0.25)) < 1e-12);
-    assert_true(angle_between(a, pl_body_orientation(&bodies[i], 2461000.5 - 30.0, 30.75)) < 1e-12);
+    const pl_quat a = pl_celestial_orientation(&bodies[i], 2461000.5, 0.75);
+    assert_true(angle_between(a, pl_celestial_orientation(&bodies[i], 2461001.0, 0.25)) < 1e-12);
+    assert_true(angle_between(a, pl_celestial_orientation(&bodies[i], 2461000.5 - 30.0, 30.75)) < 1e-12);
   }
 }
 
@@ -81,19 +81,19 @@ static void test_split(void **state) {
 static void test_axes_and_rate(void **state) {
   (void)state;
   size_t count = 0;
-  const pl_body *bodies = pl_body_table(&count);
+  const pl_celestial *bodies = pl_celestial_table(&count);
   for (size_t i = 0; i < count; i++) {
-    const pl_pole pole = pl_body_pole(&bodies[i], 2461000.5, 0.3);
-    const pl_quat q = pl_body_orientation(&bodies[i], 2461000.5, 0.3);
+    const pl_pole pole = pl_celestial_pole(&bodies[i], 2461000.5, 0.3);
+    const pl_quat q = pl_celestial_orientation(&bodies[i], 2461000.5, 0.3);
     const pl_vec3 north = {cos(pole.dec_rad) * cos(pole.ra_rad),
                            cos(pole.dec_rad) * sin(pole.ra_rad), sin(pole.dec_rad)};
     assert_true(pl_vec3_norm(pl_vec3_sub(pl_quat_rotate(q, pl_vec3_make(0, 0, 1)), north)) < 1e-15);
     const pl_vec3 node = {-sin(pole.ra_rad), cos(pole.ra_rad), 0.0};
-    const pl_quat equator = pl_body_equator(&bodies[i], 2461000.5, 0.3);
+    const pl_quat equator = pl_celestial_equator(&bodies[i], 2461000.5, 0.3);
     assert_true(pl_vec3_norm(pl_vec3_sub(pl_quat_rotate(equator, pl_vec3_make(1, 0, 0)), node)) <
                 1e-15);
     const double step_days = 1e-3;
-    const pl_quat later = pl_body_orientation(&bodies[i], 2461000.5, 0.3 + step_days);
+    const pl_quat later = pl_celestial_orientation(&bodies[i], 2461000.5, 0.3 + step_days);
     const pl_vec3 x = pl_quat_rotate_inverse(q, pl_quat_rotate(later, pl_vec3_make(1, 0, 0)));
     const double rate = atan2(x.y, x.x) * DEGREE / step_days;
     /* 2 %: the forced libration of Phobos, 1.143 deg at its orbital rate */
@@ -121,7 +121,7 @@ static void test_moon_faces_earth(void **state) {
   (void)state;
   for (int day = 0; day < 60; day++) {
     const double days = 9500.0 + day;
-    const pl_quat q = pl_body_orientation(body("moon"), PL_J2000_JD + 9500.0, day);
+    const pl_quat q = pl_celestial_orientation(body("moon"), PL_J2000_JD + 9500.0, day);
     const pl_vec3 to_earth = pl_vec3_scale(moon_direction(days), -1.0);
     const pl_vec3 seen = pl_quat_rotate_inverse(q, to_earth);
     assert_true(fabs(atan2(seen.y, seen.x) * DEGREE) < 8.5);
@@ -131,12 +131,12 @@ static void test_moon_faces_earth(void **state) {
 
 static void test_unknown_body(void **state) {
   (void)state;
-  const pl_body *found = NULL;
-  assert_int_equal(pl_body_require("erth", &found), PL_E_ARGUMENT);
+  const pl_celestial *found = NULL;
+  assert_int_equal(pl_celestial_require("erth", &found), PL_E_ARGUMENT);
   assert_non_null(strstr(pl_error_text(), "'erth'"));
   assert_non_null(strstr(pl_error_text(), "sun, mercury"));
   assert_non_null(strstr(pl_error_text(), "neptune"));
-  assert_null(pl_body_find("Earth"));
+  assert_null(pl_celestial_find("Earth"));
 }
 
 /* 30 years at one turn a minute end on the phase that exact arithmetic gives. */

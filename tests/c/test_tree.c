@@ -14,49 +14,90 @@
 #include "orbit/elements.h"
 #include "orbit/orientation.h"
 #include "orbit/tree.h"
+#include "orbit/two_body.h"
 
 #define DAY 2461000.5
 
-static pl_node node(const char *name, ptrdiff_t parent, double x) {
-  return (pl_node){.name = name,
-                   .parent = parent,
-                   .motion = {.kind = PL_MOTION_FIXED, .position_m = {x, 0, 0}},
-                   .turn = {.kind = PL_TURN_FIXED, .q = PL_QUAT_IDENTITY}};
+static pl_tree_node node(const char *name, ptrdiff_t parent, double x) {
+  return (pl_tree_node){.name = name,
+                        .parent = parent,
+                        .path = {.kind = PL_PATH_FIXED, .position_m = {x, 0, 0}},
+                        .turn = PL_TURN_NONE};
 }
-static pl_node orbiting(const char *name, ptrdiff_t parent, double gm, double q, double e) {
-  pl_node out = node(name, parent, 0.0);
-  const pl_elements el = {q, e, 0.9, 1.0, 2.0, 100.0};
-  out.motion.kind = PL_MOTION_KEPLER;
-  assert_int_equal(pl_orbit_from_elements(&el, gm, &out.motion.orbit), PL_OK);
+
+static const pl_turn_kind *kind(const char *name) {
+  const pl_turn_kind *out = NULL;
+  assert_int_equal(pl_turn_require(name, &out), PL_OK);
   return out;
 }
-static pl_status poses(size_t count, const pl_node *nodes, size_t times, const double *t,
-                       pl_pose *out) {
+
+/* Propagators of the running test; destroyed at its end. */
+static pl_propagator *made[32];
+static size_t made_count;
+static int destroy_made(void **state) {
+  (void)state;
+  while (made_count > 0)
+    pl_propagator_destroy(made[--made_count]);
+  return 0;
+}
+
+static pl_tree_node around(const char *name, ptrdiff_t parent, double gm, const pl_elements *el,
+                           pl_quat frame) {
+  pl_tree_node out = node(name, parent, 0.0);
+  pl_orbit orbit;
+  assert_int_equal(pl_orbit_from_elements(el, gm, &orbit), PL_OK);
+  assert_true(made_count < sizeof made / sizeof made[0]);
+  assert_int_equal(pl_kepler_create(&orbit, frame, &made[made_count]), PL_OK);
+  out.path = (pl_path){.kind = PL_PATH_PROPAGATED, .propagator = made[made_count++]};
+  return out;
+}
+static pl_tree_node orbiting(const char *name, ptrdiff_t parent, double gm, double q, double e) {
+  const pl_elements el = {q, e, 0.9, 1.0, 2.0, 100.0};
+  return around(name, parent, gm, &el, PL_QUAT_IDENTITY);
+}
+
+static pl_status make(size_t count, const pl_tree_node *nodes, pl_tree **tree) {
+  return pl_tree_create(count, nodes, DAY, 0.25, tree);
+}
+
+enum { MOST = 64 };
+static pl_vec3 velocities[MOST];
+
+static pl_status evaluate(size_t count, const pl_tree_node *nodes, size_t times, const double *t,
+                          const pl_tree_given *given, pl_pose *out) {
+  static pl_state relative[MOST];
+  assert_true(count * times <= MOST);
   pl_tree *tree = NULL;
-  PL_TRY(pl_tree_create(count, nodes, &tree));
-  const pl_status status = pl_tree_poses(tree, DAY, 0.25, times, t, out);
+  PL_TRY(make(count, nodes, &tree));
+  const pl_tree_states states = {out, velocities, relative};
+  const pl_status status = pl_tree_evaluate(tree, times, t, given, &states);
   pl_tree_destroy(tree);
   return status;
+}
+static pl_status poses(size_t count, const pl_tree_node *nodes, size_t times, const double *t,
+                       pl_pose *out) {
+  return evaluate(count, nodes, times, t, NULL, out);
 }
 
 static void test_cycles(void **state) {
   (void)state;
   pl_tree *tree = NULL;
-  pl_node three[] = {node("sun", -1, 0), node("ann", 3, 0), node("bob", 1, 0), node("cid", 2, 0)};
-  assert_int_equal(pl_tree_create(4, three, &tree), PL_E_ARGUMENT);
+  pl_tree_node three[] = {node("sun", -1, 0), node("ann", 3, 0), node("bob", 1, 0),
+                          node("cid", 2, 0)};
+  assert_int_equal(make(4, three, &tree), PL_E_ARGUMENT);
   assert_string_equal(pl_error_text(), "cycle of parents: ann -> cid -> bob -> ann");
-  pl_node self[] = {node("solo", 0, 0)};
-  assert_int_equal(pl_tree_create(1, self, &tree), PL_E_ARGUMENT);
+  pl_tree_node self[] = {node("solo", 0, 0)};
+  assert_int_equal(make(1, self, &tree), PL_E_ARGUMENT);
   assert_string_equal(pl_error_text(), "cycle of parents: solo -> solo");
   /* a tail that leads into a cycle is not part of it */
-  pl_node tail[] = {node("tail", 1, 0), node("a", 2, 0), node("b", 1, 0)};
-  assert_int_equal(pl_tree_create(3, tail, &tree), PL_E_ARGUMENT);
+  pl_tree_node tail[] = {node("tail", 1, 0), node("a", 2, 0), node("b", 1, 0)};
+  assert_int_equal(make(3, tail, &tree), PL_E_ARGUMENT);
   assert_string_equal(pl_error_text(), "cycle of parents: a -> b -> a");
   /* a cycle too long to print is cut, not overrun */
-  static pl_node many[500];
+  static pl_tree_node many[500];
   for (int i = 0; i < 500; i++)
     many[i] = node("a_rather_long_name_of_a_node", (i + 1) % 500, 0);
-  assert_int_equal(pl_tree_create(500, many, &tree), PL_E_ARGUMENT);
+  assert_int_equal(make(500, many, &tree), PL_E_ARGUMENT);
   assert_non_null(strstr(pl_error_text(), "-> ... -> a_rather_long_name_of_a_node"));
   assert_null(tree);
 }
@@ -64,19 +105,21 @@ static void test_cycles(void **state) {
 /* A satellite of the Moon of the Earth: sums of the parts, at several times. */
 static void test_moon_of_planet(void **state) {
   (void)state;
-  const pl_node nodes[] = {node("earth", -1, 0), orbiting("moon", 0, 4.04e14, 3.6e8, 0.05),
-                           orbiting("lro", 1, 4.9e12, 1.8e6, 0.01)};
+  const pl_tree_node nodes[] = {node("earth", -1, 0), orbiting("moon", 0, 4.04e14, 3.6e8, 0.05),
+                                orbiting("lro", 1, 4.9e12, 1.8e6, 0.01)};
   const double t[3] = {0.0, 1e4, -1e6};
   pl_pose out[9];
   assert_int_equal(poses(3, nodes, 3, t, out), PL_OK);
   pl_state moon[3], lro[3];
-  assert_int_equal(pl_orbit_states(&nodes[1].motion.orbit, 3, t, moon), PL_OK);
-  assert_int_equal(pl_orbit_states(&nodes[2].motion.orbit, 3, t, lro), PL_OK);
+  assert_int_equal(pl_propagator_states(nodes[1].path.propagator, 3, t, moon), PL_OK);
+  assert_int_equal(pl_propagator_states(nodes[2].path.propagator, 3, t, lro), PL_OK);
   for (int i = 0; i < 3; i++) {
     assert_true(pl_vec3_norm(out[3 * i].t) == 0.0);
     assert_true(pl_vec3_norm(pl_vec3_sub(out[3 * i + 1].t, moon[i].r_m)) == 0.0);
     const pl_vec3 sum = pl_vec3_add(moon[i].r_m, lro[i].r_m);
     assert_true(pl_vec3_norm(pl_vec3_sub(out[3 * i + 2].t, sum)) == 0.0);
+    const pl_vec3 speed = pl_vec3_add(moon[i].v_m_s, lro[i].v_m_s);
+    assert_true(pl_vec3_norm(pl_vec3_sub(velocities[3 * i + 2], speed)) == 0.0);
   }
 }
 
@@ -84,11 +127,13 @@ static void test_moon_of_planet(void **state) {
 static void test_order_independence(void **state) {
   (void)state;
   enum { N = 12 };
-  pl_node nodes[N];
+  pl_tree_node nodes[N];
   nodes[0] = node("n0", -1, 7.5);
   for (int i = 1; i < N; i++) {
     nodes[i] = orbiting("n", (i - 1) / 2, 4e14, 1e9 / (i * i), 0.03 * i);
-    nodes[i].turn.kind = i % 2 ? PL_TURN_LVLH : PL_TURN_SPIN;
+    static const char *const kinds[] = {"inertial", "lvlh", "target", "parent", "velocity"};
+    nodes[i].turn.kind = kind(kinds[i % 5]);
+    nodes[i].turn.towards = i % 5 == 2 ? N - i : -1;
     nodes[i].turn.axis = pl_vec3_make(0, 1, i);
     nodes[i].turn.rate_rad_s = 0.1 * i;
   }
@@ -106,9 +151,11 @@ static void test_order_independence(void **state) {
       place[i] = place[j];
       place[j] = swap;
     }
-    pl_node shuffled[N];
+    pl_tree_node shuffled[N];
     for (int i = 0; i < N; i++) {
       shuffled[place[i]] = nodes[i];
+      if (nodes[i].turn.towards >= 0)
+        shuffled[place[i]].turn.towards = place[nodes[i].turn.towards];
       if (nodes[i].parent >= 0)
         shuffled[place[i]].parent = place[nodes[i].parent];
     }
@@ -122,24 +169,24 @@ static void test_order_independence(void **state) {
 /* "equator" tilts the plane of the orbit by the body's pole of the epoch; bodies turn with time. */
 static void test_equator_and_body(void **state) {
   (void)state;
-  const pl_body *mars = pl_body_find("mars");
-  pl_node nodes[] = {node("mars", -1, 0), orbiting("mro", 0, 4.28e13, 3.7e6, 0.01)};
+  const pl_celestial *mars = pl_celestial_find("mars");
   const pl_elements flat = {3.7e6, 0.01, 0.0, 0.0, 0.0, 0.0};
-  assert_int_equal(pl_orbit_from_elements(&flat, 4.28e13, &nodes[1].motion.orbit), PL_OK);
-  nodes[0].turn = (pl_turn){.kind = PL_TURN_BODY, .body = mars};
-  nodes[1].motion.equator = mars;
-  nodes[1].turn.kind = PL_TURN_LVLH;
+  const pl_quat equator = pl_celestial_equator(mars, DAY, 0.25);
+  pl_tree_node nodes[] = {node("mars", -1, 0), around("mro", 0, 4.28e13, &flat, equator)};
+  nodes[0].turn.kind = kind("body");
+  nodes[0].turn.body = mars;
+  nodes[1].turn.kind = kind("lvlh");
   const double t[2] = {0.0, 43200.0};
   pl_pose out[4];
   assert_int_equal(poses(2, nodes, 2, t, out), PL_OK);
-  const pl_pole pole = pl_body_pole(mars, DAY, 0.25);
+  const pl_pole pole = pl_celestial_pole(mars, DAY, 0.25);
   const pl_vec3 north = {cos(pole.dec_rad) * cos(pole.ra_rad), cos(pole.dec_rad) * sin(pole.ra_rad),
                          sin(pole.dec_rad)};
   for (int i = 0; i < 2; i++) {
     assert_true(fabs(pl_vec3_dot(out[2 * i + 1].t, north)) < 1e-8);
     const pl_vec3 y = pl_quat_rotate(out[2 * i + 1].q, pl_vec3_make(0, 1, 0));
     assert_true(pl_vec3_norm(pl_vec3_add(y, north)) < 1e-14);
-    const pl_quat q = pl_body_orientation(mars, DAY, 0.25 + t[i] / 86400.0);
+    const pl_quat q = pl_celestial_orientation(mars, DAY, 0.25 + t[i] / 86400.0);
     assert_memory_equal(&out[2 * i].q, &q, sizeof q);
   }
   /* at periapsis, along the node of the equator on ICRF's */
@@ -150,27 +197,28 @@ static void test_equator_and_body(void **state) {
 static void test_bad_nodes(void **state) {
   (void)state;
   pl_tree *tree = NULL;
-  pl_node bad = node("stray", 3, 0);
-  assert_int_equal(pl_tree_create(1, &bad, &tree), PL_E_ARGUMENT);
+  pl_tree_node bad = node("stray", 3, 0);
+  assert_int_equal(make(1, &bad, &tree), PL_E_ARGUMENT);
   assert_non_null(strstr(pl_error_text(), "'stray': parent 3"));
   bad = node("stray", -2, 0);
-  assert_int_equal(pl_tree_create(1, &bad, &tree), PL_E_ARGUMENT);
+  assert_int_equal(make(1, &bad, &tree), PL_E_ARGUMENT);
   bad = node("nan", -1, NAN);
-  assert_int_equal(pl_tree_create(1, &bad, &tree), PL_E_RANGE);
+  assert_int_equal(make(1, &bad, &tree), PL_E_RANGE);
   bad = orbiting("free", -1, 4e14, 7e6, 0.0);
-  assert_int_equal(pl_tree_create(1, &bad, &tree), PL_E_ARGUMENT);
+  assert_int_equal(make(1, &bad, &tree), PL_E_ARGUMENT);
   bad = node("root", -1, 0);
-  bad.turn.kind = PL_TURN_LVLH;
-  assert_int_equal(pl_tree_create(1, &bad, &tree), PL_E_ARGUMENT);
-  bad.turn = (pl_turn){.kind = PL_TURN_FIXED};
-  assert_int_equal(pl_tree_create(1, &bad, &tree), PL_E_RANGE);
-  bad.turn = (pl_turn){.kind = PL_TURN_SPIN, .q = PL_QUAT_IDENTITY, .rate_rad_s = 1.0};
-  assert_int_equal(pl_tree_create(1, &bad, &tree), PL_E_RANGE);
-  bad.turn = (pl_turn){.kind = PL_TURN_BODY};
-  assert_int_equal(pl_tree_create(1, &bad, &tree), PL_E_ARGUMENT);
+  bad.turn.kind = kind("lvlh");
+  assert_int_equal(make(1, &bad, &tree), PL_E_ARGUMENT);
+  bad.turn = (pl_turn){.rate_rad_s = 0.0};
+  assert_int_equal(make(1, &bad, &tree), PL_E_RANGE);
+  bad.turn = (pl_turn){.q = PL_QUAT_IDENTITY, .rate_rad_s = 1.0};
+  assert_int_equal(make(1, &bad, &tree), PL_E_RANGE);
+  bad.turn = PL_TURN_NONE;
+  bad.turn.kind = kind("body");
+  assert_int_equal(make(1, &bad, &tree), PL_E_ARGUMENT);
   assert_null(tree);
-  pl_node inside[] = {node("earth", -1, 0), node("probe", 0, 0)};
-  inside[1].turn.kind = PL_TURN_LVLH;
+  pl_tree_node inside[] = {node("earth", -1, 0), node("probe", 0, 0)};
+  inside[1].turn.kind = kind("lvlh");
   const double t = 0.0, never = NAN;
   pl_pose out[2];
   assert_int_equal(poses(2, inside, 1, &t, out), PL_E_RANGE);
@@ -186,14 +234,14 @@ static void *fail_nth(void *context, size_t size) {
 }
 static void test_failing_allocations(void **state) {
   (void)state;
-  const pl_node nodes[] = {node("a", 1, 0), node("b", -1, 0)};
+  const pl_tree_node nodes[] = {node("a", 1, 0), node("b", -1, 0)};
   int n = 0;
   pl_status status = PL_E_MEMORY;
   for (; n < 20 && status != PL_OK; n++) {
     int left = n;
     pl_tree *tree = NULL;
     pl_memory_hook(fail_nth, &left);
-    status = pl_tree_create(2, nodes, &tree);
+    status = make(2, nodes, &tree);
     pl_memory_hook(NULL, NULL);
     assert_true(status == PL_OK || (status == PL_E_MEMORY && !tree));
     pl_tree_destroy(tree);
@@ -204,10 +252,10 @@ static void test_failing_allocations(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_cycles),
-      cmocka_unit_test(test_moon_of_planet),
-      cmocka_unit_test(test_order_independence),
-      cmocka_unit_test(test_equator_and_body),
-      cmocka_unit_test(test_bad_nodes),
+      cmocka_unit_test_teardown(test_moon_of_planet, destroy_made),
+      cmocka_unit_test_teardown(test_order_independence, destroy_made),
+      cmocka_unit_test_teardown(test_equator_and_body, destroy_made),
+      cmocka_unit_test_teardown(test_bad_nodes, destroy_made),
       cmocka_unit_test(test_failing_allocations),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,7 +25,7 @@ EPS = np.finfo(float).eps
 GM = 3.986004418e14
 J2000 = 2451545.0
 STILL: dict[str, Any] = {"kind": "fixed", "position_m": (0.0, 0.0, 0.0)}
-UNTURNED: dict[str, Any] = {"kind": "fixed", "q": (1.0, 0.0, 0.0, 0.0)}
+UNTURNED: dict[str, Any] = {"frame": "inertial"}
 
 
 def elements(**changes: float) -> dict[str, float]:
@@ -72,6 +72,22 @@ def kepler(gm: float = GM, frame: str = "icrf", body: str | None = None, **el: f
     }
 
 
+def kepler_states(el: dict[str, Any], gm: float, t_s: np.ndarray) -> np.ndarray:
+    spec = {"kind": "kepler", "gm": gm, "elements": el, "frame": "icrf"}
+    return _core.Propagator(spec, J2000, 0.0).states(t_s)
+
+
+def tree_poses(nodes: list[dict[str, Any]], day: float, fraction: float, t_s: Any) -> np.ndarray:
+    """Poses of nodes whose motion may be the specification of a propagator."""
+    ready = []
+    for one in nodes:
+        motion = one["motion"]
+        if isinstance(motion, dict) and motion["kind"] == "kepler":
+            motion = _core.Propagator(motion, day, fraction)
+        ready.append(one | {"motion": motion})
+    return _core.Tree(ready, day, fraction).states(t_s)[0]
+
+
 # --- reference data ----------------------------------------------------------------------------
 
 
@@ -99,7 +115,7 @@ def test_two_body_table(data_dir: Path) -> None:
             "arg_periapsis_rad": math.radians(row["argp_deg"]),
             "since_periapsis_s": (anomaly - e * math.sin(anomaly)) / n,
         }
-        state = _core.kepler_states(el, gm, np.array([row["dt_s"]]))[0]
+        state = kepler_states(el, gm, np.array([row["dt_s"]]))[0]
         tolerance = 1e-12 + 4 * EPS * n * abs(row["dt_s"])
         for got, keys in ((state[:3], "x y z"), (state[3:], "vx vy vz")):
             expected = np.array([row[key] * 1e3 for key in keys.split()])
@@ -117,7 +133,7 @@ def test_kepler_equation_table(data_dir: Path) -> None:
     for row in rows:
         e, anomaly = row["e"], row["E_rad"]
         el = dict.fromkeys(elements(), 0.0) | {"periapsis_m": 1 - e, "eccentricity": e}
-        x, y, z = _core.kepler_states(el, 1.0, np.array([row["M_rad"]]))[0, :3]
+        x, y, z = kepler_states(el, 1.0, np.array([row["M_rad"]]))[0, :3]
         # 1 - e as a double is not 1 - e of the table's decimals: (eps/2)/(1 - e) of a phase near
         # periapsis, where dE/dM is 1/(1 - e cos E); elsewhere both factors are of order one.
         stretch = 1 / (1 - e * math.cos(anomaly))
@@ -215,7 +231,7 @@ conics = st.fixed_dictionaries(
 
 @given(el=conics, t=st.floats(-1e6, 1e6))
 def test_energy_and_momentum(el: dict[str, float], t: float) -> None:
-    state = _core.kepler_states(el, GM, np.array([0.0, t]))
+    state = kepler_states(el, GM, np.array([0.0, t]))
     q, e = el["periapsis_m"], el["eccentricity"]
     for r, v in ((s[:3], s[3:]) for s in state):
         potential = 2 * GM / np.linalg.norm(r)
@@ -242,7 +258,7 @@ def test_period(el: dict[str, float], turns: int) -> None:
     e = el["eccentricity"]
     assume(e < 0.9)
     period = 2 * math.pi * math.sqrt((el["periapsis_m"] / (1 - e)) ** 3 / GM)
-    start, later = _core.kepler_states(el, GM, np.array([0.0, turns * period]))
+    start, later = kepler_states(el, GM, np.array([0.0, turns * period]))
     # phase error of rounding `period` and the time, times the largest speed in phase
     phase = 8 * EPS * (1 + abs(turns) * 2 * math.pi + abs(el["since_periapsis_s"]) / period)
     stretch = (1 + e) / (1 - e) ** 2
@@ -252,7 +268,7 @@ def test_period(el: dict[str, float], turns: int) -> None:
 @given(el=conics, t=st.floats(-1e5, 1e5))
 def test_velocity_is_the_derivative(el: dict[str, float], t: float) -> None:
     step = 1e-3 * math.sqrt(el["periapsis_m"] ** 3 / GM)
-    a, b, c = _core.kepler_states(el, GM, np.array([t - step, t, t + step]))
+    a, b, c = kepler_states(el, GM, np.array([t - step, t, t + step]))
     speed = np.linalg.norm(b[3:])
     # third derivative of position times step^2/6, and the rounding of positions over the step
     bound = 1e-6 * speed * (1 + el["eccentricity"]) + 8 * EPS * np.linalg.norm(b[:3]) / step
@@ -272,21 +288,21 @@ def test_velocity_is_the_derivative(el: dict[str, float], t: float) -> None:
 )
 def test_bad_elements(changes: dict[str, Any], gm: float, text: str) -> None:
     with pytest.raises((ValueError, TypeError), match=text):
-        _core.kepler_states(elements(**changes), gm, np.zeros(1))
+        kepler_states(elements(**changes), gm, np.zeros(1))
 
 
 def test_bad_times_and_keys() -> None:
-    with pytest.raises(ValueError, match="not finite"):
-        _core.kepler_states(elements(), GM, np.array([0.0, math.inf]))
+    with pytest.raises(ValueError, match="time 1 is inf, but must be finite"):
+        kepler_states(elements(), GM, np.array([0.0, math.inf]))
     with pytest.raises(ValueError, match="t_s has 2 dimensions"):
-        _core.kepler_states(elements(), GM, np.zeros((2, 2)))
+        kepler_states(elements(), GM, np.zeros((2, 2)))
     incomplete = elements()
     del incomplete["raan_rad"]
-    with pytest.raises(ValueError, match="elements: the key 'raan_rad' is missing"):
-        _core.kepler_states(incomplete, GM, np.zeros(1))
+    with pytest.raises(ValueError, match="kepler: the key 'raan_rad' is missing"):
+        kepler_states(incomplete, GM, np.zeros(1))
     with pytest.raises(ValueError, match="no body named 'erth'; allowed: sun, mercury"):
         _core.body_orientation("erth", J2000, np.zeros(1))
-    assert _core.kepler_states(elements(), GM, np.zeros(0)).shape == (0, 6)
+    assert kepler_states(elements(), GM, np.zeros(0)).shape == (0, 6)
 
 
 # --- the tree ----------------------------------------------------------------------------------
@@ -296,15 +312,15 @@ def test_tree_of_three_levels() -> None:
     lunar = kepler(gm=4.9e12, periapsis_m=1.8e6)
     moon = kepler(periapsis_m=3.6e8, eccentricity=0.05)
     nodes = [
-        node("lro", 2, motion=lunar, rotation={"kind": "lvlh"}),
-        node("earth", -1, rotation={"kind": "body", "body": "earth"}),
-        node("moon", 1, motion=moon, rotation={"kind": "body", "body": "moon"}),
+        node("lro", 2, motion=lunar, rotation={"frame": "lvlh"}),
+        node("earth", -1, rotation={"frame": "body", "body": "earth"}),
+        node("moon", 1, motion=moon, rotation={"frame": "body", "body": "moon"}),
     ]
     t = np.array([0.0, 1e3, -4e4])
-    poses = _core.tree_poses(nodes, 2461000.5, 0.25, t)
+    poses = tree_poses(nodes, 2461000.5, 0.25, t)
     assert poses.shape == (3, 3, 7)
-    moon_states = _core.kepler_states(moon["elements"], moon["gm"], t)
-    lro_states = _core.kepler_states(lunar["elements"], lunar["gm"], t)
+    moon_states = kepler_states(moon["elements"], moon["gm"], t)
+    lro_states = kepler_states(lunar["elements"], lunar["gm"], t)
     assert np.all(poses[:, 1, :3] == 0)
     assert np.array_equal(poses[:, 2, :3], moon_states[:, :3])
     assert np.array_equal(poses[:, 0, :3], moon_states[:, :3] + lro_states[:, :3])
@@ -323,7 +339,7 @@ def test_equator_frame() -> None:
     """An orbit of inclination 0 on Saturn's equator is normal to Saturn's pole."""
     motion = kepler(3.79e16, "equator", "saturn", inclination_rad=0.0, periapsis_m=1.2e8)
     nodes = [node("saturn", -1), node("cassini", 0, motion=motion)]
-    poses = _core.tree_poses(nodes, 2461000.5, 0.0, np.linspace(0, 1e5, 50))
+    poses = tree_poses(nodes, 2461000.5, 0.0, np.linspace(0, 1e5, 50))
     pole = matrix(_core.body_orientation("saturn", 2461000.5, np.zeros(1))[0])[:, 2]
     r = poses[:, 1, :3]
     assert np.max(np.abs(r @ pole) / np.linalg.norm(r, axis=1)) < 1e-14
@@ -333,8 +349,8 @@ def test_equator_frame() -> None:
 def test_spin(rate: float, t: float) -> None:
     """The axis stays, in both frames; the angle is rate * t; unit norm."""
     q = np.array([0.3, -0.5, 0.7, 0.2])
-    spin = {"kind": "spin", "q": q, "axis": (0.0, 0.0, 2.0), "rate_rad_s": rate}
-    poses = _core.tree_poses([node("x", -1, rotation=spin)], J2000, 0.0, np.array([0.0, t]))
+    spin = {"frame": "inertial", "q": q, "axis": (0.0, 0.0, 2.0), "rate_rad_s": rate}
+    poses = tree_poses([node("x", -1, rotation=spin)], J2000, 0.0, np.array([0.0, t]))
     start, later = (matrix(p[0, 3:]) for p in poses)
     assert np.allclose(np.linalg.norm(poses[:, 0, 3:], axis=1), 1, rtol=0, atol=4 * EPS)
     assert np.allclose(start[:, 2], later[:, 2], rtol=0, atol=1e-15)
@@ -357,10 +373,10 @@ def test_cycles_are_named(data: st.DataObject, count: int) -> None:
         return False
 
     if all(reaches_root(i) for i in range(count)):
-        assert _core.tree_poses(nodes, J2000, 0.0, np.zeros(1)).shape == (1, count, 7)
+        assert tree_poses(nodes, J2000, 0.0, np.zeros(1)).shape == (1, count, 7)
         return
     with pytest.raises(ValueError, match=r"^cycle of parents: ") as caught:
-        _core.tree_poses(nodes, J2000, 0.0, np.zeros(1))
+        tree_poses(nodes, J2000, 0.0, np.zeros(1))
     walk = [int(name[1:]) for name in str(caught.value).split(": ")[1].split(" -> ")]
     assert walk[0] == walk[-1]
     assert len(set(walk)) == len(walk) - 1
@@ -372,21 +388,34 @@ def test_cycles_are_named(data: st.DataObject, count: int) -> None:
     [
         ({"parent": 9}, "node 'iss': parent 9 does not exist; allowed: -1 to 1"),
         ({"parent": -1, "motion": kepler()}, "node 'iss': an orbit needs a parent"),
-        ({"motion": {"kind": "orbit"}}, "kind is 'orbit'; allowed: fixed, kepler"),
+        ({"motion": {"kind": "orbit"}}, "kind is 'orbit'; allowed: fixed, given"),
+        ({"motion": 3.0}, "node 'iss': motion: must be a perilune._core.Propagator"),
+        ({"motion": {"kind": "given", "slot": -1}}, "slot is -1, but must not be negative"),
+        ({"motion": {"kind": "given", "slot": 0}}, "takes slot 0 of the given states"),
         ({"motion": kepler(frame="equator")}, "'equator' needs parent_body"),
         ({"motion": kepler(frame="equator", body="terra")}, "no body named 'terra'"),
-        ({"motion": kepler(periapsis_m=-1.0)}, "node 'iss': motion: periapsis_m is -1"),
+        ({"motion": kepler(periapsis_m=-1.0)}, "kepler: periapsis_m is -1"),
         ({"motion": {"kind": "fixed", "position_m": (1, 2)}}, "position_m has 2 numbers"),
-        ({"rotation": {"kind": "roll"}}, "kind is 'roll'; allowed: fixed, spin, body, lvlh"),
-        ({"rotation": {"kind": "body"}}, "node 'iss': rotation: the key 'body' is missing"),
-        ({"rotation": {"kind": "lvlh"}}, "node 'iss': lvlh: the object is at its parent's centre"),
-        ({"rotation": {"kind": "fixed", "q": (0, 0, 0, 0)}}, "q must be finite and not zero"),
+        ({"rotation": {"frame": "roll"}}, "frame is 'roll'; allowed: inertial, body, parent, lvlh"),
+        ({"rotation": {"frame": "body"}}, "node 'iss': rotation: the key 'body' is missing"),
+        ({"rotation": {"frame": "lvlh"}}, "node 'iss': lvlh: the object is at its parent's centre"),
+        ({"rotation": {"frame": "inertial", "q": (0, 0, 0, 0)}}, "q must be finite and not zero"),
+        ({"rotation": {"frame": "sun", "towards": 7}}, "'iss': the node 7 to point at does not"),
+        ({"rotation": {"frame": "sun", "towards": 1}}, "'iss': it cannot point at itself"),
+        ({"rotation": {"frame": "sun", "towards": 0}}, "'iss': it stands where it is to point at"),
+        ({"rotation": {"frame": "given", "slot": 0}}, "'iss': takes slot 0 of the given quat"),
     ],
 )
 def test_bad_nodes(changes: dict[str, Any], text: str) -> None:
     nodes = [node("earth", -1), node("iss", 0) | changes]
-    with pytest.raises(ValueError, match=text):
-        _core.tree_poses(nodes, J2000, 0.0, np.zeros(1))
+    with pytest.raises((ValueError, TypeError), match=text):
+        tree_poses(nodes, J2000, 0.0, np.zeros(1))
+
+
+def test_epochs_must_agree() -> None:
+    motion = _core.Propagator(kepler(), J2000, 0.5)
+    with pytest.raises(ValueError, match="node 'iss': motion: the propagator's epoch is not"):
+        _core.Tree([node("earth", -1), node("iss", 0, motion=motion)], J2000, 0.25)
 
 
 # --- random words ------------------------------------------------------------------------------

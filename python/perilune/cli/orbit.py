@@ -23,10 +23,6 @@ COLUMNS = (
     *("x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"),
     *("qw", "qx", "qy", "qz"),
 )
-_STEP_S = 1.0
-_STENCIL = ((-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0))
-"""Five-point difference (Abramowitz & Stegun, table 25.2): offset and weight. Its error on a
-circular orbit of angular rate n and radius r is n^5 r / 30, below 1e-9 m/s around the Earth."""
 
 
 def states(sim: Simulation, index: int) -> Iterator[tuple[str, str, F64, F64, F64]]:
@@ -37,13 +33,10 @@ def states(sim: Simulation, index: int) -> Iterator[tuple[str, str, F64, F64, F6
     config, _ = sim.config_at(index)
     epoch = bodies.date_from_utc(config.time.utc_fields())
     t_s = config.time.step_s * config.timeline.at(index).step
-    now = orbits.poses(config, epoch, t_s)
-    around = [(orbits.poses(config, epoch, t_s + k * _STEP_S), w) for k, w in _STENCIL]
+    found = orbits.states(config, epoch, np.array([t_s]))
     time = epoch.after(t_s).utc()
-    for name, pose in now.items():
-        # Differences to the present place first: the sum then loses no digits.
-        moved = sum((w * (poses[name][:3] - pose[:3]) for poses, w in around), np.zeros(3))
-        yield time, name, pose[:3], moved / _STEP_S, pose[3:]
+    for name, poses in found.poses.items():
+        yield time, name, poses[0, :3], found.velocities_m_s[name][0], poses[0, 3:]
 
 
 def _configure(parser: ArgumentParser) -> None:

@@ -84,9 +84,9 @@ def _is_under(sim: Simulation, name: str, ground: str) -> bool:
 
 def sub_point_deg(world: World, name: str, body: str, t_s: float) -> tuple[float, float]:
     """East longitude in [-180, 180] and latitude of the point of a body under a spacecraft."""
-    poses = orbits.poses(world.config, world.epoch, t_s)
-    from_center = poses[name][:3] - poses[body][:3]
-    x, y, z = rotations.rotate(rotations.conjugate(poses[body][3:]), from_center).tolist()
+    poses = orbits.states(world.config, world.epoch, np.array([t_s])).poses
+    from_center = poses[name][0, :3] - poses[body][0, :3]
+    x, y, z = rotations.rotate(rotations.conjugate(poses[body][0, 3:]), from_center).tolist()
     return math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, math.hypot(x, y)))
 
 

@@ -26,8 +26,8 @@ def parent(config: Config, name: str) -> str | None:
 
 def relative_m(world: World, name: str, around: str, t_s: float) -> F64:
     """Position (3,) of a thing from another's centre at a time, as the frame's orbits have it."""
-    poses = orbits.poses(world.config, world.epoch, t_s)
-    return poses[name][:3] - poses[around][:3]
+    poses = orbits.states(world.config, world.epoch, np.array([t_s])).poses
+    return poses[name][0, :3] - poses[around][0, :3]
 
 
 def revolution_m(world: World, name: str, around: str) -> F64:

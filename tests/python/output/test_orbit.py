@@ -1,4 +1,4 @@
-"""`perilune orbit`: the table against tree_poses, and its velocities against Kepler's."""
+"""`perilune orbit`: the table against the core's tree, and its velocities against Kepler's."""
 
 from __future__ import annotations
 
@@ -13,6 +13,10 @@ import perilune
 from perilune import _core, bodies, orbits
 from perilune.cli.orbit import COLUMNS, states
 
+STENCIL = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+WEIGHTS = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0
+"""Five-point difference over seconds (Abramowitz & Stegun, table 25.2): of places, the velocity."""
+
 
 def command(*words):
     return subprocess.run(
@@ -22,7 +26,7 @@ def command(*words):
     )
 
 
-def test_table_is_tree_poses(small_scene, pair, tmp_path):
+def test_table_is_the_tree(small_scene, pair, tmp_path):
     out = tmp_path / "states.csv"
     raan = {"ideal": 20.0, "jitter_variance": 100.0, "clip_min": 0.0, "clip_max": 40.0}
     words = ["--set", f"spacecraft.probe.orbit.raan_deg={raan}".replace("'", '"')]
@@ -44,11 +48,17 @@ def test_table_is_tree_poses(small_scene, pair, tmp_path):
         pose = [float(value) for value in (*row[3:6], *row[9:13])]
         np.testing.assert_array_equal(pose, world.poses[row[2]][0])
         # As the core gives it for the tree of this frame, once more by itself.
-        date = world.epoch.after(world.t_s)
-        nodes = orbits._nodes(world.config, date)
+        nodes = orbits._nodes(world.config, world.epoch)
         place = [node["name"] for node in nodes].index(row[2])
-        core = _core.tree_poses(nodes, world.epoch.day, world.epoch.fraction, np.array([world.t_s]))
-        np.testing.assert_array_equal(pose, core[0, place])
+        day, fraction = world.epoch.day, world.epoch.fraction
+        for node in nodes:
+            if node["motion"]["kind"] == "kepler":
+                node["motion"] = _core.Propagator(node["motion"], day, fraction)
+        poses, velocities = _core.Tree(nodes, day, fraction).states(np.array([world.t_s]))
+        np.testing.assert_array_equal(pose, poses[0, place])
+        speeds = [float(value) for value in row[6:9]]
+        np.testing.assert_array_equal(speeds, velocities[0, place])
+        np.testing.assert_array_equal(speeds, world.velocities_m_s[row[2]][0])
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.7])
@@ -62,9 +72,9 @@ def test_velocity_is_keplers(small_scene, eccentricity):
     assert motion["frame"] == "icrf"  # so that the elements' axes are those of the root frame
     for index in range(0, 20, 4):
         (state,) = (s for s in states(sim, index) if s[1] == "probe")
-        truth = _core.kepler_states(motion["elements"], motion["gm"], np.array([731.0 * index]))[0]
-        np.testing.assert_allclose(state[2], truth[:3], rtol=0, atol=1e-5)
-        np.testing.assert_allclose(state[3], truth[3:], rtol=0, atol=1e-6)
+        around = _core.Propagator(motion, 2451545.0, 0.0).states(731.0 * index + STENCIL)
+        np.testing.assert_allclose(state[2], around[2, :3], rtol=0, atol=1e-5)
+        np.testing.assert_allclose(state[3], WEIGHTS @ around[:, :3], rtol=0, atol=1e-6)
 
 
 def test_velocity_of_a_planet_by_the_ephemeris(repo_dir):
@@ -88,7 +98,8 @@ def test_velocity_of_a_planet_by_the_ephemeris(repo_dir):
     epoch = bodies.date_from_utc(sim.config.time.utc_fields())
     later = bodies.relative_m("moon", "earth", epoch.after(30.0))
     earlier = bodies.relative_m("moon", "earth", epoch.after(-30.0))
-    np.testing.assert_allclose(found["moon"][1], (later - earlier) / 60.0, rtol=0, atol=1e-3)
+    # moon98 differentiates a shorter series than it sums: 3e-6 of the speed
+    np.testing.assert_allclose(found["moon"][1], (later - earlier) / 60.0, rtol=0, atol=5e-3)
 
 
 def test_errors(small_scene, tmp_path):

@@ -5,7 +5,7 @@
  * Kept from older reports: Earth's rotation (2009; not in the 2015 report, good to 0.1 deg) and
  * Mars's (2009; the 2015 constants are unusable without their slow terms, these hold to 0.02 deg
  * until 2050). Phobos keeps its terms above 0.03 deg. Albedos: NASA planetary fact sheets. */
-#include "orbit/body.h"
+#include "orbit/celestial.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -62,7 +62,7 @@ static const pl_rotation_term neptune_terms[] = {
 };
 
 /* clang-format off */
-static const pl_body bodies[] = {
+static const pl_celestial bodies[] = {
     {"sun", NULL, 132712440041.27942e9, {695700e3, 695700e3, 695700e3}, 0.0, 0.0,
      {{286.13, 0}, {63.87, 0}, {84.176, 14.1844000, 0}, NULL, 0}},
     {"mercury", "sun", 22031.868551400003e9, {2440.53e3, 2440.53e3, 2438.26e3}, 0.142, 0.068,
@@ -92,20 +92,20 @@ static const pl_body bodies[] = {
 };
 /* clang-format on */
 
-const pl_body *pl_body_table(size_t *count) {
+const pl_celestial *pl_celestial_table(size_t *count) {
   *count = COUNT(bodies);
   return bodies;
 }
 
-const pl_body *pl_body_find(const char *name) {
+const pl_celestial *pl_celestial_find(const char *name) {
   for (size_t i = 0; i < COUNT(bodies); i++)
     if (strcmp(bodies[i].name, name) == 0)
       return &bodies[i];
   return NULL;
 }
 
-pl_status pl_body_require(const char *name, const pl_body **out) {
-  *out = pl_body_find(name);
+pl_status pl_celestial_require(const char *name, const pl_celestial **out) {
+  *out = pl_celestial_find(name);
   if (*out)
     return PL_OK;
   char names[256] = "";

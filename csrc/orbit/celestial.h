@@ -1,6 +1,6 @@
 /* The table of bodies: gravity, size, albedo, parent, and the IAU model of rotation. */
-#ifndef PL_ORBIT_BODY_H
-#define PL_ORBIT_BODY_H
+#ifndef PL_ORBIT_CELESTIAL_H
+#define PL_ORBIT_CELESTIAL_H
 
 #include <stddef.h>
 
@@ -22,7 +22,7 @@ typedef struct pl_rotation_model {
   size_t term_count;
 } pl_rotation_model;
 
-typedef struct pl_body {
+typedef struct pl_celestial {
   const char *name;   /* lower case */
   const char *parent; /* name of the body it orbits; NULL for the sun */
   double gm_m3_s2;
@@ -30,15 +30,15 @@ typedef struct pl_body {
   double geometric_albedo; /* V band; 0 for the sun, which is a source */
   double bond_albedo;
   pl_rotation_model rotation;
-} pl_body;
+} pl_celestial;
 
 /* All bodies, in a fixed order; static. */
-const pl_body *pl_body_table(size_t *count);
+const pl_celestial *pl_celestial_table(size_t *count);
 
 /* NULL when there is no such body. */
-const pl_body *pl_body_find(const char *name);
+const pl_celestial *pl_celestial_find(const char *name);
 
 /* The same, but PL_E_ARGUMENT with a text that lists the names there are. */
-pl_status pl_body_require(const char *name, const pl_body **out);
+pl_status pl_celestial_require(const char *name, const pl_celestial **out);
 
 #endif

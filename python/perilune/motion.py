@@ -1,0 +1,118 @@
+"""Trees of moving things: propagators and trees of the core, kept while their numbers stay.
+
+A node is {'name', 'parent': index or -1, 'motion', 'rotation'} as `_core.Tree` takes it, but that
+its motion may also be the specification of a propagator, or a function: t_s (n,) -> (n, 6) states
+about the parent (m, m/s, ICRF axes), for what is computed in Python.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.bodies import Date
+
+F64 = NDArray[np.float64]
+Node = Mapping[str, Any]
+Path = Callable[[F64], F64]
+T = TypeVar("T")
+
+_KINDS = frozenset(str(row["name"]) for row in _core.PROPAGATORS)
+
+
+@dataclass(frozen=True)
+class States:
+    """Where things are at n times, in the root frame (ICRF axes)."""
+
+    poses: Mapping[str, F64]
+    """Name -> (n, 7), metres, to root."""
+    velocities_m_s: Mapping[str, F64]
+    """Name -> (n, 3)."""
+
+
+class _Kept(Generic[T]):
+    """The last `size` things that were made, by what they were made from."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._things: OrderedDict[Hashable, T] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def get(self, key: Hashable, make: Callable[[], T]) -> T:
+        """The thing of a key, made when it is not there."""
+        key = (os.getpid(), key)  # a fork may have caught a propagator while it was integrating
+        with self._lock:
+            if key in self._things:
+                self._things.move_to_end(key)
+                return self._things[key]
+        thing = make()
+        with self._lock:
+            thing = self._things.setdefault(key, thing)
+            while len(self._things) > self._size:
+                self._things.popitem(last=False)
+        return thing
+
+
+_propagators: _Kept[_core.Propagator] = _Kept(512)
+_trees: _Kept[_core.Tree] = _Kept(32)
+
+
+def _key(value: Any) -> Hashable:
+    """A specification as something that can be compared; the same for equal numbers alone."""
+    if isinstance(value, Mapping):
+        return tuple((name, _key(value[name])) for name in sorted(value))
+    if isinstance(value, np.ndarray):
+        return (value.shape, value.dtype.str, value.tobytes())
+    if isinstance(value, (list, tuple)):
+        return tuple(_key(item) for item in value)
+    if isinstance(value, float):
+        return value.hex()  # 0.0 is not -0.0, and nan equals itself
+    hash(value)  # a TypeError here is a mistake in what was specified
+    return (type(value), value)
+
+
+def propagator(spec: Mapping[str, Any], epoch: Date) -> _core.Propagator:
+    """The propagator of a specification; the same one as long as the numbers are the same."""
+    key = (_key(spec), epoch)
+    return _propagators.get(key, lambda: _core.Propagator(spec, epoch.day, epoch.fraction))
+
+
+def _prepared(node: Node, epoch: Date, given: list[Path]) -> Node:
+    """A node as the core takes it; functions are collected in `given`."""
+    motion = node["motion"]
+    if isinstance(motion, Mapping) and motion["kind"] in _KINDS:
+        try:
+            motion = propagator(motion, epoch)
+        except ValueError as error:
+            raise ValueError(f"{node['name']}: {error}") from None
+    elif callable(motion):
+        given.append(motion)
+        motion = {"kind": "given", "slot": len(given) - 1}
+    return {**node, "motion": motion}
+
+
+def evaluate(nodes: Sequence[Node], epoch: Date, t_s: F64) -> States:
+    """States of all nodes at seconds t_s (n,) after the epoch.
+
+    Errors of the core (ValueError) name the node.
+    """
+    given: list[Path] = []
+    ready = [_prepared(node, epoch, given) for node in nodes]
+    tree = _trees.get(
+        (_key(ready), epoch), lambda: _core.Tree(ready, epoch.day, epoch.fraction)
+    )
+    states = np.stack([path(t_s) for path in given], axis=1) if given else None
+    poses, velocities = tree.states(t_s, given=states)
+    names = [str(node["name"]) for node in nodes]
+    return States(
+        {name: poses[:, k] for k, name in enumerate(names)},
+        {name: velocities[:, k] for k, name in enumerate(names)},
+    )
