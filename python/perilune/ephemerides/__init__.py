@@ -1,0 +1,1 @@
+"""States from outside: two-line elements, CCSDS ephemerides, tables, SPICE kernels."""
