@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "geom/mipmap.h"
+#include "math/vec.h"
 
 /* Taps along the longer axis of a footprint; a longer one is blurred rather than aliased. */
 enum { MAX_TAPS = 16 };
@@ -90,7 +91,7 @@ static inline float neighbours(float t, int size, pl_wrap wrap, int *low, int *h
   if (wrap == PL_WRAP_REPEAT) {
     t -= floor_small(t);
   } else if (wrap == PL_WRAP_CLAMP) {
-    t = fminf(fmaxf(t, 0.0f), 1.0f);
+    t = pl_minf(pl_maxf(t, 0.0f), 1.0f);
   } else {
     t -= 2.0f * floor_small(0.5f * t);
     t = t > 1.0f ? 2.0f - t : t;
@@ -157,10 +158,10 @@ static footprint footprint_of(const pl_texture *texture, const float a[2], const
   const float longer = sqrtf(0.5f * (xx + yy) + root);
   if (longer <= 1.0f)
     return (footprint){.taps = 1};
-  float shorter = fmaxf(fabsf(ax * by - ay * bx) / longer, 1.0f);
-  footprint f = {.taps = (int)ceilf(fminf(longer / shorter, (float)MAX_TAPS) - 1e-3f)};
+  float shorter = pl_maxf(fabsf(ax * by - ay * bx) / longer, 1.0f);
+  footprint f = {.taps = (int)ceilf(pl_minf(longer / shorter, (float)MAX_TAPS) - 1e-3f)};
   f.taps = f.taps < 1 ? 1 : f.taps;
-  shorter = fmaxf(shorter, longer / MAX_TAPS);
+  shorter = pl_maxf(shorter, longer / MAX_TAPS);
   const float level = log2f(shorter);
   if (level >= (float)(mips->level_count - 1))
     return all;

@@ -21,7 +21,7 @@ static float luminance_of(const pl_model *model, uint32_t triangle) {
   if (!(factor > 0.0f))
     return 0.0f;
   const pl_triangle_point any = {.triangle = triangle};
-  return fmaxf(pl_luminance(pl_material_emission(model, &any, false)), MEAN_MIN * factor);
+  return pl_maxf(pl_luminance(pl_material_emission(model, &any, false)), MEAN_MIN * factor);
 }
 
 static pl_vec3f to_view(const float m[12], const float *p) {
@@ -153,7 +153,7 @@ static const pl_emitter *choose(const pl_emitters *list, pl_vec3 point, float *u
     share = importance(&list->items[++i], point);
   }
   *probability = share / total;
-  *u = fminf((float)(left / share), 1.0f - 0x1p-24f);
+  *u = pl_minf((float)(left / share), 1.0f - 0x1p-24f);
   return &list->items[i];
 }
 
@@ -168,7 +168,7 @@ static uint32_t choose_triangle(const pl_emitters *list, const pl_emitter *item,
       low = middle + 1;
   }
   const float from = low > item->first ? list->sums[low - 1] : 0.0f, to = list->sums[low];
-  *u = to > from ? fminf(fmaxf((*u - from) / (to - from), 0.0f), 1.0f - 0x1p-24f) : 0.5f;
+  *u = to > from ? pl_minf(pl_maxf((*u - from) / (to - from), 0.0f), 1.0f - 0x1p-24f) : 0.5f;
   return list->triangles[low];
 }
 
@@ -196,7 +196,7 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   const pl_material *material = pl_material_of(model, triangle);
   const float cosine = material->double_sided ? fabsf(facing) : facing;
   /* Float coordinates are off by a few ulp at both ends. */
-  const float largest = fmaxf(fabsf(at.x), fmaxf(fabsf(at.y), fabsf(at.z)));
+  const float largest = pl_maxf(fabsf(at.x), pl_maxf(fabsf(at.y), fabsf(at.z)));
   out->distance_m = (float)distance * 0.9999f - 0x1p-18f * largest;
   if (!(cosine > 1e-6f) || !(out->distance_m > 0.0f))
     return false;

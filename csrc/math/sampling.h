@@ -43,11 +43,11 @@ static inline pl_vec3f pl_sample_disc(float u, float v) {
 /* Direction about +z with density cos(theta)/pi; z > 0 except on the rim (Malley's method). */
 static inline pl_vec3f pl_sample_cosine_hemisphere(float u, float v) {
   pl_vec3f d = pl_sample_disc(u, v);
-  d.z = sqrtf(fmaxf(0.0f, 1.0f - (d.x * d.x + d.y * d.y)));
+  d.z = sqrtf(pl_maxf(1.0f - (d.x * d.x + d.y * d.y), 0.0f));
   return d;
 }
 static inline float pl_cosine_hemisphere_pdf(float cosine) {
-  return fmaxf(0.0f, cosine) * (1.0f / PL_PI_F);
+  return pl_maxf(cosine, 0.0f) * (1.0f / PL_PI_F);
 }
 
 /* 1 - cos(half_angle) without the cancellation that would empty cones below 3e-4 rad. */
@@ -60,7 +60,7 @@ static inline float pl_cone_one_minus_cos(float half_angle_rad) {
  * narrow the cone (half angles down to 1e-15 rad). */
 static inline pl_vec3f pl_sample_cone(float u, float v, float one_minus_cos) {
   const pl_vec3f d = pl_sample_disc(u, v);
-  const float h = one_minus_cos * fminf(1.0f, d.x * d.x + d.y * d.y); /* 1 - cos of the sample */
+  const float h = one_minus_cos * pl_minf(d.x * d.x + d.y * d.y, 1.0f); /* 1 - cos of the sample */
   const float scale = sqrtf(one_minus_cos * (2.0f - h));
   return pl_vec3f_make(d.x * scale, d.y * scale, 1.0f - h);
 }

@@ -16,6 +16,11 @@ typedef struct pl_vec3f {
   float x, y, z;
 } pl_vec3f;
 
+/* The larger and the smaller of two numbers; `b` where `a` is not a number. One instruction each,
+ * where fmaxf and fminf are calls of the library. */
+static inline float pl_maxf(float a, float b) { return a > b ? a : b; }
+static inline float pl_minf(float a, float b) { return a < b ? a : b; }
+
 static inline pl_vec3 pl_vec3_make(double x, double y, double z) { return (pl_vec3){x, y, z}; }
 static inline pl_vec3 pl_vec3_add(pl_vec3 a, pl_vec3 b) {
   return (pl_vec3){a.x + b.x, a.y + b.y, a.z + b.z};
@@ -70,7 +75,7 @@ static inline pl_vec3f pl_vec3f_unit(pl_vec3f a) {
   const float n = pl_vec3f_norm(a);
   return n > 0.0f ? pl_vec3f_scale(a, 1.0f / n) : a;
 }
-static inline float pl_vec3f_max(pl_vec3f a) { return fmaxf(a.x, fmaxf(a.y, a.z)); }
+static inline float pl_vec3f_max(pl_vec3f a) { return pl_maxf(a.x, pl_maxf(a.y, a.z)); }
 
 static inline pl_vec3f pl_vec3_to_float(pl_vec3 a) {
   return (pl_vec3f){(float)a.x, (float)a.y, (float)a.z};

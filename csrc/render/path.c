@@ -136,7 +136,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
 static bool roulette(pl_path *next, int bounce, float u) {
   if (bounce < ROULETTE_AFTER)
     return true;
-  const float survive = fminf(0.95f, pl_vec3f_max(next->throughput));
+  const float survive = pl_minf(pl_vec3f_max(next->throughput), 0.95f);
   if (!(u < survive))
     return false;
   next->throughput = pl_vec3f_scale(next->throughput, 1.0f / survive);
@@ -163,10 +163,10 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
       .beam = {.origin = pl_vec3f_to_double(ray->origin),
                .direction = pl_vec3_unit(pl_vec3f_to_double(direction)),
                .width_m = width,
-               .spread = fmaxf(path->beam.spread, fminf(opening, SPREAD_MAX))},
+               .spread = pl_maxf(path->beam.spread, pl_minf(opening, SPREAD_MAX))},
       .throughput = pl_vec3f_mul(path->throughput, weight),
       .pdf = pdf,
-      .alpha_min = fmaxf(path->alpha_min, fminf(0.5f * REGULAR_FACTOR * opening, REGULAR_CAP)),
+      .alpha_min = pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * opening, REGULAR_CAP)),
       .pixel = path->pixel,
   };
   return roulette(next, bounce, choice[1]);
@@ -199,7 +199,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   const vertex_draws u = draws_of(b, i);
   pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, vertex);
   pl_surface *s = &vertex->surface;
-  s->alpha = fmaxf(s->alpha, path.alpha_min);
+  s->alpha = pl_maxf(s->alpha, path.alpha_min);
   if (pl_vec3f_max(s->emission) > 0.0f) {
     const float weight = pl_emitters_met(context, &path, &b->rays[i], vertex);
     add(&b->sample[path.pixel], pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));

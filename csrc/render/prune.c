@@ -5,8 +5,8 @@
 
 /* Digital numbers by which a standard error moves a mean. */
 static float error_dn(const pl_render_settings *settings, float mean, float error) {
-  const float low = fminf(mean / settings->white_radiance, 1.0f);
-  const float high = fminf((mean + error) / settings->white_radiance, 1.0f);
+  const float low = pl_minf(mean / settings->white_radiance, 1.0f);
+  const float high = pl_minf((mean + error) / settings->white_radiance, 1.0f);
   return 255.0f * (pl_srgb_encode(high) - pl_srgb_encode(low));
 }
 
@@ -20,7 +20,7 @@ static size_t block_of(uint32_t pixel) {
 static float pixel_variance(const pl_tile_buffers *b, uint32_t pixel) {
   const float n = (float)b->counts[pixel], m = pl_luminance(b->radiance[pixel]) / n;
   const float independent = (float)b->shaded[pixel];
-  return fmaxf(0.0f, b->square[pixel] / n - m * m) / fmaxf(independent - 1.0f, 0.5f);
+  return pl_maxf(b->square[pixel] / n - m * m, 0.0f) / pl_maxf(independent - 1.0f, 0.5f);
 }
 
 /* Blocks in which the centre rays meet more than one thing have outlines, and outlines have slivers
@@ -56,7 +56,7 @@ void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
     const float m = mean[block] / pixels[block];
     const float pooled = sqrtf(variance[block] / pixels[block]);
     const float own = sqrtf(pixel_variance(b, pixel)) / OWN_NOISE;
-    if (early || error_dn(context->settings, m, fmaxf(pooled, own)) > context->settings->noise_dn)
+    if (early || error_dn(context->settings, m, pl_maxf(pooled, own)) > context->settings->noise_dn)
       b->active[kept++] = pixel;
     if (i + 1 == b->active_meshes)
       meshes = kept;

@@ -53,7 +53,7 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
     return false;
   const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));
   const float cosine = fabsf(pl_vec3f_dot(toward, vertex.ng));
-  const double footprint_m = vertex.t * context->pixel_rad / fmaxf(cosine, COSINE_MIN);
+  const double footprint_m = vertex.t * context->pixel_rad / pl_maxf(cosine, COSINE_MIN);
   const pl_vec3 radii = body->state->radii_m;
   if (cosine < COSINE_MIN || footprint_m > ARC_MAX_RAD * fmin(radii.x, fmin(radii.y, radii.z)))
     return false;

@@ -20,8 +20,8 @@ static pl_vec3f edge_of(const pl_shot_object *object, const float *from, const f
 }
 
 static void set_weights(pl_vertex *vertex, double u, double v) {
-  vertex->w[1] = fminf(fmaxf((float)u, 0.0f), 1.0f);
-  vertex->w[2] = fminf(fmaxf((float)v, 0.0f), 1.0f - vertex->w[1]);
+  vertex->w[1] = pl_minf(pl_maxf((float)u, 0.0f), 1.0f);
+  vertex->w[2] = pl_minf(pl_maxf((float)v, 0.0f), 1.0f - vertex->w[1]);
   vertex->w[0] = 1.0f - vertex->w[1] - vertex->w[2];
 }
 
@@ -95,7 +95,7 @@ void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit
 static void footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f *a, pl_vec3f *b) {
   const float width = beam->width_m + beam->spread * (float)vertex->t;
   const pl_vec3f d = pl_vec3_to_float(beam->direction), n = vertex->ng;
-  const float cosine = fmaxf(fabsf(pl_vec3f_dot(d, n)), 0.02f);
+  const float cosine = pl_maxf(fabsf(pl_vec3f_dot(d, n)), 0.02f);
   pl_vec3f across = pl_vec3f_cross(n, d);
   if (pl_vec3f_dot(across, across) < 1e-8f)
     across = pl_basis_make(n).t;
@@ -203,9 +203,9 @@ static void shade_body(const pl_shot_body *body, const pl_beam *beam, bool maps,
   float map[4];
   set_frame(surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
   body_color(body, vertex, beam, maps, map);
-  surface->color =
-      pl_vec3f_make(fminf(map[0] * state->albedo[0], 1.0f), fminf(map[1] * state->albedo[1], 1.0f),
-                    fminf(map[2] * state->albedo[2], 1.0f));
+  surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
+                                 pl_minf(map[1] * state->albedo[1], 1.0f),
+                                 pl_minf(map[2] * state->albedo[2], 1.0f));
   surface->emission = pl_vec3f_make(state->emission[0], state->emission[1], state->emission[2]);
   surface->metallic = 0.0f;
   surface->alpha = 1.0f;
@@ -249,7 +249,7 @@ pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f 
   const bool on_body = vertex->thing >= shot->object_count;
   const float side = pl_vec3f_dot(direction, vertex->surface.ng) < 0.0f ? -1.0f : 1.0f;
   const pl_vec3f p = pl_vec3_to_float(vertex->position);
-  const float largest = fmaxf(fabsf(p.x), fmaxf(fabsf(p.y), fabsf(p.z)));
+  const float largest = pl_maxf(fabsf(p.x), pl_maxf(fabsf(p.y), fabsf(p.z)));
   const float offset = on_body ? 0.0f : side * (0x1p-19f * largest + 1e-6f);
   return (pl_ray){
       .origin = pl_vec3f_madd(p, offset, vertex->surface.ng),

@@ -94,7 +94,7 @@ static void bend_normal(const pl_model *model, const pl_triangle_point *point,
   slot_value(model, point, &material->normal_map, true, value);
   const float x = (2.0f * value[0] - 1.0f) * material->normal_scale;
   const float y = (2.0f * value[1] - 1.0f) * material->normal_scale;
-  const float z = fmaxf(2.0f * value[2] - 1.0f, 0.05f); /* maps keep the surface's side */
+  const float z = pl_maxf(2.0f * value[2] - 1.0f, 0.05f); /* maps keep the surface's side */
   const pl_vec3f n = pl_vec3f_unit(pl_surface_to_world(surface, pl_vec3f_make(x, y, z)));
   surface->n = n;
   surface->t = pl_vec3f_unit(pl_vec3f_madd(surface->t, -pl_vec3f_dot(surface->t, n), n));
@@ -131,7 +131,7 @@ float pl_material_opacity(const pl_model *model, const pl_triangle_point *point)
   const float alpha = base[3] * vertex[3] * material->base_color[3];
   if (material->alpha_mode == PL_ALPHA_MASK)
     return alpha >= material->alpha_cutoff ? 1.0f : 0.0f;
-  return fminf(fmaxf(alpha, 0.0f), 1.0f);
+  return pl_minf(pl_maxf(alpha, 0.0f), 1.0f);
 }
 
 pl_model_summary pl_model_summarise(const pl_model *model) {

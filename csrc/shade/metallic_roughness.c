@@ -14,7 +14,7 @@ static const float ALPHA_MIN = 1e-3f;
 /* Cosines below this, a ten-thousandth of the sun's radius, count as this. */
 static const float COSINE_MIN = 1e-6f;
 
-static float alpha_of(const pl_surface *s) { return fminf(fmaxf(s->alpha, ALPHA_MIN), 1.0f); }
+static float alpha_of(const pl_surface *s) { return pl_minf(pl_maxf(s->alpha, ALPHA_MIN), 1.0f); }
 
 static pl_vec3f f0_of(const pl_surface *s) {
   const float m = s->metallic, d = DIELECTRIC_F0 * (1.0f - m);
@@ -23,7 +23,7 @@ static pl_vec3f f0_of(const pl_surface *s) {
 
 /* Schlick (1994). */
 static pl_vec3f fresnel(pl_vec3f f0, float cosine) {
-  const float c = fminf(fmaxf(1.0f - cosine, 0.0f), 1.0f);
+  const float c = pl_minf(pl_maxf(1.0f - cosine, 0.0f), 1.0f);
   const float c5 = c * c * c * c * c;
   return pl_vec3f_make(f0.x + (1.0f - f0.x) * c5, f0.y + (1.0f - f0.y) * c5,
                        f0.z + (1.0f - f0.z) * c5);
@@ -33,14 +33,14 @@ static pl_vec3f fresnel(pl_vec3f f0, float cosine) {
  * alpha <= 1, k is at least 1; two opposite grazing directions leave no half vector and k = 0. */
 static float ggx(float alpha, pl_vec3f h) {
   const float x = h.x / alpha, y = h.y / alpha;
-  const float k = fmaxf(x * x + y * y + h.z * h.z, 1.0f);
+  const float k = pl_maxf(x * x + y * y + h.z * h.z, 1.0f);
   return 1.0f / (PL_PI_F * alpha * alpha * k * k);
 }
 
 /* Smith's Lambda for GGX (Heitz 2014, eq. 72). */
 static float lambda(float alpha, pl_vec3f w) {
   const float tan2 =
-      alpha * alpha * (w.x * w.x + w.y * w.y) / fmaxf(w.z * w.z, COSINE_MIN * COSINE_MIN);
+      alpha * alpha * (w.x * w.x + w.y * w.y) / pl_maxf(w.z * w.z, COSINE_MIN * COSINE_MIN);
   return 0.5f * (sqrtf(1.0f + tan2) - 1.0f);
 }
 
@@ -82,14 +82,14 @@ static float specular_chance(const pl_surface *s, pl_vec3f wo) {
   if (!(broad > 0.0f))
     return 1.0f;
   const float chance = specular / (specular + broad);
-  return base > 0.0f ? fminf(fmaxf(chance, 0.1f), 0.9f) : chance;
+  return base > 0.0f ? pl_minf(pl_maxf(chance, 0.1f), 0.9f) : chance;
 }
 
 /* The share of light that enters the base and leaves it again: what the coat would mirror at the
  * more grazing of the two directions is missing. glTF's sample implementation has 1 - F(wo.h), with
  * which a smooth white dielectric reflects up to twice the light that it gets. */
 static pl_vec3f base_share(pl_vec3f f0, pl_vec3f wo, pl_vec3f wi) {
-  const pl_vec3f f = fresnel(f0, fminf(wo.z, wi.z));
+  const pl_vec3f f = fresnel(f0, pl_minf(wo.z, wi.z));
   return pl_vec3f_make(1.0f - f.x, 1.0f - f.y, 1.0f - f.z);
 }
 
@@ -102,7 +102,7 @@ static pl_vec3f evaluate(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   const pl_vec3f f = fresnel(f0, pl_vec3f_dot(wo, h));
   /* Height-correlated Smith (Heitz 2014, eq. 99); cos(wi) cancels one of the two cosines. */
   const float g = 1.0f / (1.0f + lambda(alpha, wo) + lambda(alpha, wi));
-  const float specular = ggx(alpha, h) * g / (4.0f * fmaxf(wo.z, COSINE_MIN));
+  const float specular = ggx(alpha, h) * g / (4.0f * pl_maxf(wo.z, COSINE_MIN));
   const float diffuse = (1.0f - s->metallic) * wi.z / PL_PI_F;
   const pl_vec3f again = multiple(s, f0, alpha, wo.z, wi.z);
   return pl_vec3f_make(f.x * specular + again.x + base.x * diffuse * s->color.x,
@@ -112,7 +112,7 @@ static pl_vec3f evaluate(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
 
 /* Density of wi from visible normals (Heitz 2018, eq. 17). */
 static float specular_pdf(float alpha, pl_vec3f wo, pl_vec3f h) {
-  return ggx(alpha, h) / (4.0f * fmaxf(wo.z, COSINE_MIN) * (1.0f + lambda(alpha, wo)));
+  return ggx(alpha, h) / (4.0f * pl_maxf(wo.z, COSINE_MIN) * (1.0f + lambda(alpha, wo)));
 }
 
 static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
@@ -135,10 +135,10 @@ static pl_vec3f sample_visible_normal(float alpha, pl_vec3f wo, const float u[2]
   const pl_vec3f t2 = pl_vec3f_cross(v, t1);
   const pl_vec3f d = pl_sample_disc(u[0], u[1]);
   const float s = 0.5f * (1.0f + v.z);
-  const float y = (1.0f - s) * sqrtf(fmaxf(0.0f, 1.0f - d.x * d.x)) + s * d.y;
-  const float z = sqrtf(fmaxf(0.0f, 1.0f - d.x * d.x - y * y));
+  const float y = (1.0f - s) * sqrtf(pl_maxf(1.0f - d.x * d.x, 0.0f)) + s * d.y;
+  const float z = sqrtf(pl_maxf(1.0f - d.x * d.x - y * y, 0.0f));
   const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(pl_vec3f_scale(t1, d.x), y, t2), z, v);
-  return pl_vec3f_unit(pl_vec3f_make(alpha * n.x, alpha * n.y, fmaxf(1e-6f, n.z)));
+  return pl_vec3f_unit(pl_vec3f_make(alpha * n.x, alpha * n.y, pl_maxf(n.z, 1e-6f)));
 }
 
 static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float choice, pl_vec3f *wi,
