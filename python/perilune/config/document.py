@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from perilune import drivers
+from perilune.config import oaisys
 from perilune.config.errors import ConfigError, from_validation
 from perilune.config.loader import plain_tree, read_tree
 from perilune.config.overrides import apply_overrides
@@ -22,10 +23,18 @@ _DATA_PREFIX = "data:"
 class Document:
     """The configuration of a simulation; pickles as its tree and validates again when loaded."""
 
-    def __init__(self, tree: Mapping[str, Any], base: Path, source: str) -> None:
+    def __init__(
+        self,
+        tree: Mapping[str, Any],
+        base: Path,
+        source: str,
+        origins: Mapping[str, str] | None = None,
+    ) -> None:
+        """origins: key path -> key path in the file, of a file that was translated; for errors."""
         self.tree = plain_tree(tree, source)
         self.base = base
         self.source = source
+        self.origins = dict(origins or {})
         try:
             self.drivers = tuple(drivers.find(self.tree))
         except drivers.DriverError as error:
@@ -34,7 +43,7 @@ class Document:
         self._check_clips()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Document, (self.tree, self.base, self.source)
+        return Document, (self.tree, self.base, self.source, self.origins)
 
     def at(self, frame: int) -> tuple[Config, dict[str, float]]:
         """The configuration of a frame, and the values its drivers have there, by key path.
@@ -80,7 +89,7 @@ class Document:
             return Config.model_validate(tree)
         except ValidationError as error:
             driven = {driver.name: values[driver.path] for driver in self.drivers}
-            raise from_validation(error, tree, self.source, driven) from None
+            raise from_validation(error, tree, self.source, driven, self.origins) from None
 
     def _check_clips(self) -> None:
         """Each driver's limits must be valid values, so that no later frame fails on them."""
@@ -95,7 +104,10 @@ def load(
     overrides: Mapping[str, Any] | None = None,
     base: Path | None = None,
 ) -> Document:
-    """Loads a YAML or JSON file, or takes a mapping (paths relative to `base`, default: here)."""
+    """Loads a YAML or JSON file, or takes a mapping (paths relative to `base`, default: here).
+
+    One with the sections of an OAISYS file is translated first; overrides are of our keys.
+    """
     if isinstance(config, Mapping):
         source = "configuration"
         tree = plain_tree(config, source)
@@ -106,5 +118,9 @@ def load(
         tree = read_tree(path)
         base = base or path.resolve().parent
         tree.setdefault("name", path.stem)
+    origins: Mapping[str, str] = {}
+    if oaisys.is_oaisys(tree):
+        translation = oaisys.translate(tree, base, source)
+        tree, origins = translation.tree, translation.origins
     apply_overrides(tree, plain_tree(overrides or {}, "overrides"))
-    return Document(tree, base, source)
+    return Document(tree, base, source, origins)

@@ -49,16 +49,30 @@ def _walk(tree: Any, loc: Sequence[Any], missing: bool) -> tuple[list[Any], Any]
     return path, value
 
 
-def _describe(error: ErrorDetails, tree: Any, driven: Mapping[str, float]) -> str:
+def _origin(key: str, origins: Mapping[str, str]) -> str:
+    """A key of the tree as the file that was translated has it: `theirs (here: ours)`."""
+    at = key
+    while at:
+        if at in origins:
+            return f"{origins[at]} (here: {key})"
+        at = at[: max(at.rfind("."), at.rfind("["), 0)]
+    return key
+
+
+def _describe(
+    error: ErrorDetails, tree: Any, driven: Mapping[str, float], origins: Mapping[str, str]
+) -> str:
     path, value = _walk(tree, error["loc"], error["type"] == "missing")
     below = error.get("ctx", {}).get("path", "") if error["type"] == "perilune" else ""
     key = path_text((*path, below) if below else tuple(path))
+    shown_key = _origin(key, origins)
     if error["type"] == "missing":
-        return f"{key}: required, but missing"
+        return f"{shown_key}: required, but missing"
     scalar = not below and not isinstance(value, (Mapping, list, tuple)) and value is not None
     shown = f" = {value!r}" if scalar else ""
     if key in driven and error["type"] == "int_type":
-        return f"{key}: takes no driver (it fixes a count, an identity or the shape of an array)"
+        why = "it fixes a count, an identity or the shape of an array"
+        return f"{shown_key}: takes no driver ({why})"
     text = error["msg"].replace("Input should be", "must be")
     text = text.replace("Tuple should have", "must have").replace(" after validation", "")
     if error["type"] == "union_tag_invalid":
@@ -67,12 +81,19 @@ def _describe(error: ErrorDetails, tree: Any, driven: Mapping[str, float]) -> st
     elif error["type"] == "union_tag_not_found":
         text = "needs the key 'kind'"
     where = " (a value or limit of its driver)" if key in driven else ""
-    return f"{key or '(top level)'}{shown}: {text}{where}"
+    return f"{shown_key or '(top level)'}{shown}: {text}{where}"
 
 
 def from_validation(
-    error: ValidationError, tree: Any, source: str, driven: Mapping[str, float] | None = None
+    error: ValidationError,
+    tree: Any,
+    source: str,
+    driven: Mapping[str, float] | None = None,
+    origins: Mapping[str, str] | None = None,
 ) -> ConfigError:
-    """A pydantic error in the words of the configuration file."""
-    lines = [_describe(detail, tree, driven or {}) for detail in error.errors()]
+    """A pydantic error in the words of the configuration file.
+
+    origins: key paths of the tree -> those of the file, where it was translated.
+    """
+    lines = [_describe(detail, tree, driven or {}, origins or {}) for detail in error.errors()]
     return ConfigError(f"{source}:\n" + "\n".join(f"  {line}" for line in dict.fromkeys(lines)))

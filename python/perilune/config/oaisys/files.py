@@ -1,0 +1,79 @@
+"""Files that an OAISYS file names: models as glTF beside their .blend, maps beside models."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from perilune import _core
+from perilune.config.oaisys.node import Node
+
+_GLTF = (".glb", ".gltf")
+_MAPS = (".jpg", ".jpeg", ".png")
+_DATA = "data:"
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """The file of a mesh."""
+
+    text: str
+    """As the OAISYS file has it."""
+    found: str | None
+    """As our configuration takes it; None: there is no such glTF file."""
+    swapped: bool
+    """Whether it stands for another file."""
+    map: str | None
+    """A picture of the same name beside it, for our configuration."""
+    base: Path
+
+    @property
+    def stem(self) -> str:
+        """The file's name without its ending."""
+        return Path(self.text).stem
+
+    def missing(self) -> str:
+        """What is said when there is no glTF file."""
+        stem = str(_located(self.text, self.base).with_suffix(""))
+        return f"no such file: {' or '.join(stem + ending for ending in _GLTF)} (glTF is read)"
+
+
+def _located(text: str, base: Path) -> Path:
+    """Where a path points; `data:` stands for the folder of the sample data, as elsewhere."""
+    if text.startswith(_DATA):
+        return Path(os.environ.get("PERILUNE_DATA", "")) / text.removeprefix(_DATA).lstrip("/")
+    return base / text
+
+
+def _beside(text: str, base: Path, endings: tuple[str, ...]) -> str | None:
+    for ending in endings:
+        candidate = str(Path(text).with_suffix(ending))
+        if _located(candidate, base).is_file():
+            return candidate
+    return None
+
+
+def model(params: Node, key: str, base: Path) -> ModelFile:
+    """The model that a key names, and the map beside it."""
+    text = params.text(key)
+    suffix = Path(text).suffix.lower()
+    found = _beside(text, base, (suffix,)) if suffix in _GLTF else _beside(text, base, _GLTF)
+    return ModelFile(text, found, found is not None and suffix not in _GLTF, _map(text, base), base)
+
+
+def _map(text: str, base: Path) -> str | None:
+    return _beside(text, base, _MAPS)
+
+
+def reach(file: ModelFile, params: Node) -> float:
+    """Distance from a model's origin to the farthest corner of its bounds, its own units."""
+    assert file.found is not None  # the caller has told of missing files
+    path = _located(file.found, file.base)
+    try:
+        bounds = _core.Model(str(path)).bounds
+    except (ValueError, OSError) as error:
+        params.fail("meshFilePath", str(error))
+    return float(np.linalg.norm(np.abs(bounds).max(axis=0)))

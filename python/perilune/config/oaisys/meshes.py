@@ -1,0 +1,222 @@
+"""ASSET_SETUP.MESHES: each mesh becomes a body (an ellipsoid) or a spacecraft (a model).
+
+A mesh whose file is there as glTF is a spacecraft, whatever it shows. Of the others, one whose
+file, instance or entry is named like a body of the table is that body, and one that something
+orbits is an ellipsoid with the Earth's gravity. A body has the radii `scale`, in scene units, and
+the picture beside its file as map.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from perilune.config.oaisys import drivers, files, labels, orbits
+from perilune.config.oaisys.node import Node
+from perilune.config.oaisys.scene import ORIGIN, Scene, Thing, clean_name
+from perilune.config.oaisys.units import known_body, metres_per_unit
+
+_SURFACE_GRAVITY = 9.8e-3  # km/s2, of bodies that nobody knows
+_ORIGIN_KM = 1e-6
+_ASTEROID = (
+    "location",
+    "trajectorySimulation",
+    "trajectoryParams",
+    "assetDistanceScale",
+    "assetDisplacementParams",
+    "activationProbability",
+    "assetMaterial",
+)
+
+
+class _Mesh:
+    """An entry while it is read: its nodes, and what its file is."""
+
+    def __init__(self, entry: Node, scene: Scene, taken: list[str]) -> None:
+        self.entry = entry
+        self.kind = entry.text("type")
+        self.params = entry.child("meshParams")
+        self.alias = entry.text("name")
+        self.instance = self.params.text("meshInstanceName", self.alias)
+        self.name = clean_name(self.alias, taken)
+        self.scale = self.params.numbers("scale", 3, [1.0, 1.0, 1.0])
+        if not min(self.scale) > 0.0:
+            self.params.fail("scale", f"must be positive, not {self.scale}")
+        self.file = files.model(self.params, "meshFilePath", scene.base)
+        self.table = known_body(self.file.stem, self.instance, self.alias)
+        self.orbit = self._orbit()
+        self.is_parent = False
+
+    def _orbit(self) -> Node | None:
+        """`orbit_params`, which stands inside or beside `meshParams`."""
+        for owner in (self.params, self.entry):
+            if owner.has("orbit_params"):
+                if self.kind != "MeshSatelliteObject":
+                    text = f"orbits belong to MeshSatelliteObject; {self.kind} stands still"
+                    owner.ignore("orbit_params", text)
+                    continue
+                return owner.child("orbit_params")
+        if self.kind == "MeshSatelliteObject":
+            self.params.fail("orbit_params", "required, but missing")
+        return None
+
+    @property
+    def is_body(self) -> bool:
+        return self.file.found is None and (self.table is not None or self.is_parent)
+
+
+def _pose(mesh: _Mesh, ours: str) -> dict[str, Any]:
+    """rotation_deg and its spin: the same keys as ours."""
+    params = mesh.params
+    turn: dict[str, Any] = {"rotation_deg": params.numbers("rotation_deg", 3, [0.0, 0.0, 0.0])}
+    if params.has("rotation_deg_step_v"):
+        raw = params.get("rotation_deg_step_v")
+        if isinstance(raw, list) and len(raw) == 3:
+            turn["rotation_deg_step_v"] = params.numbers("rotation_deg_step_v", 3)
+        else:
+            turn["rotation_deg_step_v"] = params.number("rotation_deg_step_v")
+    if params.has("rotation_mode"):
+        turn["rotation_mode"] = params.choice("rotation_mode", ("local", "global"))
+    for key in turn:
+        params.comes(f"{ours}.{key}", key)
+    return turn
+
+
+def _place(mesh: _Mesh, scene: Scene, root: str, ours: str) -> dict[str, Any]:
+    """A fixed position, scene units from the scene's origin."""
+    place = scene.lengths_m(mesh.params.numbers("position", 3, [0.0, 0.0, 0.0]))
+    mesh.params.comes(f"{ours}.orbit", "position")
+    return {"around": root, "position_km": [value / 1e3 for value in place]}
+
+
+def _body(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
+    radii_km = [value / 1e3 for value in scene.lengths_m(mesh.scale)]
+    ours = f"bodies.{mesh.name}"
+    entry: dict[str, Any] = {"kind": mesh.table or "ellipsoid", "radii_km": radii_km}
+    entry["class"] = mesh.instance
+    mesh.params.comes(ours, "meshFilePath")
+    mesh.params.comes(f"{ours}.radii_km", "scale")
+    told = f"an ellipsoid of radii {radii_km[0]:g}, {radii_km[1]:g}, {radii_km[2]:g} km"
+    if mesh.table is None:
+        entry["gm_km3_s2"] = _SURFACE_GRAVITY * radii_km[0] ** 2
+        entry["albedo"] = 0.3
+    else:
+        told += f" with the constants of {mesh.table}"
+    if mesh.file.map is not None:
+        entry["color_map"], entry["albedo"] = mesh.file.map, 1.0
+        told += f" and the map {mesh.file.map}"
+    text = f"no {mesh.file.text} in glTF; {mesh.alias} is {told}"
+    mesh.params.notes.warn(mesh.params.where("meshFilePath"), text)
+    entry["rotation"] = _pose(mesh, f"{ours}.rotation")
+    return entry
+
+
+def _spacecraft(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
+    params, ours = mesh.params, f"spacecraft.{mesh.name}"
+    if mesh.file.found is None:
+        params.fail("meshFilePath", mesh.file.missing())
+    if mesh.file.swapped:
+        text = f"read from {mesh.file.found}, as .blend files cannot be"
+        params.notes.warn(params.where("meshFilePath"), text)
+    if len(set(mesh.scale)) > 1:
+        text = f"not applied per axis: the model is scaled by the first, {mesh.scale[0]:g}"
+        params.notes.warn(params.where("scale"), text)
+    params.comes(ours, "meshFilePath")
+    params.comes(f"{ours}.metres_per_unit", "scale")
+    return {
+        "model": mesh.file.found,
+        "metres_per_unit": scene.metres_per_unit * mesh.scale[0],
+        "centre": "origin",
+        "class": mesh.instance,
+        "attitude": _pose(mesh, f"{ours}.attitude"),
+    }
+
+
+def _radii_m(mesh: _Mesh, entry: dict[str, Any]) -> tuple[float, float, float]:
+    if mesh.is_body:
+        first, second, third = (value * 1e3 for value in entry["radii_km"])
+        return first, second, third
+    # Of the model about its origin; read when an orbit or a camera needs it.
+    reach = files.reach(mesh.file, mesh.params) * float(entry["metres_per_unit"])
+    return reach, reach, reach
+
+
+def _unsupported(entry: Node) -> None:
+    kind = entry.text("type")
+    drivers.read(entry)
+    entry.leave(f"{kind}: scattered meshes are not there yet; it is left out")
+
+
+_KINDS: dict[str, Callable[[Node], None] | None] = {
+    "MeshSingle": None,
+    "MeshSatelliteObject": None,
+    "MeshAsteroid": None,
+    "MeshMultipleRandom": _unsupported,
+}
+"""type -> what leaves it out; None: it is read."""
+
+
+def _read_all(section: Node, scene: Scene) -> list[_Mesh]:
+    meshes: list[_Mesh] = []
+    for entry in section.children("MESHES"):
+        leave = _KINDS[entry.choice("type", _KINDS)]
+        if leave is not None:
+            leave(entry)
+            continue
+        meshes.append(_Mesh(entry, scene, [mesh.name for mesh in meshes] + [ORIGIN]))
+    if not meshes:
+        section.fail("MESHES", "holds no mesh that can be shown")
+    parents = {mesh.orbit.text("parent") for mesh in meshes if mesh.orbit is not None}
+    for mesh in meshes:
+        mesh.is_parent = mesh.alias in parents or mesh.instance in parents
+    return meshes
+
+
+def read(root: Node, section: Node, scene: Scene) -> None:
+    """Fills `bodies`, `spacecraft`, `labels` and `root` of our tree, and the scene's things."""
+    section.child("GENERAL")
+    meshes = _read_all(section, scene)
+    around = [mesh.table for mesh in meshes if mesh.is_parent and mesh.file.found is None]
+    scene.metres_per_unit = metres_per_unit(root, around)
+    sections: dict[str, dict[str, Any]] = {"bodies": {}, "spacecraft": {}}
+    center = next((mesh.name for mesh in meshes if _rests_at_origin(mesh)), None)
+    if center is None:
+        sections["bodies"][ORIGIN] = _origin()
+    for mesh in meshes:
+        drivers.read(mesh.params)
+        drivers.read(mesh.entry)
+        if mesh.kind == "MeshAsteroid":
+            for key in _ASTEROID:
+                mesh.params.ignore(key, "not applied: the mesh stands at the scene's origin")
+        where = "bodies" if mesh.is_body else "spacecraft"
+        entry = _body(mesh, scene) if mesh.is_body else _spacecraft(mesh, scene)
+        sections[where][mesh.name] = entry
+        aliases = (mesh.alias, mesh.instance)
+        radii = partial(_radii_m, mesh, entry)
+        scene.things[mesh.name] = Thing(mesh.name, aliases, mesh.entry, where, radii)
+    for mesh in meshes:
+        where = scene.things[mesh.name].section
+        ours = f"{where}.{mesh.name}"
+        if mesh.orbit is not None:
+            sections[where][mesh.name]["orbit"] = orbits.read(mesh.orbit, scene, f"{ours}.orbit")
+        elif mesh.name != center:
+            place = _place(mesh, scene, center or ORIGIN, ours)
+            sections[where][mesh.name]["orbit"] = place
+        else:
+            mesh.params.get("position")
+    scene.tree |= {"root": center or ORIGIN, **sections}
+    scene.tree["labels"] = labels.read([(mesh.name, mesh.params) for mesh in meshes], scene)
+
+
+def _rests_at_origin(mesh: _Mesh) -> bool:
+    place = mesh.params.numbers("position", 3, [0.0, 0.0, 0.0])
+    return mesh.is_body and mesh.orbit is None and not any(place)
+
+
+def _origin() -> dict[str, Any]:
+    """A speck where the scene's origin is, for a scene without a body there."""
+    radii = [_ORIGIN_KM] * 3
+    return {"kind": "ellipsoid", "radii_km": radii, "gm_km3_s2": 1e-20, "albedo": 0.0}
+
+
