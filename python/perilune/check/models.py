@@ -36,7 +36,7 @@ def _check_mesh(report: Report, path: Path, mesh: Mesh) -> bool:
         return False
     if not report.need(bool(np.isfinite(mesh.points).all()), path, "has non-finite vertices"):
         return False
-    inside = mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.points)
+    inside = bool(mesh.faces.min() >= 0 and mesh.faces.max() < len(mesh.points))
     report.need(inside, path, "has a face of a vertex that does not exist")
     lengths = np.linalg.norm(mesh.normals, axis=1)
     bad = np.count_nonzero(~(np.abs(lengths - 1.0) <= _NORMALS))
