@@ -1,0 +1,16 @@
+/* How much of one disc another hides. */
+#ifndef PL_ORBIT_ECLIPSE_H
+#define PL_ORBIT_ECLIPSE_H
+
+#include "math/vec.h"
+
+/* Visible fraction of a disc of angular radius a > 0 behind a disc of radius b >= 0, their centres
+ * c >= 0 apart, in the same unit. Exact in the plane; of angles good to 1e-5 while a is small.
+ * Relative error near rounding for b/a up to 1e6 and beyond. */
+double pl_eclipse_fraction(double a, double b, double c);
+
+/* Visible fraction of the Sun's disc (uniform) from r_m, with a sphere of radius_m about the origin
+ * in the way. `sun_m` is the Sun's centre. 0 inside the sphere. */
+double pl_eclipse_sunlight(pl_vec3 r_m, pl_vec3 sun_m, double radius_m);
+
+#endif
