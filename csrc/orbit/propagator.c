@@ -2,11 +2,13 @@
 #include "orbit/propagator.h"
 
 #include "orbit/circular.h"
+#include "orbit/numerical.h"
 #include "orbit/two_body.h"
 
 static const pl_propagator_kind *const kinds[] = {
     &pl_kepler_kind,
     &pl_circular_kind,
+    &pl_numerical_kind,
 };
 
 const pl_propagator_kind *const *pl_propagator_kinds(size_t *count) {

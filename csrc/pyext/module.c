@@ -153,7 +153,8 @@ static int execute(PyObject *module) {
   pl_propagator_kinds(&propagators);
   pl_turn_kinds(&turns);
   if (add(module, "PROPAGATORS", named_rows(propagators, propagator_name, propagator_doc)) < 0 ||
-      add(module, "TURNS", named_rows(turns, turn_name, turn_doc)) < 0)
+      add(module, "TURNS", named_rows(turns, turn_name, turn_doc)) < 0 ||
+      add(module, "FORCES", pl_py_forces()) < 0)
     return -1;
   return pl_py_orbit_add_constants(module);
 }

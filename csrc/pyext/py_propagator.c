@@ -5,6 +5,7 @@
 
 #include "orbit/circular.h"
 #include "orbit/elements.h"
+#include "orbit/numerical.h"
 #include "orbit/orientation.h"
 #include "orbit/two_body.h"
 #include "pyext/py_read.h"
@@ -117,8 +118,19 @@ static const struct {
 } readers[] = {
     {&pl_kepler_kind, read_kepler},
     {&pl_circular_kind, read_circular},
+    {&pl_numerical_kind, pl_py_read_numerical},
 };
 #define READER_COUNT (sizeof readers / sizeof readers[0])
+
+int pl_py_read_propagator(PyObject *spec, const char *where, double day, double fraction,
+                          pl_propagator **out) {
+  const char *names[READER_COUNT];
+  for (size_t i = 0; i < READER_COUNT; i++)
+    names[i] = readers[i].kind->name;
+  const int kind =
+      pl_py_member_choice(spec, "kind", where ? where : "propagator", names, (int)READER_COUNT);
+  return kind < 0 ? -1 : readers[kind].read(spec, where ? where : names[kind], day, fraction, out);
+}
 
 typedef struct propagator_object {
   PyObject_HEAD pl_propagator *propagator; /* owned */
@@ -154,19 +166,13 @@ static PyObject *propagator_new(PyTypeObject *type, PyObject *args, PyObject *kw
     PyErr_SetString(PyExc_ValueError, "tdb_day or tdb_fraction is not finite");
     return NULL;
   }
-  const char *names[READER_COUNT];
-  for (size_t i = 0; i < READER_COUNT; i++)
-    names[i] = readers[i].kind->name;
-  const int kind = pl_py_member_choice(spec, "kind", "propagator", names, (int)READER_COUNT);
-  if (kind < 0)
-    return NULL;
   propagator_object *self =
       (propagator_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
   if (!self)
     return NULL;
   self->day = day;
   self->fraction = fraction;
-  if (readers[kind].read(spec, names[kind], day, fraction, &self->propagator) < 0)
+  if (pl_py_read_propagator(spec, NULL, day, fraction, &self->propagator) < 0)
     Py_CLEAR(self);
   return (PyObject *)self;
 }

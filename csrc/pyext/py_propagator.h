@@ -13,6 +13,15 @@ extern PyType_Spec pl_py_propagator_spec;
 typedef int (*pl_py_propagator_reader)(PyObject *spec, const char *where, double day,
                                        double fraction, pl_propagator **out);
 
+/* By the kind that spec names; `where` NULL stands for the kind's name. */
+int pl_py_read_propagator(PyObject *spec, const char *where, double day, double fraction,
+                          pl_propagator **out);
+
+/* The reader of `numerical`, and the rows of the table of forces with their parameters. */
+int pl_py_read_numerical(PyObject *spec, const char *where, double day, double fraction,
+                         pl_propagator **out);
+PyObject *pl_py_forces(void);
+
 /* Borrowed content of a Propagator, and its epoch; NULL with TypeError for another type. */
 const pl_propagator *pl_py_propagator_of(PyObject *object, double *day, double *fraction);
 

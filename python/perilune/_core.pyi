@@ -196,6 +196,10 @@ def body_orientation(name: str, tdb_day: float, tdb_fraction: F64) -> F64:
 PROPAGATORS: tuple[dict[str, str], ...]
 """The kinds of propagators: {"name", "doc"}; doc states what is modelled and its error."""
 
+FORCES: tuple[dict[str, Any], ...]
+"""Every force of the numerical propagator: {"name", "doc", "parameters": tuple of {"key", "type":
+"numbers" | "body" | "motion", "count": how many numbers or 0 for any, "optional", "doc"}}."""
+
 TURNS: tuple[dict[str, str], ...]
 """The frames that a node's rotation may follow: {"name", "doc"}."""
 
@@ -210,6 +214,11 @@ class Propagator:
      velocity. "equator": the body's equator of the epoch, x along its ascending node on ICRF's.
     {"kind": "circular", "radii_m": (3,), "q": (4,), "start_rev", "rate_rev_s"}:
      r = q (a cos u, b sin u, 0), u = 2 pi (start_rev + rate_rev_s t).
+    {"kind": "numerical", "gm", "state": (6,) at the epoch, ICRF axes, "rtol": 1e-15 to 1e-3,
+     default 1e-12, "surface_m": distance from the centre below which the orbit ends with an error,
+     default none, "forces": [{"kind": name in FORCES, its parameters}], "motions": {name: spec}}:
+     the point mass of gm always acts; a force's "motion" is the name of one of the motions, which
+     are propagators about the same centre (of the Sun, say).
     Errors (ValueError) start with the kind."""
 
     def __new__(
