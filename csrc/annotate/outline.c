@@ -103,6 +103,14 @@ bool pl_outline_before(const pl_outline *outline, const float *low, const float 
   return z > 0.0;
 }
 
+static void set_piece_axes(const pl_snapshot *shot, const pl_shot_piece *piece, pl_outline *out) {
+  const pl_mat3 m =
+      pl_mat3_transpose(pl_mat3_mul(pl_mat3_transpose(shot->camera_to_root), piece->linear));
+  for (int k = 0; k < 3; k++)
+    out->axes[k] = m.row[k];
+  out->origin = pl_mat3_mul_vec_t(shot->camera_to_root, piece->origin);
+}
+
 static void set_axes(const pl_snapshot *shot, const pl_shot_object *object, pl_outline *out) {
   const pl_mat3 m = pl_mat3_mul(pl_mat3_transpose(shot->camera_to_root), object->rotation);
   const double s = object->scale;
@@ -117,9 +125,9 @@ static void set_axes(const pl_snapshot *shot, const pl_shot_object *object, pl_o
 }
 
 /* With room for the mesh's rounding. */
-static void set_depths(const pl_model *model, pl_outline *out) {
+static void set_depths(pl_outline *out) {
   pl_vec3 corners[8];
-  set_corners(out, model->bounds_min, model->bounds_max, corners);
+  set_corners(out, out->model->bounds_min, out->model->bounds_max, corners);
   out->z0_m = INFINITY;
   out->z1_m = -INFINITY;
   for (int k = 0; k < 8; k++) {
@@ -167,41 +175,94 @@ static bool is_whole(const pl_snapshot *shot, size_t index, const pl_outline *ou
   return true;
 }
 
+static void widen(pl_rect *all, pl_rect r) {
+  if (r.x0 > r.x1)
+    return;
+  const bool first = all->x0 > all->x1;
+  all->x0 = first || r.x0 < all->x0 ? r.x0 : all->x0;
+  all->y0 = first || r.y0 < all->y0 ? r.y0 : all->y0;
+  all->x1 = first || r.x1 > all->x1 ? r.x1 : all->x1;
+  all->y1 = first || r.y1 > all->y1 ? r.y1 : all->y1;
+}
+
 /* The rectangle of all clusters, which is smaller than that of the bounding box. */
-static pl_status refine(const pl_snapshot *shot, size_t index, pl_cluster_cache *cache,
-                        pl_outline *out) {
-  PL_TRY(pl_cluster_cache_get(cache, shot->objects[index].object->model, &out->clusters));
+static pl_status refine(const pl_camera *camera, pl_cluster_cache *cache, pl_outline *out) {
+  PL_TRY(pl_cluster_cache_get(cache, out->model, &out->clusters));
   pl_rect all = nowhere;
   for (size_t i = 0; i < out->clusters.count; i++) {
     const pl_cluster *box = &out->clusters.boxes[i];
-    const pl_rect r = pl_outline_project(out, &shot->camera, box->low, box->high);
-    if (r.x0 > r.x1)
-      continue;
-    const bool first = all.x0 > all.x1;
-    all.x0 = first || r.x0 < all.x0 ? r.x0 : all.x0;
-    all.y0 = first || r.y0 < all.y0 ? r.y0 : all.y0;
-    all.x1 = first || r.x1 > all.x1 ? r.x1 : all.x1;
-    all.y1 = first || r.y1 > all.y1 ? r.y1 : all.y1;
+    widen(&all, pl_outline_project(out, camera, box->low, box->high));
   }
   out->rect = all;
   return PL_OK;
 }
 
+static pl_status refine_object(const pl_camera *camera, pl_cluster_cache *cache, pl_outline *out) {
+  pl_rect all = nowhere;
+  if (out->pieces == NULL)
+    return refine(camera, cache, out);
+  for (size_t k = 0; k < out->piece_count; k++) {
+    PL_TRY(refine(camera, cache, &out->pieces[k]));
+    widen(&all, out->pieces[k].rect);
+  }
+  out->rect = all;
+  return PL_OK;
+}
+
+static void set_box(const pl_camera *camera, pl_outline *out) {
+  set_depths(out);
+  out->rect = pl_outline_project(out, camera, out->model->bounds_min, out->model->bounds_max);
+}
+
+/* Fills the outlines of an articulated object's pieces that are present, and its own about them.
+ * Returns how many there are. */
+static size_t join_pieces(const pl_snapshot *shot, const pl_shot_object *object, pl_outline *pieces,
+                          pl_outline *out) {
+  out->pieces = pieces;
+  out->rect = nowhere;
+  out->z0_m = INFINITY;
+  out->z1_m = -INFINITY;
+  for (size_t k = 0; k < object->piece_count; k++) {
+    pl_outline *piece = &pieces[out->piece_count];
+    if (!object->pieces[k].present)
+      continue;
+    *piece = (pl_outline){.model = object->pieces[k].model};
+    set_piece_axes(shot, &object->pieces[k], piece);
+    set_box(&shot->camera, piece);
+    widen(&out->rect, piece->rect);
+    out->z0_m = fmin(out->z0_m, piece->z0_m);
+    out->z1_m = fmax(out->z1_m, piece->z1_m);
+    out->far_m = fmax(out->far_m, piece->far_m);
+    out->piece_count++;
+  }
+  return out->piece_count;
+}
+
+size_t pl_outline_count(const pl_snapshot *shot) {
+  size_t count = shot->object_count;
+  for (size_t i = 0; i < shot->object_count; i++)
+    count += shot->objects[i].piece_count;
+  return count;
+}
+
 pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_outline *outlines) {
   const size_t count = shot->object_count;
+  pl_outline *next = outlines + count;
   for (size_t i = 0; i < count; i++) {
-    const pl_model *model = shot->objects[i].object->model;
-    outlines[i] = (pl_outline){0};
-    set_axes(shot, &shot->objects[i], &outlines[i]);
-    set_depths(model, &outlines[i]);
-    outlines[i].rect =
-        pl_outline_project(&outlines[i], &shot->camera, model->bounds_min, model->bounds_max);
+    const pl_shot_object *object = &shot->objects[i];
+    outlines[i] = (pl_outline){.model = object->object->model};
+    if (object->pieces != NULL) {
+      next += join_pieces(shot, object, next, &outlines[i]);
+    } else {
+      set_axes(shot, object, &outlines[i]);
+      set_box(&shot->camera, &outlines[i]);
+    }
   }
   for (size_t i = 0; i < count; i++)
     outlines[i].whole = is_whole(shot, i, outlines);
   for (size_t i = 0; i < count; i++)
     if (!outlines[i].whole)
-      PL_TRY(refine(shot, i, cache, &outlines[i]));
+      PL_TRY(refine_object(&shot->camera, cache, &outlines[i]));
   for (size_t i = 0; i < count; i++)
     outlines[i].whole = is_whole(shot, i, outlines);
   return PL_OK;

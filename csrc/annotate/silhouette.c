@@ -152,14 +152,14 @@ static void mark_rect(const search *search, pl_rect r) {
 /* Marks the cells that a box projects on. The rectangle of a long box seen aslant is wide of it, so
  * large ones are halved, at most `depth` times; not those about the camera's plane, of which halves
  * say little and cost much. */
-static void mark_box(const search *search, const pl_cluster *box, int depth) {
+static void mark_box(const search *search, const pl_outline *piece, const pl_cluster *box,
+                     int depth) {
   const int small = 4 * CELL;
-  const pl_rect r =
-      pl_outline_project(search->outline, &search->job->shot->camera, box->low, box->high);
+  const pl_rect r = pl_outline_project(piece, &search->job->shot->camera, box->low, box->high);
   if (r.x0 > r.x1)
     return;
   if (depth == 0 || (r.x1 - r.x0 < small && r.y1 - r.y0 < small) ||
-      !pl_outline_before(search->outline, box->low, box->high)) {
+      !pl_outline_before(piece, box->low, box->high)) {
     mark_rect(search, r);
     return;
   }
@@ -169,17 +169,19 @@ static void mark_box(const search *search, const pl_cluster *box, int depth) {
       axis = k;
   pl_cluster halves[2] = {*box, *box};
   halves[0].high[axis] = halves[1].low[axis] = 0.5f * (box->low[axis] + box->high[axis]);
-  mark_box(search, &halves[0], depth - 1);
-  mark_box(search, &halves[1], depth - 1);
+  mark_box(search, piece, &halves[0], depth - 1);
+  mark_box(search, piece, &halves[1], depth - 1);
 }
 
 /* Marks the cells where the object may be. */
 static void mark_cells(const search *search, int rows) {
   const int depth = 6;
-  const pl_clusters *clusters = &search->outline->clusters;
+  size_t count;
+  const pl_outline *pieces = pl_outline_pieces(search->outline, &count);
   memset(search->job->cells, 0, search->cell_stride * (size_t)(rows * TILE_CELLS));
-  for (size_t i = 0; i < clusters->count && !search->outline->whole; i++)
-    mark_box(search, &clusters->boxes[i], depth);
+  for (size_t k = 0; k < count && !search->outline->whole; k++)
+    for (size_t i = 0; i < pieces[k].clusters.count; i++)
+      mark_box(search, &pieces[k], &pieces[k].clusters.boxes[i], depth);
 }
 
 /* What is seen is all there is. */

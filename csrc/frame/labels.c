@@ -28,7 +28,7 @@ static size_t pixels_of(const pl_snapshot *shot) {
 static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
   void *memory;
   const size_t count = out->shot->object_count;
-  PL_TRY(take(arena, count, sizeof(pl_outline), &memory));
+  PL_TRY(take(arena, pl_outline_count(out->shot), sizeof(pl_outline), &memory));
   out->outlines = memory;
   PL_TRY(pl_outline_build(out->shot, &tools->clusters, out->outlines));
   bool needed = out->request->masks != NULL;

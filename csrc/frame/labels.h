@@ -12,7 +12,7 @@ typedef struct pl_labels {
   const pl_frame_request *request;
   const pl_snapshot *shot;
   pl_extent *extents;   /* workers x objects: with object labels or masks */
-  pl_outline *outlines; /* per object: with amodal labels or masks */
+  pl_outline *outlines; /* per object, then per piece: with amodal labels or masks */
   pl_seen *seen;        /* the image: with masks, or when some object may be hidden or cut */
 } pl_labels;
 

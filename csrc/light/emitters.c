@@ -32,19 +32,21 @@ static pl_vec3f to_view(const float m[12], const float *p) {
 
 typedef struct corners {
   pl_vec3f a, edge1, edge2; /* m, view axes */
-  pl_vec3f normal;          /* by the winding; its length is twice the area */
+  pl_vec3f normal;          /* outwards; its length is twice the area */
 } corners;
 
 static corners corners_of(const pl_shot_object *object, uint32_t triangle) {
   const pl_model *model = object->object->model;
   const uint32_t *index = model->indices + 3 * (size_t)triangle;
+  const pl_shot_piece *piece = pl_shot_piece_of(object, triangle);
+  const float *m = piece != NULL ? piece->to_view : object->to_view;
   corners out;
-  out.a = to_view(object->to_view, model->positions + 3 * (size_t)index[0]);
-  out.edge1 =
-      pl_vec3f_sub(to_view(object->to_view, model->positions + 3 * (size_t)index[1]), out.a);
-  out.edge2 =
-      pl_vec3f_sub(to_view(object->to_view, model->positions + 3 * (size_t)index[2]), out.a);
+  out.a = to_view(m, model->positions + 3 * (size_t)index[0]);
+  out.edge1 = pl_vec3f_sub(to_view(m, model->positions + 3 * (size_t)index[1]), out.a);
+  out.edge2 = pl_vec3f_sub(to_view(m, model->positions + 3 * (size_t)index[2]), out.a);
   out.normal = pl_vec3f_cross(out.edge1, out.edge2);
+  if (piece != NULL) /* what is not there emits nothing */
+    out.normal = pl_vec3f_scale(out.normal, piece->present ? piece->side : 0.0f);
   return out;
 }
 

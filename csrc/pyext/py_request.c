@@ -81,8 +81,8 @@ static int parse_objects(PyObject *dict, size_t count, pl_object_state *out) {
   PyArrayObject *poses = get_array(dict, "object_poses", 3, shape);
   PyArrayObject *scale = poses != NULL ? get_array(dict, "object_scale", 1, shape) : NULL;
   for (size_t i = 0; scale != NULL && i < count; i++)
-    out[i] = (pl_object_state){motion_from((const double *)PyArray_DATA(poses) + 14 * i),
-                               ((const double *)PyArray_DATA(scale))[i]};
+    out[i] = (pl_object_state){.motion = motion_from((const double *)PyArray_DATA(poses) + 14 * i),
+                               .scale = ((const double *)PyArray_DATA(scale))[i]};
   Py_XDECREF((PyObject *)poses);
   Py_XDECREF((PyObject *)scale);
   return scale != NULL ? 0 : -1;

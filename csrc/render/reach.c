@@ -13,18 +13,26 @@ typedef struct extent {
 /* Rays leave through any place of a pixel, and boxes are projected through float transforms. */
 static const double MARGIN_PX = 0.75;
 
+static pl_vec3 view_of_object(const pl_shot_object *object, pl_vec3 p) {
+  const pl_vec3 local = pl_vec3_scale(pl_vec3_sub(p, object->object->offset), object->scale);
+  return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
+}
+
+static pl_vec3 view_of_piece(const pl_shot_piece *piece, pl_vec3 p) {
+  return pl_vec3_add(piece->origin, pl_mat3_mul_vec(piece->linear, p));
+}
+
 /* The rectangle that a box projects into; false if part of it is beside or behind the camera, where
  * projection has no bounds. */
-static bool project_box(const pl_snapshot *shot, const pl_shot_object *object, const pl_box *box,
-                        extent *out) {
+static bool project_box(const pl_snapshot *shot, const pl_shot_object *object,
+                        const pl_shot_piece *piece, const pl_box *box, extent *out) {
   const pl_camera *camera = &shot->camera;
   *out = (extent){INFINITY, INFINITY, -INFINITY, -INFINITY};
   for (int corner = 0; corner < 8; corner++) {
     const pl_vec3 p = {corner & 1 ? box->high[0] : box->low[0],
                        corner & 2 ? box->high[1] : box->low[1],
                        corner & 4 ? box->high[2] : box->low[2]};
-    const pl_vec3 local = pl_vec3_scale(pl_vec3_sub(p, object->object->offset), object->scale);
-    const pl_vec3 view = pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
+    const pl_vec3 view = piece != NULL ? view_of_piece(piece, p) : view_of_object(object, p);
     const pl_vec3 c = pl_mat3_mul_vec_t(shot->camera_to_root, view);
     if (!(c.z > 1e-3 * pl_vec3_norm(c)))
       return false;
@@ -56,13 +64,23 @@ static void mark(pl_reach *reach, const pl_snapshot *shot, const extent *e) {
     memset(reach->blocks + (size_t)y * (size_t)reach->columns + x0, 1, (size_t)(x1 - x0 + 1));
 }
 
-static void mark_object(pl_reach *reach, const pl_snapshot *shot, const pl_shot_object *object) {
+/* `piece`: whose cover it is, or NULL of an object that has none. */
+static void mark_cover(pl_reach *reach, const pl_snapshot *shot, const pl_shot_object *object,
+                       const pl_shot_piece *piece, const pl_cover *cover) {
   const extent everything = {0.0, 0.0, shot->camera.width, shot->camera.height};
-  for (size_t i = 0; i < object->object->cover.count; i++) {
+  for (size_t i = 0; i < cover->count; i++) {
     extent e;
-    const bool bounded = project_box(shot, object, &object->object->cover.boxes[i], &e);
+    const bool bounded = project_box(shot, object, piece, &cover->boxes[i], &e);
     mark(reach, shot, bounded ? &e : &everything);
   }
+}
+
+static void mark_object(pl_reach *reach, const pl_snapshot *shot, const pl_shot_object *object) {
+  if (object->pieces == NULL)
+    mark_cover(reach, shot, object, NULL, &object->object->cover);
+  for (size_t k = 0; k < object->piece_count; k++)
+    if (object->pieces[k].present)
+      mark_cover(reach, shot, object, &object->pieces[k], object->pieces[k].cover);
 }
 
 pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot) {

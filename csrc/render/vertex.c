@@ -4,16 +4,18 @@
 #include "geom/ellipsoid.h"
 #include "math/sampling.h"
 
-static pl_vec3 corner_of(const pl_shot_object *object, uint32_t index) {
+/* `piece`: the triangle's, or NULL. */
+static pl_vec3 corner_of(const pl_shot_object *object, const pl_shot_piece *piece, uint32_t index) {
   const float *p = object->object->model->positions + 3 * (size_t)index;
+  if (piece != NULL)
+    return pl_vec3_add(piece->origin, pl_mat3_mul_vec(piece->linear, (pl_vec3){p[0], p[1], p[2]}));
   const pl_vec3 local = pl_vec3_scale(
       pl_vec3_sub((pl_vec3){p[0], p[1], p[2]}, object->object->offset), object->scale);
   return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
 }
 
 /* The edge between two corners in view axes; float, since the translation drops out. */
-static pl_vec3f edge_of(const pl_shot_object *object, const float *from, const float *to) {
-  const float *m = object->to_view;
+static pl_vec3f edge_of(const float m[12], const float *from, const float *to) {
   const float x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2];
   return pl_vec3f_make(m[0] * x + m[3] * y + m[6] * z, m[1] * x + m[4] * y + m[7] * z,
                        m[2] * x + m[5] * y + m[8] * z);
@@ -31,9 +33,13 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
   const pl_model *model = object->object->model;
   const uint32_t *corner = model->indices + 3 * (size_t)hit->triangle;
   const float *a = model->positions + 3 * (size_t)corner[0];
-  out->edge1 = edge_of(object, a, model->positions + 3 * (size_t)corner[1]);
-  out->edge2 = edge_of(object, a, model->positions + 3 * (size_t)corner[2]);
+  const pl_shot_piece *piece = pl_shot_piece_of(object, hit->triangle);
+  const float *to_view = piece != NULL ? piece->to_view : object->to_view;
+  out->edge1 = edge_of(to_view, a, model->positions + 3 * (size_t)corner[1]);
+  out->edge2 = edge_of(to_view, a, model->positions + 3 * (size_t)corner[2]);
   out->ng = pl_vec3f_unit(pl_vec3f_cross(out->edge1, out->edge2));
+  if (piece != NULL)
+    out->ng = pl_vec3f_scale(out->ng, piece->side);
   out->t = hit->t;
   out->position = pl_vec3_madd(beam->origin, out->t, beam->direction);
   set_weights(out, hit->u, hit->v);
@@ -44,9 +50,10 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
 static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const pl_hit *hit,
                         pl_vertex *out) {
   const uint32_t *corner = object->object->model->indices + 3 * (size_t)hit->triangle;
-  const pl_vec3 a = corner_of(object, corner[0]);
-  const pl_vec3 e1 = pl_vec3_sub(corner_of(object, corner[1]), a);
-  const pl_vec3 e2 = pl_vec3_sub(corner_of(object, corner[2]), a);
+  const pl_shot_piece *piece = pl_shot_piece_of(object, hit->triangle);
+  const pl_vec3 a = corner_of(object, piece, corner[0]);
+  const pl_vec3 e1 = pl_vec3_sub(corner_of(object, piece, corner[1]), a);
+  const pl_vec3 e2 = pl_vec3_sub(corner_of(object, piece, corner[2]), a);
   const pl_vec3 normal = pl_vec3_cross(e1, e2);
   const pl_vec3 from = pl_vec3_sub(beam->origin, a);
   const double facing = pl_vec3_dot(normal, beam->direction);
@@ -60,6 +67,8 @@ static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const
   out->t = t;
   out->position = pl_vec3_madd(beam->origin, t, beam->direction);
   out->ng = pl_vec3_to_float(pl_vec3_unit(normal));
+  if (piece != NULL)
+    out->ng = pl_vec3f_scale(out->ng, piece->side);
   set_weights(out, pl_vec3_dot(pl_vec3_cross(p, e2), normal) / area2,
               pl_vec3_dot(pl_vec3_cross(e1, p), normal) / area2);
 }
@@ -126,9 +135,8 @@ static pl_vec3f mix3(const float *values, size_t stride, const uint32_t *corner,
   return out;
 }
 
-/* A direction of the object's axes in view axes. */
-static pl_vec3f rotate(const pl_shot_object *object, pl_vec3f v) {
-  const pl_mat3 *m = &object->rotation;
+/* A direction of the model's axes in view axes. */
+static pl_vec3f rotate(const pl_mat3 *m, pl_vec3f v) {
   return pl_vec3f_make(
       (float)m->row[0].x * v.x + (float)m->row[0].y * v.y + (float)m->row[0].z * v.z,
       (float)m->row[1].x * v.x + (float)m->row[1].y * v.y + (float)m->row[1].z * v.z,
@@ -140,7 +148,9 @@ static pl_vec3f rotate(const pl_shot_object *object, pl_vec3f v) {
 static pl_vec3f mesh_normal(const pl_shot_object *object, const pl_vertex *vertex) {
   const pl_model *model = object->object->model;
   const uint32_t *corner = model->indices + 3 * (size_t)vertex->triangle;
-  const pl_vec3f n = pl_vec3f_unit(rotate(object, mix3(model->normals, 3, corner, vertex->w)));
+  const pl_shot_piece *piece = pl_shot_piece_of(object, vertex->triangle);
+  const pl_mat3 *turn = piece != NULL ? &piece->normal : &object->rotation;
+  const pl_vec3f n = pl_vec3f_unit(rotate(turn, mix3(model->normals, 3, corner, vertex->w)));
   return pl_vec3f_dot(n, vertex->ng) < 0.0f ? pl_vec3f_scale(n, -1.0f) : n;
 }
 
@@ -151,8 +161,14 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, bool m
   pl_vec3f tangent = {0.0f, 0.0f, 0.0f};
   float handedness = 1.0f;
   if (model->tangents != NULL) {
-    tangent = rotate(object, mix3(model->tangents, 4, corner, vertex->w));
+    const pl_shot_piece *piece = pl_shot_piece_of(object, vertex->triangle);
+    const pl_mat3 *turn = piece != NULL ? &piece->linear : &object->rotation;
+    tangent = rotate(turn, mix3(model->tangents, 4, corner, vertex->w));
     handedness = model->tangents[4 * (size_t)corner[0] + 3] < 0.0f ? -1.0f : 1.0f;
+    if (piece != NULL) {
+      tangent = pl_vec3f_unit(tangent);
+      handedness *= piece->side;
+    }
   }
   set_frame(&vertex->surface, mesh_normal(object, vertex), tangent, handedness);
   pl_triangle_point point = {.triangle = vertex->triangle,

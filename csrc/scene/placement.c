@@ -66,6 +66,29 @@ static pl_status check_body(const pl_body *body, const pl_body_state *state) {
   return PL_OK;
 }
 
+/* Moving nodes stay within a thousand times the model's extent and its distance from the origin of
+ * its coordinates: what they reach is then as far as the object may be. */
+static pl_status check_movers(const pl_object *object, const pl_object_state *state) {
+  const double most = 1e3;
+  const float *low = object->model->bounds_min, *high = object->model->bounds_max;
+  double reach = 0.0;
+  for (int k = 0; k < 3; k++)
+    reach = fmax(reach, fmax(fabs((double)low[k]), fabs((double)high[k])));
+  if (pl_object_mover_count(object) > 0 && state->movers == NULL)
+    return pl_fail(PL_E_ARGUMENT, "object '%s': its moving nodes have no motion", object->name);
+  for (size_t i = 0; i < pl_object_mover_count(object); i++) {
+    const pl_affine *motion = &state->movers[i];
+    bool good = pl_vec3_norm(motion->t) <= most * (reach > 0.0 ? reach : 1.0);
+    for (int k = 0; k < 3; k++)
+      good = good && pl_vec3_norm(motion->m.row[k]) <= most;
+    if (!good)
+      return pl_fail(PL_E_RANGE,
+                     "object '%s': node '%s' moves or grows by more than %g times its model's size",
+                     object->name, object->model->nodes.items[object->cut->nodes[i]].name, most);
+  }
+  return PL_OK;
+}
+
 static pl_status check_object(const pl_object *object, const pl_object_state *state,
                               pl_vec3 camera) {
   PL_TRY(check_motion("object", object->name, &state->motion));
@@ -84,7 +107,7 @@ static pl_status check_object(const pl_object *object, const pl_object_state *st
   if (!(distance <= REACH_UNITS))
     return pl_fail(PL_E_RANGE, "object '%s': is %.3g of its model's units away, must be at most %g",
                    object->name, distance, REACH_UNITS);
-  return PL_OK;
+  return check_movers(object, state);
 }
 
 pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placement) {

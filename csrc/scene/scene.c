@@ -19,6 +19,9 @@ static void object_clear(pl_object *object) {
   pl_free(object->part_ids);
   pl_free(object->class_ids);
   pl_cover_clear(&object->cover);
+  for (size_t k = 0; object->piece_covers != NULL && k < object->cut->count; k++)
+    pl_cover_clear(&object->piece_covers[k]);
+  pl_free(object->piece_covers);
 }
 
 void pl_scene_clear(pl_scene *scene) {
@@ -26,6 +29,9 @@ void pl_scene_clear(pl_scene *scene) {
     object_clear(&scene->objects[i]);
   for (size_t i = 0; i < scene->body_count; i++)
     pl_free(scene->bodies[i].name);
+  for (size_t i = 0; i < scene->cut_count; i++)
+    pl_cut_destroy(scene->cuts[i]);
+  pl_free(scene->cuts);
   pl_free(scene->objects);
   pl_free(scene->bodies);
   *scene = (pl_scene){0};

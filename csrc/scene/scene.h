@@ -7,6 +7,7 @@
 
 #include "base/status.h"
 #include "geom/cover.h"
+#include "geom/cut.h"
 #include "geom/model.h"
 #include "math/rotation.h"
 #include "shade/material_surface.h"
@@ -26,7 +27,7 @@ typedef struct pl_part_table {
 /* An instance of a model. A model point p lies at scale * (p - offset) in the object's frame. */
 typedef struct pl_object {
   char *name;            /* owned */
-  const pl_model *model; /* borrowed */
+  const pl_model *model; /* borrowed; of an articulated object the cut's whole */
   pl_vec3 offset;        /* model units */
   int32_t obj_id, instance_id;
   size_t part_count;
@@ -34,7 +35,9 @@ typedef struct pl_object {
   int32_t *part_ids;       /* owned, one per part */
   uint16_t *class_ids;     /* owned, levels per part */
   pl_model_summary summary;
-  pl_cover cover; /* owned */
+  pl_cover cover;         /* owned; not of an articulated object */
+  const pl_cut *cut;      /* the scene's; NULL when nothing on the object moves */
+  pl_cover *piece_covers; /* owned, one a piece */
 } pl_object;
 
 /* An ellipsoid with an equirectangular map. Its frame: x at longitude 0, z at the north pole. */
@@ -53,6 +56,8 @@ typedef struct pl_scene {
   size_t object_count;
   pl_body *bodies; /* owned */
   size_t body_count;
+  pl_cut **cuts; /* owned; shared by objects of the same model and moving nodes */
+  size_t cut_count;
 } pl_scene;
 
 /* levels: of semantic labels, 1..PL_LEVELS_MAX. */
@@ -62,6 +67,13 @@ void pl_scene_clear(pl_scene *scene);
 pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
                               pl_vec3 offset, int32_t obj_id, int32_t instance_id,
                               const pl_part_table *parts);
+/* Lets nodes of an object's model move, in every frame by a motion each (pl_object_state). Once an
+ * object. Triangles are from then on in the order of the pieces. PL_E_RANGE for bad nodes. */
+pl_status pl_scene_articulate(pl_scene *scene, size_t object, const int *nodes, size_t count);
+/* Moving nodes of an object. */
+static inline size_t pl_object_mover_count(const pl_object *object) {
+  return object->cut != NULL ? object->cut->count - 1 : 0;
+}
 /* Part of a triangle of the object's model: index into part_ids. */
 static inline uint32_t pl_object_part(const pl_object *object, uint32_t triangle) {
   return object->triangle_part != NULL ? object->triangle_part[triangle]
@@ -79,7 +91,9 @@ pl_pose pl_motion_middle(const pl_motion *motion);
 
 typedef struct pl_object_state {
   pl_motion motion;
-  double scale; /* metres per model unit */
+  double scale;            /* metres per model unit */
+  const pl_affine *movers; /* of an articulated object: rest to now of each moving node, model axes
+                              and units (geom/articulation.h) */
 } pl_object_state;
 
 typedef struct pl_body_state {

@@ -1,6 +1,8 @@
 /* Re-basing the world on the camera. */
 #include "scene/snapshot.h"
 
+#include "scene/pieces.h"
+
 /* IAU 2012 resolution B2. */
 #define ASTRONOMICAL_UNIT_M 149597870700.0
 
@@ -118,6 +120,8 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   for (size_t i = 0; i < scene->object_count; i++) {
     pl_shot_object *object = &out->objects[i];
     build_object(&scene->objects[i], &placement->objects[i], camera.t, object);
+    if (scene->objects[i].cut != NULL)
+      PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
     object->in_frame = pl_sphere_in_cone(object->center, object->radius_m, axis, half_angle);
   }
   for (size_t i = 0; i < scene->body_count; i++) {

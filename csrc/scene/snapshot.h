@@ -9,6 +9,18 @@
 #include "plan/view.h"
 #include "scene/scene.h"
 
+/* What moves by itself on an articulated object. */
+typedef struct pl_shot_piece {
+  const pl_model *model; /* borrowed: its own triangles */
+  const pl_cover *cover; /* borrowed */
+  bool present;          /* has triangles, and its motion does not flatten it */
+  pl_mat3 linear;        /* model axes to root axes, m per model unit */
+  pl_vec3 origin;        /* of the model's coordinates, camera-relative, m */
+  pl_mat3 normal;        /* turns normals, not to unit length */
+  float side;            /* -1 where the motion mirrors: triangles wind the other way round */
+  float to_view[12];     /* as in pl_shot_object */
+} pl_shot_piece;
+
 typedef struct pl_shot_object {
   const pl_object *object; /* borrowed */
   double scale;            /* metres per model unit */
@@ -20,6 +32,10 @@ typedef struct pl_shot_object {
   bool in_frame;           /* the sphere touches the frustum */
   bool kept;               /* part of the accelerator; culled ones cannot touch the image */
   bool eclipsed;           /* a body's shadow may fall on it; set by pl_snapshot_cull */
+  /* Of an articulated object: every triangle is in one of these and placed by it, not by to_view;
+   * pose and scale are still the object's. */
+  const pl_shot_piece *pieces; /* in the order of the cut; NULL of others */
+  size_t piece_count;
 } pl_shot_object;
 
 typedef struct pl_shot_body {
@@ -54,6 +70,13 @@ typedef struct pl_snapshot {
   size_t body_count;
   pl_shot_sun sun;
 } pl_snapshot;
+
+/* The piece of a triangle of the object's model; NULL when the object has none. */
+static inline const pl_shot_piece *pl_shot_piece_of(const pl_shot_object *object,
+                                                    uint32_t triangle) {
+  return object->pieces == NULL ? NULL
+                                : &object->pieces[pl_cut_piece(object->object->cut, triangle)];
+}
 
 /* Built in `arena`; borrows scene and placement for as long as it is used. PL_E_RANGE when the
  * camera is inside a body. */

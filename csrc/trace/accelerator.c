@@ -101,9 +101,9 @@ static void remove_instance(pl_tracer *tracer, size_t index) {
   *instance = (pl_instance){0};
 }
 
-static pl_status place_instance(pl_tracer *tracer, size_t index, const pl_shot_object *object) {
+static pl_status place_instance(pl_tracer *tracer, size_t index, const pl_model *model,
+                                const float to_view[12]) {
   pl_instance *instance = &tracer->instances[index];
-  const pl_model *model = object->object->model;
   if (instance->model != model) {
     RTCScene scene = NULL;
     remove_instance(tracer, index);
@@ -113,29 +113,64 @@ static pl_status place_instance(pl_tracer *tracer, size_t index, const pl_shot_o
     rtcSetGeometryInstancedScene(instance->geometry, scene);
     rtcAttachGeometryByID(tracer->top, instance->geometry, (unsigned)index);
   }
-  rtcSetGeometryTransform(instance->geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, object->to_view);
+  rtcSetGeometryTransform(instance->geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, to_view);
   rtcCommitGeometry(instance->geometry);
+  tracer->has_meshes = true;
+  return PL_OK;
+}
+
+static pl_status grow(pl_tracer *tracer, size_t count) {
+  if (count <= tracer->instance_count)
+    return PL_OK;
+  pl_instance *instances = pl_realloc(tracer->instances, count, sizeof *instances);
+  if (instances != NULL)
+    tracer->instances = instances;
+  pl_piece_owner *owners = pl_realloc(tracer->owners, count, sizeof *owners);
+  if (owners != NULL)
+    tracer->owners = owners;
+  if (instances == NULL || owners == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for instances");
+  for (size_t i = tracer->instance_count; i < count; i++)
+    instances[i] = (pl_instance){0};
+  tracer->instance_count = count;
+  return PL_OK;
+}
+
+/* Piece 0 takes the object's own instance, the others those from `next` on. */
+static pl_status place_pieces(pl_tracer *tracer, size_t index, const pl_shot_object *object,
+                              size_t next) {
+  for (size_t k = 0; k < object->piece_count; k++) {
+    const pl_shot_piece *piece = &object->pieces[k];
+    const size_t at = k == 0 ? index : next + k - 1;
+    tracer->owners[at] = (pl_piece_owner){(uint32_t)index, (uint32_t)object->object->cut->first[k]};
+    if (object->kept && piece->present)
+      PL_TRY(place_instance(tracer, at, piece->model, piece->to_view));
+    else
+      remove_instance(tracer, at);
+  }
   return PL_OK;
 }
 
 pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) {
-  if (snapshot->object_count > tracer->instance_count) {
-    pl_instance *grown = pl_realloc(tracer->instances, snapshot->object_count, sizeof *grown);
-    if (grown == NULL)
-      return pl_fail(PL_E_MEMORY, "out of memory for instances");
-    tracer->instances = grown;
-    for (size_t i = tracer->instance_count; i < snapshot->object_count; i++)
-      grown[i] = (pl_instance){0};
-    tracer->instance_count = snapshot->object_count;
-  }
+  size_t used = snapshot->object_count;
+  for (size_t i = 0; i < snapshot->object_count; i++)
+    used += pl_object_mover_count(snapshot->objects[i].object);
+  PL_TRY(grow(tracer, used));
+  for (size_t i = used; i < tracer->instance_count; i++)
+    remove_instance(tracer, i);
   tracer->has_meshes = false;
-  for (size_t i = 0; i < tracer->instance_count; i++) {
-    if (i >= snapshot->object_count || !snapshot->objects[i].kept) {
+  tracer->has_pieces = used > snapshot->object_count;
+  tracer->object_count = used = snapshot->object_count;
+  for (size_t i = 0; i < snapshot->object_count; i++) {
+    const pl_shot_object *object = &snapshot->objects[i];
+    if (object->pieces != NULL) {
+      PL_TRY(place_pieces(tracer, i, object, used));
+      used += pl_object_mover_count(object->object);
+    } else if (object->kept) {
+      PL_TRY(place_instance(tracer, i, object->object->model, object->to_view));
+    } else {
       remove_instance(tracer, i);
-      continue;
     }
-    PL_TRY(place_instance(tracer, i, &snapshot->objects[i]));
-    tracer->has_meshes = true;
   }
   rtcCommitScene(tracer->top);
   return pl_accelerator_check(tracer, "placing instances");

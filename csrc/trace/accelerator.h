@@ -12,16 +12,24 @@ typedef struct pl_model_accelerator {
 
 typedef struct pl_instance {
   const pl_model *model; /* what `geometry` instances now; NULL when absent */
-  RTCGeometry geometry;  /* owned; attached under the object's index while present */
+  RTCGeometry geometry;  /* owned; attached under its own index while present */
 } pl_instance;
+
+/* Whose triangles an instance beyond those of the objects holds. */
+typedef struct pl_piece_owner {
+  uint32_t object, first; /* first: triangle of the object's model */
+} pl_piece_owner;
 
 struct pl_tracer {
   RTCDevice device;
-  RTCScene top;                 /* instances, ids = object indices */
+  RTCScene top;                 /* instances: of objects by index, then of their moving pieces */
   pl_model_accelerator *models; /* owned */
   size_t model_count;
-  pl_instance *instances; /* owned, one per object */
+  pl_instance *instances; /* owned, one per object, then one per moving piece */
   size_t instance_count;
+  pl_piece_owner *owners;      /* owned, `instance_count`: of instances from object_count on */
+  size_t object_count;         /* of the snapshot */
+  bool has_pieces;             /* there are instances of moving pieces */
   const pl_snapshot *snapshot; /* borrowed */
   bool has_meshes;             /* the top scene holds an instance */
 };

@@ -1,4 +1,4 @@
-/* One object alone: an Embree scene of a single instance, moved from object to object. */
+/* One object alone: an Embree scene of one instance a piece, moved from object to object. */
 #include "trace/solo.h"
 
 #include "base/memory.h"
@@ -6,10 +6,16 @@
 
 enum { PACKET = 8 };
 
-struct pl_solo {
-  pl_tracer *tracer;    /* borrowed */
-  RTCScene scene;       /* owned; holds `instance` alone */
+typedef struct slot {
   RTCGeometry instance; /* owned */
+  bool attached;        /* under the slot's number */
+} slot;
+
+struct pl_solo {
+  pl_tracer *tracer; /* borrowed */
+  RTCScene scene;    /* owned; holds the attached instances */
+  slot *slots;       /* owned; as many as any object has had pieces */
+  size_t count;
 };
 
 pl_status pl_solo_create(pl_tracer *tracer, pl_solo **out) {
@@ -19,7 +25,6 @@ pl_status pl_solo_create(pl_tracer *tracer, pl_solo **out) {
   *solo = (pl_solo){
       .tracer = tracer,
       .scene = rtcNewScene(tracer->device),
-      .instance = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE),
   };
   pl_status status = pl_accelerator_check(tracer, "opening a scene of one object");
   if (status != PL_OK) {
@@ -27,7 +32,6 @@ pl_status pl_solo_create(pl_tracer *tracer, pl_solo **out) {
     return status;
   }
   rtcSetSceneFlags(solo->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
-  rtcAttachGeometryByID(solo->scene, solo->instance, 0);
   *out = solo;
   return PL_OK;
 }
@@ -35,19 +39,58 @@ pl_status pl_solo_create(pl_tracer *tracer, pl_solo **out) {
 void pl_solo_destroy(pl_solo *solo) {
   if (solo == NULL)
     return;
-  if (solo->instance != NULL)
-    rtcReleaseGeometry(solo->instance);
+  for (size_t i = 0; i < solo->count; i++)
+    rtcReleaseGeometry(solo->slots[i].instance);
+  pl_free(solo->slots);
   if (solo->scene != NULL)
     rtcReleaseScene(solo->scene);
   pl_free(solo);
 }
 
+static pl_status grow(pl_solo *solo, size_t count) {
+  if (count <= solo->count)
+    return PL_OK;
+  slot *grown = pl_realloc(solo->slots, count, sizeof *grown);
+  if (grown == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for instances");
+  solo->slots = grown;
+  for (; solo->count < count; solo->count++)
+    grown[solo->count] =
+        (slot){rtcNewGeometry(solo->tracer->device, RTC_GEOMETRY_TYPE_INSTANCE), false};
+  return pl_accelerator_check(solo->tracer, "opening a scene of one object");
+}
+
+static void detach(pl_solo *solo, size_t index) {
+  if (solo->slots[index].attached)
+    rtcDetachGeometry(solo->scene, (unsigned)index);
+  solo->slots[index].attached = false;
+}
+
+static pl_status place(pl_solo *solo, size_t index, const pl_model *model,
+                       const float to_view[12]) {
+  slot *slot = &solo->slots[index];
+  RTCScene scene = NULL;
+  PL_TRY(pl_accelerator_of_model(solo->tracer, model, &scene));
+  rtcSetGeometryInstancedScene(slot->instance, scene);
+  rtcSetGeometryTransform(slot->instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, to_view);
+  rtcCommitGeometry(slot->instance);
+  if (!slot->attached)
+    rtcAttachGeometryByID(solo->scene, slot->instance, (unsigned)index);
+  slot->attached = true;
+  return PL_OK;
+}
+
 pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
-  RTCScene model = NULL;
-  PL_TRY(pl_accelerator_of_model(solo->tracer, object->object->model, &model));
-  rtcSetGeometryInstancedScene(solo->instance, model);
-  rtcSetGeometryTransform(solo->instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, object->to_view);
-  rtcCommitGeometry(solo->instance);
+  const size_t count = object->pieces != NULL ? object->piece_count : 1;
+  PL_TRY(grow(solo, count));
+  for (size_t i = 0; i < solo->count; i++) {
+    if (i >= count || (object->pieces != NULL && !object->pieces[i].present))
+      detach(solo, i);
+    else if (object->pieces != NULL)
+      PL_TRY(place(solo, i, object->pieces[i].model, object->pieces[i].to_view));
+    else
+      PL_TRY(place(solo, i, object->object->model, object->to_view));
+  }
   rtcCommitScene(solo->scene);
   return pl_accelerator_check(solo->tracer, "placing one object");
 }

@@ -48,6 +48,7 @@ void pl_tracer_destroy(pl_tracer *tracer) {
     rtcReleaseScene(tracer->models[i].scene);
   rtcReleaseDevice(tracer->device);
   pl_free(tracer->instances);
+  pl_free(tracer->owners);
   pl_free(tracer->models);
   pl_free(tracer);
 }
@@ -144,6 +145,17 @@ static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit
   }
 }
 
+/* Hits of moving pieces become hits of their objects. */
+static void name_owners(const pl_tracer *tracer, pl_hit *hits, size_t count) {
+  for (size_t i = 0; i < count; i++) {
+    if (hits[i].thing == PL_NOTHING || hits[i].thing < tracer->object_count)
+      continue;
+    const pl_piece_owner owner = tracer->owners[hits[i].thing];
+    hits[i].thing = owner.object;
+    hits[i].triangle += owner.first;
+  }
+}
+
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
                        bool coherent, bool meshes) {
   meshes = meshes && tracer->has_meshes;
@@ -155,6 +167,8 @@ void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits
   else if (meshes)
     for (size_t i = 0; i < count; i++)
       closest_single(tracer->top, &rays[i], &hits[i]);
+  if (meshes && tracer->has_pieces)
+    name_owners(tracer, hits, count);
   for (size_t i = 0; i < count; i++)
     closest_body(tracer->snapshot, &rays[i], &hits[i]);
 }

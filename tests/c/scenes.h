@@ -61,7 +61,7 @@ static inline size_t stage_add_object(stage *s, const pl_model *model, pl_vec3 p
   const pl_part_table table = {.count = model->part_count, .part_ids = parts, .class_ids = classes};
   assert_int_equal(
       pl_scene_add_object(&s->scene, "object", model, (pl_vec3){0, 0, 0}, id, id, &table), PL_OK);
-  s->objects[index] = (pl_object_state){still(position, rotation), scale};
+  s->objects[index] = (pl_object_state){.motion = still(position, rotation), .scale = scale};
   return index;
 }
 

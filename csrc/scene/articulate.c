@@ -1,0 +1,80 @@
+/* Letting parts of an object move. */
+#include <string.h>
+
+#include "base/memory.h"
+#include "scene/scene.h"
+
+static bool is_same(const pl_cut *cut, const pl_model *model, const int *nodes, size_t count) {
+  return cut->model == model && cut->count == count + 1 &&
+         memcmp(cut->nodes, nodes, count * sizeof *nodes) == 0;
+}
+
+static pl_status find_cut(pl_scene *scene, const pl_model *model, const int *nodes, size_t count,
+                          const pl_cut **out) {
+  for (size_t i = 0; i < scene->cut_count; i++)
+    if (is_same(scene->cuts[i], model, nodes, count)) {
+      *out = scene->cuts[i];
+      return PL_OK;
+    }
+  pl_cut **grown = pl_realloc(scene->cuts, scene->cut_count + 1, sizeof(pl_cut *));
+  if (grown == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the pieces of a model");
+  scene->cuts = grown;
+  PL_TRY(pl_cut_create(model, nodes, count, &grown[scene->cut_count]));
+  *out = grown[scene->cut_count++];
+  return PL_OK;
+}
+
+/* The user's parts of triangles, in the order of the pieces. */
+static pl_status sort_parts(const pl_object *object, const pl_cut *cut, uint32_t **out) {
+  void *memory;
+  *out = NULL;
+  if (object->triangle_part == NULL)
+    return PL_OK;
+  PL_TRY(
+      pl_alloc_or_fail(cut->whole.triangle_count, sizeof(uint32_t), "parts of triangles", &memory));
+  *out = memory;
+  for (size_t t = 0; t < cut->whole.triangle_count; t++)
+    (*out)[t] = object->triangle_part[cut->original[t]];
+  return PL_OK;
+}
+
+static pl_status cover_pieces(const pl_cut *cut, pl_cover **out) {
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(cut->count, sizeof(pl_cover), "covers of pieces", &memory));
+  pl_cover *covers = memory;
+  pl_status status = PL_OK;
+  for (size_t k = 0; k < cut->count && status == PL_OK; k++)
+    status = pl_cover_init(&cut->pieces[k], &covers[k]);
+  if (status == PL_OK) {
+    *out = covers;
+    return PL_OK;
+  }
+  for (size_t k = 0; k < cut->count; k++)
+    pl_cover_clear(&covers[k]);
+  pl_free(covers);
+  return status;
+}
+
+pl_status pl_scene_articulate(pl_scene *scene, size_t index, const int *nodes, size_t count) {
+  const pl_cut *cut = NULL;
+  uint32_t *parts;
+  pl_cover *covers;
+  if (index >= scene->object_count || scene->objects[index].cut != NULL)
+    return pl_fail(PL_E_ARGUMENT, "object %zu is not there or articulated already", index);
+  pl_object *object = &scene->objects[index];
+  PL_TRY(find_cut(scene, object->model, nodes, count, &cut));
+  PL_TRY(sort_parts(object, cut, &parts));
+  const pl_status status = cover_pieces(cut, &covers);
+  if (status != PL_OK) {
+    pl_free(parts);
+    return status;
+  }
+  pl_free(object->triangle_part);
+  pl_cover_clear(&object->cover);
+  object->triangle_part = parts;
+  object->piece_covers = covers;
+  object->model = &cut->whole;
+  object->cut = cut;
+  return PL_OK;
+}
