@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from perilune import orbits, rotations
 from perilune.bodies import Date
 from perilune.config.camera import Camera
+from perilune.config.orbit import Circular
 from perilune.config.schema import Config
 from perilune.random import generator
 from perilune.timeline import Moment
@@ -84,18 +85,44 @@ class World:
         """Centre at shutter opening (3,)."""
         return self.poses[name][0, :3]
 
+    def _orbited(self, name: str) -> str:
+        """What a body or spacecraft moves around: the root where its ephemeris places it."""
+        entry = self.config.bodies.get(name) or self.config.spacecraft[name]
+        return entry.orbit.around if entry.orbit is not None else self.config.root
+
+    def orbital_state(self, name: str, when: int = 0) -> tuple[F64, F64]:
+        """Position (3,) and velocity (3,) about what a thing orbits, ICRF axes, m and m/s."""
+        around = self._orbited(name)
+        position = self.poses[name][when, :3] - self.poses[around][when, :3]
+        velocity = self.velocities_m_s[name][when] - self.velocities_m_s[around][when]
+        return np.asarray(position), np.asarray(velocity)
+
+    def mean_motion_rad_s(self, name: str) -> float:
+        """Of a thing's orbit: by its energy; else, where that makes no ellipse or the mass of what
+        it orbits is not known, the rate at which its direction turns now."""
+        position, velocity = self.orbital_state(name)
+        distance = float(np.linalg.norm(position))
+        body = self.config.bodies.get(self._orbited(name))
+        entry = self.config.bodies.get(name) or self.config.spacecraft[name]
+        if body is not None and not isinstance(entry.orbit, Circular):
+            gm = orbits.gm_m3_s2(body)
+            inverse = 2.0 / distance - float(velocity @ velocity) / gm  # of the semi-major axis
+            if inverse > 0.0:
+                return float(np.sqrt(gm * inverse**3))
+        return float(np.linalg.norm(rotations.cross(position, velocity))) / distance**2
+
     def radius_m(self, name: str) -> float:
         """Radius of a sphere about the centre that holds a body or spacecraft."""
         if name in self.craft_radius_m:
             return self.craft_radius_m[name]
         return float(self.body_radii_m[name].max())
 
-    def random(self, what: str) -> np.random.Generator:
+    def random(self, what: str, interval: int = 1) -> np.random.Generator:
         """The step's random numbers for `what`; the same whatever else is drawn.
 
-        All sensors of a step get the same ones.
+        All sensors of a step get the same ones, and all of `interval` steps.
         """
-        return generator(self.config.seed, what, self.step)
+        return generator(self.config.seed, what, self.step // interval)
 
     def scene_random(self, what: str) -> np.random.Generator:
         """The scene's random numbers for `what`: the same for all its steps."""

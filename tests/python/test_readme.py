@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 from perilune import _core
+from perilune.trajectories import TRAJECTORIES
 
 ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "README.md").read_text()
@@ -51,5 +52,12 @@ def test_named_files_exist() -> None:
 
 
 def test_table_of_effects_is_complete() -> None:
-    rows = re.findall(r"^\| `(\w+)` \|", TEXT, re.M)
+    section = TEXT.split("## What is simulated")[1]
+    rows = re.findall(r"^\| `(\w+)` \|", section, re.M)
     assert rows == [row["name"] for row in _core.EFFECTS]
+
+
+def test_table_of_trajectories_is_complete() -> None:
+    section = TEXT.split("| kind | the camera |")[1].split("\n\n")[0]
+    names = [name for row in section.splitlines() for name in re.findall(r"`(\w+)`", row)]
+    assert names == list(TRAJECTORIES)

@@ -1,85 +1,14 @@
-"""The camera's section of the schema: intrinsics, exposure and the kinds of trajectory."""
+"""The camera's section of the schema: intrinsics, exposure, and how it moves."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
-from perilune.config.types import (
-    AngleRange,
-    Direction,
-    Finite,
-    FiniteRange,
-    Fraction,
-    Integer,
-    NonNegative,
-    Positive,
-    PositiveRange,
-    Strict,
-    Vec3,
-)
-
-
-class OrbitObject(Strict):
-    """Random directions and distances around a target; the camera moves with the target."""
-
-    kind: Literal["orbit_object"]
-    target: str
-    """Name of a spacecraft or body."""
-    distance_m: PositiveRange
-    """Distance of the target's centre: a number, or [smallest, largest], drawn uniformly."""
-    sun_angle_deg: AngleRange | None = None
-    """Limits of the angle between target -> camera and target -> Sun: 0 is full light."""
-    cone_axis: Direction = (0.0, 0.0, 1.0)
-    """Axis of the cone of `cone_angle_deg`, in the target's frame."""
-    cone_angle_deg: AngleRange | None = None
-    """Limits of the angle between target -> camera and the cone's axis."""
-    background: str | None = None
-    """A body that must lie behind the target's centre."""
-    aim_jitter_deg: Annotated[NonNegative, Field(le=90.0)] = 0.0
-    """Standard deviation of the aim, about each of the two camera axes."""
-    roll_deg: FiniteRange = (-180.0, 180.0)
-    """About the optical axis, drawn uniformly; 0: ICRF +z is up in the image."""
-    clearance_m: NonNegative = 0.0
-    """Least distance from every body's surface and every spacecraft's bounding sphere."""
-
-
-class Fixed(Strict):
-    """A fixed place relative to a target, looking at it."""
-
-    kind: Literal["fixed"]
-    target: str
-    """Name of a spacecraft or body."""
-    position_m: Vec3
-    """From the target's centre, in the axes of `frame`."""
-    frame: Literal["icrf", "target"] = "icrf"
-    """ICRF axes, or the target's own, with which the camera then turns."""
-    aim_offset_m: Vec3 = (0.0, 0.0, 0.0)
-    """The point looked at, from the target's centre, in the axes of `frame`."""
-    up: Direction = (0.0, 0.0, 1.0)
-    """What is up in the image, in the axes of `frame`."""
-    roll_deg: Finite = 0.0
-    """About the optical axis."""
-
-
-class Hook(Strict):
-    """A function of the user's, called as function(world, **params) with a perilune.world.World."""
-
-    kind: Literal["hook"]
-    function: str
-    """module:function; returns a camera pose (7,), or two (2, 7): shutter opening and closing."""
-    params: dict[str, Any] = Field(default_factory=dict)
-    """Handed to the function."""
-
-    @field_validator("function")
-    @classmethod
-    def _module_function(cls, value: str) -> str:
-        module, _, function = value.partition(":")
-        if not module or not all(part.isidentifier() for part in function.split(".")):
-            fail("", "must be module:function")
-        return value
+from perilune.config.trajectory import Trajectory
+from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
 
 
 class Exposure(Strict):
@@ -125,7 +54,7 @@ class Camera(Strict):
     focal_px: Positive | None = None
     K: Matrix | None = None
     """Row-major 3x3 matrix, pixels."""
-    trajectory: Annotated[OrbitObject | Fixed | Hook, Field(discriminator="kind")]
+    trajectory: Trajectory
     exposure_time_s: NonNegative = 0.0
     """Shutter opening to closing; frame times are openings."""
     exposure: Exposure = Exposure()

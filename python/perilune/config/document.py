@@ -86,7 +86,7 @@ class Document:
     def _validate(self, values: Mapping[tuple[str | int, ...], float]) -> Config:
         tree = drivers.substitute(self.tree, values)
         try:
-            return Config.model_validate(tree)
+            return Config.model_validate(tree, context={"path": self.path})
         except ValidationError as error:
             driven = {driver.name: values[driver.path] for driver in self.drivers}
             raise from_validation(error, tree, self.source, driven, self.origins) from None

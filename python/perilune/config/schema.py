@@ -24,6 +24,7 @@ from perilune.config.motion import check_motion
 from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
 from perilune.config.sensors import Sensor
+from perilune.config.trajectory import check_trajectory
 from perilune.config.types import (
     Direction,
     Finite,
@@ -336,8 +337,5 @@ class Config(Strict):
         bodies = list(self.bodies)
         known("root", self.root, bodies)
         check_motion(self)
-        trajectory = self.camera.trajectory
-        things = [*self.spacecraft, *bodies]
-        known("camera.trajectory.target", getattr(trajectory, "target", None), things)
-        known("camera.trajectory.background", getattr(trajectory, "background", None), bodies)
+        check_trajectory(self)
         return self

@@ -15,6 +15,7 @@ from perilune import _core, rotations
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Symmetries
+from perilune.config.trajectory import Deterministic
 from perilune.simulation import Simulation, intrinsics
 from perilune.writers.bop_models import BopModel, bop_model
 
@@ -120,6 +121,10 @@ def _files(sim: Simulation) -> dict[str, str]:
         if body.color_map is not None:
             key = f"bodies.{name}.color_map"
             files[key] = _file_sha256(sim, body.color_map, key)
+    trajectory = sim.config.camera.trajectory
+    if isinstance(trajectory, Deterministic):
+        key = "camera.trajectory.file"
+        files[key] = _file_sha256(sim, trajectory.file, key)
     return files
 
 

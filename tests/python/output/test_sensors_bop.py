@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 
 import numpy as np
@@ -106,6 +107,17 @@ def test_several_sizes_are_refused(small_scene, tmp_path):
     assert report.written == 2
     assert check_bop(tmp_path / "b").findings == []
     assert (alone.request(1)["camera_pose"] == sim.request(3)["camera_pose"]).all()
+
+
+def test_a_table_of_poses_is_a_file_of_the_dataset(small_scene, tmp_path):
+    way = tmp_path / "way.csv"
+    way.write_text("0,12,0,0,0.5,-0.5,0.5,-0.5\n")
+    trajectory = {"kind": "deterministic", "file": str(way), "target": "probe"}
+    sim = perilune.open(small_scene, overrides={"camera.trajectory": trajectory})
+    perilune.write_bop(sim, range(1), tmp_path / "out", threads=1)
+    info = json.loads((tmp_path / "out/dataset_info.json").read_text())
+    digest = hashlib.sha256(way.read_bytes()).hexdigest()
+    assert info["files_sha256"]["camera.trajectory.file"] == digest
 
 
 def test_preview_names_the_sensor(sim, small_scene, tmp_path):

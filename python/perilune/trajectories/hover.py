@@ -1,0 +1,57 @@
+"""hover: over a point of a body's surface, looking down or aslant."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import rotations
+from perilune.config.trajectory import Hover
+from perilune.trajectories.view import distance_noise_m, finished, uniform
+from perilune.world import World
+
+F64 = NDArray[np.float64]
+
+
+def surface(radii_m: F64, normal: F64) -> F64:
+    """The point of an ellipsoid whose outward normal is the unit vector `normal`, body axes.
+
+    The gradient of sum (x_i / r_i)^2 is along `normal` where x_i is r_i^2 n_i over the root of
+    sum (r_i n_i)^2; for two equal axes this is the usual geodetic formula.
+    """
+    return np.asarray(radii_m**2 * normal / np.linalg.norm(radii_m * normal))
+
+
+def hover(world: World) -> F64:
+    """The place and the view turn with the body."""
+    spec = world.camera.trajectory
+    assert isinstance(spec, Hover)
+    rng = world.random("camera.place", spec.interval)
+    lon = math.radians(uniform(rng, spec.lon_deg))
+    low, high = (math.sin(math.radians(angle)) for angle in spec.lat_deg)
+    lat = math.asin(uniform(rng, (low, high)))
+    if spec.lat_deg[0] == spec.lat_deg[1]:
+        lat = math.radians(spec.lat_deg[0])  # the arc sine loses digits near the poles
+    height = uniform(rng, spec.height_m) + distance_noise_m(world, spec.distance_noise_m)
+    lean = math.radians(uniform(rng, spec.off_nadir_deg))
+    azimuth = math.radians(uniform(rng, spec.azimuth_deg))
+    normal = np.array(
+        [math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)]
+    )
+    north = np.array(
+        [-math.sin(lat) * math.cos(lon), -math.sin(lat) * math.sin(lon), math.cos(lat)]
+    )
+    east = np.array([-math.sin(lon), math.cos(lon), 0.0])
+    towards = math.cos(azimuth) * north + math.sin(azimuth) * east
+    forward = math.sin(lean) * towards - math.cos(lean) * normal
+    up = math.cos(lean) * towards + math.sin(lean) * normal
+    place = surface(world.body_radii_m[spec.target], normal) + height * normal
+
+    def view(when: int) -> tuple[F64, F64]:
+        body = world.poses[spec.target][when]
+        where = body[:3] + rotations.rotate(body[3:], place)
+        return where, rotations.multiply(body[3:], rotations.look_at(forward, up))
+
+    return finished(world, spec, view)
