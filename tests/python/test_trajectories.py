@@ -285,6 +285,45 @@ def test_callable(scene):
     assert abs(np.linalg.norm(from_target(place, poses[0])) - 25.0) < 1e-6
 
 
+def test_hooks_draw_by_the_step(scene, tmp_path, monkeypatch):
+    """Their generator, and NumPy's own, give the same in any order and to all sensors of a step."""
+    (tmp_path / "drawing_hooks.py").write_text(
+        "import numpy as np\n"
+        "def near(world, rng, reach_m):\n"
+        "    offset = rng.uniform(10, reach_m, 3) + np.random.uniform(0, 1, 3)\n"
+        "    return [*(world.position_m('sat') + offset), 1, 0, 0, 0]\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    scene["camera"]["trajectory"] = {
+        "kind": "hook", "function": "drawing_hooks:near", "params": {"reach_m": 30.0},
+    }  # fmt: skip
+    np.random.seed(3)  # noqa: NPY002
+    forward = [trajectories.camera_poses(p)[0] for p in worlds(scene, frames=range(6))]
+    after = np.random.uniform()  # noqa: NPY002
+    np.random.seed(4)  # noqa: NPY002
+    backward = [trajectories.camera_poses(p)[0] for p in reversed(worlds(scene, frames=range(6)))]
+    assert (np.array(forward) == np.array(backward)[::-1]).all()
+    assert len({pose.tobytes() for pose in forward}) == 6
+    np.random.seed(3)  # noqa: NPY002
+    assert after == np.random.uniform()  # noqa: NPY002 (hooks leave the generators as they were)
+    scene["sensors"] = {"left": {}, "right": {}}
+    pairs = [trajectories.camera_poses(p)[0] for p in worlds(scene, frames=range(12))]
+    assert (np.array(pairs[::2]) == np.array(pairs[1::2])).all()
+    assert (np.array(pairs[::2]) == np.array(forward)).all()
+
+
+def test_callables_may_ask_for_a_generator(scene):
+    def near(world, rng):
+        return [*(world.position_m("sat") + rng.uniform(10, 20, 3)), 1, 0, 0, 0]
+
+    one, other = (
+        [trajectories.camera_poses(p, near)[0] for p in worlds(scene, frames=range(3))]
+        for _ in range(2)
+    )
+    assert (np.array(one) == np.array(other)).all()
+    assert len({pose.tobytes() for pose in one}) == 3
+
+
 def test_frames_are_drawn_independently_of_each_other(scene):
     forward = [trajectories.camera_poses(p) for p in worlds(scene)]
     backward = [trajectories.camera_poses(p) for p in reversed(worlds(scene))][::-1]

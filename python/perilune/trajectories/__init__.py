@@ -20,7 +20,7 @@ from perilune.trajectories.centred_target import centred_target
 from perilune.trajectories.deterministic import deterministic
 from perilune.trajectories.fixed import fixed
 from perilune.trajectories.flyby import flyby
-from perilune.trajectories.hook import checked, hook
+from perilune.trajectories.hook import called, hook
 from perilune.trajectories.hover import hover
 from perilune.trajectories.linear import linear
 from perilune.trajectories.orbit_object import orbit_object
@@ -50,7 +50,7 @@ TRAJECTORIES: dict[str, Trajectory] = {
 def platform_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
     """Poses (2, 7) of the platform: the user's callable if there is one, else as configured."""
     if own is not None:
-        return checked(own(world), getattr(own, "__name__", repr(own)))
+        return called(world, own, "trajectory", {})
     return TRAJECTORIES[world.camera.trajectory.kind](world)
 
 

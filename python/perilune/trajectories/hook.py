@@ -2,33 +2,19 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune import hooks
 from perilune.config.trajectory import Hook
 from perilune.world import World
 
 F64 = NDArray[np.float64]
 
 _REACH_M = 1e18  # as in the core: beyond, squares of float coordinates overflow
-
-
-def _load(name: str) -> Callable[..., Any]:
-    module, _, path = name.partition(":")
-    try:
-        value: Any = importlib.import_module(module)
-        for part in path.split("."):
-            value = getattr(value, part)
-    except (ImportError, AttributeError) as error:
-        text = f"camera.trajectory.function = '{name}': {error}"
-        raise ValueError(f"{text} (its module must be importable: see PYTHONPATH)") from error
-    if not callable(value):
-        raise ValueError(f"camera.trajectory.function = '{name}': not a function")
-    return value  # type: ignore[no-any-return]
 
 
 def checked(poses: Any, what: str) -> F64:
@@ -52,8 +38,23 @@ def checked(poses: Any, what: str) -> F64:
     return result
 
 
+def called(world: World, function: Callable[..., Any], key: str, params: Mapping[str, Any]) -> F64:
+    """The poses that a function gives for the step; `key` names it in errors and draws."""
+    answer = hooks.call(
+        function,
+        key,
+        seed=world.config.seed,
+        index=world.step,
+        offers={"world": lambda: world},
+        params=params,
+        first="world",
+    )
+    return checked(answer, getattr(function, "__name__", repr(function)))
+
+
 def hook(world: World) -> F64:
-    """The user's module:function, called as function(world, **params)."""
+    """The user's module:function, called as function(world, **params); it may ask for `rng`."""
     spec = world.camera.trajectory
     assert isinstance(spec, Hook)
-    return checked(_load(spec.function)(world, **spec.params), spec.function)
+    key = "camera.trajectory.function"
+    return called(world, hooks.load(spec.function, key), key, spec.params)

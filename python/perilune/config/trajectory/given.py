@@ -55,6 +55,8 @@ class Hook(Strict):
 
     kind: Literal["hook"]
     function: FunctionName
-    """module:function; returns a camera pose (7,), or two (2, 7): shutter opening and closing."""
+    """module:function; returns a camera pose (7,), or two (2, 7): shutter opening and closing. If
+    it has an argument `rng`, it gets a numpy.random.Generator of the step; NumPy's and Python's own
+    generators are seeded for the step while it runs."""
     params: dict[str, Any] = Field(default_factory=dict)
     """Handed to the function."""
