@@ -2,7 +2,8 @@
 
 A node is {'name', 'parent': index or -1, 'motion', 'rotation'} as `_core.Tree` takes it, but that
 its motion may also be the specification of a propagator, or a function: t_s (n,) -> (n, 6) states
-about the parent (m, m/s, ICRF axes), for what is computed in Python.
+about the parent (m, m/s, ICRF axes), for what is computed in Python; and the frame of its rotation
+a function: t_s (n,) -> (n, 4) axes to ICRF.
 """
 
 from __future__ import annotations
@@ -85,18 +86,40 @@ def propagator(spec: Mapping[str, Any], epoch: Date) -> _core.Propagator:
     return _propagators.get(key, lambda: _core.Propagator(spec, epoch.day, epoch.fraction))
 
 
-def _prepared(node: Node, epoch: Date, given: list[Path]) -> Node:
+@dataclass
+class _Given:
+    """Functions whose answers the core is given, with the nodes they belong to."""
+
+    paths: list[tuple[str, Path]]
+    axes: list[tuple[str, Path]]
+
+
+def _prepared(node: Node, epoch: Date, given: _Given) -> Node:
     """A node as the core takes it; functions are collected in `given`."""
-    motion = node["motion"]
+    name, motion, rotation = str(node["name"]), node["motion"], node["rotation"]
     if isinstance(motion, Mapping) and motion["kind"] in _KINDS:
         try:
             motion = propagator(motion, epoch)
         except ValueError as error:
-            raise ValueError(f"{node['name']}: {error}") from None
+            raise ValueError(f"{name}: {error}") from None
     elif callable(motion):
-        given.append(motion)
-        motion = {"kind": "given", "slot": len(given) - 1}
-    return {**node, "motion": motion}
+        given.paths.append((name, motion))
+        motion = {"kind": "given", "slot": len(given.paths) - 1}
+    if callable(rotation["frame"]):
+        given.axes.append((name, rotation["frame"]))
+        rotation = {**rotation, "frame": "given", "slot": len(given.axes) - 1}
+    return {**node, "motion": motion, "rotation": rotation}
+
+
+def _answers(functions: Sequence[tuple[str, Path]], t_s: F64) -> F64 | None:
+    """(n, slots, ...) of all functions; ValueError names the node."""
+    answers = []
+    for name, function in functions:
+        try:
+            answers.append(function(t_s))
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+    return np.stack(answers, axis=1) if answers else None
 
 
 def evaluate(nodes: Sequence[Node], epoch: Date, t_s: F64) -> States:
@@ -104,13 +127,13 @@ def evaluate(nodes: Sequence[Node], epoch: Date, t_s: F64) -> States:
 
     Errors of the core (ValueError) name the node.
     """
-    given: list[Path] = []
+    given = _Given([], [])
     ready = [_prepared(node, epoch, given) for node in nodes]
     tree = _trees.get(
         (_key(ready), epoch), lambda: _core.Tree(ready, epoch.day, epoch.fraction)
     )
-    states = np.stack([path(t_s) for path in given], axis=1) if given else None
-    poses, velocities = tree.states(t_s, given=states)
+    states, axes = _answers(given.paths, t_s), _answers(given.axes, t_s)
+    poses, velocities = tree.states(t_s, given=states, given_q=axes)
     names = [str(node["name"]) for node in nodes]
     return States(
         {name: poses[:, k] for k, name in enumerate(names)},

@@ -12,11 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, bodies, labels, orbits, rotations, trajectories
+from perilune import _core, bodies, labels, rotations, trajectories
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.camera import Camera
+from perilune.config.errors import nearest
 from perilune.config.references import MASKS, OBJECTS, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
+from perilune.hooks import Hook
+from perilune.orbits import Setting, System
 from perilune.parts import Partition
 from perilune.sample import CameraLabel, Sample
 from perilune.timeline import Timeline
@@ -47,22 +50,31 @@ class Simulation:
     """
 
     def __init__(
-        self, document: Document, trajectory: Callable[[World], Any] | None = None
+        self,
+        document: Document,
+        trajectory: Callable[[World], Any] | None = None,
+        orbits: Mapping[str, Hook] | None = None,
     ) -> None:
-        """trajectory: a callable that gives the camera's poses instead of the configured one."""
+        """trajectory: a callable that gives the camera's poses instead of the configured one.
+        orbits: name of a body or spacecraft -> a hook that draws its orbit instead."""
         check_references(document.config, document.source)
         self._document = document
         self._trajectory = trajectory
+        self._orbits = dict(orbits or {})
         self._epoch = bodies.date_from_utc(document.config.time.utc_fields())
         self._handles: Handles | None = None
         self._pid = 0
         try:
-            orbits.states(document.config, self._epoch, np.zeros(1))
+            for name in self._orbits:
+                if name not in document.config.bodies and name not in document.config.spacecraft:
+                    known = [*document.config.bodies, *document.config.spacecraft]
+                    raise ValueError(f"orbits: no entry named '{name}'{nearest(name, known)}")
+            self.system(0).states(np.zeros(1))
         except ValueError as error:
-            raise ConfigError(f"{document.source}:\n  {error}") from None
+            raise ConfigError(f"{document.source}:\n  {error}") from error
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Simulation, (self._document, self._trajectory)
+        return Simulation, (self._document, self._trajectory, self._orbits)
 
     def __repr__(self) -> str:
         cameras = self.config.cameras.items()
@@ -115,12 +127,36 @@ class Simulation:
         """
         return self._document.at(index)
 
+    def _setting(self, config: Config, index: int) -> Setting:
+        moment = config.timeline.at(index)
+        first = config.timeline.frames_before(moment.scene * config.time.frames_per_scene)
+
+        @lru_cache(maxsize=1)
+        def first_of_scene() -> Setting:
+            return self._setting(self.config_at(first)[0], first)
+
+        return Setting(
+            config=config,
+            epoch=self._epoch,
+            scene=moment.scene,
+            file=self._document.path,
+            craft_radius_m=lambda name: self._mine().radii_m(config)[name],
+            hooks=self._orbits,
+            first_of_scene=None if moment.step == self.timeline.at(first).step else first_of_scene,
+        )
+
+    def system(self, index: int) -> System:
+        """What moves in a frame, at any time."""
+        index = _checked_index(index)
+        return System(self._setting(self.config_at(index)[0], index))
+
     def world(self, index: int) -> World:
         """Where everything is in a frame, the camera aside."""
         index = _checked_index(index)
         config, drawn = self.config_at(index)
         radii_m = self._mine().radii_m(config)
-        return build_world(config, drawn, index, self._epoch, radii_m)
+        system = System(self._setting(config, index))
+        return build_world(config, drawn, index, self._epoch, radii_m, system)
 
     def request(self, index: int) -> _core.FrameRequest:
         """What the core is asked to render for a frame."""
@@ -210,6 +246,7 @@ def open(  # noqa: A001 (perilune.open is the interface)
     *,
     base: str | os.PathLike[str] | None = None,
     trajectory: Callable[[World], Any] | None = None,
+    orbits: Mapping[str, Hook] | None = None,
     **dotted: Any,
 ) -> Simulation:
     """Opens a configuration: a YAML or JSON file, or a mapping of the same shape.
@@ -218,12 +255,14 @@ def open(  # noqa: A001 (perilune.open is the interface)
     can be given as keywords, **{"render.samples": 4}. base: the folder that relative paths refer to
     (default: the file's, or the current one). trajectory: a callable (perilune.world.World) ->
     camera pose (7,) or (2, 7), camera to root, instead of the configured trajectory; with `sensors`
-    it is the pose of the platform they sit on.
+    it is the pose of the platform they sit on. orbits: name of a body or spacecraft -> a function
+    that draws its orbit once a scene, as those of `kind: hook`.
     """
     changes = {**(overrides or {}), **dotted}
     if seed is not None:
         changes["seed"] = seed
-    return Simulation(load(config, changes, Path(base) if base is not None else None), trajectory)
+    document = load(config, changes, Path(base) if base is not None else None)
+    return Simulation(document, trajectory, orbits)
 
 
 def _checked_index(index: int) -> int:

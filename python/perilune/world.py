@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,8 @@ class World:
     craft_radius_m: Mapping[str, float]
     """Name of a spacecraft -> radius of a sphere about its origin that holds it."""
     sun_position_m: F64
+    system: orbits.System
+    """What moves and how: its states at any other time."""
     drivers: Mapping[str, float]
     """What the drivers drew, by key path."""
     longest: World | None = None
@@ -165,16 +168,25 @@ def build(
     index: int,
     epoch: Date,
     craft_radius_m: Mapping[str, float],
+    system: orbits.System | None = None,
 ) -> World:
-    """The world of frame `index`; the sizes of the spacecraft come from their models."""
+    """The world of frame `index`; the sizes of the spacecraft come from their models.
+
+    system: what moves, where it needs files, hooks or scenes; default: of the configuration alone.
+    """
     moment = config.timeline.at(index)
+    if system is None:
+        setting = orbits.Setting(
+            config, epoch, moment.scene, lambda text, _: Path(text), craft_radius_m.__getitem__
+        )
+        system = orbits.System(setting)
     cameras = config.cameras
     t_s = config.time.step_s * moment.step
     radii_m = {name: orbits.radii_m(body) for name, body in config.bodies.items()}
 
     def world(camera: Camera, longest: World | None) -> World:
         exposure = camera.exposure_time_s
-        states = orbits.states(config, epoch, np.array([t_s, t_s + exposure]))
+        states = system.states(np.array([t_s, t_s + exposure]))
         return World(
             config=config.model_copy(update={"camera": camera}),
             moment=moment,
@@ -185,6 +197,7 @@ def build(
             body_radii_m=radii_m,
             craft_radius_m=craft_radius_m,
             sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * exposure)),
+            system=system,
             drivers=drivers,
             longest=longest,
         )

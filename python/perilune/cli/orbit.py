@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import bodies, orbits
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, add_frames, open_simulation
 from perilune.simulation import Simulation
@@ -30,10 +29,10 @@ def states(sim: Simulation, index: int) -> Iterator[tuple[str, str, F64, F64, F6
 
     At the opening of the shutter; the camera is not among them.
     """
-    config, _ = sim.config_at(index)
-    epoch = bodies.date_from_utc(config.time.utc_fields())
+    system = sim.system(index)
+    config, epoch = system.setting.config, system.setting.epoch
     t_s = config.time.step_s * config.timeline.at(index).step
-    found = orbits.states(config, epoch, np.array([t_s]))
+    found = system.states(np.array([t_s]))
     time = epoch.after(t_s).utc()
     for name, poses in found.poses.items():
         yield time, name, poses[0, :3], found.velocities_m_s[name][0], poses[0, 3:]

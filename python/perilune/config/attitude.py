@@ -61,7 +61,8 @@ class SunPointing(Spin):
 
 
 class VelocityPointing(Spin):
-    """Relative to axes with x along the velocity about the parent and z along the orbit normal."""
+    """Relative to axes with x along the velocity about the parent, y along minus the orbit normal
+    and z on the parent's side."""
 
     pointing: Literal["velocity"]
 
@@ -73,8 +74,8 @@ class TargetPointing(Spin):
     pointing: Literal["target"]
     target: str
     """Name of a body or spacecraft."""
-    up: Direction = (0.0, 0.0, 1.0)
-    """ICRF axes."""
+    up: Direction | None = None
+    """ICRF axes; default: the orbit normal."""
 
 
 _Tensor = tuple[Vec3, Vec3, Vec3]

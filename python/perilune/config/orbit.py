@@ -1,6 +1,7 @@
 """How bodies and spacecraft move: the kinds of orbits, elements at the epoch.
 
-To add a kind: its section here and its line in `Orbit`; its file and its line in perilune.orbits.
+To add a kind: its section here and its line in `Orbit`; its file in orbits/kinds and its line in
+orbits/paths.py.
 """
 
 from __future__ import annotations

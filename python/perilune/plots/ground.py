@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import orbits, rotations
+from perilune import rotations
 from perilune.plots import tracks
 from perilune.plots.figures import PALETTE, color_map, new_figure
 from perilune.world import World
@@ -84,7 +84,7 @@ def _is_under(sim: Simulation, name: str, ground: str) -> bool:
 
 def sub_point_deg(world: World, name: str, body: str, t_s: float) -> tuple[float, float]:
     """East longitude in [-180, 180] and latitude of the point of a body under a spacecraft."""
-    poses = orbits.states(world.config, world.epoch, np.array([t_s])).poses
+    poses = world.system.states(np.array([t_s])).poses
     from_center = poses[name][0, :3] - poses[body][0, :3]
     x, y, z = rotations.rotate(rotations.conjugate(poses[body][0, 3:]), from_center).tolist()
     return math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, math.hypot(x, y)))

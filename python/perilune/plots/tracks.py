@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import orbits
 from perilune.config.schema import Config
 from perilune.world import World
 
@@ -26,7 +25,7 @@ def parent(config: Config, name: str) -> str | None:
 
 def relative_m(world: World, name: str, around: str, t_s: float) -> F64:
     """Position (3,) of a thing from another's centre at a time, as the frame's orbits have it."""
-    poses = orbits.states(world.config, world.epoch, np.array([t_s])).poses
+    poses = world.system.states(np.array([t_s])).poses
     return poses[name][0, :3] - poses[around][0, :3]
 
 

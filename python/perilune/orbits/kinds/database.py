@@ -1,0 +1,51 @@
+"""Orbits drawn once a scene from the classes of the database."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import orbit_database, rotations
+from perilune.config.orbit import Database, Drawn
+from perilune.orbits.centre import centre_of, equator
+from perilune.orbits.drawn import run_through, start_rev
+from perilune.orbits.kinds.circular import path
+from perilune.orbits.place import Motion, Place
+from perilune.orbits.setting import KM
+
+F64 = NDArray[np.float64]
+
+
+def _ranges(orbit: Database) -> dict[str, tuple[float, float]]:
+    found = {key: getattr(orbit, key) for key in orbit_database.KEYS}
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def _circle(orbit: Drawn, place: Place, elements: dict[str, Any]) -> Motion:
+    """The paper's circle for an orbit's size and plane: its altitude over each semi-axis."""
+    parent = place.parent
+    if "altitude_km" in elements:
+        altitude = elements["altitude_km"] * KM
+    else:
+        altitude = elements["semi_major_axis_km"] * KM - parent.mean_radius_m
+    scale = (altitude + parent.radii_m) / parent.radii_m
+    plane = rotations.from_rpy_deg((elements["inclination_deg"], 0.0, elements["raan_deg"]))
+    q = rotations.multiply(equator(place.setting, parent), plane)
+    return path(place, scale, q, orbit.v_step or 0.0, start_rev(orbit, place))
+
+
+def database(orbit: Database, place: Place) -> Motion:
+    """A draw of the class; with propagator circular, a circle of the same size and plane."""
+    row = orbit_database.CLASSES[orbit.class_]
+    if orbit.propagator == "circular" and not row.round:
+        raise ValueError(f"propagator: circular cannot run through an orbit of class {row.name}")
+    elements = orbit_database.draw(
+        orbit.class_, centre_of(place), _ranges(orbit), place.scene_random
+    )
+    if orbit.propagator == "circular":
+        return _circle(orbit, place, elements)
+    finite = {key: value for key, value in elements.items() if math.isfinite(value)}
+    return run_through(orbit.propagator or "kepler", finite, place)

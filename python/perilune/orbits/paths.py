@@ -1,0 +1,35 @@
+"""The kinds of orbits: from a section of the configuration to a path about the parent.
+
+A kind is a function of (section, Place) that returns a specification of one of the core's
+propagators, a fixed position, or a function t_s (n,) -> states (n, 6); ValueError says why not. To
+add one: its section in config/orbit.py, its file in kinds/, its line in KINDS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from perilune.orbits.kinds.circular import circular
+from perilune.orbits.kinds.database import database
+from perilune.orbits.kinds.elements import kepler
+from perilune.orbits.kinds.spice import spice
+from perilune.orbits.kinds.tle import tle
+from perilune.orbits.place import Motion, Place
+
+KINDS: dict[str, Callable[[Any, Place], Motion]] = {
+    "kepler": kepler,
+    "circular": circular,
+    "tle": tle,
+    "spice": spice,
+    "database": database,
+}
+"""`kind` of an orbit's section -> what makes its path. Hooks need the other things' places: they
+are the system's."""
+
+
+def make(orbit: Any, place: Place) -> Motion:
+    """The path that an orbit's section means."""
+    if orbit.kind not in KINDS:
+        raise ValueError(f"orbits of kind {orbit.kind} are not propagated yet")
+    return KINDS[orbit.kind](orbit, place)

@@ -1,0 +1,53 @@
+"""What a kind of orbit is given beside its section."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune.bodies import Date
+from perilune.orbits.setting import Parent, Setting, parent_of
+from perilune.random import generator
+
+F64 = NDArray[np.float64]
+Motion = Mapping[str, Any] | Callable[[F64], F64]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Whose orbit it is, and around what."""
+
+    setting: Setting
+    name: str
+    key: str
+    """Path of the orbit's section, for errors and draws: spacecraft.iss.orbit."""
+    around: str
+
+    @property
+    def parent(self) -> Parent:
+        """What is orbited, in this frame."""
+        return parent_of(self.setting, self.around)
+
+    @property
+    def epoch(self) -> Date:
+        """When t_s is 0."""
+        return self.setting.epoch
+
+    @property
+    def step_s(self) -> float:
+        """From one step to the next."""
+        return self.setting.config.time.step_s
+
+    def file(self, text: str, key: str) -> Path:
+        """The file that a key of the section names."""
+        return self.setting.file(text, f"{self.key}.{key}")
+
+    def scene_random(self, key: str) -> np.random.Generator:
+        """The scene's random numbers for a key of the section."""
+        seed, scene = self.setting.config.seed, self.setting.scene
+        return generator(seed, f"scene:{self.key}.{key}", scene)

@@ -1,0 +1,120 @@
+"""What orbits are made from: the configuration of a frame, and what is known of a parent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core, bodies
+from perilune.bodies import Date
+from perilune.config.motion import sections
+from perilune.config.schema import Body, Config
+from perilune.hooks import Hook
+
+F64 = NDArray[np.float64]
+
+KM = 1e3
+
+
+@dataclass(frozen=True)
+class Setting:
+    """The configuration of a frame and what its orbits need beside it."""
+
+    config: Config
+    epoch: Date
+    scene: int
+    file: Callable[[str, str], Path]
+    """The file that a text of the configuration means; its key is for errors."""
+    craft_radius_m: Callable[[str], float]
+    """Bounding radius of a spacecraft; it may have to load the model."""
+    hooks: Mapping[str, Hook] = field(default_factory=lambda: MappingProxyType({}))
+    """Name of a thing -> function given in code, instead of the configured orbit."""
+    first_of_scene: Callable[[], Setting] | None = None
+    """The setting of the scene's first step; None if this is it."""
+
+    @property
+    def start(self) -> Setting:
+        """That of the scene's first step, from which the scene's orbits are drawn."""
+        return self if self.first_of_scene is None else self.first_of_scene()
+
+    @property
+    def start_s(self) -> float:
+        """Seconds after the epoch at the scene's first step."""
+        time = self.config.time
+        return time.step_s * (self.scene * time.frames_per_scene)
+
+
+@dataclass(frozen=True)
+class Parent:
+    """What is orbited."""
+
+    name: str
+    table: str | None
+    """Its name in the core's table of bodies."""
+    is_body: bool
+    gm_or_none: float | None
+    _radii_m: Callable[[], F64]
+
+    @property
+    def radii_m(self) -> F64:
+        """Semi-axes; of a spacecraft, its bounding radius."""
+        return self._radii_m()
+
+    @property
+    def mean_radius_m(self) -> float:
+        """Mean equatorial radius, from which altitudes count."""
+        return float(np.mean(self.radii_m[:2]))
+
+    @property
+    def gm_m3_s2(self) -> float:
+        """Gravitational parameter; ValueError for a spacecraft without one."""
+        if self.gm_or_none is None:
+            raise ValueError(f"an orbit about {self.name} needs spacecraft.{self.name}.gm_km3_s2")
+        return self.gm_or_none
+
+
+def table_name(body: Body) -> str | None:
+    """Name of the entry of the core's table that a body stands for; None for a free ellipsoid."""
+    return body.ephemeris if body.kind == "ellipsoid" else body.kind
+
+
+def ephemeris_name(config: Config, name: str) -> str | None:
+    """Whose ephemeris places a body that has no orbit; a free ellipsoid as root takes Earth's."""
+    return table_name(config.bodies[name]) or ("earth" if name == config.root else None)
+
+
+def radii_m(body: Body) -> F64:
+    """Semi-axes, body-fixed."""
+    if body.radii_km is not None:
+        return np.array(body.radii_km) * KM
+    return np.array(_core.BODIES[body.kind]["radii_m"], dtype=np.float64)
+
+
+def gm_m3_s2(body: Body) -> float:
+    """Gravitational parameter."""
+    if body.gm_km3_s2 is not None:
+        return body.gm_km3_s2 * 1e9
+    return float(_core.BODIES[body.kind]["gm_m3_s2"])
+
+
+def parent_of(setting: Setting, name: str) -> Parent:
+    """What orbits around `name` go around."""
+    _, entry = sections(setting.config)[name]
+    if isinstance(entry, Body):
+        return Parent(name, table_name(entry), True, gm_m3_s2(entry), lambda: radii_m(entry))
+    gm = None if entry.gm_km3_s2 is None else entry.gm_km3_s2 * 1e9
+    return Parent(name, None, False, gm, lambda: np.full(3, setting.craft_radius_m(name)))
+
+
+def sun_position_m(config: Config, date: Date) -> F64:
+    """The Sun's centre in the root frame."""
+    if config.sun.direction is not None:
+        return np.array(config.sun.direction) * (config.sun.distance_au * bodies.AU_M)
+    origin = ephemeris_name(config, config.root)
+    assert origin is not None  # the root always has one
+    return bodies.relative_m("sun", origin, date)

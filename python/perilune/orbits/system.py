@@ -1,0 +1,200 @@
+"""The tree of a frame: who is around whom, on what path, turned how; and its states."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import bodies, rotations
+from perilune.config.motion import sections
+from perilune.config.orbit import Hook
+from perilune.config.schema import Body
+from perilune.motion import States, evaluate
+from perilune.orbits import hooked, paths
+from perilune.orbits.place import Motion, Place
+from perilune.orbits.setting import KM, Setting, ephemeris_name, parent_of, radii_m, sun_position_m
+from perilune.orbits.turns import SUN, body_turn, craft_turn
+
+F64 = NDArray[np.float64]
+Node = dict[str, Any]
+
+
+def _ephemeris(setting: Setting, name: str) -> Motion:
+    """The path of a body without an orbit about the root."""
+    config = setting.config
+    if name == config.root:
+        return {"kind": "fixed", "position_m": np.zeros(3)}
+    own, origin = ephemeris_name(config, name), ephemeris_name(config, config.root)
+    if own is None or origin is None:
+        raise ValueError("its place is not known: give an orbit, or an ephemeris")
+    if own == origin:
+        raise ValueError(
+            f"it stands where the root body is (the ephemeris of {own}); give an orbit"
+        )
+    epoch = setting.epoch
+
+    def path(t_s: F64) -> F64:
+        return np.stack([bodies.relative_state(own, origin, epoch.after(t)) for t in t_s])
+
+    return path
+
+
+def _sun(setting: Setting) -> Motion:
+    config, epoch = setting.config, setting.epoch
+    if config.sun.direction is not None:
+        return {"kind": "fixed", "position_m": sun_position_m(config, epoch)}
+    origin = ephemeris_name(config, config.root)
+    assert origin is not None  # the root always has one
+
+    def path(t_s: F64) -> F64:
+        return np.stack([bodies.relative_state("sun", origin, epoch.after(t)) for t in t_s])
+
+    return path
+
+
+def _hooked(setting: Setting, name: str, orbit: Any) -> bool:
+    return name in setting.hooks or isinstance(orbit, Hook)
+
+
+def _path(setting: Setting, name: str, entry: Any, section: str) -> Motion:
+    if entry.orbit is None:
+        return _ephemeris(setting, name)
+    hook = _hooked(setting, name, entry.orbit)
+    if hook or entry.orbit.kind == "database":
+        # What is drawn once a scene is drawn from the scene's first step.
+        setting = setting.start
+        entry = sections(setting.config)[name][1]
+    place = Place(setting, name, f"{section}.{name}.orbit", entry.orbit.around)
+    if not hook:
+        return paths.make(entry.orbit, place)
+    known = _known_before(setting, name)
+    return hooked.hook(entry.orbit, place, lambda: _surroundings(setting, known))
+
+
+def _known_before(setting: Setting, name: str) -> list[str]:
+    """What a hook's orbit may look at: all that moves without a hook that comes at or after it."""
+    things = sections(setting.config)
+    order = list(things)
+    later = {
+        other
+        for other in order[order.index(name) :]
+        if things[other][1].orbit is not None and _hooked(setting, other, things[other][1].orbit)
+    }
+    known = []
+    for other in order:
+        at: str | None = other
+        while at is not None and at not in later:
+            orbit = things[at][1].orbit
+            at = None if orbit is None else orbit.around
+        if at is None:
+            known.append(other)
+    return known
+
+
+def _radii_m(setting: Setting, name: str) -> F64:
+    return parent_of(setting, name).radii_m
+
+
+def _surroundings(setting: Setting, known: list[str]) -> hooked.Surroundings:
+    """Poses and radii of some things at the scene's first step."""
+    found = System(setting, known).states(np.array([setting.start_s]))
+    entries: dict[str, hooked.Thing] = {}
+    for name in known:
+        radii = partial(_radii_m, setting, name)
+        entries[name] = hooked.Thing(found.poses[name][0], radii)
+    return hooked.Surroundings(entries)
+
+
+def _nodes(setting: Setting, names: list[str]) -> list[Node]:
+    """The tree's nodes of some things, the Sun's behind them if one of them points at it."""
+    config, things = setting.config, sections(setting.config)
+    index = {name: k for k, name in enumerate(names)}
+    index[SUN] = len(names)
+    nodes: list[Node] = []
+    for name in names:
+        section, entry = things[name]
+        try:
+            motion = _path(setting, name, entry, section)
+            if isinstance(entry, Body):
+                turn = body_turn(entry, setting)
+            else:
+                # A target that is not known yet cannot be pointed at yet.
+                target = getattr(entry.attitude, "target", name)
+                turn = {"frame": "inertial"}
+                if target in index:
+                    turn = craft_turn(name, entry.attitude, setting, index)
+        except (ValueError, OSError) as error:
+            raise _named(error, f"{section}.{name}") from None
+        around = entry.orbit.around if entry.orbit is not None else config.root
+        parent = -1 if name == config.root else index[around]
+        nodes.append({"name": name, "parent": parent, "motion": motion, "rotation": turn})
+    if any(node["rotation"].get("frame") == "sun" for node in nodes):
+        sun = {"motion": _sun(setting), "rotation": {"frame": "inertial"}}
+        nodes.append({"name": SUN, "parent": index[config.root], **sun})
+    return nodes
+
+
+def _named(error: Exception, key: str) -> Exception:
+    """A file that is not there keeps its type; it names its key itself."""
+    return error if isinstance(error, OSError) else ValueError(f"{key}: {error}")
+
+
+def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) -> None:
+    """ValueError that names the orbit of a thing whose centre is inside the body it is around."""
+    things = sections(setting.config)
+    for name in names:
+        section, entry = things[name]
+        if entry.orbit is None or entry.orbit.around not in setting.config.bodies:
+            continue
+        around = entry.orbit.around
+        radii = radii_m(setting.config.bodies[around])
+        for k, pose in enumerate(found.poses[name]):
+            parent = found.poses[around][k]
+            from_center = pose[:3] - parent[:3]
+            p = rotations.rotate(rotations.conjugate(parent[3:]), from_center) / radii
+            size = float(np.linalg.norm(p))
+            if size < 1.0 - 1e-9:
+                distance = float(np.linalg.norm(from_center))
+                deep = distance * (1.0 / size - 1.0) / KM if size > 0.0 else radii.min() / KM
+                when = setting.epoch.after(float(t_s[k])).utc()
+                raise ValueError(
+                    f"{section}.{name}.orbit: at {when} it is {deep:.6g} km below the surface of "
+                    f"{around}"
+                )
+
+
+def _with_section(error: ValueError, setting: Setting) -> ValueError:
+    """The core and paths name the node alone: "iss: ..."; its entry is more help."""
+    name, _, text = str(error).partition(": ")
+    found = sections(setting.config).get(name)
+    return error if found is None else ValueError(f"{found[0]}.{name}: {text}")
+
+
+class System:
+    """Everything that moves in a frame. What is drawn, read or asked of hooks is so once, here.
+
+    ValueError names the entry that cannot be placed.
+    """
+
+    def __init__(self, setting: Setting, names: list[str] | None = None) -> None:
+        """names: only these, which must hold all that they are around."""
+        self.setting = setting
+        self._names = list(sections(setting.config)) if names is None else names
+        self._nodes = _nodes(setting, self._names)
+
+    def states(self, t_s: F64) -> States:
+        """States of every body and spacecraft in the root frame, t_s (n,) seconds after the epoch.
+
+        ValueError where a path has no answer, or lies below the surface of what is orbited.
+        """
+        t_s = np.asarray(t_s, dtype=np.float64)
+        try:
+            found = evaluate(self._nodes, self.setting.epoch, t_s)
+        except ValueError as error:
+            raise _with_section(error, self.setting) from None
+        _check_above(self.setting, found, t_s, self._names)
+        poses = {name: found.poses[name] for name in self._names}
+        return States(poses, {name: found.velocities_m_s[name] for name in self._names})
