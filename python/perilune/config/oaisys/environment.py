@@ -1,4 +1,8 @@
-"""ENVIRONMENT_EFFECTS_SETUP: the Sun of the sky; there is no air, no sky and no picture around."""
+"""ENVIRONMENT_EFFECTS_SETUP: the Sun of the sky; there is no air, no sky and no picture around.
+
+With a Sun from here frames are exposed alike, as Blender's are: what shows as white is a white wall
+that faces the Sun. Without one the date says where the Sun is, and exposure is automatic.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ from perilune.config.oaisys.node import Node, varying
 from perilune.config.oaisys.scene import Scene
 
 _AU_KM = 149597870.7
+_IRRADIANCE_W_M2 = 1361.0  # at that distance; the default of sun.irradiance_w_m2
 _AIR = ("SunAltitude", "AirDensity", "DustDensity", "OzoneDensity")
 _BRIGHTNESS = ("SunIntensity", "SunStrength")
 
@@ -39,17 +44,19 @@ def _sky(entry: Node, scene: Scene, interval: int) -> None:
         sun["radius_km"] = varying((low, high), interval)
         params.comes("sun.radius_km", "SunSize")
     for key in _BRIGHTNESS:
-        params.ignore(key, "not applied: the Sun has its irradiance of 1361 W/m2 (sun.irradiance)")
+        params.ignore(key, "not applied: the Sun has its own irradiance, 1361 W/m2")
     for key in _AIR:
         if params.has(key):
             values = params.span(key)
             if key == "SunAltitude" or any(values):
                 params.ignore(key, "not applied: there is no atmosphere yet")
     scene.tree["sun"] = sun
+    white = _IRRADIANCE_W_M2 / math.pi
+    scene.tree["camera"]["exposure"] = {"mode": "fixed", "white_radiance_w_m2_sr": white}
 
 
 def read(section: Node, scene: Scene) -> None:
-    """Without a sky the date says where the Sun is."""
+    """After the camera's section."""
     general = section.child("GENERAL")
     interval = general.whole("stepInterval", 1, smallest=1)
     general.ignore("backgroundStrength", "not applied: space is black")

@@ -43,6 +43,8 @@ class Scene:
     tree: dict[str, Any] = field(default_factory=dict)
     things: dict[str, Thing] = field(default_factory=dict)
     """Our name -> thing, in the order of the file."""
+    steps: int = 1
+    """Of a batch."""
     passes: set[str] = field(default_factory=set)
     """Render passes that sensors ask for."""
 

@@ -27,6 +27,7 @@ _HINTS: dict[str, tuple[Any, str]] = {
 def read(node: Node, scene: Scene) -> None:
     """A batch is a scene, a sample a step of it."""
     samples = node.whole("numSamplesPerBatch", 1, smallest=1)
+    scene.steps = samples
     batches = node.whole("numBatches", 1, smallest=1)
     scene.tree["time"] = {"epoch": EPOCH, "step_s": STEP_S, "frames_per_scene": samples}
     node.comes("time.frames_per_scene", "numSamplesPerBatch")
