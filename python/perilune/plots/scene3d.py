@@ -19,7 +19,8 @@ from perilune import rotations
 from perilune.plots.figures import BODY_GREY, length_unit
 
 F64 = NDArray[np.float64]
-_LATITUDES, _LONGITUDES = 72, 144
+_LATITUDES, _LONGITUDES = 90, 180
+_ZOOM = 0.9  # matplotlib leaves no room for the labels of the third axis
 _NIGHT = 0.35
 """Brightness of a body's surface away from the Sun, so that it can still be seen."""
 
@@ -92,10 +93,10 @@ class Scene3D:
         for triangles, colors in self._meshes:
             self._draw_mesh(triangles, colors, depths, size)
         self._set_axes((low + high) / (2.0 * size), 1.04 * half / size, unit)
-        self.axes.set_title(title, fontsize=10)
+        self.axes.set_title(title, fontsize=10, y=0.98)
         handles, _ = self.axes.get_legend_handles_labels()
         if legend and handles:
-            self.axes.legend(fontsize=8, loc="upper left", frameon=False)
+            self.axes.legend(fontsize=8, loc="lower left", frameon=False)
 
     def _corners(self) -> F64:
         rows = [line for line, _ in self._lines if len(line)]
@@ -113,7 +114,7 @@ class Scene3D:
             getattr(axes, f"set_{name}label")(f"{name} ({unit})", fontsize=8)
             getattr(axes, f"{name}axis").set_major_locator(_locator())
             axes.tick_params(axis=name, labelsize=7, pad=0)
-        axes.set_box_aspect((1.0, 1.0, 1.0))
+        axes.set_box_aspect((1.0, 1.0, 1.0), zoom=_ZOOM)
 
     def _draw_line(
         self, line: F64, style: dict[str, Any], depths: list[float], size: float

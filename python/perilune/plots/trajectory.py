@@ -31,6 +31,8 @@ def plot_trajectory(
     target: str | None = None,
     axes: Literal["icrf", "target"] = "icrf",
     path: bool = True,
+    every: int = 1,
+    legend: bool = True,
     elevation_deg: float = 25.0,
     azimuth_deg: float = -60.0,
     figure: Any = None,
@@ -41,7 +43,8 @@ def plot_trajectory(
 
     frames: indices. target: a spacecraft or body (default: the trajectory's). axes: `icrf`, or
     those of the `target`, in which it stands still. path: whether places are joined in the order of
-    the frames. Arrows point to the Sun and to the body that the target orbits, in the first frame.
+    the frames. every: a frustum at every so many of them. Arrows point to the Sun and to the body
+    that the target orbits, in the first frame.
     figure, place: as in plot_orbits. Returns the Figure.
     """
     indices = list(frames)
@@ -63,6 +66,8 @@ def plot_trajectory(
     if path and len(places) > 1:
         scene.add_line(places, color="0.35", linewidth=1.0, label="camera")
     for number, ((where, turn), request) in enumerate(zip(cameras, requests, strict=True)):
+        if number % every:
+            continue
         shade = _shade(number, len(worlds))
         for line in _frustum(where, turn, request, _FRUSTUM * reach):
             scene.add_line(line, color=shade, linewidth=0.9)
@@ -70,7 +75,8 @@ def plot_trajectory(
     _add_target(scene, sim, worlds[0], name, axes)
     _add_arrows(scene, worlds[0], name, axes, _ARROW * reach)
     shown_axes = "ICRF axes" if axes == "icrf" else f"axes of {name}"
-    scene.draw(title if title is not None else f"Camera relative to {name}, {shown_axes}")
+    heading = title if title is not None else f"Camera relative to {name}, {shown_axes}"
+    scene.draw(heading, legend)
     return figure
 
 
