@@ -109,7 +109,8 @@ pl_status pl_attitude_aim_x(pl_vec3 aim, pl_vec3 up, pl_quat *out) {
 }
 
 pl_status pl_attitude_aim_z(pl_vec3 aim, pl_vec3 up, pl_quat *out) {
-  pl_vec3 z = {0}, side = {0}; /* side = z cross up = -z cross -up: x = y cross z with y against up */
+  pl_vec3 z = {0},
+          side = {0}; /* side = z cross up = -z cross -up: x = y cross z with y against up */
   PL_TRY(triad(aim, up, &z, &side));
   *out = from_yz(pl_vec3_cross(z, side), z);
   return PL_OK;

@@ -2,13 +2,13 @@
 #include "orbit/propagator.h"
 
 #include "orbit/circular.h"
+#include "orbit/j2.h"
+#include "orbit/table.h"
 #include "orbit/numerical.h"
 #include "orbit/two_body.h"
 
 static const pl_propagator_kind *const kinds[] = {
-    &pl_kepler_kind,
-    &pl_circular_kind,
-    &pl_numerical_kind,
+    &pl_kepler_kind, &pl_circular_kind, &pl_j2_kind, &pl_table_kind, &pl_numerical_kind,
 };
 
 const pl_propagator_kind *const *pl_propagator_kinds(size_t *count) {

@@ -51,6 +51,15 @@ static pl_status target(const pl_turn *turn, const pl_turn_view *view, pl_quat *
   return pl_attitude_aim_z(view->aim_m, up_of(turn, view), out);
 }
 
+static pl_status tumble(const pl_turn *turn, const pl_turn_view *view, pl_quat *out) {
+  *out = pl_tumble_at(&turn->tumble, view->t_s, NULL);
+  return PL_OK;
+}
+
+static pl_status table(const pl_turn *turn, const pl_turn_view *view, pl_quat *out) {
+  return pl_attitude_table_at(&turn->table, view->t_s, out);
+}
+
 static pl_status given(const pl_turn *turn, const pl_turn_view *view, pl_quat *out) {
   (void)turn;
   *out = view->given;
@@ -70,6 +79,8 @@ static const pl_turn_kind kinds[] = {
      PL_TURN_AIM, sun},
     {"target", "z along a direction or to another node, y against the orbit normal or `up`.",
      PL_TURN_AIM, target},
+    {"tumble", "The principal axes of a rigid body that turns freely.", PL_TURN_TUMBLE, tumble},
+    {"table", "Axes interpolated between the rows of a table.", PL_TURN_TABLE, table},
     {"given", "Axes that the caller gives with the times.", PL_TURN_GIVEN, given},
 };
 static const size_t kind_count = sizeof kinds / sizeof kinds[0];
@@ -104,9 +115,14 @@ pl_status pl_turn_prepare(pl_turn *turn) {
   turn->axis = pl_vec3_unit(turn->axis);
   if ((turn->kind->needs & PL_TURN_BODY) && !turn->body)
     return pl_fail(PL_E_ARGUMENT, "no body to turn with");
+  if ((turn->kind->needs & PL_TURN_TUMBLE) && !(turn->tumble.scale_rad_s > 0.0))
+    return pl_fail(PL_E_ARGUMENT, "no tumbling body");
+  if (turn->kind->needs & PL_TURN_TABLE)
+    PL_TRY(pl_attitude_table_check(&turn->table));
   if (!(turn->kind->needs & PL_TURN_AIM))
     return PL_OK;
-  if (turn->towards < 0 && (!pl_vec3_finite(turn->direction) || !(pl_vec3_norm(turn->direction) > 0.0)))
+  if (turn->towards < 0 &&
+      (!pl_vec3_finite(turn->direction) || !(pl_vec3_norm(turn->direction) > 0.0)))
     return pl_fail(PL_E_RANGE, "the direction to point along must be finite and not zero");
   if (!pl_vec3_finite(turn->up))
     return pl_fail(PL_E_RANGE, "up is not finite");

@@ -7,8 +7,10 @@
 
 #include "base/status.h"
 #include "math/rotation.h"
+#include "orbit/attitude_table.h"
 #include "orbit/celestial.h"
 #include "orbit/kepler.h"
+#include "orbit/tumble.h"
 
 typedef struct pl_turn pl_turn;
 
@@ -27,7 +29,9 @@ enum {
   PL_TURN_PARENT = 1, /* a parent */
   PL_TURN_BODY = 2,   /* `body` */
   PL_TURN_AIM = 4,    /* `towards`, or -1 and `direction` */
-  PL_TURN_GIVEN = 8   /* a slot */
+  PL_TURN_GIVEN = 8,  /* a slot */
+  PL_TURN_TUMBLE = 16,
+  PL_TURN_TABLE = 32
 };
 
 typedef struct pl_turn_kind {
@@ -51,6 +55,8 @@ struct pl_turn {
   pl_vec3 direction;        /* sun, target: ICRF, need not be unit */
   pl_vec3 up;               /* sun, target: ICRF, need not be unit; zero: the orbit normal */
   size_t slot;              /* given: which of the caller's quaternions */
+  pl_tumble tumble;         /* tumble: from pl_tumble_init, t = 0 at the tree's epoch */
+  pl_attitude_table table;  /* table: borrowed, must outlive the tree; to ICRF */
 };
 
 /* Follows ICRF, without rotation. */

@@ -5,8 +5,10 @@
 
 #include "orbit/circular.h"
 #include "orbit/elements.h"
+#include "orbit/j2.h"
 #include "orbit/numerical.h"
 #include "orbit/orientation.h"
+#include "orbit/table.h"
 #include "orbit/two_body.h"
 #include "pyext/py_read.h"
 #include "pyext/py_types.h"
@@ -112,12 +114,63 @@ static int read_circular(PyObject *spec, const char *where, double day, double f
   return pl_py_check(pl_circular_create(&circle, out), where);
 }
 
+static int read_j2(PyObject *spec, const char *where, double day, double fraction,
+                   pl_propagator **out) {
+  pl_orbit orbit;
+  pl_quat frame, equator = PL_QUAT_IDENTITY;
+  pl_flattening flattening;
+  const pl_celestial *body = NULL;
+  int osculating = 0;
+  if (read_frame(spec, where, day, fraction, &frame) < 0 ||
+      pl_py_read_celestial(spec, "parent_body", 1, where, &body) < 0 ||
+      read_orbit(spec, where, &orbit) < 0 ||
+      pl_py_member_double(spec, "j2", where, &flattening.j2) < 0 ||
+      pl_py_member_double(spec, "radius_m", where, &flattening.radius_m) < 0 ||
+      pl_py_member_bool(spec, "osculating", where, &osculating) < 0)
+    return -1;
+  if (body)
+    equator = pl_celestial_equator(body, day, fraction);
+  return pl_py_check(pl_j2_create(&orbit, flattening, osculating != 0, frame, equator, out), where);
+}
+
+static int read_table(PyObject *spec, const char *where, double day, double fraction,
+                      pl_propagator **out) {
+  (void)day, (void)fraction;
+  size_t degree = 0;
+  if (pl_py_member_size(spec, "degree", where, &degree) < 0)
+    return -1;
+  const npy_intp any[2] = {-1, -1};
+  PyArrayObject *times = pl_py_member_array(spec, "t_s", where, 1, any);
+  PyArrayObject *states = times ? pl_py_member_array(spec, "states", where, 2, any) : NULL;
+  int result = states ? 0 : -1;
+  if (result == 0) {
+    const npy_intp count = PyArray_SIZE(times), columns = PyArray_DIM(states, 1);
+    if (PyArray_DIM(states, 0) != count || (columns != 3 && columns != 6)) {
+      PyErr_Format(PyExc_ValueError,
+                   "%s: states: shape must be (%zd, 3) or (%zd, 6), not (%zd, %zd)", where,
+                   (Py_ssize_t)count, (Py_ssize_t)count, (Py_ssize_t)PyArray_DIM(states, 0),
+                   (Py_ssize_t)columns);
+      result = -1;
+    } else {
+      const pl_table_rows rows = {(size_t)count, PyArray_DATA(times), PyArray_DATA(states),
+                                  columns == 6};
+      const int most = degree > PL_TABLE_MAX_DEGREE ? PL_TABLE_MAX_DEGREE + 1 : (int)degree;
+      result = pl_py_check(pl_table_create(&rows, most, out), where);
+    }
+  }
+  Py_XDECREF((PyObject *)times);
+  Py_XDECREF((PyObject *)states);
+  return result;
+}
+
 static const struct {
   const pl_propagator_kind *kind;
   pl_py_propagator_reader read;
 } readers[] = {
     {&pl_kepler_kind, read_kepler},
     {&pl_circular_kind, read_circular},
+    {&pl_j2_kind, read_j2},
+    {&pl_table_kind, read_table},
     {&pl_numerical_kind, pl_py_read_numerical},
 };
 #define READER_COUNT (sizeof readers / sizeof readers[0])

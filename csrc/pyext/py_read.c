@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "pyext/py_types.h"
+
 int pl_py_prefix_error(const char *where) {
   PyObject *type = NULL, *value = NULL, *trace = NULL;
   PyErr_Fetch(&type, &value, &trace);
@@ -126,6 +128,27 @@ int pl_py_member_size(PyObject *mapping, const char *key, const char *where, siz
   }
   *out = (size_t)value;
   return 0;
+}
+
+int pl_py_member_bool(PyObject *mapping, const char *key, const char *where, int *out) {
+  PyObject *item = NULL;
+  if (pl_py_member(mapping, key, 0, where, &item) < 0)
+    return -1;
+  *out = PyObject_IsTrue(item);
+  Py_DECREF(item);
+  return *out < 0 ? pl_py_prefix_error(where) : 0;
+}
+
+PyArrayObject *pl_py_member_array(PyObject *mapping, const char *key, const char *where, int nd,
+                                  const npy_intp *shape) {
+  PyObject *item = NULL;
+  if (pl_py_member(mapping, key, 0, where, &item) < 0)
+    return NULL;
+  PyArrayObject *array = pl_py_array(item, key, NPY_DOUBLE, nd, shape);
+  Py_DECREF(item);
+  if (!array)
+    pl_py_prefix_error(where);
+  return array;
 }
 
 /* Whether the key is there and not None; -1 with an exception. */

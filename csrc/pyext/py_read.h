@@ -22,6 +22,10 @@ int pl_py_member_choice(PyObject *mapping, const char *key, const char *where,
                         const char *const *allowed, int count);
 /* A whole number that is not negative. */
 int pl_py_member_size(PyObject *mapping, const char *key, const char *where, size_t *out);
+int pl_py_member_bool(PyObject *mapping, const char *key, const char *where, int *out);
+/* A contiguous double array with these dimensions (-1: any); a new reference, or NULL. */
+PyArrayObject *pl_py_member_array(PyObject *mapping, const char *key, const char *where, int nd,
+                                  const npy_intp *shape);
 /* As without `optional`, but a missing key or None leaves *out as it is. */
 int pl_py_optional_double(PyObject *mapping, const char *key, const char *where, double *out);
 int pl_py_optional_doubles(PyObject *mapping, const char *key, const char *where, npy_intp count,

@@ -60,7 +60,39 @@ static int read_aim(PyObject *rotation, const char *key, const char *where, pl_t
   return result < 0 ? -1 : pl_py_optional_doubles(rotation, "up", where, 3, &out->up.x);
 }
 
-static int read_turn(PyObject *rotation, const char *where, pl_turn *out) {
+static int read_tumble(PyObject *rotation, const char *where, pl_tumble *out) {
+  pl_vec3 inertia, omega;
+  pl_quat start = PL_QUAT_IDENTITY;
+  if (pl_py_member_doubles(rotation, "inertia", where, 3, &inertia.x) < 0 ||
+      pl_py_member_doubles(rotation, "omega_rad_s", where, 3, &omega.x) < 0 ||
+      pl_py_optional_doubles(rotation, "start", where, 4, &start.w) < 0)
+    return -1;
+  return pl_py_check(pl_tumble_init(inertia, omega, start, out), where);
+}
+
+/* The arrays are kept with the tree, and copied where the caller could change them. */
+static int read_table(PyObject *rotation, const char *where, tree_object *self,
+                      pl_attitude_table *out) {
+  const npy_intp any[1] = {-1};
+  PyArrayObject *times = pl_py_member_array(rotation, "t_s", where, 1, any);
+  const npy_intp shape[2] = {times ? PyArray_SIZE(times) : 0, 4};
+  PyArrayObject *quats = times ? pl_py_member_array(rotation, "quats", where, 2, shape) : NULL;
+  PyObject *own[2] = {times ? PyArray_NewCopy(times, NPY_CORDER) : NULL,
+                      quats ? PyArray_NewCopy(quats, NPY_CORDER) : NULL};
+  int result = -1;
+  if (own[0] && own[1] && PyList_Append(self->kept, own[0]) == 0)
+    result = PyList_Append(self->kept, own[1]);
+  if (result == 0)
+    *out = (pl_attitude_table){(size_t)shape[0], PyArray_DATA((PyArrayObject *)own[0]),
+                               PyArray_DATA((PyArrayObject *)own[1])};
+  Py_XDECREF((PyObject *)times);
+  Py_XDECREF((PyObject *)quats);
+  Py_XDECREF(own[0]);
+  Py_XDECREF(own[1]);
+  return result;
+}
+
+static int read_turn(PyObject *rotation, const char *where, tree_object *self, pl_turn *out) {
   *out = PL_TURN_NONE;
   PyObject *owner = NULL;
   const char *frame = NULL;
@@ -76,6 +108,10 @@ static int read_turn(PyObject *rotation, const char *where, pl_turn *out) {
   if ((needs & PL_TURN_AIM) && read_aim(rotation, "towards", where, out) < 0)
     return -1;
   if ((needs & PL_TURN_GIVEN) && pl_py_member_size(rotation, "slot", where, &out->slot) < 0)
+    return -1;
+  if ((needs & PL_TURN_TUMBLE) && read_tumble(rotation, where, &out->tumble) < 0)
+    return -1;
+  if ((needs & PL_TURN_TABLE) && read_table(rotation, where, self, &out->table) < 0)
     return -1;
   if (pl_py_optional_doubles(rotation, "q", where, 4, &out->q.w) < 0 ||
       pl_py_optional_doubles(rotation, "axis", where, 3, &out->axis.x) < 0)
@@ -108,7 +144,7 @@ static int read_node(PyObject *item, Py_ssize_t index, tree_object *self, pl_tre
   snprintf(where, sizeof where, "node '%.100s': rotation", out->name);
   if (result < 0 || pl_py_member(item, "rotation", 0, where, &part) < 0)
     return -1;
-  result = read_turn(part, where, &out->turn);
+  result = read_turn(part, where, self, &out->turn);
   Py_DECREF(part);
   return result;
 }

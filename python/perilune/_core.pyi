@@ -214,6 +214,10 @@ class Propagator:
      velocity. "equator": the body's equator of the epoch, x along its ascending node on ICRF's.
     {"kind": "circular", "radii_m": (3,), "q": (4,), "start_rev", "rate_rev_s"}:
      r = q (a cos u, b sin u, 0), u = 2 pi (start_rev + rate_rev_s t).
+    {"kind": "j2", "gm", "elements" or "state", "frame", "parent_body", "j2", "radius_m",
+     "osculating": bool}: the pole is that of parent_body whatever the frame, ICRF's z without one.
+    {"kind": "table", "t_s": (n,), "states": (n, 6) or (n, 3), "degree": int}: Hermite's polynomials
+     (degree 3, 5, ...) or Lagrange's, 25 at most; times outside are an error.
     {"kind": "numerical", "gm", "state": (6,) at the epoch, ICRF axes, "rtol": 1e-15 to 1e-3,
      default 1e-12, "surface_m": distance from the centre below which the orbit ends with an error,
      default none, "forces": [{"kind": name in FORCES, its parameters}], "motions": {name: spec}}:
@@ -241,7 +245,9 @@ class Tree:
     R: {"frame": F, "q": (4,), "axis": (3,), "rate_rad_s"}: frame(t) * q * rotation(axis, rate t),
        all but the frame optional. F is a name of TURNS; "body" needs "body": name in BODIES; "sun"
        and "target" need "towards": index of a node, or (3,) ICRF direction, and take "up": (3,)
-       ICRF direction instead of the orbit normal; "given" needs "slot".
+       ICRF direction instead of the orbit normal; "tumble" needs "inertia": (3,) principal moments
+       and "omega_rad_s": (3,) in the principal axes at the epoch, and takes "start": (4,), those
+       axes to ICRF at the epoch; "table" needs "t_s": (n,), "quats": (n, 4); "given" needs "slot".
     Errors (ValueError) name the node; a cycle of parents is printed."""
 
     def __new__(
