@@ -9,11 +9,15 @@ after, so that a hook that draws from them gives the same in any order and distu
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import inspect
 import random
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import lru_cache
+from pathlib import Path
 from threading import RLock
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -32,16 +36,46 @@ class HookError(ValueError):
     """A hook that cannot be found or called, or whose answer cannot be used."""
 
 
-def load(name: str, key: str) -> Hook:
-    """The function that `module:function` names; `key` names the entry in errors."""
+@lru_cache(maxsize=64)
+def _read(path: Path) -> ModuleType:
+    """The module of a file, run once a process; not among those that `import` finds."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None  # the path ends in .py
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def _module(name: str, key: str, find: Callable[[str, str], Path] | None) -> ModuleType:
+    """An importable module; else the file of that name beside the configuration."""
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if find is None or error.name is None or not f"{name}.".startswith(f"{error.name}."):
+            raise  # it is there, and something that it imports is not
+        try:
+            path = find(name.replace(".", "/") + ".py", key)
+        except FileNotFoundError:
+            raise error from None
+        return _read(path.resolve())
+
+
+def load(name: str, key: str, find: Callable[[str, str], Path] | None = None) -> Hook:
+    """The function that `module:function` names; `key` names the entry in errors.
+
+    find: gives the file that a relative path of the configuration means (FileNotFoundError without
+    one), for modules that cannot be imported.
+    """
     module, _, path = name.partition(":")
     try:
-        value: Any = importlib.import_module(module)
+        value: Any = _module(module, key, find)
         for part in path.split("."):
             value = getattr(value, part)
     except (ImportError, AttributeError) as error:
         text = f"{key} = '{name}': {error}"
-        raise HookError(f"{text} (its module must be importable: see PYTHONPATH)") from error
+        how = "its module must be importable (see PYTHONPATH), or lie beside the configuration"
+        raise HookError(f"{text} ({how})") from error
     if not callable(value):
         raise HookError(f"{key} = '{name}': not a function")
     return value  # type: ignore[no-any-return]

@@ -116,3 +116,30 @@ def test_errors_name_the_key():
         with pytest.raises(hooks.HookError, match=text):
             hooks.load(name, "a.b")
     assert hooks.load("os:path.join", "a.b")("x", "y")
+
+
+def test_a_module_beside_the_configuration(tmp_path):
+    """Found when it cannot be imported; run once; what it lacks itself is told as such."""
+
+    def find(text, key):
+        path = tmp_path / text
+        if not path.is_file():
+            raise FileNotFoundError(text)
+        return path
+
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "own_hooks.py").write_text("state = []\ndef f():\n    return state\n")
+    (tmp_path / "broken_hooks.py").write_text("import perilune_no_such_module\n")
+    function = hooks.load("deep.own_hooks:f", "a.b", find)
+    assert function() is hooks.load("deep.own_hooks:f", "a.b", find)()
+    for name, what in (
+        ("other_hooks:f", "No module named 'other_hooks'"),
+        ("broken_hooks:f", "perilune_no_such_module"),
+        ("deep.own_hooks:g", "has no attribute 'g'"),
+    ):
+        with pytest.raises(hooks.HookError, match=r"a\.b = ") as error:
+            hooks.load(name, "a.b", find)
+        assert what in str(error.value)
+        assert "beside the configuration" in str(error.value)
+    with pytest.raises(hooks.HookError):
+        hooks.load("deep.own_hooks:f", "a.b")

@@ -127,7 +127,7 @@ def hook(orbit: Any, place: Place, world: Callable[[], Surroundings]) -> Motion:
     key = f"{place.key}.function"
     if given is None:
         assert isinstance(orbit, HookOrbit)  # the caller has seen to it
-        given = hooks.load(orbit.function, key)
+        given = hooks.load(orbit.function, key, setting.file)
     answer = hooks.call(
         given,
         key,

@@ -57,4 +57,5 @@ def hook(world: World) -> F64:
     spec = world.camera.trajectory
     assert isinstance(spec, Hook)
     key = "camera.trajectory.function"
-    return called(world, hooks.load(spec.function, key), key, spec.params)
+    function = hooks.load(spec.function, key, world.system.setting.file)
+    return called(world, function, key, spec.params)
