@@ -65,6 +65,13 @@ def test_frames_of_one_orbit_are_drawn_once(opened):
     assert [len(run) for run in tracks.rows(worlds, "sat")] == [1, 1, 1]
 
 
+def test_orbits_drawn_by_scene_are_told_apart(opened):
+    orbit = {"kind": "database", "class": "LEO", "around": "earth"}
+    sim = opened(**{"spacecraft.sat.orbit": orbit, "time.frames_per_scene": 2})
+    worlds = [sim.world(index) for index in range(4)]
+    assert [len(run) for run in tracks.rows(worlds, "sat")] == [2, 2]
+
+
 def test_frusta_project_to_the_corners_of_the_image(opened):
     from perilune.plots.trajectory import _frustum
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -24,6 +24,7 @@ def plot_orbits(
     track: Literal["orbit", "frames"] = "orbit",
     elevation_deg: float = 25.0,
     azimuth_deg: float = -60.0,
+    legend: bool = True,
     figure: Any = None,
     place: Any = 111,
     title: str | None = None,
@@ -51,8 +52,10 @@ def plot_orbits(
         if name in sim.config.bodies:
             _add_body(scene, sim, last, name, center)
     for number, name in enumerate(shown):
-        _add_track(scene, worlds, name, center, track, PALETTE[number % len(PALETTE)])
-    scene.draw(title if title is not None else f"Orbits about {center}, ICRF axes")
+        # Several orbits of a single thing are told apart by colours of their own.
+        colors = PALETTE if len(shown) == 1 else (PALETTE[number % len(PALETTE)],)
+        _add_track(scene, worlds, name, center, track, colors)
+    scene.draw(title if title is not None else f"Orbits about {center}, ICRF axes", legend)
     return target
 
 
@@ -92,13 +95,17 @@ def _add_body(scene: Scene3D, sim: Simulation, world: World, name: str, center: 
 
 
 def _add_track(
-    scene: Scene3D, worlds: list[World], name: str, center: str, track: str, color: str
+    scene: Scene3D,
+    worlds: list[World],
+    name: str,
+    center: str,
+    track: str,
+    colors: Sequence[str],
 ) -> None:
     middle = {id(world): world.position_m(center) for world in worlds}
-    line = {"color": color, "linewidth": 1.2}
     label = name
-    for run in tracks.rows(worlds, name):
-        last = run[-1]
+    for number, run in enumerate(tracks.rows(worlds, name)):
+        color, last = colors[number % len(colors)], run[-1]
         up = tracks.parent(last.config, name)
         if track == "frames" or up is None:
             points = np.array([world.position_m(name) - middle[id(world)] for world in run])
@@ -106,9 +113,10 @@ def _add_track(
             offset = last.position_m(up) - middle[id(last)]
             points = tracks.revolution_m(last, name, up) + offset
         if len(points) > 1:
-            scene.add_line(points, label=label, **line)
+            scene.add_line(points, label=label, color=color, linewidth=1.2)
             label = "_"
-    for world in worlds:
-        point = world.position_m(name) - middle[id(world)]
-        scene.add_point(point, color=color, marker="o", markersize=3.5, label=label, linestyle="")
-        label = "_"
+        for world in run:
+            point = world.position_m(name) - middle[id(world)]
+            style = {"color": color, "marker": "o", "markersize": 3.5, "linestyle": ""}
+            scene.add_point(point, label=label, **style)
+            label = "_"

@@ -20,7 +20,7 @@ from perilune.plots.figures import BODY_GREY, length_unit
 
 F64 = NDArray[np.float64]
 _LATITUDES, _LONGITUDES = 90, 180
-_ZOOM = 0.9  # matplotlib leaves no room for the labels of the third axis
+_ZOOM = 0.86  # matplotlib leaves no room for the labels of the third axis
 _NIGHT = 0.35
 """Brightness of a body's surface away from the Sun, so that it can still be seen."""
 
