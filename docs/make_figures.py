@@ -1,0 +1,151 @@
+"""Makes our counterparts of figures of the Space OAISYS paper: `python docs/make_figures.py`.
+
+Figure 5: a satellite around a planet, and one around a moon around a planet. Figure 7: sampled
+orbits. Figure 13: camera trajectories, sketched, with frames taken along them. All from
+configs/demo.yaml with the changes below. Needs the extra `plot`.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image
+
+import perilune
+from perilune.plots import plot_orbits, plot_trajectory
+
+ROOT = Path(__file__).resolve().parent.parent
+DEMO = ROOT / "configs" / "demo.yaml"
+IMAGES = ROOT / "docs" / "images"
+STILL = {"drivers.strength": 0.0, "time.step_s": 60.0}
+MOON = {
+    "kind": "ellipsoid",
+    "radii_km": 1200.0,
+    "gm_km3_s2": 1500.0,
+    "albedo": 0.5,
+    "orbit": {
+        "around": "planet",
+        "semi_major_axis_km": 17000.0,
+        "inclination_deg": 20.0,
+        "mean_anomaly_deg": 285.0,
+    },
+}
+FRAMES, BETWEEN = 3, 12
+"""Frames shown of a trajectory, and steps from one to the next."""
+TO_SUN = np.array([1.0, 0.0, 0.15]) / math.hypot(1.0, 0.15)  # as in the configuration
+
+
+def save(figure: Figure, name: str, colors: int = 256) -> None:
+    """As a PNG of few colours, which is a third of the size."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=100)
+    image = Image.open(buffer).convert("RGB").quantize(colors)
+    IMAGES.mkdir(exist_ok=True)
+    image.save(IMAGES / name, optimize=True)
+
+
+def figure_05() -> None:
+    """A satellite around a planet; a satellite around a moon around the planet."""
+    figure = Figure(figsize=(10.0, 5.2), layout="constrained")
+    simple = perilune.open(DEMO, overrides=STILL | {"spacecraft.smallsat.orbit.altitude_km": 3000})
+    plot_orbits(simple, [0], figure=figure, place=121, title="A satellite around a planet")
+    orbit = {"around": "moon", "altitude_km": 900.0, "inclination_deg": 70.0, "raan_deg": 40.0}
+    orbit |= {"frame": "icrf", "mean_anomaly_deg": 30.0}
+    changes = {"bodies.moon": MOON, "spacecraft.smallsat.orbit": orbit}
+    stacked = perilune.open(DEMO, overrides=STILL | changes)
+    title = "A satellite around a moon around a planet"
+    plot_orbits(stacked, [0], figure=figure, place=122, title=title)
+    save(figure, "figure_05.png")
+
+
+def figure_07() -> None:
+    """Orbits of three classes, drawn at random."""
+    figure = Figure(figsize=(12.0, 4.6), layout="constrained")
+    for column, (name, title) in enumerate((("PO", "Polar"), ("LEO", "LEO"), ("MEO", "MEO"))):
+        orbit = {"kind": "database", "class": name, "around": "planet"}
+        sim = perilune.open(DEMO, overrides={"spacecraft.smallsat.orbit": orbit})
+        title = f"{title}, eight draws"
+        plot_orbits(
+            sim, range(8), figure=figure, place=131 + column, title=title, legend=False
+        )
+    save(figure, "figure_07.png")
+
+
+def trajectories() -> dict[str, dict[str, Any]]:
+    """The four kinds of the paper, about the same satellite."""
+    common = {"target": "smallsat", "positions": (FRAMES - 1) * BETWEEN + 1}
+    across = np.array([0.0, 0.6, 0.8])
+    return {
+        "random sampling": {
+            "kind": "orbit_object",
+            "target": "smallsat",
+            "distance_m": [9.0, 13.0],
+            "sun_angle_deg": [0.0, 80.0],
+            "roll_deg": 0.0,
+        },
+        "linear": {
+            "kind": "linear",
+            **common,
+            "start": {"position_m": [18.0, 20.0, 8.0]},
+            "end": {"position_m": [5.0, 6.5, 2.0]},
+            "start_speed_m_s": 2.0,
+            "end_speed_m_s": 0.5,
+        },
+        "spiral": {  # around the direction to the Sun, so that what is seen is lit
+            "kind": "spiral",
+            **common,
+            "start_m": (12.0 * TO_SUN + 16.0 * across).tolist(),
+            "r_end_m": 9.0,
+            "normal": TO_SUN.tolist(),
+            "rotations": 1.75,
+        },
+        "flyby": {
+            "kind": "spiral",
+            **common,
+            "r_start_m": 26.0,
+            "r_end_m": 7.5,
+            "normal": [0.5, 0.0, 0.9],
+            "start_angle_deg": -60.0,
+            "rotations": 0.25,
+        },
+    }
+
+
+def figure_13() -> None:
+    """Sketches of four trajectories, and the frames that the sketched cameras take."""
+    figure = Figure(figsize=(11.0, 9.0), layout="constrained")
+    grid = figure.add_gridspec(1 + FRAMES, 4, height_ratios=[1.5, *([1.0] * FRAMES)])
+    shown = range(0, (FRAMES - 1) * BETWEEN + 1, BETWEEN)
+    for column, (name, trajectory) in enumerate(trajectories().items()):
+        changes = {"camera.trajectory": trajectory, "camera.width": 256, "camera.height": 192}
+        changes |= {"time.step_s": 5.0, "render.samples": 64}
+        sim = perilune.open(DEMO, overrides=STILL | changes)
+        options: dict[str, Any] = {"title": name.capitalize(), "legend": False}
+        if name == "random sampling":
+            options |= {"frames": shown, "path": False}
+        else:
+            options |= {"frames": range(shown[-1] + 1), "every": BETWEEN}
+        plot_trajectory(sim, figure=figure, place=grid[0, column], **options)
+        for row, index in enumerate(shown):
+            axes = figure.add_subplot(grid[1 + row, column])
+            axes.imshow(sim.frame(index, channels=["rgb"])["rgb"])
+            axes.set(xticks=[], yticks=[])
+    save(figure, "figure_13.png")
+
+
+FIGURES = {"05": figure_05, "07": figure_07, "13": figure_13}
+
+
+def main() -> None:
+    for number in sys.argv[1:] or FIGURES:
+        FIGURES[number]()
+
+
+if __name__ == "__main__":
+    main()
