@@ -58,14 +58,16 @@ def _module(name: str, key: str, find: Callable[[str, str], Path] | None) -> Mod
             path = find(name.replace(".", "/") + ".py", key)
         except FileNotFoundError:
             raise error from None
+        if not path.is_file():
+            raise
         return _read(path.resolve())
 
 
 def load(name: str, key: str, find: Callable[[str, str], Path] | None = None) -> Hook:
     """The function that `module:function` names; `key` names the entry in errors.
 
-    find: gives the file that a relative path of the configuration means (FileNotFoundError without
-    one), for modules that cannot be imported.
+    find: gives the file that a relative path of the configuration means (or FileNotFoundError), for
+    modules that cannot be imported.
     """
     module, _, path = name.partition(":")
     try:
