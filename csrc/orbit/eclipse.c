@@ -6,6 +6,8 @@
  * hundreds of times the Sun's, so tb is tiny and b^2 huge. */
 #include "orbit/eclipse.h"
 
+#include <stdbool.h>
+
 #define SUN_RADIUS_M 695700e3 /* IAU 2015 nominal */
 #define SERIES_TERMS 12
 
@@ -35,14 +37,35 @@ double pl_eclipse_fraction(double a, double b, double c) {
   return fmin(fmax(1.0 - hidden / (PL_PI * a * a), 0.0), 1.0);
 }
 
-double pl_eclipse_sunlight(pl_vec3 r_m, pl_vec3 sun_m, double radius_m) {
+/* Angular radii of the Sun (a) and the sphere (b) from a place outside it, their distance (c). */
+typedef struct discs {
+  double a, b, c;
+} discs;
+
+/* False where nothing can be hidden: the Sun is nearer than the sphere's centre. */
+static bool discs_from(pl_vec3 r_m, pl_vec3 sun_m, double radius_m, discs *out) {
   const pl_vec3 to_sun = pl_vec3_sub(sun_m, r_m), down = pl_vec3_scale(r_m, -1.0);
   const double r = pl_vec3_norm(r_m), far = pl_vec3_norm(to_sun);
-  if (!(r > radius_m))
+  out->a = asin(fmin(1.0, SUN_RADIUS_M / far));
+  out->b = asin(fmin(1.0, radius_m / r));
+  out->c = atan2(pl_vec3_norm(pl_vec3_cross(to_sun, down)), pl_vec3_dot(to_sun, down));
+  return far > r;
+}
+
+double pl_eclipse_sunlight(pl_vec3 r_m, pl_vec3 sun_m, double radius_m) {
+  discs d;
+  if (!(pl_vec3_norm(r_m) > radius_m))
     return 0.0;
-  if (far <= r) /* the Sun is nearer than the sphere's centre */
-    return 1.0;
-  const double a = asin(fmin(1.0, SUN_RADIUS_M / far)), b = asin(radius_m / r);
-  const double c = atan2(pl_vec3_norm(pl_vec3_cross(to_sun, down)), pl_vec3_dot(to_sun, down));
-  return pl_eclipse_fraction(a, b, c);
+  return discs_from(r_m, sun_m, radius_m, &d) ? pl_eclipse_fraction(d.a, d.b, d.c) : 1.0;
+}
+
+int pl_eclipse_regime(pl_vec3 r_m, pl_vec3 sun_m, double radius_m) {
+  discs d;
+  if (!(pl_vec3_norm(r_m) > radius_m))
+    return 2;
+  if (!discs_from(r_m, sun_m, radius_m, &d) || d.c >= d.a + d.b)
+    return 0;
+  if (d.c <= d.b - d.a)
+    return 2;
+  return d.c <= d.a - d.b ? 3 : 1;
 }

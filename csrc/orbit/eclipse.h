@@ -13,4 +13,7 @@ double pl_eclipse_fraction(double a, double b, double c);
  * in the way. `sun_m` is the Sun's centre. 0 inside the sphere. */
 double pl_eclipse_sunlight(pl_vec3 r_m, pl_vec3 sun_m, double radius_m);
 
+/* Whether that is all of it (0), none (2), a ring around the sphere (3) or a part (1). */
+int pl_eclipse_regime(pl_vec3 r_m, pl_vec3 sun_m, double radius_m);
+
 #endif

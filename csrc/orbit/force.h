@@ -52,7 +52,8 @@ typedef struct pl_force_kind {
   size_t parameter_count;
   const pl_force_parameter *parameters;
   /* Steps at least so many per revolution (of a circle through the present place), for forces
-   * that act so briefly that a longer step could miss them; 0: the tolerance alone decides. */
+   * whose regimes last so briefly that a longer step could miss one; 0: the tolerance alone
+   * decides. */
   double steps_per_turn;
   /* values[i] belongs to parameters[i]; those that are not optional are given, numbers are finite.
    * One block of memory, freed with pl_free. */
@@ -60,6 +61,9 @@ typedef struct pl_force_kind {
                       pl_force **out);
   /* m/s^2, ICRF axes. A pure function. */
   pl_status (*acceleration)(const pl_force *self, const pl_force_point *at, pl_vec3 *out);
+  /* Within a regime (shadow, light, a layer of air) the acceleration is smooth. Steps end where it
+   * changes: errors at an edge are small but always to one side, and add up. NULL: one for all. */
+  pl_status (*regime)(const pl_force *self, const pl_force_point *at, int *out);
 } pl_force_kind;
 
 struct pl_force {

@@ -100,24 +100,37 @@ static double height(const drag *self, double across_m, double along_m) {
   return across_m * cos(phi) + along_m * sp - a * sqrt(1.0 - e2 * sp * sp);
 }
 
-/* kg/m^3; below the lowest layer that of its foot, above the highest its exponential goes on. */
-static double density(const drag *self, double h) {
+/* Which layer a height is in; the lowest also for all below it. */
+static size_t layer_at(const drag *self, double h) {
   size_t at = 0;
   while (at + 1 < self->count && h >= self->air[at + 1].height_m)
     at++;
-  const layer *l = &self->air[at];
+  return at;
+}
+
+/* kg/m^3; below the lowest layer that of its foot, above the highest its exponential goes on. */
+static double density(const drag *self, double h) {
+  const layer *l = &self->air[layer_at(self, h)];
   return l->density_kg_m3 * exp(-fmax(h - l->height_m, 0.0) / l->scale_m);
+}
+
+static double height_at(const drag *self, pl_vec3 pole, pl_vec3 r) {
+  return height(self, pl_vec3_norm(pl_vec3_cross(r, pole)), pl_vec3_dot(r, pole));
 }
 
 static pl_status acceleration(const pl_force *force, const pl_force_point *at, pl_vec3 *out) {
   const drag *self = (const drag *)force;
   const pl_vec3 pole = pl_turning_pole(&self->turning, at->t_s);
   const pl_vec3 omega = pl_vec3_scale(pole, pl_turning_rate_rad_s(&self->turning));
-  const double along = pl_vec3_dot(at->r_m, pole);
-  const double across = pl_vec3_norm(pl_vec3_cross(at->r_m, pole));
-  const double rho = density(self, height(self, across, along));
+  const double rho = density(self, height_at(self, pole, at->r_m));
   const pl_vec3 wind = pl_vec3_sub(at->v_m_s, pl_vec3_cross(omega, at->r_m));
   *out = pl_vec3_scale(wind, -0.5 * rho * self->cd * self->area_to_mass_m2_kg * pl_vec3_norm(wind));
+  return PL_OK;
+}
+
+static pl_status regime(const pl_force *force, const pl_force_point *at, int *out) {
+  const drag *self = (const drag *)force;
+  *out = (int)layer_at(self, height_at(self, pl_turning_pole(&self->turning, at->t_s), at->r_m));
   return PL_OK;
 }
 
@@ -129,4 +142,5 @@ const pl_force_kind pl_force_drag = {
     .parameters = parameters,
     .create = create,
     .acceleration = acceleration,
+    .regime = regime,
 };

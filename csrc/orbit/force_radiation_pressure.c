@@ -52,6 +52,14 @@ static pl_status acceleration(const pl_force *force, const pl_force_point *at, p
   return PL_OK;
 }
 
+static pl_status regime(const pl_force *force, const pl_force_point *at, int *out) {
+  const radiation_pressure *self = (const radiation_pressure *)force;
+  pl_state sun;
+  PL_TRY(pl_propagator_states(self->sun, 1, &at->t_s, &sun));
+  *out = pl_eclipse_regime(at->r_m, sun.r_m, self->radius_m);
+  return PL_OK;
+}
+
 const pl_force_kind pl_force_radiation_pressure = {
     .name = "radiation_pressure",
     .doc =
@@ -62,4 +70,5 @@ const pl_force_kind pl_force_radiation_pressure = {
     .steps_per_turn = 20.0, /* a low orbit is in shadow for a third of it, in penumbra for 10 s */
     .create = create,
     .acceleration = acceleration,
+    .regime = regime,
 };

@@ -2,18 +2,25 @@
 #include "orbit/numerical.h"
 
 #include <pthread.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "base/memory.h"
 #include "orbit/trail.h"
 
 #define BISECTIONS 60
+/* A step is looked through in so many parts for changes of regime, which are located to EDGE_S;
+ * those nearer to its start than twice that belong to the step before, which ended there. */
+#define EDGE_PARTS 8
+#define EDGE_S 1e-6
+#define REGIMES_MOST 1009u /* of one force; more would only make some changes go unnoticed */
 
 typedef struct numerical {
   pl_propagator base;
   pl_ode ode; /* its context is this struct */
   double gm_m3_s2, surface_m;
   double steps_per_turn; /* the most that a force asks for; 0: none does */
+  bool has_regimes;      /* any force */
   size_t force_count;
   pl_force **forces; /* owned, with the point mass first */
   size_t motion_count;
@@ -49,6 +56,50 @@ static double longest_step(void *context, const pl_ode_point *from) {
     return INFINITY;
   const double r = pl_vec3_norm(state_of(from->y).r_m);
   return 2.0 * PL_PI * r * sqrt(r / self->gm_m3_s2) / self->steps_per_turn;
+}
+
+/* A number that changes with the regime of any force. */
+static pl_status regimes(const numerical *self, const pl_ode_segment *segment, double t,
+                         uint64_t *out) {
+  double y[6];
+  pl_ode_at(segment, 6, t, y);
+  const pl_state state = state_of(y);
+  const pl_force_point at = {.t_s = t, .r_m = state.r_m, .v_m_s = state.v_m_s};
+  *out = 0;
+  for (size_t i = 0; i < self->force_count; i++)
+    if (self->forces[i]->kind->regime) {
+      int one = 0;
+      PL_TRY(self->forces[i]->kind->regime(self->forces[i], &at, &one));
+      *out = *out * REGIMES_MOST + (uint64_t)one;
+    }
+  return PL_OK;
+}
+
+/* The first change of regime, just beyond it, or the segment's end. */
+static pl_status split(void *context, const pl_ode_segment *segment, double *t) {
+  const numerical *self = context;
+  const double sign = copysign(1.0, segment->h);
+  if (!self->has_regimes || fabs(segment->h) <= 4.0 * EDGE_S)
+    return PL_OK;
+  double before = segment->t + sign * 2.0 * EDGE_S;
+  uint64_t first, now;
+  PL_TRY(regimes(self, segment, before, &first));
+  for (int i = 1; i <= EDGE_PARTS; i++) {
+    double beyond = i < EDGE_PARTS ? segment->t + segment->h * i / EDGE_PARTS : *t;
+    PL_TRY(regimes(self, segment, beyond, &now));
+    if (now == first) {
+      before = beyond;
+      continue;
+    }
+    while (fabs(beyond - before) > EDGE_S) {
+      const double middle = 0.5 * (before + beyond);
+      PL_TRY(regimes(self, segment, middle, &now));
+      *(now == first ? &before : &beyond) = middle;
+    }
+    *t = beyond;
+    return PL_OK;
+  }
+  return PL_OK;
 }
 
 static pl_state segment_at(const pl_ode_segment *segment, double t) {
@@ -178,6 +229,7 @@ static pl_status collect_forces(numerical *self, const pl_numerical_spec *spec) 
   for (size_t i = 0; i < spec->force_count; i++) {
     self->forces[i + 1] = spec->forces[i];
     self->steps_per_turn = fmax(self->steps_per_turn, spec->forces[i]->kind->steps_per_turn);
+    self->has_regimes |= spec->forces[i]->kind->regime != NULL;
   }
   self->force_count = spec->force_count + 1;
   return PL_OK;
@@ -186,7 +238,7 @@ static pl_status collect_forces(numerical *self, const pl_numerical_spec *spec) 
 static pl_status start_trails(numerical *self, const pl_numerical_spec *spec) {
   const pl_vec3 r = spec->state.r_m, v = spec->state.v_m_s;
   const double y[6] = {r.x, r.y, r.z, v.x, v.y, v.z};
-  const pl_trail_rules rules = {longest_step, check_surface, self};
+  const pl_trail_rules rules = {longest_step, split, check_surface, self};
   for (int i = 0; i < 2; i++) {
     pl_ode_point start;
     PL_TRY(pl_ode_start(&self->ode, 0.0, y, i == 0 ? 1 : -1, &start));

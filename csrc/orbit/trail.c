@@ -43,14 +43,27 @@ static pl_status reserve(pl_trail *trail) {
   return PL_OK;
 }
 
+/* One step, cut short where the rules say so; the shorter one is taken as it comes. */
+static pl_status step_once(const pl_trail *trail, pl_ode_point *at, pl_ode_segment *segment) {
+  const pl_ode_point before = *at;
+  const double h_max = trail->rules.longest_step(trail->rules.context, at);
+  PL_TRY(pl_ode_step(trail->ode, h_max, at, segment));
+  double end = at->t;
+  const pl_status status = trail->rules.split(trail->rules.context, segment, &end);
+  if (status != PL_OK || end != at->t)
+    *at = before;
+  if (status != PL_OK || end == segment->t + segment->h)
+    return status;
+  return pl_ode_step(trail->ode, fabs(end - before.t), at, segment);
+}
+
 /* Steps through a block into `slot`, up to its end or the trail's; `at` moves along. */
 static pl_status step_block(const pl_trail *trail, pl_trail_slot *slot, pl_ode_point *at,
                             double *last) {
   for (slot->count = 0; slot->count < PL_TRAIL_BLOCK; slot->count++) {
     *last = at->t;
-    const double h_max = trail->rules.longest_step(trail->rules.context, at);
     pl_ode_segment *segment = &slot->segments[slot->count];
-    PL_TRY(pl_ode_step(trail->ode, h_max, at, segment));
+    PL_TRY(step_once(trail, at, segment));
     *last = at->t;
     const pl_status status = trail->rules.check(trail->rules.context, segment, last);
     if (status != PL_OK) {

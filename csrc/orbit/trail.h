@@ -17,6 +17,9 @@
 /* What the owner of a trail decides. */
 typedef struct pl_trail_rules {
   double (*longest_step)(void *context, const pl_ode_point *from); /* > 0, may be infinite */
+  /* Where within a step it should have ended instead, because the system is not smooth there: into
+   * *t, or its end. */
+  pl_status (*split)(void *context, const pl_ode_segment *segment, double *t);
   /* Whether the solution holds through a segment. If not, an error with its text, and in *last the
    * last time that is good: the trail ends there. */
   pl_status (*check)(void *context, const pl_ode_segment *segment, double *last);

@@ -259,6 +259,29 @@ static void test_eclipse(void **state) {
   assert_true(before == 1.0);
 }
 
+/* The regimes of light are the ranges of the visible fraction. */
+static void test_eclipse_regimes(void **state) {
+  (void)state;
+  const pl_vec3 sun = {1.5e11, 0.0, 0.0};
+  test_random random = {.seed = 8};
+  int seen[4] = {0, 0, 0, 0};
+  for (int i = 0; i < 20000; i++) {
+    const double behind = random_scale(&random, 1e5, 4e9), aside = behind * 0.00466 * 1.2;
+    const pl_vec3 r = {-behind, 6378e3 + random_range(&random, -aside, aside),
+                       random_range(&random, -1e5, 1e5)};
+    const double light = pl_eclipse_sunlight(r, sun, 6378e3);
+    const int regime = pl_eclipse_regime(r, sun, 6378e3);
+    assert_in_range(regime, 0, 3);
+    seen[regime]++;
+    assert_true((regime == 0) == (light == 1.0) || light > 1.0 - 1e-9);
+    assert_true(regime != 2 || light == 0.0);
+    assert_true(regime != 3 || (light > 0.0 && light < 1.0));
+  }
+  assert_true(seen[0] > 100 && seen[1] > 100 && seen[2] > 100 && seen[3] > 100);
+  assert_int_equal(pl_eclipse_regime((pl_vec3){3e11, 0.0, 0.0}, sun, 6378e3), 0);
+  assert_int_equal(pl_eclipse_regime((pl_vec3){0.0, 100.0, 0.0}, sun, 6378e3), 2);
+}
+
 /* Full push in the Sun's light: 4.5398e-6 N/m^2 at 1 AU (1361 W/m^2 over c), inverse square; none
  * in the umbra; none to stop it when the Sun is nearer than the centre. */
 static void test_radiation_pressure(void **state) {
@@ -371,11 +394,17 @@ static void test_bad_parameters(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_zonal),          cmocka_unit_test(test_zonal_pole),
-      cmocka_unit_test(test_harmonics),      cmocka_unit_test(test_harmonics_zonal),
-      cmocka_unit_test(test_harmonics_turn), cmocka_unit_test(test_third_body),
-      cmocka_unit_test(test_eclipse),        cmocka_unit_test(test_radiation_pressure),
-      cmocka_unit_test(test_drag_density),   cmocka_unit_test(test_drag_wind),
+      cmocka_unit_test(test_zonal),
+      cmocka_unit_test(test_zonal_pole),
+      cmocka_unit_test(test_harmonics),
+      cmocka_unit_test(test_harmonics_zonal),
+      cmocka_unit_test(test_harmonics_turn),
+      cmocka_unit_test(test_third_body),
+      cmocka_unit_test(test_eclipse),
+      cmocka_unit_test(test_eclipse_regimes),
+      cmocka_unit_test(test_radiation_pressure),
+      cmocka_unit_test(test_drag_density),
+      cmocka_unit_test(test_drag_wind),
       cmocka_unit_test(test_bad_parameters),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
