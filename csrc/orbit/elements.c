@@ -89,6 +89,19 @@ static double anomaly_of_state(double r, double sigma, double p, pl_orbit *orbit
   return root > 0.0 ? asinh(sigma * root / (gm * orbit->eccentricity)) / root : sigma / gm;
 }
 
+/* The conic of no width: periapsis 0, e = 1, along the line to the centre. */
+static void radial_motion(const pl_state *state, double r, double sigma, pl_orbit *out) {
+  const double s = anomaly_of_state(r, sigma, 0.0, out);
+  out->periapsis_m = 0.0;
+  out->eccentricity = 1.0;
+  out->since_periapsis_s = pl_orbit_time_at(out, s);
+  out->p_axis = pl_vec3_scale(state->r_m, -1.0 / r);
+  const pl_vec3 p = out->p_axis; /* any axis square to it: the coordinate axis farthest off */
+  const double x = fabs(p.x), y = fabs(p.y), z = fabs(p.z);
+  const pl_vec3 other = {x <= y && x <= z, y < x && y <= z, z < x && z < y};
+  out->q_axis = pl_vec3_unit(pl_vec3_cross(other, p));
+}
+
 pl_status pl_orbit_from_state(const pl_state *state, double gm_m3_s2, pl_orbit *out) {
   PL_TRY(check(gm_m3_s2, 0.0, "gm"));
   const double r = pl_vec3_norm(state->r_m), v = pl_vec3_norm(state->v_m_s);
@@ -96,11 +109,13 @@ pl_status pl_orbit_from_state(const pl_state *state, double gm_m3_s2, pl_orbit *
   PL_TRY(check_finite(v, "speed"));
   const pl_vec3 h = pl_vec3_cross(state->r_m, state->v_m_s);
   const double h_norm = pl_vec3_norm(h);
-  if (!(h_norm > RADIAL_LIMIT * r * v))
-    return pl_fail(PL_E_RANGE, "position and velocity are parallel: radial motion has no orbit");
   *out = (pl_orbit){.gm_m3_s2 = gm_m3_s2, .alpha_m2_s2 = vis_viva_alpha(state, gm_m3_s2)};
-  const double p = h_norm * h_norm / gm_m3_s2;
   const double sigma = pl_vec3_dot(state->r_m, state->v_m_s);
+  if (!(h_norm > RADIAL_LIMIT * r * v)) {
+    radial_motion(state, r, sigma, out);
+    return PL_OK;
+  }
+  const double p = h_norm * h_norm / gm_m3_s2;
   const double s = anomaly_of_state(r, sigma, p, out);
   out->periapsis_m = p / (1.0 + out->eccentricity);
   out->since_periapsis_s = pl_orbit_time_at(out, s);

@@ -19,7 +19,9 @@ typedef struct pl_elements {
 pl_status pl_orbit_from_elements(const pl_elements *elements, double gm_m3_s2, pl_orbit *out);
 
 /* The orbit through `state` at t = 0. Continuous in the state, circular, equatorial and parabolic
- * orbits included. PL_E_RANGE for radial motion (|r x v| < 1e-11 |r| |v|) and non-finite input. */
+ * orbits included. Radial motion (|r x v| < 1e-11 |r| |v|, rest too) gives the conic of no width:
+ * periapsis 0, e = 1, from one passage of the centre to the next. PL_E_RANGE for non-finite input
+ * and at the centre. */
 pl_status pl_orbit_from_state(const pl_state *state, double gm_m3_s2, pl_orbit *out);
 
 /* Elements of an orbit. Angles are in (-pi, pi] (inclination [0, pi]). At inclination exactly 0 or

@@ -136,10 +136,20 @@ static pl_perifocal place(const conic *c, double s) {
   return out;
 }
 
+/* Radial motion lasts from one passage of the centre to the next. */
+static pl_status check_radial(const conic *c, double t_s, double t) {
+  const double since = c->orbit->since_periapsis_s;
+  if (since > 0.0 ? t > 0.0 && t < c->period_s : t < 0.0 && t > -c->period_s)
+    return PL_OK;
+  return pl_fail(PL_E_RANGE, "at %g s radial motion has passed the centre", t_s);
+}
+
 static pl_status place_at_time(const conic *c, double t_s, pl_perifocal *out) {
   double t = t_s + c->orbit->since_periapsis_s;
   if (!isfinite(t))
     return pl_fail(PL_E_RANGE, "time %g s on an orbit is not finite", t_s);
+  if (c->orbit->periapsis_m == 0.0)
+    PL_TRY(check_radial(c, t_s, t));
   if (isfinite(c->period_s)) /* exact: remainder does not round */
     t = remainder(t, c->period_s);
   *out = place(c, copysign(solve(c, fabs(t)), t));

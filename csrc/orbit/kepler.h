@@ -18,7 +18,7 @@ typedef struct pl_state {
  * periapsis and `alpha`, which stay finite through e = 1. Made by orbit/elements.h. */
 typedef struct pl_orbit {
   double gm_m3_s2;
-  double periapsis_m;       /* > 0 */
+  double periapsis_m;       /* > 0; 0 for radial motion, with e = 1 and any sign of alpha */
   double eccentricity;      /* >= 0 */
   double alpha_m2_s2;       /* gm (1 - e)/periapsis = gm/a: its sign selects the conic */
   double since_periapsis_s; /* at t = 0 */
@@ -46,7 +46,8 @@ double pl_orbit_time_at(const pl_orbit *orbit, double s);
 pl_status pl_orbit_perifocal(const pl_orbit *orbit, double t_s, pl_perifocal *out);
 
 /* States at `count` times, in the frame of the axes. Relative error below 1e-12 + 4 eps n |t| for
- * orbits of moderate eccentricity. PL_E_RANGE for a non-finite time. */
+ * orbits of moderate eccentricity. PL_E_RANGE for a non-finite time, and for one at or beyond which
+ * radial motion has passed the centre. */
 pl_status pl_orbit_states(const pl_orbit *orbit, size_t count, const double *t_s, pl_state *out);
 
 /* Seconds; infinite for open conics. */

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "orbit/anomaly.h"
 #include "orbit/circular.h"
 #include "orbit/elements.h"
 #include "orbit/j2.h"
@@ -36,7 +37,33 @@ int pl_py_read_celestial(PyObject *mapping, const char *key, int optional, const
   return result;
 }
 
-static int read_elements(PyObject *elements, const char *where, pl_elements *out) {
+/* Which of the keys that say where on the orbit it is at the epoch; -1 with an exception unless
+ * exactly one is there. */
+static int read_anomaly(PyObject *elements, const char *where, double *value) {
+  static const char *const keys[] = {"since_periapsis_s", "mean_anomaly_rad", "true_anomaly_rad"};
+  int found = -1, count = 0;
+  for (int i = 0; i < 3; i++) {
+    double number = NAN;
+    if (pl_py_optional_double(elements, keys[i], where, &number) < 0)
+      return -1;
+    PyObject *item = NULL;
+    if (pl_py_member(elements, keys[i], 1, where, &item) < 0)
+      return -1;
+    if (item != Py_None) {
+      *value = number;
+      found = i;
+      count++;
+    }
+    Py_DECREF(item);
+  }
+  if (count == 1)
+    return found;
+  PyErr_Format(PyExc_ValueError, "%s: elements need one of %s, %s and %s", where, keys[0], keys[1],
+               keys[2]);
+  return -1;
+}
+
+static int read_elements(PyObject *elements, double gm, const char *where, pl_elements *out) {
   const struct {
     const char *key;
     double *value;
@@ -46,12 +73,20 @@ static int read_elements(PyObject *elements, const char *where, pl_elements *out
       {"inclination_rad", &out->inclination_rad},
       {"raan_rad", &out->raan_rad},
       {"arg_periapsis_rad", &out->arg_periapsis_rad},
-      {"since_periapsis_s", &out->since_periapsis_s},
   };
   for (size_t i = 0; i < sizeof members / sizeof members[0]; i++)
     if (pl_py_member_double(elements, members[i].key, where, members[i].value) < 0)
       return -1;
-  return 0;
+  double value = 0.0;
+  const int kind = read_anomaly(elements, where, &value);
+  if (kind < 0)
+    return -1;
+  out->since_periapsis_s = value;
+  if (kind == 0)
+    return 0;
+  return pl_py_check(kind == 1 ? pl_elements_set_mean_anomaly(out, gm, value)
+                               : pl_elements_set_true_anomaly(out, gm, value),
+                     where);
 }
 
 /* spec['elements'] or spec['state'] as an orbit at the epoch, in the axes of spec['frame']. */
@@ -64,7 +99,7 @@ static int read_orbit(PyObject *spec, const char *where, pl_orbit *out) {
   int result;
   if (elements != Py_None) {
     pl_elements el;
-    result = read_elements(elements, where, &el);
+    result = read_elements(elements, gm, where, &el);
     if (result == 0)
       result = pl_py_check(pl_orbit_from_elements(&el, gm, out), where);
   } else {

@@ -210,8 +210,8 @@ class Propagator:
     spec, by its kind; metres, seconds, radians:
     {"kind": "kepler", "gm", "elements" or "state", "frame": "icrf" | "equator", "parent_body": name
      in BODIES or None}: elements at the epoch are periapsis_m, eccentricity, inclination_rad,
-     raan_rad, arg_periapsis_rad, since_periapsis_s, for any conic; state (6,) is position and
-     velocity. "equator": the body's equator of the epoch, x along its ascending node on ICRF's.
+     raan_rad, arg_periapsis_rad, and one of since_periapsis_s, mean_anomaly_rad, true_anomaly_rad,
+     for any conic; state (6,) is position and velocity, radial motion too. "equator": the body's equator of the epoch, x along its ascending node on ICRF's.
     {"kind": "circular", "radii_m": (3,), "q": (4,), "start_rev", "rate_rev_s"}:
      r = q (a cos u, b sin u, 0), u = 2 pi (start_rev + rate_rev_s t).
     {"kind": "j2", "gm", "elements" or "state", "frame", "parent_body", "j2", "radius_m",
