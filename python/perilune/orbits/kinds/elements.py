@@ -25,37 +25,6 @@ def periapsis_m(orbit: Elements, parent: Parent) -> float:
     return orbit.semi_major_axis_km * (1.0 - orbit.eccentricity) * KM
 
 
-def since_periapsis_s(orbit: Elements, periapsis: float, gm: float) -> float:
-    """Time since periapsis at the epoch; on an ellipse within half a period.
-
-    Kepler's equation and its forms for hyperbola and parabola (Barker): Battin, An Introduction to
-    the Mathematics and Methods of Astrodynamics, chapter 4. A true anomaly beyond a hyperbola's
-    asymptote is a ValueError.
-    """
-    e = orbit.eccentricity
-    mean_motion = math.sqrt(gm * abs(1.0 - e) ** 3 / periapsis**3)
-    if orbit.mean_anomaly_deg is not None:
-        turn = math.radians(orbit.mean_anomaly_deg)
-        return (math.remainder(turn, 2.0 * math.pi) if e < 1.0 else turn) / mean_motion
-    assert orbit.true_anomaly_deg is not None  # the schema asks for one of the two
-    true = math.remainder(math.radians(orbit.true_anomaly_deg), 2.0 * math.pi)
-    tangent = math.tan(0.5 * true)
-    if e < 1.0:
-        eccentric = 2.0 * math.atan(math.sqrt((1.0 - e) / (1.0 + e)) * tangent)
-        return (eccentric - e * math.sin(eccentric)) / mean_motion
-    if e == 1.0:
-        return math.sqrt(2.0 * periapsis**3 / gm) * (tangent + tangent**3 / 3.0)
-    ratio = math.sqrt((e - 1.0) / (e + 1.0)) * tangent
-    if abs(ratio) >= 1.0:
-        limit = math.degrees(math.acos(-1.0 / e))
-        raise ValueError(
-            f"true_anomaly_deg = {orbit.true_anomaly_deg:g}: a hyperbola of eccentricity {e:g} "
-            f"has true anomalies between -{limit:.6g} and {limit:.6g} deg"
-        )
-    hyperbolic = 2.0 * math.atanh(ratio)
-    return (e * math.sinh(hyperbolic) - hyperbolic) / mean_motion
-
-
 def default_frame(equator: str | None) -> str:
     """The equator of the body's table entry; ICRF without one, and for the Earth.
 
@@ -66,8 +35,7 @@ def default_frame(equator: str | None) -> str:
     return "icrf" if equator is None or equator == "earth" else "equator"
 
 
-def _elements(orbit: Elements, parent: Parent, gm: float) -> dict[str, float]:
-    periapsis = periapsis_m(orbit, parent)
+def _check_periapsis(periapsis: float, orbit: Elements, parent: Parent) -> None:
     # A spacecraft's bounding sphere may hold orbits: its own shape is not known here.
     smallest = float(parent.radii_m.min()) if parent.is_body else 0.0
     if periapsis <= smallest:
@@ -75,14 +43,34 @@ def _elements(orbit: Elements, parent: Parent, gm: float) -> dict[str, float]:
             f"the periapsis, {periapsis / KM:.6g} km from the centre of {orbit.around}, lies "
             f"inside it (smallest radius {smallest / KM:.6g} km)"
         )
+
+
+def _elements(orbit: Elements, parent: Parent) -> dict[str, float]:
+    periapsis = periapsis_m(orbit, parent)
+    _check_periapsis(periapsis, orbit, parent)
+    if orbit.mean_anomaly_deg is not None:
+        anomaly = {"mean_anomaly_rad": math.radians(orbit.mean_anomaly_deg)}
+    else:
+        assert orbit.true_anomaly_deg is not None  # the schema asks for one of the two
+        anomaly = {"true_anomaly_rad": math.radians(orbit.true_anomaly_deg)}
     return {
         "periapsis_m": periapsis,
         "eccentricity": orbit.eccentricity,
         "inclination_rad": math.radians(orbit.inclination_deg),
         "raan_rad": math.radians(orbit.raan_deg),
         "arg_periapsis_rad": math.radians(orbit.arg_periapsis_deg),
-        "since_periapsis_s": since_periapsis_s(orbit, periapsis, gm),
+        **anomaly,
     }
+
+
+def _state(orbit: Elements, parent: Parent, gm: float) -> F64:
+    assert orbit.state is not None
+    state: F64 = np.array([*orbit.state.position_km, *orbit.state.velocity_km_s]) * KM
+    r, v = state[:3], state[3:]
+    h = np.cross(r, v)
+    eccentricity = float(np.linalg.norm(np.cross(v, h) / gm - r / np.linalg.norm(r)))
+    _check_periapsis(float(h @ h) / gm / (1.0 + eccentricity), orbit, parent)
+    return state
 
 
 def two_body(orbit: Elements, place: Place) -> dict[str, Any]:
@@ -102,9 +90,8 @@ def two_body(orbit: Elements, place: Place) -> dict[str, Any]:
         "parent_body": equator if frame == "equator" else None,
     }
     if orbit.state is None:
-        return {**spec, "elements": _elements(orbit, parent, gm)}
-    state = (*orbit.state.position_km, *orbit.state.velocity_km_s)
-    return {**spec, "state": np.array(state) * KM}
+        return {**spec, "elements": _elements(orbit, parent)}
+    return {**spec, "state": _state(orbit, parent, gm)}
 
 
 def kepler(orbit: Kepler, place: Place) -> Motion:
