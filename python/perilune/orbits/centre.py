@@ -17,7 +17,7 @@ from perilune.orbit_database import Centre
 from perilune.orbits.kinds.elements import default_frame, periapsis_m
 from perilune.orbits.place import Place
 from perilune.orbits.setting import KM, Parent, Setting, ephemeris_name, parent_of
-from perilune.orbits.turns import spin_of
+from perilune.orbits.turns import earth, spin_of
 
 F64 = NDArray[np.float64]
 
@@ -83,6 +83,8 @@ def equator(setting: Setting, parent: Parent) -> F64:
 
 
 def _orientation(table: str, setting: Setting, after_s: float = 0.0) -> F64:
+    if table == "earth":
+        return earth(setting.epoch)(np.array([after_s]))[0]
     date = setting.epoch.after(after_s)
     return np.asarray(_core.body_orientation(table, date.day, np.array([date.fraction]))[0])
 
