@@ -70,22 +70,6 @@ def to_axis_angle(q: F64) -> tuple[F64, float]:
     return np.asarray(v / size), 2.0 * math.atan2(size, float(w))
 
 
-def slerp_table(at: F64, q: F64, x: F64, what: str) -> F64:
-    """(n, 4) at x (n,) between the unit quaternions q (m, 4) at increasing places `at` (m,).
-
-    The shorter arc at a constant rate. ValueError, which calls the table `what`, outside of it.
-    """
-    if (x < at[0]).any() or (x > at[-1]).any():
-        outside = float(x[(x < at[0]) | (x > at[-1])][0])
-        raise ValueError(f"{what}: covers {at[0]:.9g} to {at[-1]:.9g} s, not {outside:.9g} s")
-    k = np.clip(np.searchsorted(at, x, side="right") - 1, 0, len(at) - 2)
-    rows = []
-    for first, last, part in zip(q[k], q[k + 1], (x - at[k]) / (at[k + 1] - at[k]), strict=True):
-        axis, angle = to_axis_angle(multiply(conjugate(first), last))
-        rows.append(multiply(first, axis_angle(axis, float(part) * angle)))
-    return np.array(rows)
-
-
 def to_matrix(q: F64) -> F64:
     """3x3 matrix of a unit quaternion."""
     w, x, y, z = q

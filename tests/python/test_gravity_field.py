@@ -100,7 +100,7 @@ def test_broken_files(tmp_path: Path, old: str, new: str, what: str) -> None:
     text = HEAD + ROWS
     assert old in text
     path = written(tmp_path, text.replace(old, new, 1))
-    with pytest.raises(ValueError, match="field.gfc") as error:
+    with pytest.raises(ValueError, match=r"field\.gfc") as error:
         gravity_field.read(path, 2)
     assert what in str(error.value)
 

@@ -243,7 +243,8 @@ class Table(Around):
     """Which object's lines to take in a CSV table with a column `object`, as `perilune orbit`
     writes; or the OBJECT_NAME or OBJECT_ID of an OEM with several."""
     degree: Annotated[Integer, Field(ge=1, le=25)] | None = None
-    """Degree of the interpolating polynomials (default: the OEM's, else 7; odd with velocities)."""
+    """Degree of the interpolating polynomials (default: the OEM's, else 7). With velocities it is
+    odd; an OEM that asks for INTERPOLATION = LAGRANGE is interpolated without them."""
 
 
 class Spice(Around):

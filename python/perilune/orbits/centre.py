@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import erfa
 import numpy as np
 from numpy.typing import NDArray
 
@@ -72,11 +73,19 @@ def _distance_m(orbit: object, parent: Parent) -> float | None:
     return periapsis_m(orbit, parent) / (1.0 - e) if e < 1.0 else None
 
 
-def equator(setting: Setting, parent: Parent) -> F64:
-    """Quaternion of the axes that elements count from, to ICRF, at the epoch."""
-    if parent.table is None or default_frame(parent.table) == "icrf":
+def frame_of(parent: Parent, of_date: bool) -> str:
+    """Which frame of a Kepler orbit's section the database's elements count from."""
+    return "equator" if of_date and parent.table is not None else default_frame(parent.table)
+
+
+def equator(setting: Setting, parent: Parent, of_date: bool) -> F64:
+    """Quaternion of the axes of that frame to ICRF, at the epoch; as the core's."""
+    if frame_of(parent, of_date) == "icrf":
         return np.array([1.0, 0.0, 0.0, 0.0])
-    pole = rotations.rotate(_orientation(parent.table, setting), _Z)
+    assert parent.table is not None  # else it is icrf
+    date = setting.epoch
+    q = _core.body_orientation(parent.table, date.day, np.array([date.fraction]))[0]
+    pole = rotations.rotate(q, _Z)
     x = rotations.cross(_Z, pole)
     x = np.array([1.0, 0.0, 0.0]) if np.linalg.norm(x) < 1e-12 else x / np.linalg.norm(x)
     return rotations.from_matrix(np.column_stack([x, rotations.cross(pole, x), pole]))
@@ -84,7 +93,7 @@ def equator(setting: Setting, parent: Parent) -> F64:
 
 def _orientation(table: str, setting: Setting, after_s: float = 0.0) -> F64:
     if table == "earth":
-        return earth(setting.epoch)(np.array([after_s]))[0]
+        return np.asarray(earth(setting.epoch)(np.array([after_s]))[0])
     date = setting.epoch.after(after_s)
     return np.asarray(_core.body_orientation(table, date.day, np.array([date.fraction]))[0])
 
@@ -113,23 +122,24 @@ def _angle_deg(q: F64, direction: F64) -> float:
 
 
 def _noon_deg(setting: Setting, parent: Parent, axes: F64) -> float:
-    """Where the mean Sun is. For the Earth by its mean longitude, less the precession of the node
-    since 2000 along the equator (Capitaine et al. 2003: 4612 arcsec a century); elsewhere the true
-    Sun stands for it."""
+    """Where the mean Sun is. For the Earth it runs on the equator of date at the Sun's mean
+    longitude (Astronomical Almanac); elsewhere the true Sun stands for it."""
     date = setting.epoch
     if parent.table == "earth":
         centuries = (date.day - 2451545.0 + date.fraction) / 36525.0
-        return (280.460 + (36000.771 - 1.2812) * centuries) % 360.0
+        mean = math.radians((280.460 + 36000.771 * centuries) % 360.0)
+        of_date = np.array([math.cos(mean), math.sin(mean), 0.0])
+        return _angle_deg(axes, erfa.pmat06(date.day, date.fraction).T @ of_date)
     own = parent.table or ephemeris_name(setting.config, setting.config.root)
     if own is None or not bodies.has_ephemeris(own):
         return 0.0
     return _angle_deg(axes, bodies.relative_m("sun", own, date))
 
 
-def centre_of(place: Place) -> Centre:
+def centre_of(place: Place, of_date: bool) -> Centre:
     """Of the parent of an orbit, at the epoch."""
     setting, parent = place.setting, place.parent
-    axes = equator(setting, parent)
+    axes = equator(setting, parent, of_date)
     q, rate = _day(setting, parent)
     planet = _planet(parent.table)
     a, b, c = parent.radii_m.tolist()

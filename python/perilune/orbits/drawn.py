@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from perilune.config.errors import from_validation
 from perilune.config.orbit import J2, Drawn, Elements, Kepler
 from perilune.orbits.kinds.elements import two_body
+from perilune.orbits.kinds.j2 import j2
 from perilune.orbits.place import Motion, Place
 
 _SECTIONS: dict[str, type[Elements]] = {"kepler": Kepler, "j2": J2}
@@ -31,4 +32,4 @@ def run_through(propagator: str, elements: Mapping[str, Any], place: Place) -> M
         section = _SECTIONS[propagator].model_validate(tree)
     except ValidationError as error:
         raise ValueError(str(from_validation(error, tree, "the elements"))) from None
-    return two_body(section, place)
+    return j2(section, place) if isinstance(section, J2) else two_body(section, place)

@@ -13,14 +13,18 @@ from typing import Any
 from perilune.orbits.kinds.circular import circular
 from perilune.orbits.kinds.database import database
 from perilune.orbits.kinds.elements import kepler
+from perilune.orbits.kinds.j2 import j2
 from perilune.orbits.kinds.spice import spice
+from perilune.orbits.kinds.table import table
 from perilune.orbits.kinds.tle import tle
 from perilune.orbits.place import Motion, Place
 
 KINDS: dict[str, Callable[[Any, Place], Motion]] = {
     "kepler": kepler,
     "circular": circular,
+    "j2": j2,
     "tle": tle,
+    "table": table,
     "spice": spice,
     "database": database,
 }

@@ -167,8 +167,9 @@ def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) ->
 
 
 def _with_section(error: ValueError, setting: Setting) -> ValueError:
-    """The core and paths name the node alone: "iss: ..."; its entry is more help."""
-    name, _, text = str(error).partition(": ")
+    """Paths name the node alone, the core as node 'iss': ...; its entry is more help."""
+    name, _, text = str(error).removeprefix("node ").partition(": ")
+    name = name.strip("'")
     found = sections(setting.config).get(name)
     return error if found is None else ValueError(f"{found[0]}.{name}: {text}")
 

@@ -113,5 +113,5 @@ def craft_turn(name: str, attitude: Any, setting: Setting, index: Mapping[str, i
     if isinstance(attitude, AttitudeTable):
         path = setting.file(attitude.file, f"spacecraft.{name}.attitude.file")
         t_s, q = csv_table.attitudes(path, setting.epoch, attitude.object)
-        return _on(lambda times: rotations.slerp_table(t_s, q, times, str(path)), attitude, step_s)
+        return _on("table", attitude, step_s, t_s=t_s, quats=q)
     return _on(attitude.pointing, attitude, step_s)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from perilune import orbit_database, rotations
 from perilune.config.orbit import Database, Drawn
-from perilune.orbits.centre import centre_of, equator
+from perilune.orbits.centre import centre_of, equator, frame_of
 from perilune.orbits.drawn import run_through, start_rev
 from perilune.orbits.kinds.circular import path
 from perilune.orbits.place import Motion, Place
@@ -24,7 +23,7 @@ def _ranges(orbit: Database) -> dict[str, tuple[float, float]]:
     return {key: value for key, value in found.items() if value is not None}
 
 
-def _circle(orbit: Drawn, place: Place, elements: dict[str, Any]) -> Motion:
+def _circle(orbit: Drawn, place: Place, elements: dict[str, Any], of_date: bool) -> Motion:
     """The paper's circle for an orbit's size and plane: its altitude over each semi-axis."""
     parent = place.parent
     if "altitude_km" in elements:
@@ -33,7 +32,7 @@ def _circle(orbit: Drawn, place: Place, elements: dict[str, Any]) -> Motion:
         altitude = elements["semi_major_axis_km"] * KM - parent.mean_radius_m
     scale = (altitude + parent.radii_m) / parent.radii_m
     plane = rotations.from_rpy_deg((elements["inclination_deg"], 0.0, elements["raan_deg"]))
-    q = rotations.multiply(equator(place.setting, parent), plane)
+    q = rotations.multiply(equator(place.setting, parent, of_date), plane)
     return path(place, scale, q, orbit.v_step or 0.0, start_rev(orbit, place))
 
 
@@ -43,9 +42,9 @@ def database(orbit: Database, place: Place) -> Motion:
     if orbit.propagator == "circular" and not row.round:
         raise ValueError(f"propagator: circular cannot run through an orbit of class {row.name}")
     elements = orbit_database.draw(
-        orbit.class_, centre_of(place), _ranges(orbit), place.scene_random
+        orbit.class_, centre_of(place, row.of_date), _ranges(orbit), place.scene_random
     )
     if orbit.propagator == "circular":
-        return _circle(orbit, place, elements)
-    finite = {key: value for key, value in elements.items() if math.isfinite(value)}
-    return run_through(orbit.propagator or "kepler", finite, place)
+        return _circle(orbit, place, elements, row.of_date)
+    frame = frame_of(place.parent, row.of_date)
+    return run_through(orbit.propagator or "kepler", {**elements, "frame": frame}, place)

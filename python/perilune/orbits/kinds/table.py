@@ -1,0 +1,99 @@
+"""Interpolated states of a file: CCSDS OEM or CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune.bodies import Date
+from perilune.config.orbit import Table
+from perilune.ephemerides import csv_table, oem
+from perilune.motion import propagator
+from perilune.orbits.place import Motion, Place
+
+F64 = NDArray[np.float64]
+
+_DEGREE = 7
+_BEYOND_S = 0.01
+"""Steps count TDB, files mostly UTC: of a year the two differ by 3 ms, by which a last step may lie
+beyond a table's last line; there it goes on straight."""
+_CSV = (".csv", ".tsv")
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """States between which one polynomial after the other goes."""
+
+    t_s: F64
+    states: F64
+    degree: int | None
+
+
+@lru_cache(maxsize=64)
+def _pieces(
+    path: Path, changed_ns: int, epoch: Date, name: str | None, around: str, centre: str | None
+) -> tuple[_Piece, ...]:
+    if path.suffix.lower() in _CSV:
+        return (_Piece(*csv_table.states(path, epoch, name, around), None),)
+    segments = oem.of_object(oem.parse(path), name, path)
+    for segment in segments:
+        stated = segment.meta["CENTER_NAME"].lower()
+        if centre is not None and stated != centre:
+            text = f"CENTER_NAME is {segment.meta['CENTER_NAME']}, but the orbit is around {around}"
+            raise ValueError(f"{path}, line {segment.line}: {text}")
+    return tuple(_piece(segment, epoch, path) for segment in segments)
+
+
+def _piece(segment: oem.Segment, epoch: Date, path: Path) -> _Piece:
+    """With INTERPOLATION = LAGRANGE the velocities are left out, as the file asks: those of some
+    makers are not the places' derivatives."""
+    t_s, states = oem.states(segment, epoch, path)
+    lagrange = segment.meta.get("INTERPOLATION", "").upper() in ("LAGRANGE", "LINEAR")
+    return _Piece(t_s, states[:, :3].copy() if lagrange else states, oem.degree(segment, path))
+
+
+def _spec(piece: _Piece, degree: int | None) -> dict[str, Any]:
+    chosen = degree or piece.degree or _DEGREE
+    hermite = piece.states.shape[1] == 6
+    if hermite and degree is None:
+        chosen |= 1  # with velocities degrees are odd; a file may state one for places alone
+    most = len(piece.t_s) * (2 if hermite else 1) - 1
+    return {"kind": "table", "t_s": piece.t_s, "states": piece.states, "degree": min(chosen, most)}
+
+
+def _joined(specs: Sequence[dict[str, Any]], path: Path, epoch: Date) -> Motion:
+    """Each segment answers within its own span, the first one where two meet."""
+
+    def states(t_s: F64) -> F64:
+        found = np.full((len(t_s), 6), np.nan)
+        for spec in specs:
+            near = np.clip(t_s, spec["t_s"][0], spec["t_s"][-1])
+            inside = np.isnan(found[:, 0]) & (np.abs(t_s - near) <= _BEYOND_S)
+            if inside.any():
+                rows = propagator(spec, epoch).states(near[inside])
+                rows[:, :3] += (t_s - near)[inside, None] * rows[:, 3:]
+                found[inside] = rows
+        lost = np.isnan(found[:, 0])
+        if lost.any():
+            times = (specs[0]["t_s"][0], specs[-1]["t_s"][-1], t_s[lost][0])
+            first, last, when = (epoch.after(float(t)).utc() for t in times)
+            raise ValueError(f"{path}: covers {first} to {last}, not {when}")
+        return found
+
+    return states
+
+
+def table(orbit: Table, place: Place) -> Motion:
+    """Polynomials through the states of the file."""
+    path = place.file(orbit.file, "file")
+    changed = path.stat().st_mtime_ns
+    pieces = _pieces(
+        path, changed, place.epoch, orbit.object, orbit.around, place.parent.table
+    )
+    return _joined([_spec(piece, orbit.degree) for piece in pieces], path, place.epoch)
