@@ -199,6 +199,11 @@ size_t pl_articulation_nodes(const pl_articulation *self, const int **nodes) {
   return self->count;
 }
 
+size_t pl_articulation_joints(const pl_articulation *self, const pl_joint **joints) {
+  *joints = self->joints;
+  return self->joint_count;
+}
+
 /* --- a frame ---------------------------------------------------------------------------------- */
 
 /* The nodes' own transforms at the animation's time. */

@@ -47,6 +47,9 @@ void pl_articulation_destroy(pl_articulation *articulation); /* NULL is allowed 
 /* The moving nodes that something hangs on, parents before children. */
 size_t pl_articulation_nodes(const pl_articulation *articulation, const int **nodes);
 
+/* The joints as they act: all in the model's axes, axis and normal unit. */
+size_t pl_articulation_joints(const pl_articulation *articulation, const pl_joint **joints);
+
 /* values: one a joint; that of PL_JOINT_TOWARDS is added to the angle found. targets: one point a
  * joint, model units in the object's place at this instant (not that of a moved parent), read for
  * PL_JOINT_TOWARDS alone. time_s: the animation's own. Out: the angle or way of each joint, and the

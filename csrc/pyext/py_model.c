@@ -102,6 +102,59 @@ static PyObject *get_parts(PyObject *self, void *closure) {
   return parts;
 }
 
+/* `list` made a tuple, or NULL; takes the reference. */
+static PyObject *tuple_of(PyObject *list) {
+  PyObject *tuple = list != NULL ? PyList_AsTuple(list) : NULL;
+  Py_XDECREF(list);
+  return tuple;
+}
+
+/* Appends `item`, whose reference is taken; clears the list on failure. */
+static void append(PyObject **list, PyObject *item) {
+  if (*list != NULL && (item == NULL || PyList_Append(*list, item) < 0))
+    Py_CLEAR(*list);
+  Py_XDECREF(item);
+}
+
+static PyObject *get_nodes(PyObject *self, void *closure) {
+  (void)closure;
+  const pl_nodes *nodes = &of(self)->nodes;
+  PyObject *list = PyList_New(0);
+  for (size_t i = 0; i < nodes->count; i++)
+    append(&list, Py_BuildValue("{s:s,s:i}", "name", nodes->items[i].name, "parent",
+                                nodes->items[i].parent));
+  return tuple_of(list);
+}
+
+static PyObject *animation_nodes(const pl_animation *animation) {
+  PyObject *set = PySet_New(NULL);
+  for (size_t i = 0; set != NULL && i < animation->count; i++) {
+    PyObject *node = PyLong_FromLong(animation->tracks[i].node);
+    if (node == NULL || PySet_Add(set, node) < 0)
+      Py_CLEAR(set);
+    Py_XDECREF(node);
+  }
+  PyObject *list = set != NULL ? PySequence_List(set) : NULL;
+  Py_XDECREF(set);
+  if (list != NULL && PyList_Sort(list) < 0)
+    Py_CLEAR(list);
+  return tuple_of(list);
+}
+
+static PyObject *get_animations(PyObject *self, void *closure) {
+  (void)closure;
+  PyObject *list = PyList_New(0);
+  for (size_t i = 0; i < of(self)->animation_count; i++) {
+    const pl_animation *animation = &of(self)->animations[i];
+    PyObject *nodes = animation_nodes(animation);
+    append(&list, nodes == NULL
+                      ? NULL
+                      : Py_BuildValue("{s:s,s:d,s:N}", "name", animation->name, "duration_s",
+                                      animation->stop_s - animation->start_s, "nodes", nodes));
+  }
+  return tuple_of(list);
+}
+
 static PyObject *get_materials(PyObject *self, void *closure) {
   (void)closure;
   const pl_model *model = of(self);
@@ -205,6 +258,8 @@ static PyGetSetDef model_getset[] = {
     {"vertex_count", get_vertex_count, NULL, NULL, NULL},
     {"bounds", get_bounds, NULL, "(2, 3) smallest and largest coordinates, model units.", NULL},
     {"parts", get_parts, NULL, "Name and material of each part.", NULL},
+    {"nodes", get_nodes, NULL, "Name and parent of each node.", NULL},
+    {"animations", get_animations, NULL, "Name, duration and nodes of each animation.", NULL},
     {"materials", get_materials, NULL, "Names of the materials.", NULL},
     {"warnings", get_warnings, NULL, "What the loader repaired or skipped.", NULL},
     {NULL, NULL, NULL, NULL, NULL},

@@ -88,6 +88,27 @@ static int parse_objects(PyObject *dict, size_t count, pl_object_state *out) {
   return scale != NULL ? 0 : -1;
 }
 
+/* "object_movers" (nodes, 3, 4): may be absent when no object is articulated. */
+static int parse_movers(PyObject *dict, const pl_scene *scene, pl_py_states *states) {
+  const npy_intp shape[3] = {(npy_intp)states->mover_count, 3, 4};
+  if (states->mover_count == 0)
+    return 0;
+  PyArrayObject *array = get_array(dict, "object_movers", 3, shape);
+  if (array == NULL)
+    return -1;
+  const double *m = PyArray_DATA(array);
+  for (size_t i = 0; i < states->mover_count; i++, m += 12)
+    states->movers[i] = (pl_affine){{{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}},
+                                    {m[3], m[7], m[11]}};
+  Py_DECREF((PyObject *)array);
+  const pl_affine *next = states->movers;
+  for (size_t i = 0; i < scene->object_count; i++) {
+    states->objects[i].movers = next;
+    next += pl_object_mover_count(&scene->objects[i]);
+  }
+  return 0;
+}
+
 static int parse_bodies(PyObject *dict, size_t count, pl_body_state *out) {
   const npy_intp poses[3] = {(npy_intp)count, 2, 7}, three[2] = {(npy_intp)count, 3};
   PyArrayObject *a[4] = {NULL, NULL, NULL, NULL};
@@ -193,6 +214,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
   if (get_u64(request, "seed", &out->seed) < 0 || get_u64(request, "index", &out->index) < 0 ||
       parse_camera(request, &out->placement.camera) < 0 ||
       parse_objects(request, scene->object_count, states->objects) < 0 ||
+      parse_movers(request, scene, states) < 0 ||
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
       parse_sun(request, &out->placement.sun) < 0 || parse_quality(request, out) < 0 ||
       parse_amodal(request, &out->amodal) < 0)

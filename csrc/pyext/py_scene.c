@@ -143,11 +143,31 @@ static PyObject *scene_add_object(PyObject *object, PyObject *args, PyObject *kw
   return added;
 }
 
+static PyObject *scene_articulate(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"object", "nodes", NULL};
+  const npy_intp any[1] = {-1};
+  scene_object *self = (scene_object *)object;
+  Py_ssize_t index;
+  PyObject *nodes;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO:articulate", names, &index, &nodes) ||
+      check_open(self) < 0)
+    return NULL;
+  PyArrayObject *array = pl_py_array(nodes, "nodes", NPY_INT, 1, any);
+  if (array == NULL)
+    return NULL;
+  const pl_status status = pl_scene_articulate(&self->scene, index < 0 ? SIZE_MAX : (size_t)index,
+                                               PyArray_DATA(array), (size_t)PyArray_DIM(array, 0));
+  Py_DECREF((PyObject *)array);
+  return status == PL_OK ? Py_NewRef(Py_None) : pl_py_raise(status);
+}
+
 static PyMethodDef scene_methods[] = {
     {"add_body", (PyCFunction)(void (*)(void))scene_add_body, METH_VARARGS | METH_KEYWORDS,
      "Adds an ellipsoid; returns its index."},
     {"add_object", (PyCFunction)(void (*)(void))scene_add_object, METH_VARARGS | METH_KEYWORDS,
      "Adds an instance of a model; returns its index."},
+    {"articulate", (PyCFunction)(void (*)(void))scene_articulate, METH_VARARGS | METH_KEYWORDS,
+     "Lets nodes of an object's model move."},
     {NULL, NULL, 0, NULL},
 };
 

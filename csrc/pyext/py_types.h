@@ -7,7 +7,8 @@
 #include "geom/model.h"
 #include "scene/scene.h"
 
-extern PyType_Spec pl_py_model_spec, pl_py_map_spec, pl_py_scene_spec, pl_py_renderer_spec;
+extern PyType_Spec pl_py_model_spec, pl_py_map_spec, pl_py_scene_spec, pl_py_renderer_spec,
+    pl_py_articulation_spec;
 
 /* Borrowed contents; NULL with TypeError when the object is of another type. */
 const pl_model *pl_py_model_of(PyObject *object);

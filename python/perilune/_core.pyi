@@ -60,6 +60,13 @@ class Model:
         """{"name", "material", "node": index in the file} of each part: one primitive of one
         node. Names need not be unique."""
     @property
+    def nodes(self) -> tuple[dict[str, Any], ...]:
+        """{"name", "parent": index or -1} of each node of the file, by its index there."""
+    @property
+    def animations(self) -> tuple[dict[str, Any], ...]:
+        """{"name", "duration_s", "nodes": indices} of each animation that moves nodes of the
+        scene; those that are broken are left out, with a warning."""
+    @property
     def materials(self) -> tuple[str, ...]: ...
     @property
     def warnings(self) -> tuple[str, ...]: ...
@@ -69,6 +76,37 @@ class Model:
     def components(self) -> NDArray[np.uint32]:
         """(T,): connected component of each triangle, vertices welded by position; numbered from
         0 by falling number of triangles, then by first triangle."""
+
+@final
+class Articulation:
+    """Moving nodes of a model. Axes are the model's (z-up): an axis (x, y, z) of a node in the file
+    is (x, -z, y) here; lengths are model units, angles radians.
+
+    joints: {"node": index, "kind": "turn" (about the axis by the value) | "slide" (along it by the
+    value) | "towards" (about it until the normal comes nearest to the target, plus the value),
+    "axis": (3,), "pivot": (3,) a point of the axis, "normal": (3,), "in_node_axes": bool}. In the
+    node's axes at rest, whatever its scale, the pivot is counted from the node's origin; otherwise
+    all is in the model's axes. All joints are given at rest and travel with what is above them.
+    animation: index into Model.animations, or -1. ValueError names the node that cannot move."""
+
+    def __new__(
+        cls, model: Model, joints: Sequence[Mapping[str, Any]], animation: int = -1
+    ) -> Self: ...
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        """Indices of the moving nodes that something hangs on, parents before children."""
+    @property
+    def axes(self) -> F64:
+        """(joints, 2, 3): unit axis and pivot of each joint at rest, in the model's axes."""
+    def pose(
+        self, values: F64, targets: F64, play_s: float = 0.0, loop: str = "repeat"
+    ) -> tuple[F64, F64]:
+        """The joints' angles or ways (joints,), and motions (nodes, 3, 4): [m | t] takes a point of
+        the model at rest to where it is now, p' = m p + t.
+
+        values: (joints,). targets: (joints, 3) points in the model's axes and units, at this
+        instant; read for "towards" alone, where a target on the axis leaves the angle at the value.
+        play_s: seconds since the animation began; loop: "repeat", "clamp" or "pingpong"."""
 
 @final
 class Map:
@@ -115,6 +153,9 @@ class Scene:
         """A model instance; a model point p is at scale * (p - offset) in the object's frame.
         offset: (3,) model units; part_ids: (parts,); class_ids: (parts, levels); triangle_part:
         (T,) index into them, instead of the model's own parts."""
+    def articulate(self, object: int, nodes: NDArray[np.int32]) -> None:
+        """Lets nodes of an object's model move; each frame then gives each a motion, in the order
+        of the objects and of these nodes. Once an object."""
 
 class Quality(TypedDict):
     samples: int  # colour samples a pixel, 1..65536
@@ -138,6 +179,7 @@ class FrameRequest(TypedDict):
     camera_pose: F64  # (2, 7): camera to root at shutter opening and closing
     object_poses: F64  # (objects, 2, 7)
     object_scale: F64  # (objects,), metres per model unit
+    object_movers: NotRequired[F64]  # (all moving nodes, 3, 4): see Articulation.pose
     body_poses: F64  # (bodies, 2, 7)
     body_radii: F64  # (bodies, 3), m
     body_albedo: F64  # (bodies, 3), linear factor on the map (or the colour itself without one)

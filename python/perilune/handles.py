@@ -11,12 +11,13 @@ from threading import Lock
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core
+from perilune import _core, articulation
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.parts import Partition, partition
+from perilune.world import World
 
 F64 = NDArray[np.float64]
 
@@ -118,6 +119,22 @@ class Handles:
         }
 
     @cached_property
+    def rigs(self) -> Mapping[str, articulation.Rig]:
+        """Spacecraft entry -> what moves on it, of those that have such parts."""
+        crafts, source = self.document.config.spacecraft, self.document.source
+        rigs = {
+            name: articulation.rig(
+                row.model,
+                crafts[name],
+                row.offset,
+                row.metres_per_unit,
+                f"{source}:\n  spacecraft.{name}",
+            )
+            for name, row in self.models.items()
+        }
+        return {name: rig for name, rig in rigs.items() if rig is not None}
+
+    @cached_property
     def taxonomy(self) -> Taxonomy:
         """Names and ids of all labels."""
         parts = {name: cut.entries for name, cut in self.partitions.items()}
@@ -129,10 +146,20 @@ class Handles:
         return {name: metres_per_unit(crafts[name], row.model) for name, row in self.models.items()}
 
     def radii_m(self, config: Config) -> dict[str, float]:
-        """Bounding radius about the origin of each spacecraft in a frame."""
+        """Bounding radius about the origin of each spacecraft, wherever its parts move."""
+        radii_m = {}
+        for name, scale in self.scales(config).items():
+            row, rig = self.models[name], self.rigs.get(name)
+            reach = _reach_units(row.model, row.offset) if rig is None else rig.reach_units
+            radii_m[name] = scale * reach + articulation.slides_m(config.spacecraft[name])
+        return radii_m
+
+    def posed(self, scene: World) -> dict[str, articulation.Posed]:
+        """Spacecraft entry -> where its moving parts are in a frame, of those that have some."""
+        scales = self.scales(scene.config)
         return {
-            name: scale * _reach_units(self.models[name].model, self.models[name].offset)
-            for name, scale in self.scales(config).items()
+            name: articulation.posed(rig, scene, name, scales[name])
+            for name, rig in self.rigs.items()
         }
 
     @cached_property
@@ -169,7 +196,7 @@ class Handles:
                 ],
             )
         for name, row in self.models.items():
-            scene.add_object(
+            index = scene.add_object(
                 name=name,
                 model=row.model,
                 offset=row.offset,
@@ -179,6 +206,9 @@ class Handles:
                 class_ids=_class_ids(labels, "spacecraft", row.class_name, part_classes[name]),
                 triangle_part=self.partitions[name].triangle_part,
             )
+            if name in self.rigs:
+                nodes = np.array(self.rigs[name].core.nodes, dtype=np.int32)
+                scene.articulate(index, nodes)
         return _core.Renderer(scene)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, bodies, labels, rotations, trajectories
+from perilune import _core, articulation, bodies, labels, rotations, trajectories
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.camera import Camera
 from perilune.config.errors import nearest
@@ -164,7 +164,10 @@ class Simulation:
 
     def _request(self, scene: World) -> _core.FrameRequest:
         poses = trajectories.camera_poses(scene, self._trajectory)
-        return _request(scene, poses, self._mine().scales(scene.config))
+        handles = self._mine()
+        request = _request(scene, poses, handles.scales(scene.config))
+        request["object_movers"] = articulation.stacked(handles.posed(scene))
+        return request
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""
@@ -214,6 +217,7 @@ class Simulation:
             "sensor": scene.sensor,
             "time_utc": scene.date.utc(),
             "drivers": dict(scene.drivers),
+            "articulation": {name: row.meta for name, row in handles.posed(scene).items()},
             "white_radiance": result["white_radiance"],
             "timings_s": result["timings_s"],
         }

@@ -41,6 +41,10 @@ def check_references(config: Config, source: str) -> None:
         known(f"bodies.{name}.kind", body.kind, [*bodies, "ellipsoid"])
         known(f"bodies.{name}.ephemeris", body.ephemeris, bodies)
         known(f"bodies.{name}.reflectance", body.reflectance, reflectances)
+    for name, craft in config.spacecraft.items():
+        others = ["sun", *config.bodies, *(other for other in config.spacecraft if other != name)]
+        for i, joint in enumerate(craft.articulation):
+            known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
     for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
         for name in names:
             known(f"render.force_{key}", name, effects)

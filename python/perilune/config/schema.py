@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from perilune.config.articulation import Animation, Joint
 from perilune.config.attitude import Attitude, BodyRotation, Inertial
 from perilune.config.camera import Camera
 from perilune.config.errors import fail, nearest
@@ -200,6 +201,10 @@ class Spacecraft(Strict):
     parts: Parts = Parts()
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
     """Class of part -> patterns on part and material names; before those of `labels`."""
+    articulation: tuple[Joint, ...] = ()
+    """Nodes of the model that move."""
+    animation: Animation | None = None
+    """One of the model's own animations; joints act on what it moves."""
     symmetries: Symmetries = Symmetries()
 
     @model_validator(mode="after")

@@ -12,7 +12,8 @@ from perilune.config.errors import fail, nearest
 from perilune.drivers import Drawn
 
 
-def _refuse_drawn(value: Any) -> Any:
+def refuse_drawn(value: Any) -> Any:
+    """For BeforeValidator: refuses a driver's value."""
     items = value if isinstance(value, (list, tuple)) else [value]
     if any(isinstance(item, Drawn) for item in items):
         fail("", "takes no driver: it is fixed when the scene is built")
@@ -61,8 +62,8 @@ NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, l
 Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 Inclination = Annotated[float, Field(strict=True, ge=0.0, le=180.0)]
 Integer = Annotated[int, Field(strict=True)]
-StaticFinite = Annotated[Finite, BeforeValidator(_refuse_drawn)]
-StaticNonNegative = Annotated[NonNegative, BeforeValidator(_refuse_drawn)]
+StaticFinite = Annotated[Finite, BeforeValidator(refuse_drawn)]
+StaticNonNegative = Annotated[NonNegative, BeforeValidator(refuse_drawn)]
 Vec3 = tuple[Finite, Finite, Finite]
 PositiveVec3 = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(_triple)]
 Direction = Annotated[Vec3, AfterValidator(_direction)]
@@ -77,7 +78,7 @@ _HalfTurn = Annotated[float, Field(strict=True, ge=0.0, le=180.0)]
 AngleRange = Annotated[
     tuple[_HalfTurn, _HalfTurn], BeforeValidator(_pair), AfterValidator(_ordered)
 ]
-StaticVec3 = Annotated[Vec3, BeforeValidator(_refuse_drawn)]
+StaticVec3 = Annotated[Vec3, BeforeValidator(refuse_drawn)]
 
 
 def _module_function(value: str) -> str:
