@@ -242,6 +242,16 @@ class ImageCheck:
         reason = f"{who}: segmentation differs from mask_visib/ at {wrong} pixels"
         self._need(wrong == 0, path, reason)
 
+    @staticmethod
+    def _outline(mesh: Mesh, pose: Pose) -> F64:
+        """Points whose convex hull holds the model: with moving parts, the whole of it at rest and
+        wherever one of them has gone."""
+        points = [mesh.outline]
+        for values in (pose.articulation or {}).values():
+            motion = np.reshape(values, (4, 4))
+            points.append(mesh.outline @ motion[:3, :3].T + motion[:3, 3])
+        return np.concatenate(points)
+
     def _projection(self, gt_id: int, pose: Pose, info: Info, mask: Mask) -> None:
         """The convex hull of the model's projection must hold the mask and bbox_obj."""
         mesh = self.meshes.get(pose.obj_id)
@@ -249,7 +259,7 @@ class ImageCheck:
             return
         path, who = self._file(GT_FILE), f"instance {gt_id}"
         R, t = np.reshape(pose.cam_R_m2c, (3, 3)), np.array(pose.cam_t_m2c)
-        points = self.K @ (R @ mesh.outline.T + t[:, None])
+        points = self.K @ (R @ self._outline(mesh, pose).T + t[:, None])
         if points[2].min() <= 0.0:
             behind = points[2].max() <= 0.0 and bool(mask.any())
             self._need(not behind, path, f"{who}: lies behind the camera, but mask/ is not empty")
@@ -289,7 +299,8 @@ class ImageCheck:
         points = rays * (steps * scale)[:, None]
         R, t = np.reshape(pose.cam_R_m2c, (3, 3)), np.array(pose.cam_t_m2c)
         local = (points - t) @ R
-        low, high = mesh.outline.min(axis=0), mesh.outline.max(axis=0)
+        outline = self._outline(mesh, pose)
+        low, high = outline.min(axis=0), outline.max(axis=0)
         slack = (0.5 * scale + _DEPTH * steps * scale) * np.linalg.norm(rays, axis=1)
         slack += _SURFACE * float(np.linalg.norm(high - low)) + _DEPTH * float(np.linalg.norm(t))
         off = np.maximum(low - local, local - high).max(axis=1)

@@ -61,6 +61,8 @@ class Pose(_Exact):
     cam_R_m2c: Nine  # noqa: N815
     cam_t_m2c: Three
     obj_id: Count
+    articulation: dict[str, Sixteen] | None = None
+    """Moving node -> its motion in the model's frame: 4 x 4, row by row, mm."""
 
 
 class Info(_Exact):

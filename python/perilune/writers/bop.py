@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,12 +53,27 @@ _PNG_LEVEL = 6
 _MASK_ON = np.uint8(255)
 
 
-def pose_entry(row: Any, origins_m: Mapping[int, F64]) -> dict[str, Any]:
-    """One entry of scene_gt.json, from an object's label."""
+def _motion_entry(motion: F64, origin_m: F64) -> list[float]:
+    """A motion in the object's frame (4, 4), m, as one in the BOP model's, mm, row by row."""
+    moved = motion.copy()
+    moved[:3, 3] = MM_PER_M * (motion[:3, :3] @ origin_m + motion[:3, 3] - origin_m)
+    return [float(value) for value in moved.ravel()]
+
+
+def pose_entry(
+    row: Any, origins_m: Mapping[int, F64], moving: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """One entry of scene_gt.json, from an object's label.
+
+    moving: of an articulated object, as in Sample.meta; readers pass over the key `articulation`.
+    """
     rotation = np.asarray(row["R_m2c"], dtype=np.float64)
     # The origin of the BOP model lies at `origins_m` in the object's frame.
-    origin_m = row["t_m2c"] + rotation @ origins_m[int(row["obj_id"])]
+    offset_m = origins_m[int(row["obj_id"])]
+    origin_m = row["t_m2c"] + rotation @ offset_m
+    moved = {name: _motion_entry(node["motion"], offset_m) for name, node in (moving or {}).items()}
     return {
+        **({"articulation": moved} if moved else {}),
         "cam_R_m2c": rotation.ravel().tolist(),
         "cam_t_m2c": (origin_m * MM_PER_M).tolist(),
         "obj_id": int(row["obj_id"]),
@@ -82,9 +97,16 @@ def _write_mask(path: Path, mask: Mask) -> None:
 
 
 def write_image(
-    folder: SceneFolder, im_id: int, sample: Sample, origins_m: Mapping[int, F64]
+    folder: SceneFolder,
+    im_id: int,
+    sample: Sample,
+    names: Sequence[str],
+    origins_m: Mapping[int, F64],
 ) -> Record:
-    """Writes the files of one frame into its scene folder, the record of it last."""
+    """Writes the files of one frame into its scene folder, the record of it last.
+
+    names: of the spacecraft, in the order of the sample's objects.
+    """
     depth_m, instance = sample["depth"], sample["instance"]
     annotated = np.isin(instance, sample.objects["instance_id"])
     scale_mm = depth_scale_mm(float(depth_m[annotated].max(initial=0.0)) * MM_PER_M)
@@ -92,12 +114,13 @@ def write_image(
     _core.png_write(str(folder.rgb(im_id)), sample["rgb"], _PNG_LEVEL)
     _core.png_write(str(folder.depth(im_id)), depth, _PNG_LEVEL)
     record = Record(camera_record(sample, scale_mm), [], [], [])
-    for gt_id, row in enumerate(sample.objects):
+    moving = sample.meta["articulation"]
+    for gt_id, (name, row) in enumerate(zip(names, sample.objects, strict=True)):
         mask, visible = sample["masks"][gt_id] != 0, instance == row["instance_id"]
         _write_mask(folder.mask(im_id, gt_id), mask)
         _write_mask(folder.mask_visib(im_id, gt_id), visible)
         info = info_entry(row, mask, depth > 0)
-        record.gt.append(pose_entry(row, origins_m))
+        record.gt.append(pose_entry(row, origins_m, moving.get(name)))
         record.gt_info.append(info)
         if info["px_count_visib"] > 0:
             obj_id, fraction = int(row["obj_id"]), info["visib_fract"]
@@ -139,12 +162,13 @@ class _Job:
     def _render(
         self, folder: SceneFolder, images: Mapping[int, int], records: dict[int, Record]
     ) -> None:
+        names = list(self.sim.config.spacecraft)
         with WriteQueue() as queue:
             for im_id, index in images.items():
                 sample = self.sim.frame(index, channels=CHANNELS, threads=self.threads)
 
                 def task(im_id: int = im_id, sample: Sample = sample) -> None:
-                    records[im_id] = write_image(folder, im_id, sample, self.origins_m)
+                    records[im_id] = write_image(folder, im_id, sample, names, self.origins_m)
 
                 self.advance(written=queue.put(task))
             self.advance(written=queue.drain())
