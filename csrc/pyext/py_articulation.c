@@ -12,6 +12,7 @@ typedef struct articulation_object {
   PyObject_HEAD PyObject *model; /* Model */
   const pl_animation *animation; /* of the model, or NULL */
   pl_articulation *core;         /* owned */
+  pl_affine *motions;            /* owned: room for one pose; the GIL guards it */
   Py_ssize_t joints;
 } articulation_object;
 
@@ -19,6 +20,7 @@ static void articulation_dealloc(PyObject *object) {
   articulation_object *self = (articulation_object *)object;
   PyTypeObject *type = Py_TYPE(object);
   pl_articulation_destroy(self->core);
+  pl_free(self->motions);
   Py_XDECREF(self->model);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(object);
   Py_DECREF(type);
@@ -66,15 +68,26 @@ static pl_joint *read_joints(PyObject *list, Py_ssize_t count) {
   return joints;
 }
 
+static pl_status make_room(articulation_object *self) {
+  const int *nodes;
+  void *motions;
+  PL_TRY(pl_alloc_or_fail(pl_articulation_nodes(self->core, &nodes), sizeof(pl_affine), "motions",
+                          &motions));
+  self->motions = motions;
+  return PL_OK;
+}
+
 static int fill(articulation_object *self, PyObject *model, PyObject *list, int animation) {
   const pl_model *core = pl_py_model_of(model);
   self->joints = core != NULL ? PySequence_Size(list) : -1;
   pl_joint *joints = self->joints >= 0 ? read_joints(list, self->joints) : NULL;
   if (joints == NULL)
     return -1;
-  const pl_status status =
+  pl_status status =
       pl_articulation_create(core, joints, (size_t)self->joints, animation, &self->core);
   pl_free(joints);
+  if (status == PL_OK)
+    status = make_room(self);
   if (status != PL_OK) {
     pl_py_raise(status);
     return -1;
@@ -160,19 +173,14 @@ static PyObject *pose(articulation_object *self, PyArrayObject *values, PyArrayO
   const size_t count = pl_articulation_nodes(self->core, &nodes);
   npy_intp joints[1] = {self->joints};
   PyObject *reached = PyArray_SimpleNew(1, joints, NPY_DOUBLE);
-  pl_affine *motions = pl_alloc(count, sizeof *motions);
-  PyObject *array = NULL;
-  if (reached != NULL && motions != NULL) {
-    pl_articulation_pose(self->core, PyArray_DATA(values), PyArray_DATA(targets), time_s,
-                         PyArray_DATA((PyArrayObject *)reached), motions);
-    array = motions_array(motions, count);
-  } else if (motions == NULL) {
-    PyErr_NoMemory();
-  }
-  pl_free(motions);
+  if (reached == NULL)
+    return NULL;
+  pl_articulation_pose(self->core, PyArray_DATA(values), PyArray_DATA(targets), time_s,
+                       PyArray_DATA((PyArrayObject *)reached), self->motions);
+  PyObject *array = motions_array(self->motions, count);
   if (array != NULL)
     return Py_BuildValue("(NN)", reached, array);
-  Py_XDECREF(reached);
+  Py_DECREF(reached);
   return NULL;
 }
 

@@ -136,8 +136,8 @@ def _reach_units(
 def _animated_reach(
     model: _core.Model, core: _core.Articulation, offset: F64, animation: int, reach: float
 ) -> float:
-    """A wide bound: each moving node carries the whole model's box, at 33 instants of the animation;
-    and a turn takes a point at most twice its axis's distance farther out."""
+    """A wide bound: each moving node carries the whole model's box, at 33 instants of the
+    animation; and a turn takes a point at most twice its axis's distance farther out."""
     low, high = model.bounds
     corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, 8).T
     still = np.zeros(len(core.axes))

@@ -55,10 +55,18 @@ FULL = {
                "exposure": {"mode": "auto", "percentile": 99.0, "key": 0.8}},
     "render": {"samples": 2, "max_bounces": 1, "tolerance_dn": 1.0},
 }  # fmt: skip
+JOINTS = [
+    {"node": "panel_left", "axis": [0.0, 1.0, 0.0], "normal": [1.0, 0.0, 0.0], "towards": "sun",
+     "angle_deg": 3.0},
+    {"node": "panel_left_3", "axis": [0.0, 1.0, 0.1], "pivot_m": [0.1, 0.2, 0.3],
+     "rate_deg_s": 2.0},
+    {"node": "panel_right", "axis": [0.0, 0.0, 1.0], "axes": "object", "translation_m": 0.5},
+]  # fmt: skip
 
 
 def full(tree):
     tree.update(json.loads(json.dumps(FULL)))
+    tree["spacecraft"]["sat"]["articulation"] = json.loads(json.dumps(JOINTS))
     return tree
 
 

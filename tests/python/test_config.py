@@ -301,7 +301,7 @@ def test_every_physical_key_has_its_unit():
         "direction", "spin_axis", "cone_axis", "up", "axis", "ids", "white_radiance_w_m2_sr",
         "emission_w_m2_sr", "min", "max", "merge_below",  # of parts: model units, triangles
         "frames_per_scene", "transformation", "trigger_interval", "positions", "rotations",
-        "distance_scale", "normal", "side",
+        "distance_scale", "normal", "side", "index", "speed",
         "v_step", "orbit_start", "scale", "j2", "cd", "cr", "rtol", "degree", "order", "number",
         "rotation_deg_step_v",  # the paper's name: degrees in a step
     }  # fmt: skip
