@@ -170,6 +170,11 @@ static int read_forces(PyObject *spec, const char *where, parts *p) {
   PyObject *list = NULL;
   if (pl_py_member(spec, "forces", 1, where, &list) < 0)
     return -1;
+  if (list != Py_None && !PySequence_Check(list)) {
+    Py_DECREF(list);
+    PyErr_Format(PyExc_TypeError, "%s: forces must be a sequence", where);
+    return -1;
+  }
   const Py_ssize_t count = list == Py_None ? 0 : PySequence_Size(list);
   int result = count < 0 ? pl_py_prefix_error(where)
                          : pl_py_check(pl_alloc_or_fail((size_t)count, sizeof *p->spec.forces,
