@@ -20,7 +20,7 @@ from perilune.plots.figures import BODY_GREY, length_unit
 
 F64 = NDArray[np.float64]
 _LATITUDES, _LONGITUDES = 90, 180
-_ZOOM = 0.86  # matplotlib leaves no room for the labels of the third axis
+_ZOOM = 0.82  # matplotlib leaves no room for the labels of the third axis
 _NIGHT = 0.35
 """Brightness of a body's surface away from the Sun, so that it can still be seen."""
 
@@ -111,7 +111,7 @@ class Scene3D:
         axes = self.axes
         for name, middle in zip("xyz", center, strict=True):
             getattr(axes, f"set_{name}lim")(middle - half, middle + half)
-            getattr(axes, f"set_{name}label")(f"{name} ({unit})", fontsize=8)
+            getattr(axes, f"set_{name}label")(f"{name} ({unit})", fontsize=8, labelpad=0)
             getattr(axes, f"{name}axis").set_major_locator(_locator())
             axes.tick_params(axis=name, labelsize=7, pad=0)
         axes.set_box_aspect((1.0, 1.0, 1.0), zoom=_ZOOM)
