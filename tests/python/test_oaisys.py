@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import perilune
 from perilune import config as cfg
 from perilune import rotations
 from perilune.config import ConfigError, oaisys
@@ -202,8 +203,42 @@ def test_a_planet_with_a_model_is_a_mesh(tree, planet):
     found, _ = translated(tree)
     assert list(found["spacecraft"]) == ["planet", "iss"]
     assert found["root"] == "origin"
-    assert found["spacecraft"]["planet"]["orbit"] == {"around": "origin", "position_km": [0.0] * 3}
-    cfg.load(found, base=FOLDER)
+    orbit = found["spacecraft"]["planet"]["orbit"]
+    assert orbit["around"] == "origin"
+    assert orbit["position_km"] == pytest.approx([0.0] * 3, abs=1e-11)  # a few nm from a speck
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sim = perilune.open(tree, base=FOLDER)
+    # A circle in scene units about a mesh, whose bounding radius is what the schema scales by.
+    place = sim.world(0).position_m("iss") - sim.world(0).position_m("planet")
+    assert np.linalg.norm(place) == pytest.approx(1.06396989 * EARTH_M, rel=1e-9)
+
+
+def test_an_asteroid_alone(tree, planet):
+    """The kind of scene of OAISYS's own example: a mesh, and a camera on a line to it."""
+    mesh = tree["ASSET_SETUP"]["MESHES"][0]
+    mesh["type"] = "MeshAsteroid"
+    mesh["meshParams"] = {
+        "meshFilePath": "../../assets/models/tango_like.blend",
+        "meshInstanceName": "asteroid",
+        "location": "trajectory_simulation",
+        "activationProbability": 0.3,
+    }
+    mesh["name"] = "asteroid"
+    del tree["ASSET_SETUP"]["MESHES"][1]
+    tree["metres_per_unit"] = 1.0
+    tree["SENSOR_SETUP"]["GENERAL"] = {
+        "sensorMovementType": "centeredTarget",
+        "targetObject": "asteroid",
+        "sensorDistanceScale": [1.5, 3.0],
+    }
+    found, told = translated(tree)
+    assert f"{MESHES}[0].meshParams.activationProbability: not applied" in told
+    sim = perilune.open(found, base=FOLDER, overrides={"render.samples": 1})
+    sample = sim.frame(1, channels=["rgb", "instance", "objects"])
+    assert sample.objects["visib_fract"][0] == 1.0
+    assert sample["rgb"].max() > 20
+    assert set(np.unique(sample["instance"])) == {0, sample.objects["instance_id"][0]}
 
 
 def test_an_alien_planet_is_an_ellipsoid(tree, planet):
@@ -602,7 +637,7 @@ def test_a_file_of_the_command_line(tree, tmp_path, capsys):
     )
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(tree))
-    main(["parts", str(path)])
+    assert main(["parts", str(path)]) == 0
     told = capsys.readouterr().err
     assert f"perilune: warning: {path}: RENDER_SETUP.GENERAL.renderEngine" in told
     assert "__init__.py" not in told

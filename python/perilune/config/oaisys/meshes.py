@@ -18,16 +18,22 @@ from perilune.config.oaisys.scene import ORIGIN, Scene, Thing, clean_name
 from perilune.config.oaisys.units import known_body, metres_per_unit
 
 _SURFACE_GRAVITY = 9.8e-3  # km/s2, of bodies that nobody knows
-_ORIGIN_KM = 1e-6
-_ASTEROID = (
-    "location",
-    "trajectorySimulation",
-    "trajectoryParams",
-    "assetDistanceScale",
-    "assetDisplacementParams",
-    "activationProbability",
-    "assetMaterial",
-)
+_ORIGIN_KM = 1e-12
+"""Radius of the speck at the origin of a scene without a body there: a nanometre."""
+_STANDS = "the mesh stands still at its position, as its file has it"
+_ASTEROID = {
+    "location": _STANDS,
+    "trajectorySimulation": _STANDS,
+    "trajectoryParams": _STANDS,
+    "random_rotation": _STANDS,
+    "assetDistanceScale": "sensorDistanceScale says how far the camera is",
+    "assetDisplacementParams": "meshes keep the shape of their files",
+    "assetMaterial": "meshes keep the materials of their files",
+    "activationProbability": "every mesh is in every scene",
+    "randomSwitchOnOff": "every mesh is in every scene",
+    "numSamples": "numSamplesPerBatch says how many steps a scene has",
+}
+"""Keys of MeshAsteroid that are not applied, and why."""
 
 
 class _Mesh:
@@ -87,6 +93,8 @@ def _place(mesh: _Mesh, scene: Scene, root: str, ours: str) -> dict[str, Any]:
     """A fixed position, scene units from the scene's origin."""
     place = scene.lengths_m(mesh.params.numbers("position", 3, [0.0, 0.0, 0.0]))
     mesh.params.comes(f"{ours}.orbit", "position")
+    if root == ORIGIN and not any(place):
+        place = [2e3 * _ORIGIN_KM, 0.0, 0.0]  # out of the speck, which nothing may be in
     return {"around": root, "position_km": [value / 1e3 for value in place]}
 
 
@@ -187,8 +195,8 @@ def read(root: Node, section: Node, scene: Scene) -> None:
         drivers.read(mesh.params)
         drivers.read(mesh.entry)
         if mesh.kind == "MeshAsteroid":
-            for key in _ASTEROID:
-                mesh.params.ignore(key, "not applied: the mesh stands at the scene's origin")
+            for key, why in _ASTEROID.items():
+                mesh.params.ignore(key, f"not applied: {why}")
         where = "bodies" if mesh.is_body else "spacecraft"
         entry = _body(mesh, scene) if mesh.is_body else _spacecraft(mesh, scene)
         sections[where][mesh.name] = entry
