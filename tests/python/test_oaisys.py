@@ -226,7 +226,6 @@ def test_an_asteroid_alone(tree, planet):
     }
     mesh["name"] = "asteroid"
     del tree["ASSET_SETUP"]["MESHES"][1]
-    tree["metres_per_unit"] = 1.0
     tree["SENSOR_SETUP"]["GENERAL"] = {
         "sensorMovementType": "centeredTarget",
         "targetObject": "asteroid",
@@ -234,6 +233,7 @@ def test_an_asteroid_alone(tree, planet):
     }
     found, told = translated(tree)
     assert f"{MESHES}[0].meshParams.activationProbability: not applied" in told
+    assert found["spacecraft"]["asteroid"]["metres_per_unit"] == 1.0
     sim = perilune.open(found, base=FOLDER, overrides={"render.samples": 1})
     sample = sim.frame(1, channels=["rgb", "instance", "objects"])
     assert sample.objects["visib_fract"][0] == 1.0

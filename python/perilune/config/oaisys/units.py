@@ -28,15 +28,19 @@ def mean_radius_m(body: str) -> float:
     return float(sum(radii)) / 3.0
 
 
-def metres_per_unit(root: Node, parents: list[str | None]) -> float:
-    """As the file states it; else the mean radius of the first body that an orbit is around.
+def metres_per_unit(root: Node, bodies: list[str | None], orbits: bool) -> float:
+    """As the file states it; else the mean radius of the first known body; else Earth's or 1 m.
 
-    parents: the table's names of what orbits are around, None for others; without any, Earth.
+    bodies: the table's names of what is a body in the scene, those that are orbited first; None for
+    one that the table does not have. orbits: whether anything is in orbit. A scene without orbits
+    and bodies is one of Blender's, whose unit is the metre.
     """
     stated: Any = root.number("metres_per_unit", None)
     if stated is not None:
         if not stated > 0.0:
             root.fail("metres_per_unit", f"must be positive, not {stated:g}")
         return float(stated)
-    known = next((name for name in parents if name is not None), "earth")
-    return mean_radius_m(known)
+    known = next((name for name in bodies if name is not None), None)
+    if known is not None:
+        return mean_radius_m(known)
+    return EARTH_M if orbits or bodies else 1.0
