@@ -104,6 +104,16 @@ def _turning(centre: Centre, what: str) -> dict[str, Any]:
     return centre.turning
 
 
+@lru_cache(maxsize=8)
+def _field(
+    path: Path, stamp: tuple[int, int], degree: int, order: int | None
+) -> gravity_field.GravityField:
+    """Read once as long as the file is not changed (size and time of `stamp`)."""
+    field = gravity_field.read(path, degree, order)
+    field.c.flags.writeable = field.s.flags.writeable = False
+    return field
+
+
 def _harmonics(
     harmonics: Harmonics, centre: Centre, file: Callable[[str, str], Path]
 ) -> dict[str, Any]:
@@ -121,7 +131,9 @@ def _harmonics(
         j = zonals.j[: harmonics.degree - 1]
         return {"kind": "zonal", **turning, "radius_m": zonals.radius_m, "j": j}
     path = file(harmonics.file, "harmonics.file")
-    field = gravity_field.read(path, harmonics.degree, harmonics.order)
+    stat = path.stat()
+    stamp = (stat.st_size, stat.st_mtime_ns)
+    field = _field(path, stamp, harmonics.degree, harmonics.order)
     if field.body is not None and centre.table is not None and field.body != centre.table:
         raise ValueError(f"harmonics.file: {path} is a field of {field.body}, not {centre.table}")
     return {

@@ -14,6 +14,7 @@ from perilune.orbits.kinds.circular import circular
 from perilune.orbits.kinds.database import database
 from perilune.orbits.kinds.elements import kepler
 from perilune.orbits.kinds.j2 import j2
+from perilune.orbits.kinds.numerical import numerical
 from perilune.orbits.kinds.spice import spice
 from perilune.orbits.kinds.table import table
 from perilune.orbits.kinds.tle import tle
@@ -23,6 +24,7 @@ KINDS: dict[str, Callable[[Any, Place], Motion]] = {
     "kepler": kepler,
     "circular": circular,
     "j2": j2,
+    "numerical": numerical,
     "tle": tle,
     "table": table,
     "spice": spice,

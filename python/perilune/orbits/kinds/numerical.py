@@ -1,0 +1,67 @@
+"""Orbits integrated under forces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import forces
+from perilune.config.attitude import Spin
+from perilune.config.motion import sections
+from perilune.config.orbit import Numerical
+from perilune.config.schema import Body
+from perilune.motion import propagator
+from perilune.orbits.kinds.elements import two_body
+from perilune.orbits.place import Motion, Place
+from perilune.orbits.turns import spin_of
+
+F64 = NDArray[np.float64]
+
+_Z = np.array([0.0, 0.0, 1.0])
+
+
+def _turning(place: Place) -> dict[str, Any] | None:
+    """How the parent turns, as forces take it; None where that is not known."""
+    _, entry = sections(place.setting.config)[place.around]
+    if isinstance(entry, Body) and isinstance(entry.rotation, Spin):
+        q, axis, rate = spin_of(entry.rotation, place.step_s)
+        if rate == 0.0:
+            return {"q": q, "rate_rad_s": 0.0}
+        upright = float(axis @ _Z) / float(np.linalg.norm(axis))
+        if abs(upright) < 1.0 - 1e-12:
+            raise ValueError(
+                f"bodies.{place.around}.rotation: about another axis than z: how its gravity and "
+                "air turn is not modelled"
+            )
+        return {"q": q, "rate_rad_s": rate if upright > 0.0 else -rate}
+    table = place.parent.table
+    return None if table is None else forces.turning_of(table, place.epoch)
+
+
+def _start(orbit: Numerical, place: Place) -> F64:
+    """The state at the epoch: that of the two-body orbit through it; ICRF axes."""
+    state: F64 = propagator(two_body(orbit, place), place.epoch).states(np.zeros(1))[0]
+    return state
+
+
+def numerical(orbit: Numerical, place: Place) -> Motion:
+    """From the elements or the state as osculating at the epoch."""
+    parent = place.parent
+    centre = forces.Centre(
+        parent.name, parent.table, parent.gm_m3_s2, parent.radii_m, _turning(place)
+    )
+    try:
+        acting = forces.specification(orbit.forces, centre, place.epoch, place.file)
+    except ValueError as error:
+        raise ValueError(f"forces: {error}") from None
+    return {
+        "kind": "numerical",
+        "gm": parent.gm_m3_s2,
+        "state": _start(orbit, place),
+        "rtol": orbit.rtol,
+        # The bounding sphere of a spacecraft may hold orbits: its own shape is not known here.
+        "surface_m": float(parent.radii_m.min()) if parent.is_body else 0.0,
+        **acting,
+    }
