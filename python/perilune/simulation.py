@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from perilune import _core, articulation, bodies, labels, rotations, trajectories
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.camera import Camera
-from perilune.config.errors import nearest
+from perilune.config.errors import named, nearest
 from perilune.config.references import MASKS, OBJECTS, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
 from perilune.hooks import Hook
@@ -71,7 +71,8 @@ class Simulation:
                     raise ValueError(f"orbits: no entry named '{name}'{nearest(name, known)}")
             self.system(0).states(np.zeros(1))
         except ValueError as error:
-            raise ConfigError(f"{document.source}:\n  {error}") from error
+            text = named(str(error), document.origins)
+            raise ConfigError(f"{document.source}:\n  {text}") from error
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Simulation, (self._document, self._trajectory, self._orbits)

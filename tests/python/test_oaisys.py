@@ -616,6 +616,23 @@ def test_errors_of_the_schema_name_the_files_key(tree, iss):
     assert f"{SENSOR}.KMatrix (here: camera.K)" not in text  # checked once the numbers are valid
 
 
+def test_errors_of_orbits_and_files_name_the_files_key(tree, iss, tmp_path):
+    iss["orbit_params"]["scale"] = [0.5] * 3
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with pytest.raises(ConfigError) as error:
+            perilune.open(tree, base=FOLDER)
+        assert f"{MESHES}[1].orbit_params (here: spacecraft.iss.orbit): at " in str(error.value)
+        assert "below the surface of planet" in str(error.value)
+        tree["SENSOR_SETUP"]["GENERAL"] = {
+            "sensorMovementType": "deterministic",
+            "sensorMovementPose": "nowhere.csv",
+        }
+        with pytest.raises(FileNotFoundError) as missing:
+            cfg.load(tree, base=FOLDER)
+    assert "SENSOR_SETUP.GENERAL.sensorMovementPose (here: camera.traj" in str(missing.value)
+
+
 def test_overrides_are_of_our_keys_and_documents_pickle(tree):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from perilune import drivers
 from perilune.config import oaisys
-from perilune.config.errors import ConfigError, from_validation
+from perilune.config.errors import ConfigError, from_validation, origin
 from perilune.config.loader import plain_tree, read_tree
 from perilune.config.overrides import apply_overrides
 from perilune.config.schema import Config
@@ -63,6 +63,7 @@ class Document:
 
     def path(self, text: str, key: str) -> Path:
         """The file that a path of the configuration means; `key` names it in errors."""
+        key = origin(key, self.origins)
         if not text.startswith(_DATA_PREFIX):
             path = self.base / text
             if not path.is_file():

@@ -49,7 +49,13 @@ def _walk(tree: Any, loc: Sequence[Any], missing: bool) -> tuple[list[Any], Any]
     return path, value
 
 
-def _origin(key: str, origins: Mapping[str, str]) -> str:
+def named(text: str, origins: Mapping[str, str]) -> str:
+    """A message `key: what is wrong` with the key as the file that was translated has it."""
+    key, colon, rest = text.partition(": ")
+    return f"{origin(key, origins)}{colon}{rest}" if colon else text
+
+
+def origin(key: str, origins: Mapping[str, str]) -> str:
     """A key of the tree as the file that was translated has it: `theirs (here: ours)`."""
     at = key
     while at:
@@ -65,7 +71,7 @@ def _describe(
     path, value = _walk(tree, error["loc"], error["type"] == "missing")
     below = error.get("ctx", {}).get("path", "") if error["type"] == "perilune" else ""
     key = path_text((*path, below) if below else tuple(path))
-    shown_key = _origin(key, origins)
+    shown_key = origin(key, origins)
     if error["type"] == "missing":
         return f"{shown_key}: required, but missing"
     scalar = not below and not isinstance(value, (Mapping, list, tuple)) and value is not None

@@ -5,7 +5,7 @@ cannot be is a ConfigError that does. Units: `metres_per_unit` at the top of the
 mean radius of the first body that something orbits, 6.378e6 for the Earth; 1 in a scene without
 bodies and orbits) turns scene units into metres everywhere; a mesh's `scale` applies to its model's
 own units on top of that. Frames: the scene's axes are ICRF's. Time: batches are scenes, samples
-their steps, a step is 60 s. Keys of ours that the file may have at its top: name, description, seed.
+their steps, a step is 60 s. The keys name, description and seed at the top of the file are ours.
 """
 
 from __future__ import annotations

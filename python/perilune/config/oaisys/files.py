@@ -59,6 +59,8 @@ def _beside(text: str, base: Path, endings: tuple[str, ...]) -> str | None:
 def model(params: Node, key: str, base: Path) -> ModelFile:
     """The model that a key names, and the map beside it."""
     text = params.text(key)
+    if not Path(text).name:
+        params.fail(key, f"must name a file, not {text!r}")
     suffix = Path(text).suffix.lower()
     found = _beside(text, base, (suffix,)) if suffix in _GLTF else _beside(text, base, _GLTF)
     return ModelFile(text, found, found is not None and suffix not in _GLTF, _map(text, base), base)
