@@ -13,8 +13,6 @@
 
 /* Longer side of the metering pass, pixels, and its samples. */
 enum { METER_SIDE = 96, METER_SAMPLES = 4 };
-/* Samples of a pixel that may share one shading of a body. */
-enum { SHARE = 4 };
 
 struct pl_renderer {
   const pl_scene *scene; /* borrowed */
@@ -155,7 +153,6 @@ static pl_status meter_frame(pl_renderer *renderer, const pl_frame_request *requ
   pl_render_settings settings = {.seed = request->seed,
                                  .frame = request->index,
                                  .samples = METER_SAMPLES,
-                                 .share = 1,
                                  .cast_shadows = true,
                                  .surface_maps = true};
   pl_emitters emitters;
@@ -249,8 +246,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
                                       const pl_frame_result *result) {
   const pl_plan *plan = &result->plan;
   const int samples = pl_plan_value(plan, "antialiasing");
-  /* Asked for by name, or at a tolerance of nothing: every sample of every pixel, shaded by itself.
-   */
+  /* Asked for by name, or at a tolerance of nothing: so many samples in every pixel. */
   const bool all_samples = request->wish.tolerance_dn == 0.0 ||
                            (request->wish.force_on >> pl_effect_find("antialiasing") & 1u) != 0;
   return (pl_render_settings){
@@ -264,7 +260,6 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
       .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
       .surface_maps = pl_plan_value(plan, "surface_maps") > 0,
-      .share = all_samples ? 1 : SHARE,
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
       .white_radiance = (float)result->white_radiance,
   };

@@ -37,8 +37,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_antialiasing = {
     .name = "antialiasing",
-    .doc = "The most colour samples a pixel gets; blocks of pixels that are quiet to within the "
-           "tolerance stop earlier. Off: one through the centre",
+    .doc = "Colour samples: the frame's error is that of so many in every pixel, but quiet pixels "
+           "get fewer and outlines up to twice as many. Off: one through the centre",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

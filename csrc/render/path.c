@@ -38,7 +38,10 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
     const uint32_t pixel = b->active[i];
     const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
     const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-    const pl_vec3 direction = pl_snapshot_ray(context->shot, x + offset[0], y + offset[1]);
+    /* Few samples lie about the centre unevenly: turned about at random, they shift nothing. */
+    const double u = b->seeds[pixel] & 1u ? -offset[0] : offset[0];
+    const double v = b->seeds[pixel] & 2u ? -offset[1] : offset[1];
+    const pl_vec3 direction = pl_snapshot_ray(context->shot, x + u, y + v);
     b->paths[i] = (pl_path){
         .beam = {.direction = direction, .spread = context->spread},
         .throughput = {1.0f, 1.0f, 1.0f},
@@ -215,28 +218,6 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
     ++*kept;
 }
 
-/* Whether an earlier sample of the pixel can lend its radiance to a first hit on a body; if not,
- * this one becomes the lender. On meshes it does not pay: what is saved comes back as noise. */
-static bool take_share(const pl_path_context *context, const pl_vertex *vertex, uint32_t pixel,
-                       pl_tile_buffers *b) {
-  const float same_normal = 0.9995f; /* 1.8 degrees */
-  pl_share *share = &b->shares[pixel];
-  if (vertex->thing < context->shot->object_count)
-    return false;
-  if (share->left > 0 && share->thing == vertex->thing &&
-      pl_vec3f_dot(share->ng, vertex->ng) > same_normal) {
-    share->left--;
-    b->shared[pixel] = true;
-    add(&b->sample[pixel], share->radiance);
-    return true;
-  }
-  *share = (pl_share){.thing = vertex->thing,
-                      .ng = vertex->ng,
-                      .left = context->settings->share - 1,
-                      .fresh = true};
-  return false;
-}
-
 /* A first hit on the body whose radiance is known for the whole pixel. */
 static bool is_settled(const pl_tile_buffers *b, int bounce, size_t i) {
   return bounce == 0 && b->settled_thing[b->paths[i].pixel] == b->hits[i].thing;
@@ -252,8 +233,6 @@ static void visit_hit(const pl_path_context *context, int bounce, size_t i, size
     return;
   }
   pl_vertex_locate(context->shot, &b->paths[i].beam, &b->hits[i], false, &vertex);
-  if (bounce == 0 && take_share(context, &vertex, pixel, b))
-    return;
   shade_hit(context, bounce, i, &vertex, kept, queued, b);
 }
 
@@ -289,12 +268,6 @@ static void gather_sample(pl_tile_buffers *b) {
     add(&b->radiance[pixel], b->sample[pixel]);
     b->square[pixel] += y * y;
     b->counts[pixel]++;
-    pl_share *share = &b->shares[pixel];
-    b->shaded[pixel] += !b->shared[pixel];
-    b->shared[pixel] = false;
-    if (share->fresh)
-      share->radiance = b->sample[pixel];
-    share->fresh = false;
     b->sample[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
   }
 }

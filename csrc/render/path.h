@@ -21,16 +21,6 @@ typedef struct pl_pending {
   uint32_t pixel;
 } pl_pending;
 
-/* The last sample of a pixel that was shaded on a body. Samples that follow and hit the same body
- * under nearly the same normal take its radiance over: bodies are smooth. */
-typedef struct pl_share {
-  uint32_t thing; /* PL_NOTHING: no sample to share */
-  pl_vec3f ng;
-  pl_vec3f radiance;
-  int left;   /* samples that may still take it over */
-  bool fresh; /* the sample that is being traced is the one to be shared */
-} pl_share;
-
 /* A path casts at most two shadow rays from a vertex: to the sun and to an emitter. */
 enum { PL_TILE_SHADOWS = 2 * PL_TILE_PIXELS };
 
@@ -42,7 +32,6 @@ typedef struct pl_tile_buffers {
   pl_vec3f sample[PL_TILE_PIXELS];   /* the sample that is being traced */
   float square[PL_TILE_PIXELS];      /* sum over samples of the squared luminance */
   int counts[PL_TILE_PIXELS];        /* samples in the sums */
-  int shaded[PL_TILE_PIXELS];        /* of these, those that share no other's radiance */
   uint32_t seeds[PL_TILE_PIXELS];
   /* Pixels that need more samples: of these, the first active_meshes may see a mesh. */
   uint32_t active[PL_TILE_PIXELS];
@@ -59,8 +48,6 @@ typedef struct pl_tile_buffers {
   bool occluded[PL_TILE_SHADOWS];
   uint32_t wave_seeds[PL_TILE_PIXELS];
   float draws[6][PL_TILE_PIXELS];
-  pl_share shares[PL_TILE_PIXELS];
-  bool shared[PL_TILE_PIXELS]; /* the sample that is being traced took another's radiance */
 } pl_tile_buffers;
 
 /* What a tile needs to know. */
@@ -86,14 +73,14 @@ void pl_path_settle(const pl_path_context *context, pl_tile_buffers *buffers);
  */
 void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *buffers);
 
-/* Takes the pixels of quiet blocks off the active list: those whose standard error, pooled over the
- * block, is below the settings' noise_dn. Pooling keeps the decision from following a pixel's own
- * luck, which would darken what is lit by rare paths. */
+/* Takes the pixels that have samples enough off the active list, see prune.c. Every active pixel
+ * has had the same number. */
 void pl_path_prune(const pl_path_context *context, pl_tile_buffers *buffers);
 
-/* Position of colour sample `index` of `samples` in its pixel, from the centre: the Sobol
- * (0,2)-sequence turned so that its first point is the centre, where the labels' ray serves as a
- * colour sample. Every aligned run of 2^k samples has one in each cell of every 2^k-fold division.
+/* Position of colour sample `index` in its pixel, from the centre, where `samples` are the usual
+ * number: the Sobol (0,2)-sequence turned so that its first point is the centre, where the labels'
+ * ray serves as a colour sample. Every aligned run of 2^k samples has one in each cell of every
+ * 2^k-fold division; those before `samples` lie about the centre evenly, later ones fill the gaps.
  */
 void pl_path_subpixel(uint32_t index, int samples, double offset[2]);
 

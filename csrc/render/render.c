@@ -9,7 +9,9 @@
 #include "render/reach.h"
 
 /* Samples after which the noise is looked at for the first time; then at every doubling. */
-enum { FIRST_CHECK = 4 };
+enum { FIRST_CHECK = 2 };
+/* Pixels crossed by outlines of full contrast deserve so many times the usual samples. */
+enum { MOST = 2 };
 
 struct pl_render_scratch {
   int threads;
@@ -185,14 +187,15 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
   pl_path_settle(&context, b);
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
-  int check = FIRST_CHECK;
-  for (int i = 0; i < samples && b->active_count > 0; i++) {
+  const bool adaptive = job->settings->noise_dn > 0.0f;
+  const int most = adaptive && samples > 1 ? MOST * samples : samples;
+  int check = adaptive ? FIRST_CHECK : most;
+  for (int i = 0; i < most && b->active_count > 0; i++) {
     pl_path_sample(&context, (uint32_t)i, b);
-    if (i + 1 != check)
+    if (i + 1 != check || check == most)
       continue;
     check *= 2;
-    if (job->settings->noise_dn > 0.0f)
-      pl_path_prune(&context, b);
+    pl_path_prune(&context, b);
   }
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {

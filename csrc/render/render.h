@@ -19,8 +19,8 @@ typedef struct pl_render_settings {
   bool soft_sun, cast_shadows, surface_maps;
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   bool emitters_on_bodies;     /* or else on meshes alone */
-  int share;                   /* samples of a pixel that may share one shading of a body, >= 1 */
-  float noise_dn;              /* pixels quieter than this get no more samples; 0: all get all */
+  float noise_dn;              /* pixels quieter than this get no more samples, see prune.c, and
+                                * busy ones more than `samples`; 0: all get `samples` */
   float white_radiance;        /* what noise_dn refers to, W m-2 sr-1 encoded as 255 */
 } pl_render_settings;
 

@@ -105,11 +105,9 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
 }
 
 static void reset_pixel(uint32_t pixel, pl_tile_buffers *b) {
-  b->counts[pixel] = b->shaded[pixel] = 0;
+  b->counts[pixel] = 0;
   b->square[pixel] = 0.0f;
   b->sample[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
-  b->shares[pixel] = (pl_share){.thing = PL_NOTHING};
-  b->shared[pixel] = false;
 }
 
 /* Appends a pixel to the active ones; those that may see a mesh stay in front. */

@@ -197,7 +197,7 @@ static void test_lamp_on_metal(void **state) {
     dark_stage(&s, 20.0);
     stage_add_object(&s, lamp, LAMP_AT, PL_QUAT_IDENTITY, 1.0);
     stage_add_object(&s, ground, (pl_vec3){0, 0, GROUND_Z}, PL_QUAT_IDENTITY, 1.0);
-    film both = shoot(&s, 1024, 1, all_effects(), 0, NULL);
+    film both = shoot(&s, 4096, 1, all_effects(), 0, NULL);
     check_image(i == 0 ? "glossy metal" : "rough metal", &both, &s, lamp_on_metal, 0.06, 4e-3);
     film_clear(&both);
     stage_clear(&s);

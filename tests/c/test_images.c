@@ -287,8 +287,8 @@ static void test_eclipse(void **state) {
   }
 }
 
-/* Shared shadings and quiet blocks stay within the tolerance of the exact samples: a sphere with a
- * terminator, a cube before it, half a digital number of rounding on either side. */
+/* Pixels that end early stay within the tolerance of the exact samples: a sphere with a terminator,
+ * a cube before it, half a digital number of rounding on either side. */
 static void test_tolerance_is_kept(void **state) {
   (void)state;
   pl_model *model = cube_create(0.5);
@@ -324,7 +324,7 @@ static void test_tolerance_is_kept(void **state) {
   }
   print_message("RMS %.3f DN, %d values beyond 2 DN\n", sqrt(square / sizeof pictures[0]), beyond);
   assert_true(sqrt(square / sizeof pictures[0]) < 1.0);
-  assert_true(beyond < (int)sizeof pictures[0] / 50); /* outlines, where blocks stop at 16 */
+  assert_true(beyond < (int)sizeof pictures[0] / 50); /* outlines */
   pl_model_destroy(model);
 }
 
