@@ -181,6 +181,29 @@ def test_the_custom_orbit_is_the_functions():
         assert_looks_at(pose, place)
 
 
+def test_satellites_of_satellites():
+    """The paper's figure 5: a spacecraft around a moon around a planet, in any order of entries."""
+    raw, meshes = listing("satellite_circular")
+    iss = meshes["iss"]
+    moon = json.loads(json.dumps(iss))
+    moon["name"] = "moon"
+    moon["meshParams"] |= {"meshFilePath": "moon.blend", "meshInstanceName": "luna"}
+    moon["meshParams"]["scale"] = [0.25] * 3
+    moon["orbit_params"] |= {"scale": [3.0, 2.0, 3.0], "v_step": -0.02}
+    iss["orbit_params"] |= {"parent": "luna", "scale": [0.5] * 3}
+    raw["ASSET_SETUP"]["MESHES"] = [iss, moon, meshes["planet"]]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sim = perilune.open(raw, base=FOLDER)
+    for index in FRAMES:
+        world = sim.world(index)
+        middle = circle(moon["orbit_params"], index)
+        assert world.position_m("moon") == pytest.approx(middle, rel=1e-9, abs=1e-3)
+        expected = middle + circle(iss["orbit_params"], index)
+        assert world.position_m("iss") == pytest.approx(expected, rel=1e-9, abs=1e-3)
+    assert sim.world(0).body_radii_m["moon"] == pytest.approx([0.25 * EARTH_M] * 3)
+
+
 @pytest.mark.parametrize("name", ["random_sampling", "satellite_database", "satellite_circular"])
 def test_random_positions_are_on_the_sphere(name):
     from perilune import _core

@@ -2,10 +2,10 @@
 
 One file a section. What has no counterpart is a warning (OaisysWarning) that names its key; what
 cannot be is a ConfigError that does. Units: `metres_per_unit` at the top of the file (default: the
-mean radius of the first body that something orbits, 6.378e6 for the Earth; 1 in a scene without
-bodies and orbits) turns scene units into metres everywhere; a mesh's `scale` applies to its model's
-own units on top of that. Frames: the scene's axes are ICRF's. Time: batches are scenes, samples
-their steps, a step is 60 s. The keys name, description and seed at the top of the file are ours.
+mean radius of the body that is orbited and orbits nothing, 6.378e6 for the Earth; 1 in a scene
+without bodies and orbits) turns scene units into metres everywhere; a mesh's `scale` applies to its
+model's own units on top of that. Frames: the scene's axes are ICRF's. Time: batches are scenes,
+samples their steps, a step is 60 s. The keys name, description and seed at the top are ours.
 """
 
 from __future__ import annotations

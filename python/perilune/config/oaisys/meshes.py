@@ -185,10 +185,14 @@ def read(root: Node, section: Node, scene: Scene) -> None:
     """Fills `bodies`, `spacecraft`, `labels` and `root` of our tree, and the scene's things."""
     section.child("GENERAL")
     meshes = _read_all(section, scene)
-    bodies = sorted((mesh for mesh in meshes if mesh.is_body), key=lambda mesh: not mesh.is_parent)
-    orbits_there = any(mesh.orbit is not None for mesh in meshes)
+    # A planet comes before its moons, which are orbited too, and before what nothing orbits.
+    bodies = sorted(
+        (mesh for mesh in meshes if mesh.is_body),
+        key=lambda mesh: (not mesh.is_parent, mesh.orbit is not None),
+    )
     tables = [mesh.table for mesh in bodies]
-    scene.metres_per_unit = metres_per_unit(root, tables, orbits_there)
+    moving = any(mesh.orbit is not None for mesh in meshes)
+    scene.metres_per_unit = metres_per_unit(root, tables, moving)
     sections: dict[str, dict[str, Any]] = {"bodies": {}, "spacecraft": {}}
     center = next((mesh.name for mesh in meshes if _rests_at_origin(mesh)), None)
     if center is None:

@@ -31,8 +31,8 @@ def mean_radius_m(body: str) -> float:
 def metres_per_unit(root: Node, bodies: list[str | None], orbits: bool) -> float:
     """As the file states it; else the mean radius of the first known body; else Earth's or 1 m.
 
-    bodies: the table's names of what is a body in the scene, those that are orbited first; None for
-    one that the table does not have. orbits: whether anything is in orbit. A scene without orbits
+    bodies: the table's names of what is a body in the scene, those that are orbited first and of
+    these those that stand still; None for one that the table does not have. orbits: whether anything is in orbit. A scene without orbits
     and bodies is one of Blender's, whose unit is the metre.
     """
     stated: Any = root.number("metres_per_unit", None)
