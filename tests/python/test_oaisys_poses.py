@@ -165,6 +165,22 @@ def test_the_database_draws_a_circle_a_batch():
     assert abs(radii[0] - radii[5]) > 1.0
 
 
+def test_a_stationary_orbit_is_over_the_equator_as_it_is_turned():
+    """42164 km (Vallado, table 1-2: 42164.169), in the plane normal to the planet's own z axis."""
+    raw, meshes = listing("satellite_database")
+    meshes["iss"]["meshParams"]["orbit_params"] |= {"orbit_type": "GEO"}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sim = perilune.open(raw, base=FOLDER)
+    pole = euler(meshes["planet"]["meshParams"]["rotation_deg"])[:, 2]
+    places = [sim.world(index).position_m("iss") for index in range(3)]
+    for place in places:
+        assert np.linalg.norm(place) == pytest.approx(42164.17e3, rel=1e-5)
+        assert abs(place @ pole) < 1e-6
+    turn = math.degrees(math.acos(places[0] @ places[1] / (places[0] @ places[0])))
+    assert turn == pytest.approx(3.6, abs=1e-6)
+
+
 def test_the_custom_orbit_is_the_functions():
     """Listing 2: near the equator, 800 to 1200 km high; the same in every order."""
     sim = opened("custom")

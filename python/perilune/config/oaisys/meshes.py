@@ -208,7 +208,11 @@ def read(root: Node, section: Node, scene: Scene) -> None:
         sections[where][mesh.name] = entry
         aliases = (mesh.alias, mesh.instance)
         radii = partial(_radii_m, mesh, entry)
-        scene.things[mesh.name] = Thing(mesh.name, aliases, mesh.entry, where, radii)
+        turn = entry["rotation" if mesh.is_body else "attitude"]["rotation_deg"]
+        table = mesh.table if mesh.is_body else None
+        scene.things[mesh.name] = Thing(
+            mesh.name, aliases, mesh.entry, where, table, turn, radii
+        )
     for mesh in meshes:
         where = scene.things[mesh.name].section
         ours = f"{where}.{mesh.name}"

@@ -7,8 +7,10 @@ from typing import Any
 
 from perilune.config.oaisys.node import Node, varying
 from perilune.config.oaisys.scene import Scene, Thing
+from perilune.config.oaisys.units import EARTH_M, synchronous_radius_m
 
-_CLASSES = ("LEO", "MEO", "GEO", "PO", "SSO", "MOLNIYA", "GTO", "LLO", "NRHO")
+_CLASSES = ("LEO", "MEO", "GEO", "PO", "SSO", "LLO")
+"""Those of our database that a circle can stand for."""
 
 
 def _circular(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
@@ -24,11 +26,30 @@ def _circular(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
 
 def _database(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
     """A class of orbits, drawn once a scene and run through at v_step."""
+    kind = node.choice("orbit_type", _CLASSES)
+    if kind == "GEO":
+        return _stationary(node, parent)
     return {
         "kind": "database",
-        "class": node.choice("orbit_type", _CLASSES),
+        "class": kind,
         "propagator": "circular",
         "orbit_start": list(node.span("orbit_start", (0.0, 1.0))),
+    }
+
+
+def _stationary(node: Node, parent: Thing) -> dict[str, Any]:
+    """The circle over the equator of the parent as it is turned here, which our database, made for
+    the equators of the table, does not know; around unknown bodies at the Earth's 6.6 radii."""
+    radii = parent.radii_m()
+    if parent.table is not None:
+        distance = synchronous_radius_m(parent.table)
+    else:
+        distance = synchronous_radius_m("earth") / EARTH_M * max(radii)
+    return {
+        "kind": "circular",
+        "scale": [distance / radius for radius in radii],
+        "rotation_deg": parent.rotation_deg,
+        "orbit_start": varying(node.span("orbit_start", (0.0, 1.0))),
     }
 
 

@@ -27,6 +27,10 @@ class Thing:
     """Its entry of the file."""
     section: str
     """`bodies` or `spacecraft`."""
+    table: str | None
+    """The entry of the core's table of bodies that it is."""
+    rotation_deg: list[float]
+    """Roll, pitch, yaw at the epoch."""
     radii_m: Callable[[], tuple[float, float, float]]
     """Semi-axes of a body; of a mesh its bounding radius about its origin, three times. Reads the
     model, so it is asked for only when it is needed."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-from perilune import _core
+import numpy as np
+
+from perilune import _core, rotations
 from perilune.config.oaisys.node import Node
 
 EARTH_M = 6.378e6
@@ -28,12 +31,23 @@ def mean_radius_m(body: str) -> float:
     return float(sum(radii)) / 3.0
 
 
+def synchronous_radius_m(body: str) -> float:
+    """Of the circle that goes around a body of the table once in its sidereal day."""
+    span_s = 600.0  # too short for half a turn of anything
+    days = np.array([0.0, span_s / 86400.0])
+    first, second = _core.body_orientation(body, 2451545.0, days)
+    turn = rotations.multiply(rotations.conjugate(first), second)
+    rate = 2.0 * math.atan2(float(np.linalg.norm(turn[1:])), abs(float(turn[0]))) / span_s
+    return float((_core.BODIES[body]["gm_m3_s2"] / rate**2) ** (1.0 / 3.0))
+
+
 def metres_per_unit(root: Node, bodies: list[str | None], orbits: bool) -> float:
     """As the file states it; else the mean radius of the first known body; else Earth's or 1 m.
 
-    bodies: the table's names of what is a body in the scene, those that are orbited first and of
-    these those that stand still; None for one that the table does not have. orbits: whether anything is in orbit. A scene without orbits
-    and bodies is one of Blender's, whose unit is the metre.
+    bodies: the table's names of what is a body in the scene, None for one that the table does not
+    have; those that are orbited come first, and of these those that stand still. orbits: whether
+    anything is in orbit. A scene without orbits and bodies is one of Blender's, whose unit is the
+    metre.
     """
     stated: Any = root.number("metres_per_unit", None)
     if stated is not None:
