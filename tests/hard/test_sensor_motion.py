@@ -146,6 +146,11 @@ def test_half_a_turn_has_one_axis():
         assert abs(np.linalg.norm(halves[0]) - 1.0) < 1e-15
     assert (between(q, q, 0.3) == q).all()
     assert (between(q, -q, 0.3) == q).all()
+    # -q is the same rotation: never the long way round.
+    little = np.array([math.cos(0.1), math.sin(0.1), 0.0, 0.0])
+    for b in (little, -little):
+        half = between(q, b, 0.5)
+        assert np.abs(half - [math.cos(0.05), math.sin(0.05), 0.0, 0.0]).max() < 1e-15
     tiny = np.array([1.0, 1e-200, 0.0, 0.0])
     assert np.isfinite(between(q, tiny, 0.5)).all()
 

@@ -132,20 +132,33 @@ def test_all_sensors_of_a_step_see_one_world(scene, base):
     assert len({sim.world(i).drivers["spacecraft.sat.orbit.raan_deg"] for i in range(14)}) == 6
 
 
-def test_the_longest_exposure_places_the_platform(scene, base):
+@pytest.mark.parametrize(
+    "trajectory",
+    [
+        {"kind": "orbit_object", "target": "sat", "distance_m": [16, 19]},
+        {"kind": "random_box", "around": "sat", "target": "sat", "min_m": [-15] * 3,
+         "max_m": [15] * 3},
+    ],
+)  # fmt: skip
+def test_the_longest_exposure_places_the_platform(scene, base, trajectory):
     """A place that is refused because of one sensor's exposure is refused for all of them."""
-    mate = copy.deepcopy(scene["spacecraft"]["sat"])
-    mate["orbit"]["mean_anomaly_deg"] += 1e-4
-    mate["orbit"]["inclination_deg"] += 0.05  # crosses at some 7 m/s
+    craft = scene["spacecraft"]["sat"]
+    craft["orbit"]["mean_anomaly_deg"] = 0.0
+    mate = copy.deepcopy(craft)
+    mate["orbit"]["mean_anomaly_deg"] = 1e-4  # 12 m ahead, and it crosses at 7 m/s
+    mate["orbit"]["inclination_deg"] += 0.05
     scene["spacecraft"]["mate"] = mate
-    sensors = {"short": {}, "long": {"exposure_time_s": 2.0}}
-    sim = opened(scene, base, sensors)
-    for step in range(40):
+    scene["time"]["step_s"] = 0.0
+    scene["camera"]["trajectory"] = trajectory
+    sim = opened(scene, base, {"short": {}, "long": {"exposure_time_s": 2.0}})
+    radius = sim.models["mate"].radius_m
+    for step in range(300):
         short, long = (sim.world(2 * step + k) for k in range(2))
         assert (short.shared.poses["mate"] == long.poses["mate"]).all()
         assert long.shared is long
-        places = [trajectories.platform_poses(w)[0] for w in (short, long)]
-        assert (places[0] == places[1]).all()
+        short_place, long_place = (trajectories.platform_poses(w) for w in (short, long))
+        assert (short_place[0] == long_place[0]).all()
+        assert np.linalg.norm(long_place[1, :3] - long.poses["mate"][1, :3]) > radius
 
 
 @pytest.fixture(scope="module")

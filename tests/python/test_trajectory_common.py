@@ -76,6 +76,15 @@ def test_pointing_noise_is_about_three_axes(scene):
         errors.append(np.degrees(2 * turn[1:] * np.sign(turn[0])))
     sigma = np.std(errors, axis=0)
     assert (np.abs(sigma / 0.5 - 1.0) < 5.0 / math.sqrt(2.0 * count)).all()
+    # Independent of the aim's jitter: no correlation beyond five standard errors.
+    jitter = []
+    jittered = worlds(scene, kind("fixed", aim_jitter_deg=0.5), range(count))
+    for a, b in zip(still, jittered, strict=True):
+        first, second = (trajectories.camera_poses(w)[0][3:] for w in (a, b))
+        turn = rotations.multiply(rotations.conjugate(first), second)
+        jitter.append(turn[1:3] * np.sign(turn[0]))
+    both = np.corrcoef(np.hstack([errors, jitter]).T)[:3, 3:]
+    assert np.abs(both).max() < 5.0 / math.sqrt(count)
 
 
 @pytest.mark.parametrize("name", AIMED)
