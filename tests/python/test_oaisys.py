@@ -556,6 +556,7 @@ def test_what_has_no_counterpart_is_told_by_its_key(tree, planet, iss):
     tree["SIMULATION_SETUP"]["outputPath"] = "/tmp/x"
     tree["NEW_SECTION"] = {"a": 1}
     planet["colour"] = "blue"
+    iss["meshParams"]["position"] = [1, 0, 0]
     stage = {"name": "s", "type": "StageBlenderLandscape", "stageParams": {"a": 1}}
     tree["ASSET_SETUP"]["STAGES"] = [stage]
     material = {"name": "m", "type": "MaterialTerrain", "materialParams": {"general": {}}}
@@ -571,6 +572,7 @@ def test_what_has_no_counterpart_is_told_by_its_key(tree, planet, iss):
         "SIMULATION_SETUP.outputPath: not applied",
         "NEW_SECTION: has no counterpart",
         f"{MESHES}[0].meshParams.colour: has no counterpart",
+        f"{MESHES}[1].meshParams.position: not applied: the orbit",
         "ASSET_SETUP.STAGES[0]: StageBlenderLandscape: terrain is not there yet",
         "ASSET_SETUP.MATERIALS[0]: MaterialTerrain",
         f"{MESHES}[2]: MeshMultipleRandom: scattered meshes",

@@ -49,6 +49,7 @@ class _Mesh:
         self.scale = self.params.numbers("scale", 3, [1.0, 1.0, 1.0])
         if not min(self.scale) > 0.0:
             self.params.fail("scale", f"must be positive, not {self.scale}")
+        self.position = self.params.numbers("position", 3, [0.0, 0.0, 0.0])
         self.file = files.model(self.params, "meshFilePath", scene.base)
         self.table = known_body(self.file.stem, self.instance, self.alias)
         self.orbit = self._orbit()
@@ -91,7 +92,7 @@ def _pose(mesh: _Mesh, ours: str) -> dict[str, Any]:
 
 def _place(mesh: _Mesh, scene: Scene, root: str, ours: str) -> dict[str, Any]:
     """A fixed position, scene units from the scene's origin."""
-    place = scene.lengths_m(mesh.params.numbers("position", 3, [0.0, 0.0, 0.0]))
+    place = scene.lengths_m(mesh.position)
     mesh.params.comes(f"{ours}.orbit", "position")
     if root == ORIGIN and not any(place):
         place = [2e3 * _ORIGIN_KM, 0.0, 0.0]  # out of the speck, which nothing may be in
@@ -181,55 +182,63 @@ def _read_all(section: Node, scene: Scene) -> list[_Mesh]:
     return meshes
 
 
-def read(root: Node, section: Node, scene: Scene) -> None:
-    """Fills `bodies`, `spacecraft`, `labels` and `root` of our tree, and the scene's things."""
-    section.child("GENERAL")
-    meshes = _read_all(section, scene)
-    # A planet comes before its moons, which are orbited too, and before what nothing orbits.
+def _unit_m(root: Node, meshes: list[_Mesh]) -> float:
+    """A planet comes before its moons, which are orbited too, and before what nothing orbits."""
     bodies = sorted(
         (mesh for mesh in meshes if mesh.is_body),
         key=lambda mesh: (not mesh.is_parent, mesh.orbit is not None),
     )
-    tables = [mesh.table for mesh in bodies]
     moving = any(mesh.orbit is not None for mesh in meshes)
-    scene.metres_per_unit = metres_per_unit(root, tables, moving)
+    return metres_per_unit(root, [mesh.table for mesh in bodies], moving)
+
+
+def _entry(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
+    """Our entry of a mesh without its orbit; the scene gets to know the thing."""
+    for owner in (mesh.params, mesh.entry):
+        drivers.read(owner)
+    if mesh.kind == "MeshAsteroid":
+        for key, why in _ASTEROID.items():
+            mesh.params.ignore(key, f"not applied: {why}")
+    entry = _body(mesh, scene) if mesh.is_body else _spacecraft(mesh, scene)
+    scene.things[mesh.name] = Thing(
+        name=mesh.name,
+        aliases=(mesh.alias, mesh.instance),
+        node=mesh.entry,
+        section="bodies" if mesh.is_body else "spacecraft",
+        table=mesh.table if mesh.is_body else None,
+        rotation_deg=entry["rotation" if mesh.is_body else "attitude"]["rotation_deg"],
+        radii_m=partial(_radii_m, mesh, entry),
+    )
+    return entry
+
+
+def read(root: Node, section: Node, scene: Scene) -> None:
+    """Fills `bodies`, `spacecraft`, `labels` and `root` of our tree, and the scene's things."""
+    section.child("GENERAL")
+    meshes = _read_all(section, scene)
+    scene.metres_per_unit = _unit_m(root, meshes)
     sections: dict[str, dict[str, Any]] = {"bodies": {}, "spacecraft": {}}
     center = next((mesh.name for mesh in meshes if _rests_at_origin(mesh)), None)
     if center is None:
         sections["bodies"][ORIGIN] = _origin()
     for mesh in meshes:
-        drivers.read(mesh.params)
-        drivers.read(mesh.entry)
-        if mesh.kind == "MeshAsteroid":
-            for key, why in _ASTEROID.items():
-                mesh.params.ignore(key, f"not applied: {why}")
-        where = "bodies" if mesh.is_body else "spacecraft"
-        entry = _body(mesh, scene) if mesh.is_body else _spacecraft(mesh, scene)
-        sections[where][mesh.name] = entry
-        aliases = (mesh.alias, mesh.instance)
-        radii = partial(_radii_m, mesh, entry)
-        turn = entry["rotation" if mesh.is_body else "attitude"]["rotation_deg"]
-        table = mesh.table if mesh.is_body else None
-        scene.things[mesh.name] = Thing(
-            mesh.name, aliases, mesh.entry, where, table, turn, radii
-        )
-    for mesh in meshes:
+        entry = _entry(mesh, scene)
+        sections[scene.things[mesh.name].section][mesh.name] = entry
+    for mesh in meshes:  # all of them are known by now
         where = scene.things[mesh.name].section
-        ours = f"{where}.{mesh.name}"
+        entry, ours = sections[where][mesh.name], f"{where}.{mesh.name}"
         if mesh.orbit is not None:
-            sections[where][mesh.name]["orbit"] = orbits.read(mesh.orbit, scene, f"{ours}.orbit")
+            entry["orbit"] = orbits.read(mesh.orbit, scene, f"{ours}.orbit")
+            if any(mesh.position):
+                mesh.params.ignore("position", "not applied: the orbit says where it is")
         elif mesh.name != center:
-            place = _place(mesh, scene, center or ORIGIN, ours)
-            sections[where][mesh.name]["orbit"] = place
-        else:
-            mesh.params.get("position")
+            entry["orbit"] = _place(mesh, scene, center or ORIGIN, ours)
     scene.tree |= {"root": center or ORIGIN, **sections}
     scene.tree["labels"] = labels.read([(mesh.name, mesh.params) for mesh in meshes], scene)
 
 
 def _rests_at_origin(mesh: _Mesh) -> bool:
-    place = mesh.params.numbers("position", 3, [0.0, 0.0, 0.0])
-    return mesh.is_body and mesh.orbit is None and not any(place)
+    return mesh.is_body and mesh.orbit is None and not any(mesh.position)
 
 
 def _origin() -> dict[str, Any]:
