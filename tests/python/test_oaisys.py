@@ -416,11 +416,17 @@ def test_random_euclidean(tree):
         hoverTargetModeEnabled=False,
         hoverTargetDistance=0.0,
     )
-    assert box["target_min_m"] == [1.5 * EARTH_M, 0.0, 0.0]
+    assert box["target_min_m"] == [-EARTH_M, 0.0, 0.0]
+    assert box["target_from"] == "camera"
     assert box["roll_deg"] == [-10.0, 10.0]
     assert "GENERAL.hoverBaseDistance: not applied" in told
     assert "hoverTarget" not in told
-    assert "GENERAL.randomTargetPosMin: points to look at are drawn about the middle" in told
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sim = perilune.open(tree, base=FOLDER, overrides={"camera.trajectory.roll_deg": 0.0})
+    for index in range(3):  # whatever the position, it looks along -x
+        forward = rotations.to_matrix(sim.request(index)["camera_pose"][0, 3:])[:, 2]
+        assert forward == pytest.approx([-1.0, 0.0, 0.0], abs=1e-9)
 
 
 def test_deterministic(tree, tmp_path):

@@ -66,6 +66,8 @@ def random_box(world: World) -> F64:
         turn = camera_turn(rotations.from_rpy_deg(angles.tolist()), spec.camera_axes)
     elif spec.target_min_m is not None and spec.target_max_m is not None:
         aim = _in_box(rng, spec.target_min_m, spec.target_max_m)
+        if spec.target_from == "camera":
+            aim = place + aim
 
     def view(when: int) -> tuple[F64, F64]:
         q = axes(world, spec.around, spec.frame, when)

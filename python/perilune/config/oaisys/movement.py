@@ -86,7 +86,7 @@ def _random_euclidean(node: Node, scene: Scene) -> dict[str, Any]:
 
 
 def _random_euclidean_target(node: Node, scene: Scene) -> dict[str, Any]:
-    """A box of positions, and a box of points to look at, which OAISYS puts at each position."""
+    """A box of positions, and a box of points to look at, which lies at each position."""
     low, high = _box(node, scene, "randomEuclideanPos", [0.0, 0.0, 0.0])
     near, far = _box(node, scene, "randomTargetPos", [0.0, 0.0, 0.0])
     for key in ("randomEuclideanEuler", "randomTargetEuler"):
@@ -94,17 +94,13 @@ def _random_euclidean_target(node: Node, scene: Scene) -> dict[str, Any]:
             text = "not applied: the camera looks at a point"
             for end in ("Min", "Max"):
                 node.ignore(f"{key}{end}", text)
-    middle = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
-    if low != high:
-        text = "points to look at are drawn about the middle of the box, not about each position"
-        node.notes.warn(node.where("randomTargetPosMin"), text)
-    corners = [[a + b for a, b in zip(middle, end, strict=True)] for end in (near, far)]
     return {
         "kind": "random_box",
         "min_m": scene.lengths_m(low),
         "max_m": scene.lengths_m(high),
-        "target_min_m": scene.lengths_m(corners[0]),
-        "target_max_m": scene.lengths_m(corners[1]),
+        "target_min_m": scene.lengths_m(near),
+        "target_max_m": scene.lengths_m(far),
+        "target_from": "camera",
         "roll_deg": _roll_deg(node),
     }
 

@@ -85,6 +85,9 @@ class RandomBox(Pointing, Redrawn):
     """Instead of a rotation: a corner of a box of points to look at, in the axes of `frame`."""
     target_max_m: Vec3 | None = None
     """Opposite corner."""
+    target_from: Literal["origin", "camera"] = "origin"
+    """Where the box of points to look at counts from: the origin of the box of places, or each
+    place of the camera (the point is then a random direction)."""
     up: Direction = (0.0, 0.0, 1.0)
     """With something to look at: what is up in the image, in the axes of `frame`."""
 
@@ -101,6 +104,8 @@ class RandomBox(Pointing, Redrawn):
                 fail(high if b is None else low, f"{low} and {high} go together")
             if a is not None and any(x > y for x, y in zip(a, b, strict=True)):
                 fail(high, f"must not be below {low} in any component")
+        if self.target_from == "camera" and self.target_min_m is None:
+            fail("target_from", "only with target_min_m")
         if self.around is None and self.frame != "icrf":
             fail("frame", f"{self.frame}: only with `around`")
         return self
