@@ -44,15 +44,15 @@ class Date:
         days, rest = divmod(self.fraction + seconds / _DAY_S, 1.0)
         return Date(self.day + days, rest)
 
-    def utc(self) -> str:
-        """ISO 8601 with milliseconds."""
+    def utc(self, digits: int = 3) -> str:
+        """ISO 8601 with so many digits of a second, 1 to 9."""
         with warnings.catch_warnings():
             # "Dubious year": leap seconds of the future are not known; none are assumed.
             warnings.simplefilter("ignore", erfa.ErfaWarning)
             tt = erfa.tdbtt(self.day, self.fraction, _tdb_minus_tt(self.day, self.fraction))
             utc = erfa.taiutc(*erfa.tttai(*tt))
-            year, month, day, clock = erfa.d2dtf("UTC", 3, *utc)
-        hms = f"{clock['h']:02d}:{clock['m']:02d}:{clock['s']:02d}.{clock['f']:03d}"
+            year, month, day, clock = erfa.d2dtf("UTC", digits, *utc)
+        hms = f"{clock['h']:02d}:{clock['m']:02d}:{clock['s']:02d}.{clock['f']:0{digits}d}"
         return f"{year:04d}-{month:02d}-{day:02d}T{hms}Z"
 
 

@@ -146,6 +146,11 @@ class Simulation:
             first_of_scene=None if moment.step == self.timeline.at(first).step else first_of_scene,
         )
 
+    @property
+    def has_orbit_hooks(self) -> bool:
+        """Whether some orbits are drawn by functions given in code."""
+        return bool(self._orbits)
+
     def system(self, index: int) -> System:
         """What moves in a frame, at any time."""
         index = _checked_index(index)

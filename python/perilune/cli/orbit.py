@@ -1,18 +1,25 @@
-"""`perilune orbit`: where everything is, frame by frame, as a table."""
+"""`perilune orbit`: where everything is, frame by frame, as a CSV table or a CCSDS OEM."""
 
 from __future__ import annotations
 
 import csv
 import os
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, add_frames, open_simulation
+from perilune.config import Config, ConfigError
+from perilune.config.errors import nearest
+from perilune.config.motion import sections
+from perilune.ephemerides import oem
 from perilune.simulation import Simulation
 
 F64 = NDArray[np.float64]
@@ -22,41 +29,139 @@ COLUMNS = (
     *("x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"),
     *("qw", "qx", "qy", "qz"),
 )
+_DIGITS = 9  # of seconds: below the rounding of a low orbit's place in doubles, times ten
+_OEM_SUFFIXES = (".oem",)
 
 
-def states(sim: Simulation, index: int) -> Iterator[tuple[str, str, F64, F64, F64]]:
-    """Time, name, position, velocity (root frame) and quaternion to root, of everything.
+@dataclass(frozen=True)
+class State:
+    """Of one thing at the opening of a frame's shutter; root frame (ICRF axes), metres."""
 
-    At the opening of the shutter; the camera is not among them.
-    """
+    time_utc: str
+    name: str
+    pose: F64
+    """(7,): x, y, z, qw, qx, qy, qz."""
+    velocity_m_s: F64
+    """(3,)."""
+
+
+def states(sim: Simulation, index: int) -> Iterator[State]:
+    """Everything but the camera in a frame."""
     system = sim.system(index)
     config, epoch = system.setting.config, system.setting.epoch
     t_s = config.time.step_s * config.timeline.at(index).step
     found = system.states(np.array([t_s]))
-    time = epoch.after(t_s).utc()
+    time = epoch.after(t_s).utc(_DIGITS)
     for name, poses in found.poses.items():
-        yield time, name, poses[0, :3], found.velocities_m_s[name][0], poses[0, 3:]
+        yield State(time, name, poses[0], found.velocities_m_s[name][0])
+
+
+def _chosen(sim: Simulation, names: Sequence[str] | None) -> list[str]:
+    known = list(sections(sim.config))
+    for name in names or ():
+        if name not in known:
+            raise ConfigError(f"--object {name}: no such entry{nearest(name, known)}")
+    return list(names or known)
+
+
+def _write_csv(file: TextIO, sim: Simulation, frames: Sequence[int], names: list[str]) -> int:
+    table = csv.writer(file, lineterminator="\n")
+    table.writerow(COLUMNS)
+    count = 0
+    for index in frames:
+        for state in states(sim, index):
+            if state.name in names:
+                pose, velocity = state.pose, state.velocity_m_s
+                numbers = np.concatenate([pose[:3], velocity, pose[3:]]).tolist()
+                table.writerow([index, state.time_utc, state.name, *map(repr, numbers)])
+                count += 1
+    return count
+
+
+def _runs(sim: Simulation, frames: Sequence[int]) -> Iterator[list[int]]:
+    """One frame a step, in runs without a jump: what is drawn anew begins a new segment."""
+    config, last = sim.config, None
+    run: list[int] = []
+    for index in frames:
+        moment = config.timeline.at(index)
+        if last is not None and moment.step == last.step:
+            continue
+        if run and _draws(sim, config) and last is not None and moment.scene != last.scene:
+            yield run
+            run = []
+        run.append(index)
+        last = moment
+    if run:
+        yield run
+
+
+def _draws(sim: Simulation, config: Config) -> bool:
+    """Whether a scene may place things otherwise than the one before."""
+    kinds = {entry.orbit.kind for _, entry in sections(config).values() if entry.orbit is not None}
+    return bool(sim.document.drivers) or bool(kinds & {"database", "hook"}) or sim.has_orbit_hooks
+
+
+def _write_oem(file: TextIO, sim: Simulation, frames: Sequence[int], names: list[str]) -> int:
+    """Each object about what it orbits, or about the root."""
+    config = sim.config
+    if config.time.step_s <= 0.0 and len(frames) > 1:
+        raise ConfigError("an OEM needs increasing times: time.step_s must be positive")
+    oem.write_header(file, datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S"), "PERILUNE")
+    count = 0
+    for run in _runs(sim, frames):
+        rows = [{state.name: state for state in states(sim, index)} for index in run]
+        for name in names:
+            if name == config.root:
+                continue
+            orbit = sections(config)[name][1].orbit
+            around = config.root if orbit is None else orbit.around
+            centre = config.bodies[around].kind if around in config.bodies else around
+            meta = {
+                "OBJECT_NAME": name,
+                "OBJECT_ID": name,
+                "CENTER_NAME": (around if centre == "ellipsoid" else centre).upper(),
+                "REF_FRAME": "ICRF",
+            }
+            relative = [
+                np.concatenate(
+                    [
+                        row[name].pose[:3] - row[around].pose[:3],
+                        row[name].velocity_m_s - row[around].velocity_m_s,
+                    ]
+                )
+                for row in rows
+            ]
+            times = [row[name].time_utc.removesuffix("Z") for row in rows]
+            oem.write_segment(file, meta, times, np.array(relative))
+            count += len(rows)
+    return count
 
 
 def _configure(parser: ArgumentParser) -> None:
     add_config(parser)
     add_frames(parser)
-    parser.add_argument("--out", required=True, metavar="CSV", help="file to write")
+    parser.add_argument(
+        "--out",
+        required=True,
+        metavar="FILE",
+        help="file to write: a CSV table, or a CCSDS OEM where its name ends with .oem",
+    )
+    parser.add_argument(
+        "--object",
+        action="append",
+        metavar="NAME",
+        help="a body or spacecraft to write (default: all); can be repeated",
+    )
 
 
 def _run(args: Namespace) -> int:
     sim, out = open_simulation(args), Path(args.out)
+    names = _chosen(sim, args.object)
+    write = _write_oem if out.suffix.lower() in _OEM_SUFFIXES else _write_csv
     temporary = out.with_name(f"{out.name}.{os.getpid()}.tmp")
-    count = 0
     try:
         with open(temporary, "w", encoding="utf-8", newline="") as file:
-            table = csv.writer(file, lineterminator="\n")
-            table.writerow(COLUMNS)
-            for index in args.frames:
-                for time, name, position, velocity, quaternion in states(sim, index):
-                    numbers = np.concatenate([position, velocity, quaternion]).tolist()
-                    table.writerow([index, time, name, *map(repr, numbers)])
-                    count += 1
+            count = write(file, sim, args.frames, names)
         os.replace(temporary, out)
     except OSError as error:
         raise OSError(error.errno, f"cannot be written: {error.strerror}", str(out)) from error
@@ -67,5 +172,5 @@ def _run(args: Namespace) -> int:
 
 
 ORBIT = Command(
-    "orbit", "writes positions, velocities and attitudes as a CSV table", _configure, _run
+    "orbit", "writes places, velocities and attitudes as a CSV table or OEM", _configure, _run
 )

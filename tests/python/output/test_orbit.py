@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import subprocess
 import sys
 
@@ -10,8 +11,9 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import _core, bodies
+from perilune import _core, bodies, dates
 from perilune.cli.orbit import COLUMNS, states
+from perilune.ephemerides import oem
 from perilune.orbits.kinds.elements import two_body
 from perilune.orbits.place import Place
 
@@ -39,12 +41,11 @@ def test_table_is_the_tree(small_scene, pair, tmp_path):
         head, *rows = csv.reader(file)
     assert tuple(head) == COLUMNS
     sim = perilune.open(small_scene, overrides={"spacecraft.probe.orbit.raan_deg": raan})
-    assert [row[:3] for row in rows] == [
-        ["2", "2026-03-20T12:02:00.000Z", "planet"],
-        ["2", "2026-03-20T12:02:00.000Z", "probe"],
-        ["5", "2026-03-20T12:05:00.000Z", "planet"],
-        ["5", "2026-03-20T12:05:00.000Z", "probe"],
-    ]
+    assert [[row[0], row[2]] for row in rows] == [[k, n] for k in "25" for n in ("planet", "probe")]
+    epoch = bodies.date_from_utc(sim.config.time.utc_fields())
+    # Steps count TDB: its drift against UTC shows in the last digits, and is kept.
+    times = dates.seconds_of([row[1] for row in rows], "UTC", epoch)
+    np.testing.assert_allclose(times, [120.0, 120.0, 300.0, 300.0], rtol=0, atol=1e-9)
     for row in rows:
         world = sim.world(int(row[0]))
         pose = [float(value) for value in (*row[3:6], *row[9:13])]
@@ -67,10 +68,10 @@ def test_velocity_is_keplers(small_scene, eccentricity):
     motion = two_body(craft.orbit, Place(sim.system(0).setting, "probe", "probe.orbit", "planet"))
     assert motion["frame"] == "icrf"  # so that the elements' axes are those of the root frame
     for index in range(0, 20, 4):
-        (state,) = (s for s in states(sim, index) if s[1] == "probe")
+        (state,) = (s for s in states(sim, index) if s.name == "probe")
         around = _core.Propagator(motion, 2451545.0, 0.0).states(731.0 * index + STENCIL)
-        np.testing.assert_allclose(state[2], around[2, :3], rtol=0, atol=1e-5)
-        np.testing.assert_allclose(state[3], WEIGHTS @ around[:, :3], rtol=0, atol=1e-6)
+        np.testing.assert_allclose(state.pose[:3], around[2, :3], rtol=0, atol=1e-5)
+        np.testing.assert_allclose(state.velocity_m_s, WEIGHTS @ around[:, :3], rtol=0, atol=1e-6)
 
 
 def test_velocity_of_a_planet_by_the_ephemeris(repo_dir):
@@ -88,7 +89,7 @@ def test_velocity_of_a_planet_by_the_ephemeris(repo_dir):
         },
     }
     sim = perilune.open(config)
-    found = {name: (position, velocity) for _, name, position, velocity, _ in states(sim, 0)}
+    found = {s.name: (s.pose[:3], s.velocity_m_s) for s in states(sim, 0)}
     assert np.linalg.norm(found["earth"][1]) == 0.0
     assert 960.0 < np.linalg.norm(found["moon"][1]) < 1080.0
     epoch = bodies.date_from_utc(sim.config.time.utc_fields())
@@ -98,6 +99,57 @@ def test_velocity_of_a_planet_by_the_ephemeris(repo_dir):
     np.testing.assert_allclose(found["moon"][1], (later - earlier) / 60.0, rtol=0, atol=5e-3)
 
 
+def test_oem_as_another_reader(small_scene, pair, tmp_path):
+    """What the package `oem` reads is what the tree says, about the parent, to rounding."""
+    from oem import OrbitEphemerisMessage
+
+    out = tmp_path / "states.oem"
+    overrides = {**pair, "spacecraft.mate.orbit.frame": "icrf"}
+    words = [w for k, v in overrides.items() for w in ("--set", f"{k}={json.dumps(v)}")]
+    done = command(small_scene, "--frames", "0:8", "--out", out, "--object", "mate", *words)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"{out}: 8 states of 8 frames\n"
+    message = OrbitEphemerisMessage.open(out)
+    (segment,) = message.segments
+    assert segment.metadata["OBJECT_NAME"] == "mate"
+    assert segment.metadata["CENTER_NAME"] == "PLANET"
+    sim = perilune.open(small_scene, overrides=overrides)
+    for index, found in enumerate(segment.states):
+        world = sim.world(index)
+        place, velocity = world.poses["mate"][0, :3], world.velocities_m_s["mate"][0]
+        np.testing.assert_allclose(found.position * 1e3, place, rtol=1e-15, atol=1e-8)
+        np.testing.assert_allclose(found.velocity * 1e3, velocity, rtol=1e-15, atol=1e-11)
+    assert abs((found.epoch - next(iter(segment.states)).epoch).sec - 420.0) < 1e-6
+
+
+@pytest.mark.parametrize("suffix", ["csv", "oem"])
+def test_what_is_written_can_be_flown(small_scene, tmp_path, suffix):
+    """A table of every step gives the same places at the steps, and 1 cm between them."""
+    out = tmp_path / f"states.{suffix}"
+    done = command(small_scene, "--frames", "0:12", "--out", out)
+    assert done.returncode == 0, done.stderr
+    orbit = {"kind": "table", "around": "planet", "file": str(out), "object": "probe"}
+    flown = perilune.open(small_scene, overrides={"spacecraft.probe.orbit": orbit}).system(0)
+    system = perilune.open(small_scene).system(0)
+    t_s = np.arange(0.0, 661.0, 30.0)
+    expected, found = (s.states(t_s).poses["probe"][:, :3] for s in (system, flown))
+    away = np.linalg.norm(found - expected, axis=1)
+    assert away[::2].max() < 1e-5  # the last digit of a second of 7.6 km/s
+    assert away.max() < 1e-2
+    if suffix == "csv":
+        attitude = {"pointing": "table", "file": str(out), "object": "probe"}
+        perilune.open(small_scene, overrides={"spacecraft.probe.attitude": attitude})
+
+
+def test_a_scene_is_a_segment(small_scene, tmp_path):
+    out = tmp_path / "states.oem"
+    orbit = '{"kind": "database", "class": "LEO", "around": "planet"}'
+    words = ["--set", f"spacecraft.probe.orbit={orbit}", "--set", "time.frames_per_scene=3"]
+    done = command(small_scene, "--frames", "0:8", "--out", out, "--object", "probe", *words)
+    assert done.returncode == 0, done.stderr
+    assert [len(s.times) for s in oem.parse(out)[:2]] == [3, 3]
+
+
 def test_errors(small_scene, tmp_path):
     done = command(small_scene, "--frames", "0:2", "--out", tmp_path / "no" / "states.csv")
     assert done.returncode == 1
@@ -105,4 +157,10 @@ def test_errors(small_scene, tmp_path):
     done = command(small_scene, "--frames", "0:3000000000", "--out", "x.csv")
     assert done.returncode == 2
     assert "2147483647" in done.stderr
+    done = command(small_scene, "--frames", "0:2", "--out", "x.csv", "--object", "prob")
+    assert done.returncode == 1
+    assert "--object prob: no such entry; did you mean 'probe'?" in done.stderr
+    done = command(small_scene, "--frames", "0:2", "--out", "x.oem", "--set", "time.step_s=0")
+    assert done.returncode == 1
+    assert "time.step_s must be positive" in done.stderr
     assert not list(tmp_path.iterdir())
