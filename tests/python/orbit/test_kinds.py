@@ -308,7 +308,8 @@ def test_hooks_see_the_world(scene, repo_dir):
         assert not world["sat"].position_m.flags.writeable
         place = (world["sat"].position_m - world["earth"].position_m) / 1e3
         place += [50.0, 0.0, rng.random()]
-        return {"position_km": place, "velocity_km_s": [0.0, 7.5, 0.0]}
+        across = np.cross([0.3, 0.4, 0.5], place)
+        return {"position_km": place, "velocity_km_s": 7.6 * across / np.linalg.norm(across)}
 
     scene["spacecraft"]["mate"] = {**scene["spacecraft"]["sat"]}
     sim = opened(scene, repo_dir, orbits={"mate": mate})
@@ -568,3 +569,44 @@ def test_oem_of_another_centre(data_dir, scene, repo_dir):
     assert "CENTER_NAME is Earth, but the orbit is around earth" in refused(
         scene, repo_dir, orbit=orbit
     )
+
+
+# --- numerical ----------------------------------------------------------------------------------
+
+
+def test_numerical_without_forces_is_kepler(scene, repo_dir):
+    elements = {"altitude_km": 600.0, "eccentricity": 0.1, "inclination_deg": 40.0,
+                "mean_anomaly_deg": 10.0}  # fmt: skip
+    t_s = np.array([0.0, 5e4, -5e4])
+    first = opened(scene, repo_dir, {"kind": "numerical", "rtol": 1e-13, **elements}).system(0)
+    second = opened(scene, repo_dir, elements).system(0)
+    away = first.states(t_s).poses["sat"][:, :3] - second.states(t_s).poses["sat"][:, :3]
+    assert np.linalg.norm(away, axis=1).max() < 1e-2
+
+
+def test_numerical_with_every_force(data_dir, scene, repo_dir):
+    """J2's nodal drift appears, and each further force moves the satellite, by sizes of the science
+    sheet's ladder (section 2.5): kilometres, then metres."""
+    elements = {"altitude_km": 500.0, "inclination_deg": 51.6, "mean_anomaly_deg": 0.0}
+    zonal = {"harmonics": {"degree": 6}}
+    field = {"harmonics": {"file": "data:orbits/gravity/EGM96-truncated-21x21", "degree": 8}}
+    more = {**field, "third_bodies": ["sun", "moon"], "drag": {"area_to_mass_m2_kg": 0.01},
+            "radiation_pressure": {"area_to_mass_m2_kg": 0.02}}  # fmt: skip
+    places = []
+    for forces in ({}, zonal, field, more):
+        orbit = {"kind": "numerical", "forces": forces, **elements}
+        places.append(state(opened(scene, repo_dir, orbit), t_s=6 * 3600.0)[0][:3])
+    steps = [float(np.linalg.norm(b - a)) for a, b in itertools.pairwise(places)]
+    assert 5e4 < steps[0] < 1e6
+    assert 1e2 < steps[1] < 2e4
+    assert 1.0 < steps[2] < 5e3
+    missing = {"harmonics": {"file": "no.gfc", "degree": 4}}
+    with pytest.raises(FileNotFoundError, match=r"sat\.orbit\.forces\.harmonics\.file"):
+        opened(scene, repo_dir, {"kind": "numerical", "forces": missing, **elements})
+
+
+def test_a_fall_is_refused(scene, repo_dir):
+    falls = {"position_km": [7000.0, 0.0, 0.0], "velocity_km_s": [0.0, 1.0, 0.0]}
+    for kind in ("kepler", "j2", "numerical"):
+        text = refused(scene, repo_dir, orbit={"kind": kind, "state": falls})
+        assert "spacecraft.sat: the periapsis, 62.0" in text
