@@ -260,7 +260,8 @@ class Spice(Around):
 
 
 class Drawn(Around):
-    """What orbits that are drawn once a scene share."""
+    """What orbits that are drawn once a scene share. What they say of the epoch holds at the scene's
+    first step."""
 
     propagator: Literal["kepler", "j2", "circular"] | None = None
     """How the drawn orbit is run through: kepler (default), j2, or circular (at v_step, from
@@ -268,7 +269,7 @@ class Drawn(Around):
     v_step: Finite | None = None
     """For circular: revolutions from one step to the next (default 0); needs time.step_s."""
     orbit_start: FiniteRange | None = None
-    """For circular: revolutions at the epoch; a number, or [smallest, largest] (default 0 to 1)."""
+    """For circular: revolutions at the start; a number, or [smallest, largest] (default 0 to 1)."""
 
     def _circular_keys(self, *propagators: str | None) -> None:
         if self.propagator in propagators:
@@ -296,7 +297,7 @@ class Database(Drawn):
     ltan_h: FiniteRange | None = None
     """SSO: local mean solar time of the ascending node, hours."""
     longitude_deg: FiniteRange | None = None
-    """GEO: east longitude of the station at the epoch."""
+    """GEO: east longitude of the station."""
 
     @model_validator(mode="after")
     def _circular_only(self) -> Database:

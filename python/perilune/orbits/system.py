@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -9,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import bodies, rotations
+from perilune.bodies import Date
 from perilune.config.motion import sections
 from perilune.config.orbit import Hook
 from perilune.config.schema import Body
-from perilune.motion import States, evaluate
+from perilune.motion import States, evaluate, propagator
 from perilune.orbits import hooked, paths
 from perilune.orbits.place import Motion, Place
 from perilune.orbits.setting import KM, Setting, ephemeris_name, parent_of, radii_m, sun_position_m
@@ -62,16 +65,32 @@ def _hooked(setting: Setting, name: str, orbit: Any) -> bool:
 def _path(setting: Setting, name: str, entry: Any, section: str) -> Motion:
     if entry.orbit is None:
         return _ephemeris(setting, name)
-    hook = _hooked(setting, name, entry.orbit)
-    if hook or entry.orbit.kind == "database":
-        # What is drawn once a scene is drawn from the scene's first step.
-        setting = setting.start
-        entry = sections(setting.config)[name][1]
-    place = Place(setting, name, f"{section}.{name}.orbit", entry.orbit.around)
-    if not hook:
-        return paths.make(entry.orbit, place)
-    known = _known_before(setting, name)
-    return hooked.hook(entry.orbit, place, lambda: _surroundings(setting, known))
+    key = f"{section}.{name}.orbit"
+    if not _hooked(setting, name, entry.orbit) and entry.orbit.kind != "database":
+        return paths.make(entry.orbit, Place(setting, name, key, entry.orbit.around))
+    # What is drawn once a scene is drawn from the scene's first step, and begins there.
+    start = setting.start
+    orbit = sections(start.config)[name][1].orbit
+    assert orbit is not None  # drivers change numbers alone
+    since = replace(start, epoch=start.epoch.after(start.start_s))
+    place = Place(since, name, key, orbit.around)
+    if _hooked(start, name, orbit):
+        known = _known_before(start, name)
+        motion = hooked.hook(orbit, place, lambda: _surroundings(start, known))
+    else:
+        motion = paths.make(orbit, place)
+    return _later(motion, since.epoch, start.start_s)
+
+
+def _later(motion: Motion, begin: Date, begin_s: float) -> Motion:
+    """A path whose time counts from `begin`, begin_s after the epoch, as one from the epoch."""
+    if begin_s == 0.0 or (isinstance(motion, Mapping) and motion["kind"] == "fixed"):
+        return motion
+    if isinstance(motion, Mapping):
+        spec = motion
+        return lambda t_s: propagator(spec, begin).states(t_s - begin_s)
+    path = motion
+    return lambda t_s: path(t_s - begin_s)
 
 
 def _known_before(setting: Setting, name: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""Kinds of orbits, rotations and attitudes from the configuration to states in the root frame."""
+"""Kinds of orbits from the configuration to states in the root frame."""
 
 from __future__ import annotations
 
@@ -8,42 +8,15 @@ import math
 import erfa
 import numpy as np
 import pytest
+from tests.python.orbit.scenes import equator_m, opened, refused, state
 
-import perilune
-from perilune import bodies, dates, rotations
-from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune import dates
 from perilune.ephemerides import tle
 
 ISS = [
     "1 25544U 98067A   26162.96453450  .00008067  00000+0  15344-3 0  9993",
     "2 25544  51.6334 325.9414 0004931 175.6343 184.4689 15.49182446570947",
 ]
-
-
-@pytest.fixture
-def scene(repo_dir):
-    """A tree without a model to load: the small scene of the tests, free to be changed."""
-    return read_tree(repo_dir / "tests/python/scene.yaml")
-
-
-def opened(scene, repo_dir, orbit=None, attitude=None, **options):
-    if orbit is not None:
-        scene["spacecraft"]["sat"]["orbit"] = {"around": "earth", **orbit}
-    if attitude is not None:
-        scene["spacecraft"]["sat"]["attitude"] = attitude
-    return perilune.open(scene, base=repo_dir / "tests/python", **options)
-
-
-def state(sim, name="sat", t_s=0.0, index=0):
-    found = sim.system(index).states(np.array([t_s]))
-    return found.poses[name][0], found.velocities_m_s[name][0]
-
-
-def refused(scene, repo_dir, **options) -> str:
-    with pytest.raises(ConfigError) as error:
-        opened(scene, repo_dir, **options)
-    return str(error.value)
 
 
 # --- SGP4 --------------------------------------------------------------------------------------
@@ -163,7 +136,7 @@ def test_circular_is_the_papers(scene, repo_dir):
     orbit = {"kind": "circular", "scale": 1.06396989, "rotation_deg": [30.0, 30.0, 0.0],
              "v_step": 0.01, "orbit_start": 0.3}  # fmt: skip
     sim = opened(scene, repo_dir, orbit)
-    radius = bodies_radius(sim)
+    radius = equator_m(sim)
     for step in (0, 7, 100):
         angle = 2 * math.pi * (0.3 + 0.01 * step)
         flat = np.array([math.cos(angle), math.sin(angle), 0.0]) * radius * 1.06396989
@@ -172,10 +145,6 @@ def test_circular_is_the_papers(scene, repo_dir):
         about_y = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         pose, _ = state(sim, t_s=60.0 * step, index=step)
         assert np.allclose(pose[:3], about_y @ about_x @ flat, rtol=1e-13, atol=1e-6)
-
-
-def bodies_radius(sim):
-    return perilune.orbits.radii_m(sim.config.bodies["earth"])
 
 
 def test_state_and_elements_agree(scene, repo_dir):
@@ -223,259 +192,6 @@ def test_below_the_surface_names_the_orbit(scene, repo_dir):
     assert "spacecraft.sat.orbit: at 2026-03-20T12:00:00.000Z it is 6278." in text
     text = refused(scene, repo_dir, orbit={"kind": "circular", "scale": 0.9})
     assert "below the surface of earth" in text
-
-
-# --- drawn orbits -------------------------------------------------------------------------------
-
-
-def test_database_is_drawn_once_a_scene(scene, repo_dir):
-    scene["time"]["frames_per_scene"] = 3
-    orbit = {"kind": "database", "class": "LEO", "inclination_deg": 51.6}
-    sim = opened(scene, repo_dir, orbit)
-
-    def energy(index):
-        found = sim.system(index).states(np.array([60.0 * index]))
-        r, v = found.poses["sat"][0, :3], found.velocities_m_s["sat"][0]
-        normal = np.cross(r, v)
-        tilt = math.degrees(math.acos(normal[2] / np.linalg.norm(normal)))
-        assert tilt == pytest.approx(51.6, abs=1e-9)
-        return 0.5 * v @ v - 3.986004355070227e14 / np.linalg.norm(r)
-
-    energies = [energy(index) for index in range(6)]
-    assert np.allclose(energies[:3], energies[0], rtol=1e-12)
-    assert np.allclose(energies[3:], energies[3], rtol=1e-12)
-    assert abs(energies[0] / energies[3] - 1) > 1e-4
-    again = opened(scene, repo_dir, orbit)
-    assert np.array_equal(state(again, index=5)[0], state(sim, index=5)[0])
-    other = opened(scene, repo_dir, orbit, seed=8)
-    assert not np.allclose(state(other)[0][:3], state(sim)[0][:3])
-
-
-def test_stationary_over_its_longitude(scene, repo_dir):
-    """Over 24 h the point below a GEO stays within 0.01 deg of its longitude and the equator of
-    date, by the Earth's precise rotation."""
-    sim = opened(scene, repo_dir, {"kind": "database", "class": "GEO", "longitude_deg": -75.0})
-    found = sim.system(0).states(np.linspace(0.0, 86400.0, 9))
-    for sat, earth in zip(found.poses["sat"], found.poses["earth"], strict=True):
-        x, y, z = rotations.rotate(rotations.conjugate(earth[3:]), sat[:3] - earth[:3])
-        assert math.degrees(math.atan2(y, x)) == pytest.approx(-75.0, abs=0.02)
-        # the elements' equator of date leaves out the nutation: 0.003 deg
-        assert abs(math.degrees(math.atan2(z, math.hypot(x, y)))) < 0.005
-
-
-def test_sun_synchronous_crosses_at_its_hour(scene, repo_dir):
-    """Mean local time of the node. At 12 h UT the mean Sun stands over Greenwich, by the definition
-    of universal time: its right ascension is the mean sidereal time."""
-    orbit = {"kind": "database", "class": "SSO", "ltan_h": 10.5}
-    pose, velocity = state(opened(scene, repo_dir, orbit))
-    normal = erfa.pmat06(2461120.0, 0.0) @ np.cross(pose[:3], velocity)  # equinox of date
-    node = math.atan2(normal[0], -normal[1])
-    sun = erfa.gmst06(2461120.0, 0.0, 2461120.0, 69.2 / 86400)
-    hour = (12.0 + math.degrees(math.remainder(node - sun, 2 * math.pi)) / 15.0) % 24.0
-    assert hour == pytest.approx(10.5, abs=0.005)
-
-
-# --- hooks --------------------------------------------------------------------------------------
-
-
-def paper(body_radius_xyz=(6378.0, 6378.0, 6378.0)):
-    altitude = np.random.uniform(800.0, 1200.0)  # noqa: NPY002 (the paper's listing 2)
-    roll = np.random.uniform(np.deg2rad(-5), np.deg2rad(5))  # noqa: NPY002
-    scale = (altitude + np.array(body_radius_xyz)) / np.array(body_radius_xyz)
-    yaw = np.random.uniform(-np.pi, np.pi)  # noqa: NPY002
-    return {"scale_xyz": scale, "rotation_rpy": np.array([roll, 0.0, yaw])}
-
-
-def test_the_papers_sampler(scene, repo_dir):
-    """Listing 2 as it stands: altitude 800 to 1200 km, tilt up to 5 deg, same in any order."""
-    sim = opened(scene, repo_dir, orbits={"sat": paper})
-    first = [state(sim, index=index, t_s=60.0 * index)[0] for index in range(6)]
-    np.random.random(100)  # noqa: NPY002
-    other = opened(scene, repo_dir, orbits={"sat": paper})
-    for index in (5, 2, 0, 1, 4, 3):
-        pose = state(other, index=index, t_s=60.0 * index)[0]
-        assert np.array_equal(pose, first[index])
-        height = np.linalg.norm(pose[:3]) - 6378137.0
-        assert 7.7e5 < height < 1.2001e6
-        assert abs(math.degrees(math.asin(pose[2] / np.linalg.norm(pose[:3])))) <= 5.0
-
-
-def test_hooks_see_the_world(scene, repo_dir):
-    seen = {}
-
-    def mate(world, rng, params):
-        seen.update({name: thing.radii_m.tolist() for name, thing in world.items()})
-        assert not world["sat"].position_m.flags.writeable
-        place = (world["sat"].position_m - world["earth"].position_m) / 1e3
-        place += [50.0, 0.0, rng.random()]
-        across = np.cross([0.3, 0.4, 0.5], place)
-        return {"position_km": place, "velocity_km_s": 7.6 * across / np.linalg.norm(across)}
-
-    scene["spacecraft"]["mate"] = {**scene["spacecraft"]["sat"]}
-    sim = opened(scene, repo_dir, orbits={"mate": mate})
-    gap = state(sim, "mate")[0][:3] - state(sim)[0][:3]
-    assert gap[0] == pytest.approx(50e3, abs=1e-6)
-    assert set(seen) == {"earth", "sat"}
-    assert seen["earth"][0] == pytest.approx(6.378e6, abs=1e3)
-    assert seen["sat"] == [pytest.approx(sim.models["sat"].radius_m)] * 3
-
-
-def test_hooks_return_elements(scene, repo_dir, tmp_path, monkeypatch):
-    (tmp_path / "my_orbits.py").write_text(
-        "def low(rng, height):\n"
-        "    return {'altitude_km': height, 'inclination_deg': 30.0,\n"
-        "            'mean_anomaly_deg': rng.uniform(0, 360)}\n"
-    )
-    monkeypatch.syspath_prepend(tmp_path)
-    orbit = {"kind": "hook", "function": "my_orbits:low", "params": {"height": 700.0}}
-    sim = opened(scene, repo_dir, orbit)
-    heights = [np.linalg.norm(state(sim, index=k)[0][:3]) for k in range(3)]
-    assert np.allclose(np.array(heights) - bodies_radius(sim)[0], 7e5)
-    orbit["function"] = "my_orbits:lwo"
-    assert "spacecraft.sat.orbit.function = 'my_orbits:lwo'" in refused(
-        scene, repo_dir, orbit=orbit
-    )
-
-
-@pytest.mark.parametrize(
-    ("answer", "text"),
-    [
-        (3, "must return a mapping"),
-        ({"scale_xyz": [1.1, 1.1, 1.1]}, "scale_xyz and rotation_rpy alone"),
-        ({"scale_xyz": [1.1, 1.1], "rotation_rpy": [0, 0, 0]}, "scale_xyz must be three"),
-        ({"scale_xyz": [1.1, -1, 1], "rotation_rpy": [0, 0, 0]}, "scale_xyz must be positive"),
-        ({"position_km": [7e3, 0, 0]}, "must return position_km and velocity_km_s"),
-        ({"altitude_km": 500.0, "inclination": 3.0}, "did you mean 'inclination_deg'"),
-        ({"altitude_km": 500.0}, "exactly one of mean_anomaly_deg"),
-    ],
-)
-def test_wrong_answers_are_named(scene, repo_dir, answer, text):
-    found = refused(scene, repo_dir, orbits={"sat": lambda: answer})
-    assert "spacecraft.sat: orbit.function" in found
-    assert text in found
-
-
-def test_orbits_of_unknown_things(scene, repo_dir):
-    assert "orbits: no entry named 'sta'; did you mean 'sat'" in refused(
-        scene, repo_dir, orbits={"sta": paper}
-    )
-
-
-# --- rotations ----------------------------------------------------------------------------------
-
-
-def axes(q):
-    return rotations.to_matrix(q)
-
-
-def test_earth_turns_by_erfa(scene, repo_dir):
-    sim = opened(scene, repo_dir)
-    for t_s in (0.0, 1e7):
-        epoch = sim.system(0).setting.epoch
-        tt, utc = dates.tt_of(epoch, np.array([t_s])), dates.utc_of(epoch, np.array([t_s]))
-        expected = erfa.c2t06a(tt[0][0], tt[1][0], utc[0][0], utc[1][0], 0.0, 0.0).T
-        found = axes(sim.system(0).states(np.array([t_s])).poses["earth"][0, 3:])
-        assert np.allclose(found, expected, rtol=0, atol=1e-12)
-
-
-def test_turns_by_steps(scene, repo_dir):
-    """0.1 deg a step about the own z axis, from (23, 0, 0) deg: listing 1; then about ICRF's z."""
-    for mode in ("local", "global"):
-        turn = {"rotation_deg": [23.0, 0.0, 0.0], "rotation_deg_step_v": 0.1, "rotation_mode": mode}
-        scene["bodies"]["earth"]["rotation"] = turn
-        sim = opened(scene, repo_dir)
-        for step in (0, 1, 900):
-            found = sim.system(step).states(np.array([60.0 * step])).poses["earth"][0, 3:]
-            c, s = math.cos(math.radians(23)), math.sin(math.radians(23))
-            tilt = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-            c, s = math.cos(math.radians(0.1 * step)), math.sin(math.radians(0.1 * step))
-            spin = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-            expected = tilt @ spin if mode == "local" else spin @ tilt
-            assert np.allclose(axes(found), expected, rtol=0, atol=1e-13)
-
-
-def test_three_angles_by_step(scene, repo_dir):
-    turn = {"rotation_deg_step_v": [0.0, 0.5, 0.0]}
-    sim = opened(scene, repo_dir, attitude=turn)
-    q = sim.system(4).states(np.array([240.0])).poses["sat"][0, 3:]
-    assert np.allclose(q, rotations.axis_angle((0.0, 1.0, 0.0), math.radians(2.0)), atol=1e-14)
-
-
-def test_pointing(scene, repo_dir):
-    """What each kind states about its axes, from places and velocities alone."""
-    scene["bodies"]["moon"] = {"kind": "moon"}
-    for pointing in ("sun", "velocity", "target", "lvlh"):
-        attitude = {"pointing": pointing} | ({"target": "moon"} if pointing == "target" else {})
-        sim = opened(scene, repo_dir, attitude=attitude)
-        world = sim.world(3)
-        r, v = world.poses["sat"][0, :3], world.velocities_m_s["sat"][0]
-        matrix = axes(world.poses["sat"][0, 3:])
-        normal = np.cross(r, v)
-        towards = {
-            "sun": (0, world.sun_position_m - r),
-            "velocity": (0, v),
-            "target": (2, world.poses["moon"][0, :3] - r),
-            "lvlh": (2, -r),
-        }
-        column, aim = towards[pointing]
-        assert np.allclose(matrix[:, column], aim / np.linalg.norm(aim), rtol=0, atol=1e-9)
-        if pointing in ("velocity", "lvlh"):
-            assert np.allclose(matrix[:, 1], -normal / np.linalg.norm(normal), rtol=0, atol=1e-12)
-        elif pointing == "sun":
-            assert abs(matrix[:, 1] @ normal) < 1e-9 * np.linalg.norm(normal)
-            assert matrix[:, 2] @ normal > 0
-        else:
-            assert abs(matrix[:, 0] @ normal) < 1e-9 * np.linalg.norm(normal)
-            assert matrix[:, 1] @ normal < 0
-
-
-def test_attitude_from_a_table(scene, repo_dir, tmp_path):
-    """Between two lines half of a quarter turn is an eighth."""
-    path = tmp_path / "a.csv"
-    half = math.sqrt(0.5)
-    path.write_text(f"t_s,qw,qx,qy,qz\n-60,1,0,0,0\n60,{-half},0,0,{-half}\n120,0,0,0,1\n")
-    attitude = {"pointing": "table", "file": str(path)}
-    sim = opened(scene, repo_dir, attitude=attitude)
-    q = state(sim)[0][3:]
-    expected = rotations.axis_angle((0.0, 0.0, 1.0), math.radians(45.0))
-    assert abs(abs(q @ expected) - 1) < 1e-14
-    with pytest.raises(ValueError, match=r"spacecraft\.sat: 180 s is outside the table"):
-        sim.system(0).states(np.array([180.0]))
-
-
-def test_date_of_a_moment_is_kept(scene, repo_dir):
-    """The setting's epoch is the configuration's."""
-    sim = opened(scene, repo_dir)
-    assert sim.system(0).setting.epoch == bodies.date_from_utc((2026, 3, 20, 12, 0, 0.0))
-
-
-def test_tumble_keeps_its_momentum(scene, repo_dir):
-    """About principal axes and about turned ones: L in ICRF axes, and the rate's energy, stay; the
-    rate by differences of the attitude."""
-    tensor = np.diag([1.0, 2.0, 2.5])
-    turn = axes(rotations.from_rpy_deg((20.0, -50.0, 70.0)))
-    for inertia, matrix in (([1.0, 2.0, 2.5], tensor), (None, turn @ tensor @ turn.T)):
-        rows = inertia or [[float(x) for x in row] for row in (matrix + matrix.T) / 2]
-        attitude = {"pointing": "tumble", "inertia_kg_m2": rows, "rate_deg_s": [2.0, 5.0, 1.0],
-                    "rotation_deg": [10.0, 20.0, 30.0]}  # fmt: skip
-        system = opened(scene, repo_dir, attitude=attitude).system(0)
-        start = axes(system.states(np.zeros(1)).poses["sat"][0, 3:])
-        expected = rotations.from_rpy_deg((10.0, 20.0, 30.0))
-        assert np.allclose(start, axes(expected), rtol=0, atol=1e-12)
-        momenta = []
-        for t_s in (0.0, 17.0, 1000.0):
-            h = 1e-3
-            around = system.states(t_s + np.array([-h, 0.0, h])).poses["sat"]
-            a, b, c = (axes(pose[3:]) for pose in around)
-            skew = b.T @ (c - a) / (2 * h)  # R^T dR/dt = [omega in own axes]
-            omega = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
-            momenta.append(b @ matrix @ omega)
-            assert omega @ matrix @ omega == pytest.approx(
-                np.radians([2, 5, 1]) @ matrix @ np.radians([2, 5, 1]), rel=1e-6
-            )
-        assert np.allclose(momenta, momenta[0], rtol=0, atol=1e-7)
-    attitude["inertia_kg_m2"] = [[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-    assert "inertia tensor is symmetric" in refused(scene, repo_dir, attitude=attitude)
 
 
 # --- j2 and tables ------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -52,8 +53,12 @@ def numerical(orbit: Numerical, place: Place) -> Motion:
     centre = forces.Centre(
         parent.name, parent.table, parent.gm_m3_s2, parent.radii_m, _turning(place)
     )
+
+    def file(text: str, key: str) -> Path:
+        return place.file(text, f"forces.{key}")
+
     try:
-        acting = forces.specification(orbit.forces, centre, place.epoch, place.file)
+        acting = forces.specification(orbit.forces, centre, place.epoch, file)
     except ValueError as error:
         raise ValueError(f"forces: {error}") from None
     return {
