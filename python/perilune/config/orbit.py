@@ -260,8 +260,8 @@ class Spice(Around):
 
 
 class Drawn(Around):
-    """What orbits that are drawn once a scene share. What they say of the epoch holds at the scene's
-    first step."""
+    """What orbits that are drawn once a scene share; what they say of the epoch holds at the first
+    step of the scene."""
 
     propagator: Literal["kepler", "j2", "circular"] | None = None
     """How the drawn orbit is run through: kepler (default), j2, or circular (at v_step, from
