@@ -326,3 +326,23 @@ def test_a_fall_is_refused(scene, repo_dir):
     for kind in ("kepler", "j2", "numerical"):
         text = refused(scene, repo_dir, orbit={"kind": kind, "state": falls})
         assert "spacecraft.sat: the periapsis, 62.0" in text
+
+
+def test_spice_through_the_configuration(scene, repo_dir, tmp_path):
+    """A kernel made here, of a probe that stands still 7000 km from the Earth."""
+    spice = pytest.importorskip("spiceypy")
+    epoch = opened(scene, repo_dir).system(0).setting.epoch
+    times = (epoch.day - 2451545.0 + epoch.fraction) * 86400.0 + np.arange(-2, 9) * 60.0
+    states = np.tile([7000.0, 10.0, -20.0, 0.0, 0.0, 0.0], (len(times), 1))
+    handle = spice.spkopn(str(tmp_path / "a.bsp"), "test", 0)
+    span = (times[0], times[-1], "probe", 3, len(times))
+    spice.spkw09(handle, -999, 399, "J2000", *span, states, times)
+    spice.spkcls(handle)
+    orbit = {"kind": "spice", "kernels": [str(tmp_path / "a.bsp")], "target": "-999"}
+    sim = opened(scene, repo_dir, orbit)
+    assert np.allclose(state(sim, t_s=100.0)[0][:3], [7e6, 1e4, -2e4], rtol=0, atol=1e-6)
+    with pytest.raises(ValueError, match=r"spacecraft\.sat: SPICE: .*a\.bsp"):
+        sim.system(0).states(np.array([1e6]))
+    missing = {**orbit, "kernels": ["no.bsp"]}
+    with pytest.raises(FileNotFoundError, match=r"sat\.orbit\.kernels\[0\]: no such file"):
+        opened(scene, repo_dir, missing)
