@@ -227,6 +227,124 @@ static void test_bad_nodes(void **state) {
   assert_int_equal(poses(0, NULL, 1, &t, out), PL_OK);
 }
 
+/* Nodes point at nodes declared, and moved, after them, and at each other. */
+static void test_pointing(void **state) {
+  (void)state;
+  pl_tree_node nodes[] = {node("chaser", 2, 0), orbiting("target", 2, 4e14, 7e6, 0.1),
+                          node("earth", 3, 0), node("sun", -1, 1.5e11)};
+  nodes[0] = orbiting("chaser", 2, 4e14, 7.1e6, 0.01);
+  nodes[0].turn.kind = kind("target");
+  nodes[0].turn.towards = 1;
+  nodes[1].turn.kind = kind("sun");
+  nodes[1].turn.towards = 3;
+  nodes[2].turn.kind = kind("target");
+  nodes[2].turn.towards = 0;
+  nodes[2].turn.up = pl_vec3_make(0, 0, -2);
+  nodes[2].path.position_m = pl_vec3_make(-1.5e11, 2e10, 0);
+  const double t[3] = {0.0, 1234.5, 1e6};
+  pl_pose out[12];
+  assert_int_equal(poses(4, nodes, 3, t, out), PL_OK);
+  static const int aims[3][2] = {{0, 1}, {1, 3}, {2, 0}};
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) {
+      const pl_pose *own = &out[4 * i + aims[k][0]], *other = &out[4 * i + aims[k][1]];
+      const pl_vec3 axis = k == 1 ? pl_vec3_make(1, 0, 0) : pl_vec3_make(0, 0, 1);
+      const pl_vec3 aim = pl_vec3_unit(pl_vec3_sub(other->t, own->t));
+      assert_true(pl_vec3_norm(pl_vec3_sub(pl_quat_rotate(own->q, axis), aim)) < 1e-14);
+      if (k == 1) /* z of the sun's frame is on the side of the orbit normal */
+        assert_true(pl_vec3_dot(pl_quat_rotate(own->q, pl_vec3_make(0, 0, 1)),
+                                pl_vec3_cross(pl_vec3_sub(own->t, out[4 * i + 2].t),
+                                              velocities[4 * i + 1])) > 0.0);
+      if (k == 2)
+        assert_true(pl_quat_rotate(own->q, pl_vec3_make(0, 1, 0)).z > 0.0);
+    }
+  nodes[0].turn.towards = 0;
+  assert_int_equal(poses(4, nodes, 3, t, out), PL_E_ARGUMENT);
+  assert_string_equal(pl_error_text(), "node 'chaser': it cannot point at itself");
+  nodes[0].turn.towards = 4;
+  assert_int_equal(poses(4, nodes, 3, t, out), PL_E_ARGUMENT);
+  nodes[0].turn.towards = -1; /* and no direction */
+  assert_int_equal(poses(4, nodes, 3, t, out), PL_E_RANGE);
+  nodes[0].turn.direction = pl_vec3_make(0, -5, 0);
+  assert_int_equal(poses(4, nodes, 3, t, out), PL_OK);
+  assert_true(fabs(pl_quat_rotate(out[0].q, pl_vec3_make(0, 0, 1)).y + 1.0) < 1e-15);
+}
+
+/* Evaluating allocates nothing, at any number of times. */
+static void test_no_allocations(void **state) {
+  (void)state;
+  pl_tree_node nodes[] = {node("sun", -1, 0), orbiting("earth", 0, 1.3e20, 1.5e11, 0.02),
+                          orbiting("moon", 1, 4e14, 3.8e8, 0.05), orbiting("lro", 2, 5e12, 2e6, 0)};
+  nodes[3].turn.kind = kind("sun");
+  nodes[3].turn.towards = 0;
+  nodes[2].turn.kind = kind("tumble");
+  assert_int_equal(pl_tumble_init((pl_vec3){1, 2, 2.5}, (pl_vec3){1, 2, 3}, PL_QUAT_IDENTITY,
+                                  &nodes[2].turn.tumble),
+                   PL_OK);
+  pl_tree *tree = NULL;
+  assert_int_equal(make(4, nodes, &tree), PL_OK);
+  double t[16];
+  for (int i = 0; i < 16; i++)
+    t[i] = 1e9 * sin(i);
+  pl_pose out[MOST];
+  pl_state relative[MOST];
+  const pl_tree_states states = {out, velocities, relative};
+  const uint64_t before = pl_memory_allocations();
+  assert_int_equal(pl_tree_evaluate(tree, 16, t, NULL, &states), PL_OK);
+  assert_int_equal(pl_tree_evaluate(tree, 1, t + 3, NULL, &states), PL_OK);
+  assert_int_equal(pl_memory_allocations(), before);
+  pl_tree_destroy(tree);
+}
+
+/* Places and axes that the caller gives, at each time its own; a child follows both. */
+static void test_given(void **state) {
+  (void)state;
+  pl_tree_node nodes[] = {node("sun", -1, 0), node("comet", 0, 0), node("lander", 1, 10.0)};
+  nodes[1].path = (pl_path){.kind = PL_PATH_GIVEN, .slot = 1};
+  nodes[1].turn.kind = kind("given");
+  nodes[2].turn.kind = kind("parent");
+  nodes[2].turn.q = (pl_quat){0, 0, 0, 2};
+  const double t[2] = {0.0, 5.0};
+  const pl_state states[4] = {{{9, 9, 9}, {9, 9, 9}},
+                              {{1, 2, 3}, {4, 5, 6}},
+                              {{9, 9, 9}, {9, 9, 9}},
+                              {{-1, 0, 1}, {7, 8, 9}}};
+  const pl_quat quats[2] = {{2, 0, 0, 0}, {0, 3, 0, 0}};
+  pl_tree_given given = {2, states, 1, quats};
+  pl_pose out[6];
+  assert_int_equal(evaluate(3, nodes, 2, t, &given, out), PL_OK);
+  for (int i = 0; i < 2; i++) {
+    const pl_state *s = &states[2 * i + 1];
+    assert_memory_equal(&out[3 * i + 1].t, &s->r_m, sizeof(pl_vec3));
+    assert_memory_equal(&velocities[3 * i + 1], &s->v_m_s, sizeof(pl_vec3));
+    assert_memory_equal(&velocities[3 * i + 2], &s->v_m_s, sizeof(pl_vec3));
+    /* a fixed position is in ICRF axes, whatever the parent's rotation */
+    assert_true(out[3 * i + 2].t.x == s->r_m.x + 10.0);
+    const pl_quat unit = pl_quat_unit(quats[i]), z = {0, 0, 0, 1};
+    const pl_quat child = pl_quat_mul(unit, z);
+    assert_memory_equal(&out[3 * i + 1].q, &unit, sizeof unit);
+    assert_true(fabs(child.w * out[3 * i + 2].q.w + child.x * out[3 * i + 2].q.x +
+                     child.y * out[3 * i + 2].q.y + child.z * out[3 * i + 2].q.z) > 1.0 - 1e-15);
+  }
+  given.state_slots = 1;
+  assert_int_equal(evaluate(3, nodes, 2, t, &given, out), PL_E_ARGUMENT);
+  assert_string_equal(pl_error_text(),
+                      "node 'comet': takes slot 1 of the given states, which have 1");
+  given.state_slots = 2;
+  given.quat_slots = 0;
+  assert_int_equal(evaluate(3, nodes, 2, t, &given, out), PL_E_ARGUMENT);
+  assert_int_equal(evaluate(3, nodes, 2, t, NULL, out), PL_E_ARGUMENT);
+  const pl_quat none[2] = {PL_QUAT_IDENTITY, {0, 0, 0, 0}};
+  given = (pl_tree_given){2, states, 1, none};
+  assert_int_equal(evaluate(3, nodes, 2, t, &given, out), PL_E_RANGE);
+  pl_state lost[4];
+  memcpy(lost, states, sizeof lost);
+  lost[1].r_m.x = NAN;
+  given = (pl_tree_given){2, lost, 1, quats};
+  assert_int_equal(evaluate(3, nodes, 2, t, &given, out), PL_E_RANGE);
+  assert_non_null(strstr(pl_error_text(), "'comet'"));
+}
+
 /* Every allocation failing in turn gives PL_E_MEMORY; leaks are the sanitizer's to report. */
 static void *fail_nth(void *context, size_t size) {
   int *left = context;
@@ -256,6 +374,9 @@ int main(void) {
       cmocka_unit_test_teardown(test_order_independence, destroy_made),
       cmocka_unit_test_teardown(test_equator_and_body, destroy_made),
       cmocka_unit_test_teardown(test_bad_nodes, destroy_made),
+      cmocka_unit_test_teardown(test_pointing, destroy_made),
+      cmocka_unit_test_teardown(test_no_allocations, destroy_made),
+      cmocka_unit_test(test_given),
       cmocka_unit_test(test_failing_allocations),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
