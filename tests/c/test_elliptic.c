@@ -64,7 +64,8 @@ static void test_functions(void **state) {
     const double k = pl_elliptic_k(rows[i].m1), u = rows[i].u;
     const pl_elliptic f = pl_elliptic_functions(u, 1.0 - rows[i].m1, rows[i].m1);
     /* an error of eps in u or K, seen from the zero of cn at K */
-    const double bound = 4 * DBL_EPSILON * (1.0 + fabs(u) + (isfinite(k) ? k / (k - fabs(u)) : 0.0));
+    const double bound =
+        4 * DBL_EPSILON * (1.0 + fabs(u) + (isfinite(k) ? k / (k - fabs(u)) : 0.0));
     assert_near(f.sn, rows[i].f.sn, bound);
     assert_near(f.cn, rows[i].f.cn, bound);
     assert_near(f.dn, rows[i].f.dn, bound);
