@@ -17,15 +17,21 @@ typedef struct mover {
   pl_trs trs;               /* of this frame, when animated */
 } mover;
 
+/* A track that is played. */
+typedef struct played {
+  const pl_animation *animation; /* of the model */
+  const pl_track *track;         /* of the animation */
+  int mover;                     /* whose node it moves; -1: nothing hangs there */
+} played;
+
 struct pl_articulation {
-  const pl_model *model;         /* borrowed */
-  const pl_animation *animation; /* of the model, or NULL */
-  pl_joint *joints;              /* owned; all in the model's axes */
+  const pl_model *model; /* borrowed */
+  pl_joint *joints;      /* owned; all in the model's axes */
   size_t joint_count;
   int *nodes;    /* owned */
   mover *movers; /* owned, one a node above */
   size_t count;
-  int *track_mover; /* owned: mover of each track of the animation, or -1 */
+  played *tracks; /* owned: of all animations */
   size_t track_count;
 };
 
@@ -64,8 +70,9 @@ static bool has_direction(pl_vec3 v) {
 /* What is known of each node while movers are looked for. */
 typedef struct mark {
   bool animated, jointed;
-  bool bears; /* a part with triangles is at it or below it */
-  int mover;  /* nearest at it or above it, or -1 */
+  bool paths[3]; /* by pl_track_path: has a track */
+  bool bears;    /* a part with triangles is at it or below it */
+  int mover;     /* nearest at it or above it, or -1 */
 } mark;
 
 static void mark_parts(const pl_model *model, mark *marks) {
@@ -127,10 +134,10 @@ static pl_status find_movers(pl_articulation *self, mark *marks) {
     self->nodes[self->count] = node;
     mark->mover = (int)self->count++;
   }
-  for (size_t i = 0; i < self->track_count; i++)
-    self->track_mover[i] = marks[self->animation->tracks[i].node].bears
-                               ? marks[self->animation->tracks[i].node].mover
-                               : -1;
+  for (size_t i = 0; i < self->track_count; i++) {
+    const mark *mark = &marks[self->tracks[i].track->node];
+    self->tracks[i].mover = mark->bears ? mark->mover : -1;
+  }
   return PL_OK;
 }
 
@@ -144,37 +151,64 @@ static pl_status allocate(pl_articulation *self, const pl_joint *joints) {
   self->nodes = memory[1];
   PL_TRY(pl_alloc_or_fail(most, sizeof(mover), "moving nodes", &memory[2]));
   self->movers = memory[2];
-  PL_TRY(pl_alloc_or_fail(self->track_count, sizeof(int), "moving nodes", &memory[3]));
-  self->track_mover = memory[3];
+  PL_TRY(pl_alloc_or_fail(self->track_count, sizeof(played), "moving nodes", &memory[3]));
+  self->tracks = memory[3];
   return PL_OK;
 }
 
-static pl_status fill(pl_articulation *self, mark *marks) {
+static pl_status mark_track(const pl_model *model, mark *marks, const pl_track *track) {
+  mark *mark = &marks[track->node];
+  if (mark->paths[track->path])
+    return pl_fail(PL_E_RANGE, "node '%s' is moved by two of the animations",
+                   model->nodes.items[track->node].name);
+  mark->animated = mark->paths[track->path] = true;
+  return PL_OK;
+}
+
+static pl_status fill(pl_articulation *self, mark *marks, const int *animations, size_t count) {
+  size_t used = 0;
   mark_parts(self->model, marks);
   for (size_t i = 0; i < self->joint_count; i++)
     PL_TRY(settle_joint(self->model, marks, &self->joints[i]));
-  for (size_t i = 0; i < self->track_count; i++)
-    marks[self->animation->tracks[i].node].animated = true;
+  for (size_t i = 0; i < count; i++) {
+    const pl_animation *animation = &self->model->animations[animations[i]];
+    for (size_t k = 0; k < animation->count; k++) {
+      PL_TRY(mark_track(self->model, marks, &animation->tracks[k]));
+      self->tracks[used++] = (played){animation, &animation->tracks[k], -1};
+    }
+  }
   return find_movers(self, marks);
 }
 
+/* Number of tracks of the animations. */
+static pl_status count_tracks(const pl_model *model, const int *animations, size_t count,
+                              size_t *tracks) {
+  *tracks = 0;
+  for (size_t i = 0; i < count; i++) {
+    if (animations[i] < 0 || (size_t)animations[i] >= model->animation_count)
+      return pl_fail(PL_E_RANGE, "animation %d: the model has %zu", animations[i],
+                     model->animation_count);
+    *tracks += model->animations[animations[i]].count;
+  }
+  return PL_OK;
+}
+
 pl_status pl_articulation_create(const pl_model *model, const pl_joint *joints, size_t count,
-                                 int animation, pl_articulation **out) {
+                                 const int *animations, size_t animation_count,
+                                 pl_articulation **out) {
   void *memory;
-  if (animation >= 0 && (size_t)animation >= model->animation_count)
-    return pl_fail(PL_E_RANGE, "animation %d: the model has %zu", animation,
-                   model->animation_count);
+  size_t tracks;
+  PL_TRY(count_tracks(model, animations, animation_count, &tracks));
   PL_TRY(pl_alloc_or_fail(1, sizeof(pl_articulation), "an articulation", &memory));
   pl_articulation *self = memory;
   self->model = model;
-  self->animation = animation >= 0 ? &model->animations[animation] : NULL;
   self->joint_count = count;
-  self->track_count = self->animation != NULL ? self->animation->count : 0;
+  self->track_count = tracks;
   pl_status status = allocate(self, joints);
   if (status == PL_OK)
     status = pl_alloc_or_fail(model->nodes.count, sizeof(mark), "the nodes of a model", &memory);
   if (status == PL_OK) {
-    status = fill(self, memory);
+    status = fill(self, memory, animations, animation_count);
     pl_free(memory);
   }
   if (status != PL_OK)
@@ -190,7 +224,7 @@ void pl_articulation_destroy(pl_articulation *self) {
   pl_free(self->joints);
   pl_free(self->nodes);
   pl_free(self->movers);
-  pl_free(self->track_mover);
+  pl_free(self->tracks);
   pl_free(self);
 }
 
@@ -206,13 +240,16 @@ size_t pl_articulation_joints(const pl_articulation *self, const pl_joint **join
 
 /* --- a frame ---------------------------------------------------------------------------------- */
 
-/* The nodes' own transforms at the animation's time. */
-static void animate(pl_articulation *self, double time_s) {
+/* The nodes' own transforms at the animations' times. */
+static void animate(pl_articulation *self, double play_s, pl_loop loop) {
   for (size_t k = 0; k < self->count; k++)
     self->movers[k].trs = self->model->nodes.items[self->nodes[k]].trs;
-  for (size_t i = 0; i < self->track_count; i++)
-    if (self->track_mover[i] >= 0)
-      pl_track_sample(&self->animation->tracks[i], time_s, &self->movers[self->track_mover[i]].trs);
+  for (size_t i = 0; i < self->track_count; i++) {
+    const played *played = &self->tracks[i];
+    if (played->mover >= 0)
+      pl_track_sample(played->track, pl_animation_time(played->animation, loop, play_s),
+                      &self->movers[played->mover].trs);
+  }
 }
 
 /* Rest to animated, with everything above at rest. */
@@ -245,8 +282,8 @@ static pl_affine joint_motion(const pl_joint *joint, double value) {
 }
 
 void pl_articulation_pose(pl_articulation *self, const double *values, const pl_vec3 *targets,
-                          double time_s, double *reached, pl_affine *motions) {
-  animate(self, time_s);
+                          double play_s, pl_loop loop, double *reached, pl_affine *motions) {
+  animate(self, play_s, loop);
   for (size_t k = 0; k < self->count; k++) {
     const mover *mover = &self->movers[k];
     pl_affine motion = mover->above >= 0 ? motions[mover->above] : PL_AFFINE_IDENTITY;

@@ -1,4 +1,4 @@
-/* Moving nodes of a model: joints set by the caller, and one of the model's own animations.
+/* Moving nodes of a model: joints set by the caller, and the model's own animations.
  *
  * A motion maps the model at rest to where a node has gone, both in the model's axes and units. The
  * motion of a node is that of the moving node above it, after its animation, after its joints in
@@ -37,11 +37,12 @@ typedef struct pl_node_frame {
 /* PL_E_RANGE when the node is flattened at rest. */
 pl_status pl_node_frame_find(const pl_model *model, int node, pl_node_frame *out);
 
-/* animation: index, or -1. Copies the joints; borrows the model. PL_E_RANGE, naming the node, when
- * an axis or normal has no direction, or nothing that can be seen hangs on the node, or it is
- * flattened at rest. */
+/* animations: indices of the model's, played together. Copies the joints; borrows the model.
+ * PL_E_RANGE, naming the node, when an axis or normal has no direction, or nothing that can be seen
+ * hangs on the node, or it is flattened at rest, or two animations move it in the same way. */
 pl_status pl_articulation_create(const pl_model *model, const pl_joint *joints, size_t count,
-                                 int animation, pl_articulation **out);
+                                 const int *animations, size_t animation_count,
+                                 pl_articulation **out);
 void pl_articulation_destroy(pl_articulation *articulation); /* NULL is allowed */
 
 /* The moving nodes that something hangs on, parents before children. */
@@ -52,11 +53,11 @@ size_t pl_articulation_joints(const pl_articulation *articulation, const pl_join
 
 /* values: one a joint; that of PL_JOINT_TOWARDS is added to the angle found. targets: one point a
  * joint, model units in the object's place at this instant (not that of a moved parent), read for
- * PL_JOINT_TOWARDS alone. time_s: the animation's own. Out: the angle or way of each joint, and the
- * motion of each moving node. A target on the axis leaves the angle at 0 (plus the value).
- * Allocates nothing; not thread-safe. */
+ * PL_JOINT_TOWARDS alone. play_s, loop: as in pl_animation_time, of each animation. Out: the angle
+ * or way of each joint, and the motion of each moving node. A target on the axis leaves the angle
+ * at 0 (plus the value). Allocates nothing; not thread-safe. */
 void pl_articulation_pose(pl_articulation *articulation, const double *values,
-                          const pl_vec3 *targets, double time_s, double *reached,
+                          const pl_vec3 *targets, double play_s, pl_loop loop, double *reached,
                           pl_affine *motions);
 
 #endif

@@ -10,7 +10,6 @@
 
 typedef struct articulation_object {
   PyObject_HEAD PyObject *model; /* Model */
-  const pl_animation *animation; /* of the model, or NULL */
   pl_articulation *core;         /* owned */
   pl_affine *motions;            /* owned: room for one pose; the GIL guards it */
   Py_ssize_t joints;
@@ -77,36 +76,44 @@ static pl_status make_room(articulation_object *self) {
   return PL_OK;
 }
 
-static int fill(articulation_object *self, PyObject *model, PyObject *list, int animation) {
-  const pl_model *core = pl_py_model_of(model);
-  self->joints = core != NULL ? PySequence_Size(list) : -1;
+static int create(articulation_object *self, const pl_model *model, PyObject *list,
+                  PyArrayObject *animations) {
+  self->joints = PySequence_Size(list);
   pl_joint *joints = self->joints >= 0 ? read_joints(list, self->joints) : NULL;
   if (joints == NULL)
     return -1;
   pl_status status =
-      pl_articulation_create(core, joints, (size_t)self->joints, animation, &self->core);
+      pl_articulation_create(model, joints, (size_t)self->joints, PyArray_DATA(animations),
+                             (size_t)PyArray_DIM(animations, 0), &self->core);
   pl_free(joints);
   if (status == PL_OK)
     status = make_room(self);
-  if (status != PL_OK) {
+  if (status != PL_OK)
     pl_py_raise(status);
-    return -1;
-  }
-  self->animation = animation >= 0 ? &core->animations[animation] : NULL;
-  self->model = Py_NewRef(model);
-  return 0;
+  return status == PL_OK ? 0 : -1;
+}
+
+static int fill(articulation_object *self, PyObject *model, PyObject *list, PyObject *animations) {
+  const npy_intp any[1] = {-1};
+  const pl_model *core = pl_py_model_of(model);
+  PyArrayObject *array =
+      core != NULL ? pl_py_array(animations, "animations", NPY_INT, 1, any) : NULL;
+  const int failed = array == NULL || create(self, core, list, array) < 0;
+  Py_XDECREF((PyObject *)array);
+  if (!failed)
+    self->model = Py_NewRef(model);
+  return failed ? -1 : 0;
 }
 
 static PyObject *articulation_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"model", "joints", "animation", NULL};
-  PyObject *model, *joints;
-  int animation = -1;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OO|i:Articulation", names, &model, &joints,
-                                   &animation))
+  static char *names[] = {"model", "joints", "animations", NULL};
+  PyObject *model, *joints, *animations;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OOO:Articulation", names, &model, &joints,
+                                   &animations))
     return NULL;
   articulation_object *self =
       (articulation_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
-  if (self != NULL && fill(self, model, joints, animation) < 0)
+  if (self != NULL && fill(self, model, joints, animations) < 0)
     Py_CLEAR(self);
   return (PyObject *)self;
 }
@@ -168,14 +175,14 @@ static PyObject *motions_array(const pl_affine *motions, size_t count) {
 }
 
 static PyObject *pose(articulation_object *self, PyArrayObject *values, PyArrayObject *targets,
-                      double time_s) {
+                      double play_s, pl_loop loop) {
   const int *nodes;
   const size_t count = pl_articulation_nodes(self->core, &nodes);
   npy_intp joints[1] = {self->joints};
   PyObject *reached = PyArray_SimpleNew(1, joints, NPY_DOUBLE);
   if (reached == NULL)
     return NULL;
-  pl_articulation_pose(self->core, PyArray_DATA(values), PyArray_DATA(targets), time_s,
+  pl_articulation_pose(self->core, PyArray_DATA(values), PyArray_DATA(targets), play_s, loop,
                        PyArray_DATA((PyArrayObject *)reached), self->motions);
   PyObject *array = motions_array(self->motions, count);
   if (array != NULL)
@@ -202,9 +209,7 @@ static PyObject *articulation_pose(PyObject *object, PyObject *args, PyObject *k
   PyArrayObject *a = pl_py_array(values, "values", NPY_DOUBLE, 1, shape);
   PyArrayObject *b = a != NULL ? pl_py_array(targets, "targets", NPY_DOUBLE, 2, shape) : NULL;
   if (b != NULL)
-    result = pose(
-        self, a, b,
-        self->animation != NULL ? pl_animation_time(self->animation, (pl_loop)kind, play_s) : 0.0);
+    result = pose(self, a, b, play_s, (pl_loop)kind);
   Py_XDECREF((PyObject *)a);
   Py_XDECREF((PyObject *)b);
   return result;
@@ -223,7 +228,7 @@ static PyMethodDef articulation_methods[] = {
 };
 
 static PyType_Slot articulation_slots[] = {
-    {Py_tp_doc, "Articulation(model, joints, animation=-1)\n--\n\nMoving nodes of a model."},
+    {Py_tp_doc, "Articulation(model, joints, animations)\n--\n\nMoving nodes of a model."},
     {Py_tp_new, (void *)articulation_new},
     {Py_tp_dealloc, (void *)articulation_dealloc},
     {Py_tp_getset, articulation_getset},

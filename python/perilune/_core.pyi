@@ -87,10 +87,11 @@ class Articulation:
     "axis": (3,), "pivot": (3,) a point of the axis, "normal": (3,), "in_node_axes": bool}. In the
     node's axes at rest, whatever its scale, the pivot is counted from the node's origin; otherwise
     all is in the model's axes. All joints are given at rest and travel with what is above them.
-    animation: index into Model.animations, or -1. ValueError names the node that cannot move."""
+    animations: (n,) indices into Model.animations, played together. ValueError names the node that
+    cannot move, or that two animations move in the same way."""
 
     def __new__(
-        cls, model: Model, joints: Sequence[Mapping[str, Any]], animation: int = -1
+        cls, model: Model, joints: Sequence[Mapping[str, Any]], animations: NDArray[np.int32]
     ) -> Self: ...
     @property
     def nodes(self) -> tuple[int, ...]:
@@ -106,7 +107,7 @@ class Articulation:
 
         values: (joints,). targets: (joints, 3) points in the model's axes and units, at this
         instant; read for "towards" alone, where a target on the axis leaves the angle at the value.
-        play_s: seconds since the animation began; loop: "repeat", "clamp" or "pingpong"."""
+        play_s: seconds since the animations began; loop: "repeat", "clamp" or "pingpong", of each."""
 
 @final
 class Map:

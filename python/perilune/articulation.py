@@ -49,11 +49,11 @@ def rig(
         _joint(model, joint, offset, scale, f"{where}.articulation[{i}]")
         for i, joint in enumerate(craft.articulation)
     ]
-    animation = -1
+    animations: list[int] = []
     if craft.animation is not None:
-        animation = _find_animation(model, craft.animation, f"{where}.animation")
+        animations = _find_animations(model, craft.animation, f"{where}.animation")
     try:
-        core = _core.Articulation(model, joints, animation)
+        core = _core.Articulation(model, joints, np.array(animations, dtype=np.int32))
     except ValueError as error:
         raise ConfigError(f"{where}.articulation: {error}") from None
     order = list(core.nodes)
@@ -63,7 +63,7 @@ def rig(
         joints=tuple(order.index(joint["node"]) for joint in joints),
         offset=offset,
         reach_units=_reach_units(
-            model, core, [joint["node"] for joint in joints], offset, animation
+            model, core, [joint["node"] for joint in joints], offset, animations
         ),
     )
 
@@ -102,18 +102,20 @@ def _find_node(model: _core.Model, pattern: str, where: str) -> int:
     return found[0]
 
 
-def _find_animation(model: _core.Model, wanted: Animation, where: str) -> int:
+def _find_animations(model: _core.Model, wanted: Animation, where: str) -> list[int]:
     names = [row["name"] for row in model.animations]
     if wanted.index is not None:
         if wanted.index >= len(names):
             raise ConfigError(
                 f"{where}.index = {wanted.index}: the model has {len(names)}: {', '.join(names)}"
             )
-        return wanted.index
-    if wanted.name not in names:
+        return [wanted.index]
+    assert wanted.name is not None  # the schema asks for one of the two
+    found = [i for i, name in enumerate(names) if fnmatch.fnmatchcase(name, wanted.name)]
+    if not found:
         hint = nearest(wanted.name, names)
-        raise ConfigError(f"{where}.name: no animation '{wanted.name}'{hint}")
-    return names.index(wanted.name)
+        raise ConfigError(f"{where}.name: no animation matches '{wanted.name}'{hint}")
+    return found
 
 
 def _reach_units(
@@ -121,12 +123,13 @@ def _reach_units(
     core: _core.Articulation,
     joint_nodes: Sequence[int],
     offset: F64,
-    animation: int,
+    animations: Sequence[int],
 ) -> float:
     """Farthest from the offset that anything comes, slides aside, whatever the angles."""
     reach = math.hypot(*np.abs(model.bounds - offset).max(axis=0))
-    if animation >= 0:
-        return _animated_reach(model, core, offset, animation, reach)
+    if animations:
+        duration_s = max(model.animations[i]["duration_s"] for i in animations)
+        return _animated_reach(model, core, offset, duration_s, reach)
     for node in core.nodes:
         centre, radius = _swept_sphere(model, core, joint_nodes, node)
         reach = max(reach, float(np.linalg.norm(centre - offset)) + radius)
@@ -134,14 +137,14 @@ def _reach_units(
 
 
 def _animated_reach(
-    model: _core.Model, core: _core.Articulation, offset: F64, animation: int, reach: float
+    model: _core.Model, core: _core.Articulation, offset: F64, duration_s: float, reach: float
 ) -> float:
     """A wide bound: each moving node carries the whole model's box, at 33 instants of the
-    animation; and a turn takes a point at most twice its axis's distance farther out."""
+    animations; and a turn takes a point at most twice its axis's distance farther out."""
     low, high = model.bounds
     corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, 8).T
     still = np.zeros(len(core.axes))
-    for play_s in np.linspace(0.0, model.animations[animation]["duration_s"], 33):
+    for play_s in np.linspace(0.0, duration_s, 33):
         _, motions = core.pose(still, np.zeros((len(still), 3)), float(play_s), "clamp")
         moved = corners @ motions[:, :, :3].transpose(0, 2, 1) + motions[:, None, :, 3]
         reach = max(reach, float(np.linalg.norm(moved - offset, axis=2).max()))

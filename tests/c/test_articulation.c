@@ -17,14 +17,14 @@ static const cube_node BOOM[2] = {
 static pl_articulation *create(const pl_model *model, const pl_joint *joints, size_t count,
                                int animation) {
   pl_articulation *out;
-  if (pl_articulation_create(model, joints, count, animation, &out) != PL_OK)
+  if (pl_articulation_create(model, joints, count, &animation, animation >= 0, &out) != PL_OK)
     fail_msg("%s", pl_error_text());
   return out;
 }
 
 static void refuse(const pl_model *model, pl_joint joint, const char *fault) {
   pl_articulation *out;
-  assert_int_equal(pl_articulation_create(model, &joint, 1, -1, &out), PL_E_RANGE);
+  assert_int_equal(pl_articulation_create(model, &joint, 1, NULL, 0, &out), PL_E_RANGE);
   if (strstr(pl_error_text(), fault) == NULL)
     fail_msg("%s (expected \"%s\")", pl_error_text(), fault);
 }
@@ -41,7 +41,7 @@ static void joints_turn_about_the_nodes_axes(void **state) {
   const double value = PL_PI / 2;
   double reached;
   pl_affine motion;
-  pl_articulation_pose(a, &value, NULL, 0, &reached, &motion);
+  pl_articulation_pose(a, &value, NULL, 0, PL_LOOP_CLAMP, &reached, &motion);
   near(reached, value);
   vec_near(pl_affine_apply(&motion, (pl_vec3){2, 3, 0}), 2, 3, 0);
   vec_near(pl_affine_apply(&motion, (pl_vec3){2, 4, 0}), 2, 4, 0);
@@ -61,7 +61,7 @@ static void nested_joints_compose(void **state) {
   const double values[2] = {0.5, PL_PI / 2};
   double reached[2];
   pl_affine motion[2]; /* parents first: node 0, node 1 */
-  pl_articulation_pose(a, values, NULL, 0, reached, motion);
+  pl_articulation_pose(a, values, NULL, 0, PL_LOOP_CLAMP, reached, motion);
   vec_near(pl_affine_apply(&motion[0], (pl_vec3){2, 3, 0}), -1, 0, 0);
   vec_near(pl_affine_apply(&motion[1], (pl_vec3){2, 3, 0}), -1.5, 0, 0);
   pl_articulation_destroy(a);
@@ -90,7 +90,7 @@ static void normals_turn_to_their_target(void **state) {
     const pl_vec3 targets[2] = {{0, 0, 0}, target};
     double reached[2];
     pl_affine motion[2];
-    pl_articulation_pose(a, values, targets, 0, reached, motion);
+    pl_articulation_pose(a, values, targets, 0, PL_LOOP_CLAMP, reached, motion);
     const pl_vec3 d = pl_vec3_unit(axis), pivot = {2, 3, 1};
     const pl_vec3 n = pl_vec3_unit(pl_vec3_madd((pl_vec3){1, 0, 0}, -d.x, d));
     const pl_vec3 at = pl_affine_apply(&motion[1], pivot);
@@ -119,7 +119,7 @@ static void targets_on_the_axis_leave_the_angle(void **state) {
     const double value = 0.25;
     double reached;
     pl_affine motion;
-    pl_articulation_pose(a, &value, &targets[i], 0, &reached, &motion);
+    pl_articulation_pose(a, &value, &targets[i], 0, PL_LOOP_CLAMP, &reached, &motion);
     assert_true(reached == 0.25);
   }
   pl_articulation_destroy(a);
@@ -152,7 +152,7 @@ static void animations_move_nodes(void **state) {
   const double value = 0.5;
   double reached;
   pl_affine motion, globals[2], locals[2], rest[2];
-  pl_articulation_pose(a, &value, NULL, 1, &reached, &motion);
+  pl_articulation_pose(a, &value, NULL, 1, PL_LOOP_CLAMP, &reached, &motion);
   pl_trs moved = nodes[1].trs;
   moved.q = pl_quat_unit((pl_quat){(double)0.6f, 0, (double)0.8f, 0});
   locals[0] = model->nodes.items[0].local;
@@ -166,6 +166,33 @@ static void animations_move_nodes(void **state) {
   const pl_vec3 found = pl_affine_apply(&motion, pl_affine_apply(&rest[1], p));
   assert_true(pl_vec3_norm(pl_vec3_sub(found, expected)) < 1e-9);
   pl_articulation_destroy(a);
+  pl_model_destroy(model);
+}
+
+/* Two animations play together, each at its own time; not two of the same property of a node. */
+static void animations_play_together(void **state) {
+  (void)state;
+  pl_model *model = jointed_create(BOOM, 2, 1), *other = jointed_create(BOOM, 2, 1);
+  const float slide[6] = {2, 0, 0, 2, 0, 4}, rise[6] = {3, 0, 0, 3, 0, 1};
+  set_animation(model, 0, PL_TRACK_TRANSLATION, slide, 3);
+  set_animation(other, 1, PL_TRACK_TRANSLATION, rise, 3);
+  other->animations[0].stop_s = 2;
+  other->animations[0].tracks[0].times[1] = 2;
+  model->animations = pl_realloc(model->animations, 2, sizeof(pl_animation));
+  model->animations[1] = other->animations[0];
+  model->animation_count = 2;
+  other->animation_count = 0;
+  const int both[2] = {0, 1}, twice[2] = {1, 1};
+  pl_articulation *a;
+  assert_int_equal(pl_articulation_create(model, NULL, 0, both, 2, &a), PL_OK);
+  pl_affine motion[2];
+  pl_articulation_pose(a, NULL, NULL, 1.5, PL_LOOP_REPEAT, NULL, motion);
+  near(motion[0].t.z, 2);        /* half of its second, again */
+  near(motion[1].t.z, 2 + 0.75); /* three quarters of its two */
+  pl_articulation_destroy(a);
+  assert_int_equal(pl_articulation_create(model, NULL, 0, twice, 2, &a), PL_E_RANGE);
+  assert_non_null(strstr(pl_error_text(), "'cube 1' is moved by two"));
+  pl_model_destroy(other);
   pl_model_destroy(model);
 }
 
@@ -183,7 +210,7 @@ static void joints_turn_as_the_nodes_rotation_would(void **state) {
     const double value = 0.7;
     double reached;
     pl_affine motion, globals[2], locals[2], rest[2];
-    pl_articulation_pose(a, &value, NULL, 0, &reached, &motion);
+    pl_articulation_pose(a, &value, NULL, 0, PL_LOOP_CLAMP, &reached, &motion);
     pl_trs moved = nodes[1].trs;
     moved.q = pl_quat_mul(moved.q, pl_quat_axis_angle((pl_vec3){0, 0, 1}, value));
     locals[0] = model->nodes.items[0].local;
@@ -214,8 +241,9 @@ static void what_cannot_move_is_refused(void **state) {
   refuse(model, (pl_joint){.node = 2, .axis = x}, "'cube 2' has nothing");
   refuse(model, (pl_joint){.node = 0, .kind = PL_JOINT_TOWARDS, .axis = x, .normal = {2, 0, 0}},
          "normal");
+  const int animation = 0;
   pl_articulation *out;
-  assert_int_equal(pl_articulation_create(model, NULL, 0, 0, &out), PL_E_RANGE);
+  assert_int_equal(pl_articulation_create(model, NULL, 0, &animation, 1, &out), PL_E_RANGE);
   pl_model_destroy(model);
 }
 
@@ -232,7 +260,7 @@ static void poses_allocate_nothing(void **state) {
   for (int n = 0;; n++) {
     int left = n;
     pl_memory_hook(fail_at, &left);
-    const pl_status status = pl_articulation_create(model, &joint, 1, -1, &a);
+    const pl_status status = pl_articulation_create(model, &joint, 1, NULL, 0, &a);
     pl_memory_hook(NULL, NULL);
     if (status == PL_OK)
       break;
@@ -242,7 +270,7 @@ static void poses_allocate_nothing(void **state) {
   const double value = 1;
   double reached;
   pl_affine motion;
-  pl_articulation_pose(a, &value, NULL, 0, &reached, &motion);
+  pl_articulation_pose(a, &value, NULL, 0, PL_LOOP_CLAMP, &reached, &motion);
   assert_true(pl_memory_allocations() == before);
   pl_articulation_destroy(a);
   pl_model_destroy(model);
@@ -255,6 +283,7 @@ int main(void) {
       cmocka_unit_test(normals_turn_to_their_target),
       cmocka_unit_test(targets_on_the_axis_leave_the_angle),
       cmocka_unit_test(animations_move_nodes),
+      cmocka_unit_test(animations_play_together),
       cmocka_unit_test(joints_turn_as_the_nodes_rotation_would),
       cmocka_unit_test(what_cannot_move_is_refused),
       cmocka_unit_test(poses_allocate_nothing),

@@ -319,6 +319,6 @@ def test_what_is_wrong_is_named(repo_dir, scene):
         assert fault in text(joint)
     driven = {"ideal": 0, "jitter_variance": 1, "clip_min": -1, "clip_max": 1}
     assert "takes no driver" in text({"node": "bus", "axis": [driven, 0, 1], "angle_deg": 1})
-    assert "no animation 'walk'; allowed: (none)" in text(animation={"name": "walk"})
+    assert "no animation matches 'walk'; allowed: (none)" in text(animation={"name": "walk"})
     assert "animation.index = 0: the model has 0" in text(animation={"index": 0})
     assert "give exactly one of name, index" in text(animation={})

@@ -20,7 +20,8 @@ class Joint(Strict):
     node act from the last to the first."""
 
     node: Text
-    """Shell pattern on the names of the model's nodes; exactly one must match."""
+    """Shell pattern on the names of the model's nodes (`perilune parts CONFIG --nodes`); exactly one
+    must match."""
     axis: StaticVec3
     """Direction of the axis; right-handed."""
     axes: Literal["node", "object"] = "node"
@@ -66,18 +67,18 @@ class Joint(Strict):
 
 
 class Animation(Strict):
-    """One of the model's own glTF animations, played at the frame's time."""
+    """The model's own glTF animations, played at the frame's time."""
 
     name: Text | None = None
-    """Its name."""
+    """Shell pattern on their names (`perilune parts CONFIG --nodes`); all that match play together."""
     index: Annotated[Integer, Field(ge=0)] | None = None
-    """Or its number from 0, among those that `Model.animations` lists."""
+    """Or the number of one of them, from 0."""
     speed: Finite = 1.0
     """Seconds of animation a second."""
     start_s: Finite = 0.0
     """Seconds of animation that have run at the epoch."""
     loop: Literal["repeat", "clamp", "pingpong"] = "repeat"
-    """What follows its end: the beginning; nothing, it stays; the way back."""
+    """What follows the end of each: the beginning; nothing, it stays; the way back."""
 
     @model_validator(mode="after")
     def _one_name(self) -> Animation:

@@ -204,7 +204,7 @@ class Spacecraft(Strict):
     articulation: tuple[Joint, ...] = ()
     """Nodes of the model that move."""
     animation: Animation | None = None
-    """One of the model's own animations; joints act on what it moves."""
+    """The model's own animations; joints act on what they move."""
     symmetries: Symmetries = Symmetries()
 
     @model_validator(mode="after")
