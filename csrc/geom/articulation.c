@@ -1,8 +1,6 @@
 /* Motions of nodes. */
 #include "geom/articulation.h"
 
-#include <string.h>
-
 #include "base/memory.h"
 
 /* A target whose direction is nearer to the axis than this (rad) has no angle about it. */
@@ -146,7 +144,8 @@ static pl_status allocate(pl_articulation *self, const pl_joint *joints) {
   const size_t most = self->joint_count + self->track_count;
   PL_TRY(pl_alloc_or_fail(self->joint_count, sizeof(pl_joint), "joints", &memory[0]));
   self->joints = memory[0];
-  memcpy(self->joints, joints, self->joint_count * sizeof *joints);
+  for (size_t i = 0; i < self->joint_count; i++)
+    self->joints[i] = joints[i];
   PL_TRY(pl_alloc_or_fail(most, sizeof(int), "moving nodes", &memory[1]));
   self->nodes = memory[1];
   PL_TRY(pl_alloc_or_fail(most, sizeof(mover), "moving nodes", &memory[2]));

@@ -90,7 +90,8 @@ static void measure(pl_model *piece) {
 static pl_status fill(pl_cut *cut, const int *nodes) {
   void *node_piece;
   uint32_t *indices = cut->whole.indices, *parts = cut->whole.triangle_part;
-  memcpy(cut->nodes, nodes, (cut->count - 1) * sizeof *nodes);
+  for (size_t k = 1; k < cut->count; k++)
+    cut->nodes[k - 1] = nodes[k - 1];
   PL_TRY(pl_alloc_or_fail(cut->model->nodes.count, sizeof(size_t), "the pieces of a model",
                           &node_piece));
   find_pieces(cut, node_piece);

@@ -8,6 +8,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "geom/articulation.h"
+#include "geom/cut.h"
 #include "io/gltf.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -28,6 +30,28 @@ static void check_model(const pl_model *model) {
       abort();
 }
 
+/* Plays each animation and cuts the model at what it moves. */
+static void check_motion(const pl_model *model) {
+  for (int i = 0; (size_t)i < model->animation_count; i++) {
+    pl_articulation *articulation;
+    const int *nodes;
+    if (pl_articulation_create(model, NULL, 0, &i, 1, &articulation) != PL_OK)
+      continue;
+    const size_t count = pl_articulation_nodes(articulation, &nodes);
+    pl_affine *motions = calloc(count + 1, sizeof *motions);
+    pl_cut *cut;
+    if (motions != NULL)
+      pl_articulation_pose(articulation, NULL, NULL, 0.7, PL_LOOP_REPEAT, NULL, motions);
+    if (pl_cut_create(model, nodes, count, &cut) == PL_OK) {
+      if (cut->first[cut->count] != model->triangle_count)
+        abort();
+      pl_cut_destroy(cut);
+    }
+    free(motions);
+    pl_articulation_destroy(articulation);
+  }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const int file = memfd_create("gltf", MFD_CLOEXEC);
   if (file < 0)
@@ -38,6 +62,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     pl_model *model;
     if (pl_gltf_load(path, &model) == PL_OK) {
       check_model(model);
+      check_motion(model);
       pl_model_destroy(model);
     }
   }

@@ -195,10 +195,42 @@ def quantised() -> bytes:
     )
 
 
+def animated() -> bytes:
+    """A node below another, turned by steps and moved along a spline."""
+    b = Buffer()
+    positions = b.add(POSITIONS, "VEC3", 5126, 4)
+    times = b.add(struct.pack("<2f", 0, 1), "SCALAR", 5126, 2)
+    turns = b.add(struct.pack("<8b", 0, 0, 0, 127, 0, 90, 0, 90), "VEC4", 5120, 2)
+    b.accessors[turns]["normalized"] = True
+    places = b.add(struct.pack("<18f", *range(18)), "VEC3", 5126, 6)
+    target = {"node": 1}
+    return as_glb(
+        b,
+        b.document(
+            meshes=[{"primitives": [{"attributes": {"POSITION": positions}, "mode": 5}]}],
+            nodes=[{"children": [1], "scale": [1, -2, 1]}, {"mesh": 0, "name": "flag"}],
+            animations=[
+                {
+                    "name": "wave",
+                    "channels": [
+                        {"sampler": 0, "target": {**target, "path": "rotation"}},
+                        {"sampler": 1, "target": {**target, "path": "translation"}},
+                    ],
+                    "samplers": [
+                        {"input": times, "output": turns, "interpolation": "STEP"},
+                        {"input": times, "output": places, "interpolation": "CUBICSPLINE"},
+                    ],
+                }
+            ],
+        ),
+    )
+
+
 SEEDS = {
     "gltf/textured.glb": textured,
     "gltf/sparse.gltf": sparse_and_strided,
     "gltf/quantised.glb": quantised,
+    "gltf/animated.glb": animated,
 }
 
 

@@ -14,6 +14,7 @@ import perilune
 from perilune import _core
 from perilune.articulation import Rig
 from perilune.check import check_bop
+from perilune.cli import main
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
 from perilune.writers import write_bop
@@ -322,3 +323,16 @@ def test_what_is_wrong_is_named(repo_dir, scene):
     assert "no animation matches 'walk'; allowed: (none)" in text(animation={"name": "walk"})
     assert "animation.index = 0: the model has 0" in text(animation={"index": 0})
     assert "give exactly one of name, index" in text(animation={})
+
+
+def test_the_command_that_lists_nodes(tmp_path, capsys):
+    model = str(animated_glb(tmp_path / "flag.glb"))
+    assert main(["parts", model, "--nodes", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)[model] == [
+        {"node": "pole", "below": None, "triangles": 1, "animations": []},
+        {"node": "flag", "below": "pole", "triangles": 1, "animations": ["wave"]},
+    ]
+    assert main(["parts", model, "--nodes"]) == 0
+    shown = capsys.readouterr().out.splitlines()
+    assert shown[0] == f"{model}: 2 nodes"
+    assert shown[3].split() == ["flag", "pole", "1", "wave"]

@@ -19,6 +19,7 @@ from perilune.parts import PartEntry, PartExtent, Partition, extents, partition
 
 _MODELS = (".glb", ".gltf")
 _COLUMNS = ("part", "material", "triangles", "min", "max", "class")
+_NODE_COLUMNS = ("node", "below", "triangles", "animations")
 _RIGHT = {"triangles"}
 
 
@@ -37,6 +38,11 @@ def _configure(parser: ArgumentParser) -> None:
         default=0,
         metavar="N",
         help="with --split component: pieces of fewer triangles are one part",
+    )
+    parser.add_argument(
+        "--nodes",
+        action="store_true",
+        help="list nodes and animations instead: names for `articulation` and `animation`",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
@@ -68,8 +74,29 @@ def _rows(
     return [_row(*row) for row in zip(cut.entries, sizes, names, strict=True)]
 
 
+def _node_rows(model: _core.Model) -> list[dict[str, Any]]:
+    """Nodes with their own triangles, and the animations that move them."""
+    nodes, owner = model.nodes, [part["node"] for part in model.parts]
+    counts = np.bincount(model.mesh()["triangle_part"], minlength=len(owner))
+    own = [0] * len(nodes)
+    for count, at in zip(counts, owner, strict=True):
+        if at >= 0:
+            own[at] += int(count)
+    return [
+        {
+            "node": node["name"],
+            "below": nodes[node["parent"]]["name"] if node["parent"] >= 0 else None,
+            "triangles": own[i],
+            "animations": [row["name"] for row in model.animations if i in row["nodes"]],
+        }
+        for i, node in enumerate(nodes)
+    ]
+
+
 def _of_model(args: Namespace) -> dict[str, list[dict[str, Any]]]:
     model = _core.Model(args.config)
+    if args.nodes:
+        return {args.config: _node_rows(model)}
     return {args.config: _rows(model, partition(model, _asked(args, Parts())), None)}
 
 
@@ -81,6 +108,9 @@ def _of_config(args: Namespace) -> dict[str, list[dict[str, Any]]]:
     result = {}
     for name in crafts if args.spacecraft is None else [args.spacecraft]:
         model, settings = sim.models[name].model, _asked(args, crafts[name].parts)
+        if args.nodes:
+            result[name] = _node_rows(model)
+            continue
         cut = partition(model, settings, f"{args.config}:\n  spacecraft.{name}.parts")
         classes = [part_class(sim.config, crafts[name], entry) for entry in cut.entries]
         result[name] = _rows(model, cut, classes)
@@ -88,13 +118,16 @@ def _of_config(args: Namespace) -> dict[str, list[dict[str, Any]]]:
 
 
 def _cell(value: Any) -> str:
+    if isinstance(value, list) and all(isinstance(item, str) for item in value):
+        return ", ".join(value) or "-"
     if isinstance(value, list):
         return "[" + ", ".join(f"{np.float64(number):.4g}" for number in value) + "]"
     return "-" if value is None else str(value)
 
 
 def _table(rows: Sequence[dict[str, Any]]) -> str:
-    names = [name for name in _COLUMNS if not rows or name in rows[0]]
+    columns = _NODE_COLUMNS if rows and "node" in rows[0] else _COLUMNS
+    names = [name for name in columns if not rows or name in rows[0]]
     lines = [{name: name for name in names}]
     lines += [{name: _cell(row[name]) for name in names} for row in rows]
     widths = {name: max(len(line[name]) for line in lines) for name in names}
@@ -112,7 +145,8 @@ def _run(args: Namespace) -> int:
     if args.json:
         print(json.dumps(found, indent=2))
         return OK
-    blocks = [f"{name}: {len(rows)} parts\n{_table(rows)}" for name, rows in found.items()]
+    what = "nodes" if args.nodes else "parts"
+    blocks = [f"{name}: {len(rows)} {what}\n{_table(rows)}" for name, rows in found.items()]
     print("\n\n".join(blocks) if blocks else "no spacecraft")
     return OK
 

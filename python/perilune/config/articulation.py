@@ -70,7 +70,7 @@ class Animation(Strict):
     """The model's own glTF animations, played at the frame's time."""
 
     name: Text | None = None
-    """Shell pattern on their names (`perilune parts CONFIG --nodes`); all that match play together."""
+    """Shell pattern on their names (`perilune parts CONFIG --nodes`); all that match play."""
     index: Annotated[Integer, Field(ge=0)] | None = None
     """Or the number of one of them, from 0."""
     speed: Finite = 1.0
