@@ -20,8 +20,8 @@ class Joint(Strict):
     node act from the last to the first."""
 
     node: Text
-    """Shell pattern on the names of the model's nodes (`perilune parts CONFIG --nodes`); exactly one
-    must match."""
+    """Shell pattern on the names of the model's nodes (`perilune parts CONFIG --nodes`); one must
+    match."""
     axis: StaticVec3
     """Direction of the axis; right-handed."""
     axes: Literal["node", "object"] = "node"
