@@ -272,5 +272,7 @@ pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f 
       .t_max = t_max,
       .direction = direction,
       .skip_body = on_body ? vertex->thing - (uint32_t)shot->object_count : PL_NOTHING,
+      .from_thing = vertex->thing,
+      .from_triangle = on_body ? 0 : vertex->triangle + 1,
   };
 }

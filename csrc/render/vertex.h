@@ -34,7 +34,7 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, bool maps, pl_vertex *vertex);
 
 /* Start of a secondary ray from the vertex towards `direction`: off the surface by a few ulp of the
- * coordinates and a sliver of the footprint (science: sun shadow rays need an epsilon). */
+ * coordinates, for the neighbours in its plane; the triangle itself cannot be hit again. */
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,
                      float t_max);
 

@@ -60,7 +60,7 @@ static void share_buffers(RTCGeometry geometry, const pl_model *model) {
 static pl_status build_model(pl_tracer *tracer, const pl_model *model, RTCScene *out) {
   RTCScene scene = rtcNewScene(tracer->device);
   RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | PL_EMBREE_QUERY_FILTERS);
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
   share_buffers(geometry, model);
   set_filter(geometry, model);

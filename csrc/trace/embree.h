@@ -25,51 +25,101 @@ static inline int pl_embree_from_behind(const struct RTCRayN *ray, const struct 
 static inline unsigned pl_embree_hit_triangle(const struct RTCHitN *hit, unsigned n, unsigned i) {
   return ((const unsigned *)hit)[5 * n + i];
 }
+static inline unsigned pl_embree_hit_instance(const struct RTCHitN *hit, unsigned n, unsigned i) {
+  return ((const unsigned *)hit)[7 * n + i];
+}
+/* The number that the caller gave the ray. */
+static inline unsigned pl_embree_ray_id(const struct RTCRayN *ray, unsigned n, unsigned i) {
+  return ((const unsigned *)ray)[10 * n + i];
+}
+
+#if PL_EMBREE_VERSION >= 4
+typedef struct RTCRayQueryContext pl_embree_context;
+#else
+typedef struct RTCIntersectContext pl_embree_context;
+#endif
+
+/* A query with a filter of its own, which runs after the geometry's and finds this struct in its
+ * arguments' context. Where a function takes a query, NULL stands for one without. */
+typedef struct pl_embree_query {
+  pl_embree_context context; /* first: Embree hands out its address */
+  RTCFilterFunctionN filter; /* NULL for none */
+  const void *user;
+} pl_embree_query;
 
 #if PL_EMBREE_VERSION >= 4
 
-static inline void pl_embree_intersect1(RTCScene scene, struct RTCRayHit *ray) {
-  rtcIntersect1(scene, ray, NULL);
+/* A scene's flag without which queries' filters are not called. */
+#define PL_EMBREE_QUERY_FILTERS RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS
+
+#define PL_EMBREE_ARGUMENTS(Kind, coherence)                                                       \
+  struct RTC##Kind##Arguments arguments;                                                           \
+  rtcInit##Kind##Arguments(&arguments);                                                            \
+  arguments.flags = coherence;                                                                     \
+  if (query != NULL) {                                                                             \
+    rtcInitRayQueryContext(&query->context);                                                       \
+    arguments.context = &query->context;                                                           \
+    arguments.filter = query->filter;                                                              \
+    if (query->filter != NULL)                                                                     \
+      arguments.flags |= RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;                                \
+  }
+
+static inline void pl_embree_intersect1(RTCScene scene, pl_embree_query *query,
+                                        struct RTCRayHit *ray) {
+  PL_EMBREE_ARGUMENTS(Intersect, RTC_RAY_QUERY_FLAG_INCOHERENT)
+  rtcIntersect1(scene, ray, &arguments);
 }
-static inline void pl_embree_occluded1(RTCScene scene, struct RTCRay *ray) {
-  rtcOccluded1(scene, ray, NULL);
+static inline void pl_embree_occluded1(RTCScene scene, pl_embree_query *query, struct RTCRay *ray) {
+  PL_EMBREE_ARGUMENTS(Occluded, RTC_RAY_QUERY_FLAG_INCOHERENT)
+  rtcOccluded1(scene, ray, &arguments);
 }
-static inline void pl_embree_intersect8(const int *valid, RTCScene scene, struct RTCRayHit8 *rays) {
-  struct RTCIntersectArguments arguments;
-  rtcInitIntersectArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+static inline void pl_embree_intersect8(const int *valid, RTCScene scene, pl_embree_query *query,
+                                        struct RTCRayHit8 *rays) {
+  PL_EMBREE_ARGUMENTS(Intersect, RTC_RAY_QUERY_FLAG_COHERENT)
   rtcIntersect8(valid, scene, rays, &arguments);
 }
-static inline void pl_embree_occluded8(const int *valid, RTCScene scene, struct RTCRay8 *rays) {
-  struct RTCOccludedArguments arguments;
-  rtcInitOccludedArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+static inline void pl_embree_occluded8(const int *valid, RTCScene scene, pl_embree_query *query,
+                                       struct RTCRay8 *rays) {
+  PL_EMBREE_ARGUMENTS(Occluded, RTC_RAY_QUERY_FLAG_COHERENT)
   rtcOccluded8(valid, scene, rays, &arguments);
 }
 
 #else
 
-static inline void pl_embree_intersect1(RTCScene scene, struct RTCRayHit *ray) {
-  struct RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene, &context, ray);
+#define PL_EMBREE_QUERY_FILTERS RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
+
+/* The context of a query, ready to be used: its own, or a plain one at `plain`. */
+static inline struct RTCIntersectContext *pl_embree_ready(pl_embree_query *query,
+                                                          struct RTCIntersectContext *plain,
+                                                          enum RTCIntersectContextFlags flags) {
+  struct RTCIntersectContext *context = query != NULL ? &query->context : plain;
+  rtcInitIntersectContext(context);
+  context->flags = flags;
+  if (query != NULL)
+    context->filter = query->filter;
+  return context;
 }
-static inline void pl_embree_occluded1(RTCScene scene, struct RTCRay *ray) {
-  struct RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(scene, &context, ray);
+
+static inline void pl_embree_intersect1(RTCScene scene, pl_embree_query *query,
+                                        struct RTCRayHit *ray) {
+  struct RTCIntersectContext plain;
+  rtcIntersect1(scene, pl_embree_ready(query, &plain, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT), ray);
 }
-static inline void pl_embree_intersect8(const int *valid, RTCScene scene, struct RTCRayHit8 *rays) {
-  struct RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid, scene, &context, rays);
+static inline void pl_embree_occluded1(RTCScene scene, pl_embree_query *query, struct RTCRay *ray) {
+  struct RTCIntersectContext plain;
+  rtcOccluded1(scene, pl_embree_ready(query, &plain, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT), ray);
 }
-static inline void pl_embree_occluded8(const int *valid, RTCScene scene, struct RTCRay8 *rays) {
-  struct RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcOccluded8(valid, scene, &context, rays);
+static inline void pl_embree_intersect8(const int *valid, RTCScene scene, pl_embree_query *query,
+                                        struct RTCRayHit8 *rays) {
+  struct RTCIntersectContext plain;
+  rtcIntersect8(valid, scene, pl_embree_ready(query, &plain, RTC_INTERSECT_CONTEXT_FLAG_COHERENT),
+                rays);
+}
+static inline void pl_embree_occluded8(const int *valid, RTCScene scene, pl_embree_query *query,
+                                       struct RTCRay8 *rays) {
+  struct RTCIntersectContext plain;
+  rtcOccluded8(valid, scene, pl_embree_ready(query, &plain, RTC_INTERSECT_CONTEXT_FLAG_COHERENT),
+               rays);
 }
 
 #endif

@@ -51,9 +51,9 @@ static double time_raw(const pl_tracer *tracer, const struct RTCRayHit8 *packets
   for (size_t i = 0; i < (count + PACKET - 1) / PACKET; i++) {
     struct RTCRayHit8 packet = packets[i];
     if (shadow)
-      pl_embree_occluded8(valid, tracer->top, &packet.ray);
+      pl_embree_occluded8(valid, tracer->top, NULL, &packet.ray);
     else
-      pl_embree_intersect8(valid, tracer->top, &packet);
+      pl_embree_intersect8(valid, tracer->top, NULL, &packet);
   }
   return now_s() - start;
 }

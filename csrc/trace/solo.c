@@ -110,7 +110,7 @@ static void cast_packet(RTCScene scene, const pl_vec3f *directions, bool *hits, 
     packet.mask[i] = UINT32_MAX;
     packet.id[i] = packet.flags[i] = 0;
   }
-  pl_embree_occluded8(valid, scene, &packet);
+  pl_embree_occluded8(valid, scene, NULL, &packet);
   for (size_t i = 0; i < count; i++)
     hits[i] = packet.tfar[i] < 0.0f; /* Embree sets -inf on a hit */
 }

@@ -27,7 +27,8 @@ pl_status pl_tracer_create(pl_tracer **out) {
     return pl_fail(PL_E_DEVICE, "Embree cannot open a device (error %d)", error);
   }
   tracer->top = rtcNewScene(tracer->device);
-  rtcSetSceneFlags(tracer->top, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
+  rtcSetSceneFlags(tracer->top,
+                   RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC | PL_EMBREE_QUERY_FILTERS);
   const pl_status status = pl_accelerator_check(tracer, "opening a scene");
   if (status != PL_OK)
     pl_tracer_destroy(tracer);
@@ -60,6 +61,46 @@ pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot) {
   return PL_OK;
 }
 
+/* The object, and the triangle of its model, that a moving piece's triangle is. */
+static void name_owner(const pl_tracer *tracer, uint32_t *thing, uint32_t *triangle) {
+  const pl_piece_owner owner = tracer->owners[*thing];
+  *thing = owner.object;
+  *triangle += owner.first;
+}
+
+/* The rays of a query: what skip_origin needs to know. */
+typedef struct origins {
+  const pl_tracer *tracer;
+  const pl_ray *rays; /* by the number that each has in the query */
+} origins;
+
+/* Lets no ray hit the triangle that it starts on. However far the origin is put off the surface,
+ * rounding in large coordinates, or in those of a scaled instance, can put it behind again. */
+static void skip_origin(const struct RTCFilterFunctionNArguments *arguments) {
+  const origins *origins = ((const pl_embree_query *)(const void *)arguments->context)->user;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; i++) {
+    if (arguments->valid[i] == 0)
+      continue;
+    const pl_ray *ray = &origins->rays[pl_embree_ray_id(arguments->ray, n, i)];
+    uint32_t thing = pl_embree_hit_instance(arguments->hit, n, i);
+    uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
+    if (origins->tracer->has_pieces && thing >= origins->tracer->object_count)
+      name_owner(origins->tracer, &thing, &triangle);
+    if (triangle + 1 == ray->from_triangle && thing == ray->from_thing)
+      arguments->valid[i] = 0;
+  }
+}
+
+/* A query over `count` rays; without a filter where none starts on a triangle. */
+static pl_embree_query query_of(const origins *origins, size_t count) {
+  pl_embree_query query = {.user = origins};
+  for (size_t i = 0; i < count; i++)
+    if (origins->rays[i].from_triangle != 0)
+      query.filter = skip_origin;
+  return query;
+}
+
 static void fill_ray8(struct RTCRay8 *packet, const pl_ray *rays, size_t count, int *valid) {
   for (size_t i = 0; i < PACKET; i++) {
     const pl_ray *ray = &rays[i < count ? i : 0];
@@ -74,18 +115,21 @@ static void fill_ray8(struct RTCRay8 *packet, const pl_ray *rays, size_t count, 
     packet->tfar[i] = ray->t_max;
     packet->time[i] = 0.0f;
     packet->mask[i] = UINT32_MAX;
-    packet->id[i] = 0;
+    packet->id[i] = (unsigned)(i < count ? i : 0);
     packet->flags[i] = 0;
   }
 }
 
-static void closest_packet(RTCScene scene, const pl_ray *rays, pl_hit *hits, size_t count) {
+static void closest_packet(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits,
+                           size_t count) {
   struct RTCRayHit8 packet;
   _Alignas(32) int valid[PACKET];
   fill_ray8(&packet.ray, rays, count, valid);
   for (int i = 0; i < PACKET; i++)
     packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-  pl_embree_intersect8(valid, scene, &packet);
+  const origins origins = {tracer, rays};
+  pl_embree_query query = query_of(&origins, count);
+  pl_embree_intersect8(valid, tracer->top, &query, &packet);
   for (size_t i = 0; i < count; i++) {
     if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
       continue;
@@ -108,10 +152,12 @@ static struct RTCRay single_ray(const pl_ray *ray) {
   };
 }
 
-static void closest_single(RTCScene scene, const pl_ray *ray, pl_hit *hit) {
+static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *hit) {
   struct RTCRayHit query = {.ray = single_ray(ray)};
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  pl_embree_intersect1(scene, &query);
+  const origins origins = {tracer, ray};
+  pl_embree_query way = query_of(&origins, 1);
+  pl_embree_intersect1(tracer->top, &way, &query);
   if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
     *hit =
         (pl_hit){query.hit.instID[0], query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
@@ -147,13 +193,9 @@ static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit
 
 /* Hits of moving pieces become hits of their objects. */
 static void name_owners(const pl_tracer *tracer, pl_hit *hits, size_t count) {
-  for (size_t i = 0; i < count; i++) {
-    if (hits[i].thing == PL_NOTHING || hits[i].thing < tracer->object_count)
-      continue;
-    const pl_piece_owner owner = tracer->owners[hits[i].thing];
-    hits[i].thing = owner.object;
-    hits[i].triangle += owner.first;
-  }
+  for (size_t i = 0; i < count; i++)
+    if (hits[i].thing != PL_NOTHING && hits[i].thing >= tracer->object_count)
+      name_owner(tracer, &hits[i].thing, &hits[i].triangle);
 }
 
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
@@ -163,28 +205,33 @@ void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits
     hits[i].thing = PL_NOTHING;
   if (meshes && coherent)
     for (size_t i = 0; i < count; i += PACKET)
-      closest_packet(tracer->top, rays + i, hits + i, count - i < PACKET ? count - i : PACKET);
+      closest_packet(tracer, rays + i, hits + i, count - i < PACKET ? count - i : PACKET);
   else if (meshes)
     for (size_t i = 0; i < count; i++)
-      closest_single(tracer->top, &rays[i], &hits[i]);
+      closest_single(tracer, &rays[i], &hits[i]);
   if (meshes && tracer->has_pieces)
     name_owners(tracer, hits, count);
   for (size_t i = 0; i < count; i++)
     closest_body(tracer->snapshot, &rays[i], &hits[i]);
 }
 
-static void occluded_packet(RTCScene scene, const pl_ray *rays, bool *occluded, size_t count) {
+static void occluded_packet(const pl_tracer *tracer, const pl_ray *rays, bool *occluded,
+                            size_t count) {
   struct RTCRay8 packet;
   _Alignas(32) int valid[PACKET];
   fill_ray8(&packet, rays, count, valid);
-  pl_embree_occluded8(valid, scene, &packet);
+  const origins origins = {tracer, rays};
+  pl_embree_query query = query_of(&origins, count);
+  pl_embree_occluded8(valid, tracer->top, &query, &packet);
   for (size_t i = 0; i < count; i++)
     occluded[i] = packet.tfar[i] < 0.0f; /* Embree sets -inf on a hit */
 }
 
-static bool occluded_single(RTCScene scene, const pl_ray *ray) {
+static bool occluded_single(const pl_tracer *tracer, const pl_ray *ray) {
   struct RTCRay query = single_ray(ray);
-  pl_embree_occluded1(scene, &query);
+  const origins origins = {tracer, ray};
+  pl_embree_query way = query_of(&origins, 1);
+  pl_embree_occluded1(tracer->top, &way, &query);
   return query.tfar < 0.0f;
 }
 
@@ -203,10 +250,10 @@ void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occlu
     occluded[i] = false;
   if (tracer->has_meshes && coherent)
     for (size_t i = 0; i < count; i += PACKET)
-      occluded_packet(tracer->top, rays + i, occluded + i, count - i < PACKET ? count - i : PACKET);
+      occluded_packet(tracer, rays + i, occluded + i, count - i < PACKET ? count - i : PACKET);
   else if (tracer->has_meshes)
     for (size_t i = 0; i < count; i++)
-      occluded[i] = occluded_single(tracer->top, &rays[i]);
+      occluded[i] = occluded_single(tracer, &rays[i]);
   for (size_t i = 0; i < count; i++)
     occluded[i] = occluded[i] || occluded_by_body(tracer->snapshot, &rays[i]);
 }

@@ -20,6 +20,9 @@ typedef struct pl_ray {
   pl_vec3f direction; /* unit */
   uint32_t
       skip_body; /* index of a body that cannot be hit (its own convex surface), or PL_NOTHING */
+  /* The triangle that the ray starts on and so cannot hit: of an object, counted from 1; 0: none.
+   */
+  uint32_t from_thing, from_triangle;
 } pl_ray;
 
 typedef struct pl_hit {
