@@ -19,7 +19,7 @@ import pytest
 import perilune
 from perilune import rotations
 
-FOLDER = Path(__file__).resolve().parents[2] / "configs" / "oaisys"
+FOLDER = Path(__file__).resolve().parents[3] / "configs" / "oaisys"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))
 EARTH_M = 6.378e6
 FRAMES = (0, 1, 7, 12)

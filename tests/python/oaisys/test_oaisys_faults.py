@@ -15,7 +15,7 @@ from perilune import config as cfg
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
 
-FOLDER = Path(__file__).resolve().parents[2] / "configs" / "oaisys"
+FOLDER = Path(__file__).resolve().parents[3] / "configs" / "oaisys"
 ABSURD = (None, True, -1, 1e300, "", "x", [], [1], [["x"]], {"x": 1})
 
 
