@@ -17,7 +17,8 @@ constexpr int MAX_NODE_DEPTH = 1000;
 
 /* Extensions the reader carries out, and those it may ignore although a file requires them. */
 const char *const implemented[] = {"KHR_texture_transform", "KHR_materials_unlit",
-                                   "KHR_materials_emissive_strength", "KHR_mesh_quantization"};
+                                   "KHR_materials_emissive_strength", "KHR_mesh_quantization",
+                                   "EXT_texture_webp"};
 const char *const ignorable[] = {"KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld"};
 
 template <size_t N> bool contains(const char *const (&list)[N], const std::string &name) {
@@ -207,6 +208,12 @@ std::vector<ImageRef> load_images(const json &document, Source &source) {
 }
 
 int strip_for_parser(json &document) {
+  const auto textures = document.find("textures");
+  for (size_t i = 0; textures != document.end() && i < textures->size(); i++) {
+    const auto extensions = (*textures)[i].find("extensions");
+    if (extensions != (*textures)[i].end() && extensions->contains("EXT_texture_webp"))
+      (*textures)[i]["source"] = json((*extensions)["EXT_texture_webp"]["source"]);
+  }
   for (const char *key : {"buffers", "images", "animations", "skins", "cameras", "extras",
                           "extensions", "extensionsUsed", "extensionsRequired"})
     document.erase(key);

@@ -28,8 +28,9 @@ void check_schema(nlohmann::json &document);
 std::vector<Bytes> load_buffers(const nlohmann::json &document, Source &source);
 std::vector<ImageRef> load_images(const nlohmann::json &document, Source &source);
 
-/* Accessors without a buffer view are given this one, which tinygltf accepts: index of the first
- * view that does not exist in the file. */
+/* Textures are given the image of EXT_texture_webp where they name one; the other is a fallback.
+ * Accessors without a buffer view are given one that tinygltf accepts; its index, of the first view
+ * that does not exist in the file, is returned. */
 int strip_for_parser(nlohmann::json &document);
 
 } // namespace pl_gltf

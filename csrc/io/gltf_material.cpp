@@ -15,8 +15,10 @@ namespace pl_gltf {
 
 namespace {
 
-/* Texels of all images of a model together: as many as one image may have. */
+/* Texels of all images of a model together: as many as one image may have, and no more than files
+ * of any size may have (images of one colour take hardly any bytes) and then this many a byte. */
 constexpr uint64_t MAX_TEXELS = uint64_t{1} << 28;
+constexpr uint64_t FREE_TEXELS = uint64_t{1} << 24, TEXELS_PER_BYTE = 4096;
 
 const pl_texture_slot NO_TEXTURE = {-1, 0, {{{1, 0, 0}, {0, 1, 0}}}};
 
@@ -175,6 +177,8 @@ void MaterialBuilder::decode_textures() {
   check(pl_alloc_or_fail(textures_.size(), sizeof(pl_texture *), "textures", &memory));
   model_->textures = static_cast<pl_texture **>(memory);
   model_->texture_count = textures_.size();
+  const uint64_t limit =
+      std::min<uint64_t>(MAX_TEXELS, FREE_TEXELS + TEXELS_PER_BYTE * asset_.source->total_bytes());
   uint64_t texels = 0;
   for (const auto &entry : textures_) {
     const TextureKey &key = entry.first;
@@ -183,9 +187,10 @@ void MaterialBuilder::decode_textures() {
     pl_image image;
     check(pl_image_decode(bytes.data, bytes.size, ref.name.c_str(), &image));
     texels += static_cast<uint64_t>(image.width) * static_cast<uint64_t>(image.height);
-    if (texels > MAX_TEXELS) {
+    if (texels > limit) {
       pl_image_clear(&image);
-      fail(PL_E_RANGE, "%s: the model's images have more than 2^28 texels", ref.name.c_str());
+      fail(PL_E_RANGE, "%s: the model's images have more than %llu texels", ref.name.c_str(),
+           static_cast<unsigned long long>(limit));
     }
     check(pl_texture_create(&image, key.srgb, key.wrap_u, key.wrap_v,
                             &model_->textures[entry.second]));

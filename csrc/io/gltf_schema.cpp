@@ -281,6 +281,15 @@ void check_materials(json &document, const Counts &n) {
   });
 }
 
+void check_webp(Object texture, const Counts &n) {
+  json *extensions = texture.find("extensions");
+  if (extensions == nullptr)
+    return;
+  Object all(*extensions, texture.at("extensions"));
+  if (json *value = all.find("EXT_texture_webp"))
+    Object(*value, all.at("EXT_texture_webp")).index("source", n.images, "images", true);
+}
+
 void check_textures(json &document, const Counts &n) {
   each(document, "images", [&](Object o) {
     o.text("name");
@@ -296,6 +305,7 @@ void check_textures(json &document, const Counts &n) {
   each(document, "textures", [&](Object o) {
     o.index("source", n.images, "images");
     o.index("sampler", n.samplers, "samplers");
+    check_webp(o, n);
   });
 }
 

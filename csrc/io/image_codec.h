@@ -8,9 +8,10 @@
 #include "base/status.h"
 #include "geom/image.h"
 
-/* Both expect their magic to have been seen, and leave *out empty on failure. */
+/* All expect their magic to have been seen, and leave *out empty on failure. */
 pl_status pl_png_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out);
 pl_status pl_jpeg_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out);
+pl_status pl_webp_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out);
 
 /* Checks a size read from a header before anything is allocated: at most 2^28 texels, and
  * `sample_bytes` (those of the decoded samples) at most `expansion` times the file's. */

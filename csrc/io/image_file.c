@@ -26,7 +26,6 @@ static const magic refused[] = {
     {"TIFF", 0, 4, "MM\0*"},
     {"BigTIFF", 0, 4, "II+\0"},
     {"BigTIFF", 0, 4, "MM\0+"},
-    {"WebP", 8, 4, "WEBP"},
     {"GIF", 0, 6, "GIF87a"},
     {"GIF", 0, 6, "GIF89a"},
     {"BMP", 0, 2, "BM"},
@@ -71,11 +70,13 @@ pl_status pl_image_decode(const uint8_t *bytes, size_t size, const char *name, p
     return pl_png_decode(bytes, size, name, out);
   if (has_magic(bytes, size, 0, "\xFF\xD8\xFF", 3))
     return pl_jpeg_decode(bytes, size, name, out);
+  if (has_magic(bytes, size, 0, "RIFF", 4) && has_magic(bytes, size, 8, "WEBP", 4))
+    return pl_webp_decode(bytes, size, name, out);
   for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
     if (has_magic(bytes, size, refused[i].offset, refused[i].bytes, refused[i].length))
-      return pl_fail(PL_E_UNSUPPORTED, "%s: %s images are not supported; use PNG or JPEG", name,
-                     refused[i].format);
-  return pl_fail(PL_E_FORMAT, "%s: neither PNG nor JPEG", name);
+      return pl_fail(PL_E_UNSUPPORTED, "%s: %s images are not supported; use PNG, JPEG or WebP",
+                     name, refused[i].format);
+  return pl_fail(PL_E_FORMAT, "%s: not a PNG, JPEG or WebP image", name);
 }
 
 pl_status pl_image_load(const char *path, pl_image *out) {

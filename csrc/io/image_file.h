@@ -1,4 +1,4 @@
-/* Reading PNG and JPEG images, from files and from memory. */
+/* Reading PNG, JPEG and WebP images, from files and from memory. */
 #ifndef PL_IO_IMAGE_FILE_H
 #define PL_IO_IMAGE_FILE_H
 
@@ -12,9 +12,9 @@
 extern "C" {
 #endif
 
-/* Decodes PNG or JPEG (told apart by their first bytes). 16-bit samples are reduced to 8, palettes
- * are expanded. Refuses more than 2^28 texels, and broken or truncated data (PL_E_FORMAT); other
- * formats are PL_E_UNSUPPORTED with the format named. `name` is used in error texts. */
+/* Decodes PNG, JPEG or WebP (told apart by their first bytes). 16-bit samples are reduced to 8,
+ * palettes are expanded. Refuses more than 2^28 texels, and broken or truncated data (PL_E_FORMAT);
+ * other formats are PL_E_UNSUPPORTED with the format named. `name` is used in error texts. */
 pl_status pl_image_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out);
 /* The same from a file; PL_E_IO with the path when it cannot be read. */
 pl_status pl_image_load(const char *path, pl_image *out);

@@ -188,7 +188,7 @@ static void few_bytes_cannot_become_many_triangles(void **state) {
 static void extensions_are_refused_by_name(void **state) {
   (void)state;
   const char *const names[] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression",
-                               "EXT_texture_webp", "KHR_texture_basisu", "VENDOR_thing"};
+                               "KHR_texture_basisu", "VENDOR_thing"};
   for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
     char list[200];
     snprintf(list, sizeof list, "\"extensionsRequired\":[\"%s\"],\"nodes\"", names[k]);
@@ -223,9 +223,14 @@ static void broken_images_are_named(void **state) {
   write_text("skin.png", "\x89PNG\r\n\x1A\n");
   refuse_text(TEXTURED, PL_E_FORMAT, "images[0] \"skin\": broken PNG");
   write_file("skin.png", "RIFF\4\0\0\0WEBPVP8 ", 16);
-  refuse_text(TEXTURED, PL_E_UNSUPPORTED, "WebP");
+  refuse_text(TEXTURED, PL_E_FORMAT, "images[0] \"skin\": broken WebP");
+#define WEBP_SOURCE(source) "\"source\":0,\"extensions\":{\"EXT_texture_webp\":" source "}"
+  refuse_edit(TEXTURED, "\"source\":0", WEBP_SOURCE("{\"source\":1}"), PL_E_FORMAT,
+              "textures[0].extensions.EXT_texture_webp.source: 1, but the file has 1 images");
+  refuse_edit(TEXTURED, "\"source\":0", WEBP_SOURCE("{}"), PL_E_FORMAT, "source: is missing");
+  refuse_edit(TEXTURED, "\"source\":0", WEBP_SOURCE("7"), PL_E_FORMAT, "must be an object");
   refuse_edit(TEXTURED, "\"uri\":\"skin.png\"", "\"bufferView\":2", PL_E_FORMAT,
-              "images[0] \"skin\": neither PNG nor JPEG");
+              "images[0] \"skin\": not a PNG, JPEG or WebP image");
   refuse_edit(TEXTURED, "\"uri\":\"skin.png\"", "\"bufferView\":3", PL_E_FORMAT,
               "images[0].bufferView");
   refuse_edit(TEXTURED, "\"source\":0", "\"source\":1", PL_E_FORMAT, "textures[0].source");

@@ -126,7 +126,7 @@ def test_maps(tree, base, tmp_path, repo_dir, fault):
     good = (repo_dir / "assets/maps/earth_like.jpg").read_bytes()
     path, text = {
         "missing": (tmp_path / "nothing.png", "no such file"),
-        "text": (write(tmp_path / "text.png", b"hello"), "neither PNG nor JPEG"),
+        "text": (write(tmp_path / "text.png", b"hello"), "not a PNG, JPEG or WebP image"),
         "empty file": (write(tmp_path / "empty.jpg", b""), "empty"),
         "half": (write(tmp_path / "half.jpg", good[: len(good) // 2]), "JPEG"),
     }[fault]

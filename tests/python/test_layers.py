@@ -17,7 +17,7 @@ CONFINED = [
     (re.compile(r"^Python\.h$|^structmember\.h$|^numpy/"), {"pyext"}),
     (re.compile(r"^embree\d"), {"trace"}),
     (re.compile(r"^tiny_gltf\.h$|^json\.hpp$|^nlohmann/|^stb_"), {"io"}),
-    (re.compile(r"^png\.h$|^jpeglib\.h$|^turbojpeg\.h$"), {"io"}),
+    (re.compile(r"^png\.h$|^jpeglib\.h$|^turbojpeg\.h$|^webp/"), {"io"}),
 ]
 
 
