@@ -52,37 +52,51 @@ static float returned(float f0, float loss_mean) {
   return f * f * (1.0f - loss_mean) / (1.0f - f * loss_mean);
 }
 
+/* What evaluating, drawing and densities share for one outgoing direction. */
+typedef struct view {
+  pl_vec3f f0;
+  float alpha, lambda; /* of the outgoing direction */
+  float roughness;
+  float loss, loss_mean; /* of metals; 0 otherwise */
+  float chance;          /* of drawing the specular lobe */
+} view;
+
 /* Multiply reflected light times cos(wi). Zero where the lobe is so sharp that it loses nothing,
  * and for dielectrics, which return less than 0.005 of the light so: most surfaces are spared the
  * cost.
  */
-static pl_vec3f multiple(const pl_surface *s, pl_vec3f f0, float alpha, float cos_o, float cos_i) {
-  if (!(s->metallic > 0.0f))
-    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
-  const float roughness = sqrtf(alpha), mean = pl_ggx_loss_mean(roughness);
-  const float lost = pl_ggx_loss(roughness, cos_o) * pl_ggx_loss(roughness, cos_i);
+static pl_vec3f multiple(const view *v, float cos_i) {
+  const float lost = v->loss > 0.0f ? v->loss * pl_ggx_loss(v->roughness, cos_i) : 0.0f;
   if (!(lost > 0.0f))
     return pl_vec3f_make(0.0f, 0.0f, 0.0f);
-  const float scale = lost * cos_i / (PL_PI_F * mean);
-  return pl_vec3f_make(scale * returned(f0.x, mean), scale * returned(f0.y, mean),
-                       scale * returned(f0.z, mean));
+  const float scale = lost * cos_i / (PL_PI_F * v->loss_mean);
+  return pl_vec3f_make(scale * returned(v->f0.x, v->loss_mean),
+                       scale * returned(v->f0.y, v->loss_mean),
+                       scale * returned(v->f0.z, v->loss_mean));
 }
 
 /* Chance of drawing the specular lobe: its share of the reflected light, kept off 0 and 1 where
  * there is a diffuse base. The rest, base and multiple reflections, is drawn by the cosine. */
-static float specular_chance(const pl_surface *s, pl_vec3f wo) {
-  const pl_vec3f f0 = f0_of(s);
-  const float specular = pl_vec3f_max(fresnel(f0, wo.z));
+static float specular_chance(const view *v, const pl_surface *s, pl_vec3f wo) {
+  const float specular = pl_vec3f_max(fresnel(v->f0, wo.z));
   const float base = (1.0f - s->metallic) * pl_vec3f_max(s->color);
-  float broad = base;
-  if (s->metallic > 0.0f) {
-    const float roughness = sqrtf(alpha_of(s));
-    broad += pl_ggx_loss(roughness, wo.z) * returned(pl_vec3f_max(f0), pl_ggx_loss_mean(roughness));
-  }
+  const float broad = base + v->loss * returned(pl_vec3f_max(v->f0), v->loss_mean);
   if (!(broad > 0.0f))
     return 1.0f;
   const float chance = specular / (specular + broad);
   return base > 0.0f ? pl_minf(pl_maxf(chance, 0.1f), 0.9f) : chance;
+}
+
+static view view_of(const pl_surface *s, pl_vec3f wo) {
+  view v = {.f0 = f0_of(s), .alpha = alpha_of(s)};
+  v.lambda = lambda(v.alpha, wo);
+  if (s->metallic > 0.0f) {
+    v.roughness = sqrtf(v.alpha);
+    v.loss = pl_ggx_loss(v.roughness, wo.z);
+    v.loss_mean = pl_ggx_loss_mean(v.roughness);
+  }
+  v.chance = specular_chance(&v, s, wo);
+  return v;
 }
 
 /* The share of light that enters the base and leaves it again: what the coat would mirror at the
@@ -93,35 +107,38 @@ static pl_vec3f base_share(pl_vec3f f0, pl_vec3f wo, pl_vec3f wi) {
   return pl_vec3f_make(1.0f - f.x, 1.0f - f.y, 1.0f - f.z);
 }
 
-static pl_vec3f evaluate(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
-  if (!(wi.z > 0.0f) || !(wo.z > 0.0f))
-    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
-  const float alpha = alpha_of(s);
-  const pl_vec3f h = pl_vec3f_unit(pl_vec3f_add(wo, wi));
-  const pl_vec3f f0 = f0_of(s), base = base_share(f0, wo, wi);
-  const pl_vec3f f = fresnel(f0, pl_vec3f_dot(wo, h));
+/* BRDF times cos(wi); h is the half vector. Both directions are over the horizon. */
+static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
+  const pl_vec3f base = base_share(v->f0, wo, wi);
+  const pl_vec3f f = fresnel(v->f0, pl_vec3f_dot(wo, h));
   /* Height-correlated Smith (Heitz 2014, eq. 99); cos(wi) cancels one of the two cosines. */
-  const float g = 1.0f / (1.0f + lambda(alpha, wo) + lambda(alpha, wi));
-  const float specular = ggx(alpha, h) * g / (4.0f * pl_maxf(wo.z, COSINE_MIN));
+  const float g = 1.0f / (1.0f + v->lambda + lambda(v->alpha, wi));
+  const float specular = ggx(v->alpha, h) * g / (4.0f * pl_maxf(wo.z, COSINE_MIN));
   const float diffuse = (1.0f - s->metallic) * wi.z / PL_PI_F;
-  const pl_vec3f again = multiple(s, f0, alpha, wo.z, wi.z);
+  const pl_vec3f again = multiple(v, wi.z);
   return pl_vec3f_make(f.x * specular + again.x + base.x * diffuse * s->color.x,
                        f.y * specular + again.y + base.y * diffuse * s->color.y,
                        f.z * specular + again.z + base.z * diffuse * s->color.z);
 }
 
-/* Density of wi from visible normals (Heitz 2018, eq. 17). */
-static float specular_pdf(float alpha, pl_vec3f wo, pl_vec3f h) {
-  return ggx(alpha, h) / (4.0f * pl_maxf(wo.z, COSINE_MIN) * (1.0f + lambda(alpha, wo)));
+/* Density of wi: from visible normals (Heitz 2018, eq. 17), or by the cosine. */
+static float density_of(const view *v, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
+  const float specular = ggx(v->alpha, h) / (4.0f * pl_maxf(wo.z, COSINE_MIN) * (1.0f + v->lambda));
+  return v->chance * specular + (1.0f - v->chance) * pl_cosine_hemisphere_pdf(wi.z);
+}
+
+static pl_vec3f evaluate(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
+  if (!(wi.z > 0.0f) || !(wo.z > 0.0f))
+    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  const view v = view_of(s, wo);
+  return value_of(&v, s, wo, wi, pl_vec3f_unit(pl_vec3f_add(wo, wi)));
 }
 
 static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   if (!(wi.z > 0.0f) || !(wo.z > 0.0f))
     return 0.0f;
-  const float chance = specular_chance(s, wo);
-  const pl_vec3f h = pl_vec3f_unit(pl_vec3f_add(wo, wi));
-  return chance * specular_pdf(alpha_of(s), wo, h) +
-         (1.0f - chance) * pl_cosine_hemisphere_pdf(wi.z);
+  const view v = view_of(s, wo);
+  return density_of(&v, wo, wi, pl_vec3f_unit(pl_vec3f_add(wo, wi)));
 }
 
 /* A visible microfacet normal: Heitz, "Sampling the GGX distribution of visible normals",
@@ -145,16 +162,20 @@ static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float cho
                    pl_vec3f *weight, float *density) {
   if (!(wo.z > 0.0f))
     return false;
-  if (choice < specular_chance(s, wo)) {
-    const pl_vec3f h = sample_visible_normal(alpha_of(s), wo, u);
-    *wi = pl_vec3f_sub(pl_vec3f_scale(h, 2.0f * pl_vec3f_dot(wo, h)), wo);
+  const view v = view_of(s, wo);
+  if (choice < v.chance) {
+    const pl_vec3f normal = sample_visible_normal(v.alpha, wo, u);
+    *wi = pl_vec3f_sub(pl_vec3f_scale(normal, 2.0f * pl_vec3f_dot(wo, normal)), wo);
   } else {
     *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
   }
-  *density = pdf(s, wo, *wi);
+  if (!(wi->z > 0.0f))
+    return false;
+  const pl_vec3f h = pl_vec3f_unit(pl_vec3f_add(wo, *wi));
+  *density = density_of(&v, wo, *wi, h);
   if (!(*density > 0.0f))
     return false;
-  *weight = pl_vec3f_scale(evaluate(s, wo, *wi), 1.0f / *density);
+  *weight = pl_vec3f_scale(value_of(&v, s, wo, *wi, h), 1.0f / *density);
   return true;
 }
 
