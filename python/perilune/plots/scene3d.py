@@ -19,7 +19,7 @@ from perilune import rotations
 from perilune.plots.figures import BODY_GREY, length_unit
 
 F64 = NDArray[np.float64]
-_LATITUDES, _LONGITUDES = 90, 180
+_LATITUDES, _LONGITUDES = 120, 240
 _ZOOM = 0.82  # matplotlib leaves no room for the labels of the third axis
 _NIGHT = 0.35
 """Brightness of a body's surface away from the Sun, so that it can still be seen."""
@@ -146,8 +146,8 @@ class Scene3D:
         self.axes.plot_surface(
             *np.moveaxis(places, 2, 0),
             facecolors=colors,
-            rcount=_LATITUDES,
-            ccount=_LONGITUDES,
+            rstride=1,
+            cstride=1,
             shade=False,
             linewidth=0,
             antialiased=False,
