@@ -1,4 +1,4 @@
-"""`perilune orbit`: where everything is, frame by frame, as a CSV table or a CCSDS OEM."""
+"""`perilune orbit`: where everything is, step by step, as a CSV table or a CCSDS OEM."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class State:
 
 
 def states(sim: Simulation, index: int) -> Iterator[State]:
-    """Everything but the camera in a frame."""
+    """Everything but the camera in a frame's step."""
     system = sim.system(index)
     config, epoch = system.setting.config, system.setting.epoch
     t_s = config.time.step_s * config.timeline.at(index).step
@@ -68,7 +68,7 @@ def _write_csv(file: TextIO, sim: Simulation, frames: Sequence[int], names: list
     table = csv.writer(file, lineterminator="\n")
     table.writerow(COLUMNS)
     count = 0
-    for index in frames:
+    for index in _one_a_step(sim, frames):
         for state in states(sim, index):
             if state.name in names:
                 pose, velocity = state.pose, state.velocity_m_s
@@ -78,14 +78,22 @@ def _write_csv(file: TextIO, sim: Simulation, frames: Sequence[int], names: list
     return count
 
 
+def _one_a_step(sim: Simulation, frames: Sequence[int]) -> Iterator[int]:
+    """The first of the frames that the sensors of a step take: all of them see the same world."""
+    last = None
+    for index in frames:
+        step = sim.config.timeline.at(index).step
+        if step != last:
+            yield index
+        last = step
+
+
 def _runs(sim: Simulation, frames: Sequence[int]) -> Iterator[list[int]]:
-    """One frame a step, in runs without a jump: what is drawn anew begins a new segment."""
+    """In runs without a jump: what is drawn anew begins a new segment."""
     config, last = sim.config, None
     run: list[int] = []
-    for index in frames:
+    for index in _one_a_step(sim, frames):
         moment = config.timeline.at(index)
-        if last is not None and moment.step == last.step:
-            continue
         if run and _draws(sim, config) and last is not None and moment.scene != last.scene:
             yield run
             run = []
@@ -104,7 +112,7 @@ def _draws(sim: Simulation, config: Config) -> bool:
 def _write_oem(file: TextIO, sim: Simulation, frames: Sequence[int], names: list[str]) -> int:
     """Each object about what it orbits, or about the root."""
     config = sim.config
-    if config.time.step_s <= 0.0 and len(frames) > 1:
+    if config.time.step_s <= 0.0 and len(list(_one_a_step(sim, frames))) > 1:
         raise ConfigError("an OEM needs increasing times: time.step_s must be positive")
     oem.write_header(file, datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%S"), "PERILUNE")
     count = 0

@@ -113,19 +113,25 @@ def read(path: Path) -> Columns:
 
 
 def states(
-    path: Path, epoch: Date, name: str | None = None, around: str | None = None
+    path: Path,
+    epoch: Date,
+    name: str | None = None,
+    around: str | None = None,
+    around_root: bool = False,
 ) -> tuple[F64, F64]:
     """Times (n,) seconds after the epoch, and states (n, 6), or places (n, 3) without velocities.
 
     In a table with a column `object` places are relative to the root; those of `around` at the same
-    times are subtracted.
+    times are subtracted, unless it is the root (around_root) and left out.
     """
     table = read(path)
     if "object" in table.names:
         if name is None:
             raise ValueError(f"{path}: has a column 'object': say which by the key `object`")
-        own, centre = table.only(name), table.only(around or "")
-        t_s, rows = _states(own, epoch)
+        t_s, rows = _states(table.only(name), epoch)
+        if around_root and around not in table.texts("object"):
+            return t_s, rows
+        centre = table.only(around or "")
         t_centre, rows_centre = _states(centre, epoch)
         if t_s.shape != t_centre.shape or np.abs(t_s - t_centre).max() > 0.0:
             raise ValueError(f"{path}: {name} and {around} are not given at the same times")

@@ -141,6 +141,27 @@ def test_what_is_written_can_be_flown(small_scene, tmp_path, suffix):
         perilune.open(small_scene, overrides={"spacecraft.probe.attitude": attitude})
 
 
+@pytest.mark.parametrize("suffix", ["csv", "oem"])
+def test_sensors_of_a_step_share_its_states(small_scene, tmp_path, suffix):
+    """Three frames in even steps, two in odd ones; the table has every step once and can be flown."""
+    out = tmp_path / f"states.{suffix}"
+    sensors = {"left": {}, "right": {}, "wide": {"trigger_interval": 2}}
+    words = ["--set", f"sensors={json.dumps(sensors)}", "--object", "probe"]
+    done = command(small_scene, "--frames", "0:25", "--out", out, *words)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"{out}: 10 states of 25 frames\n"
+    if suffix == "csv":
+        with open(out, newline="") as file:
+            frames = [int(row["frame"]) for row in csv.DictReader(file)]
+        assert frames == [0, 3, 5, 8, 10, 13, 15, 18, 20, 23]
+    orbit = {"kind": "table", "around": "planet", "file": str(out), "object": "probe"}
+    flown = perilune.open(small_scene, overrides={"spacecraft.probe.orbit": orbit}).system(0)
+    t_s = np.arange(10) * 60.0
+    expected = perilune.open(small_scene).system(0).states(t_s).poses["probe"][:, :3]
+    found = flown.states(t_s).poses["probe"][:, :3]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-5)
+
+
 def test_a_scene_is_a_segment(small_scene, tmp_path):
     out = tmp_path / "states.oem"
     orbit = '{"kind": "database", "class": "LEO", "around": "planet"}'

@@ -37,10 +37,16 @@ class _Piece:
 
 @lru_cache(maxsize=64)
 def _pieces(
-    path: Path, changed_ns: int, epoch: Date, name: str | None, around: str, centre: str | None
+    path: Path,
+    changed_ns: int,
+    epoch: Date,
+    name: str | None,
+    around: str,
+    around_root: bool,
+    centre: str | None,
 ) -> tuple[_Piece, ...]:
     if path.suffix.lower() in _CSV:
-        return (_Piece(*csv_table.states(path, epoch, name, around), None),)
+        return (_Piece(*csv_table.states(path, epoch, name, around, around_root), None),)
     segments = oem.of_object(oem.parse(path), name, path)
     for segment in segments:
         stated = segment.meta["CENTER_NAME"].lower()
@@ -93,7 +99,8 @@ def table(orbit: Table, place: Place) -> Motion:
     """Polynomials through the states of the file."""
     path = place.file(orbit.file, "file")
     changed = path.stat().st_mtime_ns
+    root = orbit.around == place.setting.config.root
     pieces = _pieces(
-        path, changed, place.epoch, orbit.object, orbit.around, place.parent.table
+        path, changed, place.epoch, orbit.object, orbit.around, root, place.parent.table
     )
     return _joined([_spec(piece, orbit.degree) for piece in pieces], path, place.epoch)
