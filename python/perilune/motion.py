@@ -8,8 +8,10 @@ a function: t_s (n,) -> (n, 4) axes to ICRF.
 
 from __future__ import annotations
 
+import hashlib
 import os
 import threading
+import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
@@ -62,6 +64,26 @@ class _Kept(Generic[T]):
         return thing
 
 
+class _Digests:
+    """Digests of arrays that nobody can change, so that large tables are hashed once."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[weakref.ref[NDArray[Any]], bytes]] = {}
+
+    def of(self, array: NDArray[Any]) -> bytes:
+        """SHA-256 of the numbers of a read-only array that owns them."""
+        place = id(array)
+        found = self._known.get(place)
+        if found is not None and found[0]() is array:
+            return found[1]
+        digest = hashlib.sha256(array.tobytes()).digest()
+        forget = weakref.ref(array, lambda _: self._known.pop(place, None))
+        self._known[place] = (forget, digest)
+        return digest
+
+
+_LARGE = 1024  # bytes, from which on a digest is worth its bookkeeping
+_digests = _Digests()
 _propagators: _Kept[_core.Propagator] = _Kept(512)
 _trees: _Kept[_core.Tree] = _Kept(32)
 
@@ -71,6 +93,8 @@ def _key(value: Any) -> Hashable:
     if isinstance(value, Mapping):
         return tuple((name, _key(value[name])) for name in sorted(value))
     if isinstance(value, np.ndarray):
+        if value.nbytes >= _LARGE and value.base is None and not value.flags.writeable:
+            return (value.shape, value.dtype.str, _digests.of(value))
         return (value.shape, value.dtype.str, value.tobytes())
     if isinstance(value, (list, tuple)):
         return tuple(_key(item) for item in value)

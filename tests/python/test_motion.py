@@ -94,6 +94,27 @@ def test_made_once():
     assert motion.propagator(KEPLER, Date(2461000.0, 0.5)) is not one
 
 
+def test_large_tables_are_known_by_their_numbers():
+    """Read-only arrays by a digest made once, others anew; equal numbers are the same propagator."""
+    table, made = EXAMPLES["table"], []
+    for change in (0.0, 0.0, 1e-9):
+        states = table["states"].copy()
+        states[-1, 0] += change
+        states.flags.writeable = False
+        made.append({**table, "states": states})
+    first = motion.propagator(made[0], EPOCH)
+    assert motion.propagator(made[0], EPOCH) is first
+    assert motion.propagator(made[1], EPOCH) is first
+    assert motion.propagator(made[2], EPOCH) is not first
+    changing = {**table, "states": table["states"].copy()}
+    before = motion.propagator(changing, EPOCH)
+    changing["states"][-1, 0] += 1.0
+    assert motion.propagator(changing, EPOCH) is not before
+    known = len(motion._digests._known)
+    del made, states
+    assert len(motion._digests._known) == known - 3
+
+
 def test_evaluating_again_allocates_nothing():
     first = motion.evaluate(nodes(), EPOCH, TIMES)
     before = _core.allocations()
