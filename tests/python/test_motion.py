@@ -95,7 +95,7 @@ def test_made_once():
 
 
 def test_large_tables_are_known_by_their_numbers():
-    """Read-only arrays by a digest made once, others anew; equal numbers are the same propagator."""
+    """Read-only arrays by a digest made once, others anew; equal numbers: the same propagator."""
     table, made = EXAMPLES["table"], []
     for change in (0.0, 0.0, 1e-9):
         states = table["states"].copy()

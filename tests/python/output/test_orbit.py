@@ -143,7 +143,7 @@ def test_what_is_written_can_be_flown(small_scene, tmp_path, suffix):
 
 @pytest.mark.parametrize("suffix", ["csv", "oem"])
 def test_sensors_of_a_step_share_its_states(small_scene, tmp_path, suffix):
-    """Three frames in even steps, two in odd ones; the table has every step once and can be flown."""
+    """Three frames in even steps, two in odd ones: each step is written once, and can be flown."""
     out = tmp_path / f"states.{suffix}"
     sensors = {"left": {}, "right": {}, "wide": {"trigger_interval": 2}}
     words = ["--set", f"sensors={json.dumps(sensors)}", "--object", "probe"]
