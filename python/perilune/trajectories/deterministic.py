@@ -15,7 +15,7 @@ from perilune import rotations
 from perilune.config.errors import nearest
 from perilune.config.trajectory import Deterministic
 from perilune.trajectories.linear import between
-from perilune.trajectories.view import axes, camera_turn, finished, origin
+from perilune.trajectories.view import axes, camera_turn, finished, origin, refuse
 from perilune.world import World
 
 F64 = NDArray[np.float64]
@@ -126,9 +126,11 @@ def _keys(world: World, spec: Deterministic, rows: Rows) -> tuple[float, float]:
     exposure, step_s = world.camera.exposure_time_s, world.config.time.step_s
     first, last = float(rows.keys[0]), float(rows.keys[-1])
     if rows.by_time:
+        if spec.first_frame != 0:
+            refuse(world, f"first_frame: {spec.file} has a column t_s, and no frame")
         now, moved, period = world.t_s, exposure, last - first
     else:
-        now = float(world.step)
+        now = float(world.step + spec.first_frame)
         moved, period = (exposure / abs(step_s) if step_s else 0.0), last - first + 1.0
     if spec.after == "repeat" and now > last:
         now = first if period == 0.0 else first + math.fmod(now - first, period)

@@ -14,7 +14,6 @@ from perilune import config as cfg
 from perilune import rotations
 
 
-
 def test_orbit_radius_left_out_is_three_radii(tree, general):
     """The station's bounds, from its file, about its origin."""
     from perilune import _core
@@ -201,6 +200,22 @@ def test_deterministic(tree, tmp_path):
         "metres_per_unit": EARTH_M,
         "offset_m": [0.0, 0.0, EARTH_M],
     }
+
+
+@pytest.mark.parametrize("head", ["", "frame,x,y,z,qw,qx,qy,qz\n"])
+def test_deterministic_from_another_frame(tree, tmp_path, head):
+    """Rows that begin at frame 1: one a step from the first on, each once, then again."""
+    rows = tmp_path / "poses.csv"
+    rows.write_text(head + "".join(f"{k},{2 + k},0,0,1,0,0,0\n" for k in (1, 2, 3)))
+    movement = {"sensorMovementType": "deterministic", "sensorMovementPose": str(rows)}
+    table, told = moved(tree, **movement)
+    assert table["first_frame"] == 1
+    assert "sensorMovementPose: its first row is for frame 1, which is our frame 0" in told
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sim = perilune.open(tree, base=FOLDER)
+    x = [sim.request(index)["camera_pose"][0, 0] / EARTH_M for index in range(4)]
+    assert x == pytest.approx([3.0, 4.0, 5.0, 3.0], abs=1e-12)
 
 
 def test_centered_target(tree):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import itertools
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,6 +70,18 @@ def model(params: Node, key: str, base: Path) -> ModelFile:
 
 def _map(text: str, base: Path) -> str | None:
     return _beside(text, base, _MAPS)
+
+
+def first_frame(text: str, base: Path) -> int:
+    """The `frame` of a table of poses' first row; 0 where the table cannot tell."""
+    try:
+        with _located(text, base).open(encoding="utf-8-sig", newline="") as file:
+            rows = [row for row in itertools.islice(csv.reader(file), 100) if "".join(row).strip()]
+        names = [name.strip() for name in rows[0]]
+        number = rows[1][names.index("frame")] if "frame" in names else rows[0][0]
+        return int(float(number))
+    except (OSError, ValueError, OverflowError, IndexError, csv.Error):
+        return 0  # whoever reads the table tells what is wrong with it
 
 
 def reach(file: ModelFile, params: Node) -> float:

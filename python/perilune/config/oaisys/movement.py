@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from perilune.config.oaisys import approach
+from perilune.config.oaisys import approach, files
 from perilune.config.oaisys.node import Node, varying
 from perilune.config.oaisys.scene import Scene, Thing
 
@@ -51,14 +51,20 @@ def _orbit_object(node: Node, scene: Scene) -> dict[str, Any]:
 
 
 def _deterministic(node: Node, scene: Scene) -> dict[str, Any]:
-    """Poses of a table, camera axes as OpenCV's; rows follow each other as their frames count."""
+    """Poses of a table, camera axes as OpenCV's; its first row is for the first sample."""
     node.comes("camera.trajectory.file", "sensorMovementPose")
     offset = node.numbers("deterministicSensorOffsetPos", 3, [0.0, 0.0, 0.0])
     if node.text("interpolationMode", "none") != "none":
         node.ignore("interpolationMode", "between rows the camera moves and turns evenly")
+    file = node.text("sensorMovementPose")
+    first = files.first_frame(file, scene.base)
+    if first != 0:
+        text = f"its first row is for frame {first}, which is our frame 0"
+        node.notes.warn(node.where("sensorMovementPose"), text)
     return {
         "kind": "deterministic",
-        "file": node.text("sensorMovementPose"),
+        "file": file,
+        **({"first_frame": first} if first != 0 else {}),
         "metres_per_unit": scene.metres_per_unit,
         "offset_m": scene.lengths_m(offset),
     }

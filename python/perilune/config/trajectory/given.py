@@ -8,7 +8,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from perilune.config.errors import fail
 from perilune.config.trajectory.common import CameraAxes, Frame, Pointing
-from perilune.config.types import FunctionName, NonNegative, Positive, Strict, Vec3
+from perilune.config.types import FunctionName, Integer, NonNegative, Positive, Strict, Vec3
 
 
 class Deterministic(Pointing):
@@ -30,6 +30,8 @@ class Deterministic(Pointing):
     camera_axes: CameraAxes = "opencv"
     """What the quaternions turn into the axes of `frame`: opencv (x right, y down, z forward) or
     opengl (Blender's: y up, z backward)."""
+    first_frame: Integer = 0
+    """The `frame` of the file that step 0 takes; not for t_s."""
     after: Literal["repeat", "hold"] = "repeat"
     """After the last row: repeat begins again with the first row one step later (with t_s: at once,
     as the last row stands for the first); hold stays there. Before the first row: as there."""
