@@ -3,9 +3,7 @@
 
 #include "shade/reflectance.h"
 
-/* Weights of the footprint vector's end on the three corners, relative to its start: least squares
- * in the triangle's plane. Degenerate triangles give zeros. */
-static void barycentric_step(const pl_triangle_point *point, pl_vec3f step, float out[3]) {
+void pl_triangle_point_step(const pl_triangle_point *point, pl_vec3f step, float out[3]) {
   const float e11 = pl_vec3f_dot(point->edge1, point->edge1);
   const float e12 = pl_vec3f_dot(point->edge1, point->edge2);
   const float e22 = pl_vec3f_dot(point->edge2, point->edge2);
@@ -33,8 +31,8 @@ void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int s
     return;
   const uint32_t *corner = model->indices + 3 * (size_t)point->triangle;
   float step_a[3], step_b[3];
-  barycentric_step(point, point->footprint_a, step_a);
-  barycentric_step(point, point->footprint_b, step_b);
+  pl_triangle_point_step(point, point->footprint_a, step_a);
+  pl_triangle_point_step(point, point->footprint_b, step_b);
   mix2(values, corner, point->w, uv);
   mix2(values, corner, step_a, a);
   mix2(values, corner, step_b, b);

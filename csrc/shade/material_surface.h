@@ -17,6 +17,10 @@ typedef struct pl_triangle_point {
       footprint_b; /* half axes doubled: a pixel's extent on the surface, metres */
 } pl_triangle_point;
 
+/* How the weights of the three corners change along a vector: least squares in the triangle's
+ * plane. Degenerate triangles give zeros. */
+void pl_triangle_point_step(const pl_triangle_point *point, pl_vec3f step, float out[3]);
+
 /* uv of set `set` and the footprint in it; zeros when the model has no such set. */
 void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int set, float uv[2],
                     float a[2], float b[2]);

@@ -1,0 +1,157 @@
+/* Running graphs, and turning what they give into surfaces. */
+#include "shade/graph.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "math/sampling.h"
+#include "shade/graph_program.h"
+#include "shade/node_rows.h"
+
+static void run(const pl_graph *graph, const pl_program *program, const pl_graph_point *point,
+                const pl_value *params, pl_value *out, size_t out_count) {
+  pl_value registers[PL_GRAPH_REGISTERS];
+  pl_node_call call = {.point = point, .graph = graph, .params = params};
+  for (size_t i = 0; i < program->count; i++) {
+    const pl_instruction *instruction = &program->instructions[i];
+    const pl_node_kind *kind = instruction->kind;
+    for (size_t k = 0; k < kind->input_count; k++)
+      call.in[k] = (kind->lazy >> k & 1u) != 0
+                       ? NULL
+                       : pl_operand_value(graph, params, registers, instruction->in[k]);
+    call.constants = instruction->constants;
+    call.instruction = instruction;
+    call.out = registers + instruction->out;
+    kind->evaluate(&call);
+  }
+  for (size_t k = 0; k < out_count; k++)
+    memcpy(out[k], pl_operand_value(graph, params, registers, program->outputs[k]),
+           sizeof(pl_value));
+}
+
+void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *point,
+                      pl_value out) {
+  pl_value values[1];
+  const pl_program *program = &call->graph->programs[call->instruction->in[input].index];
+  run(call->graph, program, point, call->params, values, 1);
+  memcpy(out, values[0], sizeof values[0]);
+}
+
+void pl_graph_evaluate(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
+                       pl_value out[PL_NODE_SOCKETS]) {
+  run(graph, &graph->programs[0], point, params, out, graph->surface->input_count);
+}
+
+bool pl_graph_wraps(const pl_graph *graph) { return graph->wrap; }
+size_t pl_graph_parameter_count(const pl_graph *graph) { return graph->parameter_count; }
+size_t pl_graph_instruction_count(const pl_graph *graph) { return graph->programs[0].count; }
+
+/* Whether the graph, rather than the model's material, gives an input of the surface. */
+static bool gives(const pl_graph *graph, pl_surface_socket socket) {
+  return (size_t)socket < graph->surface->input_count &&
+         (!graph->wrap || (graph->given >> socket & 1u) != 0);
+}
+
+bool pl_graph_sets_emission(const pl_graph *graph) {
+  return gives(graph, PL_SURFACE_EMISSION_COLOR) || gives(graph, PL_SURFACE_EMISSION_STRENGTH);
+}
+
+/* Also of what is not a number: 0. */
+static float cut(float x, float high) { return x > 0.0f ? pl_minf(x, high) : 0.0f; }
+
+static pl_vec3f cut3(const float *v, float factor, float high) {
+  return pl_vec3f_make(cut(factor * v[0], high), cut(factor * v[1], high),
+                       cut(factor * v[2], high));
+}
+
+/* Turns the frame to a normal, which stays on the surface's side as that of a normal map does. */
+static void bend(const float *normal, pl_surface *surface) {
+  static const float COSINE_MIN = 0.05f;
+  pl_vec3f n = pl_vec3f_unit(pl_value_vec(normal));
+  const float length = pl_vec3f_norm(n);
+  if (!(length > 0.5f) || !isfinite(length)) /* zero, or not a number */
+    return;
+  const float cosine = pl_vec3f_dot(n, surface->n);
+  if (cosine < COSINE_MIN)
+    n = pl_vec3f_unit(pl_vec3f_madd(n, COSINE_MIN - cosine, surface->n));
+  const pl_vec3f t = pl_vec3f_madd(surface->t, -pl_vec3f_dot(surface->t, n), n);
+  surface->n = n;
+  surface->t = pl_vec3f_dot(t, t) > 1e-12f ? pl_vec3f_unit(t) : pl_basis_make(n).t;
+  surface->b = pl_vec3f_cross(n, surface->t);
+}
+
+void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
+                      pl_surface *surface) {
+  pl_value v[PL_NODE_SOCKETS];
+  pl_graph_evaluate(graph, point, params, v);
+  if (!graph->wrap)
+    *surface = (pl_surface){
+        .t = surface->t, .b = surface->b, .n = surface->n, .ng = surface->ng, .alpha = 1.0f};
+  surface->reflectance = graph->surface->reflectance;
+  if (gives(graph, PL_SURFACE_BASE_COLOR))
+    surface->color = cut3(v[PL_SURFACE_BASE_COLOR], 1.0f, 1.0f);
+  if (gives(graph, PL_SURFACE_METALLIC))
+    surface->metallic = cut(v[PL_SURFACE_METALLIC][0], 1.0f);
+  if (gives(graph, PL_SURFACE_ROUGHNESS)) {
+    const float roughness = cut(v[PL_SURFACE_ROUGHNESS][0], 1.0f);
+    surface->alpha = roughness * roughness;
+  }
+  if (pl_graph_sets_emission(graph))
+    surface->emission = cut3(v[PL_SURFACE_EMISSION_COLOR], v[PL_SURFACE_EMISSION_STRENGTH][0],
+                             (float)PL_EMISSION_MAX);
+  if (gives(graph, PL_SURFACE_NORMAL))
+    bend(v[PL_SURFACE_NORMAL], surface);
+}
+
+/* Whether an input of the surface is folded, and to what. */
+static const float *constant_of(const pl_graph *graph, pl_surface_socket socket) {
+  const pl_operand operand = graph->programs[0].outputs[socket];
+  return operand.bank == PL_BANK_CONSTANT ? graph->constants[operand.index] : NULL;
+}
+
+static double emission_max(const pl_graph *graph) {
+  const float *color = constant_of(graph, PL_SURFACE_EMISSION_COLOR);
+  const float *strength = constant_of(graph, PL_SURFACE_EMISSION_STRENGTH);
+  if (!pl_graph_sets_emission(graph) || (strength != NULL && strength[0] == 0.0f))
+    return 0.0;
+  if (color == NULL || strength == NULL)
+    return PL_EMISSION_MAX;
+  return (double)pl_vec3f_max(cut3(color, strength[0], (float)PL_EMISSION_MAX));
+}
+
+void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary) {
+  summary->albedo_max = fmax(summary->albedo_max, 1.0);
+  summary->emission_max = fmax(summary->emission_max, emission_max(graph));
+  if (gives(graph, PL_SURFACE_ROUGHNESS)) {
+    const float *folded = constant_of(graph, PL_SURFACE_ROUGHNESS);
+    const double roughness = folded != NULL ? (double)cut(folded[0], 1.0f) : 0.0;
+    summary->ggx_alpha_min = fmin(summary->ggx_alpha_min, roughness * roughness);
+  }
+  summary->textured |= graph->programs[0].count > 0;
+}
+
+pl_vec3f pl_graph_point_object(const pl_graph_point *point) {
+  const float *w = point->triangle.w;
+  const uint32_t *corner = point->model->indices + 3 * (size_t)point->triangle.triangle;
+  double p[3] = {-point->offset.x, -point->offset.y, -point->offset.z};
+  for (size_t k = 0; k < 3; k++)
+    for (size_t axis = 0; axis < 3; axis++)
+      p[axis] += (double)w[k] * (double)point->model->positions[3 * (size_t)corner[k] + axis];
+  return pl_vec3f_scale(pl_vec3f_make((float)p[0], (float)p[1], (float)p[2]), point->scale);
+}
+
+pl_graph_point pl_graph_point_move(const pl_graph_point *point, float along_t, float along_b) {
+  const pl_vec3f step = pl_vec3f_madd(pl_vec3f_scale(point->t, along_t), along_b, point->b);
+  pl_graph_point moved = *point;
+  moved.world = pl_vec3f_add(point->world, step);
+  if (point->model == NULL) {
+    moved.object = pl_vec3f_add(point->object, step);
+    return moved;
+  }
+  float w[3];
+  pl_triangle_point_step(&point->triangle, step, w);
+  for (int k = 0; k < 3; k++)
+    moved.triangle.w[k] += w[k];
+  moved.object = pl_graph_point_object(&moved);
+  return moved;
+}

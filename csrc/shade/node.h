@@ -1,0 +1,127 @@
+/* The kinds of nodes of material graphs: one row and one file (or a file for a family) a kind. */
+#ifndef PL_SHADE_NODE_H
+#define PL_SHADE_NODE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/status.h"
+#include "geom/texture.h"
+#include "shade/material_surface.h"
+#include "shade/reflectance.h"
+
+/* A value on a link: x, y, z, and where it is a position the radius of the footprint about it, in
+ * its own units: a pattern smaller than that counts as its mean. An infinite radius is the mean of
+ * everything. A scalar stands in x, y and z alike, so that it may be used as a vector. */
+typedef float pl_value[4];
+
+/* A scalar input takes a vector's mean, or a colour's luminance (Rec. 709). */
+typedef enum pl_socket_type { PL_SCALAR, PL_VECTOR, PL_COLOR } pl_socket_type;
+
+typedef struct pl_socket {
+  const char *name;
+  pl_socket_type type;
+  float fallback[3]; /* of an input that nothing is given for */
+  const char *doc;   /* unit and range */
+} pl_socket;
+
+typedef enum pl_constant_type {
+  PL_NUMBER,  /* one number within [low, high] */
+  PL_CHOICE,  /* the index of one of the names of `choices` */
+  PL_NUMBERS, /* rows of `columns` numbers */
+  PL_IMAGE    /* a texture */
+} pl_constant_type;
+
+/* What is fixed when the graph is made. */
+typedef struct pl_constant_row {
+  const char *name;
+  pl_constant_type type;
+  double fallback, low, high; /* PL_NUMBER, PL_CHOICE (fallback alone); NaN: must be given */
+  const char *const *choices; /* NULL-terminated */
+  size_t columns;             /* PL_NUMBERS */
+  const char *doc;
+} pl_constant_row;
+
+typedef struct pl_constant {
+  double number;             /* PL_NUMBER, and the index of a PL_CHOICE */
+  const float *numbers;      /* PL_NUMBERS; borrowed until the graph is made, which copies it */
+  size_t count;              /* of numbers */
+  const pl_texture *texture; /* PL_IMAGE, NULL for none; borrowed for the graph's life */
+} pl_constant;
+
+/* Where a graph is evaluated. World axes are the root's; metres. */
+typedef struct pl_graph_point {
+  pl_vec3f object;      /* model axes at rest, from the object's origin: patterns move with parts */
+  pl_vec3f world;       /* root axes, from the object's origin */
+  pl_vec3f t, b, n, ng; /* shading frame before any bump, and geometric normal, root axes;
+                           the normals are on the side that the mesh calls outside */
+  pl_vec3f view;        /* unit, towards the viewer, root axes */
+  float radius;         /* of the footprint, m */
+  float random;         /* of the object, 0..1 */
+  const pl_model *model;      /* NULL: no texture coordinates */
+  pl_triangle_point triangle; /* on the model */
+  pl_vec3 offset;             /* of the object: model units, see pl_object */
+  float scale;                /* metres per model unit */
+} pl_graph_point;
+/* The point `along_t`, `along_b` metres farther on the tangent plane: its position, and with a
+ * model its weights. The frame stays. */
+pl_graph_point pl_graph_point_move(const pl_graph_point *point, float along_t, float along_b);
+/* Object position of the weights on the model. */
+pl_vec3f pl_graph_point_object(const pl_graph_point *point);
+
+enum { PL_NODE_SOCKETS = 24, PL_NODE_CONSTANTS = 8, PL_NODE_OUTPUTS = 8 };
+
+/* What a node is given when it is evaluated. */
+typedef struct pl_node_call {
+  const pl_graph_point *point;
+  const float *in[PL_NODE_SOCKETS]; /* pl_value each, NULL of lazy inputs */
+  const pl_constant *constants;
+  pl_value *out; /* one an output; all four numbers must be set */
+  /* For pl_node_input_at. */
+  const struct pl_graph *graph;
+  const struct pl_instruction *instruction;
+  const pl_value *params;
+} pl_node_call;
+
+typedef struct pl_node_kind {
+  const char *name, *doc;
+  const pl_socket *inputs, *outputs;
+  size_t input_count, output_count;
+  const pl_constant_row *constants;
+  size_t constant_count;
+  bool reads_point; /* false: a function of inputs and constants alone, which may be folded */
+  bool hidden;      /* used by the compiler; not in descriptions */
+  unsigned lazy;    /* bit k: input k is not evaluated before; the node asks pl_node_input_at */
+  /* Checks beyond the rows' types; may be NULL. The text names the constant and what is allowed. */
+  pl_status (*check)(const pl_constant *constants);
+  /* NULL for a surface: its inputs are what the graph gives. */
+  void (*evaluate)(const pl_node_call *call);
+  const pl_reflectance *reflectance; /* of a surface */
+} pl_node_kind;
+
+/* Value of a lazy input at another point. */
+void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *point,
+                      pl_value out);
+
+/* The table, in a fixed order. */
+extern const pl_node_kind *const pl_node_kinds[];
+extern const size_t pl_node_kind_count;
+/* Row by name, or NULL. */
+const pl_node_kind *pl_node_kind_find(const char *name);
+
+/* For outputs. */
+static inline void pl_value_scalar(pl_value out, float x) {
+  out[0] = out[1] = out[2] = x;
+  out[3] = 0.0f;
+}
+static inline void pl_value_vector(pl_value out, pl_vec3f v, float radius) {
+  out[0] = v.x;
+  out[1] = v.y;
+  out[2] = v.z;
+  out[3] = radius;
+}
+static inline pl_vec3f pl_value_vec(const float *v) { return pl_vec3f_make(v[0], v[1], v[2]); }
+
+#define PL_ROWS(array) (array), sizeof(array) / sizeof((array)[0])
+
+#endif

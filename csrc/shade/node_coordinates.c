@@ -1,0 +1,88 @@
+/* Where a pattern is: coordinates of the point, and moving, turning and stretching them. */
+#include <math.h>
+
+#include "shade/node_rows.h"
+
+enum { SPACE_OBJECT, SPACE_WORLD, SPACE_UV, SPACE_UV_1 };
+static const char *const spaces[] = {"object", "world", "uv", "uv1", NULL};
+
+/* Radius of the circle with the area of the parallelogram that a footprint spans. */
+static float radius_of(const float a[2], const float b[2]) {
+  return sqrtf(fabsf(a[0] * b[1] - a[1] * b[0]) / PL_PI_F);
+}
+
+static void coordinates(const pl_node_call *call) {
+  const pl_graph_point *p = call->point;
+  const int space = (int)call->constants[0].number;
+  float uv[2] = {0.0f, 0.0f}, a[2], b[2], radius = 0.0f;
+  if (space == SPACE_OBJECT || space == SPACE_WORLD) {
+    pl_value_vector(call->out[0], space == SPACE_OBJECT ? p->object : p->world, p->radius);
+    return;
+  }
+  if (p->model != NULL) {
+    pl_material_uv(p->model, &p->triangle, space - SPACE_UV, uv, a, b);
+    radius = radius_of(a, b);
+  }
+  pl_value_vector(call->out[0], pl_vec3f_make(uv[0], uv[1], 0.0f),
+                  isinf(p->radius) ? p->radius : radius);
+}
+
+static const pl_constant_row coordinates_constants[] = {
+    {"space", PL_CHOICE, SPACE_OBJECT, 0, 0, spaces, 0,
+     "object: metres from the object's origin along the model's axes, moving with its parts; "
+     "world: "
+     "the same along ICRF axes; uv, uv1: the model's texture coordinates, zeros where it has "
+     "none"}};
+static const pl_socket coordinates_outputs[] = {
+    {"vector", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "The coordinates"}};
+
+const pl_node_kind pl_node_coordinates = {
+    .name = "coordinates",
+    .doc = "Coordinates of the point",
+    .outputs = coordinates_outputs,
+    .output_count = 1,
+    .constants = coordinates_constants,
+    .constant_count = 1,
+    .reads_point = true,
+    .evaluate = coordinates,
+};
+
+/* Turns about x, then y, then z, by angles in radians. */
+static pl_vec3f turned(pl_vec3f v, const float *angle) {
+  const float cx = cosf(angle[0]), sx = sinf(angle[0]);
+  const float cy = cosf(angle[1]), sy = sinf(angle[1]);
+  const float cz = cosf(angle[2]), sz = sinf(angle[2]);
+  v = pl_vec3f_make(v.x, cx * v.y - sx * v.z, sx * v.y + cx * v.z);
+  v = pl_vec3f_make(cy * v.x + sy * v.z, v.y, cy * v.z - sy * v.x);
+  return pl_vec3f_make(cz * v.x - sz * v.y, sz * v.x + cz * v.y, v.z);
+}
+
+static void mapping(const pl_node_call *call) {
+  static const float DEG = PL_PI_F / 180.0f;
+  const float *v = call->in[0], *rotation = call->in[2], *scale = call->in[3];
+  const float angle[3] = {DEG * rotation[0], DEG * rotation[1], DEG * rotation[2]};
+  pl_vec3f p = pl_vec3f_mul(pl_value_vec(v), pl_value_vec(scale));
+  if (angle[0] != 0.0f || angle[1] != 0.0f || angle[2] != 0.0f)
+    p = turned(p, angle);
+  const float largest = pl_maxf(fabsf(scale[0]), pl_maxf(fabsf(scale[1]), fabsf(scale[2])));
+  /* No scale at all leaves one value, whatever the footprint. */
+  pl_value_vector(call->out[0], pl_vec3f_add(p, pl_value_vec(call->in[1])),
+                  largest > 0.0f ? v[3] * largest : 0.0f);
+}
+
+static const pl_socket mapping_inputs[] = {
+    {"vector", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "Coordinates"},
+    {"location", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "Added last"},
+    {"rotation_deg", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "About x, then y, then z; after the scale"},
+    {"scale", PL_VECTOR, {1.0f, 1.0f, 1.0f}, "Factors, first"},
+};
+
+const pl_node_kind pl_node_mapping = {
+    .name = "mapping",
+    .doc = "Scales, turns and moves coordinates; their footprint grows with the largest factor",
+    .inputs = mapping_inputs,
+    .input_count = 4,
+    .outputs = coordinates_outputs,
+    .output_count = 1,
+    .evaluate = mapping,
+};

@@ -1,0 +1,103 @@
+/* Between two values, and from a number to a colour. */
+#include <math.h>
+
+#include "shade/node_rows.h"
+
+enum { MIX, MULTIPLY, ADD, SCREEN };
+static const char *const modes[] = {"mix", "multiply", "add", "screen", NULL};
+
+static float blend(int mode, float a, float b) {
+  switch (mode) {
+  case MULTIPLY:
+    return a * b;
+  case ADD:
+    return a + b;
+  case SCREEN:
+    return a + b - a * b;
+  default:
+    return b;
+  }
+}
+
+static void mix(const pl_node_call *call) {
+  const float *a = call->in[1], *b = call->in[2];
+  const float factor = pl_minf(pl_maxf(call->in[0][0], 0.0f), 1.0f);
+  const int mode = (int)call->constants[0].number;
+  for (int k = 0; k < 3; k++)
+    call->out[0][k] = (1.0f - factor) * a[k] + factor * blend(mode, a[k], b[k]);
+  call->out[0][3] = pl_maxf(a[3], b[3]);
+}
+
+static const pl_constant_row mix_constants[] = {
+    {"blend", PL_CHOICE, MIX, 0, 0, modes, 0,
+     "What a becomes at a factor of 1: b, a b, a + b, or 1 - (1 - a) (1 - b)"}};
+static const pl_socket mix_inputs[] = {
+    {"factor", PL_SCALAR, {0.5f, 0.5f, 0.5f}, "0: a, 1: b; cut off outside"},
+    {"a", PL_COLOR, {0.0f, 0.0f, 0.0f}, "Number, vector or colour"},
+    {"b", PL_COLOR, {1.0f, 1.0f, 1.0f}, "The same"},
+};
+static const pl_socket color_output[] = {{"color", PL_COLOR, {0.0f, 0.0f, 0.0f}, "The result"}};
+
+const pl_node_kind pl_node_mix = {
+    .name = "mix",
+    .doc = "Between two values",
+    .inputs = mix_inputs,
+    .input_count = 3,
+    .outputs = color_output,
+    .output_count = 1,
+    .constants = mix_constants,
+    .constant_count = 1,
+    .evaluate = mix,
+};
+
+enum { LINEAR, EASE, STEP };
+static const char *const interpolations[] = {"linear", "ease", "step", NULL};
+enum { STOP = 4 }; /* position, red, green, blue */
+
+static void ramp(const pl_node_call *call) {
+  const pl_constant *stops = &call->constants[0];
+  const int how = (int)call->constants[1].number;
+  const size_t count = stops->count / STOP;
+  const float x = call->in[0][0];
+  size_t next = 0;
+  while (next < count && stops->numbers[STOP * next] <= x)
+    next++;
+  const size_t from = next == 0 ? 0 : next - 1, to = next == count ? count - 1 : next;
+  const float *a = stops->numbers + STOP * from, *b = stops->numbers + STOP * to;
+  float t = to > from ? (x - a[0]) / (b[0] - a[0]) : 0.0f;
+  t = how == STEP ? 0.0f : how == EASE ? t * t * (3.0f - 2.0f * t) : t;
+  for (int k = 0; k < 3; k++)
+    call->out[0][k] = a[k + 1] + t * (b[k + 1] - a[k + 1]);
+  call->out[0][3] = 0.0f;
+}
+
+static pl_status check_ramp(const pl_constant *constants) {
+  const pl_constant *stops = &constants[0];
+  if (stops->count < STOP)
+    return pl_fail(PL_E_RANGE, "stops: a ramp needs at least one");
+  for (size_t i = STOP; i < stops->count; i += STOP)
+    if (!(stops->numbers[i] > stops->numbers[i - STOP]))
+      return pl_fail(PL_E_RANGE, "stops: positions must rise (%g is not above %g)",
+                     (double)stops->numbers[i], (double)stops->numbers[i - STOP]);
+  return PL_OK;
+}
+
+static const pl_constant_row ramp_constants[] = {
+    {"stops", PL_NUMBERS, 0, 0, 0, NULL, STOP, "[position, red, green, blue], by rising position"},
+    {"interpolation", PL_CHOICE, LINEAR, 0, 0, interpolations, 0,
+     "Between two stops: straight, without slope at the stops, or the lower one's colour"}};
+static const pl_socket ramp_inputs[] = {
+    {"value", PL_SCALAR, {0.5f, 0.5f, 0.5f}, "Position; the end colours hold beyond the stops"}};
+
+const pl_node_kind pl_node_ramp = {
+    .name = "ramp",
+    .doc = "Colour by a number",
+    .inputs = ramp_inputs,
+    .input_count = 1,
+    .outputs = color_output,
+    .output_count = 1,
+    .constants = ramp_constants,
+    .constant_count = 2,
+    .check = check_ramp,
+    .evaluate = ramp,
+};

@@ -1,0 +1,30 @@
+/* The rows of the table of nodes; a kind's own file defines its row. Internal to shade. */
+#ifndef PL_SHADE_NODE_ROWS_H
+#define PL_SHADE_NODE_ROWS_H
+
+#include "shade/node.h"
+
+/* node_input.c */
+extern const pl_node_kind pl_node_value, pl_node_color;
+/* node_coordinates.c */
+extern const pl_node_kind pl_node_coordinates, pl_node_mapping;
+/* node_math.c; the last two are the compiler's conversions to a scalar */
+extern const pl_node_kind pl_node_math, pl_node_mean, pl_node_luminance;
+/* node_vector_math.c */
+extern const pl_node_kind pl_node_vector_math;
+/* node_mix.c */
+extern const pl_node_kind pl_node_mix, pl_node_ramp;
+/* node_surface.c */
+extern const pl_node_kind pl_node_principled, pl_node_lambert;
+
+/* Inputs that every surface has, in this order and before its own. */
+typedef enum pl_surface_socket {
+  PL_SURFACE_BASE_COLOR,
+  PL_SURFACE_NORMAL,
+  PL_SURFACE_EMISSION_COLOR,
+  PL_SURFACE_EMISSION_STRENGTH,
+  PL_SURFACE_METALLIC, /* these are the principled's */
+  PL_SURFACE_ROUGHNESS,
+} pl_surface_socket;
+
+#endif
