@@ -19,6 +19,7 @@ from perilune.bodies import Date
 from perilune.config.errors import nearest
 from perilune.config.orbit import Forces, Harmonics
 from perilune.dates import tt_of, utc_of
+from perilune.files import Stamp, stamp
 from perilune.gravity import ZONALS
 
 F64 = NDArray[np.float64]
@@ -106,9 +107,9 @@ def _turning(centre: Centre, what: str) -> dict[str, Any]:
 
 @lru_cache(maxsize=8)
 def _field(
-    path: Path, stamp: tuple[int, int], degree: int, order: int | None
+    path: Path, stamp: Stamp, degree: int, order: int | None
 ) -> gravity_field.GravityField:
-    """Read once as long as the file is not changed (size and time of `stamp`)."""
+    """Read once as long as the file is not changed."""
     field = gravity_field.read(path, degree, order)
     field.c.flags.writeable = field.s.flags.writeable = False
     return field
@@ -131,9 +132,7 @@ def _harmonics(
         j = zonals.j[: harmonics.degree - 1]
         return {"kind": "zonal", **turning, "radius_m": zonals.radius_m, "j": j}
     path = file(harmonics.file, "harmonics.file")
-    stat = path.stat()
-    stamp = (stat.st_size, stat.st_mtime_ns)
-    field = _field(path, stamp, harmonics.degree, harmonics.order)
+    field = _field(path, stamp(path), harmonics.degree, harmonics.order)
     if field.body is not None and centre.table is not None and field.body != centre.table:
         raise ValueError(f"harmonics.file: {path} is a field of {field.body}, not {centre.table}")
     return {

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import erfa
@@ -17,6 +19,7 @@ from perilune.config.attitude import AttitudeTable, Spin, SunPointing, TargetPoi
 from perilune.config.schema import Body
 from perilune.dates import tt_of, utc_of
 from perilune.ephemerides import csv_table
+from perilune.files import Stamp, stamp
 from perilune.orbits.setting import Setting, table_name
 
 F64 = NDArray[np.float64]
@@ -100,6 +103,14 @@ def _tumble(attitude: Tumble) -> Turn:
     return {"frame": "tumble", "inertia": moments, "omega_rad_s": rate, "start": start, "q": back}
 
 
+@lru_cache(maxsize=64)
+def _attitudes(path: Path, stamp: Stamp, epoch: Date, name: str | None) -> tuple[F64, F64]:
+    """Read once as long as the file is not changed."""
+    t_s, q = csv_table.attitudes(path, epoch, name)
+    t_s.flags.writeable = q.flags.writeable = False
+    return t_s, q
+
+
 def craft_turn(name: str, attitude: Any, setting: Setting, index: Mapping[str, int]) -> Turn:
     """Of a spacecraft; index: name -> node."""
     step_s = setting.config.time.step_s
@@ -112,6 +123,6 @@ def craft_turn(name: str, attitude: Any, setting: Setting, index: Mapping[str, i
         return _on("target", attitude, step_s, towards=index[attitude.target], **up)
     if isinstance(attitude, AttitudeTable):
         path = setting.file(attitude.file, f"spacecraft.{name}.attitude.file")
-        t_s, q = csv_table.attitudes(path, setting.epoch, attitude.object)
+        t_s, q = _attitudes(path, stamp(path), setting.epoch, attitude.object)
         return _on("table", attitude, step_s, t_s=t_s, quats=q)
     return _on(attitude.pointing, attitude, step_s)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from perilune import rotations
 from perilune.config.errors import nearest
 from perilune.config.trajectory import Deterministic
+from perilune.files import Stamp, stamp
 from perilune.trajectories.linear import between
 from perilune.trajectories.view import axes, camera_turn, finished, origin, refuse
 from perilune.world import World
@@ -107,7 +108,7 @@ def _key(names: list[str]) -> str:
 
 
 @lru_cache(maxsize=8)
-def _read(path: str, modified_ns: int, size: int) -> Rows:
+def _read(path: str, stamp: Stamp) -> Rows:
     """Kept as long as the file stays as it is."""
     try:
         return parse(Path(path).read_text(encoding="utf-8-sig"), path)
@@ -117,8 +118,7 @@ def _read(path: str, modified_ns: int, size: int) -> Rows:
 
 def read(path: str) -> Rows:
     """The rows of a file, parsed once."""
-    stat = Path(path).stat()
-    return _read(path, stat.st_mtime_ns, stat.st_size)
+    return _read(path, stamp(Path(path)))
 
 
 def _keys(world: World, spec: Deterministic, rows: Rows) -> tuple[float, float]:

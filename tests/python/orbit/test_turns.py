@@ -10,6 +10,7 @@ import pytest
 from tests.python.orbit.scenes import opened, refused, state
 
 from perilune import bodies, dates, rotations
+from perilune.ephemerides import csv_table
 
 # --- rotations ----------------------------------------------------------------------------------
 
@@ -91,6 +92,20 @@ def test_attitude_from_a_table(scene, repo_dir, tmp_path):
     assert abs(abs(q @ expected) - 1) < 1e-14
     with pytest.raises(ValueError, match=r"spacecraft\.sat: 180 s is outside the table"):
         sim.system(0).states(np.array([180.0]))
+
+
+def test_attitude_tables_are_read_once(scene, repo_dir, tmp_path, monkeypatch):
+    """As long as the file stays as it is: not in every frame."""
+    path = tmp_path / "a.csv"
+    path.write_text("t_s,qw,qx,qy,qz\n-60,1,0,0,0\n6e3,0,0,0,1\n")
+    read, count = csv_table.read, []
+    monkeypatch.setattr(csv_table, "read", lambda path: count.append(path) or read(path))
+    sim = opened(scene, repo_dir, attitude={"pointing": "table", "file": str(path)})
+    first = [state(sim, index=index)[0] for index in range(3)]
+    assert len(count) == 1
+    path.write_text("t_s,qw,qx,qy,qz\n-60,0,1,0,0\n6e3,0,0,1,0\n1e4,0,0,0,1\n")
+    assert not np.allclose(state(sim)[0][3:], first[0][3:])
+    assert len(count) == 2
 
 
 def test_date_of_a_moment_is_kept(scene, repo_dir):

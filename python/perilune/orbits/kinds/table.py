@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from perilune.bodies import Date
 from perilune.config.orbit import Table
 from perilune.ephemerides import csv_table, oem
+from perilune.files import Stamp, stamp
 from perilune.motion import propagator
 from perilune.orbits.place import Motion, Place
 
@@ -28,17 +29,20 @@ _CSV = (".csv", ".tsv")
 
 @dataclass(frozen=True)
 class _Piece:
-    """States between which one polynomial after the other goes."""
+    """States between which one polynomial after the other goes; its arrays become read-only."""
 
     t_s: F64
     states: F64
     degree: int | None
 
+    def __post_init__(self) -> None:
+        self.t_s.flags.writeable = self.states.flags.writeable = False
+
 
 @lru_cache(maxsize=64)
 def _pieces(
     path: Path,
-    changed_ns: int,
+    stamp: Stamp,
     epoch: Date,
     name: str | None,
     around: str,
@@ -98,9 +102,6 @@ def _joined(specs: Sequence[dict[str, Any]], path: Path, epoch: Date) -> Motion:
 def table(orbit: Table, place: Place) -> Motion:
     """Polynomials through the states of the file."""
     path = place.file(orbit.file, "file")
-    changed = path.stat().st_mtime_ns
-    root = orbit.around == place.setting.config.root
-    pieces = _pieces(
-        path, changed, place.epoch, orbit.object, orbit.around, root, place.parent.table
-    )
+    root, centre = orbit.around == place.setting.config.root, place.parent.table
+    pieces = _pieces(path, stamp(path), place.epoch, orbit.object, orbit.around, root, centre)
     return _joined([_spec(piece, orbit.degree) for piece in pieces], path, place.epoch)

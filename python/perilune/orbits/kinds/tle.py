@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from perilune.config.orbit import Tle
 from perilune.ephemerides.tle import ElementSet, Sgp4, parse, read
+from perilune.files import Stamp, stamp
 from perilune.orbits.place import Motion, Place
 
 F64 = NDArray[np.float64]
 
 
 @lru_cache(maxsize=256)
-def _read(path: Path, changed_ns: int, name: str | None, number: int | None) -> ElementSet:
+def _read(path: Path, stamp: Stamp, name: str | None, number: int | None) -> ElementSet:
     return read(path, name, number)
 
 
@@ -35,7 +36,7 @@ def tle(orbit: Tle, place: Place) -> Motion:
     else:
         assert orbit.file is not None  # the schema asks for one of the two
         path = place.file(orbit.file, "file")
-        elements = _read(path, path.stat().st_mtime_ns, orbit.name, orbit.number)
+        elements = _read(path, stamp(path), orbit.name, orbit.number)
     record, epoch = _sgp4(elements), place.epoch
 
     def states(t_s: F64) -> F64:
