@@ -41,17 +41,35 @@ class States:
     """Name -> (n, 3)."""
 
 
-class _Kept(Generic[T]):
+_all_kept: weakref.WeakSet[Kept[Any]] = weakref.WeakSet()
+_orphans: list[Any] = []
+"""What a parent process kept: a fork may have caught a lock while it was held, or a propagator
+while it was integrating, so a child neither uses nor destroys them."""
+
+
+def _leave_to_parent() -> None:
+    _orphans.extend(kept.leave() for kept in _all_kept)
+
+
+os.register_at_fork(after_in_child=_leave_to_parent)
+
+
+class Kept(Generic[T]):
     """The last `size` things that were made, by what they were made from."""
 
     def __init__(self, size: int) -> None:
         self._size = size
         self._things: OrderedDict[Hashable, T] = OrderedDict()
         self._lock = threading.Lock()
+        _all_kept.add(self)
+
+    def leave(self) -> OrderedDict[Hashable, T]:
+        """Begins anew; returns what was kept."""
+        left, self._things, self._lock = self._things, OrderedDict(), threading.Lock()
+        return left
 
     def get(self, key: Hashable, make: Callable[[], T]) -> T:
         """The thing of a key, made when it is not there."""
-        key = (os.getpid(), key)  # a fork may have caught a propagator while it was integrating
         with self._lock:
             if key in self._things:
                 self._things.move_to_end(key)
@@ -84,8 +102,8 @@ class _Digests:
 
 _LARGE = 1024  # bytes, from which on a digest is worth its bookkeeping
 _digests = _Digests()
-_propagators: _Kept[_core.Propagator] = _Kept(512)
-_trees: _Kept[_core.Tree] = _Kept(32)
+_propagators: Kept[_core.Propagator] = Kept(512)
+_trees: Kept[_core.Tree] = Kept(32)
 
 
 def _key(value: Any) -> Hashable:

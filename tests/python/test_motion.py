@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import threading
 
 import numpy as np
@@ -113,6 +115,33 @@ def test_large_tables_are_known_by_their_numbers():
     known = len(motion._digests._known)
     del made, states
     assert len(motion._digests._known) == known - 3
+
+
+@pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
+def test_a_fork_while_another_thread_looks_up():
+    """The child gets locks of its own and keeps nothing of the parent's; its bits are the same."""
+    truth = motion.evaluate(nodes(), EPOCH, TIMES).poses["sat"]
+    kept = motion.propagator(KEPLER, EPOCH)
+    held, done = threading.Event(), threading.Event()
+
+    def hold():
+        with motion._propagators._lock:
+            held.set()
+            done.wait()
+
+    thread = threading.Thread(target=hold)
+    thread.start()
+    held.wait()
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)  # ends the child if it waits for the lock
+        same = np.array_equal(motion.evaluate(nodes(), EPOCH, TIMES).poses["sat"], truth)
+        os._exit(0 if same and motion.propagator(KEPLER, EPOCH) is not kept else 1)
+    status = os.waitpid(child, 0)[1]
+    done.set()
+    thread.join()
+    assert os.waitstatus_to_exitcode(status) == 0
+    assert motion.propagator(KEPLER, EPOCH) is kept
 
 
 def test_evaluating_again_allocates_nothing():
