@@ -19,6 +19,7 @@ from perilune.config.errors import named, nearest
 from perilune.config.references import MASKS, OBJECTS, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
 from perilune.hooks import Hook
+from perilune.motion import Kept
 from perilune.orbits import Setting, System
 from perilune.parts import Partition
 from perilune.sample import CameraLabel, Sample
@@ -62,6 +63,7 @@ class Simulation:
         self._trajectory = trajectory
         self._orbits = dict(orbits or {})
         self._epoch = bodies.date_from_utc(document.config.time.utc_fields())
+        self._drawn: Kept[Any] = Kept(64)
         self._handles: Handles | None = None
         self._pid = 0
         try:
@@ -143,6 +145,7 @@ class Simulation:
             file=self._document.path,
             craft_radius_m=lambda name: self._mine().radii_m(config)[name],
             hooks=self._orbits,
+            drawn=self._drawn,
             first_of_scene=None if moment.step == self.timeline.at(first).step else first_of_scene,
         )
 
@@ -166,13 +169,15 @@ class Simulation:
 
     def request(self, index: int) -> _core.FrameRequest:
         """What the core is asked to render for a frame."""
-        return self._request(self.world(index))
+        scene = self.world(index)
+        return self._request(scene, self._mine().posed(scene))
 
-    def _request(self, scene: World) -> _core.FrameRequest:
+    def _request(
+        self, scene: World, posed: Mapping[str, articulation.Posed]
+    ) -> _core.FrameRequest:
         poses = trajectories.camera_poses(scene, self._trajectory)
-        handles = self._mine()
-        request = _request(scene, poses, handles.scales(scene.config))
-        request["object_movers"] = articulation.stacked(handles.posed(scene))
+        request = _request(scene, poses, self._mine().scales(scene.config))
+        request["object_movers"] = articulation.stacked(posed)
         return request
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
@@ -207,7 +212,9 @@ class Simulation:
         check_channels(names, "channels")
         count = default_threads() if threads is None else _checked_threads(threads)
         scene = self.world(index)
-        request, handles = self._request(scene), self._mine()
+        handles = self._mine()
+        posed = handles.posed(scene)
+        request = self._request(scene, posed)
         arrays = _arrays(scene.config, names, out or {})
         try:
             with handles.lock:
@@ -223,7 +230,7 @@ class Simulation:
             "sensor": scene.sensor,
             "time_utc": scene.date.utc(),
             "drivers": dict(scene.drivers),
-            "articulation": {name: row.meta for name, row in handles.posed(scene).items()},
+            "articulation": {name: row.meta for name, row in posed.items()},
             "white_radiance": result["white_radiance"],
             "timings_s": result["timings_s"],
         }

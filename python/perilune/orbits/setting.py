@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from perilune.bodies import Date
 from perilune.config.motion import sections
 from perilune.config.schema import Body, Config
 from perilune.hooks import Hook
+from perilune.motion import Kept
 
 F64 = NDArray[np.float64]
 
@@ -36,6 +38,8 @@ class Setting:
     """Name of a thing -> function given in code, instead of the configured orbit."""
     first_of_scene: Callable[[], Setting] | None = None
     """The setting of the scene's first step; None if this is it."""
+    drawn: Kept[Any] = field(default_factory=lambda: Kept(64), compare=False)
+    """(Scene, name) -> its path, of those that are drawn once a scene."""
 
     @property
     def start(self) -> Setting:

@@ -15,7 +15,7 @@ from perilune.bodies import Date
 from perilune.config.motion import sections
 from perilune.config.orbit import Hook
 from perilune.config.schema import Body
-from perilune.motion import States, evaluate, propagator
+from perilune.motion import Kept, States, evaluate, propagator
 from perilune.orbits import hooked, paths
 from perilune.orbits.place import Motion, Place
 from perilune.orbits.setting import KM, Setting, ephemeris_name, parent_of, radii_m, sun_position_m
@@ -63,13 +63,18 @@ def _hooked(setting: Setting, name: str, orbit: Any) -> bool:
 
 
 def _path(setting: Setting, name: str, entry: Any, section: str) -> Motion:
+    """The path of a thing about what it is around."""
     if entry.orbit is None:
         return _ephemeris(setting, name)
     key = f"{section}.{name}.orbit"
     if not _hooked(setting, name, entry.orbit) and entry.orbit.kind != "database":
         return paths.make(entry.orbit, Place(setting, name, key, entry.orbit.around))
-    # What is drawn once a scene is drawn from the scene's first step, and begins there.
-    start = setting.start
+    kept: Kept[Motion] = setting.drawn
+    return kept.get((setting.scene, name), lambda: _drawn(setting.start, name, key))
+
+
+def _drawn(start: Setting, name: str, key: str) -> Motion:
+    """A path that is drawn once a scene: from the scene's first step, and begins there."""
     orbit = sections(start.config)[name][1].orbit
     assert orbit is not None  # drivers change numbers alone
     since = replace(start, epoch=start.epoch.after(start.start_s))

@@ -105,6 +105,24 @@ def test_the_papers_sampler(scene, repo_dir):
         assert abs(math.degrees(math.asin(pose[2] / np.linalg.norm(pose[:3])))) <= 5.0
 
 
+def test_hooks_are_asked_once_a_scene(scene, repo_dir):
+    """Whatever frames of it are rendered, in whatever order, and the same orbit for each."""
+    scene["time"]["frames_per_scene"] = 3
+    asked = []
+
+    def counted(body_radius_xyz, rng):
+        asked.append(rng.random())
+        return {"scale_xyz": (1.1, 1.1, 1.1), "rotation_rpy": (asked[-1], 0.0, 0.0)}
+
+    sim = opened(scene, repo_dir, orbits={"sat": counted})
+    poses = {index: state(sim, index=index, t_s=60.0)[0] for index in (4, 1, 2, 5, 0, 3)}
+    assert len(asked) == 2  # the first scene's was drawn when it was opened
+    assert asked[0] != asked[1]
+    fresh = opened(scene, repo_dir, orbits={"sat": counted})
+    for index, pose in poses.items():
+        assert np.array_equal(state(fresh, index=index, t_s=60.0)[0], pose)
+
+
 def test_hooks_see_the_world(scene, repo_dir):
     seen = {}
 
