@@ -89,6 +89,9 @@ def test_a_custom_orbit_is_a_hook(tree, iss):
     assert orbit["kind"] == "hook"
     assert (orbit["function"], orbit["params"]) == ("m:f", {"a": 1})
     assert cfg.load(translated(tree)[0], base=FOLDER).config.spacecraft["iss"].orbit.v_step == 0.01
+    for wrong in ("ab", [1], 7):
+        iss["orbit_params"]["params"] = wrong
+        assert "orbit_params.params: must be a mapping, not " in failure(tree)
 
 
 def test_metres_per_unit(tree, planet, general):

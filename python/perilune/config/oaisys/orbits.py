@@ -55,10 +55,12 @@ def _stationary(node: Node, parent: Thing) -> dict[str, Any]:
 
 def _custom(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
     """The user's function, as in the paper's second listing."""
+    params = node.child("params")
+    params.skip()
     return {
         "kind": "hook",
         "function": node.text("function"),
-        "params": dict(node.get("params", {})),
+        "params": dict(params.raw),
         "propagator": "circular",
         "orbit_start": list(node.span("orbit_start", (0.0, 1.0))),
     }
