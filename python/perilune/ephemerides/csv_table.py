@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune import files
 from perilune.bodies import Date
 from perilune.config.errors import nearest
 from perilune.dates import seconds_of
@@ -91,8 +92,8 @@ class Columns:
 
 def read(path: Path) -> Columns:
     """A CSV file whose first line names the columns; lines that begin with # are skipped."""
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        lines = [(k, line) for k, line in enumerate(file, 1) if line.strip() and line[0] != "#"]
+    content = files.text(path).splitlines()
+    lines = [(k, line) for k, line in enumerate(content, 1) if line.strip() and line[0] != "#"]
     try:
         table = list(csv.reader((line for _, line in lines), strict=True))
     except csv.Error as error:
@@ -102,6 +103,9 @@ def read(path: Path) -> Columns:
     if len(table) != len(lines):
         raise ValueError(f"{path}: a quoted field goes over several lines")
     names = tuple(name.strip() for name in table[0])
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"{path}: column '{twice}' occurs twice")
     for row, (number, _) in zip(table, lines, strict=True):
         if len(row) != len(names):
             text = f"has {len(row)} fields; the first line names {len(names)} columns"

@@ -14,6 +14,7 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune import files
 from perilune.bodies import Date
 from perilune.config.errors import nearest
 from perilune.dates import SCALES, seconds_of
@@ -22,6 +23,12 @@ from perilune.ephemerides.frames import to_icrf
 F64 = NDArray[np.float64]
 
 _PAIR = re.compile(r"([A-Z_0-9]+)\s*=\s*(.*)")
+_NEXT = {
+    ("meta", "META_STOP"): "data",
+    ("data", "COVARIANCE_START"): "covariance",
+    ("covariance", "COVARIANCE_STOP"): "data",
+}
+"""(Part of a segment, line that ends it) -> the part that follows."""
 _NEEDED = ("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM")
 
 
@@ -70,7 +77,7 @@ def parse(path: Path) -> list[Segment]:
     segments: list[Segment] = []
     part = "header"
     version = False
-    for number, raw in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
+    for number, raw in enumerate(files.text(path).splitlines(), 1):
         text, where = raw.strip(), f"{path}, line {number}"
         pair = _PAIR.fullmatch(text)
         if not text or text.startswith("COMMENT"):
@@ -78,10 +85,8 @@ def parse(path: Path) -> list[Segment]:
         if text == "META_START":
             part = "meta"
             segments.append(Segment({}, number))
-        elif text == "META_STOP":
-            part = "data"
-        elif text in ("COVARIANCE_START", "COVARIANCE_STOP"):
-            part = "covariance" if text.endswith("START") else "data"
+        elif (part, text) in _NEXT:
+            part = _NEXT[part, text]
         elif part == "covariance":
             continue
         elif part == "data" and pair is None:

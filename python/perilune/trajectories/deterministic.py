@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import rotations
+from perilune import files, rotations
 from perilune.config.errors import nearest
 from perilune.config.trajectory import Deterministic
-from perilune.files import Stamp, stamp
 from perilune.trajectories.linear import between
 from perilune.trajectories.view import axes, camera_turn, finished, origin, refuse
 from perilune.world import World
@@ -108,17 +107,14 @@ def _key(names: list[str]) -> str:
 
 
 @lru_cache(maxsize=8)
-def _read(path: str, stamp: Stamp) -> Rows:
+def _read(path: str, stamp: files.Stamp) -> Rows:
     """Kept as long as the file stays as it is."""
-    try:
-        return parse(Path(path).read_text(encoding="utf-8-sig"), path)
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not UTF-8 text: {error}") from None
+    return parse(files.text(Path(path)), path)
 
 
 def read(path: str) -> Rows:
     """The rows of a file, parsed once."""
-    return _read(path, stamp(Path(path)))
+    return _read(path, files.stamp(Path(path)))
 
 
 def _keys(world: World, spec: Deterministic, rows: Rows) -> tuple[float, float]:

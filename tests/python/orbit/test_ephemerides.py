@@ -193,6 +193,9 @@ def test_oem_round_trip(tmp_path):
         ({"T12:01:00 ": "T12:01:00 1 2 "}, r"line 16: a line has a date and 6 numbers"),
         ({"CCSDS_OEM_VERS = 2.0\n": ""}, r"line 1: an OEM begins with CCSDS_OEM_VERS"),
         ({"T12:02:00 ": "T12:02:61 "}, r"line 5:.*date"),
+        ({"META_START\n": ""}, r"a\.oem, line 12: 'META_STOP' is not expected here"),
+        ({"META_START\n": "COVARIANCE_STOP\n"}, "'COVARIANCE_STOP' is not expected here"),
+        ({"META_START\n": "COVARIANCE_START\nMETA_START\n"}, "'COVARIANCE_START' is not expected"),
     ],
 )
 def test_faulty_oem(tmp_path, changes, text):
@@ -200,6 +203,15 @@ def test_faulty_oem(tmp_path, changes, text):
     write_message(path, **changes)
     with pytest.raises(ValueError, match=text):
         oem.states(oem.parse(path)[0], EPOCH, path)
+
+
+def test_files_that_are_not_text(tmp_path):
+    """Errors name the file, as those of its lines do."""
+    path = tmp_path / "a.oem"
+    path.write_bytes(b"CCSDS_OEM_VERS = 2.0\nCOMMENT \xff\n")
+    for read in (oem.parse, csv_table.read):
+        with pytest.raises(ValueError, match=r"a\.oem: not UTF-8 text: .*0xff"):
+            read(path)
 
 
 # --- CSV ---------------------------------------------------------------------------------------
@@ -245,6 +257,7 @@ def test_csv_of_objects(tmp_path):
         ("x_km,y_km,z_km\n1,2,3\n1,2,3\n", "t_s or time_utc"),
         ("t_s,x_km,z_km\n0,1,2\n1,1,2\n", "has x_km but no y_km"),
         ("t_s,a,b\n0,1,2\n1,1,2\n", "needs columns x_km"),
+        ("t_s,x_km,y_km,x_km\n0,1,2,3\n1,1,2,3\n", "column 'x_km' occurs twice"),
     ],
 )
 def test_faulty_csv(tmp_path, text, message):
