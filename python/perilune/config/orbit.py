@@ -201,7 +201,7 @@ class Numerical(Elements):
     """Integrated motion under the stated forces."""
 
     kind: Literal["numerical"]
-    rtol: Annotated[Positive, Field(le=1e-3)] = 1e-10
+    rtol: Annotated[Positive, Field(le=1e-3)] = 1e-12
     """Relative tolerance of a step of the integrator."""
     forces: Forces = Forces()
 
