@@ -253,6 +253,85 @@ def test_energy_and_momentum(el: dict[str, float], t: float) -> None:
         assert np.linalg.norm(r) >= q * (1 - 1e-14)
 
 
+def elements_of(state: np.ndarray) -> dict[str, float]:
+    """Classical elements by their definitions, in no way ours (Vallado, algorithm 9; Kepler's
+    equation). For conics that are neither circular, equatorial nor parabolic."""
+    r, v = state[:3], state[3:]
+    distance, h = float(np.linalg.norm(r)), np.cross(r, v)
+    towards = np.cross(v, h) / GM - r / distance
+    e, size = float(np.linalg.norm(towards)), float(np.linalg.norm(h))
+    node = np.array([-h[1], h[0], 0.0])
+    nu = math.atan2(h @ np.cross(towards, r) / size, towards @ r)
+    q = size * size / GM / (1 + e)
+    if e < 1:
+        anomaly = 2 * math.atan2(
+            math.sqrt(1 - e) * math.sin(nu / 2), math.sqrt(1 + e) * math.cos(nu / 2)
+        )
+        mean = anomaly - e * math.sin(anomaly)
+    else:
+        anomaly = 2 * math.atanh(math.sqrt((e - 1) / (e + 1)) * math.tan(nu / 2))
+        mean = e * math.sinh(anomaly) - anomaly
+    return {
+        "periapsis_m": q,
+        "eccentricity": e,
+        "inclination_rad": math.atan2(math.hypot(h[0], h[1]), h[2]),
+        "raan_rad": math.atan2(node[1], node[0]),
+        "arg_periapsis_rad": math.atan2(h @ np.cross(node, towards) / size, node @ towards),
+        "since_periapsis_s": mean / math.sqrt(GM * abs((1 - e) / q) ** 3),
+    }
+
+
+@given(
+    el=st.fixed_dictionaries(
+        {
+            "periapsis_m": st.floats(2e6, 1e8),
+            "eccentricity": st.one_of(st.floats(0.05, 0.9), st.floats(1.1, 3.0)),
+            "inclination_rad": st.floats(0.05, math.pi - 0.05),
+            "raan_rad": st.floats(-3.1, 3.1),
+            "arg_periapsis_rad": st.floats(-3.1, 3.1),
+            "since_periapsis_s": st.floats(-1e4, 1e4),
+        }
+    )
+)
+def test_round_trip_of_elements(el: dict[str, float]) -> None:
+    """Elements -> state -> elements, 1e-10; the state as a state -> the same one, and later too."""
+    state = kepler_states(el, GM, np.zeros(1))[0]
+    found = elements_of(state)
+    rate = math.sqrt(GM / el["periapsis_m"] ** 3)
+    period = math.inf
+    if el["eccentricity"] < 1:
+        period = math.tau / rate / (1 - el["eccentricity"]) ** 1.5
+    for key, value in el.items():
+        scale = {"periapsis_m": el["periapsis_m"], "since_periapsis_s": 1 / rate}.get(key, 1.0)
+        away = found[key] - value
+        if key == "since_periapsis_s" and math.isfinite(period):
+            away = math.remainder(away, period)
+        assert abs(away) <= 1e-10 * scale, key
+
+
+@given(el=conics, t=st.floats(-1e6, 1e6))
+def test_round_trip_of_states(el: dict[str, float], t: float) -> None:
+    """Elements -> state, taken as a state; its state at t, taken as a state: back to the first.
+
+    An error of eps in speed or place is one of the period, times the time; it grows far out.
+    """
+    spec = {"kind": "kepler", "gm": GM, "frame": "icrf"}
+
+    def through(state: np.ndarray, *times: float) -> np.ndarray:
+        path = _core.Propagator({**spec, "state": state}, 2451545.0, 0.0)
+        return path.states(np.array(times))
+
+    start = kepler_states(el, GM, np.zeros(1))[0]
+    here, there = through(start, 0.0, t)
+    back = through(there, -t)[0]
+    q = el["periapsis_m"]
+    size = [float(np.linalg.norm(s[:3])) for s in (start, there)]
+    assert np.linalg.norm(here - start) <= 1e-13 * np.linalg.norm(start)
+    phase = math.sqrt(GM / q**3) * (abs(t) + abs(el["since_periapsis_s"]))
+    bound = (1e-10 + 16 * EPS * phase) * max(size) / q
+    assert np.linalg.norm(back[:3] - start[:3]) <= bound * max(size)
+
+
 @given(el=conics, turns=st.integers(-1000, 1000))
 def test_period(el: dict[str, float], turns: int) -> None:
     e = el["eccentricity"]
