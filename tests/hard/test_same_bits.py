@@ -1,7 +1,8 @@
 """Same SHA-256 of every array of frames 0..9, however and wherever they are computed.
 
-The scene is the small one with drivers, a moving shutter, two objects that hide each other and full
-silhouettes; and the repository's demo, which has textures and a map, in small.
+The scene is the small one with drivers, a moving shutter, two objects that hide each other, one of
+them with moving parts, and full silhouettes; and the repository's demo, which has textures and a
+map, in small.
 """
 
 from __future__ import annotations
@@ -35,6 +36,11 @@ def crowd(root):
     behind = {**sat, "model": str(root / "assets/models/tango_like.glb"), "size_m": 3.0}
     behind["orbit"] = {**sat["orbit"], "mean_anomaly_deg": 20.00003}
     tree["spacecraft"]["other"] = behind
+    sat["articulation"] = [
+        {"node": "panel_left", "axis": [0, 1, 0], "normal": [1, 0, 0], "towards": "sun"},
+        {"node": "panel_right_2", "axis": [0, 1, 0], "rate_deg_s": 3.0},
+        {"node": "high_gain_antenna", "axis": [1, 0, 1], "angle_deg": JITTER},
+    ]
     tree["bodies"]["earth"]["color_map"] = str(root / "assets/maps/earth_like.jpg")
     tree["camera"] |= {"fov_deg": JITTER, "exposure_time_s": 0.01}
     tree["render"] |= {"samples": 3, "max_bounces": 2}
