@@ -6,13 +6,14 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 from perilune.dataset import Dataset, Stream, collate
+from perilune.drivers import Driver
 from perilune.sample import Sample
 from perilune.simulation import Simulation, open  # noqa: A004 (perilune.open is the interface)
 
 if TYPE_CHECKING:
     from perilune.writers import write_bop
 
-__all__ = ["Dataset", "Sample", "Simulation", "Stream", "collate", "open", "write_bop"]
+__all__ = ["Dataset", "Driver", "Sample", "Simulation", "Stream", "collate", "open", "write_bop"]
 
 try:
     __version__ = version("perilune")

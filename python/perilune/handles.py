@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ from perilune.parts import Partition, partition
 from perilune.world import World
 
 F64 = NDArray[np.float64]
+
+_LOOKS = 4
+"""Renderers that are kept."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,8 @@ class Handles:
     def __init__(self, document: Document) -> None:
         self.document = document
         self.lock = Lock()
+        self._files: dict[str, _core.Map] = {}
+        self._renderers: dict[tuple[Any, ...], _core.Renderer] = {}
 
     @cached_property
     def models(self) -> Mapping[str, ObjectModel]:
@@ -162,21 +168,31 @@ class Handles:
             for name, rig in self.rigs.items()
         }
 
-    @cached_property
-    def maps(self) -> Mapping[str, _core.Map]:
-        """Body entry -> its colour map, of those that have one."""
-        files: dict[str, _core.Map] = {}
-        result: dict[str, _core.Map] = {}
-        for name, body in self.document.config.bodies.items():
-            if body.color_map is not None:
-                path = str(self.document.path(body.color_map, f"bodies.{name}.color_map"))
-                result[name] = files.setdefault(path, files.get(path) or _core.Map(path))
-        return result
+    def _map(self, name: str, text: str | None) -> _core.Map | None:
+        """The colour map of a body; each file is read once."""
+        if text is None:
+            return None
+        path = str(self.document.path(text, f"bodies.{name}.color_map"))
+        if path not in self._files:
+            self._files[path] = _core.Map(path)
+        return self._files[path]
 
-    @cached_property
+    @property
     def renderer(self) -> _core.Renderer:
-        """The core's renderer of the scene."""
-        config, labels = self.document.config, self.taxonomy
+        """The core's renderer of the ideal configuration's scene."""
+        return self.renderer_of(self.document.config)
+
+    def renderer_of(self, config: Config) -> _core.Renderer:
+        """The core's renderer of a frame's scene: one for each look that choices give it."""
+        look = tuple((body.color_map, body.reflectance) for body in config.bodies.values())
+        if look not in self._renderers:
+            if len(self._renderers) == _LOOKS:  # the one made first makes room
+                del self._renderers[next(iter(self._renderers))]
+            self._renderers[look] = self._renderer(config)
+        return self._renderers[look]
+
+    def _renderer(self, config: Config) -> _core.Renderer:
+        labels = self.taxonomy
         scene = _core.Scene(len(labels.levels))
         part_ids: dict[str, list[int]] = {}
         part_classes: dict[str, list[str]] = {}
@@ -186,7 +202,7 @@ class Handles:
         for name, body in config.bodies.items():
             scene.add_body(
                 name=name,
-                map=self.maps.get(name),
+                map=self._map(name, body.color_map),
                 map_center_lon_rad=math.radians(body.map_center_lon_deg),
                 reflectance=body.reflectance,
                 instance_id=labels.instances[name],

@@ -123,7 +123,7 @@ class Simulation:
             self._handles, self._pid = Handles(self._document), pid
         return self._handles
 
-    def config_at(self, index: int) -> tuple[Config, dict[str, float]]:
+    def config_at(self, index: int) -> tuple[Config, dict[str, Any]]:
         """The configuration of a frame, and what its drivers drew, by key path.
 
         Its section `camera` is the platform's; `world(index).camera` is what takes the frame.
@@ -182,15 +182,16 @@ class Simulation:
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""
-        request, handles = self.request(index), self._mine()
+        scene, handles = self.world(index), self._mine()
         with handles.lock:
-            return handles.renderer.measure_rays(request, repeats)
+            renderer = handles.renderer_of(scene.config)
+            return renderer.measure_rays(self._request(scene), repeats)
 
     def plan(self, index: int) -> list[_core.PlanRow]:
         """The effects kept and dropped in a frame, with reasons; nothing is rendered."""
-        request, handles = self.request(index), self._mine()
+        scene, handles = self.world(index), self._mine()
         with handles.lock:
-            return handles.renderer.plan(request)["plan"]
+            return handles.renderer_of(scene.config).plan(self._request(scene))["plan"]
 
     def __getitem__(self, index: int) -> Sample:
         return self.frame(index)
@@ -218,7 +219,7 @@ class Simulation:
         arrays = _arrays(scene.config, names, out or {})
         try:
             with handles.lock:
-                result = handles.renderer.render(request, arrays, count)
+                result = handles.renderer_of(scene.config).render(request, arrays, count)
         except Exception as error:
             error.add_note(f"{self._document.source}: frame {scene.index}")
             raise

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +42,7 @@ class World:
     sun_position_m: F64
     system: orbits.System
     """What moves and how: its states at any other time."""
-    drivers: Mapping[str, float]
+    drivers: Mapping[str, Any]
     """What the drivers drew, by key path."""
     longest: World | None = None
     """The same step with the longest exposure of its sensors; None where this one's is."""
@@ -164,7 +165,7 @@ class World:
 
 def build(
     config: Config,
-    drivers: Mapping[str, float],
+    drivers: Mapping[str, Any],
     index: int,
     epoch: Date,
     craft_radius_m: Mapping[str, float],

@@ -14,7 +14,7 @@ import pytest
 from perilune import config as cfg
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
-from perilune.drivers import Driver
+from perilune.drivers import Defaults, Plan, find
 from perilune.random import generator, stable_hash
 
 COUNT = 20_000
@@ -26,12 +26,21 @@ def scene(repo_dir):
     return read_tree(repo_dir / "tests/python/scene.yaml")
 
 
-def driver(ideal=3.0, variance=4.0, low=-1e9, high=1e9, interval=None, strength=None, name="a.b"):
-    return Driver(("a", "b"), name, ideal, variance, low, high, interval, strength)
+def row(raw, name="a"):
+    """The driver of a mapping at the key `name`."""
+    (found,) = find({name: raw})
+    return found
 
 
-def draws(row: Driver, seed=1, strength=1.0, interval=1, count=COUNT):
-    return np.array([row.draw(seed, frame, strength, interval) for frame in range(count)])
+def driver(ideal=3.0, variance=4.0, low=-1e9, high=1e9, interval=None, strength=None, name="a"):
+    settings = {"interval": interval, "strength": strength}
+    more = {key: value for key, value in settings.items() if value is not None}
+    return row(driven(ideal, variance, low, high, **more), name)
+
+
+def draws(found, seed=1, strength=1.0, interval=1, count=COUNT, groups=None):
+    plan = Plan((found,), groups or {}, Defaults(strength, interval))
+    return np.array([plan.draw(found, seed, step) for step in range(count)])
 
 
 def normal_cdf(x):
@@ -72,16 +81,16 @@ def test_clipping():
 
 def test_uniform():
     """Kolmogorov-Smirnov against the uniform distribution, as above."""
-    row = Driver(("a",), "a", 1.0, 16.0 / 12.0, -1.0, 3.0, None, None, uniform=True)
-    values = np.sort(draws(row))
+    found = row({"uniform": [-1.0, 3.0]})
+    values = np.sort(draws(found))
     assert values.min() >= -1.0
     assert values.max() <= 3.0
     distance = np.abs((values + 1.0) / 4.0 - (np.arange(COUNT) + 0.5) / COUNT).max()
     assert distance * math.sqrt(COUNT) < 2.7
-    half = draws(row, strength=0.25)
+    half = draws(found, strength=0.25)
     assert half.min() >= 0.0
     assert half.max() <= 2.0
-    assert (draws(row, strength=0.0) == 1.0).all()
+    assert (draws(found, strength=0.0) == 1.0).all()
 
 
 def test_uniform_in_a_file(scene):
@@ -105,9 +114,10 @@ def test_the_suns_direction_by_angles(scene):
 
 @pytest.mark.parametrize("ideal", [0.1, 1.0 / 3.0, -7e22, 5e-324])
 def test_strength_zero_gives_exactly_the_ideal(ideal):
-    assert set(draws(driver(ideal), strength=0.0, count=50)) == {ideal}
-    assert set(draws(driver(ideal, strength=0.0), strength=1.0, count=50)) == {ideal}
-    assert set(draws(driver(ideal, variance=0.0), count=50)) == {ideal}
+    limits = {"low": -1e30, "high": 1e30}
+    assert set(draws(driver(ideal, **limits), strength=0.0, count=50)) == {ideal}
+    assert set(draws(driver(ideal, strength=0.0, **limits), strength=1.0, count=50)) == {ideal}
+    assert set(draws(driver(ideal, variance=0.0, **limits), count=50)) == {ideal}
 
 
 def test_interval():

@@ -9,12 +9,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from perilune import drivers
 from perilune.config import oaisys
-from perilune.config.errors import ConfigError, from_validation, origin
+from perilune.config.errors import ConfigError, from_validation, nearest, origin
+from perilune.config.fixed import fixed
 from perilune.config.loader import plain_tree, read_tree
 from perilune.config.overrides import apply_overrides
+from perilune.config.references import check_references
 from perilune.config.schema import Config
+from perilune.drivers import Defaults, DriverError, Found, KeyPath, Plan, find, names, substitute
+from perilune.hooks import HookError
 
 DATA_VARIABLE = "PERILUNE_DATA"
 _DATA_PREFIX = "data:"
@@ -36,30 +39,59 @@ class Document:
         self.source = source
         self.origins = dict(origins or {})
         try:
-            self.drivers = tuple(drivers.find(self.tree))
-        except drivers.DriverError as error:
+            self._plan = Plan(tuple(find(self.tree)))
+            self.config = self._validate(self._plan.ideals)
+            self._plan = self._grouped()
+        except (DriverError, HookError) as error:
             raise ConfigError(f"{source}: {error}") from None
-        self.config = self._validate({driver.path: driver.ideal for driver in self.drivers})
         self._check_clips()
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Document, (self.tree, self.base, self.source, self.origins)
 
-    def at(self, frame: int) -> tuple[Config, dict[str, float]]:
+    @property
+    def drivers(self) -> tuple[Found, ...]:
+        """What is driven, in the order of the tree."""
+        return self._plan.drivers
+
+    def at(self, frame: int) -> tuple[Config, dict[str, Any]]:
         """The configuration of a frame, and the values its drivers have there, by key path.
 
         All frames of one step have the same.
         """
         if not self.drivers:
             return self.config, {}
-        seed, strength = self.config.seed, self.config.drivers.strength
-        interval = self.config.drivers.interval or self.config.time.frames_per_scene
         step = self.config.timeline.at(frame).step
-        values = {
-            driver.path: driver.draw(seed, step, strength, interval) for driver in self.drivers
-        }
-        drawn = {driver.name: values[driver.path] for driver in self.drivers}
-        return self._validate(values), drawn
+        try:
+            values = self._plan.values(self.config.seed, step)
+        except (DriverError, HookError) as error:
+            raise ConfigError(f"{self.source}: {error}") from None
+        return self._validate(values), self._by_name(values)
+
+    def _by_name(self, values: Mapping[KeyPath, Any]) -> dict[str, Any]:
+        return {driver.name: values[driver.path] for driver in self.drivers}
+
+    def _grouped(self) -> Plan:
+        """The drivers with their groups, defaults and functions."""
+        section = self.config.drivers
+        members = [
+            (member, f"drivers.groups.{name}.members[{k}]")
+            for name, group in section.groups.items()
+            for k, member in enumerate(group.members or ())
+        ]
+        keys = set(names(self.tree)) if members else set()
+        for member, key in members:
+            if member not in keys:  # one with a plain value is no error: it may be an override
+                known = [driver.name for driver in self.drivers]
+                raise DriverError(key, f"no key '{member}'{nearest(member, known)}")
+        interval = section.interval or self.config.time.frames_per_scene
+        plan = Plan(
+            self.drivers,
+            {name: group.resolved(name) for name, group in section.groups.items()},
+            Defaults(section.strength, interval),
+        )
+        plan.check()
+        return plan.loaded(self.path)
 
     def path(self, text: str, key: str) -> Path:
         """The file that a path of the configuration means; `key` names it in errors."""
@@ -84,20 +116,30 @@ class Document:
             )
         return path
 
-    def _validate(self, values: Mapping[tuple[str | int, ...], float]) -> Config:
-        tree = drivers.substitute(self.tree, values)
+    def _validate(self, values: Mapping[KeyPath, Any]) -> Config:
+        tree = substitute(self.tree, values)
         try:
             return Config.model_validate(tree, context={"path": self.path})
         except ValidationError as error:
-            driven = {driver.name: values[driver.path] for driver in self.drivers}
+            driven = self._by_name(values)
             raise from_validation(error, tree, self.source, driven, self.origins) from None
 
     def _check_clips(self) -> None:
         """Each driver's limits must be valid values, so that no later frame fails on them."""
-        ideal = {driver.path: driver.ideal for driver in self.drivers}
+        ideals = self._plan.ideals
+        fixed_by_scene = fixed(self.config)
         for driver in self.drivers:
-            for limit in {driver.clip_min, driver.clip_max} - {driver.ideal}:
-                self._validate({**ideal, driver.path: limit})
+            for limit in driver.distribution.limits:
+                if limit == driver.ideal:
+                    continue
+                config = self._validate({**ideals, driver.path: limit})
+                check_references(config, self.source)
+                for key, value in fixed(config).items():
+                    if fixed_by_scene.get(key) != value:
+                        raise ConfigError(
+                            f"{self.source}: {driver.name}: takes no driver: it changes {key}, "
+                            "which is fixed when the scene is built"
+                        )
 
 
 def load(

@@ -66,7 +66,7 @@ def origin(key: str, origins: Mapping[str, str]) -> str:
 
 
 def _describe(
-    error: ErrorDetails, tree: Any, driven: Mapping[str, float], origins: Mapping[str, str]
+    error: ErrorDetails, tree: Any, driven: Mapping[str, Any], origins: Mapping[str, str]
 ) -> str:
     path, value = _walk(tree, error["loc"], error["type"] == "missing")
     below = error.get("ctx", {}).get("path", "") if error["type"] == "perilune" else ""
@@ -86,7 +86,8 @@ def _describe(
         text = f"no kind '{error['ctx']['tag']}'{nearest(error['ctx']['tag'], allowed)}"
     elif error["type"] == "union_tag_not_found":
         text = "needs the key 'kind'"
-    where = " (a value or limit of its driver)" if key in driven else ""
+    inside = any(key == name or key.startswith((f"{name}.", f"{name}[")) for name in driven)
+    where = " (a value or limit of its driver)" if inside else ""
     return f"{shown_key or '(top level)'}{shown}: {text}{where}"
 
 
@@ -94,7 +95,7 @@ def from_validation(
     error: ValidationError,
     tree: Any,
     source: str,
-    driven: Mapping[str, float] | None = None,
+    driven: Mapping[str, Any] | None = None,
     origins: Mapping[str, str] | None = None,
 ) -> ConfigError:
     """A pydantic error in the words of the configuration file.

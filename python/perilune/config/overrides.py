@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
 from perilune.config.errors import ConfigError
 from perilune.config.loader import parse_yaml
+
+_INDEX = re.compile(r"\[(\d+)\]")
 
 
 def parse_override(text: str) -> tuple[str, Any]:
@@ -33,11 +36,13 @@ def _step(node: Any, part: str, key: str) -> tuple[Any, str | int]:
 def apply_overrides(tree: dict[str, Any], overrides: Mapping[str, Any]) -> None:
     """Changes the tree: sets each dotted key, making sections on the way; None removes the key.
 
-    A key must name something the schema knows; the validation that follows sees to that.
+    Indices of lists are numbers between dots, or in brackets as key paths show them:
+    `camera.K.4` or `camera.K[4]`. A key must name something the schema knows; the validation that
+    follows sees to that.
     """
     for key, value in overrides.items():
         node: Any = tree
-        parts = key.split(".")
+        parts = _INDEX.sub(r".\1", key).split(".")
         for part in parts[:-1]:
             node, index = _step(node, part, key)
             if isinstance(node, dict) and node.get(part) is None:

@@ -38,8 +38,9 @@ from perilune.config.types import (
     StaticNonNegative,
     StaticVec3,
     Strict,
+    refuse_drawn,
 )
-from perilune.drivers import Drawn
+from perilune.drivers import Drawn, Group, factor
 from perilune.timeline import Timeline
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
@@ -275,13 +276,70 @@ class Labels(Strict):
         return self
 
 
+Correlation = Annotated[float, Field(strict=True, ge=-1.0, le=1.0), BeforeValidator(refuse_drawn)]
+
+
+class DriverGroup(Strict):
+    """Settings of the drivers that say `group: NAME`, and how their draws go together.
+
+    Drivers are correlated through standard normals: of normal drivers the correlations are those
+    given, the others are monotonic functions of theirs (a Gaussian copula)."""
+
+    jitter_strength: StaticNonNegative | None = None
+    """Factor on every variance; 0 gives exactly the ideal values (default: drivers.strength)."""
+    step_interval: Annotated[Integer, Field(ge=1)] | None = None
+    """Steps between draws (default: drivers.interval)."""
+    shared: Annotated[bool, Field(strict=True)] = False
+    """All drivers of the group vary by one and the same draw."""
+    members: Annotated[tuple[str, ...], Field(min_length=1)] | None = None
+    """Key paths of the drivers, in the order of the matrix's rows."""
+    correlation: tuple[tuple[Correlation, ...], ...] | None = None
+    """Symmetric and positive definite, with ones on the diagonal."""
+
+    @model_validator(mode="after")
+    def _matrix(self) -> DriverGroup:
+        if self.correlation is None:
+            if self.members is not None:
+                fail("members", "are the rows of `correlation`, which is missing")
+            return self
+        if self.shared:
+            fail("shared", "give shared or correlation, not both")
+        if self.members is None:
+            fail("members", "required with correlation: the key paths of its rows")
+        count = len(self.members)
+        if len(set(self.members)) != count:
+            fail("members", "a key path occurs twice")
+        if len(self.correlation) != count or any(len(row) != count for row in self.correlation):
+            fail("correlation", f"must be {count} x {count} for {count} members")
+        try:
+            factor(self.correlation)
+        except ValueError as error:
+            fail("correlation", str(error))
+        return self
+
+    def resolved(self, name: str) -> Group:
+        """As the drivers use it."""
+        return Group(
+            name,
+            self.jitter_strength,
+            self.step_interval,
+            self.shared,
+            self.members or (),
+            None if self.correlation is None else factor(self.correlation),
+        )
+
+
 class Drivers(Strict):
-    """Defaults of the drivers: {ideal, jitter_variance, clip_min, clip_max} on any number."""
+    """Defaults of the drivers, and their groups. A driver is a mapping in the place of a value:
+    {ideal, jitter_variance, clip_min, clip_max}, {uniform: [low, high]}, {median, log_variance,
+    clip_min, clip_max}, {choice: [...], weights: [...]} or {hook: module:function, ideal, ...}."""
 
     strength: StaticNonNegative = 1.0
     """Factor on every variance; 0 gives exactly the ideal values."""
     interval: Annotated[Integer, Field(ge=1)] | None = None
     """A value is drawn anew every so many steps (default: time.frames_per_scene)."""
+    groups: dict[str, DriverGroup] = Field(default_factory=dict)
+    """Drivers with settings of their own, or correlated."""
 
 
 class Config(Strict):

@@ -1,0 +1,64 @@
+"""What a simulation reads once, from the ideal configuration: no driver may change it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from perilune.config.camera import Camera
+from perilune.config.schema import Body, Config, Spacecraft
+
+
+def _of_body(body: Body) -> dict[str, Any]:
+    return {"kind": body.kind, "class": body.class_, "map_center_lon_deg": body.map_center_lon_deg}
+
+
+def _of_craft(craft: Spacecraft) -> dict[str, Any]:
+    joints = [
+        (row.node, row.kind, row.axis, row.axes, row.pivot_m, row.towards, row.normal)
+        for row in craft.articulation
+    ]
+    play = craft.animation
+    return {
+        "model": craft.model,
+        "centre": craft.centre,
+        "obj_id": craft.obj_id,
+        "class": craft.class_,
+        "parts": craft.parts,
+        "part_classes": craft.part_classes,
+        "articulation": joints,
+        "animation": None if play is None else (play.name, play.index),
+        "symmetries": craft.symmetries,
+    }
+
+
+def _of_camera(camera: Camera) -> dict[str, Any]:
+    return {"width": camera.width, "height": camera.height}
+
+
+def fixed(config: Config) -> Mapping[str, Any]:
+    """Key path -> value of all that is fixed when the scene is built."""
+    rows: dict[str, Any] = {
+        "version": config.version,
+        "name": config.name,
+        "description": config.description,
+        "seed": config.seed,
+        "time.epoch": config.time.epoch,
+        "time.frames_per_scene": config.time.frames_per_scene,
+        "root": config.root,
+        "bodies": list(config.bodies),
+        "spacecraft": list(config.spacecraft),
+        "sensors": [(name, row.trigger_interval) for name, row in config.sensors.items()],
+        "render.channels": config.render.channels,
+        "render.amodal": config.render.amodal,
+        "labels": config.labels,
+        "drivers": config.drivers,
+    }
+    for name, body in config.bodies.items():
+        rows |= {f"bodies.{name}.{key}": value for key, value in _of_body(body).items()}
+    for name, craft in config.spacecraft.items():
+        rows |= {f"spacecraft.{name}.{key}": value for key, value in _of_craft(craft).items()}
+    for camera_name, camera in config.cameras.items():
+        at = "camera" if camera_name is None else f"sensors.{camera_name}"
+        rows |= {f"{at}.{key}": value for key, value in _of_camera(camera).items()}
+    return rows

@@ -1,0 +1,109 @@
+"""{hook: module:function, ideal, clip_min, clip_max, params}: the user's own distribution.
+
+The function gets those of its arguments that are named rng, seed, step, ideal, strength and params,
+and the entries of `params` by their names; it returns a value like `ideal`. Numbers are clipped; a
+text or a section as `ideal` takes no limits. It is not called at a strength of 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from perilune import hooks
+from perilune.drivers.common import DriverError, Kind, Source, clip, numbers, shaped, size
+from perilune.drivers.normal import check_ideal, need
+
+
+@dataclass(frozen=True)
+class Hooked:
+    """`low` and `high` are None where the ideal is no number."""
+
+    name: str
+    function: str
+    ideal: Any
+    count: int | None
+    low: tuple[float, ...] | None
+    high: tuple[float, ...] | None
+    params: Mapping[str, Any]
+    loaded: hooks.Hook | None = None
+
+    @property
+    def limits(self) -> tuple[Any, ...]:
+        """Both clips, of numbers."""
+        if self.low is None or self.high is None:
+            return ()
+        return shaped(self.low, self.count), shaped(self.high, self.count)
+
+    def load(self, find: Callable[[str, str], Path] | None) -> Hooked:
+        """With its function; see hooks.load."""
+        key = f"{self.name}.hook"
+        function = hooks.load(self.function, key, find)
+        return Hooked(**{**self.__dict__, "loaded": function})
+
+    def draw(self, source: Source, strength: float) -> Any:
+        """What the function returns, clipped; DriverError if it is not like the ideal."""
+        if strength == 0.0:
+            return self.ideal
+        key = f"{self.name}.hook"
+        function = self.loaded or hooks.load(self.function, key)
+        at = f"@{source.instance}" if source.instance else ""
+        value = hooks.call(
+            function,
+            f"{key}{at}",
+            seed=source.seed,
+            index=source.epoch,
+            offers={
+                "seed": lambda: source.seed,
+                "step": lambda: source.step,
+                "ideal": lambda: self.ideal,
+                "strength": lambda: strength,
+            },
+            params=self.params,
+        )
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        if self.low is None or self.high is None:
+            return value
+        if (self.count is not None) != isinstance(value, (list, tuple)):
+            like = "one number" if self.count is None else f"{self.count} numbers"
+            raise DriverError(key, f"'{self.function}' must return {like}, not {value!r}")
+        returned = numbers(f"{key} ('{self.function}' returned)", value, self.count)
+        return shaped(clip(np.array(returned), self.low, self.high), self.count)
+
+
+def parse(name: str, raw: Mapping[str, Any]) -> Hooked:
+    """From its mapping; `name` is the key path."""
+    need(name, raw, ("hook", "ideal"))
+    function, ideal, params = raw["hook"], raw["ideal"], raw.get("params", {})
+    module, _, path = function.partition(":") if isinstance(function, str) else ("", "", "")
+    if not module or not all(part.isidentifier() for part in path.split(".")):
+        raise DriverError(f"{name}.hook", f"must be module:function, not {function!r}")
+    if not isinstance(params, Mapping):
+        raise DriverError(f"{name}.params", f"must be a mapping, not {params!r}")
+    if ideal is None or isinstance(ideal, (str, bool, Mapping)):
+        for key in ("clip_min", "clip_max"):
+            if key in raw:
+                raise DriverError(f"{name}.{key}", "only for numbers, and the ideal is none")
+        return Hooked(name, function, ideal, None, None, None, params)
+    need(name, raw, ("hook", "ideal", "clip_min", "clip_max"))
+    count = size(f"{name}.ideal", ideal)
+    middle, low, high = (
+        numbers(f"{name}.{key}", raw[key], count) for key in ("ideal", "clip_min", "clip_max")
+    )
+    check_ideal(name, middle, low, high)
+    return Hooked(name, function, shaped(middle, count), count, low, high, params)
+
+
+KIND = Kind(
+    "hook",
+    ("hook",),
+    ("hook", "ideal", "clip_min", "clip_max", "params"),
+    parse,
+    correlates=False,
+    marks=lambda value: not isinstance(value, Mapping),
+)

@@ -1,0 +1,67 @@
+"""{median, log_variance, clip_min, clip_max}: what has a normal logarithm, clipped.
+
+    value = clip(median * exp(N(0, log_variance * strength)), clip_min, clip_max)
+
+`log_variance` is that of the natural logarithm; the median, the value without strength, is above 0.
+Lists as with the normal distribution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from perilune.drivers.common import DriverError, Kind, Source, clip, joint, numbers, shaped, size
+from perilune.drivers.normal import check_ideal, check_variance, need
+
+KEYS = ("median", "log_variance", "clip_min", "clip_max")
+
+
+@dataclass(frozen=True)
+class LogNormal:
+    """One value or several; `count` is None for a number that stands alone."""
+
+    count: int | None
+    medians: tuple[float, ...]
+    variances: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    jointly: bool
+
+    @property
+    def ideal(self) -> Any:
+        """The median."""
+        return shaped(self.medians, self.count)
+
+    @property
+    def limits(self) -> tuple[Any, ...]:
+        """Both clips."""
+        return shaped(self.low, self.count), shaped(self.high, self.count)
+
+    def draw(self, source: Source, strength: float) -> Any:
+        """See the module."""
+        deviations = np.sqrt(np.array(self.variances) * strength)
+        if not deviations.any():
+            return self.ideal
+        jitter = deviations * source.normals(len(self.medians), self.jointly)
+        with np.errstate(over="ignore"):  # infinity is clipped
+            values = np.array(self.medians) * np.exp(jitter)
+        return shaped(clip(values, self.low, self.high), self.count)
+
+
+def parse(name: str, raw: Mapping[str, Any]) -> LogNormal:
+    """From its mapping; `name` is the key path."""
+    need(name, raw, KEYS)
+    count = size(f"{name}.median", raw["median"])
+    median, variance, low, high = (numbers(f"{name}.{key}", raw[key], count) for key in KEYS)
+    if min(median) <= 0.0:
+        raise DriverError(f"{name}.median", f"must be above 0: {min(median):g}")
+    check_variance(f"{name}.log_variance", variance)
+    check_ideal(name, median, low, high, "median")
+    return LogNormal(count, median, variance, low, high, joint(name, raw))
+
+
+KIND = Kind("log_normal", ("median", "log_variance"), (*KEYS, "jointly"), parse)

@@ -1,0 +1,105 @@
+"""{ideal, jitter_variance, clip_min, clip_max}: normal about the ideal, clipped.
+
+    value = clip(ideal + N(0, jitter_variance * strength), clip_min, clip_max)
+
+With a list as `ideal` (a colour, a vector) the other keys are lists too, or one number for all; its
+numbers are drawn independently, or by one draw for all with `jointly: true`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from perilune.drivers.common import (
+    DriverError,
+    Kind,
+    Source,
+    clip,
+    joint,
+    numbers,
+    shaped,
+    size,
+)
+
+KEYS = ("ideal", "jitter_variance", "clip_min", "clip_max")
+
+
+@dataclass(frozen=True)
+class Normal:
+    """One value or several; `count` is None for a number that stands alone."""
+
+    count: int | None
+    means: tuple[float, ...]
+    variances: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    jointly: bool
+
+    @property
+    def ideal(self) -> Any:
+        """As given."""
+        return shaped(self.means, self.count)
+
+    @property
+    def limits(self) -> tuple[Any, ...]:
+        """Both clips."""
+        return shaped(self.low, self.count), shaped(self.high, self.count)
+
+    def draw(self, source: Source, strength: float) -> Any:
+        """See the module."""
+        deviations = np.sqrt(np.array(self.variances) * strength)
+        if not deviations.any():
+            return self.ideal
+        jitter = deviations * source.normals(len(self.means), self.jointly)
+        means = np.array(self.means)
+        values = np.where(deviations == 0.0, means, means + jitter)  # -0 + 0 is not -0
+        return shaped(clip(values, self.low, self.high), self.count)
+
+
+def check_ideal(
+    name: str,
+    ideal: tuple[float, ...],
+    low: tuple[float, ...],
+    high: tuple[float, ...],
+    key: str = "ideal",
+) -> None:
+    """DriverError unless clip_min <= ideal <= clip_max throughout."""
+    for value, least, most in zip(ideal, low, high, strict=True):
+        if least > most:
+            raise DriverError(f"{name}.clip_min", f"{least:g} is above clip_max = {most:g}")
+        if not least <= value <= most:
+            raise DriverError(
+                f"{name}.{key}",
+                f"{value:g} is outside [clip_min, clip_max] = [{least:g}, {most:g}]",
+            )
+
+
+def check_variance(name: str, variances: tuple[float, ...]) -> None:
+    """DriverError for one below 0."""
+    for variance in variances:
+        if variance < 0.0:
+            raise DriverError(name, f"must not be negative: {variance:g}")
+
+
+def need(name: str, raw: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+    """DriverError naming the first key that is missing."""
+    for key in keys:
+        if key not in raw:
+            raise DriverError(name, f"a driver needs {', '.join(keys)}; {key} is missing")
+
+
+def parse(name: str, raw: Mapping[str, Any]) -> Normal:
+    """From its mapping; `name` is the key path."""
+    need(name, raw, KEYS)
+    count = size(f"{name}.ideal", raw["ideal"])
+    mean, variance, low, high = (numbers(f"{name}.{key}", raw[key], count) for key in KEYS)
+    check_variance(f"{name}.jitter_variance", variance)
+    check_ideal(name, mean, low, high)
+    return Normal(count, mean, variance, low, high, joint(name, raw))
+
+
+KIND = Kind("normal", ("ideal", "jitter_variance"), (*KEYS, "jointly"), parse)

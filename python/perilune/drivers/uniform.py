@@ -1,0 +1,70 @@
+"""{uniform: [low, high]}: uniform between two limits.
+
+A strength other than 1 draws about the middle, with the variance times the strength, clipped to the
+limits. The limits may be lists of as many numbers (a colour, a vector).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from perilune.drivers.common import DriverError, Kind, Source, clip, joint, numbers, shaped, size
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """One value or several; `count` is None for a number that stands alone."""
+
+    count: int | None
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    jointly: bool
+
+    @property
+    def ideal(self) -> Any:
+        """The middle."""
+        pairs = zip(self.low, self.high, strict=True)
+        return shaped(tuple(0.5 * (low + high) for low, high in pairs), self.count)
+
+    @property
+    def limits(self) -> tuple[Any, ...]:
+        """Both."""
+        return shaped(self.low, self.count), shaped(self.high, self.count)
+
+    def draw(self, source: Source, strength: float) -> Any:
+        """See the module."""
+        low, high = np.array(self.low), np.array(self.high)
+        deviations = np.sqrt((high - low) ** 2 / 12.0 * strength)
+        if not deviations.any():
+            return self.ideal
+        # Of mean 0 and variance 1.
+        unit = math.sqrt(12.0) * (source.uniforms(len(low), self.jointly) - 0.5)
+        values = 0.5 * (low + high) + deviations * unit
+        return shaped(clip(values, self.low, self.high), self.count)
+
+
+def parse(name: str, raw: Mapping[str, Any]) -> Uniform:
+    """From its mapping; `name` is the key path."""
+    key, limits = f"{name}.uniform", raw["uniform"]
+    if not isinstance(limits, (list, tuple)) or len(limits) != 2:
+        raise DriverError(key, f"must be [low, high], not {limits!r}")
+    count = size(f"{key}[0]", limits[0]) or size(f"{key}[1]", limits[1])
+    low, high = (numbers(f"{key}[{k}]", value, count) for k, value in enumerate(limits))
+    for least, most in zip(low, high, strict=True):
+        if least > most:
+            raise DriverError(key, f"must be [low, high], not [{least:g}, {most:g}]")
+    return Uniform(count, low, high, joint(name, raw))
+
+
+KIND = Kind(
+    "uniform",
+    ("uniform",),
+    ("uniform", "jointly"),
+    parse,
+    marks=lambda value: not isinstance(value, Mapping),
+)
