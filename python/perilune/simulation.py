@@ -183,15 +183,17 @@ class Simulation:
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""
         scene, handles = self.world(index), self._mine()
+        request = self._request(scene, handles.posed(scene))
         with handles.lock:
             renderer = handles.renderer_of(scene.config)
-            return renderer.measure_rays(self._request(scene), repeats)
+            return renderer.measure_rays(request, repeats)
 
     def plan(self, index: int) -> list[_core.PlanRow]:
         """The effects kept and dropped in a frame, with reasons; nothing is rendered."""
         scene, handles = self.world(index), self._mine()
+        request = self._request(scene, handles.posed(scene))
         with handles.lock:
-            return handles.renderer_of(scene.config).plan(self._request(scene))["plan"]
+            return handles.renderer_of(scene.config).plan(request)["plan"]
 
     def __getitem__(self, index: int) -> Sample:
         return self.frame(index)

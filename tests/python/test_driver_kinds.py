@@ -288,6 +288,10 @@ def _lists(value):
 
 
 FOV = "camera.fov_deg"
+ORBITS = [
+    {"around": "earth", "altitude_km": 500, "inclination_deg": 97.4, "mean_anomaly_deg": 0},
+    {"kind": "circular", "around": "earth", "scale": 1.1},
+]
 FAULTY = [
     (FOV, {**NORMAL, "clip_min": 60.0}, [f"{FOV}.clip_min", "above clip_max"]),
     (FOV, {**NORMAL, "ideal": [40.0, 40.0]}, [FOV]),
@@ -309,6 +313,7 @@ FAULTY = [
     ("bodies.earth.reflectance", {"choice": ["lambert", "lamberts"]}, ["reflectance", "lamberts"]),
     ("camera.width", {"choice": [48, 64]}, ["camera.width", "takes no driver"]),
     ("spacecraft.sat.model", {"choice": ["a.glb", "b.glb"]}, ["sat.model", "takes no driver"]),
+    ("spacecraft.sat.orbit", {"choice": ORBITS}, ["spacecraft.sat.orbit: takes no driver", "kind"]),
     (FOV, {"hook": "nothing", "ideal": 40}, [f"{FOV}.hook", "module:function"]),
     (FOV, {"hook": "no.module:f", "ideal": 40, "clip_min": 30, "clip_max": 50}, [f"{FOV}.hook"]),
     (FOV, {"hook": "math:pi", "ideal": 40, "clip_min": 30, "clip_max": 50}, ["not a function"]),

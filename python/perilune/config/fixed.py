@@ -9,8 +9,18 @@ from perilune.config.camera import Camera
 from perilune.config.schema import Body, Config, Spacecraft
 
 
+def _orbit(thing: Body | Spacecraft) -> tuple[str, str] | None:
+    """What decides in which order things are placed, and what is drawn once a scene."""
+    return None if thing.orbit is None else (thing.orbit.kind, thing.orbit.around)
+
+
 def _of_body(body: Body) -> dict[str, Any]:
-    return {"kind": body.kind, "class": body.class_, "map_center_lon_deg": body.map_center_lon_deg}
+    return {
+        "kind": body.kind,
+        "class": body.class_,
+        "map_center_lon_deg": body.map_center_lon_deg,
+        "orbit.kind": _orbit(body),
+    }
 
 
 def _of_craft(craft: Spacecraft) -> dict[str, Any]:
@@ -29,6 +39,7 @@ def _of_craft(craft: Spacecraft) -> dict[str, Any]:
         "articulation": joints,
         "animation": None if play is None else (play.name, play.index),
         "symmetries": craft.symmetries,
+        "orbit.kind": _orbit(craft),
     }
 
 
