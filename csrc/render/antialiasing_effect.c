@@ -37,8 +37,9 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_antialiasing = {
     .name = "antialiasing",
-    .doc = "Colour samples: the frame's error is that of so many in every pixel, but quiet pixels "
-           "get fewer and outlines up to twice as many. Off: one through the centre",
+    .doc =
+        "Colour samples: about the error of so many in every pixel; quiet pixels, to within "
+        "three tolerances, get fewer and outlines up to twice as many. Off: one through the centre",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

@@ -218,9 +218,8 @@ class Render(Strict):
     """Quality and outputs of a frame."""
 
     samples: Annotated[Integer, Field(ge=1, le=65536)] = 16
-    """Colour samples a pixel: the frame's error is that of so many in every pixel. Where it is
-    quiet fewer are taken, where outlines are up to twice as many; exactly so many at a tolerance of
-    0."""
+    """Colour samples a pixel. Pixels that are quiet to within three tolerances get fewer, outlines
+    up to twice as many: about the error of so many in all, which they get at a tolerance of 0."""
     max_bounces: Annotated[Integer, Field(ge=0, le=64)] = 4
     tolerance_dn: NonNegative = 1.0
     """An effect that can change no pixel by more is left out; 0 keeps all that apply."""
