@@ -73,6 +73,8 @@ static pl_status at_node(pl_status status, const char *name) {
 static pl_status check_nodes(const pl_graph_description *d) {
   if (d->count > PL_GRAPH_NODES)
     return pl_fail(PL_E_RANGE, "%zu nodes: at most %d", d->count, PL_GRAPH_NODES);
+  if (d->parameter_count > UINT16_MAX)
+    return pl_fail(PL_E_RANGE, "%zu parameters: at most %d", d->parameter_count, UINT16_MAX);
   if (d->surface >= d->count || d->nodes[d->surface].kind->evaluate != NULL)
     return pl_fail(PL_E_RANGE, "surface: not a node that is a surface");
   for (size_t i = 0; i < d->count; i++) {
@@ -203,8 +205,10 @@ static pl_status build_input(builder *b, const pl_graph_node *node, size_t k, pl
 }
 
 static pl_status add_program(pl_graph *graph, size_t *index) {
+  if (graph->program_count >= UINT16_MAX)
+    return too_large();
   pl_program *grown = pl_realloc(graph->programs, graph->program_count + 1, sizeof *grown);
-  if (grown == NULL || graph->program_count >= UINT16_MAX)
+  if (grown == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for a graph");
   graph->programs = grown;
   *index = graph->program_count++;

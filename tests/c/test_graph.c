@@ -328,6 +328,9 @@ static void test_graphs_that_are_too_large_are_refused(void **state) {
   for (int i = 0; i < 10; i++)
     graph_add(&g, "value");
   assert_int_equal(graph_make(&g, &graph), PL_E_RANGE);
+  static test_graph many = {.parameters = 65536};
+  graph_add(&many, "lambert");
+  assert_int_equal(graph_make(&many, &graph), PL_E_RANGE);
 }
 
 /* --- surfaces --------------------------------------------------------------------------------- */
