@@ -169,15 +169,16 @@ class Simulation:
 
     def request(self, index: int) -> _core.FrameRequest:
         """What the core is asked to render for a frame."""
-        scene = self.world(index)
-        return self._request(scene, self._mine().posed(scene))
+        return self._request(self.world(index))
 
     def _request(
-        self, scene: World, posed: Mapping[str, articulation.Posed]
+        self, scene: World, posed: Mapping[str, articulation.Posed] | None = None
     ) -> _core.FrameRequest:
+        """posed: the moving parts, where they are known already."""
         poses = trajectories.camera_poses(scene, self._trajectory)
-        request = _request(scene, poses, self._mine().scales(scene.config))
-        request["object_movers"] = articulation.stacked(posed)
+        handles = self._mine()
+        request = _request(scene, poses, handles.scales(scene.config))
+        request["object_movers"] = articulation.stacked(posed or handles.posed(scene))
         return request
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
