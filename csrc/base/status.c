@@ -3,6 +3,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 static _Thread_local char error_text[1024];
 
@@ -34,3 +35,8 @@ pl_status pl_fail(pl_status status, const char *format, ...) {
 }
 
 const char *pl_error_text(void) { return error_text; }
+
+void pl_names_append(char *text, size_t size, const char *name) {
+  const size_t used = strlen(text);
+  snprintf(text + used, size - used, "%s%s", used > 0 ? ", " : "", name);
+}

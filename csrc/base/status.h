@@ -2,6 +2,8 @@
 #ifndef PL_BASE_STATUS_H
 #define PL_BASE_STATUS_H
 
+#include <stddef.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -32,6 +34,10 @@ pl_fail(pl_status status, const char *format, ...);
 
 /* Text of this thread's last error; valid until the next pl_fail of this thread; never NULL. */
 const char *pl_error_text(void);
+
+/* Appends a name to the list "a, b" in `text` of `size` bytes, for errors that tell what is
+ * allowed; cut where the room ends. */
+void pl_names_append(char *text, size_t size, const char *name);
 
 /* Returns from the calling function when `expression` is not PL_OK. */
 #define PL_TRY(expression)                                                                         \

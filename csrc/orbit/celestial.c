@@ -7,7 +7,6 @@
  * until 2050). Phobos keeps its terms above 0.03 deg. Albedos: NASA planetary fact sheets. */
 #include "orbit/celestial.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -109,9 +108,7 @@ pl_status pl_celestial_require(const char *name, const pl_celestial **out) {
   if (*out)
     return PL_OK;
   char names[256] = "";
-  size_t used = 0;
-  for (size_t i = 0; i < COUNT(bodies) && used < sizeof names; i++)
-    used +=
-        (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", bodies[i].name);
+  for (size_t i = 0; i < COUNT(bodies); i++)
+    pl_names_append(names, sizeof names, bodies[i].name);
   return pl_fail(PL_E_ARGUMENT, "no body named '%s'; allowed: %s", name, names);
 }

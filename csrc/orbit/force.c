@@ -1,7 +1,6 @@
 /* The list of forces, and what is checked for all of them. */
 #include "orbit/force.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const pl_force_kind *const kinds[] = {
@@ -17,15 +16,12 @@ const pl_force_kind *const *pl_force_kinds(size_t *count) {
 
 pl_status pl_force_require(const char *name, const pl_force_kind **out) {
   char names[256] = "";
-  size_t used = 0;
   for (size_t i = 0; i < KIND_COUNT; i++) {
     if (strcmp(kinds[i]->name, name) == 0) {
       *out = kinds[i];
       return PL_OK;
     }
-    if (used < sizeof names)
-      used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "",
-                               kinds[i]->name);
+    pl_names_append(names, sizeof names, kinds[i]->name);
   }
   return pl_fail(PL_E_ARGUMENT, "no force named '%s'; allowed: %s", name, names);
 }

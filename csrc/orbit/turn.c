@@ -1,7 +1,6 @@
 /* The table of kinds of axes, and what is put on top of them. */
 #include "orbit/turn.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #include "orbit/attitude.h"
@@ -92,13 +91,12 @@ const pl_turn_kind *pl_turn_kinds(size_t *count) {
 
 pl_status pl_turn_require(const char *name, const pl_turn_kind **out) {
   char names[160] = "";
-  for (size_t i = 0, used = 0; i < kind_count; i++) {
+  for (size_t i = 0; i < kind_count; i++) {
     if (strcmp(kinds[i].name, name) == 0) {
       *out = &kinds[i];
       return PL_OK;
     }
-    used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i > 0 ? ", " : "",
-                             kinds[i].name);
+    pl_names_append(names, sizeof names, kinds[i].name);
   }
   return pl_fail(PL_E_ARGUMENT, "frame is '%s'; allowed: %s", name, names);
 }

@@ -107,9 +107,8 @@ static int read_value(PyObject *mapping, const pl_force_parameter *parameter, co
 /* A misspelt parameter must not be passed over. */
 static int check_keys(PyObject *mapping, const pl_force_kind *kind) {
   char keys[KEYS_SIZE] = "kind";
-  size_t used = strlen(keys);
-  for (size_t i = 0; i < kind->parameter_count && used < sizeof keys; i++)
-    used += (size_t)snprintf(keys + used, sizeof keys - used, ", %s", kind->parameters[i].key);
+  for (size_t i = 0; i < kind->parameter_count; i++)
+    pl_names_append(keys, sizeof keys, kind->parameters[i].key);
   PyObject *given = PyMapping_Keys(mapping);
   if (!given)
     return -1;

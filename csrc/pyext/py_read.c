@@ -103,9 +103,8 @@ int pl_py_member_choice(PyObject *mapping, const char *key, const char *where,
       found = i;
   if (found < 0) {
     char names[200] = "";
-    for (int i = 0, used = 0; i < count && used < (int)sizeof names; i++)
-      used +=
-          snprintf(names + used, sizeof names - (size_t)used, "%s%s", i ? ", " : "", allowed[i]);
+    for (int i = 0; i < count; i++)
+      pl_names_append(names, sizeof names, allowed[i]);
     PyErr_Format(PyExc_ValueError, "%s: %s is '%s'; allowed: %s", where, key, text, names);
   }
   Py_DECREF(owner);

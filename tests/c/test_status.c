@@ -64,6 +64,19 @@ static void threads_do_not_see_each_others_text(void **state) {
   assert_string_equal(pl_error_text(), "mine");
 }
 
+static void names_are_listed_as_far_as_there_is_room(void **state) {
+  (void)state;
+  char text[16] = "";
+  pl_names_append(text, sizeof text, "kepler");
+  assert_string_equal(text, "kepler");
+  pl_names_append(text, sizeof text, "j2");
+  assert_string_equal(text, "kepler, j2");
+  pl_names_append(text, sizeof text, "table");
+  assert_string_equal(text, "kepler, j2, tab");
+  pl_names_append(text, sizeof text, "tle");
+  assert_string_equal(text, "kepler, j2, tab");
+}
+
 static int steps_done;
 
 static pl_status three_steps(pl_status second) {
@@ -89,6 +102,7 @@ int main(void) {
       cmocka_unit_test(a_text_can_be_wrapped_in_another),
       cmocka_unit_test(a_long_text_is_cut_not_overrun),
       cmocka_unit_test(threads_do_not_see_each_others_text),
+      cmocka_unit_test(names_are_listed_as_far_as_there_is_room),
       cmocka_unit_test(try_returns_early_on_failure_only),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
