@@ -154,7 +154,8 @@ static pl_status meter_frame(pl_renderer *renderer, const pl_frame_request *requ
                                  .frame = request->index,
                                  .samples = METER_SAMPLES,
                                  .cast_shadows = true,
-                                 .surface_maps = true};
+                                 .surface_maps = true,
+                                 .clear_coat = true};
   pl_emitters emitters;
   PL_TRY(add_emitters(renderer, &small, 2, &emitters, &settings));
   PL_TRY(pl_tracer_set(renderer->tracer, &small));
@@ -260,6 +261,8 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
       .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
       .surface_maps = pl_plan_value(plan, "surface_maps") > 0,
+      .clear_coat = pl_plan_value(plan, "clear_coat") > 0,
+      .transmission = pl_plan_value(plan, "transmission") > 0,
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
       .white_radiance = (float)result->white_radiance,
   };

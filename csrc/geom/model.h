@@ -33,6 +33,38 @@ typedef struct pl_texture_slot {
 
 typedef enum pl_alpha_mode { PL_ALPHA_OPAQUE, PL_ALPHA_MASK, PL_ALPHA_BLEND } pl_alpha_mode;
 
+/* What glTF's material extensions add to a material; maps count times their factor. Start from
+ * PL_MATERIAL_LAYERS_PLAIN and set what a file gives. */
+typedef struct pl_material_layers {
+  float coat, coat_roughness; /* KHR_materials_clearcoat; 0..1, roughness perceptual */
+  float transmission;         /* KHR_materials_transmission, thin-walled; 0..1 */
+  float anisotropy, anisotropy_rotation_rad; /* KHR_materials_anisotropy; 0..1, from the tangent */
+  float ior;                                 /* KHR_materials_ior; >= 1, or 0 for infinite */
+  float specular, specular_color[3];         /* KHR_materials_specular; 0..1; linear, >= 0 */
+  pl_texture_slot coat_map;                  /* linear: R */
+  pl_texture_slot coat_roughness_map;        /* linear: G */
+  pl_texture_slot transmission_map;          /* linear: R */
+  pl_texture_slot anisotropy_map;            /* linear: RG direction, -1..1; B strength */
+  pl_texture_slot specular_map;              /* linear: A */
+  pl_texture_slot specular_color_map;        /* sRGB */
+} pl_material_layers;
+#define PL_NO_TEXTURE ((pl_texture_slot){-1, 0, PL_UV_IDENTITY})
+#define PL_MATERIAL_LAYERS_PLAIN                                                                   \
+  ((pl_material_layers){0,                                                                         \
+                        0,                                                                         \
+                        0,                                                                         \
+                        0,                                                                         \
+                        0,                                                                         \
+                        1.5f,                                                                      \
+                        1,                                                                         \
+                        {1, 1, 1},                                                                 \
+                        PL_NO_TEXTURE,                                                             \
+                        PL_NO_TEXTURE,                                                             \
+                        PL_NO_TEXTURE,                                                             \
+                        PL_NO_TEXTURE,                                                             \
+                        PL_NO_TEXTURE,                                                             \
+                        PL_NO_TEXTURE})
+
 /* glTF 2.0 metallic-roughness material; colours linear. */
 typedef struct pl_material {
   char *name;          /* owned, never NULL */
@@ -44,11 +76,13 @@ typedef struct pl_material {
   float alpha_cutoff;  /* for PL_ALPHA_MASK */
   pl_alpha_mode alpha_mode;
   bool double_sided;
-  bool unlit; /* KHR_materials_unlit: taken as a Lambert surface of the base colour */
+  bool unlit;   /* KHR_materials_unlit: taken as a Lambert surface of the base colour */
+  bool layered; /* `layers` counts: the surface is shaded as the row `principled` */
   pl_texture_slot base_color_map;         /* sRGB */
   pl_texture_slot metallic_roughness_map; /* linear: G roughness, B metallic */
   pl_texture_slot normal_map;             /* linear */
   pl_texture_slot emissive_map;           /* sRGB */
+  pl_material_layers layers;              /* read only where `layered` is set */
 } pl_material;
 
 /* A part: one primitive of one node. Names need not be unique. */

@@ -7,16 +7,18 @@
 
 /* One mesh object or body, reduced to what bounds need. */
 typedef struct pl_view_thing {
-  bool is_body;         /* convex ellipsoid; otherwise a mesh */
-  bool in_frame;        /* its bounding sphere touches the frustum */
-  bool textured;        /* has a colour map */
-  double distance_m;    /* camera to the centre of the bounding sphere */
-  double radius_m;      /* of the bounding sphere */
-  double center_m[3];   /* camera-relative, root axes */
-  double albedo_max;    /* upper bound of the reflectance in any band, 0..1 */
-  double ggx_alpha_min; /* smallest GGX alpha of its materials; 1 when nothing is glossy */
-  double irradiance;    /* of the unshadowed sun at its nearest point, W m-2 per band */
-  double emission_max;  /* W m-2 sr-1 */
+  bool is_body;            /* convex ellipsoid; otherwise a mesh */
+  bool in_frame;           /* its bounding sphere touches the frustum */
+  bool textured;           /* has a colour map */
+  double distance_m;       /* camera to the centre of the bounding sphere */
+  double radius_m;         /* of the bounding sphere */
+  double center_m[3];      /* camera-relative, root axes */
+  double albedo_max;       /* upper bound of the reflectance in any band, 0..1 */
+  double ggx_alpha_min;    /* smallest GGX alpha of its materials; 1 when nothing is glossy */
+  double irradiance;       /* of the unshadowed sun at its nearest point, W m-2 per band */
+  double emission_max;     /* W m-2 sr-1 */
+  double coat_max;         /* heaviest clear coat, 0..1 */
+  double transmission_max; /* largest part of the light that passes a surface, 0..1 */
 } pl_view_thing;
 
 typedef struct pl_view {

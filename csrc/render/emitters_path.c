@@ -41,8 +41,7 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   pl_emitter_sample drawn;
   pl_sample_2d(index, b->seeds[path->pixel], FIRST_DIMENSION + (uint32_t)bounce, u);
   if (!pl_emitters_sample(context->settings->emitters, pl_vec3f_to_double(ray.origin), u, &drawn) ||
-      !(pl_vec3f_dot(drawn.direction, s->ng) > 0.0f) ||
-      !(pl_vec3f_dot(drawn.direction, s->n) > 0.0f))
+      !pl_surface_admits(s, drawn.direction))
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, drawn.direction);
   const float rival = onward ? s->reflectance->pdf(s, wo, wi) : 0.0f;
@@ -51,6 +50,8 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   const pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, drawn.radiance), weight);
   if (!(pl_vec3f_max(light) > 0.0f))
     return queued;
+  if (pl_vec3f_dot(drawn.direction, s->ng) < 0.0f) /* passes from behind, starts there */
+    ray = pl_vertex_ray(vertex, context->shot, drawn.direction, 0.0f);
   ray.direction = drawn.direction;
   ray.t_max = drawn.distance_m;
   b->shadow_rays[queued] = ray;

@@ -108,7 +108,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   const bool soft = context->settings->soft_sun;
   const pl_sun_view sun = sun_at(context, vertex);
   const pl_vec3f toward = soft ? pl_sun_sample(&sun, u) : sun.direction;
-  if (!(pl_vec3f_dot(toward, s->ng) > 0.0f) || !(pl_vec3f_dot(toward, s->n) > 0.0f))
+  if (!pl_surface_admits(s, toward))
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, toward);
   float scale = sun.irradiance;
@@ -153,10 +153,11 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   const pl_surface *s = &vertex->surface;
   pl_vec3f wi, weight;
   float pdf;
-  if (!s->reflectance->sample(s, wo, u, choice[0], &wi, &weight, &pdf) || !(wi.z > 0.0f))
+  if (!s->reflectance->sample(s, wo, u, choice[0], &wi, &weight, &pdf))
     return false;
   const pl_vec3f direction = pl_vec3f_unit(pl_surface_to_world(s, wi));
-  if (!(pl_vec3f_dot(direction, s->ng) > 0.0f))
+  if (wi.z > 0.0f ? !(pl_vec3f_dot(direction, s->ng) > 0.0f)
+                  : !(wi.z < 0.0f && pl_vec3f_dot(direction, s->ng) < 0.0f))
     return false;
   *ray = pl_vertex_ray(vertex, context->shot, direction, INFINITY);
   const float width = path->beam.width_m + path->beam.spread * (float)vertex->t;
@@ -195,6 +196,15 @@ static vertex_draws draws_of(const pl_tile_buffers *b, size_t i) {
                         {b->draws[4][i], b->draws[5][i]}};
 }
 
+/* Leaves out the lobes that the plan does; the coat is regularised as the base is. */
+static void set_lobes(const pl_render_settings *settings, float alpha_min, pl_surface *s) {
+  s->lobes.coat_alpha = pl_maxf(s->lobes.coat_alpha, alpha_min);
+  if (!settings->clear_coat)
+    s->lobes.coat = 0.0f;
+  if (!settings->transmission)
+    s->lobes.transmission = 0.0f;
+}
+
 /* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
@@ -203,6 +213,8 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, vertex);
   pl_surface *s = &vertex->surface;
   s->alpha = pl_maxf(s->alpha, path.alpha_min);
+  if (s->reflectance->layered)
+    set_lobes(context->settings, path.alpha_min, s);
   if (pl_vec3f_max(s->emission) > 0.0f) {
     const float weight = pl_emitters_met(context, &path, &b->rays[i], vertex);
     add(&b->sample[path.pixel], pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));

@@ -225,6 +225,7 @@ static void shade_body(const pl_shot_body *body, const pl_beam *beam, bool maps,
   surface->emission = pl_vec3f_make(state->emission[0], state->emission[1], state->emission[2]);
   surface->metallic = 0.0f;
   surface->alpha = 1.0f;
+  surface->lobes = pl_lobes_plain();
   surface->reflectance = body->body->reflectance;
 }
 

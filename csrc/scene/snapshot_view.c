@@ -26,6 +26,8 @@ static pl_view_thing object_thing(const pl_snapshot *shot, const pl_shot_object 
       .ggx_alpha_min = summary->ggx_alpha_min,
       .irradiance = irradiance_max(shot, object->center, object->radius_m),
       .emission_max = summary->emission_max,
+      .coat_max = summary->coat_max,
+      .transmission_max = summary->transmission_max,
   };
   set_center(&thing, object->center);
   return thing;

@@ -5,5 +5,7 @@
 #include "plan/effect.h"
 
 extern const pl_effect pl_effect_surface_maps;
+extern const pl_effect pl_effect_clear_coat;
+extern const pl_effect pl_effect_transmission;
 
 #endif

@@ -44,9 +44,8 @@ static void transform(const pl_uv_transform *t, float v[2], float translate) {
   v[0] = u;
 }
 
-/* Value of a texture slot at the point; white when there is none. */
-static void slot_value(const pl_model *model, const pl_triangle_point *point,
-                       const pl_texture_slot *slot, bool maps, float out[4]) {
+void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
+                      const pl_texture_slot *slot, bool maps, float out[4]) {
   out[0] = out[1] = out[2] = out[3] = 1.0f;
   if (slot->texture < 0)
     return;
@@ -81,7 +80,7 @@ const pl_material *pl_material_of(const pl_model *model, uint32_t triangle) {
 pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point, bool maps) {
   const pl_material *material = pl_material_of(model, point->triangle);
   float map[4];
-  slot_value(model, point, &material->emissive_map, maps, map);
+  pl_material_slot(model, point, &material->emissive_map, maps, map);
   return pl_vec3f_make(map[0] * material->emissive[0], map[1] * material->emissive[1],
                        map[2] * material->emissive[2]);
 }
@@ -89,7 +88,7 @@ pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *po
 static void bend_normal(const pl_model *model, const pl_triangle_point *point,
                         const pl_material *material, pl_surface *surface) {
   float value[4];
-  slot_value(model, point, &material->normal_map, true, value);
+  pl_material_slot(model, point, &material->normal_map, true, value);
   const float x = (2.0f * value[0] - 1.0f) * material->normal_scale;
   const float y = (2.0f * value[1] - 1.0f) * material->normal_scale;
   const float z = pl_maxf(2.0f * value[2] - 1.0f, 0.05f); /* maps keep the surface's side */
@@ -103,8 +102,8 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
                          pl_surface *surface) {
   const pl_material *material = pl_material_of(model, point->triangle);
   float base[4], vertex[4], mr[4];
-  slot_value(model, point, &material->base_color_map, maps, base);
-  slot_value(model, point, &material->metallic_roughness_map, maps, mr);
+  pl_material_slot(model, point, &material->base_color_map, maps, base);
+  pl_material_slot(model, point, &material->metallic_roughness_map, maps, mr);
   vertex_color(model, point, vertex);
   surface->color = pl_vec3f_make(base[0] * vertex[0] * material->base_color[0],
                                  base[1] * vertex[1] * material->base_color[1],
@@ -117,6 +116,8 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
       material->unlit ? &pl_reflectance_lambert : &pl_reflectance_metallic_roughness;
   if (maps && material->normal_map.texture >= 0 && model->tangents != NULL)
     bend_normal(model, point, material, surface);
+  if (material->layered && !material->unlit)
+    pl_material_layers_surface(model, point, maps, surface);
 }
 
 float pl_material_opacity(const pl_model *model, const pl_triangle_point *point) {
@@ -124,12 +125,26 @@ float pl_material_opacity(const pl_model *model, const pl_triangle_point *point)
   if (material->alpha_mode == PL_ALPHA_OPAQUE)
     return 1.0f;
   float base[4], vertex[4];
-  slot_value(model, point, &material->base_color_map, true, base);
+  pl_material_slot(model, point, &material->base_color_map, true, base);
   vertex_color(model, point, vertex);
   const float alpha = base[3] * vertex[3] * material->base_color[3];
   if (material->alpha_mode == PL_ALPHA_MASK)
     return alpha >= material->alpha_cutoff ? 1.0f : 0.0f;
   return pl_minf(pl_maxf(alpha, 0.0f), 1.0f);
+}
+
+/* A coat adds its lobe to the base's: the bound of two lobes is that of one of half the alpha's
+ * cube. */
+static void summarise_layers(const pl_material_layers *l, pl_model_summary *out) {
+  out->transmission_max = fmax(out->transmission_max, l->transmission);
+  out->textured |= l->coat_map.texture >= 0 || l->coat_roughness_map.texture >= 0 ||
+                   l->transmission_map.texture >= 0 || l->anisotropy_map.texture >= 0 ||
+                   l->specular_map.texture >= 0 || l->specular_color_map.texture >= 0;
+  if (!(l->coat > 0.0f))
+    return;
+  const double roughness = l->coat_roughness_map.texture >= 0 ? 0.0 : l->coat_roughness;
+  out->coat_max = fmax(out->coat_max, l->coat);
+  out->ggx_alpha_min = fmin(out->ggx_alpha_min, roughness * roughness) * cbrt(0.5);
 }
 
 pl_model_summary pl_model_summarise(const pl_model *model) {
@@ -144,6 +159,8 @@ pl_model_summary pl_model_summarise(const pl_model *model) {
     const double roughness = m->metallic_roughness_map.texture >= 0 ? 0.0 : m->roughness;
     if (!m->unlit)
       out.ggx_alpha_min = fmin(out.ggx_alpha_min, roughness * roughness);
+    if (m->layered && !m->unlit)
+      summarise_layers(&m->layers, &out);
     out.textured |= m->base_color_map.texture >= 0 || m->normal_map.texture >= 0 ||
                     m->metallic_roughness_map.texture >= 0 || m->emissive_map.texture >= 0;
   }

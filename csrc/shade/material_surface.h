@@ -25,6 +25,14 @@ void pl_triangle_point_step(const pl_triangle_point *point, pl_vec3f step, float
 void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int set, float uv[2],
                     float a[2], float b[2]);
 
+/* Value of a texture slot at the point, its mean without `maps`; white when there is none. */
+void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
+                      const pl_texture_slot *slot, bool maps, float out[4]);
+/* Makes the surface a principled one with the material's layers, turns t and b by the anisotropy's
+ * rotation. Materials that are not layered are left alone. */
+void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
+                                pl_surface *surface);
+
 /* Fills colour, lobe parameters and emission of `surface` from the material of the triangle.
  * With `maps` false no texture is read: a texture counts as its mean. `t`, `b`, `n` hold the
  * geometric shading frame on input (n interpolated, t along the tangent) and are bent by the
@@ -40,10 +48,12 @@ float pl_material_opacity(const pl_model *model, const pl_triangle_point *point)
 /* Material of a triangle; borrowed. */
 const pl_material *pl_material_of(const pl_model *model, uint32_t triangle);
 
-/* Bounds for the plan: largest reflectance, smallest GGX alpha, largest emission, any texture. */
+/* Bounds for the plan: largest reflectance, smallest GGX alpha, largest emission, any texture, the
+ * heaviest coat, the clearest wall. */
 typedef struct pl_model_summary {
   double albedo_max, ggx_alpha_min, emission_max;
   bool textured;
+  double coat_max, transmission_max; /* 0..1 */
 } pl_model_summary;
 pl_model_summary pl_model_summarise(const pl_model *model);
 

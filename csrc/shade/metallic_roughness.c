@@ -1,56 +1,18 @@
 /* The metallic-roughness surface of glTF 2.0, appendix B: a GGX microfacet lobe over a diffuse
  * base, mixed by metalness. Light that the lobe loses between microfacets comes back as a second,
  * broad lobe (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017). */
-#include "math/sampling.h"
+#include "shade/ggx.h"
 #include "shade/ggx_loss.h"
 #include "shade/reflectance.h"
 
 /* Reflectance of dielectrics at normal incidence: index 1.5 (glTF 2.0, B.2.3). */
 static const float DIELECTRIC_F0 = 0.04f;
-/* Below this alpha a mirror's peak overflows float; 1e-3 blurs by 0.06 deg, a quarter of the
- * sun's radius. */
-static const float ALPHA_MIN = 1e-3f;
-
-/* Cosines below this, a ten-thousandth of the sun's radius, count as this. */
-static const float COSINE_MIN = 1e-6f;
-
-static float alpha_of(const pl_surface *s) { return pl_minf(pl_maxf(s->alpha, ALPHA_MIN), 1.0f); }
-
 static pl_vec3f f0_of(const pl_surface *s) {
   const float m = s->metallic, d = DIELECTRIC_F0 * (1.0f - m);
   return pl_vec3f_make(d + m * s->color.x, d + m * s->color.y, d + m * s->color.z);
 }
 
-/* Schlick (1994). */
-static pl_vec3f fresnel(pl_vec3f f0, float cosine) {
-  const float c = pl_minf(pl_maxf(1.0f - cosine, 0.0f), 1.0f);
-  const float c5 = c * c * c * c * c;
-  return pl_vec3f_make(f0.x + (1.0f - f0.x) * c5, f0.y + (1.0f - f0.y) * c5,
-                       f0.z + (1.0f - f0.z) * c5);
-}
-
-/* Trowbridge-Reitz (GGX) distribution at half vector h; its tail is written without 1 - cos^2. For
- * alpha <= 1, k is at least 1; two opposite grazing directions leave no half vector and k = 0. */
-static float ggx(float alpha, pl_vec3f h) {
-  const float x = h.x / alpha, y = h.y / alpha;
-  const float k = pl_maxf(x * x + y * y + h.z * h.z, 1.0f);
-  return 1.0f / (PL_PI_F * alpha * alpha * k * k);
-}
-
-/* Smith's Lambda for GGX (Heitz 2014, eq. 72). */
-static float lambda(float alpha, pl_vec3f w) {
-  const float tan2 =
-      alpha * alpha * (w.x * w.x + w.y * w.y) / pl_maxf(w.z * w.z, COSINE_MIN * COSINE_MIN);
-  return 0.5f * (sqrtf(1.0f + tan2) - 1.0f);
-}
-
-/* What several reflections between microfacets leave of the lost light, by the mean of Schlick's
- * reflectance over the hemisphere, f0 + (1 - f0)/21: the geometric series over further hits, each
- * of which escapes with the chance 1 - loss. All of it for f0 = 1. */
-static float returned(float f0, float loss_mean) {
-  const float f = f0 + (1.0f - f0) * (1.0f / 21.0f);
-  return f * f * (1.0f - loss_mean) / (1.0f - f * loss_mean);
-}
+static pl_vec3f fresnel(pl_vec3f f0, float cosine) { return pl_schlick(f0, 1.0f, cosine); }
 
 /* What evaluating, drawing and densities share for one outgoing direction. */
 typedef struct view {
@@ -70,9 +32,9 @@ static pl_vec3f multiple(const view *v, float cos_i) {
   if (!(lost > 0.0f))
     return pl_vec3f_make(0.0f, 0.0f, 0.0f);
   const float scale = lost * cos_i / (PL_PI_F * v->loss_mean);
-  return pl_vec3f_make(scale * returned(v->f0.x, v->loss_mean),
-                       scale * returned(v->f0.y, v->loss_mean),
-                       scale * returned(v->f0.z, v->loss_mean));
+  return pl_vec3f_make(scale * pl_ggx_returned(v->f0.x, v->loss_mean),
+                       scale * pl_ggx_returned(v->f0.y, v->loss_mean),
+                       scale * pl_ggx_returned(v->f0.z, v->loss_mean));
 }
 
 /* Chance of drawing the specular lobe: its share of the reflected light, kept off 0 and 1 where
@@ -80,7 +42,7 @@ static pl_vec3f multiple(const view *v, float cos_i) {
 static float specular_chance(const view *v, const pl_surface *s, pl_vec3f wo) {
   const float specular = pl_vec3f_max(fresnel(v->f0, wo.z));
   const float base = (1.0f - s->metallic) * pl_vec3f_max(s->color);
-  const float broad = base + v->loss * returned(pl_vec3f_max(v->f0), v->loss_mean);
+  const float broad = base + v->loss * pl_ggx_returned(pl_vec3f_max(v->f0), v->loss_mean);
   if (!(broad > 0.0f))
     return 1.0f;
   const float chance = specular / (specular + broad);
@@ -88,8 +50,8 @@ static float specular_chance(const view *v, const pl_surface *s, pl_vec3f wo) {
 }
 
 static view view_of(const pl_surface *s, pl_vec3f wo) {
-  view v = {.f0 = f0_of(s), .alpha = alpha_of(s)};
-  v.lambda = lambda(v.alpha, wo);
+  view v = {.f0 = f0_of(s), .alpha = pl_ggx_alpha(s->alpha)};
+  v.lambda = pl_ggx_lambda(v.alpha, wo);
   if (s->metallic > 0.0f) {
     v.roughness = sqrtf(v.alpha);
     v.loss = pl_ggx_loss(v.roughness, wo.z);
@@ -112,8 +74,9 @@ static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec
   const pl_vec3f base = base_share(v->f0, wo, wi);
   const pl_vec3f f = fresnel(v->f0, pl_vec3f_dot(wo, h));
   /* Height-correlated Smith (Heitz 2014, eq. 99); cos(wi) cancels one of the two cosines. */
-  const float g = 1.0f / (1.0f + v->lambda + lambda(v->alpha, wi));
-  const float specular = ggx(v->alpha, h) * g / (4.0f * pl_maxf(wo.z, COSINE_MIN));
+  const float g = 1.0f / (1.0f + v->lambda + pl_ggx_lambda(v->alpha, wi));
+  const float specular =
+      pl_ggx_density(v->alpha, v->alpha, h) * g / (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN));
   const float diffuse = (1.0f - s->metallic) * wi.z / PL_PI_F;
   const pl_vec3f again = multiple(v, wi.z);
   return pl_vec3f_make(f.x * specular + again.x + base.x * diffuse * s->color.x,
@@ -123,7 +86,8 @@ static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec
 
 /* Density of wi: from visible normals (Heitz 2018, eq. 17), or by the cosine. */
 static float density_of(const view *v, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
-  const float specular = ggx(v->alpha, h) / (4.0f * pl_maxf(wo.z, COSINE_MIN) * (1.0f + v->lambda));
+  const float specular = pl_ggx_density(v->alpha, v->alpha, h) /
+                         (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN) * (1.0f + v->lambda));
   return v->chance * specular + (1.0f - v->chance) * pl_cosine_hemisphere_pdf(wi.z);
 }
 
@@ -141,30 +105,13 @@ static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   return density_of(&v, wo, wi, pl_vec3f_unit(pl_vec3f_add(wo, wi)));
 }
 
-/* A visible microfacet normal: Heitz, "Sampling the GGX distribution of visible normals",
- * JCGT 7(4), 2018. */
-static pl_vec3f sample_visible_normal(float alpha, pl_vec3f wo, const float u[2]) {
-  const pl_vec3f v = pl_vec3f_unit(pl_vec3f_make(alpha * wo.x, alpha * wo.y, wo.z));
-  const float length2 = v.x * v.x + v.y * v.y;
-  const pl_vec3f t1 = length2 > 0.0f
-                          ? pl_vec3f_scale(pl_vec3f_make(-v.y, v.x, 0.0f), 1.0f / sqrtf(length2))
-                          : pl_vec3f_make(1.0f, 0.0f, 0.0f);
-  const pl_vec3f t2 = pl_vec3f_cross(v, t1);
-  const pl_vec3f d = pl_sample_disc(u[0], u[1]);
-  const float s = 0.5f * (1.0f + v.z);
-  const float y = (1.0f - s) * sqrtf(pl_maxf(1.0f - d.x * d.x, 0.0f)) + s * d.y;
-  const float z = sqrtf(pl_maxf(1.0f - d.x * d.x - y * y, 0.0f));
-  const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(pl_vec3f_scale(t1, d.x), y, t2), z, v);
-  return pl_vec3f_unit(pl_vec3f_make(alpha * n.x, alpha * n.y, pl_maxf(n.z, 1e-6f)));
-}
-
 static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float choice, pl_vec3f *wi,
                    pl_vec3f *weight, float *density) {
   if (!(wo.z > 0.0f))
     return false;
   const view v = view_of(s, wo);
   if (choice < v.chance) {
-    const pl_vec3f normal = sample_visible_normal(v.alpha, wo, u);
+    const pl_vec3f normal = pl_ggx_visible_normal(v.alpha, v.alpha, wo, u);
     *wi = pl_vec3f_sub(pl_vec3f_scale(normal, 2.0f * pl_vec3f_dot(wo, normal)), wo);
   } else {
     *wi = pl_sample_cosine_hemisphere(u[0], u[1]);

@@ -6,6 +6,7 @@
 const pl_reflectance *const pl_reflectances[] = {
     &pl_reflectance_lambert,
     &pl_reflectance_metallic_roughness,
+    &pl_reflectance_principled,
 };
 const size_t pl_reflectance_count = sizeof pl_reflectances / sizeof pl_reflectances[0];
 

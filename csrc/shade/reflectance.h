@@ -11,7 +11,9 @@
 struct pl_reflectance {
   const char *name;
   const char *doc; /* formula's source and range */
-  /* BRDF times cos(wi), 1/sr; zero when wi.z <= 0. */
+  /* Reads surface->lobes; light may then pass to wi.z < 0, if lobes.transmission > 0. */
+  bool layered;
+  /* BSDF times |cos(wi)|, 1/sr; zero when wi.z <= 0 unless light passes. */
   pl_vec3f (*evaluate)(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
   /* Density of `sample` per solid angle at wi; 0 when it cannot come. */
   float (*pdf)(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
@@ -23,10 +25,19 @@ struct pl_reflectance {
 
 extern const pl_reflectance pl_reflectance_lambert;
 extern const pl_reflectance pl_reflectance_metallic_roughness;
+extern const pl_reflectance pl_reflectance_principled;
 
 /* The table, in a fixed order. */
 extern const pl_reflectance *const pl_reflectances[];
 extern const size_t pl_reflectance_count;
+
+/* Whether light from a unit `direction` (world axes) can be sent to the viewer: it comes from his
+ * side, by the shading and by the geometric normal, or passes from behind. */
+static inline bool pl_surface_admits(const pl_surface *s, pl_vec3f direction) {
+  const float ng = pl_vec3f_dot(direction, s->ng), n = pl_vec3f_dot(direction, s->n);
+  return (ng > 0.0f && n > 0.0f) ||
+         (s->reflectance->layered && s->lobes.transmission > 0.0f && ng < 0.0f && n < 0.0f);
+}
 
 /* Row by name, or NULL. */
 const pl_reflectance *pl_reflectance_find(const char *name);

@@ -3,6 +3,7 @@
 #define PL_SHADE_SURFACE_H
 
 #include "math/vec.h"
+#include "shade/lobes.h"
 
 typedef struct pl_reflectance pl_reflectance;
 
@@ -14,6 +15,7 @@ typedef struct pl_surface {
   pl_vec3f emission;                 /* W m-2 sr-1 */
   float metallic;                    /* 0..1 */
   float alpha;                       /* GGX alpha = roughness^2 */
+  pl_lobes lobes;                    /* read by layered rows alone */
   const pl_reflectance *reflectance; /* row of the table */
 } pl_surface;
 

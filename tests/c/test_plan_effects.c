@@ -19,6 +19,11 @@ static void paint(pl_model *model, test_random *random) {
   m->metallic = (float)random_unit(random);
   if (random_unit(random) < 0.2)
     m->emissive[0] = (float)random_range(random, 0.0, 200.0);
+  m->layered = random_unit(random) < 0.5;
+  m->layers = PL_MATERIAL_LAYERS_PLAIN;
+  m->layers.coat = (float)fmax(0.0, random_range(random, -0.5, 1.0));
+  m->layers.coat_roughness = (float)random_range(random, 0.2, 1.0);
+  m->layers.transmission = (float)fmax(0.0, random_range(random, -0.5, 1.0));
 }
 
 /* A map of random texels. */

@@ -1,0 +1,27 @@
+/* What the principled surface has beyond base colour, metalness and roughness. */
+#ifndef PL_SHADE_LOBES_H
+#define PL_SHADE_LOBES_H
+
+#include "math/vec.h"
+
+/* Read by the row `principled` alone. All zero: no coat, nothing passes, and a base below the
+ * metal that mirrors nothing (ior 1); pl_lobes_plain mirrors as the metallic-roughness row does. */
+typedef struct pl_lobes {
+  pl_vec3f f0;        /* reflectance of the dielectric at normal incidence, 0..1 */
+  float f90;          /* at grazing incidence, 0..1 */
+  float anisotropy;   /* 0..1: alpha along t grows from `alpha` to 1 with its square */
+  float coat;         /* weight of the clear coat, 0..1 */
+  float coat_alpha;   /* GGX alpha of the coat */
+  float transmission; /* part of the dielectric's light that passes instead of scattering, 0..1 */
+} pl_lobes;
+
+/* ior 1.5, full weight, white; all else off. */
+pl_lobes pl_lobes_plain(void);
+
+/* Sets f0 and f90 from the index of refraction against vacuum (>= 0; 0 counts as infinite, as
+ * KHR_materials_ior has it), the weight 0..1 of the mirrored light and its tint. Below F0 = 0.02
+ * f90 falls with f0, so that ior 1 mirrors nothing: Schlick's formula alone would mirror everything
+ * at the horizon. */
+void pl_lobes_set_dielectric(pl_lobes *lobes, float ior, float weight, pl_vec3f tint);
+
+#endif

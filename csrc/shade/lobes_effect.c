@@ -1,0 +1,79 @@
+/* The effect rows `clear_coat` and `transmission`: layers of surfaces. */
+#include <math.h>
+#include <stddef.h>
+
+#include "shade/effects.h"
+
+static double coat_of(const pl_view_thing *thing) { return thing->coat_max; }
+static double passing(const pl_view_thing *thing) { return thing->transmission_max; }
+
+typedef double (*part_fn)(const pl_view_thing *thing);
+
+static bool any(const pl_view *view, part_fn part) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (part(&view->things[i]) > 0.0)
+      return true;
+  return false;
+}
+
+/* A layer in the frame can show the sun itself, by its glint or through the wall. Elsewhere it acts
+ * through the light that it sends, or no longer sends, onto what is in the frame. */
+static double bound_dn(const pl_view *view, part_fn part) {
+  double radiance = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *seen = &view->things[i];
+    double received = 0.0;
+    if (!seen->in_frame)
+      continue;
+    if (part(seen) > 0.0)
+      return pl_view_dn(view, view->white_radiance);
+    for (size_t k = 0; k < view->thing_count; k++) {
+      const pl_view_thing *source = &view->things[k];
+      if (source != seen && part(source) > 0.0)
+        received += pl_view_transfer(seen, source) * pl_view_light(source);
+    }
+    radiance = fmax(radiance, received * pl_view_series(view, view->max_bounces));
+  }
+  return pl_view_dn(view, radiance);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 5e-5 * view->width * view->height * view->samples;
+}
+
+static const char *coat_absent(const pl_view *view) {
+  return any(view, coat_of) ? NULL : "nothing in the scene has a clear coat";
+}
+
+static double coat_bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : bound_dn(view, coat_of);
+}
+
+const pl_effect pl_effect_clear_coat = {
+    .name = "clear_coat",
+    .doc = "Clear coats over materials; off: the material alone",
+    .absent = coat_absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = coat_bound_dn,
+    .cost_ms = cost_ms,
+};
+
+static const char *transmission_absent(const pl_view *view) {
+  if (view->max_bounces == 0)
+    return "max_bounces is 0";
+  return any(view, passing) ? NULL : "nothing in the scene lets light pass";
+}
+
+static double transmission_bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : bound_dn(view, passing);
+}
+
+const pl_effect pl_effect_transmission = {
+    .name = "transmission",
+    .doc = "Light that passes thin walls; off: they scatter it back",
+    .absent = transmission_absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = transmission_bound_dn,
+    .cost_ms = cost_ms,
+};

@@ -1,0 +1,183 @@
+/* The row `principled` where its value is known: against the metallic-roughness row, as Lambert, as
+ * a mirror turned over, and under a white sky. Sampling, energy and reciprocity: test_reflectance.
+ */
+#include "harness.h"
+
+#include "math/sampler.h"
+#include "math/sampling.h"
+#include "random.h"
+#include "shade/reflectance.h"
+
+enum { DRAWS = 1 << 14 };
+
+static const pl_reflectance *const row = &pl_reflectance_principled;
+
+static pl_vec3f tilted(float cosine, float azimuth) {
+  const float sine = sqrtf(fmaxf(0.0f, 1.0f - cosine * cosine));
+  return pl_vec3f_make(sine * cosf(azimuth), sine * sinf(azimuth), cosine);
+}
+
+static pl_surface plain(float alpha, float metallic) {
+  return (pl_surface){
+      .color = {1.0f, 1.0f, 1.0f}, .alpha = alpha, .metallic = metallic, .lobes = pl_lobes_plain()};
+}
+
+/* Light sent on above and below under a white sky, by stratified draws. */
+static void furnace(const pl_surface *s, pl_vec3f wo, double out[2]) {
+  out[0] = out[1] = 0.0;
+  for (uint32_t i = 0; i < DRAWS; i++) {
+    float u[2], choice[2], pdf;
+    pl_vec3f wi, weight;
+    pl_sample_2d(i, 31, 0, u);
+    pl_sample_2d(i, 31, 1, choice);
+    if (row->sample(s, wo, u, choice[0], &wi, &weight, &pdf))
+      out[wi.z < 0.0f] += (double)weight.x / DRAWS;
+  }
+}
+
+static bool near(float a, float b, float relative) {
+  return fabsf(a - b) <= relative * fmaxf(fabsf(a), fabsf(b)) + 1e-12f;
+}
+
+/* With plain lobes it is the metallic-roughness surface, but for rounding. */
+static void test_plain_is_metallic_roughness(void **state) {
+  (void)state;
+  test_random random = {.seed = 41};
+  for (int i = 0; i < 100000; i++) {
+    pl_surface s = plain((float)random_scale(&random, 1e-3, 1.0), (float)random_unit(&random));
+    s.color = pl_vec3f_make((float)random_unit(&random), 0.5f, 0.0f);
+    const pl_vec3f wo = tilted((float)random_range(&random, 0.01, 1), 0.3f);
+    const pl_vec3f wi =
+        tilted((float)random_range(&random, 0.01, 1), (float)random_range(&random, -3, 3));
+    const pl_vec3f a = row->evaluate(&s, wo, wi);
+    const pl_vec3f b = pl_reflectance_metallic_roughness.evaluate(&s, wo, wi);
+    assert_true(near(a.x, b.x, 1e-4f) && near(a.y, b.y, 1e-4f) && near(a.z, b.z, 1e-4f));
+  }
+}
+
+/* Index 1 leaves no surface to mirror anything: Lambert, however smooth, to the horizon. */
+static void test_ior_1_is_lambert(void **state) {
+  (void)state;
+  const float cosines[] = {1.0f, 0.5f, 1e-3f};
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) {
+      pl_surface s = plain(0.01f, 0.0f);
+      pl_lobes_set_dielectric(&s.lobes, 1.0f, 1.0f, pl_vec3f_make(1.0f, 1.0f, 1.0f));
+      const pl_vec3f wo = tilted(cosines[i], 0.0f), wi = tilted(cosines[k], PL_PI_F);
+      assert_true(near(row->evaluate(&s, wo, wi).x, wi.z / PL_PI_F, 1e-6f));
+    }
+}
+
+/* Fresnel's formula at normal incidence: 0.04, 0.02 and 0.17 for indices 1.5, 1.33 and 2.4. */
+static void test_index(void **state) {
+  (void)state;
+  const float index[] = {1.5f, 1.33f, 2.4f, 1.0f, 0.0f};
+  const float f0[] = {0.04f, 0.0200593f, 0.1695502f, 0.0f, 1.0f};
+  const float f90[] = {1.0f, 1.0f, 1.0f, 0.0f, 1.0f};
+  for (int i = 0; i < 5; i++) {
+    pl_lobes lobes = pl_lobes_plain();
+    pl_lobes_set_dielectric(&lobes, index[i], 1.0f, pl_vec3f_make(1.0f, 1.0f, 1.0f));
+    assert_true(fabsf(lobes.f0.x - f0[i]) < 1e-6f && fabsf(lobes.f90 - f90[i]) < 1e-6f);
+  }
+  pl_lobes lobes = pl_lobes_plain();
+  pl_lobes_set_dielectric(&lobes, 1.5f, 0.5f, pl_vec3f_make(1.0f, 0.5f, 0.0f));
+  assert_true(near(lobes.f0.x, 0.02f, 1e-5f) && near(lobes.f0.y, 0.01f, 1e-5f));
+  assert_true(lobes.f0.z == 0.0f && lobes.f90 == 0.5f);
+}
+
+/* A smooth clear wall: Schlick's part is mirrored, the rest goes straight on. */
+static void test_smooth_wall(void **state) {
+  (void)state;
+  for (int degrees = 0; degrees <= 80; degrees += 10) {
+    pl_surface s = plain(0.0f, 0.0f);
+    s.lobes.transmission = 1.0f;
+    const float cosine = cosf((float)degrees * PL_PI_F / 180.0f);
+    const double mirrored = 0.04 + 0.96 * pow(1.0 - (double)cosine, 5.0);
+    double energy[2];
+    furnace(&s, tilted(cosine, 0.4f), energy);
+    assert_true(fabs(energy[0] - mirrored) < 2e-3 && fabs(energy[1] - 1.0 + mirrored) < 2e-3);
+    pl_vec3f wi, weight;
+    float pdf;
+    const float u[2] = {0.3f, 0.6f};
+    assert_true(row->sample(&s, tilted(cosine, 0.4f), u, 0.99f, &wi, &weight, &pdf));
+    const pl_vec3f on = pl_vec3f_scale(tilted(cosine, 0.4f), -1.0f);
+    assert_true(wi.z < 0.0f && pl_vec3f_norm(pl_vec3f_sub(wi, on)) < 0.03f);
+  }
+}
+
+/* Largest and least excess of light that white sends on, for views up to 85 deg. */
+static void extremes_of(float anisotropy, float metallic, float transmission, double out[2]) {
+  const float to_rad = PL_PI_F / 180.0f;
+  out[0] = -1.0;
+  out[1] = 1.0;
+  for (int r = 1; r <= 10; r++)
+    for (int degrees = 0; degrees <= 85; degrees += 17)
+      for (int turn = 0; turn <= 90; turn += 30) {
+        const float roughness = 0.1f * (float)r;
+        pl_surface s = plain(roughness * roughness, metallic);
+        s.lobes.anisotropy = anisotropy;
+        s.lobes.transmission = transmission;
+        double energy[2];
+        furnace(&s, tilted(cosf((float)degrees * to_rad), (float)turn * to_rad), energy);
+        out[0] = fmax(out[0], energy[0] + energy[1] - 1.0);
+        out[1] = fmin(out[1], energy[0] + energy[1] - 1.0);
+      }
+}
+
+/* Isotropic white metals and walls send on all light but 1 %; anisotropic ones no more than they
+ * get: there their loss is given back in part alone. */
+static void test_white_furnace(void **state) {
+  (void)state;
+  const float strength[] = {0.0f, 0.3f, 0.6f, 0.8f, 1.0f};
+  const double lost[] = {0.01, 0.12, 0.3, 0.45, 0.6};
+  for (int i = 0; i < 5; i++)
+    for (int wall = 0; wall < 2; wall++) {
+      double off[2];
+      extremes_of(strength[i], wall ? 0.0f : 1.0f, wall ? 1.0f : 0.0f, off);
+      print_message("anisotropy %g, %s: %.4f to %.4f\n", (double)strength[i],
+                    wall ? "wall" : "metal", off[1], off[0]);
+      assert_true(off[0] < 0.005 && off[1] > -lost[i]);
+    }
+}
+
+/* Anisotropy widens the lobe along x alone. */
+static void test_anisotropy_has_a_direction(void **state) {
+  (void)state;
+  pl_surface s = plain(0.05f, 1.0f);
+  s.lobes.anisotropy = 0.7f;
+  const pl_vec3f up = tilted(1.0f, 0.0f);
+  const float along = row->evaluate(&s, up, tilted(0.9f, 0.0f)).x;
+  const float across = row->evaluate(&s, up, tilted(0.9f, 0.5f * PL_PI_F)).x;
+  assert_true(along > 20.0f * across);
+}
+
+/* A smooth coat over black: Schlick with F0 = 0.04, and nothing else. */
+static void test_coat_over_black(void **state) {
+  (void)state;
+  pl_surface s = plain(0.5f, 1.0f);
+  s.color = pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  s.lobes.f90 = 0.0f;
+  s.metallic = 0.0f;
+  s.lobes.f0 = s.color;
+  s.lobes.coat = 0.8f;
+  s.lobes.coat_alpha = 0.0f;
+  for (int i = 1; i <= 10; i++) {
+    double energy[2];
+    furnace(&s, tilted(0.1f * (float)i, 0.4f), energy);
+    const double expected = 0.8 * (0.04 + 0.96 * pow(1.0 - 0.1 * i, 5.0));
+    assert_true(fabs(energy[0] - expected) < 3e-3 && energy[1] == 0.0);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_plain_is_metallic_roughness),
+      cmocka_unit_test(test_ior_1_is_lambert),
+      cmocka_unit_test(test_index),
+      cmocka_unit_test(test_smooth_wall),
+      cmocka_unit_test(test_white_furnace),
+      cmocka_unit_test(test_anisotropy_has_a_direction),
+      cmocka_unit_test(test_coat_over_black),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
