@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
@@ -12,17 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, bodies, labels, rotations, trajectories
+from perilune import _core, articulation, bodies, labels, trajectories
 from perilune.config import Config, ConfigError, Document, load
-from perilune.config.camera import Camera
 from perilune.config.errors import named, nearest
-from perilune.config.references import MASKS, OBJECTS, check_channels, check_references
+from perilune.config.references import OBJECTS, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
 from perilune.hooks import Hook
 from perilune.motion import Kept
 from perilune.orbits import Setting, System
 from perilune.parts import Partition
-from perilune.sample import CameraLabel, Sample
+from perilune.request import arrays_of, camera_label, request_of
+from perilune.sample import Sample
 from perilune.timeline import Timeline
 from perilune.world import World
 from perilune.world import build as build_world
@@ -177,9 +176,8 @@ class Simulation:
         """posed: the moving parts, where they are known already."""
         poses = trajectories.camera_poses(scene, self._trajectory)
         handles = self._mine()
-        request = _request(scene, poses, handles.scales(scene.config))
-        request["object_movers"] = articulation.stacked(posed or handles.posed(scene))
-        return request
+        movers = articulation.stacked(posed or handles.posed(scene))
+        return request_of(scene, poses, handles.scales(scene.config), movers)
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""
@@ -219,7 +217,7 @@ class Simulation:
         handles = self._mine()
         posed = handles.posed(scene)
         request = self._request(scene, posed)
-        arrays = _arrays(scene.config, names, out or {})
+        arrays = arrays_of(scene.config, names, out or {})
         try:
             with handles.lock:
                 result = handles.renderer_of(scene.config).render(request, arrays, count)
@@ -239,7 +237,7 @@ class Simulation:
             "timings_s": result["timings_s"],
         }
         objects = arrays.pop(OBJECTS, None)
-        return Sample(arrays, objects, _camera_label(request, scene.sensor), meta, result["plan"])
+        return Sample(arrays, objects, camera_label(request, scene.sensor), meta, result["plan"])
 
     def plot_orbits(self, frames: Iterable[int] = (0,), **options: Any) -> Any:
         """A matplotlib Figure of the orbits in some frames; see perilune.plots.plot_orbits."""
@@ -299,111 +297,3 @@ def _checked_threads(threads: int) -> int:
     if threads < 1:
         raise ValueError(f"threads = {threads}: must be 1 or more")
     return threads
-
-
-def intrinsics(camera: Camera) -> F64:
-    """K (3, 3) with integer pixel centres: a centred camera has cx = (width - 1) / 2."""
-    if camera.K is not None:
-        return np.array(camera.K).reshape(3, 3)
-    focal = camera.focal_px
-    if focal is None:
-        assert camera.fov_deg is not None  # the schema asks for one of the three
-        focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
-    cx, cy = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
-    return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
-
-
-def _albedos(config: Config) -> F64:
-    rows = []
-    for body in config.bodies.values():
-        if body.albedo is not None:
-            rows.append(body.albedo)
-        elif body.color_map is not None:
-            rows.append((1.0, 1.0, 1.0))
-        else:
-            rows.append((float(_core.BODIES[body.kind]["bond_albedo"]),) * 3)
-    return np.array(rows, dtype=np.float64)
-
-
-def _request(scene: World, camera_poses: F64, scales: Mapping[str, float]) -> _core.FrameRequest:
-    config = scene.config
-    render, exposure = config.render, config.camera.exposure
-    return {
-        "seed": config.seed,
-        "index": scene.index,
-        "width": config.camera.width,
-        "height": config.camera.height,
-        "K": intrinsics(config.camera),
-        "camera_pose": camera_poses,
-        "object_poses": _stacked([scene.poses[name] for name in config.spacecraft], (2, 7)),
-        "object_scale": np.array([scales[name] for name in config.spacecraft], dtype=np.float64),
-        "body_poses": _stacked([scene.poses[name] for name in config.bodies], (2, 7)),
-        "body_radii": _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
-        "body_albedo": _albedos(config),
-        "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
-        "sun_position": scene.sun_position_m,
-        "sun_radius": config.sun.radius_km * 1e3,
-        "sun_irradiance": config.sun.irradiance_w_m2,
-        "quality": {
-            "samples": render.samples,
-            "max_bounces": render.max_bounces,
-            "tolerance_dn": render.tolerance_dn,
-            "force_on": list(render.force_on),
-            "force_off": list(render.force_off),
-        },
-        "exposure": {
-            "mode": exposure.mode,
-            "white_radiance": exposure.white_radiance_w_m2_sr or 1.0,  # unused in mode auto
-            "percentile": exposure.percentile,
-            "key": exposure.key,
-        },
-        "amodal": render.amodal,
-    }
-
-
-def _stacked(rows: list[F64], shape: tuple[int, ...]) -> F64:
-    return np.stack(rows) if rows else np.empty((0, *shape))
-
-
-@lru_cache(maxsize=1)
-def object_dtype() -> np.dtype[Any]:
-    """The type of a row of `Sample.objects`."""
-    return np.dtype(list(_core.OBJECT_LABEL))
-
-
-def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type of a channel's array."""
-    if name == OBJECTS:
-        return (len(config.spacecraft),), object_dtype()
-    if name == MASKS:
-        size = (config.camera.height, config.camera.width)
-        return (len(config.spacecraft), *size), np.dtype(np.uint8)
-    channel = next(row for row in _core.CHANNELS if row["name"] == name)
-    count = channel["components"]
-    tail = () if count == 0 else (count if count > 0 else len(config.labels.levels),)
-    return (config.camera.height, config.camera.width, *tail), np.dtype(channel["dtype"])
-
-
-def _arrays(config: Config, names: Sequence[str], out: Mapping[str, Array]) -> dict[str, Array]:
-    arrays: dict[str, Array] = {}
-    for name in names:
-        shape, dtype = channel_layout(config, name)
-        given = out.get(name)
-        if given is None:
-            arrays[name] = np.empty(shape, dtype)
-        elif given.shape != shape or given.dtype != dtype or not given.flags.c_contiguous:
-            raise ValueError(
-                f"out['{name}']: must be a C-contiguous {dtype} array of shape {shape}, "
-                f"not {given.dtype} {given.shape}"
-            )
-        else:
-            arrays[name] = given
-    return arrays
-
-
-def _camera_label(request: _core.FrameRequest, sensor: str | None) -> CameraLabel:
-    opening, closing = request["camera_pose"]
-    R_w2c = rotations.to_matrix(rotations.middle(opening[3:], closing[3:])).T
-    center = 0.5 * (opening[:3] + closing[:3])
-    size = request["width"], request["height"]
-    return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor)

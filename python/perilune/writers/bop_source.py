@@ -16,7 +16,8 @@ from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Symmetries
 from perilune.config.trajectory import Deterministic
-from perilune.simulation import Simulation, intrinsics
+from perilune.request import intrinsics
+from perilune.simulation import Simulation
 from perilune.writers.bop_models import BopModel, bop_model
 
 F64 = NDArray[np.float64]

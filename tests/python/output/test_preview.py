@@ -9,8 +9,8 @@ from PIL import Image
 import perilune
 from perilune import _core, notebook, preview
 from perilune.preview import canvas, colors, font, panels, sheet
+from perilune.request import object_dtype
 from perilune.sample import CameraLabel, Sample
-from perilune.simulation import object_dtype
 
 
 def make_sample(width=64, height=48, empty=False, channels=None):

@@ -1,0 +1,142 @@
+"""From the world of a frame to what the core is asked, and the arrays that it fills."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core, rotations
+from perilune.config import Config
+from perilune.config.camera import Camera
+from perilune.config.references import MASKS, OBJECTS
+from perilune.sample import CameraLabel
+from perilune.world import World
+
+F64 = NDArray[np.float64]
+Array = NDArray[Any]
+
+
+def intrinsics(camera: Camera) -> F64:
+    """K (3, 3) with integer pixel centres: a centred camera has cx = (width - 1) / 2."""
+    if camera.K is not None:
+        return np.array(camera.K).reshape(3, 3)
+    focal = camera.focal_px
+    if focal is None:
+        assert camera.fov_deg is not None  # the schema asks for one of the three
+        focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
+    cx, cy = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
+    return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
+
+
+def _albedos(config: Config) -> F64:
+    rows = []
+    for body in config.bodies.values():
+        if body.albedo is not None:
+            rows.append(body.albedo)
+        elif body.color_map is not None:
+            rows.append((1.0, 1.0, 1.0))
+        else:
+            rows.append((float(_core.BODIES[body.kind]["bond_albedo"]),) * 3)
+    return np.array(rows, dtype=np.float64)
+
+
+def request_of(
+    scene: World, camera_poses: F64, scales: Mapping[str, float], movers: F64
+) -> _core.FrameRequest:
+    """What the core is asked to render.
+
+    camera_poses: (2, 7), camera to root, at opening and closing. scales: metres per model unit of
+    each spacecraft. movers: (nodes, 3, 4), the motions of all moving nodes.
+    """
+    config = scene.config
+    render, exposure = config.render, config.camera.exposure
+    return {
+        "seed": config.seed,
+        "index": scene.index,
+        "width": config.camera.width,
+        "height": config.camera.height,
+        "K": intrinsics(config.camera),
+        "camera_pose": camera_poses,
+        "object_poses": _stacked([scene.poses[name] for name in config.spacecraft], (2, 7)),
+        "object_movers": movers,
+        "object_scale": np.array([scales[name] for name in config.spacecraft], dtype=np.float64),
+        "body_poses": _stacked([scene.poses[name] for name in config.bodies], (2, 7)),
+        "body_radii": _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
+        "body_albedo": _albedos(config),
+        "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
+        "sun_position": scene.sun_position_m,
+        "sun_radius": config.sun.radius_km * 1e3,
+        "sun_irradiance": config.sun.irradiance_w_m2,
+        "quality": {
+            "samples": render.samples,
+            "max_bounces": render.max_bounces,
+            "tolerance_dn": render.tolerance_dn,
+            "force_on": list(render.force_on),
+            "force_off": list(render.force_off),
+        },
+        "exposure": {
+            "mode": exposure.mode,
+            "white_radiance": exposure.white_radiance_w_m2_sr or 1.0,  # unused in mode auto
+            "percentile": exposure.percentile,
+            "key": exposure.key,
+        },
+        "amodal": render.amodal,
+    }
+
+
+def _stacked(rows: list[F64], shape: tuple[int, ...]) -> F64:
+    return np.stack(rows) if rows else np.empty((0, *shape))
+
+
+@lru_cache(maxsize=1)
+def object_dtype() -> np.dtype[Any]:
+    """The type of a row of `Sample.objects`."""
+    return np.dtype(list(_core.OBJECT_LABEL))
+
+
+def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type of a channel's array."""
+    if name == OBJECTS:
+        return (len(config.spacecraft),), object_dtype()
+    if name == MASKS:
+        size = (config.camera.height, config.camera.width)
+        return (len(config.spacecraft), *size), np.dtype(np.uint8)
+    channel = next(row for row in _core.CHANNELS if row["name"] == name)
+    count = channel["components"]
+    tail = () if count == 0 else (count if count > 0 else len(config.labels.levels),)
+    return (config.camera.height, config.camera.width, *tail), np.dtype(channel["dtype"])
+
+
+def arrays_of(config: Config, names: Sequence[str], out: Mapping[str, Array]) -> dict[str, Array]:
+    """An array for each channel: that of `out` if there is one, else a new one.
+
+    ValueError for one of `out` of another shape or type.
+    """
+    arrays: dict[str, Array] = {}
+    for name in names:
+        shape, dtype = channel_layout(config, name)
+        given = out.get(name)
+        if given is None:
+            arrays[name] = np.empty(shape, dtype)
+        elif given.shape != shape or given.dtype != dtype or not given.flags.c_contiguous:
+            raise ValueError(
+                f"out['{name}']: must be a C-contiguous {dtype} array of shape {shape}, "
+                f"not {given.dtype} {given.shape}"
+            )
+        else:
+            arrays[name] = given
+    return arrays
+
+
+def camera_label(request: _core.FrameRequest, sensor: str | None) -> CameraLabel:
+    """The camera in the middle of the exposure."""
+    opening, closing = request["camera_pose"]
+    R_w2c = rotations.to_matrix(rotations.middle(opening[3:], closing[3:])).T
+    center = 0.5 * (opening[:3] + closing[:3])
+    size = request["width"], request["height"]
+    return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor)
