@@ -8,6 +8,7 @@
 #include <new>
 
 #include "base/memory.h"
+#include "io/gltf_decoded.hpp"
 #include "io/gltf_guard.hpp"
 #include "io/gltf_material.hpp"
 #include "io/gltf_mesh.hpp"
@@ -43,7 +44,9 @@ Asset parse_asset(const std::string &path, nlohmann::json &animations, Warnings 
                                   static_cast<unsigned>(text.size()), "", tinygltf::NO_REQUIRE))
     fail(PL_E_FORMAT, "%s", printable(error).c_str());
   asset.source = std::make_shared<Source>(std::move(source));
-  asset.file_bytes = asset.source->total_bytes();
+  decode_meshopt(asset);
+  decode_draco(asset, warnings);
+  asset.file_bytes = asset.source->total_bytes() + asset.decoded_bytes;
   return asset;
 }
 

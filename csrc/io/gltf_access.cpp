@@ -42,6 +42,9 @@ void check_fits(size_t available, size_t offset, size_t count, size_t stride, si
 } // namespace
 
 Bytes view_bytes(const Asset &asset, int view, const std::string &what) {
+  const auto decoded = asset.decoded.find(view);
+  if (decoded != asset.decoded.end())
+    return {decoded->second.data(), decoded->second.size()};
   const tinygltf::BufferView &v = asset.model.bufferViews.at(static_cast<size_t>(view));
   const Bytes &buffer = asset.buffers.at(static_cast<size_t>(v.buffer));
   if (v.byteOffset > buffer.size || v.byteLength > buffer.size - v.byteOffset)

@@ -3,6 +3,7 @@
 #ifndef PL_IO_GLTF_ACCESS_HPP
 #define PL_IO_GLTF_ACCESS_HPP
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,8 +26,11 @@ struct Asset {
   tinygltf::Model model;
   std::vector<Bytes> buffers;
   std::vector<ImageRef> images;
+  /* Content of buffer views that is decoded (gltf_decoded.hpp) instead of lying in a buffer. */
+  std::map<int, std::vector<uint8_t>> decoded;
+  size_t decoded_bytes = 0;
   int no_view = -1;      /* buffer view of accessors that have none: they are zeros */
-  size_t file_bytes = 0; /* of the file and all it refers to */
+  size_t file_bytes = 0; /* of the file, all it refers to, and what is decoded from them */
 };
 
 /* Checked content of a buffer view. */

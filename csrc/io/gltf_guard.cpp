@@ -16,9 +16,10 @@ constexpr int MAX_JSON_DEPTH = 100;
 constexpr int MAX_NODE_DEPTH = 1000;
 
 /* Extensions the reader carries out, and those it may ignore although a file requires them. */
-const char *const implemented[] = {"KHR_texture_transform", "KHR_materials_unlit",
-                                   "KHR_materials_emissive_strength", "KHR_mesh_quantization",
-                                   "EXT_texture_webp"};
+const char *const implemented[] = {
+    "KHR_texture_transform",  "KHR_materials_unlit", "KHR_materials_emissive_strength",
+    "KHR_mesh_quantization",  "EXT_texture_webp",    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression"};
 const char *const ignorable[] = {"KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld"};
 
 template <size_t N> bool contains(const char *const (&list)[N], const std::string &name) {
@@ -157,6 +158,15 @@ void warn_of_the_ignored(const json &document, Warnings &warnings) {
     warnings.add("cameras are ignored");
 }
 
+/* A buffer for readers without EXT_meshopt_compression: nothing is read from it here. */
+bool is_fallback(const json &buffer) {
+  const auto extensions = buffer.find("extensions");
+  if (extensions == buffer.end())
+    return false;
+  const auto it = extensions->find("EXT_meshopt_compression");
+  return it != extensions->end() && it->is_object() && it->value("fallback", json()) == true;
+}
+
 } // namespace
 
 json parse_and_check(const Source &source, Warnings &warnings) {
@@ -177,6 +187,10 @@ std::vector<Bytes> load_buffers(const json &document, Source &source) {
     const std::string what = "buffers[" + std::to_string(i) + "]";
     const size_t length = buffer["byteLength"].get<size_t>();
     Bytes bytes;
+    if (is_fallback(buffer)) {
+      out.push_back(bytes);
+      continue;
+    }
     if (buffer.contains("uri"))
       bytes = source.resolve(buffer["uri"].get_ref<const std::string &>(), what);
     else if (i == 0 && source.binary())

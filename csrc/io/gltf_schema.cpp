@@ -170,16 +170,37 @@ void check_sparse(Object accessor, const Counts &n) {
   values.integer("byteOffset", 0, INT_MAX);
 }
 
+void check_meshopt(Object view, const Counts &n) {
+  json *extensions = view.find("extensions");
+  if (extensions == nullptr)
+    return;
+  Object all(*extensions, view.at("extensions"));
+  json *value = all.find("EXT_meshopt_compression");
+  if (value == nullptr)
+    return;
+  Object meshopt(*value, all.at("EXT_meshopt_compression"));
+  meshopt.index("buffer", n.buffers, "buffers", true);
+  meshopt.integer("byteOffset", 0, INT_MAX);
+  meshopt.integer("byteLength", 1, INT_MAX, true);
+  meshopt.integer("byteStride", 2, 256, true);
+  meshopt.integer("count", 1, INT_MAX, true);
+  meshopt.one_of("mode", {"ATTRIBUTES", "TRIANGLES", "INDICES"}, true);
+  meshopt.one_of("filter", {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"});
+}
+
 void check_data(json &document, const Counts &n) {
   each(document, "buffers", [](Object o) {
     o.integer("byteLength", 1, MAX_INTEGER, true);
     o.text("uri");
+    if (json *value = o.find("extensions"))
+      Object(*value, o.at("extensions"));
   });
   each(document, "bufferViews", [&](Object o) {
     o.index("buffer", n.buffers, "buffers", true);
     o.integer("byteOffset", 0, MAX_INTEGER);
     o.integer("byteLength", 1, MAX_INTEGER, true);
     o.integer("byteStride", 4, 252);
+    check_meshopt(o, n);
   });
   each(document, "accessors", [&](Object o) {
     o.index("bufferView", n.views, "bufferViews");
@@ -192,11 +213,30 @@ void check_data(json &document, const Counts &n) {
   });
 }
 
+void check_draco(Object primitive, const Counts &n) {
+  json *extensions = primitive.find("extensions");
+  if (extensions == nullptr)
+    return;
+  Object all(*extensions, primitive.at("extensions"));
+  json *value = all.find("KHR_draco_mesh_compression");
+  if (value == nullptr)
+    return;
+  Object draco(*value, all.at("KHR_draco_mesh_compression"));
+  draco.index("bufferView", n.views, "bufferViews", true);
+  json *attributes = draco.find("attributes");
+  if (attributes == nullptr)
+    fail(PL_E_FORMAT, "%s: is missing", draco.at("attributes").c_str());
+  Object ids(*attributes, draco.at("attributes"));
+  for (auto it = attributes->begin(); it != attributes->end(); ++it)
+    ids.integer(it.key().c_str(), 0, INT_MAX);
+}
+
 void check_primitive(json &value, const std::string &path, const Counts &n) {
   Object o(value, path);
   o.index("indices", n.accessors, "accessors");
   o.index("material", n.materials, "materials");
   o.integer("mode", 0, 6);
+  check_draco(o, n);
   /* Without attributes a primitive draws nothing; tinygltf would drop it and shift the others. */
   if (o.find("attributes") == nullptr)
     value["attributes"] = json::object();

@@ -9,8 +9,14 @@ import base64
 import json
 import struct
 import zlib
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+
+import DracoPy
+import meshoptimizer
+import numpy as np
+from PIL import Image
 
 CORPUS = Path(__file__).parent / "corpus"
 
@@ -226,10 +232,151 @@ def animated() -> bytes:
     )
 
 
+def webp(lossless: bool) -> bytes:
+    """The square with a WebP image that has alpha."""
+    b = Buffer()
+    attributes = {
+        "POSITION": b.add(POSITIONS, "VEC3", 5126, 4),
+        "TEXCOORD_0": b.add(UVS, "VEC2", 5126, 4),
+    }
+    texels = np.arange(9 * 7 * 4, dtype=np.uint8).reshape(7, 9, 4)
+    file = BytesIO()
+    Image.fromarray(texels, "RGBA").save(file, "WEBP", lossless=lossless, quality=60)
+    image = b.view(file.getvalue())
+    return as_glb(
+        b,
+        b.document(
+            meshes=[{"primitives": [{"attributes": attributes, "material": 0, "mode": 6}]}],
+            images=[{"bufferView": image, "mimeType": "image/webp"}],
+            textures=[{"extensions": {"EXT_texture_webp": {"source": 0}}}],
+            materials=[{"emissiveTexture": {"index": 0}, "emissiveFactor": [1, 1, 1]}],
+            extensionsUsed=["EXT_texture_webp"],
+            extensionsRequired=["EXT_texture_webp"],
+        ),
+    )
+
+
+GRID = 4  # vertices along a side of the grid below
+GRID_POINTS = [(x, y, x * y % 3) for y in range(GRID) for x in range(GRID)]
+GRID_CORNERS = [
+    c
+    for y in range(GRID - 1)
+    for x in range(GRID - 1)
+    for a in [GRID * y + x]
+    for c in (a, a + 1, a + 1 + GRID, a, a + 1 + GRID, a + GRID)
+]
+
+
+def draco(level: int) -> bytes:
+    """A bumpy grid with normals and texture coordinates; level 0 is the sequential method."""
+    points = np.array(GRID_POINTS, np.float32)
+    data = DracoPy.encode(
+        points,
+        np.array(GRID_CORNERS).reshape(-1, 3),
+        quantization_bits=8,
+        compression_level=level,
+        tex_coord=points[:, :2].astype(float) / (GRID - 1),
+        tex_coord_quantization_bits=8,
+        normals=np.tile([0.0, 0.0, 1.0], (len(points), 1)),
+        normal_quantization_bits=8,
+    )
+    kinds = {0: "POSITION", 1: "NORMAL", 3: "TEXCOORD_0"}  # GeometryAttribute::Type
+    ids = {kinds[a["attribute_type"]]: a["unique_id"] for a in DracoPy.decode(data).attributes}
+    b = Buffer()
+    view = b.view(data)
+    count = len(points)
+    attributes = {
+        name: b.accessor("VEC2" if name == "TEXCOORD_0" else "VEC3", 5126, count) for name in ids
+    }
+    indices = b.accessor("SCALAR", 5123, len(GRID_CORNERS))
+    extension = {"KHR_draco_mesh_compression": {"bufferView": view, "attributes": ids}}
+    primitive = {"attributes": attributes, "indices": indices, "extensions": extension}
+    return as_glb(
+        b,
+        b.document(
+            meshes=[{"primitives": [primitive]}],
+            nodes=[{"mesh": 0}],
+            extensionsUsed=["KHR_draco_mesh_compression"],
+            extensionsRequired=["KHR_draco_mesh_compression"],
+        ),
+    )
+
+
+def meshopt(triangles: bool) -> bytes:
+    """The same grid as exponents, its normals as an octahedron, its corners in either mode."""
+    meshoptimizer.encode_vertex_version(0)  # the extension's
+    b = Buffer()
+    fallback = 0
+
+    def view(data: bytes, count: int, stride: int, mode: str, filtering: str) -> int:
+        nonlocal fallback
+        at = b.view(data)
+        extension = {**b.views[at], "byteStride": stride, "count": count, "mode": mode}
+        extension["filter"] = filtering
+        b.views[at] = {
+            "buffer": 1,
+            "byteOffset": fallback,
+            "byteLength": count * stride,
+            "extensions": {"EXT_meshopt_compression": extension},
+        }
+        if mode == "ATTRIBUTES":
+            b.views[at]["byteStride"] = stride
+        fallback += count * stride
+        return at
+
+    points = np.array(GRID_POINTS, np.int64)
+    count = len(points)
+    exponent = -2
+    words = ((exponent & 0xFF) << 24 | (points * 4 & 0xFFFFFF)).astype(np.uint32)
+    normals = np.tile(np.array([0, 0, 127, 0], np.int8), (count, 1)).view(np.uint8)
+    corners = np.array(GRID_CORNERS, np.uint32)
+    encode = meshoptimizer.encode_index_buffer if triangles else meshoptimizer.encode_index_sequence
+    mode = "TRIANGLES" if triangles else "INDICES"
+    attributes = {
+        "POSITION": b.accessor(
+            "VEC3",
+            5126,
+            count,
+            bufferView=view(
+                meshoptimizer.encode_vertex_buffer(words), count, 12, "ATTRIBUTES", "EXPONENTIAL"
+            ),
+        ),
+        "NORMAL": b.accessor(
+            "VEC3",
+            5120,
+            count,
+            normalized=True,
+            bufferView=view(
+                meshoptimizer.encode_vertex_buffer(normals), count, 4, "ATTRIBUTES", "OCTAHEDRAL"
+            ),
+        ),
+    }
+    at = view(encode(corners, len(corners), count), len(corners), 2, mode, "NONE")
+    indices = b.accessor("SCALAR", 5123, len(corners), bufferView=at)
+    extensions = ["EXT_meshopt_compression", "KHR_mesh_quantization"]
+    document = b.document(
+        meshes=[{"primitives": [{"attributes": attributes, "indices": indices}]}],
+        nodes=[{"mesh": 0}],
+        extensionsUsed=extensions,
+        extensionsRequired=extensions,
+    )
+    document["buffers"].append(
+        {"byteLength": fallback, "extensions": {"EXT_meshopt_compression": {"fallback": True}}}
+    )
+    return as_glb(b, document)
+
+
 SEEDS = {
     "gltf/textured.glb": textured,
     "gltf/sparse.gltf": sparse_and_strided,
     "gltf/quantised.glb": quantised,
+    "gltf/webp_lossless.glb": lambda: webp(True),
+    "gltf/webp_lossy.glb": lambda: webp(False),
+    "gltf/draco_sequential.glb": lambda: draco(0),
+    "gltf/draco_edgebreaker.glb": lambda: draco(1),
+    "gltf/draco_valence.glb": lambda: draco(10),
+    "gltf/meshopt_triangles.glb": lambda: meshopt(True),
+    "gltf/meshopt_indices.glb": lambda: meshopt(False),
     "gltf/animated.glb": animated,
 }
 

@@ -1,4 +1,8 @@
-"""A second, independent reading of glTF geometry with NumPy, for valid files only."""
+"""A second, independent reading of glTF geometry with NumPy, for valid files only.
+
+Draco data are decoded by DracoPy, meshopt data by the package meshoptimizer, whose filters are
+replaced by the formulas of EXT_meshopt_compression, section "Filters".
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import unquote
 
+import DracoPy
+import meshoptimizer
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,6 +51,8 @@ class File:
         self.buffers = [self._buffer(path, buffer) for buffer in self.json.get("buffers", [])]
 
     def _buffer(self, path: Path, buffer: dict[str, Any]) -> bytes:
+        if "EXT_meshopt_compression" in buffer.get("extensions", {}):
+            return b""
         uri = buffer.get("uri")
         if uri is None:
             return self.chunk
@@ -52,16 +60,20 @@ class File:
             return base64.b64decode(uri.partition(",")[2])
         return (path.parent / unquote(uri)).read_bytes()
 
+    def view(self, index: int) -> bytes:
+        v = self.json["bufferViews"][index]
+        if compressed := v.get("extensions", {}).get("EXT_meshopt_compression"):
+            return decode_meshopt(self._range(compressed), compressed).tobytes()
+        return self._range(v)
+
+    def _range(self, v: dict[str, Any]) -> bytes:
+        start = v.get("byteOffset", 0)
+        return self.buffers[v["buffer"]][start : start + v["byteLength"]]
+
     def _rows(self, view: int, offset: int, dtype: str, width: int, count: int) -> Array:
-        v = self.json["bufferViews"][view]
         itemsize = np.dtype(dtype).itemsize
-        return np.ndarray(
-            (count, width),
-            dtype,
-            self.buffers[v["buffer"]],
-            v.get("byteOffset", 0) + offset,
-            (v.get("byteStride", itemsize * width), itemsize),
-        )
+        stride = self.json["bufferViews"][view].get("byteStride", itemsize * width)
+        return np.ndarray((count, width), dtype, self.view(view), offset, (stride, itemsize))
 
     def accessor(self, index: int) -> Array:
         a = self.json["accessors"][index]
@@ -79,6 +91,44 @@ class File:
         if a.get("normalized"):
             return np.maximum(out / np.iinfo(dtype).max, -1.0)
         return out
+
+
+def decode_meshopt(data: bytes, extension: dict[str, Any]) -> Array:
+    """The content of a view: (count, stride) bytes."""
+    count, stride = extension["count"], extension["byteStride"]
+    if extension["mode"] == "TRIANGLES":
+        return meshoptimizer.decode_index_buffer(count, stride, data).view(np.uint8)
+    if extension["mode"] == "INDICES":
+        return meshoptimizer.decode_index_sequence(count, stride, data).view(np.uint8)
+    rows = meshoptimizer.decode_vertex_buffer(count, stride, data, np.dtype((np.void, stride)))
+    raw = rows.view(np.uint8).reshape(count, stride)
+    return meshopt_filter(raw, extension.get("filter", "NONE"))
+
+
+def meshopt_filter(raw: Array, name: str) -> Array:
+    """(count, stride) bytes to as many."""
+    if name == "OCTAHEDRAL":
+        kind = np.int8 if raw.shape[1] == 4 else np.int16
+        rows = raw.view(kind)
+        x, y = (rows[:, :2] / rows[:, 2:3].astype(float)).T
+        z = 1 - abs(x) - abs(y)
+        t = np.maximum(-z, 0)  # folds the lower hemisphere back
+        out = np.stack([x - np.copysign(t, x), y - np.copysign(t, y), z], axis=1)
+        out = out / np.linalg.norm(out, axis=1, keepdims=True) * np.iinfo(kind).max
+        return np.column_stack([np.rint(out).astype(kind), rows[:, 3]]).view(np.uint8)
+    if name == "QUATERNION":
+        rows = raw.view(np.int16)
+        v = rows[:, :3] / (rows[:, 3:] | 3).astype(float) / np.sqrt(2)
+        w = np.sqrt(np.maximum(0, 1 - (v * v).sum(axis=1)))
+        out = np.empty_like(rows)
+        for k, part in enumerate([w, *v.T]):
+            at = (rows[:, 3] + k) % 4
+            out[np.arange(len(rows)), at] = np.rint(part * 32767)
+        return out.view(np.uint8)
+    if name == "EXPONENTIAL":
+        words = raw.view(np.int32)
+        return np.ldexp(((words << 8) >> 8).astype(np.float32), words >> 24).view(np.uint8)
+    return raw
 
 
 def node_matrix(node: dict[str, Any]) -> Array:
@@ -135,11 +185,16 @@ def read(path: Path) -> Geometry:
             attributes, mode = primitive.get("attributes", {}), primitive.get("mode", 4)
             if mode < 4 or "POSITION" not in attributes:
                 continue
-            p = file.accessor(attributes["POSITION"]).astype(float)
+            draco = primitive.get("extensions", {}).get("KHR_draco_mesh_compression")
+            if draco:
+                decoded = DracoPy.decode(file.view(draco["bufferView"]))
+                p, order, mode = decoded.points.astype(float), decoded.faces.reshape(-1), 4
+            else:
+                p = file.accessor(attributes["POSITION"]).astype(float)
+                order = np.arange(len(p))
+                if "indices" in primitive:
+                    order = file.accessor(primitive["indices"])[:, 0].astype(int)
             p = p @ matrix[:3, :3].T + matrix[:3, 3]
             p = np.stack([p[:, 0], -p[:, 2], p[:, 1]], axis=1)
-            order = np.arange(len(p))
-            if "indices" in primitive:
-                order = file.accessor(primitive["indices"])[:, 0].astype(int)
             corners.append(p[triangles(order, mode)])
     return Geometry(np.concatenate(corners), len(corners) - 1)

@@ -16,7 +16,7 @@ INCLUDE = re.compile(r"^\s*#\s*include\s*([<\"])([^>\"]+)[>\"]", re.MULTILINE)
 CONFINED = [
     (re.compile(r"^Python\.h$|^structmember\.h$|^numpy/"), {"pyext"}),
     (re.compile(r"^embree\d"), {"trace"}),
-    (re.compile(r"^tiny_gltf\.h$|^json\.hpp$|^nlohmann/|^stb_"), {"io"}),
+    (re.compile(r"^tiny_gltf\.h$|^json\.hpp$|^nlohmann/|^stb_|^draco/|^meshoptimizer"), {"io"}),
     (re.compile(r"^png\.h$|^jpeglib\.h$|^turbojpeg\.h$|^webp/"), {"io"}),
 ]
 

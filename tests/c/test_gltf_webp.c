@@ -1,4 +1,4 @@
-/* Extensions of glTF that change how a file's content is stored. */
+/* EXT_texture_webp: textures whose images are WebP. */
 #include <webp/encode.h>
 
 #include "gltf_files.h"
