@@ -19,6 +19,11 @@ Needs needs_of_material(const Asset &asset, int index);
 void build_materials(const Asset &asset, const std::vector<bool> &used, pl_model *model,
                      Warnings &warnings);
 
+/* Reads what KHR_materials_clearcoat, _transmission, _ior, _specular and _anisotropy give into
+ * out->layers; numbers that are none or out of range are errors. */
+void read_layers(const tinygltf::Material &in, const std::string &name, Warnings &warnings,
+                 pl_material *out);
+
 } // namespace pl_gltf
 
 #endif
