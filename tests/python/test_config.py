@@ -119,6 +119,8 @@ def test_cycles_are_printed(scene):
     text = failure(scene)
     assert "bodies.a.orbit.around: a cycle" in text
     assert "a -> b -> c -> a" in text
+    scene["spacecraft"]["sat"]["orbit"]["around"] = "sat"
+    assert "sat.orbit.around: a cycle: sat is around itself: sat -> sat" in failure(scene)
 
 
 def test_spacecraft_as_parents(scene):

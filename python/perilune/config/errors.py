@@ -81,6 +81,7 @@ def _describe(
         return f"{shown_key}: takes no driver ({why})"
     text = error["msg"].replace("Input should be", "must be")
     text = text.replace("Tuple should have", "must have").replace(" after validation", "")
+    text = text.replace("a valid tuple", "a list of values")
     if error["type"] == "union_tag_invalid":
         allowed = [tag.strip().strip("'") for tag in error["ctx"]["expected_tags"].split(",")]
         text = f"no kind '{error['ctx']['tag']}'{nearest(error['ctx']['tag'], allowed)}"

@@ -63,6 +63,8 @@ def check_motion(config: Config) -> None:
         others = [other for other in things if other != name]
         if entry.orbit is not None:
             around = entry.orbit.around
+            if around == name:
+                fail(f"{path}.orbit.around", f"a cycle: {name} is around itself: {name} -> {name}")
             if around not in others:
                 text = f"no entry named '{around}'{nearest(around, others)}"
                 fail(f"{path}.orbit.around", text)
@@ -73,6 +75,8 @@ def check_motion(config: Config) -> None:
         attitude = getattr(entry, "attitude", None)
         if isinstance(attitude, TargetPointing) and attitude.target not in others:
             target = attitude.target
+            if target == name:
+                fail(f"{path}.attitude.target", "it cannot point at itself")
             text = f"no entry named '{target}'{nearest(target, others)}"
             fail(f"{path}.attitude.target", text)
         for key, given in _steps(entry):
