@@ -247,6 +247,15 @@ def test_sensors_may_not_be_in_a_body(scene, base):
         trajectories.camera_poses(sim.world(0), lambda world: [2e7, 0, 0, 1, 0, 0, 0])
 
 
+def test_sensors_may_not_be_in_what_the_platform_keeps_clear_of(scene, base):
+    """20 m from the satellite's centre, and 18 m of it on a boom: its bounding sphere is larger."""
+    scene["camera"]["trajectory"] = {"kind": "orbit_object", "target": "sat", "distance_m": 20.0}
+    sim = opened(scene, base, {"main": {}, "boom": {"transformation": {"position_m": [0, 0, 18]}}})
+    trajectories.camera_poses(sim.world(0))
+    with pytest.raises(ValueError, match=r"sensors\.boom: frame 1: .*sat \(bounding sphere"):
+        trajectories.camera_poses(sim.world(1))
+
+
 @settings(max_examples=30, deadline=None)
 @given(st.tuples(*[st.floats(-5, 5)] * 3), st.tuples(*[st.floats(-180, 180)] * 3))
 def test_mountings_are_rigid(position, angles):

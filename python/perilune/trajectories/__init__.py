@@ -27,6 +27,7 @@ from perilune.trajectories.orbit_object import orbit_object
 from perilune.trajectories.random_box import random_box
 from perilune.trajectories.relative import relative
 from perilune.trajectories.spiral import spiral
+from perilune.trajectories.view import refuse, unclear
 from perilune.world import World
 
 F64 = NDArray[np.float64]
@@ -75,12 +76,20 @@ def mounted(platform: F64, sensor: Sensor) -> F64:
 
 
 def camera_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
-    """Poses (2, 7) of the camera that takes the frame: the platform's, or a sensor's on it."""
+    """Poses (2, 7) of the camera that takes the frame: the platform's, or a sensor's on it.
+
+    A sensor off the platform may come nearer than `clearance_m`, but into nothing that the platform
+    keeps clear of.
+    """
     poses = platform_poses(world, own)
     if world.sensor is not None:
         poses = mounted(poses, world.config.sensors[world.sensor])
+    kept = getattr(world.camera.trajectory, "clearance_m", None) is not None
+    clearance_m = 0.0 if kept and own is None and world.sensor is not None else None
     for when in range(2):
-        body = world.inside(poses[when, :3], when=when)
-        if body is not None:
-            raise ValueError(f"camera.trajectory: frame {world.index}: the camera is inside {body}")
+        fault = unclear(world, poses[when, :3], clearance_m, when)
+        if fault is not None and world.sensor is not None:
+            raise ValueError(f"sensors.{world.sensor}: frame {world.index}: {fault}")
+        if fault is not None:
+            refuse(world, fault)
     return poses
