@@ -53,7 +53,8 @@ class Sample(Mapping[str, Array]):
         self._objects = objects
         self.camera = camera
         self.meta = dict(meta)
-        """seed, index, step, scene, sensor, time_utc, drivers, white_radiance, timings_s;
+        """seed, index, step, scene, sensor, time_utc, drivers (key path -> value), scene_drivers
+        (likewise of the scene's first step, where it differs), white_radiance, timings_s;
         articulation: spacecraft -> node -> {"motion": (4, 4), from a point of the object's frame,
         m, in the rest pose to where it is, "joints": one {"angle_deg"} or {"translation_m"} for
         each of the node's joints}."""

@@ -232,6 +232,7 @@ class Simulation:
             "sensor": scene.sensor,
             "time_utc": scene.date.utc(),
             "drivers": dict(scene.drivers),
+            "scene_drivers": self._document.scene_values(scene.index),
             "articulation": {name: row.meta for name, row in posed.items()},
             "white_radiance": result["white_radiance"],
             "timings_s": result["timings_s"],
@@ -266,6 +267,7 @@ def open(  # noqa: A001 (perilune.open is the interface)
     base: str | os.PathLike[str] | None = None,
     trajectory: Callable[[World], Any] | None = None,
     orbits: Mapping[str, Hook] | None = None,
+    replay: Mapping[str, Any] | None = None,
     **dotted: Any,
 ) -> Simulation:
     """Opens a configuration: a YAML or JSON file, or a mapping of the same shape.
@@ -275,12 +277,17 @@ def open(  # noqa: A001 (perilune.open is the interface)
     (default: the file's, or the current one). trajectory: a callable (perilune.world.World) ->
     camera pose (7,) or (2, 7), camera to root, instead of the configured trajectory; with `sensors`
     it is the pose of the platform they sit on. orbits: name of a body or spacecraft -> a function
-    that draws its orbit once a scene, as those of `kind: hook`.
+    that draws its orbit once a scene, as those of `kind: hook`. replay: the metadata of a sample
+    (Sample.meta, or {index, drivers, scene_drivers} of a dataset): its frame gets the values that
+    its drivers had, whatever they would draw now; other steps draw as ever. With the seed of the
+    metadata, if they hold one and no other is given.
     """
     changes = {**(overrides or {}), **dotted}
+    if seed is None and replay is not None and "seed" not in changes:
+        seed = replay.get("seed")
     if seed is not None:
         changes["seed"] = seed
-    document = load(config, changes, Path(base) if base is not None else None)
+    document = load(config, changes, None if base is None else Path(base), replay)
     return Simulation(document, trajectory, orbits)
 
 

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
 
 from perilune.check.findings import Report
 from perilune.drivers import path_text
@@ -45,6 +45,14 @@ class Camera(_Exact):
     width: Annotated[int, Field(ge=1, le=LARGEST_SIDE)]
 
 
+class Frame(_Exact):
+    """Which frame an image is, and what its drivers drew, by key path."""
+
+    index: Annotated[int, Field(ge=0)]
+    drivers: dict[str, JsonValue]
+    scene_drivers: dict[str, JsonValue] = Field(default_factory=dict)
+
+
 class SceneCamera(_Exact):
     """An entry of scene_camera.json."""
 
@@ -53,6 +61,7 @@ class SceneCamera(_Exact):
     cam_t_w2c: Three
     depth_scale: Positive
     sensor: str | None = None
+    frame: Frame | None = None
 
 
 class Pose(_Exact):

@@ -1,7 +1,8 @@
-"""The configuration's types as JSON Schema (2020-12), with drivers where numbers may vary.
+"""The configuration's types as JSON Schema (2020-12), with drivers where values may vary.
 
 What the schema cannot say (a name that refers to another entry, keys of which exactly one is given)
-the loader checks; what the schema refuses, the loader refuses too.
+the loader checks; what the schema refuses, the loader refuses too, but for a driver in the place of
+a section's `kind` (choose among whole sections instead) or of a name in a list of names.
 """
 
 from __future__ import annotations
@@ -22,40 +23,82 @@ _VARIES = "x-perilune-varies"
 _DRAWS: dict[str, Any] = {
     "interval": {"type": "integer", "minimum": 1, "description": "Steps between draws."},
     "strength": {"type": "number", "minimum": 0, "description": "Factor on the variance."},
+    "group": {"type": "string", "description": "A name of drivers.groups."},
 }
-_NORMAL: dict[str, Any] = {
-    "description": "ideal + N(0, jitter_variance * strength), clipped.",
-    "type": "object",
-    "properties": {
-        "ideal": {"type": "number"},
-        "jitter_variance": {"type": "number", "minimum": 0},
-        "clip_min": {"type": "number"},
-        "clip_max": {"type": "number"},
-        **_DRAWS,
+
+
+def _distribution(description: str, needed: dict[str, Any], **optional: Any) -> dict[str, Any]:
+    return {
+        "description": description,
+        "type": "object",
+        "properties": {**needed, **optional, **_DRAWS},
+        "required": list(needed),
+        "additionalProperties": False,
+    }
+
+
+def _distributions(value: dict[str, Any], variance: dict[str, Any]) -> list[dict[str, Any]]:
+    """Of numbers, or of lists of numbers."""
+    limits = {"clip_min": value, "clip_max": value}
+    jointly = {"jointly": {"type": "boolean", "description": "One draw for all of a list."}}
+    two = {"type": "array", "items": value, "minItems": 2, "maxItems": 2}
+    return [
+        _distribution(
+            "ideal + N(0, jitter_variance * strength), clipped.",
+            {"ideal": value, "jitter_variance": variance, **limits},
+            **jointly,
+        ),
+        _distribution(
+            "Uniform between two limits.",
+            {"uniform": {**two, "description": "[low, high]."}},
+            **jointly,
+        ),
+        _distribution(
+            "median * exp(N(0, log_variance * strength)), clipped.",
+            {"median": value, "log_variance": variance, **limits},
+            **jointly,
+        ),
+    ]
+
+
+_NUMBER: dict[str, Any] = {"type": "number"}
+_VARIANCE: dict[str, Any] = {"type": "number", "minimum": 0}
+_FREE: list[dict[str, Any]] = [
+    _distribution(
+        "One of several values; the first is the ideal one.",
+        {"choice": {"type": "array", "minItems": 1}},
+        weights={"type": "array", "items": {"type": "number", "minimum": 0}},
+    ),
+    _distribution(
+        "What a function of the user's draws.",
+        {"hook": {"type": "string", "description": "module:function."}, "ideal": {}},
+        clip_min={},
+        clip_max={},
+        params={"type": "object"},
+    ),
+]
+
+
+def _or_list(number: dict[str, Any]) -> dict[str, Any]:
+    return {"anyOf": [number, {"type": "array", "items": number, "minItems": 1}]}
+
+
+_DRIVERS: dict[str, dict[str, Any]] = {
+    "Driver": {
+        "title": "Driver",
+        "description": "A number that varies.",
+        "anyOf": [*_distributions(_NUMBER, _VARIANCE), *_FREE],
     },
-    "required": ["ideal", "jitter_variance", "clip_min", "clip_max"],
-    "additionalProperties": False,
-}
-_UNIFORM: dict[str, Any] = {
-    "description": "Uniform between two limits.",
-    "type": "object",
-    "properties": {
-        "uniform": {
-            "type": "array",
-            "items": {"type": "number"},
-            "minItems": 2,
-            "maxItems": 2,
-            "description": "[low, high].",
-        },
-        **_DRAWS,
+    "ListDriver": {
+        "title": "ListDriver",
+        "description": "A list of numbers that varies.",
+        "anyOf": [*_distributions(_or_list(_NUMBER), _or_list(_VARIANCE)), *_FREE],
     },
-    "required": ["uniform"],
-    "additionalProperties": False,
-}
-_DRIVER: dict[str, Any] = {
-    "title": "Driver",
-    "description": "A number that varies.",
-    "anyOf": [_NORMAL, _UNIFORM],
+    "AnyDriver": {
+        "title": "AnyDriver",
+        "description": "A name, a section or another value that varies.",
+        "anyOf": _FREE,
+    },
 }
 
 
@@ -97,17 +140,50 @@ class _Generator(GenerateJsonSchema):
         return found
 
 
+def _or(node: dict[str, Any], driver: str) -> dict[str, Any]:
+    """What a node takes, or a driver."""
+    words = ("title", "description", "default")
+    outer = {key: node.pop(key) for key in words if key in node}
+    return {**outer, "anyOf": [node, {"$ref": f"#/$defs/{driver}"}]}
+
+
+def _holds_driver(node: Any) -> bool:
+    """Whether a driver may stand in the place of a node itself."""
+    return node.get("$ref") in [f"#/$defs/{name}" for name in _DRIVERS] or any(
+        _holds_driver(part) for part in node.get("anyOf", [])
+    )
+
+
+def _or_any(node: Any) -> Any:
+    """A value of a key, or a driver of any values; counts and kinds take none."""
+    parts = node.get("anyOf", [node]) if isinstance(node, dict) else []
+    fixed = any("const" in part or part.get("type") == "integer" for part in parts)
+    if not parts or node == {} or fixed or _holds_driver(node):
+        return node
+    return _or(node, "AnyDriver")
+
+
 def _with_drivers(node: Any) -> Any:
     if isinstance(node, list):
         return [_with_drivers(item) for item in node]
     if not isinstance(node, dict):
         return node
     node = {key: _with_drivers(value) for key, value in node.items()}
-    if not node.pop(_VARIES, False):
-        return node
-    words = ("title", "description", "default")
-    outer = {key: node.pop(key) for key in words if key in node}
-    return {**outer, "anyOf": [node, {"$ref": "#/$defs/Driver"}]}
+    if node.pop(_VARIES, False):
+        return _or(node, "Driver")
+    items = [*node.get("prefixItems", []), node.get("items", {})]
+    if node.get("type") == "array" and any(_holds_driver(item) for item in items):
+        return _or(node, "ListDriver")
+    if "properties" in node and node.get("title") not in _UNDRIVEN:
+        rows = node["properties"].items()
+        node["properties"] = {key: _or_any(value) for key, value in rows}
+    if node.get("additionalProperties"):
+        node["additionalProperties"] = _or_any(node["additionalProperties"])
+    return node
+
+
+_UNDRIVEN = ("Drivers", "DriverGroup", "Labels")
+"""Sections that take no driver."""
 
 
 def _name_choices(definitions: dict[str, Any]) -> None:
@@ -134,8 +210,8 @@ def config_schema() -> dict[str, Any]:
     """The schema of a whole configuration."""
     mode: JsonSchemaMode = "validation"
     schema = Config.model_json_schema(by_alias=True, schema_generator=_Generator, mode=mode)
-    schema = _with_drivers(schema)
-    schema["$defs"]["Driver"] = _DRIVER
     _name_choices(schema["$defs"])
+    schema = _with_drivers(schema)
+    schema["$defs"] |= _DRIVERS
     # The name may be left out of the file, and `$schema` is not a key of a configuration.
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -32,22 +32,29 @@ class Document:
         base: Path,
         source: str,
         origins: Mapping[str, str] | None = None,
+        replay: Mapping[str, Any] | None = None,
     ) -> None:
-        """origins: key path -> key path in the file, of a file that was translated; for errors."""
+        """origins: key path -> key path in the file, of a file that was translated; for errors.
+        replay: the metadata of a frame whose drivers' values are taken instead of new ones."""
         self.tree = plain_tree(tree, source)
         self.base = base
         self.source = source
         self.origins = dict(origins or {})
         try:
             self._plan = Plan(tuple(find(self.tree)))
+            for driver in self.drivers:
+                if driver.path[0] == "drivers":
+                    raise DriverError(driver.name, "takes no driver: it sets those of others")
             self.config = self._validate(self._plan.ideals)
             self._plan = self._grouped()
         except (DriverError, HookError) as error:
             raise ConfigError(f"{source}: {error}") from None
         self._check_clips()
+        self._replay = dict(replay) if replay is not None else None
+        self._recorded = self._records(self._replay) if self._replay is not None else {}
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Document, (self.tree, self.base, self.source, self.origins)
+        return Document, (self.tree, self.base, self.source, self.origins, self._replay)
 
     @property
     def drivers(self) -> tuple[Found, ...]:
@@ -61,12 +68,59 @@ class Document:
         """
         if not self.drivers:
             return self.config, {}
+        values = self._values(self.config.timeline.at(frame).step)
+        return self._validate(values), self._by_name(values)
+
+    def scene_values(self, frame: int) -> dict[str, Any]:
+        """Values of the drivers at the first step of a frame's scene that are others at the frame.
+
+        Orbits that are drawn once a scene depend on them.
+        """
         step = self.config.timeline.at(frame).step
+        first = self._first_step(step)
+        if not self.drivers or first == step:
+            return {}
+        now, then = self._by_name(self._values(step)), self._by_name(self._values(first))
+        return {name: value for name, value in then.items() if value != now[name]}
+
+    def _first_step(self, step: int) -> int:
+        """The step of the first frame of a step's scene."""
+        per_scene = self.config.time.frames_per_scene
+        timeline = self.config.timeline
+        return timeline.at(timeline.frames_before(step // per_scene * per_scene)).step
+
+    def _values(self, step: int) -> dict[KeyPath, Any]:
         try:
             values = self._plan.values(self.config.seed, step)
         except (DriverError, HookError) as error:
             raise ConfigError(f"{self.source}: {error}") from None
-        return self._validate(values), self._by_name(values)
+        return {**values, **self._recorded.get(step, {})}
+
+    def _records(self, meta: Mapping[str, Any]) -> dict[int, dict[KeyPath, Any]]:
+        """Step -> the values that the metadata of a frame hold."""
+        paths = {driver.name: driver.path for driver in self.drivers}
+        for key in ("index", "drivers"):
+            if key not in meta:
+                raise ConfigError(f"replay: the metadata of a sample have a key '{key}'")
+        index, now = meta["index"], meta["drivers"]
+        if type(index) is not int or not 0 <= index < 2**31:
+            raise ConfigError(f"replay: index: must be that of a frame, not {index!r}")
+        then = {**now, **meta.get("scene_drivers", {})}
+        for name in then:
+            if name not in paths:
+                raise ConfigError(f"replay: no driver '{name}'{nearest(name, paths)}")
+        for name in paths:
+            if name not in now:
+                raise ConfigError(f"replay: no value of the driver {name}")
+        step = self.config.timeline.at(index).step
+        first = self._first_step(step)
+        rows = {
+            at: {paths[name]: value for name, value in row.items()}
+            for at, row in ((first, then), (step, now))
+        }
+        for values in rows.values():
+            self._validate(values)
+        return rows
 
     def _by_name(self, values: Mapping[KeyPath, Any]) -> dict[str, Any]:
         return {driver.name: values[driver.path] for driver in self.drivers}
@@ -146,10 +200,12 @@ def load(
     config: str | os.PathLike[str] | Mapping[str, Any],
     overrides: Mapping[str, Any] | None = None,
     base: Path | None = None,
+    replay: Mapping[str, Any] | None = None,
 ) -> Document:
     """Loads a YAML or JSON file, or takes a mapping (paths relative to `base`, default: here).
 
-    One with the sections of an OAISYS file is translated first; overrides are of our keys.
+    One with the sections of an OAISYS file is translated first; overrides are of our keys. replay:
+    see perilune.open.
     """
     if isinstance(config, Mapping):
         source = "configuration"
@@ -166,4 +222,4 @@ def load(
         translation = oaisys.translate(tree, base, source)
         tree, origins = translation.tree, translation.origins
     apply_overrides(tree, plain_tree(overrides or {}, "overrides"))
-    return Document(tree, base, source, origins)
+    return Document(tree, base, source, origins, replay)

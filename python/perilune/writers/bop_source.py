@@ -16,6 +16,7 @@ from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Symmetries
 from perilune.config.trajectory import Deterministic
+from perilune.drivers import Found
 from perilune.request import intrinsics
 from perilune.simulation import Simulation
 from perilune.writers.bop_models import BopModel, bop_model
@@ -26,10 +27,20 @@ _SIZE_KEYS = ("size_m", "metres_per_unit")
 _HASH_BLOCK = 1 << 20
 
 
+def _varies_size(driver: Found) -> bool:
+    if len(driver.path) > 2:
+        return driver.path[-1] in _SIZE_KEYS
+    # One among several whole entries, or whole sections.
+    entries = [driver.ideal, *driver.distribution.limits]
+    if len(driver.path) == 2:
+        entries = [[entry.get(key) for key in _SIZE_KEYS] for entry in entries]
+    return any(entry != entries[0] for entry in entries)
+
+
 def _refuse_driven_sizes(sim: Simulation) -> None:
     """A BOP model has one size, so a size that varies from frame to frame has no place in it."""
     for driver in sim.document.drivers:
-        if driver.path[0] == "spacecraft" and driver.path[-1] in _SIZE_KEYS:
+        if driver.path[0] == "spacecraft" and _varies_size(driver):
             raise ConfigError(
                 f"{sim.document.source}: {driver.name}: has a driver, but models of a BOP dataset "
                 "have one size; give it a number"
@@ -122,6 +133,10 @@ def _files(sim: Simulation) -> dict[str, str]:
         if body.color_map is not None:
             key = f"bodies.{name}.color_map"
             files[key] = _file_sha256(sim, body.color_map, key)
+    for driver in sim.document.drivers:
+        if driver.path[0] == "bodies" and driver.path[-1] == "color_map":
+            for k, text in enumerate(filter(None, driver.distribution.limits)):
+                files[f"{driver.name}.choice[{k}]"] = _file_sha256(sim, text, driver.name)
     trajectory = sim.config.camera.trajectory
     if isinstance(trajectory, Deterministic):
         key = "camera.trajectory.file"

@@ -73,6 +73,16 @@ BAD = [
     ("render.force_on", ["shadows"]),
     ("labels.ids", {"kinds": {"a": 1}}),
     ("drivers.strength", DRIVER),
+    ("drivers.groups", {"g": {"jitter_strength": DRIVER}}),
+    ("drivers.groups", {"g": {"members": [1], "correlation": [[1]]}}),
+    ("drivers.groups", {"choice": [{}]}),
+    ("camera.fov_deg", {**DRIVER, "ideal": [1.0, 1.0]}),
+    ("camera.fov_deg", {"choice": []}),
+    ("camera.fov_deg", {"choice": [30.0, 40.0], "weights": [1, -1]}),
+    ("camera.fov_deg", {"median": 1.0, "log_variance": 1.0}),
+    ("camera.fov_deg", {"hook": "math:sin"}),
+    ("bodies.planet.reflectance", {"uniform": [0.0, 1.0]}),
+    ("bodies.planet.albedo", {**DRIVER, "ideal": [1.0, "x", 1.0]}),
     ("version", 2),
     ("rendr", {}),
 ]
@@ -87,7 +97,23 @@ def test_what_the_schema_refuses_the_loader_refuses(validator, repo_dir, path, v
         perilune.open(tree, base=demo.parent)
 
 
+LOG_NORMAL = {"median": 1.0, "log_variance": 0.1, "clip_min": 0.5, "clip_max": 2.0}
+COLOUR = {**DRIVER, "ideal": [1.0, 0.9, 0.8], "jitter_variance": [0.0, 0.1, 0.2], "jointly": True}
+HOOK = {"hook": "math:sin", "ideal": 1.0, "clip_min": 0.5, "clip_max": 2.0, "params": {}}
+FLY = {"kind": "hover", "target": "planet", "height_m": 1e5}
+
 GOOD = [
+    ("bodies.planet.albedo", COLOUR),
+    ("bodies.planet.albedo", {"uniform": [[0, 0, 0], [1, 1, 1]]}),
+    ("bodies.planet.albedo", {"choice": [0.3, [0.1, 0.2, 0.3]], "weights": [1, 2]}),
+    ("camera.fov_deg", LOG_NORMAL),
+    ("camera.fov_deg", HOOK),
+    ("camera.fov_deg", {"choice": [30.0, 40.0]}),
+    ("bodies.planet.reflectance", {"choice": ["lambert", "metallic_roughness"]}),
+    ("camera.trajectory", {"choice": [FLY, {**FLY, "height_m": DRIVER["ideal"]}]}),
+    ("camera.trajectory.distance_m", {"uniform": [[1.0, 5.0], [2.0, 6.0]]}),
+    ("drivers", {"groups": {"g": {"jitter_strength": 0, "step_interval": 3}}}),
+    ("drivers", {"groups": {"g": {"members": ["seed"], "correlation": [[1]]}}}),
     ("bodies.planet.radii_km", 6378.0),
     ("bodies.planet.albedo", [0.1, DRIVER, 0.3]),
     ("bodies.planet.albedo", DRIVER),
