@@ -13,8 +13,13 @@ static const float MEAN_MIN = 1e-3f;
 
 /* --- the list --------------------------------------------------------------------------------- */
 
-/* Mean luminance of a triangle's emission; 0 if its material emits nothing. */
-static float luminance_of(const pl_model *model, uint32_t triangle) {
+/* Mean luminance of a triangle's emission; 0 if its material emits nothing. What a graph emits is
+ * no light of this list: paths meet it by chance. */
+static float luminance_of(const pl_object *object, uint32_t triangle) {
+  const pl_model *model = object->model;
+  const pl_object_graph *graph = pl_object_materials_at(object->materials, triangle);
+  if (graph != NULL && pl_graph_sets_emission(graph->graph))
+    return 0.0f;
   const pl_material *material = pl_material_of(model, triangle);
   const float *e = material->emissive;
   const float factor = pl_luminance(pl_vec3f_make(e[0], e[1], e[2]));
@@ -62,11 +67,11 @@ static double body_luminance(const pl_shot_body *body) {
 static size_t count_triangles(const pl_snapshot *shot) {
   size_t count = 0;
   for (size_t i = 0; i < shot->object_count; i++) {
-    const pl_model *model = shot->objects[i].object->model;
+    const pl_object *object = shot->objects[i].object;
     if (!emits(&shot->objects[i]))
       continue;
-    for (uint32_t t = 0; t < model->triangle_count; t++)
-      count += luminance_of(model, t) > 0.0f;
+    for (uint32_t t = 0; t < object->model->triangle_count; t++)
+      count += luminance_of(object, t) > 0.0f;
   }
   return count;
 }
@@ -80,7 +85,7 @@ static void add_object(pl_emitters *list, size_t thing, size_t *used) {
                      .radius_m = object->radius_m,
                      .first = *used};
   for (uint32_t t = 0; t < model->triangle_count; t++) {
-    const float luminance = luminance_of(model, t);
+    const float luminance = luminance_of(object->object, t);
     if (!(luminance > 0.0f))
       continue;
     const corners c = corners_of(object, t);
@@ -207,7 +212,8 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   if (pl_material_opacity(model, &hit) < 0.5f)
     return false;
   out->radiance = pl_material_emission(model, &hit, list->maps);
-  out->pdf = (float)mesh_pdf(item, luminance_of(model, triangle), distance, (double)cosine);
+  out->pdf =
+      (float)mesh_pdf(item, luminance_of(object->object, triangle), distance, (double)cosine);
   return true;
 }
 
@@ -266,8 +272,7 @@ float pl_emitters_pdf(const pl_emitters *list, pl_vec3 point, const pl_emitter_h
     pl_vec3 axis;
     if (hit->thing >= list->shot->object_count)
       return (float)(probability * (double)pl_cone_pdf(cone_of(item, point, &axis)));
-    const pl_model *model = list->shot->objects[hit->thing].object->model;
-    const float luminance = luminance_of(model, hit->triangle);
+    const float luminance = luminance_of(list->shot->objects[hit->thing].object, hit->triangle);
     if (!(luminance > 0.0f) || !(hit->cosine > 1e-6f))
       return 0.0f;
     return (float)(probability * mesh_pdf(item, luminance, hit->t, (double)hit->cosine));

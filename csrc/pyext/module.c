@@ -134,9 +134,9 @@ static const char *turn_doc(size_t i) {
 }
 
 static int execute(PyObject *module) {
-  PyType_Spec *const specs[] = {&pl_py_model_spec,       &pl_py_map_spec,        &pl_py_scene_spec,
-                                &pl_py_renderer_spec,    &pl_py_propagator_spec, &pl_py_tree_spec,
-                                &pl_py_articulation_spec};
+  PyType_Spec *const specs[] = {&pl_py_model_spec,        &pl_py_map_spec,        &pl_py_scene_spec,
+                                &pl_py_renderer_spec,     &pl_py_propagator_spec, &pl_py_tree_spec,
+                                &pl_py_articulation_spec, &pl_py_graph_spec};
   if (PyArray_ImportNumPyAPI() < 0)
     return -1;
   for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++)
@@ -155,7 +155,7 @@ static int execute(PyObject *module) {
   pl_turn_kinds(&turns);
   if (add(module, "PROPAGATORS", named_rows(propagators, propagator_name, propagator_doc)) < 0 ||
       add(module, "TURNS", named_rows(turns, turn_name, turn_doc)) < 0 ||
-      add(module, "FORCES", pl_py_forces()) < 0)
+      add(module, "FORCES", pl_py_forces()) < 0 || add(module, "NODES", pl_py_nodes()) < 0)
     return -1;
   return pl_py_orbit_add_constants(module);
 }

@@ -25,21 +25,27 @@ static void renderer_dealloc(PyObject *object) {
   pl_free(self->states.objects);
   pl_free(self->states.bodies);
   pl_free(self->states.movers);
+  pl_free(self->states.parameters);
   Py_XDECREF(self->scene);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(object);
   Py_DECREF(type);
 }
 
 static pl_status open_renderer(renderer_object *self) {
-  void *objects, *bodies, *movers;
+  void *objects, *bodies, *movers, *parameters;
   PL_TRY(pl_alloc_or_fail(self->core->object_count, sizeof(pl_object_state), "poses", &objects));
   self->states.objects = objects;
   PL_TRY(pl_alloc_or_fail(self->core->body_count, sizeof(pl_body_state), "poses", &bodies));
   self->states.bodies = bodies;
-  for (size_t i = 0; i < self->core->object_count; i++)
+  for (size_t i = 0; i < self->core->object_count; i++) {
     self->states.mover_count += pl_object_mover_count(&self->core->objects[i]);
+    self->states.parameter_count += pl_object_parameter_count(&self->core->objects[i]);
+  }
   PL_TRY(pl_alloc_or_fail(self->states.mover_count, sizeof(pl_affine), "motions", &movers));
   self->states.movers = movers;
+  PL_TRY(pl_alloc_or_fail(self->states.parameter_count, sizeof(pl_value), "parameters of materials",
+                          &parameters));
+  self->states.parameters = parameters;
   return pl_renderer_create(self->core, &self->renderer);
 }
 

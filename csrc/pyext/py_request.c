@@ -109,6 +109,27 @@ static int parse_movers(PyObject *dict, const pl_scene *scene, pl_py_states *sta
   return 0;
 }
 
+/* "object_parameters" (values, 3): may be absent when no material has any. */
+static int parse_parameters(PyObject *dict, const pl_scene *scene, pl_py_states *states) {
+  const npy_intp shape[2] = {(npy_intp)states->parameter_count, 3};
+  if (states->parameter_count == 0)
+    return 0;
+  PyArrayObject *array = get_array(dict, "object_parameters", 2, shape);
+  if (array == NULL)
+    return -1;
+  const double *from = PyArray_DATA(array);
+  for (size_t i = 0; i < states->parameter_count; i++)
+    for (size_t k = 0; k < 4; k++)
+      states->parameters[i][k] = k < 3 ? (float)from[3 * i + k] : 0.0f;
+  Py_DECREF((PyObject *)array);
+  const pl_value *next = (const pl_value *)states->parameters;
+  for (size_t i = 0; i < scene->object_count; i++) {
+    states->objects[i].parameters = next;
+    next += pl_object_parameter_count(&scene->objects[i]);
+  }
+  return 0;
+}
+
 static int parse_bodies(PyObject *dict, size_t count, pl_body_state *out) {
   const npy_intp poses[3] = {(npy_intp)count, 2, 7}, three[2] = {(npy_intp)count, 3};
   PyArrayObject *a[4] = {NULL, NULL, NULL, NULL};
@@ -214,7 +235,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
   if (get_u64(request, "seed", &out->seed) < 0 || get_u64(request, "index", &out->index) < 0 ||
       parse_camera(request, &out->placement.camera) < 0 ||
       parse_objects(request, scene->object_count, states->objects) < 0 ||
-      parse_movers(request, scene, states) < 0 ||
+      parse_movers(request, scene, states) < 0 || parse_parameters(request, scene, states) < 0 ||
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
       parse_sun(request, &out->placement.sun) < 0 || parse_quality(request, out) < 0 ||
       parse_amodal(request, &out->amodal) < 0)

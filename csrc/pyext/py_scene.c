@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "base/memory.h"
+
 typedef struct scene_object {
   PyObject_HEAD pl_scene scene;
   PyObject *kept; /* list: what the scene borrows from */
@@ -143,6 +145,56 @@ static PyObject *scene_add_object(PyObject *object, PyObject *args, PyObject *kw
   return added;
 }
 
+/* Borrowed graphs of a tuple, kept by the scene; NULL with an exception. */
+static const pl_graph **graphs_of(const scene_object *self, PyObject *tuple) {
+  const size_t count = (size_t)PyTuple_Size(tuple);
+  void *memory;
+  const pl_status status = pl_alloc_or_fail(count, sizeof(pl_graph *), "graphs", &memory);
+  if (status != PL_OK) {
+    pl_py_raise(status);
+    return NULL;
+  }
+  const pl_graph **graphs = memory;
+  for (size_t i = 0; i < count; i++) {
+    graphs[i] = pl_py_graph_of(PyTuple_GetItem(tuple, (Py_ssize_t)i));
+    if (graphs[i] == NULL) {
+      pl_free(memory);
+      return NULL;
+    }
+  }
+  if (PyList_Append(self->kept, tuple) == 0)
+    return graphs;
+  pl_free(memory);
+  return NULL;
+}
+
+static PyObject *scene_set_materials(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"object", "graphs", "triangle_graph", NULL};
+  scene_object *self = (scene_object *)object;
+  Py_ssize_t index;
+  PyObject *tuple, *triangles;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO!O:set_materials", names, &index, &PyTuple_Type,
+                                   &tuple, &triangles) ||
+      check_open(self) < 0)
+    return NULL;
+  if (index < 0 || (size_t)index >= self->scene.object_count) {
+    PyErr_Format(PyExc_ValueError, "no object %zd", index);
+    return NULL;
+  }
+  const npy_intp shape[1] = {(npy_intp)self->scene.objects[index].model->triangle_count};
+  PyArrayObject *array = pl_py_array(triangles, "triangle_graph", NPY_INT32, 1, shape);
+  const pl_graph **graphs = array != NULL ? graphs_of(self, tuple) : NULL;
+  PyObject *result = NULL;
+  if (graphs != NULL) {
+    const pl_status status = pl_scene_set_materials(
+        &self->scene, (size_t)index, graphs, (size_t)PyTuple_Size(tuple), PyArray_DATA(array));
+    result = status == PL_OK ? Py_NewRef(Py_None) : pl_py_raise(status);
+    pl_free((void *)graphs);
+  }
+  Py_XDECREF((PyObject *)array);
+  return result;
+}
+
 static PyObject *scene_articulate(PyObject *object, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"object", "nodes", NULL};
   const npy_intp any[1] = {-1};
@@ -166,6 +218,8 @@ static PyMethodDef scene_methods[] = {
      "Adds an ellipsoid; returns its index."},
     {"add_object", (PyCFunction)(void (*)(void))scene_add_object, METH_VARARGS | METH_KEYWORDS,
      "Adds an instance of a model; returns its index."},
+    {"set_materials", (PyCFunction)(void (*)(void))scene_set_materials,
+     METH_VARARGS | METH_KEYWORDS, "Puts graphs on an object's triangles."},
     {"articulate", (PyCFunction)(void (*)(void))scene_articulate, METH_VARARGS | METH_KEYWORDS,
      "Lets nodes of an object's model move."},
     {NULL, NULL, 0, NULL},

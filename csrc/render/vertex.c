@@ -154,6 +154,33 @@ static pl_vec3f mesh_normal(const pl_shot_object *object, const pl_vertex *verte
   return pl_vec3f_dot(n, vertex->ng) < 0.0f ? pl_vec3f_scale(n, -1.0f) : n;
 }
 
+/* The surface by a graph. Without `maps` its footprint is infinite: patterns count as their means.
+ */
+static void shade_graph(const pl_shot_object *object, const pl_object_graph *graph,
+                        const pl_triangle_point *triangle, bool maps, const pl_beam *beam,
+                        pl_vertex *vertex) {
+  pl_surface *s = &vertex->surface;
+  /* A circle with the area of the pixel's parallelogram. */
+  const float area = pl_vec3f_norm(triangle->footprint_a) * pl_vec3f_norm(triangle->footprint_b);
+  pl_graph_point point = {
+      .world = pl_vec3_to_float(pl_vec3_sub(vertex->position, object->position)),
+      .t = s->t,
+      .b = s->b,
+      .n = s->n,
+      .ng = vertex->ng,
+      .view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)),
+      .radius = maps ? sqrtf(area / PL_PI_F) : INFINITY,
+      .random = object->object->materials->random,
+      .model = object->object->model,
+      .triangle = *triangle,
+      .offset = object->object->offset,
+      .scale = (float)object->scale,
+  };
+  point.object = pl_graph_point_object(&point);
+  const pl_value *own = object->parameters;
+  pl_graph_surface(graph->graph, &point, own != NULL ? own + graph->first_parameter : NULL, s);
+}
+
 static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, bool maps,
                        pl_vertex *vertex) {
   const pl_model *model = object->object->model;
@@ -176,7 +203,12 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, bool m
                              .edge1 = vertex->edge1,
                              .edge2 = vertex->edge2};
   footprint(vertex, beam, &point.footprint_a, &point.footprint_b);
-  pl_material_surface(model, &point, maps, &vertex->surface);
+  const pl_object_graph *graph =
+      pl_object_materials_at(object->object->materials, vertex->triangle);
+  if (graph == NULL || pl_graph_wraps(graph->graph))
+    pl_material_surface(model, &point, maps, &vertex->surface);
+  if (graph != NULL)
+    shade_graph(object, graph, &point, maps, beam, vertex);
 }
 
 /* Change of longitude and latitude over a step in body axes, as map coordinates. The poles, where

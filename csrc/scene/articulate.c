@@ -59,13 +59,17 @@ static pl_status cover_pieces(const pl_cut *cut, pl_cover **out) {
 pl_status pl_scene_articulate(pl_scene *scene, size_t index, const int *nodes, size_t count) {
   const pl_cut *cut = NULL;
   uint32_t *parts;
-  pl_cover *covers;
+  pl_cover *covers = NULL;
   if (index >= scene->object_count || scene->objects[index].cut != NULL)
     return pl_fail(PL_E_ARGUMENT, "object %zu is not there or articulated already", index);
   pl_object *object = &scene->objects[index];
   PL_TRY(find_cut(scene, object->model, nodes, count, &cut));
   PL_TRY(sort_parts(object, cut, &parts));
-  const pl_status status = cover_pieces(cut, &covers);
+  pl_status status = PL_OK;
+  if (object->materials != NULL)
+    status = pl_object_materials_sort(object->materials, cut);
+  if (status == PL_OK)
+    status = cover_pieces(cut, &covers);
   if (status != PL_OK) {
     pl_free(parts);
     return status;

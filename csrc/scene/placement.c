@@ -89,6 +89,18 @@ static pl_status check_movers(const pl_object *object, const pl_object_state *st
   return PL_OK;
 }
 
+static pl_status check_parameters(const pl_object *object, const pl_object_state *state) {
+  const size_t count = pl_object_parameter_count(object);
+  if (count > 0 && state->parameters == NULL)
+    return pl_fail(PL_E_ARGUMENT, "object '%s': its materials have no parameters", object->name);
+  for (size_t i = 0; i < count; i++)
+    for (int k = 0; k < 4; k++)
+      if (!isfinite(state->parameters[i][k]))
+        return pl_fail(PL_E_RANGE, "object '%s': parameter %zu of its materials is not finite",
+                       object->name, i);
+  return PL_OK;
+}
+
 static pl_status check_object(const pl_object *object, const pl_object_state *state,
                               pl_vec3 camera) {
   PL_TRY(check_motion("object", object->name, &state->motion));
@@ -107,6 +119,7 @@ static pl_status check_object(const pl_object *object, const pl_object_state *st
   if (!(distance <= REACH_UNITS))
     return pl_fail(PL_E_RANGE, "object '%s': is %.3g of its model's units away, must be at most %g",
                    object->name, distance, REACH_UNITS);
+  PL_TRY(check_parameters(object, state));
   return check_movers(object, state);
 }
 

@@ -18,6 +18,7 @@ static void object_clear(pl_object *object) {
   pl_free(object->triangle_part);
   pl_free(object->part_ids);
   pl_free(object->class_ids);
+  pl_object_materials_destroy(object->materials);
   pl_cover_clear(&object->cover);
   for (size_t k = 0; object->piece_covers != NULL && k < object->cut->count; k++)
     pl_cover_clear(&object->piece_covers[k]);
@@ -92,6 +93,20 @@ pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model 
     return status;
   }
   scene->objects[scene->object_count++] = object;
+  return PL_OK;
+}
+
+pl_status pl_scene_set_materials(pl_scene *scene, size_t index, const pl_graph *const *graphs,
+                                 size_t count, const int32_t *triangle_graph) {
+  if (index >= scene->object_count || scene->objects[index].materials != NULL ||
+      scene->objects[index].cut != NULL)
+    return pl_fail(PL_E_ARGUMENT, "object %zu is not there, or has graphs or moving nodes already",
+                   index);
+  pl_object *object = &scene->objects[index];
+  PL_TRY(pl_object_materials_create(object->name, graphs, count, triangle_graph,
+                                    object->model->triangle_count, &object->materials));
+  for (size_t i = 0; i < count; i++)
+    pl_graph_summarise(graphs[i], &object->summary);
   return PL_OK;
 }
 

@@ -10,6 +10,7 @@
 #include "geom/cut.h"
 #include "geom/model.h"
 #include "math/rotation.h"
+#include "scene/materials.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
@@ -35,9 +36,10 @@ typedef struct pl_object {
   int32_t *part_ids;       /* owned, one per part */
   uint16_t *class_ids;     /* owned, levels per part */
   pl_model_summary summary;
-  pl_cover cover;         /* owned; not of an articulated object */
-  const pl_cut *cut;      /* the scene's; NULL when nothing on the object moves */
-  pl_cover *piece_covers; /* owned, one a piece */
+  pl_object_materials *materials; /* owned; NULL: the model's own on all triangles */
+  pl_cover cover;                 /* owned; not of an articulated object */
+  const pl_cut *cut;              /* the scene's; NULL when nothing on the object moves */
+  pl_cover *piece_covers;         /* owned, one a piece */
 } pl_object;
 
 /* An ellipsoid with an equirectangular map. Its frame: x at longitude 0, z at the north pole. */
@@ -67,9 +69,17 @@ void pl_scene_clear(pl_scene *scene);
 pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
                               pl_vec3 offset, int32_t obj_id, int32_t instance_id,
                               const pl_part_table *parts);
+/* Puts graphs on an object's triangles (-1: the model's material), once an object and before it is
+ * articulated. `triangle_graph`: as many as the model's triangles; the graphs stay borrowed. */
+pl_status pl_scene_set_materials(pl_scene *scene, size_t object, const pl_graph *const *graphs,
+                                 size_t count, const int32_t *triangle_graph);
 /* Lets nodes of an object's model move, in every frame by a motion each (pl_object_state). Once an
  * object. Triangles are from then on in the order of the pieces. PL_E_RANGE for bad nodes. */
 pl_status pl_scene_articulate(pl_scene *scene, size_t object, const int *nodes, size_t count);
+/* Values that each frame gives to an object's graphs. */
+static inline size_t pl_object_parameter_count(const pl_object *object) {
+  return object->materials != NULL ? object->materials->parameter_count : 0;
+}
 /* Moving nodes of an object. */
 static inline size_t pl_object_mover_count(const pl_object *object) {
   return object->cut != NULL ? object->cut->count - 1 : 0;
@@ -94,6 +104,7 @@ typedef struct pl_object_state {
   double scale;            /* metres per model unit */
   const pl_affine *movers; /* of an articulated object: rest to now of each moving node, model axes
                               and units (geom/articulation.h) */
+  const pl_value *parameters; /* of the object's graphs, one graph after the other */
 } pl_object_state;
 
 typedef struct pl_body_state {

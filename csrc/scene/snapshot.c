@@ -42,7 +42,11 @@ static void image_cone(const pl_snapshot *shot, pl_vec3 *axis, double *half_angl
 static void build_object(const pl_object *object, const pl_object_state *state, pl_vec3 camera,
                          pl_shot_object *out) {
   const pl_pose pose = pl_motion_middle(&state->motion);
-  *out = (pl_shot_object){.object = object, .scale = state->scale, .kept = true, .eclipsed = true};
+  *out = (pl_shot_object){.object = object,
+                          .parameters = state->parameters,
+                          .scale = state->scale,
+                          .kept = true,
+                          .eclipsed = true};
   out->rotation = pl_mat3_from_quat(pose.q);
   out->position = pl_vec3_sub(pose.t, camera);
   const pl_mat3 m = out->rotation;

@@ -22,16 +22,17 @@ typedef struct pl_shot_piece {
 } pl_shot_piece;
 
 typedef struct pl_shot_object {
-  const pl_object *object; /* borrowed */
-  double scale;            /* metres per model unit */
-  pl_mat3 rotation;        /* object axes to root axes */
-  pl_vec3 position;        /* of the object's origin, camera-relative, m */
-  float to_view[12];       /* model units to view, 3x4 column-major (x, y, z axes, translation) */
-  pl_vec3 center;          /* of the bounding sphere, camera-relative, m */
-  double radius_m;         /* of the bounding sphere */
-  bool in_frame;           /* the sphere touches the frustum */
-  bool kept;               /* part of the accelerator; culled ones cannot touch the image */
-  bool eclipsed;           /* a body's shadow may fall on it; set by pl_snapshot_cull */
+  const pl_object *object;    /* borrowed */
+  const pl_value *parameters; /* of its graphs; borrowed */
+  double scale;               /* metres per model unit */
+  pl_mat3 rotation;           /* object axes to root axes */
+  pl_vec3 position;           /* of the object's origin, camera-relative, m */
+  float to_view[12]; /* model units to view, 3x4 column-major (x, y, z axes, translation) */
+  pl_vec3 center;    /* of the bounding sphere, camera-relative, m */
+  double radius_m;   /* of the bounding sphere */
+  bool in_frame;     /* the sphere touches the frustum */
+  bool kept;         /* part of the accelerator; culled ones cannot touch the image */
+  bool eclipsed;     /* a body's shadow may fall on it; set by pl_snapshot_cull */
   /* Of an articulated object: every triangle is in one of these and placed by it, not by to_view;
    * pose and scale are still the object's. */
   const pl_shot_piece *pieces; /* in the order of the cut; NULL of others */

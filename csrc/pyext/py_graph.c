@@ -1,0 +1,310 @@
+/* The type Graph, and the table of its nodes. */
+#include "pyext/py_types.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "pyext/py_read.h"
+
+typedef struct graph_object {
+  PyObject_HEAD pl_graph *graph; /* owned */
+  PyObject *kept;                /* list: the maps that it borrows from */
+} graph_object;
+
+static void graph_dealloc(PyObject *self) {
+  PyTypeObject *type = Py_TYPE(self);
+  pl_graph_destroy(((graph_object *)self)->graph);
+  Py_XDECREF(((graph_object *)self)->kept);
+  ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
+  Py_DECREF(type);
+}
+
+const pl_graph *pl_py_graph_of(PyObject *object) {
+  if (!pl_py_is(object, (void *)graph_dealloc)) {
+    PyErr_SetString(PyExc_TypeError, "graphs must be perilune._core.Graph");
+    return NULL;
+  }
+  return ((graph_object *)object)->graph;
+}
+
+/* --- reading a description -------------------------------------------------------------------- */
+
+/* Room for what one node points to. */
+typedef struct node_room {
+  pl_graph_input inputs[PL_NODE_SOCKETS];
+  pl_constant constants[PL_NODE_CONSTANTS];
+} node_room;
+
+static const char *const sources[] = {"unset", "constant", "link", "parameter", NULL};
+
+static int read_input(PyObject *item, pl_graph_input *out) {
+  const char *source;
+  Py_ssize_t index, output;
+  if (!PyArg_ParseTuple(item, "snnfff", &source, &index, &output, &out->value[0], &out->value[1],
+                        &out->value[2]))
+    return -1;
+  for (int k = 0; sources[k] != NULL; k++)
+    if (strcmp(sources[k], source) == 0) {
+      out->source = (pl_input_source)k;
+      out->index = (size_t)index; /* what is negative is far too large */
+      out->output = (size_t)output;
+      return 0;
+    }
+  PyErr_Format(PyExc_ValueError, "no source '%s' of an input", source);
+  return -1;
+}
+
+/* (number, numbers or None, map or None); keeps what is pointed to. */
+static int read_constant(PyObject *item, PyObject *kept, pl_constant *out) {
+  PyObject *numbers, *map;
+  const npy_intp any[1] = {-1};
+  if (!PyArg_ParseTuple(item, "dOO", &out->number, &numbers, &map))
+    return -1;
+  if (map != Py_None &&
+      ((out->texture = pl_py_map_of(map)) == NULL || PyList_Append(kept, map) < 0))
+    return -1;
+  if (numbers == Py_None)
+    return 0;
+  PyArrayObject *array = pl_py_array(numbers, "numbers", NPY_FLOAT, 1, any);
+  if (array == NULL)
+    return -1;
+  out->numbers = PyArray_DATA(array);
+  out->count = (size_t)PyArray_DIM(array, 0);
+  const int failed = PyList_Append(kept, (PyObject *)array);
+  Py_DECREF((PyObject *)array);
+  return failed;
+}
+
+static int check_count(PyObject *list, size_t count, const char *what, const char *name) {
+  if (PyTuple_Check(list) && (size_t)PyTuple_Size(list) == count)
+    return 0;
+  PyErr_Format(PyExc_ValueError, "%s: %s must be a tuple of %zu", name, what, count);
+  return -1;
+}
+
+/* (name, kind, inputs, constants) */
+static int read_node(PyObject *item, PyObject *kept, node_room *room, pl_graph_node *out) {
+  const char *kind;
+  PyObject *inputs, *constants;
+  if (!PyArg_ParseTuple(item, "ssOO", &out->name, &kind, &inputs, &constants))
+    return -1;
+  out->kind = pl_node_kind_find(kind);
+  if (out->kind == NULL) {
+    PyErr_Format(PyExc_ValueError, "%s: no kind of node '%s'; see perilune._core.NODES", out->name,
+                 kind);
+    return -1;
+  }
+  out->inputs = room->inputs;
+  out->constants = room->constants;
+  if (check_count(inputs, out->kind->input_count, "inputs", out->name) < 0 ||
+      check_count(constants, out->kind->constant_count, "constants", out->name) < 0)
+    return -1;
+  for (size_t k = 0; k < out->kind->input_count; k++)
+    if (read_input(PyTuple_GetItem(inputs, (Py_ssize_t)k), &room->inputs[k]) < 0)
+      return -1;
+  for (size_t k = 0; k < out->kind->constant_count; k++)
+    if (read_constant(PyTuple_GetItem(constants, (Py_ssize_t)k), kept, &room->constants[k]) < 0)
+      return -1;
+  return 0;
+}
+
+static int make(graph_object *self, PyObject *nodes, pl_graph_description *d) {
+  void *rows = NULL, *rooms = NULL;
+  pl_status status = pl_alloc_or_fail(d->count, sizeof(pl_graph_node), "a graph", &rows);
+  if (status != PL_OK)
+    return pl_py_check(status, "graph");
+  status = pl_alloc_or_fail(d->count, sizeof(node_room), "a graph", &rooms);
+  int failed = status != PL_OK ? pl_py_check(status, "graph") : 0;
+  for (size_t i = 0; failed == 0 && i < d->count; i++)
+    failed = read_node(PyTuple_GetItem(nodes, (Py_ssize_t)i), self->kept, (node_room *)rooms + i,
+                       (pl_graph_node *)rows + i);
+  d->nodes = rows;
+  if (failed == 0 && (status = pl_graph_create(d, &self->graph)) != PL_OK) {
+    pl_py_raise(status);
+    failed = -1;
+  }
+  pl_free(rooms);
+  pl_free(rows);
+  return failed;
+}
+
+static PyObject *graph_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"nodes", "surface", "parameters", "wrap", NULL};
+  PyObject *nodes;
+  Py_ssize_t surface, parameters;
+  int wrap;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!nnp:Graph", names, &PyTuple_Type, &nodes,
+                                   &surface, &parameters, &wrap))
+    return NULL;
+  graph_object *self = (graph_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  if (self == NULL)
+    return NULL;
+  pl_graph_description d = {.count = (size_t)PyTuple_Size(nodes),
+                            .surface = (size_t)surface,
+                            .parameter_count = (size_t)parameters,
+                            .wrap = wrap != 0};
+  self->kept = PyList_New(0);
+  if (self->kept == NULL || make(self, nodes, &d) < 0) {
+    Py_DECREF(self);
+    return NULL;
+  }
+  return (PyObject *)self;
+}
+
+/* --- using ------------------------------------------------------------------------------------ */
+
+static PyObject *get_instructions(PyObject *self, void *closure) {
+  (void)closure;
+  return PyLong_FromSize_t(pl_graph_instruction_count(((graph_object *)self)->graph));
+}
+
+static PyObject *get_parameters(PyObject *self, void *closure) {
+  (void)closure;
+  return PyLong_FromSize_t(pl_graph_parameter_count(((graph_object *)self)->graph));
+}
+
+static PyGetSetDef graph_getset[] = {
+    {"instructions", get_instructions, NULL, "Nodes evaluated at each hit.", NULL},
+    {"parameters", get_parameters, NULL, "Values that each frame gives.", NULL},
+    {NULL, NULL, NULL, NULL, NULL},
+};
+
+/* Values of the surface's inputs as shading uses them: colour, metalness, alpha, emission. */
+static void put_surface(const pl_surface *s, double *out) {
+  const double row[8] = {s->color.x, s->color.y,    s->color.z,    s->metallic,
+                         s->alpha,   s->emission.x, s->emission.y, s->emission.z};
+  memcpy(out, row, sizeof row);
+}
+
+static PyObject *graph_evaluate(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"points", "radius", "parameters", NULL};
+  const pl_graph *graph = ((graph_object *)object)->graph;
+  const npy_intp points[2] = {-1, 3}, shape[2] = {(npy_intp)pl_graph_parameter_count(graph), 4};
+  PyObject *py_points, *py_parameters;
+  double radius;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OdO:evaluate", names, &py_points, &radius,
+                                   &py_parameters))
+    return NULL;
+  PyArrayObject *in = pl_py_array(py_points, "points", NPY_DOUBLE, 2, points);
+  PyArrayObject *values =
+      in != NULL ? pl_py_array(py_parameters, "parameters", NPY_FLOAT, 2, shape) : NULL;
+  PyObject *out = NULL;
+  if (values != NULL) {
+    const npy_intp rows[2] = {PyArray_DIM(in, 0), 8};
+    out = PyArray_SimpleNew(2, rows, NPY_DOUBLE);
+  }
+  for (npy_intp i = 0; out != NULL && i < PyArray_DIM(in, 0); i++) {
+    const double *p = (const double *)PyArray_DATA(in) + 3 * i;
+    const pl_vec3f at = pl_vec3f_make((float)p[0], (float)p[1], (float)p[2]);
+    const pl_vec3f x = {1.0f, 0.0f, 0.0f}, y = {0.0f, 1.0f, 0.0f}, z = {0.0f, 0.0f, 1.0f};
+    const pl_graph_point point = {.object = at,
+                                  .world = at,
+                                  .t = x,
+                                  .b = y,
+                                  .n = z,
+                                  .ng = z,
+                                  .view = z,
+                                  .radius = (float)radius,
+                                  .scale = 1.0f};
+    pl_surface surface = {.t = x, .b = y, .n = z, .ng = z, .alpha = 1.0f};
+    pl_graph_surface(graph, &point, PyArray_DATA(values), &surface);
+    put_surface(&surface, (double *)PyArray_DATA((PyArrayObject *)out) + 8 * i);
+  }
+  Py_XDECREF((PyObject *)in);
+  Py_XDECREF((PyObject *)values);
+  return out;
+}
+
+static PyMethodDef graph_methods[] = {
+    {"evaluate", (PyCFunction)(void (*)(void))graph_evaluate, METH_VARARGS | METH_KEYWORDS,
+     "The surface at points of the object's axes."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot graph_slots[] = {
+    {Py_tp_doc, "Graph(nodes, surface, parameters, wrap)\n--\n\nA compiled material graph."},
+    {Py_tp_new, (void *)graph_new},
+    {Py_tp_dealloc, (void *)graph_dealloc},
+    {Py_tp_getset, graph_getset},
+    {Py_tp_methods, graph_methods},
+    {0, NULL},
+};
+
+PyType_Spec pl_py_graph_spec = {"perilune._core.Graph", sizeof(graph_object), 0, Py_TPFLAGS_DEFAULT,
+                                graph_slots};
+
+/* --- the table -------------------------------------------------------------------------------- */
+
+static PyObject *socket_row(const pl_socket *socket) {
+  static const char *const types[] = {"scalar", "vector", "color"};
+  return Py_BuildValue("{s:s,s:s,s:(fff),s:s}", "name", socket->name, "type", types[socket->type],
+                       "default", (double)socket->fallback[0], (double)socket->fallback[1],
+                       (double)socket->fallback[2], "doc", socket->doc);
+}
+
+static PyObject *sockets_of(const pl_socket *sockets, size_t count) {
+  PyObject *tuple = PyTuple_New((Py_ssize_t)count);
+  for (size_t i = 0; tuple != NULL && i < count; i++) {
+    PyObject *row = socket_row(&sockets[i]);
+    if (row == NULL)
+      Py_CLEAR(tuple);
+    else
+      PyTuple_SetItem(tuple, (Py_ssize_t)i, row);
+  }
+  return tuple;
+}
+
+static PyObject *choices_of(const pl_constant_row *row) {
+  PyObject *list = PyList_New(0);
+  for (size_t i = 0; list != NULL && row->choices != NULL && row->choices[i] != NULL; i++) {
+    PyObject *name = PyUnicode_FromString(row->choices[i]);
+    if (name == NULL || PyList_Append(list, name) < 0)
+      Py_CLEAR(list);
+    Py_XDECREF(name);
+  }
+  PyObject *tuple = list != NULL ? PyList_AsTuple(list) : NULL;
+  Py_XDECREF(list);
+  return tuple;
+}
+
+static PyObject *constants_of(const pl_node_kind *kind) {
+  static const char *const types[] = {"number", "choice", "numbers", "image"};
+  PyObject *tuple = PyTuple_New((Py_ssize_t)kind->constant_count);
+  for (size_t i = 0; tuple != NULL && i < kind->constant_count; i++) {
+    const pl_constant_row *row = &kind->constants[i];
+    PyObject *choices = choices_of(row);
+    PyObject *item = choices == NULL
+                         ? NULL
+                         : Py_BuildValue("{s:s,s:s,s:d,s:d,s:d,s:N,s:n,s:s}", "name", row->name,
+                                         "type", types[row->type], "default", row->fallback, "low",
+                                         row->low, "high", row->high, "choices", choices, "columns",
+                                         (Py_ssize_t)row->columns, "doc", row->doc);
+    if (item == NULL)
+      Py_CLEAR(tuple);
+    else
+      PyTuple_SetItem(tuple, (Py_ssize_t)i, item);
+  }
+  return tuple;
+}
+
+PyObject *pl_py_nodes(void) {
+  PyObject *dict = PyDict_New();
+  for (size_t i = 0; dict != NULL && i < pl_node_kind_count; i++) {
+    const pl_node_kind *kind = pl_node_kinds[i];
+    PyObject *inputs = sockets_of(kind->inputs, kind->input_count);
+    PyObject *outputs = inputs != NULL ? sockets_of(kind->outputs, kind->output_count) : NULL;
+    PyObject *constants = outputs != NULL ? constants_of(kind) : NULL;
+    PyObject *row = constants == NULL
+                        ? NULL
+                        : Py_BuildValue("{s:s,s:O,s:O,s:O,s:O}", "doc", kind->doc, "inputs", inputs,
+                                        "outputs", outputs, "constants", constants, "surface",
+                                        kind->evaluate == NULL ? Py_True : Py_False);
+    if (row == NULL || PyDict_SetItemString(dict, kind->name, row) < 0)
+      Py_CLEAR(dict);
+    Py_XDECREF(inputs);
+    Py_XDECREF(outputs);
+    Py_XDECREF(constants);
+    Py_XDECREF(row);
+  }
+  return dict;
+}
