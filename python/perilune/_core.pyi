@@ -121,6 +121,61 @@ class Map:
     def mean(self) -> F64:
         """(4,) mean linear RGBA."""
 
+class Socket(TypedDict):
+    name: str
+    type: str  # "scalar" | "vector" | "color"
+    default: tuple[float, float, float]
+    doc: str
+
+class Constant(TypedDict):
+    name: str
+    type: str  # "number" | "choice" | "numbers" | "image"
+    default: float  # of a choice its index
+    low: float
+    high: float
+    choices: tuple[str, ...]
+    columns: int  # of a row of "numbers"
+    doc: str
+
+class NodeKind(TypedDict):
+    doc: str
+    inputs: tuple[Socket, ...]
+    outputs: tuple[Socket, ...]
+    constants: tuple[Constant, ...]
+    surface: bool  # its inputs are what a graph gives
+
+NODES: dict[str, NodeKind]
+"""The kinds of nodes of material graphs by name."""
+
+@final
+class Graph:
+    """A compiled material graph; immutable.
+
+    nodes: (name, kind, inputs, constants) each, inputs and constants in the order of NODES. An
+    input is (source, index, output, x, y, z) with source "unset", "constant" (x, y, z; a scalar
+    thrice), "link" (to output `output` of node `index`) or "parameter" (`index` of those that each
+    frame gives). A constant is (number or index of the choice, numbers float32 or None, Map or
+    None). surface: index of the node that is the surface. wrap: inputs of it that are unset stay
+    the model's material's. ValueError starts with `node.key`."""
+
+    def __new__(
+        cls,
+        nodes: tuple[tuple[Any, ...], ...],
+        surface: int,
+        parameters: int,
+        wrap: bool,
+    ) -> Self: ...
+    @property
+    def instructions(self) -> int:
+        """Nodes evaluated at each hit: constant and unused ones are not among them."""
+    @property
+    def parameters(self) -> int: ...
+    def evaluate(
+        self, points: F64, radius: float, parameters: NDArray[np.float32]
+    ) -> F64:
+        """(n, 8): colour (3), metalness, GGX alpha, emission (3) of the surface at points (n, 3) in
+        object axes, m, with footprints of this radius, m. parameters: (count, 4)."""
+
 @final
 class Scene:
     """What does not change from frame to frame: models, maps, label ids."""
@@ -154,6 +209,11 @@ class Scene:
         """A model instance; a model point p is at scale * (p - offset) in the object's frame.
         offset: (3,) model units; part_ids: (parts,); class_ids: (parts, levels); triangle_part:
         (T,) index into them, instead of the model's own parts."""
+    def set_materials(
+        self, object: int, graphs: tuple[Graph, ...], triangle_graph: NDArray[np.int32]
+    ) -> None:
+        """Puts graphs on an object's triangles (T,), -1: the model's material. Once an object, and
+        before `articulate`."""
     def articulate(self, object: int, nodes: NDArray[np.int32]) -> None:
         """Lets nodes of an object's model move; each frame then gives each a motion, in the order
         of the objects and of these nodes. Once an object."""
@@ -181,6 +241,7 @@ class FrameRequest(TypedDict):
     object_poses: F64  # (objects, 2, 7)
     object_scale: F64  # (objects,), metres per model unit
     object_movers: NotRequired[F64]  # (all moving nodes, 3, 4): see Articulation.pose
+    object_parameters: NotRequired[F64]  # (all parameters of all graphs, 3), object by object
     body_poses: F64  # (bodies, 2, 7)
     body_radii: F64  # (bodies, 3), m
     body_albedo: F64  # (bodies, 3), linear factor on the map (or the colour itself without one)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation
+from perilune import _core, articulation, materials
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Config, Spacecraft, Symmetries
@@ -141,6 +141,21 @@ class Handles:
         return {name: rig for name, rig in rigs.items() if rig is not None}
 
     @cached_property
+    def materials(self) -> Mapping[str, materials.Placed]:
+        """Spacecraft entry -> the graphs on its triangles, of those that have some."""
+        config, source = self.document.config, self.document.source
+        placed = {}
+        for name, row in self.models.items():
+            uses, key = config.spacecraft[name].materials, f"spacecraft.{name}.materials"
+            if uses:
+                try:
+                    cut = self.partitions[name]
+                    placed[name] = materials.place(uses, config.materials, row.model, cut, key)
+                except ValueError as error:
+                    raise ConfigError(f"{source}:\n  {error}") from None
+        return placed
+
+    @cached_property
     def taxonomy(self) -> Taxonomy:
         """Names and ids of all labels."""
         parts = {name: cut.entries for name, cut in self.partitions.items()}
@@ -222,6 +237,10 @@ class Handles:
                 class_ids=_class_ids(labels, "spacecraft", row.class_name, part_classes[name]),
                 triangle_part=self.partitions[name].triangle_part,
             )
+            if name in self.materials:
+                placed = self.materials[name]
+                graphs = tuple(graph.core for graph in placed.graphs)
+                scene.set_materials(index, graphs, placed.triangle_graph)
             if name in self.rigs:
                 nodes = np.array(self.rigs[name].core.nodes, dtype=np.int32)
                 scene.articulate(index, nodes)

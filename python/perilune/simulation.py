@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, bodies, labels, trajectories
+from perilune import _core, articulation, bodies, labels, materials, trajectories
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.errors import named, nearest
 from perilune.config.references import OBJECTS, check_channels, check_references
@@ -177,7 +177,9 @@ class Simulation:
         poses = trajectories.camera_poses(scene, self._trajectory)
         handles = self._mine()
         movers = articulation.stacked(posed or handles.posed(scene))
-        return request_of(scene, poses, handles.scales(scene.config), movers)
+        request = request_of(scene, poses, handles.scales(scene.config), movers)
+        request["object_parameters"] = materials.parameters(handles.materials, scene.config)
+        return request
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""

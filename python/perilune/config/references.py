@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from perilune import _core
+from perilune import _core, materials
 from perilune.config.errors import ConfigError, nearest
 from perilune.config.schema import Config
 
@@ -45,6 +45,8 @@ def check_references(config: Config, source: str) -> None:
         others = ["sun", *config.bodies, *(other for other in config.spacecraft if other != name)]
         for i, joint in enumerate(craft.articulation):
             known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
+    for problem in materials.check(config):
+        raise ConfigError(f"{source}:\n  {problem}")
     for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
         for name in names:
             known(f"render.force_{key}", name, effects)

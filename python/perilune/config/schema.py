@@ -21,6 +21,7 @@ from perilune.config.articulation import Animation, Joint
 from perilune.config.attitude import Attitude, BodyRotation, Inertial
 from perilune.config.camera import Camera
 from perilune.config.errors import fail, nearest
+from perilune.config.materials import Material, MaterialUse
 from perilune.config.motion import check_motion
 from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
@@ -202,6 +203,8 @@ class Spacecraft(Strict):
     parts: Parts = Parts()
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
     """Class of part -> patterns on part and material names; before those of `labels`."""
+    materials: tuple[MaterialUse, ...] = ()
+    """Graphs instead of, or around, the model's materials; the first that fits a triangle."""
     articulation: tuple[Joint, ...] = ()
     """Nodes of the model that move."""
     animation: Animation | None = None
@@ -354,6 +357,8 @@ class Config(Strict):
     sun: Sun = Sun()
     bodies: Annotated[dict[str, Body], Field(min_length=1)]
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
+    materials: dict[str, Material] = Field(default_factory=dict)
+    """Graphs of nodes that the spacecraft's `materials` put on their models."""
     camera: Camera
     """The platform's way, and its camera."""
     sensors: dict[str, Sensor] = Field(default_factory=dict)
@@ -381,6 +386,7 @@ class Config(Strict):
         sections: dict[str, Iterable[str]] = {
             "bodies": self.bodies,
             "spacecraft": self.spacecraft,
+            "materials": self.materials,
             "sensors": self.sensors,
         }
         for section, names in sections.items():

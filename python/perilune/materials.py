@@ -1,0 +1,269 @@
+"""Material graphs: from the configuration to the core's description, and onto triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.config.errors import nearest
+from perilune.config.materials import Material, MaterialUse
+from perilune.config.schema import Config
+from perilune.drivers import Drawn
+from perilune.parts import Partition
+
+F64 = NDArray[np.float64]
+_Input: TypeAlias = tuple[str, int, int, float, float, float]
+_Constant: TypeAlias = tuple[float, NDArray[np.float32] | None, None]
+
+_UNSET: _Input = ("unset", 0, 0, 0.0, 0.0, 0.0)
+_TYPE = "type"
+
+
+@dataclass(frozen=True)
+class Graph:
+    """A compiled graph, and where its parameters are in the configuration."""
+
+    core: _core.Graph
+    parameters: tuple[tuple[str, str], ...]
+    """(node, input) of each value that a driver gives."""
+
+
+def build(name: str, material: Material, wrap: bool) -> Graph:
+    """Compiles an entry of `materials`. ValueError naming the key for whatever is wrong.
+
+    Numbers that drivers have drawn become parameters; all others are fixed.
+    """
+    key = f"materials.{name}"
+    order = {node: k for k, node in enumerate(material.nodes)}
+    surface = _surface(key, material)
+    parameters: list[tuple[str, str]] = []
+    nodes = []
+    for node, raw in material.nodes.items():
+        where = f"{key}.nodes.{node}"
+        kind = _kind(where, raw)
+        inputs = []
+        for socket in kind["inputs"]:
+            value = raw.get(socket["name"])
+            if _is_drawn(value):
+                _numbers(f"{where}.{socket['name']}", socket, value)
+                inputs.append(("parameter", len(parameters), 0, 0.0, 0.0, 0.0))
+                parameters.append((node, socket["name"]))
+            else:
+                inputs.append(_input(f"{where}.{socket['name']}", socket, value, order, material))
+        constants = tuple(_constant(where, row, raw) for row in kind["constants"])
+        nodes.append((node, str(raw[_TYPE]), tuple(inputs), constants))
+    try:
+        core = _core.Graph(tuple(nodes), order[surface], len(parameters), wrap)
+    except ValueError as error:
+        text = str(error)
+        named = text.partition(".")[0] in order
+        raise ValueError(f"{key}.nodes.{text}" if named else f"{key}: {text}") from None
+    return Graph(core, tuple(parameters))
+
+
+def values(graph: Graph, material: Material) -> F64:
+    """(n, 3): the parameters of a graph in the configuration of a frame."""
+    rows = [_triple(material.nodes[node][name]) for node, name in graph.parameters]
+    return np.array(rows, dtype=np.float64).reshape(-1, 3)
+
+
+def _surface(key: str, material: Material) -> str:
+    known = [name for name, raw in material.nodes.items() if _kind_or_empty(raw).get("surface")]
+    if material.surface is None:
+        if len(known) != 1:
+            kinds = ", ".join(name for name, kind in _core.NODES.items() if kind["surface"])
+            raise ValueError(f"{key}: must have one surface ({kinds}), or say which: `surface`")
+        return known[0]
+    if material.surface not in known:
+        near = nearest(material.surface, known)
+        raise ValueError(f"{key}.surface: no surface '{material.surface}'{near}")
+    return material.surface
+
+
+def _kind_or_empty(raw: Mapping[str, Any]) -> Mapping[str, Any]:
+    name = raw.get(_TYPE)
+    return _core.NODES.get(name, {}) if isinstance(name, str) else {}
+
+
+def _kind(where: str, raw: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The row of a node's kind, all of whose keys are known."""
+    if _TYPE not in raw:
+        raise ValueError(f"{where}.{_TYPE}: required, but missing{nearest('', _core.NODES)}")
+    kind = _kind_or_empty(raw)
+    if not kind:
+        near = nearest(raw[_TYPE], _core.NODES)
+        raise ValueError(f"{where}.{_TYPE}: no kind of node {raw[_TYPE]!r}{near}")
+    allowed = [row["name"] for row in (*kind["inputs"], *kind["constants"])]
+    for name in raw:
+        if name not in allowed and name != _TYPE:
+            near = nearest(name, allowed)
+            raise ValueError(f"{where}.{name}: unknown key of a node '{raw[_TYPE]}'{near}")
+    return kind
+
+
+def _is_drawn(value: Any) -> bool:
+    items = value if isinstance(value, (list, tuple)) else [value]
+    return any(isinstance(item, Drawn) for item in items)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value)
+
+
+def _triple(value: Any) -> tuple[float, float, float]:
+    if isinstance(value, (list, tuple)):
+        x, y, z = value
+        return (float(x), float(y), float(z))
+    return (float(value),) * 3
+
+
+def _numbers(where: str, socket: Mapping[str, Any], value: Any) -> tuple[float, float, float]:
+    if isinstance(value, (list, tuple)):
+        good = socket["type"] != "scalar" and len(value) == 3 and all(map(_is_number, value))
+    else:
+        good = _is_number(value)
+    if not good:
+        what = "a number" if socket["type"] == "scalar" else "a number, three numbers"
+        raise ValueError(f"{where}: must be {what} or the name of a node, not {value!r}")
+    return _triple(value)
+
+
+def _input(
+    where: str,
+    socket: Mapping[str, Any],
+    value: Any,
+    order: Mapping[str, int],
+    material: Material,
+) -> _Input:
+    if value is None:
+        return _UNSET
+    if not isinstance(value, str):
+        return ("constant", 0, 0, *_numbers(where, socket, value))
+    node, _, output = value.partition(".")
+    if node not in order:
+        raise ValueError(f"{where}: no node '{node}'{nearest(node, order)}")
+    outputs = [row["name"] for row in _kind(where, material.nodes[node])["outputs"]]
+    if not outputs:
+        raise ValueError(f"{where}: '{node}' is a surface, which has no output")
+    output = output or outputs[0]
+    if output not in outputs:
+        raise ValueError(f"{where}: '{node}' has no output '{output}'{nearest(output, outputs)}")
+    return ("link", order[node], outputs.index(output), 0.0, 0.0, 0.0)
+
+
+def _constant(where: str, row: Mapping[str, Any], raw: Mapping[str, Any]) -> _Constant:
+    name = row["name"]
+    value = raw.get(name)
+    where = f"{where}.{name}"
+    if value is None:
+        if row["type"] == "numbers" or np.isnan(row["default"]):
+            raise ValueError(f"{where}: required, but missing")
+        return (float(row["default"]), None, None)
+    if _is_drawn(value):
+        raise ValueError(f"{where}: takes no driver: it is fixed when the scene is built")
+    if row["type"] == "choice":
+        if value not in row["choices"]:
+            raise ValueError(f"{where}: no '{value}'{nearest(value, row['choices'])}")
+        return (float(row["choices"].index(value)), None, None)
+    if row["type"] == "numbers":
+        return (0.0, _table(where, value, row["columns"]), None)
+    if isinstance(value, bool):
+        value = int(value)
+    if not _is_number(value) or not row["low"] <= value <= row["high"]:
+        limits = f"{row['low']:g} to {row['high']:g}"
+        raise ValueError(f"{where}: must be a number from {limits}, not {value!r}")
+    return (float(value), None, None)
+
+
+def _table(where: str, value: Any, columns: int) -> NDArray[np.float32]:
+    rows = value if isinstance(value, (list, tuple)) else []
+    for k, row in enumerate(rows):
+        good = isinstance(row, (list, tuple)) and len(row) == columns
+        if not good or _is_drawn(row) or not all(map(_is_number, row)):
+            raise ValueError(f"{where}[{k}]: must be {columns} numbers, not {row!r}")
+    if not rows:
+        raise ValueError(f"{where}: must be rows of {columns} numbers")
+    return np.array(rows, dtype=np.float32).ravel()
+
+
+# --- onto triangles ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Placed:
+    """The graphs of a spacecraft."""
+
+    names: tuple[str, ...]
+    """Entry of `materials` of each."""
+    graphs: tuple[Graph, ...]
+    triangle_graph: NDArray[np.int32]
+    """(T,) index into graphs; -1: the model's material."""
+
+
+def place(
+    uses: Sequence[MaterialUse],
+    materials: Mapping[str, Material],
+    model: _core.Model,
+    cut: Partition,
+    key: str,
+) -> Placed:
+    """Which graph is on which triangle; the first of `uses` that fits a triangle takes it.
+
+    ValueError, with `key` where they stand, for a pattern that no triangle fits.
+    """
+    mesh_part = model.mesh()["triangle_part"].astype(np.int64)
+    material = [part["material"] for part in model.parts]
+    part = [entry.name for entry in cut.entries]
+    part_of = mesh_part if cut.triangle_part is None else cut.triangle_part.astype(np.int64)
+    result = np.full(len(mesh_part), -1, dtype=np.int32)
+    for k, use in enumerate(uses):
+        fits = np.ones(len(mesh_part), dtype=bool)
+        for what, pattern, names, of_triangle in (
+            ("material", use.material, material, mesh_part),
+            ("part", use.part, part, part_of),
+        ):
+            if pattern is not None:
+                hit = np.array([_matches(pattern, name) for name in names])
+                if not hit.any():
+                    near = nearest(pattern, dict.fromkeys(names))
+                    raise ValueError(f"{key}[{k}].{what}: no {what} fits '{pattern}'{near}")
+                fits &= hit[of_triangle]
+        if not fits.any():
+            raise ValueError(f"{key}[{k}]: no triangle has such a material and such a part")
+        result[fits & (result < 0)] = k
+    graphs = tuple(build(use.use, materials[use.use], use.mode == "wrap") for use in uses)
+    return Placed(tuple(use.use for use in uses), graphs, result)
+
+
+def _matches(pattern: str, name: str) -> bool:
+    return fnmatchcase(name.lower(), pattern.lower())
+
+
+def parameters(placed: Mapping[str, Placed], config: Config) -> F64:
+    """(n, 3): what the core's request takes, of the spacecraft in the order of `placed`."""
+    rows = [
+        values(graph, config.materials[name])
+        for row in placed.values()
+        for name, graph in zip(row.names, row.graphs, strict=True)
+    ]
+    return np.concatenate([np.empty((0, 3)), *rows])
+
+
+def check(config: Config) -> Iterator[str]:
+    """What is wrong with the graphs of a configuration, whether they are used or not."""
+    for name, material in config.materials.items():
+        try:
+            build(name, material, False)
+        except ValueError as error:
+            yield str(error)
+    for craft_name, craft in config.spacecraft.items():
+        for k, use in enumerate(craft.materials):
+            if use.use not in config.materials:
+                where = f"spacecraft.{craft_name}.materials[{k}].use"
+                yield f"{where}: no entry named '{use.use}'{nearest(use.use, config.materials)}"
