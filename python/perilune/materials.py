@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any, TypeAlias
@@ -14,7 +14,7 @@ from perilune import _core
 from perilune.config.errors import nearest
 from perilune.config.materials import Material, MaterialUse
 from perilune.config.schema import Config
-from perilune.drivers import Drawn
+from perilune.drivers import Drawn, KeyPath, path_text
 from perilune.parts import Partition
 
 F64 = NDArray[np.float64]
@@ -255,13 +255,23 @@ def parameters(placed: Mapping[str, Placed], config: Config) -> F64:
     return np.concatenate([np.empty((0, 3)), *rows])
 
 
-def check(config: Config) -> Iterator[str]:
-    """What is wrong with the graphs of a configuration, whether they are used or not."""
+def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
+    """What is wrong with the graphs of a configuration, whether they are used or not.
+
+    driven: where drivers stand.
+    """
+    varies: set[KeyPath] = set()
     for name, material in config.materials.items():
         try:
-            build(name, material, False)
+            for node, key in build(name, material, False).parameters:
+                varies.add(("materials", name, "nodes", node, key))
         except ValueError as error:
             yield str(error)
+    for path in driven:
+        fixed = path[0] == "materials" and path[:5] not in varies
+        if fixed or (path[0] == "spacecraft" and path[2:3] == ("materials",)):
+            text = "takes no driver: in a graph numbers of inputs alone vary from frame to frame"
+            yield f"{path_text(path)}: {text}"
     for craft_name, craft in config.spacecraft.items():
         for k, use in enumerate(craft.materials):
             if use.use not in config.materials:

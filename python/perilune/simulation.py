@@ -57,7 +57,8 @@ class Simulation:
     ) -> None:
         """trajectory: a callable that gives the camera's poses instead of the configured one.
         orbits: name of a body or spacecraft -> a hook that draws its orbit instead."""
-        check_references(document.config, document.source)
+        driven = [driver.path for driver in document.drivers]
+        check_references(document.config, document.source, driven)
         self._document = document
         self._trajectory = trajectory
         self._orbits = dict(orbits or {})

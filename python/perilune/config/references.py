@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from perilune import _core, materials
 from perilune.config.errors import ConfigError, nearest
 from perilune.config.schema import Config
+from perilune.drivers import KeyPath
 
 OBJECTS = "objects"
 """The name under which a sample's object labels are asked for, beside the pixel channels."""
@@ -27,8 +28,11 @@ def check_channels(channels: Iterable[str], where: str) -> None:
             raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
 
 
-def check_references(config: Config, source: str) -> None:
-    """ConfigError naming the key, the nearest name and all that are allowed."""
+def check_references(config: Config, source: str, driven: Iterable[KeyPath]) -> None:
+    """ConfigError naming the key, the nearest name and all that are allowed.
+
+    driven: where drivers stand.
+    """
 
     def known(path: str, name: str | None, allowed: list[str]) -> None:
         if name is not None and name not in allowed:
@@ -45,7 +49,7 @@ def check_references(config: Config, source: str) -> None:
         others = ["sun", *config.bodies, *(other for other in config.spacecraft if other != name)]
         for i, joint in enumerate(craft.articulation):
             known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
-    for problem in materials.check(config):
+    for problem in materials.check(config, driven):
         raise ConfigError(f"{source}:\n  {problem}")
     for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
         for name in names:
