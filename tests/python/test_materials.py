@@ -158,7 +158,7 @@ def test_emission_of_a_graph_is_seen() -> None:
         ("paint", {"stops": [[1, 0, 0, 0], [0, 1, 1, 1]]}, "nodes.paint.stops: positions must ris"),
         ("along", {"b": "wave"}, "materials.m: nodes form a cycle: along -> wave -> along"),
         ("skin", {"roughness": {"choice": ["wave", 0.5]}}, "nodes.skin.roughness: takes no driver"),
-        ("wave", {"type": {"choice": ["math", "value"]}}, "nodes.wave.type: takes no driver"),
+        ("wave", {"function": {"choice": ["sine", "cosine"]}}, "nodes.wave.function: takes no dri"),
         ("1x", {"type": "value"}, "materials.m.nodes.1x: a node's name is letters"),
     ],
 )

@@ -28,7 +28,7 @@ def check_channels(channels: Iterable[str], where: str) -> None:
             raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
 
 
-def check_references(config: Config, source: str, driven: Iterable[KeyPath]) -> None:
+def check_references(config: Config, source: str, driven: Iterable[KeyPath] = ()) -> None:
     """ConfigError naming the key, the nearest name and all that are allowed.
 
     driven: where drivers stand.
