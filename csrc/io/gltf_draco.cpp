@@ -20,8 +20,10 @@ constexpr int VERSION_MAJOR = 2, VERSION_MINOR = 2;
  * WORK_PER_BYTE: a face takes at least about a bit, which is 8 a byte, in each of a few tables. */
 constexpr uint64_t FREE_WORK = uint64_t{1} << 21;
 constexpr uint64_t WORK_PER_BYTE = 32;
-/* Attributes of a mesh, and components of an attribute (VEC4), that glTF can use. */
-constexpr int MAX_ATTRIBUTES = 32, MAX_COMPONENTS = 4;
+/* Attributes of a mesh, and components of an attribute (VEC4), that glTF can use. Few attributes:
+ * libdraco 1.5 believes a count of orientations in each (prediction by texture coordinates) and
+ * counts up to 2^31, which takes up to ten seconds. */
+constexpr int MAX_ATTRIBUTES = 16, MAX_COMPONENTS = 4;
 
 struct Limits {
   uint64_t work = 0;
@@ -61,7 +63,7 @@ private:
   bool DecodeAllAttributes() override {
     const draco::PointCloud &cloud = *this->point_cloud();
     if (cloud.num_attributes() > MAX_ATTRIBUTES)
-      return refuse("more than 32 attributes");
+      return refuse("more than 16 attributes");
     uint64_t stride = 0;
     for (int i = 0; i < cloud.num_attributes(); i++) {
       if (cloud.attribute(i)->num_components() > MAX_COMPONENTS)

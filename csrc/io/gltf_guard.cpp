@@ -17,9 +17,19 @@ constexpr int MAX_NODE_DEPTH = 1000;
 
 /* Extensions the reader carries out, and those it may ignore although a file requires them. */
 const char *const implemented[] = {
-    "KHR_texture_transform",  "KHR_materials_unlit", "KHR_materials_emissive_strength",
-    "KHR_mesh_quantization",  "EXT_texture_webp",    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression"};
+    "KHR_texture_transform",
+    "KHR_mesh_quantization",
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_clearcoat",
+    "KHR_materials_transmission",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_anisotropy",
+};
 const char *const ignorable[] = {"KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld"};
 
 template <size_t N> bool contains(const char *const (&list)[N], const std::string &name) {

@@ -39,6 +39,19 @@ static void test_plain(void **state) {
   pl_model_destroy(model);
 }
 
+/* The reader carries these extensions out, so files may require them, and nothing is remarked on.
+ */
+static void test_required(void **state) {
+  (void)state;
+#define NAMES                                                                                      \
+  "[\"KHR_materials_clearcoat\",\"KHR_materials_transmission\",\"KHR_materials_ior\","             \
+  "\"KHR_materials_specular\",\"KHR_materials_anisotropy\"]"
+  pl_model *model = load_text(ASSET "\"extensionsUsed\":" NAMES ",\"extensionsRequired\":" NAMES
+                                    "," SQUARE_DATA "," SQUARE_MESH ",\"nodes\":[{\"mesh\":0}]}");
+  assert_string_equal(model->warnings, "");
+  pl_model_destroy(model);
+}
+
 static void test_maps_warn(void **state) {
   (void)state;
   pl_model *model = load_text(WITH("\"KHR_materials_clearcoat\":{\"clearcoatFactor\":1,"
@@ -64,12 +77,13 @@ static void test_bad_numbers(void **state) {
   }
 }
 
+#define in_own_folder(test) cmocka_unit_test_setup_teardown(test, folder_create, folder_remove)
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_all_factors),
-      cmocka_unit_test(test_plain),
-      cmocka_unit_test(test_maps_warn),
-      cmocka_unit_test(test_bad_numbers),
+      in_own_folder(test_all_factors), in_own_folder(test_plain),
+      in_own_folder(test_required),    in_own_folder(test_maps_warn),
+      in_own_folder(test_bad_numbers),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
