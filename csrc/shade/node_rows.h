@@ -14,6 +14,14 @@ extern const pl_node_kind pl_node_math, pl_node_mean, pl_node_luminance;
 extern const pl_node_kind pl_node_vector_math;
 /* node_mix.c */
 extern const pl_node_kind pl_node_mix, pl_node_ramp;
+/* node_noise.c, node_voronoi.c, node_wave.c */
+extern const pl_node_kind pl_node_noise, pl_node_musgrave, pl_node_voronoi, pl_node_wave;
+/* node_cells.c */
+extern const pl_node_kind pl_node_white_noise, pl_node_checker;
+/* node_panel.c */
+extern const pl_node_kind pl_node_brick, pl_node_panel;
+/* node_bump.c */
+extern const pl_node_kind pl_node_bump;
 /* node_surface.c */
 extern const pl_node_kind pl_node_principled, pl_node_lambert;
 

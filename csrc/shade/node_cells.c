@@ -1,0 +1,54 @@
+/* Patterns of unit cells: white noise and checker. */
+#include "math/pattern.h"
+#include "shade/node_pattern.h"
+#include "shade/node_rows.h"
+
+static void white_noise(const pl_node_call *call) {
+  const pl_pattern_place place = pl_pattern_place_of(call);
+  pl_value_scalar(call->out[0], pl_white_noise(place.point, place.side, pl_pattern_seed(call, 0)));
+}
+
+static const pl_socket white_inputs[] = {PL_PATTERN_VECTOR};
+static const pl_socket white_outputs[] = {
+    {"value", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Uniform in 0..1, one a cell"}};
+static const pl_constant_row white_constants[] = {PL_PATTERN_SEED};
+
+const pl_node_kind pl_node_white_noise = {
+    .name = "white_noise",
+    .doc = "One random number a cell, averaged over the footprint",
+    .inputs = white_inputs,
+    .input_count = 2,
+    .outputs = white_outputs,
+    .output_count = 1,
+    .constants = white_constants,
+    .constant_count = 1,
+    .evaluate = white_noise,
+};
+
+static void checker(const pl_node_call *call) {
+  const pl_pattern_place place = pl_pattern_place_of(call);
+  const float x = pl_checker(place.point, place.side);
+  const pl_vec3f b = pl_value_vec(call->in[3]);
+  const pl_vec3f change = pl_vec3f_sub(pl_value_vec(call->in[2]), b);
+  pl_value_vector(call->out[0], pl_vec3f_madd(b, x, change), 0.0f);
+  pl_value_scalar(call->out[1], x);
+}
+
+static const pl_socket checker_inputs[] = {
+    PL_PATTERN_VECTOR,
+    {"a", PL_COLOR, {0.8f, 0.8f, 0.8f}, "Colour of cells with an even sum of indices"},
+    {"b", PL_COLOR, {0.2f, 0.2f, 0.2f}, "Colour of the others"},
+};
+static const pl_socket checker_outputs[] = {
+    {"color", PL_COLOR, {0.0f, 0.0f, 0.0f}, "Mean over the footprint"},
+    {"value", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share of a in the footprint"}};
+
+const pl_node_kind pl_node_checker = {
+    .name = "checker",
+    .doc = "Cubes of two colours in turn, averaged over the footprint",
+    .inputs = checker_inputs,
+    .input_count = 4,
+    .outputs = checker_outputs,
+    .output_count = 2,
+    .evaluate = checker,
+};

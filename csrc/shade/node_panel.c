@@ -1,0 +1,99 @@
+/* Bricks, and solar cells with busbars and fingers; in the xy plane of their coordinates. */
+#include "math/cellular.h"
+#include "math/lattice.h"
+#include "math/pattern.h"
+#include "shade/node_pattern.h"
+#include "shade/node_rows.h"
+
+/* A pattern's number for a piece, fading to its mean as pieces get smaller than the footprint. */
+static float random_of(uint32_t id, float width) {
+  return 0.5f + pl_cellular_fade(width) * (pl_lattice_uniform(id, 0) - 0.5f);
+}
+
+static float positive(float x) { return x > 1e-9f ? x : 1e-9f; }
+
+static void brick(const pl_node_call *call) {
+  const pl_pattern_place place = pl_pattern_place_of(call);
+  const float length = positive(call->in[2][0]), height = positive(call->in[3][0]);
+  const float joint = call->in[4][0];
+  const pl_bricks bricks = {joint / length, joint / height, call->in[5][0]};
+  const double u = place.point.x / (double)length, v = place.point.y / (double)height;
+  const float cover = pl_brick_cover(&bricks, u, v, place.side / length, place.side / height);
+  pl_value_scalar(call->out[0], cover);
+  pl_value_scalar(call->out[1], random_of(pl_brick_id(&bricks, u, v, pl_pattern_seed(call, 0)),
+                                          place.width / pl_minf(length, height)));
+}
+
+static const pl_socket brick_inputs[] = {
+    PL_PATTERN_VECTOR,
+    {"length", PL_SCALAR, {1.0f, 1.0f, 1.0f}, "Of a brick with its joint, along x"},
+    {"height", PL_SCALAR, {0.5f, 0.5f, 0.5f}, "Of a row with its joint, along y"},
+    {"joint", PL_SCALAR, {0.04f, 0.04f, 0.04f}, "Width of joints"},
+    {"shift", PL_SCALAR, {0.5f, 0.5f, 0.5f}, "Of every second row, in bricks"},
+};
+static const pl_socket brick_outputs[] = {
+    {"cover", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share of the footprint that is brick, not joint"},
+    {"random", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Uniform in 0..1, one a brick"}};
+static const pl_constant_row seed_constants[] = {PL_PATTERN_SEED};
+
+const pl_node_kind pl_node_brick = {
+    .name = "brick",
+    .doc = "Rows of bricks or tiles with joints, averaged over the footprint",
+    .inputs = brick_inputs,
+    .input_count = 6,
+    .outputs = brick_outputs,
+    .output_count = 2,
+    .constants = seed_constants,
+    .constant_count = 1,
+    .evaluate = brick,
+};
+
+static void panel(const pl_node_call *call) {
+  const pl_pattern_place place = pl_pattern_place_of(call);
+  const float length = positive(call->in[2][0]), height = positive(call->in[3][0]);
+  const float gap = call->in[4][0];
+  const pl_panel cells = {.gap_u = gap / length,
+                          .gap_v = gap / height,
+                          .busbars = call->in[5][0],
+                          .busbar_width = call->in[6][0] / length,
+                          .fingers = call->in[7][0],
+                          .finger_width = call->in[8][0] / height};
+  const double u = place.point.x / (double)length, v = place.point.y / (double)height;
+  const pl_panel_cover cover =
+      pl_panel_covers(&cells, u, v, place.side / length, place.side / height);
+  pl_value_scalar(call->out[0], cover.cell);
+  pl_value_scalar(call->out[1], cover.metal);
+  pl_value_scalar(call->out[2], cover.gap);
+  pl_value_scalar(call->out[3], random_of(pl_panel_id(u, v, pl_pattern_seed(call, 0)),
+                                          place.width / pl_minf(length, height)));
+}
+
+/* Lengths in units of the scaled coordinates: metres where those are. Widths of lines are usual
+ * ones of silicon cells. */
+static const pl_socket panel_inputs[] = {
+    PL_PATTERN_VECTOR,
+    {"length", PL_SCALAR, {0.08f, 0.08f, 0.08f}, "Pitch of cells along x"},
+    {"height", PL_SCALAR, {0.04f, 0.04f, 0.04f}, "Pitch of cells along y"},
+    {"gap", PL_SCALAR, {0.001f, 0.001f, 0.001f}, "Between cells"},
+    {"busbars", PL_SCALAR, {2.0f, 2.0f, 2.0f}, "Number a cell; they run along y"},
+    {"busbar_width", PL_SCALAR, {0.001f, 0.001f, 0.001f}, "Of each"},
+    {"fingers", PL_SCALAR, {20.0f, 20.0f, 20.0f}, "Number a cell; they run along x"},
+    {"finger_width", PL_SCALAR, {0.0001f, 0.0001f, 0.0001f}, "Of each"},
+};
+static const pl_socket panel_outputs[] = {
+    {"cell", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share of the footprint that is bare cell"},
+    {"metal", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share that is busbar or finger"},
+    {"gap", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Share that is gap"},
+    {"random", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Uniform in 0..1, one a cell"}};
+
+const pl_node_kind pl_node_panel = {
+    .name = "panel",
+    .doc = "Solar cells with gaps, busbars and fingers, averaged over the footprint",
+    .inputs = panel_inputs,
+    .input_count = 9,
+    .outputs = panel_outputs,
+    .output_count = 4,
+    .constants = seed_constants,
+    .constant_count = 1,
+    .evaluate = panel,
+};
