@@ -119,8 +119,13 @@ double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source
 
 /* Bound of pi times a BRDF's value times cosine. Lambert: the albedo. GGX: D <= 1/(pi alpha^2) and
  * cos(o) (1 + Lambda(o)) >= alpha/2, hence D G F/(4 cos(o)) <= F/(2 pi alpha^3); the diffuse base
- * keeps at most 1 - F. */
-static double gain(double alpha) { return fmax(1.0, 0.5 / (alpha * alpha * alpha)); }
+ * keeps at most 1 - F. What is given back for light that scatters several times between facets is
+ * no Lambert lobe: at alpha 1 it exceeds 1 by at most MULTIPLE_SCATTERING_EXCESS, measured in
+ * tests/c/test_reflectance.c. */
+#define MULTIPLE_SCATTERING_EXCESS 0.06
+static double gain(double alpha) {
+  return fmax(1.0 + MULTIPLE_SCATTERING_EXCESS, 0.5 / (alpha * alpha * alpha));
+}
 
 double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source) {
   const double lobe = gain(fmax(receiver->ggx_alpha_min, 1e-3)) * pl_view_factor(receiver, source);

@@ -49,9 +49,9 @@ class Inertial(Spin):
 
 class Lvlh(Spin):
     """Relative to the local vertical and horizon of the orbit: z to the parent's centre, y along
-    minus the orbit normal, x near the velocity."""
+    minus the orbit normal, x near the velocity. `nadir` is another word for it."""
 
-    pointing: Literal["lvlh"]
+    pointing: Literal["lvlh", "nadir"]
 
 
 class SunPointing(Spin):
@@ -109,7 +109,7 @@ class AttitudeTable(Spin):
 def _pointing(value: Any) -> str:
     mapping = isinstance(value, Mapping)
     found = value.get("pointing") if mapping else getattr(value, "pointing", None)
-    return "inertial" if found is None else str(found)
+    return "inertial" if found is None else "lvlh" if found == "nadir" else str(found)
 
 
 Attitude = Annotated[

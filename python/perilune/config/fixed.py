@@ -37,6 +37,7 @@ def _of_craft(craft: Spacecraft) -> dict[str, Any]:
         "parts": craft.parts,
         "part_classes": craft.part_classes,
         "articulation": joints,
+        "materials": craft.materials,
         "animation": None if play is None else (play.name, play.index),
         "symmetries": craft.symmetries,
         "orbit.kind": _orbit(craft),

@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 
 from perilune import rotations
 from perilune.bodies import Date
-from perilune.config.attitude import AttitudeTable, Spin, SunPointing, TargetPointing, Tumble
+from perilune.config.attitude import (
+    AttitudeTable,
+    Lvlh,
+    Spin,
+    SunPointing,
+    TargetPointing,
+    Tumble,
+)
 from perilune.config.schema import Body
 from perilune.dates import tt_of, utc_of
 from perilune.ephemerides import csv_table
@@ -125,4 +132,5 @@ def craft_turn(name: str, attitude: Any, setting: Setting, index: Mapping[str, i
         path = setting.file(attitude.file, f"spacecraft.{name}.attitude.file")
         t_s, q = _attitudes(path, stamp(path), setting.epoch, attitude.object)
         return _on("table", attitude, step_s, t_s=t_s, quats=q)
-    return _on(attitude.pointing, attitude, step_s)
+    frame = "lvlh" if isinstance(attitude, Lvlh) else attitude.pointing
+    return _on(frame, attitude, step_s)

@@ -55,7 +55,7 @@ def test_three_angles_by_step(scene, repo_dir):
 def test_pointing(scene, repo_dir):
     """What each kind states about its axes, from places and velocities alone."""
     scene["bodies"]["moon"] = {"kind": "moon"}
-    for pointing in ("sun", "velocity", "target", "lvlh"):
+    for pointing in ("sun", "velocity", "target", "lvlh", "nadir"):
         attitude = {"pointing": pointing} | ({"target": "moon"} if pointing == "target" else {})
         sim = opened(scene, repo_dir, attitude=attitude)
         world = sim.world(3)
@@ -67,10 +67,11 @@ def test_pointing(scene, repo_dir):
             "velocity": (0, v),
             "target": (2, world.poses["moon"][0, :3] - r),
             "lvlh": (2, -r),
+            "nadir": (2, -r),
         }
         column, aim = towards[pointing]
         assert np.allclose(matrix[:, column], aim / np.linalg.norm(aim), rtol=0, atol=1e-9)
-        if pointing in ("velocity", "lvlh"):
+        if pointing in ("velocity", "lvlh", "nadir"):
             assert np.allclose(matrix[:, 1], -normal / np.linalg.norm(normal), rtol=0, atol=1e-12)
         elif pointing == "sun":
             assert abs(matrix[:, 1] @ normal) < 1e-9 * np.linalg.norm(normal)
