@@ -73,7 +73,8 @@ static void test_split(void **state) {
   for (size_t i = 0; i < count; i++) {
     const pl_quat a = pl_celestial_orientation(&bodies[i], 2461000.5, 0.75);
     assert_true(angle_between(a, pl_celestial_orientation(&bodies[i], 2461001.0, 0.25)) < 1e-12);
-    assert_true(angle_between(a, pl_celestial_orientation(&bodies[i], 2461000.5 - 30.0, 30.75)) < 1e-12);
+    assert_true(angle_between(a, pl_celestial_orientation(&bodies[i], 2461000.5 - 30.0, 30.75)) <
+                1e-12);
   }
 }
 
