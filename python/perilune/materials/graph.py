@@ -1,10 +1,9 @@
-"""Material graphs: from the configuration to the core's description, and onto triangles."""
+"""Material graphs: from the configuration to the core's description."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,10 +11,8 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.config.errors import nearest
-from perilune.config.materials import Material, MaterialUse
-from perilune.config.schema import Config
-from perilune.drivers import Drawn, KeyPath, path_text
-from perilune.parts import Partition
+from perilune.config.materials import Material
+from perilune.drivers import Drawn
 
 F64 = NDArray[np.float64]
 _Input: TypeAlias = tuple[str, int, int, float, float, float]
@@ -190,90 +187,3 @@ def _table(where: str, value: Any, columns: int) -> NDArray[np.float32]:
     if not rows:
         raise ValueError(f"{where}: must be rows of {columns} numbers")
     return np.array(rows, dtype=np.float32).ravel()
-
-
-# --- onto triangles ------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Placed:
-    """The graphs of a spacecraft."""
-
-    names: tuple[str, ...]
-    """Entry of `materials` of each."""
-    graphs: tuple[Graph, ...]
-    triangle_graph: NDArray[np.int32]
-    """(T,) index into graphs; -1: the model's material."""
-
-
-def place(
-    uses: Sequence[MaterialUse],
-    materials: Mapping[str, Material],
-    model: _core.Model,
-    cut: Partition,
-    key: str,
-) -> Placed:
-    """Which graph is on which triangle; the first of `uses` that fits a triangle takes it.
-
-    ValueError, with `key` where they stand, for a pattern that no triangle fits.
-    """
-    mesh_part = model.mesh()["triangle_part"].astype(np.int64)
-    material = [part["material"] for part in model.parts]
-    part = [entry.name for entry in cut.entries]
-    part_of = mesh_part if cut.triangle_part is None else cut.triangle_part.astype(np.int64)
-    result = np.full(len(mesh_part), -1, dtype=np.int32)
-    for k, use in enumerate(uses):
-        fits = np.ones(len(mesh_part), dtype=bool)
-        for what, pattern, names, of_triangle in (
-            ("material", use.material, material, mesh_part),
-            ("part", use.part, part, part_of),
-        ):
-            if pattern is not None:
-                hit = np.array([_matches(pattern, name) for name in names])
-                if not hit.any():
-                    near = nearest(pattern, dict.fromkeys(names))
-                    raise ValueError(f"{key}[{k}].{what}: no {what} fits '{pattern}'{near}")
-                fits &= hit[of_triangle]
-        if not fits.any():
-            raise ValueError(f"{key}[{k}]: no triangle has such a material and such a part")
-        result[fits & (result < 0)] = k
-    graphs = tuple(build(use.use, materials[use.use], use.mode == "wrap") for use in uses)
-    return Placed(tuple(use.use for use in uses), graphs, result)
-
-
-def _matches(pattern: str, name: str) -> bool:
-    return fnmatchcase(name.lower(), pattern.lower())
-
-
-def parameters(placed: Mapping[str, Placed], config: Config) -> F64:
-    """(n, 3): what the core's request takes, of the spacecraft in the order of `placed`."""
-    rows = [
-        values(graph, config.materials[name])
-        for row in placed.values()
-        for name, graph in zip(row.names, row.graphs, strict=True)
-    ]
-    return np.concatenate([np.empty((0, 3)), *rows])
-
-
-def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
-    """What is wrong with the graphs of a configuration, whether they are used or not.
-
-    driven: where drivers stand.
-    """
-    varies: set[KeyPath] = set()
-    for name, material in config.materials.items():
-        try:
-            for node, key in build(name, material, False).parameters:
-                varies.add(("materials", name, "nodes", node, key))
-        except ValueError as error:
-            yield str(error)
-    for path in driven:
-        fixed = path[0] == "materials" and path[:5] not in varies
-        if fixed or (path[0] == "spacecraft" and path[2:3] == ("materials",)):
-            text = "takes no driver: in a graph numbers of inputs alone vary from frame to frame"
-            yield f"{path_text(path)}: {text}"
-    for craft_name, craft in config.spacecraft.items():
-        for k, use in enumerate(craft.materials):
-            if use.use not in config.materials:
-                where = f"spacecraft.{craft_name}.materials[{k}].use"
-                yield f"{where}: no entry named '{use.use}'{nearest(use.use, config.materials)}"

@@ -1,0 +1,7 @@
+"""Material graphs: built from the configuration, put on triangles, and checked."""
+
+from perilune.materials.check import check
+from perilune.materials.graph import Graph, build, values
+from perilune.materials.place import Placed, parameters, place
+
+__all__ = ["Graph", "Placed", "build", "check", "parameters", "place", "values"]
