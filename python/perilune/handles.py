@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from perilune import _core, articulation, materials
 from perilune.config.document import Document
-from perilune.config.errors import ConfigError
+from perilune.config.errors import ConfigError, named
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.parts import Partition, partition
@@ -152,7 +152,8 @@ class Handles:
                     cut = self.partitions[name]
                     placed[name] = materials.place(uses, config.materials, row.model, cut, key)
                 except ValueError as error:
-                    raise ConfigError(f"{source}:\n  {error}") from None
+                    text = named(str(error), self.document.origins)
+                    raise ConfigError(f"{source}:\n  {text}") from None
         return placed
 
     @cached_property

@@ -97,11 +97,28 @@ def _split(
         of_part = np.array([nodes.index(row["node"]) for row in own], dtype=np.int64)
         first = {row["node"]: row["name"] for row in reversed(own)}
         return of_part[part], [first[node] for node in nodes]
-    component = model.components().astype(np.int64)
+    component, names = components(model)
     sizes = np.bincount(component)
     # Components are numbered by falling size, so that those to be merged come last.
     kept = int((sizes >= settings.merge_below).sum())
-    return np.minimum(component, kept), [*(f"component-{k}" for k in range(kept)), SMALL]
+    return np.minimum(component, kept), [*names[:kept], SMALL]
+
+
+def components(model: _core.Model) -> tuple[NDArray[np.int64], list[str]]:
+    """(T,) connected piece of every triangle, the largest first; and the pieces' names."""
+    component = model.components().astype(np.int64)
+    return component, [f"component-{k}" for k in range(int(component.max(initial=-1)) + 1)]
+
+
+def inside_box(
+    model: _core.Model, mesh: dict[str, NDArray[Any]], box: PartBox, key: str
+) -> NDArray[np.bool_]:
+    """(T,): which triangles have their centroid in a box; ConfigError with `key` for none."""
+    centroids = mesh["positions"].astype(np.float64)[mesh["indices"]].mean(axis=1)
+    inside: NDArray[np.bool_] = ((centroids >= box.min) & (centroids <= box.max)).all(axis=1)
+    if not inside.any():
+        raise ConfigError(f"{key}: no triangle is in it ({_extent_text(model)})")
+    return inside
 
 
 def _with_boxes(
@@ -113,14 +130,14 @@ def _with_boxes(
     key: str,
 ) -> tuple[NDArray[np.int64], list[str]]:
     """Puts the triangles in boxes into groups of their own, which come first."""
-    centroids = mesh["positions"].astype(np.float64)[mesh["indices"]].mean(axis=1)
     result = group + len(boxes)
     free = np.ones(len(group), dtype=bool)
     for number, (name, box) in enumerate(boxes.items()):
-        inside = ((centroids >= box.min) & (centroids <= box.max)).all(axis=1)
+        where = f"{key}.boxes.{name}"
+        inside = inside_box(model, mesh, box, where)
         if not (inside & free).any():
-            why = "earlier boxes hold all its triangles" if inside.any() else _extent_text(model)
-            raise ConfigError(f"{key}.boxes.{name}: no triangle is left in it ({why})")
+            why = "earlier boxes hold all its triangles"
+            raise ConfigError(f"{where}: no triangle is left in it ({why})")
         result[inside & free] = number
         free &= ~inside
     return result, [*boxes, *labels]

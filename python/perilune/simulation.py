@@ -58,7 +58,7 @@ class Simulation:
         """trajectory: a callable that gives the camera's poses instead of the configured one.
         orbits: name of a body or spacecraft -> a hook that draws its orbit instead."""
         driven = [driver.path for driver in document.drivers]
-        check_references(document.config, document.source, driven)
+        check_references(document.config, document.source, driven, document.origins)
         self._document = document
         self._trajectory = trajectory
         self._orbits = dict(orbits or {})

@@ -28,6 +28,8 @@ STRIPES: dict[str, Any] = {
     }
 }
 DRIVER = {"ideal": 0.5, "jitter_variance": 0.1, "clip_min": 0.0, "clip_max": 1.0}
+HALF = {"min": [-1e3, -1e3, 0.0], "max": [1e3, 1e3, 1e3]}
+FAR = {"min": [100, 100, 100], "max": [101, 101, 101]}
 EVERYWHERE = [{"material": "*", "use": "m"}]
 
 
@@ -89,11 +91,36 @@ def test_the_first_pattern_that_fits_a_triangle_takes_it() -> None:
 
 
 def test_boxes_of_parts_place_a_graph() -> None:
-    box = {"boxes": {"half": {"min": [-1e3, -1e3, 0.0], "max": [1e3, 1e3, 1e3]}}}
+    box = {"boxes": {"half": HALF}}
     sim = opened(STRIPES, [{"part": "half", "use": "m"}], **{"spacecraft.sat.parts": box})
     mesh = sim.models["sat"].model.mesh()
     height = mesh["positions"][mesh["indices"]].astype(float).mean(axis=1)[:, 2]
     assert np.array_equal(sim._mine().materials["sat"].triangle_graph == 0, height >= 0.0)
+
+
+def test_a_box_and_a_component_place_a_graph_as_parts_of_their_names_do() -> None:
+    """The same triangles, however the parts themselves are cut."""
+    ways: list[tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = [
+        ({"box": HALF}, {"part": "half"}, {"boxes": {"half": HALF}}),
+        ({"component": "component-1*"}, {"part": "component-1*"}, {"split": "component"}),
+    ]
+    for direct, by_part, parts in ways:
+        direct_sim = opened(STRIPES, [{**direct, "use": "m"}])
+        part_sim = opened(STRIPES, [{**by_part, "use": "m"}], **{"spacecraft.sat.parts": parts})
+        placed = [sim._mine().materials["sat"].triangle_graph for sim in (direct_sim, part_sim)]
+        assert np.array_equal(*placed)
+        assert (placed[0] == 0).any()
+        assert (placed[0] < 0).any()
+
+
+def test_all_patterns_of_a_use_must_fit() -> None:
+    uses = [{"box": HALF, "material": "mli_*", "use": "m"}, {"box": HALF, "use": "m"}]
+    both, half = (opened(STRIPES, uses[k:])._mine().materials["sat"] for k in (0, 1))
+    assert np.array_equal(both.triangle_graph >= 0, half.triangle_graph >= 0)
+    model = perilune.open(SCENE).models["sat"].model
+    material = np.array([part["material"] for part in model.parts])[model.mesh()["triangle_part"]]
+    foil = np.char.startswith(material, "mli_")
+    assert np.array_equal(both.triangle_graph == 0, foil & (half.triangle_graph >= 0))
 
 
 def test_drivers_of_a_graph_are_drawn_for_each_frame() -> None:
@@ -172,7 +199,11 @@ def test_errors_name_the_key(node: str, keys: dict[str, Any], text: str) -> None
 @pytest.mark.parametrize(
     ("use", "text"),
     [
-        ({"use": "m"}, "materials[0]: give a pattern: material, part or both"),
+        ({"use": "m"}, "materials[0]: say where: material, part, component, box"),
+        ({"component": "small", "use": "m"}, "materials[0].component: no component fits 'small'"),
+        ({"box": FAR, "use": "m"}, "materials[0].box: no triangle is in it (none has its centroid"),
+        ({"box": HALF, "material": "x", "use": "m"}, "materials[0].material: no material fits 'x'"),
+        ({"box": {**FAR, "max": [0, 0, 0]}, "use": "m"}, "materials[0].box.max: x: must be above"),
         ({"part": "*", "use": "mm"}, "materials[0].use: no entry named 'mm'; did you mean 'm'?"),
         ({"material": "mli_gol", "use": "m"}, "no material fits 'mli_gol'; did you mean"),
         ({"material": "*", "use": "m", "mode": "over"}, "mode"),

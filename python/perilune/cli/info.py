@@ -13,7 +13,7 @@ import numpy as np
 import perilune
 from perilune import _core
 from perilune.cli.command import OK, Command
-from perilune.config.document import DATA_VARIABLE
+from perilune.config.paths import DATA_VARIABLE
 from perilune.simulation import default_threads
 
 

@@ -13,14 +13,13 @@ from perilune.config import oaisys
 from perilune.config.errors import ConfigError, from_validation, nearest, origin
 from perilune.config.fixed import fixed
 from perilune.config.loader import plain_tree, read_tree
+from perilune.config.material_files import include
 from perilune.config.overrides import apply_overrides
+from perilune.config.paths import resolve
 from perilune.config.references import check_references
 from perilune.config.schema import Config
 from perilune.drivers import Defaults, DriverError, Found, KeyPath, Plan, find, names, substitute
 from perilune.hooks import HookError
-
-DATA_VARIABLE = "PERILUNE_DATA"
-_DATA_PREFIX = "data:"
 
 
 class Document:
@@ -34,7 +33,8 @@ class Document:
         origins: Mapping[str, str] | None = None,
         replay: Mapping[str, Any] | None = None,
     ) -> None:
-        """origins: key path -> key path in the file, of a file that was translated; for errors.
+        """origins: key path -> key path in the file, of one that was translated or included; for
+        errors.
         replay: the metadata of a frame whose drivers' values are taken instead of new ones."""
         self.tree = plain_tree(tree, source)
         self.base = base
@@ -149,26 +149,7 @@ class Document:
 
     def path(self, text: str, key: str) -> Path:
         """The file that a path of the configuration means; `key` names it in errors."""
-        key = origin(key, self.origins)
-        if not text.startswith(_DATA_PREFIX):
-            path = self.base / text
-            if not path.is_file():
-                raise FileNotFoundError(f"{self.source}: {key}: no such file: {path}")
-            return path
-        root = os.environ.get(DATA_VARIABLE)
-        how = (
-            f"set the environment variable {DATA_VARIABLE} to the folder of the sample data, "
-            f"for instance: export {DATA_VARIABLE}=/path/to/data"
-        )
-        if not root:
-            raise FileNotFoundError(f"{self.source}: {key}: '{text}' needs the sample data; {how}")
-        path = Path(root) / text.removeprefix(_DATA_PREFIX).lstrip("/")
-        if not path.is_file():
-            raise FileNotFoundError(
-                f"{self.source}: {key}: '{text}': no such file: {path} "
-                f"({DATA_VARIABLE} is {root}); {how}"
-            )
-        return path
+        return resolve(text, self.base, f"{self.source}: {origin(key, self.origins)}")
 
     def _validate(self, values: Mapping[KeyPath, Any]) -> Config:
         tree = substitute(self.tree, values)
@@ -187,7 +168,7 @@ class Document:
                 if limit == driver.ideal:
                     continue
                 config = self._validate({**ideals, driver.path: limit})
-                check_references(config, self.source)
+                check_references(config, self.source, origins=self.origins)
                 for key, value in fixed(config).items():
                     if fixed_by_scene.get(key) != value:
                         raise ConfigError(
@@ -217,9 +198,10 @@ def load(
         tree = read_tree(path)
         base = base or path.resolve().parent
         tree.setdefault("name", path.stem)
-    origins: Mapping[str, str] = {}
+    origins: dict[str, str] = {}
     if oaisys.is_oaisys(tree):
         translation = oaisys.translate(tree, base, source)
-        tree, origins = translation.tree, translation.origins
+        tree, origins = translation.tree, dict(translation.origins)
     apply_overrides(tree, plain_tree(overrides or {}, "overrides"))
+    origins |= include(tree, base, source)
     return Document(tree, base, source, origins, replay)

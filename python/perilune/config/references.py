@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from perilune import _core, materials
-from perilune.config.errors import ConfigError, nearest
+from perilune.config.errors import ConfigError, named, nearest
 from perilune.config.schema import Config
 from perilune.drivers import KeyPath
 
@@ -28,10 +28,15 @@ def check_channels(channels: Iterable[str], where: str) -> None:
             raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
 
 
-def check_references(config: Config, source: str, driven: Iterable[KeyPath] = ()) -> None:
+def check_references(
+    config: Config,
+    source: str,
+    driven: Iterable[KeyPath] = (),
+    origins: Mapping[str, str] | None = None,
+) -> None:
     """ConfigError naming the key, the nearest name and all that are allowed.
 
-    driven: where drivers stand.
+    driven: where drivers stand. origins: key path -> key path in another file that it is from.
     """
 
     def known(path: str, name: str | None, allowed: list[str]) -> None:
@@ -50,7 +55,7 @@ def check_references(config: Config, source: str, driven: Iterable[KeyPath] = ()
         for i, joint in enumerate(craft.articulation):
             known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
     for problem in materials.check(config, driven):
-        raise ConfigError(f"{source}:\n  {problem}")
+        raise ConfigError(f"{source}:\n  {named(problem, origins or {})}")
     for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
         for name in names:
             known(f"render.force_{key}", name, effects)

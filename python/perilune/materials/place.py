@@ -14,7 +14,7 @@ from perilune.config.errors import nearest
 from perilune.config.materials import Material, MaterialUse
 from perilune.config.schema import Config
 from perilune.materials.graph import F64, Graph, build, values
-from perilune.parts import Partition
+from perilune.parts import Partition, components, inside_box
 
 
 @dataclass(frozen=True)
@@ -39,28 +39,42 @@ def place(
 
     ValueError, with `key` where they stand, for a pattern that no triangle fits.
     """
-    mesh_part = model.mesh()["triangle_part"].astype(np.int64)
-    material = [part["material"] for part in model.parts]
-    part = [entry.name for entry in cut.entries]
-    part_of = mesh_part if cut.triangle_part is None else cut.triangle_part.astype(np.int64)
+    mesh = model.mesh()
+    mesh_part = mesh["triangle_part"].astype(np.int64)
     result = np.full(len(mesh_part), -1, dtype=np.int32)
+    kinds = _kinds(uses, model, cut, mesh_part)
     for k, use in enumerate(uses):
         fits = np.ones(len(mesh_part), dtype=bool)
-        for what, pattern, names, of_triangle in (
-            ("material", use.material, material, mesh_part),
-            ("part", use.part, part, part_of),
-        ):
+        for what, (names, of_triangle) in kinds.items():
+            pattern = getattr(use, what)
             if pattern is not None:
                 hit = np.array([_matches(pattern, name) for name in names])
                 if not hit.any():
                     near = nearest(pattern, dict.fromkeys(names))
                     raise ValueError(f"{key}[{k}].{what}: no {what} fits '{pattern}'{near}")
                 fits &= hit[of_triangle]
+        if use.box is not None:
+            fits &= inside_box(model, mesh, use.box, f"{key}[{k}].box")
         if not fits.any():
-            raise ValueError(f"{key}[{k}]: no triangle has such a material and such a part")
+            raise ValueError(f"{key}[{k}]: no triangle fits all that is asked")
         result[fits & (result < 0)] = k
     graphs = tuple(build(use.use, materials[use.use], use.mode == "wrap") for use in uses)
     return Placed(tuple(use.use for use in uses), graphs, result)
+
+
+def _kinds(
+    uses: Sequence[MaterialUse], model: _core.Model, cut: Partition, mesh_part: NDArray[np.int64]
+) -> dict[str, tuple[list[str], NDArray[np.int64]]]:
+    """What patterns of uses are compared with: names, and which of them is each triangle's."""
+    part_of = mesh_part if cut.triangle_part is None else cut.triangle_part.astype(np.int64)
+    kinds = {
+        "material": ([part["material"] for part in model.parts], mesh_part),
+        "part": ([entry.name for entry in cut.entries], part_of),
+    }
+    if any(use.component is not None for use in uses):
+        of_triangle, names = components(model)
+        kinds["component"] = (names, of_triangle)
+    return kinds
 
 
 def _matches(pattern: str, name: str) -> bool:
