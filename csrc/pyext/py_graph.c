@@ -96,10 +96,10 @@ static int read_node(PyObject *item, PyObject *kept, node_room *room, pl_graph_n
   }
   out->inputs = room->inputs;
   out->constants = room->constants;
-  if (check_count(inputs, out->kind->input_count, "inputs", out->name) < 0 ||
+  if (check_count(inputs, pl_node_input_count(out->kind), "inputs", out->name) < 0 ||
       check_count(constants, out->kind->constant_count, "constants", out->name) < 0)
     return -1;
-  for (size_t k = 0; k < out->kind->input_count; k++)
+  for (size_t k = 0; k < pl_node_input_count(out->kind); k++)
     if (read_input(PyTuple_GetItem(inputs, (Py_ssize_t)k), &room->inputs[k]) < 0)
       return -1;
   for (size_t k = 0; k < out->kind->constant_count; k++)
@@ -242,10 +242,14 @@ static PyObject *socket_row(const pl_socket *socket) {
                        (double)socket->fallback[2], "doc", socket->doc);
 }
 
-static PyObject *sockets_of(const pl_socket *sockets, size_t count) {
+typedef const pl_socket *(*socket_fn)(const pl_node_kind *kind, size_t k);
+
+static const pl_socket *output_of(const pl_node_kind *kind, size_t k) { return &kind->outputs[k]; }
+
+static PyObject *sockets_of(const pl_node_kind *kind, socket_fn socket, size_t count) {
   PyObject *tuple = PyTuple_New((Py_ssize_t)count);
   for (size_t i = 0; tuple != NULL && i < count; i++) {
-    PyObject *row = socket_row(&sockets[i]);
+    PyObject *row = socket_row(socket(kind, i));
     if (row == NULL)
       Py_CLEAR(tuple);
     else
@@ -291,14 +295,16 @@ PyObject *pl_py_nodes(void) {
   PyObject *dict = PyDict_New();
   for (size_t i = 0; dict != NULL && i < pl_node_kind_count; i++) {
     const pl_node_kind *kind = pl_node_kinds[i];
-    PyObject *inputs = sockets_of(kind->inputs, kind->input_count);
-    PyObject *outputs = inputs != NULL ? sockets_of(kind->outputs, kind->output_count) : NULL;
+    PyObject *inputs = sockets_of(kind, pl_node_input, pl_node_input_count(kind));
+    PyObject *outputs = inputs != NULL ? sockets_of(kind, output_of, kind->output_count) : NULL;
     PyObject *constants = outputs != NULL ? constants_of(kind) : NULL;
-    PyObject *row = constants == NULL
-                        ? NULL
-                        : Py_BuildValue("{s:s,s:O,s:O,s:O,s:O}", "doc", kind->doc, "inputs", inputs,
-                                        "outputs", outputs, "constants", constants, "surface",
-                                        kind->evaluate == NULL ? Py_True : Py_False);
+    PyObject *row =
+        constants == NULL
+            ? NULL
+            : Py_BuildValue("{s:s,s:O,s:O,s:O,s:O}", "doc",
+                            kind->reflectance != NULL ? kind->reflectance->doc : kind->doc,
+                            "inputs", inputs, "outputs", outputs, "constants", constants, "surface",
+                            kind->evaluate == NULL ? Py_True : Py_False);
     if (row == NULL || PyDict_SetItemString(dict, kind->name, row) < 0)
       Py_CLEAR(dict);
     Py_XDECREF(inputs);

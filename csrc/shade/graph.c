@@ -8,9 +8,9 @@
 #include "shade/graph_program.h"
 #include "shade/node_rows.h"
 
+/* Fills the registers. */
 static void run(const pl_graph *graph, const pl_program *program, const pl_graph_point *point,
-                const pl_value *params, pl_value *out, size_t out_count) {
-  pl_value registers[PL_GRAPH_REGISTERS];
+                const pl_value *params, pl_value registers[PL_GRAPH_REGISTERS]) {
   pl_node_call call = {.point = point, .graph = graph, .params = params};
   for (size_t i = 0; i < program->count; i++) {
     const pl_instruction *instruction = &program->instructions[i];
@@ -24,22 +24,25 @@ static void run(const pl_graph *graph, const pl_program *program, const pl_graph
     call.out = registers + instruction->out;
     kind->evaluate(&call);
   }
-  for (size_t k = 0; k < out_count; k++)
-    memcpy(out[k], pl_operand_value(graph, params, registers, program->outputs[k]),
-           sizeof(pl_value));
 }
 
 void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *point,
                       pl_value out) {
-  pl_value values[1];
+  pl_value registers[PL_GRAPH_REGISTERS];
   const pl_program *program = &call->graph->programs[call->instruction->in[input].index];
-  run(call->graph, program, point, call->params, values, 1);
-  memcpy(out, values[0], sizeof values[0]);
+  run(call->graph, program, point, call->params, registers);
+  memcpy(out, pl_operand_value(call->graph, call->params, registers, program->outputs[0]),
+         sizeof(pl_value));
 }
 
 void pl_graph_evaluate(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
                        pl_value out[PL_NODE_SOCKETS]) {
-  run(graph, &graph->programs[0], point, params, out, graph->surface->input_count);
+  pl_value registers[PL_GRAPH_REGISTERS];
+  const pl_program *program = &graph->programs[0];
+  run(graph, program, point, params, registers);
+  for (size_t k = 0; k < pl_node_input_count(graph->surface); k++)
+    memcpy(out[k], pl_operand_value(graph, params, registers, program->outputs[k]),
+           sizeof(pl_value));
 }
 
 bool pl_graph_wraps(const pl_graph *graph) { return graph->wrap; }
@@ -48,20 +51,16 @@ size_t pl_graph_instruction_count(const pl_graph *graph) { return graph->program
 
 /* Whether the graph, rather than the model's material, gives an input of the surface. */
 static bool gives(const pl_graph *graph, pl_surface_socket socket) {
-  return (size_t)socket < graph->surface->input_count &&
-         (!graph->wrap || (graph->given >> socket & 1u) != 0);
+  return (graph->sets >> socket & 1u) != 0;
 }
 
 bool pl_graph_sets_emission(const pl_graph *graph) {
   return gives(graph, PL_SURFACE_EMISSION_COLOR) || gives(graph, PL_SURFACE_EMISSION_STRENGTH);
 }
 
-/* Also of what is not a number: 0. */
-static float cut(float x, float high) { return x > 0.0f ? pl_minf(x, high) : 0.0f; }
-
 static pl_vec3f cut3(const float *v, float factor, float high) {
-  return pl_vec3f_make(cut(factor * v[0], high), cut(factor * v[1], high),
-                       cut(factor * v[2], high));
+  return pl_vec3f_make(pl_clipped(factor * v[0], high), pl_clipped(factor * v[1], high),
+                       pl_clipped(factor * v[2], high));
 }
 
 /* Turns the frame to a normal, which stays on the surface's side as that of a normal map does. */
@@ -80,31 +79,48 @@ static void bend(const float *normal, pl_surface *surface) {
   surface->b = pl_vec3f_cross(n, surface->t);
 }
 
+static pl_surface_inputs own_inputs(const pl_graph *graph) {
+  return (pl_surface_inputs){.set = graph->sets >> PL_SURFACE_SOCKETS,
+                             .differs = graph->differs >> PL_SURFACE_SOCKETS};
+}
+
+/* Sets what only some models read; the frame is bent already. */
+static void set_own(const pl_graph *graph, const pl_value *params, const pl_value *registers,
+                    pl_surface *surface) {
+  const pl_reflectance *row = graph->surface->reflectance;
+  const pl_operand *outputs = graph->programs[0].outputs + PL_SURFACE_SOCKETS;
+  pl_surface_inputs in = own_inputs(graph);
+  in.had_lobes = surface->reflectance != NULL && surface->reflectance->layered;
+  surface->reflectance = row;
+  if (row->set == NULL)
+    return;
+  for (size_t k = 0; k < row->input_count; k++)
+    in.value[k] = pl_operand_value(graph, params, registers, outputs[k]);
+  row->set(&in, surface);
+}
+
 void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
                       pl_surface *surface) {
-  pl_value v[PL_NODE_SOCKETS];
-  pl_graph_evaluate(graph, point, params, v);
+  pl_value registers[PL_GRAPH_REGISTERS];
+  const float *v[PL_SURFACE_SOCKETS];
+  run(graph, &graph->programs[0], point, params, registers);
+  for (size_t k = 0; k < PL_SURFACE_SOCKETS; k++)
+    v[k] = pl_operand_value(graph, params, registers, graph->programs[0].outputs[k]);
   if (!graph->wrap)
     *surface = (pl_surface){
         .t = surface->t, .b = surface->b, .n = surface->n, .ng = surface->ng, .alpha = 1.0f};
-  surface->reflectance = graph->surface->reflectance;
   if (gives(graph, PL_SURFACE_BASE_COLOR))
     surface->color = cut3(v[PL_SURFACE_BASE_COLOR], 1.0f, 1.0f);
-  if (gives(graph, PL_SURFACE_METALLIC))
-    surface->metallic = cut(v[PL_SURFACE_METALLIC][0], 1.0f);
-  if (gives(graph, PL_SURFACE_ROUGHNESS)) {
-    const float roughness = cut(v[PL_SURFACE_ROUGHNESS][0], 1.0f);
-    surface->alpha = roughness * roughness;
-  }
   if (pl_graph_sets_emission(graph))
     surface->emission = cut3(v[PL_SURFACE_EMISSION_COLOR], v[PL_SURFACE_EMISSION_STRENGTH][0],
                              (float)PL_EMISSION_MAX);
   if (gives(graph, PL_SURFACE_NORMAL))
     bend(v[PL_SURFACE_NORMAL], surface);
+  set_own(graph, params, registers, surface);
 }
 
 /* Whether an input of the surface is folded, and to what. */
-static const float *constant_of(const pl_graph *graph, pl_surface_socket socket) {
+static const float *constant_of(const pl_graph *graph, size_t socket) {
   const pl_operand operand = graph->programs[0].outputs[socket];
   return operand.bank == PL_BANK_CONSTANT ? graph->constants[operand.index] : NULL;
 }
@@ -120,13 +136,14 @@ static double emission_max(const pl_graph *graph) {
 }
 
 void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary) {
+  const pl_reflectance *row = graph->surface->reflectance;
+  pl_surface_inputs in = own_inputs(graph);
   summary->albedo_max = fmax(summary->albedo_max, 1.0);
   summary->emission_max = fmax(summary->emission_max, emission_max(graph));
-  if (gives(graph, PL_SURFACE_ROUGHNESS)) {
-    const float *folded = constant_of(graph, PL_SURFACE_ROUGHNESS);
-    const double roughness = folded != NULL ? (double)cut(folded[0], 1.0f) : 0.0;
-    summary->ggx_alpha_min = fmin(summary->ggx_alpha_min, roughness * roughness);
-  }
+  for (size_t k = 0; k < row->input_count; k++)
+    in.value[k] = constant_of(graph, PL_SURFACE_SOCKETS + k);
+  if (row->summarise != NULL)
+    row->summarise(&in, summary);
   summary->textured |= graph->programs[0].count > 0;
 }
 

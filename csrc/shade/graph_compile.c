@@ -47,7 +47,7 @@ static pl_status check_constants(const pl_graph_node *node) {
 
 static pl_status check_input(const pl_graph_description *d, const pl_graph_node *node, size_t k) {
   const pl_graph_input *input = &node->inputs[k];
-  const char *name = node->kind->inputs[k].name;
+  const char *name = pl_node_input(node->kind, k)->name;
   if (input->source == PL_INPUT_LINK) {
     const pl_graph_node *from = input->index < d->count ? &d->nodes[input->index] : NULL;
     if (from == NULL || input->output >= from->kind->output_count)
@@ -80,7 +80,7 @@ static pl_status check_nodes(const pl_graph_description *d) {
   for (size_t i = 0; i < d->count; i++) {
     const pl_graph_node *node = &d->nodes[i];
     PL_TRY(at_node(check_constants(node), node->name));
-    for (size_t k = 0; k < node->kind->input_count; k++)
+    for (size_t k = 0; k < pl_node_input_count(node->kind); k++)
       PL_TRY(at_node(check_input(d, node, k), node->name));
   }
   return PL_OK;
@@ -105,7 +105,7 @@ static pl_status find_cycle(const pl_graph_description *d, size_t node, size_t *
   if (done[node])
     return PL_OK;
   path[depth] = node;
-  for (size_t k = 0; k < d->nodes[node].kind->input_count; k++)
+  for (size_t k = 0; k < pl_node_input_count(d->nodes[node].kind); k++)
     if (d->nodes[node].inputs[k].source == PL_INPUT_LINK)
       PL_TRY(find_cycle(d, d->nodes[node].inputs[k].index, path, depth + 1, done));
   done[node] = true;
@@ -186,7 +186,7 @@ static pl_status convert(builder *b, pl_socket_type from, pl_socket_type to, pl_
 
 static pl_status build_input(builder *b, const pl_graph_node *node, size_t k, pl_operand *out) {
   const pl_graph_input *input = &node->inputs[k];
-  const pl_socket *socket = &node->kind->inputs[k];
+  const pl_socket *socket = pl_node_input(node->kind, k);
   switch (input->source) {
   case PL_INPUT_UNSET:
     return add_constant(b->graph, socket->fallback, out);
@@ -239,7 +239,7 @@ static pl_status build_lazy(const builder *outer, const pl_graph_node *node, siz
                    .depth = outer->depth + 1};
   if (inner.depth > PL_GRAPH_LAZY_DEPTH)
     return pl_fail(PL_E_RANGE, "%s.%s: bumps within bumps, more than %d deep", node->name,
-                   node->kind->inputs[k].name, PL_GRAPH_LAZY_DEPTH);
+                   pl_node_input(node->kind, k)->name, PL_GRAPH_LAZY_DEPTH);
   pl_operand output = {0};
   pl_status status = start(&inner);
   if (status == PL_OK)
@@ -253,7 +253,7 @@ static pl_status build_lazy(const builder *outer, const pl_graph_node *node, siz
 }
 
 static pl_status build_inputs(builder *b, const pl_graph_node *node, pl_operand *out) {
-  for (size_t k = 0; k < node->kind->input_count; k++) {
+  for (size_t k = 0; k < pl_node_input_count(node->kind); k++) {
     const bool lazy = (node->kind->lazy >> k & 1u) != 0;
     PL_TRY(lazy ? build_lazy(b, node, k, &out[k]) : build_input(b, node, k, &out[k]));
   }
@@ -298,20 +298,32 @@ static pl_status copy_constants(const pl_graph_description *d, pl_graph *graph,
   return PL_OK;
 }
 
+/* Which inputs of the surface the graph decides, once they are folded. */
+static void find_set(const pl_graph_node *surface, pl_graph *graph) {
+  for (size_t k = 0; k < pl_node_input_count(surface->kind); k++) {
+    const pl_operand operand = graph->programs[0].outputs[k];
+    const float *fallback = pl_node_input(surface->kind, k)->fallback;
+    const bool set = !graph->wrap || surface->inputs[k].source != PL_INPUT_UNSET;
+    const bool plain = operand.bank == PL_BANK_CONSTANT &&
+                       memcmp(graph->constants[operand.index], fallback, 3 * sizeof *fallback) == 0;
+    graph->sets |= (unsigned)set << k;
+    graph->differs |= (unsigned)(set && !plain) << k;
+  }
+}
+
 static pl_status build(const pl_graph_description *d, pl_graph *graph) {
   const pl_constant *of_node[PL_GRAPH_NODES];
   const pl_graph_node *surface = &d->nodes[d->surface];
   pl_operand outputs[PL_NODE_SOCKETS] = {{0}};
   PL_TRY(copy_constants(d, graph, of_node));
-  for (size_t k = 0; k < surface->kind->input_count; k++)
-    if (surface->inputs[k].source != PL_INPUT_UNSET)
-      graph->given |= 1u << k;
   builder b = {.description = d, .graph = graph, .node_constants = of_node};
   pl_status status = start(&b);
   if (status == PL_OK)
     status = build_inputs(&b, surface, outputs);
   if (status == PL_OK)
     memcpy(graph->programs[b.program].outputs, outputs, sizeof outputs);
+  if (status == PL_OK)
+    find_set(surface, graph);
   finish(&b);
   return status;
 }

@@ -33,8 +33,9 @@ typedef struct pl_program {
 
 struct pl_graph {
   const pl_node_kind *surface;
-  unsigned given; /* bit k: input k of the surface is not unset */
   bool wrap;
+  unsigned sets;    /* bit k: input k of the surface is not left to the model's material */
+  unsigned differs; /* bit k: nor is it known to be its fallback */
   size_t parameter_count;
   pl_program *programs; /* owned; 0 is the surface's, the others are lazy inputs' */
   size_t program_count;

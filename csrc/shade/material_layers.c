@@ -2,13 +2,6 @@
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
-/* Turns the tangents about the normal, counter-clockwise from t to b. */
-static void turn(pl_surface *s, float cosine, float sine) {
-  const pl_vec3f t = s->t;
-  s->t = pl_vec3f_madd(pl_vec3f_scale(t, cosine), sine, s->b);
-  s->b = pl_vec3f_madd(pl_vec3f_scale(s->b, cosine), -sine, t);
-}
-
 /* KHR_materials_anisotropy: the map's red and green are a direction between tangent and bitangent,
  * turned by the factor's angle; one of no length counts as the tangent. */
 static void set_anisotropy(const pl_material_layers *layers, const float map[4],
@@ -19,7 +12,7 @@ static void set_anisotropy(const pl_material_layers *layers, const float map[4],
   x = length > 1e-6f ? x / length : 1.0f;
   y = length > 1e-6f ? y / length : 0.0f;
   const float c = cosf(layers->anisotropy_rotation_rad), s = sinf(layers->anisotropy_rotation_rad);
-  turn(surface, c * x - s * y, s * x + c * y);
+  pl_surface_turn(surface, c * x - s * y, s * x + c * y);
   surface->lobes.anisotropy = pl_minf(layers->anisotropy * map[2], 1.0f);
 }
 

@@ -3,6 +3,7 @@
  * broad lobe (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017). */
 #include "shade/ggx.h"
 #include "shade/ggx_loss.h"
+#include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
 /* Reflectance of dielectrics at normal incidence: index 1.5 (glTF 2.0, B.2.3). */
@@ -126,6 +127,33 @@ static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float cho
   return true;
 }
 
+/* --- as a node of material graphs ---------------------------------------------------------------
+ */
+
+enum { METALLIC, ROUGHNESS };
+
+static const pl_socket inputs[] = {
+    [METALLIC] = {"metallic", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "0..1"},
+    [ROUGHNESS] = {"roughness", PL_SCALAR, {0.5f, 0.5f, 0.5f}, "0..1; GGX alpha is its square"},
+};
+
+static void set(const pl_surface_inputs *in, pl_surface *surface) {
+  if (pl_input_is_set(in, METALLIC))
+    surface->metallic = pl_clipped(in->value[METALLIC][0], 1.0f);
+  if (pl_input_is_set(in, ROUGHNESS)) {
+    const float roughness = pl_clipped(in->value[ROUGHNESS][0], 1.0f);
+    surface->alpha = roughness * roughness;
+  }
+}
+
+static void summarise(const pl_surface_inputs *in, pl_model_summary *summary) {
+  if (!pl_input_is_set(in, ROUGHNESS))
+    return;
+  const float *known = in->value[ROUGHNESS];
+  const double roughness = known != NULL ? (double)pl_clipped(known[0], 1.0f) : 0.0;
+  summary->ggx_alpha_min = fmin(summary->ggx_alpha_min, roughness * roughness);
+}
+
 const pl_reflectance pl_reflectance_metallic_roughness = {
     .name = "metallic_roughness",
     .doc = "glTF 2.0 metallic-roughness: GGX (Smith, Schlick, multiple reflection) over a diffuse "
@@ -133,4 +161,8 @@ const pl_reflectance pl_reflectance_metallic_roughness = {
     .evaluate = evaluate,
     .pdf = pdf,
     .sample = sample,
+    .inputs = inputs,
+    .input_count = sizeof inputs / sizeof inputs[0],
+    .set = set,
+    .summarise = summarise,
 };

@@ -10,21 +10,6 @@
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
-/* A value on a link: x, y, z, and where it is a position the radius of the footprint about it, in
- * its own units: a pattern smaller than that counts as its mean. An infinite radius is the mean of
- * everything. A scalar stands in x, y and z alike, so that it may be used as a vector. */
-typedef float pl_value[4];
-
-/* A scalar input takes a vector's mean, or a colour's luminance (Rec. 709). */
-typedef enum pl_socket_type { PL_SCALAR, PL_VECTOR, PL_COLOR } pl_socket_type;
-
-typedef struct pl_socket {
-  const char *name;
-  pl_socket_type type;
-  float fallback[3]; /* of an input that nothing is given for */
-  const char *doc;   /* unit and range */
-} pl_socket;
-
 typedef enum pl_constant_type {
   PL_NUMBER,  /* one number within [low, high] */
   PL_CHOICE,  /* the index of one of the names of `choices` */
@@ -69,7 +54,7 @@ pl_graph_point pl_graph_point_move(const pl_graph_point *point, float along_t, f
 /* Object position of the weights on the model. */
 pl_vec3f pl_graph_point_object(const pl_graph_point *point);
 
-enum { PL_NODE_SOCKETS = 24, PL_NODE_CONSTANTS = 8, PL_NODE_OUTPUTS = 8 };
+enum { PL_NODE_CONSTANTS = 8, PL_NODE_OUTPUTS = 8 };
 
 /* What a node is given when it is evaluated. */
 typedef struct pl_node_call {
@@ -96,8 +81,16 @@ typedef struct pl_node_kind {
   pl_status (*check)(const pl_constant *constants);
   /* NULL for a surface: its inputs are what the graph gives. */
   void (*evaluate)(const pl_node_call *call);
-  const pl_reflectance *reflectance; /* of a surface */
+  const pl_reflectance *reflectance; /* of a surface, whose inputs follow `inputs` */
 } pl_node_kind;
+/* Inputs of a node: of a surface those of all surfaces (pl_surface_socket), then its row's. */
+static inline size_t pl_node_input_count(const pl_node_kind *kind) {
+  return kind->input_count + (kind->reflectance != NULL ? kind->reflectance->input_count : 0);
+}
+static inline const pl_socket *pl_node_input(const pl_node_kind *kind, size_t k) {
+  return k < kind->input_count ? &kind->inputs[k]
+                               : &kind->reflectance->inputs[k - kind->input_count];
+}
 
 /* Value of a lazy input at another point. */
 void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *point,
@@ -121,7 +114,5 @@ static inline void pl_value_vector(pl_value out, pl_vec3f v, float radius) {
   out[3] = radius;
 }
 static inline pl_vec3f pl_value_vec(const float *v) { return pl_vec3f_make(v[0], v[1], v[2]); }
-
-#define PL_ROWS(array) (array), sizeof(array) / sizeof((array)[0])
 
 #endif

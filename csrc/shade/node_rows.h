@@ -22,17 +22,18 @@ extern const pl_node_kind pl_node_white_noise, pl_node_checker;
 extern const pl_node_kind pl_node_brick, pl_node_panel;
 /* node_bump.c */
 extern const pl_node_kind pl_node_bump;
-/* node_surface.c */
-extern const pl_node_kind pl_node_principled, pl_node_lambert;
+/* node_surface.c: one for each reflectance model */
+#define PL_NODE_OF_REFLECTANCE(row) extern const pl_node_kind pl_node_##row;
+PL_REFLECTANCES(PL_NODE_OF_REFLECTANCE)
+#undef PL_NODE_OF_REFLECTANCE
 
-/* Inputs that every surface has, in this order and before its own. */
+/* Inputs that every surface has, in this order and before those of its row. */
 typedef enum pl_surface_socket {
   PL_SURFACE_BASE_COLOR,
   PL_SURFACE_NORMAL,
   PL_SURFACE_EMISSION_COLOR,
   PL_SURFACE_EMISSION_STRENGTH,
-  PL_SURFACE_METALLIC, /* these are the principled's */
-  PL_SURFACE_ROUGHNESS,
+  PL_SURFACE_SOCKETS
 } pl_surface_socket;
 
 #endif

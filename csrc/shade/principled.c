@@ -2,6 +2,7 @@
  * specular tint, light that passes thin walls, and a clear coat on top. */
 #include "shade/ggx.h"
 #include "shade/ggx_loss.h"
+#include "shade/principled_inputs.h"
 #include "shade/reflectance.h"
 
 /* Coats have index 1.5 (KHR_materials_clearcoat). */
@@ -237,4 +238,8 @@ const pl_reflectance pl_reflectance_principled = {
     .evaluate = evaluate,
     .pdf = pdf,
     .sample = sample,
+    .inputs = pl_principled_inputs,
+    .input_count = PL_PRINCIPLED_INPUTS,
+    .set = pl_principled_set,
+    .summarise = pl_principled_summarise,
 };

@@ -3,11 +3,8 @@
 
 #include <string.h>
 
-const pl_reflectance *const pl_reflectances[] = {
-    &pl_reflectance_lambert,
-    &pl_reflectance_metallic_roughness,
-    &pl_reflectance_principled,
-};
+#define PL_ADDRESS(row) &pl_reflectance_##row,
+const pl_reflectance *const pl_reflectances[] = {PL_REFLECTANCES(PL_ADDRESS)};
 const size_t pl_reflectance_count = sizeof pl_reflectances / sizeof pl_reflectances[0];
 
 const pl_reflectance *pl_reflectance_find(const char *name) {

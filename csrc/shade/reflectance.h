@@ -5,7 +5,21 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "shade/socket.h"
 #include "shade/surface.h"
+
+/* Inputs of a model at a point, as given to `set`, or what is known of them beforehand. */
+typedef struct pl_surface_inputs {
+  const float *value[PL_NODE_SOCKETS]; /* in the order of the model's inputs; NULL: not known */
+  /* Bit k: input k. Those that are not set stay what the surface has. */
+  unsigned set;
+  unsigned differs; /* of those: may be other than the fallback */
+  bool had_lobes;   /* the surface's lobes are valid */
+} pl_surface_inputs;
+static inline bool pl_input_is_set(const pl_surface_inputs *in, size_t k) {
+  return (in->set >> k & 1u) != 0;
+}
+struct pl_model_summary;
 
 /* wo, wi: unit, local frame (z = shading normal), wo.z > 0. */
 struct pl_reflectance {
@@ -21,11 +35,27 @@ struct pl_reflectance {
    * horizon. *weight = evaluate / pdf. */
   bool (*sample)(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
                  pl_vec3f *wi, pl_vec3f *weight, float *pdf);
+  /* What it reads beside colour, normal and emission, as sockets of its node in material graphs. */
+  const pl_socket *inputs;
+  size_t input_count;
+  /* Sets them, cut off at their ranges, in a surface that has this row and its bent frame; NULL
+   * without inputs. It may choose a simpler row that looks the same. */
+  void (*set)(const pl_surface_inputs *in, pl_surface *surface);
+  /* Widens a model's bounds by a surface of this row; NULL: GGX alpha, coat and transmission stay.
+   * What is not known may be anything. */
+  void (*summarise)(const pl_surface_inputs *in, struct pl_model_summary *summary);
 };
 
-extern const pl_reflectance pl_reflectance_lambert;
-extern const pl_reflectance pl_reflectance_metallic_roughness;
-extern const pl_reflectance pl_reflectance_principled;
+/* All models, in the order of the table; each is a node of material graphs, too. To add one: its
+ * file and its line here. */
+#define PL_REFLECTANCES(X)                                                                         \
+  X(lambert)                                                                                       \
+  X(metallic_roughness)                                                                            \
+  X(principled)
+
+#define PL_DECLARE(row) extern const pl_reflectance pl_reflectance_##row;
+PL_REFLECTANCES(PL_DECLARE)
+#undef PL_DECLARE
 
 /* The table, in a fixed order. */
 extern const pl_reflectance *const pl_reflectances[];

@@ -25,5 +25,11 @@ static inline pl_vec3f pl_surface_to_local(const pl_surface *s, pl_vec3f v) {
 static inline pl_vec3f pl_surface_to_world(const pl_surface *s, pl_vec3f v) {
   return pl_vec3f_madd(pl_vec3f_madd(pl_vec3f_scale(s->t, v.x), v.y, s->b), v.z, s->n);
 }
+/* Turns the tangents about the normal, counter-clockwise from t to b. */
+static inline void pl_surface_turn(pl_surface *s, float cosine, float sine) {
+  const pl_vec3f t = s->t;
+  s->t = pl_vec3f_madd(pl_vec3f_scale(t, cosine), sine, s->b);
+  s->b = pl_vec3f_madd(pl_vec3f_scale(s->b, cosine), -sine, t);
+}
 
 #endif

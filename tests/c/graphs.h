@@ -36,8 +36,8 @@ static size_t graph_add(test_graph *g, const char *kind_name) {
 
 static pl_graph_input *graph_input(test_graph *g, size_t node, const char *name) {
   const pl_node_kind *kind = g->nodes[node].kind;
-  for (size_t k = 0; k < kind->input_count; k++)
-    if (strcmp(kind->inputs[k].name, name) == 0)
+  for (size_t k = 0; k < pl_node_input_count(kind); k++)
+    if (strcmp(pl_node_input(kind, k)->name, name) == 0)
       return &g->inputs[node][k];
   fail_msg("%s has no input %s", kind->name, name);
   return NULL;

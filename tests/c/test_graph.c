@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "shade/node_rows.h"
 
 static void expect(const float *v, double x, double y, double z) {
   assert_true(fabs((double)v[0] - x) < 1e-5 * (1.0 + fabs(x)));
@@ -266,7 +267,7 @@ static void test_parameters_are_read_at_each_evaluation(void **state) {
   for (int i = 0; i < 2; i++, params[0][0] += 0.25f) {
     pl_surface s = {.n = {0.0f, 0.0f, 1.0f}, .t = {1.0f, 0.0f, 0.0f}, .b = {0.0f, 1.0f, 0.0f}};
     pl_graph_evaluate(graph, &p, params, out);
-    assert_true(out[5][0] == params[0][0]);
+    assert_true(out[PL_SURFACE_SOCKETS + 1][0] == params[0][0]);
     pl_graph_surface(graph, &p, params, &s);
     assert_true(s.alpha == params[0][0] * params[0][0] && s.color.z == 0.4f);
   }
