@@ -150,7 +150,8 @@ class Handles:
             if uses:
                 try:
                     cut = self.partitions[name]
-                    placed[name] = materials.place(uses, config.materials, row.model, cut, key)
+                    entries = {u.use: materials.applied(config, u.use, name) for u in uses}
+                    placed[name] = materials.place(uses, entries, row.model, cut, key)
                 except ValueError as error:
                     text = named(str(error), self.document.origins)
                     raise ConfigError(f"{source}:\n  {text}") from None

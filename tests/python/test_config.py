@@ -306,6 +306,7 @@ def test_every_physical_key_has_its_unit():
         "distance_scale", "normal", "side", "index", "speed",
         "v_step", "orbit_start", "scale", "j2", "cd", "cr", "rtol", "degree", "order", "number",
         "jitter_strength", "step_interval", "correlation", "first_frame",
+        "drivers",  # of the inputs of nodes, which say their units
         "rotation_deg_step_v",  # the paper's name: degrees in a step
     }  # fmt: skip
     schema = cfg.Config.model_json_schema()

@@ -18,7 +18,7 @@ import perilune
 from perilune import config as cfg
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
-from perilune.drivers import Defaults, DriverError, Plan, factor, find, group
+from perilune.drivers import Defaults, DriverError, Plan, factor, find
 
 COUNT = 4_000
 REFLECTANCES = ["lambert", "metallic_roughness"]
@@ -208,12 +208,6 @@ def test_settings_of_groups_and_sections(scene):
     rows = [list(plan.values(1, step).values()) for step in range(4)]
     assert [row[0] for row in rows] == [40.0] * 4
     assert len({row[1] for row in rows}) == 4
-    # The same section of another file draws the same.
-    named = group(("materials", "foil", "drivers"), section)
-    assert named.ideals == {"scale": 40.0, "own": 40.0}
-    assert list(named.values(1, 3).values()) == rows[3]
-    assert named.values(1, 3, instance="a")["own"] != named.values(1, 3, instance="b")["own"]
-    assert named.values(1, 3, instance="a")["scale"] == 40.0
 
 
 def test_reflectances_and_sections_by_choice(scene):

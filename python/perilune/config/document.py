@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from perilune.config import oaisys
 from perilune.config.errors import ConfigError, from_validation, nearest, origin
 from perilune.config.fixed import fixed
+from perilune.config.instances import spread
 from perilune.config.loader import plain_tree, read_tree
 from perilune.config.material_files import include
 from perilune.config.overrides import apply_overrides
@@ -204,4 +205,5 @@ def load(
         tree, origins = translation.tree, dict(translation.origins)
     apply_overrides(tree, plain_tree(overrides or {}, "overrides"))
     origins |= include(tree, base, source)
+    spread(tree)
     return Document(tree, base, source, origins, replay)

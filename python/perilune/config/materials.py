@@ -6,15 +6,58 @@ What the kinds of nodes are and take is in the core's table; perilune.materials 
 from __future__ import annotations
 
 import re
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    Field,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    field_validator,
+    model_validator,
+)
 
 from perilune.config.errors import fail
 from perilune.config.parts import PartBox
-from perilune.config.types import Strict
+from perilune.config.types import Finite, Integer, StaticNonNegative, Strict, Vec3
 
 _NODE = re.compile(r"[A-Za-z_][A-Za-z0-9_:-]*")
+_PREFIXES = ("OAISYS_", "driver:")
+
+
+def driver_name(node: str) -> str | None:
+    """NAME of a node called `OAISYS_NAME` or `driver:NAME`."""
+    return next((node.removeprefix(p) for p in _PREFIXES if node.startswith(p)), None)
+
+
+def _kept(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
+    """The value as it is: a number stays one that a driver has drawn."""
+    try:
+        check(value)
+    except ValidationError:
+        fail("", f"must be a driver, a number or three numbers, not {value!r}")
+    return value
+
+
+class DriverSection(Strict):
+    """Values of the nodes `OAISYS_NAME` or `driver:NAME` of graphs, by NAME.
+
+    Such a node is of the type `value` or `color`; without an entry it keeps its own value. An entry
+    that names no node, or whose nodes change nothing, is an error."""
+
+    drivers: dict[str, Annotated[Finite | Vec3, WrapValidator(_kept)]] = Field(min_length=1)
+    """NAME -> a driver of a number or a colour (linear RGB), or a fixed one."""
+    jitter_strength: StaticNonNegative | None = None
+    """Factor on every variance; 0 gives exactly the ideal values (default: drivers.strength)."""
+    step_interval: Annotated[Integer, Field(ge=1)] | None = None
+    """Steps between draws (default: drivers.interval)."""
+
+
+class MaterialDrivers(DriverSection):
+    """Drivers that several spacecraft share, or draw independently."""
+
+    per: Literal["material", "instance"] = "material"
+    """material: one draw for all that has the node. instance: each spacecraft draws its own."""
 
 
 class Material(Strict):
@@ -31,6 +74,10 @@ class Material(Strict):
     the name of a node, or `node.output`; a number or a component may be a driver."""
     surface: str | None = None
     """The node that is the surface (default: the only one that is)."""
+    drivers: MaterialDrivers | None = None
+    """Values of the graph's nodes `OAISYS_NAME` or `driver:NAME`."""
+    instances: dict[str, DriverSection] = Field(default_factory=dict)
+    """Spacecraft -> values there, before those of `drivers`; what `per: instance` becomes."""
 
     @field_validator("nodes")
     @classmethod

@@ -21,7 +21,7 @@ from perilune.config.articulation import Animation, Joint
 from perilune.config.attitude import Attitude, BodyRotation, Inertial
 from perilune.config.camera import Camera
 from perilune.config.errors import fail, nearest
-from perilune.config.materials import Material, MaterialUse
+from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
 from perilune.config.motion import check_motion
 from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
@@ -205,6 +205,8 @@ class Spacecraft(Strict):
     """Class of part -> patterns on part and material names; before those of `labels`."""
     materials: tuple[MaterialUse, ...] = ()
     """Graphs instead of, or around, the model's materials; the first that fits a triangle."""
+    material_drivers: DriverSection | None = None
+    """Values of nodes of these graphs that the materials' own drivers do not give."""
     articulation: tuple[Joint, ...] = ()
     """Nodes of the model that move."""
     animation: Animation | None = None
@@ -359,6 +361,9 @@ class Config(Strict):
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
     materials: dict[str, Material] = Field(default_factory=dict)
     """Graphs of nodes that the spacecraft's `materials` put on their models."""
+    material_drivers: MaterialDrivers | None = None
+    """Values of nodes of all graphs that neither the materials' nor the spacecraft's drivers
+    give."""
     camera: Camera
     """The platform's way, and its camera."""
     sensors: dict[str, Sensor] = Field(default_factory=dict)

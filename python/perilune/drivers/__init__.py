@@ -11,7 +11,7 @@ is `KINDS`, one module a distribution:
 
 `interval` (steps of the timeline between draws), `strength` (factor on the variance; 0 gives the
 ideal to the bit) and `group` (a name of `drivers.groups`) are optional keys of all. Mappings
-{drivers, jitter_strength, step_interval} set both for all drivers below them.
+{drivers, jitter_strength, step_interval} set both for all drivers below them, and may say `per`.
 
 All draws are keyed by (seed, key path, step // interval): independent of order, worker and other
 drivers, and the same for all sensors of a step. Without an interval, a value is drawn once a scene
@@ -20,7 +20,7 @@ drivers, and the same for all sensors of a step. Without an interval, a value is
 
 from perilune.drivers.common import Drawn, DriverError, KeyPath, path_text
 from perilune.drivers.mapping import Driver
-from perilune.drivers.plan import Defaults, Group, Plan, factor, group
+from perilune.drivers.plan import Defaults, Group, Plan, factor
 from perilune.drivers.tree import KINDS, Found, find, names, substitute
 
 __all__ = [
@@ -35,7 +35,6 @@ __all__ = [
     "Plan",
     "factor",
     "find",
-    "group",
     "names",
     "path_text",
     "substitute",

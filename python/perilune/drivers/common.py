@@ -93,11 +93,9 @@ class Source:
     """Counts the draws: the step divided by the interval."""
     correlated: Callable[[int], F64] | None = None
     """Standard normals, as many as asked for, that the driver's group correlates."""
-    instance: str = ""
 
     def _generator(self) -> np.random.Generator:
-        at = f"@{self.instance}" if self.instance else ""
-        return generator(self.seed, f"driver:{self.name}{at}", self.epoch)
+        return generator(self.seed, f"driver:{self.name}", self.epoch)
 
     def normals(self, count: int, jointly: bool = False) -> F64:
         """(count,) of mean 0 and variance 1; independent of each other, or all the same."""

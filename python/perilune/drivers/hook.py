@@ -51,10 +51,9 @@ class Hooked:
             return self.ideal
         key = f"{self.name}.hook"
         function = self.loaded or hooks.load(self.function, key)
-        at = f"@{source.instance}" if source.instance else ""
         value = hooks.call(
             function,
-            f"{key}{at}",
+            key,
             seed=source.seed,
             index=source.epoch,
             offers={

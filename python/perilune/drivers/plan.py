@@ -18,7 +18,7 @@ import numpy as np
 
 from perilune.drivers.common import F64, DriverError, KeyPath, Source
 from perilune.drivers.hook import Hooked
-from perilune.drivers.tree import Found, find
+from perilune.drivers.tree import Found
 from perilune.random import generator
 
 _SYMMETRIC = 1e-12
@@ -152,62 +152,15 @@ class Plan:
         interval = next((row for row in intervals if row is not None), self.defaults.interval)
         return strength, interval
 
-    def draw(self, driver: Found, seed: int, step: int, instance: str = "") -> Any:
-        """The value of one driver at a step; `instance` tells several users of it apart."""
+    def draw(self, driver: Found, seed: int, step: int) -> Any:
+        """The value of one driver at a step."""
         strength, interval = self.settings(driver)
         epoch = step // interval
         group = self.groups[driver.group] if driver.group is not None else Group()
         normals = group.normals(seed, epoch, driver.name)
-        source = Source(driver.name, seed, step, epoch, normals, instance)
+        source = Source(driver.name, seed, step, epoch, normals)
         return driver.distribution.draw(source, strength)
 
     def values(self, seed: int, step: int) -> dict[KeyPath, Any]:
         """Path -> value at a step."""
         return {driver.path: self.draw(driver, seed, step) for driver in self.drivers}
-
-
-@dataclass(frozen=True)
-class Named:
-    """The drivers of a section that stands outside a configuration's tree; see `group`."""
-
-    drivers: Mapping[str, Found]
-
-    @property
-    def ideals(self) -> dict[str, Any]:
-        """Name -> value without strength."""
-        return {name: driver.ideal for name, driver in self.drivers.items()}
-
-    def values(
-        self,
-        seed: int,
-        step: int,
-        frames_per_scene: int = 1,
-        *,
-        strength: float = 1.0,
-        instance: str = "",
-    ) -> dict[str, Any]:
-        """Name -> value at a step.
-
-        frames_per_scene: the interval of drivers that nothing else sets. strength: likewise.
-        instance: names one of several things that draw independently.
-        """
-        rows = tuple(self.drivers.values())
-        plan = Plan(rows, defaults=Defaults(strength, frames_per_scene))
-        return {name: plan.draw(row, seed, step, instance) for name, row in self.drivers.items()}
-
-
-def group(path: KeyPath, mapping: Mapping[str, Any]) -> Named:
-    """The drivers of {drivers: {NAME: driver}, jitter_strength, step_interval} of another file.
-
-    path: where the section would stand in a configuration; part of the key of every draw. Raises
-    DriverError, also for a name that has a plain value.
-    """
-    found = {row.path: row for row in find(mapping, path)}
-    rows = {}
-    for name in mapping.get("drivers", {}):
-        at = (*path, "drivers", name)
-        if at not in found:
-            raise DriverError(".".join(map(str, at)), "is no driver")
-        rows[name] = found[at]
-    Plan(tuple(rows.values())).check()
-    return Named(rows)

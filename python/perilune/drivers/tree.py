@@ -28,7 +28,7 @@ KINDS: tuple[Kind, ...] = (HOOK, CHOICE, UNIFORM, LOG_NORMAL, NORMAL)
 
 SETTINGS = ("interval", "strength", "group")
 """Keys of every driver."""
-SECTION = ("drivers", "jitter_strength", "step_interval")
+SECTION = ("drivers", "jitter_strength", "step_interval", "per")
 """Keys of a section of drivers, such as a material's."""
 
 

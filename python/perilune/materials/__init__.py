@@ -1,7 +1,8 @@
 """Material graphs: built from the configuration, put on triangles, and checked."""
 
 from perilune.materials.check import check
+from perilune.materials.drivers import applied
 from perilune.materials.graph import Graph, build, values
 from perilune.materials.place import Placed, parameters, place
 
-__all__ = ["Graph", "Placed", "build", "check", "parameters", "place", "values"]
+__all__ = ["Graph", "Placed", "applied", "build", "check", "parameters", "place", "values"]

@@ -7,7 +7,29 @@ from collections.abc import Iterable, Iterator
 from perilune.config.errors import nearest
 from perilune.config.schema import Config
 from perilune.drivers import KeyPath, path_text
+from perilune.materials import drivers
 from perilune.materials.graph import build
+
+_PLACES = (
+    ("materials", None, "drivers", "drivers", None),
+    ("materials", None, "instances", None, "drivers", None),
+    ("spacecraft", None, "material_drivers", "drivers", None),
+    ("material_drivers", "drivers", None),
+)
+"""Key paths of the values of sections of drivers; None is any name."""
+
+
+def _is_in_section(path: KeyPath) -> bool:
+    return any(
+        len(path) >= len(place)
+        and all(key is None or key == part for key, part in zip(place, path, strict=False))
+        for place in _PLACES
+    )
+
+
+def _is_of_materials(path: KeyPath) -> bool:
+    key = path[2:3] if path[0] == "spacecraft" else path[:1]
+    return key in (("materials",), ("material_drivers",))
 
 
 def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
@@ -22,9 +44,9 @@ def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
                 varies.add(("materials", name, "nodes", node, key))
         except ValueError as error:
             yield str(error)
+    yield from drivers.check(config)
     for path in driven:
-        fixed = path[0] == "materials" and path[:5] not in varies
-        if fixed or (path[0] == "spacecraft" and path[2:3] == ("materials",)):
+        if _is_of_materials(path) and path[:5] not in varies and not _is_in_section(path):
             text = "takes no driver: in a graph numbers of inputs alone vary from frame to frame"
             yield f"{path_text(path)}: {text}"
     for craft_name, craft in config.spacecraft.items():

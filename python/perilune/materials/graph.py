@@ -38,7 +38,7 @@ def build(name: str, material: Material, wrap: bool) -> Graph:
     """
     key = f"materials.{name}"
     order = {node: k for k, node in enumerate(material.nodes)}
-    surface = _surface(key, material)
+    surface = surface_of(key, material)
     parameters: list[tuple[str, str]] = []
     nodes = []
     for node, raw in material.nodes.items():
@@ -47,7 +47,7 @@ def build(name: str, material: Material, wrap: bool) -> Graph:
         inputs = []
         for socket in kind["inputs"]:
             value = raw.get(socket["name"])
-            if _is_drawn(value):
+            if has_drawn(value):
                 _numbers(f"{where}.{socket['name']}", socket, value)
                 inputs.append(("parameter", len(parameters), 0, 0.0, 0.0, 0.0))
                 parameters.append((node, socket["name"]))
@@ -70,7 +70,19 @@ def values(graph: Graph, material: Material) -> F64:
     return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
 
-def _surface(key: str, material: Material) -> str:
+def links(raw: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Input -> (node, output or "" for its first) of each input of a node that is linked."""
+    found = {}
+    for socket in _kind_or_empty(raw).get("inputs", ()):
+        value = raw.get(socket["name"])
+        if isinstance(value, str):
+            node, _, output = value.partition(".")
+            found[socket["name"]] = (node, output)
+    return found
+
+
+def surface_of(key: str, material: Material) -> str:
+    """The node that is the surface; ValueError if none or several could be. key: its path."""
     known = [name for name, raw in material.nodes.items() if _kind_or_empty(raw).get("surface")]
     if material.surface is None:
         if len(known) != 1:
@@ -104,7 +116,8 @@ def _kind(where: str, raw: Mapping[str, Any]) -> Mapping[str, Any]:
     return kind
 
 
-def _is_drawn(value: Any) -> bool:
+def has_drawn(value: Any) -> bool:
+    """Whether a value is, or has components, that a driver gives."""
     items = value if isinstance(value, (list, tuple)) else [value]
     return any(isinstance(item, Drawn) for item in items)
 
@@ -162,7 +175,7 @@ def _constant(where: str, row: Mapping[str, Any], raw: Mapping[str, Any]) -> _Co
         if row["type"] == "numbers" or np.isnan(row["default"]):
             raise ValueError(f"{where}: required, but missing")
         return (float(row["default"]), None, None)
-    if _is_drawn(value):
+    if has_drawn(value):
         raise ValueError(f"{where}: takes no driver: it is fixed when the scene is built")
     if row["type"] == "choice":
         if value not in row["choices"]:
@@ -182,7 +195,7 @@ def _table(where: str, value: Any, columns: int) -> NDArray[np.float32]:
     rows = value if isinstance(value, (list, tuple)) else []
     for k, row in enumerate(rows):
         good = isinstance(row, (list, tuple)) and len(row) == columns
-        if not good or _is_drawn(row) or not all(map(_is_number, row)):
+        if not good or has_drawn(row) or not all(map(_is_number, row)):
             raise ValueError(f"{where}[{k}]: must be {columns} numbers, not {row!r}")
     if not rows:
         raise ValueError(f"{where}: must be rows of {columns} numbers")

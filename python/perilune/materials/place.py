@@ -13,6 +13,7 @@ from perilune import _core
 from perilune.config.errors import nearest
 from perilune.config.materials import Material, MaterialUse
 from perilune.config.schema import Config
+from perilune.materials.drivers import applied
 from perilune.materials.graph import F64, Graph, build, values
 from perilune.parts import Partition, components, inside_box
 
@@ -84,8 +85,8 @@ def _matches(pattern: str, name: str) -> bool:
 def parameters(placed: Mapping[str, Placed], config: Config) -> F64:
     """(n, 3): what the core's request takes, of the spacecraft in the order of `placed`."""
     rows = [
-        values(graph, config.materials[name])
-        for row in placed.values()
+        values(graph, applied(config, name, craft))
+        for craft, row in placed.items()
         for name, graph in zip(row.names, row.graphs, strict=True)
     ]
     return np.concatenate([np.empty((0, 3)), *rows])

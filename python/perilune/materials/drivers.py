@@ -1,0 +1,151 @@
+"""Values of the nodes `OAISYS_NAME` and `driver:NAME` of graphs, and drivers of nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from perilune.config.errors import nearest
+from perilune.config.materials import DriverSection, Material, driver_name
+from perilune.config.schema import Config
+from perilune.materials.graph import has_drawn, links, surface_of
+
+VALUE_OF = {"value": "value", "color": "color"}
+"""Kinds of nodes that a driver may drive -> the input that is their value."""
+
+
+@dataclass(frozen=True)
+class Node:
+    """A node that is named for a driver."""
+
+    name: str
+    """NAME, without the prefix."""
+    node: str
+    input: str
+
+
+def crawl(material: Material) -> list[Node]:
+    """All such nodes of a graph, in its order."""
+    rows = []
+    for node, raw in material.nodes.items():
+        name, kind = driver_name(node), raw.get("type")
+        if name is not None and isinstance(kind, str) and kind in VALUE_OF:
+            rows.append(Node(name, node, VALUE_OF[kind]))
+    return rows
+
+
+def sections(
+    config: Config, name: str, craft: str | None
+) -> Iterator[tuple[str, DriverSection | None]]:
+    """(key path, section) of all that may drive an entry of `materials`, the first wins.
+
+    craft: the spacecraft that it is on.
+    """
+    material = config.materials[name]
+    if craft is not None:
+        yield f"materials.{name}.instances.{craft}", material.instances.get(craft)
+    yield f"materials.{name}.drivers", material.drivers
+    if craft is not None:
+        yield f"spacecraft.{craft}.material_drivers", config.spacecraft[craft].material_drivers
+    yield "material_drivers", config.material_drivers
+
+
+def driven(config: Config, name: str, craft: str | None) -> Iterator[tuple[Node, str, Any]]:
+    """(node, key path of the entry that gives its value, value) of an entry of `materials`."""
+    for node in crawl(config.materials[name]):
+        for key, section in sections(config, name, craft):
+            if section is not None and node.name in section.drivers:
+                yield node, f"{key}.drivers.{node.name}", section.drivers[node.name]
+                break
+
+
+def applied(config: Config, name: str, craft: str | None = None) -> Material:
+    """An entry of `materials` with the values that drivers give its nodes on a spacecraft."""
+    material = config.materials[name]
+    nodes = dict(material.nodes)
+    for node, _, value in driven(config, name, craft):
+        nodes[node.node] = {**nodes[node.node], node.input: value}
+    return material if nodes == material.nodes else material.model_copy(update={"nodes": nodes})
+
+
+# --- checks --------------------------------------------------------------------------------------
+
+
+def _places(config: Config) -> Iterator[tuple[str, str | None]]:
+    """(entry of materials, spacecraft) of all graphs; those that are on none count too."""
+    users: dict[str, dict[str, None]] = {name: {} for name in config.materials}
+    for craft, row in config.spacecraft.items():
+        for use in row.materials:
+            users.get(use.use, {})[craft] = None
+    for name, crafts in users.items():
+        yield from ((name, craft) for craft in crafts or [None])
+
+
+def _reached(material: Material, surface: str) -> set[str]:
+    """Nodes that the surface depends on."""
+    found: set[str] = set()
+    waiting = [surface]
+    while waiting:
+        node = waiting.pop()
+        if node not in found and node in material.nodes:
+            found.add(node)
+            waiting += [source for source, _ in links(material.nodes[node]).values()]
+    return found
+
+
+def _entries(config: Config) -> Iterator[tuple[str, str, list[str]]]:
+    """(key path, NAME, names that its nodes could have) of all entries of all sections."""
+
+    def of(
+        key: str, section: DriverSection | None, graphs: Iterable[str]
+    ) -> Iterator[tuple[str, str, list[str]]]:
+        if section is not None:
+            rows = [crawl(config.materials[name]) for name in graphs if name in config.materials]
+            known = list(dict.fromkeys(node.name for row in rows for node in row))
+            yield from ((f"{key}.drivers.{name}", name, known) for name in section.drivers)
+
+    for name, material in config.materials.items():
+        yield from of(f"materials.{name}.drivers", material.drivers, [name])
+        for craft, section in material.instances.items():
+            yield from of(f"materials.{name}.instances.{craft}", section, [name])
+    for craft, row in config.spacecraft.items():
+        used = [use.use for use in row.materials]
+        yield from of(f"spacecraft.{craft}.material_drivers", row.material_drivers, used)
+    yield from of("material_drivers", config.material_drivers, config.materials)
+
+
+def _node_problem(raw: Mapping[str, Any], node: Node, value: Any) -> str | None:
+    """Why a driver cannot give a node's value."""
+    own = raw.get(node.input)
+    if isinstance(own, str):
+        return f"drives nothing: {node.input} of the node '{node.node}' is linked to '{own}'"
+    if has_drawn(own):
+        return f"drives nothing: {node.input} of the node '{node.node}' has a driver of its own"
+    if raw["type"] == "value" and isinstance(value, (list, tuple)):
+        return f"must be one number: '{node.node}' is a node 'value', not a 'color'"
+    return None
+
+
+def check(config: Config) -> Iterator[str]:
+    """What is wrong with the sections of drivers: each entry must change a surface."""
+    used: set[str] = set()
+    reaching: set[str] = set()
+    for name, craft in _places(config):
+        material = config.materials[name]
+        reached = _reached(material, surface_of(f"materials.{name}", material))
+        for node, key, value in driven(config, name, craft):
+            problem = _node_problem(material.nodes[node.node], node, value)
+            if problem is not None:
+                yield f"{key}: {problem}"
+            used.add(key)
+            if node.node in reached:
+                reaching.add(key)
+    for key, name, known in _entries(config):
+        if name not in known:
+            nodes = f"no node 'OAISYS_{name}' or 'driver:{name}'"
+            yield f"{key}: drives nothing: {nodes}{nearest(name, known)}"
+        elif key not in used:
+            yield f"{key}: drives nothing: other drivers come before it, or no graph is there"
+        elif key not in reaching:
+            yield f"{key}: drives nothing: no surface depends on the node"
