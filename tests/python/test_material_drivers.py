@@ -148,6 +148,21 @@ def test_instances_look_as_their_own_values_say() -> None:
     assert np.array_equal(sample["rgb"], opened(fixed, seed=5)[0]["rgb"])
 
 
+def test_drivers_in_a_file_are_merged_with_those_beside_it(tmp_path: Path) -> None:
+    section = {"drivers": {"scale": SCALE, "tint": TINT}, "jitter_strength": 0.0}
+    (tmp_path / "foil.json").write_text(json.dumps({**FOIL, "drivers": section}))
+    material = {"file": str(tmp_path / "foil.json"), "drivers": {"drivers": {"scale": 2.0}}}
+    sim = opened(tree(materials__foil=material))
+    assert values_of(sim, 0, "sat") == [2.0, 0.5]
+    material["drivers"] = {"jitter_strength": 1.0, "per": "instance"}
+    sim = opened(tree(materials__foil=material), seed=5)
+    assert values_of(sim, 0, "sat") != values_of(sim, 0, "other")
+    section["drivers"]["scale"] = {**SCALE, "clip_min": 9.0}
+    (tmp_path / "foil.json").write_text(json.dumps({**FOIL, "drivers": section}))
+    with pytest.raises(ConfigError, match=r"foil\.json: drivers\.drivers\.scale"):
+        opened(tree(materials__foil={"file": str(tmp_path / "foil.json")}))
+
+
 # --- draws ---------------------------------------------------------------------------------------
 
 

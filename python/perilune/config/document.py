@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from perilune.config import oaisys
-from perilune.config.errors import ConfigError, from_validation, nearest, origin
+from perilune.config.errors import ConfigError, from_validation, named, nearest, origin
 from perilune.config.fixed import fixed
 from perilune.config.instances import spread
 from perilune.config.loader import plain_tree, read_tree
@@ -49,7 +49,7 @@ class Document:
             self.config = self._validate(self._plan.ideals)
             self._plan = self._grouped()
         except (DriverError, HookError) as error:
-            raise ConfigError(f"{source}: {error}") from None
+            raise ConfigError(f"{source}: {named(str(error), self.origins)}") from None
         self._check_clips()
         self._replay = dict(replay) if replay is not None else None
         self._recorded = self._records(self._replay) if self._replay is not None else {}
