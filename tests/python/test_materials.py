@@ -179,7 +179,7 @@ def test_emission_of_a_graph_is_seen() -> None:
         ("wave", {"clamp": 2}, "nodes.wave.clamp: must be a number from 0 to 1, not 2"),
         ("wave", {"type": "meth"}, "nodes.wave.type: no kind of node 'meth'; did you mean 'math'?"),
         ("new", {"value": 1.0}, "nodes.new.type: required, but missing"),
-        ("new", {"type": "lambert"}, "materials.m: must have one surface (lambert, metallic_roughness"),
+        ("new", {"type": "lambert"}, "materials.m: must have one surface (lambert, metallic_rou"),
         ("where", {"space": DRIVER}, "nodes.where.space: takes no driver: it is fixed"),
         ("paint", {"stops": [[0, 1, 1, 1], [0, 1]]}, "nodes.paint.stops[1]: must be 4 numbers"),
         ("paint", {"stops": [[1, 0, 0, 0], [0, 1, 1, 1]]}, "nodes.paint.stops: positions must ris"),

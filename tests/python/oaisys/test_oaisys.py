@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+import re
 import warnings
 
 import numpy as np
@@ -243,17 +244,64 @@ def test_labels(tree, planet, iss):
     assert "semantic_label.labelIDVec[0]: must be whole numbers" in failure(tree)
 
 
-def test_material_drivers_are_checked_and_told_of(tree, iss):
+def listing_5():
+    """The section of the paper's listing 5, of one driver."""
     driver = {"clip_min": 0.1, "clip_max": 10.0, "ideal": 1.0, "jitter_variance": 10.0}
-    drivers = {"drivers": {"scale": driver}, "jitter_strength": 1.0, "step_interval": 1}
+    return {"drivers": {"scale": driver}, "jitter_strength": 1.0, "step_interval": 1}
+
+
+GRAPH = {
+    "nodes": {
+        "OAISYS_scale": {"type": "value", "value": 0.5},
+        "noise": {"type": "noise", "scale": "OAISYS_scale"},
+        "skin": {"type": "principled", "base_color": "noise"},
+    }
+}
+
+
+def test_material_drivers_without_graphs_are_told_of(tree, iss):
+    drivers = listing_5()
     iss["meshParams"]["material_drivers"] = drivers
-    _, told = translated(tree)
+    tree["material_drivers"] = listing_5()
+    found, told = translated(tree)
     path = f"{MESHES}[1].meshParams.material_drivers.drivers.scale"
-    assert f"{path}: not applied" in told
-    driver["ideal"] = 11.0
-    assert f"{path}.ideal: 11 is outside [clip_min, clip_max]" in failure(tree)
-    del driver["ideal"]
-    assert f"{path}.ideal: required, but missing" in failure(tree)
+    assert f"{path}: not applied: no graph is on the mesh" in told
+    assert "f.json: material_drivers.drivers.scale: not applied: the file has no `mater" in told
+    assert "material_drivers" not in found["spacecraft"]["iss"]
+    for key, value, text in (
+        ("ideal", 11.0, "11 is outside [clip_min, clip_max]"),
+        ("jitter_variance", -1.0, "must not be negative"),
+        ("clip_min", 20.0, "20 is above clip_max = 10"),
+        ("ideal", None, "required, but missing"),
+    ):
+        drivers["drivers"]["scale"] = {**listing_5()["drivers"]["scale"], key: value}
+        assert f"{path}.{key}: {text}" in failure(tree)
+
+
+@pytest.mark.parametrize("place", ["mesh", "file"])
+def test_material_drivers_drive_the_graphs_of_a_mesh(tree, iss, repo_dir, place):
+    tree["materials"] = {"foil": copy.deepcopy(GRAPH)}
+    iss["meshParams"]["meshFilePath"] = str(repo_dir / "assets/models/smallsat.glb")
+    iss["meshParams"]["materials"] = [{"material": "*", "use": "foil"}]
+    owner = iss["meshParams"] if place == "mesh" else tree
+    owner["material_drivers"] = drivers = listing_5()
+    found, told = translated(tree)
+    assert "material_drivers" not in told
+    section = found["spacecraft"]["iss"] if place == "mesh" else found
+    assert section["material_drivers"] == drivers
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", oaisys.OaisysWarning)
+        sim = perilune.open(tree, base=FOLDER, overrides={"camera.width": 16, "camera.height": 16})
+        key = "spacecraft.iss.material_drivers" if place == "mesh" else "material_drivers"
+        values = [sim.config_at(index)[1][f"{key}.drivers.scale"] for index in range(4)]
+        assert len(set(values)) > 1  # some are clipped
+        request = [sim.request(index)["object_parameters"][0, 0] for index in range(4)]
+        assert request == values
+        drivers["drivers"]["scal"] = drivers["drivers"].pop("scale")
+        at = f"{MESHES}[1].meshParams.material_drivers" if place == "mesh" else "material_drivers"
+        text = rf"{re.escape(at)}\.drivers\.scal\b.*: drives nothing: .* did you mean 'scale'"
+        with pytest.raises(ConfigError, match=text):
+            perilune.open(tree, base=FOLDER)
 
 
 def test_what_has_no_counterpart_is_told_by_its_key(tree, planet, iss):

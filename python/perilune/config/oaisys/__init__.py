@@ -5,7 +5,8 @@ cannot be is a ConfigError that does. Units: `metres_per_unit` at the top of the
 mean radius of the body that is orbited and orbits nothing, 6.378e6 for the Earth; 1 in a scene
 without bodies and orbits) turns scene units into metres everywhere; a mesh's `scale` applies to its
 model's own units on top of that. Frames: the scene's axes are ICRF's. Time: batches are scenes,
-samples their steps, a step is 60 s. The keys name, description and seed at the top are ours.
+samples their steps, a step is 60 s. The keys name, description, seed and materials at the top are
+ours, and so is `materials` of a mesh; `material_drivers` drives the nodes of these graphs.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from perilune.config.oaisys import environment, meshes, render, sensors, setup, stages
+from perilune.config.oaisys import drivers, environment, meshes, render, sensors, setup, stages
 from perilune.config.oaisys.node import Node, Notes, OaisysWarning
 from perilune.config.oaisys.scene import Scene
 
@@ -61,6 +62,7 @@ def translate(tree: Mapping[str, Any], base: Path, source: str) -> Translation:
             scene.tree[key] = root.text(key)
     setup.read(root.child("SIMULATION_SETUP"), scene)
     assets = root.child("ASSET_SETUP")
+    drivers.read_graphs(root, scene.tree)
     meshes.read(root, assets, scene)
     stages.read(assets)
     sensors.read(root.child("SENSOR_SETUP"), scene)

@@ -1,26 +1,76 @@
-"""`material_drivers`: checked, and told of, as materials are not graphs here yet."""
+"""`material_drivers`: of the graphs on a mesh, or at the top of the file of all graphs.
+
+Graphs come with our keys: `materials` at the top of the file, and `materials` of a mesh, which says
+where on it they are.
+"""
 
 from __future__ import annotations
 
+from typing import Any
+
 from perilune.config.oaisys.node import Node
 
+_KEY = "material_drivers"
 _NUMBERS = ("clip_min", "clip_max", "ideal", "jitter_variance")
-_WHY = "not applied: materials have no driven values yet"
 
 
-def read(owner: Node) -> None:
-    """The section below a mesh or a material, if there is one."""
-    if not owner.has("material_drivers"):
-        return
-    section = owner.child("material_drivers")
-    section.number("jitter_strength", 1.0)
-    section.whole("step_interval", 1, smallest=1)
+def read(owner: Node, why_not: str | None, ours: str = _KEY) -> dict[str, Any]:
+    """The section below a mesh, a material or the file, as that at our key path; empty if none.
+
+    why_not: it is told that it is not applied, and why.
+    """
+    if not owner.has(_KEY):
+        return {}
+    section = owner.child(_KEY)
     named = section.child("drivers")
+    found: dict[str, Any] = {"drivers": {name: _driver(named.child(name)) for name in named.raw}}
+    if section.has("jitter_strength"):
+        found["jitter_strength"] = section.number("jitter_strength")
+    if section.has("step_interval"):
+        found["step_interval"] = section.whole("step_interval", smallest=1)
+    if why_not is not None:
+        for name in named.raw:
+            owner.notes.warn(named.where(name), f"not applied: {why_not}")
+        return {}
+    owner.comes(ours, _KEY)
     for name in named.raw:
-        driver = named.child(name)
-        low, high, ideal, variance = (driver.number(key) for key in _NUMBERS)
-        if not low <= ideal <= high:
-            driver.fail("ideal", f"{ideal:g} is outside [clip_min, clip_max] = [{low:g}, {high:g}]")
-        if variance < 0.0:
-            driver.fail("jitter_variance", f"must not be negative: {variance:g}")
-        owner.notes.warn(driver.path, _WHY)
+        named.comes(f"{ours}.drivers.{name}", name)
+    return found
+
+
+def _driver(node: Node) -> dict[str, float]:
+    low, high, ideal, variance = (node.number(key) for key in _NUMBERS)
+    if low > high:
+        node.fail("clip_min", f"{low:g} is above clip_max = {high:g}")
+    if not low <= ideal <= high:
+        node.fail("ideal", f"{ideal:g} is outside [clip_min, clip_max] = [{low:g}, {high:g}]")
+    if variance < 0.0:
+        node.fail("jitter_variance", f"must not be negative: {variance:g}")
+    return dict(zip(_NUMBERS, (low, high, ideal, variance), strict=True))
+
+
+def read_graphs(root: Node, tree: dict[str, Any]) -> None:
+    """Our `materials`, and the drivers of all of them."""
+    if root.has("materials"):
+        tree["materials"] = root.get("materials")
+        root.comes("materials", "materials")
+    section = read(root, None if root.has("materials") else "the file has no `materials`")
+    if section:
+        tree[_KEY] = section
+
+
+def read_mesh(owners: tuple[Node, ...], entry: dict[str, Any], ours: str, is_body: bool) -> None:
+    """Our `materials` of a mesh, and the drivers of those; keys stand in any of `owners`."""
+    why = "on a body there are no graphs yet" if is_body else None
+    for owner in owners:
+        if owner.has("materials"):
+            if why is not None:
+                owner.fail("materials", why)
+            entry["materials"] = owner.get("materials")
+            owner.comes(f"{ours}.materials", "materials")
+    if why is None and "materials" not in entry:
+        why = "no graph is on the mesh; its `materials` may put some there"
+    for owner in owners:
+        section = read(owner, why, f"{ours}.{_KEY}")
+        if section:
+            entry[_KEY] = section

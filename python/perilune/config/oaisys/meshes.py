@@ -153,7 +153,7 @@ def _radii_m(mesh: _Mesh, entry: dict[str, Any]) -> tuple[float, float, float]:
 
 def _unsupported(entry: Node) -> None:
     kind = entry.text("type")
-    drivers.read(entry)
+    drivers.read(entry, "scattered meshes are not there yet")
     entry.leave(f"{kind}: scattered meshes are not there yet; it is left out")
 
 
@@ -194,17 +194,18 @@ def _unit_m(root: Node, meshes: list[_Mesh]) -> float:
 
 def _entry(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
     """Our entry of a mesh without its orbit; the scene gets to know the thing."""
-    for owner in (mesh.params, mesh.entry):
-        drivers.read(owner)
     if mesh.kind == "MeshAsteroid":
         for key, why in _ASTEROID.items():
             mesh.params.ignore(key, f"not applied: {why}")
     entry = _body(mesh, scene) if mesh.is_body else _spacecraft(mesh, scene)
+    section = "bodies" if mesh.is_body else "spacecraft"
+    ours = f"{section}.{mesh.name}"
+    drivers.read_mesh((mesh.params, mesh.entry), entry, ours, mesh.is_body)
     scene.things[mesh.name] = Thing(
         name=mesh.name,
         aliases=(mesh.alias, mesh.instance),
         node=mesh.entry,
-        section="bodies" if mesh.is_body else "spacecraft",
+        section=section,
         table=mesh.table if mesh.is_body else None,
         rotation_deg=entry["rotation" if mesh.is_body else "attitude"]["rotation_deg"],
         radii_m=partial(_radii_m, mesh, entry),

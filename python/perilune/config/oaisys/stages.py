@@ -14,7 +14,7 @@ def read(assets: Node) -> None:
     for entry in assets.children("MATERIALS"):
         params = entry.child("materialParams")
         for owner in (entry, params):
-            drivers.read(owner)
+            drivers.read(owner, "meshes keep the materials of their own files")
         kind = entry.text("type", "material")
         entry.leave(f"{kind}: meshes keep the materials of their own files")
         params.skip()
