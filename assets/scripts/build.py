@@ -16,12 +16,14 @@ import earth_like
 import smallsat
 import station
 import tango_like
+import test_object
 
 ASSETS = Path(__file__).resolve().parent.parent
 BUILDERS: dict[str, Callable[[Path], None]] = {
     "models/smallsat.glb": lambda path: smallsat.build().save(path),
     "models/tango_like.glb": lambda path: tango_like.build().save(path),
     "models/station.glb": lambda path: station.build().save(path),
+    "models/test_object.glb": lambda path: test_object.build().save(path),
     "maps/earth_like.jpg": earth_like.save,
 }
 
