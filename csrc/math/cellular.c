@@ -1,5 +1,7 @@
 #include "math/cellular.h"
 
+#include <stddef.h>
+
 #include "math/lattice.h"
 
 /* Sites are searched this many cells around the point's own. No point is farther than sqrt(3) from
@@ -101,13 +103,6 @@ static search find(const field *f) {
   return found;
 }
 
-pl_cellular pl_cellular_find(pl_vec3 point, float randomness, uint32_t seed) {
-  const field f = make_field(point, randomness, seed);
-  const search found = find(&f);
-  return (pl_cellular){sqrtf(found.nearest.distance2), sqrtf(found.second2), found.nearest.to,
-                       found.nearest.id};
-}
-
 /* A site at distance b has its wall at (b^2 - a^2) / (2 |b - a|) >= (b - a) / 2, with a the nearest
  * distance: beyond a + 2 edge no site can come nearer than `edge`. */
 static inline void visit_edge(search *found, const site *s) {
@@ -121,9 +116,22 @@ static inline void visit_edge(search *found, const site *s) {
   found->limit2 = limit * limit;
 }
 
-float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed) {
+static pl_cellular cell_of(const search *found) {
+  return (pl_cellular){sqrtf(found->nearest.distance2), sqrtf(found->second2), found->nearest.to,
+                       found->nearest.id};
+}
+
+pl_cellular pl_cellular_find(pl_vec3 point, float randomness, uint32_t seed) {
+  const field f = make_field(point, randomness, seed);
+  const search found = find(&f);
+  return cell_of(&found);
+}
+
+float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed, pl_cellular *cell) {
   const field f = make_field(point, randomness, seed);
   search found = find(&f);
+  if (cell != NULL)
+    *cell = cell_of(&found);
   found.limit2 = found.edge = INFINITY;
   scan(&f, -1, 1, visit_edge, &found);
   scan(&f, 1, REACH, visit_edge, &found);

@@ -19,8 +19,9 @@ typedef struct pl_cellular {
 
 pl_cellular pl_cellular_find(pl_vec3 point, float randomness, uint32_t seed);
 
-/* Distance to the nearest wall between two regions, the plane halfway between their sites. */
-float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed);
+/* Distance to the nearest wall between two regions, the plane halfway between their sites. What
+ * pl_cellular_find gives is found on the way; `cell` may be NULL. */
+float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed, pl_cellular *cell);
 
 /* The nearest distance with its creases rounded: -s ln sum exp(-d/s) over all sites, with
  * s = smoothness / 8, smoothness clamped to [0, 1]; 0 gives the distance itself. Below it by

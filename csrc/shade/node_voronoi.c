@@ -19,18 +19,15 @@ static float mean_of(int feature, float randomness, float smoothness) {
   }
 }
 
-static float distance_of(int feature, const pl_cellular *cell, pl_vec3 point, float randomness,
-                         float smoothness, uint32_t seed) {
-  switch (feature) {
-  case FIRST:
-    return cell->first;
-  case SECOND:
-    return cell->second;
-  case EDGE:
-    return pl_cellular_edge(point, randomness, seed);
-  default:
+/* The distance, and the cell that the point is in. */
+static float find(int feature, pl_vec3 point, float randomness, float smoothness, uint32_t seed,
+                  pl_cellular *cell) {
+  if (feature == EDGE)
+    return pl_cellular_edge(point, randomness, seed, cell);
+  *cell = pl_cellular_find(point, randomness, seed);
+  if (feature == SMOOTH)
     return pl_cellular_smooth(point, randomness, smoothness, seed);
-  }
+  return feature == FIRST ? cell->first : cell->second;
 }
 
 static void voronoi(const pl_node_call *call) {
@@ -41,13 +38,13 @@ static void voronoi(const pl_node_call *call) {
   const float left = pl_cellular_fade(place.width);
   const float kept = feature == EDGE ? pl_cellular_edge_fade(place.width) : left;
   const float mean = mean_of(feature, randomness, smoothness);
-  pl_cellular cell = {0};
-  if (left > 0.0f) /* where nothing is left of the cells no search is needed */
-    cell = pl_cellular_find(place.point, randomness, seed);
   float distance = mean;
-  if (kept > 0.0f)
-    distance +=
-        kept * (distance_of(feature, &cell, place.point, randomness, smoothness, seed) - mean);
+  pl_cellular cell = {0};
+  if (left > 0.0f) { /* where nothing is left of the cells no search is needed */
+    const int needed = kept > 0.0f ? feature : FIRST;
+    const float found = find(needed, place.point, randomness, smoothness, seed, &cell);
+    distance += kept * (found - mean);
+  }
   pl_value_scalar(call->out[0], distance);
   const pl_vec3f half = {0.5f, 0.5f, 0.5f};
   const pl_vec3f color = pl_vec3f_sub(pl_cellular_color(cell.id), half);

@@ -52,7 +52,7 @@ static void check_against_all(pl_vec3 p, float randomness, uint32_t seed) {
   const pl_cellular found = pl_cellular_find(p, randomness, seed);
   assert_true(fabs((double)found.first - first) < 1e-6);
   assert_true(fabs((double)found.second - second) < 1e-6);
-  assert_true(fabs((double)pl_cellular_edge(p, randomness, seed) - edge) < 2e-6);
+  assert_true(fabs((double)pl_cellular_edge(p, randomness, seed, NULL) - edge) < 2e-6);
   const double smooth = (double)pl_cellular_smooth(p, randomness, 0.6f, seed);
   assert_true(fabs(smooth - (first - s * log(sum))) < 1e-4);
   if (second - first > 1e-5)
@@ -93,7 +93,8 @@ static void test_continuity(void **state) {
     below.y = nextafter(above.y, -INFINITY);
     const pl_cellular a = pl_cellular_find(below, 1.0f, 1), b = pl_cellular_find(above, 1.0f, 1);
     assert_true(fabsf(a.first - b.first) < 1e-6f && fabsf(a.second - b.second) < 1e-6f);
-    assert_true(fabsf(pl_cellular_edge(below, 1.0f, 1) - pl_cellular_edge(above, 1.0f, 1)) < 3e-6f);
+    assert_true(fabsf(pl_cellular_edge(below, 1.0f, 1, NULL) -
+                      pl_cellular_edge(above, 1.0f, 1, NULL)) < 3e-6f);
     assert_true(fabsf(pl_cellular_smooth(below, 1.0f, 1.0f, 1) -
                       pl_cellular_smooth(above, 1.0f, 1.0f, 1)) < 1e-4f);
   }
@@ -113,7 +114,7 @@ static void test_means(void **state) {
       const pl_cellular c = pl_cellular_find(p, r, (uint32_t)i);
       moments_add(&first, (double)c.first);
       moments_add(&second, (double)c.second);
-      moments_add(&edge, (double)pl_cellular_edge(p, r, (uint32_t)i));
+      moments_add(&edge, (double)pl_cellular_edge(p, r, (uint32_t)i, NULL));
       moments_add(&smooth, (double)pl_cellular_smooth(p, r, 0.5f, (uint32_t)i));
       moments_add(&red, (double)pl_cellular_color(c.id).x);
     }
@@ -176,9 +177,9 @@ static void test_filter(void **state) {
       for (int j = 0; j < 128; j++) {
         const pl_vec3 q = disc_point(p, axes, cases[k].width, j, 128);
         mean += (double)pl_cellular_find(q, 1.0f, 4).first / 128.0;
-        edge_mean += (double)pl_cellular_edge(q, 1.0f, 4) / 128.0;
+        edge_mean += (double)pl_cellular_edge(q, 1.0f, 4, NULL) / 128.0;
       }
-      const float f = pl_cellular_find(p, 1.0f, 4).first, e = pl_cellular_edge(p, 1.0f, 4);
+      const float f = pl_cellular_find(p, 1.0f, 4).first, e = pl_cellular_edge(p, 1.0f, 4, NULL);
       moments_add(&first, (double)f);
       moments_add(&edge, (double)e);
       moments_add(&error, (double)(m + pl_cellular_fade(width) * (f - m)) - mean);
@@ -198,7 +199,7 @@ static void test_odd_input(void **state) {
   const pl_vec3 nowhere = {NAN, INFINITY, -1e300};
   const pl_cellular c = pl_cellular_find(nowhere, NAN, 1);
   assert_true(isfinite(c.first) && isfinite(c.second));
-  assert_true(isfinite(pl_cellular_edge(nowhere, INFINITY, 1)));
+  assert_true(isfinite(pl_cellular_edge(nowhere, INFINITY, 1, NULL)));
   assert_true(isfinite(pl_cellular_smooth(nowhere, -1.0f, NAN, 1)));
   const pl_vec3 p = {1e7 + 0.3, -1e7 - 0.7, 0.2};
   assert_true(pl_cellular_smooth(p, 1.0f, 0.0f, 1) == pl_cellular_find(p, 1.0f, 1).first);
