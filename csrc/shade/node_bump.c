@@ -3,30 +3,53 @@
 
 /* Slopes by central differences over the footprint: what is finer has faded from the height. Near
  * a surface a step of STEP_MIN_M stays above the rounding of positions of a few metres. Blinn,
- * "Simulation of Wrinkled Surfaces", SIGGRAPH 1978: n - dh/dt t - dh/db b. */
+ * "Simulation of Wrinkled Surfaces", SIGGRAPH 1978: n - dh/dt t - dh/db b.
+ *
+ * Slopes that have faded still spread what is reflected: see `widen` in graph.c. What they were
+ * at the point itself is taken for all of the footprint, so that the mean over hits is right. */
 static const float STEP_MIN_M = 1e-4f;
+static const float HIDING = 4.0f; /* steps: a smaller footprint hides nothing */
 
-static void bump(const pl_node_call *call) {
-  const pl_graph_point *p = call->point;
-  const float strength = call->in[1][0] * call->in[2][0];
-  if (strength == 0.0f || !isfinite(p->radius)) {
-    pl_value_vector(call->out[0], p->n, 0.0f);
-    return;
-  }
-  const float step = pl_maxf(p->radius, STEP_MIN_M);
+typedef struct slopes {
+  float t, b;
+} slopes;
+
+static slopes slopes_of(const pl_node_call *call, float radius, float factor) {
+  pl_graph_point p = *call->point;
+  p.radius = radius;
+  const float step = pl_maxf(radius, STEP_MIN_M);
   float height[4];
   for (int i = 0; i < 4; i++) {
     const float side = i & 1 ? step : -step;
-    const pl_graph_point at = pl_graph_point_move(p, i < 2 ? side : 0.0f, i < 2 ? 0.0f : side);
+    const pl_graph_point at = pl_graph_point_move(&p, i < 2 ? side : 0.0f, i < 2 ? 0.0f : side);
     pl_value value;
     pl_node_input_at(call, 0, &at, value);
     height[i] = value[0];
   }
-  const float factor = -strength / (2.0f * step);
-  pl_vec3f n = pl_vec3f_madd(p->n, factor * (height[1] - height[0]), p->t);
-  n = pl_vec3f_madd(n, factor * (height[3] - height[2]), p->b);
+  const slopes s = {factor * (height[1] - height[0]) / (2.0f * step),
+                    factor * (height[3] - height[2]) / (2.0f * step)};
+  return isfinite(s.t) && isfinite(s.b) ? s : (slopes){0.0f, 0.0f};
+}
+
+static void bump(const pl_node_call *call) {
+  const pl_graph_point *p = call->point;
+  const float factor = call->in[1][0] * call->in[2][0];
+  if (factor == 0.0f) {
+    pl_value_vector(call->out[0], p->n, 0.0f);
+    return;
+  }
+  slopes seen = {0.0f, 0.0f};
+  if (isfinite(p->radius))
+    seen = slopes_of(call, p->radius, factor);
+  float hidden = 0.0f;
+  if (p->radius > HIDING * STEP_MIN_M) {
+    const slopes all = slopes_of(call, 0.0f, factor);
+    hidden = (all.t - seen.t) * (all.t - seen.t) + (all.b - seen.b) * (all.b - seen.b);
+  }
+  const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(p->n, -seen.t, p->t), -seen.b, p->b);
   const float length = pl_vec3f_norm(n);
-  pl_value_vector(call->out[0], isfinite(length) ? pl_vec3f_unit(n) : p->n, 0.0f);
+  pl_value_vector(call->out[0], isfinite(length) ? pl_vec3f_unit(n) : p->n,
+                  isfinite(hidden) ? hidden : 0.0f);
 }
 
 static const pl_socket inputs[] = {
@@ -39,7 +62,8 @@ static const pl_socket outputs[] = {
 
 const pl_node_kind pl_node_bump = {
     .name = "bump",
-    .doc = "The normal of the surface displaced by a height; flat where the footprint is infinite",
+    .doc = "The normal of the surface displaced by a height; slopes that the footprint hides make "
+           "the surface rougher",
     .inputs = inputs,
     .input_count = 3,
     .outputs = outputs,
