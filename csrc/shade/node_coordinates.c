@@ -3,12 +3,58 @@
 
 #include "shade/node_rows.h"
 
-enum { SPACE_OBJECT, SPACE_WORLD, SPACE_UV, SPACE_UV_1 };
-static const char *const spaces[] = {"object", "world", "uv", "uv1", NULL};
+enum { SPACE_OBJECT, SPACE_WORLD, SPACE_UV, SPACE_UV_1, SPACE_BOX, SPACE_FACE };
+static const char *const spaces[] = {"object", "world", "uv", "uv1", "box", "face", NULL};
 
 /* Radius of the circle with the area of the parallelogram that a footprint spans. */
 static float radius_of(const float a[2], const float b[2]) {
   return sqrtf(fabsf(a[0] * b[1] - a[1] * b[0]) / PL_PI_F);
+}
+
+/* Normal of the triangle in model axes at rest, not of unit length; zero without a model. */
+static pl_vec3f rest_normal(const pl_graph_point *p) {
+  if (p->model == NULL)
+    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  const uint32_t *corner = p->model->indices + 3 * (size_t)p->triangle.triangle;
+  pl_vec3f at[3];
+  for (size_t k = 0; k < 3; k++) {
+    const float *position = p->model->positions + 3 * (size_t)corner[k];
+    at[k] = pl_vec3f_make(position[0], position[1], position[2]);
+  }
+  return pl_vec3f_cross(pl_vec3f_sub(at[1], at[0]), pl_vec3f_sub(at[2], at[0]));
+}
+
+/* The two axes of the plane that a surface is looked up in. Of a box's sides they are model axes:
+ * y and z, z and x, or x and y. Of the face itself the first is the model axis that is nearest to
+ * its plane, turned into the plane, so that all of a flat panel has the same. */
+static void plane_of(int space, pl_vec3f n, pl_vec3f axis[2]) {
+  const float size[3] = {fabsf(n.x), fabsf(n.y), fabsf(n.z)};
+  const float length = pl_vec3f_norm(n);
+  const bool flat = space == SPACE_FACE && length > 0.0f;
+  /* By more than rounding: faces of one panel must not differ. */
+  const float less = flat ? 1e-4f * length : 0.0f;
+  size_t most = 2, least = 1;
+  for (size_t k = 3; k-- > 0;) {
+    most = size[k] > size[most] + less ? k : most;
+    least = size[k] < size[least] - less ? k : least;
+  }
+  const size_t first = flat ? least : (most + 1) % 3, second = (most + 2) % 3;
+  const float unit[3][3] = {{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};
+  axis[0] = pl_vec3f_make(unit[first][0], unit[first][1], unit[first][2]);
+  axis[1] = pl_vec3f_make(unit[second][0], unit[second][1], unit[second][2]);
+  if (flat) {
+    n = pl_vec3f_scale(n, 1.0f / length);
+    axis[0] = pl_vec3f_unit(pl_vec3f_madd(axis[0], -pl_vec3f_dot(axis[0], n), n));
+    axis[1] = pl_vec3f_cross(n, axis[0]);
+  }
+}
+
+static void on_plane(const pl_graph_point *p, int space, pl_value out) {
+  pl_vec3f axis[2];
+  plane_of(space, rest_normal(p), axis);
+  const pl_vec3f at =
+      pl_vec3f_make(pl_vec3f_dot(p->object, axis[0]), pl_vec3f_dot(p->object, axis[1]), 0.0f);
+  pl_value_vector(out, at, p->radius);
 }
 
 static void coordinates(const pl_node_call *call) {
@@ -17,6 +63,10 @@ static void coordinates(const pl_node_call *call) {
   float uv[2] = {0.0f, 0.0f}, a[2], b[2], radius = 0.0f;
   if (space == SPACE_OBJECT || space == SPACE_WORLD) {
     pl_value_vector(call->out[0], space == SPACE_OBJECT ? p->object : p->world, p->radius);
+    return;
+  }
+  if (space == SPACE_BOX || space == SPACE_FACE) {
+    on_plane(p, space, call->out[0]);
     return;
   }
   if (p->model != NULL) {
@@ -32,7 +82,8 @@ static const pl_constant_row coordinates_constants[] = {
      "object: metres from the object's origin along the model's axes, moving with its parts; "
      "world: "
      "the same along ICRF axes; uv, uv1: the model's texture coordinates, zeros where it has "
-     "none"}};
+     "none; box: metres along two of the model's axes, those that the surface faces least; face: "
+     "metres in the plane of the triangle, for flat panels that lie aslant"}};
 static const pl_socket coordinates_outputs[] = {
     {"vector", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "The coordinates"}};
 

@@ -47,7 +47,7 @@ static void test_values_are_those_of_the_functions(void **state) {
   graph_choose(&g, voronoi, "feature", "second");
   assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) - cell.second) < 1e-6f);
   graph_choose(&g, voronoi, "feature", "edge");
-  assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) - pl_cellular_edge(p, 1.0f, 0)) <
+  assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) - pl_cellular_edge(p, 1.0f, 0, NULL)) <
               1e-6f);
   graph_choose(&g, voronoi, "feature", "smooth");
   assert_true(fabsf(number_at(&g, voronoi, 0, x, y, z, 0.0f) -
@@ -198,6 +198,83 @@ static void test_bump(void **state) {
   assert_true(n[0] == 0.0 && n[1] == 0.0 && n[2] == 1.0);
 }
 
+/* Far away all slopes are hidden: their squares are those of the point itself, and the lobe's width
+ * grows by them. */
+static void test_hidden_slopes(void **state) {
+  (void)state;
+  test_graph g = {0};
+  const size_t noise = add_pattern(&g, "noise", 3.0f), bump = graph_add(&g, "bump");
+  const size_t skin = graph_add(&g, "principled");
+  graph_link(&g, bump, "height", noise, 0);
+  graph_set(&g, bump, "distance_m", 0.1f, 0.1f, 0.1f);
+  graph_link(&g, skin, "normal", bump, 0);
+  graph_set(&g, skin, "roughness", 0.5f, 0.5f, 0.5f);
+  pl_graph *graph;
+  assert_int_equal(graph_make(&g, &graph), PL_OK);
+  const pl_fractal shape = {.octaves = 4.0f, .roughness = 0.5f, .lacunarity = 2.0f};
+  test_random random = {54, 0};
+  for (int i = 0; i < 100; i++) {
+    const float x = (float)random_range(&random, -2.0, 2.0);
+    pl_graph_point at = graph_point(x, 0.5f, 0.3f, i % 2 ? INFINITY : 50.0f);
+    const pl_vec3 cells = {3.0 * (double)x, 1.5, 3.0 * (double)0.3f};
+    const pl_fractal_value f = pl_fractal_gradient(&shape, cells, 0.0f);
+    const double slopes =
+        0.0225 * (double)(f.gradient.x * f.gradient.x + f.gradient.y * f.gradient.y);
+    pl_surface s = {.t = at.t, .b = at.b, .n = at.n, .ng = at.ng};
+    pl_graph_surface(graph, &at, NULL, &s);
+    assert_true(s.n.x == 0.0f && s.n.z == 1.0f);
+    assert_true(fabs((double)s.alpha - fmin(sqrt(0.0625 + slopes), 1.0)) < 2e-3);
+    at.radius = 1e-4f; /* near, nothing is hidden */
+    pl_graph_surface(graph, &at, NULL, &s);
+    assert_true(s.alpha == 0.25f);
+  }
+  pl_graph_destroy(graph);
+}
+
+/* A panel of two triangles in the plane of y and (sin a, 0, cos a), somewhere in the model. */
+static void test_coordinates_in_planes(void **state) {
+  (void)state;
+  const float a = 0.35f, u[4] = {0.0f, 2.0f, 2.0f, 0.0f}, v[4] = {0.0f, 0.0f, 3.0f, 3.0f};
+  float positions[12];
+  for (int i = 0; i < 4; i++) {
+    positions[3 * i] = 5.0f + sinf(a) * v[i];
+    positions[3 * i + 1] = u[i] - 1.0f;
+    positions[3 * i + 2] = 2.0f + cosf(a) * v[i];
+  }
+  uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+  pl_model model = {.positions = positions, .indices = indices};
+  test_graph g = {0};
+  const size_t where = graph_add(&g, "coordinates");
+  const char *const spaces[] = {"face", "box"};
+  for (int k = 0; k < 2; k++) {
+    graph_choose(&g, where, "space", spaces[k]);
+    pl_value at[2][3];
+    for (uint32_t triangle = 0; triangle < 2; triangle++)
+      for (int i = 0; i < 3; i++) { /* the first corner is that of both */
+        pl_graph_point p = graph_point(0.0f, 0.0f, 0.0f, 0.01f);
+        p.model = &model;
+        p.triangle.triangle = triangle;
+        p.triangle.w[i] = 1.0f;
+        p.object = pl_graph_point_object(&p);
+        graph_value_at(g, where, 0, &p, at[triangle][i]);
+        assert_true(at[triangle][i][2] == 0.0f && at[triangle][i][3] == 0.01f);
+      }
+    const double along = hypot((double)(at[1][2][0] - at[0][0][0]), /* the side of 3 */
+                               (double)(at[1][2][1] - at[0][0][1]));
+    assert_true(fabs(along - (k == 0 ? 3.0 : 3.0 * cos((double)a))) < 1e-5);
+    for (int i = 0; i < 2; i++) {
+      assert_true(fabsf(at[0][0][i] - at[1][0][i]) < 1e-5f);
+      assert_true(fabsf(at[0][2][i] - at[1][1][i]) < 1e-5f);
+    }
+    assert_true(fabsf(at[0][1][0] - at[0][0][0] - 2.0f) < 1e-5f); /* the first axis is y */
+  }
+  graph_choose(&g, where, "space", "face"); /* without a model: the plane of x and y */
+  const pl_graph_point p = graph_point(0.1f, 0.2f, 0.3f, 0.01f);
+  pl_value at;
+  graph_value_at(g, where, 0, &p, at);
+  assert_true(at[0] == 0.1f && at[1] == 0.2f && at[2] == 0.0f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_values_are_those_of_the_functions),
@@ -206,6 +283,8 @@ int main(void) {
       cmocka_unit_test(test_receding_patterns_stay_at_their_mean),
       cmocka_unit_test(test_odd_inputs),
       cmocka_unit_test(test_bump),
+      cmocka_unit_test(test_hidden_slopes),
+      cmocka_unit_test(test_coordinates_in_planes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
