@@ -27,6 +27,10 @@ struct pl_reflectance {
   const char *doc; /* formula's source and range */
   /* Reads surface->lobes; light may then pass to wi.z < 0, if lobes.transmission > 0. */
   bool layered;
+  bool photometric; /* reads surface->regolith */
+  /* A disc function fitted to dark worlds: where its colour is bright it may reflect more light
+   * than there is. */
+  bool empirical;
   /* BSDF times |cos(wi)|, 1/sr; zero when wi.z <= 0 unless light passes. */
   pl_vec3f (*evaluate)(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
   /* Density of `sample` per solid angle at wi; 0 when it cannot come. */
@@ -51,7 +55,12 @@ struct pl_reflectance {
 #define PL_REFLECTANCES(X)                                                                         \
   X(lambert)                                                                                       \
   X(metallic_roughness)                                                                            \
-  X(principled)
+  X(principled)                                                                                    \
+  X(lommel_seeliger)                                                                               \
+  X(lunar_lambert)                                                                                 \
+  X(minnaert)                                                                                      \
+  X(hapke_smooth)                                                                                  \
+  X(hapke)
 
 #define PL_DECLARE(row) extern const pl_reflectance pl_reflectance_##row;
 PL_REFLECTANCES(PL_DECLARE)

@@ -4,6 +4,7 @@
 
 #include "math/vec.h"
 #include "shade/lobes.h"
+#include "shade/regolith.h"
 
 typedef struct pl_reflectance pl_reflectance;
 
@@ -16,6 +17,7 @@ typedef struct pl_surface {
   float metallic;                    /* 0..1 */
   float alpha;                       /* GGX alpha = roughness^2 */
   pl_lobes lobes;                    /* read by layered rows alone */
+  pl_regolith regolith;              /* read by photometric rows alone */
   const pl_reflectance *reflectance; /* row of the table */
 } pl_surface;
 

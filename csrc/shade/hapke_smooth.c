@@ -1,0 +1,12 @@
+/* Hapke's model of a surface without relief. */
+#include "shade/regolith_law.h"
+
+static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {
+  (void)limb;
+  const pl_hapke_relief relief = pl_hapke_plane(a);
+  return pl_hapke_reflect(band, a, &relief);
+}
+
+PL_REGOLITH_ROW(hapke_smooth, "Hapke 2012 without macroscopic roughness; base colour is w",
+                .inputs = pl_regolith_inputs, .input_count = PL_REGOLITH_INPUTS - 1,
+                .set = pl_hapke_set_smooth)

@@ -1,0 +1,103 @@
+/* What the photometric laws share: bands, and draws of directions. */
+#include "shade/regolith.h"
+
+#include <string.h>
+
+#include "math/sampling.h"
+#include "shade/regolith_law.h"
+
+static pl_hapke band_of(const pl_surface *surface, int k) {
+  const float w[3] = {surface->color.x, surface->color.y, surface->color.z};
+  const pl_regolith_band *band = &surface->regolith.band[k];
+  return (pl_hapke){
+      .w = fmin((double)w[k], 1.0),
+      .b = (double)band->b,
+      .c = (double)band->c,
+      .b_s0 = (double)band->b_s0,
+      .h_s = (double)band->h_s,
+      .b_c0 = (double)band->b_c0,
+      .h_c = (double)band->h_c,
+      .roughness_rad = (double)band->roughness_rad,
+      .filling = (double)band->filling,
+      .simple_h = surface->regolith.simple_h,
+      .narrow_surge = surface->regolith.narrow_surge,
+  };
+}
+
+static bool same(const pl_hapke *a, const pl_hapke *b) {
+  return a->w == b->w && a->b == b->b && a->c == b->c && a->b_s0 == b->b_s0 && a->h_s == b->h_s &&
+         a->b_c0 == b->b_c0 && a->h_c == b->h_c && a->roughness_rad == b->roughness_rad &&
+         a->filling == b->filling;
+}
+
+pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
+                              pl_regolith_law law) {
+  double value[3];
+  pl_hapke last;
+  if (!(wi.z > 0.0f && wo.z > 0.0f))
+    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  const pl_hapke_angles angles = pl_hapke_angles_of(pl_vec3_unit(pl_vec3f_to_double(wi)),
+                                                    pl_vec3_unit(pl_vec3f_to_double(wo)));
+  for (int k = 0; k < 3; k++) {
+    const pl_hapke band = band_of(surface, k);
+    value[k] = k > 0 && same(&band, &last) ? value[k - 1]
+                                           : law(&band, (double)surface->regolith.limb, &angles);
+    last = band;
+  }
+  return pl_vec3f_make((float)value[0], (float)value[1], (float)value[2]);
+}
+
+/* Part of the draws that go to the lobe about the viewer, and its shape (Henyey-Greenstein). */
+static const float BACK = 0.2f, BACK_B = 0.4f;
+
+/* Part of the other draws that are as likely from everywhere; the rest follow the cosine. */
+static float flat_part(pl_vec3f wo) { return pl_minf(pl_maxf(1.0f - wo.z, 0.0f), 1.0f); }
+
+static float back_pdf(pl_vec3f wo, pl_vec3f wi) {
+  const pl_vec3f apart = pl_vec3f_sub(wo, wi);
+  const float d = (1.0f - BACK_B) * (1.0f - BACK_B) + BACK_B * pl_vec3f_dot(apart, apart);
+  return (1.0f - BACK_B * BACK_B) / (4.0f * PL_PI_F * d * sqrtf(d));
+}
+
+/* Henyey and Greenstein 1941, inverted. */
+static pl_vec3f sample_back(pl_vec3f wo, const float u[2]) {
+  const float s = (1.0f - BACK_B * BACK_B) / (1.0f - BACK_B + 2.0f * BACK_B * u[0]);
+  const float z = (1.0f + BACK_B * BACK_B - s * s) / (2.0f * BACK_B);
+  const float r = sqrtf(pl_maxf(1.0f - z * z, 0.0f)), turn = 2.0f * PL_PI_F * u[1];
+  const pl_basis basis = pl_basis_make(wo);
+  return pl_basis_to_world(&basis, pl_vec3f_make(r * cosf(turn), r * sinf(turn), z));
+}
+
+float pl_regolith_pdf(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {
+  (void)surface;
+  if (!(wi.z > 0.0f))
+    return 0.0f;
+  const float flat = flat_part(wo);
+  const float rest = flat * (0.5f / PL_PI_F) + (1.0f - flat) * pl_cosine_hemisphere_pdf(wi.z);
+  return BACK * back_pdf(wo, wi) + (1.0f - BACK) * rest;
+}
+
+bool pl_regolith_sample(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
+                        pl_regolith_law law, pl_vec3f *wi, pl_vec3f *weight, float *pdf) {
+  if (choice < BACK)
+    *wi = sample_back(wo, u);
+  else if (choice < BACK + (1.0f - BACK) * flat_part(wo))
+    *wi = pl_sample_cone(u[0], u[1], 1.0f);
+  else
+    *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
+  *pdf = pl_regolith_pdf(surface, wo, *wi);
+  if (!(*pdf > 0.0f))
+    return false;
+  *weight = pl_vec3f_scale(pl_regolith_evaluate(surface, wo, *wi, law), 1.0f / *pdf);
+  return true;
+}
+
+double pl_regolith_single(const pl_hapke *band, const pl_hapke_angles *angles) {
+  return (1.0 + band->b_s0 * pl_hapke_shadow_surge(band, angles)) * pl_hapke_phase(band, angles);
+}
+
+double pl_regolith_fall(const pl_hapke *band, const pl_hapke_angles *angles) {
+  const pl_hapke_angles opposition = {.half_cosine2 = 1.0};
+  const double full = pl_regolith_single(band, &opposition);
+  return full > 0.0 ? pl_regolith_single(band, angles) / full : 0.0;
+}
