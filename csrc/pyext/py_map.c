@@ -23,18 +23,33 @@ const pl_texture *pl_py_map_of(PyObject *object) {
   return ((map_object *)object)->texture;
 }
 
-static pl_status load(const char *path, bool srgb, pl_texture **out) {
+static pl_status load(const char *path, bool srgb, pl_wrap wrap_u, pl_wrap wrap_v,
+                      pl_texture **out) {
   pl_image image;
   PL_TRY(pl_image_load(path, &image));
-  return pl_texture_create(&image, srgb, PL_WRAP_REPEAT, PL_WRAP_CLAMP, out);
+  return pl_texture_create(&image, srgb, wrap_u, wrap_v, out);
+}
+
+/* For PyArg_Parse: a wrap mode by its name. */
+static int convert_wrap(PyObject *object, void *out) {
+  static const char *const names[] = {"repeat", "clamp", "mirror"};
+  const pl_wrap modes[] = {PL_WRAP_REPEAT, PL_WRAP_CLAMP, PL_WRAP_MIRROR};
+  for (size_t i = 0; PyUnicode_Check(object) && i < 3; i++)
+    if (PyUnicode_CompareWithASCIIString(object, names[i]) == 0) {
+      *(pl_wrap *)out = modes[i];
+      return 1;
+    }
+  PyErr_SetString(PyExc_ValueError, "a wrap mode is 'repeat', 'clamp' or 'mirror'");
+  return 0;
 }
 
 static PyObject *map_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"path", "srgb", NULL};
+  static char *names[] = {"path", "srgb", "wrap_u", "wrap_v", NULL};
   PyObject *bytes = NULL;
   int srgb = 1;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&|p:Map", names, PyUnicode_FSConverter, &bytes,
-                                   &srgb))
+  pl_wrap wrap_u = PL_WRAP_REPEAT, wrap_v = PL_WRAP_CLAMP;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&|pO&O&:Map", names, PyUnicode_FSConverter,
+                                   &bytes, &srgb, convert_wrap, &wrap_u, convert_wrap, &wrap_v))
     return NULL;
   map_object *self = (map_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
   if (self == NULL) {
@@ -43,7 +58,7 @@ static PyObject *map_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
   }
   pl_status status;
   const char *path = PyBytes_AsString(bytes);
-  Py_BEGIN_ALLOW_THREADS status = load(path, srgb != 0, &self->texture);
+  Py_BEGIN_ALLOW_THREADS status = load(path, srgb != 0, wrap_u, wrap_v, &self->texture);
   Py_END_ALLOW_THREADS Py_DECREF(bytes);
   if (status != PL_OK) {
     Py_DECREF(self);
@@ -79,7 +94,8 @@ static PyGetSetDef map_getset[] = {
 };
 
 static PyType_Slot map_slots[] = {
-    {Py_tp_doc, "Map(path, srgb=True)\n--\n\nA filtered equirectangular map; PNG or JPEG."},
+    {Py_tp_doc, "Map(path, srgb=True, wrap_u='repeat', wrap_v='clamp')\n--\n\nA filtered image "
+                "texture; PNG, JPEG or WebP."},
     {Py_tp_new, (void *)map_new},
     {Py_tp_dealloc, (void *)map_dealloc},
     {Py_tp_getset, map_getset},

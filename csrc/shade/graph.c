@@ -21,6 +21,7 @@ static void run(const pl_graph *graph, const pl_program *program, const pl_graph
                        : pl_operand_value(graph, params, registers, instruction->in[k]);
     call.constants = instruction->constants;
     call.instruction = instruction;
+    call.given = instruction->given;
     call.out = registers + instruction->out;
     kind->evaluate(&call);
   }
@@ -161,6 +162,12 @@ void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary) {
   if (row->summarise != NULL)
     row->summarise(&in, summary);
   summary->textured |= graph->programs[0].count > 0;
+}
+
+void pl_graph_point_uv(const pl_graph_point *point, int set, float uv[2], float a[2], float b[2]) {
+  uv[0] = uv[1] = a[0] = a[1] = b[0] = b[1] = 0.0f;
+  if (point->model != NULL)
+    pl_material_uv(point->model, &point->triangle, set, uv, a, b);
 }
 
 pl_vec3f pl_graph_point_object(const pl_graph_point *point) {

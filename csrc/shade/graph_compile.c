@@ -34,8 +34,6 @@ static pl_status check_constant(const pl_constant_row *row, const pl_constant *v
       (value->count % row->columns != 0 || (value->count > 0 && value->numbers == NULL)))
     return pl_fail(PL_E_RANGE, "%s: rows of %zu numbers, not %zu numbers", row->name, row->columns,
                    value->count);
-  if (row->type == PL_IMAGE && value->texture == NULL)
-    return pl_fail(PL_E_RANGE, "%s: no image", row->name);
   return PL_OK;
 }
 
@@ -265,6 +263,8 @@ static pl_status build_node(builder *b, size_t index) {
   pl_instruction instruction = {.kind = node->kind, .constants = b->node_constants[index]};
   if (b->is_made[index])
     return PL_OK;
+  for (size_t k = 0; k < node->kind->input_count; k++)
+    instruction.given |= (unsigned)(node->inputs[k].source != PL_INPUT_UNSET) << k;
   PL_TRY(build_inputs(b, node, instruction.in));
   PL_TRY(emit(b, &instruction, b->made[index]));
   b->is_made[index] = true;

@@ -22,6 +22,7 @@ typedef struct pl_instruction {
   const pl_node_kind *kind;
   const pl_constant *constants;   /* of the graph's copy of the node */
   pl_operand in[PL_NODE_SOCKETS]; /* of a lazy input: index of its program, bank unused */
+  unsigned given;                 /* as in pl_node_call */
   size_t out;                     /* first register */
 } pl_instruction;
 

@@ -31,7 +31,7 @@ typedef struct pl_constant {
   double number;             /* PL_NUMBER, and the index of a PL_CHOICE */
   const float *numbers;      /* PL_NUMBERS; borrowed until the graph is made, which copies it */
   size_t count;              /* of numbers */
-  const pl_texture *texture; /* PL_IMAGE, NULL for none; borrowed for the graph's life */
+  const pl_texture *texture; /* PL_IMAGE; borrowed for the graph's life. NULL reads as white */
 } pl_constant;
 
 /* Where a graph is evaluated. World axes are the root's; metres. */
@@ -51,6 +51,8 @@ typedef struct pl_graph_point {
 /* The point `along_t`, `along_b` metres farther on the tangent plane: its position, and with a
  * model its weights. The frame stays. */
 pl_graph_point pl_graph_point_move(const pl_graph_point *point, float along_t, float along_b);
+/* Texture coordinates of set 0 or 1 and the footprint in them; zeros where the model has none. */
+void pl_graph_point_uv(const pl_graph_point *point, int set, float uv[2], float a[2], float b[2]);
 /* Object position of the weights on the model. */
 pl_vec3f pl_graph_point_object(const pl_graph_point *point);
 
@@ -61,7 +63,8 @@ typedef struct pl_node_call {
   const pl_graph_point *point;
   const float *in[PL_NODE_SOCKETS]; /* pl_value each, NULL of lazy inputs */
   const pl_constant *constants;
-  pl_value *out; /* one an output; all four numbers must be set */
+  unsigned given; /* bit k: input k has a value or a link of its own */
+  pl_value *out;  /* one an output; all four numbers must be set */
   /* For pl_node_input_at. */
   const struct pl_graph *graph;
   const struct pl_instruction *instruction;

@@ -60,7 +60,7 @@ static void on_plane(const pl_graph_point *p, int space, pl_value out) {
 static void coordinates(const pl_node_call *call) {
   const pl_graph_point *p = call->point;
   const int space = (int)call->constants[0].number;
-  float uv[2] = {0.0f, 0.0f}, a[2], b[2], radius = 0.0f;
+  float uv[2] = {0.0f, 0.0f}, a[2], b[2];
   if (space == SPACE_OBJECT || space == SPACE_WORLD) {
     pl_value_vector(call->out[0], space == SPACE_OBJECT ? p->object : p->world, p->radius);
     return;
@@ -69,12 +69,9 @@ static void coordinates(const pl_node_call *call) {
     on_plane(p, space, call->out[0]);
     return;
   }
-  if (p->model != NULL) {
-    pl_material_uv(p->model, &p->triangle, space - SPACE_UV, uv, a, b);
-    radius = radius_of(a, b);
-  }
+  pl_graph_point_uv(p, space - SPACE_UV, uv, a, b);
   pl_value_vector(call->out[0], pl_vec3f_make(uv[0], uv[1], 0.0f),
-                  isinf(p->radius) ? p->radius : radius);
+                  isinf(p->radius) ? p->radius : radius_of(a, b));
 }
 
 static const pl_constant_row coordinates_constants[] = {

@@ -20,6 +20,8 @@ extern const pl_node_kind pl_node_noise, pl_node_musgrave, pl_node_voronoi, pl_n
 extern const pl_node_kind pl_node_white_noise, pl_node_checker;
 /* node_panel.c */
 extern const pl_node_kind pl_node_brick, pl_node_panel;
+/* node_image.c */
+extern const pl_node_kind pl_node_image;
 /* node_bump.c */
 extern const pl_node_kind pl_node_bump;
 /* node_surface.c: one for each reflectance model */

@@ -111,9 +111,12 @@ class Articulation:
 
 @final
 class Map:
-    """A filtered image texture: an equirectangular map of a body. PNG or JPEG."""
+    """A filtered image texture from a PNG, JPEG or WebP file; as it is by default the
+    equirectangular map of a body. Wrap modes: "repeat" | "clamp" | "mirror"."""
 
-    def __new__(cls, path: str, srgb: bool = True) -> Self: ...
+    def __new__(
+        cls, path: str, srgb: bool = True, wrap_u: str = "repeat", wrap_v: str = "clamp"
+    ) -> Self: ...
     @property
     def size(self) -> tuple[int, int]:
         """(width, height), texels."""

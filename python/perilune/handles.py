@@ -84,6 +84,7 @@ class Handles:
         self.document = document
         self.lock = Lock()
         self._files: dict[str, _core.Map] = {}
+        self._images = materials.ImageFiles(document.path)
         self._renderers: dict[tuple[Any, ...], _core.Renderer] = {}
 
     @cached_property
@@ -151,7 +152,9 @@ class Handles:
                 try:
                     cut = self.partitions[name]
                     entries = {u.use: materials.applied(config, u.use, name) for u in uses}
-                    placed[name] = materials.place(uses, entries, row.model, cut, key)
+                    placed[name] = materials.place(
+                        uses, entries, row.model, cut, key, self._images
+                    )
                 except ValueError as error:
                     text = named(str(error), self.document.origins)
                     raise ConfigError(f"{source}:\n  {text}") from None

@@ -238,6 +238,8 @@ def materials(draw: st.DrawFn) -> Material:
         for row in kind["constants"]:
             if row["type"] == "choice":
                 node[row["name"]] = draw(st.sampled_from(row["choices"]))
+            elif row["type"] == "image":
+                node[row["name"]] = "white.png"
         nodes[f"n{k}"] = node
         outputs += [f"n{k}.{row['name']}" for row in kind["outputs"]]
     surface: dict[str, Any] = {"type": "principled"}
@@ -252,7 +254,7 @@ def materials(draw: st.DrawFn) -> Material:
 def test_every_graph_gives_a_surface_within_limits(
     material: Material, radius: float, seed: int
 ) -> None:
-    graph = build("m", material, False)
+    graph = build("m", material, False, None)
     points = np.random.default_rng(seed).normal(size=(16, 3)) * 10.0 ** np.arange(-8, 8)[:, None]
     for width in (radius, np.inf):
         out = graph.core.evaluate(points, width, np.empty((0, 4), dtype=np.float32))

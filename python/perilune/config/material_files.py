@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from perilune.config.errors import ConfigError
 from perilune.config.loader import read_tree
-from perilune.config.paths import resolve
+from perilune.config.paths import DATA_PREFIX, resolve
 from perilune.drivers import path_text
 
 Tree = dict[str, Any]
@@ -33,13 +34,24 @@ def include(tree: Tree, base: Path, source: str) -> dict[str, str]:
         text = material.pop(_KEY)
         if not isinstance(text, str):
             raise ConfigError(f"{source}:\n  {key}: must be the path of a file, not {text!r}")
-        held = read_tree(resolve(text, base, f"{source}: {key}"))
+        path_of_file = resolve(text, base, f"{source}: {key}")
+        held = read_tree(path_of_file)
         if _KEY in held:
             raise ConfigError(f"{text}:\n  {_KEY}: a file of a material names no other file")
+        _move_images(held, os.path.relpath(path_of_file.parent, base))
         for path in _from_file(held, material, ()):
             origins[f"materials.{name}.{path_text(path)}"] = f"{text}: {path_text(path)}"
         materials[name] = merged(held, material)
     return origins
+
+
+def _move_images(held: Tree, folder: str) -> None:
+    """Paths of images that are relative to the material's file become relative to ours."""
+    nodes = held.get("nodes")
+    for node in nodes.values() if isinstance(nodes, dict) else ():
+        text = node.get(_KEY) if isinstance(node, dict) else None
+        if isinstance(text, str) and text and not text.startswith(DATA_PREFIX):
+            node[_KEY] = os.path.normpath(os.path.join(folder, text))
 
 
 def merged(held: Mapping[str, Any], beside: Mapping[str, Any]) -> Tree:

@@ -65,8 +65,9 @@ class Material(Strict):
 
     file: str | None = None
     """YAML or JSON file of the keys of this mapping; relative to this file, or data:... under
-    PERILUNE_DATA. Keys given beside it replace the file's: in `nodes` those of each node (one of
-    another type is replaced as a whole), in `drivers` those of each driver likewise."""
+    PERILUNE_DATA. Paths of images in it are relative to it. Keys given beside it replace the
+    file's: in `nodes` those of each node (one of another type is replaced as a whole), in `drivers`
+    those of each driver likewise."""
     doc: str = ""
     """What it looks like, for readers."""
     nodes: dict[str, dict[str, Any]] = Field(min_length=1)

@@ -3,6 +3,20 @@
 from perilune.materials.check import check
 from perilune.materials.drivers import applied
 from perilune.materials.graph import Graph, build, values
+from perilune.materials.images import Image, ImageFiles, Images, images_in
 from perilune.materials.place import Placed, parameters, place
 
-__all__ = ["Graph", "Placed", "applied", "build", "check", "parameters", "place", "values"]
+__all__ = [
+    "Graph",
+    "Image",
+    "ImageFiles",
+    "Images",
+    "Placed",
+    "applied",
+    "build",
+    "check",
+    "images_in",
+    "parameters",
+    "place",
+    "values",
+]

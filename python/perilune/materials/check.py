@@ -40,7 +40,7 @@ def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
     varies: set[KeyPath] = set()
     for name, material in config.materials.items():
         try:
-            for node, key in build(name, material, False).parameters:
+            for node, key in build(name, material, False, None).parameters:
                 varies.add(("materials", name, "nodes", node, key))
         except ValueError as error:
             yield str(error)

@@ -13,10 +13,11 @@ from perilune import _core
 from perilune.config.errors import nearest
 from perilune.config.materials import Material
 from perilune.drivers import Drawn
+from perilune.materials.images import Images, image_of
 
 F64 = NDArray[np.float64]
 _Input: TypeAlias = tuple[str, int, int, float, float, float]
-_Constant: TypeAlias = tuple[float, NDArray[np.float32] | None, None]
+_Constant: TypeAlias = tuple[float, NDArray[np.float32] | None, _core.Map | None]
 
 _UNSET: _Input = ("unset", 0, 0, 0.0, 0.0, 0.0)
 _TYPE = "type"
@@ -31,10 +32,11 @@ class Graph:
     """(node, input) of each value that a driver gives."""
 
 
-def build(name: str, material: Material, wrap: bool) -> Graph:
+def build(name: str, material: Material, wrap: bool, images: Images | None) -> Graph:
     """Compiles an entry of `materials`. ValueError naming the key for whatever is wrong.
 
-    Numbers that drivers have drawn become parameters; all others are fixed.
+    Numbers that drivers have drawn become parameters; all others are fixed. images: reads the
+    files of images; None, to check the graph alone, leaves them white.
     """
     key = f"materials.{name}"
     order = {node: k for k, node in enumerate(material.nodes)}
@@ -54,6 +56,11 @@ def build(name: str, material: Material, wrap: bool) -> Graph:
             else:
                 inputs.append(_input(f"{where}.{socket['name']}", socket, value, order, material))
         constants = tuple(_constant(where, row, raw) for row in kind["constants"])
+        if images is not None:
+            constants = tuple(
+                (0.0, None, images(image_of(where, raw))) if row["type"] == "image" else constant
+                for row, constant in zip(kind["constants"], constants, strict=True)
+            )
         nodes.append((node, str(raw[_TYPE]), tuple(inputs), constants))
     try:
         core = _core.Graph(tuple(nodes), order[surface], len(parameters), wrap)
@@ -177,6 +184,10 @@ def _constant(where: str, row: Mapping[str, Any], raw: Mapping[str, Any]) -> _Co
         return (float(row["default"]), None, None)
     if has_drawn(value):
         raise ValueError(f"{where}: takes no driver: it is fixed when the scene is built")
+    if row["type"] == "image":
+        if not isinstance(value, str) or not value:
+            raise ValueError(f"{where}: must be the path of an image, not {value!r}")
+        return (0.0, None, None)
     if row["type"] == "choice":
         if value not in row["choices"]:
             raise ValueError(f"{where}: no '{value}'{nearest(value, row['choices'])}")

@@ -15,6 +15,7 @@ from perilune.config.materials import Material, MaterialUse
 from perilune.config.schema import Config
 from perilune.materials.drivers import applied
 from perilune.materials.graph import F64, Graph, build, values
+from perilune.materials.images import Images
 from perilune.parts import Partition, components, inside_box
 
 
@@ -35,6 +36,7 @@ def place(
     model: _core.Model,
     cut: Partition,
     key: str,
+    images: Images,
 ) -> Placed:
     """Which graph is on which triangle; the first of `uses` that fits a triangle takes it.
 
@@ -59,7 +61,9 @@ def place(
         if not fits.any():
             raise ValueError(f"{key}[{k}]: no triangle fits all that is asked")
         result[fits & (result < 0)] = k
-    graphs = tuple(build(use.use, materials[use.use], use.mode == "wrap") for use in uses)
+    graphs = tuple(
+        build(use.use, materials[use.use], use.mode == "wrap", images) for use in uses
+    )
     return Placed(tuple(use.use for use in uses), graphs, result)
 
 

@@ -17,6 +17,7 @@ from perilune.config.errors import ConfigError
 from perilune.config.schema import Symmetries
 from perilune.config.trajectory import Deterministic
 from perilune.drivers import Found
+from perilune.materials import images_in
 from perilune.request import intrinsics
 from perilune.simulation import Simulation
 from perilune.writers.bop_models import BopModel, bop_model
@@ -137,6 +138,9 @@ def _files(sim: Simulation) -> dict[str, str]:
         if driver.path[0] == "bodies" and driver.path[-1] == "color_map":
             for k, text in enumerate(filter(None, driver.distribution.limits)):
                 files[f"{driver.name}.choice[{k}]"] = _file_sha256(sim, text, driver.name)
+    for name, material in sim.config.materials.items():
+        for image in images_in(name, material):
+            files[image.key] = _file_sha256(sim, image.file, image.key)
     trajectory = sim.config.camera.trajectory
     if isinstance(trajectory, Deterministic):
         key = "camera.trajectory.file"
