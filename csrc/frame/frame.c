@@ -86,6 +86,9 @@ static pl_status check_request(const pl_frame_request *request) {
     return pl_fail(PL_E_RANGE, "samples must be in 1..65536, not %d", request->samples);
   if (request->max_bounces < 0 || request->max_bounces > 64)
     return pl_fail(PL_E_RANGE, "max_bounces must be in 0..64, not %d", request->max_bounces);
+  if (request->texture_filter < PL_FILTER_NEAREST || request->texture_filter >= PL_FILTER_COUNT)
+    return pl_fail(PL_E_RANGE, "texture_filter must be in 1..%d, not %d", PL_FILTER_FINEST,
+                   request->texture_filter);
   if (!(request->wish.tolerance_dn >= 0.0))
     return pl_fail(PL_E_RANGE, "tolerance_dn must be at least 0");
   if (!e->automatic && !(e->white_radiance > 0.0 && isfinite(e->white_radiance)))
@@ -136,7 +139,7 @@ static pl_status add_emitters(pl_renderer *renderer, const pl_snapshot *shot, in
                               pl_emitters *emitters, pl_render_settings *settings) {
   if (wanted == 0)
     return PL_OK;
-  PL_TRY(pl_emitters_build(shot, settings->surface_maps, &renderer->arena, emitters));
+  PL_TRY(pl_emitters_build(shot, settings->detail, &renderer->arena, emitters));
   settings->emitters = emitters->count > 0 ? emitters : NULL;
   settings->emitters_on_bodies = emitters->count > 0 && wanted > 1;
   return PL_OK;
@@ -154,7 +157,8 @@ static pl_status meter_frame(pl_renderer *renderer, const pl_frame_request *requ
                                  .frame = request->index,
                                  .samples = METER_SAMPLES,
                                  .cast_shadows = true,
-                                 .surface_maps = true,
+                                 .emission = true,
+                                 .detail = PL_DETAIL_FULL,
                                  .clear_coat = true};
   pl_emitters emitters;
   PL_TRY(add_emitters(renderer, &small, 2, &emitters, &settings));
@@ -191,6 +195,7 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   lap(result, PL_STAGE_SNAPSHOT, &start);
   view.samples = request->samples;
   view.max_bounces = request->max_bounces;
+  view.texture_filter = request->texture_filter;
   view.white_radiance = request->exposure.white_radiance;
   if (request->exposure.automatic)
     PL_TRY(meter_frame(renderer, request, shot, sunlit_white(shot, &view), &view.white_radiance));
@@ -260,7 +265,10 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .body_bounces = pl_plan_value(plan, "body_bounces") > 0,
       .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
       .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
-      .surface_maps = pl_plan_value(plan, "surface_maps") > 0,
+      .emission = pl_plan_value(plan, "emission") > 0,
+      .detail = {.maps = pl_plan_value(plan, "surface_maps") > 0,
+                 .bumps = pl_plan_value(plan, "bump_detail") > 0,
+                 .filter = (pl_filter)pl_plan_value(plan, "texture_filter")},
       .clear_coat = pl_plan_value(plan, "clear_coat") > 0,
       .transmission = pl_plan_value(plan, "transmission") > 0,
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,

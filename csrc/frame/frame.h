@@ -14,8 +14,9 @@ enum { PL_FRAME_CHANNELS_MAX = 32 };
 typedef struct pl_frame_request {
   uint64_t seed, index;
   pl_placement placement;
-  int samples;     /* ceiling of colour samples a pixel, >= 1 */
-  int max_bounces; /* >= 0 */
+  int samples;        /* ceiling of colour samples a pixel, >= 1 */
+  int max_bounces;    /* >= 0 */
+  int texture_filter; /* ceiling: a pl_filter, not PL_FILTER_NONE */
   pl_plan_wish wish;
   pl_exposure exposure;
   int threads;

@@ -3,13 +3,14 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "geom/mipmap.h"
 #include "math/vec.h"
 
 /* Taps along the longer axis of a footprint; a longer one is blurred rather than aliased. */
-enum { MAX_TAPS = 16 };
+static const int TAPS[PL_FILTER_COUNT] = {1, 1, 1, 1, 2, 4, 8, 16};
 /* Beyond this many texels a footprint is the whole texture. Also keeps its square finite. */
 static const float FOOTPRINT_LIMIT = 1e9f;
 
@@ -18,6 +19,7 @@ struct pl_texture {
   pl_wrap wrap_u, wrap_v;
   const float *table[4]; /* code to linear of each stored channel; point into mips */
   float mean[4];         /* RGBA */
+  float ranges[PL_MIP_MAX_LEVELS];
 };
 
 /* From the stored channels to RGBA: grey spreads, missing alpha is 1. */
@@ -29,22 +31,44 @@ static void expand(const float stored[4], int channels, float out[4]) {
   out[3] = channels == 4 ? s[3] : channels == 2 ? s[1] : 1.0f;
 }
 
-/* The mean by counting codes: exact, and one addition a sample. */
-static void measure_mean(pl_texture *texture) {
-  const pl_mip_pyramid *mips = &texture->mips;
-  const int n = mips->channels;
-  const size_t texels = (size_t)mips->levels[0].width * (size_t)mips->levels[0].height;
-  float mean[4] = {0};
-  for (int c = 0; c < n; c++) {
-    uint64_t counts[256] = {0};
-    for (size_t i = 0; i < texels; i++)
-      counts[mips->base[i * (size_t)n + (size_t)c]]++;
+/* The codes of one channel of a level: how often each stands there. */
+static void count_codes(const pl_texture *texture, int level_index, int channel,
+                        uint64_t counts[256]) {
+  const pl_mip_level *level = &texture->mips.levels[level_index];
+  const size_t n = (size_t)texture->mips.channels;
+  const size_t texels = (size_t)level->width * (size_t)level->height;
+  memset(counts, 0, 256 * sizeof *counts);
+  for (size_t i = 0; i < texels; i++)
+    counts[level->texels[i * n + (size_t)channel]]++;
+}
+
+/* The mean and the ranges of a channel by counting codes: exact, and one addition a sample. */
+static float measure_channel(pl_texture *texture, int c) {
+  const float *table = texture->table[c];
+  int low = 255, high = 0;
+  double mean = 0.0;
+  for (int k = texture->mips.level_count - 1; k >= 0; k--) {
+    const pl_mip_level *level = &texture->mips.levels[k];
+    const double texels = (double)level->width * (double)level->height;
+    uint64_t counts[256];
+    count_codes(texture, k, c, counts);
     double sum = 0.0;
-    for (int code = 0; code < 256; code++)
-      sum += (double)counts[code] * (double)texture->table[c][code];
-    mean[c] = (float)(sum / (double)texels);
+    for (int code = 0; code < 256; code++) {
+      sum += (double)counts[code] * (double)table[code];
+      low = counts[code] > 0 && code < low ? code : low;
+      high = counts[code] > 0 && code > high ? code : high;
+    }
+    texture->ranges[k] = pl_maxf(texture->ranges[k], table[high] - table[low]);
+    mean = sum / texels; /* of the image itself in the end */
   }
-  expand(mean, n, texture->mean);
+  return (float)mean;
+}
+
+static void measure(pl_texture *texture) {
+  float mean[4] = {0};
+  for (int c = 0; c < texture->mips.channels; c++)
+    mean[c] = measure_channel(texture, c);
+  expand(mean, texture->mips.channels, texture->mean);
 }
 
 pl_status pl_texture_create(pl_image *image, bool srgb, pl_wrap wrap_u, pl_wrap wrap_v,
@@ -67,7 +91,7 @@ pl_status pl_texture_create(pl_image *image, bool srgb, pl_wrap wrap_u, pl_wrap 
   for (int c = 0; c < 4; c++)
     texture->table[c] = pl_mip_is_alpha(c, texture->mips.channels) ? texture->mips.alpha_table
                                                                    : texture->mips.color_table;
-  measure_mean(texture);
+  measure(texture);
   *out = texture;
   return PL_OK;
 }
@@ -132,6 +156,19 @@ static inline void add_bilinear(const pl_texture *texture, int level_index, floa
   }
 }
 
+/* Adds the nearest texel of one level. */
+static void add_nearest(const pl_texture *texture, int level_index, float u, float v,
+                        float sum[4]) {
+  const pl_mip_level *level = &texture->mips.levels[level_index];
+  const size_t n = (size_t)texture->mips.channels;
+  int x0, x1, y0, y1;
+  const int x = neighbours(u, level->width, texture->wrap_u, &x0, &x1) < 0.5f ? x0 : x1;
+  const int y = neighbours(v, level->height, texture->wrap_v, &y0, &y1) < 0.5f ? y0 : y1;
+  const uint8_t *texel = level->texels + ((size_t)y * (size_t)level->width + (size_t)x) * n;
+  for (size_t c = 0; c < n; c++)
+    sum[c] += texture->table[c][texel[c]];
+}
+
 /* How a footprint is read: `taps` lookups at `level` (+ `blend` of the next), spread along
  * (step_u, step_v). */
 typedef struct footprint {
@@ -145,7 +182,8 @@ typedef struct footprint {
  * [a b] in texels (Heckbert, "Fundamentals of texture mapping", 1989, section 3.5). The shorter
  * sets the level, the longer is walked (McCormack et al., "Feline", SIGGRAPH 1999). Singular
  * values, as against the vectors themselves, do not care how the parallelogram is sheared. */
-static footprint footprint_of(const pl_texture *texture, const float a[2], const float b[2]) {
+static footprint footprint_of(const pl_texture *texture, const float a[2], const float b[2],
+                              int max_taps) {
   const pl_mip_pyramid *mips = &texture->mips;
   const footprint all = {1, mips->level_count - 1, 0.0f, 0.0f, 0.0f};
   const float w = (float)mips->levels[0].width, h = (float)mips->levels[0].height;
@@ -159,9 +197,9 @@ static footprint footprint_of(const pl_texture *texture, const float a[2], const
   if (longer <= 1.0f)
     return (footprint){.taps = 1};
   float shorter = pl_maxf(fabsf(ax * by - ay * bx) / longer, 1.0f);
-  footprint f = {.taps = (int)ceilf(pl_minf(longer / shorter, (float)MAX_TAPS) - 1e-3f)};
+  footprint f = {.taps = (int)ceilf(pl_minf(longer / shorter, (float)max_taps) - 1e-3f)};
   f.taps = f.taps < 1 ? 1 : f.taps;
-  shorter = pl_maxf(shorter, longer / MAX_TAPS);
+  shorter = pl_maxf(shorter, longer / (float)max_taps);
   const float level = log2f(shorter);
   if (level >= (float)(mips->level_count - 1))
     return all;
@@ -178,20 +216,42 @@ static footprint footprint_of(const pl_texture *texture, const float a[2], const
   return f;
 }
 
+/* One read of the nearest level: the blend is rounded. */
+static void read_level(const pl_texture *texture, const footprint *f, float u, float v, bool linear,
+                       float sum[4]) {
+  const int level = f->blend >= 0.5f ? f->level + 1 : f->level;
+  if (linear)
+    add_bilinear(texture, level, u, v, 1.0f, sum);
+  else
+    add_nearest(texture, level, u, v, sum);
+}
+
+static void read_taps(const pl_texture *texture, const footprint *f, float u, float v,
+                      float sum[4]) {
+  const float weight = 1.0f / (float)f->taps;
+  for (int i = 0; i < f->taps; i++) {
+    const float along = (float)i - 0.5f * (float)(f->taps - 1);
+    const float tap_u = u + along * f->step_u, tap_v = v + along * f->step_v;
+    add_bilinear(texture, f->level, tap_u, tap_v, weight * (1.0f - f->blend), sum);
+    if (f->blend > 0.0f)
+      add_bilinear(texture, f->level + 1, tap_u, tap_v, weight * f->blend, sum);
+  }
+}
+
 void pl_texture_sample(const pl_texture *texture, float u, float v, const float a[2],
-                       const float b[2], float out[4]) {
+                       const float b[2], pl_filter filter, float out[4]) {
   /* A coordinate that is not a number, or so large that it has no fraction, reads the origin. */
   u = fabsf(u) < FOOTPRINT_LIMIT ? u : 0.0f;
   v = fabsf(v) < FOOTPRINT_LIMIT ? v : 0.0f;
-  const footprint f = footprint_of(texture, a, b);
-  const float weight = 1.0f / (float)f.taps;
   float sum[4] = {0};
-  for (int i = 0; i < f.taps; i++) {
-    const float along = (float)i - 0.5f * (float)(f.taps - 1);
-    const float tap_u = u + along * f.step_u, tap_v = v + along * f.step_v;
-    add_bilinear(texture, f.level, tap_u, tap_v, weight * (1.0f - f.blend), sum);
-    if (f.blend > 0.0f)
-      add_bilinear(texture, f.level + 1, tap_u, tap_v, weight * f.blend, sum);
+  if (filter == PL_FILTER_NONE) {
+    add_nearest(texture, 0, u, v, sum);
+  } else {
+    const footprint f = footprint_of(texture, a, b, TAPS[filter]);
+    if (filter < PL_FILTER_TRILINEAR)
+      read_level(texture, &f, u, v, filter == PL_FILTER_BILINEAR, sum);
+    else
+      read_taps(texture, &f, u, v, sum);
   }
   expand(sum, texture->mips.channels, out);
 }
@@ -199,6 +259,11 @@ void pl_texture_sample(const pl_texture *texture, float u, float v, const float 
 void pl_texture_mean(const pl_texture *texture, float out[4]) {
   for (int c = 0; c < 4; c++)
     out[c] = texture->mean[c];
+}
+
+const float *pl_texture_ranges(const pl_texture *texture, int *levels) {
+  *levels = texture->mips.level_count;
+  return texture->ranges;
 }
 
 void pl_texture_size(const pl_texture *texture, int *width, int *height, int *channels) {

@@ -14,6 +14,22 @@ extern "C" {
 
 typedef enum pl_wrap { PL_WRAP_REPEAT, PL_WRAP_CLAMP, PL_WRAP_MIRROR } pl_wrap;
 
+/* How a footprint is read, from the cheapest; each value is a mean of texels of the levels that the
+ * footprint's axes lie between. The mip level of PL_FILTER_NEAREST to PL_FILTER_TRILINEAR goes by
+ * the longer axis; taps along that axis bring it down towards the shorter. */
+typedef enum pl_filter {
+  PL_FILTER_NONE,      /* the nearest texel of the image itself: aliases */
+  PL_FILTER_NEAREST,   /* the nearest texel of the nearest level */
+  PL_FILTER_BILINEAR,  /* four texels of the nearest level */
+  PL_FILTER_TRILINEAR, /* four of each of the two levels about the footprint */
+  PL_FILTER_TAPS_2,    /* up to so many trilinear reads along the longer axis */
+  PL_FILTER_TAPS_4,
+  PL_FILTER_TAPS_8,
+  PL_FILTER_TAPS_16,
+  PL_FILTER_COUNT,
+  PL_FILTER_FINEST = PL_FILTER_COUNT - 1
+} pl_filter;
+
 typedef struct pl_texture pl_texture;
 
 /* Takes over the texels of `image` (cleared, also on failure). `srgb`: colour channels are
@@ -24,9 +40,14 @@ void pl_texture_destroy(pl_texture *texture);
 
 /* The filtered value at (u, v), v downwards (glTF): RGBA, linear; grey spreads to RGB, missing
  * alpha is 1. The footprint is the parallelogram spanned by the uv vectors a and b (a full pixel
- * wide each); pass zeros for the finest level. Up to 16 taps along the longer axis. */
+ * wide each); pass zeros for the finest level. */
 void pl_texture_sample(const pl_texture *texture, float u, float v, const float a[2],
-                       const float b[2], float out[4]);
+                       const float b[2], pl_filter filter, float out[4]);
+
+/* Largest difference between two texels in any one channel, 0..1, linear: of each mip level and all
+ * coarser ones together. Not growing; 0 for the last of `*levels`. What filters read of a
+ * footprint whose shorter axis is 2^k texels or more lies that close together. */
+const float *pl_texture_ranges(const pl_texture *texture, int *levels);
 
 /* The mean of all texels (area mean: not weighted by latitude), RGBA, linear. */
 void pl_texture_mean(const pl_texture *texture, float out[4]);

@@ -26,7 +26,7 @@ static float luminance_of(const pl_object *object, uint32_t triangle) {
   if (!(factor > 0.0f))
     return 0.0f;
   const pl_triangle_point any = {.triangle = triangle};
-  return pl_maxf(pl_luminance(pl_material_emission(model, &any, false)), MEAN_MIN * factor);
+  return pl_maxf(pl_luminance(pl_material_emission(model, &any, (pl_detail){.maps = false})), MEAN_MIN * factor);
 }
 
 static pl_vec3f to_view(const float m[12], const float *p) {
@@ -113,12 +113,13 @@ static void add_body(pl_emitters *list, size_t index) {
                      .power = luminance * PL_PI * body->radius_m * body->radius_m};
 }
 
-pl_status pl_emitters_build(const pl_snapshot *shot, bool maps, pl_arena *arena, pl_emitters *out) {
+pl_status pl_emitters_build(const pl_snapshot *shot, pl_detail detail, pl_arena *arena,
+                            pl_emitters *out) {
   const size_t triangles = count_triangles(shot);
   size_t used = 0;
   *out = (pl_emitters){
       .shot = shot,
-      .maps = maps,
+      .detail = detail,
       .items = pl_arena_alloc(arena, shot->object_count + shot->body_count, sizeof(pl_emitter)),
       .triangles = pl_arena_alloc(arena, triangles, sizeof(uint32_t)),
       .sums = pl_arena_alloc(arena, triangles, sizeof(float)),
@@ -211,7 +212,7 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
       .triangle = triangle, .w = {1.0f - v - w, v, w}, .edge1 = c.edge1, .edge2 = c.edge2};
   if (pl_material_opacity(model, &hit) < 0.5f)
     return false;
-  out->radiance = pl_material_emission(model, &hit, list->maps);
+  out->radiance = pl_material_emission(model, &hit, list->detail);
   out->pdf =
       (float)mesh_pdf(item, luminance_of(object->object, triangle), distance, (double)cosine);
   return true;

@@ -22,7 +22,7 @@ typedef struct pl_emitter {
 /* Read-only once built; shared by all workers. */
 typedef struct pl_emitters {
   const pl_snapshot *shot; /* borrowed */
-  bool maps;               /* read emission maps; otherwise they count as their means */
+  pl_detail detail;        /* of emission maps */
   pl_emitter *items;
   size_t count;
   uint32_t *triangles; /* of all meshes */
@@ -38,7 +38,8 @@ typedef struct pl_emitter_sample {
 } pl_emitter_sample;
 
 /* Lists what emits among the things that the snapshot keeps; memory comes from `arena`. */
-pl_status pl_emitters_build(const pl_snapshot *shot, bool maps, pl_arena *arena, pl_emitters *out);
+pl_status pl_emitters_build(const pl_snapshot *shot, pl_detail detail, pl_arena *arena,
+                            pl_emitters *out);
 
 /* Draws a point of an emitter as seen from `point` (camera-relative): u in
  * [0, 1)^2. False if what was drawn sends no light here. */

@@ -19,6 +19,13 @@ typedef struct pl_view_thing {
   double emission_max;     /* W m-2 sr-1 */
   double coat_max;         /* heaviest clear coat, 0..1 */
   double transmission_max; /* largest part of the light that passes a surface, 0..1 */
+  /* Of a body's map: as pl_texture_ranges, and the fewest texels a metre; NULL without one. */
+  const float *map_ranges;
+  int map_levels;
+  double map_texels_per_m;
+  bool pictured; /* of a mesh: has textures that are not of one colour */
+  bool bumped;   /* has normals that are bent */
+  bool diffuse;  /* Lambert alone: radiance is the colour's times what it receives */
 } pl_view_thing;
 
 typedef struct pl_view {
@@ -31,6 +38,7 @@ typedef struct pl_view {
   bool sun_in_frame;
   int samples;                 /* the user's ceiling of colour samples a pixel */
   int max_bounces;             /* the user's ceiling of bounces */
+  int texture_filter;          /* the user's ceiling, a pl_filter */
   const pl_view_thing *things; /* borrowed */
   size_t thing_count;
 } pl_view;

@@ -205,6 +205,8 @@ static PyObject *graph_evaluate(PyObject *object, PyObject *args, PyObject *kwar
                                   .ng = z,
                                   .view = z,
                                   .radius = (float)radius,
+                                  .filter = PL_FILTER_FINEST,
+                                  .bumps = true,
                                   .scale = 1.0f};
     pl_surface surface = {.t = x, .b = y, .n = z, .ng = z, .alpha = 1.0f};
     pl_graph_surface(graph, &point, PyArray_DATA(values), &surface);

@@ -189,6 +189,7 @@ static int parse_quality(PyObject *dict, pl_frame_request *out) {
   PyObject *quality = item(dict, "quality");
   if (quality == NULL || get_int(quality, "samples", &out->samples) < 0 ||
       get_int(quality, "max_bounces", &out->max_bounces) < 0 ||
+      get_int(quality, "texture_filter", &out->texture_filter) < 0 ||
       get_double(quality, "tolerance_dn", &out->wish.tolerance_dn) < 0)
     return -1;
   if (parse_mask(quality, "force_on", &out->wish.force_on) < 0)

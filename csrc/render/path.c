@@ -210,7 +210,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
   const pl_path path = b->paths[i];
   const vertex_draws u = draws_of(b, i);
-  pl_vertex_shade(context->shot, &path.beam, context->settings->surface_maps, vertex);
+  pl_vertex_shade(context->shot, &path.beam, context->settings->detail, vertex);
   pl_surface *s = &vertex->surface;
   s->alpha = pl_maxf(s->alpha, path.alpha_min);
   if (s->reflectance->layered)

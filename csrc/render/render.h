@@ -16,7 +16,9 @@ typedef struct pl_render_settings {
   int samples;          /* colour samples a pixel; 0: no colour, labels alone */
   int bounces;          /* on meshes */
   bool body_bounces;    /* paths go on from bodies */
-  bool soft_sun, cast_shadows, surface_maps, clear_coat, transmission;
+  bool soft_sun, cast_shadows, clear_coat, transmission;
+  bool emission;               /* what emits is seen to */
+  pl_detail detail;            /* of surfaces */
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   bool emitters_on_bodies;     /* or else on meshes alone */
   float noise_dn;              /* pixels quieter than this get no more samples, see prune.c, and

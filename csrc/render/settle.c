@@ -66,10 +66,11 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
       .direction = pl_vec3_unit(vertex.position),
       .spread = (float)context->pixel_rad,
   };
-  pl_vertex_shade(shot, &beam, settings->surface_maps, &vertex);
+  pl_vertex_shade(shot, &beam, settings->detail, &vertex);
   const float irradiance = height > 0.0f ? height * sun.irradiance : 0.0f;
-  b->settled[pixel] =
-      pl_vec3f_madd(vertex.surface.emission, irradiance / PL_PI_F, vertex.surface.color);
+  b->settled[pixel] = pl_vec3f_scale(vertex.surface.color, irradiance / PL_PI_F);
+  if (settings->emission)
+    b->settled[pixel] = pl_vec3f_add(b->settled[pixel], vertex.surface.emission);
   return true;
 }
 

@@ -154,10 +154,10 @@ static pl_vec3f mesh_normal(const pl_shot_object *object, const pl_vertex *verte
   return pl_vec3f_dot(n, vertex->ng) < 0.0f ? pl_vec3f_scale(n, -1.0f) : n;
 }
 
-/* The surface by a graph. Without `maps` its footprint is infinite: patterns count as their means.
+/* The surface by a graph. Without maps its footprint is infinite: patterns count as their means.
  */
 static void shade_graph(const pl_shot_object *object, const pl_object_graph *graph,
-                        const pl_triangle_point *triangle, bool maps, const pl_beam *beam,
+                        const pl_triangle_point *triangle, pl_detail detail, const pl_beam *beam,
                         pl_vertex *vertex) {
   pl_surface *s = &vertex->surface;
   /* A circle with the area of the pixel's parallelogram. */
@@ -169,7 +169,9 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
       .n = s->n,
       .ng = vertex->ng,
       .view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)),
-      .radius = maps ? sqrtf(area / PL_PI_F) : INFINITY,
+      .filter = detail.filter,
+      .bumps = detail.bumps,
+      .radius = detail.maps ? sqrtf(area / PL_PI_F) : INFINITY,
       .random = object->object->materials->random,
       .model = object->object->model,
       .triangle = *triangle,
@@ -181,7 +183,7 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
   pl_graph_surface(graph->graph, &point, own != NULL ? own + graph->first_parameter : NULL, s);
 }
 
-static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, bool maps,
+static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_detail detail,
                        pl_vertex *vertex) {
   const pl_model *model = object->object->model;
   const uint32_t *corner = model->indices + 3 * (size_t)vertex->triangle;
@@ -206,9 +208,9 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, bool m
   const pl_object_graph *graph =
       pl_object_materials_at(object->object->materials, vertex->triangle);
   if (graph == NULL || pl_graph_wraps(graph->graph))
-    pl_material_surface(model, &point, maps, &vertex->surface);
+    pl_material_surface(model, &point, detail, &vertex->surface);
   if (graph != NULL)
-    shade_graph(object, graph, &point, maps, beam, vertex);
+    shade_graph(object, graph, &point, detail, beam, vertex);
 }
 
 /* Change of longitude and latitude over a step in body axes, as map coordinates. The poles, where
@@ -223,11 +225,11 @@ static void map_step(pl_vec3 p, pl_vec3 step, float out[2]) {
 }
 
 static void body_color(const pl_shot_body *body, const pl_vertex *vertex, const pl_beam *beam,
-                       bool maps, float out[4]) {
+                       pl_detail detail, float out[4]) {
   out[0] = out[1] = out[2] = out[3] = 1.0f;
   if (body->body->map == NULL)
     return;
-  if (!maps) {
+  if (!detail.maps) {
     pl_texture_mean(body->body->map, out);
     return;
   }
@@ -241,16 +243,17 @@ static void body_color(const pl_shot_body *body, const pl_vertex *vertex, const 
   map_step(local, pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(along)), b);
   pl_ellipsoid_lon_lat(local, &lon, &lat);
   const double u = 0.5 + (lon - body->body->map_center_lon_rad) / (2.0 * PL_PI);
-  pl_texture_sample(body->body->map, (float)(u - floor(u)), (float)(0.5 - lat / PL_PI), a, b, out);
+  pl_texture_sample(body->body->map, (float)(u - floor(u)), (float)(0.5 - lat / PL_PI), a, b,
+                    detail.filter, out);
 }
 
-static void shade_body(const pl_shot_body *body, const pl_beam *beam, bool maps,
+static void shade_body(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
                        pl_vertex *vertex) {
   const pl_body_state *state = body->state;
   pl_surface *surface = &vertex->surface;
   float map[4];
   set_frame(surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
-  body_color(body, vertex, beam, maps, map);
+  body_color(body, vertex, beam, detail, map);
   surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
                                  pl_minf(map[1] * state->albedo[1], 1.0f),
                                  pl_minf(map[2] * state->albedo[2], 1.0f));
@@ -285,11 +288,12 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
   vertex->surface.n = behind ? pl_vec3f_scale(n, -1.0f) : n;
 }
 
-void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, bool maps, pl_vertex *vertex) {
+void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
+                     pl_vertex *vertex) {
   if (vertex->thing < shot->object_count)
-    shade_mesh(&shot->objects[vertex->thing], beam, maps, vertex);
+    shade_mesh(&shot->objects[vertex->thing], beam, detail, vertex);
   else
-    shade_body(&shot->bodies[vertex->thing - shot->object_count], beam, maps, vertex);
+    shade_body(&shot->bodies[vertex->thing - shot->object_count], beam, detail, vertex);
   face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
 }
 

@@ -30,8 +30,9 @@ void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit
                       pl_vertex *out);
 /* The interpolated shading normal on the viewer's side, into surface.n and surface.ng alone. */
 void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex);
-/* Shading frame and material at a located vertex. Without `maps` textures count as their means. */
-void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, bool maps, pl_vertex *vertex);
+/* Shading frame and material at a located vertex. As detailed as asked for. */
+void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
+                     pl_vertex *vertex);
 
 /* Start of a secondary ray from the vertex towards `direction`: off the surface by a few ulp of the
  * coordinates, for the neighbours in its plane; the triangle itself cannot be hit again. */

@@ -28,9 +28,25 @@ static pl_view_thing object_thing(const pl_snapshot *shot, const pl_shot_object 
       .emission_max = summary->emission_max,
       .coat_max = summary->coat_max,
       .transmission_max = summary->transmission_max,
+      .pictured = summary->pictured,
+      .bumped = summary->bumped,
+      .diffuse = summary->diffuse,
   };
   set_center(&thing, object->center);
   return thing;
+}
+
+/* Fewest texels of a body's map a metre of its surface. A step s on the tangent plane turns the
+ * direction from the centre by at least s cos(e)/r, where e is the angle between normal and
+ * direction (cos(e) >= 2ab/(a^2 + b^2) for semi-axes of a to b: Kantorovich's inequality), and a
+ * turn is at least as much in longitude and latitude together. */
+static double map_density(const pl_body_state *state, const pl_texture *map) {
+  int width, height, channels;
+  pl_texture_size(map, &width, &height, &channels);
+  const pl_vec3 r = state->radii_m;
+  const double low = fmin(r.x, fmin(r.y, r.z)), high = fmax(r.x, fmax(r.y, r.z));
+  const double texels_per_rad = fmin(0.5 * width, height) / PL_PI;
+  return texels_per_rad * 2.0 * low / (low * low + high * high);
 }
 
 static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *body) {
@@ -45,9 +61,14 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
       .radius_m = body->radius_m,
       .albedo_max = diffuse ? fmin(albedo, 1.0) : 1.0,
       .ggx_alpha_min = 1.0,
+      .diffuse = diffuse,
       .irradiance = irradiance_max(shot, body->center, body->radius_m),
       .emission_max = fmax(state->emission[0], fmax(state->emission[1], state->emission[2])),
   };
+  if (body->body->map != NULL) {
+    thing.map_ranges = pl_texture_ranges(body->body->map, &thing.map_levels);
+    thing.map_texels_per_m = diffuse ? map_density(state, body->body->map) : 0.0;
+  }
   set_center(&thing, body->center);
   return thing;
 }

@@ -161,7 +161,7 @@ void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary) {
     in.value[k] = constant_of(graph, PL_SURFACE_SOCKETS + k);
   if (row->summarise != NULL)
     row->summarise(&in, summary);
-  summary->textured |= graph->programs[0].count > 0;
+  pl_graph_summarise_detail(graph, summary);
 }
 
 void pl_graph_point_uv(const pl_graph_point *point, int set, float uv[2], float a[2], float b[2]) {

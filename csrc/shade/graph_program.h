@@ -46,6 +46,9 @@ struct pl_graph {
   float *numbers;              /* owned: what those point to */
 };
 
+/* Widens the bounds by what rows of effects can leave out of the graph. */
+void pl_graph_summarise_detail(const pl_graph *graph, pl_model_summary *summary);
+
 /* The value of an operand. */
 static inline const float *pl_operand_value(const pl_graph *graph, const pl_value *params,
                                             const pl_value *registers, pl_operand operand) {

@@ -16,20 +16,20 @@ static void set_anisotropy(const pl_material_layers *layers, const float map[4],
   surface->lobes.anisotropy = pl_minf(layers->anisotropy * map[2], 1.0f);
 }
 
-void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
-                                pl_surface *surface) {
+void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *point,
+                                pl_detail detail, pl_surface *surface) {
   const pl_material *material = pl_material_of(model, point->triangle);
   const pl_material_layers *layers = &material->layers;
   pl_lobes *lobes = &surface->lobes;
   float coat[4], rough[4], clear[4], turned[4], weight[4], tint[4];
   if (!material->layered)
     return;
-  pl_material_slot(model, point, &layers->coat_map, maps, coat);
-  pl_material_slot(model, point, &layers->coat_roughness_map, maps, rough);
-  pl_material_slot(model, point, &layers->transmission_map, maps, clear);
-  pl_material_slot(model, point, &layers->anisotropy_map, maps, turned);
-  pl_material_slot(model, point, &layers->specular_map, maps, weight);
-  pl_material_slot(model, point, &layers->specular_color_map, maps, tint);
+  pl_material_slot(model, point, &layers->coat_map, detail, coat);
+  pl_material_slot(model, point, &layers->coat_roughness_map, detail, rough);
+  pl_material_slot(model, point, &layers->transmission_map, detail, clear);
+  pl_material_slot(model, point, &layers->anisotropy_map, detail, turned);
+  pl_material_slot(model, point, &layers->specular_map, detail, weight);
+  pl_material_slot(model, point, &layers->specular_color_map, detail, tint);
   const float roughness = layers->coat_roughness * rough[1];
   *lobes = pl_lobes_plain();
   lobes->coat = pl_minf(layers->coat * coat[0], 1.0f);

@@ -45,12 +45,12 @@ static void transform(const pl_uv_transform *t, float v[2], float translate) {
 }
 
 void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
-                      const pl_texture_slot *slot, bool maps, float out[4]) {
+                      const pl_texture_slot *slot, pl_detail detail, float out[4]) {
   out[0] = out[1] = out[2] = out[3] = 1.0f;
   if (slot->texture < 0)
     return;
   const pl_texture *texture = model->textures[slot->texture];
-  if (!maps) {
+  if (!detail.maps) {
     pl_texture_mean(texture, out);
     return;
   }
@@ -59,7 +59,7 @@ void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
   transform(&slot->transform, uv, 1.0f);
   transform(&slot->transform, a, 0.0f);
   transform(&slot->transform, b, 0.0f);
-  pl_texture_sample(texture, uv[0], uv[1], a, b, out);
+  pl_texture_sample(texture, uv[0], uv[1], a, b, detail.filter, out);
 }
 
 static void vertex_color(const pl_model *model, const pl_triangle_point *point, float out[4]) {
@@ -77,18 +77,19 @@ const pl_material *pl_material_of(const pl_model *model, uint32_t triangle) {
   return &model->materials[model->parts[model->triangle_part[triangle]].material];
 }
 
-pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point, bool maps) {
+pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point,
+                              pl_detail detail) {
   const pl_material *material = pl_material_of(model, point->triangle);
   float map[4];
-  pl_material_slot(model, point, &material->emissive_map, maps, map);
+  pl_material_slot(model, point, &material->emissive_map, detail, map);
   return pl_vec3f_make(map[0] * material->emissive[0], map[1] * material->emissive[1],
                        map[2] * material->emissive[2]);
 }
 
 static void bend_normal(const pl_model *model, const pl_triangle_point *point,
-                        const pl_material *material, pl_surface *surface) {
+                        const pl_material *material, pl_detail detail, pl_surface *surface) {
   float value[4];
-  pl_material_slot(model, point, &material->normal_map, true, value);
+  pl_material_slot(model, point, &material->normal_map, detail, value);
   const float x = (2.0f * value[0] - 1.0f) * material->normal_scale;
   const float y = (2.0f * value[1] - 1.0f) * material->normal_scale;
   const float z = pl_maxf(2.0f * value[2] - 1.0f, 0.05f); /* maps keep the surface's side */
@@ -98,26 +99,26 @@ static void bend_normal(const pl_model *model, const pl_triangle_point *point,
   surface->b = pl_vec3f_cross(n, surface->t);
 }
 
-void pl_material_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
+void pl_material_surface(const pl_model *model, const pl_triangle_point *point, pl_detail detail,
                          pl_surface *surface) {
   const pl_material *material = pl_material_of(model, point->triangle);
   float base[4], vertex[4], mr[4];
-  pl_material_slot(model, point, &material->base_color_map, maps, base);
-  pl_material_slot(model, point, &material->metallic_roughness_map, maps, mr);
+  pl_material_slot(model, point, &material->base_color_map, detail, base);
+  pl_material_slot(model, point, &material->metallic_roughness_map, detail, mr);
   vertex_color(model, point, vertex);
   surface->color = pl_vec3f_make(base[0] * vertex[0] * material->base_color[0],
                                  base[1] * vertex[1] * material->base_color[1],
                                  base[2] * vertex[2] * material->base_color[2]);
-  surface->emission = pl_material_emission(model, point, maps);
+  surface->emission = pl_material_emission(model, point, detail);
   const float roughness = mr[1] * material->roughness;
   surface->alpha = roughness * roughness;
   surface->metallic = mr[2] * material->metallic;
   surface->reflectance =
       material->unlit ? &pl_reflectance_lambert : &pl_reflectance_metallic_roughness;
-  if (maps && material->normal_map.texture >= 0 && model->tangents != NULL)
-    bend_normal(model, point, material, surface);
+  if (detail.maps && detail.bumps && material->normal_map.texture >= 0 && model->tangents != NULL)
+    bend_normal(model, point, material, detail, surface);
   if (material->layered && !material->unlit)
-    pl_material_layers_surface(model, point, maps, surface);
+    pl_material_layers_surface(model, point, detail, surface);
 }
 
 float pl_material_opacity(const pl_model *model, const pl_triangle_point *point) {
@@ -125,7 +126,7 @@ float pl_material_opacity(const pl_model *model, const pl_triangle_point *point)
   if (material->alpha_mode == PL_ALPHA_OPAQUE)
     return 1.0f;
   float base[4], vertex[4];
-  pl_material_slot(model, point, &material->base_color_map, true, base);
+  pl_material_slot(model, point, &material->base_color_map, PL_DETAIL_FULL, base);
   vertex_color(model, point, vertex);
   const float alpha = base[3] * vertex[3] * material->base_color[3];
   if (material->alpha_mode == PL_ALPHA_MASK)
@@ -148,7 +149,11 @@ static void summarise_layers(const pl_material_layers *l, pl_model_summary *out)
 }
 
 pl_model_summary pl_model_summarise(const pl_model *model) {
-  pl_model_summary out = {.ggx_alpha_min = 1.0};
+  pl_model_summary out = {.ggx_alpha_min = 1.0, .diffuse = true};
+  for (size_t i = 0; i < model->texture_count; i++) {
+    int levels;
+    out.pictured |= pl_texture_ranges(model->textures[i], &levels)[0] > 0.0f;
+  }
   for (size_t i = 0; i < model->material_count; i++) {
     const pl_material *m = &model->materials[i];
     for (int k = 0; k < 3; k++) {
@@ -157,6 +162,8 @@ pl_model_summary pl_model_summarise(const pl_model *model) {
       out.emission_max = fmax(out.emission_max, m->emissive[k]);
     }
     const double roughness = m->metallic_roughness_map.texture >= 0 ? 0.0 : m->roughness;
+    out.diffuse &= m->unlit;
+    out.bumped |= m->normal_map.texture >= 0 && model->tangents != NULL;
     if (!m->unlit)
       out.ggx_alpha_min = fmin(out.ggx_alpha_min, roughness * roughness);
     if (m->layered && !m->unlit)

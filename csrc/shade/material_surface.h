@@ -8,6 +8,14 @@
 #include "geom/model.h"
 #include "shade/surface.h"
 
+/* How much of pictures and patterns is read. */
+typedef struct pl_detail {
+  bool maps;        /* otherwise each counts as its mean */
+  bool bumps;       /* otherwise normal maps and bumps count as flat */
+  pl_filter filter; /* of pictures */
+} pl_detail;
+#define PL_DETAIL_FULL ((pl_detail){.maps = true, .bumps = true, .filter = PL_FILTER_FINEST})
+
 /* A point of a triangle, in the axes of the view. */
 typedef struct pl_triangle_point {
   uint32_t triangle;
@@ -27,23 +35,25 @@ void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int s
 
 /* Value of a texture slot at the point, its mean without `maps`; white when there is none. */
 void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
-                      const pl_texture_slot *slot, bool maps, float out[4]);
+                      const pl_texture_slot *slot, pl_detail detail, float out[4]);
 /* Makes the surface a principled one with the material's layers, turns t and b by the anisotropy's
  * rotation. Materials that are not layered are left alone. */
-void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
-                                pl_surface *surface);
+void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *point,
+                                pl_detail detail, pl_surface *surface);
 
 /* Fills colour, lobe parameters and emission of `surface` from the material of the triangle.
- * With `maps` false no texture is read: a texture counts as its mean. `t`, `b`, `n` hold the
+ * Without maps no texture is read. `t`, `b`, `n` hold the
  * geometric shading frame on input (n interpolated, t along the tangent) and are bent by the
  * normal map. */
-void pl_material_surface(const pl_model *model, const pl_triangle_point *point, bool maps,
+void pl_material_surface(const pl_model *model, const pl_triangle_point *point, pl_detail detail,
                          pl_surface *surface);
 
 /* Light that the material emits there, W m-2 sr-1 in each band: glTF's emissive factor (times its
  * emissive strength) counts as that, times the map. */
-pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point, bool maps);
-/* Opacity of the material there, 0..1: MASK is thresholded to 0 or 1, BLEND is the alpha itself. */
+pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point,
+                              pl_detail detail);
+/* Opacity of the material there, 0..1: MASK is thresholded to 0 or 1, BLEND is the alpha itself.
+ * Always of the finest filter: outlines do not depend on the plan. */
 float pl_material_opacity(const pl_model *model, const pl_triangle_point *point);
 /* Material of a triangle; borrowed. */
 const pl_material *pl_material_of(const pl_model *model, uint32_t triangle);
@@ -52,7 +62,10 @@ const pl_material *pl_material_of(const pl_model *model, uint32_t triangle);
  * heaviest coat, the clearest wall. */
 typedef struct pl_model_summary {
   double albedo_max, ggx_alpha_min, emission_max;
-  bool textured;
+  bool textured;                     /* has maps or patterns */
+  bool pictured;                     /* has textures that are not of one colour */
+  bool bumped;                       /* normals are bent */
+  bool diffuse;                      /* nothing but Lambert surfaces */
   double coat_max, transmission_max; /* 0..1 */
 } pl_model_summary;
 pl_model_summary pl_model_summarise(const pl_model *model);

@@ -42,6 +42,8 @@ typedef struct pl_graph_point {
                            the normals are on the side that the mesh calls outside */
   pl_vec3f view;        /* unit, towards the viewer, root axes */
   float radius;         /* of the footprint, m */
+  pl_filter filter;     /* of images */
+  bool bumps;           /* otherwise bumps and normal maps give n */
   float random;         /* of the object, 0..1 */
   const pl_model *model;      /* NULL: no texture coordinates */
   pl_triangle_point triangle; /* on the model */
@@ -78,6 +80,7 @@ typedef struct pl_node_kind {
   const pl_constant_row *constants;
   size_t constant_count;
   bool reads_point; /* false: a function of inputs and constants alone, which may be folded */
+  bool bends;       /* gives a normal other than the mesh's, unless the point has no bumps */
   bool hidden;      /* used by the compiler; not in descriptions */
   unsigned lazy;    /* bit k: input k is not evaluated before; the node asks pl_node_input_at */
   /* Checks beyond the rows' types; may be NULL. The text names the constant and what is allowed. */

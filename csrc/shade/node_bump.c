@@ -34,7 +34,7 @@ static slopes slopes_of(const pl_node_call *call, float radius, float factor) {
 static void bump(const pl_node_call *call) {
   const pl_graph_point *p = call->point;
   const float factor = call->in[1][0] * call->in[2][0];
-  if (factor == 0.0f) {
+  if (!p->bumps || factor == 0.0f) {
     pl_value_vector(call->out[0], p->n, 0.0f);
     return;
   }
@@ -69,6 +69,7 @@ const pl_node_kind pl_node_bump = {
     .outputs = outputs,
     .output_count = 1,
     .reads_point = true,
+    .bends = true,
     .lazy = 1u << 0,
     .evaluate = bump,
 };

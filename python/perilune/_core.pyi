@@ -224,6 +224,7 @@ class Scene:
 class Quality(TypedDict):
     samples: int  # colour samples a pixel, 1..65536
     max_bounces: int  # 0..64
+    texture_filter: int  # ceiling, 1..7, see the row of that name
     tolerance_dn: float  # an effect whose bound is below this is left out; 0 keeps all that apply
     force_on: Sequence[str]  # effects kept whatever their bound
     force_off: Sequence[str]  # effects left out whatever their bound

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from perilune import _core, rotations
 from perilune.config import Config
 from perilune.config.camera import Camera
 from perilune.config.references import MASKS, OBJECTS
+from perilune.config.schema import TextureFilter
 from perilune.sample import CameraLabel
 from perilune.world import World
 
@@ -75,6 +76,7 @@ def request_of(
         "quality": {
             "samples": render.samples,
             "max_bounces": render.max_bounces,
+            "texture_filter": 1 + get_args(TextureFilter).index(render.texture_filter),
             "tolerance_dn": render.tolerance_dn,
             "force_on": list(render.force_on),
             "force_off": list(render.force_off),

@@ -21,7 +21,7 @@ typedef struct test_graph {
 } test_graph;
 
 /* Adds a node of a kind with nothing set; its constants are the rows' defaults. */
-static size_t graph_add(test_graph *g, const char *kind_name) {
+static inline size_t graph_add(test_graph *g, const char *kind_name) {
   const size_t i = g->count++;
   const pl_node_kind *kind = pl_node_kind_find(kind_name);
   assert_non_null(kind);
@@ -34,7 +34,7 @@ static size_t graph_add(test_graph *g, const char *kind_name) {
   return i;
 }
 
-static pl_graph_input *graph_input(test_graph *g, size_t node, const char *name) {
+static inline pl_graph_input *graph_input(test_graph *g, size_t node, const char *name) {
   const pl_node_kind *kind = g->nodes[node].kind;
   for (size_t k = 0; k < pl_node_input_count(kind); k++)
     if (strcmp(pl_node_input(kind, k)->name, name) == 0)
@@ -99,6 +99,8 @@ static inline pl_graph_point graph_point(float x, float y, float z, float radius
                           .ng = {0.0f, 0.0f, 1.0f},
                           .view = {0.0f, 0.0f, 1.0f},
                           .radius = radius,
+                          .filter = PL_FILTER_FINEST,
+                          .bumps = true,
                           .scale = 1.0f};
 }
 

@@ -293,7 +293,7 @@ static void test_density_of_draws(void **state) {
   many_emitters(&s, models);
   pl_arena_init(&arena);
   assert_int_equal(pl_snapshot_build(&s.scene, &s.placement, &arena, &shot), PL_OK);
-  assert_int_equal(pl_emitters_build(&shot, true, &arena, &list), PL_OK);
+  assert_int_equal(pl_emitters_build(&shot, PL_DETAIL_FULL, &arena, &list), PL_OK);
   assert_int_equal(list.count, 3);
   pl_tracer *tracer;
   assert_int_equal(pl_tracer_create(&tracer), PL_OK);

@@ -4,9 +4,9 @@
 
 #include <stdio.h>
 
-#include "frames.h"
+#include "differences.h"
 
-enum { WIDTH = 24, HEIGHT = 20, PIXELS = WIDTH * HEIGHT, SEEDS = 6, SAMPLES = 64, SCENES = 40 };
+enum { SAMPLES = 64, SCENES = 40 };
 
 static const double AU = 149597870700.0;
 
@@ -76,45 +76,6 @@ static bool sound(const stage *s) {
   return true;
 }
 
-/* IEC 61966-2-1, not rounded, of 0..1. */
-static double encode(double x) {
-  const double v = fmin(fmax(x, 0.0), 1.0);
-  return 255.0 * (v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055);
-}
-
-/* Mean and variance of the mean, per pixel and band, of radiance over white, clipped at white: what
- * the display shows of it. */
-typedef struct statistic {
-  double mean[3 * PIXELS], variance[3 * PIXELS];
-} statistic;
-
-static pl_frame_result measure(const stage *s, pl_renderer *renderer, pl_plan_wish wish,
-                               statistic *out) {
-  film f;
-  pl_frame_result result;
-  film_init(&f, s);
-  memset(out, 0, sizeof *out);
-  memset(&result, 0, sizeof result);
-  for (int seed = 0; seed < SEEDS; seed++) {
-    pl_frame_request request = request_all(s, &f);
-    request.seed = 1000 + (uint64_t)seed;
-    request.samples = SAMPLES;
-    request.max_bounces = 4;
-    request.wish = wish;
-    result = render(renderer, &request);
-    for (size_t i = 0; i < 3 * PIXELS; i++) {
-      const double x = fmin((double)f.radiance[i] / request.exposure.white_radiance, 1.0);
-      assert_true(x >= 0.0);
-      out->mean[i] += x / SEEDS;
-      out->variance[i] += x * x / SEEDS;
-    }
-  }
-  for (size_t i = 0; i < 3 * PIXELS; i++)
-    out->variance[i] = fmax(0.0, out->variance[i] - out->mean[i] * out->mean[i]) / (SEEDS - 1);
-  film_clear(&f);
-  return result;
-}
-
 /* What the plan says it left out, and what culling may leave out at the tolerance. */
 static double allowance(const pl_plan *plan, const stage *s, double tolerance_dn) {
   double sum = tolerance_dn * (double)(s->scene.object_count + s->scene.body_count);
@@ -122,23 +83,6 @@ static double allowance(const pl_plan *plan, const stage *s, double tolerance_dn
     if (strcmp(plan->rows[i].effect->name, "antialiasing") != 0) /* forced to the same in both */
       sum += plan->rows[i].residual_dn;
   return sum;
-}
-
-/* Largest difference beyond the noise, in digital numbers: five standard errors either way in
- * linear light (with six seeds a t value passed once in 2e3 pixels), and 0.1. A pixel in a thousand
- * may pass. */
-static double excess(const statistic *a, const statistic *b, double allowed) {
-  int beyond = 0;
-  double largest = 0.0;
-  for (size_t i = 0; i < 3 * PIXELS; i++) {
-    const double noise = 5.0 * sqrt(a->variance[i] + b->variance[i]);
-    const double high = fmax(a->mean[i], b->mean[i]), low = fmin(a->mean[i], b->mean[i]);
-    const double step =
-        encode(high - 0.5 * fmin(noise, high - low)) - encode(low + 0.5 * fmin(noise, high - low));
-    largest = fmax(largest, step);
-    beyond += step > allowed + 0.1;
-  }
-  return beyond > 3 * PIXELS / 1000 ? largest : 0.0;
 }
 
 static void describe(const stage *s, const pl_plan *plan) {
@@ -162,9 +106,10 @@ static void compare(const stage *s, double tolerance_dn) {
   static statistic full, planned;
   pl_renderer *renderer;
   assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
-  measure(s, renderer, (pl_plan_wish){.force_on = all_effects()}, &full);
-  const pl_plan_wish wish = {.tolerance_dn = tolerance_dn, .force_on = effect_bit("antialiasing")};
-  const pl_frame_result result = measure(s, renderer, wish, &planned);
+  asked asked = {SAMPLES, PL_FILTER_FINEST, {.force_on = all_effects()}};
+  measure(s, renderer, asked, &full);
+  asked.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn, .force_on = effect_bit("antialiasing")};
+  const pl_frame_result result = measure(s, renderer, asked, &planned);
   const double allowed = allowance(&result.plan, s, tolerance_dn);
   const double found = excess(&full, &planned, allowed);
   for (size_t i = 0; i < result.plan.count; i++)

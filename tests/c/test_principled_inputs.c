@@ -93,7 +93,7 @@ static void test_layers_are_those_of_a_gltf_material(void **state) {
   const pl_surface a = surface_of(COUNT(rows));
   const pl_triangle_point point = {.w = {1.0f, 0.0f, 0.0f}};
   pl_surface b = flat();
-  pl_material_surface(model, &point, true, &b);
+  pl_material_surface(model, &point, PL_DETAIL_FULL, &b);
   assert_ptr_equal(a.reflectance, &pl_reflectance_principled);
   assert_ptr_equal(b.reflectance, &pl_reflectance_principled);
   same_vector(a.t, b.t, 1e-6f);

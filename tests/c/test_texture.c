@@ -43,13 +43,13 @@ static void codes_are_decoded(void **state) {
   const uint8_t texels[4] = {188, 188, 188, 188};
   float out[4];
   pl_texture *texture = make(1, 1, 4, texels, true, PL_WRAP_REPEAT);
-  pl_texture_sample(texture, 0.5f, 0.5f, NOTHING, NOTHING, out);
+  pl_texture_sample(texture, 0.5f, 0.5f, NOTHING, NOTHING, PL_FILTER_FINEST, out);
   for (int c = 0; c < 3; c++)
     assert_near(out[c], 0.50288646, 1e-6); /* ((188/255 + 0.055) / 1.055)^2.4 */
   assert_near(out[3], 188 / 255.0, 1e-6);  /* alpha is never encoded */
   pl_texture_destroy(texture);
   texture = make(1, 1, 4, texels, false, PL_WRAP_REPEAT);
-  pl_texture_sample(texture, 0.5f, 0.5f, NOTHING, NOTHING, out);
+  pl_texture_sample(texture, 0.5f, 0.5f, NOTHING, NOTHING, PL_FILTER_FINEST, out);
   assert_near(out[0], 188 / 255.0, 1e-6);
   pl_texture_destroy(texture);
 }
@@ -65,7 +65,7 @@ static void channels_spread_to_rgba(void **state) {
   for (int channels = 1; channels <= 4; channels++) {
     pl_texture *texture = make(1, 1, channels, texels, false, PL_WRAP_CLAMP);
     float out[4], mean[4];
-    pl_texture_sample(texture, 7.3f, -2.0f, ALL_U, ALL_V, out);
+    pl_texture_sample(texture, 7.3f, -2.0f, ALL_U, ALL_V, PL_FILTER_FINEST, out);
     pl_texture_mean(texture, mean);
     int width, height, stored;
     pl_texture_size(texture, &width, &height, &stored);
@@ -83,7 +83,7 @@ static float row_at(pl_wrap wrap, float u) {
   const uint8_t texels[4] = {0, 85, 170, 255};
   pl_texture *texture = make(4, 1, 1, texels, false, wrap);
   float out[4];
-  pl_texture_sample(texture, u, 0.5f, NOTHING, NOTHING, out);
+  pl_texture_sample(texture, u, 0.5f, NOTHING, NOTHING, PL_FILTER_FINEST, out);
   pl_texture_destroy(texture);
   return out[0];
 }
@@ -99,7 +99,7 @@ static void lookups_are_bilinear_between_centres(void **state) {
   const uint8_t codes[2] = {0, 255};
   pl_texture *texture = make(2, 1, 1, codes, true, PL_WRAP_CLAMP);
   float out[4];
-  pl_texture_sample(texture, 0.5f, 0.5f, NOTHING, NOTHING, out);
+  pl_texture_sample(texture, 0.5f, 0.5f, NOTHING, NOTHING, PL_FILTER_FINEST, out);
   assert_near(out[0], 0.5, 1e-6);
   pl_texture_destroy(texture);
 }
@@ -133,7 +133,7 @@ static void coarsest_level_is_the_mean(void **state) {
       fill_random(&random, texels, (size_t)(w * h * 3));
       pl_texture *texture = make(w, h, 3, texels, srgb, PL_WRAP_REPEAT);
       float coarse[4], mean[4];
-      pl_texture_sample(texture, 0.3f, 0.9f, ALL_U, ALL_V, coarse);
+      pl_texture_sample(texture, 0.3f, 0.9f, ALL_U, ALL_V, PL_FILTER_FINEST, coarse);
       pl_texture_mean(texture, mean);
       for (int c = 0; c < 3; c++) {
         double sum = 0;
@@ -157,9 +157,9 @@ static void odd_sides_are_averaged_by_cover(void **state) {
   pl_texture *texture = make(5, 1, 1, texels, false, PL_WRAP_CLAMP);
   const float a[2] = {2 / 5.0f, 0}, b[2] = {0, 2}; /* two texels a side: exactly level 1 */
   float out[4];
-  pl_texture_sample(texture, 0.25f, 0.5f, a, b, out);
+  pl_texture_sample(texture, 0.25f, 0.5f, a, b, PL_FILTER_FINEST, out);
   assert_near(out[0] * 255, (10 + 200 + 25) / 2.5, 0.51);
-  pl_texture_sample(texture, 0.75f, 0.5f, a, b, out);
+  pl_texture_sample(texture, 0.75f, 0.5f, a, b, PL_FILTER_FINEST, out);
   assert_near(out[0] * 255, (25 + 90 + 250) / 2.5, 0.51);
   pl_texture_destroy(texture);
 }
@@ -179,7 +179,7 @@ static void a_constant_texture_is_constant(void **state) {
         b[k] = (float)(size * random_range(&random, -1, 1));
       }
       pl_texture_sample(texture, (float)random_range(&random, -3, 3),
-                        (float)random_range(&random, -3, 3), a, b, out);
+                        (float)random_range(&random, -3, 3), a, b, PL_FILTER_FINEST, out);
       assert_near(out[0], linear_of(77), 2e-6);
     }
     pl_texture_destroy(texture);
@@ -198,8 +198,8 @@ static void long_footprints_stay_sharp_across(void **state) {
   const float a[2] = {1 / 64.0f, 0}, b[2] = {0, 16 / 64.0f};
   for (int x = 0; x < 64; x++) {
     float out[4], swapped[4];
-    pl_texture_sample(texture, ((float)x + 0.5f) / 64, 0.4f, a, b, out);
-    pl_texture_sample(texture, ((float)x + 0.5f) / 64, 0.4f, b, a, swapped);
+    pl_texture_sample(texture, ((float)x + 0.5f) / 64, 0.4f, a, b, PL_FILTER_FINEST, out);
+    pl_texture_sample(texture, ((float)x + 0.5f) / 64, 0.4f, b, a, PL_FILTER_FINEST, swapped);
     assert_near(out[0], row[x] / 255.0, 1e-5);
     assert_near(swapped[0], out[0], 1e-6);
   }
@@ -243,7 +243,7 @@ static void footprints_average_what_they_cover(void **state) {
       b[k] = (float)random_range(&random, -0.02, 0.02);
     }
     const double u = random_range(&random, 0, 1), v = random_range(&random, 0, 1);
-    pl_texture_sample(texture, (float)u, (float)v, a, b, out);
+    pl_texture_sample(texture, (float)u, (float)v, a, b, PL_FILTER_FINEST, out);
     worst = fmax(worst, fabs((double)out[0] - mean_over(u, v, a, b)));
   }
   /* Contrast is 0.9; an isotropic filter of the same level errs by 0.3 here. */
@@ -265,7 +265,7 @@ static void anything_gives_a_defined_value(void **state) {
       float in[6], out[4];
       for (int k = 0; k < 6; k++)
         in[k] = odd[(int)random_range(&random, 0, COUNT - 1e-9)];
-      pl_texture_sample(texture, in[0], in[1], in + 2, in + 4, out);
+      pl_texture_sample(texture, in[0], in[1], in + 2, in + 4, PL_FILTER_FINEST, out);
       for (int c = 0; c < 4; c++)
         assert_true(out[c] >= 0.0f && out[c] <= 1.00001f);
     }

@@ -219,6 +219,17 @@ class Spacecraft(Strict):
         return self
 
 
+TextureFilter = Literal[
+    "nearest",
+    "bilinear",
+    "trilinear",
+    "anisotropic_2",
+    "anisotropic_4",
+    "anisotropic_8",
+    "anisotropic_16",
+]
+
+
 class Render(Strict):
     """Quality and outputs of a frame."""
 
@@ -226,6 +237,9 @@ class Render(Strict):
     """Colour samples a pixel. Pixels that are quiet to within three tolerances get fewer, outlines
     up to twice as many: about the error of so many in all, which they get at a tolerance of 0."""
     max_bounces: Annotated[Integer, Field(ge=0, le=64)] = 4
+    texture_filter: TextureFilter = "anisotropic_16"
+    """The best filter of pictures that may be used: of a mip level the nearest texel or four, of
+    two levels four each, or up to so many of these along the longer axis of a footprint."""
     tolerance_dn: NonNegative = 1.0
     """An effect that can change no pixel by more is left out; 0 keeps all that apply."""
     force_on: tuple[str, ...] = ()

@@ -1,0 +1,88 @@
+/* The effect row `texture_filter`: how footprints are read from pictures. */
+#include <math.h>
+
+#include "geom/texture.h"
+#include "shade/effects.h"
+
+/* For rounding of footprints in single precision. */
+static const double MARGIN = 0.999;
+
+static bool is_pictured(const pl_view_thing *thing) {
+  return thing->pictured || (thing->map_ranges != NULL && thing->map_ranges[0] > 0.0f);
+}
+
+static const char *absent(const pl_view *view) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (is_pictured(&view->things[i]))
+      return NULL;
+  return "no picture in the scene has more than one colour";
+}
+
+static int ceiling(const pl_view *view) { return view->texture_filter; }
+
+/* Fewest texels of a map across a footprint's shorter axis. Along a path the footprint is at least
+ * as wide as the path is long in units of the first ray's spread, and a path is no shorter than the
+ * straight way from the camera. */
+static double texels(const pl_view *view, const pl_view_thing *thing) {
+  const double spread = view->pixel_rad / sqrt(fmax(1.0, view->samples));
+  const double nearest = fmax(0.0, thing->distance_m - thing->radius_m);
+  return MARGIN * spread * nearest * thing->map_texels_per_m;
+}
+
+/* Upper bound of what `value` changes in a colour of the thing, 0..1: filters are means of texels
+ * of the level of the footprint's shorter axis, or coarser ones. */
+static double change(const pl_view *view, const pl_view_thing *thing, int value) {
+  if (!is_pictured(thing))
+    return 0.0;
+  if (thing->map_ranges == NULL)
+    return 1.0;
+  const double across = texels(view, thing);
+  int level = value > PL_FILTER_NONE && across > 1.0 ? (int)log2(across) : 0;
+  level = level < thing->map_levels ? level : thing->map_levels - 1;
+  return (double)thing->map_ranges[level];
+}
+
+/* Through the light that other things send onto things[i]. */
+static double indirect(const pl_view *view, size_t i, int value) {
+  double radiance = 0.0;
+  for (size_t k = 0; k < view->thing_count; k++)
+    if (k != i)
+      radiance += change(view, &view->things[k], value) *
+                  pl_view_transfer(&view->things[i], &view->things[k]) *
+                  pl_view_light(&view->things[k]);
+  return radiance * pl_view_series(view, view->max_bounces);
+}
+
+/* Pictures on meshes may be of roughness, normals or emission: see the row surface_maps. */
+static double bound_dn(const pl_view *view, int value) {
+  double radiance = 0.0;
+  if (value >= PL_FILTER_FINEST)
+    return 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *thing = &view->things[i];
+    const double own = change(view, thing, value);
+    if (!thing->in_frame)
+      continue;
+    if (own > 0.0 && !thing->is_body)
+      return pl_view_dn(view, view->white_radiance);
+    const double lit = thing->albedo_max * thing->irradiance / 3.14159265358979 +
+                       pl_view_received(view, i) * pl_view_series(view, view->max_bounces);
+    radiance = fmax(radiance, own * lit + indirect(view, i, value));
+  }
+  return pl_view_dn(view, radiance);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  static const double ns[PL_FILTER_COUNT] = {10.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 70.0};
+  return 1e-6 * ns[value] * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_texture_filter = {
+    .name = "texture_filter",
+    .doc = "How pictures are filtered: 1 nearest texel of a mip level, 2 bilinear, 3 trilinear, 4 "
+           "to 7 anisotropic by 2 to 16 reads; off: the nearest texel of the picture itself",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
