@@ -19,7 +19,7 @@ static void read(const pl_node_call *call, const pl_texture *texture, float out[
   }
   if (!given)
     pl_graph_point_uv(p, (int)call->constants[UV_SET].number, uv, a, b);
-  pl_texture_sample(texture, uv[0], uv[1], a, b, out);
+  pl_texture_sample(texture, uv[0], uv[1], a, b, p->filter, out);
 }
 
 static void image(const pl_node_call *call) {
