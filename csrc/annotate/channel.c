@@ -3,6 +3,8 @@
 
 #include <stdint.h>
 
+#include "math/angle.h"
+
 /* Camera axes: x right, y down, z forward. */
 static pl_vec3 to_camera(const pl_snapshot *shot, pl_vec3 v) {
   return pl_mat3_mul_vec_t(shot->camera_to_root, v);
@@ -97,23 +99,17 @@ static void write_instance(const pl_snapshot *shot, const pl_vertex *vertex, voi
     *out = shot->objects[vertex->thing].object->instance_id;
 }
 
-static double angle_between(pl_vec3 a, pl_vec3 b) {
-  return atan2(pl_vec3_norm(pl_vec3_cross(a, b)), pl_vec3_dot(a, b));
-}
-
 static pl_vec3 to_sun(const pl_snapshot *shot, const pl_vertex *vertex) {
-  return pl_vec3_unit(pl_vec3_sub(shot->sun.position, vertex->position));
+  return pl_vec3_sub(shot->sun.position, vertex->position);
 }
 
-static pl_vec3 to_viewer(const pl_vertex *vertex) {
-  return pl_vec3_unit(pl_vec3_scale(vertex->position, -1.0));
-}
+static pl_vec3 to_viewer(const pl_vertex *vertex) { return pl_vec3_scale(vertex->position, -1.0); }
 
 static void write_incidence(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
   float *out = pixel;
   *out = vertex == NULL
              ? NAN
-             : (float)angle_between(pl_vec3f_to_double(vertex->surface.n), to_sun(shot, vertex));
+             : (float)pl_vec3_angle(pl_vec3f_to_double(vertex->surface.n), to_sun(shot, vertex));
 }
 
 static void write_emission(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
@@ -121,12 +117,12 @@ static void write_emission(const pl_snapshot *shot, const pl_vertex *vertex, voi
   float *out = pixel;
   *out = vertex == NULL
              ? NAN
-             : (float)angle_between(pl_vec3f_to_double(vertex->surface.n), to_viewer(vertex));
+             : (float)pl_vec3_angle(pl_vec3f_to_double(vertex->surface.n), to_viewer(vertex));
 }
 
 static void write_phase(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
   float *out = pixel;
-  *out = vertex == NULL ? NAN : (float)angle_between(to_viewer(vertex), to_sun(shot, vertex));
+  *out = vertex == NULL ? NAN : (float)pl_vec3_angle(to_viewer(vertex), to_sun(shot, vertex));
 }
 
 const pl_channel pl_channels[] = {

@@ -181,7 +181,9 @@ static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   return fmax(irradiance / PL_PI, 1e-30);
 }
 
-static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request,
+/* `metered`: an automatic exposure is measured. It is not where labels alone are wanted, which no
+ * effect changes. */
+static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request, bool metered,
                             pl_snapshot *shot, pl_frame_result *result) {
   double start = now_s();
   *result = (pl_frame_result){0};
@@ -197,9 +199,11 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   view.max_bounces = request->max_bounces;
   view.texture_filter = request->texture_filter;
   view.white_radiance = request->exposure.white_radiance;
-  if (request->exposure.automatic)
+  if (request->exposure.automatic && metered)
     PL_TRY(meter_frame(renderer, request, shot, sunlit_white(shot, &view), &view.white_radiance));
-  result->white_radiance = view.white_radiance;
+  else if (request->exposure.automatic)
+    view.white_radiance = sunlit_white(shot, &view);
+  result->white_radiance = request->exposure.automatic && !metered ? NAN : view.white_radiance;
   lap(result, PL_STAGE_METER, &start);
   PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &view, &request->wish, &result->plan));
   pl_snapshot_cull(shot, &view, request->wish.tolerance_dn);
@@ -210,7 +214,7 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
 pl_status pl_renderer_plan(pl_renderer *renderer, const pl_frame_request *request,
                            pl_frame_result *result) {
   pl_snapshot shot;
-  return plan_frame(renderer, request, &shot, result);
+  return plan_frame(renderer, request, true, &shot, result);
 }
 
 typedef struct output {
@@ -238,12 +242,15 @@ static void write_colour(const output *output, const pl_tile_result *result) {
 static pl_status write_tile(void *context, const pl_tile_result *result, int worker) {
   const output *output = context;
   const pl_snapshot *shot = output->shot;
-  const int tile[4] = {result->tile.x0, result->tile.y0, result->tile.width, result->tile.height};
   write_colour(output, result);
-  for (size_t i = 0; i < pl_channel_count; i++)
-    if (output->request->channels[i] != NULL)
-      pl_channel_write(&pl_channels[i], shot, result->points, PL_TILE_SIDE, tile,
-                       shot->camera.width, output->request->channels[i]);
+  /* By rows, whose points stay in the nearest cache from channel to channel. */
+  for (int y = 0; y < result->tile.height; y++) {
+    const int row[4] = {result->tile.x0, result->tile.y0 + y, result->tile.width, 1};
+    for (size_t i = 0; i < pl_channel_count; i++)
+      if (output->request->channels[i] != NULL)
+        pl_channel_write(&pl_channels[i], shot, result->points + y * PL_TILE_SIDE, PL_TILE_SIDE,
+                         row, shot->camera.width, output->request->channels[i]);
+  }
   pl_labels_tile(&output->labels, result, worker);
   return PL_OK;
 }
@@ -279,7 +286,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
 pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *request,
                             pl_frame_result *result) {
   pl_snapshot shot;
-  PL_TRY(plan_frame(renderer, request, &shot, result));
+  PL_TRY(plan_frame(renderer, request, wants_colour(request), &shot, result));
   double start = now_s();
   output output = {
       .request = request,

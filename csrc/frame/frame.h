@@ -44,7 +44,7 @@ const char *pl_stage_name(pl_stage stage);
 
 typedef struct pl_frame_result {
   pl_plan plan;
-  double white_radiance;          /* W m-2 sr-1 shown as 255 */
+  double white_radiance;          /* W m-2 sr-1 shown as 255; NaN if it was not measured */
   double seconds[PL_STAGE_COUNT]; /* wall time; never part of an array */
 } pl_frame_result;
 

@@ -13,12 +13,11 @@ bool pl_unit_sphere_intersect(pl_vec3 f, pl_vec3 d, double t_min, double *t) {
   if (!(a > 0.0))
     return false;
   const double b = -pl_vec3_dot(f, d);
-  const double nearest = pl_vec3_norm(pl_vec3_madd(f, b / a, d)); /* of the line to the centre */
-  const double discriminant = a * (1.0 - nearest) * (1.0 + nearest);
+  const pl_vec3 nearest = pl_vec3_madd(f, b / a, d); /* of the line to the centre */
+  const double discriminant = a * (1.0 - pl_vec3_dot(nearest, nearest));
   if (!(discriminant >= 0.0))
     return false;
-  const double f_norm = pl_vec3_norm(f);
-  const double c = (f_norm - 1.0) * (f_norm + 1.0);
+  const double c = pl_vec3_dot(f, f) - 1.0;
   const double q = b + copysign(sqrt(discriminant), b);
   double t0 = q != 0.0 ? c / q : 0.0, t1 = q / a;
   if (t0 > t1) {

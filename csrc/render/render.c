@@ -141,6 +141,34 @@ static size_t order_pixels(const job *job, pl_tile tile, uint32_t *pixels) {
   return front;
 }
 
+/* What the centre ray of a pixel hits that no mesh can be in: at once in double. */
+static void fill_body_point(const job *job, const pl_beam *beam, pl_hit *hit, pl_vertex *point) {
+  *hit = (pl_hit){.thing = PL_NOTHING};
+  point->thing = PL_NOTHING;
+  if (!pl_vertex_meet_bodies(job->shot, beam, point))
+    return;
+  *hit = (pl_hit){.thing = point->thing, .t = (float)point->t};
+  pl_vertex_orient(job->shot, beam, point);
+}
+
+static void fill_mesh_points(const job *job, const content *content, size_t count,
+                             pl_tile_buffers *b) {
+  for (size_t i = 0; i < count; i++)
+    b->rays[i] = (pl_ray){.t_max = INFINITY,
+                          .direction = pl_vec3_to_float(b->paths[i].beam.direction),
+                          .skip_body = content->bodies ? PL_NOTHING : PL_EVERY_BODY};
+  pl_tracer_closest(job->tracer, b->rays, b->hits, count, true, true);
+  for (size_t i = 0; i < count; i++) {
+    const uint32_t pixel = b->active[i];
+    b->center_hits[pixel] = b->hits[i];
+    b->points[pixel].thing = PL_NOTHING;
+    if (b->hits[i].thing == PL_NOTHING)
+      continue;
+    pl_vertex_locate(job->shot, &b->paths[i].beam, &b->hits[i], true, &b->points[pixel]);
+    pl_vertex_orient(job->shot, &b->paths[i].beam, &b->points[pixel]);
+  }
+}
+
 /* The geometry buffer: what the pixels' centre rays hit. */
 static void fill_points(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
   const size_t count = (size_t)(tile.width * tile.height);
@@ -150,20 +178,11 @@ static void fill_points(const job *job, pl_tile tile, const content *content, pl
     const pl_vec3 direction = pl_snapshot_ray(job->shot, tile.x0 + (int)(pixel % PL_TILE_SIDE),
                                               tile.y0 + (int)(pixel / PL_TILE_SIDE));
     b->paths[i].beam = (pl_beam){.direction = direction, .spread = (float)job->pixel_rad};
-    b->rays[i] = (pl_ray){.t_max = INFINITY,
-                          .direction = pl_vec3_to_float(direction),
-                          .skip_body = content->bodies ? PL_NOTHING : PL_EVERY_BODY};
   }
-  pl_tracer_closest(job->tracer, b->rays, b->hits, meshes, true, true);
-  pl_tracer_closest(job->tracer, b->rays + meshes, b->hits + meshes, count - meshes, true, false);
-  for (size_t i = 0; i < count; i++) {
+  fill_mesh_points(job, content, meshes, b);
+  for (size_t i = meshes; i < count; i++) {
     const uint32_t pixel = b->active[i];
-    b->center_hits[pixel] = b->hits[i];
-    b->points[pixel].thing = PL_NOTHING;
-    if (b->hits[i].thing == PL_NOTHING)
-      continue;
-    pl_vertex_locate(job->shot, &b->paths[i].beam, &b->hits[i], true, &b->points[pixel]);
-    pl_vertex_orient(job->shot, &b->paths[i].beam, &b->points[pixel]);
+    fill_body_point(job, &b->paths[i].beam, &b->center_hits[pixel], &b->points[pixel]);
   }
 }
 

@@ -73,18 +73,46 @@ static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const
               pl_vec3_dot(pl_vec3_cross(e1, p), normal) / area2);
 }
 
-static void locate_body(const pl_shot_body *body, const pl_beam *beam, const pl_hit *hit,
-                        pl_vertex *out) {
-  const pl_vec3 origin = pl_vec3_add(body->camera, pl_mat3_mul_vec_t(body->rotation, beam->origin));
-  const pl_vec3 direction = pl_mat3_mul_vec_t(body->rotation, beam->direction);
-  double t = hit->t;
-  pl_ellipsoid_intersect(body->state->radii_m, origin, direction, 0.0, &t);
-  const pl_vec3 local = pl_vec3_madd(origin, t, direction);
-  const pl_vec3 normal = pl_ellipsoid_normal(body->state->radii_m, local);
+/* At distance t along the beam. */
+static void set_body_point(const pl_shot_body *body, const pl_beam *beam, double t,
+                           pl_vertex *out) {
+  const pl_mat3 m = body->rotation;
   out->t = t;
   out->position = pl_vec3_madd(beam->origin, t, beam->direction);
-  out->ng = pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, normal));
+  const pl_vec3 local = pl_mat3_mul_vec_t(m, pl_vec3_sub(out->position, body->center));
+  const pl_vec3 normal = pl_ellipsoid_normal(body->state->radii_m, local);
+  out->ng = pl_vec3_to_float(pl_mat3_mul_vec(m, normal));
   out->w[0] = out->w[1] = out->w[2] = 0.0f;
+}
+
+static bool meet_body(const pl_shot_body *body, const pl_beam *beam, double *t) {
+  const pl_vec3 origin =
+      pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, beam->origin));
+  return pl_unit_sphere_intersect(origin, pl_mat3_mul_vec(body->to_unit, beam->direction), 0.0, t);
+}
+
+static void locate_body(const pl_shot_body *body, const pl_beam *beam, const pl_hit *hit,
+                        pl_vertex *out) {
+  double t = hit->t;
+  meet_body(body, beam, &t);
+  set_body_point(body, beam, t, out);
+}
+
+bool pl_vertex_meet_bodies(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *out) {
+  double nearest = INFINITY;
+  for (size_t i = 0; i < shot->body_count; i++) {
+    const pl_shot_body *body = &shot->bodies[i];
+    double t;
+    if (!meet_body(body, beam, &t) || !(t < nearest))
+      continue;
+    nearest = t;
+    out->thing = (uint32_t)(shot->object_count + i);
+  }
+  if (nearest == INFINITY)
+    return false;
+  out->triangle = 0;
+  set_body_point(&shot->bodies[out->thing - shot->object_count], beam, nearest, out);
+  return true;
 }
 
 void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,

@@ -267,7 +267,7 @@ class PlanRow(TypedDict):
     value: int  # 0: off; 1: on; more where it has a count (samples, bounces)
 
 class FrameResult(TypedDict):
-    white_radiance: float
+    white_radiance: float  # nan: automatic, and no colour was asked for
     plan: list[PlanRow]
     timings_s: dict[str, float]
 

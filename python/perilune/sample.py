@@ -54,7 +54,8 @@ class Sample(Mapping[str, Array]):
         self.camera = camera
         self.meta = dict(meta)
         """seed, index, step, scene, sensor, time_utc, drivers (key path -> value), scene_drivers
-        (likewise of the scene's first step, where it differs), white_radiance, timings_s;
+        (likewise of the scene's first step, where it differs), white_radiance (W m-2 sr-1 shown
+        as 255; None where an automatic exposure was not measured: labels alone), timings_s;
         articulation: spacecraft -> node -> {"motion": (4, 4), from a point of the object's frame,
         m, in the rest pose to where it is, "joints": one {"angle_deg"} or {"translation_m"} for
         each of the node's joints}."""

@@ -227,6 +227,7 @@ class Simulation:
         except Exception as error:
             error.add_note(f"{self._document.source}: frame {scene.index}")
             raise
+        white = result["white_radiance"]
         meta = {
             "seed": scene.config.seed,
             "index": scene.index,
@@ -237,7 +238,7 @@ class Simulation:
             "drivers": dict(scene.drivers),
             "scene_drivers": self._document.scene_values(scene.index),
             "articulation": {name: row.meta for name, row in posed.items()},
-            "white_radiance": result["white_radiance"],
+            "white_radiance": None if np.isnan(white) else white,
             "timings_s": result["timings_s"],
         }
         objects = arrays.pop(OBJECTS, None)
