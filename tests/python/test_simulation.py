@@ -137,6 +137,15 @@ def test_camera_and_object_labels_agree_with_the_world(sim):
     assert np.abs(camera.position_m - sim.request(2)["camera_pose"].mean(axis=0)[:3]).max() < 1e-6
 
 
+def test_labels_alone_are_those_beside_colour(sim):
+    names = ["depth", "normal", "instance", "incidence", "emission", "phase"]
+    both, alone = sim.frame(3, channels=[*names, "rgb"]), sim.frame(3, channels=names)
+    for name in names:
+        np.testing.assert_array_equal(both[name], alone[name])
+    assert both.meta["white_radiance"] > 0.0
+    assert alone.meta["white_radiance"] is None  # nothing shows it: it is not measured
+
+
 def test_intrinsics(scene, base):
     K = perilune.open(scene, base=base).request(0)["K"]
     # Horizontal field of view, edge to edge: the edge of pixel 0 is at -0.5.
