@@ -143,7 +143,8 @@ static void test_without_a_vector_it_is_a_texture_of_the_model(void **state) {
     const pl_texture_slot slot = {0, set, PL_UV_IDENTITY};
     float expected[4];
     pl_value v;
-    pl_material_slot(model, &p.triangle, &slot, isfinite(p.radius), expected);
+    pl_material_slot(model, &p.triangle, &slot,
+                     (pl_detail){.maps = isfinite(p.radius), .filter = PL_FILTER_FINEST}, expected);
     graph_value_at(g, node, 0, &p, v);
     assert_memory_equal(v, expected, 3 * sizeof(float));
     graph_value_at(g, node, 1, &p, v);
