@@ -2,7 +2,8 @@
 
 After that a cell that ends in `sim[12]`, `sim.plot_orbits(frames=range(10))`,
 `sim.plot_trajectory(frames=range(10))` or `sim.ground_track(frames=range(100))` shows its picture,
-without matplotlib's own machinery for notebooks (plots need the extra `plot`).
+without matplotlib's own machinery for notebooks (plots need the extra `plot`). A graph of a
+material, `sim.graph("foil")`, shows itself.
 
 Nothing of Jupyter is imported: a notebook asks an object for `_repr_png_`, and hands its shell to
 `load_ipython_extension`.

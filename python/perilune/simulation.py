@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ from perilune.sample import Sample
 from perilune.timeline import Timeline
 from perilune.world import World
 from perilune.world import build as build_world
+
+if TYPE_CHECKING:
+    from perilune.graph_svg import GraphPicture
 
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
@@ -261,6 +264,16 @@ class Simulation:
         from perilune.plots import plot_ground_track
 
         return plot_ground_track(self, frames, **options)
+
+    def graph(self, name: str, spacecraft: str | None = None) -> GraphPicture:
+        """The graph of an entry of `materials` as a picture (SVG), drivers highlighted.
+
+        spacecraft: whose drivers are shown (default: the first that it is on). A notebook shows
+        the result; `.svg` is its text, `.save(path)` writes it. ValueError for names not there.
+        """
+        from perilune.graph_svg import draw
+
+        return draw(self._document, name, spacecraft)
 
 
 def open(  # noqa: A001 (perilune.open is the interface)

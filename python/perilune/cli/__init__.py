@@ -12,6 +12,7 @@ from typing import Any
 
 from perilune.cli.check import CHECK
 from perilune.cli.command import FAILED, INTERNAL, INTERRUPTED, Command
+from perilune.cli.graph import GRAPH
 from perilune.cli.info import INFO
 from perilune.cli.merge import MERGE
 from perilune.cli.orbit import ORBIT
@@ -30,6 +31,7 @@ COMMANDS: tuple[Command, ...] = (
     PREVIEW,
     PLAN,
     PARTS,
+    GRAPH,
     ORBIT,
     SCHEMA,
     INFO,

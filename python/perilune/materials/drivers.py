@@ -9,7 +9,7 @@ from typing import Any
 from perilune.config.errors import nearest
 from perilune.config.materials import DriverSection, Material, driver_name
 from perilune.config.schema import Config
-from perilune.materials.graph import has_drawn, links, surface_of
+from perilune.materials.graph import has_drawn, reached, surface_of
 
 VALUE_OF = {"value": "value", "color": "color"}
 """Kinds of nodes that a driver may drive -> the input that is their value."""
@@ -82,18 +82,6 @@ def _places(config: Config) -> Iterator[tuple[str, str | None]]:
         yield from ((name, craft) for craft in crafts or [None])
 
 
-def _reached(material: Material, surface: str) -> set[str]:
-    """Nodes that the surface depends on."""
-    found: set[str] = set()
-    waiting = [surface]
-    while waiting:
-        node = waiting.pop()
-        if node not in found and node in material.nodes:
-            found.add(node)
-            waiting += [source for source, _ in links(material.nodes[node]).values()]
-    return found
-
-
 def _entries(config: Config) -> Iterator[tuple[str, str, list[str]]]:
     """(key path, NAME, names that its nodes could have) of all entries of all sections."""
 
@@ -133,13 +121,13 @@ def check(config: Config) -> Iterator[str]:
     reaching: set[str] = set()
     for name, craft in _places(config):
         material = config.materials[name]
-        reached = _reached(material, surface_of(f"materials.{name}", material))
+        of_surface = reached(material, surface_of(f"materials.{name}", material))
         for node, key, value in driven(config, name, craft):
             problem = _node_problem(material.nodes[node.node], node, value)
             if problem is not None:
                 yield f"{key}: {problem}"
             used.add(key)
-            if node.node in reached:
+            if node.node in of_surface:
                 reaching.add(key)
     for key, name, known in _entries(config):
         if name not in known:

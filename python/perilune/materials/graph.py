@@ -88,6 +88,18 @@ def links(raw: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     return found
 
 
+def reached(material: Material, surface: str) -> set[str]:
+    """Nodes that a surface depends on, itself too."""
+    found: set[str] = set()
+    waiting = [surface]
+    while waiting:
+        node = waiting.pop()
+        if node not in found and node in material.nodes:
+            found.add(node)
+            waiting += [source for source, _ in links(material.nodes[node]).values()]
+    return found
+
+
 def surface_of(key: str, material: Material) -> str:
     """The node that is the surface; ValueError if none or several could be. key: its path."""
     known = [name for name, raw in material.nodes.items() if _kind_or_empty(raw).get("surface")]
