@@ -61,6 +61,9 @@ static bool emits(const pl_shot_object *object) {
 
 static double body_luminance(const pl_shot_body *body) {
   const float *e = body->state->emission;
+  const pl_graph *graph = body->body->graph;
+  if (graph != NULL && pl_graph_sets_emission(graph))
+    return 0.0; /* as of triangles with graphs: seen, but not drawn as a light */
   return (double)pl_luminance(pl_vec3f_make(e[0], e[1], e[2]));
 }
 

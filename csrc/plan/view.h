@@ -23,7 +23,8 @@ typedef struct pl_view_thing {
   const float *map_ranges;
   int map_levels;
   double map_texels_per_m;
-  bool pictured; /* of a mesh: has textures that are not of one colour */
+  bool graphed;  /* of a body: its surface is a graph's */
+  bool pictured; /* of a mesh or graph: has textures that are not of one colour */
   bool bumped;   /* has normals that are bent */
   bool diffuse;  /* Lambert alone: radiance is the colour's times what it receives */
 } pl_view_thing;

@@ -41,6 +41,8 @@ static pl_status open_renderer(renderer_object *self) {
     self->states.mover_count += pl_object_mover_count(&self->core->objects[i]);
     self->states.parameter_count += pl_object_parameter_count(&self->core->objects[i]);
   }
+  for (size_t i = 0; i < self->core->body_count; i++)
+    self->states.parameter_count += pl_body_parameter_count(&self->core->bodies[i]);
   PL_TRY(pl_alloc_or_fail(self->states.mover_count, sizeof(pl_affine), "motions", &movers));
   self->states.movers = movers;
   PL_TRY(pl_alloc_or_fail(self->states.parameter_count, sizeof(pl_value), "parameters of materials",

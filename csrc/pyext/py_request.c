@@ -109,12 +109,12 @@ static int parse_movers(PyObject *dict, const pl_scene *scene, pl_py_states *sta
   return 0;
 }
 
-/* "object_parameters" (values, 3): may be absent when no material has any. */
+/* "graph_parameters" (values, 3): may be absent when no material has any. */
 static int parse_parameters(PyObject *dict, const pl_scene *scene, pl_py_states *states) {
   const npy_intp shape[2] = {(npy_intp)states->parameter_count, 3};
   if (states->parameter_count == 0)
     return 0;
-  PyArrayObject *array = get_array(dict, "object_parameters", 2, shape);
+  PyArrayObject *array = get_array(dict, "graph_parameters", 2, shape);
   if (array == NULL)
     return -1;
   const double *from = PyArray_DATA(array);
@@ -126,6 +126,10 @@ static int parse_parameters(PyObject *dict, const pl_scene *scene, pl_py_states 
   for (size_t i = 0; i < scene->object_count; i++) {
     states->objects[i].parameters = next;
     next += pl_object_parameter_count(&scene->objects[i]);
+  }
+  for (size_t i = 0; i < scene->body_count; i++) {
+    states->bodies[i].parameters = next;
+    next += pl_body_parameter_count(&scene->bodies[i]);
   }
   return 0;
 }
@@ -236,10 +240,10 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
   if (get_u64(request, "seed", &out->seed) < 0 || get_u64(request, "index", &out->index) < 0 ||
       parse_camera(request, &out->placement.camera) < 0 ||
       parse_objects(request, scene->object_count, states->objects) < 0 ||
-      parse_movers(request, scene, states) < 0 || parse_parameters(request, scene, states) < 0 ||
+      parse_movers(request, scene, states) < 0 ||
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
-      parse_sun(request, &out->placement.sun) < 0 || parse_quality(request, out) < 0 ||
-      parse_amodal(request, &out->amodal) < 0)
+      parse_parameters(request, scene, states) < 0 || parse_sun(request, &out->placement.sun) < 0 ||
+      parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0)
     return -1;
   return parse_exposure(request, &out->exposure);
 }

@@ -12,7 +12,7 @@ typedef struct pl_py_states {
   pl_body_state *bodies;    /* owned */
   pl_affine *movers;        /* owned: of all moving nodes, object by object */
   size_t mover_count;
-  pl_value *parameters; /* owned: of all graphs, object by object */
+  pl_value *parameters; /* owned: of all graphs, object by object, then body by body */
   size_t parameter_count;
 } pl_py_states;
 

@@ -61,15 +61,16 @@ static const pl_reflectance *find_reflectance(const char *name) {
 }
 
 static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",        "map",     "map_center_lon_rad", "reflectance",
-                          "instance_id", "part_id", "class_ids",          NULL};
+  static char *names[] = {"name",        "map",         "map_center_lon_rad",
+                          "reflectance", "instance_id", "part_id",
+                          "class_ids",   "graph",       NULL};
   scene_object *self = (scene_object *)object;
-  PyObject *map, *classes;
+  PyObject *map, *classes, *graph;
   const char *name, *reflectance;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiO:add_body", names, &name, &map,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiOO:add_body", names, &name, &map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
-                                   &body.part_id, &classes) ||
+                                   &body.part_id, &classes, &graph) ||
       check_open(self) < 0)
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
@@ -78,13 +79,15 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
     return NULL;
   if (map != Py_None && (body.map = pl_py_map_of(map)) == NULL)
     return NULL;
+  if (graph != Py_None && (body.graph = pl_py_graph_of(graph)) == NULL)
+    return NULL;
   const npy_intp shape[1] = {self->scene.levels};
   PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, shape);
   if (ids == NULL)
     return NULL;
   memcpy(body.class_ids, PyArray_DATA(ids), (size_t)self->scene.levels * sizeof(uint16_t));
   Py_DECREF((PyObject *)ids);
-  if (PyList_Append(self->kept, map) < 0)
+  if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, graph) < 0)
     return NULL;
   const pl_status status = pl_scene_add_body(&self->scene, &body);
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);

@@ -39,6 +39,15 @@ static bool near_shadow(const pl_snapshot *shot, const pl_vertex *vertex, const 
   return false;
 }
 
+/* Whether the body is a Lambert surface whose map alone varies. The colours of a graph that varies
+ * are at best functions of filtered patterns, whose value at the centre is not the pixel's mean. */
+static bool is_plain(const pl_body *body) {
+  if (body->graph == NULL)
+    return body->reflectance == &pl_reflectance_lambert;
+  return pl_graph_reflectance(body->graph) == &pl_reflectance_lambert &&
+         pl_graph_is_uniform(body->graph);
+}
+
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
  */
 static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
@@ -48,7 +57,7 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
     return false;
   const pl_shot_body *body = &shot->bodies[vertex.thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
-  if (body->body->reflectance != &pl_reflectance_lambert || settings->emitters_on_bodies ||
+  if (!is_plain(body->body) || settings->emitters_on_bodies ||
       (settings->body_bounces && body->bounced))
     return false;
   const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));

@@ -3,6 +3,7 @@
 
 #include "geom/ellipsoid.h"
 #include "math/sampling.h"
+#include "shade/body_map.h"
 
 /* `piece`: the triangle's, or NULL. */
 static pl_vec3 corner_of(const pl_shot_object *object, const pl_shot_piece *piece, uint32_t index) {
@@ -241,15 +242,18 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_det
     shade_graph(object, graph, &point, detail, beam, vertex);
 }
 
-/* Change of longitude and latitude over a step in body axes, as map coordinates. The poles, where
- * longitude has no derivative, are kept a millionth of the radius away. */
-static void map_step(pl_vec3 p, pl_vec3 step, float out[2]) {
-  const double r2 = pl_vec3_dot(p, p);
-  const double rho2 = fmax(p.x * p.x + p.y * p.y, 1e-12 * r2), rho = sqrt(rho2);
-  const double lon = (p.x * step.y - p.y * step.x) / rho2;
-  const double lat = (rho * step.z - p.z * (p.x * step.x + p.y * step.y) / rho) / r2;
-  out[0] = (float)(lon / (2.0 * PL_PI));
-  out[1] = (float)(-lat / PL_PI);
+/* A point of a body and the footprint about it, body axes, m. */
+typedef struct body_footprint {
+  pl_vec3 point, across, along;
+} body_footprint;
+
+static void find_footprint(const pl_shot_body *body, const pl_vertex *vertex, const pl_beam *beam,
+                           body_footprint *out) {
+  pl_vec3f across, along;
+  out->point = pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center));
+  footprint(vertex, beam, &across, &along);
+  out->across = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(across));
+  out->along = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(along));
 }
 
 static void body_color(const pl_shot_body *body, const pl_vertex *vertex, const pl_beam *beam,
@@ -261,26 +265,19 @@ static void body_color(const pl_shot_body *body, const pl_vertex *vertex, const 
     pl_texture_mean(body->body->map, out);
     return;
   }
-  const pl_vec3 local =
-      pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center));
-  pl_vec3f across, along;
-  float a[2], b[2];
-  double lon, lat;
-  footprint(vertex, beam, &across, &along);
-  map_step(local, pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(across)), a);
-  map_step(local, pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(along)), b);
-  pl_ellipsoid_lon_lat(local, &lon, &lat);
-  const double u = 0.5 + (lon - body->body->map_center_lon_rad) / (2.0 * PL_PI);
-  pl_texture_sample(body->body->map, (float)(u - floor(u)), (float)(0.5 - lat / PL_PI), a, b,
-                    detail.filter, out);
+  body_footprint print;
+  float uv[2], a[2], b[2];
+  find_footprint(body, vertex, beam, &print);
+  pl_body_map_uv(print.point, body->body->map_center_lon_rad, print.across, print.along, uv, a, b);
+  pl_texture_sample(body->body->map, uv[0], uv[1], a, b, detail.filter, out);
 }
 
-static void shade_body(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
-                       pl_vertex *vertex) {
+/* The body's own surface, but for its frame. */
+static void own_surface(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
+                        pl_vertex *vertex) {
   const pl_body_state *state = body->state;
   pl_surface *surface = &vertex->surface;
   float map[4];
-  set_frame(surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
   body_color(body, vertex, beam, detail, map);
   surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
                                  pl_minf(map[1] * state->albedo[1], 1.0f),
@@ -290,6 +287,51 @@ static void shade_body(const pl_shot_body *body, const pl_beam *beam, pl_detail 
   surface->alpha = 1.0f;
   surface->lobes = pl_lobes_plain();
   surface->reflectance = body->body->reflectance;
+}
+
+/* The surface by the body's graph; its frame's t points east. */
+static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
+                             pl_vertex *vertex) {
+  const pl_graph *graph = body->body->graph;
+  body_footprint print;
+  find_footprint(body, vertex, beam, &print);
+  const pl_vec3 east = {-print.point.y, print.point.x, 0.0};
+  set_frame(&vertex->surface, vertex->ng,
+            pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, pl_vec3_unit(east))), 1.0f);
+  if (pl_graph_wraps(graph))
+    own_surface(body, beam, detail, vertex);
+  pl_surface *s = &vertex->surface;
+  const double area = pl_vec3_norm(pl_vec3_cross(print.across, print.along));
+  const pl_graph_point point = {
+      .object = pl_vec3_to_float(print.point),
+      .world = pl_vec3_to_float(pl_vec3_sub(vertex->position, body->center)),
+      .t = s->t,
+      .b = s->b,
+      .n = s->n,
+      .ng = vertex->ng,
+      .view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)),
+      .filter = detail.filter,
+      .bumps = detail.bumps,
+      .radius = detail.maps ? (float)sqrt(area / PL_PI) : INFINITY,
+      .random = body->body->random,
+      .scale = 1.0f,
+      .body = &body->rotation,
+      .place = print.point,
+      .across = print.across,
+      .along = print.along,
+      .map_center_lon_rad = body->body->map_center_lon_rad,
+  };
+  pl_graph_surface(graph, &point, body->state->parameters, s);
+}
+
+static void shade_body(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
+                       pl_vertex *vertex) {
+  if (body->body->graph != NULL) {
+    shade_body_graph(body, beam, detail, vertex);
+    return;
+  }
+  set_frame(&vertex->surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
+  own_surface(body, beam, detail, vertex);
 }
 
 /* Surfaces are two-sided: published models are not reliably wound. */

@@ -25,9 +25,13 @@ static pl_status fill(const char *name, const pl_graph *const *graphs, size_t co
                      (int)graph, count);
     out->triangle_graph[t] = graph;
   }
-  /* The upper 24 bits are all that a float holds. */
-  out->random = (float)(pl_hash(PL_HASH_SEED, name, strlen(name)) >> 40) * 0x1p-24f;
+  out->random = pl_material_random(name);
   return PL_OK;
+}
+
+/* The upper 24 bits are all that a float holds. */
+float pl_material_random(const char *name) {
+  return (float)(pl_hash(PL_HASH_SEED, name, strlen(name)) >> 40) * 0x1p-24f;
 }
 
 pl_status pl_object_materials_create(const char *name, const pl_graph *const *graphs, size_t count,

@@ -25,6 +25,8 @@ pl_status pl_object_materials_create(const char *name, const pl_graph *const *gr
                                      const int32_t *triangle_graph, size_t triangles,
                                      pl_object_materials **out);
 void pl_object_materials_destroy(pl_object_materials *materials); /* NULL is allowed */
+/* A number of a thing's name, 0..1: what sets patterns on things apart. */
+float pl_material_random(const char *name);
 /* Puts the triangles in the order of a cut's whole. */
 pl_status pl_object_materials_sort(pl_object_materials *materials, const pl_cut *cut);
 

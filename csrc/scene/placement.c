@@ -52,6 +52,18 @@ static pl_status check_camera(const pl_camera *camera) {
   return check_motion("camera", "camera", &camera->motion);
 }
 
+static pl_status check_parameters(const char *what, const char *name, size_t count,
+                                  const pl_value *parameters) {
+  if (count > 0 && parameters == NULL)
+    return pl_fail(PL_E_ARGUMENT, "%s '%s': its materials have no parameters", what, name);
+  for (size_t i = 0; i < count; i++)
+    for (int k = 0; k < 4; k++)
+      if (!isfinite(parameters[i][k]))
+        return pl_fail(PL_E_RANGE, "%s '%s': parameter %zu of its materials is not finite", what,
+                       name, i);
+  return PL_OK;
+}
+
 static pl_status check_body(const pl_body *body, const pl_body_state *state) {
   PL_TRY(check_motion("body", body->name, &state->motion));
   const pl_vec3 r = state->radii_m;
@@ -63,7 +75,7 @@ static pl_status check_body(const pl_body *body, const pl_body_state *state) {
         !(state->emission[k] >= 0.0f && state->emission[k] <= (float)RADIOMETRY_MAX))
       return pl_fail(PL_E_RANGE, "body '%s': albedo must be 0..10, emission 0..%g", body->name,
                      RADIOMETRY_MAX);
-  return PL_OK;
+  return check_parameters("body", body->name, pl_body_parameter_count(body), state->parameters);
 }
 
 /* Moving nodes stay within a thousand times the model's extent and its distance from the origin of
@@ -89,18 +101,6 @@ static pl_status check_movers(const pl_object *object, const pl_object_state *st
   return PL_OK;
 }
 
-static pl_status check_parameters(const pl_object *object, const pl_object_state *state) {
-  const size_t count = pl_object_parameter_count(object);
-  if (count > 0 && state->parameters == NULL)
-    return pl_fail(PL_E_ARGUMENT, "object '%s': its materials have no parameters", object->name);
-  for (size_t i = 0; i < count; i++)
-    for (int k = 0; k < 4; k++)
-      if (!isfinite(state->parameters[i][k]))
-        return pl_fail(PL_E_RANGE, "object '%s': parameter %zu of its materials is not finite",
-                       object->name, i);
-  return PL_OK;
-}
-
 static pl_status check_object(const pl_object *object, const pl_object_state *state,
                               pl_vec3 camera) {
   PL_TRY(check_motion("object", object->name, &state->motion));
@@ -119,7 +119,8 @@ static pl_status check_object(const pl_object *object, const pl_object_state *st
   if (!(distance <= REACH_UNITS))
     return pl_fail(PL_E_RANGE, "object '%s': is %.3g of its model's units away, must be at most %g",
                    object->name, distance, REACH_UNITS);
-  PL_TRY(check_parameters(object, state));
+  PL_TRY(check_parameters("object", object->name, pl_object_parameter_count(object),
+                          state->parameters));
   return check_movers(object, state);
 }
 

@@ -119,6 +119,10 @@ pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   added.name = pl_strdup(body->name);
   if (added.name == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
+  added.random = pl_material_random(body->name);
+  added.summary = (pl_model_summary){.ggx_alpha_min = 1.0, .diffuse = true};
+  if (body->graph != NULL)
+    pl_graph_summarise(body->graph, &added.summary);
   scene->bodies[scene->body_count++] = added;
   return PL_OK;
 }

@@ -50,6 +50,10 @@ typedef struct pl_body {
   const pl_reflectance *reflectance; /* row of the table */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
+  const pl_graph *graph; /* borrowed: instead of, or around, the above surface; NULL for none */
+  /* Set by pl_scene_add_body: */
+  pl_model_summary summary; /* of the graph */
+  float random;             /* 0..1, of the name */
 } pl_body;
 
 typedef struct pl_scene {
@@ -79,6 +83,9 @@ pl_status pl_scene_articulate(pl_scene *scene, size_t object, const int *nodes, 
 /* Values that each frame gives to an object's graphs. */
 static inline size_t pl_object_parameter_count(const pl_object *object) {
   return object->materials != NULL ? object->materials->parameter_count : 0;
+}
+static inline size_t pl_body_parameter_count(const pl_body *body) {
+  return body->graph != NULL ? pl_graph_parameter_count(body->graph) : 0;
 }
 /* Moving nodes of an object. */
 static inline size_t pl_object_mover_count(const pl_object *object) {
@@ -110,8 +117,9 @@ typedef struct pl_object_state {
 typedef struct pl_body_state {
   pl_motion motion;
   pl_vec3 radii_m;
-  float albedo[3];   /* factor on the map, or the albedo itself */
-  float emission[3]; /* W m-2 sr-1 */
+  float albedo[3];            /* factor on the map, or the albedo itself */
+  float emission[3];          /* W m-2 sr-1 */
+  const pl_value *parameters; /* of the body's graph */
 } pl_body_state;
 
 typedef struct pl_sun {

@@ -49,6 +49,25 @@ static double map_density(const pl_body_state *state, const pl_texture *map) {
   return texels_per_rad * 2.0 * low / (low * low + high * high);
 }
 
+/* What a body's graph gives replaces what the body is, or is added where it wraps that. */
+static void add_graph(const pl_body *body, pl_view_thing *thing) {
+  const pl_model_summary *summary = &body->summary;
+  const bool wraps = pl_graph_wraps(body->graph);
+  const double emission = pl_graph_sets_emission(body->graph) ? 0.0 : thing->emission_max;
+  thing->textured = summary->textured || (wraps && thing->textured);
+  thing->albedo_max = wraps ? fmax(summary->albedo_max, thing->albedo_max) : summary->albedo_max;
+  thing->ggx_alpha_min = summary->ggx_alpha_min;
+  thing->emission_max = fmax(summary->emission_max, emission);
+  thing->coat_max = summary->coat_max;
+  thing->transmission_max = summary->transmission_max;
+  thing->pictured = summary->pictured;
+  thing->bumped = summary->bumped;
+  thing->diffuse = summary->diffuse && (thing->diffuse || !wraps);
+  thing->graphed = true;
+  if (!wraps || summary->pictured)
+    thing->map_ranges = NULL;
+}
+
 static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *body) {
   const pl_body_state *state = body->state;
   const double albedo = fmax(state->albedo[0], fmax(state->albedo[1], state->albedo[2]));
@@ -69,6 +88,8 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
     thing.map_ranges = pl_texture_ranges(body->body->map, &thing.map_levels);
     thing.map_texels_per_m = diffuse ? map_density(state, body->body->map) : 0.0;
   }
+  if (body->body->graph != NULL)
+    add_graph(body->body, &thing);
   set_center(&thing, body->center);
   return thing;
 }

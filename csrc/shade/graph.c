@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "math/sampling.h"
+#include "shade/body_map.h"
 #include "shade/graph_program.h"
 #include "shade/node_rows.h"
 
@@ -164,10 +165,30 @@ void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary) {
   pl_graph_summarise_detail(graph, summary);
 }
 
+/* Of a body; a footprint is never wider than the whole map. */
+static void body_uv(const pl_graph_point *point, float uv[2], float a[2], float b[2]) {
+  pl_body_map_uv(point->place, point->map_center_lon_rad, point->across, point->along, uv, a, b);
+  a[0] = pl_maxf(-1.0f, pl_minf(a[0], 1.0f));
+  b[0] = pl_maxf(-1.0f, pl_minf(b[0], 1.0f));
+}
+
 void pl_graph_point_uv(const pl_graph_point *point, int set, float uv[2], float a[2], float b[2]) {
+  if (point->body != NULL) {
+    body_uv(point, uv, a, b);
+    return;
+  }
   uv[0] = uv[1] = a[0] = a[1] = b[0] = b[1] = 0.0f;
   if (point->model != NULL)
     pl_material_uv(point->model, &point->triangle, set, uv, a, b);
+}
+
+const pl_reflectance *pl_graph_reflectance(const pl_graph *graph) {
+  return graph->surface->reflectance;
+}
+
+bool pl_graph_is_uniform(const pl_graph *graph) {
+  const float *n = constant_of(graph, PL_SURFACE_NORMAL);
+  return graph->programs[0].count == 0 && n != NULL && n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f;
 }
 
 pl_vec3f pl_graph_point_object(const pl_graph_point *point) {
@@ -184,6 +205,12 @@ pl_graph_point pl_graph_point_move(const pl_graph_point *point, float along_t, f
   const pl_vec3f step = pl_vec3f_madd(pl_vec3f_scale(point->t, along_t), along_b, point->b);
   pl_graph_point moved = *point;
   moved.world = pl_vec3f_add(point->world, step);
+  if (point->body != NULL) {
+    moved.place =
+        pl_vec3_add(point->place, pl_mat3_mul_vec_t(*point->body, pl_vec3f_to_double(step)));
+    moved.object = pl_vec3_to_float(moved.place);
+    return moved;
+  }
   if (point->model == NULL) {
     moved.object = pl_vec3f_add(point->object, step);
     return moved;

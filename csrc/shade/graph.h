@@ -54,6 +54,9 @@ void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const 
 bool pl_graph_wraps(const pl_graph *graph);
 /* Whether the graph says what the surface emits, rather than the model's material. */
 bool pl_graph_sets_emission(const pl_graph *graph);
+const pl_reflectance *pl_graph_reflectance(const pl_graph *graph);
+/* Whether the graph gives the same at all points of a frame, and no normal. */
+bool pl_graph_is_uniform(const pl_graph *graph);
 size_t pl_graph_parameter_count(const pl_graph *graph);
 /* Nodes evaluated a hit, conversions included; those that lazy inputs evaluate not. */
 size_t pl_graph_instruction_count(const pl_graph *graph);

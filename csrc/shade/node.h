@@ -36,24 +36,30 @@ typedef struct pl_constant {
 
 /* Where a graph is evaluated. World axes are the root's; metres. */
 typedef struct pl_graph_point {
-  pl_vec3f object;      /* model axes at rest, from the object's origin: patterns move with parts */
-  pl_vec3f world;       /* root axes, from the object's origin */
-  pl_vec3f t, b, n, ng; /* shading frame before any bump, and geometric normal, root axes;
-                           the normals are on the side that the mesh calls outside */
-  pl_vec3f view;        /* unit, towards the viewer, root axes */
-  float radius;         /* of the footprint, m */
-  pl_filter filter;     /* of images */
-  bool bumps;           /* otherwise bumps and normal maps give n */
-  float random;         /* of the object, 0..1 */
-  const pl_model *model;      /* NULL: no texture coordinates */
+  pl_vec3f object;       /* model axes at rest, from the object's origin: patterns move with parts;
+                            of a body its axes, from its centre */
+  pl_vec3f world;        /* root axes, from the object's origin */
+  pl_vec3f t, b, n, ng;  /* shading frame before any bump, and geometric normal, root axes;
+                            the normals are on the side that the mesh calls outside */
+  pl_vec3f view;         /* unit, towards the viewer, root axes */
+  float radius;          /* of the footprint, m */
+  pl_filter filter;      /* of images */
+  bool bumps;            /* otherwise bumps and normal maps give n */
+  float random;          /* of the object, 0..1 */
+  const pl_model *model; /* NULL: no texture coordinates */
   pl_triangle_point triangle; /* on the model */
   pl_vec3 offset;             /* of the object: model units, see pl_object */
   float scale;                /* metres per model unit */
+  const pl_mat3 *body;        /* body axes to root axes; NULL: not on a body. Then also: */
+  pl_vec3 place;              /* `object` in double */
+  pl_vec3 across, along;      /* extent of the footprint on the surface, body axes, m */
+  double map_center_lon_rad;
 } pl_graph_point;
 /* The point `along_t`, `along_b` metres farther on the tangent plane: its position, and with a
  * model its weights. The frame stays. */
 pl_graph_point pl_graph_point_move(const pl_graph_point *point, float along_t, float along_b);
-/* Texture coordinates of set 0 or 1 and the footprint in them; zeros where the model has none. */
+/* Texture coordinates of set 0 or 1 and the footprint in them; zeros where the model has none.
+ * On a body those of its map. */
 void pl_graph_point_uv(const pl_graph_point *point, int set, float uv[2], float a[2], float b[2]);
 /* Object position of the weights on the model. */
 pl_vec3f pl_graph_point_object(const pl_graph_point *point);

@@ -8,16 +8,22 @@
  * Slopes that have faded still spread what is reflected: see `widen` in graph.c. What they were
  * at the point itself is taken for all of the footprint, so that the mean over hits is right. */
 static const float STEP_MIN_M = 1e-4f;
+/* On a body likewise, of the distance from its centre. */
+static const float BODY_STEP_MIN = 0x1p-18f;
 static const float HIDING = 4.0f; /* steps: a smaller footprint hides nothing */
 
 typedef struct slopes {
   float t, b;
 } slopes;
 
+static float least_step(const pl_graph_point *p) {
+  return p->body != NULL ? BODY_STEP_MIN * pl_vec3f_norm(p->object) : STEP_MIN_M;
+}
+
 static slopes slopes_of(const pl_node_call *call, float radius, float factor) {
   pl_graph_point p = *call->point;
   p.radius = radius;
-  const float step = pl_maxf(radius, STEP_MIN_M);
+  const float step = pl_maxf(radius, least_step(&p));
   float height[4];
   for (int i = 0; i < 4; i++) {
     const float side = i & 1 ? step : -step;
@@ -42,7 +48,7 @@ static void bump(const pl_node_call *call) {
   if (isfinite(p->radius))
     seen = slopes_of(call, p->radius, factor);
   float hidden = 0.0f;
-  if (p->radius > HIDING * STEP_MIN_M) {
+  if (p->radius > HIDING * least_step(p)) {
     const slopes all = slopes_of(call, 0.0f, factor);
     hidden = (all.t - seen.t) * (all.t - seen.t) + (all.b - seen.b) * (all.b - seen.b);
   }

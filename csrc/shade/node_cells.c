@@ -3,8 +3,17 @@
 #include "shade/node_pattern.h"
 #include "shade/node_rows.h"
 
+/* A z of exactly 0, as coordinates on a surface have it, would lie between two layers of cells: it
+ * counts as the middle of one. */
+static pl_pattern_place place_of(const pl_node_call *call) {
+  pl_pattern_place place = pl_pattern_place_of(call);
+  if (place.point.z == 0.0)
+    place.point.z = 0.5;
+  return place;
+}
+
 static void white_noise(const pl_node_call *call) {
-  const pl_pattern_place place = pl_pattern_place_of(call);
+  const pl_pattern_place place = place_of(call);
   pl_value_scalar(call->out[0], pl_white_noise(place.point, place.side, pl_pattern_seed(call, 0)));
 }
 
@@ -15,7 +24,7 @@ static const pl_constant_row white_constants[] = {PL_PATTERN_SEED};
 
 const pl_node_kind pl_node_white_noise = {
     .name = "white_noise",
-    .doc = "One random number a cell, averaged over the footprint",
+    .doc = "One random number a cell, averaged over the footprint; z = 0 is the middle of cells",
     .inputs = white_inputs,
     .input_count = 2,
     .outputs = white_outputs,
@@ -26,7 +35,7 @@ const pl_node_kind pl_node_white_noise = {
 };
 
 static void checker(const pl_node_call *call) {
-  const pl_pattern_place place = pl_pattern_place_of(call);
+  const pl_pattern_place place = place_of(call);
   const float x = pl_checker(place.point, place.side);
   const pl_vec3f b = pl_value_vec(call->in[3]);
   const pl_vec3f change = pl_vec3f_sub(pl_value_vec(call->in[2]), b);
@@ -45,7 +54,8 @@ static const pl_socket checker_outputs[] = {
 
 const pl_node_kind pl_node_checker = {
     .name = "checker",
-    .doc = "Cubes of two colours in turn, averaged over the footprint",
+    .doc =
+        "Cubes of two colours in turn, averaged over the footprint; z = 0 is the middle of cubes",
     .inputs = checker_inputs,
     .input_count = 4,
     .outputs = checker_outputs,

@@ -3,8 +3,9 @@
 
 #include "shade/node_rows.h"
 
-enum { SPACE_OBJECT, SPACE_WORLD, SPACE_UV, SPACE_UV_1, SPACE_BOX, SPACE_FACE };
-static const char *const spaces[] = {"object", "world", "uv", "uv1", "box", "face", NULL};
+enum { SPACE_OBJECT, SPACE_WORLD, SPACE_UV, SPACE_UV_1, SPACE_BOX, SPACE_FACE, SPACE_LON_LAT };
+static const char *const spaces[] = {"object", "world", "uv",          "uv1",
+                                     "box",    "face",  "lon_lat_deg", NULL};
 
 /* Radius of the circle with the area of the parallelogram that a footprint spans. */
 static float radius_of(const float a[2], const float b[2]) {
@@ -57,6 +58,17 @@ static void on_plane(const pl_graph_point *p, int space, pl_value out) {
   pl_value_vector(out, at, p->radius);
 }
 
+/* Of a map whose centre is at longitude 0: a turn is 360 degrees, from pole to pole are 180. */
+static void lon_lat_deg(const pl_graph_point *p, pl_value out) {
+  static const float SIDE = 254.55844f; /* sqrt(360 180) */
+  pl_graph_point centered = *p;
+  float uv[2], a[2], b[2];
+  centered.map_center_lon_rad = 0.0;
+  pl_graph_point_uv(&centered, 0, uv, a, b);
+  pl_value_vector(out, pl_vec3f_make(360.0f * (uv[0] - 0.5f), 180.0f * (0.5f - uv[1]), 0.0f),
+                  isinf(p->radius) ? p->radius : SIDE * radius_of(a, b));
+}
+
 static void coordinates(const pl_node_call *call) {
   const pl_graph_point *p = call->point;
   const int space = (int)call->constants[0].number;
@@ -69,6 +81,13 @@ static void coordinates(const pl_node_call *call) {
     on_plane(p, space, call->out[0]);
     return;
   }
+  if (space == SPACE_LON_LAT) {
+    if (p->body != NULL)
+      lon_lat_deg(p, call->out[0]);
+    else
+      pl_value_scalar(call->out[0], 0.0f);
+    return;
+  }
   pl_graph_point_uv(p, space - SPACE_UV, uv, a, b);
   pl_value_vector(call->out[0], pl_vec3f_make(uv[0], uv[1], 0.0f),
                   isinf(p->radius) ? p->radius : radius_of(a, b));
@@ -76,11 +95,13 @@ static void coordinates(const pl_node_call *call) {
 
 static const pl_constant_row coordinates_constants[] = {
     {"space", PL_CHOICE, SPACE_OBJECT, 0, 0, spaces, 0,
-     "object: metres from the object's origin along the model's axes, moving with its parts; "
-     "world: "
-     "the same along ICRF axes; uv, uv1: the model's texture coordinates, zeros where it has "
-     "none; box: metres along two of the model's axes, those that the surface faces least; face: "
-     "metres in the plane of the triangle, for flat panels that lie aslant"}};
+     "object: metres from the object's origin along the model's axes, moving with its parts, or "
+     "from a body's centre along its axes (x at longitude 0, z to the north); world: the same "
+     "along ICRF axes; uv, uv1: the model's texture coordinates, zeros where it has none, or those "
+     "of a body's equirectangular map (u east, v south, 0..1); box: metres along two of the "
+     "model's axes, those that the surface faces least; face: metres in the plane of the triangle, "
+     "for flat panels that lie aslant; lon_lat_deg: east longitude -180..180 and planetocentric "
+     "latitude on a body, zeros elsewhere"}};
 static const pl_socket coordinates_outputs[] = {
     {"vector", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "The coordinates"}};
 

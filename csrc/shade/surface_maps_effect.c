@@ -12,11 +12,11 @@ static const char *absent(const pl_view *view) {
 }
 
 /* A map on a thing in the frame can change everything up to the brightest diffuse radiance; on a
- * mesh a roughness map can turn a dull surface into a mirror of the sun, an emission map a dark one
- * into a lamp. */
+ * mesh or in a graph a roughness map can turn a dull surface into a mirror of the sun, an emission
+ * map a dark one into a lamp. */
 static double own_radiance(const pl_view *view, const pl_view_thing *thing) {
   const double diffuse = thing->albedo_max * thing->irradiance / 3.14159265358979;
-  return thing->is_body ? diffuse : fmax(diffuse, view->white_radiance);
+  return thing->is_body && !thing->graphed ? diffuse : fmax(diffuse, view->white_radiance);
 }
 
 /* Elsewhere a map acts through the light that it reflects or emits onto what is in the frame. */

@@ -195,8 +195,10 @@ class Scene:
         instance_id: int,
         part_id: int,
         class_ids: NDArray[np.uint16],
+        graph: Graph | None,
     ) -> int:
-        """An ellipsoid; returns its index. class_ids: (levels,)."""
+        """An ellipsoid; returns its index. class_ids: (levels,). graph: instead of, or around, the
+        surface that map and reflectance make."""
     def add_object(
         self,
         *,
@@ -245,7 +247,7 @@ class FrameRequest(TypedDict):
     object_poses: F64  # (objects, 2, 7)
     object_scale: F64  # (objects,), metres per model unit
     object_movers: NotRequired[F64]  # (all moving nodes, 3, 4): see Articulation.pose
-    object_parameters: NotRequired[F64]  # (all parameters of all graphs, 3), object by object
+    graph_parameters: NotRequired[F64]  # (all of all graphs, 3): by object, then by body
     body_poses: F64  # (bodies, 2, 7)
     body_radii: F64  # (bodies, 3), m
     body_albedo: F64  # (bodies, 3), linear factor on the map (or the colour itself without one)

@@ -21,6 +21,7 @@ from perilune.parts import Partition, partition
 from perilune.world import World
 
 F64 = NDArray[np.float64]
+_Placed = materials.Placed
 
 _LOOKS = 4
 """Renderers that are kept."""
@@ -141,8 +142,13 @@ class Handles:
         }
         return {name: rig for name, rig in rigs.items() if rig is not None}
 
+    @property
+    def graphs(self) -> list[tuple[str | None, _Placed]]:
+        """All graphs in the order of the core's parameters, and the spacecraft that they are on."""
+        return [*self.materials.items(), *((None, row) for row in self.body_materials.values())]
+
     @cached_property
-    def materials(self) -> Mapping[str, materials.Placed]:
+    def materials(self) -> Mapping[str, _Placed]:
         """Spacecraft entry -> the graphs on its triangles, of those that have some."""
         config, source = self.document.config, self.document.source
         placed = {}
@@ -158,6 +164,21 @@ class Handles:
                 except ValueError as error:
                     text = named(str(error), self.document.origins)
                     raise ConfigError(f"{source}:\n  {text}") from None
+        return placed
+
+    @cached_property
+    def body_materials(self) -> Mapping[str, _Placed]:
+        """Body entry -> its graph, of those that have one."""
+        config, source = self.document.config, self.document.source
+        placed = {}
+        for name, row in config.bodies.items():
+            try:
+                graph = materials.on_body(row, config, self._images)
+            except ValueError as error:
+                text = named(str(error), self.document.origins)
+                raise ConfigError(f"{source}:\n  {text}") from None
+            if graph is not None:
+                placed[name] = graph
         return placed
 
     @cached_property
@@ -220,6 +241,7 @@ class Handles:
             part_ids.setdefault(part.owner, []).append(part.id)
             part_classes.setdefault(part.owner, []).append(part.class_name)
         for name, body in config.bodies.items():
+            own = self.body_materials.get(name)
             scene.add_body(
                 name=name,
                 map=self._map(name, body.color_map),
@@ -230,6 +252,7 @@ class Handles:
                 class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[
                     0
                 ],
+                graph=None if own is None else own.graphs[0].core,
             )
         for name, row in self.models.items():
             index = scene.add_object(

@@ -39,7 +39,7 @@ def _albedos(config: Config) -> F64:
     for body in config.bodies.values():
         if body.albedo is not None:
             rows.append(body.albedo)
-        elif body.color_map is not None:
+        elif body.color_map is not None or body.is_replaced:
             rows.append((1.0, 1.0, 1.0))
         else:
             rows.append((float(_core.BODIES[body.kind]["bond_albedo"]),) * 3)

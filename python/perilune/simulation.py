@@ -182,7 +182,7 @@ class Simulation:
         handles = self._mine()
         movers = articulation.stacked(posed or handles.posed(scene))
         request = request_of(scene, poses, handles.scales(scene.config), movers)
-        request["object_parameters"] = materials.parameters(handles.materials, scene.config)
+        request["graph_parameters"] = materials.parameters(handles.graphs, scene.config)
         return request
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:

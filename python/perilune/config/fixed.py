@@ -19,6 +19,7 @@ def _of_body(body: Body) -> dict[str, Any]:
         "kind": body.kind,
         "class": body.class_,
         "map_center_lon_deg": body.map_center_lon_deg,
+        "material": (body.material, body.material_mode),
         "orbit.kind": _orbit(body),
     }
 

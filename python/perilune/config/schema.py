@@ -142,6 +142,10 @@ class Body(Strict):
     emission_w_m2_sr: Rgb = (0.0, 0.0, 0.0)
     reflectance: str = "lambert"
     """A name in the table of reflectance models."""
+    material: str | None = None
+    """Name of an entry of `materials`: a graph instead of the surface that the keys above make."""
+    material_mode: Literal["replace", "wrap"] = "replace"
+    """wrap: inputs of the surface that the graph does not give stay those of the keys above."""
     orbit: Orbit | None = None
     """Around another thing; without it the ephemeris of its kind places it."""
     rotation: BodyRotation | None = None
@@ -156,7 +160,7 @@ class Body(Strict):
             for key in ("radii_km", "gm_km3_s2"):
                 if getattr(self, key) is None:
                     fail(key, "required for kind: ellipsoid")
-            if self.albedo is None and self.color_map is None:
+            if self.albedo is None and self.color_map is None and not self.is_replaced:
                 fail("albedo", "required for kind: ellipsoid without a color_map")
         elif self.ephemeris is not None:
             fail("ephemeris", f"only for kind: ellipsoid; {self.kind} has its own")
@@ -164,6 +168,21 @@ class Body(Strict):
             fail("kind", "the Sun is always there (section `sun`); list the other bodies")
         if self.orbit is not None and self.ephemeris is not None:
             fail("ephemeris", "give an orbit or an ephemeris, not both")
+        return self
+
+    @property
+    def is_replaced(self) -> bool:
+        """Whether a graph is all of its surface."""
+        return self.material is not None and self.material_mode == "replace"
+
+    @model_validator(mode="after")
+    def _one_surface(self) -> Body:
+        """No key that would have no effect."""
+        if self.material is None and self.material_mode != "replace":
+            fail("material_mode", "only for a body with a material")
+        for key in ("color_map", "albedo", "emission_w_m2_sr", "reflectance"):
+            if self.is_replaced and key in self.model_fields_set:
+                fail(key, "the material replaces it; keep it by material_mode: wrap")
         return self
 
 

@@ -4,7 +4,7 @@ from perilune.materials.check import check
 from perilune.materials.drivers import applied
 from perilune.materials.graph import Graph, build, values
 from perilune.materials.images import Image, ImageFiles, Images, images_in
-from perilune.materials.place import Placed, parameters, place
+from perilune.materials.place import Placed, on_body, parameters, place
 
 __all__ = [
     "Graph",
@@ -16,6 +16,7 @@ __all__ = [
     "build",
     "check",
     "images_in",
+    "on_body",
     "parameters",
     "place",
     "values",

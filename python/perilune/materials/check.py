@@ -28,8 +28,8 @@ def _is_in_section(path: KeyPath) -> bool:
 
 
 def _is_of_materials(path: KeyPath) -> bool:
-    key = path[2:3] if path[0] == "spacecraft" else path[:1]
-    return key in (("materials",), ("material_drivers",))
+    key = path[2:3] if path[0] in ("spacecraft", "bodies") else path[:1]
+    return key in (("materials",), ("material_drivers",), ("material",))
 
 
 def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
@@ -49,6 +49,10 @@ def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
         if _is_of_materials(path) and path[:5] not in varies and not _is_in_section(path):
             text = "takes no driver: in a graph numbers of inputs alone vary from frame to frame"
             yield f"{path_text(path)}: {text}"
+    for body_name, body in config.bodies.items():
+        if body.material is not None and body.material not in config.materials:
+            near = nearest(body.material, config.materials)
+            yield f"bodies.{body_name}.material: no entry named '{body.material}'{near}"
     for craft_name, craft in config.spacecraft.items():
         for k, use in enumerate(craft.materials):
             if use.use not in config.materials:

@@ -74,7 +74,9 @@ def applied(config: Config, name: str, craft: str | None = None) -> Material:
 
 def _places(config: Config) -> Iterator[tuple[str, str | None]]:
     """(entry of materials, spacecraft) of all graphs; those that are on none count too."""
-    users: dict[str, dict[str, None]] = {name: {} for name in config.materials}
+    users: dict[str, dict[str | None, None]] = {name: {} for name in config.materials}
+    for body in config.bodies.values():
+        users.get(body.material or "", {})[None] = None
     for craft, row in config.spacecraft.items():
         for use in row.materials:
             users.get(use.use, {})[craft] = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.config.errors import nearest
 from perilune.config.materials import Material, MaterialUse
-from perilune.config.schema import Config
+from perilune.config.schema import Body, Config
 from perilune.materials.drivers import applied
 from perilune.materials.graph import F64, Graph, build, values
 from perilune.materials.images import Images
@@ -21,7 +21,7 @@ from perilune.parts import Partition, components, inside_box
 
 @dataclass(frozen=True)
 class Placed:
-    """The graphs of a spacecraft."""
+    """The graphs of a spacecraft, or the one of a body."""
 
     names: tuple[str, ...]
     """Entry of `materials` of each."""
@@ -67,6 +67,15 @@ def place(
     return Placed(tuple(use.use for use in uses), graphs, result)
 
 
+def on_body(body: Body, config: Config, images: Images) -> Placed | None:
+    """The graph of a body, if it has one. ValueError naming the key."""
+    name = body.material
+    if name is None:
+        return None
+    graph = build(name, applied(config, name), body.material_mode == "wrap", images)
+    return Placed((name,), (graph,), np.empty(0, dtype=np.int32))
+
+
 def _kinds(
     uses: Sequence[MaterialUse], model: _core.Model, cut: Partition, mesh_part: NDArray[np.int64]
 ) -> dict[str, tuple[list[str], NDArray[np.int64]]]:
@@ -86,11 +95,11 @@ def _matches(pattern: str, name: str) -> bool:
     return fnmatchcase(name.lower(), pattern.lower())
 
 
-def parameters(placed: Mapping[str, Placed], config: Config) -> F64:
-    """(n, 3): what the core's request takes, of the spacecraft in the order of `placed`."""
+def parameters(placed: Iterable[tuple[str | None, Placed]], config: Config) -> F64:
+    """(n, 3): what the core's request takes, in the order of `placed`: with each its spacecraft."""
     rows = [
         values(graph, applied(config, name, craft))
-        for craft, row in placed.items()
+        for craft, row in placed
         for name, graph in zip(row.names, row.graphs, strict=True)
     ]
     return np.concatenate([np.empty((0, 3)), *rows])
