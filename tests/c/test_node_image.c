@@ -138,13 +138,14 @@ static void test_without_a_vector_it_is_a_texture_of_the_model(void **state) {
                                      .footprint_b = {0.0f, 0.01f * size, 0.0f}};
     const size_t node = graph_add(&g, "image");
     const int set = i % 2;
+    p.filter = (pl_filter)(i % PL_FILTER_COUNT);
     graph_constant(&g, node, "file")->texture = texture;
     graph_choose(&g, node, "uv", set == 0 ? "uv" : "uv1");
     const pl_texture_slot slot = {0, set, PL_UV_IDENTITY};
     float expected[4];
     pl_value v;
-    pl_material_slot(model, &p.triangle, &slot,
-                     (pl_detail){.maps = isfinite(p.radius), .filter = PL_FILTER_FINEST}, expected);
+    const pl_detail detail = {.maps = isfinite(p.radius), .filter = p.filter};
+    pl_material_slot(model, &p.triangle, &slot, detail, expected);
     graph_value_at(g, node, 0, &p, v);
     assert_memory_equal(v, expected, 3 * sizeof(float));
     graph_value_at(g, node, 1, &p, v);
