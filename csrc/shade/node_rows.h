@@ -22,6 +22,10 @@ extern const pl_node_kind pl_node_white_noise, pl_node_checker;
 extern const pl_node_kind pl_node_brick, pl_node_panel;
 /* node_image.c */
 extern const pl_node_kind pl_node_image;
+/* node_normal_map.c */
+extern const pl_node_kind pl_node_normal_map;
+/* node_fresnel.c */
+extern const pl_node_kind pl_node_fresnel, pl_node_layer_weight;
 /* node_bump.c */
 extern const pl_node_kind pl_node_bump;
 /* node_surface.c: one for each reflectance model */

@@ -1,0 +1,85 @@
+/* Weights by the angle between the normal and the viewer. */
+#include <math.h>
+
+#include "shade/node_rows.h"
+
+/* Cosine of the angle to the viewer, 0..1: surfaces are seen from both sides. A normal that is bent
+ * away from him is seen edge-on. */
+static float facing_of(const pl_graph_point *p, const float *normal) {
+  const pl_vec3f given = pl_value_vec(normal);
+  const float length = pl_vec3f_norm(given);
+  const bool usable = length > 0.0f && isfinite(length);
+  const pl_vec3f n = usable ? pl_vec3f_scale(given, 1.0f / length) : p->n;
+  const float side = pl_vec3f_dot(p->ng, p->view) < 0.0f ? -1.0f : 1.0f;
+  return pl_minf(pl_maxf(side * pl_vec3f_dot(n, p->view), 0.0f), 1.0f);
+}
+
+/* Unpolarised light mirrored at a smooth boundary of relative index `eta` (Born and Wolf,
+ * Principles of Optics, 7th ed., 1.5.2, eq. 21; in the form of Cook and Torrance 1982). 1 where all
+ * is: below index 1 beyond the critical angle. 0 for index 1. */
+static float fresnel_of(float eta, float cosine) {
+  if (eta == 1.0f)
+    return 0.0f;
+  const float g2 = eta * eta - 1.0f + cosine * cosine;
+  if (!(g2 > 0.0f) || !isfinite(g2))
+    return 1.0f;
+  const float g = sqrtf(g2), a = (g - cosine) / (g + cosine);
+  const float b = (cosine * (g + cosine) - 1.0f) / (cosine * (g - cosine) + 1.0f);
+  return pl_minf(0.5f * a * a * (1.0f + b * b), 1.0f);
+}
+
+static void fresnel(const pl_node_call *call) {
+  const float ior = call->in[0][0];
+  pl_value_scalar(call->out[0],
+                  fresnel_of(ior > 0.0f ? ior : 0.0f, facing_of(call->point, call->in[1])));
+}
+
+static const float BLEND_MAX = 1.0f - 1e-5f;
+
+/* `fresnel` of index 1/(1 - blend). `facing`: 1 - cosine to a power that is 1 at a blend of 1/2 and
+ * goes to 0 and infinity at 0 and 1: the conventions of Blender's node of the same name. */
+static void layer_weight(const pl_node_call *call) {
+  const float blend = pl_minf(pl_clipped(call->in[0][0], 1.0f), BLEND_MAX);
+  const float cosine = facing_of(call->point, call->in[1]);
+  const float power = blend < 0.5f ? 2.0f * blend : 0.5f / (1.0f - blend);
+  pl_value_scalar(call->out[0], fresnel_of(1.0f / (1.0f - blend), cosine));
+  pl_value_scalar(call->out[1], 1.0f - powf(cosine, power));
+}
+
+#define NORMAL_INPUT                                                                               \
+  { "normal", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "Of a bump or normal map; the mesh's where zero" }
+
+static const pl_socket fresnel_inputs[] = {
+    {"ior", PL_SCALAR, {1.5f, 1.5f, 1.5f}, "Index of refraction, >= 0; 0 counts as infinite"},
+    NORMAL_INPUT};
+static const pl_socket fresnel_outputs[] = {
+    {"factor", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Part of the light that is mirrored, 0..1"}};
+
+const pl_node_kind pl_node_fresnel = {
+    .name = "fresnel",
+    .doc = "Light that a smooth dielectric mirrors to the viewer, by Fresnel's equations",
+    .inputs = fresnel_inputs,
+    .input_count = 2,
+    .outputs = fresnel_outputs,
+    .output_count = 1,
+    .reads_point = true,
+    .evaluate = fresnel,
+};
+
+static const pl_socket weight_inputs[] = {
+    {"blend", PL_SCALAR, {0.5f, 0.5f, 0.5f}, "0..1: towards the centre"}, NORMAL_INPUT};
+static const pl_socket weight_outputs[] = {
+    {"fresnel", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "As the node fresnel of ior 1 / (1 - blend)"},
+    {"facing", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "0 where seen face-on, 1 at the edge"},
+};
+
+const pl_node_kind pl_node_layer_weight = {
+    .name = "layer_weight",
+    .doc = "Weights of layers by how the viewer sees the surface",
+    .inputs = weight_inputs,
+    .input_count = 2,
+    .outputs = weight_outputs,
+    .output_count = 2,
+    .reads_point = true,
+    .evaluate = layer_weight,
+};
