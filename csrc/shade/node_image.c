@@ -54,7 +54,8 @@ static const pl_socket inputs[] = {
      {0.0f, 0.0f, 0.0f},
      "x to the right, y downwards from the upper left corner, the image's width and height being "
      "1; "
-     "where not given the model's texture coordinates, whose footprints are known better"}};
+     "where not given the model's texture coordinates or a body's map, whose footprints are known "
+     "better; on a map wrap_v: clamp keeps the poles apart"}};
 static const pl_socket outputs[] = {
     {"color", PL_COLOR, {0.0f, 0.0f, 0.0f}, "Linear RGB; grey spreads"},
     {"alpha", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "1 where the image has none"},
