@@ -2,6 +2,7 @@
  * specular tint, light that passes thin walls, and a clear coat on top. */
 #include "shade/ggx.h"
 #include "shade/ggx_loss.h"
+#include "shade/ggx_loss_xy.h"
 #include "shade/principled_inputs.h"
 #include "shade/reflectance.h"
 
@@ -25,7 +26,7 @@ typedef struct view {
   pl_vec3f f0;
   float f90;
   float coat_weight, diffuse, through; /* of the light; the latter two of what the base lets in */
-  float roughness, loss, loss_mean;    /* of the base's lobe, where light is given back; or 0 */
+  float loss, loss_mean;               /* of the base's lobe, where light is given back; or 0 */
   float chance[CHOICES];
 } view;
 
@@ -46,11 +47,13 @@ static float mirrored_pdf(const lobe *l, pl_vec3f wo, pl_vec3f h) {
          (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN) * (1.0f + l->lambda));
 }
 
-/* The part of the loss of an isotropic lobe of alpha `ay` that is given back: all of it without
- * anisotropy. There is no table of anisotropic losses. Their lobes lose more than that but for
- * grazing views along x, where wide ones lose less, by no more than the rest of this part (by
- * integration for ay from 0.01 to 0.5 and ax up to 1): so no more light comes back than went in. */
-static float given_back(const lobe *l) { return 1.0f - 0.5f * (1.0f - l->ay / l->ax); }
+/* Light that the lobe loses towards w, and the mean of that over the hemisphere. */
+static float loss_towards(const lobe *l, pl_vec3f w) {
+  return l->ax > l->ay ? pl_ggx_loss_xy(l->ax, l->ay, w) : pl_ggx_loss(sqrtf(l->ay), fabsf(w.z));
+}
+static float loss_mean(const lobe *l) {
+  return l->ax > l->ay ? pl_ggx_loss_xy_mean(l->ax, l->ay) : pl_ggx_loss_mean(sqrtf(l->ay));
+}
 
 static float coat_fresnel(const view *v, float cosine) {
   return v->coat_weight * pl_schlick(pl_vec3f_make(COAT_F0, COAT_F0, COAT_F0), 1.0f, cosine).x;
@@ -99,9 +102,8 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
   if (v.coat_weight > 0.0f)
     v.coat = lobe_of(coat_alpha, coat_alpha, wo);
   if (m > 0.0f || v.through > 0.0f) {
-    v.roughness = sqrtf(ay);
-    v.loss = given_back(&v.base) * pl_ggx_loss(v.roughness, wo.z);
-    v.loss_mean = pl_ggx_loss_mean(v.roughness);
+    v.loss = loss_towards(&v.base, wo);
+    v.loss_mean = loss_mean(&v.base);
   }
   set_chances(&v, s, wo);
   return v;
@@ -110,7 +112,7 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
 /* Light that comes back after several hits, times cos(wi), if all of it does (Kulla and Conty
  * 2017). */
 static float again_of(const view *v, pl_vec3f wi) {
-  const float lost = v->loss > 0.0f ? v->loss * pl_ggx_loss(v->roughness, fabsf(wi.z)) : 0.0f;
+  const float lost = v->loss > 0.0f ? v->loss * loss_towards(&v->base, wi) : 0.0f;
   return lost > 0.0f ? lost * fabsf(wi.z) / (PL_PI_F * v->loss_mean) : 0.0f;
 }
 

@@ -124,19 +124,17 @@ static void extremes_of(float anisotropy, float metallic, float transmission, do
       }
 }
 
-/* Isotropic white metals and walls send on all light but 1 %; anisotropic ones no more than they
- * get: there their loss is given back in part alone. */
+/* White metals and walls send on all light but 1 %, whatever their anisotropy. */
 static void test_white_furnace(void **state) {
   (void)state;
-  const float strength[] = {0.0f, 0.3f, 0.6f, 0.8f, 1.0f};
-  const double lost[] = {0.01, 0.12, 0.3, 0.45, 0.6};
-  for (int i = 0; i < 5; i++)
+  const float strength[] = {0.0f, 0.05f, 0.3f, 0.6f, 0.8f, 1.0f};
+  for (int i = 0; i < 6; i++)
     for (int wall = 0; wall < 2; wall++) {
       double off[2];
       extremes_of(strength[i], wall ? 0.0f : 1.0f, wall ? 1.0f : 0.0f, off);
       print_message("anisotropy %g, %s: %.4f to %.4f\n", (double)strength[i],
                     wall ? "wall" : "metal", off[1], off[0]);
-      assert_true(off[0] < 0.005 && off[1] > -lost[i]);
+      assert_true(off[0] < 0.01 && off[1] > -0.01);
     }
 }
 
@@ -148,7 +146,7 @@ static double lambda(pl_vec3f w) {
 
 /* Mitsuba 3.9.1, `principled` with base_color (0.9, 0.5, 0.2), metallic 1, roughness sqrt(0.1),
  * anisotropic 0.75/0.9: alpha 0.2 along the tangent, 0.05 across; value times cosine, red and blue.
- * Ours adds light reflected several times, here below 0.003. */
+ * Ours adds light reflected several times, here below 0.006. */
 static void test_same_as_mitsuba(void **state) {
   (void)state;
   static const float at[][6] = {
@@ -168,8 +166,8 @@ static void test_same_as_mitsuba(void **state) {
     const double o = lambda(wo), l = lambda(wi), masked = (1.0 + o + l) / ((1.0 + o) * (1.0 + l));
     const pl_vec3f value = row->evaluate(&s, wo, wi);
     const double red = (double)value.x * masked, blue = (double)value.z * masked;
-    if (fabs(red - (double)at[i][4]) > 1e-3 * red + 0.003 ||
-        fabs(blue - (double)at[i][5]) > 1e-3 * blue + 0.003)
+    if (fabs(red - (double)at[i][4]) > 1e-3 * red + 0.006 ||
+        fabs(blue - (double)at[i][5]) > 1e-3 * blue + 0.006)
       fail_msg("directions %zu: %g and %g, not %g and %g", i, red, blue, (double)at[i][4],
                (double)at[i][5]);
   }
