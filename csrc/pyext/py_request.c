@@ -155,6 +155,30 @@ static int parse_bodies(PyObject *dict, size_t count, pl_body_state *out) {
   return ok ? 0 : -1;
 }
 
+/* Of bodies; absent: all is the map's, or 0. */
+static int parse_regolith(PyObject *dict, size_t count, pl_body_state *out) {
+  enum { BANDS = 3 * PL_REGOLITH_VALUES, ROW = BANDS + 3 };
+  const npy_intp shape[2] = {(npy_intp)count, ROW};
+  for (size_t i = 0; i < count; i++)
+    for (size_t k = 0; k < BANDS; k++)
+      ((float *)out[i].regolith.band)[k] = NAN;
+  if (PyDict_GetItemString(dict, "body_regolith") == NULL)
+    return PyErr_Occurred() ? -1 : 0;
+  PyArrayObject *array = get_array(dict, "body_regolith", 2, shape);
+  if (array == NULL)
+    return -1;
+  for (size_t i = 0; i < count; i++) {
+    const double *row = (const double *)PyArray_DATA(array) + ROW * i;
+    for (size_t k = 0; k < BANDS; k++)
+      ((float *)out[i].regolith.band)[k] = (float)row[k];
+    out[i].regolith.limb = (float)(row[BANDS] - 1.0);
+    out[i].regolith.simple_h = row[BANDS + 1] != 0.0;
+    out[i].regolith.narrow_surge = row[BANDS + 2] != 0.0;
+  }
+  Py_DECREF((PyObject *)array);
+  return 0;
+}
+
 static int parse_sun(PyObject *dict, pl_sun *sun) {
   const npy_intp three[1] = {3};
   if (get_double(dict, "sun_radius", &sun->radius_m) < 0 ||
@@ -242,6 +266,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_objects(request, scene->object_count, states->objects) < 0 ||
       parse_movers(request, scene, states) < 0 ||
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
+      parse_regolith(request, scene->body_count, states->bodies) < 0 ||
       parse_parameters(request, scene, states) < 0 || parse_sun(request, &out->placement.sun) < 0 ||
       parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0)
     return -1;

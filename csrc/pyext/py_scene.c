@@ -61,23 +61,24 @@ static const pl_reflectance *find_reflectance(const char *name) {
 }
 
 static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",        "map",         "map_center_lon_rad",
-                          "reflectance", "instance_id", "part_id",
-                          "class_ids",   "graph",       NULL};
+  static char *names[] = {"name",         "map",     "map_center_lon_rad", "reflectance",
+                          "instance_id",  "part_id", "class_ids",          "graph",
+                          "regolith_map", NULL};
   scene_object *self = (scene_object *)object;
-  PyObject *map, *classes, *graph;
+  PyObject *map, *classes, *graph, *regolith;
   const char *name, *reflectance;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiOO:add_body", names, &name, &map,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiOOO:add_body", names, &name, &map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
-                                   &body.part_id, &classes, &graph) ||
+                                   &body.part_id, &classes, &graph, &regolith) ||
       check_open(self) < 0)
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
   body.reflectance = find_reflectance(reflectance);
   if (body.reflectance == NULL)
     return NULL;
-  if (map != Py_None && (body.map = pl_py_map_of(map)) == NULL)
+  if ((map != Py_None && (body.map = pl_py_map_of(map)) == NULL) ||
+      (regolith != Py_None && (body.regolith_map = pl_py_grid_of(regolith)) == NULL))
     return NULL;
   if (graph != Py_None && (body.graph = pl_py_graph_of(graph)) == NULL)
     return NULL;
@@ -87,7 +88,8 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
     return NULL;
   memcpy(body.class_ids, PyArray_DATA(ids), (size_t)self->scene.levels * sizeof(uint16_t));
   Py_DECREF((PyObject *)ids);
-  if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, graph) < 0)
+  if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, graph) < 0 ||
+      PyList_Append(self->kept, regolith) < 0)
     return NULL;
   const pl_status status = pl_scene_add_body(&self->scene, &body);
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);

@@ -3,7 +3,9 @@
 
 #include "geom/ellipsoid.h"
 #include "math/sampling.h"
+#include "render/regolith.h"
 #include "shade/body_map.h"
+#include "shade/reflectance.h"
 
 /* `piece`: the triangle's, or NULL. */
 static pl_vec3 corner_of(const pl_shot_object *object, const pl_shot_piece *piece, uint32_t index) {
@@ -287,6 +289,8 @@ static void own_surface(const pl_shot_body *body, const pl_beam *beam, pl_detail
   surface->alpha = 1.0f;
   surface->lobes = pl_lobes_plain();
   surface->reflectance = body->body->reflectance;
+  if (surface->reflectance->photometric)
+    pl_regolith_shade(body, beam, detail.maps, vertex);
 }
 
 /* The surface by the body's graph; its frame's t points east. */

@@ -75,6 +75,12 @@ static pl_status check_body(const pl_body *body, const pl_body_state *state) {
         !(state->emission[k] >= 0.0f && state->emission[k] <= (float)RADIOMETRY_MAX))
       return pl_fail(PL_E_RANGE, "body '%s': albedo must be 0..10, emission 0..%g", body->name,
                      RADIOMETRY_MAX);
+  const pl_regolith *regolith = &state->regolith;
+  bool valid = regolith->limb >= -1.0f && regolith->limb <= 1.0f;
+  for (int k = 0; k < 3; k++)
+    valid = valid && pl_regolith_band_valid(&regolith->band[k], true);
+  if (!valid)
+    return pl_fail(PL_E_RANGE, "body '%s': regolith out of range", body->name);
   return check_parameters("body", body->name, pl_body_parameter_count(body), state->parameters);
 }
 

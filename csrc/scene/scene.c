@@ -110,11 +110,33 @@ pl_status pl_scene_set_materials(pl_scene *scene, size_t index, const pl_graph *
   return PL_OK;
 }
 
+static pl_status check_regolith_map(const pl_body *body) {
+  const size_t values = sizeof(pl_regolith_texel) / sizeof(float);
+  if (body->regolith_map == NULL)
+    return PL_OK;
+  const pl_grid_frame *frame = pl_grid_frame_of(body->regolith_map);
+  if ((size_t)frame->channels != 3 * values)
+    return pl_fail(PL_E_RANGE, "body '%s': a regolith map has 3 bands of %zu values", body->name,
+                   values);
+  for (int y = 0; y < frame->height; y++)
+    for (int x = 0; x < frame->width; x++) {
+      pl_regolith_texel texel[3];
+      memcpy(texel, pl_grid_cell(body->regolith_map, x, y), sizeof texel);
+      for (int k = 0; k < 3; k++)
+        if (!(texel[k].w >= 0.0f && texel[k].w <= 1.0f) ||
+            !pl_regolith_band_valid(&texel[k].band, false))
+          return pl_fail(PL_E_RANGE, "body '%s': regolith map: out of range at column %d, row %d",
+                         body->name, x, y);
+    }
+  return PL_OK;
+}
+
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   pl_body *grown = pl_realloc(scene->bodies, scene->body_count + 1, sizeof *grown);
   if (grown == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
   scene->bodies = grown;
+  PL_TRY(check_regolith_map(body));
   pl_body added = *body;
   added.name = pl_strdup(body->name);
   if (added.name == NULL)

@@ -8,6 +8,7 @@
 #include "base/status.h"
 #include "geom/cover.h"
 #include "geom/cut.h"
+#include "geom/grid.h"
 #include "geom/model.h"
 #include "math/rotation.h"
 #include "scene/materials.h"
@@ -48,6 +49,7 @@ typedef struct pl_body {
   const pl_texture *map;             /* borrowed, NULL for none */
   double map_center_lon_rad;         /* longitude of the map's centre column */
   const pl_reflectance *reflectance; /* row of the table */
+  const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel a cell */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
   const pl_graph *graph; /* borrowed: instead of, or around, the above surface; NULL for none */
@@ -120,6 +122,7 @@ typedef struct pl_body_state {
   float albedo[3];            /* factor on the map, or the albedo itself */
   float emission[3];          /* W m-2 sr-1 */
   const pl_value *parameters; /* of the body's graph */
+  pl_regolith regolith;       /* for photometric rows; what is NAN is the map's, or 0 without one */
 } pl_body_state;
 
 typedef struct pl_sun {

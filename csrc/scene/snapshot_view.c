@@ -76,7 +76,7 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
   pl_view_thing thing = {
       .is_body = true,
       .in_frame = body->in_frame,
-      .textured = body->body->map != NULL,
+      .textured = body->body->map != NULL || body->body->regolith_map != NULL,
       .radius_m = body->radius_m,
       .albedo_max = diffuse ? fmin(albedo, 1.0) : 1.0,
       .ggx_alpha_min = 1.0,

@@ -93,6 +93,7 @@ static void set_own(const pl_graph *graph, const pl_value *params, const pl_valu
   const pl_operand *outputs = graph->programs[0].outputs + PL_SURFACE_SOCKETS;
   pl_surface_inputs in = own_inputs(graph);
   in.had_lobes = surface->reflectance != NULL && surface->reflectance->layered;
+  in.had_regolith = surface->reflectance != NULL && surface->reflectance->photometric;
   surface->reflectance = row;
   if (row->set == NULL)
     return;

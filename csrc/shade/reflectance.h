@@ -13,8 +13,9 @@ typedef struct pl_surface_inputs {
   const float *value[PL_NODE_SOCKETS]; /* in the order of the model's inputs; NULL: not known */
   /* Bit k: input k. Those that are not set stay what the surface has. */
   unsigned set;
-  unsigned differs; /* of those: may be other than the fallback */
-  bool had_lobes;   /* the surface's lobes are valid */
+  unsigned differs;  /* of those: may be other than the fallback */
+  bool had_lobes;    /* the surface's lobes are valid */
+  bool had_regolith; /* likewise */
 } pl_surface_inputs;
 static inline bool pl_input_is_set(const pl_surface_inputs *in, size_t k) {
   return (in->set >> k & 1u) != 0;

@@ -20,6 +20,10 @@ typedef struct pl_regolith {
   bool simple_h, narrow_surge;
 } pl_regolith;
 
+/* Whether every value is within the range of its kind: what the laws are finite for. NAN counts as
+ * such where `partly`. */
+bool pl_regolith_band_valid(const pl_regolith_band *band, bool partly);
+
 /* A pl_regolith's band with its albedo: one texel of a published map, in the order of Sato et al.
  * 2014 (LROC WAC Hapke parameter maps). */
 typedef struct pl_regolith_texel {

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "shade/material_surface.h"
+#include "shade/regolith.h"
 #include "shade/regolith_law.h"
 
 /* Fallbacks are the medians of Sato et al. 2014 at 643 nm between 30 S and 30 N of the Moon. */
@@ -25,44 +26,63 @@ const pl_socket pl_minnaert_inputs[PL_REGOLITH_PHASE_INPUTS + 1] = {
 /* Largest values, in the order of the inputs; fmin and fmax mind what is not a number. */
 static const float HIGH[] = {0.95f, 2.0f, 10.0f, 10.0f, 10.0f, 10.0f, 0.75f, 60.0f};
 
-static float value_of(const pl_surface_inputs *in, const pl_socket *sockets, size_t k,
-                      size_t band) {
-  const float value = pl_input_is_set(in, k) ? in->value[k][band] : sockets[k].fallback[band];
+static float value_of(const pl_surface_inputs *in, size_t k, size_t band) {
+  const float value =
+      pl_input_is_set(in, k) ? in->value[k][band] : pl_regolith_inputs[k].fallback[band];
   return k == 1 ? fminf(fmaxf(value, -HIGH[k]), HIGH[k]) : pl_clipped(value, HIGH[k]);
 }
 
+/* What is not given stays where the surface has it already. */
+static void set(const pl_surface_inputs *in, size_t k, size_t band, float *out) {
+  if (pl_input_is_set(in, k) || !in->had_regolith)
+    *out = value_of(in, k, band);
+}
+
 void pl_regolith_set_phase(const pl_surface_inputs *in, pl_surface *surface) {
-  surface->regolith = (pl_regolith){0};
+  if (!in->had_regolith)
+    surface->regolith = (pl_regolith){0};
   for (size_t band = 0; band < 3; band++) {
     pl_regolith_band *out = &surface->regolith.band[band];
-    out->b = value_of(in, pl_regolith_inputs, 0, band);
-    out->c = value_of(in, pl_regolith_inputs, 1, band);
-    out->b_s0 = value_of(in, pl_regolith_inputs, 2, band);
-    out->h_s = value_of(in, pl_regolith_inputs, 3, band);
+    set(in, 0, band, &out->b);
+    set(in, 1, band, &out->c);
+    set(in, 2, band, &out->b_s0);
+    set(in, 3, band, &out->h_s);
   }
 }
 
 void pl_minnaert_set(const pl_surface_inputs *in, pl_surface *surface) {
   pl_regolith_set_phase(in, surface);
   const float *k = pl_input_is_set(in, LIMB) ? in->value[LIMB] : pl_minnaert_inputs[LIMB].fallback;
-  surface->regolith.limb = pl_clipped(k[0], 2.0f) - 1.0f;
+  if (pl_input_is_set(in, LIMB) || !in->had_regolith)
+    surface->regolith.limb = pl_clipped(k[0], 2.0f) - 1.0f;
 }
 
 void pl_hapke_set_smooth(const pl_surface_inputs *in, pl_surface *surface) {
   pl_regolith_set_phase(in, surface);
   for (size_t band = 0; band < 3; band++) {
     pl_regolith_band *out = &surface->regolith.band[band];
-    out->b_c0 = value_of(in, pl_regolith_inputs, 4, band);
-    out->h_c = value_of(in, pl_regolith_inputs, 5, band);
-    out->filling = value_of(in, pl_regolith_inputs, 6, 0);
+    set(in, 4, band, &out->b_c0);
+    set(in, 5, band, &out->h_c);
+    set(in, 6, 0, &out->filling);
   }
 }
 
 void pl_hapke_set(const pl_surface_inputs *in, pl_surface *surface) {
   pl_hapke_set_smooth(in, surface);
+  if (!pl_input_is_set(in, 7) && in->had_regolith)
+    return;
   for (size_t band = 0; band < 3; band++)
-    surface->regolith.band[band].roughness_rad =
-        value_of(in, pl_regolith_inputs, 7, 0) * (PL_PI_F / 180.0f);
+    surface->regolith.band[band].roughness_rad = value_of(in, 7, 0) * (PL_PI_F / 180.0f);
+}
+
+bool pl_regolith_band_valid(const pl_regolith_band *band, bool partly) {
+  const float low[] = {0.0f, -2.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  const float high[] = {0.95f, 2.0f, 10.0f, 10.0f, 10.0f, 10.0f, 1.05f, 0.75f};
+  const float *value = (const float *)band;
+  for (size_t k = 0; k < PL_REGOLITH_VALUES; k++)
+    if (isnan(value[k]) ? !partly : !(value[k] >= low[k] && value[k] <= high[k] * 1.000001f))
+      return false;
+  return true;
 }
 
 /* White grains at opposition send back more than a white Lambert surface does: pi r there, with H H

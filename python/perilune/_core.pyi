@@ -124,6 +124,19 @@ class Map:
     def mean(self) -> F64:
         """(4,) mean linear RGBA."""
 
+@final
+class Grid:
+    """Numbers over a whole body, filtered by the footprint of a ray."""
+
+    def __new__(
+        cls, values: NDArray[np.float32], west_rad: float, north_rad: float, south_rad: float
+    ) -> Self:
+        """values: (height, width, channels), finite, at most 32 channels; rows from north to south,
+        columns all around eastwards from west_rad. Beyond the edges the edge's."""
+    @property
+    def mean(self) -> F64:
+        """(channels,) mean of all cells."""
+
 class Socket(TypedDict):
     name: str
     type: str  # "scalar" | "vector" | "color"
@@ -196,9 +209,12 @@ class Scene:
         part_id: int,
         class_ids: NDArray[np.uint16],
         graph: Graph | None,
+        regolith_map: Grid | None,
     ) -> int:
         """An ellipsoid; returns its index. class_ids: (levels,). graph: instead of, or around, the
-        surface that map and reflectance make."""
+        surface that map and reflectance make. regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0,
+        h_S, roughness in radians and filling factor of each band, for the photometric reflectances;
+        its w counts where there is no map."""
     def add_object(
         self,
         *,
@@ -252,6 +268,10 @@ class FrameRequest(TypedDict):
     body_radii: F64  # (bodies, 3), m
     body_albedo: F64  # (bodies, 3), linear factor on the map (or the colour itself without one)
     body_emission: F64  # (bodies, 3), W m-2 sr-1
+    # (bodies, 27) for photometric reflectances: b, c, B_C0, h_C, B_S0, h_S, roughness in radians,
+    # filling factor of each band (nan: the map's, or 0), Minnaert's k, 1 for the H function of 1981
+    # instead of 2002, 1 for the coherent surge's shape of 2012 instead of 2002.
+    body_regolith: NotRequired[F64]
     sun_position: F64  # (3,), m, root frame
     sun_radius: float  # m
     sun_irradiance: float  # W m-2 at 1 AU, in every colour band

@@ -6,15 +6,17 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from threading import Lock
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, materials
+from perilune import _core, articulation, materials, photometry
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError, named
+from perilune.config.photometry import Photometry
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.parts import Partition, partition
@@ -86,6 +88,7 @@ class Handles:
         self.lock = Lock()
         self._files: dict[str, _core.Map] = {}
         self._images = materials.ImageFiles(document.path)
+        self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self._renderers: dict[tuple[Any, ...], _core.Renderer] = {}
 
     @cached_property
@@ -218,6 +221,16 @@ class Handles:
             self._files[path] = _core.Map(path)
         return self._files[path]
 
+    def _regolith_map(self, name: str, given: Photometry | None) -> _core.Grid | None:
+        """The parameter map of a body; each set of files is read once."""
+        if given is None or not given.maps:
+            return None
+        key = f"bodies.{name}.photometry.maps"
+        paths = tuple(self.document.path(text, key) for text in given.maps)
+        if paths not in self._regolith_maps:
+            self._regolith_maps[paths] = photometry.load_map(paths)
+        return self._regolith_maps[paths]
+
     @property
     def renderer(self) -> _core.Renderer:
         """The core's renderer of the ideal configuration's scene."""
@@ -225,7 +238,10 @@ class Handles:
 
     def renderer_of(self, config: Config) -> _core.Renderer:
         """The core's renderer of a frame's scene: one for each look that choices give it."""
-        look = tuple((body.color_map, body.reflectance) for body in config.bodies.values())
+        look = tuple(
+            (body.color_map, body.reflectance, body.photometry.maps if body.photometry else ())
+            for body in config.bodies.values()
+        )
         if look not in self._renderers:
             if len(self._renderers) == _LOOKS:  # the one made first makes room
                 del self._renderers[next(iter(self._renderers))]
@@ -247,6 +263,7 @@ class Handles:
                 map=self._map(name, body.color_map),
                 map_center_lon_rad=math.radians(body.map_center_lon_deg),
                 reflectance=body.reflectance,
+                regolith_map=self._regolith_map(name, body.photometry),
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[

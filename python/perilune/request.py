@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, rotations
+from perilune import _core, photometry, rotations
 from perilune.config import Config
 from perilune.config.camera import Camera
 from perilune.config.references import MASKS, OBJECTS
@@ -39,7 +39,7 @@ def _albedos(config: Config) -> F64:
     for body in config.bodies.values():
         if body.albedo is not None:
             rows.append(body.albedo)
-        elif body.color_map is not None or body.is_replaced:
+        elif body.color_map is not None or body.is_replaced or body.has_parameter_maps:
             rows.append((1.0, 1.0, 1.0))
         else:
             rows.append((float(_core.BODIES[body.kind]["bond_albedo"]),) * 3)
@@ -70,6 +70,7 @@ def request_of(
         "body_radii": _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
         "body_albedo": _albedos(config),
         "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
+        "body_regolith": photometry.regolith(config),
         "sun_position": scene.sun_position_m,
         "sun_radius": config.sun.radius_km * 1e3,
         "sun_irradiance": config.sun.irradiance_w_m2,

@@ -25,6 +25,7 @@ from perilune.config.materials import DriverSection, Material, MaterialDrivers, 
 from perilune.config.motion import check_motion
 from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
+from perilune.config.photometry import Photometry
 from perilune.config.sensors import Sensor
 from perilune.config.trajectory import check_trajectory
 from perilune.config.types import (
@@ -141,7 +142,10 @@ class Body(Strict):
     """Linear factor on the map (default 1); without a map, the colour (table's Bond albedo)."""
     emission_w_m2_sr: Rgb = (0.0, 0.0, 0.0)
     reflectance: str = "lambert"
-    """A name in the table of reflectance models."""
+    """A name in the table of reflectance models. The albedo is then Lambert's, the normal albedo of
+    lunar_lambert and minnaert, or the single-scattering albedo w of lommel_seeliger and hapke."""
+    photometry: Photometry | None = None
+    """Other parameters of a photometric reflectance."""
     material: str | None = None
     """Name of an entry of `materials`: a graph instead of the surface that the keys above make."""
     material_mode: Literal["replace", "wrap"] = "replace"
@@ -153,6 +157,11 @@ class Body(Strict):
     axes."""
     class_: str | None = Field(default=None, alias="class")
     """Class of object for the labels (default: kind, or the entry's name for an ellipsoid)."""
+
+    @property
+    def has_parameter_maps(self) -> bool:
+        """Whether the albedo is that of the photometry's maps."""
+        return self.photometry is not None and bool(self.photometry.maps)
 
     @model_validator(mode="after")
     def _ellipsoid(self) -> Body:

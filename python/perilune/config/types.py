@@ -24,7 +24,8 @@ def _pair(value: Any) -> Any:
     return value if isinstance(value, (list, tuple, Mapping, str, type(None))) else (value, value)
 
 
-def _triple(value: Any) -> Any:
+def triple(value: Any) -> Any:
+    """For BeforeValidator: a number thrice."""
     plain = isinstance(value, (list, tuple, Mapping, str, type(None)))
     return value if plain else (value, value, value)
 
@@ -65,9 +66,9 @@ Integer = Annotated[int, Field(strict=True)]
 StaticFinite = Annotated[Finite, BeforeValidator(refuse_drawn)]
 StaticNonNegative = Annotated[NonNegative, BeforeValidator(refuse_drawn)]
 Vec3 = tuple[Finite, Finite, Finite]
-PositiveVec3 = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(_triple)]
+PositiveVec3 = Annotated[tuple[Positive, Positive, Positive], BeforeValidator(triple)]
 Direction = Annotated[Vec3, AfterValidator(_direction)]
-Rgb = Annotated[tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(_triple)]
+Rgb = Annotated[tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(triple)]
 """A number for all three bands, or [r, g, b] (linear)."""
 PositiveRange = Annotated[
     tuple[Positive, Positive], BeforeValidator(_pair), AfterValidator(_ordered)
