@@ -80,7 +80,7 @@ class Scene:
             "sun_position": 1.5e11 * self.eye / R_CAMERA, "sun_radius": 7e8,
             "sun_irradiance": 1361.0,
             "quality": {"samples": 1, "max_bounces": 0, "tolerance_dn": 1.0, "force_on": [],
-                        "force_off": []},
+                        "force_off": [], "texture_filter": 1},
             "exposure": {"mode": "fixed", "white_radiance": 300.0, "percentile": 99.0, "key": 0.8},
         }  # fmt: skip
 
@@ -121,7 +121,7 @@ def rendered(scene, model, threads=2):
     core = _core.Scene(1)
     core.add_body(
         name="ball", map=None, map_center_lon_rad=0.0, reflectance="lambert", instance_id=BODY,
-        part_id=BODY, class_ids=np.array([BODY], np.uint16),
+        part_id=BODY, class_ids=np.array([BODY], np.uint16), graph=None, regolith_map=None,
     )  # fmt: skip
     core.add_object(
         name="cube", model=model, offset=np.zeros(3), obj_id=1, instance_id=CUBE,

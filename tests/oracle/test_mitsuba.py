@@ -198,6 +198,7 @@ def ours(shapes: list[Shape], irradiance: float, bounces: int, folder: Path) -> 
         "quality": {
             "samples": OUR_SAMPLES,
             "max_bounces": bounces,
+            "texture_filter": 1,
             "tolerance_dn": 0.0,
             "force_on": ["antialiasing", "bounces", "cast_shadows", "emitters"],
             "force_off": ["soft_sun"],
