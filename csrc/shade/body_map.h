@@ -1,15 +1,43 @@
-/* Longitude and latitude on bodies, with the footprint that a pixel has in them. */
+/* Longitude and latitude on bodies, with the footprint that a pixel has in them. Inline: every hit
+ * on a body with a map comes here. */
 #ifndef PL_SHADE_BODY_MAP_H
 #define PL_SHADE_BODY_MAP_H
 
-#include "math/vec.h"
+#include <math.h>
+
+#include "geom/ellipsoid.h"
+
+/* Change of longitude and latitude over a step in body axes, as map coordinates. At the poles,
+ * where longitude has no derivative, the point counts as a millionth of the radius away, at
+ * longitude 0. */
+static inline void pl_body_map_step(pl_vec3 p, pl_vec3 step, float out[2]) {
+  const double r2 = pl_vec3_dot(p, p);
+  double rho2 = p.x * p.x + p.y * p.y;
+  if (rho2 < 1e-12 * r2) {
+    rho2 = 1e-12 * r2;
+    p.x = sqrt(rho2);
+    p.y = 0.0;
+  }
+  const double rho = sqrt(rho2);
+  const double lon = (p.x * step.y - p.y * step.x) / rho2;
+  const double lat = (rho * step.z - p.z * (p.x * step.x + p.y * step.y) / rho) / r2;
+  out[0] = (float)(lon / (2.0 * PL_PI));
+  out[1] = (float)(-lat / PL_PI);
+}
 
 /* Coordinates in an equirectangular map whose centre column is at longitude `center_lon_rad`: u
  * eastwards, 0..1, v from the north pole to the south pole. `across`, `along`: extent of the
  * footprint on the surface, body axes, metres; a, b: the same in the map. They come of derivatives,
- * so the date line is no seam. At the poles, where longitude has none, the point counts as a
- * millionth of the radius away, at longitude 0. Latitude is planetocentric. */
-void pl_body_map_uv(pl_vec3 point, double center_lon_rad, pl_vec3 across, pl_vec3 along,
-                    float uv[2], float a[2], float b[2]);
+ * so the date line is no seam. Latitude is planetocentric. */
+static inline void pl_body_map_uv(pl_vec3 point, double center_lon_rad, pl_vec3 across,
+                                  pl_vec3 along, float uv[2], float a[2], float b[2]) {
+  double lon, lat;
+  pl_body_map_step(point, across, a);
+  pl_body_map_step(point, along, b);
+  pl_ellipsoid_lon_lat(point, &lon, &lat);
+  const double u = 0.5 + (lon - center_lon_rad) / (2.0 * PL_PI);
+  uv[0] = (float)(u - floor(u));
+  uv[1] = (float)(0.5 - lat / PL_PI);
+}
 
 #endif
