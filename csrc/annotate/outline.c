@@ -83,6 +83,17 @@ static pl_rect rect_around(const pl_camera *camera, const pl_vec3 corners[8]) {
   return rect;
 }
 
+static pl_rect rect_bent(const pl_camera *camera, const pl_vec3 corners[8]) {
+  const int w = camera->width, h = camera->height;
+  const double margin = margin_px(camera);
+  double r[4];
+  pl_camera_bound(camera, corners, 8, r);
+  return (pl_rect){to_pixel(floor(r[0] - margin), -w, 2 * w),
+                   to_pixel(floor(r[1] - margin), -h, 2 * h),
+                   to_pixel(ceil(r[2] + margin), -w - 1, 2 * w - 1),
+                   to_pixel(ceil(r[3] + margin), -h - 1, 2 * h - 1)};
+}
+
 pl_rect pl_outline_project(const pl_outline *outline, const pl_camera *camera, const float *low,
                            const float *high) {
   pl_vec3 corners[8];
@@ -90,7 +101,9 @@ pl_rect pl_outline_project(const pl_outline *outline, const pl_camera *camera, c
   set_corners(outline, low, high, corners);
   for (int k = 0; k < 8; k++)
     before += corners[k].z > 0.0;
-  const pl_rect rect = before == 0   ? nowhere
+  const bool bent = camera->lens.model != NULL;
+  const pl_rect rect = bent          ? rect_bent(camera, corners)
+                       : before == 0 ? nowhere
                        : before == 8 ? rect_before(camera, corners)
                                      : rect_around(camera, corners);
   return rect.x0 > rect.x1 || rect.y0 > rect.y1 ? nowhere : rect;
@@ -141,11 +154,12 @@ static void set_depths(pl_outline *out) {
   out->far_m += room;
 }
 
-/* A ray that meets both meets first the one whose depth is smaller. */
-static bool object_hides(const pl_outline *other, const pl_outline *outline) {
+/* Before the camera, a ray that meets both meets first the one whose depth is smaller. */
+static bool object_hides(const pl_camera *camera, const pl_outline *other,
+                         const pl_outline *outline) {
   const pl_rect a = other->rect, b = outline->rect;
-  return other->z0_m <= outline->z1_m && a.x0 <= b.x1 && a.x1 >= b.x0 && a.y0 <= b.y1 &&
-         a.y1 >= b.y0;
+  const bool nearer = other->z0_m <= outline->z1_m || camera->lens.limit_rad > 0.5 * PL_PI;
+  return nearer && a.x0 <= b.x1 && a.x1 >= b.x0 && a.y0 <= b.y1 && a.y1 >= b.y0;
 }
 
 static bool body_hides(const pl_shot_body *body, const pl_shot_object *object,
@@ -167,7 +181,7 @@ static bool is_whole(const pl_snapshot *shot, size_t index, const pl_outline *ou
   if (!inside || !shot->objects[index].in_frame)
     return false;
   for (size_t i = 0; i < shot->object_count; i++)
-    if (i != index && object_hides(&outlines[i], &outlines[index]))
+    if (i != index && object_hides(&shot->camera, &outlines[i], &outlines[index]))
       return false;
   for (size_t i = 0; i < shot->body_count; i++)
     if (body_hides(&shot->bodies[i], &shot->objects[index], &outlines[index]))

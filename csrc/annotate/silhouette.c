@@ -81,7 +81,10 @@ static void look(const search *search, const int tile[4], int x, int y, bool pos
   }
   if (!possible)
     return;
-  doubts->directions[doubts->count] = pl_vec3_to_float(pl_snapshot_ray(shot, u, v));
+  const pl_vec3 direction = pl_snapshot_ray(shot, u, v);
+  if (pl_vec3_dot(direction, direction) == 0.0)
+    return; /* outside of the image, where the lens sees nothing */
+  doubts->directions[doubts->count] = pl_vec3_to_float(direction);
   doubts->x[doubts->count] = (int16_t)x;
   doubts->y[doubts->count++] = (int16_t)y;
 }

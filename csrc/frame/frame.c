@@ -207,6 +207,8 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   lap(result, PL_STAGE_METER, &start);
   PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &view, &request->wish, &result->plan));
   pl_snapshot_cull(shot, &view, request->wish.tolerance_dn);
+  if (pl_plan_value(&result->plan, "distortion") == 0)
+    shot->camera.lens = (pl_lens){0};
   lap(result, PL_STAGE_PLAN, &start);
   return PL_OK;
 }

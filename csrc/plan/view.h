@@ -37,6 +37,7 @@ typedef struct pl_view {
   double sun_position_m[3]; /* camera-relative, root axes */
   double sun_radius_m;
   bool sun_in_frame;
+  double lens_shift_px;        /* by which the lens moves the image at most */
   int samples;                 /* the user's ceiling of colour samples a pixel */
   int max_bounces;             /* the user's ceiling of bounces */
   int texture_filter;          /* the user's ceiling, a pl_filter */

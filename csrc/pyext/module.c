@@ -9,6 +9,7 @@
 #include "io/png_write.h"
 #include "orbit/propagator.h"
 #include "orbit/turn.h"
+#include "pyext/py_camera.h"
 #include "pyext/py_orbit.h"
 #include "pyext/py_propagator.h"
 #include "pyext/py_request.h"
@@ -88,6 +89,7 @@ static PyMethodDef functions[] = {
     {"allocations", allocations, METH_NOARGS, "Allocations made by the core so far."},
     {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
+    {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},
     {"version", version, METH_NOARGS, "Versions of what the core was built with."},
     {NULL, NULL, 0, NULL},
 };
@@ -155,7 +157,8 @@ static int execute(PyObject *module) {
   pl_turn_kinds(&turns);
   if (add(module, "PROPAGATORS", named_rows(propagators, propagator_name, propagator_doc)) < 0 ||
       add(module, "TURNS", named_rows(turns, turn_name, turn_doc)) < 0 ||
-      add(module, "FORCES", pl_py_forces()) < 0 || add(module, "NODES", pl_py_nodes()) < 0)
+      add(module, "FORCES", pl_py_forces()) < 0 || add(module, "NODES", pl_py_nodes()) < 0 ||
+      add(module, "LENSES", pl_py_lenses()) < 0)
     return -1;
   return pl_py_orbit_add_constants(module);
 }

@@ -114,9 +114,9 @@ int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,
 }
 
 static PyObject *channel_entry(const char *name, const char *dtype, int components,
-                               const char *unit, const char *doc) {
-  return Py_BuildValue("{s:s,s:s,s:i,s:s,s:s}", "name", name, "dtype", dtype, "components",
-                       components, "unit", unit, "doc", doc);
+                               const char *unit, const char *doc, bool colour) {
+  return Py_BuildValue("{s:s,s:s,s:i,s:s,s:s,s:O}", "name", name, "dtype", dtype, "components",
+                       components, "unit", unit, "doc", doc, "colour", colour ? Py_True : Py_False);
 }
 
 PyObject *pl_py_channels(void) {
@@ -125,10 +125,10 @@ PyObject *pl_py_channels(void) {
     PyObject *entry;
     if (i < COLOUR_CHANNELS) {
       entry = channel_entry(colour_channels[i].name, colour_channels[i].dtype, 3,
-                            colour_channels[i].unit, colour_channels[i].doc);
+                            colour_channels[i].unit, colour_channels[i].doc, true);
     } else {
       const pl_channel *c = &pl_channels[i - COLOUR_CHANNELS];
-      entry = channel_entry(c->name, c->dtype, c->components, c->unit, c->doc);
+      entry = channel_entry(c->name, c->dtype, c->components, c->unit, c->doc, false);
     }
     if (entry == NULL)
       Py_CLEAR(tuple);

@@ -2,6 +2,7 @@
 #include "pyext/py_request.h"
 
 #include "frame/effects.h"
+#include "pyext/py_camera.h"
 #include "pyext/py_types.h"
 
 /* Borrowed value of a key; KeyError naming it when absent. */
@@ -57,23 +58,18 @@ static pl_motion motion_from(const double *p) {
 }
 
 static int parse_camera(PyObject *dict, pl_camera *camera) {
-  const npy_intp k_shape[2] = {3, 3}, pose_shape[2] = {2, 7};
+  const npy_intp shape[2] = {2, 7};
   if (get_int(dict, "width", &camera->width) < 0 || get_int(dict, "height", &camera->height) < 0)
     return -1;
-  PyArrayObject *k = get_array(dict, "K", 2, k_shape);
-  PyArrayObject *pose = k != NULL ? get_array(dict, "camera_pose", 2, pose_shape) : NULL;
-  if (pose != NULL) {
-    const double *m = PyArray_DATA(k);
-    camera->fx = m[0];
-    camera->skew = m[1];
-    camera->cx = m[2];
-    camera->fy = m[4];
-    camera->cy = m[5];
-    camera->motion = motion_from(PyArray_DATA(pose));
-  }
-  Py_XDECREF((PyObject *)k);
-  Py_XDECREF((PyObject *)pose);
-  return pose != NULL ? 0 : -1;
+  PyObject *k = item(dict, "K");
+  if (k == NULL || pl_py_camera_optics(k, PyDict_GetItemString(dict, "lens"), camera) < 0)
+    return -1;
+  PyArrayObject *pose = get_array(dict, "camera_pose", 2, shape);
+  if (pose == NULL)
+    return -1;
+  camera->motion = motion_from(PyArray_DATA(pose));
+  Py_DECREF((PyObject *)pose);
+  return 0;
 }
 
 static int parse_objects(PyObject *dict, size_t count, pl_object_state *out) {

@@ -22,26 +22,35 @@ static pl_vec3 view_of_piece(const pl_shot_piece *piece, pl_vec3 p) {
   return pl_vec3_add(piece->origin, pl_mat3_mul_vec(piece->linear, p));
 }
 
-/* The rectangle that a box projects into; false if part of it is beside or behind the camera, where
- * projection has no bounds. */
+/* The rectangle that a box projects into; false if part of it is beside or behind a pinhole camera,
+ * where projection has no bounds. */
 static bool project_box(const pl_snapshot *shot, const pl_shot_object *object,
                         const pl_shot_piece *piece, const pl_box *box, extent *out) {
   const pl_camera *camera = &shot->camera;
+  pl_vec3 corners[8];
   *out = (extent){INFINITY, INFINITY, -INFINITY, -INFINITY};
   for (int corner = 0; corner < 8; corner++) {
     const pl_vec3 p = {corner & 1 ? box->high[0] : box->low[0],
                        corner & 2 ? box->high[1] : box->low[1],
                        corner & 4 ? box->high[2] : box->low[2]};
     const pl_vec3 view = piece != NULL ? view_of_piece(piece, p) : view_of_object(object, p);
-    const pl_vec3 c = pl_mat3_mul_vec_t(shot->camera_to_root, view);
-    if (!(c.z > 1e-3 * pl_vec3_norm(c)))
+    corners[corner] = pl_mat3_mul_vec_t(shot->camera_to_root, view);
+  }
+  if (camera->lens.model != NULL) {
+    double rect[4];
+    pl_camera_bound(camera, corners, 8, rect);
+    *out = (extent){rect[0], rect[1], rect[2], rect[3]};
+    return true;
+  }
+  for (int k = 0; k < 8; k++) {
+    const pl_vec3 c = corners[k];
+    double pixel[2];
+    if (!(c.z > 1e-3 * pl_vec3_norm(c)) || !pl_camera_project(camera, c, pixel))
       return false;
-    const double x = (camera->fx * c.x + camera->skew * c.y) / c.z + camera->cx;
-    const double y = camera->fy * c.y / c.z + camera->cy;
-    out->x0 = fmin(out->x0, x);
-    out->y0 = fmin(out->y0, y);
-    out->x1 = fmax(out->x1, x);
-    out->y1 = fmax(out->y1, y);
+    out->x0 = fmin(out->x0, pixel[0]);
+    out->y0 = fmin(out->y0, pixel[1]);
+    out->x1 = fmax(out->x1, pixel[0]);
+    out->y1 = fmax(out->y1, pixel[1]);
   }
   return true;
 }
@@ -53,7 +62,7 @@ static int block_of(double pixel, int count) {
 }
 
 static void mark(pl_reach *reach, const pl_snapshot *shot, const extent *e) {
-  if (e->x1 + MARGIN_PX < 0.0 || e->y1 + MARGIN_PX < 0.0 ||
+  if (e->x0 > e->x1 || e->x1 + MARGIN_PX < 0.0 || e->y1 + MARGIN_PX < 0.0 ||
       e->x0 - MARGIN_PX > shot->camera.width - 1 || e->y0 - MARGIN_PX > shot->camera.height - 1)
     return;
   const int x0 = block_of(e->x0 - MARGIN_PX, reach->columns);

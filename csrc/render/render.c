@@ -67,21 +67,6 @@ static pl_tile tile_of(const job *job, size_t item) {
                    h < PL_TILE_SIDE ? h : PL_TILE_SIDE};
 }
 
-/* The cone about the tile's middle that holds all its pixels. */
-static void tile_cone(const job *job, pl_tile tile, pl_vec3 *axis, double *half_angle_rad) {
-  const double x0 = tile.x0 - 0.5, y0 = tile.y0 - 0.5;
-  const double x1 = x0 + tile.width, y1 = y0 + tile.height;
-  const double corner[4][2] = {{x0, y0}, {x1, y0}, {x0, y1}, {x1, y1}};
-  *axis = pl_snapshot_ray(job->shot, 0.5 * (x0 + x1), 0.5 * (y0 + y1));
-  *half_angle_rad = 0.0;
-  for (int i = 0; i < 4; i++) {
-    const pl_vec3 ray = pl_snapshot_ray(job->shot, corner[i][0], corner[i][1]);
-    const double angle = atan2(pl_vec3_norm(pl_vec3_cross(ray, *axis)), pl_vec3_dot(ray, *axis));
-    *half_angle_rad = fmax(*half_angle_rad, angle);
-  }
-  *half_angle_rad *= 1.0 + 1e-9;
-}
-
 /* What the tile's cone can meet. */
 typedef struct content {
   bool meshes, bodies, sun;
@@ -93,7 +78,9 @@ static content tile_content(const job *job, pl_tile tile) {
   double half_angle;
   const pl_snapshot *shot = job->shot;
   content out = {.body = PL_NOTHING};
-  tile_cone(job, tile, &axis, &half_angle);
+  const double rect[4] = {tile.x0 - 0.5, tile.y0 - 0.5, tile.x0 + tile.width - 0.5,
+                          tile.y0 + tile.height - 0.5};
+  pl_snapshot_cone(shot, rect, &axis, &half_angle);
   for (int y = 0; y < tile.height; y += PL_REACH_BLOCK)
     for (int x = 0; x < tile.width; x += PL_REACH_BLOCK)
       out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y);

@@ -1,4 +1,4 @@
-/* Poses over the exposure, camera rays, and the check of what a frame places. */
+/* Poses over the exposure, and the check of what a frame places. */
 #include "scene/scene.h"
 
 pl_pose pl_motion_middle(const pl_motion *motion) {
@@ -6,11 +6,6 @@ pl_pose pl_motion_middle(const pl_motion *motion) {
       pl_vec3_scale(pl_vec3_add(motion->open.t, motion->close.t), 0.5),
       pl_quat_slerp(motion->open.q, motion->close.q, 0.5),
   };
-}
-
-pl_vec3 pl_camera_ray(const pl_camera *camera, double u, double v) {
-  const double y = (v - camera->cy) / camera->fy;
-  return (pl_vec3){(u - camera->cx - camera->skew * y) / camera->fx, y, 1.0};
 }
 
 /* Lengths beyond which squares of float coordinates overflow, and so do Embree's (its rays end at
@@ -49,7 +44,8 @@ static pl_status check_camera(const pl_camera *camera) {
       !isfinite(camera->fy) || !isfinite(camera->cx) || !isfinite(camera->cy) ||
       !isfinite(camera->skew))
     return pl_fail(PL_E_RANGE, "camera: K must be finite with positive focal lengths");
-  return check_motion("camera", "camera", &camera->motion);
+  PL_TRY(check_motion("camera", "camera", &camera->motion));
+  return pl_camera_check_lens(camera);
 }
 
 static pl_status check_parameters(const char *what, const char *name, size_t count,

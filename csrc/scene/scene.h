@@ -11,6 +11,7 @@
 #include "geom/grid.h"
 #include "geom/model.h"
 #include "math/rotation.h"
+#include "scene/lens.h"
 #include "scene/materials.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
@@ -131,14 +132,24 @@ typedef struct pl_sun {
   double irradiance_au; /* W m-2 at 1 AU, in every band */
 } pl_sun;
 
-/* A pinhole camera: p_pixel = K p, OpenCV axes, integer pixel centres. */
+/* p_pixel = K p of what the lens makes of a point, OpenCV axes, integer pixel centres. */
 typedef struct pl_camera {
   int width, height;           /* pixels */
   double fx, fy, cx, cy, skew; /* pixels */
+  pl_lens lens;                /* a pinhole without a model */
   pl_motion motion;            /* camera to root */
 } pl_camera;
-/* Direction of a pixel position in camera axes with z = 1 (not unit). */
+/* Direction of a pixel position in camera axes (not unit); zero where the lens has no ray. */
 pl_vec3 pl_camera_ray(const pl_camera *camera, double u, double v);
+/* Pixel position of a direction in camera axes; false for none. */
+bool pl_camera_project(const pl_camera *camera, pl_vec3 direction, double pixel[2]);
+/* With a lens: pixels that the convex hull of points in camera axes may cover, as x0, y0, x1, y1;
+ * x0 > x1 for none. All of the plane where the hull may hold the camera. */
+void pl_camera_bound(const pl_camera *camera, const pl_vec3 *points, size_t count, double rect[4]);
+/* PL_E_RANGE, saying where, if pixels of the image lie beyond what the lens can see. */
+pl_status pl_camera_check_lens(const pl_camera *camera);
+/* By how many pixels the lens moves the image at most; infinite beyond a right angle. */
+double pl_camera_lens_shift(const pl_camera *camera);
 
 /* Everything that changes with the frame; arrays are borrowed and as long as the scene's. */
 typedef struct pl_placement {

@@ -26,17 +26,26 @@ double pl_shot_sun_irradiance(const pl_shot_sun *sun, pl_vec3 point) {
          pl_vec3_dot(to_sun, to_sun);
 }
 
-/* Half angle of the cone about the axis through the image centre that holds the whole image. */
-static void image_cone(const pl_snapshot *shot, pl_vec3 *axis, double *half_angle_rad) {
-  const double w = shot->camera.width, h = shot->camera.height;
-  const double corner[4][2] = {{-0.5, -0.5}, {w - 0.5, -0.5}, {-0.5, h - 0.5}, {w - 0.5, h - 0.5}};
-  *axis = pl_snapshot_ray(shot, 0.5 * (w - 1.0), 0.5 * (h - 1.0));
+/* Points a side of a rectangle that bends, and room for what lies between them. */
+enum { BENT = 8 };
+static const double BENT_ROOM = 1.05;
+
+void pl_snapshot_cone(const pl_snapshot *shot, const double rect[4], pl_vec3 *axis,
+                      double *half_angle_rad) {
+  const bool bent = shot->camera.lens.model != NULL;
+  const int steps = bent ? BENT : 1;
+  *axis = pl_snapshot_ray(shot, 0.5 * (rect[0] + rect[2]), 0.5 * (rect[1] + rect[3]));
   *half_angle_rad = 0.0;
-  for (int i = 0; i < 4; i++) {
-    const pl_vec3 ray = pl_snapshot_ray(shot, corner[i][0], corner[i][1]);
-    const double angle = atan2(pl_vec3_norm(pl_vec3_cross(ray, *axis)), pl_vec3_dot(ray, *axis));
-    *half_angle_rad = fmax(*half_angle_rad, angle);
-  }
+  for (int i = 0; i <= steps; i++)
+    for (int side = 0; side < 4; side++) {
+      const double t = (double)i / steps;
+      const double u = side < 2 ? rect[0] + t * (rect[2] - rect[0]) : rect[2 * (side - 2)];
+      const double v = side < 2 ? rect[1 + 2 * side] : rect[1] + t * (rect[3] - rect[1]);
+      const pl_vec3 ray = pl_snapshot_ray(shot, u, v);
+      const double angle = atan2(pl_vec3_norm(pl_vec3_cross(ray, *axis)), pl_vec3_dot(ray, *axis));
+      *half_angle_rad = fmax(*half_angle_rad, angle);
+    }
+  *half_angle_rad *= bent ? BENT_ROOM : 1.0 + 1e-9;
 }
 
 static void build_object(const pl_object *object, const pl_object_state *state, pl_vec3 camera,
@@ -119,7 +128,8 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
     return pl_fail(PL_E_RANGE, "the camera is inside the sun");
   pl_vec3 axis;
   double half_angle;
-  image_cone(out, &axis, &half_angle);
+  const double image[4] = {-0.5, -0.5, out->camera.width - 0.5, out->camera.height - 0.5};
+  pl_snapshot_cone(out, image, &axis, &half_angle);
   out->sun.in_frame = pl_sphere_in_cone(out->sun.position, out->sun.radius_m, axis, half_angle);
   for (size_t i = 0; i < scene->object_count; i++) {
     pl_shot_object *object = &out->objects[i];

@@ -93,8 +93,13 @@ pl_status pl_snapshot_view(const pl_snapshot *snapshot, pl_arena *arena, pl_view
  * everything is kept and every body counts as shadowed. */
 void pl_snapshot_cull(pl_snapshot *snapshot, const pl_view *view, double tolerance_dn);
 
-/* Unit direction in root axes through pixel position (u, v). */
+/* Unit direction in root axes through pixel position (u, v); zero where the lens has no ray. */
 pl_vec3 pl_snapshot_ray(const pl_snapshot *snapshot, double u, double v);
+
+/* The cone about the middle of a rectangle of the image (x0, y0, x1, y1; pixel positions) that
+ * holds all its rays. */
+void pl_snapshot_cone(const pl_snapshot *snapshot, const double rect[4], pl_vec3 *axis,
+                      double *half_angle_rad);
 
 /* Whether a sphere (camera-relative, root axes) can touch the cone about a unit axis. A camera
  * inside the sphere always does. */

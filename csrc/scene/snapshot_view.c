@@ -113,6 +113,7 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
       .sun_position_m = {sun.x, sun.y, sun.z},
       .sun_radius_m = shot->sun.radius_m,
       .sun_in_frame = shot->sun.in_frame,
+      .lens_shift_px = pl_camera_lens_shift(&shot->camera),
       .things = things,
       .thing_count = count,
   };

@@ -22,6 +22,7 @@ class Channel(TypedDict):
     components: int  # 0: (H, W); n: (H, W, n); -1: (H, W, levels)
     unit: str
     doc: str
+    colour: bool  # light, rather than a label
 
 CHANNELS: tuple[Channel, ...]
 """Every per-pixel channel the core can compute, in a fixed order."""
@@ -161,6 +162,12 @@ class NodeKind(TypedDict):
     surface: bool  # its inputs are what a graph gives
 
 NODES: dict[str, NodeKind]
+
+class LensModel(TypedDict):
+    doc: str
+    coefficients: tuple[str, ...]  # their names, in OpenCV's order
+
+LENSES: dict[str, LensModel]
 """The kinds of nodes of material graphs by name."""
 
 @final
@@ -259,6 +266,7 @@ class FrameRequest(TypedDict):
     width: int
     height: int
     K: F64  # (3, 3), pixels, integer pixel centres
+    lens: NotRequired[tuple[str, F64] | None]  # model and coefficients, see LENSES
     camera_pose: F64  # (2, 7): camera to root at shutter opening and closing
     object_poses: F64  # (objects, 2, 7)
     object_scale: F64  # (objects,), metres per model unit
@@ -392,6 +400,9 @@ class Tree:
 
 def philox(key: tuple[int, int], counter: tuple[int, int, int, int], count: int) -> NDArray[np.uint64]:
     """`count` words of Philox4x64-10, as numpy.random.Philox gives them (for tests)."""
+
+def project(K: F64, lens: tuple[str, F64] | None, points: F64) -> F64:
+    """(N, 2): pixels of (N, 3) points in camera axes; nan where there is no image."""
 
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""

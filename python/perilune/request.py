@@ -34,6 +34,14 @@ def intrinsics(camera: Camera) -> F64:
     return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
 
 
+def lens_of(camera: Camera) -> tuple[str, F64] | None:
+    """Model and coefficients, as the core takes them."""
+    if camera.lens is None:
+        return None
+    names = _core.LENSES[camera.lens.model]["coefficients"]
+    return camera.lens.model, np.array([getattr(camera.lens, name) for name in names], np.float64)
+
+
 def _albedos(config: Config) -> F64:
     rows = []
     for body in config.bodies.values():
@@ -62,6 +70,7 @@ def request_of(
         "width": config.camera.width,
         "height": config.camera.height,
         "K": intrinsics(config.camera),
+        "lens": lens_of(config.camera),
         "camera_pose": camera_poses,
         "object_poses": _stacked([scene.poses[name] for name in config.spacecraft], (2, 7)),
         "object_movers": movers,
@@ -136,10 +145,10 @@ def arrays_of(config: Config, names: Sequence[str], out: Mapping[str, Array]) ->
     return arrays
 
 
-def camera_label(request: _core.FrameRequest, sensor: str | None) -> CameraLabel:
-    """The camera in the middle of the exposure."""
+def camera_label(request: _core.FrameRequest, sensor: str | None, bent: bool) -> CameraLabel:
+    """The camera in the middle of the exposure. bent: the labels have the lens's distortion."""
     opening, closing = request["camera_pose"]
     R_w2c = rotations.to_matrix(rotations.middle(opening[3:], closing[3:])).T
     center = 0.5 * (opening[:3] + closing[:3])
     size = request["width"], request["height"]
-    return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor)
+    return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor, request["lens"] if bent else None)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, bodies, labels, materials, trajectories
+from perilune import _core, articulation, bodies, labels, materials, passes, trajectories
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.errors import named, nearest
 from perilune.config.references import OBJECTS, check_channels, check_references
@@ -223,10 +223,13 @@ class Simulation:
         handles = self._mine()
         posed = handles.posed(scene)
         request = self._request(scene, posed)
+        lens = scene.config.camera.lens
+        undistorted = lens is not None and lens.labels == "undistorted"
         arrays = arrays_of(scene.config, names, out or {})
         try:
             with handles.lock:
-                result = handles.renderer_of(scene.config).render(request, arrays, count)
+                renderer = handles.renderer_of(scene.config)
+                result = passes.render(renderer, request, arrays, count, undistorted)
         except Exception as error:
             error.add_note(f"{self._document.source}: frame {scene.index}")
             raise
@@ -245,7 +248,8 @@ class Simulation:
             "timings_s": result["timings_s"],
         }
         objects = arrays.pop(OBJECTS, None)
-        return Sample(arrays, objects, camera_label(request, scene.sensor), meta, result["plan"])
+        label = camera_label(request, scene.sensor, not undistorted)
+        return Sample(arrays, objects, label, meta, result["plan"])
 
     def plot_orbits(self, frames: Iterable[int] = (0,), **options: Any) -> Any:
         """A matplotlib Figure of the orbits in some frames; see perilune.plots.plot_orbits."""

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
+from perilune.config.lens import Lens
 from perilune.config.trajectory import Trajectory
 from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
 
@@ -45,7 +46,7 @@ def check_matrix(K: Matrix) -> None:
 
 
 class Camera(Strict):
-    """A pinhole camera; integer pixel centres, OpenCV axes (x right, y down, z forward)."""
+    """A camera; integer pixel centres, OpenCV axes (x right, y down, z forward)."""
 
     width: Annotated[Integer, Field(ge=1, le=32768)]
     height: Annotated[Integer, Field(ge=1, le=32768)]
@@ -54,6 +55,8 @@ class Camera(Strict):
     focal_px: Positive | None = None
     K: Matrix | None = None
     """Row-major 3x3 matrix, pixels."""
+    lens: Lens | None = None
+    """Distortion; none of a pinhole camera. Pixels that the lens cannot see are an error."""
     trajectory: Trajectory
     exposure_time_s: NonNegative = 0.0
     """Shutter opening to closing; frame times are openings."""

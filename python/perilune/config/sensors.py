@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from perilune.config.camera import INTRINSICS, Camera, Exposure, Matrix, check_matrix
 from perilune.config.errors import fail
+from perilune.config.lens import Lens
 from perilune.config.types import Finite, Integer, NonNegative, Positive, Strict, Vec3
 
 Pose = tuple[Finite, Finite, Finite, Finite, Finite, Finite, Finite]
@@ -46,6 +47,8 @@ class Sensor(Strict):
     """Likewise."""
     K: Matrix | None = None
     """Likewise: a row-major 3x3 matrix, pixels."""
+    lens: Lens | None = None
+    """Replaces the platform's section as a whole."""
     exposure_time_s: NonNegative | None = None
     """Shutter opening to closing; all sensors of a step open together."""
     exposure: Exposure | None = None

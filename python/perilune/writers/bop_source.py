@@ -63,6 +63,13 @@ def refuse_unfit(sim: Simulation) -> None:
     """ConfigError for what a configuration may say, but a BOP dataset cannot hold."""
     _refuse_driven_sizes(sim)
     _refuse_several_sizes(sim)
+    for name, camera in sim.config.cameras.items():
+        if camera.lens is not None and camera.lens.labels == "distorted":
+            raise ConfigError(
+                f"{sim.document.source}: {'camera' if name is None else f'sensors.{name}'}.lens: a BOP camera is a pinhole, which K "
+                "describes whole; say lens.labels: undistorted for labels of that pinhole beside "
+                "distorted images, or remove the lens"
+            )
     if not sim.config.render.amodal:
         raise ConfigError(
             f"{sim.document.source}: render.amodal: false leaves out the full silhouettes, which "
@@ -161,8 +168,10 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
         {"name": name, "trigger_interval": sensor.trigger_interval}
         for name, sensor in sim.config.sensors.items()
     ]
+    undistorted = any(camera.lens is not None for camera in sim.config.cameras.values())
     return {
         **({"sensors": sensors} if sensors else {}),
+        **({"annotations": "undistorted"} if undistorted else {}),
         "chunk_size": chunk_size,
         "config_name": sim.config.name,
         "config_sha256": hashlib.sha256(text.encode("utf-8")).hexdigest(),

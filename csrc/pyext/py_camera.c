@@ -1,0 +1,93 @@
+/* The optics of a camera for Python: the table of lenses, requests, and projection for labels. */
+#include "pyext/py_camera.h"
+
+#include "pyext/py_types.h"
+
+static const pl_lens_model *model_by_name(PyObject *name) {
+  for (size_t i = 0; PyUnicode_Check(name) && i < pl_lens_model_count; i++)
+    if (PyUnicode_CompareWithASCIIString(name, pl_lens_models[i].name) == 0)
+      return &pl_lens_models[i];
+  PyErr_SetString(PyExc_ValueError, "lens: no such model, see LENSES");
+  return NULL;
+}
+
+static int parse_lens(PyObject *lens, pl_lens *out) {
+  *out = (pl_lens){0};
+  if (lens == NULL || lens == Py_None)
+    return 0;
+  if (!PyTuple_Check(lens) || PyTuple_Size(lens) != 2) {
+    PyErr_SetString(PyExc_TypeError, "lens: must be None or (model, coefficients)");
+    return -1;
+  }
+  const pl_lens_model *model = model_by_name(PyTuple_GetItem(lens, 0));
+  if (model == NULL)
+    return -1;
+  const npy_intp shape[1] = {(npy_intp)model->count};
+  PyArrayObject *c = pl_py_array(PyTuple_GetItem(lens, 1), "lens", NPY_DOUBLE, 1, shape);
+  if (c == NULL)
+    return -1;
+  const pl_status status = pl_lens_init(model, PyArray_DATA(c), out);
+  Py_DECREF((PyObject *)c);
+  return status == PL_OK ? 0 : (pl_py_raise(status), -1);
+}
+
+static PyObject *names_of(const pl_lens_model *model) {
+  PyObject *names = PyTuple_New((Py_ssize_t)model->count);
+  for (size_t i = 0; names != NULL && i < model->count; i++) {
+    PyObject *name = PyUnicode_FromString(model->coefficients[i]);
+    if (name == NULL)
+      Py_CLEAR(names);
+    else
+      PyTuple_SetItem(names, (Py_ssize_t)i, name);
+  }
+  return names;
+}
+
+PyObject *pl_py_lenses(void) {
+  PyObject *rows = PyDict_New();
+  for (size_t i = 0; rows != NULL && i < pl_lens_model_count; i++) {
+    const pl_lens_model *model = &pl_lens_models[i];
+    PyObject *row = Py_BuildValue("{s:s,s:N}", "doc", model->doc, "coefficients", names_of(model));
+    if (row == NULL || PyDict_SetItemString(rows, model->name, row) < 0)
+      Py_CLEAR(rows);
+    Py_XDECREF(row);
+  }
+  return rows;
+}
+
+int pl_py_camera_optics(PyObject *k_object, PyObject *lens, pl_camera *out) {
+  const npy_intp shape[2] = {3, 3};
+  PyArrayObject *k = pl_py_array(k_object, "K", NPY_DOUBLE, 2, shape);
+  if (k == NULL)
+    return -1;
+  const double *m = PyArray_DATA(k);
+  out->fx = m[0];
+  out->skew = m[1];
+  out->cx = m[2];
+  out->fy = m[4];
+  out->cy = m[5];
+  Py_DECREF((PyObject *)k);
+  return parse_lens(lens, &out->lens);
+}
+
+PyObject *pl_py_project(PyObject *module, PyObject *args) {
+  PyObject *k, *lens, *directions;
+  pl_camera camera = {0};
+  (void)module;
+  if (!PyArg_ParseTuple(args, "OOO:project", &k, &lens, &directions) ||
+      pl_py_camera_optics(k, lens, &camera) < 0)
+    return NULL;
+  const npy_intp any[2] = {-1, 3};
+  PyArrayObject *points = pl_py_array(directions, "points", NPY_DOUBLE, 2, any);
+  if (points == NULL)
+    return NULL;
+  const npy_intp shape[2] = {PyArray_DIM(points, 0), 2};
+  PyObject *result = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  const double *p = PyArray_DATA(points);
+  double *out = result != NULL ? PyArray_DATA((PyArrayObject *)result) : NULL;
+  for (npy_intp i = 0; result != NULL && i < shape[0]; i++, p += 3, out += 2)
+    if (!pl_camera_project(&camera, (pl_vec3){p[0], p[1], p[2]}, out))
+      out[0] = out[1] = NAN;
+  Py_DECREF((PyObject *)points);
+  return result;
+}

@@ -1,0 +1,9 @@
+/* Effect rows that describe the camera. */
+#ifndef PL_SCENE_EFFECTS_H
+#define PL_SCENE_EFFECTS_H
+
+#include "plan/effect.h"
+
+extern const pl_effect pl_effect_distortion;
+
+#endif
