@@ -151,4 +151,5 @@ def camera_label(request: _core.FrameRequest, sensor: str | None, bent: bool) ->
     R_w2c = rotations.to_matrix(rotations.middle(opening[3:], closing[3:])).T
     center = 0.5 * (opening[:3] + closing[:3])
     size = request["width"], request["height"]
-    return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor, request["lens"] if bent else None)
+    lens = request["lens"] if bent else None
+    return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor, lens)

@@ -162,6 +162,24 @@ def test_forced_off(tree, base):
     np.testing.assert_array_equal(perilune.open(tree, base=base)[0]["rgb"], plain["rgb"])
 
 
+@pytest.mark.parametrize("k1", [2e-3, 5e-3])
+def test_bound_of_the_effect(tree, base, k1):
+    """Leaving the lens out changes no pixel by more than its row says, at 256 samples a pixel."""
+    tree["camera"].update(lens={"model": "brown_conrady", "k1": k1}, exposure={
+        "mode": "fixed", "white_radiance_w_m2_sr": 900.0})  # fmt: skip
+    tree["render"].update(samples=256, tolerance_dn=0.0, max_bounces=0)
+    tree["camera"].update(width=48, height=36)
+    images, bound = [], 0.0
+    for off in ([], ["distortion"]):
+        tree["render"]["force_off"] = off
+        sample = perilune.open(tree, base=base).frame(0, channels=["rgb"])
+        row = next(row for row in sample.plan if row["name"] == "distortion")
+        images.append(sample["rgb"].astype(int))
+        bound = max(bound, row["bound_dn"])
+    noise = 255 / 256  # one sample more on the other side of an edge
+    assert 0 < np.abs(images[0] - images[1]).max() <= bound + noise
+
+
 def test_same_bits_for_any_threads(tree, base):
     tree["camera"]["lens"] = {"model": "fisheye", "k1": 0.05}
     sim = perilune.open(tree, base=base)
@@ -180,7 +198,7 @@ def test_a_fold_says_where(tree, base):
 
 def test_a_fisheye_of_more_than_the_sphere(tree, base):
     tree["camera"].update(fov_deg=None, focal_px=10.0, lens={"model": "fisheye"})
-    with pytest.raises(ValueError, match="sees no farther than its model says.* 180 deg"):
+    with pytest.raises(ValueError, match=r"sees no farther than its model says.* 180 deg"):
         perilune.open(tree, base=base)[0]
 
 
@@ -196,7 +214,7 @@ def test_a_fisheye_sees_beside_and_behind(tree, base):
 
 def test_unknown_keys_and_models(tree, base):
     tree["camera"]["lens"] = {"model": "fisheye", "p1": 0.1}
-    with pytest.raises(ConfigError, match="camera.lens"):
+    with pytest.raises(ConfigError, match=r"camera\.lens"):
         perilune.open(tree, base=base)
     tree["camera"]["lens"] = {"model": "brown"}
     with pytest.raises(ConfigError, match="brown_conrady"):

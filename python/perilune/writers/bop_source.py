@@ -65,8 +65,9 @@ def refuse_unfit(sim: Simulation) -> None:
     _refuse_several_sizes(sim)
     for name, camera in sim.config.cameras.items():
         if camera.lens is not None and camera.lens.labels == "distorted":
+            where = "camera" if name is None else f"sensors.{name}"
             raise ConfigError(
-                f"{sim.document.source}: {'camera' if name is None else f'sensors.{name}'}.lens: a BOP camera is a pinhole, which K "
+                f"{sim.document.source}: {where}.lens: a BOP camera is a pinhole, which K "
                 "describes whole; say lens.labels: undistorted for labels of that pinhole beside "
                 "distorted images, or remove the lens"
             )
