@@ -64,9 +64,11 @@ def applied(config: Config, name: str, craft: str | None = None) -> Material:
     """An entry of `materials` with the values that drivers give its nodes on a spacecraft."""
     material = config.materials[name]
     nodes = dict(material.nodes)
-    for node, _, value in driven(config, name, craft):
+    given = list(driven(config, name, craft))
+    for node, _, value in given:
         nodes[node.node] = {**nodes[node.node], node.input: value}
-    return material if nodes == material.nodes else material.model_copy(update={"nodes": nodes})
+    # What was drawn may equal the node's own number, but is of a type that varies.
+    return material.model_copy(update={"nodes": nodes}) if given else material
 
 
 # --- checks --------------------------------------------------------------------------------------
