@@ -118,6 +118,27 @@ def test_rendered_radiance_is_the_models() -> None:
         assert pixel[band] == pytest.approx(r * irradiance, rel=1e-5)
 
 
+def test_pixels_without_samples_are_as_those_with() -> None:
+    """Away from opposition one shading stands for a pixel; not under a sun beyond 0.01 rad."""
+    row = np.zeros((1, 27))
+    row[0, :24] = [0.25, 0.3, 0.0, 0.0, 1.5, 0.06, 0.4, 0.0] * 3
+    given: dict[str, Any] = {"body_regolith": row, "body_albedo": np.full((1, 3), 0.4)}
+    given["quality"] = moon.request(9, 0)["quality"] | {"samples": 32}
+    scene = moon.scene("hapke")
+    rows, columns = np.indices((220, 220)) - 109.5
+    for phase_deg in (10.0, 60.0, 120.0):
+        one, many = (
+            moon.radiance(scene, moon.request(220, phase_deg, sun_radius=rho * moon.AU_M, **given))
+            for rho in (0.0099, 0.0101)
+        )
+        ours = (np.hypot(rows, columns) < 90) & (many[:, :, 0] > 0.2 * many.max())
+        ratio = one[ours] / many[ours]
+        assert ours.sum() > 2000
+        assert np.abs(ratio - 1.0).max() > 1e-6  # they did not go the same way
+        assert abs(ratio.mean() - 1.0) < 1e-4
+        assert np.abs(ratio - 1.0).max() < 2e-3
+
+
 SCENE = {
     "version": 1,
     "time": {"epoch": "2026-03-20T12:00:00Z", "step_s": 60},
