@@ -4,6 +4,7 @@
 #include "geom/ellipsoid.h"
 #include "math/sampling.h"
 #include "render/regolith.h"
+#include "scene/shot_frame.h"
 #include "shade/body_map.h"
 #include "shade/reflectance.h"
 
@@ -15,13 +16,6 @@ static pl_vec3 corner_of(const pl_shot_object *object, const pl_shot_piece *piec
   const pl_vec3 local = pl_vec3_scale(
       pl_vec3_sub((pl_vec3){p[0], p[1], p[2]}, object->object->offset), object->scale);
   return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
-}
-
-/* The edge between two corners in view axes; float, since the translation drops out. */
-static pl_vec3f edge_of(const float m[12], const float *from, const float *to) {
-  const float x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2];
-  return pl_vec3f_make(m[0] * x + m[3] * y + m[6] * z, m[1] * x + m[4] * y + m[7] * z,
-                       m[2] * x + m[5] * y + m[8] * z);
 }
 
 static void set_weights(pl_vertex *vertex, double u, double v) {
@@ -38,8 +32,8 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
   const float *a = model->positions + 3 * (size_t)corner[0];
   const pl_shot_piece *piece = pl_shot_piece_of(object, hit->triangle);
   const float *to_view = piece != NULL ? piece->to_view : object->to_view;
-  out->edge1 = edge_of(to_view, a, model->positions + 3 * (size_t)corner[1]);
-  out->edge2 = edge_of(to_view, a, model->positions + 3 * (size_t)corner[2]);
+  out->edge1 = pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[1]);
+  out->edge2 = pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2]);
   out->ng = pl_vec3f_unit(pl_vec3f_cross(out->edge1, out->edge2));
   if (piece != NULL)
     out->ng = pl_vec3f_scale(out->ng, piece->side);
@@ -144,47 +138,6 @@ static void footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f *a,
   *b = pl_vec3f_scale(pl_vec3f_cross(across, n), width / cosine);
 }
 
-static void set_frame(pl_surface *surface, pl_vec3f n, pl_vec3f tangent, float handedness) {
-  const pl_vec3f t = pl_vec3f_madd(tangent, -pl_vec3f_dot(tangent, n), n);
-  surface->n = n;
-  if (pl_vec3f_dot(t, t) > 1e-12f) {
-    surface->t = pl_vec3f_unit(t);
-    surface->b = pl_vec3f_scale(pl_vec3f_cross(n, surface->t), handedness);
-  } else {
-    const pl_basis basis = pl_basis_make(n);
-    surface->t = basis.t;
-    surface->b = basis.b;
-  }
-}
-
-static pl_vec3f mix3(const float *values, size_t stride, const uint32_t *corner, const float w[3]) {
-  pl_vec3f out = {0.0f, 0.0f, 0.0f};
-  for (int k = 0; k < 3; k++) {
-    const float *v = values + stride * corner[k];
-    out = pl_vec3f_madd(out, w[k], pl_vec3f_make(v[0], v[1], v[2]));
-  }
-  return out;
-}
-
-/* A direction of the model's axes in view axes. */
-static pl_vec3f rotate(const pl_mat3 *m, pl_vec3f v) {
-  return pl_vec3f_make(
-      (float)m->row[0].x * v.x + (float)m->row[0].y * v.y + (float)m->row[0].z * v.z,
-      (float)m->row[1].x * v.x + (float)m->row[1].y * v.y + (float)m->row[1].z * v.z,
-      (float)m->row[2].x * v.x + (float)m->row[2].y * v.y + (float)m->row[2].z * v.z);
-}
-
-/* Interpolated normal on the side of the geometric one: in published files normals and winding may
- * disagree. */
-static pl_vec3f mesh_normal(const pl_shot_object *object, const pl_vertex *vertex) {
-  const pl_model *model = object->object->model;
-  const uint32_t *corner = model->indices + 3 * (size_t)vertex->triangle;
-  const pl_shot_piece *piece = pl_shot_piece_of(object, vertex->triangle);
-  const pl_mat3 *turn = piece != NULL ? &piece->normal : &object->rotation;
-  const pl_vec3f n = pl_vec3f_unit(rotate(turn, mix3(model->normals, 3, corner, vertex->w)));
-  return pl_vec3f_dot(n, vertex->ng) < 0.0f ? pl_vec3f_scale(n, -1.0f) : n;
-}
-
 /* The surface by a graph. Without maps its footprint is infinite: patterns count as their means.
  */
 static void shade_graph(const pl_shot_object *object, const pl_object_graph *graph,
@@ -217,20 +170,7 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
 static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_detail detail,
                        pl_vertex *vertex) {
   const pl_model *model = object->object->model;
-  const uint32_t *corner = model->indices + 3 * (size_t)vertex->triangle;
-  pl_vec3f tangent = {0.0f, 0.0f, 0.0f};
-  float handedness = 1.0f;
-  if (model->tangents != NULL) {
-    const pl_shot_piece *piece = pl_shot_piece_of(object, vertex->triangle);
-    const pl_mat3 *turn = piece != NULL ? &piece->linear : &object->rotation;
-    tangent = rotate(turn, mix3(model->tangents, 4, corner, vertex->w));
-    handedness = model->tangents[4 * (size_t)corner[0] + 3] < 0.0f ? -1.0f : 1.0f;
-    if (piece != NULL) {
-      tangent = pl_vec3f_unit(tangent);
-      handedness *= piece->side;
-    }
-  }
-  set_frame(&vertex->surface, mesh_normal(object, vertex), tangent, handedness);
+  pl_shot_frame(object, vertex->triangle, vertex->w, vertex->ng, &vertex->surface);
   pl_triangle_point point = {.triangle = vertex->triangle,
                              .w = {vertex->w[0], vertex->w[1], vertex->w[2]},
                              .edge1 = vertex->edge1,
@@ -300,8 +240,8 @@ static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_d
   body_footprint print;
   find_footprint(body, vertex, beam, &print);
   const pl_vec3 east = {-print.point.y, print.point.x, 0.0};
-  set_frame(&vertex->surface, vertex->ng,
-            pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, pl_vec3_unit(east))), 1.0f);
+  pl_surface_set_frame(&vertex->surface, vertex->ng,
+                       pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, pl_vec3_unit(east))), 1.0f);
   if (pl_graph_wraps(graph))
     own_surface(body, beam, detail, vertex);
   pl_surface *s = &vertex->surface;
@@ -334,7 +274,7 @@ static void shade_body(const pl_shot_body *body, const pl_beam *beam, pl_detail 
     shade_body_graph(body, beam, detail, vertex);
     return;
   }
-  set_frame(&vertex->surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
+  pl_surface_set_frame(&vertex->surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
   own_surface(body, beam, detail, vertex);
 }
 
@@ -350,13 +290,15 @@ static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
   const float cosine = pl_vec3f_dot(surface->n, view);
   if (cosine < 1e-3f) {
     const pl_vec3f n = pl_vec3f_unit(pl_vec3f_madd(surface->n, 1e-3f - cosine, view));
-    set_frame(surface, n, surface->t, 1.0f);
+    pl_surface_set_frame(surface, n, surface->t, 1.0f);
   }
 }
 
 void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex) {
   const bool on_mesh = vertex->thing < shot->object_count;
-  const pl_vec3f n = on_mesh ? mesh_normal(&shot->objects[vertex->thing], vertex) : vertex->ng;
+  const pl_vec3f n = on_mesh ? pl_shot_normal(&shot->objects[vertex->thing], vertex->triangle,
+                                              vertex->w, vertex->ng)
+                             : vertex->ng;
   const bool behind = pl_vec3_dot(pl_vec3f_to_double(vertex->ng), beam->direction) > 0.0;
   vertex->surface.ng = behind ? pl_vec3f_scale(vertex->ng, -1.0f) : vertex->ng;
   vertex->surface.n = behind ? pl_vec3f_scale(n, -1.0f) : n;

@@ -28,13 +28,26 @@ static void run(const pl_graph *graph, const pl_program *program, const pl_graph
   }
 }
 
+/* The value of a program of its own. */
+static void run_lazy(const pl_graph *graph, pl_operand input, const pl_graph_point *point,
+                     const pl_value *params, pl_value out) {
+  pl_value registers[PL_GRAPH_REGISTERS];
+  const pl_program *program = &graph->programs[input.index];
+  run(graph, program, point, params, registers);
+  memcpy(out, pl_operand_value(graph, params, registers, program->outputs[0]), sizeof(pl_value));
+}
+
 void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *point,
                       pl_value out) {
-  pl_value registers[PL_GRAPH_REGISTERS];
-  const pl_program *program = &call->graph->programs[call->instruction->in[input].index];
-  run(call->graph, program, point, call->params, registers);
-  memcpy(out, pl_operand_value(call->graph, call->params, registers, program->outputs[0]),
-         sizeof(pl_value));
+  run_lazy(call->graph, call->instruction->in[input], point, call->params, out);
+}
+
+bool pl_graph_cuts(const pl_graph *graph) { return graph->cuts; }
+
+bool pl_graph_is_there(const pl_graph *graph, const pl_graph_point *point, const pl_value *params) {
+  pl_value alpha;
+  run_lazy(graph, graph->programs[0].outputs[PL_SURFACE_ALPHA], point, params, alpha);
+  return alpha[0] >= PL_ALPHA_CUT;
 }
 
 void pl_graph_evaluate(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
@@ -43,8 +56,11 @@ void pl_graph_evaluate(const pl_graph *graph, const pl_graph_point *point, const
   const pl_program *program = &graph->programs[0];
   run(graph, program, point, params, registers);
   for (size_t k = 0; k < pl_node_input_count(graph->surface); k++)
-    memcpy(out[k], pl_operand_value(graph, params, registers, program->outputs[k]),
-           sizeof(pl_value));
+    if ((graph->surface->lazy >> k & 1u) != 0)
+      run_lazy(graph, program->outputs[k], point, params, out[k]);
+    else
+      memcpy(out[k], pl_operand_value(graph, params, registers, program->outputs[k]),
+             sizeof(pl_value));
 }
 
 bool pl_graph_wraps(const pl_graph *graph) { return graph->wrap; }
@@ -119,9 +135,9 @@ static void widen(float hidden_slopes, pl_surface *surface) {
 void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
                       pl_surface *surface) {
   pl_value registers[PL_GRAPH_REGISTERS];
-  const float *v[PL_SURFACE_SOCKETS];
+  const float *v[PL_SURFACE_ALPHA];
   run(graph, &graph->programs[0], point, params, registers);
-  for (size_t k = 0; k < PL_SURFACE_SOCKETS; k++)
+  for (size_t k = 0; k < PL_SURFACE_ALPHA; k++)
     v[k] = pl_operand_value(graph, params, registers, graph->programs[0].outputs[k]);
   if (!graph->wrap)
     *surface = (pl_surface){

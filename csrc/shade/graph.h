@@ -57,6 +57,11 @@ bool pl_graph_sets_emission(const pl_graph *graph);
 const pl_reflectance *pl_graph_reflectance(const pl_graph *graph);
 /* Whether the graph gives the same at all points of a frame, and no normal. */
 bool pl_graph_is_uniform(const pl_graph *graph);
+/* Whether there may be no surface somewhere. */
+bool pl_graph_cuts(const pl_graph *graph);
+/* Whether there is a surface at a point: its alpha is PL_ALPHA_CUT or more. */
+#define PL_ALPHA_CUT 0.5f
+bool pl_graph_is_there(const pl_graph *graph, const pl_graph_point *point, const pl_value *params);
 size_t pl_graph_parameter_count(const pl_graph *graph);
 /* Nodes evaluated a hit, conversions included; those that lazy inputs evaluate not. */
 size_t pl_graph_instruction_count(const pl_graph *graph);

@@ -298,17 +298,25 @@ static pl_status copy_constants(const pl_graph_description *d, pl_graph *graph,
   return PL_OK;
 }
 
+/* The value of an input of the surface if it is folded, or NULL. */
+static const float *folded(const pl_graph *graph, size_t k) {
+  pl_operand operand = graph->programs[0].outputs[k];
+  if ((graph->surface->lazy >> k & 1u) != 0)
+    operand = graph->programs[operand.index].outputs[0];
+  return operand.bank == PL_BANK_CONSTANT ? graph->constants[operand.index] : NULL;
+}
+
 /* Which inputs of the surface the graph decides, once they are folded. */
 static void find_set(const pl_graph_node *surface, pl_graph *graph) {
   for (size_t k = 0; k < pl_node_input_count(surface->kind); k++) {
-    const pl_operand operand = graph->programs[0].outputs[k];
-    const float *fallback = pl_node_input(surface->kind, k)->fallback;
+    const float *value = folded(graph, k), *fallback = pl_node_input(surface->kind, k)->fallback;
     const bool set = !graph->wrap || surface->inputs[k].source != PL_INPUT_UNSET;
-    const bool plain = operand.bank == PL_BANK_CONSTANT &&
-                       memcmp(graph->constants[operand.index], fallback, 3 * sizeof *fallback) == 0;
+    const bool plain = value != NULL && memcmp(value, fallback, 3 * sizeof *fallback) == 0;
     graph->sets |= (unsigned)set << k;
     graph->differs |= (unsigned)(set && !plain) << k;
   }
+  const float *alpha = folded(graph, PL_SURFACE_ALPHA);
+  graph->cuts = alpha == NULL || !(alpha[0] >= PL_ALPHA_CUT);
 }
 
 static pl_status build(const pl_graph_description *d, pl_graph *graph) {

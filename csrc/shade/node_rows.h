@@ -39,6 +39,7 @@ typedef enum pl_surface_socket {
   PL_SURFACE_NORMAL,
   PL_SURFACE_EMISSION_COLOR,
   PL_SURFACE_EMISSION_STRENGTH,
+  PL_SURFACE_ALPHA, /* lazy: where a ray asks whether there is a surface at all */
   PL_SURFACE_SOCKETS
 } pl_surface_socket;
 

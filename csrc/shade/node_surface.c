@@ -8,6 +8,11 @@ static const pl_socket inputs[PL_SURFACE_SOCKETS] = {
     {"normal", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "Of a bump or normal map; the mesh's where zero"},
     {"emission_color", PL_COLOR, {1.0f, 1.0f, 1.0f}, "Factor on the strength"},
     {"emission_strength", PL_SCALAR, {0.0f, 0.0f, 0.0f}, "Radiance, W m-2 sr-1 in each band"},
+    {"alpha",
+     PL_SCALAR,
+     {1.0f, 1.0f, 1.0f},
+     "Opacity: below 0.5 there is no surface, nor where the model's material is not; not on "
+     "bodies"},
 };
 
 #define PL_SURFACE(row)                                                                            \
@@ -16,6 +21,7 @@ static const pl_socket inputs[PL_SURFACE_SOCKETS] = {
       .inputs = inputs,                                                                            \
       .input_count = PL_SURFACE_SOCKETS,                                                           \
       .reads_point = true,                                                                         \
+      .lazy = 1u << PL_SURFACE_ALPHA,                                                              \
       .reflectance = &pl_reflectance_##row,                                                        \
   };
 PL_REFLECTANCES(PL_SURFACE)

@@ -2,6 +2,7 @@
 #include "trace/accelerator.h"
 
 #include "base/memory.h"
+#include "scene/graph_point.h"
 
 pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing) {
   const enum RTCError error = rtcGetDeviceError(tracer->device);
@@ -158,11 +159,12 @@ pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) 
   PL_TRY(grow(tracer, used));
   for (size_t i = used; i < tracer->instance_count; i++)
     remove_instance(tracer, i);
-  tracer->has_meshes = false;
+  tracer->has_meshes = tracer->has_cuts = false;
   tracer->has_pieces = used > snapshot->object_count;
   tracer->object_count = used = snapshot->object_count;
   for (size_t i = 0; i < snapshot->object_count; i++) {
     const pl_shot_object *object = &snapshot->objects[i];
+    tracer->has_cuts |= object->kept && pl_object_cuts(object->object);
     if (object->pieces != NULL) {
       PL_TRY(place_pieces(tracer, i, object, used));
       used += pl_object_mover_count(object->object);

@@ -32,6 +32,7 @@ struct pl_tracer {
   bool has_pieces;             /* there are instances of moving pieces */
   const pl_snapshot *snapshot; /* borrowed */
   bool has_meshes;             /* the top scene holds an instance */
+  bool has_cuts;               /* graphs may cut holes into some of them */
 };
 
 /* PL_E_DEVICE with Embree's error if there is one pending. */

@@ -2,6 +2,7 @@
 #include "trace/solo.h"
 
 #include "base/memory.h"
+#include "scene/graph_point.h"
 #include "trace/accelerator.h"
 
 enum { PACKET = 8 };
@@ -16,6 +17,7 @@ struct pl_solo {
   RTCScene scene;    /* owned; holds the attached instances */
   slot *slots;       /* owned; as many as any object has had pieces */
   size_t count;
+  const pl_shot_object *object; /* that is placed; NULL if nothing cuts holes into it */
 };
 
 pl_status pl_solo_create(pl_tracer *tracer, pl_solo **out) {
@@ -31,7 +33,8 @@ pl_status pl_solo_create(pl_tracer *tracer, pl_solo **out) {
     pl_solo_destroy(solo);
     return status;
   }
-  rtcSetSceneFlags(solo->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
+  rtcSetSceneFlags(solo->scene,
+                   RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC | PL_EMBREE_QUERY_FILTERS);
   *out = solo;
   return PL_OK;
 }
@@ -83,6 +86,7 @@ static pl_status place(pl_solo *solo, size_t index, const pl_model *model,
 pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
   const size_t count = object->pieces != NULL ? object->piece_count : 1;
   PL_TRY(grow(solo, count));
+  solo->object = pl_object_cuts(object->object) ? object : NULL;
   for (size_t i = 0; i < solo->count; i++) {
     if (i >= count || (object->pieces != NULL && !object->pieces[i].present))
       detach(solo, i);
@@ -95,7 +99,30 @@ pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
   return pl_accelerator_check(solo->tracer, "placing one object");
 }
 
-static void cast_packet(RTCScene scene, const pl_vec3f *directions, bool *hits, size_t count) {
+typedef struct looks {
+  const pl_shot_object *object;
+  const pl_vec3f *directions; /* by the number of the ray */
+} looks;
+
+/* Lets rays pass where a graph leaves no surface. */
+static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
+  const looks *looks = ((const pl_embree_query *)(const void *)arguments->context)->user;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; i++) {
+    if (arguments->valid[i] == 0)
+      continue;
+    uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
+    if (looks->object->pieces != NULL)
+      triangle +=
+          (uint32_t)looks->object->object->cut->first[pl_embree_hit_instance(arguments->hit, n, i)];
+    if (!pl_shot_is_there(looks->object, triangle, pl_embree_hit_u(arguments->hit, n, i),
+                          pl_embree_hit_v(arguments->hit, n, i),
+                          looks->directions[pl_embree_ray_id(arguments->ray, n, i)]))
+      arguments->valid[i] = 0;
+  }
+}
+
+static void cast_packet(const pl_solo *solo, const pl_vec3f *directions, bool *hits, size_t count) {
   struct RTCRay8 packet;
   _Alignas(32) int valid[PACKET];
   for (size_t i = 0; i < PACKET; i++) {
@@ -108,14 +135,17 @@ static void cast_packet(RTCScene scene, const pl_vec3f *directions, bool *hits, 
     packet.tnear[i] = packet.time[i] = 0.0f;
     packet.tfar[i] = INFINITY;
     packet.mask[i] = UINT32_MAX;
-    packet.id[i] = packet.flags[i] = 0;
+    packet.id[i] = (unsigned)(i < count ? i : 0);
+    packet.flags[i] = 0;
   }
-  pl_embree_occluded8(valid, scene, NULL, &packet);
+  const looks looks = {solo->object, directions};
+  pl_embree_query query = {.user = &looks, .filter = pass_holes};
+  pl_embree_occluded8(valid, solo->scene, solo->object != NULL ? &query : NULL, &packet);
   for (size_t i = 0; i < count; i++)
     hits[i] = packet.tfar[i] < 0.0f; /* Embree sets -inf on a hit */
 }
 
 void pl_solo_cast(const pl_solo *solo, const pl_vec3f *directions, bool *hits, size_t count) {
   for (size_t i = 0; i < count; i += PACKET)
-    cast_packet(solo->scene, directions + i, hits + i, count - i < PACKET ? count - i : PACKET);
+    cast_packet(solo, directions + i, hits + i, count - i < PACKET ? count - i : PACKET);
 }

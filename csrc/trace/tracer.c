@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "geom/ellipsoid.h"
+#include "scene/graph_point.h"
 #include "trace/accelerator.h"
 
 enum { PACKET = 8 };
@@ -68,36 +69,46 @@ static void name_owner(const pl_tracer *tracer, uint32_t *thing, uint32_t *trian
   *triangle += owner.first;
 }
 
-/* The rays of a query: what skip_origin needs to know. */
+/* The rays of a query: what its filter needs to know. */
 typedef struct origins {
   const pl_tracer *tracer;
   const pl_ray *rays; /* by the number that each has in the query */
 } origins;
 
-/* Lets no ray hit the triangle that it starts on. However far the origin is put off the surface,
- * rounding in large coordinates, or in those of a scaled instance, can put it behind again. */
-static void skip_origin(const struct RTCFilterFunctionNArguments *arguments) {
-  const origins *origins = ((const pl_embree_query *)(const void *)arguments->context)->user;
+/* Whether ray `i` meets what it can. Not the triangle that it starts on: however far the origin is
+ * put off the surface, rounding in large coordinates, or in those of a scaled instance, can put it
+ * behind again. Nor where a graph leaves no surface. */
+static bool counts(const origins *origins, const struct RTCFilterFunctionNArguments *arguments,
+                   unsigned i) {
+  const pl_tracer *tracer = origins->tracer;
   const unsigned n = arguments->N;
-  for (unsigned i = 0; i < n; i++) {
-    if (arguments->valid[i] == 0)
-      continue;
-    const pl_ray *ray = &origins->rays[pl_embree_ray_id(arguments->ray, n, i)];
-    uint32_t thing = pl_embree_hit_instance(arguments->hit, n, i);
-    uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
-    if (origins->tracer->has_pieces && thing >= origins->tracer->object_count)
-      name_owner(origins->tracer, &thing, &triangle);
-    if (triangle + 1 == ray->from_triangle && thing == ray->from_thing)
-      arguments->valid[i] = 0;
-  }
+  const pl_ray *ray = &origins->rays[pl_embree_ray_id(arguments->ray, n, i)];
+  uint32_t thing = pl_embree_hit_instance(arguments->hit, n, i);
+  uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
+  if (tracer->has_pieces && thing >= tracer->object_count)
+    name_owner(tracer, &thing, &triangle);
+  if (triangle + 1 == ray->from_triangle && thing == ray->from_thing)
+    return false;
+  return !tracer->has_cuts ||
+         pl_shot_is_there(&tracer->snapshot->objects[thing], triangle,
+                          pl_embree_hit_u(arguments->hit, n, i),
+                          pl_embree_hit_v(arguments->hit, n, i), ray->direction);
 }
 
-/* A query over `count` rays; without a filter where none starts on a triangle. */
+static void sort_out(const struct RTCFilterFunctionNArguments *arguments) {
+  const origins *origins = ((const pl_embree_query *)(const void *)arguments->context)->user;
+  for (unsigned i = 0; i < arguments->N; i++)
+    if (arguments->valid[i] != 0 && !counts(origins, arguments, i))
+      arguments->valid[i] = 0;
+}
+
+/* A query over `count` rays; without a filter where there are no holes and no ray starts on a
+ * triangle. */
 static pl_embree_query query_of(const origins *origins, size_t count) {
-  pl_embree_query query = {.user = origins};
+  pl_embree_query query = {.user = origins, .filter = origins->tracer->has_cuts ? sort_out : NULL};
   for (size_t i = 0; i < count; i++)
     if (origins->rays[i].from_triangle != 0)
-      query.filter = skip_origin;
+      query.filter = sort_out;
   return query;
 }
 

@@ -148,6 +148,40 @@ def test_graphs_stay_on_parts_that_move() -> None:
     assert (abs(bare - still).max(axis=2) > 2).sum() > 20
 
 
+HOLES: dict[str, Any] = {
+    "nodes": {
+        "where": {"type": "coordinates"},
+        "net": {"type": "checker", "vector": "where", "scale": 2.5, "a": 0.0, "b": 1.0},
+        "skin": {"type": "lambert", "base_color": 0.7, "alpha": "net"},
+    }
+}
+
+
+def test_holes_are_in_sight_and_in_all_labels() -> None:
+    plain, net = perilune.open(SCENE)[0], opened(HOLES)[0]
+    craft = plain["instance"].max()
+    through = (plain["instance"] == craft) & (net["instance"] != craft)
+    seen = (net["instance"] == craft).sum()
+    assert 0.2 < seen / (plain["instance"] == craft).sum() < 0.9
+    assert ((net["depth"] == 0.0) | (net["depth"] > plain["depth"]))[through].all()
+    whole, row = (frame.objects[frame.objects["instance_id"] == craft][0] for frame in (plain, net))
+    assert row["px_count_visib"] == seen
+    assert row["px_count_all"] < whole["px_count_all"]
+
+
+def test_bodies_have_no_holes() -> None:
+    with pytest.raises(ConfigError, match=r"bodies\.earth\.material: 'm' has an alpha, "):
+        perilune.open(SCENE, overrides={"materials": {"m": HOLES}, "bodies.earth.material": "m"})
+
+
+def test_holes_stay_on_parts_that_move() -> None:
+    hinge = [{"node": "panel_left", "axis": [0, 1, 0], "angle_deg": 0.0}]
+    still = opened(HOLES)[0]
+    hinged = opened(HOLES, **{"spacecraft.sat.articulation": hinge})[0]
+    assert (still["instance"] != hinged["instance"]).mean() < 0.005  # rays graze other edges
+    assert abs(still.objects["px_count_all"] - hinged.objects["px_count_all"]).max() <= 8
+
+
 def test_emission_of_a_graph_is_seen() -> None:
     lamp = {
         "nodes": {

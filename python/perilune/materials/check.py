@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from perilune.config.errors import nearest
+from perilune.config.materials import Material
 from perilune.config.schema import Config
 from perilune.drivers import KeyPath, path_text
 from perilune.materials import drivers
-from perilune.materials.graph import build
+from perilune.materials.graph import build, surface_of
 
 _PLACES = (
     ("materials", None, "drivers", "drivers", None),
@@ -32,6 +33,13 @@ def _is_of_materials(path: KeyPath) -> bool:
     return key in (("materials",), ("material_drivers",), ("material",))
 
 
+def _has_alpha(material: Material) -> bool:
+    try:
+        return "alpha" in material.nodes[surface_of("", material)]
+    except ValueError:
+        return False  # told of elsewhere
+
+
 def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
     """What is wrong with the graphs of a configuration, whether they are used or not.
 
@@ -53,6 +61,9 @@ def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
         if body.material is not None and body.material not in config.materials:
             near = nearest(body.material, config.materials)
             yield f"bodies.{body_name}.material: no entry named '{body.material}'{near}"
+        elif body.material is not None and _has_alpha(config.materials[body.material]):
+            text = f"'{body.material}' has an alpha, but there are no holes in bodies"
+            yield f"bodies.{body_name}.material: {text}"
     for craft_name, craft in config.spacecraft.items():
         for k, use in enumerate(craft.materials):
             if use.use not in config.materials:
