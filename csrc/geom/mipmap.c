@@ -4,8 +4,10 @@
  * texel of level k+1 covers 2 + 1/n texels of level k; all that it covers are averaged by the
  * fraction covered (the polyphase box of Guthe & Heckbert, "Non-power-of-two mipmapping", NVIDIA
  * 2005), so that the mean of every level is the mean of the image and no edge shifts. Levels are
- * averaged from the unrounded level above: the 8 bits stored are within half a code of the true
- * mean. */
+ * averaged from the unrounded level above. What 8 bits round off is carried on to the next texels
+ * (Floyd and Steinberg's error diffusion, along the rows alone), so that a level keeps its mean: at
+ * sRGB's middle grey half a code is 0.6 %. The code stored is one of the two about the true mean;
+ * what is a code exactly, as in areas of one colour, keeps it. */
 #include "geom/mipmap.h"
 
 #include <math.h>
@@ -47,6 +49,25 @@ static uint8_t encode(const encoder *table, float linear) {
   while (linear >= table->upper[code])
     code++;
   return (uint8_t)code;
+}
+
+/* The code of a value, above or below it as what was rounded off before asks for. */
+static uint8_t encode_carrying(const encoder *table, const float decoded[256], float value,
+                               float *carry) {
+  static const float EXACT = 0.02f; /* codes: below, rounding of the averages */
+  const uint8_t nearest = encode(table, value);
+  const float error = value - decoded[nearest];
+  const int other = error > 0.0f ? nearest + 1 : nearest - 1;
+  if (other < 0 || other > 255)
+    return nearest;
+  const float step = fabsf(decoded[other] - decoded[nearest]);
+  if (fabsf(error) < EXACT * step)
+    return nearest;
+  /* Bright codes are farther apart than dark ones: no more is carried than one can take. */
+  const float sum = fminf(fmaxf(*carry + error, -step), step);
+  const bool moves = error > 0.0f ? sum > 0.5f * step : sum < -0.5f * step;
+  *carry = !moves ? sum : error > 0.0f ? sum - step : sum + step;
+  return moves ? (uint8_t)other : nearest;
 }
 
 /* The source texels under one destination texel along one axis. */
@@ -103,6 +124,7 @@ static void average(const builder *b, const source *from, span xs, span ys, floa
 static void build_level(const builder *b, const source *from, int width, int height,
                         uint8_t *texels, float *linear) {
   const int n = b->pyramid->channels;
+  float carry[4] = {0};
   size_t next = 0;
   for (int y = 0; y < height; y++) {
     const span ys = span_of(y, from->height, height);
@@ -111,7 +133,10 @@ static void build_level(const builder *b, const source *from, int width, int hei
       average(b, from, span_of(x, from->width, width), ys, value);
       for (int c = 0; c < n; c++) {
         linear[next + (size_t)c] = value[c];
-        texels[next + (size_t)c] = encode(pl_mip_is_alpha(c, n) ? &b->alpha : &b->color, value[c]);
+        const bool alpha = pl_mip_is_alpha(c, n);
+        texels[next + (size_t)c] = encode_carrying(
+            alpha ? &b->alpha : &b->color,
+            alpha ? b->pyramid->alpha_table : b->pyramid->color_table, value[c], &carry[c]);
       }
     }
   }

@@ -19,6 +19,7 @@ struct pl_texture {
   pl_wrap wrap_u, wrap_v;
   const float *table[4]; /* code to linear of each stored channel; point into mips */
   float mean[4];         /* RGBA */
+  float last[4];         /* stored channels of the last level, which 8 bits would round: the mean */
   float ranges[PL_MIP_MAX_LEVELS];
 };
 
@@ -43,32 +44,31 @@ static void count_codes(const pl_texture *texture, int level_index, int channel,
 }
 
 /* The mean and the ranges of a channel by counting codes: exact, and one addition a sample. */
-static float measure_channel(pl_texture *texture, int c) {
+static void measure_channel(pl_texture *texture, int c) {
   const float *table = texture->table[c];
-  int low = 255, high = 0;
-  double mean = 0.0;
-  for (int k = texture->mips.level_count - 1; k >= 0; k--) {
-    const pl_mip_level *level = &texture->mips.levels[k];
-    const double texels = (double)level->width * (double)level->height;
-    uint64_t counts[256];
+  const pl_mip_level *levels = texture->mips.levels;
+  const double texels = (double)levels[0].width * (double)levels[0].height;
+  double sum = 0.0;
+  uint64_t counts[256];
+  count_codes(texture, 0, c, counts);
+  for (int code = 0; code < 256; code++)
+    sum += (double)counts[code] * (double)table[code];
+  texture->last[c] = (float)(sum / texels);
+  float low = texture->last[c], high = low;
+  for (int k = texture->mips.level_count - 2; k >= 0; k--) {
     count_codes(texture, k, c, counts);
-    double sum = 0.0;
     for (int code = 0; code < 256; code++) {
-      sum += (double)counts[code] * (double)table[code];
-      low = counts[code] > 0 && code < low ? code : low;
-      high = counts[code] > 0 && code > high ? code : high;
+      low = counts[code] > 0 ? pl_minf(low, table[code]) : low;
+      high = counts[code] > 0 ? pl_maxf(high, table[code]) : high;
     }
-    texture->ranges[k] = pl_maxf(texture->ranges[k], table[high] - table[low]);
-    mean = sum / texels; /* of the image itself in the end */
+    texture->ranges[k] = pl_maxf(texture->ranges[k], high - low);
   }
-  return (float)mean;
 }
 
 static void measure(pl_texture *texture) {
-  float mean[4] = {0};
   for (int c = 0; c < texture->mips.channels; c++)
-    mean[c] = measure_channel(texture, c);
-  expand(mean, texture->mips.channels, texture->mean);
+    measure_channel(texture, c);
+  expand(texture->last, texture->mips.channels, texture->mean);
 }
 
 pl_status pl_texture_create(pl_image *image, bool srgb, pl_wrap wrap_u, pl_wrap wrap_v,
@@ -134,11 +134,20 @@ static inline float neighbours(float t, int size, pl_wrap wrap, int *low, int *h
   return x - below;
 }
 
+static inline void add_last(const pl_texture *texture, float weight, float sum[4]) {
+  for (int c = 0; c < 4; c++)
+    sum[c] += weight * texture->last[c];
+}
+
 /* Adds `weight` times the bilinear value at (u, v) of one level to sum, in stored channels. */
 static inline void add_bilinear(const pl_texture *texture, int level_index, float u, float v,
                                 float weight, float sum[4]) {
   const pl_mip_level *level = &texture->mips.levels[level_index];
   const int n = texture->mips.channels;
+  if (level_index == texture->mips.level_count - 1) {
+    add_last(texture, weight, sum);
+    return;
+  }
   int x0, x1, y0, y1;
   const float fx = neighbours(u, level->width, texture->wrap_u, &x0, &x1);
   const float fy = neighbours(v, level->height, texture->wrap_v, &y0, &y1);
@@ -162,6 +171,10 @@ static void add_nearest(const pl_texture *texture, int level_index, float u, flo
   const pl_mip_level *level = &texture->mips.levels[level_index];
   const size_t n = (size_t)texture->mips.channels;
   int x0, x1, y0, y1;
+  if (level_index == texture->mips.level_count - 1) {
+    add_last(texture, 1.0f, sum);
+    return;
+  }
   const int x = neighbours(u, level->width, texture->wrap_u, &x0, &x1) < 0.5f ? x0 : x1;
   const int y = neighbours(v, level->height, texture->wrap_v, &y0, &y1) < 0.5f ? y0 : y1;
   const uint8_t *texel = level->texels + ((size_t)y * (size_t)level->width + (size_t)x) * n;

@@ -120,8 +120,8 @@ static void coordinates_wrap(void **state) {
   assert_near(row_at(PL_WRAP_MIRROR, 2.125f), 0.0, 1e-6);
 }
 
-/* The coarsest level is the mean of all texels, whatever the sides: in linear light, within half a
- * code of the 8 bits it is stored in. */
+/* A footprint of the whole is the mean of all texels, whatever the sides: in linear light, within
+ * half a code of the 8 bits that the level before the last is stored in. */
 static void coarsest_level_is_the_mean(void **state) {
   (void)state;
   const int sides[][2] = {{1, 1}, {2, 2}, {3, 1}, {1, 7}, {5, 3}, {17, 31}, {64, 64}, {33, 2}};
@@ -148,6 +148,29 @@ static void coarsest_level_is_the_mean(void **state) {
       pl_texture_destroy(texture);
     }
   }
+}
+
+/* A half lies between two codes of sRGB, whose nearest is 0.6 % off: levels of it alternate. */
+static void levels_keep_the_mean(void **state) {
+  (void)state;
+  enum { SIDE = 64 };
+  uint8_t texels[SIDE * SIDE];
+  for (int i = 0; i < SIDE * SIDE; i++)
+    texels[i] = (i + i / SIDE) % 2 == 0 ? 255 : 0;
+  pl_texture *texture = make(SIDE, SIDE, 1, texels, true, PL_WRAP_REPEAT);
+  for (int level = 1; level <= 6; level++) {
+    const int side = SIDE >> level;
+    const float a[2] = {1.0f / (float)side, 0}, b[2] = {0, 1.0f / (float)side};
+    double sum = 0;
+    for (int i = 0; i < side * side; i++) {
+      float out[4];
+      pl_texture_sample(texture, ((float)(i % side) + 0.5f) / (float)side,
+                        ((float)(i / side) + 0.5f) / (float)side, a, b, PL_FILTER_FINEST, out);
+      sum += (double)out[0] / (side * side);
+    }
+    assert_near(sum, 0.5, side == 1 ? 1e-6 : 0.004 / (side * side) + 1e-5); /* half a code in all */
+  }
+  pl_texture_destroy(texture);
 }
 
 /* Five texels make two: each of the two covers two and a half. */
@@ -327,6 +350,7 @@ int main(void) {
       cmocka_unit_test(lookups_are_bilinear_between_centres),
       cmocka_unit_test(coordinates_wrap),
       cmocka_unit_test(coarsest_level_is_the_mean),
+      cmocka_unit_test(levels_keep_the_mean),
       cmocka_unit_test(odd_sides_are_averaged_by_cover),
       cmocka_unit_test(a_constant_texture_is_constant),
       cmocka_unit_test(long_footprints_stay_sharp_across),
