@@ -60,7 +60,7 @@ static void add_graph(const pl_body *body, pl_view_thing *thing) {
   thing->emission_max = fmax(summary->emission_max, emission);
   thing->coat_max = summary->coat_max;
   thing->transmission_max = summary->transmission_max;
-  thing->pictured = summary->pictured;
+  thing->pictured = summary->pictured || (wraps && thing->pictured);
   thing->bumped = summary->bumped;
   thing->diffuse = summary->diffuse && (thing->diffuse || !wraps);
   thing->graphed = true;
@@ -81,6 +81,7 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
       .albedo_max = diffuse ? fmin(albedo, 1.0) : 1.0,
       .ggx_alpha_min = 1.0,
       .diffuse = diffuse,
+      .pictured = body->body->regolith_map != NULL,
       .irradiance = irradiance_max(shot, body->center, body->radius_m),
       .emission_max = fmax(state->emission[0], fmax(state->emission[1], state->emission[2])),
   };

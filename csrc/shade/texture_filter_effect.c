@@ -34,7 +34,7 @@ static double texels(const pl_view *view, const pl_view_thing *thing) {
 static double change(const pl_view *view, const pl_view_thing *thing, int value) {
   if (!is_pictured(thing))
     return 0.0;
-  if (thing->map_ranges == NULL)
+  if (thing->pictured || thing->map_ranges == NULL)
     return 1.0;
   const double across = texels(view, thing);
   int level = value > PL_FILTER_NONE && across > 1.0 ? (int)log2(across) : 0;
@@ -53,8 +53,8 @@ static double indirect(const pl_view *view, size_t i, int value) {
   return radiance * pl_view_series(view, view->max_bounces);
 }
 
-/* Pictures on meshes and in graphs may be of roughness, normals or emission: see the row
- * surface_maps. */
+/* Pictures on meshes and in graphs may be of roughness, normals or emission, see the row
+ * surface_maps; and what is not Lambert's law is not in proportion to its colour. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value >= PL_FILTER_FINEST)
@@ -64,7 +64,7 @@ static double bound_dn(const pl_view *view, int value) {
     const double own = change(view, thing, value);
     if (!thing->in_frame)
       continue;
-    if (own > 0.0 && (!thing->is_body || thing->graphed))
+    if (own > 0.0 && !(thing->is_body && thing->diffuse && !thing->graphed))
       return pl_view_dn(view, view->white_radiance);
     const double lit = thing->albedo_max * thing->irradiance / 3.14159265358979 +
                        pl_view_received(view, i) * pl_view_series(view, view->max_bounces);
