@@ -32,22 +32,15 @@ static void renderer_dealloc(PyObject *object) {
 }
 
 static pl_status open_renderer(renderer_object *self) {
-  void *objects, *bodies, *movers, *parameters;
+  void *objects, *bodies, *movers;
   PL_TRY(pl_alloc_or_fail(self->core->object_count, sizeof(pl_object_state), "poses", &objects));
   self->states.objects = objects;
   PL_TRY(pl_alloc_or_fail(self->core->body_count, sizeof(pl_body_state), "poses", &bodies));
   self->states.bodies = bodies;
-  for (size_t i = 0; i < self->core->object_count; i++) {
+  for (size_t i = 0; i < self->core->object_count; i++)
     self->states.mover_count += pl_object_mover_count(&self->core->objects[i]);
-    self->states.parameter_count += pl_object_parameter_count(&self->core->objects[i]);
-  }
-  for (size_t i = 0; i < self->core->body_count; i++)
-    self->states.parameter_count += pl_body_parameter_count(&self->core->bodies[i]);
   PL_TRY(pl_alloc_or_fail(self->states.mover_count, sizeof(pl_affine), "motions", &movers));
   self->states.movers = movers;
-  PL_TRY(pl_alloc_or_fail(self->states.parameter_count, sizeof(pl_value), "parameters of materials",
-                          &parameters));
-  self->states.parameters = parameters;
   return pl_renderer_create(self->core, &self->renderer);
 }
 
@@ -153,9 +146,11 @@ static PyObject *run(renderer_object *self, pl_frame_request *request, renderer_
   pl_cancel cancel = {.poll = poll_signals, .context = &poller};
   request->cancel = &cancel;
   self->busy = 1;
+  pl_py_scene_hold(self->scene, +1);
   poller.state = PyEval_SaveThread();
   const pl_status status = function(self->renderer, request, &result);
   PyEval_RestoreThread(poller.state);
+  pl_py_scene_hold(self->scene, -1);
   self->busy = 0;
   return status == PL_OK ? result_dict(&result) : pl_py_raise(status);
 }
@@ -196,9 +191,11 @@ static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
   pl_ray_times primary, shadow;
   pl_status status;
   self->busy = 1;
+  pl_py_scene_hold(self->scene, +1);
   Py_BEGIN_ALLOW_THREADS status =
       pl_measure_rays(self->core, &frame.placement, repeats, &primary, &shadow);
-  Py_END_ALLOW_THREADS self->busy = 0;
+  Py_END_ALLOW_THREADS pl_py_scene_hold(self->scene, -1);
+  self->busy = 0;
   if (status != PL_OK)
     return pl_py_raise(status);
   return Py_BuildValue("{s:(ndd),s:(ndd)}", "primary", (Py_ssize_t)primary.rays, primary.ours_s,

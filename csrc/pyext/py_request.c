@@ -1,6 +1,7 @@
 /* Reading the request dictionary. */
 #include "pyext/py_request.h"
 
+#include "base/memory.h"
 #include "frame/effects.h"
 #include "pyext/py_camera.h"
 #include "pyext/py_types.h"
@@ -105,16 +106,33 @@ static int parse_movers(PyObject *dict, const pl_scene *scene, pl_py_states *sta
   return 0;
 }
 
+static size_t parameter_count(const pl_scene *scene) {
+  size_t count = 0;
+  for (size_t i = 0; i < scene->object_count; i++)
+    count += pl_object_parameter_count(&scene->objects[i]);
+  for (size_t i = 0; i < scene->body_count; i++)
+    count += pl_body_parameter_count(&scene->bodies[i]);
+  return count;
+}
+
 /* "graph_parameters" (values, 3): may be absent when no material has any. */
 static int parse_parameters(PyObject *dict, const pl_scene *scene, pl_py_states *states) {
-  const npy_intp shape[2] = {(npy_intp)states->parameter_count, 3};
-  if (states->parameter_count == 0)
+  const size_t count = parameter_count(scene);
+  const npy_intp shape[2] = {(npy_intp)count, 3};
+  if (count == 0)
     return 0;
+  if (count > states->parameter_room) {
+    pl_value *grown = pl_realloc(states->parameters, count, sizeof *grown);
+    if (grown == NULL)
+      return PyErr_NoMemory(), -1;
+    states->parameters = grown;
+    states->parameter_room = count;
+  }
   PyArrayObject *array = get_array(dict, "graph_parameters", 2, shape);
   if (array == NULL)
     return -1;
   const double *from = PyArray_DATA(array);
-  for (size_t i = 0; i < states->parameter_count; i++)
+  for (size_t i = 0; i < count; i++)
     for (size_t k = 0; k < 4; k++)
       states->parameters[i][k] = k < 3 ? (float)from[3 * i + k] : 0.0f;
   Py_DECREF((PyObject *)array);

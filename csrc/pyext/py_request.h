@@ -12,8 +12,8 @@ typedef struct pl_py_states {
   pl_body_state *bodies;    /* owned */
   pl_affine *movers;        /* owned: of all moving nodes, object by object */
   size_t mover_count;
-  pl_value *parameters; /* owned: of all graphs, object by object, then body by body */
-  size_t parameter_count;
+  pl_value *parameters;  /* owned: of all graphs, object by object, then body by body */
+  size_t parameter_room; /* grows with the graphs of a scene, which may change between frames */
 } pl_py_states;
 
 /* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */

@@ -8,13 +8,16 @@
 typedef struct scene_object {
   PyObject_HEAD pl_scene scene;
   PyObject *kept; /* list: what the scene borrows from */
-  int frozen;
+  PyObject
+      *graphs; /* dict: index of an object -> tuple of its graphs; -1 - index of a body -> graph */
+  int frozen, held; /* guarded by the GIL; held: frames that are being rendered */
 } scene_object;
 
 static void scene_dealloc(PyObject *self) {
   PyTypeObject *type = Py_TYPE(self);
   pl_scene_clear(&((scene_object *)self)->scene);
   Py_XDECREF(((scene_object *)self)->kept);
+  Py_XDECREF(((scene_object *)self)->graphs);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
   Py_DECREF(type);
 }
@@ -28,6 +31,8 @@ const pl_scene *pl_py_scene_freeze(PyObject *object) {
   return &((scene_object *)object)->scene;
 }
 
+void pl_py_scene_hold(PyObject *scene, int change) { ((scene_object *)scene)->held += change; }
+
 static PyObject *scene_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"levels", NULL};
   int levels;
@@ -37,8 +42,9 @@ static PyObject *scene_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   if (self == NULL)
     return NULL;
   self->kept = PyList_New(0);
+  self->graphs = PyDict_New();
   const pl_status status = pl_scene_init(levels, &self->scene);
-  if (self->kept == NULL || status != PL_OK) {
+  if (self->kept == NULL || self->graphs == NULL || status != PL_OK) {
     Py_DECREF(self);
     return status != PL_OK ? pl_py_raise(status) : NULL;
   }
@@ -52,6 +58,13 @@ static int check_open(const scene_object *self) {
   return -1;
 }
 
+static int check_idle(const scene_object *self) {
+  if (self->held == 0)
+    return 0;
+  PyErr_SetString(PyExc_ValueError, "a frame of the scene is being rendered in another thread");
+  return -1;
+}
+
 static const pl_reflectance *find_reflectance(const char *name) {
   const pl_reflectance *found = pl_reflectance_find(name);
   if (found == NULL)
@@ -61,16 +74,16 @@ static const pl_reflectance *find_reflectance(const char *name) {
 }
 
 static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",         "map",     "map_center_lon_rad", "reflectance",
-                          "instance_id",  "part_id", "class_ids",          "graph",
-                          "regolith_map", NULL};
+  static char *names[] = {"name",        "map",          "map_center_lon_rad",
+                          "reflectance", "instance_id",  "part_id",
+                          "class_ids",   "regolith_map", NULL};
   scene_object *self = (scene_object *)object;
-  PyObject *map, *classes, *graph, *regolith;
+  PyObject *map, *classes, *regolith;
   const char *name, *reflectance;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiOOO:add_body", names, &name, &map,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiOO:add_body", names, &name, &map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
-                                   &body.part_id, &classes, &graph, &regolith) ||
+                                   &body.part_id, &classes, &regolith) ||
       check_open(self) < 0)
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
@@ -80,16 +93,13 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
   if ((map != Py_None && (body.map = pl_py_map_of(map)) == NULL) ||
       (regolith != Py_None && (body.regolith_map = pl_py_grid_of(regolith)) == NULL))
     return NULL;
-  if (graph != Py_None && (body.graph = pl_py_graph_of(graph)) == NULL)
-    return NULL;
   const npy_intp shape[1] = {self->scene.levels};
   PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, shape);
   if (ids == NULL)
     return NULL;
   memcpy(body.class_ids, PyArray_DATA(ids), (size_t)self->scene.levels * sizeof(uint16_t));
   Py_DECREF((PyObject *)ids);
-  if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, graph) < 0 ||
-      PyList_Append(self->kept, regolith) < 0)
+  if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, regolith) < 0)
     return NULL;
   const pl_status status = pl_scene_add_body(&self->scene, &body);
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);
@@ -150,8 +160,8 @@ static PyObject *scene_add_object(PyObject *object, PyObject *args, PyObject *kw
   return added;
 }
 
-/* Borrowed graphs of a tuple, kept by the scene; NULL with an exception. */
-static const pl_graph **graphs_of(const scene_object *self, PyObject *tuple) {
+/* Borrowed graphs of a tuple; NULL with an exception. */
+static const pl_graph **graphs_of(PyObject *tuple) {
   const size_t count = (size_t)PyTuple_Size(tuple);
   void *memory;
   const pl_status status = pl_alloc_or_fail(count, sizeof(pl_graph *), "graphs", &memory);
@@ -167,10 +177,34 @@ static const pl_graph **graphs_of(const scene_object *self, PyObject *tuple) {
       return NULL;
     }
   }
-  if (PyList_Append(self->kept, tuple) == 0)
-    return graphs;
-  pl_free(memory);
-  return NULL;
+  return graphs;
+}
+
+/* The scene's graphs of an object become those of a tuple, which is kept instead of the one before.
+ * Both are kept while the scene changes, so that a failure on the way leaves nothing without an
+ * owner. */
+static int replace_graphs(scene_object *self, size_t index, PyObject *tuple,
+                          PyArrayObject *triangles) {
+  int result = -1;
+  const pl_graph **graphs = graphs_of(tuple);
+  PyObject *key = graphs != NULL ? PyLong_FromSize_t(index) : NULL;
+  PyObject *before = key != NULL ? PyDict_GetItemWithError(self->graphs, key) : NULL;
+  before = Py_NewRef(before != NULL ? before : Py_None);
+  PyObject *both = PyErr_Occurred() ? NULL : PyTuple_Pack(2, tuple, before);
+  if (both != NULL && PyDict_SetItem(self->graphs, key, both) == 0) {
+    const pl_status status = pl_scene_set_materials(
+        &self->scene, index, graphs, (size_t)PyTuple_Size(tuple), PyArray_DATA(triangles));
+    result = PyDict_SetItem(self->graphs, key, status == PL_OK ? tuple : before);
+    if (status != PL_OK) {
+      pl_py_raise(status);
+      result = -1;
+    }
+  }
+  Py_XDECREF(both);
+  Py_DECREF(before);
+  Py_XDECREF(key);
+  pl_free((void *)graphs);
+  return result;
 }
 
 static PyObject *scene_set_materials(PyObject *object, PyObject *args, PyObject *kwargs) {
@@ -180,7 +214,7 @@ static PyObject *scene_set_materials(PyObject *object, PyObject *args, PyObject 
   PyObject *tuple, *triangles;
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO!O:set_materials", names, &index, &PyTuple_Type,
                                    &tuple, &triangles) ||
-      check_open(self) < 0)
+      check_idle(self) < 0)
     return NULL;
   if (index < 0 || (size_t)index >= self->scene.object_count) {
     PyErr_Format(PyExc_ValueError, "no object %zd", index);
@@ -188,16 +222,36 @@ static PyObject *scene_set_materials(PyObject *object, PyObject *args, PyObject 
   }
   const npy_intp shape[1] = {(npy_intp)self->scene.objects[index].model->triangle_count};
   PyArrayObject *array = pl_py_array(triangles, "triangle_graph", NPY_INT32, 1, shape);
-  const pl_graph **graphs = array != NULL ? graphs_of(self, tuple) : NULL;
-  PyObject *result = NULL;
-  if (graphs != NULL) {
-    const pl_status status = pl_scene_set_materials(
-        &self->scene, (size_t)index, graphs, (size_t)PyTuple_Size(tuple), PyArray_DATA(array));
-    result = status == PL_OK ? Py_NewRef(Py_None) : pl_py_raise(status);
-    pl_free((void *)graphs);
-  }
+  const int failed = array == NULL || replace_graphs(self, (size_t)index, tuple, array) < 0;
   Py_XDECREF((PyObject *)array);
-  return result;
+  return failed ? NULL : Py_NewRef(Py_None);
+}
+
+static PyObject *scene_set_body_graph(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"body", "graph", NULL};
+  scene_object *self = (scene_object *)object;
+  Py_ssize_t index;
+  PyObject *py_graph;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO:set_body_graph", names, &index, &py_graph) ||
+      check_idle(self) < 0)
+    return NULL;
+  if (index < 0 || (size_t)index >= self->scene.body_count) {
+    PyErr_Format(PyExc_ValueError, "no body %zd", index);
+    return NULL;
+  }
+  const pl_graph *graph = NULL;
+  if (py_graph != Py_None && (graph = pl_py_graph_of(py_graph)) == NULL)
+    return NULL;
+  /* Bodies are counted from -1 down. The one before may go: nothing uses it after the call. */
+  PyObject *key = PyLong_FromSsize_t(-1 - index);
+  PyObject *before = Py_XNewRef(key != NULL ? PyDict_GetItemWithError(self->graphs, key) : NULL);
+  const int failed =
+      key == NULL || PyErr_Occurred() || PyDict_SetItem(self->graphs, key, py_graph) < 0;
+  if (!failed)
+    pl_body_set_graph(&self->scene.bodies[index], graph);
+  Py_XDECREF(before);
+  Py_XDECREF(key);
+  return failed ? NULL : Py_NewRef(Py_None);
 }
 
 static PyObject *scene_articulate(PyObject *object, PyObject *args, PyObject *kwargs) {
@@ -224,7 +278,9 @@ static PyMethodDef scene_methods[] = {
     {"add_object", (PyCFunction)(void (*)(void))scene_add_object, METH_VARARGS | METH_KEYWORDS,
      "Adds an instance of a model; returns its index."},
     {"set_materials", (PyCFunction)(void (*)(void))scene_set_materials,
-     METH_VARARGS | METH_KEYWORDS, "Puts graphs on an object's triangles."},
+     METH_VARARGS | METH_KEYWORDS, "Puts graphs on an object's triangles, also between frames."},
+    {"set_body_graph", (PyCFunction)(void (*)(void))scene_set_body_graph,
+     METH_VARARGS | METH_KEYWORDS, "Replaces a body's graph, also between frames."},
     {"articulate", (PyCFunction)(void (*)(void))scene_articulate, METH_VARARGS | METH_KEYWORDS,
      "Lets nodes of an object's model move."},
     {NULL, NULL, 0, NULL},

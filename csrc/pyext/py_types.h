@@ -19,6 +19,8 @@ const pl_grid *pl_py_grid_of(PyObject *object);
 PyObject *pl_py_nodes(void);
 /* Marks the scene as in use, so that nothing is added any more. */
 const pl_scene *pl_py_scene_freeze(PyObject *object);
+/* While a frame of the scene is rendered (change +1 before, -1 after) its materials stay. */
+void pl_py_scene_hold(PyObject *scene, int change);
 
 /* Whether `object` is of the type that has this tp_dealloc: our types cannot be subclassed, so the
  * function identifies them without module state (the limited API of 3.11 has no way from an

@@ -77,8 +77,9 @@ pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model 
       .part_count = parts->count,
       .part_ids = copy(parts->part_ids, parts->count, sizeof *parts->part_ids),
       .class_ids = copy(parts->class_ids, parts->count * levels, sizeof *parts->class_ids),
-      .summary = pl_model_summarise(model),
+      .model_summary = pl_model_summarise(model),
   };
+  object.summary = object.model_summary;
   if (parts->triangle_part != NULL)
     object.triangle_part =
         copy(parts->triangle_part, model->triangle_count, sizeof *parts->triangle_part);
@@ -98,13 +99,21 @@ pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model 
 
 pl_status pl_scene_set_materials(pl_scene *scene, size_t index, const pl_graph *const *graphs,
                                  size_t count, const int32_t *triangle_graph) {
-  if (index >= scene->object_count || scene->objects[index].materials != NULL ||
-      scene->objects[index].cut != NULL)
-    return pl_fail(PL_E_ARGUMENT, "object %zu is not there, or has graphs or moving nodes already",
-                   index);
+  if (index >= scene->object_count)
+    return pl_fail(PL_E_ARGUMENT, "object %zu is not there", index);
   pl_object *object = &scene->objects[index];
+  pl_object_materials *made = NULL;
   PL_TRY(pl_object_materials_create(object->name, graphs, count, triangle_graph,
-                                    object->model->triangle_count, &object->materials));
+                                    object->model->triangle_count, &made));
+  const pl_status status =
+      object->cut != NULL ? pl_object_materials_sort(made, object->cut) : PL_OK;
+  if (status != PL_OK) {
+    pl_object_materials_destroy(made);
+    return status;
+  }
+  pl_object_materials_destroy(object->materials);
+  object->materials = made;
+  object->summary = object->model_summary;
   for (size_t i = 0; i < count; i++)
     pl_graph_summarise(graphs[i], &object->summary);
   return PL_OK;
@@ -131,6 +140,13 @@ static pl_status check_regolith_map(const pl_body *body) {
   return PL_OK;
 }
 
+void pl_body_set_graph(pl_body *body, const pl_graph *graph) {
+  body->graph = graph;
+  body->summary = (pl_model_summary){.ggx_alpha_min = 1.0, .diffuse = true};
+  if (graph != NULL)
+    pl_graph_summarise(graph, &body->summary);
+}
+
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   pl_body *grown = pl_realloc(scene->bodies, scene->body_count + 1, sizeof *grown);
   if (grown == NULL)
@@ -142,9 +158,7 @@ pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   if (added.name == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
   added.random = pl_material_random(body->name);
-  added.summary = (pl_model_summary){.ggx_alpha_min = 1.0, .diffuse = true};
-  if (body->graph != NULL)
-    pl_graph_summarise(body->graph, &added.summary);
+  pl_body_set_graph(&added, body->graph);
   scene->bodies[scene->body_count++] = added;
   return PL_OK;
 }

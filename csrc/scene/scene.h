@@ -34,10 +34,11 @@ typedef struct pl_object {
   pl_vec3 offset;        /* model units */
   int32_t obj_id, instance_id;
   size_t part_count;
-  uint32_t *triangle_part; /* owned, per triangle; NULL: the model's */
-  int32_t *part_ids;       /* owned, one per part */
-  uint16_t *class_ids;     /* owned, levels per part */
-  pl_model_summary summary;
+  uint32_t *triangle_part;        /* owned, per triangle; NULL: the model's */
+  int32_t *part_ids;              /* owned, one per part */
+  uint16_t *class_ids;            /* owned, levels per part */
+  pl_model_summary model_summary; /* of the model's own materials */
+  pl_model_summary summary;       /* of these and the graphs */
   pl_object_materials *materials; /* owned; NULL: the model's own on all triangles */
   pl_cover cover;                 /* owned; not of an articulated object */
   const pl_cut *cut;              /* the scene's; NULL when nothing on the object moves */
@@ -76,8 +77,9 @@ void pl_scene_clear(pl_scene *scene);
 pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
                               pl_vec3 offset, int32_t obj_id, int32_t instance_id,
                               const pl_part_table *parts);
-/* Puts graphs on an object's triangles (-1: the model's material), once an object and before it is
- * articulated. `triangle_graph`: as many as the model's triangles; the graphs stay borrowed. */
+/* Puts graphs on an object's triangles (-1: the model's material) in the place of those that are
+ * there, also between frames: accelerators do not depend on them. `triangle_graph`: as many as the
+ * model's triangles, in the model's order; the graphs stay borrowed. A failure changes nothing. */
 pl_status pl_scene_set_materials(pl_scene *scene, size_t object, const pl_graph *const *graphs,
                                  size_t count, const int32_t *triangle_graph);
 /* Lets nodes of an object's model move, in every frame by a motion each (pl_object_state). Once an
@@ -101,6 +103,8 @@ static inline uint32_t pl_object_part(const pl_object *object, uint32_t triangle
 }
 /* Copies *body and its name. */
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body);
+/* Replaces a body's graph (borrowed; NULL for none), also between frames. */
+void pl_body_set_graph(pl_body *body, const pl_graph *graph);
 
 /* Child-to-root poses when the shutter opens and when it closes; root frame, metres. */
 typedef struct pl_motion {

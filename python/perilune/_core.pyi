@@ -215,13 +215,11 @@ class Scene:
         instance_id: int,
         part_id: int,
         class_ids: NDArray[np.uint16],
-        graph: Graph | None,
         regolith_map: Grid | None,
     ) -> int:
-        """An ellipsoid; returns its index. class_ids: (levels,). graph: instead of, or around, the
-        surface that map and reflectance make. regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0,
-        h_S, roughness in radians and filling factor of each band, for the photometric reflectances;
-        its w counts where there is no map."""
+        """An ellipsoid; returns its index. class_ids: (levels,). regolith_map: 27 channels, w, b, c,
+        B_C0, h_C, B_S0, h_S, roughness in radians and filling factor of each band, for the
+        photometric reflectances; its w counts where there is no map."""
     def add_object(
         self,
         *,
@@ -240,8 +238,12 @@ class Scene:
     def set_materials(
         self, object: int, graphs: tuple[Graph, ...], triangle_graph: NDArray[np.int32]
     ) -> None:
-        """Puts graphs on an object's triangles (T,), -1: the model's material. Once an object, and
-        before `articulate`."""
+        """Puts graphs on an object's triangles (T,), -1: the model's material, in the place of
+        those that are there. Also when a Renderer uses the scene, whose accelerators stay, but not
+        while it renders (ValueError)."""
+    def set_body_graph(self, body: int, graph: Graph | None) -> None:
+        """Puts a graph on a body, instead of, or around, the surface that map and reflectance make,
+        in the place of the one that is there; when, see set_materials."""
     def articulate(self, object: int, nodes: NDArray[np.int32]) -> None:
         """Lets nodes of an object's model move; each frame then gives each a motion, in the order
         of the objects and of these nodes. Once an object."""

@@ -13,20 +13,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, materials, photometry
+from perilune import _core, articulation, photometry
 from perilune.config.document import Document
-from perilune.config.errors import ConfigError, named
+from perilune.config.errors import ConfigError
 from perilune.config.photometry import Photometry
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.labels import Taxonomy, object_class, taxonomy
+from perilune.looks import Look, Looks
 from perilune.parts import Partition, partition
 from perilune.world import World
 
 F64 = NDArray[np.float64]
-_Placed = materials.Placed
 
-_LOOKS = 4
-"""Renderers that are kept."""
+_STAGES = 4
+"""Scenes and renderers that are kept."""
+
+
+@dataclass
+class _Stage:
+    """A scene, its renderer, and the graphs that are on it."""
+
+    scene: _core.Scene
+    renderer: _core.Renderer
+    look: Look = Look({}, {})  # noqa: RUF009 (immutable)
 
 
 @dataclass(frozen=True)
@@ -87,9 +96,8 @@ class Handles:
         self.document = document
         self.lock = Lock()
         self._files: dict[str, _core.Map] = {}
-        self._images = materials.ImageFiles(document.path)
         self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
-        self._renderers: dict[tuple[Any, ...], _core.Renderer] = {}
+        self._stages: dict[tuple[Any, ...], _Stage] = {}
 
     @cached_property
     def models(self) -> Mapping[str, ObjectModel]:
@@ -145,44 +153,11 @@ class Handles:
         }
         return {name: rig for name, rig in rigs.items() if rig is not None}
 
-    @property
-    def graphs(self) -> list[tuple[str | None, _Placed]]:
-        """All graphs in the order of the core's parameters, and the spacecraft that they are on."""
-        return [*self.materials.items(), *((None, row) for row in self.body_materials.values())]
-
     @cached_property
-    def materials(self) -> Mapping[str, _Placed]:
-        """Spacecraft entry -> the graphs on its triangles, of those that have some."""
-        config, source = self.document.config, self.document.source
-        placed = {}
-        for name, row in self.models.items():
-            uses, key = config.spacecraft[name].materials, f"spacecraft.{name}.materials"
-            if uses:
-                try:
-                    cut = self.partitions[name]
-                    entries = {u.use: materials.applied(config, u.use, name) for u in uses}
-                    placed[name] = materials.place(
-                        uses, entries, row.model, cut, key, self._images
-                    )
-                except ValueError as error:
-                    text = named(str(error), self.document.origins)
-                    raise ConfigError(f"{source}:\n  {text}") from None
-        return placed
-
-    @cached_property
-    def body_materials(self) -> Mapping[str, _Placed]:
-        """Body entry -> its graph, of those that have one."""
-        config, source = self.document.config, self.document.source
-        placed = {}
-        for name, row in config.bodies.items():
-            try:
-                graph = materials.on_body(row, config, self._images)
-            except ValueError as error:
-                text = named(str(error), self.document.origins)
-                raise ConfigError(f"{source}:\n  {text}") from None
-            if graph is not None:
-                placed[name] = graph
-        return placed
+    def looks(self) -> Looks:
+        """Which graphs are on what."""
+        models = {name: row.model for name, row in self.models.items()}
+        return Looks(self.document, models, self.partitions)
 
     @cached_property
     def taxonomy(self) -> Taxonomy:
@@ -237,18 +212,46 @@ class Handles:
         return self.renderer_of(self.document.config)
 
     def renderer_of(self, config: Config) -> _core.Renderer:
-        """The core's renderer of a frame's scene: one for each look that choices give it."""
-        look = tuple(
+        """The core's renderer, with a frame's graphs on its scene.
+
+        A scene is made for each combination of maps and reflectances that choices give the bodies.
+        Graphs change on the scene itself, whose accelerators stay.
+        """
+        key = tuple(
             (body.color_map, body.reflectance, body.photometry.maps if body.photometry else ())
             for body in config.bodies.values()
         )
-        if look not in self._renderers:
-            if len(self._renderers) == _LOOKS:  # the one made first makes room
-                del self._renderers[next(iter(self._renderers))]
-            self._renderers[look] = self._renderer(config)
-        return self._renderers[look]
+        if key not in self._stages:
+            if len(self._stages) == _STAGES:  # the one made first makes room
+                del self._stages[next(iter(self._stages))]
+            self._stages[key] = self._stage(config)
+        stage = self._stages[key]
+        try:
+            self._dress(stage, self.looks.of(config))
+        except Exception:
+            del self._stages[key]  # who knows what is on it
+            raise
+        return stage.renderer
 
-    def _renderer(self, config: Config) -> _core.Renderer:
+    def _dress(self, stage: _Stage, look: Look) -> None:
+        """Puts the graphs of a frame on a scene, where they are not there already."""
+        for index, name in enumerate(self.models):
+            placed, there = look.crafts.get(name), stage.look.crafts.get(name)
+            if placed is not None and (there is None or not placed.is_like(there)):
+                cores = tuple(graph.core for graph in placed.graphs)
+                stage.scene.set_materials(index, cores, placed.triangle_graph)
+            elif placed is None and there is not None:
+                stage.scene.set_materials(index, (), self.looks.bare(name))
+        for index, name in enumerate(self.document.config.bodies):
+            placed, there = look.bodies.get(name), stage.look.bodies.get(name)
+            if placed is not None and (there is None or not placed.is_like(there)):
+                stage.scene.set_body_graph(index, placed.graphs[0].core)
+            elif placed is None and there is not None:
+                stage.scene.set_body_graph(index, None)
+        stage.look = look
+
+    def _stage(self, config: Config) -> _Stage:
+        """A scene without graphs."""
         labels = self.taxonomy
         scene = _core.Scene(len(labels.levels))
         part_ids: dict[str, list[int]] = {}
@@ -257,7 +260,6 @@ class Handles:
             part_ids.setdefault(part.owner, []).append(part.id)
             part_classes.setdefault(part.owner, []).append(part.class_name)
         for name, body in config.bodies.items():
-            own = self.body_materials.get(name)
             scene.add_body(
                 name=name,
                 map=self._map(name, body.color_map),
@@ -269,7 +271,6 @@ class Handles:
                 class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[
                     0
                 ],
-                graph=None if own is None else own.graphs[0].core,
             )
         for name, row in self.models.items():
             index = scene.add_object(
@@ -282,14 +283,10 @@ class Handles:
                 class_ids=_class_ids(labels, "spacecraft", row.class_name, part_classes[name]),
                 triangle_part=self.partitions[name].triangle_part,
             )
-            if name in self.materials:
-                placed = self.materials[name]
-                graphs = tuple(graph.core for graph in placed.graphs)
-                scene.set_materials(index, graphs, placed.triangle_graph)
             if name in self.rigs:
                 nodes = np.array(self.rigs[name].core.nodes, dtype=np.int32)
                 scene.articulate(index, nodes)
-        return _core.Renderer(scene)
+        return _Stage(scene, _core.Renderer(scene))
 
 
 def _class_ids(

@@ -60,8 +60,9 @@ class Simulation:
     ) -> None:
         """trajectory: a callable that gives the camera's poses instead of the configured one.
         orbits: name of a body or spacecraft -> a hook that draws its orbit instead."""
-        driven = [driver.path for driver in document.drivers]
-        check_references(document.config, document.source, driven, document.origins)
+        check_references(
+            document.config, document.source, document.drivers, document.origins
+        )
         self._document = document
         self._trajectory = trajectory
         self._orbits = dict(orbits or {})
@@ -182,7 +183,8 @@ class Simulation:
         handles = self._mine()
         movers = articulation.stacked(posed or handles.posed(scene))
         request = request_of(scene, poses, handles.scales(scene.config), movers)
-        request["graph_parameters"] = materials.parameters(handles.graphs, scene.config)
+        look = handles.looks.of(scene.config)
+        request["graph_parameters"] = materials.parameters(look.graphs, scene.config)
         return request
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
@@ -269,15 +271,16 @@ class Simulation:
 
         return plot_ground_track(self, frames, **options)
 
-    def graph(self, name: str, spacecraft: str | None = None) -> GraphPicture:
+    def graph(self, name: str, on: str | None = None) -> GraphPicture:
         """The graph of an entry of `materials` as a picture (SVG), drivers highlighted.
 
-        spacecraft: whose drivers are shown (default: the first that it is on). A notebook shows
-        the result; `.svg` is its text, `.save(path)` writes it. ValueError for names not there.
+        on: spacecraft or body whose drivers are shown (default: the first that it is on). A
+        notebook shows the result; `.svg` is its text, `.save(path)` writes it. ValueError for names
+        that are not there.
         """
         from perilune.graph_svg import draw
 
-        return draw(self._document, name, spacecraft)
+        return draw(self._document, name, on)
 
 
 def open(  # noqa: A001 (perilune.open is the interface)

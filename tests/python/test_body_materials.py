@@ -221,7 +221,7 @@ def test_a_driver_in_a_bodys_graph_is_drawn_for_each_frame() -> None:
         ({"color_map": MAP}, "bodies.earth.color_map: the material replaces it"),
         ({"albedo": [0.3, 0.3, 0.3]}, "bodies.earth.albedo: the material replaces it"),
         ({"reflectance": "lambert"}, "bodies.earth.reflectance: the material replaces it"),
-        ({"material": {"choice": ["m", "m"]}}, "bodies.earth.material: takes no driver"),
+        ({"material": {"choice": ["m", "mm"]}}, "bodies.earth.material: no entry named 'mm'; did"),
         ({"material": None, "material_mode": "wrap"}, "material_mode: only for a body with a mat"),
     ],
 )

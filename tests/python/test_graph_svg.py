@@ -101,7 +101,7 @@ def test_errors() -> None:
     sim = opened()
     with pytest.raises(ValueError, match="no entry named 'foli'; did you mean 'foil'"):
         sim.graph("foli")
-    with pytest.raises(ValueError, match="on no spacecraft 'earth'"):
+    with pytest.raises(ValueError, match="is not on 'earth'"):
         sim.graph("foil", "earth")
     with pytest.raises(ValueError, match=r"must end in \.svg"):
         sim.graph("foil").save("foil.png")

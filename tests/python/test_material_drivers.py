@@ -85,6 +85,14 @@ def test_a_driven_node_is_as_if_its_value_stood_in_the_graph() -> None:
         assert not np.array_equal(sim[frame]["rgb"], opened(fixed, seed=5)[frame]["rgb"])
 
 
+def test_a_driver_whose_ideal_is_the_nodes_own_value() -> None:
+    sim = opened(tree(materials__foil__drivers={"drivers": {"scale": SCALE}}), seed=5)
+    assert SCALE["ideal"] == FOIL["nodes"]["OAISYS_scale"]["value"]
+    for frame in (0, 2):
+        parameters = sim.request(frame)["graph_parameters"]
+        assert parameters.tolist() == [[sim.config_at(frame)[1][OWN]] * 3] * 2
+
+
 def test_nodes_without_an_entry_keep_their_value() -> None:
     sim = opened(tree(materials__foil__drivers={"drivers": {"tint": TINT}}), seed=5)
     assert values_of(sim, 0, "sat")[0] == 1.0
@@ -308,8 +316,8 @@ ONE = {"drivers": {"scale": SCALE}}
             "material_drivers.drivers.scale: drives nothing: other drivers come before it",
         ),
         (
-            {"materials__foil__instances": {"earth": ONE}},
-            "materials.foil.instances.earth.drivers.scale: drives nothing",
+            {"materials__foil__instances": {"moon": ONE}},
+            "materials.foil.instances.moon.drivers.scale: drives nothing",
         ),
         (
             {"materials__foil__nodes__noise__scale": 2.0, "material_drivers": ONE},

@@ -44,6 +44,11 @@ def changed(node: str, **keys: Any) -> dict[str, Any]:
     return material
 
 
+def placed_on(sim: perilune.Simulation) -> Any:
+    """The graphs of the spacecraft."""
+    return sim._mine().looks.of(sim.config).crafts["sat"]
+
+
 def on_craft(sample: Any) -> Any:
     return sample["instance"] == sample["instance"].max()
 
@@ -81,7 +86,7 @@ def test_the_first_pattern_that_fits_a_triangle_takes_it() -> None:
             {"part": "*", "material": "solar_cell", "use": "m", "mode": "wrap"},
         ],
     )
-    placed = sim._mine().materials["sat"]
+    placed = placed_on(sim)
     model = sim.models["sat"].model
     material = np.array([part["material"] for part in model.parts])[model.mesh()["triangle_part"]]
     expected = np.full(len(material), -1)
@@ -95,7 +100,7 @@ def test_boxes_of_parts_place_a_graph() -> None:
     sim = opened(STRIPES, [{"part": "half", "use": "m"}], **{"spacecraft.sat.parts": box})
     mesh = sim.models["sat"].model.mesh()
     height = mesh["positions"][mesh["indices"]].astype(float).mean(axis=1)[:, 2]
-    assert np.array_equal(sim._mine().materials["sat"].triangle_graph == 0, height >= 0.0)
+    assert np.array_equal(placed_on(sim).triangle_graph == 0, height >= 0.0)
 
 
 def test_a_box_and_a_component_place_a_graph_as_parts_of_their_names_do() -> None:
@@ -107,7 +112,7 @@ def test_a_box_and_a_component_place_a_graph_as_parts_of_their_names_do() -> Non
     for direct, by_part, parts in ways:
         direct_sim = opened(STRIPES, [{**direct, "use": "m"}])
         part_sim = opened(STRIPES, [{**by_part, "use": "m"}], **{"spacecraft.sat.parts": parts})
-        placed = [sim._mine().materials["sat"].triangle_graph for sim in (direct_sim, part_sim)]
+        placed = [placed_on(sim).triangle_graph for sim in (direct_sim, part_sim)]
         assert np.array_equal(*placed)
         assert (placed[0] == 0).any()
         assert (placed[0] < 0).any()
@@ -115,7 +120,7 @@ def test_a_box_and_a_component_place_a_graph_as_parts_of_their_names_do() -> Non
 
 def test_all_patterns_of_a_use_must_fit() -> None:
     uses = [{"box": HALF, "material": "mli_*", "use": "m"}, {"box": HALF, "use": "m"}]
-    both, half = (opened(STRIPES, uses[k:])._mine().materials["sat"] for k in (0, 1))
+    both, half = (placed_on(opened(STRIPES, uses[k:])) for k in (0, 1))
     assert np.array_equal(both.triangle_graph >= 0, half.triangle_graph >= 0)
     model = perilune.open(SCENE).models["sat"].model
     material = np.array([part["material"] for part in model.parts])[model.mesh()["triangle_part"]]
@@ -133,7 +138,7 @@ def test_drivers_of_a_graph_are_drawn_for_each_frame() -> None:
         fixed = opened(changed("skin", base_color=[drawn[index], 0.25, 0.25]))
         assert np.array_equal(sim[index]["rgb"], fixed[index]["rgb"])
         config = sim.config_at(index)[0]
-        (graph,) = sim._mine().materials["sat"].graphs
+        (graph,) = placed_on(sim).graphs
         assert values(graph, config.materials["m"]).tolist() == [[drawn[index], 0.25, 0.25]]
 
 

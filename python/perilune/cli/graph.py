@@ -11,12 +11,12 @@ from perilune.cli.options import add_config, open_simulation
 def _configure(parser: ArgumentParser) -> None:
     add_config(parser)
     parser.add_argument("name", metavar="NAME", help="entry of `materials`")
-    parser.add_argument("--spacecraft", metavar="S", help="whose drivers (default: the first's)")
+    parser.add_argument("--on", metavar="S", help="spacecraft or body whose drivers are shown")
     parser.add_argument("--out", required=True, metavar="SVG", help="file to write")
 
 
 def _run(args: Namespace) -> int:
-    print(open_simulation(args).graph(args.name, args.spacecraft).save(args.out))
+    print(open_simulation(args).graph(args.name, args.on).save(args.out))
     return OK
 
 

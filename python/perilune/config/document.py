@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -160,6 +160,15 @@ class Document:
             driven = self._by_name(values)
             raise from_validation(error, tree, self.source, driven, self.origins) from None
 
+    def choices(self, chosen: Callable[[KeyPath], bool]) -> Iterator[Config]:
+        """The configuration with each limit of the drivers at some key paths, one at a time.
+
+        Of a choice these are all its values."""
+        for driver in self.drivers:
+            if chosen(driver.path):
+                for limit in driver.distribution.limits:
+                    yield self._validate({**self._plan.ideals, driver.path: limit})
+
     def _check_clips(self) -> None:
         """Each driver's limits must be valid values, so that no later frame fails on them."""
         ideals = self._plan.ideals
@@ -169,7 +178,7 @@ class Document:
                 if limit == driver.ideal:
                     continue
                 config = self._validate({**ideals, driver.path: limit})
-                check_references(config, self.source, origins=self.origins)
+                check_references(config, self.source, self.drivers, self.origins)
                 for key, value in fixed(config).items():
                     if fixed_by_scene.get(key) != value:
                         raise ConfigError(

@@ -19,7 +19,6 @@ def _of_body(body: Body) -> dict[str, Any]:
         "kind": body.kind,
         "class": body.class_,
         "map_center_lon_deg": body.map_center_lon_deg,
-        "material": (body.material, body.material_mode),
         "orbit.kind": _orbit(body),
     }
 
@@ -38,7 +37,6 @@ def _of_craft(craft: Spacecraft) -> dict[str, Any]:
         "parts": craft.parts,
         "part_classes": craft.part_classes,
         "articulation": joints,
-        "materials": craft.materials,
         "animation": None if play is None else (play.name, play.index),
         "symmetries": craft.symmetries,
         "orbit.kind": _orbit(craft),

@@ -1,9 +1,9 @@
-"""Drivers that each spacecraft draws by itself: `per: instance` becomes a section a spacecraft."""
+"""Drivers that each thing draws by itself: `per: instance` becomes a section for each of them."""
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from perilune.config.materials import driver_name
@@ -12,35 +12,37 @@ Tree = dict[str, Any]
 
 
 def spread(tree: Tree) -> None:
-    """Puts copies of the sections that say `per: instance` where each spacecraft has its own.
+    """Puts copies of the sections that say `per: instance` where each thing has its own.
 
-    What `materials.X.drivers` holds goes to `materials.X.instances.S` of the spacecraft that use X,
-    what the top level holds to `spacecraft.S.material_drivers` of those with such a node. Entries
-    that are there already stay. As draws are keyed by the key path, each spacecraft then draws for
-    itself, and what it drew is recorded and replayed by a name of its own. What is on no spacecraft
-    stays where it is; what is malformed is left to the validation.
+    Things are spacecraft and bodies. What `materials.X.drivers` holds goes to
+    `materials.X.instances.S` of the things S that use X, what the top level holds to
+    `material_drivers` of those with such a node. Entries that are there already stay. As draws are
+    keyed by the key path, each thing then draws for itself, and what it drew is recorded and
+    replayed by a name of its own. What is on no thing stays where it is; what is malformed is left
+    to the validation.
     """
-    crafts, materials = _mapping(tree, "spacecraft"), _mapping(tree, "materials")
+    things = {**_mapping(tree, "spacecraft"), **_mapping(tree, "bodies")}
+    materials = _mapping(tree, "materials")
     for name, material in materials.items():
         if _is_per_instance(material):
-            _to_instances(name, material, crafts)
+            _to_instances(name, material, things)
     if _is_per_instance(tree, "material_drivers"):
-        _to_spacecraft(tree, materials, crafts)
+        _to_things(tree, materials, things)
 
 
-def _to_instances(name: str, material: Tree, crafts: Mapping[str, Any]) -> None:
-    users = [craft for craft, raw in crafts.items() if name in _used(raw)]
+def _to_instances(name: str, material: Tree, things: Mapping[str, Any]) -> None:
+    users = [thing for thing, raw in things.items() if name in _used(raw)]
     instances = material.setdefault("instances", {})
     if users and isinstance(instances, dict):
         section = material.pop("drivers")
-        for craft in users:
-            _copy(section, instances, craft, section["drivers"])
+        for thing in users:
+            _copy(section, instances, thing, section["drivers"])
 
 
-def _to_spacecraft(tree: Tree, materials: Mapping[str, Any], crafts: Mapping[str, Any]) -> None:
+def _to_things(tree: Tree, materials: Mapping[str, Any], things: Mapping[str, Any]) -> None:
     section = tree["material_drivers"]
     gone: set[str] = set()
-    for raw in crafts.values():
+    for raw in things.values():
         nodes = (_mapping(_mapping(materials, use), "nodes") for use in _used(raw))
         named = {driver_name(node) for row in nodes for node in row}
         names = [name for name in section["drivers"] if name in named]
@@ -62,15 +64,22 @@ def _is_per_instance(owner: Any, key: str = "drivers") -> bool:
     return section.get("per") == "instance" and bool(_mapping(section, "drivers"))
 
 
-def _used(craft: Any) -> list[str]:
-    """Names of the graphs that are, or may be, on a spacecraft."""
-    uses = craft.get("materials") if isinstance(craft, Mapping) else None
-    names: list[str] = []
-    for use in uses if isinstance(uses, list) else ():
-        given = use.get("use") if isinstance(use, Mapping) else None
-        choices = given.get("choice") if isinstance(given, Mapping) else [given]
-        names += [name for name in choices or () if isinstance(name, str)]
-    return names
+def _used(thing: Any) -> list[str]:
+    """Names of the graphs that are, or may be, on a spacecraft or a body."""
+    if not isinstance(thing, Mapping):
+        return []
+    return list(_names(thing.get("materials", thing.get("material"))))
+
+
+def _names(value: Any) -> Iterator[str]:
+    """Of a name, a use, a list of uses, or a choice of any of these."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        yield from _names(value.get("choice", value.get("use")))
+    elif isinstance(value, list):
+        for item in value:
+            yield from _names(item)
 
 
 def _copy(section: Mapping[str, Any], owner: Tree, key: str, names: Iterable[str]) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from perilune import _core, materials, photometry
 from perilune.config.errors import ConfigError, named, nearest
 from perilune.config.schema import Config
-from perilune.drivers import KeyPath
+from perilune.drivers import Found
 
 OBJECTS = "objects"
 """The name under which a sample's object labels are asked for, beside the pixel channels."""
@@ -31,12 +31,13 @@ def check_channels(channels: Iterable[str], where: str) -> None:
 def check_references(
     config: Config,
     source: str,
-    driven: Iterable[KeyPath] = (),
+    drivers: Sequence[Found] = (),
     origins: Mapping[str, str] | None = None,
 ) -> None:
     """ConfigError naming the key, the nearest name and all that are allowed.
 
-    driven: where drivers stand. origins: key path -> key path in another file that it is from.
+    drivers: all that the configuration has. origins: key path -> key path in another file that it
+    is from.
     """
 
     def known(path: str, name: str | None, allowed: list[str]) -> None:
@@ -56,7 +57,7 @@ def check_references(
             known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
     for key, complaint in photometry.check(config):
         raise ConfigError(f"{source}:\n  {key}: {complaint}")
-    for problem in materials.check(config, driven):
+    for problem in materials.check(config, drivers):
         raise ConfigError(f"{source}:\n  {named(problem, origins or {})}")
     for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
         for name in names:

@@ -148,6 +148,8 @@ class Body(Strict):
     """Other parameters of a photometric reflectance."""
     material: str | None = None
     """Name of an entry of `materials`: a graph instead of the surface that the keys above make."""
+    material_drivers: DriverSection | None = None
+    """Values of nodes of this graph that the material's own drivers do not give."""
     material_mode: Literal["replace", "wrap"] = "replace"
     """wrap: inputs of the surface that the graph does not give stay those of the keys above."""
     orbit: Orbit | None = None

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from perilune import materials
 from perilune.config.document import Document
 from perilune.config.errors import nearest
 from perilune.graph_svg.boxes import read
@@ -38,23 +39,21 @@ class GraphPicture:
         return target
 
 
-def draw(document: Document, name: str, craft: str | None = None) -> GraphPicture:
-    """The picture of an entry of `materials`, with the drivers that it has on a spacecraft.
+def draw(document: Document, name: str, thing: str | None = None) -> GraphPicture:
+    """The picture of an entry of `materials`, with the drivers that it has on a thing.
 
-    craft: default is the first spacecraft that it is on. ValueError for names that are not there.
+    thing: spacecraft or body; the default is the first that it is, or may be, on. ValueError for
+    names that are not there.
     """
     config = document.config
     if name not in config.materials:
         raise ValueError(f"materials: no entry named '{name}'{nearest(name, config.materials)}")
-    users = [
-        entry
-        for entry, row in config.spacecraft.items()
-        if any(use.use == name for use in row.materials)
-    ]
-    if craft is not None and craft not in users:
-        raise ValueError(f"'{name}' is on no spacecraft '{craft}'{nearest(craft, users)}")
-    if craft is None and users:
-        craft = users[0]
-    boxes, links = read(document, name, craft)
-    title = name if craft is None else f"{name} on {craft}"
+    on = materials.users(config, document.drivers)
+    users = [owner for owner, uses in on.items() if name in uses]
+    if thing is not None and thing not in users:
+        raise ValueError(f"'{name}' is not on '{thing}'{nearest(thing, users)}")
+    if thing is None and users:
+        thing = users[0]
+    boxes, links = read(document, name, thing)
+    title = name if thing is None else f"{name} on {thing}"
     return GraphPicture(name, write(title, place(boxes, links)))

@@ -57,11 +57,11 @@ class Link:
     type: str
 
 
-def read(document: Document, name: str, craft: str | None) -> tuple[list[Box], list[Link]]:
-    """The boxes of an entry of `materials` on a spacecraft, and the links."""
+def read(document: Document, name: str, owner: str | None) -> tuple[list[Box], list[Link]]:
+    """The boxes of an entry of `materials` on a thing, and the links."""
     config = document.config
     material = config.materials[name]
-    by_name = {node.node: (key, value) for node, key, value in driven(config, name, craft)}
+    by_name = {node.node: (key, value) for node, key, value in driven(config, name, owner)}
     of_surface = reached(material, surface_of(f"materials.{name}", material))
     boxes: list[Box] = []
     for node, raw in material.nodes.items():
@@ -74,7 +74,7 @@ def read(document: Document, name: str, craft: str | None) -> tuple[list[Box], l
             key, value = by_name[node]
             (socket,) = kind["inputs"]
             box.rows += _driver_rows(document, key, value, socket["type"])
-            box.rows += _section_rows(document, name, craft, key)
+            box.rows += _section_rows(document, name, owner, key)
         else:
             where = ("materials", name, "nodes", node)
             for socket in kind["inputs"]:
@@ -155,9 +155,9 @@ def _driver_rows(document: Document, key: str, value: Any, kind: str) -> Iterato
             color = None
 
 
-def _section_rows(document: Document, name: str, craft: str | None, key: str) -> Iterator[Row]:
+def _section_rows(document: Document, name: str, owner: str | None, key: str) -> Iterator[Row]:
     """What the section of an entry says of all its drivers, and where it stands."""
-    for at, section in sections(document.config, name, craft):
+    for at, section in sections(document.config, name, owner):
         if section is not None and key.startswith(f"{at}.drivers."):
             for setting in ("jitter_strength", "step_interval"):
                 value = getattr(section, setting)

@@ -1,10 +1,10 @@
 """Material graphs: built from the configuration, put on triangles, and checked."""
 
-from perilune.materials.check import check
+from perilune.materials.check import check, is_choice, users
 from perilune.materials.drivers import applied
 from perilune.materials.graph import Graph, build, values
 from perilune.materials.images import Image, ImageFiles, Images, images_in
-from perilune.materials.place import Placed, on_body, parameters, place
+from perilune.materials.place import Placed, parameters, triangles
 
 __all__ = [
     "Graph",
@@ -16,8 +16,9 @@ __all__ = [
     "build",
     "check",
     "images_in",
-    "on_body",
+    "is_choice",
     "parameters",
-    "place",
+    "triangles",
+    "users",
     "values",
 ]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from perilune.config.errors import nearest
 from perilune.config.materials import Material
 from perilune.config.schema import Config
-from perilune.drivers import KeyPath, path_text
+from perilune.drivers import Found, KeyPath, path_text
 from perilune.materials import drivers
 from perilune.materials.graph import build, surface_of
 
@@ -15,6 +16,7 @@ _PLACES = (
     ("materials", None, "drivers", "drivers", None),
     ("materials", None, "instances", None, "drivers", None),
     ("spacecraft", None, "material_drivers", "drivers", None),
+    ("bodies", None, "material_drivers", "drivers", None),
     ("material_drivers", "drivers", None),
 )
 """Key paths of the values of sections of drivers; None is any name."""
@@ -28,9 +30,15 @@ def _is_in_section(path: KeyPath) -> bool:
     )
 
 
-def _is_of_materials(path: KeyPath) -> bool:
+def is_choice(path: KeyPath) -> bool:
+    """Whether a driver there changes which graph is where."""
+    uses = path[0] == "spacecraft" and path[2:3] == ("materials",)
+    return uses or (path[0] == "bodies" and path[2:3] in (("material",), ("material_mode",)))
+
+
+def _is_of_graphs(path: KeyPath) -> bool:
     key = path[2:3] if path[0] in ("spacecraft", "bodies") else path[:1]
-    return key in (("materials",), ("material_drivers",), ("material",))
+    return key in (("materials",), ("material_drivers",))
 
 
 def _has_alpha(material: Material) -> bool:
@@ -40,10 +48,10 @@ def _has_alpha(material: Material) -> bool:
         return False  # told of elsewhere
 
 
-def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
+def check(config: Config, found: Sequence[Found]) -> Iterator[str]:
     """What is wrong with the graphs of a configuration, whether they are used or not.
 
-    driven: where drivers stand.
+    found: the drivers of the configuration.
     """
     varies: set[KeyPath] = set()
     for name, material in config.materials.items():
@@ -52,20 +60,50 @@ def check(config: Config, driven: Iterable[KeyPath]) -> Iterator[str]:
                 varies.add(("materials", name, "nodes", node, key))
         except ValueError as error:
             yield str(error)
-    yield from drivers.check(config)
-    for path in driven:
-        if _is_of_materials(path) and path[:5] not in varies and not _is_in_section(path):
+    yield from drivers.check(config, users(config, found))
+    for path in (row.path for row in found):
+        if not _is_of_graphs(path) or is_choice(path) or _is_in_section(path):
+            continue
+        if path[:5] not in varies:
             text = "takes no driver: in a graph numbers of inputs alone vary from frame to frame"
+            if len(path) < 5:
+                text += "; the `use` of a spacecraft's materials may be a choice of whole graphs"
             yield f"{path_text(path)}: {text}"
-    for body_name, body in config.bodies.items():
-        if body.material is not None and body.material not in config.materials:
-            near = nearest(body.material, config.materials)
-            yield f"bodies.{body_name}.material: no entry named '{body.material}'{near}"
-        elif body.material is not None and _has_alpha(config.materials[body.material]):
-            text = f"'{body.material}' has an alpha, but there are no holes in bodies"
-            yield f"bodies.{body_name}.material: {text}"
-    for craft_name, craft in config.spacecraft.items():
+    for key, owner, use in _uses(config):
+        if use not in config.materials:
+            yield f"{key}: no entry named '{use}'{nearest(use, config.materials)}"
+        elif owner in config.bodies and _has_alpha(config.materials[use]):
+            yield f"{key}: '{use}' has an alpha, but there are no holes in bodies"
+
+
+def _uses(config: Config) -> Iterator[tuple[str, str, str]]:
+    """(key path, spacecraft or body, entry of materials) of all that is used."""
+    for name, body in config.bodies.items():
+        if body.material is not None:
+            yield f"bodies.{name}.material", name, body.material
+    for name, craft in config.spacecraft.items():
         for k, use in enumerate(craft.materials):
-            if use.use not in config.materials:
-                where = f"spacecraft.{craft_name}.materials[{k}].use"
-                yield f"{where}: no entry named '{use.use}'{nearest(use.use, config.materials)}"
+            yield f"spacecraft.{name}.materials[{k}].use", name, use.use
+
+
+def users(config: Config, found: Sequence[Found]) -> dict[str, list[str]]:
+    """Spacecraft or body -> the entries of materials that are, or may be, on it."""
+    found_on: dict[str, list[str]] = {}
+    for _, owner, use in _uses(config):
+        found_on.setdefault(owner, []).append(use)
+    for row in found:
+        if is_choice(row.path):
+            offered = [use for value in row.distribution.limits for use in _offered(value)]
+            found_on.setdefault(str(row.path[1]), []).extend(offered)
+    return found_on
+
+
+def _offered(value: Any) -> Iterator[str]:
+    """Names of graphs in what a choice offers: one, a use, or a list of uses."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping):
+        yield from _offered(value.get("use"))
+    elif isinstance(value, (list, tuple)):
+        for item in value:
+            yield from _offered(item)

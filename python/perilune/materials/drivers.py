@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 from perilune.config.errors import nearest
 from perilune.config.materials import DriverSection, Material, driver_name
@@ -36,57 +36,59 @@ def crawl(material: Material) -> list[Node]:
 
 
 def sections(
-    config: Config, name: str, craft: str | None
+    config: Config, name: str, owner: str | None
 ) -> Iterator[tuple[str, DriverSection | None]]:
     """(key path, section) of all that may drive an entry of `materials`, the first wins.
 
-    craft: the spacecraft that it is on.
+    owner: the spacecraft or body that it is on.
     """
     material = config.materials[name]
-    if craft is not None:
-        yield f"materials.{name}.instances.{craft}", material.instances.get(craft)
+    if owner is not None:
+        yield f"materials.{name}.instances.{owner}", material.instances.get(owner)
     yield f"materials.{name}.drivers", material.drivers
-    if craft is not None:
-        yield f"spacecraft.{craft}.material_drivers", config.spacecraft[craft].material_drivers
+    if owner in config.spacecraft:
+        yield f"spacecraft.{owner}.material_drivers", config.spacecraft[owner].material_drivers
+    elif owner is not None:
+        yield f"bodies.{owner}.material_drivers", config.bodies[owner].material_drivers
     yield "material_drivers", config.material_drivers
 
 
-def driven(config: Config, name: str, craft: str | None) -> Iterator[tuple[Node, str, Any]]:
+def driven(config: Config, name: str, owner: str | None) -> Iterator[tuple[Node, str, Any]]:
     """(node, key path of the entry that gives its value, value) of an entry of `materials`."""
     for node in crawl(config.materials[name]):
-        for key, section in sections(config, name, craft):
+        for key, section in sections(config, name, owner):
             if section is not None and node.name in section.drivers:
                 yield node, f"{key}.drivers.{node.name}", section.drivers[node.name]
                 break
 
 
-def applied(config: Config, name: str, craft: str | None = None) -> Material:
-    """An entry of `materials` with the values that drivers give its nodes on a spacecraft."""
+def applied(config: Config, name: str, owner: str | None = None) -> Material:
+    """An entry of `materials` with the values that drivers give its nodes on a thing."""
     material = config.materials[name]
-    nodes = dict(material.nodes)
-    given = list(driven(config, name, craft))
-    for node, _, value in given:
-        nodes[node.node] = {**nodes[node.node], node.input: value}
-    # What was drawn may equal the node's own number, but is of a type that varies.
-    return material.model_copy(update={"nodes": nodes}) if given else material
+    changed = {
+        node.node: {**material.nodes[node.node], node.input: value}
+        for node, _, value in driven(config, name, owner)
+    }
+    # Not compared with what is there: a drawn number varies though its ideal be the same.
+    return material.model_copy(update={"nodes": material.nodes | changed}) if changed else material
 
 
 # --- checks --------------------------------------------------------------------------------------
 
-
-def _places(config: Config) -> Iterator[tuple[str, str | None]]:
-    """(entry of materials, spacecraft) of all graphs; those that are on none count too."""
-    users: dict[str, dict[str | None, None]] = {name: {} for name in config.materials}
-    for body in config.bodies.values():
-        users.get(body.material or "", {})[None] = None
-    for craft, row in config.spacecraft.items():
-        for use in row.materials:
-            users.get(use.use, {})[craft] = None
-    for name, crafts in users.items():
-        yield from ((name, craft) for craft in crafts or [None])
+Users: TypeAlias = Mapping[str, Sequence[str]]
 
 
-def _entries(config: Config) -> Iterator[tuple[str, str, list[str]]]:
+def _places(config: Config, users: Users) -> Iterator[tuple[str, str | None]]:
+    """(entry of materials, owner) of all graphs; those that are on nothing count too."""
+    things = (*config.spacecraft, *config.bodies)
+    for name, material in config.materials.items():
+        owners: list[str | None] = [t for t in things if name in users.get(t, ())]
+        # What has values of its own may have used the graph before an override of its choice.
+        others = [thing for thing in material.instances if thing in things]
+        yield from ((name, owner) for owner in (*(owners or [None]), *others))
+
+
+def _entries(config: Config, users: Users) -> Iterator[tuple[str, str, list[str]]]:
     """(key path, NAME, names that its nodes could have) of all entries of all sections."""
 
     def of(
@@ -99,11 +101,12 @@ def _entries(config: Config) -> Iterator[tuple[str, str, list[str]]]:
 
     for name, material in config.materials.items():
         yield from of(f"materials.{name}.drivers", material.drivers, [name])
-        for craft, section in material.instances.items():
-            yield from of(f"materials.{name}.instances.{craft}", section, [name])
-    for craft, row in config.spacecraft.items():
-        used = [use.use for use in row.materials]
-        yield from of(f"spacecraft.{craft}.material_drivers", row.material_drivers, used)
+        for owner, section in material.instances.items():
+            yield from of(f"materials.{name}.instances.{owner}", section, [name])
+    for kind, things in (("spacecraft", config.spacecraft), ("bodies", config.bodies)):
+        for owner, row in things.items():
+            key = f"{kind}.{owner}.material_drivers"
+            yield from of(key, row.material_drivers, users.get(owner, []))
     yield from of("material_drivers", config.material_drivers, config.materials)
 
 
@@ -119,21 +122,24 @@ def _node_problem(raw: Mapping[str, Any], node: Node, value: Any) -> str | None:
     return None
 
 
-def check(config: Config) -> Iterator[str]:
-    """What is wrong with the sections of drivers: each entry must change a surface."""
+def check(config: Config, users: Users) -> Iterator[str]:
+    """What is wrong with the sections of drivers: each entry must change a surface.
+
+    users: spacecraft or body -> the entries of materials that are, or may be, on it.
+    """
     used: set[str] = set()
     reaching: set[str] = set()
-    for name, craft in _places(config):
+    for name, owner in _places(config, users):
         material = config.materials[name]
         of_surface = reached(material, surface_of(f"materials.{name}", material))
-        for node, key, value in driven(config, name, craft):
+        for node, key, value in driven(config, name, owner):
             problem = _node_problem(material.nodes[node.node], node, value)
             if problem is not None:
                 yield f"{key}: {problem}"
             used.add(key)
             if node.node in of_surface:
                 reaching.add(key)
-    for key, name, known in _entries(config):
+    for key, name, known in _entries(config, users):
         if name not in known:
             nodes = f"no node 'OAISYS_{name}' or 'driver:{name}'"
             yield f"{key}: drives nothing: {nodes}{nearest(name, known)}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -11,17 +11,16 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.config.errors import nearest
-from perilune.config.materials import Material, MaterialUse
-from perilune.config.schema import Body, Config
+from perilune.config.materials import MaterialUse
+from perilune.config.schema import Config
 from perilune.materials.drivers import applied
-from perilune.materials.graph import F64, Graph, build, values
-from perilune.materials.images import Images
+from perilune.materials.graph import F64, Graph, values
 from perilune.parts import Partition, components, inside_box
 
 
 @dataclass(frozen=True)
 class Placed:
-    """The graphs of a spacecraft, or the one of a body."""
+    """The graphs of a spacecraft in a frame, or the one of a body."""
 
     names: tuple[str, ...]
     """Entry of `materials` of each."""
@@ -30,15 +29,16 @@ class Placed:
     """(T,) index into graphs; -1: the model's material."""
 
 
-def place(
-    uses: Sequence[MaterialUse],
-    materials: Mapping[str, Material],
-    model: _core.Model,
-    cut: Partition,
-    key: str,
-    images: Images,
-) -> Placed:
-    """Which graph is on which triangle; the first of `uses` that fits a triangle takes it.
+    def is_like(self, other: Placed) -> bool:
+        """Whether the same graphs are in the same places."""
+        same = self.triangle_graph is other.triangle_graph
+        return self.graphs == other.graphs and (same or not len(self.triangle_graph))
+
+
+def triangles(
+    uses: Sequence[MaterialUse], model: _core.Model, cut: Partition, key: str
+) -> NDArray[np.int32]:
+    """(T,) index of the first of `uses` that fits each triangle; -1: none does.
 
     ValueError, with `key` where they stand, for a pattern that no triangle fits.
     """
@@ -61,19 +61,7 @@ def place(
         if not fits.any():
             raise ValueError(f"{key}[{k}]: no triangle fits all that is asked")
         result[fits & (result < 0)] = k
-    graphs = tuple(
-        build(use.use, materials[use.use], use.mode == "wrap", images) for use in uses
-    )
-    return Placed(tuple(use.use for use in uses), graphs, result)
-
-
-def on_body(body: Body, config: Config, images: Images) -> Placed | None:
-    """The graph of a body, if it has one. ValueError naming the key."""
-    name = body.material
-    if name is None:
-        return None
-    graph = build(name, applied(config, name), body.material_mode == "wrap", images)
-    return Placed((name,), (graph,), np.empty(0, dtype=np.int32))
+    return result
 
 
 def _kinds(
@@ -95,11 +83,11 @@ def _matches(pattern: str, name: str) -> bool:
     return fnmatchcase(name.lower(), pattern.lower())
 
 
-def parameters(placed: Iterable[tuple[str | None, Placed]], config: Config) -> F64:
-    """(n, 3): what the core's request takes, in the order of `placed`: with each its spacecraft."""
+def parameters(placed: Iterable[tuple[str, Placed]], config: Config) -> F64:
+    """(n, 3): what the core's request takes, in the order of `placed`: with each what it is on."""
     rows = [
-        values(graph, applied(config, name, craft))
-        for craft, row in placed
+        values(graph, applied(config, name, owner))
+        for owner, row in placed
         for name, graph in zip(row.names, row.graphs, strict=True)
     ]
     return np.concatenate([np.empty((0, 3)), *rows])
