@@ -170,9 +170,10 @@ def test_nothing_overlaps_and_links_go_rightwards(graph: tuple[list[Box], list[L
         assert -1e-6 <= item.y <= item.y + item.height <= picture.height + 1e-6
     for link, points in picture.links:
         source, target = at[link.source], at[link.target]
-        assert points[0][0] == source.x + source.width
-        assert points[0][1] == source.y + HEADER + LINE * (link.source_row + 0.5)
-        assert points[-1] == (target.x, target.y + HEADER + LINE * (link.target_row + 0.5))
+        start = source.y + HEADER + LINE * (link.source_row + 0.5)
+        end = target.y + HEADER + LINE * (link.target_row + 0.5)
+        assert points[0] == pytest.approx((source.x + source.width, start))
+        assert points[-1] == pytest.approx((target.x, end))
         assert all(a[0] < b[0] for a, b in itertools.pairwise(points))
         for (x, y), (_, after) in zip(points[1:-1:2], points[2:-1:2], strict=True):
             assert y == after  # straight through a column, and through no box of it

@@ -295,7 +295,7 @@ def test_material_drivers_drive_the_graphs_of_a_mesh(tree, iss, repo_dir, place)
         key = "spacecraft.iss.material_drivers" if place == "mesh" else "material_drivers"
         values = [sim.config_at(index)[1][f"{key}.drivers.scale"] for index in range(4)]
         assert len(set(values)) > 1  # some are clipped
-        request = [sim.request(index)["object_parameters"][0, 0] for index in range(4)]
+        request = [sim.request(index)["graph_parameters"][0, 0] for index in range(4)]
         assert request == values
         drivers["drivers"]["scal"] = drivers["drivers"].pop("scale")
         at = f"{MESHES}[1].meshParams.material_drivers" if place == "mesh" else "material_drivers"
