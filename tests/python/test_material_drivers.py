@@ -359,3 +359,29 @@ def test_no_variance_and_limits_that_meet() -> None:
     clips = {**SCALE, "jitter_variance": 1e300}
     raw = tree(materials__foil__drivers={"drivers": {"scale": clips}, "step_interval": 1})
     assert {drawn(raw, frame)[OWN] for frame in range(20)} == {0.2, 4.0}
+
+
+def test_strengths_can_rise_from_draw_to_draw() -> None:
+    """One a draw, here of two steps; the last stays. Each is as if it were alone."""
+    section = {"drivers": {"scale": SCALE}, "jitter_strength": [0.0, 0.5, 4.0]}
+    rising = opened(tree(materials__foil__drivers=section), seed=5)
+    for frame in range(10):
+        alone = section | {"jitter_strength": (0.0, 0.5, 4.0)[min(frame // 2, 2)]}
+        expected = drawn(tree(materials__foil__drivers=alone), frame)
+        assert rising.config_at(frame)[1] == expected
+        assert frame >= 2 or expected[OWN] == SCALE["ideal"]
+
+
+@pytest.mark.parametrize(
+    ("strength", "text"),
+    [
+        ([], "drivers.jitter_strength: must be a number, or a list of them, one a draw"),
+        ([0.5, -1.0], "drivers.jitter_strength[1]: must not be negative: -1"),
+        ([None], "drivers.jitter_strength[0]: must be a finite number, not None"),
+    ],
+)
+def test_lists_of_strengths_that_are_wrong(strength: list[Any], text: str) -> None:
+    section = {"drivers": {"scale": SCALE}, "jitter_strength": strength}
+    with pytest.raises(ConfigError) as caught:
+        opened(tree(materials__foil__drivers=section))
+    assert text in str(caught.value)

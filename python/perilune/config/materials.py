@@ -47,8 +47,9 @@ class DriverSection(Strict):
 
     drivers: dict[str, Annotated[Finite | Vec3, WrapValidator(_kept)]] = Field(min_length=1)
     """NAME -> a driver of a number or a colour (linear RGB), or a fixed one."""
-    jitter_strength: StaticNonNegative | None = None
-    """Factor on every variance; 0 gives exactly the ideal values (default: drivers.strength)."""
+    jitter_strength: StaticNonNegative | tuple[StaticNonNegative, ...] | None = None
+    """Factor on every variance; 0 gives exactly the ideal values (default: drivers.strength). A
+    list: one a draw, the last for all draws after them."""
     step_interval: Annotated[Integer, Field(ge=1)] | None = None
     """Steps between draws (default: drivers.interval)."""
 

@@ -141,8 +141,8 @@ class Plan:
         )
         return replace(self, drivers=rows)
 
-    def settings(self, driver: Found) -> tuple[float, int]:
-        """Strength and interval of a driver."""
+    def settings(self, driver: Found, step: int) -> tuple[float, int]:
+        """Strength and number of the draw of a driver at a step."""
         group = self.groups[driver.group] if driver.group is not None else Group()
         strengths = (driver.strength, group.strength, driver.section.strength)
         # Drivers of different sections go together in a correlated group.
@@ -150,12 +150,14 @@ class Plan:
         intervals = (driver.interval, group.interval, around)
         strength = next((row for row in strengths if row is not None), self.defaults.strength)
         interval = next((row for row in intervals if row is not None), self.defaults.interval)
-        return strength, interval
+        epoch = step // interval
+        if isinstance(strength, tuple):
+            strength = strength[min(epoch, len(strength) - 1)]
+        return strength, epoch
 
     def draw(self, driver: Found, seed: int, step: int) -> Any:
         """The value of one driver at a step."""
-        strength, interval = self.settings(driver)
-        epoch = step // interval
+        strength, epoch = self.settings(driver, step)
         group = self.groups[driver.group] if driver.group is not None else Group()
         normals = group.normals(seed, epoch, driver.name)
         source = Source(driver.name, seed, step, epoch, normals)

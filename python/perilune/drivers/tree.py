@@ -36,7 +36,8 @@ SECTION = ("drivers", "jitter_strength", "step_interval", "per")
 class Section:
     """The section that a driver is in: settings of all drivers below it."""
 
-    strength: float | None = None
+    strength: float | tuple[float, ...] | None = None
+    """Several: one a draw, the last for all draws after them."""
     interval: int | None = None
 
 
@@ -74,6 +75,16 @@ def _strength(name: str, value: Any) -> float | None:
     return strength
 
 
+def _strengths(name: str, value: Any) -> float | tuple[float, ...] | None:
+    """One number, or one a draw."""
+    if not isinstance(value, (list, tuple)):
+        return _strength(name, value)
+    if not value:
+        raise DriverError(name, "must be a number, or a list of them, one a draw")
+    rows = (_strength(f"{name}[{k}]", number(f"{name}[{k}]", v)) for k, v in enumerate(value))
+    return tuple(row for row in rows if row is not None)
+
+
 def kind_of(raw: Mapping[str, Any]) -> Kind | None:
     """The kind of driver that a mapping is meant as."""
     for kind in KINDS:
@@ -109,7 +120,7 @@ def _section(path: KeyPath, raw: Mapping[str, Any], outer: Section) -> Section:
     if "drivers" not in raw or not isinstance(raw["drivers"], Mapping) or set(raw) - set(SECTION):
         return outer
     name = path_text(path)
-    strength = _strength(f"{name}.jitter_strength", raw.get("jitter_strength"))
+    strength = _strengths(f"{name}.jitter_strength", raw.get("jitter_strength"))
     interval = _interval(f"{name}.step_interval", raw.get("step_interval"))
     return Section(
         outer.strength if strength is None else strength,
