@@ -40,6 +40,9 @@ class Shape:
     color: tuple[float, float, float]
     roughness: float | None = None  # None: Lambert; otherwise a metal that mirrors all light
     radiance: tuple[float, float, float] | None = None
+    normals: np.ndarray | None = None  # (T, 3, 3); None: flat
+    gltf: dict | None = None  # material and Mitsuba's, instead of what the above make
+    bsdf: dict | None = None
 
 
 def rectangle(center, a, b) -> np.ndarray:
@@ -81,7 +84,9 @@ SUN = np.array([0.4, 0.7, 0.8]) / np.linalg.norm([0.4, 0.7, 0.8])
 EYE, TARGET = np.array([0.5, -5.0, 4.2]), np.array([0.0, 0.0, 0.4])  # no horizon
 
 
-def flat_normals(shape: Shape) -> np.ndarray:
+def normals_of(shape: Shape) -> np.ndarray:
+    if shape.normals is not None:
+        return shape.normals
     n = np.cross(
         shape.corners[:, 1] - shape.corners[:, 0], shape.corners[:, 2] - shape.corners[:, 0]
     )
@@ -108,7 +113,7 @@ def gltf_of(shapes: list[Shape], path: Path) -> Path:
     }
     blob = b""
     for i, shape in enumerate(shapes):
-        for values in (y_up(shape.corners), y_up(flat_normals(shape))):
+        for values in (y_up(shape.corners), y_up(normals_of(shape))):
             view = {"buffer": 0, "byteOffset": len(blob), "byteLength": values.nbytes}
             document["bufferViews"].append(view)
             document["accessors"].append(
@@ -132,6 +137,8 @@ def gltf_of(shapes: list[Shape], path: Path) -> Path:
 
 
 def gltf_material(shape: Shape) -> dict:
+    if shape.gltf is not None:
+        return shape.gltf
     material: dict = {
         "pbrMetallicRoughness": {
             "baseColorFactor": [*shape.color, 1.0],
@@ -164,7 +171,9 @@ def camera_pose() -> np.ndarray:
     return np.stack([pose, pose])
 
 
-def ours(shapes: list[Shape], irradiance: float, bounces: int, folder: Path) -> np.ndarray:
+def ours(
+    shapes: list[Shape], irradiance: float, bounces: int, folder: Path, sun: np.ndarray = SUN
+) -> np.ndarray:
     """(RUNS, H, W, 3) radiance."""
     model = _core.Model(str(gltf_of(shapes, folder / "scene.gltf")))
     assert model.warnings == ()
@@ -192,7 +201,7 @@ def ours(shapes: list[Shape], irradiance: float, bounces: int, folder: Path) -> 
         "body_radii": np.empty((0, 3)),
         "body_albedo": np.empty((0, 3)),
         "body_emission": np.empty((0, 3)),
-        "sun_position": AU * SUN,
+        "sun_position": AU * sun,
         "sun_radius": 695700e3,
         "sun_irradiance": irradiance,
         "quality": {
@@ -217,9 +226,9 @@ def ours(shapes: list[Shape], irradiance: float, bounces: int, folder: Path) -> 
 
 
 def ply_of(shape: Shape, path: Path) -> str:
-    vertices = shape.corners.reshape(-1, 3)
+    vertices = np.hstack([shape.corners.reshape(-1, 3), normals_of(shape).reshape(-1, 3)])
     lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}"]
-    lines += [f"property float {axis}" for axis in "xyz"]
+    lines += [f"property float {axis}" for axis in ("x", "y", "z", "nx", "ny", "nz")]
     lines += [f"element face {len(shape.corners)}", "property list uchar int vertex_indices"]
     lines += ["end_header"] + [" ".join(f"{c:.9g}" for c in v) for v in vertices]
     lines += [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(len(shape.corners))]
@@ -237,7 +246,8 @@ def mitsuba_shape(shape: Shape, path: Path) -> dict:
             "distribution": "ggx",
             "alpha": shape.roughness**2,
         }
-    out = {"type": "ply", "filename": ply_of(shape, path), "face_normals": True}
+    bsdf = shape.bsdf or bsdf
+    out = {"type": "ply", "filename": ply_of(shape, path), "face_normals": shape.normals is None}
     out["bsdf"] = bsdf if shape.radiance is not None else {"type": "twosided", "bsdf": bsdf}
     if shape.radiance is not None:
         radiance = {"type": "rgb", "value": [float(v) for v in shape.radiance]}
@@ -245,7 +255,9 @@ def mitsuba_shape(shape: Shape, path: Path) -> dict:
     return out
 
 
-def theirs(shapes: list[Shape], irradiance: float, bounces: int, folder: Path) -> np.ndarray:
+def theirs(
+    shapes: list[Shape], irradiance: float, bounces: int, folder: Path, sun: np.ndarray = SUN
+) -> np.ndarray:
     mitsuba.set_variant("scalar_rgb")
     transform = mitsuba.ScalarTransform4f
     scene: dict = {
@@ -270,7 +282,7 @@ def theirs(shapes: list[Shape], irradiance: float, bounces: int, folder: Path) -
     if irradiance > 0.0:
         scene["sun"] = {
             "type": "directional",
-            "direction": list(-SUN),
+            "direction": list(-sun),
             "irradiance": {"type": "rgb", "value": irradiance},
         }
     for i, shape in enumerate(shapes):
