@@ -47,6 +47,8 @@ typedef struct pl_material_layers {
   pl_texture_slot anisotropy_map;            /* linear: RG direction, -1..1; B strength */
   pl_texture_slot specular_map;              /* linear: A */
   pl_texture_slot specular_color_map;        /* sRGB */
+  pl_texture_slot coat_normal_map;           /* linear; the coat's own, none: the mesh's normal */
+  float coat_normal_scale;                   /* factor on x and y of that map */
 } pl_material_layers;
 #define PL_NO_TEXTURE ((pl_texture_slot){-1, 0, PL_UV_IDENTITY})
 #define PL_MATERIAL_LAYERS_PLAIN                                                                   \
@@ -63,7 +65,9 @@ typedef struct pl_material_layers {
                         PL_NO_TEXTURE,                                                             \
                         PL_NO_TEXTURE,                                                             \
                         PL_NO_TEXTURE,                                                             \
-                        PL_NO_TEXTURE})
+                        PL_NO_TEXTURE,                                                             \
+                        PL_NO_TEXTURE,                                                             \
+                        1})
 
 /* glTF 2.0 metallic-roughness material; colours linear. */
 typedef struct pl_material {
@@ -95,12 +99,13 @@ typedef struct pl_part {
 
 typedef struct pl_model {
   size_t vertex_count, triangle_count;
-  float *positions;        /* 3 per vertex, model units, z-up */
-  float *normals;          /* 3 per vertex, unit; computed flat/smooth when the file has none */
-  float *tangents;         /* 4 per vertex (xyz unit, w = handedness) or NULL when no normal map */
-  float *uvs[2];           /* 2 per vertex or NULL */
-  float *colors;           /* linear RGBA per vertex or NULL */
-  uint32_t *indices;       /* 3 per triangle, counter-clockwise seen from outside */
+  float *positions;  /* 3 per vertex, model units, z-up */
+  float *normals;    /* 3 per vertex, unit; computed flat/smooth when the file has none */
+  float *tangents;   /* 4 per vertex (xyz unit, w = handedness) or NULL: no map of normals, nothing
+                        anisotropic */
+  float *uvs[2];     /* 2 per vertex or NULL */
+  float *colors;     /* linear RGBA per vertex or NULL */
+  uint32_t *indices; /* 3 per triangle, counter-clockwise seen from outside */
   uint32_t *triangle_part; /* per triangle, index into parts */
 
   size_t part_count, material_count, texture_count;

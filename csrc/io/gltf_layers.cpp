@@ -1,5 +1,5 @@
 /* The layers of glTF materials: KHR_materials_clearcoat, _transmission, _ior, _specular and
- * _anisotropy. Their factors are read; their maps are left out with a warning. */
+ * _anisotropy. */
 #include <cmath>
 
 #include "io/gltf_material.hpp"
@@ -11,16 +11,11 @@ namespace {
 /* One extension of one material. */
 class Extension {
 public:
-  Extension(const tinygltf::Material &in, const char *extension, const std::string &name,
-            Warnings &warnings)
+  Extension(const tinygltf::Material &in, const char *extension, const std::string &name)
       : name_(name + ": " + extension) {
     const auto it = in.extensions.find(extension);
-    if (it == in.extensions.end() || !it->second.IsObject())
-      return;
-    value_ = &it->second;
-    for (const std::string &key : value_->Keys())
-      if (key.size() > 7 && key.compare(key.size() - 7, 7, "Texture") == 0)
-        warnings.add("%s: %s is left out: the factors alone are read", name_.c_str(), key.c_str());
+    if (it != in.extensions.end() && it->second.IsObject())
+      value_ = &it->second;
   }
 
   bool given() const { return value_ != nullptr; }
@@ -54,13 +49,12 @@ private:
 
 } // namespace
 
-void read_layers(const tinygltf::Material &in, const std::string &name, Warnings &warnings,
-                 pl_material *out) {
-  const Extension coat(in, "KHR_materials_clearcoat", name, warnings);
-  const Extension clear(in, "KHR_materials_transmission", name, warnings);
-  const Extension ior(in, "KHR_materials_ior", name, warnings);
-  const Extension specular(in, "KHR_materials_specular", name, warnings);
-  const Extension anisotropy(in, "KHR_materials_anisotropy", name, warnings);
+void read_layers(const tinygltf::Material &in, const std::string &name, pl_material *out) {
+  const Extension coat(in, "KHR_materials_clearcoat", name);
+  const Extension clear(in, "KHR_materials_transmission", name);
+  const Extension ior(in, "KHR_materials_ior", name);
+  const Extension specular(in, "KHR_materials_specular", name);
+  const Extension anisotropy(in, "KHR_materials_anisotropy", name);
   pl_material_layers *layers = &out->layers;
   const double turn = 1e6; /* radians: any angle that a float still tells apart */
   *layers = PL_MATERIAL_LAYERS_PLAIN;
@@ -76,6 +70,71 @@ void read_layers(const tinygltf::Material &in, const std::string &name, Warnings
     fail(PL_E_FORMAT, "%s: ior must be 0 or at least 1", name.c_str());
   out->layered = layers->coat > 0.0f || layers->transmission > 0.0f || layers->anisotropy > 0.0f ||
                  ior.given() || specular.given();
+}
+
+namespace {
+
+/* A map of an extension and the factor that switches it off where it is 0. */
+struct MapKey {
+  const char *extension, *key, *factor;
+  double factor_otherwise;
+  bool srgb;
+  pl_texture_slot pl_material_layers::*slot;
+};
+
+#define CLEARCOAT "KHR_materials_clearcoat"
+#define SPECULAR "KHR_materials_specular"
+const MapKey map_keys[] = {
+    {CLEARCOAT, "clearcoatTexture", "clearcoatFactor", 0, false, &pl_material_layers::coat_map},
+    {CLEARCOAT, "clearcoatRoughnessTexture", "clearcoatRoughnessFactor", 0, false,
+     &pl_material_layers::coat_roughness_map},
+    {CLEARCOAT, "clearcoatNormalTexture", "clearcoatFactor", 0, false,
+     &pl_material_layers::coat_normal_map},
+    {"KHR_materials_transmission", "transmissionTexture", "transmissionFactor", 0, false,
+     &pl_material_layers::transmission_map},
+    {SPECULAR, "specularTexture", "specularFactor", 1, false, &pl_material_layers::specular_map},
+    {SPECULAR, "specularColorTexture", "specularFactor", 1, true,
+     &pl_material_layers::specular_color_map},
+    {"KHR_materials_anisotropy", "anisotropyTexture", "anisotropyStrength", 0, false,
+     &pl_material_layers::anisotropy_map},
+};
+#undef CLEARCOAT
+#undef SPECULAR
+
+double number_or(const tinygltf::Value &object, const char *key, double otherwise) {
+  return object.Has(key) ? object.Get(key).GetNumberAsDouble() : otherwise;
+}
+
+/* check_schema has seen to the types. */
+tinygltf::NormalTextureInfo texture_info(const tinygltf::Value &value) {
+  tinygltf::NormalTextureInfo info;
+  info.index = value.Get("index").GetNumberAsInt();
+  info.texCoord = static_cast<int>(number_or(value, "texCoord", 0));
+  info.scale = number_or(value, "scale", 1);
+  if (value.Has("extensions"))
+    for (const std::string &name : value.Get("extensions").Keys())
+      info.extensions.emplace(name, value.Get("extensions").Get(name));
+  return info;
+}
+
+} // namespace
+
+std::vector<LayerMap> layer_maps(const tinygltf::Material &in) {
+  std::vector<LayerMap> out;
+  for (const MapKey &key : map_keys) {
+    const auto it = in.extensions.find(key.extension);
+    if (it == in.extensions.end() || !it->second.Has(key.key) ||
+        !(number_or(it->second, key.factor, key.factor_otherwise) > 0.0))
+      continue;
+    out.push_back({std::string(key.extension) + "." + key.key, key.srgb, key.slot,
+                   texture_info(it->second.Get(key.key))});
+  }
+  return out;
+}
+
+bool is_anisotropic(const tinygltf::Material &in) {
+  const auto it = in.extensions.find("KHR_materials_anisotropy");
+  return it != in.extensions.end() && number_or(it->second, "anisotropyStrength", 0) > 0.0;
 }
 
 } // namespace pl_gltf

@@ -158,7 +158,7 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
                                               : PL_ALPHA_OPAQUE;
   out->double_sided = in.doubleSided;
   out->unlit = in.extensions.count("KHR_materials_unlit") != 0;
-  read_layers(in, name, warnings_, out);
+  read_layers(in, name, out);
   out->base_color_map = out->metallic_roughness_map = out->normal_map = out->emissive_map =
       NO_TEXTURE;
   if (!used)
@@ -169,6 +169,14 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
   if (model_->tangents != nullptr)
     out->normal_map = slot(in.normalTexture, false, name + ": normalTexture");
   out->emissive_map = slot(in.emissiveTexture, true, name + ": emissiveTexture");
+  for (const LayerMap &map : layer_maps(in)) {
+    const bool bends = map.slot == &pl_material_layers::coat_normal_map;
+    if (bends && model_->tangents == nullptr)
+      continue;
+    out->layers.*map.slot = slot(map.info, map.srgb, name + ": " + map.name);
+    if (bends)
+      out->layers.coat_normal_scale = static_cast<float>(map.info.scale);
+  }
 }
 
 void MaterialBuilder::decode_textures() {
@@ -214,8 +222,15 @@ Needs needs_of_material(const Asset &asset, int index) {
   note(material.pbrMetallicRoughness.baseColorTexture);
   note(material.pbrMetallicRoughness.metallicRoughnessTexture);
   note(material.emissiveTexture);
-  const int set = note(material.normalTexture);
-  needs.tangents = set >= 0;
+  /* One tangent serves all, in this order: base's normals, coat's, direction of highlights. */
+  int set = note(material.normalTexture), coat = -1, turn = -1;
+  for (const LayerMap &map : layer_maps(material)) {
+    const int own = note(map.info);
+    coat = map.slot == &pl_material_layers::coat_normal_map ? own : coat;
+    turn = map.slot == &pl_material_layers::anisotropy_map ? own : turn;
+  }
+  set = set >= 0 ? set : coat >= 0 ? coat : turn;
+  needs.tangents = set >= 0 || is_anisotropic(material);
   needs.tangent_uv_set = std::max(set, 0);
   return needs;
 }

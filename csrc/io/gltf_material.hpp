@@ -20,9 +20,20 @@ void build_materials(const Asset &asset, const std::vector<bool> &used, pl_model
                      Warnings &warnings);
 
 /* Reads what KHR_materials_clearcoat, _transmission, _ior, _specular and _anisotropy give into
- * out->layers; numbers that are none or out of range are errors. */
-void read_layers(const tinygltf::Material &in, const std::string &name, Warnings &warnings,
-                 pl_material *out);
+ * out->layers, but for their maps; numbers that are none or out of range are errors. */
+void read_layers(const tinygltf::Material &in, const std::string &name, pl_material *out);
+
+/* A map that one of these extensions gives. */
+struct LayerMap {
+  std::string name; /* EXTENSION.key */
+  bool srgb;
+  pl_texture_slot pl_material_layers::*slot;
+  tinygltf::NormalTextureInfo info; /* its scale: of a normal map */
+};
+/* The maps whose factors do not switch them off. */
+std::vector<LayerMap> layer_maps(const tinygltf::Material &in);
+/* Whether the highlights of the material have a direction. */
+bool is_anisotropic(const tinygltf::Material &in);
 
 } // namespace pl_gltf
 

@@ -365,12 +365,13 @@ void Builder::copy_vertex(uint32_t vertex) {
   copy(piece_.uvs[1], 2);
 }
 
-/* Tangents are computed where the file has none, or only degenerate ones. Tangents of a file
- * without normals are to be ignored (section 3.7.2.1). */
+/* Tangents are computed where the file has none, or only degenerate ones; without texture
+ * coordinates those are any across the normal. Tangents of a file without normals are to be ignored
+ * (section 3.7.2.1). */
 void Builder::add_tangents(const Needs &needs) {
   const bool given = attribute("TANGENT") >= 0 && attribute("NORMAL") >= 0;
   const std::vector<float> &uvs = piece_.uvs[needs.tangent_uv_set];
-  if (uvs.empty())
+  if (uvs.empty() && !given)
     return;
   if (!given)
     for (const uint32_t v : split_by_handedness(piece_.triangles, source_.size(), uvs))

@@ -51,7 +51,7 @@ Piece read_primitive(const Asset &asset, const tinygltf::Primitive &primitive,
  * of. */
 std::vector<uint32_t> split_by_handedness(std::vector<uint32_t> &triangles, size_t vertices,
                                           const std::vector<float> &uvs);
-/* Fills piece.tangents from positions, normals and uvs (gltf_tangent.cpp). */
+/* Fills piece.tangents from positions, normals and, if there are any, uvs (gltf_tangent.cpp). */
 void compute_tangents(Piece &piece, int uv_set);
 
 } // namespace pl_gltf

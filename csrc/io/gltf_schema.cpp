@@ -2,6 +2,8 @@
  */
 #include <climits>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "io/gltf_guard.hpp"
 
@@ -299,6 +301,24 @@ void check_slot(Object owner, const char *key, const Counts &n) {
   check_transform(info);
 }
 
+/* Maps of the layers that gltf_layers.cpp reads. */
+void check_layers(Object extensions, const Counts &n) {
+  static const std::pair<const char *, std::vector<const char *>> known[] = {
+      {"KHR_materials_clearcoat",
+       {"clearcoatTexture", "clearcoatRoughnessTexture", "clearcoatNormalTexture"}},
+      {"KHR_materials_transmission", {"transmissionTexture"}},
+      {"KHR_materials_specular", {"specularTexture", "specularColorTexture"}},
+      {"KHR_materials_anisotropy", {"anisotropyTexture"}},
+  };
+  for (const auto &[name, maps] : known) {
+    json *value = extensions.find(name);
+    if (value == nullptr)
+      continue;
+    for (const char *map : maps)
+      check_slot(Object(*value, extensions.at(name)), map, n);
+  }
+}
+
 void check_materials(json &document, const Counts &n) {
   each(document, "materials", [&](Object o) {
     o.text("name");
@@ -317,7 +337,7 @@ void check_materials(json &document, const Counts &n) {
       check_slot(pbr, "metallicRoughnessTexture", n);
     }
     if (json *value = o.find("extensions"))
-      Object(*value, o.at("extensions"));
+      check_layers(Object(*value, o.at("extensions")), n);
   });
 }
 

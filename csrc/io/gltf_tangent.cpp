@@ -91,7 +91,7 @@ void compute_tangents(Piece &piece, int uv_set) {
   const std::vector<float> &uvs = piece.uvs[uv_set];
   std::vector<float> sum(3 * piece.vertices(), 0.0f);
   std::vector<float> hand(piece.vertices(), 1.0f);
-  for (size_t t = 0; t + 2 < piece.triangles.size(); t += 3) {
+  for (size_t t = 0; !uvs.empty() && t + 2 < piece.triangles.size(); t += 3) {
     const uint32_t *c = &piece.triangles[t];
     const float area = uv_area(uvs, c);
     if (!(area < 0.0f) && !(area > 0.0f))

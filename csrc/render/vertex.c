@@ -285,6 +285,8 @@ static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
     surface->ng = pl_vec3f_scale(ng, -1.0f);
     surface->n = pl_vec3f_scale(surface->n, -1.0f);
     surface->b = pl_vec3f_scale(surface->b, -1.0f);
+    if (surface->reflectance->layered)
+      surface->lobes.coat_normal = pl_vec3f_scale(surface->lobes.coat_normal, -1.0f);
   }
   /* An interpolated normal can lean away from the viewer; bring it back to grazing. */
   const float cosine = pl_vec3f_dot(surface->n, view);

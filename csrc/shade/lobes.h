@@ -7,11 +7,14 @@
 /* Read by the row `principled` alone. All zero: no coat, nothing passes, and a base below the
  * metal that mirrors nothing (ior 1); pl_lobes_plain mirrors as the metallic-roughness row does. */
 typedef struct pl_lobes {
-  pl_vec3f f0;        /* reflectance of the dielectric at normal incidence, 0..1 */
-  float f90;          /* at grazing incidence, 0..1 */
-  float anisotropy;   /* 0..1: alpha along t grows from `alpha` to 1 with its square */
-  float coat;         /* weight of the clear coat, 0..1 */
-  float coat_alpha;   /* GGX alpha of the coat */
+  pl_vec3f f0;      /* reflectance of the dielectric at normal incidence, 0..1 */
+  float f90;        /* at grazing incidence, 0..1 */
+  float anisotropy; /* 0..1: alpha along t grows from `alpha` to 1 with its square */
+  float coat;       /* weight of the clear coat, 0..1 */
+  float coat_alpha; /* GGX alpha of the coat */
+  /* The coat's normal in the axes of pl_surface.n, unit, on the viewer's side; zero: the surface's.
+   */
+  pl_vec3f coat_normal;
   float transmission; /* part of the dielectric's light that passes instead of scattering, 0..1 */
 } pl_lobes;
 

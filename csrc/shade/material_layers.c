@@ -17,7 +17,7 @@ static void set_anisotropy(const pl_material_layers *layers, const float map[4],
 }
 
 void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *point,
-                                pl_detail detail, pl_surface *surface) {
+                                pl_detail detail, pl_vec3f coat_normal, pl_surface *surface) {
   const pl_material *material = pl_material_of(model, point->triangle);
   const pl_material_layers *layers = &material->layers;
   pl_lobes *lobes = &surface->lobes;
@@ -34,6 +34,7 @@ void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *
   *lobes = pl_lobes_plain();
   lobes->coat = pl_minf(layers->coat * coat[0], 1.0f);
   lobes->coat_alpha = roughness * roughness;
+  lobes->coat_normal = coat_normal;
   lobes->transmission = pl_minf(layers->transmission * clear[0], 1.0f);
   pl_lobes_set_dielectric(lobes, layers->ior, pl_minf(layers->specular * weight[3], 1.0f),
                           pl_vec3f_make(layers->specular_color[0] * tint[0],

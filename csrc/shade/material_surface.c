@@ -86,17 +86,36 @@ pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *po
                        map[2] * material->emissive[2]);
 }
 
+pl_vec3f pl_material_bent_normal(const pl_model *model, const pl_triangle_point *point,
+                                 const pl_texture_slot *slot, float scale, pl_detail detail,
+                                 const pl_surface *surface) {
+  float value[4];
+  pl_material_slot(model, point, slot, detail, value);
+  const float x = (2.0f * value[0] - 1.0f) * scale;
+  const float y = (2.0f * value[1] - 1.0f) * scale;
+  const float z = pl_maxf(2.0f * value[2] - 1.0f, 0.05f); /* maps keep the surface's side */
+  return pl_vec3f_unit(pl_surface_to_world(surface, pl_vec3f_make(x, y, z)));
+}
+
 static void bend_normal(const pl_model *model, const pl_triangle_point *point,
                         const pl_material *material, pl_detail detail, pl_surface *surface) {
-  float value[4];
-  pl_material_slot(model, point, &material->normal_map, detail, value);
-  const float x = (2.0f * value[0] - 1.0f) * material->normal_scale;
-  const float y = (2.0f * value[1] - 1.0f) * material->normal_scale;
-  const float z = pl_maxf(2.0f * value[2] - 1.0f, 0.05f); /* maps keep the surface's side */
-  const pl_vec3f n = pl_vec3f_unit(pl_surface_to_world(surface, pl_vec3f_make(x, y, z)));
+  const pl_vec3f n = pl_material_bent_normal(model, point, &material->normal_map,
+                                             material->normal_scale, detail, surface);
   surface->n = n;
   surface->t = pl_vec3f_unit(pl_vec3f_madd(surface->t, -pl_vec3f_dot(surface->t, n), n));
   surface->b = pl_vec3f_cross(n, surface->t);
+}
+
+/* KHR_materials_clearcoat: without a map of its own the coat is flat over a bent base. `surface`
+ * has the flat frame. */
+static pl_vec3f coat_normal_of(const pl_model *model, const pl_triangle_point *point,
+                               const pl_material *material, pl_detail detail,
+                               const pl_surface *surface) {
+  const pl_material_layers *layers = &material->layers;
+  if (layers->coat_normal_map.texture < 0)
+    return surface->n;
+  return pl_material_bent_normal(model, point, &layers->coat_normal_map, layers->coat_normal_scale,
+                                 detail, surface);
 }
 
 void pl_material_surface(const pl_model *model, const pl_triangle_point *point, pl_detail detail,
@@ -115,10 +134,14 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
   surface->metallic = mr[2] * material->metallic;
   surface->reflectance =
       material->unlit ? &pl_reflectance_lambert : &pl_reflectance_metallic_roughness;
-  if (detail.maps && detail.bumps && material->normal_map.texture >= 0 && model->tangents != NULL)
+  const bool bends = detail.maps && detail.bumps && model->tangents != NULL;
+  pl_vec3f coat_normal = {0.0f, 0.0f, 0.0f};
+  if (material->layered && bends && material->layers.coat > 0.0f)
+    coat_normal = coat_normal_of(model, point, material, detail, surface);
+  if (bends && material->normal_map.texture >= 0)
     bend_normal(model, point, material, detail, surface);
   if (material->layered && !material->unlit)
-    pl_material_layers_surface(model, point, detail, surface);
+    pl_material_layers_surface(model, point, detail, coat_normal, surface);
 }
 
 float pl_material_opacity(const pl_model *model, const pl_triangle_point *point) {
@@ -140,7 +163,9 @@ static void summarise_layers(const pl_material_layers *l, pl_model_summary *out)
   out->transmission_max = fmax(out->transmission_max, l->transmission);
   out->textured |= l->coat_map.texture >= 0 || l->coat_roughness_map.texture >= 0 ||
                    l->transmission_map.texture >= 0 || l->anisotropy_map.texture >= 0 ||
-                   l->specular_map.texture >= 0 || l->specular_color_map.texture >= 0;
+                   l->specular_map.texture >= 0 || l->specular_color_map.texture >= 0 ||
+                   l->coat_normal_map.texture >= 0;
+  out->bumped |= l->coat_normal_map.texture >= 0;
   if (!(l->coat > 0.0f))
     return;
   const double roughness = l->coat_roughness_map.texture >= 0 ? 0.0 : l->coat_roughness;

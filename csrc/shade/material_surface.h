@@ -36,10 +36,14 @@ void pl_material_uv(const pl_model *model, const pl_triangle_point *point, int s
 /* Value of a texture slot at the point, its mean without `maps`; white when there is none. */
 void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
                       const pl_texture_slot *slot, pl_detail detail, float out[4]);
+/* The normal that a normal map gives at the point, unit, in the axes of the surface's frame. */
+pl_vec3f pl_material_bent_normal(const pl_model *model, const pl_triangle_point *point,
+                                 const pl_texture_slot *slot, float scale, pl_detail detail,
+                                 const pl_surface *surface);
 /* Makes the surface a principled one with the material's layers, turns t and b by the anisotropy's
- * rotation. Materials that are not layered are left alone. */
+ * rotation. `coat_normal`: see pl_lobes. Materials that are not layered are left alone. */
 void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *point,
-                                pl_detail detail, pl_surface *surface);
+                                pl_detail detail, pl_vec3f coat_normal, pl_surface *surface);
 
 /* Fills colour, lobe parameters and emission of `surface` from the material of the triangle.
  * Without maps no texture is read. `t`, `b`, `n` hold the

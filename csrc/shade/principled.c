@@ -23,6 +23,8 @@ typedef struct lobe {
 /* What evaluating, drawing and densities share for one outgoing direction. */
 typedef struct view {
   lobe base, coat;
+  bool coat_bent; /* the coat has a normal of its own */
+  pl_basis coat_basis;
   pl_vec3f f0;
   float f90;
   float coat_weight, diffuse, through; /* of the light; the latter two of what the base lets in */
@@ -55,6 +57,21 @@ static float loss_mean(const lobe *l) {
   return l->ax > l->ay ? pl_ggx_loss_xy_mean(l->ax, l->ay) : pl_ggx_loss_mean(sqrtf(l->ay));
 }
 
+/* A direction of the surface's frame in the coat's. */
+static pl_vec3f of_coat(const view *v, pl_vec3f w) {
+  return v->coat_bent ? pl_basis_to_local(&v->coat_basis, w) : w;
+}
+
+/* The coat's frame. A normal that leans away from the viewer is brought back to grazing. */
+static void set_coat_basis(view *v, const pl_surface *s, pl_vec3f wo) {
+  const pl_vec3f n = pl_surface_to_local(s, s->lobes.coat_normal);
+  const float least = 1e-3f, cosine = pl_vec3f_dot(n, wo);
+  v->coat_bent = pl_vec3f_dot(n, n) > 0.5f;
+  if (v->coat_bent)
+    v->coat_basis = pl_basis_make(
+        cosine < least ? pl_vec3f_unit(pl_vec3f_madd(n, least - cosine, wo)) : pl_vec3f_unit(n));
+}
+
 static float coat_fresnel(const view *v, float cosine) {
   return v->coat_weight * pl_schlick(pl_vec3f_make(COAT_F0, COAT_F0, COAT_F0), 1.0f, cosine).x;
 }
@@ -62,7 +79,7 @@ static float coat_fresnel(const view *v, float cosine) {
 /* Chances by the light that each lobe sends on, as seen from wo. */
 static void set_chances(view *v, const pl_surface *s, pl_vec3f wo) {
   float *c = v->chance, sum = 0.0f;
-  const float under = 1.0f - coat_fresnel(v, wo.z), color = pl_vec3f_max(s->color);
+  const float under = 1.0f - coat_fresnel(v, of_coat(v, wo).z), color = pl_vec3f_max(s->color);
   const float mirror = pl_vec3f_max(pl_schlick(v->f0, v->f90, wo.z));
   const bool mirrors = pl_maxf(pl_vec3f_max(v->f0), v->f90) > 0.0f;
   const float again =
@@ -99,8 +116,10 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
       .diffuse = d * (1.0f - lobes->transmission),
       .through = d * lobes->transmission,
   };
-  if (v.coat_weight > 0.0f)
-    v.coat = lobe_of(coat_alpha, coat_alpha, wo);
+  if (v.coat_weight > 0.0f) {
+    set_coat_basis(&v, s, wo);
+    v.coat = lobe_of(coat_alpha, coat_alpha, of_coat(&v, wo));
+  }
   if (m > 0.0f || v.through > 0.0f) {
     v.loss = loss_towards(&v.base, wo);
     v.loss_mean = loss_mean(&v.base);
@@ -136,8 +155,11 @@ static pl_vec3f above(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f 
   };
   if (!(v->coat_weight > 0.0f))
     return base;
-  const float coat = coat_fresnel(v, pl_vec3f_dot(wo, h)) * mirrored(&v->coat, wo, wi, h);
-  const float under = 1.0f - coat_fresnel(v, grazing);
+  const pl_vec3f out = of_coat(v, wo), in = of_coat(v, wi);
+  const float coat = in.z > 0.0f ? coat_fresnel(v, pl_vec3f_dot(wo, h)) *
+                                       mirrored(&v->coat, out, in, of_coat(v, h))
+                                 : 0.0f;
+  const float under = 1.0f - coat_fresnel(v, pl_minf(out.z, in.z));
   return pl_vec3f_make(coat + under * base.x, coat + under * base.y, coat + under * base.z);
 }
 
@@ -145,7 +167,7 @@ static pl_vec3f above(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f 
  * too. A thin wall sends light straight on, blurred by its roughness. */
 static pl_vec3f below(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
   const pl_vec3f f = pl_schlick(v->f0, v->f90, pl_vec3f_dot(wo, h));
-  const float under = 1.0f - coat_fresnel(v, pl_minf(wo.z, wi.z));
+  const float under = 1.0f - coat_fresnel(v, pl_minf(of_coat(v, wo).z, fabsf(of_coat(v, wi).z)));
   const float mirror = mirrored(&v->base, wo, wi, h), again = again_of(v, wi);
   const float scale = under * v->through;
   return pl_vec3f_make(scale * s->color.x * ((1.0f - f.x) * mirror + again),
@@ -165,7 +187,9 @@ static float density_of(const view *v, pl_vec3f wo, pl_vec3f wi) {
   const float mirror = mirrored_pdf(&v->base, wo, h), cosine = pl_cosine_hemisphere_pdf(over.z);
   if (wi.z < 0.0f)
     return v->chance[THROUGH] * mirror + v->chance[THROUGH_BROAD] * cosine;
-  const float coat = v->chance[COAT] > 0.0f ? mirrored_pdf(&v->coat, wo, h) : 0.0f;
+  const pl_vec3f hc = of_coat(v, h);
+  const float coat =
+      v->chance[COAT] > 0.0f && hc.z > 0.0f ? mirrored_pdf(&v->coat, of_coat(v, wo), hc) : 0.0f;
   return v->chance[COAT] * coat + v->chance[MIRROR] * mirror + v->chance[BROAD] * cosine;
 }
 
@@ -208,7 +232,9 @@ static pl_vec3f draw(const view *v, int chosen, pl_vec3f wo, const float u[2]) {
     wi = pl_sample_cosine_hemisphere(u[0], u[1]);
   } else {
     const lobe *l = chosen == COAT ? &v->coat : &v->base;
-    const pl_vec3f h = pl_ggx_visible_normal(l->ax, l->ay, wo, u);
+    pl_vec3f h = pl_ggx_visible_normal(l->ax, l->ay, chosen == COAT ? of_coat(v, wo) : wo, u);
+    if (chosen == COAT && v->coat_bent)
+      h = pl_basis_to_world(&v->coat_basis, h);
     wi = pl_vec3f_sub(pl_vec3f_scale(h, 2.0f * pl_vec3f_dot(wo, h)), wo);
   }
   return wi;

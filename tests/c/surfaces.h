@@ -13,28 +13,36 @@ static const float metals[] = {0.0f, 0.5f, 1.0f};
 static const float cosines[] = {1.0f, 0.7f, 0.3f, 0.05f, 0.005f};
 
 static inline pl_surface white(float alpha, float metallic) {
-  return (pl_surface){.color = {1.0f, 1.0f, 1.0f}, .alpha = alpha, .metallic = metallic};
+  return (pl_surface){.t = {1.0f, 0.0f, 0.0f},
+                      .b = {0.0f, 1.0f, 0.0f},
+                      .n = {0.0f, 0.0f, 1.0f},
+                      .color = {1.0f, 1.0f, 1.0f},
+                      .alpha = alpha,
+                      .metallic = metallic};
 }
 
 /* What layered rows are tried with; the others see the first alone. */
 typedef struct variant {
   const char *name;
   float anisotropy, coat, coat_alpha, transmission, ior;
+  float coat_tilt; /* x of the coat's own normal */
 } variant;
 static const variant variants[] = {
-    {"plain", 0.0f, 0.0f, 1.0f, 0.0f, 1.5f},
-    {"ior 1", 0.0f, 0.0f, 1.0f, 0.0f, 1.0f},
-    {"ior 1.33", 0.0f, 0.0f, 1.0f, 0.0f, 1.33f},
-    {"ior 2.5", 0.0f, 0.0f, 1.0f, 0.0f, 2.5f},
-    {"anisotropic", 0.6f, 0.0f, 1.0f, 0.0f, 1.5f},
-    {"most anisotropic", 1.0f, 0.0f, 1.0f, 0.0f, 1.5f},
-    {"half a coat", 0.0f, 0.5f, 0.1f, 0.0f, 1.5f},
-    {"smooth coat", 0.0f, 1.0f, 0.0f, 0.0f, 1.5f},
-    {"roughest coat", 0.0f, 1.0f, 1.0f, 0.0f, 1.5f},
-    {"clear", 0.0f, 0.0f, 1.0f, 1.0f, 1.5f},
-    {"clear, ior 1", 0.0f, 0.0f, 1.0f, 1.0f, 1.0f},
-    {"half clear, ior 2.5", 0.0f, 0.0f, 1.0f, 0.5f, 2.5f},
-    {"all", 0.5f, 0.7f, 0.02f, 0.5f, 1.33f},
+    {"plain", 0.0f, 0.0f, 1.0f, 0.0f, 1.5f, 0.0f},
+    {"ior 1", 0.0f, 0.0f, 1.0f, 0.0f, 1.0f, 0.0f},
+    {"ior 1.33", 0.0f, 0.0f, 1.0f, 0.0f, 1.33f, 0.0f},
+    {"ior 2.5", 0.0f, 0.0f, 1.0f, 0.0f, 2.5f, 0.0f},
+    {"anisotropic", 0.6f, 0.0f, 1.0f, 0.0f, 1.5f, 0.0f},
+    {"most anisotropic", 1.0f, 0.0f, 1.0f, 0.0f, 1.5f, 0.0f},
+    {"half a coat", 0.0f, 0.5f, 0.1f, 0.0f, 1.5f, 0.0f},
+    {"smooth coat", 0.0f, 1.0f, 0.0f, 0.0f, 1.5f, 0.0f},
+    {"roughest coat", 0.0f, 1.0f, 1.0f, 0.0f, 1.5f, 0.0f},
+    {"tilted coat", 0.0f, 0.8f, 0.1f, 0.0f, 1.5f, 0.4f},
+    {"tilted coat, clear", 0.0f, 0.5f, 0.3f, 0.6f, 1.5f, -0.7f},
+    {"clear", 0.0f, 0.0f, 1.0f, 1.0f, 1.5f, 0.0f},
+    {"clear, ior 1", 0.0f, 0.0f, 1.0f, 1.0f, 1.0f, 0.0f},
+    {"half clear, ior 2.5", 0.0f, 0.0f, 1.0f, 0.5f, 2.5f, 0.0f},
+    {"all", 0.5f, 0.7f, 0.02f, 0.5f, 1.33f, 0.0f},
 };
 
 static inline pl_surface with(pl_surface surface, const variant *v) {
@@ -42,6 +50,8 @@ static inline pl_surface with(pl_surface surface, const variant *v) {
                              .coat = v->coat,
                              .coat_alpha = v->coat_alpha,
                              .transmission = v->transmission};
+  if (v->coat_tilt != 0.0f)
+    surface.lobes.coat_normal = pl_vec3f_unit(pl_vec3f_make(v->coat_tilt, 0.2f, 1.0f));
   pl_lobes_set_dielectric(&surface.lobes, v->ior, 1.0f, (pl_vec3f){1.0f, 1.0f, 1.0f});
   return surface;
 }

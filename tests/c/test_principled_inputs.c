@@ -164,7 +164,12 @@ static void test_wrapping_keeps_and_adds_layers(void **state) {
   plain.reflectance = &pl_reflectance_metallic_roughness;
   plain.lobes.f90 = 77.0f; /* what is not read need not be valid */
   layered.reflectance = &pl_reflectance_principled;
-  layered.lobes = (pl_lobes){{0.1f, 0.1f, 0.1f}, 1.0f, 0.5f, 0.75f, 0.09f, 0.25f};
+  layered.lobes = (pl_lobes){.f0 = {0.1f, 0.1f, 0.1f},
+                             .f90 = 1.0f,
+                             .anisotropy = 0.5f,
+                             .coat = 0.75f,
+                             .coat_alpha = 0.09f,
+                             .transmission = 0.25f};
   pl_surface s = wrapped(NULL, 0, &layered);
   assert_ptr_equal(s.reflectance, &pl_reflectance_principled);
   assert_true(s.lobes.f0.x == 0.1f && s.lobes.coat == 0.75f && s.lobes.transmission == 0.25f);
