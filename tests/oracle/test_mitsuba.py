@@ -41,6 +41,7 @@ class Shape:
     roughness: float | None = None  # None: Lambert; otherwise a metal that mirrors all light
     radiance: tuple[float, float, float] | None = None
     normals: np.ndarray | None = None  # (T, 3, 3); None: flat
+    uvs: np.ndarray | None = None  # (T, 3, 2)
     gltf: dict | None = None  # material and Mitsuba's, instead of what the above make
     bsdf: dict | None = None
 
@@ -113,7 +114,13 @@ def gltf_of(shapes: list[Shape], path: Path) -> Path:
     }
     blob = b""
     for i, shape in enumerate(shapes):
-        for values in (y_up(shape.corners), y_up(normals_of(shape))):
+        arrays = [y_up(shape.corners), y_up(normals_of(shape))]
+        attributes = {"POSITION": len(document["accessors"])}
+        attributes["NORMAL"] = attributes["POSITION"] + 1
+        if shape.uvs is not None:
+            arrays.append(shape.uvs.reshape(-1, 2).astype(np.float32))
+            attributes["TEXCOORD_0"] = attributes["POSITION"] + 2
+        for values in arrays:
             view = {"buffer": 0, "byteOffset": len(blob), "byteLength": values.nbytes}
             document["bufferViews"].append(view)
             document["accessors"].append(
@@ -121,13 +128,12 @@ def gltf_of(shapes: list[Shape], path: Path) -> Path:
                     "bufferView": len(document["bufferViews"]) - 1,
                     "componentType": 5126,
                     "count": len(values),
-                    "type": "VEC3",
+                    "type": f"VEC{values.shape[1]}",
                     "min": values.min(0).tolist(),
                     "max": values.max(0).tolist(),
                 }
             )
             blob += values.tobytes()
-        attributes = {"POSITION": 2 * i, "NORMAL": 2 * i + 1}
         document["meshes"][0]["primitives"].append({"attributes": attributes, "material": i})
         document["materials"].append(gltf_material(shape))
     uri = "data:application/octet-stream;base64," + base64.b64encode(blob).decode()
@@ -226,9 +232,14 @@ def ours(
 
 
 def ply_of(shape: Shape, path: Path) -> str:
-    vertices = np.hstack([shape.corners.reshape(-1, 3), normals_of(shape).reshape(-1, 3)])
+    columns = [shape.corners.reshape(-1, 3), normals_of(shape).reshape(-1, 3)]
+    names = ["x", "y", "z", "nx", "ny", "nz"]
+    if shape.uvs is not None:
+        columns.append(shape.uvs.reshape(-1, 2))
+        names += ["u", "v"]
+    vertices = np.hstack(columns)
     lines = ["ply", "format ascii 1.0", f"element vertex {len(vertices)}"]
-    lines += [f"property float {axis}" for axis in ("x", "y", "z", "nx", "ny", "nz")]
+    lines += [f"property float {axis}" for axis in names]
     lines += [f"element face {len(shape.corners)}", "property list uchar int vertex_indices"]
     lines += ["end_header"] + [" ".join(f"{c:.9g}" for c in v) for v in vertices]
     lines += [f"3 {3 * i} {3 * i + 1} {3 * i + 2}" for i in range(len(shape.corners))]
