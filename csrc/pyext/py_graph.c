@@ -303,10 +303,11 @@ PyObject *pl_py_nodes(void) {
     PyObject *row =
         constants == NULL
             ? NULL
-            : Py_BuildValue("{s:s,s:O,s:O,s:O,s:O}", "doc",
+            : Py_BuildValue("{s:s,s:O,s:O,s:O,s:O,s:O}", "doc",
                             kind->reflectance != NULL ? kind->reflectance->doc : kind->doc,
                             "inputs", inputs, "outputs", outputs, "constants", constants, "surface",
-                            kind->evaluate == NULL ? Py_True : Py_False);
+                            kind->evaluate == NULL ? Py_True : Py_False, "own",
+                            kind->reads_own ? Py_True : Py_False);
     if (row == NULL || PyDict_SetItemString(dict, kind->name, row) < 0)
       Py_CLEAR(dict);
     Py_XDECREF(inputs);

@@ -264,6 +264,9 @@ static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_d
       .across = print.across,
       .along = print.along,
       .map_center_lon_rad = body->body->map_center_lon_rad,
+      .body_map = body->body->map,
+      .body_albedo = body->state->albedo,
+      .body_emission = body->state->emission,
   };
   pl_graph_surface(graph, &point, body->state->parameters, s);
 }

@@ -49,23 +49,23 @@ static double map_density(const pl_body_state *state, const pl_texture *map) {
   return texels_per_rad * 2.0 * low / (low * low + high * high);
 }
 
-/* What a body's graph gives replaces what the body is, or is added where it wraps that. */
+/* What a body's graph gives replaces what the body is, or is added where it uses that. */
 static void add_graph(const pl_body *body, pl_view_thing *thing) {
   const pl_model_summary *summary = &body->summary;
-  const bool wraps = pl_graph_wraps(body->graph);
-  const double emission = pl_graph_sets_emission(body->graph) ? 0.0 : thing->emission_max;
-  thing->textured = summary->textured || (wraps && thing->textured);
-  thing->albedo_max = wraps ? fmax(summary->albedo_max, thing->albedo_max) : summary->albedo_max;
+  const bool own = pl_graph_uses_own(body->graph);
+  const double strength =
+      pl_graph_sets_emission(body->graph) ? pl_graph_own_emission(body->graph) : 1.0;
+  thing->textured = summary->textured || (own && thing->textured);
+  thing->albedo_max = own ? fmax(summary->albedo_max, thing->albedo_max) : summary->albedo_max;
   thing->ggx_alpha_min = summary->ggx_alpha_min;
-  thing->emission_max = fmax(summary->emission_max, emission);
+  thing->emission_max = fmax(summary->emission_max, strength * thing->emission_max);
   thing->coat_max = summary->coat_max;
   thing->transmission_max = summary->transmission_max;
-  thing->pictured = summary->pictured || (wraps && thing->pictured);
+  thing->pictured = summary->pictured || (own && (thing->pictured || thing->map_ranges != NULL));
   thing->bumped = summary->bumped;
-  thing->diffuse = summary->diffuse && (thing->diffuse || !wraps);
+  thing->diffuse = summary->diffuse && (thing->diffuse || !own);
   thing->graphed = true;
-  if (!wraps || summary->pictured)
-    thing->map_ranges = NULL;
+  thing->map_ranges = NULL; /* no bound is known of what the graph makes of a map */
 }
 
 static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *body) {

@@ -160,11 +160,15 @@ static const float *constant_of(const pl_graph *graph, size_t socket) {
   return operand.bank == PL_BANK_CONSTANT ? graph->constants[operand.index] : NULL;
 }
 
-static double emission_max(const pl_graph *graph) {
+/* own: of the thing's own material. */
+static double emission_max(const pl_graph *graph, double own) {
   const float *color = constant_of(graph, PL_SURFACE_EMISSION_COLOR);
   const float *strength = constant_of(graph, PL_SURFACE_EMISSION_STRENGTH);
   if (!pl_graph_sets_emission(graph) || (strength != NULL && strength[0] == 0.0f))
     return 0.0;
+  const double strength_of_own = pl_graph_own_emission(graph);
+  if (strength_of_own > 0.0)
+    return strength_of_own * own;
   if (color == NULL || strength == NULL)
     return PL_EMISSION_MAX;
   return (double)pl_vec3f_max(cut3(color, strength[0], (float)PL_EMISSION_MAX));
@@ -174,7 +178,7 @@ void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary) {
   const pl_reflectance *row = graph->surface->reflectance;
   pl_surface_inputs in = own_inputs(graph);
   summary->albedo_max = fmax(summary->albedo_max, 1.0);
-  summary->emission_max = fmax(summary->emission_max, emission_max(graph));
+  summary->emission_max = fmax(summary->emission_max, emission_max(graph, summary->emission_max));
   for (size_t k = 0; k < row->input_count; k++)
     in.value[k] = constant_of(graph, PL_SURFACE_SOCKETS + k);
   if (row->summarise != NULL)

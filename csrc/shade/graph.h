@@ -54,6 +54,10 @@ void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const 
 bool pl_graph_wraps(const pl_graph *graph);
 /* Whether the graph says what the surface emits, rather than the model's material. */
 bool pl_graph_sets_emission(const pl_graph *graph);
+/* Whether anything in it comes from the thing's own material. */
+bool pl_graph_uses_own(const pl_graph *graph);
+/* Where a graph gives what the thing's own material emits, times a fixed strength: that; else 0. */
+double pl_graph_own_emission(const pl_graph *graph);
 const pl_reflectance *pl_graph_reflectance(const pl_graph *graph);
 /* Whether the graph gives the same at all points of a frame, and no normal. */
 bool pl_graph_is_uniform(const pl_graph *graph);

@@ -54,6 +54,8 @@ typedef struct pl_graph_point {
   pl_vec3 place;              /* `object` in double */
   pl_vec3 across, along;      /* extent of the footprint on the surface, body axes, m */
   double map_center_lon_rad;
+  const pl_texture *body_map;               /* its own surface: NULL for none */
+  const float *body_albedo, *body_emission; /* three each, see pl_body_state */
 } pl_graph_point;
 /* The point `along_t`, `along_b` metres farther on the tangent plane: its position, and with a
  * model its weights. The frame stays. */
@@ -85,6 +87,7 @@ typedef struct pl_node_kind {
   size_t input_count, output_count;
   const pl_constant_row *constants;
   size_t constant_count;
+  bool reads_own;   /* reads the thing's own material */
   bool reads_point; /* false: a function of inputs and constants alone, which may be folded */
   bool bends;       /* gives a normal other than the mesh's, unless the point has no bumps */
   bool hidden;      /* used by the compiler; not in descriptions */

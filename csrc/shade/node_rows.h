@@ -22,6 +22,9 @@ extern const pl_node_kind pl_node_white_noise, pl_node_checker;
 extern const pl_node_kind pl_node_brick, pl_node_panel;
 /* node_image.c */
 extern const pl_node_kind pl_node_image;
+/* node_own.c */
+extern const pl_node_kind pl_node_model_material;
+enum { PL_OWN_EMISSION = 3 }; /* its output */
 /* node_normal_map.c */
 extern const pl_node_kind pl_node_normal_map;
 /* node_fresnel.c */

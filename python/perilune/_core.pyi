@@ -160,6 +160,7 @@ class NodeKind(TypedDict):
     outputs: tuple[Socket, ...]
     constants: tuple[Constant, ...]
     surface: bool  # its inputs are what a graph gives
+    own: bool  # gives what the own material of the thing it is on does
 
 NODES: dict[str, NodeKind]
 

@@ -218,9 +218,9 @@ def test_a_driver_in_a_bodys_graph_is_drawn_for_each_frame() -> None:
     ("body", "text"),
     [
         ({"material": "mm"}, "bodies.earth.material: no entry named 'mm'; did you mean 'm'?"),
-        ({"color_map": MAP}, "bodies.earth.color_map: the material replaces it"),
-        ({"albedo": [0.3, 0.3, 0.3]}, "bodies.earth.albedo: the material replaces it"),
-        ({"reflectance": "lambert"}, "bodies.earth.reflectance: the material replaces it"),
+        ({"color_map": MAP}, "bodies.earth.color_map: the material 'm' replaces it"),
+        ({"albedo": [0.3, 0.3, 0.3]}, "bodies.earth.albedo: the material 'm' repl"),
+        ({"reflectance": "lambert"}, "bodies.earth.reflectance: the material 'm' repl"),
         ({"material": {"choice": ["m", "mm"]}}, "bodies.earth.material: no entry named 'mm'; did"),
         ({"material": None, "material_mode": "wrap"}, "material_mode: only for a body with a mat"),
     ],

@@ -187,13 +187,9 @@ class Body(Strict):
         return self.material is not None and self.material_mode == "replace"
 
     @model_validator(mode="after")
-    def _one_surface(self) -> Body:
-        """No key that would have no effect."""
+    def _mode_of_material(self) -> Body:
         if self.material is None and self.material_mode != "replace":
             fail("material_mode", "only for a body with a material")
-        for key in ("color_map", "albedo", "emission_w_m2_sr", "reflectance"):
-            if self.is_replaced and key in self.model_fields_set:
-                fail(key, "the material replaces it; keep it by material_mode: wrap")
         return self
 
 

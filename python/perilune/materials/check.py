@@ -7,10 +7,10 @@ from typing import Any
 
 from perilune.config.errors import nearest
 from perilune.config.materials import Material
-from perilune.config.schema import Config
+from perilune.config.schema import Body, Config
 from perilune.drivers import Found, KeyPath, path_text
 from perilune.materials import drivers
-from perilune.materials.graph import build, surface_of
+from perilune.materials.graph import build, surface_of, uses_own
 
 _PLACES = (
     ("materials", None, "drivers", "drivers", None),
@@ -48,6 +48,15 @@ def _has_alpha(material: Material) -> bool:
         return False  # told of elsewhere
 
 
+def _unused(name: str, body: Body, material: Material) -> Iterator[str]:
+    """Keys of a body that its graph leaves without effect."""
+    used = {"emission_w_m2_sr", "albedo", "color_map"} if uses_own(material) else set()
+    for key in ("color_map", "albedo", "emission_w_m2_sr", "reflectance"):
+        if key in body.model_fields_set - used:
+            why = f"the material '{body.material}' replaces it"
+            yield f"bodies.{name}.{key}: {why}; `material_mode: wrap` keeps what that does not give"
+
+
 def check(config: Config, found: Sequence[Found]) -> Iterator[str]:
     """What is wrong with the graphs of a configuration, whether they are used or not.
 
@@ -74,6 +83,8 @@ def check(config: Config, found: Sequence[Found]) -> Iterator[str]:
             yield f"{key}: no entry named '{use}'{nearest(use, config.materials)}"
         elif owner in config.bodies and _has_alpha(config.materials[use]):
             yield f"{key}: '{use}' has an alpha, but there are no holes in bodies"
+        elif owner in config.bodies and config.bodies[owner].is_replaced:
+            yield from _unused(owner, config.bodies[owner], config.materials[use])
 
 
 def _uses(config: Config) -> Iterator[tuple[str, str, str]]:

@@ -114,6 +114,11 @@ def surface_of(key: str, material: Material) -> str:
     return material.surface
 
 
+def uses_own(material: Material) -> bool:
+    """Whether a graph has a node that gives what the thing's own material does."""
+    return any(_kind_or_empty(raw).get("own") for raw in material.nodes.values())
+
+
 def _kind_or_empty(raw: Mapping[str, Any]) -> Mapping[str, Any]:
     name = raw.get(_TYPE)
     return _core.NODES.get(name, {}) if isinstance(name, str) else {}
