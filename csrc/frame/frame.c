@@ -8,6 +8,7 @@
 #include "frame/effects.h"
 #include "frame/labels.h"
 #include "math/color.h"
+#include "render/laws.h"
 #include "render/render.h"
 #include "sensor/encode.h"
 
@@ -181,8 +182,8 @@ static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   return fmax(irradiance / PL_PI, 1e-30);
 }
 
-/* `metered`: an automatic exposure is measured. It is not where labels alone are wanted, which no
- * effect changes. */
+/* `metered`: an automatic exposure is measured, and laws are compared. They are not where labels
+ * alone are wanted, which no effect changes. */
 static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request, bool metered,
                             pl_snapshot *shot, pl_frame_result *result) {
   double start = now_s();
@@ -205,6 +206,8 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
     view.white_radiance = sunlit_white(shot, &view);
   result->white_radiance = request->exposure.automatic && !metered ? NAN : view.white_radiance;
   lap(result, PL_STAGE_METER, &start);
+  if (metered)
+    PL_TRY(pl_laws_build(shot, &renderer->arena, &view));
   PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &view, &request->wish, &result->plan));
   pl_snapshot_cull(shot, &view, request->wish.tolerance_dn);
   if (pl_plan_value(&result->plan, "distortion") == 0)
@@ -278,6 +281,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .detail = {.maps = pl_plan_value(plan, "surface_maps") > 0,
                  .bumps = pl_plan_value(plan, "bump_detail") > 0,
                  .filter = (pl_filter)pl_plan_value(plan, "texture_filter")},
+      .laws_down = PL_VIEW_LAWS - 1 - pl_plan_value(plan, "regolith"),
       .clear_coat = pl_plan_value(plan, "clear_coat") > 0,
       .transmission = pl_plan_value(plan, "transmission") > 0,
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,

@@ -5,6 +5,16 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* The laws that may stand for a body's own, from the cheapest on; the last is its own. */
+enum { PL_VIEW_LAWS = 6 };
+/* Points of a body that are seen, in every band: radiance by its own law, and how far it may be off
+ * by the others; W m-2 sr-1. Arrays are borrowed. */
+typedef struct pl_view_laws {
+  size_t count;
+  const float *exact;
+  const float *off[PL_VIEW_LAWS - 1];
+} pl_view_laws;
+
 /* One mesh object or body, reduced to what bounds need. */
 typedef struct pl_view_thing {
   bool is_body;            /* convex ellipsoid; otherwise a mesh */
@@ -23,10 +33,11 @@ typedef struct pl_view_thing {
   const float *map_ranges;
   int map_levels;
   double map_texels_per_m;
-  bool graphed;  /* of a body: its surface is a graph's */
-  bool pictured; /* of a mesh or graph: has textures that are not of one colour */
-  bool bumped;   /* has normals that are bent */
-  bool diffuse;  /* Lambert alone: radiance is the colour's times what it receives */
+  bool graphed;             /* of a body: its surface is a graph's */
+  bool pictured;            /* of a mesh or graph: has textures that are not of one colour */
+  bool bumped;              /* has normals that are bent */
+  bool diffuse;             /* Lambert alone: radiance is the colour's times what it receives */
+  const pl_view_laws *laws; /* of a body in the frame for whose law others may stand, or NULL */
 } pl_view_thing;
 
 typedef struct pl_view {

@@ -9,6 +9,7 @@
 #include "math/sampling.h"
 #include "render/draws.h"
 #include "render/emitters_path.h"
+#include "render/laws.h"
 #include "shade/reflectance.h"
 
 enum { ROULETTE_AFTER = 3 };
@@ -211,6 +212,8 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   const pl_path path = b->paths[i];
   const vertex_draws u = draws_of(b, i);
   pl_vertex_shade(context->shot, &path.beam, context->settings->detail, vertex);
+  if (bounce == 0)
+    pl_laws_apply(context->shot, context->settings, vertex);
   pl_surface *s = &vertex->surface;
   s->alpha = pl_maxf(s->alpha, path.alpha_min);
   if (s->reflectance->layered)

@@ -19,6 +19,7 @@ typedef struct pl_render_settings {
   bool soft_sun, cast_shadows, clear_coat, transmission;
   bool emission;               /* what emits is seen to */
   pl_detail detail;            /* of surfaces */
+  int laws_down;               /* steps down from Hapke's law to cheaper ones, see laws.h */
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   bool emitters_on_bodies;     /* or else on meshes alone */
   float noise_dn;              /* pixels quieter than this get no more samples, see prune.c, and

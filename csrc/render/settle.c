@@ -3,6 +3,7 @@
  * photometric law away from opposition all but one, and the map is filtered over the pixel's
  * footprint, so one shading is the pixel's mean. */
 #include "light/sun.h"
+#include "render/laws.h"
 #include "render/path.h"
 #include "shade/reflectance.h"
 
@@ -102,6 +103,7 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
       .spread = (float)context->pixel_rad,
   };
   pl_vertex_shade(shot, &beam, settings->detail, &vertex);
+  pl_laws_apply(shot, settings, &vertex);
   b->settled[pixel] = reflected(&vertex.surface, toward, &sun, height);
   if (settings->emission)
     b->settled[pixel] = pl_vec3f_add(b->settled[pixel], vertex.surface.emission);

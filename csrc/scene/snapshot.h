@@ -39,6 +39,10 @@ typedef struct pl_shot_object {
   size_t piece_count;
 } pl_shot_object;
 
+typedef struct pl_law_colors {
+  float factor[PL_VIEW_LAWS - 1][3];
+} pl_law_colors;
+
 typedef struct pl_shot_body {
   const pl_body *body;        /* borrowed */
   const pl_body_state *state; /* borrowed */
@@ -51,6 +55,9 @@ typedef struct pl_shot_body {
   bool in_frame;
   bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
   bool bounced;  /* others may noticeably light it by reflection; set by pl_snapshot_cull */
+  /* Factors on the colour by which cheaper laws come nearest to its own where it is seen; NULL
+   * where they may not stand for it. Set by pl_laws_build. */
+  const pl_law_colors *laws;
 } pl_shot_body;
 
 typedef struct pl_shot_sun {

@@ -7,6 +7,7 @@
 extern const pl_effect pl_effect_surface_maps;
 extern const pl_effect pl_effect_bump_detail;
 extern const pl_effect pl_effect_texture_filter;
+extern const pl_effect pl_effect_regolith;
 extern const pl_effect pl_effect_clear_coat;
 extern const pl_effect pl_effect_transmission;
 

@@ -10,7 +10,7 @@ static pl_hapke band_of(const pl_surface *surface, int k) {
   const float w[3] = {surface->color.x, surface->color.y, surface->color.z};
   const pl_regolith_band *band = &surface->regolith.band[k];
   return (pl_hapke){
-      .w = fmin((double)w[k], 1.0),
+      .w = (double)w[k],
       .b = (double)band->b,
       .c = (double)band->c,
       .b_s0 = (double)band->b_s0,

@@ -28,7 +28,6 @@ def scene(reflectance: str, regolith_map: _core.Grid | None = None) -> _core.Sce
         instance_id=1,
         part_id=1,
         class_ids=np.array([1], dtype=np.uint16),
-        graph=None,
         regolith_map=regolith_map,
     )
     return moon
