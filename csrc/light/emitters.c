@@ -3,8 +3,10 @@
 #include "light/emitters.h"
 
 #include "geom/ellipsoid.h"
+#include "light/graph_light.h"
 #include "math/color.h"
 #include "math/sampling.h"
+#include "scene/graph_point.h"
 #include "shade/material_surface.h"
 
 /* An emission map's mean counts as at least this part of its factor, so that a bright spot on a
@@ -13,20 +15,33 @@ static const float MEAN_MIN = 1e-3f;
 
 /* --- the list --------------------------------------------------------------------------------- */
 
-/* Mean luminance of a triangle's emission; 0 if its material emits nothing. What a graph emits is
- * no light of this list: paths meet it by chance. */
-static float luminance_of(const pl_object *object, uint32_t triangle) {
-  const pl_model *model = object->model;
+/* The graph that says what a triangle emits, or NULL. */
+static const pl_object_graph *graph_of(const pl_object *object, uint32_t triangle) {
   const pl_object_graph *graph = pl_object_materials_at(object->materials, triangle);
-  if (graph != NULL && pl_graph_sets_emission(graph->graph))
-    return 0.0f;
-  const pl_material *material = pl_material_of(model, triangle);
-  const float *e = material->emissive;
-  const float factor = pl_luminance(pl_vec3f_make(e[0], e[1], e[2]));
-  if (!(factor > 0.0f))
-    return 0.0f;
+  return graph != NULL && pl_graph_sets_emission(graph->graph) ? graph : NULL;
+}
+
+/* Luminance of the material's factor, which its map only lessens. */
+static float factor_of(const pl_object *object, uint32_t triangle) {
+  const float *e = pl_material_of(object->model, triangle)->emissive;
+  return pl_luminance(pl_vec3f_make(e[0], e[1], e[2]));
+}
+
+static bool may_emit(const pl_object *object, uint32_t triangle) {
+  const pl_object_graph *graph = graph_of(object, triangle);
+  return graph != NULL ? pl_graph_emits(graph->graph) : factor_of(object, triangle) > 0.0f;
+}
+
+/* Mean luminance of the emission of a triangle that may emit something. */
+static float luminance_of(const pl_shot_object *shot, uint32_t triangle, pl_detail detail) {
+  const pl_object *object = shot->object;
+  const pl_object_graph *graph = graph_of(object, triangle);
+  if (graph != NULL)
+    return pl_graph_light_luminance(shot, triangle, graph, detail);
   const pl_triangle_point any = {.triangle = triangle};
-  return pl_maxf(pl_luminance(pl_material_emission(model, &any, (pl_detail){.maps = false})), MEAN_MIN * factor);
+  const pl_detail none = {.maps = false};
+  return pl_maxf(pl_luminance(pl_material_emission(object->model, &any, none)),
+                 MEAN_MIN * factor_of(object, triangle));
 }
 
 static pl_vec3f to_view(const float m[12], const float *p) {
@@ -59,12 +74,17 @@ static bool emits(const pl_shot_object *object) {
   return object->kept && object->object->summary.emission_max > 0.0;
 }
 
-static double body_luminance(const pl_shot_body *body) {
+/* What a body emits everywhere. A graph whose emission varies over the body is seen, but is not
+ * drawn as a light: paths meet it by chance. */
+static pl_vec3f body_emission(const pl_shot_body *body) {
+  static const pl_graph_point nowhere = {.radius = INFINITY};
   const float *e = body->state->emission;
   const pl_graph *graph = body->body->graph;
-  if (graph != NULL && pl_graph_sets_emission(graph))
-    return 0.0; /* as of triangles with graphs: seen, but not drawn as a light */
-  return (double)pl_luminance(pl_vec3f_make(e[0], e[1], e[2]));
+  if (graph == NULL || !pl_graph_sets_emission(graph))
+    return pl_vec3f_make(e[0], e[1], e[2]);
+  if (!pl_graph_emits(graph) || !pl_graph_emits_evenly(graph))
+    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  return pl_graph_emission(graph, &nowhere, body->state->parameters);
 }
 
 static size_t count_triangles(const pl_snapshot *shot) {
@@ -74,7 +94,7 @@ static size_t count_triangles(const pl_snapshot *shot) {
     if (!emits(&shot->objects[i]))
       continue;
     for (uint32_t t = 0; t < object->model->triangle_count; t++)
-      count += luminance_of(object, t) > 0.0f;
+      count += may_emit(object, t);
   }
   return count;
 }
@@ -88,12 +108,15 @@ static void add_object(pl_emitters *list, size_t thing, size_t *used) {
                      .radius_m = object->radius_m,
                      .first = *used};
   for (uint32_t t = 0; t < model->triangle_count; t++) {
-    const float luminance = luminance_of(object->object, t);
+    if (!may_emit(object->object, t))
+      continue;
+    const float luminance = luminance_of(object, t, list->detail);
     if (!(luminance > 0.0f))
       continue;
     const corners c = corners_of(object, t);
     item.weight += 0.5 * (double)luminance * (double)pl_vec3f_norm(c.normal);
     list->triangles[*used] = t;
+    list->luminances[*used] = luminance;
     list->sums[(*used)++] = (float)item.weight;
   }
   item.count = *used - item.first;
@@ -107,7 +130,7 @@ static void add_object(pl_emitters *list, size_t thing, size_t *used) {
 
 static void add_body(pl_emitters *list, size_t index) {
   const pl_shot_body *body = &list->shot->bodies[index];
-  const double luminance = body_luminance(body);
+  const double luminance = (double)pl_luminance(body_emission(body));
   if (luminance > 0.0)
     list->items[list->count++] =
         (pl_emitter){.thing = (uint32_t)(list->shot->object_count + index),
@@ -125,9 +148,10 @@ pl_status pl_emitters_build(const pl_snapshot *shot, pl_detail detail, pl_arena 
       .detail = detail,
       .items = pl_arena_alloc(arena, shot->object_count + shot->body_count, sizeof(pl_emitter)),
       .triangles = pl_arena_alloc(arena, triangles, sizeof(uint32_t)),
+      .luminances = pl_arena_alloc(arena, triangles, sizeof(float)),
       .sums = pl_arena_alloc(arena, triangles, sizeof(float)),
   };
-  if (out->items == NULL || out->triangles == NULL || out->sums == NULL)
+  if (out->items == NULL || out->triangles == NULL || out->luminances == NULL || out->sums == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for emissive surfaces");
   for (size_t i = 0; i < shot->object_count; i++)
     if (emits(&shot->objects[i]))
@@ -168,8 +192,9 @@ static const pl_emitter *choose(const pl_emitters *list, pl_vec3 point, float *u
   return &list->items[i];
 }
 
-/* The triangle on whose share of the emitter's weight *u falls; stretches *u alike. */
-static uint32_t choose_triangle(const pl_emitters *list, const pl_emitter *item, float *u) {
+/* Place in the list of the triangle on whose share of the emitter's weight *u falls; stretches *u
+ * alike. */
+static size_t choose_triangle(const pl_emitters *list, const pl_emitter *item, float *u) {
   size_t low = item->first, high = item->first + item->count - 1;
   while (low < high) {
     const size_t middle = low + (high - low) / 2;
@@ -180,7 +205,21 @@ static uint32_t choose_triangle(const pl_emitters *list, const pl_emitter *item,
   }
   const float from = low > item->first ? list->sums[low - 1] : 0.0f, to = list->sums[low];
   *u = to > from ? pl_minf(pl_maxf((*u - from) / (to - from), 0.0f), 1.0f - 0x1p-24f) : 0.5f;
-  return list->triangles[low];
+  return low;
+}
+
+/* Mean luminance of a triangle of the object; 0 of one that is not in the list. */
+static float listed_luminance(const pl_emitters *list, const pl_emitter *item, uint32_t triangle) {
+  size_t low = item->first, high = item->first + item->count;
+  while (low < high) {
+    const size_t middle = low + (high - low) / 2;
+    if (list->triangles[middle] < triangle)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  const bool found = low < item->first + item->count && list->triangles[low] == triangle;
+  return found ? list->luminances[low] : 0.0f;
 }
 
 /* --- sampling --------------------------------------------------------------------------------- */
@@ -195,7 +234,8 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   const pl_shot_object *object = &list->shot->objects[item->thing];
   const pl_model *model = object->object->model;
   float along = u[0];
-  const uint32_t triangle = choose_triangle(list, item, &along);
+  const size_t chosen = choose_triangle(list, item, &along);
+  const uint32_t triangle = list->triangles[chosen];
   const corners c = corners_of(object, triangle);
   /* Evenly over the triangle (Shirley and Chiu 1997, by the square root of one number). */
   const float root = sqrtf(along), v = root * u[1], w = 1.0f - root;
@@ -215,9 +255,14 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
       .triangle = triangle, .w = {1.0f - v - w, v, w}, .edge1 = c.edge1, .edge2 = c.edge2};
   if (pl_material_opacity(model, &hit) < 0.5f)
     return false;
-  out->radiance = pl_material_emission(model, &hit, list->detail);
-  out->pdf =
-      (float)mesh_pdf(item, luminance_of(object->object, triangle), distance, (double)cosine);
+  const pl_object_graph *graph = graph_of(object->object, triangle);
+  if (!pl_shot_is_there(object, triangle, v, w, out->direction))
+    return false;
+  out->radiance = graph != NULL
+                      ? pl_graph_light_radiance(object, triangle, hit.w, graph, list->detail,
+                                                pl_vec3f_scale(out->direction, -1.0f))
+                      : pl_material_emission(model, &hit, list->detail);
+  out->pdf = (float)mesh_pdf(item, list->luminances[chosen], distance, (double)cosine);
   return true;
 }
 
@@ -244,8 +289,7 @@ static bool sample_body(const pl_emitters *list, const pl_emitter *item, pl_vec3
   double t;
   if (!pl_ellipsoid_intersect(body->state->radii_m, local, ray, 0.0, &t))
     return false;
-  const float *e = body->state->emission;
-  out->radiance = pl_vec3f_make(e[0], e[1], e[2]);
+  out->radiance = body_emission(body);
   out->distance_m = (float)t * 0.99999f;
   out->pdf = pl_cone_pdf(cone);
   return true;
@@ -276,7 +320,7 @@ float pl_emitters_pdf(const pl_emitters *list, pl_vec3 point, const pl_emitter_h
     pl_vec3 axis;
     if (hit->thing >= list->shot->object_count)
       return (float)(probability * (double)pl_cone_pdf(cone_of(item, point, &axis)));
-    const float luminance = luminance_of(list->shot->objects[hit->thing].object, hit->triangle);
+    const float luminance = listed_luminance(list, item, hit->triangle);
     if (!(luminance > 0.0f) || !(hit->cosine > 1e-6f))
       return 0.0f;
     return (float)(probability * mesh_pdf(item, luminance, hit->t, (double)hit->cosine));

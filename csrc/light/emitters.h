@@ -1,4 +1,4 @@
-/* Surfaces that emit light, as lights: triangles of emissive materials and bodies with emission.
+/* Surfaces that emit light, as lights: triangles of emissive materials or graphs, and bodies with emission.
  * Radiance is in W m-2 sr-1 per band, the same on both sides of double-sided materials. */
 #ifndef PL_LIGHT_EMITTERS_H
 #define PL_LIGHT_EMITTERS_H
@@ -25,7 +25,8 @@ typedef struct pl_emitters {
   pl_detail detail;        /* of emission maps */
   pl_emitter *items;
   size_t count;
-  uint32_t *triangles; /* of all meshes */
+  uint32_t *triangles; /* of all meshes, of each in rising order */
+  float *luminances;   /* mean, of each of those */
   float *sums;         /* running share of the emitter's weight, up to 1 with its last triangle */
 } pl_emitters;
 

@@ -81,6 +81,22 @@ static pl_vec3f cut3(const float *v, float factor, float high) {
                        pl_clipped(factor * v[2], high));
 }
 
+bool pl_graph_emits(const pl_graph *graph) { return graph->emission != 0; }
+
+bool pl_graph_emits_evenly(const pl_graph *graph) {
+  return graph->programs[graph->emission].count == 0;
+}
+
+pl_vec3f pl_graph_emission(const pl_graph *graph, const pl_graph_point *point,
+                           const pl_value *params) {
+  pl_value registers[PL_GRAPH_REGISTERS];
+  const pl_program *program = &graph->programs[graph->emission];
+  run(graph, program, point, params, registers);
+  return cut3(pl_operand_value(graph, params, registers, program->outputs[0]),
+              pl_operand_value(graph, params, registers, program->outputs[1])[0],
+              (float)PL_EMISSION_MAX);
+}
+
 /* Turns the frame to a normal, which stays on the surface's side as that of a normal map does. */
 static void bend(const float *normal, pl_surface *surface) {
   static const float COSINE_MIN = 0.05f;

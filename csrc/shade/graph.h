@@ -61,6 +61,12 @@ double pl_graph_own_emission(const pl_graph *graph);
 const pl_reflectance *pl_graph_reflectance(const pl_graph *graph);
 /* Whether the graph gives the same at all points of a frame, and no normal. */
 bool pl_graph_is_uniform(const pl_graph *graph);
+/* Whether it may emit light; if so, the light that it emits at a point, W m-2 sr-1. */
+bool pl_graph_emits(const pl_graph *graph);
+pl_vec3f pl_graph_emission(const pl_graph *graph, const pl_graph_point *point,
+                           const pl_value *params);
+/* Whether that is the same at all points of a frame. */
+bool pl_graph_emits_evenly(const pl_graph *graph);
 /* Whether there may be no surface somewhere. */
 bool pl_graph_cuts(const pl_graph *graph);
 /* Whether there is a surface at a point: its alpha is PL_ALPHA_CUT or more. */

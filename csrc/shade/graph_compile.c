@@ -319,6 +319,30 @@ static void find_set(const pl_graph_node *surface, pl_graph *graph) {
   graph->cuts = alpha == NULL || !(alpha[0] >= PL_ALPHA_CUT);
 }
 
+/* A program of its own for what the surface emits, where it may emit something: lamps are asked
+ * for that alone. */
+static pl_status build_emission(const builder *outer, const pl_graph_node *surface) {
+  pl_graph *graph = outer->graph;
+  builder inner = {
+      .description = outer->description, .graph = graph, .node_constants = outer->node_constants};
+  const float *strength = folded(graph, PL_SURFACE_EMISSION_STRENGTH);
+  if (!pl_graph_sets_emission(graph) || (strength != NULL && !(strength[0] > 0.0f)))
+    return PL_OK;
+  pl_operand color = {0}, factor = {0};
+  pl_status status = start(&inner);
+  if (status == PL_OK)
+    status = build_input(&inner, surface, PL_SURFACE_EMISSION_COLOR, &color);
+  if (status == PL_OK)
+    status = build_input(&inner, surface, PL_SURFACE_EMISSION_STRENGTH, &factor);
+  if (status == PL_OK) {
+    graph->emission = inner.program;
+    graph->programs[inner.program].outputs[0] = color;
+    graph->programs[inner.program].outputs[1] = factor;
+  }
+  finish(&inner);
+  return status;
+}
+
 static pl_status build(const pl_graph_description *d, pl_graph *graph) {
   const pl_constant *of_node[PL_GRAPH_NODES];
   const pl_graph_node *surface = &d->nodes[d->surface];
@@ -330,8 +354,10 @@ static pl_status build(const pl_graph_description *d, pl_graph *graph) {
     status = build_inputs(&b, surface, outputs);
   if (status == PL_OK)
     memcpy(graph->programs[b.program].outputs, outputs, sizeof outputs);
-  if (status == PL_OK)
+  if (status == PL_OK) {
     find_set(surface, graph);
+    status = build_emission(&b, surface);
+  }
   finish(&b);
   return status;
 }
