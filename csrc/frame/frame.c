@@ -6,26 +6,11 @@
 
 #include "base/memory.h"
 #include "frame/effects.h"
-#include "frame/labels.h"
-#include "math/color.h"
+#include "frame/renderer.h"
 #include "render/laws.h"
-#include "render/render.h"
-#include "sensor/encode.h"
 
-/* Longer side of the metering pass, pixels, and its samples. */
-enum { METER_SIDE = 96, METER_SAMPLES = 4 };
-
-struct pl_renderer {
-  const pl_scene *scene; /* borrowed */
-  pl_tracer *tracer;
-  pl_label_tools label_tools;
-  pl_render_scratch *scratch;
-  pl_arena arena;
-  pl_encoder encoder;
-};
-
-static const char *const stage_names[PL_STAGE_COUNT] = {"snapshot", "meter",  "plan",
-                                                        "realise",  "render", "label"};
+static const char *const stage_names[PL_STAGE_COUNT] = {"snapshot", "meter", "plan",  "realise",
+                                                        "render",   "label", "sensor"};
 
 const char *pl_stage_name(pl_stage stage) { return stage_names[stage]; }
 
@@ -78,7 +63,7 @@ static pl_status ensure_scratch(pl_renderer *renderer, int threads) {
 }
 
 static bool wants_colour(const pl_frame_request *request) {
-  return request->rgb != NULL || request->radiance != NULL;
+  return request->rgb != NULL || request->radiance != NULL || pl_frame_wants_sensor(request);
 }
 
 static pl_status check_request(const pl_frame_request *request) {
@@ -96,78 +81,9 @@ static pl_status check_request(const pl_frame_request *request) {
     return pl_fail(PL_E_RANGE, "exposure: white_radiance must be finite and positive");
   if (e->automatic && !(e->percentile >= 0.0 && e->percentile <= 100.0 && e->key > 0.0))
     return pl_fail(PL_E_RANGE, "exposure: percentile must be in 0..100 and key positive");
-  return PL_OK;
-}
-
-/* --- automatic exposure: the same frame, small, direct light only ------------------------------
- */
-
-typedef struct meter {
-  float *luminances; /* one per pixel */
-  int width;
-} meter;
-
-static pl_status meter_tile(void *context, const pl_tile_result *result, int worker) {
-  (void)worker;
-  meter *meter = context;
-  for (int y = 0; y < result->tile.height; y++)
-    for (int x = 0; x < result->tile.width; x++)
-      meter->luminances[(size_t)(result->tile.y0 + y) * (size_t)meter->width +
-                        (size_t)(result->tile.x0 + x)] =
-          pl_luminance(result->radiance[y * PL_TILE_SIDE + x]);
-  return PL_OK;
-}
-
-static void shrink_camera(pl_camera *camera) {
-  const int side = camera->width > camera->height ? camera->width : camera->height;
-  if (side <= METER_SIDE)
-    return;
-  const double s = (double)METER_SIDE / side;
-  const int w = (int)fmax(1.0, s * camera->width + 0.5);
-  const int h = (int)fmax(1.0, s * camera->height + 0.5);
-  const double sx = (double)w / camera->width, sy = (double)h / camera->height;
-  camera->fx *= sx;
-  camera->skew *= sx;
-  camera->fy *= sy;
-  camera->cx = (camera->cx + 0.5) * sx - 0.5;
-  camera->cy = (camera->cy + 0.5) * sy - 0.5;
-  camera->width = w;
-  camera->height = h;
-}
-
-/* Lists the emitters where the settings want them. */
-static pl_status add_emitters(pl_renderer *renderer, const pl_snapshot *shot, int wanted,
-                              pl_emitters *emitters, pl_render_settings *settings) {
-  if (wanted == 0)
-    return PL_OK;
-  PL_TRY(pl_emitters_build(shot, settings->detail, &renderer->arena, emitters));
-  settings->emitters = emitters->count > 0 ? emitters : NULL;
-  settings->emitters_on_bodies = emitters->count > 0 && wanted > 1;
-  return PL_OK;
-}
-
-static pl_status meter_frame(pl_renderer *renderer, const pl_frame_request *request,
-                             const pl_snapshot *shot, double fallback, double *white_radiance) {
-  pl_snapshot small = *shot;
-  shrink_camera(&small.camera);
-  const size_t count = (size_t)small.camera.width * (size_t)small.camera.height;
-  meter meter = {pl_arena_alloc(&renderer->arena, count, sizeof(float)), small.camera.width};
-  if (meter.luminances == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory for metering");
-  pl_render_settings settings = {.seed = request->seed,
-                                 .frame = request->index,
-                                 .samples = METER_SAMPLES,
-                                 .cast_shadows = true,
-                                 .emission = true,
-                                 .detail = PL_DETAIL_FULL,
-                                 .clear_coat = true};
-  pl_emitters emitters;
-  PL_TRY(add_emitters(renderer, &small, 2, &emitters, &settings));
-  PL_TRY(pl_tracer_set(renderer->tracer, &small));
-  PL_TRY(pl_render(&small, renderer->tracer, &settings, renderer->scratch, meter_tile, &meter,
-                   request->cancel));
-  *white_radiance = pl_exposure_meter(&request->exposure, meter.luminances, count, fallback);
-  return PL_OK;
+  if (pl_frame_wants_sensor(request) && request->sensor == NULL)
+    return pl_fail(PL_E_ARGUMENT, "a channel of the sensor is asked for, but there is no sensor");
+  return request->sensor != NULL ? pl_sensor_check(request->sensor) : PL_OK;
 }
 
 /* --- the frame
@@ -182,10 +98,24 @@ static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   return fmax(irradiance / PL_PI, 1e-30);
 }
 
-/* `metered`: an automatic exposure is measured, and laws are compared. They are not where labels
- * alone are wanted, which no effect changes. */
+/* Automatic exposures of the display and of the sensor (NULL: none), if `metered`. */
+static pl_status expose(pl_renderer *renderer, const pl_frame_request *request, bool metered,
+                        const pl_snapshot *shot, pl_view *view, pl_sensor *sensor) {
+  const bool automatic = request->exposure.automatic;
+  const double fallback = sunlit_white(shot, view);
+  view->white_radiance = automatic ? fallback : request->exposure.white_radiance;
+  if (metered && (automatic || (sensor != NULL && sensor->auto_time.on)))
+    PL_TRY(pl_frame_meter(renderer, request, shot, fallback, &view->white_radiance, sensor));
+  view->sensor = sensor;
+  return PL_OK;
+}
+
+/* `metered`: automatic exposures are measured. They are not where labels alone are wanted, which no
+ * effect changes. `sensor`: set to the request's with its exposure time, if `developed`. */
+#include "render/laws.h"
 static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request, bool metered,
-                            pl_snapshot *shot, pl_frame_result *result) {
+                            bool developed, pl_snapshot *shot, pl_sensor *sensor,
+                            pl_frame_result *result) {
   double start = now_s();
   *result = (pl_frame_result){0};
   PL_TRY(check_request(request));
@@ -199,11 +129,11 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   view.samples = request->samples;
   view.max_bounces = request->max_bounces;
   view.texture_filter = request->texture_filter;
-  view.white_radiance = request->exposure.white_radiance;
-  if (request->exposure.automatic && metered)
-    PL_TRY(meter_frame(renderer, request, shot, sunlit_white(shot, &view), &view.white_radiance));
-  else if (request->exposure.automatic)
-    view.white_radiance = sunlit_white(shot, &view);
+  developed = developed && request->sensor != NULL;
+  if (developed)
+    *sensor = *request->sensor;
+  PL_TRY(expose(renderer, request, metered, shot, &view, developed ? sensor : NULL));
+  result->exposure_s = developed ? sensor->exposure_s : NAN;
   result->white_radiance = request->exposure.automatic && !metered ? NAN : view.white_radiance;
   lap(result, PL_STAGE_METER, &start);
   if (metered)
@@ -219,7 +149,8 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
 pl_status pl_renderer_plan(pl_renderer *renderer, const pl_frame_request *request,
                            pl_frame_result *result) {
   pl_snapshot shot;
-  return plan_frame(renderer, request, true, &shot, result);
+  pl_sensor sensor;
+  return plan_frame(renderer, request, true, true, &shot, &sensor, result);
 }
 
 typedef struct output {
@@ -227,6 +158,7 @@ typedef struct output {
   const pl_snapshot *shot;
   const pl_encoder *encoder;
   float white_radiance;
+  pl_vec3f *bands; /* for the sensor; NULL: none */
   pl_labels labels;
 } output;
 
@@ -241,6 +173,8 @@ static void write_colour(const output *output, const pl_tile_result *result) {
                     output->request->rgb + 3 * first);
     if (output->request->radiance != NULL)
       memcpy(output->request->radiance + 3 * first, row, count * sizeof *row);
+    if (output->bands != NULL)
+      memcpy(output->bands + first, row, count * sizeof *row);
   }
 }
 
@@ -289,10 +223,18 @@ static pl_render_settings settings_of(const pl_frame_request *request,
   };
 }
 
+static pl_status allocate_bands(pl_renderer *renderer, const pl_camera *camera, pl_vec3f **out) {
+  const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+  *out = pl_arena_alloc(&renderer->arena, pixels, sizeof **out);
+  return *out != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for a sensor's image");
+}
+
 pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *request,
                             pl_frame_result *result) {
   pl_snapshot shot;
-  PL_TRY(plan_frame(renderer, request, wants_colour(request), &shot, result));
+  pl_sensor sensor;
+  const bool develop = pl_frame_wants_sensor(request);
+  PL_TRY(plan_frame(renderer, request, wants_colour(request), develop, &shot, &sensor, result));
   double start = now_s();
   output output = {
       .request = request,
@@ -300,6 +242,8 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
       .encoder = &renderer->encoder,
       .white_radiance = (float)result->white_radiance,
   };
+  if (develop)
+    PL_TRY(allocate_bands(renderer, &shot.camera, &output.bands));
   PL_TRY(
       pl_labels_prepare(request, &shot, &renderer->label_tools, &renderer->arena, &output.labels));
   PL_TRY(pl_tracer_set(renderer->tracer, &shot));
@@ -307,12 +251,15 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   pl_render_settings settings = settings_of(request, result);
   pl_emitters emitters;
   const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
-  PL_TRY(add_emitters(renderer, &shot, emitters_value, &emitters, &settings));
+  PL_TRY(pl_frame_emitters(renderer, &shot, emitters_value, &emitters, &settings));
   PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
                    request->cancel));
   lap(result, PL_STAGE_RENDER, &start);
   PL_TRY(
       pl_labels_finish(&output.labels, renderer->tracer, &renderer->label_tools, &renderer->arena));
   lap(result, PL_STAGE_LABEL, &start);
+  if (develop)
+    PL_TRY(pl_frame_develop(renderer, request, &sensor, &result->plan, output.bands));
+  lap(result, PL_STAGE_SENSOR, &start);
   return PL_OK;
 }

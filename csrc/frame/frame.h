@@ -8,6 +8,7 @@
 #include "plan/plan.h"
 #include "scene/scene.h"
 #include "sensor/exposure.h"
+#include "sensor/sensor.h"
 
 enum { PL_FRAME_CHANNELS_MAX = 32 };
 
@@ -19,11 +20,14 @@ typedef struct pl_frame_request {
   int texture_filter; /* ceiling: a pl_filter, not PL_FILTER_NONE */
   pl_plan_wish wish;
   pl_exposure exposure;
+  const pl_sensor *sensor; /* borrowed; NULL: none, then neither raw nor sensor_rgb */
   int threads;
   pl_cancel *cancel; /* may be NULL */
   /* Where results go; NULL: not computed. All are height x width images, row-major. */
   uint8_t *rgb;                          /* 3 a pixel */
   float *radiance;                       /* 3 a pixel, W m-2 sr-1 */
+  uint16_t *raw;                         /* 1 a pixel, digital numbers of the sensor */
+  uint8_t *sensor_rgb;                   /* 3 a pixel: what the sensor's picture shows */
   void *channels[PL_FRAME_CHANNELS_MAX]; /* by index in pl_channels */
   pl_object_label *objects;              /* one per object of the scene */
   uint8_t *masks; /* one image per object: 1 on its full silhouette, hidden parts too, else 0 */
@@ -38,6 +42,7 @@ typedef enum pl_stage {
   PL_STAGE_REALISE,
   PL_STAGE_RENDER,
   PL_STAGE_LABEL,
+  PL_STAGE_SENSOR,
   PL_STAGE_COUNT
 } pl_stage;
 const char *pl_stage_name(pl_stage stage);
@@ -45,6 +50,7 @@ const char *pl_stage_name(pl_stage stage);
 typedef struct pl_frame_result {
   pl_plan plan;
   double white_radiance;          /* W m-2 sr-1 shown as 255; NaN if it was not measured */
+  double exposure_s;              /* of the sensor; NaN without one */
   double seconds[PL_STAGE_COUNT]; /* wall time; never part of an array */
 } pl_frame_result;
 

@@ -40,6 +40,8 @@ typedef struct pl_view_thing {
   const pl_view_laws *laws; /* of a body in the frame for whose law others may stand, or NULL */
 } pl_view_thing;
 
+struct pl_sensor;
+
 typedef struct pl_view {
   int width, height;        /* pixels */
   double pixel_rad;         /* angle of one pixel on the axis */
@@ -54,6 +56,8 @@ typedef struct pl_view {
   int texture_filter;          /* the user's ceiling, a pl_filter */
   const pl_view_thing *things; /* borrowed */
   size_t thing_count;
+  /* Borrowed, for the rows in sensor/ alone; NULL: no digital numbers are made. */
+  const struct pl_sensor *sensor;
 } pl_view;
 
 /* Digital numbers (of 255, display-encoded) that a change of `radiance` can make at most: the sRGB

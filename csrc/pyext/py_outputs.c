@@ -3,12 +3,16 @@
 
 #include <string.h>
 
-/* Colour channels come from the sensor, the others from the table of label channels. */
+/* Channels of light; the others come from the table of label channels. */
 static const struct {
-  const char *name, *dtype, *unit, *doc;
+  const char *name, *dtype;
+  int components;
+  const char *unit, *doc;
 } colour_channels[] = {
-    {"rgb", "uint8", "DN", "display-encoded (sRGB)"},
-    {"radiance", "float32", "W m-2 sr-1", "before the sensor"},
+    {"rgb", "uint8", 3, "DN", "clean, display-encoded (sRGB)"},
+    {"radiance", "float32", 3, "W m-2 sr-1", "before the sensor"},
+    {"raw", "uint16", 0, "DN", "the sensor's digital numbers, under its mosaic of filters"},
+    {"sensor_rgb", "uint8", 3, "DN", "the sensor's picture, display-encoded (sRGB)"},
 };
 enum { COLOUR_CHANNELS = sizeof colour_channels / sizeof colour_channels[0] };
 
@@ -73,6 +77,24 @@ static void *mask_data(PyObject *object, size_t count, const pl_camera *camera) 
   return checked_data(object, "masks", NPY_UINT8, 3, shape);
 }
 
+/* In the order of colour_channels. */
+static int set_colour(size_t channel, void *data, pl_frame_request *request) {
+  switch (channel) {
+  case 0:
+    request->rgb = data;
+    break;
+  case 1:
+    request->radiance = data;
+    break;
+  case 2:
+    request->raw = data;
+    break;
+  default:
+    request->sensor_rgb = data;
+  }
+  return data != NULL ? 0 : -1;
+}
+
 static int set_output(const char *name, PyObject *array, const pl_scene *scene,
                       pl_frame_request *request) {
   const pl_camera *camera = &request->placement.camera;
@@ -80,11 +102,12 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
     return (request->objects = object_data(array, scene->object_count)) != NULL ? 0 : -1;
   if (strcmp(name, "masks") == 0)
     return (request->masks = mask_data(array, scene->object_count, camera)) != NULL ? 0 : -1;
-  if (strcmp(name, "rgb") == 0)
-    return (request->rgb = channel_data(array, name, "uint8", 3, 0, camera)) != NULL ? 0 : -1;
-  if (strcmp(name, "radiance") == 0)
-    return (request->radiance = channel_data(array, name, "float32", 3, 0, camera)) != NULL ? 0
-                                                                                            : -1;
+  for (size_t i = 0; i < COLOUR_CHANNELS; i++)
+    if (strcmp(colour_channels[i].name, name) == 0)
+      return set_colour(i,
+                        channel_data(array, name, colour_channels[i].dtype,
+                                     colour_channels[i].components, 0, camera),
+                        request);
   for (size_t i = 0; i < pl_channel_count; i++) {
     const pl_channel *channel = &pl_channels[i];
     if (strcmp(channel->name, name) != 0)
@@ -124,8 +147,9 @@ PyObject *pl_py_channels(void) {
   for (size_t i = 0; tuple != NULL && i < COLOUR_CHANNELS + pl_channel_count; i++) {
     PyObject *entry;
     if (i < COLOUR_CHANNELS) {
-      entry = channel_entry(colour_channels[i].name, colour_channels[i].dtype, 3,
-                            colour_channels[i].unit, colour_channels[i].doc, true);
+      entry = channel_entry(colour_channels[i].name, colour_channels[i].dtype,
+                            colour_channels[i].components, colour_channels[i].unit,
+                            colour_channels[i].doc, true);
     } else {
       const pl_channel *c = &pl_channels[i - COLOUR_CHANNELS];
       entry = channel_entry(c->name, c->dtype, c->components, c->unit, c->doc, false);

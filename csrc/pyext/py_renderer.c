@@ -121,8 +121,8 @@ static PyObject *result_dict(const pl_frame_result *result) {
     Py_XDECREF(timings);
     return NULL;
   }
-  return Py_BuildValue("{s:d,s:N,s:N}", "white_radiance", result->white_radiance, "plan", rows,
-                       "timings_s", timings);
+  return Py_BuildValue("{s:d,s:d,s:N,s:N}", "white_radiance", result->white_radiance, "exposure_s",
+                       result->exposure_s, "plan", rows, "timings_s", timings);
 }
 
 static int check_use(const renderer_object *self) {

@@ -14,11 +14,14 @@ typedef struct pl_py_states {
   size_t mover_count;
   pl_value *parameters;  /* owned: of all graphs, object by object, then body by body */
   size_t parameter_room; /* grows with the graphs of a scene, which may change between frames */
+  pl_sensor sensor;
 } pl_py_states;
 
 /* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */
 int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
                         pl_frame_request *out);
+/* "sensor" of the request dictionary, which may be absent or None. */
+int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Points the request at the arrays of `out` (a mapping name -> ndarray), checking type, shape and
  * contiguity. References are appended to `kept`. */
 int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,

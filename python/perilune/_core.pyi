@@ -288,6 +288,7 @@ class FrameRequest(TypedDict):
     sun_irradiance: float  # W m-2 at 1 AU, in every colour band
     quality: Quality
     exposure: Exposure
+    sensor: NotRequired[Mapping[str, Any] | None]  # see perilune.imaging.sensor_of
     amodal: NotRequired[bool]  # whether objects get the labels of their full silhouettes (True)
 
 class PlanRow(TypedDict):
@@ -301,6 +302,7 @@ class PlanRow(TypedDict):
 
 class FrameResult(TypedDict):
     white_radiance: float  # nan: automatic, and no colour was asked for
+    exposure_s: float  # of the sensor; nan: none of its channels was asked for
     plan: list[PlanRow]
     timings_s: dict[str, float]
 

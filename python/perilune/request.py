@@ -15,6 +15,7 @@ from perilune.config import Config
 from perilune.config.camera import Camera
 from perilune.config.references import MASKS, OBJECTS
 from perilune.config.schema import TextureFilter
+from perilune.imaging import sensor_of
 from perilune.sample import CameraLabel
 from perilune.world import World
 
@@ -97,6 +98,7 @@ def request_of(
             "percentile": exposure.percentile,
             "key": exposure.key,
         },
+        "sensor": sensor_of(config.camera),
         "amodal": render.amodal,
     }
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from perilune import _core, articulation, bodies, labels, materials, passes, trajectories
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.errors import named, nearest
-from perilune.config.references import OBJECTS, check_channels, check_references
+from perilune.config.references import OBJECTS, OF_SENSOR, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
 from perilune.hooks import Hook
 from perilune.motion import Kept
@@ -196,9 +196,13 @@ class Simulation:
             return renderer.measure_rays(request, repeats)
 
     def plan(self, index: int) -> list[_core.PlanRow]:
-        """The effects kept and dropped in a frame, with reasons; nothing is rendered."""
+        """The effects kept and dropped in a frame, with reasons; nothing is rendered.
+
+        Those of the sensor where render.channels has one of its channels."""
         scene, handles = self.world(index), self._mine()
         request = self._request(scene, handles.posed(scene))
+        if not set(OF_SENSOR) & set(scene.config.render.channels):
+            request["sensor"] = None
         with handles.lock:
             return handles.renderer_of(scene.config).plan(request)["plan"]
 
@@ -219,7 +223,7 @@ class Simulation:
         earlier sample's; the others are new.
         """
         names = list(dict.fromkeys(self.config.render.channels if channels is None else channels))
-        check_channels(names, "channels")
+        check_channels(names, self.config, "channels")
         count = default_threads() if threads is None else _checked_threads(threads)
         scene = self.world(index)
         handles = self._mine()
@@ -249,6 +253,8 @@ class Simulation:
             "white_radiance": None if np.isnan(white) else white,
             "timings_s": result["timings_s"],
         }
+        if not np.isnan(result["exposure_s"]):
+            meta["exposure_s"] = result["exposure_s"]
         objects = arrays.pop(OBJECTS, None)
         label = camera_label(request, scene.sensor, not undistorted)
         return Sample(arrays, objects, label, meta, result["plan"])

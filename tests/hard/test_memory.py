@@ -19,7 +19,7 @@ import perilune
 from perilune import _core
 
 names = [channel["name"] for channel in _core.CHANNELS] + ["objects"]
-sim = perilune.open(sys.argv[1])
+sim = perilune.open(sys.argv[1], overrides={"camera.sensor": {}})
 sizes = {}
 page = os.sysconf("SC_PAGESIZE")
 for index in range(2000):
@@ -48,7 +48,8 @@ def test_resident_size_stays(repo_dir):
 
 def requests(repo_dir, scene, frames):
     """The core's renderer, what it is asked in each frame, and arrays for all it can fill."""
-    sim = perilune.open(repo_dir / scene, overrides={"camera.width": 80, "camera.height": 60})
+    size = {"camera.width": 80, "camera.height": 60}
+    sim = perilune.open(repo_dir / scene, overrides=size | {"camera.sensor": {}})
     first = sim.frame(0, channels=ALL, threads=1)
     out = {**first, "objects": first.objects}
     return sim._mine().renderer, [sim.request(index) for index in frames], out
@@ -87,7 +88,7 @@ def test_fewer_or_more_threads_allocate_once(repo_dir):
 
 def test_frames_of_the_python_layer_allocate_nothing(repo_dir):
     """Through Simulation.frame, the tree of orbits included, from the second time on."""
-    sim = perilune.open(repo_dir / "tests/python/scene.yaml")
+    sim = perilune.open(repo_dir / "tests/python/scene.yaml", overrides={"camera.sensor": {}})
     first = sim.frame(0, channels=ALL, threads=2)
     out = {**first, "objects": first.objects}
     counts = []

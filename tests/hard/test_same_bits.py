@@ -42,14 +42,14 @@ def crowd(root):
         {"node": "high_gain_antenna", "axis": [1, 0, 1], "angle_deg": JITTER},
     ]
     tree["bodies"]["earth"]["color_map"] = str(root / "assets/maps/earth_like.jpg")
-    tree["camera"] |= {"fov_deg": JITTER, "exposure_time_s": 0.01}
+    tree["camera"] |= {"fov_deg": JITTER, "exposure_time_s": 0.01, "sensor": {}}
     tree["render"] |= {"samples": 3, "max_bounces": 2}
     return tree
 
 
 def demo(root):
     tree = read_tree(root / "configs/demo.yaml")
-    tree["camera"] |= {"width": 64, "height": 48}
+    tree["camera"] |= {"width": 64, "height": 48, "sensor": {"mosaic": "mono"}}
     tree["render"] |= {"samples": 4, "max_bounces": 2}
     for craft in tree["spacecraft"].values():
         craft["model"] = str((root / "configs" / craft["model"]).resolve())

@@ -296,7 +296,8 @@ def test_document_pickles(scene, tmp_path):
 def test_every_physical_key_has_its_unit():
     """Numbers without a unit in their name are ratios, counts or identities listed here."""
     units = ("_m", "_km", "_s", "_deg", "_deg_s", "_px", "_dn", "_au", "_km3_s2", "_w_m2",
-             "_km_s", "_m2_kg", "_kg_m2", "_h")
+             "_km_s", "_m2_kg", "_kg_m2", "_h", "_um", "_nm", "_ms", "_e", "_e_s", "_e_dn", "_c",
+             "_k")
     plain = {
         "version", "seed", "width", "height", "K", "eccentricity", "albedo", "samples",
         "max_bounces", "metres_per_unit", "obj_id", "percentile", "key", "strength", "interval",
@@ -305,6 +306,8 @@ def test_every_physical_key_has_its_unit():
         "frames_per_scene", "transformation", "trigger_interval", "positions", "rotations",
         "distance_scale", "normal", "side", "index", "speed",
         "v_step", "orbit_start", "scale", "j2", "cd", "cr", "rtol", "degree", "order", "number",
+        "f_number", "transmission", "quantum_efficiency", "serial", "bits",
+        "prnu", "dark_nonuniform",  # relative deviations
         "jitter_strength", "step_interval", "correlation", "first_frame",
         "drivers",  # of the inputs of nodes, which say their units
         "rotation_deg_step_v",  # the paper's name: degrees in a step

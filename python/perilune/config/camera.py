@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
 from perilune.config.lens import Lens
+from perilune.config.sensor import ImageSensor
 from perilune.config.trajectory import Trajectory
 from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
 
@@ -61,6 +62,8 @@ class Camera(Strict):
     exposure_time_s: NonNegative = 0.0
     """Shutter opening to closing; frame times are openings."""
     exposure: Exposure = Exposure()
+    sensor: ImageSensor | None = None
+    """Makes the channels `raw` and `sensor_rgb`; the others stay clean."""
 
     @model_validator(mode="after")
     def _intrinsics(self) -> Camera:

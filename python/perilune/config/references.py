@@ -13,6 +13,8 @@ OBJECTS = "objects"
 """The name under which a sample's object labels are asked for, beside the pixel channels."""
 MASKS = "masks"
 """Likewise of the full silhouettes, one image per spacecraft."""
+OF_SENSOR = ("raw", "sensor_rgb")
+"""Channels that only cameras with a section `sensor` have."""
 
 
 def channel_names() -> list[str]:
@@ -20,12 +22,24 @@ def channel_names() -> list[str]:
     return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS, MASKS]
 
 
-def check_channels(channels: Iterable[str], where: str) -> None:
-    """ConfigError for a channel that does not exist."""
+def pixel_channels(config: Config) -> list[str]:
+    """The pixel channels that all cameras of a configuration have."""
+    names = [channel["name"] for channel in _core.CHANNELS]
+    if any(camera.sensor is None for camera in config.cameras.values()):
+        names = [name for name in names if name not in OF_SENSOR]
+    return names
+
+
+def check_channels(channels: Iterable[str], config: Config, where: str) -> None:
+    """ConfigError for a channel that does not exist, or that a camera does not have."""
     known = channel_names()
     for name in channels:
         if name not in known:
             raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
+        for camera_name, camera in config.cameras.items():
+            if name in OF_SENSOR and camera.sensor is None:
+                key = "camera" if camera_name is None else f"sensors.{camera_name}"
+                raise ConfigError(f"{where}: '{name}' needs the section {key}.sensor")
 
 
 def check_references(
@@ -62,4 +76,4 @@ def check_references(
     for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
         for name in names:
             known(f"render.force_{key}", name, effects)
-    check_channels(config.render.channels, f"{source}:\n  render.channels")
+    check_channels(config.render.channels, config, f"{source}:\n  render.channels")

@@ -10,6 +10,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from perilune.config.camera import INTRINSICS, Camera, Exposure, Matrix, check_matrix
 from perilune.config.errors import fail
 from perilune.config.lens import Lens
+from perilune.config.sensor import ImageSensor
 from perilune.config.types import Finite, Integer, NonNegative, Positive, Strict, Vec3
 
 Pose = tuple[Finite, Finite, Finite, Finite, Finite, Finite, Finite]
@@ -53,6 +54,8 @@ class Sensor(Strict):
     """Shutter opening to closing; all sensors of a step open together."""
     exposure: Exposure | None = None
     """Replaces the platform's section as a whole."""
+    sensor: ImageSensor | None = None
+    """Likewise."""
     transformation: Annotated[
         Annotated[Annotated[Pose, AfterValidator(_quaternion)], Tag("pose")]
         | Annotated[Mounting, Tag("mounting")],

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.config.references import pixel_channels
 from perilune.preview.panels import Names
 from perilune.preview.sheet import draw_sheet
 from perilune.sample import Sample
@@ -40,7 +41,7 @@ def frame_title(sample: Sample, name: str = "frame") -> str:
 
 def render_sheet(sim: Simulation, index: int, threads: int | None = None) -> NDArray[np.uint8]:
     """Renders a frame with every channel there is, and draws its sheet."""
-    names = [channel["name"] for channel in _core.CHANNELS]
+    names = pixel_channels(sim.config)
     sample = sim.frame(index, channels=[*names, "objects"], threads=threads)
     return draw(sample, frame_title(sample, sim.config.name), sim.taxonomy.channel_names)
 

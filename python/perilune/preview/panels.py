@@ -158,6 +158,7 @@ KINDS: dict[str, Kind] = {
     "rgb": image_panel,
     "raw": digital_panel,
     "radiance": radiance_panel,
+    "sensor_rgb": image_panel,
     "normal": normal_panel,
     "flow": flow_panel,
     "semantic": levels_panel,

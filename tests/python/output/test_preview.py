@@ -61,7 +61,7 @@ def test_large_square_image():
 
 
 def test_every_channel_of_the_core_is_drawn(small_scene):
-    sim = perilune.open(small_scene)
+    sim = perilune.open(small_scene, overrides={"camera.sensor": {}})
     sample = sim.frame(0, channels=[*(row["name"] for row in _core.CHANNELS), "objects"])
     found = sheet._panels(sample, sim.taxonomy.channel_names, {})
     titles = {panel.title.split("/")[0].removesuffix(" (log)") for panel in found}

@@ -1,0 +1,36 @@
+/* What the files of this folder share: the renderer's inside, and the steps of a frame. */
+#ifndef PL_FRAME_RENDERER_H
+#define PL_FRAME_RENDERER_H
+
+#include "frame/frame.h"
+#include "frame/labels.h"
+#include "render/render.h"
+#include "sensor/encode.h"
+
+struct pl_renderer {
+  const pl_scene *scene; /* borrowed */
+  pl_tracer *tracer;
+  pl_label_tools label_tools;
+  pl_render_scratch *scratch;
+  pl_arena arena;
+  pl_encoder encoder;
+};
+
+/* Lists the emitters where the settings want them: `wanted` is the value of that effect. */
+pl_status pl_frame_emitters(pl_renderer *renderer, const pl_snapshot *shot, int wanted,
+                            pl_emitters *emitters, pl_render_settings *settings);
+
+/* Exposures that are automatic, measured on the same frame, small, by direct light only: sets
+ * *white_radiance where the request's is, and the exposure time of `sensor` (NULL: none) where its
+ * is. `fallback` is the radiance of a sunlit white surface. */
+pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
+                         const pl_snapshot *shot, double fallback, double *white_radiance,
+                         pl_sensor *sensor);
+
+/* Whether the request asks for what a sensor makes. */
+bool pl_frame_wants_sensor(const pl_frame_request *request);
+/* Takes `bands` (radiance, row-major; changed) through the sensor to the request's arrays. */
+pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *request,
+                           const pl_sensor *sensor, const pl_plan *plan, pl_vec3f *bands);
+
+#endif

@@ -1,0 +1,59 @@
+/* The stage `dark_current`: electrons that warmth frees, more in some pixels than in others. A
+ * pixel's share of the mean is log-normal with the stated relative deviation (its long tail are the
+ * warm pixels), keyed by the unit. Its noise is that of `shot_noise`. */
+#include <math.h>
+
+#include "sensor/draws.h"
+#include "sensor/effects.h"
+#include "sensor/stages.h"
+
+static void add_row(pl_sensor_frame *frame, int y) {
+  const pl_sensor *sensor = frame->sensor;
+  const double mean = sensor->dark_current * sensor->exposure_s;
+  /* exp(s N - s^2/2) has the mean 1 and the variance exp(s^2) - 1 */
+  const double square = log1p(sensor->dark_nonuniform * sensor->dark_nonuniform);
+  const size_t first = (size_t)y * (size_t)frame->width;
+  for (size_t i = first; i < first + (size_t)frame->width; i++) {
+    double share = 1.0;
+    if (square > 0.0) {
+      pl_stream stream = pl_stream_of(sensor->serial, PL_DRAW_DARK, i, 0);
+      share = exp(sqrt(square) * pl_stream_normal(&stream) - 0.5 * square);
+    }
+    frame->electrons[i] += mean * share;
+  }
+}
+
+pl_status pl_stage_dark_current(pl_sensor_frame *frame, int value) {
+  (void)value;
+  return pl_sensor_rows(frame, add_row);
+}
+
+static const char *absent(const pl_view *view) {
+  const char *none = pl_sensor_absent(view);
+  if (none != NULL)
+    return none;
+  return view->sensor->dark_current * view->sensor->exposure_s > 0.0 ? NULL : "no dark current";
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  const pl_sensor *sensor = view->sensor;
+  if (value > 0)
+    return 0.0;
+  const double square = log1p(sensor->dark_nonuniform * sensor->dark_nonuniform);
+  const double most = exp(PL_SENSOR_SIGMAS * sqrt(square) - 0.5 * square);
+  const double mean = most * sensor->dark_current * sensor->exposure_s;
+  return pl_sensor_dn(view, mean + PL_SENSOR_SIGMAS * sqrt(mean));
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return pl_sensor_cost_ms(view, 80.0 * value);
+}
+
+const pl_effect pl_effect_dark_current = {
+    .name = "dark_current",
+    .doc = "Sensor: electrons freed by warmth, uneven between pixels",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

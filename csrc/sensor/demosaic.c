@@ -1,0 +1,52 @@
+/* The stage `demosaic`: digital numbers to a picture: black level off, each band from the nearest
+ * pixels that see it (bilinear), balanced so that a white sunlit surface is grey, display-encoded.
+ * White is where the pixels that fill first are full. */
+#include <math.h>
+
+#include "sensor/stages.h"
+
+/* Mean over the neighbours (dx, dy in -1..1) in the image that see `band`, with the weights 4, 2,
+ * 1 of bilinear interpolation by distance; the pixel itself if it sees it. */
+static double interpolate(const pl_sensor_frame *frame, int x, int y, int band) {
+  const pl_mosaic mosaic = frame->sensor->mosaic;
+  const size_t width = (size_t)frame->width;
+  double sum = 0.0, weights = 0.0;
+  if (pl_sensor_band(mosaic, x, y) == band)
+    return frame->raw[(size_t)y * width + (size_t)x];
+  for (int dy = -1; dy <= 1; dy++)
+    for (int dx = -1; dx <= 1; dx++) {
+      const int u = x + dx, v = y + dy;
+      if (u < 0 || v < 0 || u >= frame->width || v >= frame->height ||
+          pl_sensor_band(mosaic, u, v) != band)
+        continue;
+      const double weight = (dx == 0 ? 2.0 : 1.0) * (dy == 0 ? 2.0 : 1.0);
+      sum += weight * frame->raw[(size_t)v * width + (size_t)u];
+      weights += weight;
+    }
+  /* An image of one row or column has no pixel of some bands: they show black. */
+  return weights > 0.0 ? sum / weights : frame->sensor->black_level;
+}
+
+static void develop_row(pl_sensor_frame *frame, int y) {
+  const pl_sensor *sensor = frame->sensor;
+  const double white = pl_sensor_white_electrons(sensor) / sensor->gain;
+  const double largest = pl_sensor_response_white(sensor);
+  double scale[3];
+  for (int band = 0; band < 3; band++) {
+    const double response = pl_sensor_response(sensor, band);
+    const bool balanced = sensor->mosaic != PL_MOSAIC_MONO && response > 0.0;
+    scale[band] = (balanced ? largest / response : 1.0) / white;
+  }
+  uint8_t *out = frame->rgb + 3 * (size_t)y * (size_t)frame->width;
+  for (int x = 0; x < frame->width; x++)
+    for (int band = 0; band < 3; band++) {
+      const int seen = sensor->mosaic == PL_MOSAIC_MONO ? 1 : band;
+      const double number = interpolate(frame, x, y, seen) - sensor->black_level;
+      *out++ = pl_encode(frame->encoder, (float)(scale[band] * number));
+    }
+}
+
+pl_status pl_stage_demosaic(pl_sensor_frame *frame, int value) {
+  (void)value;
+  return frame->rgb == NULL ? PL_OK : pl_sensor_rows(frame, develop_row);
+}

@@ -1,0 +1,42 @@
+/* The stage `fixed_pattern`: pixels respond a little differently, always in the same way (PRNU of
+ * EMVA 1288). A factor 1 + prnu N(0, 1) of each pixel, keyed by the unit; never below 0. */
+#include <math.h>
+
+#include "sensor/draws.h"
+#include "sensor/effects.h"
+#include "sensor/stages.h"
+
+static void scale_row(pl_sensor_frame *frame, int y) {
+  const size_t first = (size_t)y * (size_t)frame->width;
+  for (size_t i = first; i < first + (size_t)frame->width; i++) {
+    pl_stream stream = pl_stream_of(frame->sensor->serial, PL_DRAW_PRNU, i, 0);
+    frame->electrons[i] *= fmax(0.0, 1.0 + frame->sensor->prnu * pl_stream_normal(&stream));
+  }
+}
+
+pl_status pl_stage_fixed_pattern(pl_sensor_frame *frame, int value) {
+  (void)value;
+  return pl_sensor_rows(frame, scale_row);
+}
+
+static const char *absent(const pl_view *view) {
+  const char *none = pl_sensor_absent(view);
+  return none != NULL ? none : view->sensor->prnu > 0.0 ? NULL : "all pixels respond alike";
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : pl_view_dn_dimming(PL_SENSOR_SIGMAS * view->sensor->prnu);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return pl_sensor_cost_ms(view, 60.0 * value);
+}
+
+const pl_effect pl_effect_fixed_pattern = {
+    .name = "fixed_pattern",
+    .doc = "Sensor: pixels that respond differently, the same way in every frame",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

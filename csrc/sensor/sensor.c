@@ -1,0 +1,96 @@
+/* What follows from a sensor's numbers. */
+#include "sensor/sensor.h"
+
+#include <math.h>
+
+/* CODATA 2018, exact */
+static const double PLANCK_J_S = 6.62607015e-34, LIGHT_M_S = 299792458.0;
+static const double PI = 3.14159265358979323846;
+
+static pl_status in_range(const char *what, double value, double low, double high) {
+  if (!(value >= low && value <= high))
+    return pl_fail(PL_E_RANGE, "sensor: %s must be in %g..%g, not %g", what, low, high, value);
+  return PL_OK;
+}
+
+static pl_status check_bands(const pl_sensor *sensor) {
+  for (int band = 0; band < 3; band++) {
+    PL_TRY(in_range("quantum_efficiency", sensor->quantum_efficiency[band], 0.0, 1.0));
+    PL_TRY(in_range("band_share", sensor->band_share[band], 0.0, 1.0));
+    PL_TRY(in_range("wavelength", sensor->wavelength_m[band], 1e-8, 1e-4));
+  }
+  if (!(pl_sensor_response_white(sensor) > 0.0) && sensor->exposure_s > 0.0)
+    return pl_fail(PL_E_RANGE, "sensor: no band has a response");
+  return PL_OK;
+}
+
+static pl_status check_auto_time(const pl_auto_time *auto_time) {
+  if (!auto_time->on)
+    return PL_OK;
+  PL_TRY(in_range("percentile", auto_time->percentile, 0.0, 100.0));
+  PL_TRY(in_range("key", auto_time->key, 1e-6, 1.0));
+  PL_TRY(in_range("min_s", auto_time->min_s, 1e-12, 1e9));
+  PL_TRY(in_range("max_s", auto_time->max_s, auto_time->min_s, 1e9));
+  return in_range("step_s", auto_time->step_s, 0.0, 1e9);
+}
+
+pl_status pl_sensor_check(const pl_sensor *sensor) {
+  const double most = (double)((1u << sensor->bits % 32) - 1u);
+  PL_TRY(in_range("bits", sensor->bits, 1.0, 16.0));
+  PL_TRY(in_range("f_number", sensor->f_number, 0.5, 1e6));
+  PL_TRY(in_range("transmission", sensor->transmission, 0.0, 1.0));
+  PL_TRY(in_range("pixel", sensor->pixel_m, 1e-8, 1.0));
+  PL_TRY(in_range("exposure time", sensor->exposure_s, 0.0, 1e12));
+  PL_TRY(in_range("prnu", sensor->prnu, 0.0, 1.0));
+  PL_TRY(in_range("dark_current", sensor->dark_current, 0.0, 1e12));
+  PL_TRY(in_range("dark_nonuniform", sensor->dark_nonuniform, 0.0, 100.0));
+  PL_TRY(in_range("full_well", sensor->full_well, 1.0, 1e12));
+  PL_TRY(in_range("read_noise", sensor->read_noise, 0.0, 1e9));
+  PL_TRY(in_range("column_noise", sensor->column_noise, 0.0, 1e9));
+  PL_TRY(in_range("gain", sensor->gain, 1e-9, 1e9));
+  PL_TRY(in_range("black_level", sensor->black_level, 0.0, most - 1.0));
+  PL_TRY(in_range("mosaic", sensor->mosaic, 0, PL_MOSAIC_COUNT - 1));
+  PL_TRY(check_bands(sensor));
+  return check_auto_time(&sensor->auto_time);
+}
+
+/* In a second. */
+static double response_rate(const pl_sensor *s, int band) {
+  const double irradiance = PI * s->transmission / (4.0 * s->f_number * s->f_number);
+  const double photons_a_joule = s->wavelength_m[band] / (PLANCK_J_S * LIGHT_M_S);
+  return irradiance * s->pixel_m * s->pixel_m * s->band_share[band] * s->quantum_efficiency[band] *
+         photons_a_joule;
+}
+
+static double response_rate_white(const pl_sensor *s) {
+  const double r = response_rate(s, 0), g = response_rate(s, 1), b = response_rate(s, 2);
+  return s->mosaic == PL_MOSAIC_MONO ? r + g + b : fmax(r, fmax(g, b));
+}
+
+double pl_sensor_response(const pl_sensor *sensor, int band) {
+  return sensor->exposure_s * response_rate(sensor, band);
+}
+
+double pl_sensor_response_white(const pl_sensor *sensor) {
+  return sensor->exposure_s * response_rate_white(sensor);
+}
+
+double pl_sensor_white_electrons(const pl_sensor *sensor) {
+  const double most = (double)((1u << sensor->bits) - 1u);
+  return fmin(sensor->full_well, (most - sensor->black_level) * sensor->gain);
+}
+
+int pl_sensor_band(pl_mosaic mosaic, int x, int y) {
+  static const int bands[PL_MOSAIC_COUNT][4] = {
+      {1, 1, 1, 1}, {0, 1, 1, 2}, {2, 1, 1, 0}, {1, 0, 2, 1}, {1, 2, 0, 1}};
+  return bands[mosaic][2 * (y & 1) + (x & 1)];
+}
+
+double pl_sensor_auto_time_s(const pl_sensor *sensor, double radiance) {
+  const pl_auto_time *limits = &sensor->auto_time;
+  const double rate = radiance * response_rate_white(sensor);
+  double time_s = rate > 0.0 ? pl_sensor_white_electrons(sensor) / rate : limits->max_s;
+  if (limits->step_s > 0.0)
+    time_s = limits->step_s * floor(time_s / limits->step_s);
+  return fmin(limits->max_s, fmax(limits->min_s, time_s));
+}

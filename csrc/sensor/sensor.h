@@ -1,0 +1,73 @@
+/* An image sensor behind a lens: what it is, and the stages from radiance to digital numbers. */
+#ifndef PL_SENSOR_SENSOR_H
+#define PL_SENSOR_SENSOR_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+
+/* Which colour the pixel (0, 0), its right neighbour, and the two below them see. */
+typedef enum pl_mosaic {
+  PL_MOSAIC_MONO, /* no filters: a pixel gathers all three bands */
+  PL_MOSAIC_RGGB,
+  PL_MOSAIC_BGGR,
+  PL_MOSAIC_GRBG,
+  PL_MOSAIC_GBRG,
+  PL_MOSAIC_COUNT
+} pl_mosaic;
+
+/* The camera chooses its exposure time by what it sees. */
+typedef struct pl_auto_time {
+  bool on;
+  double percentile;   /* this percentile of the lit pixels, 0..100 ... */
+  double key;          /* ... is brought to this fraction of white, linear */
+  double min_s, max_s; /* the shortest and longest time */
+  double step_s;       /* times are whole multiples of this, rounded down; 0: any */
+} pl_auto_time;
+
+typedef struct pl_sensor {
+  /* lens */
+  double f_number;     /* of the sine condition: E = pi L T / (4 N^2) on the axis */
+  double transmission; /* 0..1 */
+  /* pixels */
+  double pixel_m;
+  pl_mosaic mosaic;
+  double quantum_efficiency[3]; /* red, green, blue: electrons a photon, 0..1 */
+  double band_share[3];         /* part of the sun's irradiance that lies in the band */
+  double wavelength_m[3];       /* mean of the band */
+  uint64_t serial;              /* which unit of its kind: keys what is fixed in it */
+  /* exposure */
+  double exposure_s;
+  pl_auto_time auto_time;
+  /* charge */
+  double prnu;            /* relative standard deviation of the pixels' response */
+  double dark_current;    /* electrons a second and pixel */
+  double dark_nonuniform; /* relative standard deviation of the dark current between pixels */
+  double full_well;       /* electrons */
+  /* reading out */
+  double read_noise;   /* electrons, standard deviation */
+  double column_noise; /* likewise of an offset that a column keeps in all frames */
+  double gain;         /* electrons a digital number */
+  double black_level;  /* digital numbers */
+  int bits;            /* 1..16 */
+} pl_sensor;
+
+/* PL_E_RANGE naming what is outside of its range. */
+pl_status pl_sensor_check(const pl_sensor *sensor);
+
+/* Electrons that a radiance of 1 W m-2 sr-1 frees in a pixel under the filter of band `band`, on
+ * the axis, in the exposure time. EMVA 1288 release 4, section 2, with the camera equation. */
+double pl_sensor_response(const pl_sensor *sensor, int band);
+/* Of a white radiance in the pixels that it fills first: the largest response of a band, or without
+ * filters the sum of all. */
+double pl_sensor_response_white(const pl_sensor *sensor);
+/* Electrons at which the image is white: the full well, or less where the digits end before. */
+double pl_sensor_white_electrons(const pl_sensor *sensor);
+/* The band that a pixel sees, 0..2; for PL_MOSAIC_MONO always 1. */
+int pl_sensor_band(pl_mosaic mosaic, int x, int y);
+/* The time that brings `radiance` (W m-2 sr-1, white) to white, in the limits of the automatic. */
+double pl_sensor_auto_time_s(const pl_sensor *sensor, double radiance);
+
+#endif

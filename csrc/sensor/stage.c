@@ -1,0 +1,75 @@
+/* The table of stages, and what they share. */
+#include "sensor/stage.h"
+
+#include <math.h>
+
+#include "sensor/effects.h"
+#include "sensor/stages.h"
+
+const pl_sensor_stage pl_sensor_stages[] = {
+    {"electrons", NULL, pl_stage_electrons},
+    {"fixed_pattern", &pl_effect_fixed_pattern, pl_stage_fixed_pattern},
+    {"dark_current", &pl_effect_dark_current, pl_stage_dark_current},
+    {"shot_noise", &pl_effect_shot_noise, pl_stage_shot_noise},
+    {"full_well", NULL, pl_stage_full_well},
+    {"read_noise", &pl_effect_read_noise, pl_stage_read_noise},
+    {"digitise", NULL, pl_stage_digitise},
+    {"demosaic", NULL, pl_stage_demosaic},
+};
+const size_t pl_sensor_stage_count = sizeof pl_sensor_stages / sizeof pl_sensor_stages[0];
+
+pl_status pl_sensor_run(pl_sensor_frame *frame, const pl_plan *plan) {
+  for (size_t i = 0; i < pl_sensor_stage_count; i++) {
+    const pl_sensor_stage *stage = &pl_sensor_stages[i];
+    const int value = stage->effect == NULL ? 1 : pl_plan_value(plan, stage->effect->name);
+    if (value > 0)
+      PL_TRY(stage->run(frame, value));
+  }
+  return PL_OK;
+}
+
+typedef struct lines {
+  pl_sensor_frame *frame;
+  pl_line_fn work;
+} lines;
+
+static pl_status run_line(void *context, size_t item, int worker) {
+  (void)worker;
+  const lines *job = context;
+  job->work(job->frame, (int)item);
+  return PL_OK;
+}
+
+pl_status pl_sensor_rows(pl_sensor_frame *frame, pl_line_fn work) {
+  lines job = {frame, work};
+  return pl_parallel_for(frame->threads, (size_t)frame->height, run_line, &job, frame->cancel);
+}
+
+pl_status pl_sensor_columns(pl_sensor_frame *frame, pl_line_fn work) {
+  lines job = {frame, work};
+  return pl_parallel_for(frame->threads, (size_t)frame->width, run_line, &job, frame->cancel);
+}
+
+double pl_sensor_dn(const pl_view *view, double electrons) {
+  const double linear = electrons / pl_sensor_white_electrons(view->sensor);
+  return pl_view_dn(view, linear * view->white_radiance);
+}
+
+double pl_sensor_electrons_max(const pl_view *view) {
+  double radiance = 0.0;
+  if (view->sun_in_frame || pl_view_alpha_min(view) < 1.0)
+    return view->sensor->exposure_s > 0.0 ? INFINITY : 0.0;
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].in_frame)
+      radiance = fmax(radiance, pl_view_light(&view->things[i]) + pl_view_received(view, i));
+  radiance *= pl_view_series(view, 1 + view->max_bounces);
+  return radiance * pl_sensor_response_white(view->sensor);
+}
+
+const char *pl_sensor_absent(const pl_view *view) {
+  return view->sensor == NULL ? "no sensor is configured, or none of its channels asked for" : NULL;
+}
+
+double pl_sensor_cost_ms(const pl_view *view, double ns) {
+  return 1e-6 * ns * view->width * view->height;
+}

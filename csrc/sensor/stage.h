@@ -1,0 +1,66 @@
+/* The stages of a sensor: one table, run in its order on one image. */
+#ifndef PL_SENSOR_STAGE_H
+#define PL_SENSOR_STAGE_H
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "math/vec.h"
+#include "plan/plan.h"
+#include "sensor/encode.h"
+#include "sensor/sensor.h"
+
+/* What an image coder makes of `rgb` (3 bytes a pixel), in place; given by who owns coders. */
+typedef pl_status (*pl_recode_fn)(uint8_t *rgb, int width, int height, int quality);
+
+/* An image on its way; images are row-major. */
+typedef struct pl_sensor_frame {
+  const pl_sensor *sensor; /* borrowed */
+  int width, height;
+  double focal_px[2], centre_px[2]; /* x, y: for angles to the axis; integer pixel centres */
+  uint64_t seed, index;
+  int threads;
+  pl_cancel *cancel; /* may be NULL */
+  pl_arena *arena;   /* borrowed */
+  pl_vec3f *bands;   /* radiance, W m-2 sr-1; changed by the stages of the lens */
+  double *electrons; /* from the stage `electrons` on */
+  uint16_t *raw;     /* digital numbers, from `digitise` on */
+  uint8_t *rgb;      /* display-encoded; NULL: not wanted */
+  const pl_encoder *encoder;
+  pl_recode_fn recode;
+} pl_sensor_frame;
+
+typedef struct pl_sensor_stage {
+  const char *name;
+  const pl_effect *effect; /* its row; NULL: a conversion, which always runs */
+  pl_status (*run)(pl_sensor_frame *frame, int value);
+} pl_sensor_stage;
+
+extern const pl_sensor_stage pl_sensor_stages[];
+extern const size_t pl_sensor_stage_count;
+
+/* Runs the stages that the plan keeps. `electrons` and `raw` must have room for the image. */
+pl_status pl_sensor_run(pl_sensor_frame *frame, const pl_plan *plan);
+
+/* --- for stages */
+
+/* Work on one row or column; different ones run at once. */
+typedef void (*pl_line_fn)(pl_sensor_frame *frame, int line);
+pl_status pl_sensor_rows(pl_sensor_frame *frame, pl_line_fn work);
+pl_status pl_sensor_columns(pl_sensor_frame *frame, pl_line_fn work);
+
+/* --- for the rows of effects */
+
+/* Random numbers stay within this many standard deviations: one in 5e8 does not. */
+#define PL_SENSOR_SIGMAS 6.0
+
+/* Digital numbers (of 255, display-encoded) that so many electrons can make at most: on black. */
+double pl_sensor_dn(const pl_view *view, double electrons);
+/* Upper bound of the electrons that light frees in a pixel; INFINITY where the sun may be mirrored
+ * or is in the frame. */
+double pl_sensor_electrons_max(const pl_view *view);
+/* Why no stage matters, or NULL. */
+const char *pl_sensor_absent(const pl_view *view);
+/* Cost of `ns` nanoseconds a pixel, in milliseconds. */
+double pl_sensor_cost_ms(const pl_view *view, double ns);
+
+#endif

@@ -1,0 +1,95 @@
+"""The section `camera.sensor` of the schema: what turns radiance into digital numbers."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from perilune.config.errors import fail
+from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
+
+Mosaic = Literal["mono", "rggb", "bggr", "grbg", "gbrg"]
+Band = tuple[Positive, Positive]
+Efficiency = tuple[Fraction, Fraction, Fraction]
+
+
+class SensorExposure(Strict):
+    """How long the sensor gathers light."""
+
+    mode: Literal["auto", "fixed"] = "auto"
+    """auto: by what is seen; fixed: `camera.exposure_time_s`."""
+    percentile: Annotated[float, Field(strict=True, gt=0.0, le=100.0)] = 99.0
+    """auto: this percentile of the lit pixels ..."""
+    key: Annotated[Fraction, Field(ge=1e-6)] = 0.7
+    """... is brought to this fraction of white, linear."""
+    min_ms: Annotated[Positive, Field(ge=1e-9, le=1e12)] = 0.01
+    """auto: the shortest time; what is brighter is overexposed."""
+    max_ms: Annotated[Positive, Field(ge=1e-9, le=1e12)] = 10000.0
+    """auto: the longest time; what is darker stays dark."""
+    step_ms: Annotated[NonNegative, Field(le=1e12)] = 0.0
+    """auto: times are whole multiples of this, rounded down; 0: any time."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> SensorExposure:
+        if self.min_ms > self.max_ms:
+            fail("min_ms", f"{self.min_ms:g} is more than max_ms, {self.max_ms:g}")
+        return self
+
+
+class ImageSensor(Strict):
+    """An image sensor behind a lens: makes the channels `raw` and `sensor_rgb`.
+
+    The linear model of EMVA 1288: photons, electrons, digital numbers.
+    """
+
+    f_number: Annotated[Positive, Field(ge=0.5, le=1e6)] = 4.0
+    """Focal length over aperture."""
+    transmission: Fraction = 0.9
+    """Of the lens, all surfaces."""
+    pixel_um: Annotated[Positive, Field(ge=0.01, le=1e6)] = 5.5
+    """Side of a pixel."""
+    mosaic: Mosaic = "rggb"
+    """Filters of the first two pixels and of those below them; mono: none."""
+    quantum_efficiency: Efficiency = (0.45, 0.5, 0.4)
+    """Electrons a photon in the red, green and blue band."""
+    bands_nm: tuple[Band, Band, Band] = ((600.0, 700.0), (500.0, 600.0), (400.0, 500.0))
+    """Red, green and blue: where each begins and ends."""
+    serial: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
+    """Which unit of its kind: what is fixed in a unit is drawn from it."""
+    exposure: SensorExposure = SensorExposure()
+    prnu: Fraction = 0.008
+    """Relative standard deviation of the pixels' response."""
+    dark_current_e_s: Annotated[NonNegative, Field(le=1e9)] = 5.0
+    """Electrons a second and pixel at `dark_reference_c`."""
+    dark_reference_c: Finite = 20.0
+    dark_doubling_k: Positive = 7.0
+    """Warming by this doubles the dark current."""
+    temperature_c: Annotated[Finite, Field(ge=-273.15, le=200.0)] = 20.0
+    """Of the sensor."""
+    dark_nonuniform: Annotated[NonNegative, Field(le=100.0)] = 0.3
+    """Relative standard deviation of the dark current between pixels (log-normal)."""
+    full_well_e: Annotated[Positive, Field(ge=1.0, le=1e12)] = 20000.0
+    """Electrons that a pixel holds."""
+    read_noise_e: Annotated[NonNegative, Field(le=1e9)] = 8.0
+    """Standard deviation of the noise of reading a pixel."""
+    column_noise_e: Annotated[NonNegative, Field(le=1e9)] = 0.0
+    """Standard deviation of an offset that a column keeps in all frames."""
+    gain_e_dn: Annotated[Positive, Field(ge=1e-9, le=1e9)] = 5.0
+    """Electrons a digital number."""
+    black_level_dn: NonNegative = 64.0
+    """Digital number of no light."""
+    bits: Annotated[Integer, Field(ge=1, le=16)] = 12
+    """Of a digital number."""
+
+    @model_validator(mode="after")
+    def _sound(self) -> ImageSensor:
+        for i, (first, last) in enumerate(self.bands_nm):
+            if not 10.0 <= first < last <= 100000.0:
+                fail(f"bands_nm[{i}]", "must be [shortest, longest], within 10 to 100000")
+        if self.black_level_dn > 2**self.bits - 2:
+            fail("black_level_dn", f"must be below the largest of {self.bits} bits")
+        if not any(self.quantum_efficiency) or self.transmission == 0.0:
+            key = "transmission" if any(self.quantum_efficiency) else "quantum_efficiency"
+            fail(key, "must be more than 0")
+        return self

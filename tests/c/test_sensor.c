@@ -1,0 +1,70 @@
+/* What follows from a sensor's numbers. */
+#include "harness.h"
+
+#include "sensors.h"
+
+/* Worked by hand: radiance 5.890006133944863 in a band (I/F 0.1 at 1 au, 500 to 600 nm), f/5.6, 5.5
+ * um, 1 ms, quantum efficiency 0.5, transmission 0.9: pi L T / (4 N^2) = 0.13276147958683676 W/m^2,
+ * times 5.5e-6^2 m^2, 1e-3 s, 0.5 and 550 nm / (h c) = 5559.726455065379 electrons. */
+static void electrons_of_a_radiance(void **state) {
+  (void)state;
+  pl_sensor sensor = sensor_plain();
+  sensor.f_number = 5.6;
+  sensor.transmission = 0.9;
+  sensor.pixel_m = 5.5e-6;
+  sensor.band_share[1] = 1.0;
+  const double electrons = 5.890006133944863 * pl_sensor_response(&sensor, 1);
+  assert_true(fabs(electrons / 5559.726455065379 - 1.0) < 1e-9);
+}
+
+static void mosaics_are_named_by_their_first_four(void **state) {
+  (void)state;
+  static const char *const names[] = {"ggg", "rggb", "bggr", "grbg", "gbrg"};
+  for (int mosaic = PL_MOSAIC_RGGB; mosaic < PL_MOSAIC_COUNT; mosaic++)
+    for (int i = 0; i < 4; i++)
+      for (int shift = 0; shift < 6; shift += 2)
+        assert_int_equal("rgb"[pl_sensor_band((pl_mosaic)mosaic, i % 2 + shift, i / 2 + shift)],
+                         names[mosaic][i]);
+}
+
+static void automatic_time_keeps_its_limits(void **state) {
+  (void)state;
+  pl_sensor sensor = sensor_plain();
+  sensor.auto_time = (pl_auto_time){true, 99.0, 0.7, 1e-4, 2.0, 0.0};
+  const double time_s = pl_sensor_auto_time_s(&sensor, 3.0);
+  sensor.exposure_s = time_s;
+  assert_true(fabs(3.0 * pl_sensor_response_white(&sensor) / pl_sensor_white_electrons(&sensor) -
+                   1.0) < 1e-12);
+  assert_true(pl_sensor_auto_time_s(&sensor, 1e9) == 1e-4);
+  assert_true(pl_sensor_auto_time_s(&sensor, 1e-9) == 2.0);
+  assert_true(pl_sensor_auto_time_s(&sensor, 0.0) == 2.0);
+  sensor.auto_time.step_s = time_s / 2.5; /* two whole steps fit */
+  assert_true(fabs(pl_sensor_auto_time_s(&sensor, 3.0) - 0.8 * time_s) < 1e-12 * time_s);
+}
+
+static void wrong_numbers_are_refused(void **state) {
+  (void)state;
+  const pl_sensor good = sensor_plain();
+  assert_int_equal(pl_sensor_check(&good), PL_OK);
+  pl_sensor bad[] = {good, good, good, good, good, good, good, good};
+  bad[0].f_number = 0.0;
+  bad[1].bits = 17;
+  bad[2].bits = 0;
+  bad[3].full_well = (double)NAN;
+  bad[4].quantum_efficiency[2] = 1.5;
+  bad[5].black_level = 4095.0;
+  bad[6].read_noise = INFINITY;
+  bad[7].exposure_s = -1.0;
+  for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+    assert_int_equal(pl_sensor_check(&bad[i]), PL_E_RANGE);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(electrons_of_a_radiance),
+      cmocka_unit_test(mosaics_are_named_by_their_first_four),
+      cmocka_unit_test(automatic_time_keeps_its_limits),
+      cmocka_unit_test(wrong_numbers_are_refused),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

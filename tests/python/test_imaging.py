@@ -1,0 +1,138 @@
+"""The image sensor through the Python layer: configuration, channels, exposure, drivers."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+from scipy import constants, integrate
+
+import perilune
+from perilune.config import ConfigError
+from perilune.config.loader import read_tree
+from perilune.imaging import SUN_K, sensor_of, solar_band
+
+CLEAN = ["rgb", "radiance", "depth"]
+
+
+@pytest.fixture(scope="module")
+def tree(request):
+    """The small scene."""
+    root = request.config.rootpath
+    tree = read_tree(root / "tests/python/scene.yaml")
+    tree["spacecraft"]["sat"]["model"] = str(root / "assets/models/smallsat.glb")
+    return tree
+
+
+def opened(tree, sensor, **overrides):
+    tree = copy.deepcopy(tree)
+    tree["camera"]["sensor"] = sensor
+    return perilune.open(tree, **overrides)
+
+
+def value_of(plan, name):
+    return next(row["value"] for row in plan if row["name"] == name)
+
+
+@pytest.mark.parametrize("band", [(600.0, 700.0), (500.0, 600.0), (300.0, 1100.0)])
+def test_solar_band_is_plancks_law(band):
+    def spectrum(m):
+        x = constants.h * constants.c / (m * constants.k * SUN_K)
+        return 2 * np.pi * constants.h * constants.c**2 / m**5 / np.expm1(x)
+
+    low, high = (nm * 1e-9 for nm in band)
+    energy = integrate.quad(spectrum, low, high, epsrel=1e-10)[0]
+    weighted = integrate.quad(lambda m: m * spectrum(m), low, high, epsrel=1e-10)[0]
+    share, mean_m = solar_band(*band)
+    assert share == pytest.approx(energy / (constants.Stefan_Boltzmann * SUN_K**4), rel=1e-6)
+    assert mean_m == pytest.approx(weighted / energy, rel=1e-6)
+
+
+def test_clean_channels_do_not_know_of_the_sensor(tree):
+    plain = perilune.open(tree).frame(0, CLEAN)
+    assert "exposure_s" not in plain.meta
+    sim = opened(tree, {})
+    beside = sim.frame(0, [*CLEAN, "raw", "sensor_rgb"])
+    alone = sim.frame(0, ["raw"])
+    for name in CLEAN:
+        assert np.array_equal(plain[name], beside[name])
+    assert beside["raw"].dtype == np.uint16
+    assert beside["raw"].shape == plain["rgb"].shape[:2]
+    assert beside["sensor_rgb"].dtype == np.uint8
+    assert np.array_equal(alone["raw"], beside["raw"])
+    assert beside.meta["exposure_s"] > 0.0
+    assert value_of(plain.plan, "shot_noise") == 0
+    assert value_of(beside.plan, "shot_noise") == 1
+
+
+def test_automatic_exposure_brings_the_percentile_to_the_key(tree):
+    sensor = {"exposure": {"percentile": 90.0, "key": 0.5}, "mosaic": "mono", "bits": 16,
+              "gain_e_dn": 0.5}  # fmt: skip
+    sim = opened(tree, sensor, overrides={"camera.width": 96, "camera.height": 64})
+    sample = sim.frame(0, ["raw", "radiance"])
+    light = np.sort((sample["raw"].astype(float) - 64.0)[sample["radiance"].sum(2) > 0.0])
+    # the meter takes a small image of few samples, by direct light: it is no exact science
+    assert light[int(0.9 * len(light))] * 0.5 == pytest.approx(0.5 * 20000.0, rel=0.25)
+
+
+def test_fixed_exposure_is_the_shutters(tree):
+    sensor = {"exposure": {"mode": "fixed"}}
+    times = [0.0, 1e-4, 2e-4]
+    samples = [
+        opened(tree, sensor, overrides={"camera.exposure_time_s": time}).frame(0, ["raw"])
+        for time in times
+    ]
+    assert [sample.meta["exposure_s"] for sample in samples] == times
+    means = [sample["raw"].astype(float).mean() - 64.0 for sample in samples]
+    assert abs(means[0]) < 0.5  # read noise of 1.6 DN in 1536 pixels: 10 standard errors
+    assert means[2] == pytest.approx(2.0 * means[1], rel=0.05)
+
+
+def test_every_number_carries_a_driver(tree):
+    noise = {"ideal": 50.0, "jitter_variance": 400.0, "clip_min": 1.0, "clip_max": 200.0}
+    sim = opened(tree, {"read_noise_e": noise})
+    samples = [sim.frame(i, ["raw"]) for i in range(4)]
+    values = [sample.meta["drivers"]["camera.sensor.read_noise_e"] for sample in samples]
+    assert len(set(values)) == 4
+    dark = [np.std(np.sort(sample["raw"].ravel())[:500].astype(float)) for sample in samples]
+    assert np.argsort(values)[-1] == np.argsort(dark)[-1]
+
+
+def test_dark_current_doubles_with_warmth(tree):
+    camera = opened(tree, {"temperature_c": 34.0, "dark_doubling_k": 7.0}).config.camera
+    assert sensor_of(camera)["dark_current"] == pytest.approx(4.0 * 5.0)
+
+
+def test_without_a_sensor_there_are_no_digital_numbers(tree):
+    with pytest.raises(ConfigError, match=r"'raw' needs the section camera\.sensor"):
+        perilune.open(tree).frame(0, ["raw"])
+    with pytest.raises(ConfigError, match=r"render\.channels: 'sensor_rgb' needs the section"):
+        perilune.open(tree, overrides={"render.channels": ["sensor_rgb"]})
+
+
+@pytest.mark.parametrize(
+    ("sensor", "text"),
+    [
+        ({"fnumber": 4.0}, "f_number"),
+        ({"mosaic": "rgbg"}, "mosaic"),
+        ({"bands_nm": [[700.0, 600.0], [500.0, 600.0], [400.0, 500.0]]}, "bands_nm"),
+        ({"black_level_dn": 4095.0}, "black_level_dn"),
+        ({"quantum_efficiency": [0.0, 0.0, 0.0]}, "quantum_efficiency"),
+        ({"exposure": {"min_ms": 3.0, "max_ms": 2.0}}, "min_ms"),
+        ({"bits": 17}, "bits"),
+    ],
+)
+def test_what_is_no_sensor_is_refused_by_name(tree, sensor, text):
+    with pytest.raises(ConfigError, match=f"camera.sensor.*{text}"):
+        opened(tree, sensor)
+
+
+def test_sensors_of_a_platform_have_their_own(tree):
+    tree = copy.deepcopy(tree)
+    tree["camera"]["sensor"] = {}
+    tree["sensors"] = {"left": {}, "right": {"sensor": {"mosaic": "mono", "bits": 8,
+                                                        "black_level_dn": 4.0}}}  # fmt: skip
+    sim = perilune.open(tree)
+    assert sim.frame(0, ["raw"])["raw"].max() > 255
+    assert sim.frame(1, ["raw"])["raw"].max() <= 255
