@@ -2,7 +2,7 @@
 
 Figure 5: a satellite around a planet, and one around a moon around a planet. Figure 7: sampled
 orbits. Figure 13: camera trajectories, sketched, with frames taken along them. All from
-configs/demo.yaml with the changes below. Needs the extra `plot`.
+configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Needs the extra `plot`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import moon_figures
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
@@ -139,7 +140,12 @@ def figure_13() -> None:
     save(figure, "figure_13.png")
 
 
-FIGURES = {"05": figure_05, "07": figure_07, "13": figure_13}
+def figure_moon() -> None:
+    """The Moon by Hapke's law."""
+    save(moon_figures.figure_moon(), "moon.png")
+
+
+FIGURES = {"05": figure_05, "07": figure_07, "13": figure_13, "moon": figure_moon}
 
 
 def main() -> None:
