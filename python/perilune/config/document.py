@@ -178,7 +178,7 @@ class Document:
                 if limit == driver.ideal:
                     continue
                 config = self._validate({**ideals, driver.path: limit})
-                check_references(config, self.source, self.drivers, self.origins)
+                check_references(config, self.source, self.drivers, self.origins, self.config)
                 for key, value in fixed(config).items():
                     if fixed_by_scene.get(key) != value:
                         raise ConfigError(

@@ -47,11 +47,12 @@ def check_references(
     source: str,
     drivers: Sequence[Found] = (),
     origins: Mapping[str, str] | None = None,
+    checked: Config | None = None,
 ) -> None:
     """ConfigError naming the key, the nearest name and all that are allowed.
 
     drivers: all that the configuration has. origins: key path -> key path in another file that it
-    is from.
+    is from. checked: the same configuration with other values of drivers, already checked.
     """
 
     def known(path: str, name: str | None, allowed: list[str]) -> None:
@@ -71,7 +72,7 @@ def check_references(
             known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
     for key, complaint in photometry.check(config):
         raise ConfigError(f"{source}:\n  {key}: {complaint}")
-    for problem in materials.check(config, drivers):
+    for problem in materials.check(config, drivers, checked):
         raise ConfigError(f"{source}:\n  {named(problem, origins or {})}")
     for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
         for name in names:

@@ -57,11 +57,28 @@ def _unused(name: str, body: Body, material: Material) -> Iterator[str]:
             yield f"bodies.{name}.{key}: {why}; `material_mode: wrap` keeps what that does not give"
 
 
-def check(config: Config, found: Sequence[Found]) -> Iterator[str]:
+def check(
+    config: Config, found: Sequence[Found], checked: Config | None = None
+) -> Iterator[str]:
     """What is wrong with the graphs of a configuration, whether they are used or not.
 
-    found: the drivers of the configuration.
+    found: the drivers of the configuration. checked: the same configuration with other values of
+    them, in which nothing is wrong; what has not changed is not looked at again.
     """
+    if checked is not None:
+        changed = {
+            name: material
+            for name, material in config.materials.items()
+            if name not in checked.materials or material.nodes != checked.materials[name].nodes
+        }
+        for name, material in changed.items():
+            try:
+                build(name, material, False, None)
+            except ValueError as error:
+                yield str(error)
+        yield from _missing(config)
+        yield from drivers.check_values(config, users(config, found))
+        return
     varies: set[KeyPath] = set()
     for name, material in config.materials.items():
         try:
@@ -69,7 +86,9 @@ def check(config: Config, found: Sequence[Found]) -> Iterator[str]:
                 varies.add(("materials", name, "nodes", node, key))
         except ValueError as error:
             yield str(error)
-    yield from drivers.check(config, users(config, found))
+    yield from _missing(config)
+    yield from drivers.check_values(config, users(config, found))
+    yield from drivers.check_use(config, users(config, found))
     for path in (row.path for row in found):
         if not _is_of_graphs(path) or is_choice(path) or _is_in_section(path):
             continue
@@ -78,6 +97,10 @@ def check(config: Config, found: Sequence[Found]) -> Iterator[str]:
             if len(path) < 5:
                 text += "; the `use` of a spacecraft's materials may be a choice of whole graphs"
             yield f"{path_text(path)}: {text}"
+
+
+def _missing(config: Config) -> Iterator[str]:
+    """Uses of graphs that are not there or cannot be, and keys that they leave without effect."""
     for key, owner, use in _uses(config):
         if use not in config.materials:
             yield f"{key}: no entry named '{use}'{nearest(use, config.materials)}"

@@ -122,20 +122,27 @@ def _node_problem(raw: Mapping[str, Any], node: Node, value: Any) -> str | None:
     return None
 
 
-def check(config: Config, users: Users) -> Iterator[str]:
-    """What is wrong with the sections of drivers: each entry must change a surface.
+def check_values(config: Config, users: Users) -> Iterator[str]:
+    """What is wrong with values that drivers give nodes.
 
     users: spacecraft or body -> the entries of materials that are, or may be, on it.
     """
+    for name, owner in _places(config, users):
+        nodes = config.materials[name].nodes
+        for node, key, value in driven(config, name, owner):
+            problem = _node_problem(nodes[node.node], node, value)
+            if problem is not None:
+                yield f"{key}: {problem}"
+
+
+def check_use(config: Config, users: Users) -> Iterator[str]:
+    """Entries of sections of drivers that change no surface. users: see check_values."""
     used: set[str] = set()
     reaching: set[str] = set()
     for name, owner in _places(config, users):
         material = config.materials[name]
         of_surface = reached(material, surface_of(f"materials.{name}", material))
-        for node, key, value in driven(config, name, owner):
-            problem = _node_problem(material.nodes[node.node], node, value)
-            if problem is not None:
-                yield f"{key}: {problem}"
+        for node, key, _ in driven(config, name, owner):
             used.add(key)
             if node.node in of_surface:
                 reaching.add(key)
