@@ -3,12 +3,12 @@
 
 #include <math.h>
 
+#include "light/penumbra.h"
+
 /* The largest difference between cos+ under a point and under a uniform disc of angular radius a
  * is at the terminator, 2/(3 pi) a (the disc's mean height above the horizon when it is cut in
  * half: the first moment of a half disc). */
 static const double TERMINATOR = 0.21220659;
-/* A lobe this many times wider than the sun hides its shape. */
-static const double LOBE_RATIO = 16.0;
 
 static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
@@ -17,9 +17,7 @@ static const char *absent(const pl_view *view) {
   return "nothing in the frame is lit by the sun";
 }
 
-/* Width of the widest penumbra in pixels: disc diameter times the reach of the shadow over the
- * size of a pixel at the receiver. */
-static double penumbra_px(const pl_view *view) {
+double pl_penumbra_px(const pl_view *view) {
   double widest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++) {
     const pl_view_thing *receiver = &view->things[i];
@@ -54,10 +52,10 @@ static double lobe_loss(const pl_view *view) {
 static double bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;
-  if (pl_view_alpha_min(view) < LOBE_RATIO * view->sun_radius_rad)
+  if (pl_view_alpha_min(view) < PL_SUN_LOBE_RATIO * view->sun_radius_rad)
     return pl_view_dn(view, view->white_radiance);
   const double share =
-      fmin(1.0, TERMINATOR * view->sun_radius_rad + penumbra_px(view)) + lobe_loss(view);
+      fmin(1.0, TERMINATOR * view->sun_radius_rad + pl_penumbra_px(view)) + lobe_loss(view);
   return pl_view_dn(view, share * pl_view_radiance_max(view));
 }
 

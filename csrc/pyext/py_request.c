@@ -1,6 +1,8 @@
 /* Reading the request dictionary. */
 #include "pyext/py_request.h"
 
+#include <string.h>
+
 #include "base/memory.h"
 #include "frame/effects.h"
 #include "pyext/py_camera.h"
@@ -193,6 +195,23 @@ static int parse_regolith(PyObject *dict, size_t count, pl_body_state *out) {
   return 0;
 }
 
+/* Dominant wavelengths of the primaries of sRGB. */
+static const double srgb_um[3] = {0.612, 0.549, 0.465};
+
+/* "sun_wavelengths" may be absent. */
+static int parse_wavelengths(PyObject *dict, pl_sun *sun) {
+  const npy_intp three[1] = {3};
+  memcpy(sun->wavelengths_um, srgb_um, sizeof srgb_um);
+  if (PyDict_GetItemString(dict, "sun_wavelengths") == NULL)
+    return 0;
+  PyArrayObject *array = get_array(dict, "sun_wavelengths", 1, three);
+  if (array == NULL)
+    return -1;
+  memcpy(sun->wavelengths_um, PyArray_DATA(array), sizeof srgb_um);
+  Py_DECREF((PyObject *)array);
+  return 0;
+}
+
 static int parse_sun(PyObject *dict, pl_sun *sun) {
   const npy_intp three[1] = {3};
   if (get_double(dict, "sun_radius", &sun->radius_m) < 0 ||
@@ -204,7 +223,7 @@ static int parse_sun(PyObject *dict, pl_sun *sun) {
   const double *p = PyArray_DATA(position);
   sun->position_m = (pl_vec3){p[0], p[1], p[2]};
   Py_DECREF((PyObject *)position);
-  return 0;
+  return parse_wavelengths(dict, sun);
 }
 
 /* Names of effects as a mask. */

@@ -67,6 +67,14 @@ static bool near_sun(const pl_path_context *context, const pl_path *path) {
   return pl_vec3f_dot(across, across) < reach * reach;
 }
 
+/* Radiance of the sun in a direction over its mean; the second band's is also the density of draws
+ * over that of an even disc. */
+static pl_vec3f disc_ratio(const pl_path_context *context, const pl_sun_view *sun,
+                           pl_vec3f direction) {
+  const pl_limb *limb = context->settings->limb;
+  return limb != NULL ? pl_limb_ratio(limb, sun, direction) : (pl_vec3f){1.0f, 1.0f, 1.0f};
+}
+
 /* A ray that leaves the scene sees the sun or nothing. */
 static void shade_miss(const pl_path_context *context, const pl_path *path, pl_tile_buffers *b) {
   if (!context->settings->soft_sun && !isinf(path->pdf))
@@ -74,10 +82,13 @@ static void shade_miss(const pl_path_context *context, const pl_path *path, pl_t
   if (!near_sun(context, path))
     return;
   const pl_sun_view sun = pl_sun_view_at(&context->shot->sun, path->beam.origin);
-  if (!pl_sun_covers(&sun, pl_vec3_to_float(path->beam.direction)))
+  const pl_vec3f direction = pl_vec3_to_float(path->beam.direction);
+  if (!pl_sun_covers(&sun, direction))
     return;
-  const float weight = pl_power_heuristic(path->pdf, pl_sun_pdf(&sun));
-  add(&b->sample[path->pixel], pl_vec3f_scale(path->throughput, weight * sun.radiance));
+  const pl_vec3f ratio = disc_ratio(context, &sun, direction);
+  const float weight = pl_power_heuristic(path->pdf, ratio.y * pl_sun_pdf(&sun));
+  const pl_vec3f light = pl_vec3f_scale(path->throughput, weight * sun.radiance);
+  add(&b->sample[path->pixel], pl_vec3f_mul(light, ratio));
 }
 
 /* The sun at a vertex. Across an object it moves by the object's size over the sun's distance:
@@ -100,26 +111,38 @@ static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) 
   return vertex->thing < objects || context->shot->bodies[vertex->thing - objects].shadowed;
 }
 
+/* A direction to the sun, and its light over the density of the draw; pdf is 0 of a point. */
+typedef struct sun_draw {
+  pl_vec3f toward, light;
+  float pdf;
+} sun_draw;
+
+static sun_draw draw_sun(const pl_path_context *context, const pl_sun_view *sun, const float u[2]) {
+  const pl_limb *limb = context->settings->limb;
+  const float e = sun->irradiance;
+  if (!context->settings->soft_sun)
+    return (sun_draw){sun->direction, {e, e, e}, 0.0f};
+  const pl_vec3f toward = limb != NULL ? pl_limb_sample(limb, sun, u) : pl_sun_sample(sun, u);
+  const pl_vec3f ratio = disc_ratio(context, sun, toward);
+  const float pdf = ratio.y * pl_sun_pdf(sun);
+  return (sun_draw){toward, pl_vec3f_scale(ratio, sun->radiance / pdf), pdf};
+}
+
 /* Queues the sun's light at the vertex, or adds it at once where shadows are off. `onward`: the
  * path goes on, and meets the sun by chance too; otherwise this is all the sun there is. */
 static size_t shade_sun(const pl_path_context *context, const pl_path *path,
                         const pl_vertex *vertex, const float u[2], pl_vec3f wo, bool onward,
                         size_t queued, pl_tile_buffers *b) {
   const pl_surface *s = &vertex->surface;
-  const bool soft = context->settings->soft_sun;
   const pl_sun_view sun = sun_at(context, vertex);
-  const pl_vec3f toward = soft ? pl_sun_sample(&sun, u) : sun.direction;
-  if (!pl_surface_admits(s, toward))
+  const sun_draw draw = draw_sun(context, &sun, u);
+  if (!pl_surface_admits(s, draw.toward))
     return queued;
-  const pl_vec3f wi = pl_surface_to_local(s, toward);
-  float scale = sun.irradiance;
-  if (soft) {
-    const float pdf = pl_sun_pdf(&sun);
-    const float rival = onward ? s->reflectance->pdf(s, wo, wi) : 0.0f;
-    scale = sun.radiance / pdf * pl_power_heuristic(pdf, rival);
-  }
-  const pl_vec3f light =
-      pl_vec3f_scale(pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi)), scale);
+  const pl_vec3f wi = pl_surface_to_local(s, draw.toward);
+  const bool rivals = onward && draw.pdf > 0.0f;
+  const float weight = rivals ? pl_power_heuristic(draw.pdf, s->reflectance->pdf(s, wo, wi)) : 1.0f;
+  const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));
+  const pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, draw.light), weight);
   if (!(pl_vec3f_max(light) > 0.0f))
     return queued;
   if (!shadows_at(context, vertex)) {
@@ -128,7 +151,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   }
   /* Up to the sun's surface, less rounding: a body that stands for the sun is no obstacle. */
   const float reach = sun.distance_m * (1.0f - sun.sin_radius) * 0.999999f;
-  b->shadow_rays[queued] = pl_vertex_ray(vertex, context->shot, toward, reach);
+  b->shadow_rays[queued] = pl_vertex_ray(vertex, context->shot, draw.toward, reach);
   if (vertex->thing < context->shot->object_count &&
       !context->shot->objects[vertex->thing].eclipsed)
     b->shadow_rays[queued].skip_body = PL_EVERY_BODY;

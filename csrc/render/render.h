@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "light/emitters.h"
+#include "light/limb.h"
 #include "render/vertex.h"
 
 enum { PL_TILE_SIDE = 32, PL_TILE_PIXELS = PL_TILE_SIDE * PL_TILE_SIDE };
@@ -16,6 +17,7 @@ typedef struct pl_render_settings {
   int samples;          /* colour samples a pixel; 0: no colour, labels alone */
   int bounces;          /* on meshes */
   bool body_bounces;    /* paths go on from bodies */
+  const pl_limb *limb;  /* of the sun's disc, with soft_sun; NULL: of even brightness */
   bool soft_sun, cast_shadows, clear_coat, transmission;
   bool emission;               /* what emits is seen to */
   pl_detail detail;            /* of surfaces */

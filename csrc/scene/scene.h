@@ -133,7 +133,8 @@ typedef struct pl_body_state {
 typedef struct pl_sun {
   pl_vec3 position_m; /* root frame */
   double radius_m;
-  double irradiance_au; /* W m-2 at 1 AU, in every band */
+  double irradiance_au;     /* W m-2 at 1 AU, in every band */
+  double wavelengths_um[3]; /* of the bands, for the disc's darkening towards its edge */
 } pl_sun;
 
 /* p_pixel = K p of what the lens makes of a point, OpenCV axes, integer pixel centres. */

@@ -119,11 +119,14 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
       .object_count = scene->object_count,
       .bodies = pl_arena_alloc(arena, scene->body_count, sizeof(pl_shot_body)),
       .body_count = scene->body_count,
-      .sun = {pl_vec3_sub(placement->sun.position_m, camera.t), placement->sun.radius_m,
-              placement->sun.irradiance_au, false},
+      .sun = {.position = pl_vec3_sub(placement->sun.position_m, camera.t),
+              .radius_m = placement->sun.radius_m,
+              .irradiance_au = placement->sun.irradiance_au},
   };
   if (out->objects == NULL || out->bodies == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the snapshot");
+  for (int band = 0; band < 3; band++)
+    out->sun.wavelengths_um[band] = placement->sun.wavelengths_um[band];
   if (!(pl_vec3_norm(out->sun.position) > out->sun.radius_m))
     return pl_fail(PL_E_RANGE, "the camera is inside the sun");
   pl_vec3 axis;

@@ -63,8 +63,9 @@ typedef struct pl_shot_body {
 typedef struct pl_shot_sun {
   pl_vec3 position; /* camera-relative, m */
   double radius_m;
-  double irradiance_au; /* W m-2 at 1 AU */
-  bool in_frame;        /* the disc touches the frustum */
+  double irradiance_au;     /* W m-2 at 1 AU */
+  double wavelengths_um[3]; /* of the bands */
+  bool in_frame;            /* the disc touches the frustum */
 } pl_shot_sun;
 
 typedef struct pl_snapshot {

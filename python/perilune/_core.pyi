@@ -286,6 +286,7 @@ class FrameRequest(TypedDict):
     sun_position: F64  # (3,), m, root frame
     sun_radius: float  # m
     sun_irradiance: float  # W m-2 at 1 AU, in every colour band
+    sun_wavelengths: NotRequired[F64]  # (3,), um, of the bands: limb darkening
     quality: Quality
     exposure: Exposure
     sensor: NotRequired[Mapping[str, Any] | None]  # see perilune.imaging.sensor_of

@@ -1,0 +1,40 @@
+/* The effect row `limb_darkening`: the sun's disc as it is, instead of one of even brightness. */
+#include "light/effects.h"
+
+#include <math.h>
+
+#include "light/penumbra.h"
+
+/* Over all wavelengths of light/limb.c, by integration (tests/c/test_limb.c): what the share of the
+ * light from one side of a chord differs by at most, and the first moment of half the disc, which
+ * is what lights the terminator, for a disc of radius 1. */
+static const double CHORD = 0.0283, MOMENT = 0.0178;
+
+static const char *absent(const pl_view *view) {
+  return view->sun_in_frame ? NULL : pl_effect_soft_sun.absent(view);
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  if (value > 0)
+    return 0.0;
+  if (view->sun_in_frame)
+    return 255.0;
+  if (pl_view_alpha_min(view) < PL_SUN_LOBE_RATIO * view->sun_radius_rad)
+    return pl_view_dn(view, view->white_radiance);
+  const double share = CHORD * fmin(1.0, pl_penumbra_px(view)) + MOMENT * view->sun_radius_rad;
+  return pl_view_dn(view, share * pl_view_radiance_max(view));
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 1e-5 * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_limb_darkening = {
+    .name = "limb_darkening",
+    .doc = "The sun's disc darker and redder towards its edge, with soft_sun; off: even",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
