@@ -103,7 +103,7 @@ def _vector(value: tuple[float, float, float] | Angles) -> tuple[float, float, f
     return (flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation))
 
 
-_SunWavelength = Annotated[float, Field(strict=True, ge=0.4226, le=1.1)]
+_Micrometres = Annotated[float, Field(strict=True, ge=0.4226, le=1.1)]
 
 
 class Sun(Strict):
@@ -112,8 +112,8 @@ class Sun(Strict):
     radius_km: Positive = 695700.0
     irradiance_w_m2: NonNegative = 1361.0
     """At one astronomical unit, in every colour band."""
-    band_wavelengths_um: tuple[_SunWavelength, _SunWavelength, _SunWavelength] = (0.612, 0.549, 0.465)
-    """Of the bands red, green and blue: by these the disc darkens towards its edge (Neckel 2005)."""
+    band_wavelengths_um: tuple[_Micrometres, _Micrometres, _Micrometres] = (0.612, 0.549, 0.465)
+    """Of the bands red, green, blue: by these the disc darkens towards its edge (Neckel 2005)."""
     direction: (
         Annotated[
             Annotated[Direction, Tag("vector")] | Annotated[Angles, Tag("angles")],
