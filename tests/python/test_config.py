@@ -313,7 +313,6 @@ def test_every_physical_key_has_its_unit():
         "drivers",  # of the inputs of nodes, which say their units
         "rotation_deg_step_v",  # the paper's name: degrees in a step
         "b", "c", "b_s0", "h_s", "b_c0", "h_c", "filling", "k",  # of photometric laws
-        "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2",  # of lenses, of the image plane
     }  # fmt: skip
     schema = cfg.Config.model_json_schema()
     found = 0
