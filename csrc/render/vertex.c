@@ -208,10 +208,10 @@ static void body_color(const pl_shot_body *body, const pl_vertex *vertex, const 
     return;
   }
   body_footprint print;
-  float uv[2], a[2], b[2];
   find_footprint(body, vertex, beam, &print);
-  pl_body_map_uv(print.point, body->body->map_center_lon_rad, print.across, print.along, uv, a, b);
-  pl_texture_sample(body->body->map, uv[0], uv[1], a, b, detail.filter, out);
+  const pl_body_place place = {print.point, print.across, print.along,
+                               body->body->map_center_lon_rad};
+  pl_body_map_sample(body->body->map, &place, detail.filter, out);
 }
 
 /* The body's own surface, but for its frame. */

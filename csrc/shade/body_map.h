@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "geom/ellipsoid.h"
+#include "geom/texture.h"
 
 /* Change of longitude and latitude over a step in body axes, as map coordinates. At the poles,
  * where longitude has no derivative, the point counts as a millionth of the radius away, at
@@ -39,5 +40,16 @@ static inline void pl_body_map_uv(pl_vec3 point, double center_lon_rad, pl_vec3 
   uv[0] = (float)(u - floor(u));
   uv[1] = (float)(0.5 - lat / PL_PI);
 }
+
+/* A point of a body with its footprint, body axes, metres, and the longitude of a map's centre. */
+typedef struct pl_body_place {
+  pl_vec3 point, across, along;
+  double center_lon_rad;
+} pl_body_place;
+
+/* Value of an equirectangular map there, as pl_texture_sample. Footprints on a pole are read in
+ * sixteen parts of a quarter of the width. */
+void pl_body_map_sample(const pl_texture *map, const pl_body_place *place, pl_filter filter,
+                        float out[4]);
 
 #endif

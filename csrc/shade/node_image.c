@@ -1,6 +1,7 @@
 /* Colours from image files. */
 #include <math.h>
 
+#include "shade/body_map.h"
 #include "shade/node_rows.h"
 
 enum { IMAGE_FILE, COLOR_SPACE, WRAP, WRAP_V, UV_SET };
@@ -15,6 +16,11 @@ static void read(const pl_node_call *call, const pl_texture *texture, float out[
   float uv[2] = {at[0], at[1]}, a[2] = {side_of(at[3]), 0.0f}, b[2] = {0.0f, side_of(at[3])};
   if (isinf(given ? at[3] : p->radius)) {
     pl_texture_mean(texture, out);
+    return;
+  }
+  if (!given && p->body != NULL) {
+    const pl_body_place place = {p->place, p->across, p->along, p->map_center_lon_rad};
+    pl_body_map_sample(texture, &place, p->filter, out);
     return;
   }
   if (!given)

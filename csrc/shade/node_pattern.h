@@ -12,6 +12,9 @@
 #define PL_PATTERN_SEED                                                                            \
   { "seed", PL_NUMBER, 0, 0, 4294967295.0, NULL, 0, "Chooses the pattern" }
 
+/* Cells; finer rounding is not seen. */
+#define PL_PATTERN_GRAIN 1e-3f
+
 typedef struct pl_pattern_place {
   pl_vec3 point; /* in cells */
   float width;   /* diameter of the footprint, in cells */
@@ -21,7 +24,12 @@ typedef struct pl_pattern_place {
 static inline pl_pattern_place pl_pattern_place_of(const pl_node_call *call) {
   const float *v = call->in[0], size = fabsf(call->in[1][0]);
   /* No scale at all leaves one point, whatever the footprint. */
-  const float radius = size > 0.0f ? size * v[3] : 0.0f;
+  float radius = size > 0.0f ? size * v[3] : 0.0f;
+  /* Coordinates that are large have no steps as small as cells: what they round off counts as part
+   * of the footprint, or neighbours would be blocks of chance. */
+  const float grain = 0x1p-23f * size * pl_maxf(fabsf(v[0]), pl_maxf(fabsf(v[1]), fabsf(v[2])));
+  if (grain > PL_PATTERN_GRAIN)
+    radius = pl_maxf(radius, 0.5f * grain);
   const double s = (double)call->in[1][0];
   return (pl_pattern_place){{s * (double)v[0], s * (double)v[1], s * (double)v[2]},
                             2.0f * radius,

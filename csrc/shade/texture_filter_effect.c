@@ -4,8 +4,8 @@
 #include "geom/texture.h"
 #include "shade/effects.h"
 
-/* For rounding of footprints in single precision. */
-static const double MARGIN = 0.999;
+/* For rounding of footprints in single precision; on the poles they are read in quarters. */
+static const double MARGIN = 0.249;
 
 static bool is_pictured(const pl_view_thing *thing) {
   return thing->pictured || (thing->map_ranges != NULL && thing->map_ranges[0] > 0.0f);

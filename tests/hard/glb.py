@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +14,20 @@ from numpy.typing import NDArray
 _FLOAT, _UINT32 = 5126, 5125
 
 
-def write_glb(path: Path, positions: NDArray[np.float32], indices: NDArray[np.uint32]) -> Path:
-    """Positions in model axes (z up), turned to the file's y up; indices (T, 3)."""
+def write_glb(
+    path: Path,
+    positions: NDArray[np.float32],
+    indices: NDArray[np.uint32],
+    attributes: Mapping[str, NDArray[np.float32]] | None = None,
+) -> Path:
+    """Positions in model axes (z up), turned to the file's y up; indices (T, 3). Further attributes
+    by their glTF name, (V, 2) or (V, 4), as they are."""
     points = np.asarray(positions, dtype=np.float32)
     # The reader turns (x, y, z) of a file into (x, -z, y).
     points = np.ascontiguousarray(points[:, [0, 2, 1]] * np.float32([1, 1, -1]))
     index = np.ascontiguousarray(indices, dtype=np.uint32)
     body = points.tobytes() + index.tobytes()
-    tree = {
+    tree: dict[str, Any] = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
@@ -50,6 +58,20 @@ def write_glb(path: Path, positions: NDArray[np.float32], indices: NDArray[np.ui
         ],
         "buffers": [{"byteLength": len(body)}],
     }  # fmt: skip
+    for name, values in (attributes or {}).items():
+        raw = np.ascontiguousarray(values, dtype=np.float32).tobytes()
+        tree["meshes"][0]["primitives"][0]["attributes"][name] = len(tree["accessors"])
+        tree["accessors"].append(
+            {
+                "bufferView": len(tree["bufferViews"]),
+                "componentType": _FLOAT,
+                "count": len(values),
+                "type": f"VEC{values.shape[1]}",
+            }
+        )
+        tree["bufferViews"].append({"buffer": 0, "byteOffset": len(body), "byteLength": len(raw)})
+        body += raw
+    tree["buffers"][0]["byteLength"] = len(body)
     text = json.dumps(tree).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
