@@ -17,6 +17,22 @@ static int parse_numbers(PyObject *dict, const number *numbers, size_t count) {
   return 0;
 }
 
+static int parse_psf(PyObject *dict, pl_psf *out) {
+  static const char *const cores[PL_PSF_CORES] = {"point", "gauss", "airy"};
+  const number numbers[] = {{"sigma_px", &out->sigma_px},
+                            {"wings", &out->wings},
+                            {"wing_radius_px", &out->wing_radius_px},
+                            {"wing_beta", &out->wing_beta}};
+  PyObject *given;
+  if (pl_py_member(dict, "psf", 0, WHERE, &given) < 0)
+    return -1;
+  const int core = pl_py_member_choice(given, "core", WHERE, cores, PL_PSF_CORES);
+  const int failed = parse_numbers(given, numbers, sizeof numbers / sizeof numbers[0]);
+  Py_DECREF(given);
+  out->core = (pl_psf_core)core;
+  return core < 0 ? -1 : failed;
+}
+
 static int parse_pixels(PyObject *dict, pl_sensor *out) {
   static const char *const mosaics[PL_MOSAIC_COUNT] = {"mono", "rggb", "bggr", "grbg", "gbrg"};
   size_t serial, bits;
@@ -65,7 +81,7 @@ static int parse(PyObject *dict, pl_sensor *out) {
                             {"black_level", &out->black_level}};
   *out = (pl_sensor){0};
   if (parse_numbers(dict, numbers, sizeof numbers / sizeof numbers[0]) < 0 ||
-      parse_pixels(dict, out) < 0)
+      parse_psf(dict, &out->psf) < 0 || parse_pixels(dict, out) < 0)
     return -1;
   return parse_auto_time(dict, &out->auto_time);
 }

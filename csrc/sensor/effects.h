@@ -4,6 +4,7 @@
 
 #include "plan/effect.h"
 
+extern const pl_effect pl_effect_point_spread;
 extern const pl_effect pl_effect_fixed_pattern;
 extern const pl_effect pl_effect_dark_current;
 extern const pl_effect pl_effect_shot_noise;

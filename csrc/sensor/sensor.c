@@ -34,6 +34,17 @@ static pl_status check_auto_time(const pl_auto_time *auto_time) {
   return in_range("step_s", auto_time->step_s, 0.0, 1e9);
 }
 
+static pl_status check_psf(const pl_psf *psf) {
+  PL_TRY(in_range("point spread: core", psf->core, 0, PL_PSF_CORES - 1));
+  if (psf->core == PL_PSF_GAUSS)
+    PL_TRY(in_range("point spread: sigma", psf->sigma_px, 1e-3, 1e4));
+  PL_TRY(in_range("point spread: wings", psf->wings, 0.0, 1.0));
+  if (psf->wings == 0.0)
+    return PL_OK;
+  PL_TRY(in_range("point spread: wing radius", psf->wing_radius_px, 1e-3, 1e4));
+  return in_range("point spread: wing beta", psf->wing_beta, 1.001, 100.0);
+}
+
 pl_status pl_sensor_check(const pl_sensor *sensor) {
   const double most = (double)((1u << sensor->bits % 32) - 1u);
   PL_TRY(in_range("bits", sensor->bits, 1.0, 16.0));
@@ -50,6 +61,7 @@ pl_status pl_sensor_check(const pl_sensor *sensor) {
   PL_TRY(in_range("gain", sensor->gain, 1e-9, 1e9));
   PL_TRY(in_range("black_level", sensor->black_level, 0.0, most - 1.0));
   PL_TRY(in_range("mosaic", sensor->mosaic, 0, PL_MOSAIC_COUNT - 1));
+  PL_TRY(check_psf(&sensor->psf));
   PL_TRY(check_bands(sensor));
   return check_auto_time(&sensor->auto_time);
 }

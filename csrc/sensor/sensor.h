@@ -18,6 +18,22 @@ typedef enum pl_mosaic {
   PL_MOSAIC_COUNT
 } pl_mosaic;
 
+typedef enum pl_psf_core {
+  PL_PSF_POINT, /* none: all in its pixel */
+  PL_PSF_GAUSS,
+  PL_PSF_AIRY, /* diffraction by a round aperture, at the mean wavelength of each band */
+  PL_PSF_CORES
+} pl_psf_core;
+
+/* Point-spread function: a core, and wings of a power law (scatter in the lens: glare). */
+typedef struct pl_psf {
+  pl_psf_core core;
+  double sigma_px;       /* of the Gaussian, > 0 */
+  double wings;          /* part of the light that is in the wings, 0..1 */
+  double wing_radius_px; /* where they turn down, > 0 */
+  double wing_beta;      /* fall as r^(-2 beta) far out, > 1 */
+} pl_psf;
+
 /* The camera chooses its exposure time by what it sees. */
 typedef struct pl_auto_time {
   bool on;
@@ -31,6 +47,7 @@ typedef struct pl_sensor {
   /* lens */
   double f_number;     /* of the sine condition: E = pi L T / (4 N^2) on the axis */
   double transmission; /* 0..1 */
+  pl_psf psf;
   /* pixels */
   double pixel_m;
   pl_mosaic mosaic;

@@ -7,6 +7,7 @@
 #include "sensor/stages.h"
 
 const pl_sensor_stage pl_sensor_stages[] = {
+    {"point_spread", &pl_effect_point_spread, pl_stage_point_spread},
     {"electrons", NULL, pl_stage_electrons},
     {"fixed_pattern", &pl_effect_fixed_pattern, pl_stage_fixed_pattern},
     {"dark_current", &pl_effect_dark_current, pl_stage_dark_current},

@@ -4,6 +4,7 @@
 
 #include "sensor/stage.h"
 
+pl_status pl_stage_point_spread(pl_sensor_frame *frame, int value);
 pl_status pl_stage_electrons(pl_sensor_frame *frame, int value);
 pl_status pl_stage_fixed_pattern(pl_sensor_frame *frame, int value);
 pl_status pl_stage_dark_current(pl_sensor_frame *frame, int value);

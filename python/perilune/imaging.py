@@ -48,6 +48,7 @@ def sensor_of(camera: Camera) -> dict[str, Any] | None:
     return {
         "f_number": sensor.f_number,
         "transmission": sensor.transmission,
+        "psf": sensor.point_spread.model_dump(),
         "pixel_m": sensor.pixel_um * 1e-6,
         "mosaic": sensor.mosaic,
         "quantum_efficiency": sensor.quantum_efficiency,

@@ -308,7 +308,7 @@ def test_every_physical_key_has_its_unit():
         "v_step", "orbit_start", "scale", "j2", "cd", "cr", "rtol", "degree", "order", "number",
         "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2",  # of lenses
         "f_number", "transmission", "quantum_efficiency", "serial", "bits",
-        "prnu", "dark_nonuniform",  # relative deviations
+        "wings", "wing_beta", "prnu", "dark_nonuniform",  # relative deviations
         "jitter_strength", "step_interval", "correlation", "first_frame",
         "drivers",  # of the inputs of nodes, which say their units
         "rotation_deg_step_v",  # the paper's name: degrees in a step

@@ -37,6 +37,21 @@ class SensorExposure(Strict):
         return self
 
 
+class PointSpread(Strict):
+    """What the lens makes of a point: a core, and wings of a power law (glare)."""
+
+    core: Literal["point", "gauss", "airy"] = "gauss"
+    """point: all light in its pixel; airy: diffraction by the aperture."""
+    sigma_px: Annotated[Positive, Field(ge=0.001, le=1e4)] = 0.5
+    """gauss: standard deviation."""
+    wings: Fraction = 0.0
+    """Part of the light that is in the wings; lenses have 0.005 to 0.03."""
+    wing_radius_px: Annotated[Positive, Field(ge=0.001, le=1e4)] = 2.0
+    """Where the wings turn down."""
+    wing_beta: Annotated[Positive, Field(ge=1.001, le=100.0)] = 1.4
+    """The wings fall as the distance to the power of -2 wing_beta."""
+
+
 class ImageSensor(Strict):
     """An image sensor behind a lens: makes the channels `raw` and `sensor_rgb`.
 
@@ -47,6 +62,7 @@ class ImageSensor(Strict):
     """Focal length over aperture."""
     transmission: Fraction = 0.9
     """Of the lens, all surfaces."""
+    point_spread: PointSpread = PointSpread()
     pixel_um: Annotated[Positive, Field(ge=0.01, le=1e6)] = 5.5
     """Side of a pixel."""
     mosaic: Mosaic = "rggb"

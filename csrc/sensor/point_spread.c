@@ -1,0 +1,182 @@
+/* The stage `point_spread`: light of a point reaches its neighbours, and by the wings the whole
+ * image. Value 1 convolves with the middle of the function, 2 with all of it. */
+#include <math.h>
+#include <string.h>
+
+#include "sensor/convolve.h"
+#include "sensor/effects.h"
+#include "sensor/psf.h"
+#include "sensor/stages.h"
+
+/* Half the side of the middle. */
+enum { REACH = 6, SIDE = 2 * REACH + 1 };
+
+/* A band of a pixel; what is no light is none. */
+static double band_of(const pl_sensor_frame *frame, size_t pixel, int band) {
+  const pl_vec3f light = frame->bands[pixel];
+  const float value = band == 0 ? light.x : band == 1 ? light.y : light.z;
+  return value > 0.0f ? fmin((double)value, 1e30) : 0.0;
+}
+
+static void set_band(pl_vec3f *light, int band, double value) {
+  const float kept = (float)fmax(0.0, value); /* transforms leave -1e-17 of the brightest */
+  if (band == 0)
+    light->x = kept;
+  else if (band == 1)
+    light->y = kept;
+  else
+    light->z = kept;
+}
+
+/* --- the middle, directly */
+
+typedef struct direct {
+  const pl_sensor_frame *frame;
+  double kernels[3][SIDE * SIDE];
+  pl_vec3f *out;
+} direct;
+
+static pl_status direct_row(void *context, size_t row, int worker) {
+  (void)worker;
+  const direct *d = context;
+  const int width = d->frame->width, height = d->frame->height, y = (int)row;
+  for (int x = 0; x < width; x++)
+    for (int band = 0; band < 3; band++) {
+      double sum = 0.0;
+      for (int v = -REACH; v <= REACH; v++)
+        for (int u = -REACH; u <= REACH; u++)
+          if (x + u >= 0 && x + u < width && y + v >= 0 && y + v < height)
+            sum += d->kernels[band][(v + REACH) * SIDE + u + REACH] *
+                   band_of(d->frame, (size_t)(y + v) * (size_t)width + (size_t)(x + u), band);
+      set_band(&d->out[row * (size_t)width + (size_t)x], band, sum);
+    }
+  return PL_OK;
+}
+
+static pl_status spread_middle(pl_sensor_frame *frame) {
+  const size_t pixels = (size_t)frame->width * (size_t)frame->height;
+  direct d = {.frame = frame, .out = pl_arena_alloc(frame->arena, pixels, sizeof(pl_vec3f))};
+  if (d.out == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for a point-spread function");
+  for (int band = 0; band < 3; band++)
+    pl_psf_kernel(frame->sensor, band, REACH, REACH, false, d.kernels[band]);
+  PL_TRY(pl_parallel_for(frame->threads, (size_t)frame->height, direct_row, &d, frame->cancel));
+  memcpy(frame->bands, d.out, pixels * sizeof(pl_vec3f));
+  return PL_OK;
+}
+
+/* --- all of it, by transforms */
+
+typedef struct whole {
+  pl_plane plane;
+  int reach[2];
+  pl_complex *kernel, *image;
+  double *parts;
+} whole;
+
+static pl_status whole_init(whole *w, const pl_sensor_frame *frame) {
+  PL_TRY(pl_plane_init(&w->plane, frame->width, frame->height, frame->threads, frame->cancel,
+                       frame->arena, w->reach));
+  const size_t parts = (2 * (size_t)w->reach[0] + 1) * (2 * (size_t)w->reach[1] + 1);
+  w->kernel = pl_plane_alloc(&w->plane, frame->arena);
+  w->image = pl_plane_alloc(&w->plane, frame->arena);
+  w->parts = pl_arena_alloc(frame->arena, parts, sizeof(double));
+  if (w->kernel == NULL || w->image == NULL || w->parts == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for a point-spread function");
+  return PL_OK;
+}
+
+static pl_status load_kernel(whole *w, const pl_sensor *sensor, int band) {
+  const pl_plane *p = &w->plane;
+  const size_t columns = 2 * (size_t)w->reach[0] + 1, rows = 2 * (size_t)w->reach[1] + 1;
+  pl_psf_kernel(sensor, band, w->reach[0], w->reach[1], true, w->parts);
+  memset(w->kernel, 0, p->width * p->height * sizeof *w->kernel);
+  for (size_t v = 0; v < rows; v++)
+    for (size_t u = 0; u < columns; u++) {
+      const size_t x = (u + p->width - (size_t)w->reach[0]) % p->width;
+      const size_t y = (v + p->height - (size_t)w->reach[1]) % p->height;
+      w->kernel[y * p->width + x].re = w->parts[v * columns + u];
+    }
+  return pl_plane_spectrum(p, w->kernel);
+}
+
+/* Two bands at once: one real, one imaginary; `second` may be -1. */
+static pl_status spread_bands(whole *w, pl_sensor_frame *frame, int first, int second) {
+  const size_t width = (size_t)frame->width, height = (size_t)frame->height;
+  memset(w->image, 0, w->plane.width * w->plane.height * sizeof *w->image);
+  for (size_t y = 0; y < height; y++)
+    for (size_t x = 0; x < width; x++) {
+      pl_complex *at = &w->image[y * w->plane.width + x];
+      at->re = band_of(frame, y * width + x, first);
+      at->im = second >= 0 ? band_of(frame, y * width + x, second) : 0.0;
+    }
+  PL_TRY(pl_plane_convolve(&w->plane, w->image, w->kernel));
+  for (size_t y = 0; y < height; y++)
+    for (size_t x = 0; x < width; x++) {
+      const pl_complex at = w->image[y * w->plane.width + x];
+      set_band(&frame->bands[y * width + x], first, at.re);
+      if (second >= 0)
+        set_band(&frame->bands[y * width + x], second, at.im);
+    }
+  return PL_OK;
+}
+
+static pl_status spread_whole(pl_sensor_frame *frame) {
+  whole w;
+  PL_TRY(whole_init(&w, frame));
+  PL_TRY(load_kernel(&w, frame->sensor, 0));
+  if (frame->sensor->psf.core != PL_PSF_AIRY) { /* all bands alike */
+    PL_TRY(spread_bands(&w, frame, 0, 1));
+    return spread_bands(&w, frame, 2, -1);
+  }
+  for (int band = 0; band < 3; band++) {
+    if (band > 0)
+      PL_TRY(load_kernel(&w, frame->sensor, band));
+    PL_TRY(spread_bands(&w, frame, band, -1));
+  }
+  return PL_OK;
+}
+
+pl_status pl_stage_point_spread(pl_sensor_frame *frame, int value) {
+  return value > 1 ? spread_whole(frame) : spread_middle(frame);
+}
+
+/* --- the row */
+
+static const char *absent(const pl_view *view) {
+  const char *none = pl_sensor_absent(view);
+  if (none != NULL)
+    return none;
+  const pl_psf *psf = &view->sensor->psf;
+  return psf->core == PL_PSF_POINT && psf->wings == 0.0 ? "the lens images points as points" : NULL;
+}
+
+static int ceiling(const pl_view *view) {
+  (void)view;
+  return 2;
+}
+
+/* The middle leaves out what lands outside of it: at most that part of the brightest light. */
+static double bound_dn(const pl_view *view, int value) {
+  double outside = 1.0;
+  if (value > 1)
+    return 0.0;
+  for (int band = 0; value == 1 && band < 3; band++) {
+    const double part = pl_psf_outside(view->sensor, band, REACH + 0.5);
+    outside = band == 0 ? part : fmax(outside, part);
+  }
+  return outside > 0.0 ? pl_sensor_dn(view, outside * pl_sensor_electrons_max(view)) : 0.0;
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return pl_sensor_cost_ms(view, value > 1 ? 1500.0 : 600.0);
+}
+
+const pl_effect pl_effect_point_spread = {
+    .name = "point_spread",
+    .doc = "Sensor: blur and glare of the lens; counts 1 for its middle alone, 2 for its wings too",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

@@ -1,0 +1,103 @@
+/* Gaussian and Airy cores, Moffat wings: (1 - w) core + w wings. */
+#include "sensor/psf.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+/* Within this many pixels of the middle the function is averaged over SAMPLES^2 points of a pixel;
+ * farther out it is smooth, the rings of Airy's pattern apart, which are averaged by formula. */
+static const double NEAR_PX = 24.0;
+enum { SAMPLES = 16 };
+
+/* Of Airy's pattern: x = pi r / (lambda N), r in pixels. */
+static double airy_scale(const pl_sensor *s, int band) {
+  return PI * s->pixel_m / (s->wavelength_m[band] * s->f_number);
+}
+
+/* Energy within a pixel's area at r, of a total of 1 (Born and Wolf, Principles of Optics, 8.5.2:
+ * the density is k^2 / (4 pi) [2 J1(x) / x]^2). */
+static double airy(double k, double r) {
+  const double x = k * r;
+  const double amplitude = x > 1e-6 ? 2.0 * j1(x) / x : 1.0;
+  return k * k / (4.0 * PI) * amplitude * amplitude;
+}
+
+/* Its mean over a ring: J1(x)^2 is 1 / (pi x) on average. */
+static double airy_far(double k, double r) { return 1.0 / (PI * PI * k * r * r * r); }
+
+/* Moffat 1969: (b - 1) / (pi a^2) (1 + r^2 / a^2)^-b */
+static double wings(const pl_psf *psf, double r) {
+  const double a = psf->wing_radius_px, b = psf->wing_beta;
+  return (b - 1.0) / (PI * a * a) * pow(1.0 + r * r / (a * a), -b);
+}
+
+double pl_psf_outside(const pl_sensor *sensor, int band, double radius_px) {
+  const pl_psf *psf = &sensor->psf;
+  const double r = radius_px, a = psf->wing_radius_px;
+  double core = 0.0;
+  if (psf->core == PL_PSF_GAUSS)
+    core = exp(-0.5 * r * r / (psf->sigma_px * psf->sigma_px));
+  if (psf->core == PL_PSF_AIRY) {
+    const double x = airy_scale(sensor, band) * r;
+    core = j0(x) * j0(x) + j1(x) * j1(x); /* Born and Wolf, 8.5.2, equation 18 */
+  }
+  const double tail = psf->wings > 0.0 ? pow(1.0 + r * r / (a * a), 1.0 - psf->wing_beta) : 0.0;
+  return (1.0 - psf->wings) * core + psf->wings * tail;
+}
+
+/* Part of a Gaussian in the pixel at `offset`. */
+static double gauss_pixel(double sigma, double offset) {
+  const double scale = 1.0 / (sigma * sqrt(2.0));
+  return 0.5 * (erf((offset + 0.5) * scale) - erf((offset - 0.5) * scale));
+}
+
+/* The wings, and the core where it is Airy's, averaged over a pixel. */
+static double sampled_pixel(const pl_sensor *sensor, double k, int x, int y) {
+  const pl_psf *psf = &sensor->psf;
+  const bool has_airy = psf->core == PL_PSF_AIRY;
+  double core = 0.0, wing = 0.0;
+  if (hypot(x, y) > NEAR_PX) {
+    core = has_airy ? airy_far(k, hypot(x, y)) : 0.0;
+    wing = psf->wings > 0.0 ? wings(psf, hypot(x, y)) : 0.0;
+    return (1.0 - psf->wings) * core + psf->wings * wing;
+  }
+  for (int v = 0; v < SAMPLES; v++)
+    for (int u = 0; u < SAMPLES; u++) {
+      const double r = hypot(x + (u + 0.5) / SAMPLES - 0.5, y + (v + 0.5) / SAMPLES - 0.5);
+      core += has_airy ? airy(k, r) : 0.0;
+      wing += psf->wings > 0.0 ? wings(psf, r) : 0.0;
+    }
+  return ((1.0 - psf->wings) * core + psf->wings * wing) / (SAMPLES * SAMPLES);
+}
+
+static double pixel(const pl_sensor *sensor, double k, int x, int y) {
+  const pl_psf *psf = &sensor->psf;
+  double part = sampled_pixel(sensor, k, x, y);
+  if (psf->core == PL_PSF_GAUSS)
+    part += (1.0 - psf->wings) * gauss_pixel(psf->sigma_px, x) * gauss_pixel(psf->sigma_px, y);
+  if (psf->core == PL_PSF_POINT && x == 0 && y == 0)
+    part += 1.0 - psf->wings;
+  return part;
+}
+
+void pl_psf_kernel(const pl_sensor *sensor, int band, int reach_x, int reach_y, bool spread,
+                   double *kernel) {
+  const double k = airy_scale(sensor, band);
+  const size_t width = 2 * (size_t)reach_x + 1, height = 2 * (size_t)reach_y + 1;
+  double sum = 0.0;
+  /* One quadrant is computed, four are filled. */
+  for (int y = 0; y <= reach_y; y++)
+    for (int x = 0; x <= reach_x; x++) {
+      const double part = pixel(sensor, k, x, y);
+      const size_t up = (size_t)(reach_y - y) * width, down = (size_t)(reach_y + y) * width;
+      kernel[up + (size_t)(reach_x - x)] = kernel[up + (size_t)(reach_x + x)] = part;
+      kernel[down + (size_t)(reach_x - x)] = kernel[down + (size_t)(reach_x + x)] = part;
+    }
+  for (size_t i = 0; i < width * height; i++)
+    sum += kernel[i];
+  if (spread && sum < 1.0)
+    for (size_t i = 0; i < width * height; i++)
+      kernel[i] += (1.0 - sum) / (double)(width * height);
+  else
+    kernel[(size_t)reach_y * width + (size_t)reach_x] += 1.0 - sum;
+}

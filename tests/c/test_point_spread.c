@@ -1,0 +1,154 @@
+/* The point-spread function: energy within rings, energy kept, the same by both ways. */
+#include "harness.h"
+
+#include "sensor/psf.h"
+#include "sensor/stages.h"
+#include "sensors.h"
+
+enum { REACH = 128, SIDE = 2 * REACH + 1 };
+
+/* Airy's pattern: 83.7784869173 % within its first dark ring at x = 3.8317059702, 93.7625720104 %
+ * within x = 10 (1 - J0^2 - J1^2). A pixel of a tenth of the ring's radius. */
+static void airy_has_its_encircled_energy(void **state) {
+  (void)state;
+  pl_sensor sensor = sensor_plain();
+  sensor.psf.core = PL_PSF_AIRY;
+  sensor.pixel_m = 1.2196698912665 * sensor.wavelength_m[1] * sensor.f_number / 10.0;
+  assert_true(fabs(pl_psf_outside(&sensor, 1, 10.0) - (1.0 - 0.837784869173)) < 1e-9);
+  const double far = 10.0 / 3.8317059702 * 10.0;
+  assert_true(fabs(pl_psf_outside(&sensor, 1, far) - (1.0 - 0.937625720104)) < 1e-9);
+  double *kernel = malloc(sizeof(double) * SIDE * SIDE);
+  pl_psf_kernel(&sensor, 1, REACH, REACH, true, kernel);
+  double ring = 0.0, sum = 0.0;
+  for (int y = -REACH; y <= REACH; y++)
+    for (int x = -REACH; x <= REACH; x++) {
+      const double part = kernel[(y + REACH) * SIDE + x + REACH];
+      sum += part;
+      /* pixels that the ring cuts, by the part of 64^2 points inside */
+      int inside = 0;
+      for (int k = 0; k < 64 * 64; k++)
+        inside += hypot(x + (k % 64 + 0.5) / 64 - 0.5, y + (k / 64 + 0.5) / 64.0 - 0.5) < 10.0;
+      ring += part * inside / 4096.0;
+    }
+  print_message("Airy: %.5f in the first dark ring, sum %.9f\n", ring, sum);
+  assert_true(fabs(ring - 0.8378) < 1e-3);
+  assert_true(fabs(sum - 1.0) < 1e-12);
+  free(kernel);
+}
+
+static void set_psf(pl_sensor *sensor, int kind) {
+  const pl_psf kinds[] = {{PL_PSF_GAUSS, 0.7, 0.0, 0.0, 0.0},
+                          {PL_PSF_GAUSS, 0.7, 0.02, 2.0, 1.4},
+                          {PL_PSF_AIRY, 0.0, 0.0, 0.0, 0.0},
+                          {PL_PSF_POINT, 0.0, 0.5, 1.0, 3.0}};
+  sensor->psf = kinds[kind];
+}
+
+/* A point's flux stays to 1e-6: all of the kernel lies in the image. */
+static void flux_is_kept(void **state) {
+  (void)state;
+  for (int kind = 0; kind < 4; kind++)
+    for (int value = 1; value <= 2; value++) {
+      pl_sensor sensor = sensor_plain();
+      set_psf(&sensor, kind);
+      sensor_shot shot;
+      sensor_shot_init(&shot, &sensor, 129, 129); /* padded to 256: reaches 127 */
+      const size_t middle = 64 * 129 + 64;
+      shot.frame.bands[middle] = (pl_vec3f){1e6f, 3.0f, 2e3f};
+      assert_int_equal(pl_stage_point_spread(&shot.frame, value), PL_OK);
+      double sum[3] = {0};
+      for (size_t i = 0; i < shot.pixels; i++) {
+        sum[0] += shot.frame.bands[i].x;
+        sum[1] += shot.frame.bands[i].y;
+        sum[2] += shot.frame.bands[i].z;
+      }
+      /* of the wings a part leaves an image that the kernel exceeds */
+      const double left = value == 2 ? pl_psf_outside(&sensor, 0, 64.0) : 0.0;
+      assert_true(fabs(sum[0] / 1e6 - 1.0) < 1e-6 + left);
+      assert_true(fabs(sum[1] / 3.0 - 1.0) < 1e-6 + left);
+      assert_true(fabs(sum[2] / 2e3 - 1.0) < 1e-6 + left);
+      assert_true(shot.frame.bands[middle].x < 1e6f);
+      sensor_shot_clear(&shot);
+    }
+}
+
+/* Where the function ends within the middle, both ways give the same image, borders too. */
+static void both_ways_agree(void **state) {
+  (void)state;
+  pl_sensor sensor = sensor_plain();
+  set_psf(&sensor, 0);
+  sensor_shot shots[2];
+  for (int k = 0; k < 2; k++) {
+    sensor_shot_init(&shots[k], &sensor, 37, 23);
+    for (size_t i = 0; i < shots[k].pixels; i++)
+      shots[k].frame.bands[i] = (pl_vec3f){(float)(i % 7), (float)(i % 11), i == 400 ? 1e4f : 0.0f};
+    assert_int_equal(pl_stage_point_spread(&shots[k].frame, k + 1), PL_OK);
+  }
+  for (size_t i = 0; i < shots[0].pixels; i++) {
+    const pl_vec3f a = shots[0].frame.bands[i], b = shots[1].frame.bands[i];
+    assert_true(fabsf(a.x - b.x) < 1e-5f && fabsf(a.y - b.y) < 1e-5f && fabsf(a.z - b.z) < 1e-2f);
+  }
+  sensor_shot_clear(&shots[0]);
+  sensor_shot_clear(&shots[1]);
+}
+
+/* What the middle leaves out is within what the row says of it. */
+static void the_middle_keeps_its_bound(void **state) {
+  (void)state;
+  for (int kind = 0; kind < 4; kind++) {
+    pl_sensor sensor = sensor_plain();
+    set_psf(&sensor, kind);
+    const double bound = pl_psf_outside(&sensor, 0, 6.5);
+    sensor_shot shots[2];
+    for (int k = 0; k < 2; k++) {
+      sensor_shot_init(&shots[k], &sensor, 96, 64);
+      for (size_t i = 0; i < shots[k].pixels; i++)
+        shots[k].frame.bands[i].x = i % 96 < 40 ? 1.0f : 0.0f;
+      assert_int_equal(pl_stage_point_spread(&shots[k].frame, k + 1), PL_OK);
+    }
+    double worst = 0.0;
+    for (size_t i = 0; i < shots[0].pixels; i++)
+      worst =
+          fmax(worst, fabs((double)shots[0].frame.bands[i].x - (double)shots[1].frame.bands[i].x));
+    assert_true(worst <= bound + 1e-6);
+    sensor_shot_clear(&shots[0]);
+    sensor_shot_clear(&shots[1]);
+  }
+}
+
+/* Images smaller than the kernel, of one row, with light that is no number; any threads. */
+static void any_image_is_spread(void **state) {
+  (void)state;
+  const int sizes[][2] = {{1, 1}, {1, 9}, {5, 1}, {3, 2}, {65, 33}};
+  for (int kind = 0; kind < 4; kind++)
+    for (int k = 0; k < 5; k++)
+      for (int value = 1; value <= 2; value++) {
+        pl_sensor sensor = sensor_plain();
+        set_psf(&sensor, kind);
+        sensor_shot shots[2];
+        for (int j = 0; j < 2; j++) {
+          sensor_shot_init(&shots[j], &sensor, sizes[k][0], sizes[k][1]);
+          sensor_shot_fill(&shots[j], 3e38f);
+          shots[j].frame.bands[0] = (pl_vec3f){NAN, -1.0f, INFINITY};
+          shots[j].frame.threads = 1 + 2 * j;
+          assert_int_equal(pl_stage_point_spread(&shots[j].frame, value), PL_OK);
+        }
+        for (size_t i = 0; i < shots[0].pixels; i++)
+          assert_true(isfinite(shots[0].frame.bands[i].x + shots[0].frame.bands[i].z));
+        assert_memory_equal(shots[0].frame.bands, shots[1].frame.bands,
+                            shots[0].pixels * sizeof(pl_vec3f));
+        sensor_shot_clear(&shots[0]);
+        sensor_shot_clear(&shots[1]);
+      }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(airy_has_its_encircled_energy),
+      cmocka_unit_test(flux_is_kept),
+      cmocka_unit_test(both_ways_agree),
+      cmocka_unit_test(the_middle_keeps_its_bound),
+      cmocka_unit_test(any_image_is_spread),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
