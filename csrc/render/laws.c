@@ -150,12 +150,9 @@ static const law_point *point_of(const law_samples *s, size_t i) {
 }
 enum { ALL = 3 * POINTS };
 
-/* The factor of least squares for each band. Hapke's own law without roughness is no multiple of
- * its albedo, and keeps it. */
+/* The factor of least squares for each band. */
 static void fit(const law_samples *s, int law, float factor[3]) {
-  const bool linear = cheaper[law] != &pl_reflectance_hapke_smooth;
-  factor[0] = factor[1] = factor[2] = 1.0f;
-  for (int band = 0; linear && band < 3; band++) {
+  for (int band = 0; band < 3; band++) {
     double both = 0.0, square = 0.0;
     for (size_t i = 0; i < ALL; i++) {
       const law_point *p = point_of(s, i);
@@ -256,5 +253,9 @@ void pl_laws_apply(const pl_snapshot *shot, const pl_render_settings *settings, 
   const float *factor = body->laws->factor[law];
   pl_surface *s = &vertex->surface;
   s->reflectance = cheaper[law];
-  s->color = pl_vec3f_make(s->color.x * factor[0], s->color.y * factor[1], s->color.z * factor[2]);
+  if (s->reflectance->photometric)
+    for (int k = 0; k < 3; k++)
+      s->regolith.excess[k] = factor[k] - 1.0f;
+  else
+    s->color = pl_vec3f_mul(s->color, pl_vec3f_make(factor[0], factor[1], factor[2]));
 }

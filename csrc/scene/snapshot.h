@@ -55,7 +55,7 @@ typedef struct pl_shot_body {
   bool in_frame;
   bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
   bool bounced;  /* others may noticeably light it by reflection; set by pl_snapshot_cull */
-  /* Factors on the colour by which cheaper laws come nearest to its own where it is seen; NULL
+  /* Factors on the light with which cheaper laws come nearest to its own where it is seen; NULL
    * where they may not stand for it. Set by pl_laws_build. */
   const pl_law_colors *laws;
 } pl_shot_body;

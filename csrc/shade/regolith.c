@@ -44,6 +44,8 @@ pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f w
                                            : law(&band, (double)surface->regolith.limb, &angles);
     last = band;
   }
+  for (int k = 0; k < 3; k++)
+    value[k] *= 1.0 + (double)surface->regolith.excess[k];
   return pl_vec3f_make((float)value[0], (float)value[1], (float)value[2]);
 }
 

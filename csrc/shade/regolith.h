@@ -18,6 +18,8 @@ typedef struct pl_regolith {
   pl_regolith_band band[3]; /* red, green, blue */
   float limb;               /* Minnaert's exponent k, less 1 */
   bool simple_h, narrow_surge;
+  float excess[3]; /* what is sent on beside the law's light, as a part of it: where it stands for
+                    * another law */
 } pl_regolith;
 
 /* Whether every value is within the range of its kind: what the laws are finite for. NAN counts as
