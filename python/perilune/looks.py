@@ -19,8 +19,8 @@ from perilune.materials import Graph, ImageFiles, Placed
 from perilune.parts import Partition
 
 _T = TypeVar("_T")
-_PATTERNS = 32
-"""Sets of patterns on models that are kept."""
+_PATTERNS = 16
+"""Sets of patterns that are kept of each spacecraft, all together."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,11 @@ class Looks:
         if same and self._ideal is not None:
             return self._ideal
         try:
-            crafts = {name: self._on_craft(name, config) for name in self._models}
+            crafts = {
+                name: self._on_craft(name, config)
+                for name in self._models
+                if config.spacecraft[name].materials
+            }
             bodies = {
                 name: self._on_body(name, body.material, body.material_mode)
                 for name, body in config.bodies.items()
@@ -75,7 +79,7 @@ class Looks:
         except ValueError as error:
             text = named(str(error), self._document.origins)
             raise ConfigError(f"{self._document.source}:\n  {text}") from None
-        return Look({name: row for name, row in crafts.items() if row.names}, bodies)
+        return Look(crafts, bodies)
 
     def bare(self, craft: str) -> NDArray[np.int32]:
         """(T,) of -1: triangles without graphs."""
@@ -114,9 +118,10 @@ class Looks:
         def make() -> NDArray[np.int32]:
             return materials.triangles(uses, self._models[craft], self._partitions[craft], key)
 
-        if len(self._triangles) >= _PATTERNS:
-            self._triangles.clear()
-        return _kept(self._triangles, (craft, patterns), make)
+        found = _kept(self._triangles, (craft, patterns), make)
+        if len(self._triangles) > _PATTERNS * len(self._models):
+            del self._triangles[next(iter(self._triangles))]  # the one looked up first
+        return found
 
 
 def _kept(store: dict[Any, _T], key: Any, make: Callable[[], _T]) -> _T:

@@ -97,6 +97,24 @@ def test_the_scene_and_its_accelerators_stay() -> None:
     assert [sys.getrefcount(core) for core in cores] == before
 
 
+def test_sets_of_patterns_do_not_pile_up() -> None:
+    """More of them than are kept: each comes back right."""
+    names = ["mli_*", "solar_cell", "panel_back", "*", "mli_gold"]
+    uses = [{"material": name, "use": "red"} for name in names]
+    lists = [[a, b] for a in uses for b in uses if a != b]
+    sim = opened(tree(materials={"choice": lists, "interval": 1}))
+    looks = sim._mine().looks
+    assert len(lists) == 20
+    assert len(looks._triangles) == 16
+    for _ in range(2):
+        for index in range(30):
+            look = looks.of(sim.config_at(index)[0])
+            alone = opened(tree(materials=sim.config_at(index)[1]["spacecraft.sat.materials"]))
+            expected = alone._mine().looks.of(alone.config).crafts["sat"].triangle_graph
+            assert np.array_equal(look.crafts["sat"].triangle_graph, expected)
+            assert len(looks._triangles) <= 16
+
+
 def test_once_a_scene_and_at_intervals() -> None:
     raw = chosen()
     raw["time"]["frames_per_scene"] = 4
