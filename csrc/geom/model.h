@@ -49,6 +49,10 @@ typedef struct pl_material_layers {
   pl_texture_slot specular_color_map;        /* sRGB */
   pl_texture_slot coat_normal_map;           /* linear; the coat's own, none: the mesh's normal */
   float coat_normal_scale;                   /* factor on x and y of that map */
+  /* KHR_materials_volume. A solid: the mesh is closed and wound outwards. Otherwise walls are thin.
+   */
+  bool solid;
+  float extinction[3]; /* of the solid, per model unit; >= 0 */
 } pl_material_layers;
 #define PL_NO_TEXTURE ((pl_texture_slot){-1, 0, PL_UV_IDENTITY})
 #define PL_MATERIAL_LAYERS_PLAIN                                                                   \
@@ -67,7 +71,9 @@ typedef struct pl_material_layers {
                         PL_NO_TEXTURE,                                                             \
                         PL_NO_TEXTURE,                                                             \
                         PL_NO_TEXTURE,                                                             \
-                        1})
+                        1,                                                                         \
+                        false,                                                                     \
+                        {0, 0, 0}})
 
 /* glTF 2.0 metallic-roughness material; colours linear. */
 typedef struct pl_material {

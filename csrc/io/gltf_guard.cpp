@@ -29,6 +29,7 @@ const char *const implemented[] = {
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_anisotropy",
+    "KHR_materials_volume",
 };
 const char *const ignorable[] = {"KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld"};
 

@@ -1,5 +1,6 @@
-/* The layers of glTF materials: KHR_materials_clearcoat, _transmission, _ior, _specular and
- * _anisotropy. */
+/* The layers of glTF materials: KHR_materials_clearcoat, _transmission, _volume, _ior, _specular
+ * and _anisotropy. */
+#include <algorithm>
 #include <cmath>
 
 #include "io/gltf_material.hpp"
@@ -47,6 +48,22 @@ private:
   const tinygltf::Value *value_ = nullptr;
 };
 
+/* KHR_materials_volume: a thickness makes the mesh the boundary of a solid; how thick it is, the
+ * mesh says. The colour is what a way of the distance leaves. */
+void read_volume(const tinygltf::Material &in, const std::string &name,
+                 pl_material_layers *layers) {
+  const Extension volume(in, "KHR_materials_volume", name);
+  const double darkest = 1e-6, never = 1e30;
+  float color[3] = {1, 1, 1};
+  layers->solid = volume.number("thicknessFactor", 0.0, 0.0, 1e30) > 0.0f;
+  volume.color("attenuationColor", color);
+  const float distance = volume.number("attenuationDistance", never, 1e-30, never);
+  for (int k = 0; k < 3; k++)
+    layers->extinction[k] = static_cast<float>(
+        -std::log(std::min(std::max(static_cast<double>(color[k]), darkest), 1.0)) /
+        static_cast<double>(distance));
+}
+
 } // namespace
 
 void read_layers(const tinygltf::Material &in, const std::string &name, pl_material *out) {
@@ -66,6 +83,7 @@ void read_layers(const tinygltf::Material &in, const std::string &name, pl_mater
   specular.color("specularColorFactor", layers->specular_color);
   layers->anisotropy = anisotropy.number("anisotropyStrength", 0.0, 0.0, 1.0);
   layers->anisotropy_rotation_rad = anisotropy.number("anisotropyRotation", 0.0, -turn, turn);
+  read_volume(in, name, layers);
   if (layers->ior > 0.0f && layers->ior < 1.0f)
     fail(PL_E_FORMAT, "%s: ior must be 0 or at least 1", name.c_str());
   out->layered = layers->coat > 0.0f || layers->transmission > 0.0f || layers->anisotropy > 0.0f ||

@@ -170,6 +170,14 @@ static bool roulette(pl_path *next, int bounce, float u) {
   return true;
 }
 
+/* Boundaries of solids hand on their own roughness: light that goes to and fro between them would
+ * see them rougher at every turn. */
+static float regular_alpha(const pl_path *path, const pl_surface *s, float opening) {
+  if (s->reflectance->layered && s->lobes.ior > 0.0f)
+    return pl_maxf(path->alpha_min, pl_minf(s->alpha, REGULAR_CAP));
+  return pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * opening, REGULAR_CAP));
+}
+
 /* Draws where the path goes on from the vertex. */
 static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                    int bounce, const float u[2], const float choice[2], pl_vec3f wo, pl_path *next,
@@ -194,7 +202,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
                .spread = pl_maxf(path->beam.spread, pl_minf(opening, SPREAD_MAX))},
       .throughput = pl_vec3f_mul(path->throughput, weight),
       .pdf = pdf,
-      .alpha_min = pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * opening, REGULAR_CAP)),
+      .alpha_min = regular_alpha(path, s, opening),
       .pixel = path->pixel,
   };
   return roulette(next, bounce, choice[1]);
@@ -232,15 +240,18 @@ static void set_lobes(const pl_render_settings *settings, float alpha_min, pl_su
 /* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
-  const pl_path path = b->paths[i];
+  pl_path path = b->paths[i];
   const vertex_draws u = draws_of(b, i);
   pl_vertex_shade(context->shot, &path.beam, context->settings->detail, vertex);
   if (bounce == 0)
     pl_laws_apply(context->shot, context->settings, vertex);
   pl_surface *s = &vertex->surface;
   s->alpha = pl_maxf(s->alpha, path.alpha_min);
-  if (s->reflectance->layered)
+  if (s->reflectance->layered) {
     set_lobes(context->settings, path.alpha_min, s);
+    if (s->lobes.inside) /* came through the solid */
+      path.throughput = pl_vec3f_mul(path.throughput, pl_lobes_passed(&s->lobes, (float)vertex->t));
+  }
   if (pl_vec3f_max(s->emission) > 0.0f) {
     const float weight = pl_emitters_met(context, &path, &b->rays[i], vertex);
     add(&b->sample[path.pixel], pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));

@@ -167,9 +167,17 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
   pl_graph_surface(graph->graph, &point, own != NULL ? own + graph->first_parameter : NULL, s);
 }
 
+/* The model's own material. */
+static void shade_material(const pl_shot_object *object, const pl_triangle_point *point,
+                           pl_detail detail, pl_surface *surface) {
+  pl_material_surface(object->object->model, point, detail, surface);
+  if (surface->reflectance->layered) /* the material's lengths are in model units */
+    surface->lobes.extinction =
+        pl_vec3f_scale(surface->lobes.extinction, (float)(1.0 / object->scale));
+}
+
 static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_detail detail,
                        pl_vertex *vertex) {
-  const pl_model *model = object->object->model;
   pl_shot_frame(object, vertex->triangle, vertex->w, vertex->ng, &vertex->surface);
   pl_triangle_point point = {.triangle = vertex->triangle,
                              .w = {vertex->w[0], vertex->w[1], vertex->w[2]},
@@ -179,7 +187,7 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_det
   const pl_object_graph *graph =
       pl_object_materials_at(object->object->materials, vertex->triangle);
   if (graph == NULL || pl_graph_wraps(graph->graph))
-    pl_material_surface(model, &point, detail, &vertex->surface);
+    shade_material(object, &point, detail, &vertex->surface);
   if (graph != NULL)
     shade_graph(object, graph, &point, detail, beam, vertex);
 }
@@ -288,8 +296,10 @@ static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
     surface->ng = pl_vec3f_scale(ng, -1.0f);
     surface->n = pl_vec3f_scale(surface->n, -1.0f);
     surface->b = pl_vec3f_scale(surface->b, -1.0f);
-    if (surface->reflectance->layered)
+    if (surface->reflectance->layered) {
       surface->lobes.coat_normal = pl_vec3f_scale(surface->lobes.coat_normal, -1.0f);
+      surface->lobes.inside = surface->lobes.ior > 0.0f;
+    }
   }
   /* An interpolated normal can lean away from the viewer; bring it back to grazing. */
   const float cosine = pl_vec3f_dot(surface->n, view);

@@ -2,6 +2,8 @@
 #ifndef PL_SHADE_LOBES_H
 #define PL_SHADE_LOBES_H
 
+#include <stdbool.h>
+
 #include "math/vec.h"
 
 /* Read by the row `principled` alone. All zero: no coat, nothing passes, and a base below the
@@ -16,7 +18,17 @@ typedef struct pl_lobes {
    */
   pl_vec3f coat_normal;
   float transmission; /* part of the dielectric's light that passes instead of scattering, 0..1 */
+  /* Index of refraction of the solid that the surface bounds, against vacuum; 0: a thin wall. */
+  float ior;
+  bool inside;         /* the viewer is inside that solid */
+  pl_vec3f extinction; /* of the solid, 1/m */
 } pl_lobes;
+
+/* Part of the light that a way of `length_m` through the solid leaves (Beer and Lambert). */
+static inline pl_vec3f pl_lobes_passed(const pl_lobes *lobes, float length_m) {
+  return pl_vec3f_make(expf(-length_m * lobes->extinction.x), expf(-length_m * lobes->extinction.y),
+                       expf(-length_m * lobes->extinction.z));
+}
 
 /* ior 1.5, full weight, white; all else off. */
 pl_lobes pl_lobes_plain(void);

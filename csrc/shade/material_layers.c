@@ -40,6 +40,9 @@ void pl_material_layers_surface(const pl_model *model, const pl_triangle_point *
                           pl_vec3f_make(layers->specular_color[0] * tint[0],
                                         layers->specular_color[1] * tint[1],
                                         layers->specular_color[2] * tint[2]));
+  lobes->ior = layers->solid ? layers->ior : 0.0f;
+  lobes->extinction =
+      pl_vec3f_make(layers->extinction[0], layers->extinction[1], layers->extinction[2]);
   if (layers->anisotropy > 0.0f)
     set_anisotropy(layers, turned, surface);
   surface->reflectance = &pl_reflectance_principled;

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "shade/node_rows.h"
+#include "shade/refraction.h"
 
 /* Cosine of the angle to the viewer, 0..1: surfaces are seen from both sides. A normal that is bent
  * away from him is seen edge-on. */
@@ -14,24 +15,10 @@ static float facing_of(const pl_graph_point *p, const float *normal) {
   return pl_minf(pl_maxf(side * pl_vec3f_dot(n, p->view), 0.0f), 1.0f);
 }
 
-/* Unpolarised light mirrored at a smooth boundary of relative index `eta` (Born and Wolf,
- * Principles of Optics, 7th ed., 1.5.2, eq. 21; in the form of Cook and Torrance 1982). 1 where all
- * is: below index 1 beyond the critical angle. 0 for index 1. */
-static float fresnel_of(float eta, float cosine) {
-  if (eta == 1.0f)
-    return 0.0f;
-  const float g2 = eta * eta - 1.0f + cosine * cosine;
-  if (!(g2 > 0.0f) || !isfinite(g2))
-    return 1.0f;
-  const float g = sqrtf(g2), a = (g - cosine) / (g + cosine);
-  const float b = (cosine * (g + cosine) - 1.0f) / (cosine * (g - cosine) + 1.0f);
-  return pl_minf(0.5f * a * a * (1.0f + b * b), 1.0f);
-}
-
 static void fresnel(const pl_node_call *call) {
   const float ior = call->in[0][0];
   pl_value_scalar(call->out[0],
-                  fresnel_of(ior > 0.0f ? ior : 0.0f, facing_of(call->point, call->in[1])));
+                  pl_fresnel(facing_of(call->point, call->in[1]), ior > 0.0f ? ior : 0.0f));
 }
 
 static const float BLEND_MAX = 1.0f - 1e-5f;
@@ -42,7 +29,7 @@ static void layer_weight(const pl_node_call *call) {
   const float blend = pl_minf(pl_clipped(call->in[0][0], 1.0f), BLEND_MAX);
   const float cosine = facing_of(call->point, call->in[1]);
   const float power = blend < 0.5f ? 2.0f * blend : 0.5f / (1.0f - blend);
-  pl_value_scalar(call->out[0], fresnel_of(1.0f / (1.0f - blend), cosine));
+  pl_value_scalar(call->out[0], pl_fresnel(cosine, 1.0f / (1.0f - blend)));
   pl_value_scalar(call->out[1], 1.0f - powf(cosine, power));
 }
 

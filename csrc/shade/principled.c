@@ -1,10 +1,12 @@
 /* The principled surface: the metallic-roughness base with anisotropy, index of refraction and
- * specular tint, light that passes thin walls, and a clear coat on top. */
+ * specular tint, light that passes thin walls or the boundaries of solids, and a clear coat on top.
+ */
 #include "shade/ggx.h"
 #include "shade/ggx_loss.h"
 #include "shade/ggx_loss_xy.h"
 #include "shade/principled_inputs.h"
 #include "shade/reflectance.h"
+#include "shade/refraction.h"
 
 /* Coats have index 1.5 (KHR_materials_clearcoat). */
 static const float COAT_F0 = 0.04f;
@@ -27,6 +29,7 @@ typedef struct view {
   pl_basis coat_basis;
   pl_vec3f f0;
   float f90;
+  float eta; /* of the solid: index behind the surface over that before it; 0: a thin wall */
   float coat_weight, diffuse, through; /* of the light; the latter two of what the base lets in */
   float loss, loss_mean;               /* of the base's lobe, where light is given back; or 0 */
   float chance[CHOICES];
@@ -76,19 +79,36 @@ static float coat_fresnel(const view *v, float cosine) {
   return v->coat_weight * pl_schlick(pl_vec3f_make(COAT_F0, COAT_F0, COAT_F0), 1.0f, cosine).x;
 }
 
+/* What the base mirrors at a cosine. A solid's part follows Fresnel, that all is mirrored where no
+ * light can leave; otherwise Schlick is near enough. */
+static pl_vec3f mirror_of(const view *v, const pl_surface *s, float cosine) {
+  if (!(v->eta > 0.0f))
+    return pl_schlick(v->f0, v->f90, cosine);
+  const pl_vec3f metal = pl_vec3f_scale(pl_schlick(s->color, 1.0f, cosine), s->metallic);
+  const float f = (1.0f - s->metallic) * pl_fresnel(cosine, v->eta);
+  return pl_vec3f_make(metal.x + f, metal.y + f, metal.z + f);
+}
+
+/* The ratio of indices at the surface of a solid. One like vacuum has no surface: 0. */
+static float eta_of(const pl_lobes *l) {
+  if (!(l->ior > 0.0f && l->transmission > 0.0f) || fabsf(l->ior - 1.0f) < 1e-3f)
+    return 0.0f;
+  return l->inside ? 1.0f / l->ior : l->ior;
+}
+
 /* Chances by the light that each lobe sends on, as seen from wo. */
 static void set_chances(view *v, const pl_surface *s, pl_vec3f wo) {
   float *c = v->chance, sum = 0.0f;
   const float under = 1.0f - coat_fresnel(v, of_coat(v, wo).z), color = pl_vec3f_max(s->color);
-  const float mirror = pl_vec3f_max(pl_schlick(v->f0, v->f90, wo.z));
-  const bool mirrors = pl_maxf(pl_vec3f_max(v->f0), v->f90) > 0.0f;
+  const float mirror = pl_vec3f_max(mirror_of(v, s, wo.z));
+  const bool mirrors = v->eta > 0.0f || pl_maxf(pl_vec3f_max(v->f0), v->f90) > 0.0f;
   const float again =
       s->metallic > 0.0f ? pl_ggx_returned(pl_vec3f_max(v->f0), v->loss_mean) : 0.0f;
   c[COAT] = 1.0f - under;
   c[MIRROR] = under * mirror;
   c[BROAD] = under * (v->diffuse * color + v->loss * again);
   c[THROUGH] = under * v->through * color * (1.0f - mirror);
-  c[THROUGH_BROAD] = under * v->through * color * v->loss;
+  c[THROUGH_BROAD] = v->eta > 0.0f ? 0.0f : under * v->through * color * v->loss;
   for (int i = 0; i < CHOICES; i++)
     sum += c[i];
   const float least = CHANCE_MIN * pl_maxf(sum, 1e-6f);
@@ -109,7 +129,8 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
   const float coat_alpha = pl_ggx_alpha(lobes->coat_alpha);
   view v = {
       .base = lobe_of(ax, ay, wo),
-      .coat_weight = lobes->coat,
+      .eta = eta_of(lobes),
+      .coat_weight = lobes->inside ? 0.0f : lobes->coat,
       .f0 = {d * lobes->f0.x + m * s->color.x, d * lobes->f0.y + m * s->color.y,
              d * lobes->f0.z + m * s->color.z},
       .f90 = d * lobes->f90 + m,
@@ -120,7 +141,7 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
     set_coat_basis(&v, s, wo);
     v.coat = lobe_of(coat_alpha, coat_alpha, of_coat(&v, wo));
   }
-  if (m > 0.0f || v.through > 0.0f) {
+  if (m > 0.0f || (v.through > 0.0f && !(v.eta > 0.0f))) {
     v.loss = loss_towards(&v.base, wo);
     v.loss_mean = loss_mean(&v.base);
   }
@@ -144,8 +165,8 @@ static float band(const view *v, float f0, float f, float let_in, float color, f
 
 static pl_vec3f above(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
   const float grazing = pl_minf(wo.z, wi.z), mirror = mirrored(&v->base, wo, wi, h);
-  const pl_vec3f f = pl_schlick(v->f0, v->f90, pl_vec3f_dot(wo, h));
-  const pl_vec3f let_in = pl_schlick(v->f0, v->f90, grazing);
+  const pl_vec3f f = mirror_of(v, s, pl_vec3f_dot(wo, h));
+  const pl_vec3f let_in = mirror_of(v, s, grazing);
   const float again = s->metallic > 0.0f ? again_of(v, wi) : 0.0f;
   const float diffuse = v->diffuse * wi.z / PL_PI_F;
   const pl_vec3f base = {
@@ -175,13 +196,47 @@ static pl_vec3f below(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f 
                        scale * s->color.z * ((1.0f - f.z) * mirror + again));
 }
 
+/* The normal that refracts wi (z < 0) to wo, on the viewer's side, and the change of wi's solid
+ * angle with it (Walter et al. 2007, eq. 16 and 17); 0 if there is none. */
+static float refracting(const view *v, pl_vec3f wo, pl_vec3f wi, pl_vec3f *h) {
+  const pl_vec3f sum = pl_vec3f_madd(wo, v->eta, wi);
+  *h = pl_vec3f_unit(sum.z < 0.0f ? pl_vec3f_scale(sum, -1.0f) : sum);
+  const float out = pl_vec3f_dot(wo, *h), in = -pl_vec3f_dot(wi, *h);
+  const float path = out - v->eta * in;
+  return out > 0.0f && in > 0.0f ? v->eta * v->eta * in / (path * path) : 0.0f;
+}
+
+/* What a solid lets pass (Walter et al. 2007, eq. 21). Radiance is counted as in vacuum, over the
+ * square of the index: light sources and cameras are there. Light that facets of rough boundaries
+ * send on to other facets is lost. */
+static pl_vec3f refracted(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
+  pl_vec3f h;
+  const float change = refracting(v, wo, wi, &h);
+  if (!(change > 0.0f))
+    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  const float out = pl_vec3f_dot(wo, h), coat = of_coat(v, wo).z;
+  const float passed = (1.0f - pl_fresnel(out, v->eta)) * (1.0f - coat_fresnel(v, coat));
+  const float scale = 4.0f * out * change * mirrored(&v->base, wo, wi, h) * passed * v->through;
+  return pl_vec3f_scale(s->color, scale);
+}
+
 static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
+  if (wi.z < 0.0f && v->eta > 0.0f)
+    return refracted(v, s, wo, wi);
   const pl_vec3f over = pl_vec3f_make(wi.x, wi.y, fabsf(wi.z));
   const pl_vec3f h = pl_vec3f_unit(pl_vec3f_add(wo, over));
   return wi.z > 0.0f ? above(v, s, wo, wi, h) : below(v, s, wo, over, h);
 }
 
+static float refracted_pdf(const view *v, pl_vec3f wo, pl_vec3f wi) {
+  pl_vec3f h;
+  const float change = refracting(v, wo, wi, &h);
+  return change > 0.0f ? 4.0f * pl_vec3f_dot(wo, h) * change * mirrored_pdf(&v->base, wo, h) : 0.0f;
+}
+
 static float density_of(const view *v, pl_vec3f wo, pl_vec3f wi) {
+  if (wi.z < 0.0f && v->eta > 0.0f)
+    return v->chance[THROUGH] * refracted_pdf(v, wo, wi);
   const pl_vec3f over = pl_vec3f_make(wi.x, wi.y, fabsf(wi.z));
   const pl_vec3f h = pl_vec3f_unit(pl_vec3f_add(wo, over));
   const float mirror = mirrored_pdf(&v->base, wo, h), cosine = pl_cosine_hemisphere_pdf(over.z);
@@ -226,18 +281,24 @@ static int choose(const view *v, float choice) {
   return last;
 }
 
-static pl_vec3f draw(const view *v, int chosen, pl_vec3f wo, const float u[2]) {
-  pl_vec3f wi;
+/* False: nothing comes of this draw. */
+static bool draw(const view *v, int chosen, pl_vec3f wo, const float u[2], pl_vec3f *wi) {
+  const bool passes = chosen == THROUGH || chosen == THROUGH_BROAD;
   if (chosen == BROAD || chosen == THROUGH_BROAD) {
-    wi = pl_sample_cosine_hemisphere(u[0], u[1]);
+    *wi = pl_sample_cosine_hemisphere(u[0], u[1]);
   } else {
     const lobe *l = chosen == COAT ? &v->coat : &v->base;
     pl_vec3f h = pl_ggx_visible_normal(l->ax, l->ay, chosen == COAT ? of_coat(v, wo) : wo, u);
     if (chosen == COAT && v->coat_bent)
       h = pl_basis_to_world(&v->coat_basis, h);
-    wi = pl_vec3f_sub(pl_vec3f_scale(h, 2.0f * pl_vec3f_dot(wo, h)), wo);
+    if (passes && v->eta > 0.0f)
+      return pl_refract(wo, h, v->eta, wi) && wi->z < 0.0f;
+    *wi = pl_vec3f_sub(pl_vec3f_scale(h, 2.0f * pl_vec3f_dot(wo, h)), wo);
   }
-  return wi;
+  if (!(wi->z > 0.0f))
+    return false;
+  wi->z = passes ? -wi->z : wi->z;
+  return true;
 }
 
 static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float choice, pl_vec3f *wi,
@@ -246,11 +307,8 @@ static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float cho
     return false;
   const view v = view_of(s, wo);
   const int chosen = choose(&v, choice);
-  *wi = draw(&v, chosen, wo, u);
-  if (!(wi->z > 0.0f))
+  if (!draw(&v, chosen, wo, u, wi))
     return false;
-  if (chosen == THROUGH || chosen == THROUGH_BROAD)
-    wi->z = -wi->z;
   *density = density_of(&v, wo, *wi);
   if (!(*density > 0.0f))
     return false;
@@ -261,7 +319,7 @@ static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float cho
 const pl_reflectance pl_reflectance_principled = {
     .name = "principled",
     .doc = "metallic_roughness with anisotropy, index of refraction, specular tint, thin-walled "
-           "transmission and clear coat",
+           "or solid transmission and clear coat",
     .layered = true,
     .evaluate = evaluate,
     .pdf = pdf,

@@ -33,6 +33,25 @@ static void test_all_factors(void **state) {
   pl_model_destroy(model);
 }
 
+/* A tenth of green passes 2 units, all of red and, by 1e-6, none of blue. */
+static void test_volume(void **state) {
+  (void)state;
+  pl_model *model =
+      load_text(WITH("\"KHR_materials_transmission\":{\"transmissionFactor\":1},"
+                     "\"KHR_materials_volume\":{\"thicknessFactor\":0.5,\"attenuationDistance\":2,"
+                     "\"attenuationColor\":[1,0.1,0]}"));
+  const pl_material_layers *l = &model->materials[0].layers;
+  assert_true(l->solid && l->extinction[0] == 0.0f);
+  assert_true(fabsf(l->extinction[1] - 1.1512925f) < 1e-6f);
+  assert_true(fabsf(l->extinction[2] - 6.9077553f) < 1e-5f);
+  assert_string_equal(model->warnings, "");
+  pl_model_destroy(model);
+  model = load_text(WITH("\"KHR_materials_transmission\":{\"transmissionFactor\":1},"
+                         "\"KHR_materials_volume\":{}"));
+  assert_false(model->materials[0].layers.solid);
+  pl_model_destroy(model);
+}
+
 /* Without extensions, or with one that is off, a material is a plain one. */
 static void test_plain(void **state) {
   (void)state;
@@ -87,37 +106,40 @@ static bool near(float a, double b) { return fabs((double)a - b) < 1e-5; }
 /* Each map times its factor, in the channel that its specification names. */
 static void test_all_maps(void **state) {
   (void)state;
-  pl_model *model =
-      load_mapped(
-          MAPPED(
-              "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,\"clearcoatRoughnessFactor\":0."
-              "5," MAP("clearcoatTexture") "," MAP(
-                  "clearcoatRoughnessTexture") ","
-                                               "\"clearcoatNormalTexture\":{\"index\":0,\"scale\":"
-                                               "0.5}},"
-                                               "\"KHR_materials_transmission\":{"
-                                               "\"transmissionFactor\":0.5," MAP(
-                                                   "transmissionTexture") "},"
-                                                                          "\"KHR_materials_ior\":{"
-                                                                          "\"ior\":3},"
-                                                                          "\"KHR_materials_"
-                                                                          "specular\":{"
-                                                                          "\"specularFactor\":0.5,"
-                                                                          "\"specularColorFactor\":"
-                                                                          "[1,0.5,1]," MAP("specula"
-                                                                                           "rTextur"
-                                                                                           "e") "," MAP(
-                                                                              "specularColorTextur"
-                                                                              "e") "},"
-                                                                                   "\"KHR_"
-                                                                                   "materials_"
-                                                                                   "anisotropy\":{"
-                                                                                   "\"anisotropyStr"
-                                                                                   "ength\":0."
-                                                                                   "5," MAP(
-                                                                                       "anisotropyT"
-                                                                                       "exture") "}",
-              UVS));
+  pl_model *model = load_mapped(MAPPED(
+      "\"KHR_materials_clearcoat\":{\"clearcoatFactor\":0.5,\"clearcoatRoughnessFactor\":0."
+      "5," MAP("clearcoatTexture") "," MAP(
+          "clearcoatRoughnessTexture") ","
+                                       "\"clearcoatNormalTexture\":{\"index\":0,\"scale\":"
+                                       "0.5}},"
+                                       "\"KHR_materials_transmission\":{"
+                                       "\"transmissionFactor\":0.5," MAP(
+                                           "transmissionTexture") "},"
+                                                                  "\"KHR_materials_ior\":{"
+                                                                  "\"ior\":3},"
+                                                                  "\"KHR_materials_"
+                                                                  "specular\":{"
+                                                                  "\"specularFactor\":0.5,"
+                                                                  "\"specularColorFactor\":"
+                                                                  "[1,0.5,1]," MAP(
+                                                                      "specula"
+                                                                      "rTextur"
+                                                                      "e") "," MAP("specularColorTe"
+                                                                                   "xtur"
+                                                                                   "e") "},"
+                                                                                        "\"KHR_"
+                                                                                        "materials_"
+                                                                                        "anisotropy"
+                                                                                        "\":{"
+                                                                                        "\"anisotro"
+                                                                                        "pyStr"
+                                                                                        "ength\":0."
+                                                                                        "5," MAP(
+                                                                                            "anisot"
+                                                                                            "ropyT"
+                                                                                            "extur"
+                                                                                            "e") "}",
+      UVS));
   assert_string_equal(model->warnings, "");
   const pl_surface s = surface_of(model);
   assert_ptr_equal(s.reflectance, &pl_reflectance_principled);
@@ -221,6 +243,8 @@ static void test_bad_numbers(void **state) {
       WITH("\"KHR_materials_ior\":{\"ior\":-1}"),
       WITH("\"KHR_materials_specular\":{\"specularColorFactor\":[1,1]}"),
       WITH("\"KHR_materials_anisotropy\":{\"anisotropyStrength\":-0.1}"),
+      WITH("\"KHR_materials_volume\":{\"attenuationDistance\":0}"),
+      WITH("\"KHR_materials_volume\":{\"attenuationColor\":[1,1]}"),
   };
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
     pl_model *model;
@@ -234,6 +258,7 @@ static void test_bad_numbers(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       in_own_folder(test_all_factors),
+      in_own_folder(test_volume),
       in_own_folder(test_plain),
       in_own_folder(test_required),
       in_own_folder(test_all_maps),

@@ -227,6 +227,37 @@ static void test_coat_has_its_own_normal(void **state) {
   assert_true(fabs(energy[0] - 0.04) < 1e-3);
 }
 
+/* A smooth boundary: Fresnel's part is mirrored, the rest goes on by Snell's law, from either side;
+ * beyond the critical angle all is mirrored. Fresnel's formula in the form of sines and tangents.
+ */
+static void test_smooth_boundary(void **state) {
+  (void)state;
+  for (int inside = 0; inside < 2; inside++)
+    for (int degrees = 5; degrees <= 80; degrees += 15) {
+      pl_surface s = plain(0.0f, 0.0f);
+      s.lobes.transmission = 1.0f;
+      s.lobes.ior = 1.5f;
+      s.lobes.inside = inside;
+      const double i = degrees * PL_PI / 180.0, sine = sin(i) * (inside ? 1.5 : 1.0 / 1.5);
+      const double t = asin(fmin(sine, 1.0));
+      const double across = sin(i - t) / sin(i + t), along = tan(i - t) / tan(i + t);
+      const double mirrored = sine < 1.0 ? 0.5 * (across * across + along * along) : 1.0;
+      const pl_vec3f wo = tilted((float)cos(i), 0.4f);
+      const float u[2] = {0.3f, 0.6f};
+      pl_vec3f wi, weight;
+      float pdf;
+      double energy[2];
+      furnace(&s, wo, energy);
+      if (fabs(energy[0] - mirrored) > 3e-3 || fabs(energy[1] - 1.0 + mirrored) > 3e-3)
+        fail_msg("%d deg: %g and %g, not %g", degrees, energy[0], energy[1], mirrored);
+      if (sine < 1.0) {
+        assert_true(row->sample(&s, wo, u, 0.99f, &wi, &weight, &pdf));
+        const pl_vec3f on = pl_vec3f_scale(tilted((float)cos(t), 0.4f), -1.0f);
+        assert_true(wi.z < 0.0f && pl_vec3f_norm(pl_vec3f_sub(wi, on)) < 0.02f);
+      }
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_plain_is_metallic_roughness),
@@ -238,6 +269,7 @@ int main(void) {
       cmocka_unit_test(test_anisotropy_has_a_direction),
       cmocka_unit_test(test_coat_over_black),
       cmocka_unit_test(test_coat_has_its_own_normal),
+      cmocka_unit_test(test_smooth_boundary),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

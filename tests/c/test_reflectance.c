@@ -88,8 +88,8 @@ static void test_smooth_metal_is_a_mirror(void **state) {
 
 /* --- reciprocity, bounds, extremes ------------------------------------------------------------ */
 
-/* Any surface that the model takes, but for coats with a normal of their own: bent normals are not
- * reciprocal. */
+/* Any surface that the model takes, but for coats with a normal of their own and solids: bent
+ * normals are not reciprocal, and the way back through a boundary starts on its other side. */
 static pl_surface any_surface(const pl_reflectance *model, test_random *random) {
   if (model->photometric)
     return ground_of(&grounds[random_below(random, COUNT(grounds))]);
@@ -97,6 +97,8 @@ static pl_surface any_surface(const pl_reflectance *model, test_random *random) 
   pl_surface s = with(white(alpha, (float)random_unit(random)),
                       &variants[random_below(random, COUNT(variants))]);
   s.lobes.coat_normal = pl_vec3f_make(0.0f, 0.0f, 0.0f);
+  s.lobes.ior = 0.0f;
+  s.lobes.inside = false;
   return s;
 }
 
@@ -118,6 +120,27 @@ static void test_reciprocity(void **state) {
       assert_true((out > 0.0f) == (pl_reflectances[m]->layered && s.lobes.transmission > 0.0f));
     }
   }
+}
+
+/* What passes the boundary of a solid one way, of radiance as in vacuum, passes it the other way
+ * but for the square of the index (Walter et al. 2007, appendix). */
+static void test_reciprocity_of_boundaries(void **state) {
+  (void)state;
+  test_random random = {.seed = 27};
+  int passed = 0;
+  for (int i = 0; i < 100000; i++) {
+    pl_surface s = white((float)random_scale(&random, 0.02, 1.0), 0.0f);
+    s.lobes = (pl_lobes){.transmission = 1.0f, .ior = (float)random_range(&random, 1.1, 2.5)};
+    const pl_vec3f a = tilted((float)random_range(&random, 0.01, 1), 0.0f);
+    const pl_vec3f b =
+        tilted((float)random_range(&random, 0.01, 1), (float)random_range(&random, -PL_PI, PL_PI));
+    const float in = pl_reflectance_principled.evaluate(&s, a, turned_over(b)).x / b.z;
+    s.lobes.inside = true;
+    const float back = pl_reflectance_principled.evaluate(&s, b, turned_over(a)).x / a.z;
+    assert_true(fabsf(in - s.lobes.ior * s.lobes.ior * back) <= 1e-2f * in + 2e-5f);
+    passed += in > 0.0f;
+  }
+  assert_true(passed > 1000);
 }
 
 /* What the plan's bounds rest on: pi f cos <= max(1, 1/(2 alpha^3)), but for what rough metals
@@ -216,6 +239,7 @@ int main(void) {
       cmocka_unit_test(test_rough_metal_is_more_saturated),
       cmocka_unit_test(test_smooth_metal_is_a_mirror),
       cmocka_unit_test(test_reciprocity),
+      cmocka_unit_test(test_reciprocity_of_boundaries),
       cmocka_unit_test(test_bound_of_the_lobe),
       cmocka_unit_test(test_extremes),
       cmocka_unit_test(test_below_the_horizon),

@@ -6,7 +6,7 @@
 
 #include "surfaces.h"
 
-enum { DRAWS = 20000, RINGS = 24, SECTORS = 12, CELLS = RINGS * SECTORS };
+enum { DRAWS = 12000, RINGS = 24, SECTORS = 12, CELLS = RINGS * SECTORS };
 
 /* --- chi-square --------------------------------------------------------------------------------
  * Cells are rings and sectors about the mirror direction; 1 - cos of the ring's edge is 2 t^6 for
@@ -104,6 +104,8 @@ static bool can_tell(const sight *seen) {
   const pl_lobes *l = &seen->surface.lobes;
   const float alpha = seen->surface.alpha;
   const float least = l->coat > 0.0f ? fminf(alpha, l->coat_alpha) : alpha;
+  if (l->ior > 0.0f && alpha < 0.05f)
+    return false; /* what is refracted lies in large cells */
   return !(l->anisotropy > 0.0f && alpha < 5e-3f) && !(least < 5e-3f && seen->wo.z < 0.01f);
 }
 
