@@ -304,6 +304,25 @@ def test_material_drivers_drive_the_graphs_of_a_mesh(tree, iss, repo_dir, place)
             perilune.open(tree, base=FOLDER)
 
 
+def test_material_drivers_of_a_planet(tree, planet):
+    tree["materials"] = {"clouds": copy.deepcopy(GRAPH)}
+    planet["material"] = "clouds"
+    planet["material_drivers"] = listing_5()
+    found, told = translated(tree)
+    assert "material" not in told.replace("materialParams", "")
+    body = found["bodies"]["planet"]
+    assert (body["material"], body["material_mode"]) == ("clouds", "wrap")
+    document = cfg.load(found, base=FOLDER)
+    key = "bodies.planet.material_drivers.drivers.scale"
+    assert len({document.at(index)[1][key] for index in range(4)}) > 1
+    planet["material_drivers"]["drivers"]["scal"] = listing_5()["drivers"]["scale"]
+    path = f"{MESHES}[0].meshParams.material_drivers.drivers.scal"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", oaisys.OaisysWarning)
+        with pytest.raises(ConfigError, match=rf"{re.escape(path)}\b.*: drives nothing"):
+            perilune.open(tree, base=FOLDER)
+
+
 def test_what_has_no_counterpart_is_told_by_its_key(tree, planet, iss):
     tree["SIMULATION_SETUP"]["numBatches"] = 3
     tree["SIMULATION_SETUP"]["outputPath"] = "/tmp/x"

@@ -6,7 +6,8 @@ mean radius of the body that is orbited and orbits nothing, 6.378e6 for the Eart
 without bodies and orbits) turns scene units into metres everywhere; a mesh's `scale` applies to its
 model's own units on top of that. Frames: the scene's axes are ICRF's. Time: batches are scenes,
 samples their steps, a step is 60 s. The keys name, description, seed and materials at the top are
-ours, and so is `materials` of a mesh; `material_drivers` drives the nodes of these graphs.
+ours, and so are `materials` of a mesh and `material` of one that is a body; `material_drivers`
+drives the nodes of these graphs.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """`material_drivers`: of the graphs on a mesh, or at the top of the file of all graphs.
 
-Graphs come with our keys: `materials` at the top of the file, and `materials` of a mesh, which says
-where on it they are.
+Graphs come with our keys: `materials` at the top of the file, and those of a mesh that say which
+are on it: `materials`, uses as a spacecraft has them, or `material` of a body, a name.
 """
 
 from __future__ import annotations
@@ -60,16 +60,15 @@ def read_graphs(root: Node, tree: dict[str, Any]) -> None:
 
 
 def read_mesh(owners: tuple[Node, ...], entry: dict[str, Any], ours: str, is_body: bool) -> None:
-    """Our `materials` of a mesh, and the drivers of those; keys stand in any of `owners`."""
-    why = "on a body there are no graphs yet" if is_body else None
+    """Our graphs of a mesh, and the drivers of those; keys stand in any of `owners`."""
+    key = "material" if is_body else "materials"
     for owner in owners:
-        if owner.has("materials"):
-            if why is not None:
-                owner.fail("materials", why)
-            entry["materials"] = owner.get("materials")
-            owner.comes(f"{ours}.materials", "materials")
-    if why is None and "materials" not in entry:
-        why = "no graph is on the mesh; its `materials` may put some there"
+        if owner.has(key):
+            entry[key] = owner.get(key)
+            owner.comes(f"{ours}.{key}", key)
+    if is_body and key in entry:
+        entry["material_mode"] = "wrap"  # around the picture, or the colour, that the mesh has
+    why = None if key in entry else f"no graph is on the mesh; its `{key}` may put one there"
     for owner in owners:
         section = read(owner, why, f"{ours}.{_KEY}")
         if section:
