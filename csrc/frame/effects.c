@@ -15,8 +15,10 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_body_bounces,   &pl_effect_surface_maps,   &pl_effect_bump_detail,
     &pl_effect_texture_filter, &pl_effect_regolith,       &pl_effect_clear_coat,
     &pl_effect_transmission,   &pl_effect_distortion,     &pl_effect_antialiasing,
-    &pl_effect_point_spread,   &pl_effect_fixed_pattern,  &pl_effect_dark_current,
-    &pl_effect_shot_noise,     &pl_effect_read_noise,
+    &pl_effect_vignetting,     &pl_effect_point_spread,   &pl_effect_fixed_pattern,
+    &pl_effect_smear,          &pl_effect_dark_current,   &pl_effect_defects,
+    &pl_effect_shot_noise,     &pl_effect_cosmic_rays,    &pl_effect_blooming,
+    &pl_effect_read_noise,
 };
 const size_t pl_effect_count = sizeof pl_effects / sizeof pl_effects[0];
 

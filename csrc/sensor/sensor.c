@@ -55,6 +55,15 @@ pl_status pl_sensor_check(const pl_sensor *sensor) {
   PL_TRY(in_range("prnu", sensor->prnu, 0.0, 1.0));
   PL_TRY(in_range("dark_current", sensor->dark_current, 0.0, 1e12));
   PL_TRY(in_range("dark_nonuniform", sensor->dark_nonuniform, 0.0, 100.0));
+  PL_TRY(in_range("hot_pixels", sensor->hot_pixels, 0.0, 1.0));
+  PL_TRY(in_range("hot_current", sensor->hot_current, 0.0, 1e12));
+  PL_TRY(in_range("dead_pixels", sensor->dead_pixels, 0.0, 1.0));
+  PL_TRY(in_range("vignetting", sensor->vignetting, 0.0, 100.0));
+  PL_TRY(in_range("shift", sensor->shift_s, 0.0, 1e6));
+  PL_TRY(in_range("drain", sensor->drain, 0.0, 1.0));
+  PL_TRY(in_range("ray_flux", sensor->ray_flux, 0.0, 1e15));
+  PL_TRY(in_range("ray_electrons_per_m", sensor->ray_electrons_per_m, 0.0, 1e15));
+  PL_TRY(in_range("ray_depth", sensor->ray_depth_m, 0.0, 1.0));
   PL_TRY(in_range("full_well", sensor->full_well, 1.0, 1e12));
   PL_TRY(in_range("read_noise", sensor->read_noise, 0.0, 1e9));
   PL_TRY(in_range("column_noise", sensor->column_noise, 0.0, 1e9));

@@ -47,6 +47,7 @@ typedef struct pl_sensor {
   /* lens */
   double f_number;     /* of the sine condition: E = pi L T / (4 N^2) on the axis */
   double transmission; /* 0..1 */
+  double vignetting;   /* light falls as cos^vignetting of the angle to the axis; 4: natural */
   pl_psf psf;
   /* pixels */
   double pixel_m;
@@ -62,7 +63,16 @@ typedef struct pl_sensor {
   double prnu;            /* relative standard deviation of the pixels' response */
   double dark_current;    /* electrons a second and pixel */
   double dark_nonuniform; /* relative standard deviation of the dark current between pixels */
+  double hot_pixels;      /* part of the pixels, 0..1 */
+  double hot_current;     /* their dark current, electrons a second */
+  double dead_pixels;     /* part of the pixels, 0..1 */
+  double shift_s;         /* of a row, in light (frame transfer); 0: no smear */
   double full_well;       /* electrons */
+  double drain;           /* part of a full pixel's excess that is drained off; 1: no blooming */
+  /* particles */
+  double ray_flux;            /* rays a square metre and second */
+  double ray_electrons_per_m; /* freed along a track */
+  double ray_depth_m;         /* of the layer in which charge is gathered */
   /* reading out */
   double read_noise;   /* electrons, standard deviation */
   double column_noise; /* likewise of an offset that a column keeps in all frames */

@@ -23,9 +23,7 @@ pl_status pl_stage_shot_noise(pl_sensor_frame *frame, int value) {
 static double bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;
-  const double dark = view->sensor->dark_current * view->sensor->exposure_s;
-  const double mean =
-      fmin(pl_sensor_white_electrons(view->sensor), pl_sensor_electrons_max(view) + dark);
+  const double mean = fmin(pl_sensor_white_electrons(view->sensor), pl_sensor_charge_max(view));
   return pl_sensor_dn(view, PL_SENSOR_SIGMAS * sqrt(mean));
 }
 

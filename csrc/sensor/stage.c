@@ -7,11 +7,16 @@
 #include "sensor/stages.h"
 
 const pl_sensor_stage pl_sensor_stages[] = {
+    {"vignetting", &pl_effect_vignetting, pl_stage_vignetting},
     {"point_spread", &pl_effect_point_spread, pl_stage_point_spread},
     {"electrons", NULL, pl_stage_electrons},
     {"fixed_pattern", &pl_effect_fixed_pattern, pl_stage_fixed_pattern},
+    {"smear", &pl_effect_smear, pl_stage_smear},
     {"dark_current", &pl_effect_dark_current, pl_stage_dark_current},
+    {"defects", &pl_effect_defects, pl_stage_defects},
     {"shot_noise", &pl_effect_shot_noise, pl_stage_shot_noise},
+    {"cosmic_rays", &pl_effect_cosmic_rays, pl_stage_cosmic_rays},
+    {"blooming", &pl_effect_blooming, pl_stage_blooming},
     {"full_well", NULL, pl_stage_full_well},
     {"read_noise", &pl_effect_read_noise, pl_stage_read_noise},
     {"digitise", NULL, pl_stage_digitise},
@@ -65,6 +70,20 @@ double pl_sensor_electrons_max(const pl_view *view) {
       radiance = fmax(radiance, pl_view_light(&view->things[i]) + pl_view_received(view, i));
   radiance *= pl_view_series(view, 1 + view->max_bounces);
   return radiance * pl_sensor_response_white(view->sensor);
+}
+
+double pl_sensor_charge_max(const pl_view *view) {
+  const pl_sensor *s = view->sensor;
+  const double light = pl_sensor_electrons_max(view) * (1.0 + PL_SENSOR_SIGMAS * s->prnu);
+  const double dark = (s->dark_current * (1.0 + 100.0 * s->dark_nonuniform) +
+                       (s->hot_pixels > 0.0 ? 1.5 * s->hot_current : 0.0)) *
+                      s->exposure_s;
+  const bool smeared = s->shift_s > 0.0 && s->exposure_s > 0.0; /* no 0 times infinity */
+  const double smear = smeared ? view->height * s->shift_s / s->exposure_s * light : 0.0;
+  const double rays =
+      s->ray_flux > 0.0 ? s->ray_electrons_per_m * (s->ray_depth_m + 2.0 * s->pixel_m) : 0.0;
+  const double mean = light + dark + smear + rays;
+  return mean + PL_SENSOR_SIGMAS * sqrt(mean);
 }
 
 const char *pl_sensor_absent(const pl_view *view) {

@@ -58,6 +58,8 @@ double pl_sensor_dn(const pl_view *view, double electrons);
 /* Upper bound of the electrons that light frees in a pixel; INFINITY where the sun may be mirrored
  * or is in the frame. */
 double pl_sensor_electrons_max(const pl_view *view);
+/* Upper bound of the charge of a pixel before it blooms: light, and what other stages add. */
+double pl_sensor_charge_max(const pl_view *view);
 /* Why no stage matters, or NULL. */
 const char *pl_sensor_absent(const pl_view *view);
 /* Cost of `ns` nanoseconds a pixel, in milliseconds. */

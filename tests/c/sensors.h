@@ -18,6 +18,7 @@ static inline pl_sensor sensor_plain(void) {
                      .band_share = {0.12, 0.13, 0.14},
                      .wavelength_m = {650e-9, 550e-9, 450e-9},
                      .exposure_s = 1e-3,
+                     .drain = 1.0,
                      .full_well = 30000.0,
                      .gain = 10.0,
                      .black_level = 100.0,

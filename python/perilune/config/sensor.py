@@ -52,6 +52,17 @@ class PointSpread(Strict):
     """The wings fall as the distance to the power of -2 wing_beta."""
 
 
+class CosmicRays(Strict):
+    """Particles that leave charge along their tracks."""
+
+    flux_cm2_s: Annotated[NonNegative, Field(le=1e11)] = 0.0
+    """Rays a square centimetre and second. Galactic rays in deep space: about 4."""
+    electrons_um: Annotated[NonNegative, Field(le=1e9)] = 80.0
+    """Electrons that a micrometre of track frees; 80 in silicon by a fast proton."""
+    depth_um: Annotated[NonNegative, Field(le=1e6)] = 10.0
+    """Of the layer whose charge is gathered."""
+
+
 class ImageSensor(Strict):
     """An image sensor behind a lens: makes the channels `raw` and `sensor_rgb`.
 
@@ -62,6 +73,8 @@ class ImageSensor(Strict):
     """Focal length over aperture."""
     transmission: Fraction = 0.9
     """Of the lens, all surfaces."""
+    vignetting: Annotated[NonNegative, Field(le=100.0)] = 4.0
+    """Light falls off as this power of the cosine of the angle to the axis; 4: a thin lens."""
     point_spread: PointSpread = PointSpread()
     pixel_um: Annotated[Positive, Field(ge=0.01, le=1e6)] = 5.5
     """Side of a pixel."""
@@ -85,6 +98,18 @@ class ImageSensor(Strict):
     """Of the sensor."""
     dark_nonuniform: Annotated[NonNegative, Field(le=100.0)] = 0.3
     """Relative standard deviation of the dark current between pixels (log-normal)."""
+    hot_pixels: Fraction = 0.0
+    """Part of the pixels that have the dark current `hot_current_e_s`."""
+    hot_current_e_s: Annotated[NonNegative, Field(le=1e9)] = 20000.0
+    """Of hot pixels; from half to one and a half of it, at any temperature."""
+    dead_pixels: Fraction = 0.0
+    """Part of the pixels that see nothing."""
+    shift_us: Annotated[NonNegative, Field(le=1e9)] = 0.0
+    """Time in which a frame-transfer CCD without a shutter shifts by a row: smear."""
+    drain: Fraction = 1.0
+    """Part of a full pixel's excess that is drained off; the rest blooms along the column. CMOS and
+    CCDs with anti-blooming gates: 1; CCDs without: 0."""
+    cosmic_rays: CosmicRays = CosmicRays()
     full_well_e: Annotated[Positive, Field(ge=1.0, le=1e12)] = 20000.0
     """Electrons that a pixel holds."""
     read_noise_e: Annotated[NonNegative, Field(le=1e9)] = 8.0

@@ -1,0 +1,63 @@
+/* The stage `blooming`: what a full pixel of a CCD cannot hold flows along its column, half up and
+ * half down, and fills pixel after pixel; what passes the column's ends, and the part that a drain
+ * takes from each excess, is lost. Charge is else conserved. */
+#include <math.h>
+
+#include "sensor/effects.h"
+#include "sensor/stages.h"
+
+/* Moves what flows one way; `step` is +-1. */
+static void flow(pl_sensor_frame *frame, int x, int first, int step) {
+  const size_t width = (size_t)frame->width;
+  const double well = frame->sensor->full_well;
+  double carried = 0.0;
+  for (int y = first; y >= 0 && y < frame->height; y += step) {
+    double *pixel = &frame->electrons[(size_t)y * width + (size_t)x];
+    const double total = *pixel;
+    if (total > well) { /* a source: its half joins what flows by, and its well stays full */
+      carried += 0.5 * (1.0 - frame->sensor->drain) * (total - well);
+    } else {
+      const double taken = fmin(carried, well - total);
+      *pixel += taken;
+      carried -= taken;
+    }
+  }
+}
+
+static void bloom_column(pl_sensor_frame *frame, int x) {
+  flow(frame, x, 0, 1);
+  flow(frame, x, frame->height - 1, -1);
+}
+
+pl_status pl_stage_blooming(pl_sensor_frame *frame, int value) {
+  (void)value;
+  return pl_sensor_columns(frame, bloom_column); /* `full_well` then clips the sources */
+}
+
+static const char *absent(const pl_view *view) {
+  const char *none = pl_sensor_absent(view);
+  if (none != NULL)
+    return none;
+  if (!(view->sensor->drain < 1.0))
+    return "the drain takes all excess";
+  return pl_sensor_charge_max(view) > view->sensor->full_well ? NULL : "no pixel is full";
+}
+
+/* All that a column's pixels cannot hold may end in one pixel. */
+static double bound_dn(const pl_view *view, int value) {
+  const double excess = pl_sensor_charge_max(view) - view->sensor->full_well;
+  return value > 0 ? 0.0 : pl_sensor_dn(view, view->height * excess);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return pl_sensor_cost_ms(view, 20.0 * value);
+}
+
+const pl_effect pl_effect_blooming = {
+    .name = "blooming",
+    .doc = "Sensor: charge of full pixels flows along their columns",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

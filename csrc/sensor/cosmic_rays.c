@@ -1,0 +1,87 @@
+/* The stage `cosmic_rays`: particles that cross the sensor and leave charge along straight tracks.
+ * Their number is Poisson distributed with the stated flux times area and time. A ray comes from a
+ * direction of an isotropic flux through a plane (density cos(theta)), crosses a layer of the
+ * stated depth, and frees charge in proportion to its path. */
+#include <math.h>
+
+#include "sensor/draws.h"
+#include "sensor/effects.h"
+#include "sensor/stages.h"
+
+static const double TWO_PI = 6.28318530717958647692;
+/* Tracks are drawn in steps of this part of a pixel. */
+static const double STEP_PX = 0.125;
+/* Nearly grazing rays would cross the whole sensor: tan(theta) up to this. */
+static const double MOST_TANGENT = 50.0;
+/* More than this many rays cover a sensor; time and flux beyond show no more. */
+static const double MOST_RAYS = 1e6;
+
+static void add_charge(pl_sensor_frame *frame, double x, double y, double electrons) {
+  const double u = floor(x), v = floor(y);
+  if (u >= 0.0 && v >= 0.0 && u < frame->width && v < frame->height)
+    frame->electrons[(size_t)v * (size_t)frame->width + (size_t)u] += electrons;
+}
+
+static void draw_ray(pl_sensor_frame *frame, uint64_t ray) {
+  const pl_sensor *sensor = frame->sensor;
+  pl_stream stream = pl_stream_of(frame->seed, PL_DRAW_RAY, ray + 1, frame->index);
+  double x = frame->width * pl_stream_uniform(&stream);
+  double y = frame->height * pl_stream_uniform(&stream);
+  const double sine2 = pl_stream_uniform(&stream), angle = TWO_PI * pl_stream_uniform(&stream);
+  const double tangent = fmin(MOST_TANGENT, sqrt(sine2 / fmax(1.0 - sine2, 1e-12)));
+  const double path_m = sensor->ray_depth_m * sqrt(1.0 + tangent * tangent);
+  const double length_px = sensor->ray_depth_m * tangent / sensor->pixel_m;
+  const double steps = fmin(ceil(length_px / STEP_PX) + 1.0, 1e5);
+  const double each = sensor->ray_electrons_per_m * path_m / steps;
+  for (double k = 0.0; k < steps; k += 1.0) {
+    const double along = length_px * (k + 0.5) / steps;
+    add_charge(frame, x + along * cos(angle), y + along * sin(angle), each);
+  }
+}
+
+static double mean_rays(const pl_sensor *sensor, int width, int height) {
+  const double area = sensor->pixel_m * sensor->pixel_m * width * height;
+  return fmin(MOST_RAYS, sensor->ray_flux * area * sensor->exposure_s);
+}
+
+/* On one thread: rays are few, and may meet in a pixel. */
+pl_status pl_stage_cosmic_rays(pl_sensor_frame *frame, int value) {
+  (void)value;
+  pl_stream stream = pl_stream_of(frame->seed, PL_DRAW_RAY, 0, frame->index);
+  const double mean = mean_rays(frame->sensor, frame->width, frame->height);
+  const double count = pl_stream_poisson(&stream, mean);
+  for (double ray = 0.0; ray < count; ray += 1.0)
+    draw_ray(frame, (uint64_t)ray);
+  return PL_OK;
+}
+
+/* A frame that a ray hits once in a million is as one without. */
+static const char *absent(const pl_view *view) {
+  const char *none = pl_sensor_absent(view);
+  if (none != NULL)
+    return none;
+  const double mean = mean_rays(view->sensor, view->width, view->height);
+  return mean > 1e-6 && view->sensor->ray_electrons_per_m > 0.0 ? NULL : "no ray hits the sensor";
+}
+
+/* A ray leaves at most the track that fits in a pixel; several may meet in one. */
+static double bound_dn(const pl_view *view, int value) {
+  const pl_sensor *sensor = view->sensor;
+  const double track_m = sensor->ray_depth_m + 2.0 * sensor->pixel_m;
+  const double mean = mean_rays(sensor, view->width, view->height) / view->width / view->height;
+  const double meet = 1.0 + mean + PL_SENSOR_SIGMAS * sqrt(mean);
+  return value > 0 ? 0.0 : pl_sensor_dn(view, meet * sensor->ray_electrons_per_m * track_m);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return value * 1e-3 * mean_rays(view->sensor, view->width, view->height);
+}
+
+const pl_effect pl_effect_cosmic_rays = {
+    .name = "cosmic_rays",
+    .doc = "Sensor: charge along the tracks of particles",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
