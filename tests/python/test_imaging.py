@@ -67,8 +67,8 @@ def test_clean_channels_do_not_know_of_the_sensor(tree):
 
 
 def test_automatic_exposure_brings_the_percentile_to_the_key(tree):
-    sensor = {"exposure": {"percentile": 90.0, "key": 0.5}, "mosaic": "mono", "bits": 16, "vignetting": 0.0,
-              "gain_e_dn": 0.5}  # fmt: skip
+    sensor = {"exposure": {"percentile": 90.0, "key": 0.5}, "mosaic": "mono", "bits": 16,
+              "vignetting": 0.0, "gain_e_dn": 0.5}  # fmt: skip
     sim = opened(tree, sensor, overrides={"camera.width": 96, "camera.height": 64})
     sample = sim.frame(0, ["raw", "radiance"])
     light = np.sort((sample["raw"].astype(float) - 64.0)[sample["radiance"].sum(2) > 0.0])
