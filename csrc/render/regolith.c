@@ -25,15 +25,6 @@ static void read_map(const pl_shot_body *body, const pl_beam *beam, bool maps,
 
 static float times(float factor, float value) { return pl_minf(factor * value, 1.0f); }
 
-/* `given` where it is a number. */
-static void take(const pl_regolith_band *given, pl_regolith_band *out) {
-  const float *from = (const float *)given;
-  float *to = (float *)out;
-  for (size_t k = 0; k < PL_REGOLITH_VALUES; k++)
-    if (!isnan(from[k]))
-      to[k] = from[k];
-}
-
 void pl_regolith_shade(const pl_shot_body *body, const pl_beam *beam, bool maps,
                        pl_vertex *vertex) {
   pl_surface *surface = &vertex->surface;
@@ -49,6 +40,6 @@ void pl_regolith_shade(const pl_shot_body *body, const pl_beam *beam, bool maps,
   surface->regolith = *given;
   for (int k = 0; k < 3; k++) {
     surface->regolith.band[k] = texel[k].band;
-    take(&given->band[k], &surface->regolith.band[k]);
+    pl_regolith_band_take(&given->band[k], &surface->regolith.band[k]);
   }
 }

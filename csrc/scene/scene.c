@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "shade/hapke.h"
 
 pl_status pl_scene_init(int levels, pl_scene *out) {
   *out = (pl_scene){0};
@@ -119,6 +120,40 @@ pl_status pl_scene_set_materials(pl_scene *scene, size_t index, const pl_graph *
   return PL_OK;
 }
 
+/* Of a smooth soil along the normal, which is as bright as a rough one. */
+static double opposition(const pl_regolith_texel *texel) {
+  const pl_vec3 up = {0.0, 0.0, 1.0};
+  const pl_regolith_band *band = &texel->band;
+  const pl_hapke hapke = {.w = (double)texel->w,
+                          .b = (double)band->b,
+                          .c = (double)band->c,
+                          .b_s0 = (double)band->b_s0,
+                          .h_s = 1.0,
+                          .b_c0 = (double)band->b_c0,
+                          .h_c = 1.0,
+                          .filling = (double)band->filling};
+  return pl_hapke_reflectance(&hapke, up, up);
+}
+
+static void find_brightest(pl_body *body) {
+  double peak[3] = {-1.0, -1.0, -1.0};
+  memset(body->brightest, 0, sizeof body->brightest);
+  if (body->regolith_map == NULL)
+    return;
+  const pl_grid_frame *frame = pl_grid_frame_of(body->regolith_map);
+  for (int i = 0; i < frame->width * frame->height; i++) {
+    pl_regolith_texel texel[3];
+    memcpy(texel, pl_grid_cell(body->regolith_map, i % frame->width, i / frame->width),
+           sizeof texel);
+    for (int k = 0; k < 3; k++) {
+      const double light = opposition(&texel[k]);
+      if (light > peak[k])
+        body->brightest[k] = texel[k];
+      peak[k] = fmax(peak[k], light);
+    }
+  }
+}
+
 static pl_status check_regolith_map(const pl_body *body) {
   const size_t values = sizeof(pl_regolith_texel) / sizeof(float);
   if (body->regolith_map == NULL)
@@ -154,6 +189,7 @@ pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   scene->bodies = grown;
   PL_TRY(check_regolith_map(body));
   pl_body added = *body;
+  find_brightest(&added);
   added.name = pl_strdup(body->name);
   if (added.name == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);

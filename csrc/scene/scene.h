@@ -56,8 +56,9 @@ typedef struct pl_body {
   uint16_t class_ids[PL_LEVELS_MAX];
   const pl_graph *graph; /* borrowed: instead of, or around, the above surface; NULL for none */
   /* Set by pl_scene_add_body: */
-  pl_model_summary summary; /* of the graph */
-  float random;             /* 0..1, of the name */
+  pl_regolith_texel brightest[3]; /* of the map's cells in each band, seen with the sun behind */
+  pl_model_summary summary;       /* of the graph */
+  float random;                   /* 0..1, of the name */
 } pl_body;
 
 typedef struct pl_scene {

@@ -68,17 +68,35 @@ static void add_graph(const pl_body *body, pl_view_thing *thing) {
   thing->map_ranges = NULL; /* no bound is known of what the graph makes of a map */
 }
 
+/* What the brightest soil of the body reflects where it is brightest. Coats over a diffuse base
+ * reflect up to everything at grazing angles. */
+static double albedo_max(const pl_body *body, const pl_body_state *state) {
+  const double albedo = fmax(state->albedo[0], fmax(state->albedo[1], state->albedo[2]));
+  if (body->reflectance == &pl_reflectance_lambert)
+    return fmin(albedo, 1.0);
+  if (!body->reflectance->photometric)
+    return 1.0;
+  pl_surface surface = {.reflectance = body->reflectance, .regolith = state->regolith};
+  float color[3];
+  for (int k = 0; k < 3; k++) {
+    const bool mapped = body->regolith_map != NULL && body->map == NULL;
+    color[k] = fminf(state->albedo[k] * (mapped ? body->brightest[k].w : 1.0f), 1.0f);
+    surface.regolith.band[k] = body->brightest[k].band;
+    pl_regolith_band_take(&state->regolith.band[k], &surface.regolith.band[k]);
+  }
+  surface.color = pl_vec3f_make(color[0], color[1], color[2]);
+  return pl_regolith_peak(&surface);
+}
+
 static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *body) {
   const pl_body_state *state = body->state;
-  const double albedo = fmax(state->albedo[0], fmax(state->albedo[1], state->albedo[2]));
-  /* Coats over a diffuse base reflect up to everything at grazing angles. */
   const bool diffuse = body->body->reflectance == &pl_reflectance_lambert;
   pl_view_thing thing = {
       .is_body = true,
       .in_frame = body->in_frame,
       .textured = body->body->map != NULL || body->body->regolith_map != NULL,
       .radius_m = body->radius_m,
-      .albedo_max = diffuse ? fmin(albedo, 1.0) : 1.0,
+      .albedo_max = albedo_max(body->body, state),
       .ggx_alpha_min = 1.0,
       .diffuse = diffuse,
       .pictured = body->body->regolith_map != NULL,

@@ -79,6 +79,10 @@ static inline bool pl_surface_admits(const pl_surface *s, pl_vec3f direction) {
          (s->reflectance->layered && s->lobes.transmission > 0.0f && ng < 0.0f && n < 0.0f);
 }
 
+/* Upper bound of pi times what a surface of a photometric row makes of a light's irradiance, in any
+ * band, at any angles: sampled, and a tenth more. */
+double pl_regolith_peak(const pl_surface *surface);
+
 /* Row by name, or NULL. */
 const pl_reflectance *pl_reflectance_find(const char *name);
 

@@ -103,3 +103,28 @@ double pl_regolith_fall(const pl_hapke *band, const pl_hapke_angles *angles) {
   const double full = pl_regolith_single(band, &opposition);
   return full > 0.0 ? pl_regolith_single(band, angles) / full : 0.0;
 }
+
+double pl_regolith_peak(const pl_surface *surface) {
+  enum { SLANTS = 11, AZIMUTHS = 7 };
+  static const float slants[SLANTS] = {0, 20, 40, 55, 65, 75, 80, 84, 87, 89, 89.9f};
+  static const float azimuths[AZIMUTHS] = {0, 4, 10, 20, 45, 90, 180};
+  const float degree = PL_PI_F / 180.0f;
+  float peak = 0.0f;
+  for (int i = 0; i < SLANTS; i++)
+    for (int e = 0; e < SLANTS; e++)
+      for (int a = 0; a < AZIMUTHS; a++) {
+        const float x = slants[i] * degree, y = slants[e] * degree, turn = azimuths[a] * degree;
+        const pl_vec3f wi = {sinf(x), 0.0f, cosf(x)};
+        const pl_vec3f wo = {sinf(y) * cosf(turn), sinf(y) * sinf(turn), cosf(y)};
+        peak = pl_maxf(peak, pl_vec3f_max(surface->reflectance->evaluate(surface, wo, wi)));
+      }
+  return 1.1 * PL_PI * (double)peak;
+}
+
+void pl_regolith_band_take(const pl_regolith_band *given, pl_regolith_band *out) {
+  const float *from = (const float *)given;
+  float *to = (float *)out;
+  for (size_t k = 0; k < PL_REGOLITH_VALUES; k++)
+    if (!isnan(from[k]))
+      to[k] = from[k];
+}

@@ -26,6 +26,9 @@ typedef struct pl_regolith {
  * such where `partly`. */
 bool pl_regolith_band_valid(const pl_regolith_band *band, bool partly);
 
+/* Takes over what is a number in `given`. */
+void pl_regolith_band_take(const pl_regolith_band *given, pl_regolith_band *out);
+
 /* A pl_regolith's band with its albedo: one texel of a published map, in the order of Sato et al.
  * 2014 (LROC WAC Hapke parameter maps). */
 typedef struct pl_regolith_texel {

@@ -199,6 +199,29 @@ static void test_reciprocity_and_extremes(void **state) {
   }
 }
 
+/* No angles make a soil brighter than its peak, which is near. */
+static void test_peak(void **state) {
+  (void)state;
+  test_random random = {.seed = 74};
+  for (size_t m = 0; m < pl_reflectance_count; m++)
+    for (size_t s = 0; pl_reflectances[m]->photometric && s < COUNT(soils); s++) {
+      pl_surface surface = surface_of(&soils[s]);
+      surface.reflectance = pl_reflectances[m];
+      surface.regolith.limb = -0.4f;
+      const double peak = pl_regolith_peak(&surface);
+      double most = 0.0;
+      for (int k = 0; k < 20000; k++) {
+        const pl_vec3f wo = tilted((float)random_unit(&random), 0.0f);
+        const pl_vec3f wi =
+            k % 2 == 0 ? wo
+                       : tilted((float)random_unit(&random), (float)random_range(&random, 0, 7));
+        most = fmax(most, PL_PI * (double)surface.reflectance->evaluate(&surface, wo, wi).x);
+      }
+      if (!(most <= peak && most > 0.4 * peak))
+        fail_msg("%s, soil %zu: %g, peak %g", surface.reflectance->name, s, most, peak);
+    }
+}
+
 /* As nodes: what is given is set and cut off at its range, the rest is the Moon's. */
 static void test_inputs(void **state) {
   (void)state;
@@ -225,6 +248,7 @@ int main(void) {
       cmocka_unit_test(test_cheap_laws),
       cmocka_unit_test(test_sampling),
       cmocka_unit_test(test_reciprocity_and_extremes),
+      cmocka_unit_test(test_peak),
       cmocka_unit_test(test_inputs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
