@@ -13,6 +13,13 @@ extern "C" {
  * flattened. Errors name the file and the fault. The caller destroys *out. */
 pl_status pl_gltf_load(const char *path, pl_model **out);
 
+/* JSON text of an array with {"index", "name"} of each of the file's materials, named as
+ * pl_gltf_load names them, and `graph` of those that are used and have `extras.perilune_graph`: as
+ * it is in the file, nested at most as deep as glTF may be (see io/gltf_guard.cpp). `[]` when no
+ * material has one, and when the file cannot be opened. PL_E_FORMAT for a file with graphs that is
+ * broken, PL_E_RANGE for more than 1 MB of text. The caller frees *out by pl_free. */
+pl_status pl_gltf_graphs(const char *path, char **out);
+
 #ifdef __cplusplus
 }
 #endif

@@ -87,6 +87,7 @@ static PyObject *allocations(PyObject *module, PyObject *unused) {
 
 static PyMethodDef functions[] = {
     {"allocations", allocations, METH_NOARGS, "Allocations made by the core so far."},
+    {"gltf_graphs", pl_py_gltf_graphs, METH_O, "Graphs in the extras of a file's materials."},
     {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
     {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "geom/components.h"
 #include "geom/texture.h"
 #include "io/gltf.h"
@@ -53,6 +54,23 @@ static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   Py_INCREF(path);
   self->path = path;
   return (PyObject *)self;
+}
+
+PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path) {
+  (void)module;
+  PyObject *bytes = NULL;
+  if (!PyUnicode_FSConverter(path, &bytes))
+    return NULL;
+  pl_status status;
+  char *text = NULL;
+  const char *name = PyBytes_AsString(bytes);
+  Py_BEGIN_ALLOW_THREADS status = pl_gltf_graphs(name, &text);
+  Py_END_ALLOW_THREADS Py_DECREF(bytes);
+  if (status != PL_OK)
+    return pl_py_raise(status);
+  PyObject *out = PyUnicode_DecodeUTF8(text, (Py_ssize_t)strlen(text), "replace");
+  pl_free(text);
+  return out;
 }
 
 static const pl_model *of(PyObject *self) { return ((model_object *)self)->model; }

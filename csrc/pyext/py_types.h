@@ -17,6 +17,8 @@ const pl_graph *pl_py_graph_of(PyObject *object);
 const pl_grid *pl_py_grid_of(PyObject *object);
 /* NODES, as documented in the stub. A new reference. */
 PyObject *pl_py_nodes(void);
+/* The function gltf_graphs, as documented in the stub. */
+PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path);
 /* Marks the scene as in use, so that nothing is added any more. */
 const pl_scene *pl_py_scene_freeze(PyObject *object);
 /* While a frame of the scene is rendered (change +1 before, -1 after) its materials stay. */

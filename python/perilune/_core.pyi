@@ -413,6 +413,11 @@ def project(K: F64, lens: tuple[str, F64] | None, points: F64) -> F64:
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
 
+def gltf_graphs(path: str, /) -> str:
+    """JSON: [{index, name}] of a glTF file's materials, with `graph` of those that are used and
+    have `extras.perilune_graph`; [] when there is none or the file cannot be opened. ValueError for
+    a broken file with graphs, or more than 1 MB of them."""
+
 def allocations() -> int:
     """Allocations the core has made in this process so far; Embree's and NumPy's not counted."""
 

@@ -15,6 +15,7 @@ from perilune.config.fixed import fixed
 from perilune.config.instances import spread
 from perilune.config.loader import plain_tree, read_tree
 from perilune.config.material_files import include
+from perilune.config.model_graphs import include_models
 from perilune.config.overrides import apply_overrides
 from perilune.config.paths import resolve
 from perilune.config.references import check_references
@@ -214,5 +215,6 @@ def load(
         tree, origins = translation.tree, dict(translation.origins)
     apply_overrides(tree, plain_tree(overrides or {}, "overrides"))
     origins |= include(tree, base, source)
+    origins |= include_models(tree, base, source)
     spread(tree)
     return Document(tree, base, source, origins, replay)

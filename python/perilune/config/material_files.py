@@ -38,14 +38,14 @@ def include(tree: Tree, base: Path, source: str) -> dict[str, str]:
         held = read_tree(path_of_file)
         if _KEY in held:
             raise ConfigError(f"{text}:\n  {_KEY}: a file of a material names no other file")
-        _move_images(held, os.path.relpath(path_of_file.parent, base))
-        for path in _from_file(held, material, ()):
+        move_images(held, os.path.relpath(path_of_file.parent, base))
+        for path in from_file(held, material, ()):
             origins[f"materials.{name}.{path_text(path)}"] = f"{text}: {path_text(path)}"
         materials[name] = merged(held, material)
     return origins
 
 
-def _move_images(held: Tree, folder: str) -> None:
+def move_images(held: Mapping[str, Any], folder: str) -> None:
     """Paths of images that are relative to the material's file become relative to ours."""
     nodes = held.get("nodes")
     for node in nodes.values() if isinstance(nodes, dict) else ():
@@ -89,7 +89,7 @@ def _drivers(held: Tree, beside: Tree) -> Tree:
     return result
 
 
-def _from_file(held: Any, beside: Any, path: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+def from_file(held: Any, beside: Any, path: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
     """Paths of the file's keys below which nothing stands beside it, down to inputs of nodes."""
     for key, value in held.items():
         at = (*path, key)
@@ -98,4 +98,4 @@ def _from_file(held: Any, beside: Any, path: tuple[str, ...]) -> Iterator[tuple[
             yield at
         below = {} if alone else beside[key]
         if isinstance(value, dict) and isinstance(below, dict) and len(at) < _DEPTH:
-            yield from _from_file(value, below, at)
+            yield from from_file(value, below, at)

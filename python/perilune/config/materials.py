@@ -104,6 +104,8 @@ class MaterialUse(Strict):
     """Triangles by place, as `parts.boxes` (default: everywhere)."""
     use: str
     """Name of an entry of `materials`."""
+    required: bool = True
+    """false: no error when no triangle fits."""
     mode: Literal["replace", "wrap"] = "replace"
     """replace: nothing of the model's material is left but its opacity. wrap: inputs of the surface
     that the graph does not give stay those of the model's material."""

@@ -236,6 +236,10 @@ class Spacecraft(Strict):
     """Class of part -> patterns on part and material names; before those of `labels`."""
     materials: tuple[MaterialUse, ...] = ()
     """Graphs instead of, or around, the model's materials; the first that fits a triangle."""
+    model_graphs: bool = True
+    """Whether graphs in the model's file (`perilune_graph` in a material's extras, a mapping as in
+    `materials`) are used where `materials` puts none. Each is the entry `FILE-MATERIAL` of
+    `materials`, in whose place keys stand beside the file's."""
     material_drivers: DriverSection | None = None
     """Values of nodes of these graphs that the materials' own drivers do not give."""
     articulation: tuple[Joint, ...] = ()

@@ -52,13 +52,13 @@ def triangles(
             pattern = getattr(use, what)
             if pattern is not None:
                 hit = np.array([_matches(pattern, name) for name in names])
-                if not hit.any():
+                if use.required and not hit.any():
                     near = nearest(pattern, dict.fromkeys(names))
                     raise ValueError(f"{key}[{k}].{what}: no {what} fits '{pattern}'{near}")
                 fits &= hit[of_triangle]
         if use.box is not None:
             fits &= inside_box(model, mesh, use.box, f"{key}[{k}].box")
-        if not fits.any():
+        if use.required and not fits.any():
             raise ValueError(f"{key}[{k}]: no triangle fits all that is asked")
         result[fits & (result < 0)] = k
     return result
