@@ -215,6 +215,20 @@ static pl_status summarise(const law_samples *s, pl_arena *arena, pl_law_colors 
   return PL_OK;
 }
 
+/* Whether the grid has met enough of the lit part: what lies between its rays is otherwise anyone's
+ * guess. */
+static bool is_covered(const law_samples *s) {
+  const int enough = 16;
+  int lit = 0;
+  for (int i = 0; i < POINTS; i++) {
+    float light = 0.0f;
+    for (int k = 0; k < VALUES; k++)
+      light += s->points[i].exact[k];
+    lit += light > 0.0f;
+  }
+  return lit >= enough;
+}
+
 pl_status pl_laws_build(pl_snapshot *shot, pl_arena *arena, pl_view *view) {
   pl_view_thing *things = NULL;
   for (size_t i = 0; i < shot->body_count; i++) {
@@ -232,6 +246,8 @@ pl_status pl_laws_build(pl_snapshot *shot, pl_arena *arena, pl_view *view) {
     samples->mapped = body->body->map != NULL || body->body->regolith_map != NULL;
     set_window(body, samples);
     take_samples(samples);
+    if (!is_covered(samples))
+      continue;
     pl_law_colors *colors;
     pl_view_laws *laws;
     PL_TRY(summarise(samples, arena, &colors, &laws));

@@ -8,7 +8,7 @@ static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].laws != NULL)
       return NULL;
-  return "no body in the frame follows Hapke's law";
+  return "no body follows Hapke's law over much of the frame";
 }
 
 static int ceiling(const pl_view *view) {

@@ -363,4 +363,19 @@ def test_ladder_is_only_for_hapke() -> None:
     plan = _core.Renderer(moon.scene("minnaert")).plan(moon.request(16, 30))["plan"]
     row = next(row for row in plan if row["name"] == "regolith")
     assert row["value"] == 0
-    assert "no body in the frame" in row["reason"]
+    assert "no body follows Hapke's law" in row["reason"]
+
+
+def test_slivers_keep_their_law() -> None:
+    """A crescent between the rays that compare laws is as Hapke has it, at any tolerance."""
+    renderer = _core.Renderer(moon.scene("hapke"))
+    given = {key: close_up(0, 5e3, 3e3)[key] for key in ("body_regolith", "body_albedo")}
+    for phase_deg in (165.0, 175.0):
+        images = []
+        for force_on in ([], ["regolith"]):
+            asked = moon.request(48, phase_deg, **given)
+            asked["quality"] |= {"tolerance_dn": 200.0, "force_on": ["antialiasing", *force_on]}
+            images.append(np.empty((48, 48, 3), np.float32))
+            renderer.render(asked, {"radiance": images[-1]})
+        assert images[1].max() > 0.0
+        assert np.array_equal(images[0], images[1])
