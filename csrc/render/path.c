@@ -170,18 +170,10 @@ static bool roulette(pl_path *next, int bounce, float u) {
   return true;
 }
 
-/* Boundaries of solids hand on their own roughness: light that goes to and fro between them would
- * see them rougher at every turn. */
-static float regular_alpha(const pl_path *path, const pl_surface *s, float opening) {
-  if (s->reflectance->layered && s->lobes.ior > 0.0f)
-    return pl_maxf(path->alpha_min, pl_minf(s->alpha, REGULAR_CAP));
-  return pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * opening, REGULAR_CAP));
-}
-
-/* Draws where the path goes on from the vertex. */
+/* Draws where the path goes on from the vertex; `cap`: the most that it is regularised by. */
 static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
-                   int bounce, const float u[2], const float choice[2], pl_vec3f wo, pl_path *next,
-                   pl_ray *ray) {
+                   int bounce, const float u[2], const float choice[2], pl_vec3f wo, float cap,
+                   pl_path *next, pl_ray *ray) {
   const pl_surface *s = &vertex->surface;
   pl_vec3f wi, weight;
   float pdf;
@@ -202,7 +194,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
                .spread = pl_maxf(path->beam.spread, pl_minf(opening, SPREAD_MAX))},
       .throughput = pl_vec3f_mul(path->throughput, weight),
       .pdf = pdf,
-      .alpha_min = regular_alpha(path, s, opening),
+      .alpha_min = pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * opening, cap)),
       .pixel = path->pixel,
   };
   return roulette(next, bounce, choice[1]);
@@ -237,10 +229,25 @@ static void set_lobes(const pl_render_settings *settings, float alpha_min, pl_su
     s->lobes.transmission = 0.0f;
 }
 
+/* The path met the boundary of a solid, if it is one: it may come through it, whose extinction is
+ * by the length of the model's units. Boundaries hand on no more than their own roughness: light
+ * that goes to and fro between them would see them rougher at every turn. */
+static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path, float *cap) {
+  pl_lobes *lobes = &vertex->surface.lobes;
+  pl_vertex_face_layers(vertex);
+  if (lobes->ior > 0.0f)
+    *cap = pl_minf(vertex->surface.alpha, REGULAR_CAP);
+  if (!lobes->inside)
+    return;
+  const double units = vertex->t / shot->objects[vertex->thing].scale;
+  path->throughput = pl_vec3f_mul(path->throughput, pl_lobes_passed(lobes, (float)units));
+}
+
 /* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
   pl_path path = b->paths[i];
+  float cap = REGULAR_CAP;
   const vertex_draws u = draws_of(b, i);
   pl_vertex_shade(context->shot, &path.beam, context->settings->detail, vertex);
   if (bounce == 0)
@@ -249,8 +256,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   s->alpha = pl_maxf(s->alpha, path.alpha_min);
   if (s->reflectance->layered) {
     set_lobes(context->settings, path.alpha_min, s);
-    if (s->lobes.inside) /* came through the solid */
-      path.throughput = pl_vec3f_mul(path.throughput, pl_lobes_passed(&s->lobes, (float)vertex->t));
+    meet_solid(context->shot, vertex, &path, &cap);
   }
   if (pl_vec3f_max(s->emission) > 0.0f) {
     const float weight = pl_emitters_met(context, &path, &b->rays[i], vertex);
@@ -262,8 +268,8 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   *queued = shade_sun(context, &path, vertex, u.sun, wo, onward, *queued, b);
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, onward, *queued, b);
-  if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, &b->paths[*kept],
-                       &b->rays[*kept]))
+  if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, cap,
+                       &b->paths[*kept], &b->rays[*kept]))
     ++*kept;
 }
 

@@ -167,15 +167,6 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
   pl_graph_surface(graph->graph, &point, own != NULL ? own + graph->first_parameter : NULL, s);
 }
 
-/* The model's own material. */
-static void shade_material(const pl_shot_object *object, const pl_triangle_point *point,
-                           pl_detail detail, pl_surface *surface) {
-  pl_material_surface(object->object->model, point, detail, surface);
-  if (surface->reflectance->layered) /* the material's lengths are in model units */
-    surface->lobes.extinction =
-        pl_vec3f_scale(surface->lobes.extinction, (float)(1.0 / object->scale));
-}
-
 static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_detail detail,
                        pl_vertex *vertex) {
   pl_shot_frame(object, vertex->triangle, vertex->w, vertex->ng, &vertex->surface);
@@ -187,7 +178,7 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_det
   const pl_object_graph *graph =
       pl_object_materials_at(object->object->materials, vertex->triangle);
   if (graph == NULL || pl_graph_wraps(graph->graph))
-    shade_material(object, &point, detail, &vertex->surface);
+    pl_material_surface(object->object->model, &point, detail, &vertex->surface);
   if (graph != NULL)
     shade_graph(object, graph, &point, detail, beam, vertex);
 }
@@ -296,10 +287,6 @@ static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
     surface->ng = pl_vec3f_scale(ng, -1.0f);
     surface->n = pl_vec3f_scale(surface->n, -1.0f);
     surface->b = pl_vec3f_scale(surface->b, -1.0f);
-    if (surface->reflectance->layered) {
-      surface->lobes.coat_normal = pl_vec3f_scale(surface->lobes.coat_normal, -1.0f);
-      surface->lobes.inside = surface->lobes.ior > 0.0f;
-    }
   }
   /* An interpolated normal can lean away from the viewer; bring it back to grazing. */
   const float cosine = pl_vec3f_dot(surface->n, view);
@@ -307,6 +294,14 @@ static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
     const pl_vec3f n = pl_vec3f_unit(pl_vec3f_madd(surface->n, 1e-3f - cosine, view));
     pl_surface_set_frame(surface, n, surface->t, 1.0f);
   }
+}
+
+void pl_vertex_face_layers(pl_vertex *vertex) {
+  pl_lobes *lobes = &vertex->surface.lobes;
+  if (!(pl_vec3f_dot(vertex->ng, vertex->surface.ng) < 0.0f))
+    return;
+  lobes->coat_normal = pl_vec3f_scale(lobes->coat_normal, -1.0f);
+  lobes->inside = lobes->ior > 0.0f;
 }
 
 void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex) {

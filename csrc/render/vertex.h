@@ -36,6 +36,9 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                      pl_vertex *vertex);
 
+/* Turns the layers of a shaded vertex, whose row is layered, to the viewer's side too. */
+void pl_vertex_face_layers(pl_vertex *vertex);
+
 /* Start of a secondary ray from the vertex towards `direction`: off the surface by a few ulp of the
  * coordinates, for the neighbours in its plane; the triangle itself cannot be hit again. */
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,

@@ -21,13 +21,13 @@ typedef struct pl_lobes {
   /* Index of refraction of the solid that the surface bounds, against vacuum; 0: a thin wall. */
   float ior;
   bool inside;         /* the viewer is inside that solid */
-  pl_vec3f extinction; /* of the solid, 1/m */
+  pl_vec3f extinction; /* of the solid, per unit of the model */
 } pl_lobes;
 
-/* Part of the light that a way of `length_m` through the solid leaves (Beer and Lambert). */
-static inline pl_vec3f pl_lobes_passed(const pl_lobes *lobes, float length_m) {
-  return pl_vec3f_make(expf(-length_m * lobes->extinction.x), expf(-length_m * lobes->extinction.y),
-                       expf(-length_m * lobes->extinction.z));
+/* Part of the light that a way of `length` model units through the solid leaves (Beer, Lambert). */
+static inline pl_vec3f pl_lobes_passed(const pl_lobes *lobes, float length) {
+  return pl_vec3f_make(expf(-length * lobes->extinction.x), expf(-length * lobes->extinction.y),
+                       expf(-length * lobes->extinction.z));
 }
 
 /* ior 1.5, full weight, white; all else off. */
