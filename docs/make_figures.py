@@ -2,7 +2,9 @@
 
 Figure 5: a satellite around a planet, and one around a moon around a planet. Figure 7: sampled
 orbits. Figure 13: camera trajectories, sketched, with frames taken along them. All from
-configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Needs the extra `plot`.
+configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
+scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials. Needs the
+extra `plot`.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import Any
 
 import moon_figures
 import numpy as np
+import yaml
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -36,6 +39,22 @@ MOON = {
         "inclination_deg": 20.0,
         "mean_anomaly_deg": 285.0,
     },
+}
+LOOK = ROOT / "configs" / "material.yaml"
+FOIL = ROOT / "configs" / "mli_randomised.yaml"
+READY = sorted((ROOT / "assets" / "materials").glob("*.yaml"))
+NOISE = {
+    "nodes": {
+        "where": {"type": "coordinates"},
+        "OAISYS_scale": {"type": "value", "value": 3.0},
+        "noise": {"type": "musgrave", "vector": "where", "scale": "OAISYS_scale", "octaves": 8},
+        "paint": {
+            "type": "ramp",
+            "value": "noise",
+            "stops": [[-0.4, 0.02, 0.02, 0.02], [0.4, 0.8, 0.8, 0.8]],
+        },
+        "skin": {"type": "principled", "base_color": "paint", "roughness": 0.6},
+    }
 }
 FRAMES, BETWEEN = 3, 12
 """Frames shown of a trajectory, and steps from one to the next."""
@@ -145,7 +164,70 @@ def figure_moon() -> None:
     save(moon_figures.figure_moon(), "moon.png")
 
 
-FIGURES = {"05": figure_05, "07": figure_07, "13": figure_13, "moon": figure_moon}
+def pictures(name: str, rows: list[list[tuple[str, Any]]], width: float) -> None:
+    """Rows of titled images, on black."""
+    height, wide = rows[0][0][1].shape[:2]
+    size = width / len(rows[0])
+    figure = Figure(figsize=(width, len(rows) * (size * height / wide + 0.22)), facecolor="black")
+    grid = figure.subplots(len(rows), len(rows[0]), squeeze=False)
+    for line, axes_row in zip(rows, grid, strict=True):
+        for (title, image), axes in zip(line, axes_row, strict=True):
+            axes.imshow(image, interpolation="lanczos")
+            axes.set_title(title, color="white", fontsize=9, pad=3)
+            axes.axis("off")
+    figure.subplots_adjust(0.004, 0.004, 0.996, 1 - 0.22 / figure.get_figheight(), 0.01, 0.1)
+    save(figure, name)
+
+
+def figure_08() -> None:
+    """A ball with a Musgrave noise of three scales, by the node that a driver would drive."""
+    shown = []
+    for scale in (3.0, 5.0, 10.0):
+        changes = {"materials.look": NOISE, "materials.look.nodes.OAISYS_scale.value": scale}
+        changes |= {"camera.width": 320, "camera.height": 320, "camera.fov_deg": 15.0}
+        changes |= {"camera.trajectory.aim_offset_m": [-0.58, 0.0, 0.0]}
+        sim = perilune.open(LOOK, overrides=changes)
+        shown.append((f"scale {scale:g}", sim.frame(0, channels=["rgb"])["rgb"]))
+    pictures("figure_08.png", [shown], 9.0)
+
+
+def figure_10() -> None:
+    """The foil of a satellite, drawn with rising strength."""
+    changes = {"camera.width": 300, "camera.height": 340, "camera.fov_deg": 20.0}
+    changes |= {"render.samples": 24}
+    sim = perilune.open(FOIL, overrides=changes)
+    strengths = sim.config.materials["gold"].drivers.jitter_strength
+    shown = [
+        (f"jitter strength {strength:g}", sim.frame(k, channels=["rgb"])["rgb"])
+        for k, strength in enumerate(strengths)
+    ]
+    pictures("figure_10.png", [shown], 12.0)
+
+
+def materials() -> None:
+    """All ready materials on a ball and a panel, under a hard sun."""
+    shown = []
+    for path in READY:
+        changes: dict[str, Any] = {"materials.look.file": str(path), "render.samples": 48}
+        nodes = yaml.safe_load(path.read_text())["nodes"]
+        if nodes["where"].get("space") == "face":  # for flat panels: a ball has too many faces
+            ball = {"file": str(path), "nodes": {"where": {"space": "box"}}}
+            uses = [{"part": "ball", "use": "ball"}, {"part": "panel", "use": "look"}]
+            changes |= {"materials.ball": ball, "spacecraft.object.materials": uses}
+        sim = perilune.open(LOOK, overrides=changes | {"camera.width": 480, "camera.height": 256})
+        shown.append((path.stem.replace("_", " "), sim.frame(0, channels=["rgb"])["rgb"]))
+    pictures("materials.png", [shown[k : k + 3] for k in range(0, len(shown), 3)], 12.0)
+
+
+FIGURES = {
+    "05": figure_05,
+    "07": figure_07,
+    "08": figure_08,
+    "10": figure_10,
+    "13": figure_13,
+    "materials": materials,
+    "moon": figure_moon,
+}
 
 
 def main() -> None:
