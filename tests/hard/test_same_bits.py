@@ -56,6 +56,8 @@ def demo(root):
     for body in tree["bodies"].values():
         if "color_map" in body:
             body["color_map"] = str((root / "configs" / body["color_map"]).resolve())
+    for material in tree["materials"].values():
+        material["file"] = str((root / "configs" / material["file"]).resolve())
     return tree
 
 
