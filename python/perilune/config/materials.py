@@ -9,6 +9,7 @@ import re
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    ConfigDict,
     Field,
     ValidationError,
     ValidatorFunctionWrapHandler,
@@ -54,8 +55,21 @@ class DriverSection(Strict):
     """Steps between draws (default: drivers.interval)."""
 
 
+def _drivers_in_file(schema: dict[str, Any]) -> None:
+    """Beside `file` a setting can stand alone: the drivers are in the file."""
+    schema.pop("required", None)
+
+
+def _nodes_in_file(schema: dict[str, Any]) -> None:
+    """The graph stands here or in the file."""
+    schema.pop("required", None)
+    schema["anyOf"] = [{"required": ["nodes"]}, {"required": ["file"]}]
+
+
 class MaterialDrivers(DriverSection):
     """Drivers that several spacecraft share, or draw independently."""
+
+    model_config = ConfigDict(json_schema_extra=_drivers_in_file)
 
     per: Literal["material", "instance"] = "material"
     """material: one draw for all that has the node. instance: each spacecraft draws its own."""
@@ -63,6 +77,8 @@ class MaterialDrivers(DriverSection):
 
 class Material(Strict):
     """A material as a graph of nodes."""
+
+    model_config = ConfigDict(json_schema_extra=_nodes_in_file)
 
     file: str | None = None
     """YAML or JSON file of the keys of this mapping; relative to this file, or data:... under
