@@ -48,8 +48,17 @@ void pl_snapshot_cone(const pl_snapshot *shot, const double rect[4], pl_vec3 *ax
   *half_angle_rad *= bent ? BENT_ROOM : 1.0 + 1e-9;
 }
 
-static void build_object(const pl_object *object, const pl_object_state *state, pl_vec3 camera,
-                         pl_shot_object *out) {
+/* Faces of two objects in one place would win by rounding, a speckle. The later object counts as
+ * nearer: for tracing it is shrunk towards the camera by a few units in the last place, which moves
+ * nothing in the image; what is written of a hit comes of the true place. After NEARER_MOST objects
+ * the order begins anew. */
+#define NEARER_STEP 0x1p-19
+enum { NEARER_MOST = 16 };
+
+static double nearer(size_t index) { return 1.0 - NEARER_STEP * (double)(index % NEARER_MOST); }
+
+static void build_object(const pl_object *object, size_t index, const pl_object_state *state,
+                         pl_vec3 camera, pl_shot_object *out) {
   const pl_pose pose = pl_motion_middle(&state->motion);
   *out = (pl_shot_object){.object = object,
                           .parameters = state->parameters,
@@ -75,7 +84,7 @@ static void build_object(const pl_object *object, const pl_object_state *state, 
                               t.y,
                               t.z};
   for (int i = 0; i < 12; i++)
-    out->to_view[i] = (float)columns[i];
+    out->to_view[i] = (float)(nearer(index) * columns[i]);
   const float *low = object->model->bounds_min, *high = object->model->bounds_max;
   const pl_vec3 middle = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]),
                           0.5 * (low[2] + high[2])};
@@ -136,7 +145,7 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   out->sun.in_frame = pl_sphere_in_cone(out->sun.position, out->sun.radius_m, axis, half_angle);
   for (size_t i = 0; i < scene->object_count; i++) {
     pl_shot_object *object = &out->objects[i];
-    build_object(&scene->objects[i], &placement->objects[i], camera.t, object);
+    build_object(&scene->objects[i], i, &placement->objects[i], camera.t, object);
     if (scene->objects[i].cut != NULL)
       PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
     object->in_frame = pl_sphere_in_cone(object->center, object->radius_m, axis, half_angle);

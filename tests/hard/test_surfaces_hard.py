@@ -1,6 +1,6 @@
 """Surfaces at their hard cases: patterns far from the origin, maps at the date line and the poles,
-pictures of one texel and of odd sides, faces without texture gradients or tangents, grazing and
-normal incidence, roughness 0 and 1.
+pictures of one texel and of odd sides, faces in one place, faces without texture gradients or
+tangents, grazing and normal incidence, roughness 0 and 1.
 """
 
 from __future__ import annotations
@@ -251,6 +251,60 @@ def leaning(points: NDArray[np.float32], angle: float) -> NDArray[np.float32]:
     c, s = np.cos(angle), np.sin(angle)
     turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
     return (points @ turn.T).astype(np.float32)
+
+
+def grid(cells: int) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """The square in cells^2 squares, each cut along its other diagonal."""
+    x = np.linspace(-1.0, 1.0, cells + 1)
+    points = np.array([[a, b, 0.0] for a in x for b in x], dtype=np.float32)
+    first = [i * (cells + 1) + j for i in range(cells) for j in range(cells)]
+    triangles = [
+        t for a in first for t in ([a, a + cells + 1, a + 1], [a + 1, a + cells + 1, a + cells + 2])
+    ]
+    return points, np.array(triangles, dtype=np.uint32)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("decal", ["same triangles", "other diagonal", "finer"])
+@pytest.mark.parametrize("position", [[0.0, 0.0, 12.0], [3.0, 1.0, 6.0], [1.0, 5.0, 4.0]])
+def test_of_faces_in_one_place_the_later_objects_are_seen(
+    tmp_path: Path, decal: str, angle: float, position: list[float]
+) -> None:
+    """A decal, whatever triangles it is made of: at every pixel, by every sample, on one thread or
+    two. Where both are in sight is where the one below is alone."""
+    above = {
+        "same triangles": (SQUARE, HALVES[0]),
+        "other diagonal": (SQUARE, HALVES[1]),
+        "finer": grid(7),
+    }[decal]
+    models = {
+        name: write_glb(tmp_path / f"{name}.glb", leaning(points, angle), triangles)
+        for name, (points, triangles) in (("base", (SQUARE, HALVES[0])), ("decal", above))
+    }
+    paint = {
+        name: {"nodes": {"skin": {"type": "lambert", "base_color": color}}}
+        for name, color in (("red", [0.8, 0.0, 0.0]), ("blue", [0.0, 0.0, 0.8]))
+    }
+    places = {
+        "materials": paint,
+        "spacecraft.base.materials": [{"material": "*", "use": "red"}],
+        "render.channels": ["instance"],
+    }
+    alone = before_the_ball(tmp_path, {"base": models["base"]}, position, **places)
+    expected = alone.frame(0)["instance"] == 2
+    places["spacecraft.decal.materials"] = [{"material": "*", "use": "blue"}]
+    sim = before_the_ball(tmp_path, models, position, **places)
+    one = sim.frame(0, channels=["instance", "radiance"], threads=1)
+    two = sim.frame(0, channels=["instance", "radiance"], threads=2)
+    assert np.array_equal(one["radiance"], two["radiance"])
+    assert expected.sum() > 100
+    assert np.array_equal(one["instance"] == 3, expected)
+    assert not (one["instance"] == 2).any()
+    inner = np.zeros_like(expected)
+    inner[1:-1, 1:-1] = expected[1:-1, 1:-1]
+    for shift in ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, -1), (1, -1), (-1, 1)):
+        inner &= np.roll(expected, shift, axis=(0, 1))
+    assert (one["radiance"][inner][:, 0] == 0.0).all()
 
 
 LOBES: dict[str, dict[str, Any]] = {
