@@ -52,8 +52,8 @@ void pl_snapshot_cone(const pl_snapshot *shot, const double rect[4], pl_vec3 *ax
  * nearer: for tracing it is shrunk towards the camera by a few units in the last place, which moves
  * nothing in the image; what is written of a hit comes of the true place. After NEARER_MOST objects
  * the order begins anew. */
-#define NEARER_STEP 0x1p-19
-enum { NEARER_MOST = 16 };
+#define NEARER_STEP 0x1p-20
+enum { NEARER_MOST = 8 };
 
 static double nearer(size_t index) { return 1.0 - NEARER_STEP * (double)(index % NEARER_MOST); }
 
