@@ -11,6 +11,7 @@ from scipy import constants, integrate
 import perilune
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
+from perilune.config.sensor_presets import PRESETS
 from perilune.imaging import SUN_K, sensor_of, solar_band
 
 CLEAN = ["rgb", "radiance", "depth"]
@@ -126,6 +127,26 @@ def test_without_a_sensor_there_are_no_digital_numbers(tree):
 def test_what_is_no_sensor_is_refused_by_name(tree, sensor, text):
     with pytest.raises(ConfigError, match=f"camera.sensor.*{text}"):
         opened(tree, sensor)
+
+
+@pytest.mark.parametrize("name", sorted(PRESETS))
+def test_presets_are_defaults(tree, name):
+    """Their values, but for what is given beside them; the full well fits the digits."""
+    values = PRESETS[name].values
+    sensor = opened(tree, {"preset": name}).config.camera.sensor
+    for key, value in values.items():
+        assert getattr(sensor, key) == (tuple(value) if isinstance(value, list) else value)
+    assert opened(tree, {"preset": name, "read_noise_e": 1.5}).config.camera.sensor == (
+        sensor.model_copy(update={"read_noise_e": 1.5})
+    )
+    digits = (2**sensor.bits - 1 - sensor.black_level_dn) * sensor.gain_e_dn
+    assert digits == pytest.approx(sensor.full_well_e, rel=0.02)
+    assert opened(tree, {"preset": name}).frame(0, ["raw"])["raw"].max() > sensor.black_level_dn
+
+
+def test_an_unknown_preset_is_refused(tree):
+    with pytest.raises(ConfigError, match=r"camera\.sensor\.preset"):
+        opened(tree, {"preset": "cmv400"})
 
 
 def test_sensors_of_a_platform_have_their_own(tree):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
+from perilune.config.sensor_presets import PRESETS, Name
 from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
 
 Mosaic = Literal["mono", "rggb", "bggr", "grbg", "gbrg"]
@@ -69,6 +71,9 @@ class ImageSensor(Strict):
     The linear model of EMVA 1288: photons, electrons, digital numbers.
     """
 
+    preset: Name | None = None
+    """A ready sensor, whose values are the defaults of all keys that are not given; see
+    perilune.config.sensor_presets for what is from data sheets and what is assumed."""
     f_number: Annotated[Positive, Field(ge=0.5, le=1e6)] = 4.0
     """Focal length over aperture."""
     transmission: Fraction = 0.9
@@ -122,6 +127,13 @@ class ImageSensor(Strict):
     """Digital number of no light."""
     bits: Annotated[Integer, Field(ge=1, le=16)] = 12
     """Of a digital number."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_preset(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and isinstance(name := data.get("preset"), str):
+            return {**PRESETS[name].values, **data} if name in PRESETS else data
+        return data
 
     @model_validator(mode="after")
     def _sound(self) -> ImageSensor:
