@@ -39,7 +39,8 @@ PRESETS: Mapping[str, Preset] = {
     ),
     "ccd47_20": Preset(
         source="Teledyne e2v CCD47-20 data sheet (the kind of Rosetta's navigation cameras): "
-        "13 um pixels, 100000 electrons, dark signal 250 electrons a second at 20 C, no anti-blooming",
+        "13 um pixels, 100000 electrons, dark signal 250 electrons a second at 20 C, no "
+        "anti-blooming",
         assumed="f/2.2 lens, read noise at a fast rate, gain that fills 12 bits with the full "
         "well, -20 C, a shutter (no smear), black level, quantum efficiency of the bands",
         values={
