@@ -10,6 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
+from tests.python.model_files import with_graphs
 from tests.python.oaisys.oaisys_files import EARTH_M, FOLDER, SENSOR, failure, translated
 
 import perilune
@@ -302,6 +303,20 @@ def test_material_drivers_drive_the_graphs_of_a_mesh(tree, iss, repo_dir, place)
         text = rf"{re.escape(at)}\.drivers\.scal\b.*: drives nothing: .* did you mean 'scale'"
         with pytest.raises(ConfigError, match=text):
             perilune.open(tree, base=FOLDER)
+
+
+def test_material_drivers_drive_the_graphs_of_a_model(tree, iss, tmp_path):
+    model = with_graphs(tmp_path / "iss.glb", mli_gold=GRAPH)
+    iss["meshParams"] |= {"meshFilePath": str(model), "material_drivers": listing_5()}
+    found, told = translated(tree)
+    assert "material_drivers" not in told
+    assert "materials" not in found
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", oaisys.OaisysWarning)
+        sim = perilune.open(tree, base=FOLDER, overrides={"camera.width": 16, "camera.height": 16})
+    key = "spacecraft.iss.material_drivers.drivers.scale"
+    values = [sim.config_at(index)[1][key] for index in range(4)]
+    assert [sim.request(index)["graph_parameters"][0, 0] for index in range(4)] == values
 
 
 def test_material_drivers_of_a_planet(tree, planet):

@@ -1,13 +1,15 @@
 """`material_drivers`: of the graphs on a mesh, or at the top of the file of all graphs.
 
 Graphs come with our keys: `materials` at the top of the file, and those of a mesh that say which
-are on it: `materials`, uses as a spacecraft has them, or `material` of a body, a name.
+are on it: `materials`, uses as a spacecraft has them, or `material` of a body, a name. Graphs in
+the extras of a model's materials are driven too.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+from perilune.config.oaisys.files import ModelFile, has_graphs
 from perilune.config.oaisys.node import Node
 
 _KEY = "material_drivers"
@@ -59,8 +61,11 @@ def read_graphs(root: Node, tree: dict[str, Any]) -> None:
         tree[_KEY] = section
 
 
-def read_mesh(owners: tuple[Node, ...], entry: dict[str, Any], ours: str, is_body: bool) -> None:
-    """Our graphs of a mesh, and the drivers of those; keys stand in any of `owners`."""
+def read_mesh(
+    owners: tuple[Node, ...], entry: dict[str, Any], ours: str, file: ModelFile, is_body: bool
+) -> None:
+    """Our graphs of a mesh, and the drivers of those and of its model's; keys stand in any of
+    `owners`."""
     key = "material" if is_body else "materials"
     for owner in owners:
         if owner.has(key):
@@ -68,7 +73,10 @@ def read_mesh(owners: tuple[Node, ...], entry: dict[str, Any], ours: str, is_bod
             owner.comes(f"{ours}.{key}", key)
     if is_body and key in entry:
         entry["material_mode"] = "wrap"  # around the picture, or the colour, that the mesh has
-    why = None if key in entry else f"no graph is on the mesh; its `{key}` may put one there"
+    why: str | None = None
+    driven = any(owner.has(_KEY) for owner in owners)
+    if driven and key not in entry and (is_body or not has_graphs(file)):
+        why = f"no graph is on the mesh; its `{key}` may put one there"
     for owner in owners:
         section = read(owner, why, f"{ours}.{_KEY}")
         if section:

@@ -84,6 +84,17 @@ def first_frame(text: str, base: Path) -> int:
         return 0  # whoever reads the table tells what is wrong with it
 
 
+def has_graphs(file: ModelFile) -> bool:
+    """Whether materials of the model have graphs in their extras; false for a broken file, of which
+    its reader tells."""
+    if file.found is None:
+        return False
+    try:
+        return _core.gltf_graphs(str(_located(file.found, file.base))) != "[]"
+    except ValueError:
+        return False
+
+
 def reach(file: ModelFile, params: Node) -> float:
     """Distance from a model's origin to the farthest corner of its bounds, its own units."""
     assert file.found is not None  # the caller has told of missing files

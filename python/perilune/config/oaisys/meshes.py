@@ -200,7 +200,7 @@ def _entry(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
     entry = _body(mesh, scene) if mesh.is_body else _spacecraft(mesh, scene)
     section = "bodies" if mesh.is_body else "spacecraft"
     ours = f"{section}.{mesh.name}"
-    drivers.read_mesh((mesh.params, mesh.entry), entry, ours, mesh.is_body)
+    drivers.read_mesh((mesh.params, mesh.entry), entry, ours, mesh.file, mesh.is_body)
     scene.things[mesh.name] = Thing(
         name=mesh.name,
         aliases=(mesh.alias, mesh.instance),
