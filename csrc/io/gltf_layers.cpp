@@ -84,6 +84,8 @@ void read_layers(const tinygltf::Material &in, const std::string &name, pl_mater
   layers->anisotropy = anisotropy.number("anisotropyStrength", 0.0, 0.0, 1.0);
   layers->anisotropy_rotation_rad = anisotropy.number("anisotropyRotation", 0.0, -turn, turn);
   read_volume(in, name, layers);
+  if (layers->solid && layers->transmission > 0.0f)
+    out->double_sided = true; /* light must leave it again */
   if (layers->ior > 0.0f && layers->ior < 1.0f)
     fail(PL_E_FORMAT, "%s: ior must be 0 or at least 1", name.c_str());
   out->layered = layers->coat > 0.0f || layers->transmission > 0.0f || layers->anisotropy > 0.0f ||

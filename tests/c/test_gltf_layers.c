@@ -42,6 +42,7 @@ static void test_volume(void **state) {
                      "\"attenuationColor\":[1,0.1,0]}"));
   const pl_material_layers *l = &model->materials[0].layers;
   assert_true(l->solid && l->extinction[0] == 0.0f);
+  assert_true(model->materials[0].double_sided); /* or rays inside would not meet it */
   assert_true(fabsf(l->extinction[1] - 1.1512925f) < 1e-6f);
   assert_true(fabsf(l->extinction[2] - 6.9077553f) < 1e-5f);
   assert_string_equal(model->warnings, "");
