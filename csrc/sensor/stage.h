@@ -9,9 +9,6 @@
 #include "sensor/encode.h"
 #include "sensor/sensor.h"
 
-/* What an image coder makes of `rgb` (3 bytes a pixel), in place; given by who owns coders. */
-typedef pl_status (*pl_recode_fn)(uint8_t *rgb, int width, int height, int quality);
-
 /* An image on its way; images are row-major. */
 typedef struct pl_sensor_frame {
   const pl_sensor *sensor; /* borrowed */
@@ -26,7 +23,6 @@ typedef struct pl_sensor_frame {
   uint16_t *raw;     /* digital numbers, from `digitise` on */
   uint8_t *rgb;      /* display-encoded; NULL: not wanted */
   const pl_encoder *encoder;
-  pl_recode_fn recode;
 } pl_sensor_frame;
 
 typedef struct pl_sensor_stage {
