@@ -10,6 +10,35 @@ static const double neckel[PL_LIMB_TERMS][3] = {
 };
 static const double SHORTEST_UM = 0.4226, LONGEST_UM = 1.1;
 
+static double value_at(const double c[PL_LIMB_TERMS], double mu) {
+  double sum = 0.0;
+  for (int k = PL_LIMB_TERMS - 1; k >= 0; k--)
+    sum = sum * mu + c[k];
+  return sum;
+}
+
+/* The light inside the ring at mu is 1 - sum 2 c_k mu^(k+2) / (k+2): where it is s, by Newton. */
+static double ring_at(const double c[PL_LIMB_TERMS], double s) {
+  enum { ITERATIONS = 12 };
+  double d[PL_LIMB_TERMS], mu = sqrt(1.0 - s);
+  for (int k = 0; k < PL_LIMB_TERMS; k++)
+    d[k] = 2.0 * c[k] / (k + 2.0);
+  for (int i = 0; i < ITERATIONS && mu > 0.0; i++) {
+    mu -= (mu * mu * value_at(d, mu) - (1.0 - s)) / (2.0 * mu * value_at(c, mu));
+    mu = fmin(fmax(mu, 0.0), 1.0);
+  }
+  return mu;
+}
+
+/* Square radius over s; its limit at the centre is the inverse of the radiance there. */
+static void tabulate(const double c[PL_LIMB_TERMS], float spread[PL_LIMB_RINGS + 1]) {
+  spread[0] = (float)(1.0 / value_at(c, 1.0));
+  for (int i = 1; i <= PL_LIMB_RINGS; i++) {
+    const double s = (double)i / PL_LIMB_RINGS, mu = ring_at(c, s);
+    spread[i] = (float)((1.0 - mu * mu) / s);
+  }
+}
+
 pl_limb pl_limb_make(const double wavelengths_um[3]) {
   pl_limb limb;
   for (int band = 0; band < 3; band++) {
@@ -20,42 +49,39 @@ pl_limb pl_limb_make(const double wavelengths_um[3]) {
       mean += 2.0 * a[k] / (k + 2.0); /* of mu^k over the disc */
     }
     for (int k = 0; k < PL_LIMB_TERMS; k++)
-      limb.c[band][k] = (float)(a[k] / mean);
+      limb.c[band][k] = (float)(a[k] /= mean);
+    if (band == 1)
+      tabulate(a, limb.spread);
   }
   return limb;
 }
 
-static float polynomial(const float *c, float mu) {
-  return c[0] + mu * (c[1] + mu * (c[2] + mu * (c[3] + mu * (c[4] + mu * c[5]))));
+static pl_vec3f ratio_at(const pl_limb *limb, float square_radius) {
+  const float mu = sqrtf(pl_maxf(1.0f - square_radius, 0.0f));
+  float out[3];
+  for (int band = 0; band < 3; band++) {
+    const float *c = limb->c[band];
+    out[band] = c[0] + mu * (c[1] + mu * (c[2] + mu * (c[3] + mu * (c[4] + mu * c[5]))));
+  }
+  return (pl_vec3f){out[0], out[1], out[2]};
 }
 
 pl_vec3f pl_limb_ratio(const pl_limb *limb, const pl_sun_view *view, pl_vec3f direction) {
   const pl_vec3f across = pl_vec3f_cross(view->direction, direction);
   const float sine = view->sin_radius;
-  const float mu = sqrtf(pl_maxf(1.0f - pl_vec3f_dot(across, across) / (sine * sine), 0.0f));
-  return (pl_vec3f){polynomial(limb->c[0], mu), polynomial(limb->c[1], mu),
-                    polynomial(limb->c[2], mu)};
+  return ratio_at(limb, pl_vec3f_dot(across, across) / (sine * sine));
 }
 
-/* The part of the light inside the ring at mu is 1 - sum 2 c_k mu^(k+2) / (k+2): where it is u. */
-static float ring_of(const float *c, float u) {
-  enum { ITERATIONS = 4 }; /* to the last digits of a float, from anywhere in 0..1 */
-  const float d[PL_LIMB_TERMS] = {c[0],        c[1] / 1.5f, c[2] / 2.0f,
-                                  c[3] / 2.5f, c[4] / 3.0f, c[5] / 3.5f};
-  const float rest = 1.0f - u;
-  float mu = sqrtf(rest);
-  for (int i = 0; i < ITERATIONS && mu > 0.0f; i++) {
-    mu -= (mu * mu * polynomial(d, mu) - rest) / (2.0f * mu * polynomial(c, mu));
-    mu = pl_minf(pl_maxf(mu, 0.0f), 1.0f);
-  }
-  return mu;
-}
-
-pl_vec3f pl_limb_sample(const pl_limb *limb, const pl_sun_view *view, const float u[2]) {
+pl_vec3f pl_limb_sample(const pl_limb *limb, const pl_sun_view *view, const float u[2],
+                        pl_vec3f *ratio) {
   const pl_vec3f even = pl_sample_disc(u[0], u[1]);
-  const float square = even.x * even.x + even.y * even.y;
-  const float mu = ring_of(limb->c[1], pl_minf(square, 1.0f));
-  const float out = square > 0.0f ? sqrtf((1.0f - mu * mu) / square) : 0.0f;
+  const float s = pl_minf(even.x * even.x + even.y * even.y, 1.0f);
+  const float place = s * (float)PL_LIMB_RINGS;
+  const int ring = place < (float)PL_LIMB_RINGS ? (int)place : PL_LIMB_RINGS - 1;
+  const float *spread = limb->spread + ring;
+  const float out = spread[0] + (place - (float)ring) * (spread[1] - spread[0]);
   const pl_basis basis = pl_basis_make(view->direction);
-  return pl_basis_to_world(&basis, pl_disc_to_cone(pl_vec3f_scale(even, out), view->one_minus_cos));
+  *ratio = ratio_at(limb, s * out);
+  return pl_basis_to_world(&basis,
+                           pl_disc_to_cone(pl_vec3f_scale(even, sqrtf(out)), view->one_minus_cos));
 }

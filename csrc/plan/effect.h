@@ -16,7 +16,7 @@ typedef struct pl_effect {
   /* Upper bound of what a pixel changes, in digital numbers, between `value` and the limit of all.
    */
   double (*bound_dn)(const pl_view *view, int value);
-  /* Rough cost at `value`, milliseconds on one thread. */
+  /* Rough cost at `value`, milliseconds on one thread. Like the bound, not asked when absent. */
   double (*cost_ms)(const pl_view *view, int value);
 } pl_effect;
 

@@ -44,7 +44,7 @@ static void solve_row(const pl_view *view, const pl_plan_wish *wish, bool on, bo
              row->bound_dn, wish->tolerance_dn);
   }
   row->residual_dn = absent != NULL ? 0.0 : effect->bound_dn(view, row->value);
-  row->cost_ms = row->value > 0 ? effect->cost_ms(view, row->value) : 0.0;
+  row->cost_ms = row->value > 0 && absent == NULL ? effect->cost_ms(view, row->value) : 0.0;
 }
 
 pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_view *view,

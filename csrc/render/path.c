@@ -122,10 +122,12 @@ static sun_draw draw_sun(const pl_path_context *context, const pl_sun_view *sun,
   const float e = sun->irradiance;
   if (!context->settings->soft_sun)
     return (sun_draw){sun->direction, {e, e, e}, 0.0f};
-  const pl_vec3f toward = limb != NULL ? pl_limb_sample(limb, sun, u) : pl_sun_sample(sun, u);
-  const pl_vec3f ratio = disc_ratio(context, sun, toward);
-  const float pdf = ratio.y * pl_sun_pdf(sun);
-  return (sun_draw){toward, pl_vec3f_scale(ratio, sun->radiance / pdf), pdf};
+  const float even = pl_sun_pdf(sun), light = sun->radiance / even;
+  if (limb == NULL)
+    return (sun_draw){pl_sun_sample(sun, u), {light, light, light}, even};
+  pl_vec3f ratio;
+  const pl_vec3f toward = pl_limb_sample(limb, sun, u, &ratio);
+  return (sun_draw){toward, pl_vec3f_scale(ratio, light / ratio.y), ratio.y * even};
 }
 
 /* Queues the sun's light at the vertex, or adds it at once where shadows are off. `onward`: the

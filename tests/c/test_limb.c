@@ -77,7 +77,10 @@ static void test_draws(void **state) {
     double drawn[RINGS + 1] = {0.0}, light = 0.0, inside = 0.0;
     for (int i = 0; i < DRAWS; i++) {
       const float u[2] = {(float)random_unit(&random), (float)random_unit(&random)};
-      const pl_vec3f d = pl_limb_sample(&limb, &view, u);
+      pl_vec3f ratio;
+      const pl_vec3f d = pl_limb_sample(&limb, &view, u, &ratio);
+      const pl_vec3f there = pl_limb_ratio(&limb, &view, d);
+      assert_true(fabsf(ratio.x - there.x) + fabsf(ratio.z - there.z) < 2e-3f); /* float rays */
       const double across = (double)pl_vec3f_norm(pl_vec3f_cross(view.direction, d));
       const double r = across / (double)view.sin_radius;
       assert_true(r <= 1.0 + 1e-4);
