@@ -71,7 +71,7 @@ static double transmission_bound_dn(const pl_view *view, int value) {
 
 const pl_effect pl_effect_transmission = {
     .name = "transmission",
-    .doc = "Light that passes thin walls; off: they scatter it back",
+    .doc = "Light that passes thin walls and solids; off: they scatter it back",
     .absent = transmission_absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = transmission_bound_dn,
