@@ -33,7 +33,7 @@ static bool same(const pl_hapke *a, const pl_hapke *b) {
 pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
                               pl_regolith_law law) {
   double value[3];
-  pl_hapke last;
+  pl_hapke last = {0};
   if (!(wi.z > 0.0f && wo.z > 0.0f))
     return pl_vec3f_make(0.0f, 0.0f, 0.0f);
   const pl_hapke_angles angles = pl_hapke_angles_of(pl_vec3_unit(pl_vec3f_to_double(wi)),

@@ -125,7 +125,9 @@ def fields(request):
             yield from ((key, k) for k in range(value.size))
         elif isinstance(value, dict):
             yield from ((key, inner) for inner in value if isinstance(value[inner], (int, float)))
-        elif key not in ("width", "height") and not isinstance(value, bool):  # sizes fix the arrays
+        elif key in ("width", "height"):
+            continue  # sizes fix the arrays
+        elif isinstance(value, (int, float)) and not isinstance(value, bool):
             yield key, None
 
 

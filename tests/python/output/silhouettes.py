@@ -31,7 +31,7 @@ def silhouettes(sim, index):
     K[0, 2] += width
     K[1, 2] += height
     request.update(width=3 * width, height=3 * height, K=K)
-    for key in ("body_poses", "body_radii", "body_albedo", "body_emission"):
+    for key in [key for key in request if key.startswith("body_")]:
         request[key] = request[key][:0]
     found = np.zeros((len(sim.models), 3 * height, 3 * width), dtype=bool)
     poses, scales = request["object_poses"], request["object_scale"]
