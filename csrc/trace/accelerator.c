@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "scene/graph_point.h"
+#include "trace/coincident.h"
 
 pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing) {
   const enum RTCError error = rtcGetDeviceError(tracer->device);
@@ -77,10 +78,11 @@ static pl_status build_model(pl_tracer *tracer, const pl_model *model, RTCScene 
   return status;
 }
 
-pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model, RTCScene *out) {
+pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model,
+                                  const pl_model_accelerator **out) {
   for (size_t i = 0; i < tracer->model_count; i++) {
     if (tracer->models[i].model == model) {
-      *out = tracer->models[i].scene;
+      *out = &tracer->models[i];
       return PL_OK;
     }
   }
@@ -88,8 +90,16 @@ pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model, RTCS
   if (grown == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for accelerators");
   tracer->models = grown;
-  PL_TRY(build_model(tracer, model, out));
-  tracer->models[tracer->model_count++] = (pl_model_accelerator){model, *out};
+  pl_model_accelerator *made = &tracer->models[tracer->model_count];
+  *made = (pl_model_accelerator){.model = model};
+  PL_TRY(pl_coincident_find(model, &made->coincident));
+  const pl_status status = build_model(tracer, model, &made->scene);
+  if (status != PL_OK) {
+    pl_free(made->coincident);
+    return status;
+  }
+  tracer->model_count++;
+  *out = made;
   return PL_OK;
 }
 
@@ -103,20 +113,23 @@ static void remove_instance(pl_tracer *tracer, size_t index) {
 }
 
 static pl_status place_instance(pl_tracer *tracer, size_t index, const pl_model *model,
-                                const float to_view[12]) {
+                                const float to_view[12], double radius_m) {
   pl_instance *instance = &tracer->instances[index];
   if (instance->model != model) {
-    RTCScene scene = NULL;
+    const pl_model_accelerator *kept = NULL;
     remove_instance(tracer, index);
-    PL_TRY(pl_accelerator_of_model(tracer, model, &scene));
+    PL_TRY(pl_accelerator_of_model(tracer, model, &kept));
     instance->geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
     instance->model = model;
-    rtcSetGeometryInstancedScene(instance->geometry, scene);
+    instance->coincident = kept->coincident;
+    rtcSetGeometryInstancedScene(instance->geometry, kept->scene);
     rtcAttachGeometryByID(tracer->top, instance->geometry, (unsigned)index);
   }
+  instance->radius_m = radius_m;
   rtcSetGeometryTransform(instance->geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, to_view);
   rtcCommitGeometry(instance->geometry);
   tracer->has_meshes = true;
+  tracer->has_coincident |= instance->coincident != NULL;
   return PL_OK;
 }
 
@@ -145,7 +158,7 @@ static pl_status place_pieces(pl_tracer *tracer, size_t index, const pl_shot_obj
     const size_t at = k == 0 ? index : next + k - 1;
     tracer->owners[at] = (pl_piece_owner){(uint32_t)index, (uint32_t)object->object->cut->first[k]};
     if (object->kept && piece->present)
-      PL_TRY(place_instance(tracer, at, piece->model, piece->to_view));
+      PL_TRY(place_instance(tracer, at, piece->model, piece->to_view, object->radius_m));
     else
       remove_instance(tracer, at);
   }
@@ -159,7 +172,7 @@ pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) 
   PL_TRY(grow(tracer, used));
   for (size_t i = used; i < tracer->instance_count; i++)
     remove_instance(tracer, i);
-  tracer->has_meshes = tracer->has_cuts = false;
+  tracer->has_meshes = tracer->has_cuts = tracer->has_coincident = false;
   tracer->has_pieces = used > snapshot->object_count;
   tracer->object_count = used = snapshot->object_count;
   for (size_t i = 0; i < snapshot->object_count; i++) {
@@ -169,7 +182,7 @@ pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) 
       PL_TRY(place_pieces(tracer, i, object, used));
       used += pl_object_mover_count(object->object);
     } else if (object->kept) {
-      PL_TRY(place_instance(tracer, i, object->object->model, object->to_view));
+      PL_TRY(place_instance(tracer, i, object->object->model, object->to_view, object->radius_m));
     } else {
       remove_instance(tracer, i);
     }

@@ -8,11 +8,14 @@
 typedef struct pl_model_accelerator {
   const pl_model *model; /* borrowed; the key */
   RTCScene scene;        /* owned */
+  uint8_t *coincident;   /* owned; see trace/coincident.h */
 } pl_model_accelerator;
 
 typedef struct pl_instance {
-  const pl_model *model; /* what `geometry` instances now; NULL when absent */
-  RTCGeometry geometry;  /* owned; attached under its own index while present */
+  const pl_model *model;     /* what `geometry` instances now; NULL when absent */
+  RTCGeometry geometry;      /* owned; attached under its own index while present */
+  const uint8_t *coincident; /* of the model; NULL for none */
+  double radius_m;           /* of the object */
 } pl_instance;
 
 /* Whose triangles an instance beyond those of the objects holds. */
@@ -32,13 +35,15 @@ struct pl_tracer {
   bool has_pieces;             /* there are instances of moving pieces */
   const pl_snapshot *snapshot; /* borrowed */
   bool has_meshes;             /* the top scene holds an instance */
+  bool has_coincident;         /* some of their models have coincident faces */
   bool has_cuts;               /* graphs may cut holes into some of them */
 };
 
 /* PL_E_DEVICE with Embree's error if there is one pending. */
 pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing);
-/* The model's own scene, built when first asked for and kept. */
-pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model, RTCScene *out);
+/* The model's own accelerator, built when first asked for and kept; valid until the next call. */
+pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model,
+                                  const pl_model_accelerator **out);
 pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot);
 
 #endif

@@ -28,6 +28,10 @@ static inline unsigned pl_embree_hit_triangle(const struct RTCHitN *hit, unsigne
 static inline unsigned pl_embree_hit_instance(const struct RTCHitN *hit, unsigned n, unsigned i) {
   return ((const unsigned *)hit)[7 * n + i];
 }
+/* Distance of a candidate hit. */
+static inline float pl_embree_ray_far(const struct RTCRayN *ray, unsigned n, unsigned i) {
+  return ((const float *)ray)[8 * n + i];
+}
 /* The number that the caller gave the ray. */
 static inline unsigned pl_embree_ray_id(const struct RTCRayN *ray, unsigned n, unsigned i) {
   return ((const unsigned *)ray)[10 * n + i];

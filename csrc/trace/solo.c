@@ -72,9 +72,9 @@ static void detach(pl_solo *solo, size_t index) {
 static pl_status place(pl_solo *solo, size_t index, const pl_model *model,
                        const float to_view[12]) {
   slot *slot = &solo->slots[index];
-  RTCScene scene = NULL;
-  PL_TRY(pl_accelerator_of_model(solo->tracer, model, &scene));
-  rtcSetGeometryInstancedScene(slot->instance, scene);
+  const pl_model_accelerator *kept = NULL;
+  PL_TRY(pl_accelerator_of_model(solo->tracer, model, &kept));
+  rtcSetGeometryInstancedScene(slot->instance, kept->scene);
   rtcSetGeometryTransform(slot->instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, to_view);
   rtcCommitGeometry(slot->instance);
   if (!slot->attached)

@@ -7,6 +7,7 @@
 #include "geom/ellipsoid.h"
 #include "scene/graph_point.h"
 #include "trace/accelerator.h"
+#include "trace/coincident.h"
 
 enum { PACKET = 8 };
 
@@ -38,6 +39,11 @@ pl_status pl_tracer_create(pl_tracer **out) {
   return status;
 }
 
+static void free_model(pl_model_accelerator *model) {
+  rtcReleaseScene(model->scene);
+  pl_free(model->coincident);
+}
+
 void pl_tracer_destroy(pl_tracer *tracer) {
   if (tracer == NULL)
     return;
@@ -47,7 +53,7 @@ void pl_tracer_destroy(pl_tracer *tracer) {
   if (tracer->top != NULL)
     rtcReleaseScene(tracer->top);
   for (size_t i = 0; i < tracer->model_count; i++)
-    rtcReleaseScene(tracer->models[i].scene);
+    free_model(&tracer->models[i]);
   rtcReleaseDevice(tracer->device);
   pl_free(tracer->instances);
   pl_free(tracer->owners);
@@ -202,6 +208,14 @@ static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit
   }
 }
 
+/* Of coincident faces the last is hit, whatever rounding says. */
+static void settle_coincident(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits,
+                              size_t count) {
+  for (size_t i = 0; i < count; i++)
+    if (hits[i].thing != PL_NOTHING)
+      pl_coincident_settle(tracer, &rays[i], &hits[i]);
+}
+
 /* Hits of moving pieces become hits of their objects. */
 static void name_owners(const pl_tracer *tracer, pl_hit *hits, size_t count) {
   for (size_t i = 0; i < count; i++)
@@ -220,6 +234,8 @@ void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits
   else if (meshes)
     for (size_t i = 0; i < count; i++)
       closest_single(tracer, &rays[i], &hits[i]);
+  if (meshes && tracer->has_coincident)
+    settle_coincident(tracer, rays, hits, count);
   if (meshes && tracer->has_pieces)
     name_owners(tracer, hits, count);
   for (size_t i = 0; i < count; i++)

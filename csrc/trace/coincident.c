@@ -1,0 +1,214 @@
+/* Planes are found by hashing when a model is built; hits are settled by a second, short ray. */
+#include "trace/coincident.h"
+
+#include <stdlib.h>
+
+#include "base/hash.h"
+#include "base/memory.h"
+
+/* Steps of a plane's normal and, over the model's extent, of its distance: faces within rounding of
+ * each other rarely part on one. */
+static const double NORMAL_STEP = 1e-3, DISTANCE_STEP = 1e-5, SHIFT = 0.3819660113;
+/* Parts of a plane that are told apart; of more, all count as overlapping. */
+enum { PARTS_MAX = 32 };
+/* Surfaces so near along a ray, over its length and the object's size, are one. */
+static const float WITHIN = 0x1p-18f;
+
+typedef struct face {
+  uint64_t plane;
+  uint32_t triangle;
+} face;
+
+typedef struct range {
+  uint32_t part;
+  float low[3], high[3];
+} range;
+
+static double extent_of(const pl_model *model) {
+  double extent = 0.0;
+  for (int axis = 0; axis < 3; axis++)
+    extent = fmax(extent, (double)model->bounds_max[axis] - model->bounds_min[axis]);
+  return extent;
+}
+
+static const float *corner(const pl_model *model, uint32_t triangle, int k) {
+  return model->positions + 3 * (size_t)model->indices[3 * (size_t)triangle + (size_t)k];
+}
+
+static pl_vec3 point_of(const float *p) { return (pl_vec3){p[0], p[1], p[2]}; }
+
+/* A key of the triangle's plane, whichever way it faces; 0 of a sliver. */
+static uint64_t plane_of(const pl_model *model, uint32_t triangle, double extent) {
+  const pl_vec3 a = point_of(corner(model, triangle, 0));
+  const pl_vec3 e1 = pl_vec3_sub(point_of(corner(model, triangle, 1)), a);
+  const pl_vec3 e2 = pl_vec3_sub(point_of(corner(model, triangle, 2)), a);
+  pl_vec3 n = pl_vec3_unit(pl_vec3_cross(e1, e2));
+  const double sum = n.x + 1.7 * n.y + 2.9 * n.z;
+  if (!(pl_vec3_dot(n, n) > 0.5))
+    return 0;
+  n = pl_vec3_scale(n, sum < 0.0 ? -1.0 : 1.0);
+  const int64_t key[4] = {(int64_t)floor(n.x / NORMAL_STEP + SHIFT),
+                          (int64_t)floor(n.y / NORMAL_STEP + SHIFT),
+                          (int64_t)floor(n.z / NORMAL_STEP + SHIFT),
+                          (int64_t)floor(pl_vec3_dot(n, a) / (extent * DISTANCE_STEP) + SHIFT)};
+  return pl_hash(PL_HASH_SEED, key, sizeof key) | 1u;
+}
+
+static int by_plane(const void *a, const void *b) {
+  const face *x = a, *y = b;
+  if (x->plane != y->plane)
+    return x->plane < y->plane ? -1 : 1;
+  return x->triangle < y->triangle ? -1 : x->triangle > y->triangle;
+}
+
+/* With room for rounding: a flat range has no depth of its own. */
+static range range_of(const pl_model *model, uint32_t triangle) {
+  range out = {.part = model->triangle_part[triangle]};
+  const float room = (float)(extent_of(model) * DISTANCE_STEP);
+  for (int axis = 0; axis < 3; axis++) {
+    const float a = corner(model, triangle, 0)[axis], b = corner(model, triangle, 1)[axis];
+    const float c = corner(model, triangle, 2)[axis];
+    out.low[axis] = pl_minf(a, pl_minf(b, c)) - room;
+    out.high[axis] = pl_maxf(a, pl_maxf(b, c)) + room;
+  }
+  return out;
+}
+
+static void widen(range *all, const range *one) {
+  for (int axis = 0; axis < 3; axis++) {
+    all->low[axis] = pl_minf(all->low[axis], one->low[axis]);
+    all->high[axis] = pl_maxf(all->high[axis], one->high[axis]);
+  }
+}
+
+static bool touches(const range *a, const range *b) {
+  for (int axis = 0; axis < 3; axis++)
+    if (a->low[axis] > b->high[axis] || b->low[axis] > a->high[axis])
+      return false;
+  return true;
+}
+
+/* The ranges of the parts in a plane; PARTS_MAX + 1 for too many. */
+static size_t list_parts(const pl_model *model, const face *faces, size_t count,
+                         range parts[PARTS_MAX]) {
+  size_t found = 0;
+  for (size_t i = 0; i < count; i++) {
+    const range one = range_of(model, faces[i].triangle);
+    size_t k = 0;
+    while (k < found && parts[k].part != one.part)
+      k++;
+    if (k == PARTS_MAX)
+      return PARTS_MAX + 1;
+    if (k == found)
+      parts[found++] = one;
+    else
+      widen(&parts[k], &one);
+  }
+  return found;
+}
+
+/* Marks the triangles of one plane; returns whether there are any. */
+static bool mark_plane(const pl_model *model, const face *faces, size_t count, uint8_t *marks) {
+  range parts[PARTS_MAX];
+  const size_t found = list_parts(model, faces, count, parts);
+  bool any = false;
+  for (size_t i = 0; found > 1 && i < count; i++) {
+    const range one = range_of(model, faces[i].triangle);
+    bool meets = found > PARTS_MAX;
+    for (size_t k = 0; !meets && k < found; k++)
+      meets = parts[k].part != one.part && touches(&parts[k], &one);
+    marks[faces[i].triangle] = meets;
+    any |= meets;
+  }
+  return any;
+}
+
+static bool mark_planes(const pl_model *model, face *faces, size_t count, uint8_t *marks) {
+  bool any = false;
+  qsort(faces, count, sizeof *faces, by_plane);
+  for (size_t first = 0, next; first < count; first = next) {
+    for (next = first + 1; next < count && faces[next].plane == faces[first].plane;)
+      next++;
+    any |= mark_plane(model, faces + first, next - first, marks);
+  }
+  return any;
+}
+
+pl_status pl_coincident_find(const pl_model *model, uint8_t **out) {
+  void *faces, *marks;
+  *out = NULL;
+  if (model->part_count < 2 || model->triangle_count == 0)
+    return PL_OK;
+  PL_TRY(pl_alloc_or_fail(model->triangle_count, sizeof(face), "planes of a model", &faces));
+  const pl_status status =
+      pl_alloc_or_fail(model->triangle_count, 1, "coincident faces of a model", &marks);
+  if (status != PL_OK) {
+    pl_free(faces);
+    return status;
+  }
+  const double extent = extent_of(model);
+  size_t count = 0;
+  for (uint32_t i = 0; extent > 0.0 && i < model->triangle_count; i++) {
+    const uint64_t plane = plane_of(model, i, extent);
+    ((uint8_t *)marks)[i] = 0;
+    if (plane != 0)
+      ((face *)faces)[count++] = (face){plane, i};
+  }
+  if (count > 0 && mark_planes(model, faces, count, marks))
+    *out = marks;
+  else
+    pl_free(marks);
+  pl_free(faces);
+  return PL_OK;
+}
+
+/* --- hits ------------------------------------------------------------------------------------- */
+
+typedef struct search {
+  const uint8_t *marks;
+  const pl_ray *ray;
+  pl_hit *best;
+  uint32_t from; /* triangle that the ray starts on, counted from 1 as the instance does; 0: none */
+} search;
+
+/* Looks at every candidate and takes none, so that Embree shows them all. */
+static void look(const struct RTCFilterFunctionNArguments *arguments) {
+  const search *search = ((const pl_embree_query *)(const void *)arguments->context)->user;
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; i++) {
+    const uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
+    if (arguments->valid[i] == 0)
+      continue;
+    arguments->valid[i] = 0;
+    if (pl_embree_hit_instance(arguments->hit, n, i) != search->best->thing ||
+        triangle <= search->best->triangle || search->marks[triangle] == 0 ||
+        triangle + 1 == search->from)
+      continue;
+    search->best->triangle = triangle;
+    search->best->u = pl_embree_hit_u(arguments->hit, n, i);
+    search->best->v = pl_embree_hit_v(arguments->hit, n, i);
+    search->best->t = pl_embree_ray_far(arguments->ray, n, i);
+  }
+}
+
+void pl_coincident_settle(const pl_tracer *tracer, const pl_ray *ray, pl_hit *hit) {
+  const uint8_t *marks = tracer->instances[hit->thing].coincident;
+  if (marks == NULL || marks[hit->triangle] == 0)
+    return;
+  const float size = (float)tracer->instances[hit->thing].radius_m;
+  const float within = WITHIN * (hit->t + size);
+  struct RTCRayHit query = {.ray = {.org_x = ray->origin.x,
+                                    .org_y = ray->origin.y,
+                                    .org_z = ray->origin.z,
+                                    .dir_x = ray->direction.x,
+                                    .dir_y = ray->direction.y,
+                                    .dir_z = ray->direction.z,
+                                    .tnear = pl_maxf(hit->t - within, 0.0f),
+                                    .tfar = hit->t + within,
+                                    .mask = UINT32_MAX}};
+  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  const bool own = ray->from_triangle != 0 && ray->from_thing == hit->thing;
+  const search search = {marks, ray, hit, own ? ray->from_triangle : 0};
+  pl_embree_query way = {.filter = look, .user = &search};
+  pl_embree_intersect1(tracer->top, &way, &query);
+}
