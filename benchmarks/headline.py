@@ -9,15 +9,12 @@ from __future__ import annotations
 import report
 
 import perilune
-from perilune import _core
 
 PAPER_S, PAPER_MB = 2.5, 822.0
 JOBS = {
-    "rgb and all labels": [channel["name"] for channel in _core.CHANNELS],
+    "rgb and all labels": ["rgb", "radiance", *report.LABELS],
     "rgb alone": ["rgb"],
-    "labels alone": [
-        channel["name"] for channel in _core.CHANNELS if channel["name"] not in ("rgb", "radiance")
-    ],
+    "labels alone": report.LABELS,
 }
 
 

@@ -10,10 +10,8 @@ from __future__ import annotations
 import report
 
 import perilune
-from perilune import _core
 
 SIZES = ((256, 256), (640, 480))
-LABELS = [c["name"] for c in _core.CHANNELS if c["name"] not in ("rgb", "radiance")]
 
 
 def trace_rows(config: str, repeats: int) -> list[list[object]]:
@@ -46,9 +44,9 @@ def main() -> None:
         [f"{w}x{h} {name}", rate(options.config, (w, h), channels, options.threads)]
         for w, h in SIZES
         for name, channels in (
-            ("rgb and all labels", ["rgb", *LABELS]),
+            ("rgb and all labels", ["rgb", *report.LABELS]),
             ("rgb alone", ["rgb"]),
-            ("labels alone", LABELS),
+            ("labels alone", report.LABELS),
         )
     ]
     report.publish(

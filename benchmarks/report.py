@@ -12,7 +12,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from perilune import _core
+
 ROOT = Path(__file__).resolve().parent.parent
+
+LABELS = [channel["name"] for channel in _core.CHANNELS if not channel["colour"]]
+"""Every pixel channel that is no light."""
 
 
 def arguments(doc: str) -> argparse.ArgumentParser:
