@@ -24,6 +24,7 @@ import report
 
 import perilune
 from perilune.config.schema import TextureFilter
+from perilune.materials import drivers
 from perilune.materials.graph import values
 
 FILTERS = ("none", *get_args(TextureFilter))
@@ -106,9 +107,9 @@ def painted(config: str, material: dict[str, Any]) -> perilune.Simulation:
 
 def evaluation_ns(sim: perilune.Simulation, repeats: int) -> tuple[int, float]:
     """Nodes evaluated at a hit, and the time of one, ns."""
-    (graph,) = sim._mine().materials["smallsat"].graphs
     config = sim.config_at(0)[0]
-    given = values(graph, config.materials["m"])
+    (graph,) = sim._mine().looks.of(config).crafts["smallsat"].graphs
+    given = values(graph, drivers.applied(config, "m", "smallsat"))
     parameters = np.zeros((len(given), 4), dtype=np.float32)
     parameters[:, :3] = given
     points = np.random.default_rng(1).uniform(-2.0, 2.0, size=(POINTS, 3))
