@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "plan/effect.h"
 
-enum { PL_PLAN_ROWS_MAX = 32, PL_PLAN_REASON = 120 };
+enum { PL_PLAN_ROWS_MAX = 64, PL_PLAN_REASON = 120 };
 
 typedef struct pl_plan_row {
   const pl_effect *effect; /* borrowed from the table */
@@ -26,7 +26,7 @@ typedef struct pl_plan {
 /* What the user asks of the plan. Masks are over the indices of the table. */
 typedef struct pl_plan_wish {
   double tolerance_dn;
-  uint32_t force_on, force_off;
+  uint64_t force_on, force_off;
 } pl_plan_wish;
 
 /* Keeps each effect whose bound exceeds the tolerance, at the smallest value whose residual does

@@ -227,7 +227,7 @@ static int parse_sun(PyObject *dict, pl_sun *sun) {
 }
 
 /* Names of effects as a mask. */
-static int parse_mask(PyObject *dict, const char *key, uint32_t *mask) {
+static int parse_mask(PyObject *dict, const char *key, uint64_t *mask) {
   PyObject *names = item(dict, key);
   const Py_ssize_t count = names != NULL ? PySequence_Size(names) : -1;
   *mask = 0;
@@ -241,7 +241,7 @@ static int parse_mask(PyObject *dict, const char *key, uint32_t *mask) {
     Py_XDECREF(name);
     if (index < 0)
       return -1;
-    *mask |= 1u << index;
+    *mask |= UINT64_C(1) << index;
   }
   return count < 0 ? -1 : 0;
 }

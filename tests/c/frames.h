@@ -85,11 +85,11 @@ static inline pl_frame_result render(pl_renderer *renderer, const pl_frame_reque
   return result;
 }
 
-static inline uint32_t effect_bit(const char *name) {
+static inline uint64_t effect_bit(const char *name) {
   const int index = pl_effect_find(name);
   assert_true(index >= 0);
-  return UINT32_C(1) << index;
+  return UINT64_C(1) << index;
 }
-static inline uint32_t all_effects(void) { return (UINT32_C(1) << pl_effect_count) - 1; }
+static inline uint64_t all_effects(void) { return (UINT64_C(1) << pl_effect_count) - 1; }
 
 #endif

@@ -8,7 +8,7 @@
 
 static const double AU = 149597870700.0, SUN_RADIUS_M = 695700e3, SOLAR = 1361.0;
 
-static film shoot(const stage *s, int samples, int max_bounces, uint32_t force_on) {
+static film shoot(const stage *s, int samples, int max_bounces, uint64_t force_on) {
   film f;
   pl_renderer *renderer;
   film_init(&f, s);
@@ -58,7 +58,7 @@ enum { FINE = 96 };
  * crosses are off by less than 0.02 of the step (the discrepancy of half planes is about
  * n^(-3/4) = 0.016), all others by the variation within the pixel over as much. */
 static void check_sphere(double focal, double distance, double radius, pl_vec3 shift, pl_vec3 sun,
-                         uint32_t force_on) {
+                         uint64_t force_on) {
   stage s;
   stage_init(&s, 48, 40, focal);
   const pl_vec3 center = {shift.x, shift.y, distance};
@@ -98,7 +98,7 @@ static void test_lambert_sphere(void **state) {
   (void)state;
   const pl_vec3 none = {0, 0, 0};
   for (int forced = 0; forced < 2; forced++) {
-    const uint32_t on = forced ? all_effects() : 0;
+    const uint64_t on = forced ? all_effects() : 0;
     check_sphere(100.0, 1e7, 1.6e6, none, (pl_vec3){1, -0.4, -0.5}, on); /* 16 px, 60 deg phase */
     check_sphere(100.0, 1e7, 1.6e6, none, (pl_vec3){0.3, 0.2, -1}, on);  /* nearly full */
     check_sphere(100.0, 1e7, 1.6e6, none, (pl_vec3){0.6, 0.2, 0.8}, on); /* a crescent */
