@@ -36,7 +36,7 @@ static pl_model *ground_create(double half) {
   return model;
 }
 
-static film shoot(const stage *s, int samples, int max_bounces, uint32_t on, uint32_t off,
+static film shoot(const stage *s, int samples, int max_bounces, uint64_t on, uint64_t off,
                   pl_plan *plan) {
   film f;
   pl_renderer *renderer;
