@@ -17,6 +17,7 @@ typedef struct reader {
   const uint8_t *bytes;
   size_t size, position;
   const char *name;
+  bool deep; /* to 16-bit grey */
   png_structp png;
   png_infop info;
   pl_image image;
@@ -67,6 +68,17 @@ static void set_transforms(reader *r) {
     png_set_scale_16(png);
 }
 
+/* To 16-bit grey, whose two bytes are the two channels of the image. */
+static void set_deep_transforms(reader *r) {
+  png_structp png = r->png;
+  if (png_get_color_type(png, r->info) & (PNG_COLOR_MASK_COLOR | PNG_COLOR_MASK_PALETTE)) {
+    r->status = pl_fail(PL_E_UNSUPPORTED, "%s: must be a grey PNG, not one of colours", r->name);
+    png_error(png, "colours");
+  }
+  png_set_expand_16(png);
+  png_set_strip_alpha(png);
+}
+
 static void read_header(reader *r) {
   png_structp png = r->png;
   png_set_read_fn(png, r, on_read);
@@ -80,7 +92,10 @@ static void read_header(reader *r) {
                                   PNG_EXPANSION);
   if (r->status != PL_OK)
     png_error(png, "size");
-  set_transforms(r);
+  if (r->deep)
+    set_deep_transforms(r);
+  else
+    set_transforms(r);
 }
 
 static void read_texels(reader *r) {
@@ -90,7 +105,7 @@ static void read_texels(reader *r) {
   const size_t row = png_get_rowbytes(png, r->info);
   r->status =
       pl_image_init((int)png_get_image_width(png, r->info), (int)png_get_image_height(png, r->info),
-                    (int)png_get_channels(png, r->info), &r->image);
+                    r->deep ? 2 : (int)png_get_channels(png, r->info), &r->image);
   if (r->status != PL_OK)
     png_error(png, "allocation");
   if (row != (size_t)r->image.width * (size_t)r->image.channels)
@@ -113,9 +128,10 @@ static pl_status guarded_read(reader *r) {
   return PL_OK;
 }
 
-pl_status pl_png_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out) {
+static pl_status decode(const uint8_t *bytes, size_t size, const char *name, bool deep,
+                        pl_image *out) {
   *out = (pl_image){0};
-  reader r = {.bytes = bytes, .size = size, .name = name};
+  reader r = {.bytes = bytes, .size = size, .name = name, .deep = deep};
   r.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &r, on_error, on_warning, NULL,
                                    on_allocate, on_free);
   r.info = r.png != NULL ? png_create_info_struct(r.png) : NULL;
@@ -125,4 +141,14 @@ pl_status pl_png_decode(const uint8_t *bytes, size_t size, const char *name, pl_
   if (status == PL_OK)
     *out = r.image;
   return status;
+}
+
+pl_status pl_png_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out) {
+  return decode(bytes, size, name, false, out);
+}
+
+pl_status pl_png_decode_grey(const uint8_t *bytes, size_t size, const char *name, pl_image *out) {
+  if (size < 8 || png_sig_cmp(bytes, 0, 8) != 0)
+    return pl_fail(PL_E_FORMAT, "%s: not a PNG file", name);
+  return decode(bytes, size, name, true, out);
 }

@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "frame/effects.h"
+#include "io/image_file.h"
 #include "io/png_write.h"
 #include "orbit/propagator.h"
 #include "orbit/turn.h"
@@ -25,6 +26,26 @@ static int image_channels(PyArrayObject *array) {
   if (PyArray_NDIM(array) == 3 && PyArray_DIM(array, 2) >= 1 && PyArray_DIM(array, 2) <= 4)
     return (int)PyArray_DIM(array, 2);
   return 0;
+}
+
+/* Numbers of a grey PNG (bytes, name for errors), as a uint16 array of (height, width). */
+static PyObject *png_grey(PyObject *module, PyObject *args) {
+  const char *bytes, *name;
+  Py_ssize_t size;
+  pl_image image;
+  (void)module;
+  if (!PyArg_ParseTuple(args, "y#s:png_grey", &bytes, &size, &name))
+    return NULL;
+  const pl_status status = pl_png_decode_grey((const uint8_t *)bytes, (size_t)size, name, &image);
+  if (status != PL_OK)
+    return pl_py_raise(status);
+  const npy_intp shape[2] = {image.height, image.width};
+  PyObject *result = PyArray_SimpleNew(2, shape, NPY_UINT16);
+  uint16_t *out = result != NULL ? PyArray_DATA((PyArrayObject *)result) : NULL;
+  for (npy_intp i = 0; result != NULL && i < shape[0] * shape[1]; i++)
+    out[i] = (uint16_t)(image.texels[2 * i] << 8 | image.texels[2 * i + 1]);
+  pl_image_clear(&image);
+  return result;
 }
 
 static PyObject *png_write(PyObject *module, PyObject *args, PyObject *kwargs) {
@@ -88,6 +109,7 @@ static PyObject *allocations(PyObject *module, PyObject *unused) {
 static PyMethodDef functions[] = {
     {"allocations", allocations, METH_NOARGS, "Allocations made by the core so far."},
     {"gltf_graphs", pl_py_gltf_graphs, METH_O, "Graphs in the extras of a file's materials."},
+    {"png_grey", png_grey, METH_VARARGS, "Numbers of a grey PNG of any depth, as 16 bits."},
     {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
     {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},

@@ -15,6 +15,7 @@ typedef struct pl_py_states {
   pl_value *parameters;  /* owned: of all graphs, object by object, then body by body */
   size_t parameter_room; /* grows with the graphs of a scene, which may change between frames */
   pl_sensor sensor;
+  PyObject *sensor_flat; /* array that the sensor borrows, or NULL */
 } pl_py_states;
 
 /* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */
@@ -22,6 +23,8 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
                         pl_frame_request *out);
 /* "sensor" of the request dictionary, which may be absent or None. */
 int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
+/* Lets go of the arrays that the sensor borrows. */
+void pl_py_sensor_clear(pl_py_states *states);
 /* Points the request at the arrays of `out` (a mapping name -> ndarray), checking type, shape and
  * contiguity. References are appended to `kept`. */
 int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,

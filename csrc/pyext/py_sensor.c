@@ -1,6 +1,7 @@
 /* Reading the sensor of a request. */
 #include "pyext/py_read.h"
 #include "pyext/py_request.h"
+#include "pyext/py_types.h"
 
 static const char WHERE[] = "sensor";
 
@@ -49,6 +50,69 @@ static int parse_pixels(PyObject *dict, pl_sensor *out) {
   return 0;
 }
 
+/* "vignetting_profile" (points, 2), angle and factor: may be absent or None. */
+static int parse_profile(PyObject *dict, pl_shading *out) {
+  PyObject *given;
+  if (pl_py_member(dict, "vignetting_profile", 1, WHERE, &given) < 0)
+    return -1;
+  Py_DECREF(given);
+  if (given == Py_None)
+    return 0;
+  const npy_intp shape[2] = {-1, 2};
+  PyArrayObject *points = pl_py_member_array(dict, "vignetting_profile", WHERE, 2, shape);
+  if (points == NULL)
+    return -1;
+  const npy_intp count = PyArray_DIM(points, 0);
+  const double *p = PyArray_DATA(points);
+  out->count = count <= PL_SHADING_POINTS ? (int)count : PL_SHADING_POINTS + 1;
+  for (int i = 0; i < out->count && i < PL_SHADING_POINTS; i++) {
+    out->angle_rad[i] = p[2 * i];
+    out->factor[i] = p[2 * i + 1];
+  }
+  Py_DECREF((PyObject *)points);
+  return 0;
+}
+
+/* An image of the mapping, kept by the states until the next request: a borrowed array, or NULL
+ * without an exception where it is absent or None. */
+static PyArrayObject *image_of(PyObject *dict, const char *key, int type, PyObject **kept) {
+  const npy_intp any[2] = {-1, -1};
+  PyObject *given;
+  Py_CLEAR(*kept);
+  if (pl_py_member(dict, key, 1, WHERE, &given) < 0)
+    return NULL;
+  if (given != Py_None)
+    *kept = (PyObject *)pl_py_array(given, key, type, 2, any);
+  Py_DECREF(given);
+  PyArrayObject *image = (PyArrayObject *)*kept;
+  if (image == NULL || (PyArray_SIZE(image) > 0 && PyArray_DIM(image, 0) <= INT_MAX &&
+                        PyArray_DIM(image, 1) <= INT_MAX))
+    return image;
+  PyErr_Format(PyExc_ValueError, "%s: %s has no pixels, or too many", WHERE, key);
+  return NULL;
+}
+
+/* "flat_field" (any height, any width) float32: may be absent or None. */
+static int parse_flat(PyObject *dict, pl_py_states *states) {
+  PyArrayObject *flat = image_of(dict, "flat_field", NPY_FLOAT, &states->sensor_flat);
+  if (flat == NULL)
+    return PyErr_Occurred() ? -1 : 0;
+  const pl_status status =
+      pl_shading_set_flat(&states->sensor.shading, PyArray_DATA(flat), (int)PyArray_DIM(flat, 1),
+                          (int)PyArray_DIM(flat, 0));
+  return status == PL_OK ? 0 : (pl_py_raise(status), -1);
+}
+
+/* "plane_pupil": may be absent, then false. */
+static int parse_pupil(PyObject *dict, pl_sensor *out) {
+  PyObject *given;
+  if (pl_py_member(dict, "plane_pupil", 1, WHERE, &given) < 0)
+    return -1;
+  out->plane_pupil = given == Py_True;
+  Py_DECREF(given);
+  return 0;
+}
+
 /* "auto_time": None for a fixed exposure time. */
 static int parse_auto_time(PyObject *dict, pl_auto_time *out) {
   PyObject *given;
@@ -66,7 +130,8 @@ static int parse_auto_time(PyObject *dict, pl_auto_time *out) {
   return failed;
 }
 
-static int parse(PyObject *dict, pl_sensor *out) {
+static int parse(PyObject *dict, pl_py_states *states) {
+  pl_sensor *out = &states->sensor;
   const number numbers[] = {{"f_number", &out->f_number},
                             {"transmission", &out->transmission},
                             {"pixel_m", &out->pixel_m},
@@ -74,7 +139,7 @@ static int parse(PyObject *dict, pl_sensor *out) {
                             {"prnu", &out->prnu},
                             {"dark_current", &out->dark_current},
                             {"dark_nonuniform", &out->dark_nonuniform},
-                            {"vignetting", &out->vignetting},
+                            {"vignetting", &out->shading.power},
                             {"hot_pixels", &out->hot_pixels},
                             {"hot_current", &out->hot_current},
                             {"dead_pixels", &out->dead_pixels},
@@ -90,7 +155,8 @@ static int parse(PyObject *dict, pl_sensor *out) {
                             {"black_level", &out->black_level}};
   *out = (pl_sensor){0};
   if (parse_numbers(dict, numbers, sizeof numbers / sizeof numbers[0]) < 0 ||
-      parse_psf(dict, &out->psf) < 0 || parse_pixels(dict, out) < 0)
+      parse_psf(dict, &out->psf) < 0 || parse_pixels(dict, out) < 0 || parse_pupil(dict, out) < 0 ||
+      parse_profile(dict, &out->shading) < 0 || parse_flat(dict, states) < 0)
     return -1;
   return parse_auto_time(dict, &out->auto_time);
 }
@@ -99,8 +165,10 @@ int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request
   PyObject *given;
   if (pl_py_member(request, "sensor", 1, "request", &given) < 0)
     return -1;
-  const int failed = given != Py_None ? parse(given, &states->sensor) : 0;
+  const int failed = given != Py_None ? parse(given, states) : 0;
   out->sensor = given != Py_None ? &states->sensor : NULL;
   Py_DECREF(given);
   return failed;
 }
+
+void pl_py_sensor_clear(pl_py_states *states) { Py_CLEAR(states->sensor_flat); }

@@ -58,7 +58,6 @@ pl_status pl_sensor_check(const pl_sensor *sensor) {
   PL_TRY(in_range("hot_pixels", sensor->hot_pixels, 0.0, 1.0));
   PL_TRY(in_range("hot_current", sensor->hot_current, 0.0, 1e12));
   PL_TRY(in_range("dead_pixels", sensor->dead_pixels, 0.0, 1.0));
-  PL_TRY(in_range("vignetting", sensor->vignetting, 0.0, 100.0));
   PL_TRY(in_range("shift", sensor->shift_s, 0.0, 1e6));
   PL_TRY(in_range("drain", sensor->drain, 0.0, 1.0));
   PL_TRY(in_range("ray_flux", sensor->ray_flux, 0.0, 1e15));
@@ -71,13 +70,22 @@ pl_status pl_sensor_check(const pl_sensor *sensor) {
   PL_TRY(in_range("black_level", sensor->black_level, 0.0, most - 1.0));
   PL_TRY(in_range("mosaic", sensor->mosaic, 0, PL_MOSAIC_COUNT - 1));
   PL_TRY(check_psf(&sensor->psf));
+  PL_TRY(pl_shading_check(&sensor->shading));
   PL_TRY(check_bands(sensor));
   return check_auto_time(&sensor->auto_time);
 }
 
+/* Irradiance on the axis of a radiance of 1: pi sin^2 of the angle of the marginal ray, which is
+ * 1 / (2 N) by the sine condition, as lenses keep it that image without coma (Born and Wolf,
+ * Principles of Optics, 4.5.1), or has the tangent 1 / (2 N) through a flat opening. */
+static double axis_irradiance(const pl_sensor *s) {
+  const double square = 4.0 * s->f_number * s->f_number;
+  return PI * s->transmission / (s->plane_pupil ? square + 1.0 : square);
+}
+
 /* In a second. */
 static double response_rate(const pl_sensor *s, int band) {
-  const double irradiance = PI * s->transmission / (4.0 * s->f_number * s->f_number);
+  const double irradiance = axis_irradiance(s);
   const double photons_a_joule = s->wavelength_m[band] / (PLANCK_J_S * LIGHT_M_S);
   return irradiance * s->pixel_m * s->pixel_m * s->band_share[band] * s->quantum_efficiency[band] *
          photons_a_joule;

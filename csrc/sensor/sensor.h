@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "sensor/shading.h"
 
 /* Which colour the pixel (0, 0), its right neighbour, and the two below them see. */
 typedef enum pl_mosaic {
@@ -45,9 +46,10 @@ typedef struct pl_auto_time {
 
 typedef struct pl_sensor {
   /* lens */
-  double f_number;     /* of the sine condition: E = pi L T / (4 N^2) on the axis */
+  double f_number;     /* E = pi L T / (4 N^2) on the axis, by the sine condition ... */
+  bool plane_pupil;    /* ... or E = pi L T / (4 N^2 + 1), through a flat opening */
   double transmission; /* 0..1 */
-  double vignetting;   /* light falls as cos^vignetting of the angle to the axis; 4: natural */
+  pl_shading shading;  /* vignetting */
   pl_psf psf;
   /* pixels */
   double pixel_m;

@@ -1,17 +1,18 @@
-/* The stage `vignetting`: less light off the axis: cos^4 of the angle (natural), scaled by the
- * stated exponent: cos^n; n = 4 is the law of a thin lens, 0 none. */
+/* The stage `vignetting`: less light off the axis; see shading.h. */
 #include <math.h>
 
 #include "sensor/effects.h"
 #include "sensor/stages.h"
 
 static void dim_row(pl_sensor_frame *frame, int y) {
-  const double v = (y - frame->centre_px[1]) / frame->focal_px[1];
-  const double half = -0.5 * frame->sensor->vignetting;
+  const pl_shading *shading = &frame->sensor->shading;
   pl_vec3f *row = frame->bands + (size_t)y * (size_t)frame->width;
+  double tangent[2], place[2] = {0.0, (y + 0.5) / frame->height};
+  tangent[1] = (y - frame->centre_px[1]) / frame->focal_px[1];
   for (int x = 0; x < frame->width; x++) {
-    const double u = (x - frame->centre_px[0]) / frame->focal_px[0];
-    const float factor = (float)pow(1.0 + u * u + v * v, half); /* cos^2 = 1 / (1 + tan^2) */
+    tangent[0] = (x - frame->centre_px[0]) / frame->focal_px[0];
+    place[0] = (x + 0.5) / frame->width;
+    const float factor = (float)pl_shading_at(shading, tangent, place);
     row[x] = (pl_vec3f){factor * row[x].x, factor * row[x].y, factor * row[x].z};
   }
 }
@@ -23,14 +24,19 @@ pl_status pl_stage_vignetting(pl_sensor_frame *frame, int value) {
 
 static const char *absent(const pl_view *view) {
   const char *none = pl_sensor_absent(view);
-  return none != NULL ? none : view->sensor->vignetting > 0.0 ? NULL : "no vignetting";
+  if (none != NULL)
+    return none;
+  const pl_shading *s = &view->sensor->shading;
+  return s->power > 0.0 || s->count > 0 || s->flat != NULL ? NULL : "no vignetting";
 }
 
-/* Everywhere as in a corner whose axis is at the opposite one, twice as far as in the middle. */
+/* Everywhere as in a corner whose axis is at the opposite one, twice as far as in the middle. What
+ * a flat field brightens by a factor is as much as what is dimmed by its inverse. */
 static double bound_dn(const pl_view *view, int value) {
   const double reach = hypot(view->width, view->height) * tan(view->pixel_rad);
-  const double cosine = 1.0 / sqrt(1.0 + reach * reach);
-  return value > 0 ? 0.0 : pl_view_dn_dimming(1.0 - pow(cosine, view->sensor->vignetting));
+  double low, high;
+  pl_shading_range(&view->sensor->shading, reach, &low, &high);
+  return value > 0 ? 0.0 : pl_view_dn_dimming(fmax(1.0 - low, 1.0 - 1.0 / fmax(high, 1.0)));
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -410,6 +410,10 @@ def philox(key: tuple[int, int], counter: tuple[int, int, int, int], count: int)
 def project(K: F64, lens: tuple[str, F64] | None, points: F64) -> F64:
     """(N, 2): pixels of (N, 3) points in camera axes; nan where there is no image."""
 
+def png_grey(data: bytes, name: str, /) -> NDArray[np.uint16]:
+    """(H, W): a grey PNG of n bits, times 65535 / (2^n - 1), without its alpha. ValueError that
+    starts with `name` for what is none."""
+
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
 

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from perilune import measured
 from perilune.config.camera import Camera
+from perilune.config.errors import ConfigError
 from perilune.config.sensor import SensorExposure
+
+F64 = NDArray[np.float64]
+F_NUMBER = 4.0
+"""Of a lens of which neither the focal ratio nor the aperture is stated."""
+_KEY = "camera.sensor."
 
 SUN_K = 5772.0
 """Effective temperature of the sun (IAU 2015 resolution B3)."""
@@ -38,15 +49,54 @@ def _auto_time(exposure: SensorExposure) -> dict[str, float] | None:
     }
 
 
-def sensor_of(camera: Camera) -> dict[str, Any] | None:
-    """The core's description of a camera's sensor; None if it has none."""
+def intrinsics(camera: Camera) -> F64:
+    """K (3, 3) with integer pixel centres: a centred camera has cx = (width - 1) / 2."""
+    if camera.K is not None:
+        return np.array(camera.K).reshape(3, 3)
+    focal = camera.focal_px
+    if focal is None:
+        assert camera.fov_deg is not None  # the schema asks for one of the three
+        focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
+    cx, cy = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
+    return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
+
+
+def f_number(camera: Camera) -> float:
+    """Of a camera's sensor, from its aperture where that is given."""
+    sensor = camera.sensor
+    assert sensor is not None
+    if sensor.aperture_mm is None:
+        return F_NUMBER if sensor.f_number is None else sensor.f_number
+    K = intrinsics(camera)
+    focal_mm = math.sqrt(K[0, 0] * K[1, 1]) * sensor.pixel_um * 1e-3
+    number = focal_mm / sensor.aperture_mm
+    if not 0.5 <= number <= 1e6:
+        raise ConfigError(
+            f"camera.sensor.aperture_mm = {sensor.aperture_mm:g}: with the focal length of "
+            f"{focal_mm:g} mm (focal length in pixels times pixel_um) the lens is f/{number:g}; "
+            "allowed: f/0.5 to f/1e6"
+        )
+    return number
+
+
+def sensor_of(
+    camera: Camera, path: Callable[[str, str], Path] = lambda text, _: Path(text)
+) -> dict[str, Any] | None:
+    """The core's description of a camera's sensor; None if it has none.
+
+    path: gives the file that a path in the configuration means; its second argument is the key.
+    """
     sensor = camera.sensor
     if sensor is None:
         return None
+    shaded = sensor.vignetting_profile is not None or sensor.flat_field is not None
+    profile = [(math.radians(angle), part) for angle, part in sensor.vignetting_profile or ()]
+    flat = sensor.flat_field
     bands = [solar_band(*band) for band in sensor.bands_nm]
     warmth = (sensor.temperature_c - sensor.dark_reference_c) / sensor.dark_doubling_k
     return {
-        "f_number": sensor.f_number,
+        "f_number": f_number(camera),
+        "plane_pupil": sensor.pupil == "plane",
         "transmission": sensor.transmission,
         "psf": sensor.point_spread.model_dump(),
         "pixel_m": sensor.pixel_um * 1e-6,
@@ -60,7 +110,9 @@ def sensor_of(camera: Camera) -> dict[str, Any] | None:
         "prnu": sensor.prnu,
         "dark_current": min(1e12, sensor.dark_current_e_s * 2.0 ** min(warmth, 1000.0)),
         "dark_nonuniform": sensor.dark_nonuniform,
-        "vignetting": sensor.vignetting,
+        "vignetting": (0.0 if shaded else 4.0) if sensor.vignetting is None else sensor.vignetting,
+        "vignetting_profile": np.array(profile) if profile else None,
+        "flat_field": measured.flat_field(path(flat, _KEY + "flat_field")) if flat else None,
         "hot_pixels": sensor.hot_pixels,
         "hot_current": sensor.hot_current_e_s,
         "dead_pixels": sensor.dead_pixels,

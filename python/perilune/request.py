@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
@@ -15,24 +15,12 @@ from perilune.config import Config
 from perilune.config.camera import Camera
 from perilune.config.references import MASKS, OBJECTS
 from perilune.config.schema import TextureFilter
-from perilune.imaging import sensor_of
+from perilune.imaging import intrinsics, sensor_of
 from perilune.sample import CameraLabel
 from perilune.world import World
 
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
-
-
-def intrinsics(camera: Camera) -> F64:
-    """K (3, 3) with integer pixel centres: a centred camera has cx = (width - 1) / 2."""
-    if camera.K is not None:
-        return np.array(camera.K).reshape(3, 3)
-    focal = camera.focal_px
-    if focal is None:
-        assert camera.fov_deg is not None  # the schema asks for one of the three
-        focal = 0.5 * camera.width / math.tan(0.5 * math.radians(camera.fov_deg))
-    cx, cy = 0.5 * (camera.width - 1), 0.5 * (camera.height - 1)
-    return np.array([[focal, 0.0, cx], [0.0, focal, cy], [0.0, 0.0, 1.0]])
 
 
 def lens_of(camera: Camera) -> tuple[str, F64] | None:
@@ -56,12 +44,17 @@ def _albedos(config: Config) -> F64:
 
 
 def request_of(
-    scene: World, camera_poses: F64, scales: Mapping[str, float], movers: F64
+    scene: World,
+    camera_poses: F64,
+    scales: Mapping[str, float],
+    movers: F64,
+    path: Callable[[str, str], Path],
 ) -> _core.FrameRequest:
     """What the core is asked to render.
 
     camera_poses: (2, 7), camera to root, at opening and closing. scales: metres per model unit of
     each spacecraft. movers: (nodes, 3, 4), the motions of all moving nodes.
+    path: gives the file that a path in the configuration means, and takes the key for errors.
     """
     config = scene.config
     render, exposure = config.render, config.camera.exposure
@@ -99,7 +92,7 @@ def request_of(
             "percentile": exposure.percentile,
             "key": exposure.key,
         },
-        "sensor": sensor_of(config.camera),
+        "sensor": sensor_of(config.camera, path),
         "amodal": render.amodal,
     }
 

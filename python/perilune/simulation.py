@@ -182,7 +182,8 @@ class Simulation:
         poses = trajectories.camera_poses(scene, self._trajectory)
         handles = self._mine()
         movers = articulation.stacked(posed or handles.posed(scene))
-        request = request_of(scene, poses, handles.scales(scene.config), movers)
+        scales = handles.scales(scene.config)
+        request = request_of(scene, poses, scales, movers, self._document.path)
         look = handles.looks.of(scene.config)
         request["graph_parameters"] = materials.parameters(look.graphs, scene.config)
         return request

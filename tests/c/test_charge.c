@@ -83,7 +83,7 @@ static void smear_adds_the_columns_sum(void **state) {
 static void vignetting_is_cos4(void **state) {
   (void)state;
   pl_sensor sensor = sensor_plain();
-  sensor.vignetting = 4.0;
+  sensor.shading.power = 4.0;
   sensor_shot shot;
   sensor_shot_init(&shot, &sensor, 101, 3);
   shot.frame.focal_px[0] = shot.frame.focal_px[1] = 50.0;
@@ -93,6 +93,36 @@ static void vignetting_is_cos4(void **state) {
   assert_true(fabsf(shot.frame.bands[101].y - 2.0f) < 1e-6f);
   assert_true(fabsf(shot.frame.bands[101 + 100].z - 2.0f) < 1e-6f);
   sensor_shot_clear(&shot);
+}
+
+/* A table and a flat field multiply; between their points they are linear, beyond them they hold.
+ */
+static void vignetting_by_table_and_flat_field(void **state) {
+  (void)state;
+  const float flat[2] = {0.5f, 1.5f};
+  pl_sensor sensor = sensor_plain();
+  sensor.shading = (pl_shading){.count = 2, .angle_rad = {0.2, 0.4}, .factor = {1.0, 0.5}};
+  assert_int_equal(pl_shading_set_flat(&sensor.shading, flat, 2, 1), PL_OK);
+  const struct {
+    double angle, place, factor;
+  } cases[] = {{0.0, 0.5, 1.0},  {0.1, 0.5, 1.0}, {0.3, 0.5, 0.75}, {0.4, 0.5, 0.5},
+               {1.2, 0.5, 0.5},  {0.0, 0.0, 0.5}, {0.0, 0.25, 0.5}, {0.0, 0.375, 0.75},
+               {0.0, 0.75, 1.5}, {0.0, 1.0, 1.5}, {0.3, 1.0, 1.125}};
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    const double place[2] = {cases[i].place, 0.3};
+    const double tangent[2] = {0.6 * tan(cases[i].angle), -0.8 * tan(cases[i].angle)};
+    const double factor = pl_shading_at(&sensor.shading, tangent, place);
+    assert_true(fabs(factor - cases[i].factor) < 1e-12);
+  }
+  double low, high;
+  pl_shading_range(&sensor.shading, 9.0, &low, &high);
+  assert_true(low == 0.25 && high == 1.5);
+  assert_int_equal(pl_sensor_check(&sensor), PL_OK);
+  sensor.shading.angle_rad[1] = 0.2;
+  assert_int_equal(pl_sensor_check(&sensor), PL_E_RANGE);
+  const float bad[] = {1.0f, NAN, 1.0f, -0.1f, 1.0f, INFINITY};
+  for (int i = 0; i < 3; i++)
+    assert_int_equal(pl_shading_set_flat(&sensor.shading, bad + 2 * i, 2, 1), PL_E_RANGE);
 }
 
 /* The stated parts of the pixels, within 5 standard errors; the same ones in every frame. */
@@ -152,9 +182,13 @@ static void rays_leave_their_charge(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(blooming_keeps_charge),         cmocka_unit_test(the_sun_fills_its_column),
-      cmocka_unit_test(smear_adds_the_columns_sum),    cmocka_unit_test(vignetting_is_cos4),
-      cmocka_unit_test(defects_are_as_many_as_stated), cmocka_unit_test(rays_leave_their_charge),
+      cmocka_unit_test(blooming_keeps_charge),
+      cmocka_unit_test(the_sun_fills_its_column),
+      cmocka_unit_test(smear_adds_the_columns_sum),
+      cmocka_unit_test(vignetting_is_cos4),
+      cmocka_unit_test(vignetting_by_table_and_flat_field),
+      cmocka_unit_test(defects_are_as_many_as_stated),
+      cmocka_unit_test(rays_leave_their_charge),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,6 +17,28 @@ static void electrons_of_a_radiance(void **state) {
   assert_true(fabs(electrons / 5559.726455065379 - 1.0) < 1e-9);
 }
 
+/* By the sine condition E = pi L / (4 N^2); through a flat opening, the disc of angular radius
+ * atan(1 / (2 N)) seen from the sensor: E = pi L sin^2 = pi L / (4 N^2 + 1), of which the sum over
+ * rings of the disc, cos(a) 2 pi sin(a) da, is the definition. */
+static void irradiance_on_the_axis(void **state) {
+  (void)state;
+  const double numbers[] = {0.5, 1.0, 1.4, 2.0, 8.0};
+  for (size_t i = 0; i < 5; i++) {
+    pl_sensor sensor = sensor_plain();
+    sensor.f_number = numbers[i];
+    const double aplanatic = pl_sensor_response(&sensor, 1);
+    sensor.plane_pupil = true;
+    const double plane = pl_sensor_response(&sensor, 1);
+    const double edge = atan(0.5 / numbers[i]);
+    double sum = 0.0;
+    for (int k = 0; k < 4000; k++) {
+      const double a = edge * (k + 0.5) / 4000.0;
+      sum += cos(a) * 2.0 * sin(a) * edge / 4000.0;
+    }
+    assert_true(fabs(plane / aplanatic / (sum * 4.0 * numbers[i] * numbers[i]) - 1.0) < 1e-6);
+  }
+}
+
 static void mosaics_are_named_by_their_first_four(void **state) {
   (void)state;
   static const char *const names[] = {"ggg", "rggb", "bggr", "grbg", "gbrg"};
@@ -62,6 +84,7 @@ static void wrong_numbers_are_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(electrons_of_a_radiance),
+      cmocka_unit_test(irradiance_on_the_axis),
       cmocka_unit_test(mosaics_are_named_by_their_first_four),
       cmocka_unit_test(automatic_time_keeps_its_limits),
       cmocka_unit_test(wrong_numbers_are_refused),

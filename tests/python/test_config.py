@@ -297,7 +297,8 @@ def test_every_physical_key_has_its_unit():
     """Numbers without a unit in their name are ratios, counts or identities listed here."""
     units = ("_m", "_km", "_s", "_deg", "_deg_s", "_px", "_dn", "_au", "_km3_s2", "_w_m2",
              "_km_s", "_m2_kg", "_kg_m2", "_h", "_us", "_cm2_s", "_um", "_nm", "_ms", "_e",
-             "_e_s", "_e_dn", "_c", "_k")
+             "_e_s", "_e_dn", "_c", "_k",
+             "_mm")
     plain = {
         "version", "seed", "width", "height", "K", "eccentricity", "albedo", "samples",
         "max_bounces", "metres_per_unit", "obj_id", "percentile", "key", "strength", "interval",
@@ -308,6 +309,7 @@ def test_every_physical_key_has_its_unit():
         "v_step", "orbit_start", "scale", "j2", "cd", "cr", "rtol", "degree", "order", "number",
         "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2",  # of lenses
         "f_number", "transmission", "quantum_efficiency", "serial", "bits",
+        "vignetting_profile",  # degrees, and parts of the light
         "vignetting", "hot_pixels", "dead_pixels", "drain", "wings", "wing_beta",
         "prnu", "dark_nonuniform",  # relative deviations
         "jitter_strength", "step_interval", "correlation", "first_frame",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
@@ -13,6 +14,8 @@ from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positi
 
 Mosaic = Literal["mono", "rggb", "bggr", "grbg", "gbrg"]
 Band = tuple[Positive, Positive]
+Vignetted = tuple[Annotated[float, Field(strict=True, ge=0.0, lt=90.0)], Fraction]
+Profile = Annotated[tuple[Vignetted, ...], Field(min_length=1, max_length=64)]
 Efficiency = tuple[Fraction, Fraction, Fraction]
 
 
@@ -74,12 +77,23 @@ class ImageSensor(Strict):
     preset: Name | None = None
     """A ready sensor, whose values are the defaults of all keys that are not given; see
     perilune.config.sensor_presets for what is from data sheets and what is assumed."""
-    f_number: Annotated[Positive, Field(ge=0.5, le=1e6)] = 4.0
-    """Focal length over aperture."""
+    f_number: Annotated[Positive, Field(ge=0.5, le=1e6)] | None = None
+    """Focal length over aperture; 4 where neither this nor aperture_mm is given."""
+    aperture_mm: Positive | None = None
+    """Diameter of the aperture instead; the focal length is the camera's in pixels of pixel_um."""
+    pupil: Literal["sine", "plane"] = "sine"
+    """Irradiance on the axis of a radiance L. sine: pi L / (4 N^2), of lenses without coma; plane:
+    pi L / (4 N^2 + 1), through a flat opening. They differ by 6 % at N = 2."""
     transmission: Fraction = 0.9
     """Of the lens, all surfaces."""
-    vignetting: Annotated[NonNegative, Field(le=100.0)] = 4.0
-    """Light falls off as this power of the cosine of the angle to the axis; 4: a thin lens."""
+    vignetting: Annotated[NonNegative, Field(le=100.0)] | None = None
+    """Light falls off as this power of the cosine of the angle to the axis; 4: a thin lens. Left
+    out: 4, or 0 where a profile or a flat field says what is left."""
+    vignetting_profile: Profile | None = None
+    """[angle to the axis in degrees, part of the light], by rising angle; linear between."""
+    flat_field: str | None = None
+    """File (.npy, .tif, grey .png) of a measured flat field: its ratio to its middle multiplies.
+    Stretched over the image."""
     point_spread: PointSpread = PointSpread()
     pixel_um: Annotated[Positive, Field(ge=0.01, le=1e6)] = 5.5
     """Side of a pixel."""
@@ -132,11 +146,18 @@ class ImageSensor(Strict):
     @classmethod
     def _from_preset(cls, data: Any) -> Any:
         if isinstance(data, Mapping) and isinstance(name := data.get("preset"), str):
-            return {**PRESETS[name].values, **data} if name in PRESETS else data
+            values = dict(PRESETS[name].values) if name in PRESETS else {}
+            if "aperture_mm" in data:
+                values.pop("f_number", None)
+            return {**values, **data}
         return data
 
     @model_validator(mode="after")
     def _sound(self) -> ImageSensor:
+        self._exactly_one("f_number", "aperture_mm", optional=True)
+        angles = [angle for angle, _ in self.vignetting_profile or ()]
+        if any(a >= b for a, b in itertools.pairwise(angles)):
+            fail("vignetting_profile", "the angles must rise")
         for i, (first, last) in enumerate(self.bands_nm):
             if not 10.0 <= first < last <= 100000.0:
                 fail(f"bands_nm[{i}]", "must be [shortest, longest], within 10 to 100000")

@@ -17,8 +17,8 @@ from perilune.config.errors import ConfigError
 from perilune.config.schema import Symmetries
 from perilune.config.trajectory import Deterministic
 from perilune.drivers import Found
+from perilune.imaging import intrinsics
 from perilune.materials import images_in
-from perilune.request import intrinsics
 from perilune.simulation import Simulation
 from perilune.writers.bop_models import BopModel, bop_model
 
