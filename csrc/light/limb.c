@@ -39,17 +39,24 @@ static void tabulate(const double c[PL_LIMB_TERMS], float spread[PL_LIMB_RINGS +
   }
 }
 
+void pl_limb_polynomial(double wavelength_um, double c[PL_LIMB_TERMS]) {
+  const double l = fmin(fmax(wavelength_um, SHORTEST_UM), LONGEST_UM);
+  double mean = 0.0;
+  for (int k = 0; k < PL_LIMB_TERMS; k++) {
+    c[k] = neckel[k][0] + neckel[k][1] / l + neckel[k][2] / (l * l * l * l * l);
+    mean += 2.0 * c[k] / (k + 2.0); /* of mu^k over the disc */
+  }
+  for (int k = 0; k < PL_LIMB_TERMS; k++)
+    c[k] /= mean;
+}
+
 pl_limb pl_limb_make(const double wavelengths_um[3]) {
   pl_limb limb;
   for (int band = 0; band < 3; band++) {
-    const double l = fmin(fmax(wavelengths_um[band], SHORTEST_UM), LONGEST_UM);
-    double a[PL_LIMB_TERMS], mean = 0.0;
-    for (int k = 0; k < PL_LIMB_TERMS; k++) {
-      a[k] = neckel[k][0] + neckel[k][1] / l + neckel[k][2] / (l * l * l * l * l);
-      mean += 2.0 * a[k] / (k + 2.0); /* of mu^k over the disc */
-    }
+    double a[PL_LIMB_TERMS];
+    pl_limb_polynomial(wavelengths_um[band], a);
     for (int k = 0; k < PL_LIMB_TERMS; k++)
-      limb.c[band][k] = (float)(a[k] /= mean);
+      limb.c[band][k] = (float)a[k];
     if (band == 1)
       tabulate(a, limb.spread);
   }

@@ -18,6 +18,8 @@ typedef struct pl_limb {
 /* Neckel (2005), Solar Physics 229, 13: fitted to 0.4226-1.1 um, to which wavelengths are cut off.
  * The irradiance of the whole disc stays what it is. */
 pl_limb pl_limb_make(const double wavelengths_um[3]);
+/* The polynomial of one wavelength, in double. */
+void pl_limb_polynomial(double wavelength_um, double c[PL_LIMB_TERMS]);
 /* For a unit direction at the disc; that of the edge beyond it. The second band's ratio is also the
  * density of pl_limb_sample over that of pl_sun_sample. */
 pl_vec3f pl_limb_ratio(const pl_limb *limb, const pl_sun_view *view, pl_vec3f direction);

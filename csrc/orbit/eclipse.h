@@ -5,8 +5,9 @@
 #include "math/vec.h"
 
 /* Visible fraction of a disc of angular radius a > 0 behind a disc of radius b >= 0, their centres
- * c >= 0 apart, in the same unit. Exact in the plane; of angles good to 1e-5 while a is small.
- * Relative error near rounding for b/a up to 1e6 and beyond. */
+ * c >= 0 apart, in the same unit. Exact in the plane, to rounding for b/a up to 1e6 and beyond. Of
+ * angles (rad) wrong by a (1/b - 1/tan b) / (3 pi) at most, 3e-4 for the Sun and b near a right
+ * angle, because the limb of a great circle is straight; light/occultation.h is exact there. */
 double pl_eclipse_fraction(double a, double b, double c);
 
 /* Visible fraction of the Sun's disc (uniform) from r_m, with a sphere of radius_m about the origin

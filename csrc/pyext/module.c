@@ -113,6 +113,8 @@ static PyMethodDef functions[] = {
     {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
     {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},
+    {"sunlight", (PyCFunction)(void (*)(void))pl_py_sunlight, METH_VARARGS | METH_KEYWORDS,
+     "The fraction of the sun's light that bodies let through."},
     {"version", version, METH_NOARGS, "Versions of what the core was built with."},
     {NULL, NULL, 0, NULL},
 };

@@ -19,6 +19,8 @@ const pl_grid *pl_py_grid_of(PyObject *object);
 PyObject *pl_py_nodes(void);
 /* The function gltf_graphs, as documented in the stub. */
 PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path);
+/* The function sunlight, as documented in the stub. */
+PyObject *pl_py_sunlight(PyObject *module, PyObject *args, PyObject *kwargs);
 /* Marks the scene as in use, so that nothing is added any more. */
 const pl_scene *pl_py_scene_freeze(PyObject *object);
 /* While a frame of the scene is rendered (change +1 before, -1 after) its materials stay. */
