@@ -95,9 +95,10 @@ void pl_psf_kernel(const pl_sensor *sensor, int band, int reach_x, int reach_y, 
     }
   for (size_t i = 0; i < width * height; i++)
     sum += kernel[i];
-  if (spread && sum < 1.0)
-    for (size_t i = 0; i < width * height; i++)
-      kernel[i] += (1.0 - sum) / (double)(width * height);
-  else
-    kernel[(size_t)reach_y * width + (size_t)reach_x] += 1.0 - sum;
+  /* What the points within a pixel miss of a core that is far smaller is in the middle. */
+  const double outside = spread ? pl_psf_outside(sensor, band, fmin(reach_x, reach_y) + 0.5) : 0.0;
+  const double rest = fmin(outside, fmax(0.0, 1.0 - sum));
+  kernel[(size_t)reach_y * width + (size_t)reach_x] += 1.0 - sum - rest;
+  for (size_t i = 0; i < width * height; i++)
+    kernel[i] += rest / (double)(width * height);
 }
