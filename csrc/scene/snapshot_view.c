@@ -113,6 +113,12 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
   return thing;
 }
 
+static double corner_tangent(const pl_camera *camera) {
+  const double x = fmax(fabs(camera->cx), fabs(camera->width - 1.0 - camera->cx)) / camera->fx;
+  const double y = fmax(fabs(camera->cy), fabs(camera->height - 1.0 - camera->cy)) / camera->fy;
+  return hypot(x, y);
+}
+
 pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *out) {
   const size_t count = shot->object_count + shot->body_count;
   pl_view_thing *things = pl_arena_alloc(arena, count, sizeof *things);
@@ -128,6 +134,7 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
       .width = shot->camera.width,
       .height = shot->camera.height,
       .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
+      .corner_tangent = corner_tangent(&shot->camera),
       .sun_radius_rad = asin(fmin(1.0, shot->sun.radius_m / distance)),
       .sun_position_m = {sun.x, sun.y, sun.z},
       .sun_radius_m = shot->sun.radius_m,

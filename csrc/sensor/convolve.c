@@ -6,18 +6,20 @@
 /* Columns that are gathered at once: 8 * 16 bytes are two lines of cache. */
 enum { BLOCK = 8 };
 
-static size_t padded(int side, int *reach) {
-  const size_t size = pl_fft_size((size_t)side + ((size_t)side + 1) / 2);
-  const size_t room = size - (size_t)side;
-  *reach = room < (size_t)side ? (int)room : side - 1;
-  return size;
+static size_t padded(int side) { return pl_fft_size((size_t)side + ((size_t)side + 1) / 2); }
+
+int pl_plane_reach(int side) {
+  const size_t room = padded(side) - (size_t)side;
+  return room < (size_t)side ? (int)room : side - 1;
 }
 
 pl_status pl_plane_init(pl_plane *plane, int width, int height, int threads, pl_cancel *cancel,
                         pl_arena *arena, int reach[2]) {
   *plane = (pl_plane){.inner_height = (size_t)height, .threads = threads, .cancel = cancel};
-  plane->width = padded(width, &reach[0]);
-  plane->height = padded(height, &reach[1]);
+  plane->width = padded(width);
+  plane->height = padded(height);
+  reach[0] = pl_plane_reach(width);
+  reach[1] = pl_plane_reach(height);
   const size_t longer = plane->width > plane->height ? plane->width : plane->height;
   plane->scratch_each = (BLOCK + 1) * longer;
   plane->factors[0] = pl_arena_alloc(arena, plane->width, sizeof(pl_complex));

@@ -17,6 +17,8 @@ typedef struct pl_plane {
   pl_cancel *cancel; /* may be NULL */
 } pl_plane;
 
+/* What a kernel reaches along a side of the image, pixels; see pl_plane_init. */
+int pl_plane_reach(int side);
 /* Padding so that a kernel reaches at least half the image's sides, at most all of it; what it
  * reaches is in `reach` (x, y; pixels). */
 pl_status pl_plane_init(pl_plane *plane, int width, int height, int threads, pl_cancel *cancel,

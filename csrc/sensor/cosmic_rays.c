@@ -64,13 +64,18 @@ static const char *absent(const pl_view *view) {
   return mean > 1e-6 && view->sensor->ray_electrons_per_m > 0.0 ? NULL : "no ray hits the sensor";
 }
 
-/* A ray leaves at most the track that fits in a pixel; several may meet in one. */
-static double bound_dn(const pl_view *view, int value) {
+/* A ray leaves at most the track that fits in a pixel, and a step of it more; several may meet in
+ * one. A track of length l crosses 1 + 4 l / pi pixels on average; the mean tangent is pi / 2. */
+double pl_sensor_rays_max(const pl_view *view) {
   const pl_sensor *sensor = view->sensor;
-  const double track_m = sensor->ray_depth_m + 2.0 * sensor->pixel_m;
+  const double track_m = 1.1 * hypot(sensor->ray_depth_m, sqrt(2.0) * sensor->pixel_m);
   const double mean = mean_rays(sensor, view->width, view->height) / view->width / view->height;
-  const double meet = 1.0 + mean + PL_SENSOR_SIGMAS * sqrt(mean);
-  return value > 0 ? 0.0 : pl_sensor_dn(view, meet * sensor->ray_electrons_per_m * track_m);
+  const double crossed = 1.0 + 2.0 * sensor->ray_depth_m / sensor->pixel_m;
+  return pl_poisson_most(crossed * mean) * sensor->ray_electrons_per_m * track_m;
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : pl_sensor_dn(view, pl_sensor_rays_max(view));
 }
 
 static double cost_ms(const pl_view *view, int value) {

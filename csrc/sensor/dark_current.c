@@ -35,14 +35,14 @@ static const char *absent(const pl_view *view) {
   return view->sensor->dark_current * view->sensor->exposure_s > 0.0 ? NULL : "no dark current";
 }
 
-static double bound_dn(const pl_view *view, int value) {
-  const pl_sensor *sensor = view->sensor;
-  if (value > 0)
-    return 0.0;
+double pl_sensor_dark_max(const pl_sensor *sensor) {
   const double square = log1p(sensor->dark_nonuniform * sensor->dark_nonuniform);
   const double most = exp(PL_SENSOR_SIGMAS * sqrt(square) - 0.5 * square);
-  const double mean = most * sensor->dark_current * sensor->exposure_s;
-  return pl_sensor_dn(view, mean + PL_SENSOR_SIGMAS * sqrt(mean));
+  return most * sensor->dark_current * sensor->exposure_s;
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : pl_sensor_dn(view, pl_poisson_most(pl_sensor_dark_max(view->sensor)));
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -30,13 +30,9 @@ static double interpolate(const pl_sensor_frame *frame, int x, int y, int band) 
 static void develop_row(pl_sensor_frame *frame, int y) {
   const pl_sensor *sensor = frame->sensor;
   const double white = pl_sensor_white_electrons(sensor) / sensor->gain;
-  const double largest = pl_sensor_response_white(sensor);
   double scale[3];
-  for (int band = 0; band < 3; band++) {
-    const double response = pl_sensor_response(sensor, band);
-    const bool balanced = sensor->mosaic != PL_MOSAIC_MONO && response > 0.0;
-    scale[band] = (balanced ? largest / response : 1.0) / white;
-  }
+  for (int band = 0; band < 3; band++)
+    scale[band] = pl_sensor_balance(sensor, band) / white;
   uint8_t *out = frame->rgb + 3 * (size_t)y * (size_t)frame->width;
   for (int x = 0; x < frame->width; x++)
     for (int band = 0; band < 3; band++) {

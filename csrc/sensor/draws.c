@@ -81,3 +81,16 @@ double pl_stream_poisson(pl_stream *stream, double mean) {
     return poisson_by_rejection(stream, mean);
   return fmax(0.0, floor(mean + sqrt(mean) * pl_stream_normal(stream) + 0.5));
 }
+
+double pl_poisson_most(double mean) {
+  const double rare = 20.72326583694641; /* -log(1e-9) */
+  if (!(mean > 0.0) || !isfinite(mean))
+    return mean > 0.0 ? mean : 0.0;
+  /* From above (Bernstein's bound) Newton's steps on a convex function stay above. */
+  double k = mean + rare / 3.0 + sqrt(rare * rare / 9.0 + 2.0 * rare * mean);
+  for (int step = 0; step < 8; step++) {
+    const double slope = log(k / mean);
+    k -= slope > 0.0 ? (k * slope - k + mean - rare) / slope : 0.0;
+  }
+  return k;
+}

@@ -35,5 +35,8 @@ double pl_stream_normal(pl_stream *stream);
  * % and whose quantiles by less than 1/6 of a count (Cornish and Fisher's first term at 1 sigma of
  * 0). 0 for a mean of 0, NaN and below. */
 double pl_stream_poisson(pl_stream *stream, double mean);
+/* A number of counts that a Poisson draw of this mean reaches once in 1e9 at most, by Chernoff's
+ * bound: P(N >= k) <= exp(-mean) (e mean / k)^k. 0 for a mean of 0. */
+double pl_poisson_most(double mean);
 
 #endif

@@ -25,7 +25,7 @@ static const char *absent(const pl_view *view) {
 }
 
 static double bound_dn(const pl_view *view, int value) {
-  return value > 0 ? 0.0 : pl_view_dn_dimming(PL_SENSOR_SIGMAS * view->sensor->prnu);
+  return value > 0 ? 0.0 : pl_sensor_dimming_dn(view, PL_SENSOR_SIGMAS * view->sensor->prnu);
 }
 
 static double cost_ms(const pl_view *view, int value) {

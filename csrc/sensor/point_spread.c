@@ -156,16 +156,18 @@ static int ceiling(const pl_view *view) {
   return 2;
 }
 
-/* The middle leaves out what lands outside of it: at most that part of the brightest light. */
+/* The middle leaves out what lands outside of it: at most that part of the brightest light. In an
+ * image smaller than the middle the whole function is the one that has to put it elsewhere. */
 static double bound_dn(const pl_view *view, int value) {
   double outside = 1.0;
   if (value > 1)
     return 0.0;
+  const int whole = (int)fmin(pl_plane_reach(view->width), pl_plane_reach(view->height));
   for (int band = 0; value == 1 && band < 3; band++) {
-    const double part = pl_psf_outside(view->sensor, band, REACH + 0.5);
+    const double part = pl_psf_outside(view->sensor, band, fmin(REACH, whole) + 0.5);
     outside = band == 0 ? part : fmax(outside, part);
   }
-  return outside > 0.0 ? pl_sensor_dn(view, outside * pl_sensor_electrons_max(view)) : 0.0;
+  return outside > 0.0 ? pl_sensor_light_dn(view, outside * pl_sensor_electrons_max(view)) : 0.0;
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -109,6 +109,12 @@ double pl_sensor_white_electrons(const pl_sensor *sensor) {
   return fmin(sensor->full_well, (most - sensor->black_level) * sensor->gain);
 }
 
+double pl_sensor_balance(const pl_sensor *sensor, int band) {
+  const double response = pl_sensor_response(sensor, band);
+  const bool balanced = sensor->mosaic != PL_MOSAIC_MONO && response > 0.0;
+  return balanced ? pl_sensor_response_white(sensor) / response : 1.0;
+}
+
 int pl_sensor_band(pl_mosaic mosaic, int x, int y) {
   static const int bands[PL_MOSAIC_COUNT][4] = {
       {1, 1, 1, 1}, {0, 1, 1, 2}, {2, 1, 1, 0}, {1, 0, 2, 1}, {1, 2, 0, 1}};

@@ -94,6 +94,9 @@ double pl_sensor_response(const pl_sensor *sensor, int band);
 double pl_sensor_response_white(const pl_sensor *sensor);
 /* Electrons at which the image is white: the full well, or less where the digits end before. */
 double pl_sensor_white_electrons(const pl_sensor *sensor);
+/* What the picture multiplies a band's charge by, so that a white sunlit surface is grey; at least
+ * 1. Without filters, and for a band without a response, 1. */
+double pl_sensor_balance(const pl_sensor *sensor, int band);
 /* The band that a pixel sees, 0..2; for PL_MOSAIC_MONO always 1. */
 int pl_sensor_band(pl_mosaic mosaic, int x, int y);
 /* The time that brings `radiance` (W m-2 sr-1, white) to white, in the limits of the automatic. */

@@ -24,7 +24,7 @@ static double bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;
   const double mean = fmin(pl_sensor_white_electrons(view->sensor), pl_sensor_charge_max(view));
-  return pl_sensor_dn(view, PL_SENSOR_SIGMAS * sqrt(mean));
+  return pl_sensor_dn(view, pl_poisson_most(mean) - mean);
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -30,8 +30,9 @@ static const char *absent(const pl_view *view) {
 }
 
 static double bound_dn(const pl_view *view, int value) {
-  const double part = view->height * view->sensor->shift_s / view->sensor->exposure_s;
-  return value > 0 ? 0.0 : pl_sensor_dn(view, part * pl_sensor_electrons_max(view));
+  const pl_sensor *sensor = view->sensor;
+  const double part = view->height * sensor->shift_s / sensor->exposure_s;
+  return value > 0 ? 0.0 : pl_sensor_dn(view, part * pl_sensor_light_max(view));
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "sensor/draws.h"
 #include "sensor/effects.h"
 #include "sensor/stages.h"
 
@@ -56,9 +57,43 @@ pl_status pl_sensor_columns(pl_sensor_frame *frame, pl_line_fn work) {
   return pl_parallel_for(frame->threads, (size_t)frame->width, run_line, &job, frame->cancel);
 }
 
-double pl_sensor_dn(const pl_view *view, double electrons) {
+static double dn_of(const pl_view *view, double electrons) {
   const double linear = electrons / pl_sensor_white_electrons(view->sensor);
   return pl_view_dn(view, linear * view->white_radiance);
+}
+
+/* What flat fields and pixels that respond more than others make of light at most. */
+static double response_gain(const pl_view *view) {
+  double low, high;
+  pl_shading_range(&view->sensor->shading, view->corner_tangent, &low, &high);
+  return fmax(1.0, high) * (1.0 + PL_SENSOR_SIGMAS * view->sensor->prnu);
+}
+
+/* Smear as well. */
+static double light_gain(const pl_view *view) {
+  const pl_sensor *s = view->sensor;
+  const double smear = s->exposure_s > 0.0 ? view->height * s->shift_s / s->exposure_s : 0.0;
+  return response_gain(view) * (1.0 + smear);
+}
+
+double pl_sensor_light_dn(const pl_view *view, double electrons) {
+  return dn_of(view, light_gain(view) * electrons);
+}
+
+double pl_sensor_dn(const pl_view *view, double electrons) {
+  double balance = 1.0;
+  for (int band = 0; band < 3; band++)
+    balance = fmax(balance, pl_sensor_balance(view->sensor, band));
+  return dn_of(view, balance * electrons);
+}
+
+/* With noise n: from x = y + n to (1 - f) x, read as y and y - f y - f n: by E(y) - E((1 - f) y),
+ * and from there by at most E(f n), since the encoding E is concave. */
+double pl_sensor_dimming_dn(const pl_view *view, double fraction) {
+  const pl_sensor *s = view->sensor;
+  const double noise = PL_SENSOR_SIGMAS * (s->read_noise + s->column_noise);
+  const double bared = pl_sensor_dn(view, fraction * noise);
+  return fmin(255.0, pl_view_dn_dimming(fraction) + bared);
 }
 
 double pl_sensor_electrons_max(const pl_view *view) {
@@ -72,18 +107,16 @@ double pl_sensor_electrons_max(const pl_view *view) {
   return radiance * pl_sensor_response_white(view->sensor);
 }
 
+double pl_sensor_light_max(const pl_view *view) {
+  return response_gain(view) * pl_sensor_electrons_max(view);
+}
+
 double pl_sensor_charge_max(const pl_view *view) {
   const pl_sensor *s = view->sensor;
-  const double light = pl_sensor_electrons_max(view) * (1.0 + PL_SENSOR_SIGMAS * s->prnu);
-  const double dark = (s->dark_current * (1.0 + 100.0 * s->dark_nonuniform) +
-                       (s->hot_pixels > 0.0 ? 1.5 * s->hot_current : 0.0)) *
-                      s->exposure_s;
-  const bool smeared = s->shift_s > 0.0 && s->exposure_s > 0.0; /* no 0 times infinity */
-  const double smear = smeared ? view->height * s->shift_s / s->exposure_s * light : 0.0;
-  const double rays =
-      s->ray_flux > 0.0 ? s->ray_electrons_per_m * (s->ray_depth_m + 2.0 * s->pixel_m) : 0.0;
-  const double mean = light + dark + smear + rays;
-  return mean + PL_SENSOR_SIGMAS * sqrt(mean);
+  const double light = light_gain(view) * pl_sensor_electrons_max(view);
+  const double hot = s->hot_pixels > 0.0 ? 1.5 * s->hot_current * s->exposure_s : 0.0;
+  const double mean = light + pl_sensor_dark_max(s) + hot;
+  return pl_poisson_most(mean) + pl_sensor_rays_max(view);
 }
 
 const char *pl_sensor_absent(const pl_view *view) {

@@ -46,14 +46,28 @@ pl_status pl_sensor_columns(pl_sensor_frame *frame, pl_line_fn work);
 
 /* --- for the rows of effects */
 
-/* Random numbers stay within this many standard deviations: one in 5e8 does not. */
+/* Normal random numbers stay within this many standard deviations: one in 5e8 does not. Bounds are
+ * meant so, and with pl_poisson_most of numbers that are counted. */
 #define PL_SENSOR_SIGMAS 6.0
 
-/* Digital numbers (of 255, display-encoded) that so many electrons can make at most: on black. */
+/* Digital numbers (of 255, display-encoded) that so many electrons can make at most: on black, in
+ * the band that is balanced up most. */
 double pl_sensor_dn(const pl_view *view, double electrons);
+/* The same of light, in electrons of the pixels that a white radiance fills first: other bands have
+ * fewer, by what they are balanced up. */
+double pl_sensor_light_dn(const pl_view *view, double electrons);
 /* Upper bound of the electrons that light frees in a pixel; INFINITY where the sun may be mirrored
  * or is in the frame. */
 double pl_sensor_electrons_max(const pl_view *view);
+/* The same in the pixels that respond most, where a flat field is brightest. */
+double pl_sensor_light_max(const pl_view *view);
+/* What dimming or brightening light by a fraction can make at most: what pl_view_dn_dimming says of
+ * clean light, and as much again as noise that is read out below it lays bare on black. */
+double pl_sensor_dimming_dn(const pl_view *view, double fraction);
+/* The mean dark charge of the warmest pixel, electrons. */
+double pl_sensor_dark_max(const pl_sensor *sensor);
+/* What particles leave in a pixel at most, electrons. */
+double pl_sensor_rays_max(const pl_view *view);
 /* Upper bound of the charge of a pixel before it blooms: light, and what other stages add. */
 double pl_sensor_charge_max(const pl_view *view);
 /* Why no stage matters, or NULL. */

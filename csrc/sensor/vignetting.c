@@ -30,13 +30,12 @@ static const char *absent(const pl_view *view) {
   return s->power > 0.0 || s->count > 0 || s->flat != NULL ? NULL : "no vignetting";
 }
 
-/* Everywhere as in a corner whose axis is at the opposite one, twice as far as in the middle. What
- * a flat field brightens by a factor is as much as what is dimmed by its inverse. */
+/* Everywhere as in the darkest corner. What a flat field brightens by a factor is as much as what
+ * is dimmed by its inverse. */
 static double bound_dn(const pl_view *view, int value) {
-  const double reach = hypot(view->width, view->height) * tan(view->pixel_rad);
   double low, high;
-  pl_shading_range(&view->sensor->shading, reach, &low, &high);
-  return value > 0 ? 0.0 : pl_view_dn_dimming(fmax(1.0 - low, 1.0 - 1.0 / fmax(high, 1.0)));
+  pl_shading_range(&view->sensor->shading, view->corner_tangent, &low, &high);
+  return value > 0 ? 0.0 : pl_sensor_dimming_dn(view, fmax(1.0 - low, 1.0 - 1.0 / fmax(high, 1.0)));
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -62,6 +62,24 @@ static void poisson_has_its_moments(void **state) {
   }
 }
 
+/* P(N >= k) of pl_poisson_most by summing: below 1e-9, and not by much. */
+static void poisson_most_is_rarely_reached(void **state) {
+  (void)state;
+  for (double mean = 1e-7; mean < 1e5; mean *= 3.0) {
+    const double most = pl_poisson_most(mean);
+    double tails[2] = {0};
+    for (int which = 0; which < 2; which++) {
+      const double first = ceil(which == 0 ? most : mean + 0.8 * (most - mean) - 1.0);
+      for (double k = fmax(first, 0.0); k < most + 100.0 * sqrt(most) + 100.0; k += 1.0)
+        tails[which] += exp(k * log(mean) - mean - lgamma(k + 1.0));
+    }
+    assert_true(tails[0] <= 1e-9 && tails[1] > 1e-9);
+  }
+  assert_true(pl_poisson_most(0.0) == 0.0 && pl_poisson_most(NAN) == 0.0);
+  assert_true(pl_poisson_most(-1.0) == 0.0 && isinf(pl_poisson_most(INFINITY)));
+  assert_true(pl_poisson_most(1e300) >= 1e300 && pl_poisson_most(1e-300) > 0.0);
+}
+
 static void poisson_of_nothing_is_nothing(void **state) {
   (void)state;
   const double none[] = {0.0, -1.0, -INFINITY, (double)NAN};
@@ -99,8 +117,11 @@ static void keys_part_the_streams(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(poisson_has_its_probabilities), cmocka_unit_test(poisson_has_its_moments),
-      cmocka_unit_test(poisson_of_nothing_is_nothing), cmocka_unit_test(normal_has_its_moments),
+      cmocka_unit_test(poisson_has_its_probabilities),
+      cmocka_unit_test(poisson_has_its_moments),
+      cmocka_unit_test(poisson_of_nothing_is_nothing),
+      cmocka_unit_test(poisson_most_is_rarely_reached),
+      cmocka_unit_test(normal_has_its_moments),
       cmocka_unit_test(keys_part_the_streams),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

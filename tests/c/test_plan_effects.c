@@ -100,7 +100,7 @@ static void describe(const stage *s, const pl_plan *plan) {
                   s->bodies[i].radii_m.x, (double)s->bodies[i].albedo[0]);
 }
 
-static int dropped[32];
+static int dropped[PL_PLAN_ROWS_MAX];
 
 static void compare(const stage *s, double tolerance_dn) {
   static statistic full, planned;
