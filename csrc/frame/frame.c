@@ -63,7 +63,8 @@ static pl_status ensure_scratch(pl_renderer *renderer, int threads) {
 }
 
 static bool wants_colour(const pl_frame_request *request) {
-  return request->rgb != NULL || request->radiance != NULL || pl_frame_wants_sensor(request);
+  return request->rgb != NULL || request->radiance != NULL || request->bands != NULL ||
+         pl_frame_wants_sensor(request);
 }
 
 static pl_status check_request(const pl_frame_request *request) {
@@ -83,6 +84,8 @@ static pl_status check_request(const pl_frame_request *request) {
     return pl_fail(PL_E_RANGE, "exposure: percentile must be in 0..100 and key positive");
   if (pl_frame_wants_sensor(request) && request->sensor == NULL)
     return pl_fail(PL_E_ARGUMENT, "a channel of the sensor is asked for, but there is no sensor");
+  if (request->bands != NULL && request->band_count < 1)
+    return pl_fail(PL_E_ARGUMENT, "the channel `bands` is asked for, but there are no bands");
   return request->sensor != NULL ? pl_sensor_check(request->sensor) : PL_OK;
 }
 
@@ -173,6 +176,9 @@ static void write_colour(const output *output, const pl_tile_result *result) {
                     output->request->rgb + 3 * first);
     if (output->request->radiance != NULL)
       memcpy(output->request->radiance + 3 * first, row, count * sizeof *row);
+    if (output->request->bands != NULL)
+      pl_bands_write(output->request->band_parts, output->request->band_count, row, count,
+                     output->request->bands + (size_t)output->request->band_count * first);
     if (output->bands != NULL)
       memcpy(output->bands + first, row, count * sizeof *row);
   }

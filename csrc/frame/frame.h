@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "plan/plan.h"
 #include "scene/scene.h"
+#include "sensor/bands.h"
 #include "sensor/exposure.h"
 #include "sensor/sensor.h"
 
@@ -20,12 +21,15 @@ typedef struct pl_frame_request {
   int texture_filter; /* ceiling: a pl_filter, not PL_FILTER_NONE */
   pl_plan_wish wish;
   pl_exposure exposure;
-  const pl_sensor *sensor; /* borrowed; NULL: none, then neither raw nor sensor_rgb */
+  const pl_sensor *sensor;      /* borrowed; NULL: none, then neither raw nor sensor_rgb */
+  const float (*band_parts)[3]; /* borrowed: of pl_bands_write */
+  int band_count;               /* 0: none, then no `bands` */
   int threads;
   pl_cancel *cancel; /* may be NULL */
   /* Where results go; NULL: not computed. All are height x width images, row-major. */
   uint8_t *rgb;                          /* 3 a pixel */
   float *radiance;                       /* 3 a pixel, W m-2 sr-1 */
+  float *bands;                          /* band_count a pixel, W m-2 sr-1 in each band */
   uint16_t *raw;                         /* 1 a pixel, digital numbers of the sensor */
   uint8_t *sensor_rgb;                   /* 3 a pixel: what the sensor's picture shows */
   void *channels[PL_FRAME_CHANNELS_MAX]; /* by index in pl_channels */

@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* Number of components: as many as the camera has bands. */
+#define PL_PY_BANDS (-2)
+
 /* Channels of light; the others come from the table of label channels. */
 static const struct {
   const char *name, *dtype;
@@ -11,6 +14,7 @@ static const struct {
 } colour_channels[] = {
     {"rgb", "uint8", 3, "DN", "clean, display-encoded (sRGB)"},
     {"radiance", "float32", 3, "W m-2 sr-1", "before the sensor"},
+    {"bands", "float32", PL_PY_BANDS, "W m-2 sr-1", "clean, in each band of the camera"},
     {"raw", "uint16", 0, "DN", "the sensor's digital numbers, under its mosaic of filters"},
     {"sensor_rgb", "uint8", 3, "DN", "the sensor's picture, display-encoded (sRGB)"},
 };
@@ -51,9 +55,10 @@ static void *checked_data(PyObject *object, const char *name, int type, int nd,
   return PyArray_DATA(array);
 }
 
+/* `many`: the number of components where the table has none: levels, or bands. */
 static void *channel_data(PyObject *object, const char *name, const char *dtype, int components,
-                          int levels, const pl_camera *camera) {
-  const npy_intp shape[3] = {camera->height, camera->width, components < 0 ? levels : components};
+                          int many, const pl_camera *camera) {
+  const npy_intp shape[3] = {camera->height, camera->width, components < 0 ? many : components};
   return checked_data(object, name, type_number(dtype), components == 0 ? 2 : 3, shape);
 }
 
@@ -87,6 +92,9 @@ static int set_colour(size_t channel, void *data, pl_frame_request *request) {
     request->radiance = data;
     break;
   case 2:
+    request->bands = data;
+    break;
+  case 3:
     request->raw = data;
     break;
   default:
@@ -106,7 +114,7 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
     if (strcmp(colour_channels[i].name, name) == 0)
       return set_colour(i,
                         channel_data(array, name, colour_channels[i].dtype,
-                                     colour_channels[i].components, 0, camera),
+                                     colour_channels[i].components, request->band_count, camera),
                         request);
   for (size_t i = 0; i < pl_channel_count; i++) {
     const pl_channel *channel = &pl_channels[i];

@@ -16,6 +16,7 @@ typedef struct pl_py_states {
   size_t parameter_room; /* grows with the graphs of a scene, which may change between frames */
   pl_sensor sensor;
   PyObject *sensor_flat; /* array that the sensor borrows, or NULL */
+  float bands[PL_BANDS_MAX][3];
 } pl_py_states;
 
 /* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */
@@ -25,6 +26,8 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
 int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Lets go of the arrays that the sensor borrows. */
 void pl_py_sensor_clear(pl_py_states *states);
+/* "bands" (bands, 3), which may be absent. */
+int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Points the request at the arrays of `out` (a mapping name -> ndarray), checking type, shape and
  * contiguity. References are appended to `kept`. */
 int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,

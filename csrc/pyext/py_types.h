@@ -17,6 +17,8 @@ const pl_graph *pl_py_graph_of(PyObject *object);
 const pl_grid *pl_py_grid_of(PyObject *object);
 /* NODES, as documented in the stub. A new reference. */
 PyObject *pl_py_nodes(void);
+/* The function band_gather, as documented in the stub. */
+PyObject *pl_py_band_gather(PyObject *module, PyObject *args);
 /* The function gltf_graphs, as documented in the stub. */
 PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path);
 /* The function sunlight, as documented in the stub. */

@@ -19,7 +19,7 @@ F64 = NDArray[np.float64]
 class Channel(TypedDict):
     name: str
     dtype: str  # NumPy type string, e.g. "float32"
-    components: int  # 0: (H, W); n: (H, W, n); -1: (H, W, levels)
+    components: int  # 0: (H, W); n: (H, W, n); -1: (H, W, levels); -2: (H, W, bands)
     unit: str
     doc: str
     colour: bool  # light, rather than a label
@@ -290,6 +290,8 @@ class FrameRequest(TypedDict):
     quality: Quality
     exposure: Exposure
     sensor: NotRequired[Mapping[str, Any] | None]  # see perilune.imaging.sensor_of
+    # (bands, 3): part of the sun's irradiance that each gathers of red, green and blue reflectances
+    bands: NotRequired[F64]
     amodal: NotRequired[bool]  # whether objects get the labels of their full silhouettes (True)
 
 class PlanRow(TypedDict):
@@ -432,6 +434,19 @@ def sunlight(
     of the quadrature, 1 to 64: the error is below 1e-12 with 16 for an even disc. Any number of
     bodies at once, ellipsoids exactly; those whose centre is nearer than the sun's surface count.
     0 inside a body. ValueError inside the sun, and for numbers out of range."""
+
+class BandLight(TypedDict):
+    part: tuple[float, float, float]  # of the sun's irradiance, by red, green and blue
+    moment_um: tuple[float, float, float]  # integrals of the same times the wavelength
+    mean_um: float  # wavelength of what is gathered of white, by energy; 0: nothing is
+
+def band_gather(sun: F64 | None, responses: Sequence[F64], step_um: float) -> BandLight:
+    """What a band gathers of sunlight that reflectances of a colour leave.
+
+    responses: one to four curves, (n, 2) of wavelength, um, rising, and value: straight between,
+    0 outside; the band is their product. sun: a curve in any scale; None: a black body of 5850 K
+    with 0.7 of its light below 0.4 um. step_um: longest piece of the integration. ValueError for
+    what is no curve, and a first response that reaches beyond the sun's."""
 
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""

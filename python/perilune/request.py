@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, photometry, rotations
+from perilune import _core, bands, photometry, rotations
 from perilune.config import Config
 from perilune.config.camera import Camera
 from perilune.config.references import MASKS, OBJECTS
@@ -93,6 +93,7 @@ def request_of(
             "key": exposure.key,
         },
         "sensor": sensor_of(config.camera, path),
+        "bands": bands.matrix(config.camera, config.sun),
         "amodal": render.amodal,
     }
 
@@ -116,7 +117,9 @@ def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype
         return (len(config.spacecraft), *size), np.dtype(np.uint8)
     channel = next(row for row in _core.CHANNELS if row["name"] == name)
     count = channel["components"]
-    tail = () if count == 0 else (count if count > 0 else len(config.labels.levels),)
+    if count < 0:
+        count = bands.count(config.camera) if name == "bands" else len(config.labels.levels)
+    tail = () if count == 0 else (count,)
     return (config.camera.height, config.camera.width, *tail), np.dtype(channel["dtype"])
 
 

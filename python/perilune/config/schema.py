@@ -19,6 +19,7 @@ from pydantic import (
 
 from perilune.config.articulation import Animation, Joint
 from perilune.config.attitude import Attitude, BodyRotation, Inertial
+from perilune.config.bands import Spectrum
 from perilune.config.camera import Camera
 from perilune.config.errors import fail, nearest
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
@@ -111,7 +112,11 @@ class Sun(Strict):
 
     radius_km: Positive = 695700.0
     irradiance_w_m2: NonNegative = 1361.0
-    """At one astronomical unit, in every colour band."""
+    """At one astronomical unit: of all wavelengths together."""
+    spectrum: Spectrum | None = None
+    """How it is spread over the wavelengths; default: a black body of 5850 K with 0.7 of its light
+    below 0.4 um, within 6 % of the Sun in every 50 nm from 0.3 to 1.1 um. Colours look the same in
+    the light of either."""
     band_wavelengths_um: tuple[_Micrometres, _Micrometres, _Micrometres] = (0.612, 0.549, 0.465)
     """Of the bands red, green, blue: by these the disc darkens towards its edge (Neckel 2005)."""
     direction: (

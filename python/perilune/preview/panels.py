@@ -1,7 +1,7 @@
 """What each channel of a sample looks like on the sheet: one function a kind of channel."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -152,12 +152,22 @@ def levels_panel(name: str, values: Array, context: Context) -> list[Panel]:
     ]
 
 
+def bands_panel(name: str, values: Array, context: Context) -> list[Panel]:
+    """Radiances in bands (H, W, B): a panel a band."""
+    titles = [f"{name}/{band}" for band in range(values.shape[2])]
+    named = replace(context, units=dict.fromkeys(titles, context.units.get(name, "")))
+    return [
+        radiance_panel(title, values[:, :, band], named)[0] for band, title in enumerate(titles)
+    ]
+
+
 Kind = Callable[[str, Array, Context], list[Panel]]
 
 KINDS: dict[str, Kind] = {
     "rgb": image_panel,
     "raw": digital_panel,
     "radiance": radiance_panel,
+    "bands": bands_panel,
     "sensor_rgb": image_panel,
     "normal": normal_panel,
     "flow": flow_panel,

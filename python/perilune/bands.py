@@ -1,0 +1,93 @@
+"""Bands of cameras: from the configuration to the small matrices that the core applies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core, files, spectra
+from perilune.config.bands import UM_PER_UNIT, Band, BandPreset, Spectrum
+from perilune.config.camera import Camera
+from perilune.config.schema import Config, Sun
+
+F64 = NDArray[np.float64]
+
+MONOCHROME_UM = (0.4, 0.9)
+"""The preset `monochrome`: what silicon without filters sees well."""
+
+
+Bands = BandPreset | tuple[Band, ...]
+
+
+def _stamps(bands: Bands, spectrum: Spectrum | None) -> tuple[files.Stamp, ...]:
+    """Of all files: what is kept of them ends when they change."""
+    names = [] if isinstance(bands, str) else [band.file for band in bands]
+    names.append(spectrum.file if spectrum is not None else None)
+    return tuple(files.stamp(Path(name)) for name in names if name is not None)
+
+
+def sun_curve(spectrum: Spectrum | None) -> F64 | None:
+    """The sun's spectrum; None for the core's own."""
+    if spectrum is None:
+        return None
+    return spectra.read(Path(spectrum.file), UM_PER_UNIT[spectrum.wavelength_unit])
+
+
+def curve_of(band: Band) -> F64:
+    """The response of a band."""
+    if band.file is not None:
+        return spectra.read(Path(band.file), UM_PER_UNIT[band.wavelength_unit])
+    assert band.center_um is not None and band.width_um is not None  # the schema has checked it
+    if band.shape == "gaussian":
+        return spectra.gaussian(band.center_um, band.width_um)
+    half = 0.5 * band.width_um
+    return spectra.box(band.center_um - half, band.center_um + half)
+
+
+def curves(bands: Bands) -> Sequence[F64]:
+    """The responses of bands."""
+    if bands == "srgb":
+        return spectra.srgb_curves()
+    if bands == "monochrome":
+        return (spectra.box(*MONOCHROME_UM),)
+    return [curve_of(band) for band in bands]
+
+
+def count(camera: Camera) -> int:
+    """Number of a camera's bands."""
+    return {"srgb": 3, "monochrome": 1}[b] if isinstance(b := camera.bands, str) else len(b)
+
+
+@lru_cache(maxsize=64)
+def _gathered(
+    bands: Bands, spectrum: Spectrum | None, stamps: tuple[files.Stamp, ...]
+) -> tuple[_core.BandLight, ...]:
+    sun = sun_curve(spectrum)
+    return tuple(spectra.gather(sun, curve) for curve in curves(bands))
+
+
+def gathered(camera: Camera, sun: Sun) -> tuple[_core.BandLight, ...]:
+    """What each band of a camera gathers of sunlight; ValueError for one beyond the spectrum."""
+    return _gathered(camera.bands, sun.spectrum, _stamps(camera.bands, sun.spectrum))
+
+
+def matrix(camera: Camera, sun: Sun) -> F64:
+    """(bands, 3): part of the sun's irradiance that each band gathers of red, green and blue."""
+    return np.array([band["part"] for band in gathered(camera, sun)])
+
+
+def check(config: Config) -> Iterator[tuple[str, str]]:
+    """Key and complaint of each band that cannot be used with the sun's spectrum."""
+    sun = sun_curve(config.sun.spectrum)
+    for name, camera in config.cameras.items():
+        key = "camera" if name is None else f"sensors.{name}"
+        for i, curve in enumerate(curves(camera.bands)):
+            where = f"{key}.bands" if isinstance(camera.bands, str) else f"{key}.bands[{i}]"
+            try:
+                spectra.gather(sun, curve)
+            except ValueError as error:
+                yield where, str(error)

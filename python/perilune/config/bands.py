@@ -1,0 +1,111 @@
+"""The sections `camera.bands` and `sun.spectrum` of the schema: bands and curves of wavelengths."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from perilune import spectra
+from perilune.config.errors import fail
+from perilune.config.types import Strict
+
+WavelengthUnit = Literal["nm", "um"]
+UM_PER_UNIT = {"nm": 1e-3, "um": 1.0}
+Micrometres = Annotated[float, Field(strict=True, ge=0.01, le=100.0)]
+BandPreset = Literal["srgb", "monochrome"]
+MOST_BANDS = 64
+
+
+def found(value: str, info: ValidationInfo) -> str:
+    """A file's place, where the configuration says what its paths are relative to."""
+    find = (info.context or {}).get("path")
+    if find is None:
+        return value
+    try:
+        return str(find(value, ""))
+    except FileNotFoundError as error:
+        fail("", str(error).removeprefix(": "))
+
+
+def read_curves(file: str, unit: WavelengthUnit, columns: int | None = None) -> Any:
+    """Inside a validator: (n, 1 + columns) of a file; see spectra.read."""
+    try:
+        table = spectra.read(Path(file), UM_PER_UNIT[unit])
+    except ValueError as error:
+        fail("file", str(error))
+    if columns is not None and table.shape[1] != 1 + columns:
+        have = table.shape[1] - 1
+        fail("file", f"{file}: {have} columns of values after the wavelength; expected {columns}")
+    if not table[:, 1:].any(axis=0).all():
+        fail("file", f"{file}: a column holds zeros alone")
+    return table
+
+
+class Spectrum(Strict):
+    """The spectrum of the Sun: a file instead of a black body."""
+
+    file: str
+    """Rows of wavelength and irradiance, wavelengths rising; commas or blanks between. Relative to
+    this file, or data:... under PERILUNE_DATA. It counts by its shape: `irradiance_w_m2` is the
+    integral of it all."""
+    wavelength_unit: WavelengthUnit = "nm"
+    irradiance_unit: Literal["W_m2_nm", "W_m2_um", "mW_m2_nm", "relative"] = "W_m2_nm"
+    """At one astronomical unit; its integral must be within a tenth of 1361 W/m2, so that a
+    mistaken unit and a file of a part of the spectrum are seen. relative: not checked."""
+
+    @field_validator("file")
+    @classmethod
+    def _found(cls, value: str, info: ValidationInfo) -> str:
+        return found(value, info)
+
+    @model_validator(mode="after")
+    def _whole(self, info: ValidationInfo) -> Spectrum:
+        if not (info.context or {}).get("path"):
+            return self
+        table = read_curves(self.file, self.wavelength_unit, 1)
+        scale = {"W_m2_nm": 1e3, "W_m2_um": 1.0, "mW_m2_nm": 1.0}.get(self.irradiance_unit)
+        if scale is None:
+            return self
+        total = scale * spectra.integral(table)
+        if not 0.9 <= total / 1361.0 <= 1.1:
+            low, high = table[0, 0], table[-1, 0]
+            fail("irradiance_unit", f"'{self.irradiance_unit}': {self.file} holds {total:.4g} W/m2 "
+                 f"between {low:g} and {high:g} um; the Sun has 1361 in all (relative: any)")  # fmt: skip
+        return self
+
+
+class Band(Strict):
+    """A band of a camera: how it responds to each wavelength, from 0 to 1."""
+
+    name: str = ""
+    center_um: Micrometres | None = None
+    """With width_um, instead of a file."""
+    width_um: Annotated[float, Field(strict=True, ge=1e-5, le=100.0)] | None = None
+    """Edge to edge of a box; of a gaussian where it has half its height."""
+    shape: Literal["box", "gaussian"] = "box"
+    file: str | None = None
+    """Rows of wavelength and response, wavelengths rising; commas or blanks between. Relative to
+    this file, or data:... under PERILUNE_DATA."""
+    wavelength_unit: WavelengthUnit = "nm"
+    """Of the file."""
+
+    @field_validator("file")
+    @classmethod
+    def _found(cls, value: str | None, info: ValidationInfo) -> str | None:
+        return None if value is None else found(value, info)
+
+    @model_validator(mode="after")
+    def _one_kind(self, info: ValidationInfo) -> Band:
+        if self.file is not None:
+            if self.center_um is not None or self.width_um is not None:
+                fail("file", "not together with center_um and width_um")
+            if (info.context or {}).get("path"):
+                read_curves(self.file, self.wavelength_unit, 1)
+            return self
+        if self.center_um is None or self.width_um is None:
+            fail("", "needs center_um and width_um, or a file")
+        if self.center_um - 0.5 * self.width_um < 0.01:
+            fail("width_um", "the band must begin at 0.01 um or later")
+        return self
