@@ -41,11 +41,12 @@ def curve_of(band: Band) -> F64:
     """The response of a band."""
     if band.file is not None:
         return spectra.read(Path(band.file), UM_PER_UNIT[band.wavelength_unit])
-    assert band.center_um is not None and band.width_um is not None  # the schema has checked it
+    center_um, width_um = band.center_um, band.width_um
+    assert center_um is not None  # the schema has checked it
+    assert width_um is not None
     if band.shape == "gaussian":
-        return spectra.gaussian(band.center_um, band.width_um)
-    half = 0.5 * band.width_um
-    return spectra.box(band.center_um - half, band.center_um + half)
+        return spectra.gaussian(center_um, width_um)
+    return spectra.box(center_um - 0.5 * width_um, center_um + 0.5 * width_um)
 
 
 def curves(bands: Bands) -> Sequence[F64]:

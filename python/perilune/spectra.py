@@ -116,12 +116,14 @@ def _parse(path: Path) -> tuple[F64, tuple[int, ...]]:
             if not rows and not titled:
                 titled = True
                 continue
-            raise ValueError(f"{path}, line {number}: '{line.strip()}' is no row of numbers") from None
+            text = f"{path}, line {number}: '{line.strip()}' is no row of numbers"
+            raise ValueError(text) from None
         _check_row(row, rows, f"{path}, line {number}")
         rows.append(row)
         lines.append(number)
     if len(rows) < 2:
-        raise ValueError(f"{path}: a curve needs at least two rows of numbers, this has {len(rows)}")
+        text = f"a curve needs at least two rows of numbers, this has {len(rows)}"
+        raise ValueError(f"{path}: {text}")
     return np.array(rows), tuple(lines)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,7 @@ def default_sun(um: float) -> float:
 def quad(function: Any, low: float, high: float, points: Any = ()) -> float:
     inside = sorted(point for point in points if low < point < high)
     edges = [low, *inside, high]
-    parts = [integrate.quad(function, *pair, epsrel=1e-11)[0] for pair in zip(edges, edges[1:])]
+    parts = [integrate.quad(function, *pair, epsrel=1e-11)[0] for pair in pairwise(edges)]
     return float(sum(parts))
 
 
@@ -135,7 +136,7 @@ def test_the_default_against_wehrli(data_dir):
 def test_bands_that_part_a_band_hold_what_it_holds(edges, color):
     """Neighbours add up to the whole; nothing is negative; no colour gives more than white."""
     edges = sorted(edges)
-    pairs = [pair for pair in zip(edges, edges[1:]) if pair[1] - pair[0] > 1e-6]
+    pairs = [pair for pair in pairwise(edges) if pair[1] - pair[0] > 1e-6]
     parts = [np.array(spectra.gather(None, spectra.box(*pair))["part"]) for pair in pairs]
     for part in parts:
         assert (part >= 0.0).all()
