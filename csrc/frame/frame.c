@@ -145,6 +145,8 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   pl_snapshot_cull(shot, &view, request->wish.tolerance_dn);
   if (pl_plan_value(&result->plan, "distortion") == 0)
     shot->camera.lens = (pl_lens){0};
+  if (pl_plan_value(&result->plan, "depth_of_field") == 0)
+    shot->camera.aperture_m = 0.0;
   lap(result, PL_STAGE_PLAN, &start);
   return PL_OK;
 }

@@ -45,6 +45,17 @@ double pl_view_emission_max(const pl_view *view) {
   return largest;
 }
 
+double pl_view_step(const pl_view *view) {
+  double step = pl_view_radiance_max(view);
+  for (size_t i = 0; i < view->thing_count; i++) /* what it lights is no brighter */
+    step = fmax(step, view->things[i].emission_max);
+  return pl_view_alpha_min(view) < 1.0 || view->sun_in_frame ? view->white_radiance : step;
+}
+
+double pl_view_dn_shift(const pl_view *view, double shift_px) {
+  return pl_view_dn(view, pl_view_step(view) * fmin(1.0, sqrt(2.0) * shift_px));
+}
+
 double pl_view_alpha_min(const pl_view *view) {
   double smallest = 1.0;
   for (size_t i = 0; i < view->thing_count; i++)

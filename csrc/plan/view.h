@@ -52,6 +52,8 @@ typedef struct pl_view {
   double sun_radius_m;
   bool sun_in_frame;
   double lens_shift_px;        /* by which the lens moves the image at most */
+  double defocus_px;           /* widest circle of confusion of what is in the frame; infinite of
+                                * things at the lens */
   int samples;                 /* the user's ceiling of colour samples a pixel */
   int max_bounces;             /* the user's ceiling of bounces */
   int texture_filter;          /* the user's ceiling, a pl_filter */
@@ -70,6 +72,13 @@ double pl_view_dn_dimming(double fraction);
 double pl_view_radiance_max(const pl_view *view);
 /* Largest radiance that anything in the frame emits by itself, W m-2 sr-1. */
 double pl_view_emission_max(const pl_view *view);
+/* Largest step of radiance between two places of the frame, W m-2 sr-1: the display's white where
+ * there may be glints or the sun. */
+double pl_view_step(const pl_view *view);
+/* Upper bound of what a pixel changes when the image that it is the mean of moves under it by
+ * `shift_px`, digital numbers. A pixel's mean changes by no more than the step and pixel of motion
+ * along each axis: what enters on one side and leaves on the other. */
+double pl_view_dn_shift(const pl_view *view, double shift_px);
 /* Whether anything in the frame is glossy enough to mirror the sun. */
 double pl_view_alpha_min(const pl_view *view);
 /* Whether the shadow of `caster` (umbra and penumbra) can reach `receiver`. */

@@ -55,6 +55,25 @@ PyObject *pl_py_lenses(void) {
   return rows;
 }
 
+int pl_py_camera_focus(PyObject *focus, pl_camera *out) {
+  double distance_m;
+  out->aperture_m = out->focus_per_m = 0.0;
+  if (focus == NULL || focus == Py_None)
+    return PyErr_Occurred() ? -1 : 0;
+  if (!PyTuple_Check(focus)) {
+    PyErr_SetString(PyExc_TypeError, "focus: must be None or (aperture_m, distance_m)");
+    return -1;
+  }
+  if (!PyArg_ParseTuple(focus, "dd:focus", &out->aperture_m, &distance_m))
+    return -1;
+  if (!(distance_m > 0.0)) {
+    PyErr_SetString(PyExc_ValueError, "focus: the distance must be more than 0 m");
+    return -1;
+  }
+  out->focus_per_m = 1.0 / distance_m;
+  return 0;
+}
+
 int pl_py_camera_optics(PyObject *k_object, PyObject *lens, pl_camera *out) {
   const npy_intp shape[2] = {3, 3};
   PyArrayObject *k = pl_py_array(k_object, "K", NPY_DOUBLE, 2, shape);

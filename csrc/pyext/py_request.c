@@ -65,7 +65,8 @@ static int parse_camera(PyObject *dict, pl_camera *camera) {
   if (get_int(dict, "width", &camera->width) < 0 || get_int(dict, "height", &camera->height) < 0)
     return -1;
   PyObject *k = item(dict, "K");
-  if (k == NULL || pl_py_camera_optics(k, PyDict_GetItemString(dict, "lens"), camera) < 0)
+  if (k == NULL || pl_py_camera_optics(k, PyDict_GetItemString(dict, "lens"), camera) < 0 ||
+      pl_py_camera_focus(PyDict_GetItemString(dict, "focus"), camera) < 0)
     return -1;
   PyArrayObject *pose = get_array(dict, "camera_pose", 2, shape);
   if (pose == NULL)

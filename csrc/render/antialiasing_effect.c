@@ -14,21 +14,10 @@ static const char *absent(const pl_view *view) {
 
 static int ceiling(const pl_view *view) { return view->samples; }
 
-/* Largest radiance that anything in the scene emits: what it lights is no brighter. */
-static double emission_max(const pl_view *view) {
-  double largest = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++)
-    largest = fmax(largest, view->things[i].emission_max);
-  return largest;
-}
-
 /* A pixel on an edge is off by at most the whole step with one sample, and by 1/sqrt(n) of it
  * with n stratified ones (the discrepancy of half planes). Glints reach the display's white. */
 static double bound_dn(const pl_view *view, int value) {
-  double step = fmax(pl_view_radiance_max(view), emission_max(view));
-  if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
-    step = view->white_radiance;
-  return pl_view_dn(view, step / sqrt(value > 0 ? value : 1));
+  return pl_view_dn(view, pl_view_step(view) / sqrt(value > 0 ? value : 1));
 }
 
 static double cost_ms(const pl_view *view, int value) {

@@ -9,6 +9,7 @@
 #include "math/sampling.h"
 #include "render/draws.h"
 #include "render/emitters_path.h"
+#include "render/focus.h"
 #include "render/laws.h"
 #include "shade/reflectance.h"
 
@@ -49,8 +50,11 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
         .pdf = INFINITY,
         .pixel = pixel,
     };
-    b->rays[i] = (pl_ray){.t_max = INFINITY,
-                          .direction = pl_vec3_to_float(direction),
+    if (context->shot->camera.aperture_m > 0.0)
+      pl_focus_beam(context->shot, index, b->seeds[pixel], &b->paths[i].beam);
+    b->rays[i] = (pl_ray){.origin = pl_vec3_to_float(b->paths[i].beam.origin),
+                          .t_max = INFINITY,
+                          .direction = pl_vec3_to_float(b->paths[i].beam.direction),
                           .skip_body = context->bodies ? PL_NOTHING : PL_EVERY_BODY};
   }
   return b->active_count;
@@ -290,6 +294,8 @@ static void visit_hit(const pl_path_context *context, int bounce, size_t i, size
     return;
   }
   pl_vertex_locate(context->shot, &b->paths[i].beam, &b->hits[i], false, &vertex);
+  if (bounce == 0 && context->shot->camera.aperture_m > 0.0)
+    pl_focus_widen(context->shot, context->settings->samples, vertex.t, &b->paths[i].beam);
   shade_hit(context, bounce, i, &vertex, kept, queued, b);
 }
 
@@ -331,7 +337,7 @@ static void gather_sample(pl_tile_buffers *b) {
 
 void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *b) {
   size_t count = start_paths(context, index, b);
-  if (index == 0) {
+  if (index == 0 && context->centred) {
     for (size_t i = 0; i < count; i++)
       b->hits[i] = b->center_hits[b->paths[i].pixel];
   } else {

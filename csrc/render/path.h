@@ -61,6 +61,7 @@ typedef struct pl_path_context {
   double pixel_rad;       /* angle of a pixel */
   float spread;           /* of a colour sample's cone, per metre */
   const pl_reach *reach;  /* where meshes may show */
+  bool centred;           /* the geometry buffer's rays are those of sample 0 */
   bool bodies, sun;       /* whether any body, or the sun, may be in this tile's cone */
   uint32_t body;          /* the only body that may be in it; PL_NOTHING for none or several */
 } pl_path_context;
@@ -69,8 +70,8 @@ typedef struct pl_path_context {
  * radiance. Reads points and center_hits. */
 void pl_path_settle(const pl_path_context *context, pl_tile_buffers *buffers);
 
-/* Adds sample `index` of every active pixel to the sums. The geometry buffer's hits serve sample 0.
- */
+/* Adds sample `index` of every active pixel to the sums. The geometry buffer's hits serve sample 0
+ * of pinhole cameras. */
 void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *buffers);
 
 /* Takes the pixels that have samples enough off the active list, see prune.c. Every active pixel

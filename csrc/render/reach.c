@@ -13,6 +13,15 @@ typedef struct extent {
 /* Rays leave through any place of a pixel, and boxes are projected through float transforms. */
 static const double MARGIN_PX = 0.75;
 
+/* Corners of a box as the middle of the lens sees them, or as four points about it do whose square
+ * holds the lens: by a point o, a point p looks as p - o (1 - depth / F) does by the middle. */
+enum { BOX_POINTS = 32 };
+
+static pl_vec3 by_lens(const pl_camera *camera, int point, pl_vec3 p) {
+  const double shift = 0.5 * camera->aperture_m * (1.0 - p.z * camera->focus_per_m);
+  return (pl_vec3){p.x + (point & 8 ? shift : -shift), p.y + (point & 16 ? shift : -shift), p.z};
+}
+
 static pl_vec3 view_of_object(const pl_shot_object *object, pl_vec3 p) {
   const pl_vec3 local = pl_vec3_scale(pl_vec3_sub(p, object->object->offset), object->scale);
   return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
@@ -27,22 +36,26 @@ static pl_vec3 view_of_piece(const pl_shot_piece *piece, pl_vec3 p) {
 static bool project_box(const pl_snapshot *shot, const pl_shot_object *object,
                         const pl_shot_piece *piece, const pl_box *box, extent *out) {
   const pl_camera *camera = &shot->camera;
-  pl_vec3 corners[8];
+  pl_vec3 corners[BOX_POINTS];
+  const bool focuses = camera->aperture_m > 0.0;
+  const int count = focuses ? BOX_POINTS : 8;
   *out = (extent){INFINITY, INFINITY, -INFINITY, -INFINITY};
-  for (int corner = 0; corner < 8; corner++) {
+  for (int corner = 0; corner < count; corner++) {
     const pl_vec3 p = {corner & 1 ? box->high[0] : box->low[0],
                        corner & 2 ? box->high[1] : box->low[1],
                        corner & 4 ? box->high[2] : box->low[2]};
     const pl_vec3 view = piece != NULL ? view_of_piece(piece, p) : view_of_object(object, p);
     corners[corner] = pl_mat3_mul_vec_t(shot->camera_to_root, view);
+    if (focuses)
+      corners[corner] = by_lens(camera, corner, corners[corner]);
   }
   if (camera->lens.model != NULL) {
     double rect[4];
-    pl_camera_bound(camera, corners, 8, rect);
+    pl_camera_bound(camera, corners, (size_t)count, rect);
     *out = (extent){rect[0], rect[1], rect[2], rect[3]};
     return true;
   }
-  for (int k = 0; k < 8; k++) {
+  for (int k = 0; k < count; k++) {
     const pl_vec3 c = corners[k];
     double pixel[2];
     if (!(c.z > 1e-3 * pl_vec3_norm(c)) || !pl_camera_project(camera, c, pixel))

@@ -84,10 +84,10 @@ static content tile_content(const job *job, pl_tile tile) {
   for (int y = 0; y < tile.height; y += PL_REACH_BLOCK)
     for (int x = 0; x < tile.width; x += PL_REACH_BLOCK)
       out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y);
-  out.sun = pl_sphere_in_cone(shot->sun.position, shot->sun.radius_m, axis, half_angle);
+  out.sun = pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, axis, half_angle);
   size_t bodies = 0;
   for (size_t i = 0; i < shot->body_count; i++) {
-    if (!pl_sphere_in_cone(shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle))
+    if (!pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle))
       continue;
     bodies++;
     out.body = (uint32_t)i;
@@ -186,6 +186,7 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
       .camera_sun = pl_sun_view_at(&job->shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
       .spread = (float)(job->pixel_rad / sqrt((double)samples)),
       .reach = &job->scratch->reach,
+      .centred = !(job->shot->camera.aperture_m > 0.0),
       .bodies = content->bodies,
       .sun = content->sun,
       .body = content->body,
@@ -193,7 +194,8 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
   pl_path_settle(&context, b);
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
-  const bool adaptive = job->settings->noise_dn > 0.0f;
+  /* A few samples of a blurred outline may all miss it: then nothing says that more are needed. */
+  const bool adaptive = job->settings->noise_dn > 0.0f && context.centred;
   const int most = adaptive && samples > 1 ? MOST * samples : samples;
   int check = adaptive ? FIRST_CHECK : most;
   for (int i = 0; i < most && b->active_count > 0; i++) {

@@ -5,5 +5,6 @@
 #include "plan/effect.h"
 
 extern const pl_effect pl_effect_distortion;
+extern const pl_effect pl_effect_depth_of_field;
 
 #endif

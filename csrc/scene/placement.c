@@ -17,6 +17,9 @@ pl_pose pl_motion_middle(const pl_motion *motion) {
 /* Largest radiometric quantity: sums over lights and samples stay finite in float. */
 #define RADIOMETRY_MAX 1e30
 
+/* The widest telescope there may be. */
+#define APERTURE_MAX_M 100.0
+
 static bool in_reach(pl_vec3 v) {
   return fabs(v.x) <= REACH_M && fabs(v.y) <= REACH_M && fabs(v.z) <= REACH_M;
 }
@@ -44,6 +47,15 @@ static pl_status check_camera(const pl_camera *camera) {
       !isfinite(camera->fy) || !isfinite(camera->cx) || !isfinite(camera->cy) ||
       !isfinite(camera->skew))
     return pl_fail(PL_E_RANGE, "camera: K must be finite with positive focal lengths");
+  if (!(camera->aperture_m >= 0.0 && camera->aperture_m <= APERTURE_MAX_M) ||
+      !(camera->focus_per_m >= 0.0 && camera->focus_per_m * camera->aperture_m <= 1.0))
+    return pl_fail(PL_E_RANGE,
+                   "camera: the aperture must be 0..%g m, and the distance in focus at least that",
+                   APERTURE_MAX_M);
+  if (camera->aperture_m > 0.0 && camera->lens.model != NULL &&
+      camera->lens.model->angle_max_rad > 0.5 * PL_PI)
+    return pl_fail(PL_E_RANGE,
+                   "camera: a lens that sees beyond a right angle has no plane of focus");
   PL_TRY(check_motion("camera", "camera", &camera->motion));
   return pl_camera_check_lens(camera);
 }

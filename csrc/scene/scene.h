@@ -143,6 +143,8 @@ typedef struct pl_camera {
   int width, height;           /* pixels */
   double fx, fy, cx, cy, skew; /* pixels */
   pl_lens lens;                /* a pinhole without a model */
+  double aperture_m;           /* diameter of the lens, which focuses; 0: all is sharp */
+  double focus_per_m;          /* 1 over the depth that is in focus; 0: infinity */
   pl_motion motion;            /* camera to root */
 } pl_camera;
 /* Direction of a pixel position in camera axes (not unit); zero where the lens has no ray. */

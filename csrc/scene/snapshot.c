@@ -20,6 +20,15 @@ bool pl_sphere_in_cone(pl_vec3 center, double radius_m, pl_vec3 axis, double hal
   return atan2(across, along) <= half_angle_rad + asin(radius_m / distance);
 }
 
+/* A ray by a point o of the lens has the direction d - o / F, where d has unit depth: it starts
+ * within the lens's radius, and is turned by no more than asin(radius / F). */
+bool pl_snapshot_sees(const pl_snapshot *shot, pl_vec3 center, double radius_m, pl_vec3 axis,
+                      double half_angle_rad) {
+  const double lens_m = 0.5 * shot->camera.aperture_m;
+  const double turn = asin(fmin(1.0, lens_m * shot->camera.focus_per_m));
+  return pl_sphere_in_cone(center, radius_m + lens_m, axis, half_angle_rad + turn);
+}
+
 double pl_shot_sun_irradiance(const pl_shot_sun *sun, pl_vec3 point) {
   const pl_vec3 to_sun = pl_vec3_sub(sun->position, point);
   return sun->irradiance_au * ASTRONOMICAL_UNIT_M * ASTRONOMICAL_UNIT_M /
@@ -142,18 +151,18 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   double half_angle;
   const double image[4] = {-0.5, -0.5, out->camera.width - 0.5, out->camera.height - 0.5};
   pl_snapshot_cone(out, image, &axis, &half_angle);
-  out->sun.in_frame = pl_sphere_in_cone(out->sun.position, out->sun.radius_m, axis, half_angle);
+  out->sun.in_frame = pl_snapshot_sees(out, out->sun.position, out->sun.radius_m, axis, half_angle);
   for (size_t i = 0; i < scene->object_count; i++) {
     pl_shot_object *object = &out->objects[i];
     build_object(&scene->objects[i], i, &placement->objects[i], camera.t, object);
     if (scene->objects[i].cut != NULL)
       PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
-    object->in_frame = pl_sphere_in_cone(object->center, object->radius_m, axis, half_angle);
+    object->in_frame = pl_snapshot_sees(out, object->center, object->radius_m, axis, half_angle);
   }
   for (size_t i = 0; i < scene->body_count; i++) {
     pl_shot_body *body = &out->bodies[i];
     PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], camera.t, body));
-    body->in_frame = pl_sphere_in_cone(body->center, body->radius_m, axis, half_angle);
+    body->in_frame = pl_snapshot_sees(out, body->center, body->radius_m, axis, half_angle);
   }
   return PL_OK;
 }

@@ -109,6 +109,11 @@ pl_vec3 pl_snapshot_ray(const pl_snapshot *snapshot, double u, double v);
 void pl_snapshot_cone(const pl_snapshot *snapshot, const double rect[4], pl_vec3 *axis,
                       double *half_angle_rad);
 
+/* Whether camera rays of a cone about a unit axis, by whatever point of the lens, can touch a
+ * sphere (camera-relative, root axes). */
+bool pl_snapshot_sees(const pl_snapshot *snapshot, pl_vec3 center, double radius_m, pl_vec3 axis,
+                      double half_angle_rad);
+
 /* Whether a sphere (camera-relative, root axes) can touch the cone about a unit axis. A camera
  * inside the sphere always does. */
 bool pl_sphere_in_cone(pl_vec3 center, double radius_m, pl_vec3 axis, double half_angle_rad);

@@ -119,6 +119,43 @@ static double corner_tangent(const pl_camera *camera) {
   return hypot(x, y);
 }
 
+/* Diameter of the circle of confusion at a depth, pixels of the image without distortion. */
+static double confusion_px(const pl_camera *camera, double depth_m) {
+  const double off = fabs(1.0 / depth_m - camera->focus_per_m);
+  return depth_m > 0.0 ? fmax(camera->fx, camera->fy) * camera->aperture_m * off : INFINITY;
+}
+
+/* The widest of what a sphere holds. Of what the image shows at a distance d no depth is less than
+ * d cos(half), where `half` is the angle of its corners off the axis. */
+static double sphere_defocus_px(const pl_snapshot *shot, double half, pl_vec3 center,
+                                double radius_m) {
+  const double depth = pl_mat3_mul_vec_t(shot->camera_to_root, center).z;
+  const double nearest = (pl_vec3_norm(center) - radius_m) * cos(half);
+  return fmax(confusion_px(&shot->camera, fmax(depth - radius_m, nearest)),
+              confusion_px(&shot->camera, depth + radius_m));
+}
+
+static double defocus_px(const pl_snapshot *shot, const pl_view *view) {
+  const pl_vec3 axis = pl_mat3_mul_vec(shot->camera_to_root, (pl_vec3){0.0, 0.0, 1.0});
+  double half = 0.0, most = 0.0;
+  if (!(shot->camera.aperture_m > 0.0))
+    return 0.0;
+  for (int corner = 0; corner < 4; corner++) {
+    const pl_vec3 ray = pl_snapshot_ray(shot, -0.5 + (corner & 1 ? shot->camera.width : 0),
+                                        -0.5 + (corner & 2 ? shot->camera.height : 0));
+    half = fmax(half, acos(fmin(1.0, pl_vec3_dot(ray, axis))));
+  }
+  if (view->sun_in_frame)
+    most = sphere_defocus_px(shot, half, shot->sun.position, shot->sun.radius_m);
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *thing = &view->things[i];
+    const pl_vec3 center = {thing->center_m[0], thing->center_m[1], thing->center_m[2]};
+    if (thing->in_frame)
+      most = fmax(most, sphere_defocus_px(shot, half, center, thing->radius_m));
+  }
+  return most;
+}
+
 pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *out) {
   const size_t count = shot->object_count + shot->body_count;
   pl_view_thing *things = pl_arena_alloc(arena, count, sizeof *things);
@@ -143,6 +180,7 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
       .things = things,
       .thing_count = count,
   };
+  out->defocus_px = defocus_px(shot, out);
   return PL_OK;
 }
 

@@ -270,6 +270,8 @@ class FrameRequest(TypedDict):
     height: int
     K: F64  # (3, 3), pixels, integer pixel centres
     lens: NotRequired[tuple[str, F64] | None]  # model and coefficients, see LENSES
+    # Diameter of the lens and depth in focus (inf: infinity), m; None: a pinhole.
+    focus: NotRequired[tuple[float, float] | None]
     camera_pose: F64  # (2, 7): camera to root at shutter opening and closing
     object_poses: F64  # (objects, 2, 7)
     object_scale: F64  # (objects,), metres per model unit

@@ -12,23 +12,15 @@ from numpy.typing import NDArray
 
 from perilune import _core, bands, photometry, rotations
 from perilune.config import Config
-from perilune.config.camera import Camera
 from perilune.config.references import MASKS, OBJECTS
 from perilune.config.schema import TextureFilter
 from perilune.imaging import intrinsics, sensor_of
+from perilune.optics import focus_of, lens_of
 from perilune.sample import CameraLabel
 from perilune.world import World
 
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
-
-
-def lens_of(camera: Camera) -> tuple[str, F64] | None:
-    """Model and coefficients, as the core takes them."""
-    if camera.lens is None:
-        return None
-    names = _core.LENSES[camera.lens.model]["coefficients"]
-    return camera.lens.model, np.array([getattr(camera.lens, name) for name in names], np.float64)
 
 
 def _albedos(config: Config) -> F64:
@@ -58,13 +50,15 @@ def request_of(
     """
     config = scene.config
     render, exposure = config.render, config.camera.exposure
+    K, sensor = intrinsics(config.camera), sensor_of(config.camera, path)
     return {
         "seed": config.seed,
         "index": scene.index,
         "width": config.camera.width,
         "height": config.camera.height,
-        "K": intrinsics(config.camera),
+        "K": K,
         "lens": lens_of(config.camera),
+        "focus": focus_of(config.camera, K, sensor),
         "camera_pose": camera_poses,
         "object_poses": _stacked([scene.poses[name] for name in config.spacecraft], (2, 7)),
         "object_movers": movers,
@@ -92,7 +86,7 @@ def request_of(
             "percentile": exposure.percentile,
             "key": exposure.key,
         },
-        "sensor": sensor_of(config.camera, path),
+        "sensor": sensor,
         "bands": bands.matrix(config.camera, config.sun),
         "amodal": render.amodal,
     }

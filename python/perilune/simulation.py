@@ -230,8 +230,7 @@ class Simulation:
         handles = self._mine()
         posed = handles.posed(scene)
         request = self._request(scene, posed)
-        lens = scene.config.camera.lens
-        undistorted = lens is not None and lens.labels == "undistorted"
+        undistorted = scene.config.camera.label_lens == "undistorted"
         arrays = arrays_of(scene.config, names, out or {})
         try:
             with handles.lock:

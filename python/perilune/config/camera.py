@@ -61,7 +61,8 @@ class Camera(Strict):
     K: Matrix | None = None
     """Row-major 3x3 matrix, pixels."""
     lens: Lens | None = None
-    """Distortion; none of a pinhole camera. Pixels that the lens cannot see are an error."""
+    """Distortion and focus; none of a pinhole camera. Pixels that the lens cannot see are an
+    error."""
     trajectory: Trajectory
     exposure_time_s: NonNegative = 0.0
     """Shutter opening to closing; frame times are openings."""
@@ -78,3 +79,18 @@ class Camera(Strict):
         if self.K is not None:
             check_matrix(self.K)
         return self
+
+    @property
+    def label_lens(self) -> Literal["distorted", "undistorted"] | None:
+        """How labels take the lens's distortion; None of a camera without."""
+        return None if self.lens is None or self.lens.model == "rectilinear" else self.lens.labels
+
+    def check_focus(self, where: str) -> None:
+        """Inside a validator: refuses a lens that focuses, but whose blur is not known."""
+        lens = self.lens
+        if lens is None or lens.focus_distance_m is None:
+            return
+        if lens.model == "fisheye":
+            fail(f"{where}.lens.focus_distance_m", "a fisheye lens has no plane of focus")
+        if lens.aperture_mm is None and self.sensor is None:
+            fail(f"{where}.lens.aperture_mm", "required for a focus where there is no `sensor`")

@@ -467,4 +467,6 @@ class Config(Strict):
         known("root", self.root, bodies)
         check_motion(self)
         check_trajectory(self)
+        for name, camera in self.cameras.items():
+            camera.check_focus("camera" if name is None else f"sensors.{name}")
         return self

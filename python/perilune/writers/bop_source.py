@@ -64,7 +64,7 @@ def refuse_unfit(sim: Simulation) -> None:
     _refuse_driven_sizes(sim)
     _refuse_several_sizes(sim)
     for name, camera in sim.config.cameras.items():
-        if camera.lens is not None and camera.lens.labels == "distorted":
+        if camera.label_lens == "distorted":
             where = "camera" if name is None else f"sensors.{name}"
             raise ConfigError(
                 f"{sim.document.source}: {where}.lens: a BOP camera is a pinhole, which K "
@@ -169,7 +169,7 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
         {"name": name, "trigger_interval": sensor.trigger_interval}
         for name, sensor in sim.config.sensors.items()
     ]
-    undistorted = any(camera.lens is not None for camera in sim.config.cameras.values())
+    undistorted = any(camera.label_lens for camera in sim.config.cameras.values())
     return {
         **({"sensors": sensors} if sensors else {}),
         **({"annotations": "undistorted"} if undistorted else {}),

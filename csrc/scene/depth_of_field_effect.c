@@ -1,0 +1,33 @@
+/* The effect row `depth_of_field`: a lens of finite width. */
+#include "scene/effects.h"
+
+#include <math.h>
+
+/* Circles of confusion below this, pixels across, count as points. */
+static const double SHARP_PX = 0.1;
+
+static const char *absent(const pl_view *view) {
+  if (!(view->defocus_px > 0.0))
+    return "the camera has a pinhole, or sees nothing out of focus";
+  return view->defocus_px < SHARP_PX ? "nothing spreads over a tenth of a pixel" : NULL;
+}
+
+/* Light comes by points of the lens that see the image shifted by up to half the circle, evenly
+ * over its disc: by two thirds of that in the mean. */
+static double bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : pl_view_dn_shift(view, view->defocus_px / 3.0);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 5e-5 * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_depth_of_field = {
+    .name = "depth_of_field",
+    .doc = "Blur of what is out of focus, by rays through all of the lens; labels stay sharp",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

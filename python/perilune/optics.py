@@ -1,0 +1,42 @@
+"""From a camera's lens to the numbers that the core asks for: distortion and focus."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.config.camera import Camera
+
+F64 = NDArray[np.float64]
+
+
+def lens_of(camera: Camera) -> tuple[str, F64] | None:
+    """Model and coefficients of the distortion, as the core takes them."""
+    lens = camera.lens
+    if lens is None or lens.model == "rectilinear":
+        return None
+    names = _core.LENSES[lens.model]["coefficients"]
+    return lens.model, np.array([getattr(lens, name) for name in names], np.float64)
+
+
+def focus_of(
+    camera: Camera, K: F64, sensor: Mapping[str, Any] | None
+) -> tuple[float, float] | None:
+    """Diameter of the lens and the distance in focus, m; None of a camera that blurs nothing.
+
+    sensor: as the core takes it, or None. Its pixels tell how long K's focal length is.
+    """
+    lens = camera.lens
+    if lens is None or lens.focus_distance_m is None:
+        return None
+    distance_m = math.inf if lens.focus_distance_m == "infinity" else lens.focus_distance_m
+    if lens.aperture_mm is not None:
+        return lens.aperture_mm * 1e-3, distance_m
+    assert sensor is not None  # the schema asks for one of the two
+    focal_m = math.sqrt(K[0, 0] * K[1, 1]) * sensor["pixel_m"]
+    return focal_m / sensor["f_number"], distance_m
