@@ -15,7 +15,7 @@ typedef struct pl_py_states {
   pl_value *parameters;  /* owned: of all graphs, object by object, then body by body */
   size_t parameter_room; /* grows with the graphs of a scene, which may change between frames */
   pl_sensor sensor;
-  PyObject *sensor_flat; /* array that the sensor borrows, or NULL */
+  PyObject *sensor_flat, *sensor_kernel; /* arrays that the sensor borrows, or NULL */
   float bands[PL_BANDS_MAX][3];
 } pl_py_states;
 

@@ -19,7 +19,7 @@ static int parse_numbers(PyObject *dict, const number *numbers, size_t count) {
 }
 
 static int parse_psf(PyObject *dict, pl_psf *out) {
-  static const char *const cores[PL_PSF_CORES] = {"point", "gauss", "airy"};
+  static const char *const cores[PL_PSF_CORES] = {"point", "gauss", "airy", "measured"};
   const number numbers[] = {{"sigma_px", &out->sigma_px},
                             {"wings", &out->wings},
                             {"wing_radius_px", &out->wing_radius_px},
@@ -92,6 +92,17 @@ static PyArrayObject *image_of(PyObject *dict, const char *key, int type, PyObje
   return NULL;
 }
 
+/* "kernel" (any height, any width) of a measured point spread: may be absent or None. */
+static int parse_kernel(PyObject *dict, pl_py_states *states) {
+  PyArrayObject *kernel = image_of(dict, "kernel", NPY_DOUBLE, &states->sensor_kernel);
+  if (kernel == NULL)
+    return PyErr_Occurred() ? -1 : 0;
+  states->sensor.psf.kernel = PyArray_DATA(kernel);
+  states->sensor.psf.kernel_width = (int)PyArray_DIM(kernel, 1);
+  states->sensor.psf.kernel_height = (int)PyArray_DIM(kernel, 0);
+  return 0;
+}
+
 /* "flat_field" (any height, any width) float32: may be absent or None. */
 static int parse_flat(PyObject *dict, pl_py_states *states) {
   PyArrayObject *flat = image_of(dict, "flat_field", NPY_FLOAT, &states->sensor_flat);
@@ -156,7 +167,8 @@ static int parse(PyObject *dict, pl_py_states *states) {
   *out = (pl_sensor){0};
   if (parse_numbers(dict, numbers, sizeof numbers / sizeof numbers[0]) < 0 ||
       parse_psf(dict, &out->psf) < 0 || parse_pixels(dict, out) < 0 || parse_pupil(dict, out) < 0 ||
-      parse_profile(dict, &out->shading) < 0 || parse_flat(dict, states) < 0)
+      parse_profile(dict, &out->shading) < 0 || parse_flat(dict, states) < 0 ||
+      parse_kernel(dict, states) < 0)
     return -1;
   return parse_auto_time(dict, &out->auto_time);
 }
@@ -171,4 +183,7 @@ int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request
   return failed;
 }
 
-void pl_py_sensor_clear(pl_py_states *states) { Py_CLEAR(states->sensor_flat); }
+void pl_py_sensor_clear(pl_py_states *states) {
+  Py_CLEAR(states->sensor_flat);
+  Py_CLEAR(states->sensor_kernel);
+}

@@ -6,20 +6,22 @@
 /* Columns that are gathered at once: 8 * 16 bytes are two lines of cache. */
 enum { BLOCK = 8 };
 
-static size_t padded(int side) { return pl_fft_size((size_t)side + ((size_t)side + 1) / 2); }
+size_t pl_plane_side(int side, int least) {
+  return pl_fft_size((size_t)side + (size_t)(least < side ? least : side - 1));
+}
 
-int pl_plane_reach(int side) {
-  const size_t room = padded(side) - (size_t)side;
+int pl_plane_reach(int side, int least) {
+  const size_t room = pl_plane_side(side, least) - (size_t)side;
   return room < (size_t)side ? (int)room : side - 1;
 }
 
 pl_status pl_plane_init(pl_plane *plane, int width, int height, int threads, pl_cancel *cancel,
                         pl_arena *arena, int reach[2]) {
   *plane = (pl_plane){.inner_height = (size_t)height, .threads = threads, .cancel = cancel};
-  plane->width = padded(width);
-  plane->height = padded(height);
-  reach[0] = pl_plane_reach(width);
-  reach[1] = pl_plane_reach(height);
+  plane->width = pl_plane_side(width, reach[0]);
+  plane->height = pl_plane_side(height, reach[1]);
+  reach[0] = pl_plane_reach(width, reach[0]);
+  reach[1] = pl_plane_reach(height, reach[1]);
   const size_t longer = plane->width > plane->height ? plane->width : plane->height;
   plane->scratch_each = (BLOCK + 1) * longer;
   plane->factors[0] = pl_arena_alloc(arena, plane->width, sizeof(pl_complex));

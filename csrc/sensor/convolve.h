@@ -17,10 +17,11 @@ typedef struct pl_plane {
   pl_cancel *cancel; /* may be NULL */
 } pl_plane;
 
-/* What a kernel reaches along a side of the image, pixels; see pl_plane_init. */
-int pl_plane_reach(int side);
-/* Padding so that a kernel reaches at least half the image's sides, at most all of it; what it
- * reaches is in `reach` (x, y; pixels). */
+/* The padded side for a kernel that reaches `least` pixels or from end to end of the image. */
+size_t pl_plane_side(int side, int least);
+/* What a kernel may then reach. */
+int pl_plane_reach(int side, int least);
+/* `reach` (x, y; pixels): what a kernel has to reach; becomes what it reaches. */
 pl_status pl_plane_init(pl_plane *plane, int width, int height, int threads, pl_cancel *cancel,
                         pl_arena *arena, int reach[2]);
 /* Room for a plane's numbers, all 0; NULL when out of memory. */

@@ -1,7 +1,8 @@
-/* Gaussian and Airy cores, Moffat wings: (1 - w) core + w wings. */
+/* Gaussian, Airy and measured cores, Moffat wings: (1 - w) core + w wings. */
 #include "sensor/psf.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const double PI = 3.14159265358979323846;
 /* Within this many pixels of the middle the function is averaged over SAMPLES^2 points of a pixel;
@@ -31,6 +32,16 @@ static double wings(const pl_psf *psf, double r) {
   return (b - 1.0) / (PI * a * a) * pow(1.0 + r * r / (a * a), -b);
 }
 
+/* Energy of a measured kernel farther than a box from its middle pixel. */
+static double kernel_outside(const pl_psf *psf, double reach_x, double reach_y) {
+  double sum = 0.0;
+  for (int v = 0; v < psf->kernel_height; v++)
+    for (int u = 0; u < psf->kernel_width; u++)
+      if (abs(u - psf->kernel_width / 2) > reach_x || abs(v - psf->kernel_height / 2) > reach_y)
+        sum += psf->kernel[(size_t)v * (size_t)psf->kernel_width + (size_t)u];
+  return sum;
+}
+
 double pl_psf_outside(const pl_sensor *sensor, int band, double radius_px) {
   const pl_psf *psf = &sensor->psf;
   const double r = radius_px, a = psf->wing_radius_px;
@@ -41,6 +52,8 @@ double pl_psf_outside(const pl_sensor *sensor, int band, double radius_px) {
     const double x = airy_scale(sensor, band) * r;
     core = j0(x) * j0(x) + j1(x) * j1(x); /* Born and Wolf, 8.5.2, equation 18 */
   }
+  if (psf->core == PL_PSF_MEASURED)
+    core = kernel_outside(psf, r, r);
   const double tail = psf->wings > 0.0 ? pow(1.0 + r * r / (a * a), 1.0 - psf->wing_beta) : 0.0;
   return (1.0 - psf->wings) * core + psf->wings * tail;
 }
@@ -80,11 +93,22 @@ static double pixel(const pl_sensor *sensor, double k, int x, int y) {
   return part;
 }
 
+static void add_measured(const pl_psf *psf, int reach_x, int reach_y, double *kernel) {
+  for (int v = 0; v < psf->kernel_height; v++)
+    for (int u = 0; u < psf->kernel_width; u++) {
+      const int x = u - psf->kernel_width / 2 + reach_x, y = v - psf->kernel_height / 2 + reach_y;
+      if (x >= 0 && y >= 0 && x <= 2 * reach_x && y <= 2 * reach_y)
+        kernel[(size_t)y * (2 * (size_t)reach_x + 1) + (size_t)x] +=
+            (1.0 - psf->wings) * psf->kernel[(size_t)v * (size_t)psf->kernel_width + (size_t)u];
+    }
+}
+
 void pl_psf_kernel(const pl_sensor *sensor, int band, int reach_x, int reach_y, bool spread,
                    double *kernel) {
   const double k = airy_scale(sensor, band);
   const size_t width = 2 * (size_t)reach_x + 1, height = 2 * (size_t)reach_y + 1;
-  double sum = 0.0;
+  const pl_psf *psf = &sensor->psf;
+  double sum = 0.0, whole = 1.0;
   /* One quadrant is computed, four are filled. */
   for (int y = 0; y <= reach_y; y++)
     for (int x = 0; x <= reach_x; x++) {
@@ -93,12 +117,17 @@ void pl_psf_kernel(const pl_sensor *sensor, int band, int reach_x, int reach_y, 
       kernel[up + (size_t)(reach_x - x)] = kernel[up + (size_t)(reach_x + x)] = part;
       kernel[down + (size_t)(reach_x - x)] = kernel[down + (size_t)(reach_x + x)] = part;
     }
+  if (psf->core == PL_PSF_MEASURED) {
+    add_measured(psf, reach_x, reach_y, kernel);
+    if (spread) /* what it has farther out is known to land there */
+      whole -= (1.0 - psf->wings) * kernel_outside(psf, reach_x, reach_y);
+  }
   for (size_t i = 0; i < width * height; i++)
     sum += kernel[i];
   /* What the points within a pixel miss of a core that is far smaller is in the middle. */
   const double outside = spread ? pl_psf_outside(sensor, band, fmin(reach_x, reach_y) + 0.5) : 0.0;
-  const double rest = fmin(outside, fmax(0.0, 1.0 - sum));
-  kernel[(size_t)reach_y * width + (size_t)reach_x] += 1.0 - sum - rest;
+  const double rest = fmin(outside, fmax(0.0, whole - sum));
+  kernel[(size_t)reach_y * width + (size_t)reach_x] += whole - sum - rest;
   for (size_t i = 0; i < width * height; i++)
     kernel[i] += rest / (double)(width * height);
 }

@@ -34,10 +34,23 @@ static pl_status check_auto_time(const pl_auto_time *auto_time) {
   return in_range("step_s", auto_time->step_s, 0.0, 1e9);
 }
 
+static pl_status check_kernel(const pl_psf *psf) {
+  double sum = 0.0;
+  if (psf->kernel == NULL || psf->kernel_width < 1 || psf->kernel_height < 1)
+    return pl_fail(PL_E_RANGE, "sensor: point spread: a measured core needs a kernel");
+  for (size_t i = 0; i < (size_t)psf->kernel_width * (size_t)psf->kernel_height; i++) {
+    PL_TRY(in_range("point spread: kernel", psf->kernel[i], 0.0, 1.0 + 1e-9));
+    sum += psf->kernel[i];
+  }
+  return in_range("point spread: sum of the kernel", sum, 1.0 - 1e-6, 1.0 + 1e-6);
+}
+
 static pl_status check_psf(const pl_psf *psf) {
   PL_TRY(in_range("point spread: core", psf->core, 0, PL_PSF_CORES - 1));
   if (psf->core == PL_PSF_GAUSS)
     PL_TRY(in_range("point spread: sigma", psf->sigma_px, 1e-3, 1e4));
+  if (psf->core == PL_PSF_MEASURED)
+    PL_TRY(check_kernel(psf));
   PL_TRY(in_range("point spread: wings", psf->wings, 0.0, 1.0));
   if (psf->wings == 0.0)
     return PL_OK;

@@ -22,7 +22,8 @@ typedef enum pl_mosaic {
 typedef enum pl_psf_core {
   PL_PSF_POINT, /* none: all in its pixel */
   PL_PSF_GAUSS,
-  PL_PSF_AIRY, /* diffraction by a round aperture, at the mean wavelength of each band */
+  PL_PSF_AIRY,     /* diffraction by a round aperture, at the mean wavelength of each band */
+  PL_PSF_MEASURED, /* an image of it */
   PL_PSF_CORES
 } pl_psf_core;
 
@@ -33,6 +34,10 @@ typedef struct pl_psf {
   double wings;          /* part of the light that is in the wings, 0..1 */
   double wing_radius_px; /* where they turn down, > 0 */
   double wing_beta;      /* fall as r^(-2 beta) far out, > 1 */
+  /* Measured: parts of the light that pixels get, of light in the middle of the pixel
+   * (kernel_width / 2, kernel_height / 2); row-major, sum 1. */
+  const double *kernel; /* borrowed */
+  int kernel_width, kernel_height;
 } pl_psf;
 
 /* The camera chooses its exposure time by what it sees. */

@@ -91,14 +91,15 @@ def sensor_of(
         return None
     shaded = sensor.vignetting_profile is not None or sensor.flat_field is not None
     profile = [(math.radians(angle), part) for angle, part in sensor.vignetting_profile or ()]
-    flat = sensor.flat_field
+    flat, kernel = sensor.flat_field, sensor.point_spread.kernel
     bands = [solar_band(*band) for band in sensor.bands_nm]
     warmth = (sensor.temperature_c - sensor.dark_reference_c) / sensor.dark_doubling_k
     return {
         "f_number": f_number(camera),
         "plane_pupil": sensor.pupil == "plane",
         "transmission": sensor.transmission,
-        "psf": sensor.point_spread.model_dump(),
+        "psf": sensor.point_spread.model_dump(exclude={"kernel"}),
+        "kernel": measured.kernel(path(kernel, _KEY + "point_spread.kernel")) if kernel else None,
         "pixel_m": sensor.pixel_um * 1e-6,
         "mosaic": sensor.mosaic,
         "quantum_efficiency": sensor.quantum_efficiency,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import warnings
 from functools import lru_cache
 from pathlib import Path
 
@@ -69,6 +70,26 @@ def read(path: Path) -> F64:
     0..65535. Kept as long as the file stays as it is; ValueError that names it for another one.
     """
     return _read(path, files.stamp(path))
+
+
+@lru_cache(maxsize=16)
+def _kernel(path: Path, stamp: files.Stamp) -> F64:
+    numbers = _read(path, stamp)
+    total = float(numbers.sum())
+    if not total > 0.0:
+        raise ValueError(f"{path}: a kernel must hold some light")
+    counts = bool((numbers == np.floor(numbers)).all())  # of a detector: their sum says nothing
+    if not counts and abs(total - 1.0) > 0.01:
+        warnings.warn(f"{path}: the kernel's sum is {total:g}; it is divided by it", stacklevel=2)
+    result = numbers / total
+    result.flags.writeable = False
+    return result
+
+
+def kernel(path: Path) -> F64:
+    """A point-spread function divided by its sum; UserWarning where it holds fractions whose sum is
+    not 1 within 1 %."""
+    return _kernel(path, files.stamp(path))
 
 
 @lru_cache(maxsize=16)

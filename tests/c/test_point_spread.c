@@ -56,10 +56,11 @@ static void a_core_smaller_than_a_pixel_stays_in_it(void **state) {
 }
 
 static void set_psf(pl_sensor *sensor, int kind) {
-  const pl_psf kinds[] = {{PL_PSF_GAUSS, 0.7, 0.0, 0.0, 0.0},
-                          {PL_PSF_GAUSS, 0.7, 0.02, 2.0, 1.4},
-                          {PL_PSF_AIRY, 0.0, 0.0, 0.0, 0.0},
-                          {PL_PSF_POINT, 0.0, 0.5, 1.0, 3.0}};
+  const pl_psf kinds[] = {
+      {PL_PSF_GAUSS, .sigma_px = 0.7},
+      {PL_PSF_GAUSS, .sigma_px = 0.7, .wings = 0.02, .wing_radius_px = 2.0, .wing_beta = 1.4},
+      {PL_PSF_AIRY, .wings = 0.0},
+      {PL_PSF_POINT, .wings = 0.5, .wing_radius_px = 1.0, .wing_beta = 3.0}};
   sensor->psf = kinds[kind];
 }
 
@@ -161,6 +162,87 @@ static void any_image_is_spread(void **state) {
       }
 }
 
+/* An uneven kernel of any size, even sides too, larger than the image too: the sum that defines the
+ * image of every point, by sums and by transforms as the cost has it. */
+static void measured_kernels_are_convolved(void **state) {
+  (void)state;
+  const int sizes[][2] = {{1, 1}, {2, 3}, {4, 7}, {13, 12}, {33, 30}, {60, 21}, {101, 128}};
+  enum { W = 41, H = 26 };
+  for (size_t k = 0; k < sizeof sizes / sizeof sizes[0]; k++) {
+    const int kw = sizes[k][0], kh = sizes[k][1];
+    double *kernel = malloc(sizeof(double) * (size_t)kw * (size_t)kh), sum = 0.0;
+    for (int i = 0; i < kw * kh; i++)
+      sum += kernel[i] = 1.0 + i * 7 % 23 + (i % kw < kw / 3 ? 40.0 : 0.0);
+    for (int i = 0; i < kw * kh; i++)
+      kernel[i] /= sum;
+    pl_sensor sensor = sensor_plain();
+    sensor.psf =
+        (pl_psf){PL_PSF_MEASURED, .kernel = kernel, .kernel_width = kw, .kernel_height = kh};
+    assert_int_equal(pl_sensor_check(&sensor), PL_OK);
+    sensor_shot shot;
+    sensor_shot_init(&shot, &sensor, W, H);
+    double light[W * H], worst = 0.0;
+    for (int i = 0; i < W * H; i++) {
+      light[i] = i * 31 % 57;
+      shot.frame.bands[i] = (pl_vec3f){(float)light[i], 0.0f, 2.0f * (float)light[i]};
+    }
+    assert_int_equal(pl_stage_point_spread(&shot.frame, 2), PL_OK);
+    for (int y = 0; y < H; y++)
+      for (int x = 0; x < W; x++) {
+        double expected = 0.0;
+        for (int v = 0; v < H; v++)
+          for (int u = 0; u < W; u++) {
+            const int a = x - u + kw / 2, b = y - v + kh / 2;
+            if (a >= 0 && b >= 0 && a < kw && b < kh)
+              expected += light[v * W + u] * kernel[b * kw + a];
+          }
+        const pl_vec3f got = shot.frame.bands[y * W + x];
+        worst = fmax(worst, fabs((double)got.x - expected));
+        worst = fmax(worst, fabs(0.5 * (double)got.z - expected));
+      }
+    print_message("kernel %d x %d: worst error %.2g\n", kw, kh, worst);
+    assert_true(worst < 57.0 * 2e-7);
+    sensor_shot_clear(&shot);
+    free(kernel);
+  }
+}
+
+/* What its middle leaves out is counted; with wings all light is still there. */
+static void measured_kernels_have_wings_and_bounds(void **state) {
+  (void)state;
+  double kernel[21] = {[0] = 0.25, [10] = 0.5, [13] = 0.25};
+  pl_sensor sensor = sensor_plain();
+  sensor.psf = (pl_psf){PL_PSF_MEASURED, .kernel = kernel, .kernel_width = 21, .kernel_height = 1};
+  assert_true(fabs(pl_psf_outside(&sensor, 0, 6.5) - 0.25) < 1e-15);
+  for (int value = 1; value <= 2; value++) {
+    sensor.psf.wings = value == 2 ? 0.1 : 0.0;
+    sensor.psf.wing_radius_px = 1.0;
+    sensor.psf.wing_beta = 4.0;
+    sensor_shot shot;
+    sensor_shot_init(&shot, &sensor, 65, 65);
+    shot.frame.bands[32 * 65 + 32].y = 1.0f;
+    assert_int_equal(pl_stage_point_spread(&shot.frame, value), PL_OK);
+    double sum = 0.0;
+    for (size_t i = 0; i < shot.pixels; i++)
+      sum += shot.frame.bands[i].y;
+    assert_true(fabs(sum - 1.0) < 1e-6);
+    const float *middle = &shot.frame.bands[32 * 65 + 32].y;
+    if (value == 1) { /* what is out of reach stays */
+      assert_true(fabsf(*middle - 0.75f) < 1e-6f);
+      assert_true(fabsf(middle[9] - 0.25f) < 1e-6f);
+    } else {
+      assert_true(middle[-30] > 0.2249f && middle[-30] < 0.2251f);
+    }
+    sensor_shot_clear(&shot);
+  }
+  kernel[0] = 0.3; /* the sum is not 1 */
+  assert_int_equal(pl_sensor_check(&sensor), PL_E_RANGE);
+  kernel[0] = -0.25;
+  assert_int_equal(pl_sensor_check(&sensor), PL_E_RANGE);
+  sensor.psf.kernel = NULL;
+  assert_int_equal(pl_sensor_check(&sensor), PL_E_RANGE);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(airy_has_its_encircled_energy),
@@ -168,6 +250,8 @@ int main(void) {
       cmocka_unit_test(flux_is_kept),
       cmocka_unit_test(both_ways_agree),
       cmocka_unit_test(the_middle_keeps_its_bound),
+      cmocka_unit_test(measured_kernels_are_convolved),
+      cmocka_unit_test(measured_kernels_have_wings_and_bounds),
       cmocka_unit_test(any_image_is_spread),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

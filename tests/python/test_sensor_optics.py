@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import copy
+import warnings
 
 import numpy as np
 import pytest
 import tifffile
 from PIL import Image
-from scipy import ndimage
+from scipy import ndimage, signal
 
 import perilune
 from perilune import measured
@@ -131,6 +132,43 @@ def test_a_flat_field_is_stretched_over_the_image(tree, tmp_path):
     factor = ndimage.zoom(numbers / numbers[3, 5], 4, order=1, mode="nearest", grid_mode=True)
     assert np.abs(flat - plain * factor).max() < 0.6
     assert np.abs(flat - plain).max() > 100.0
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (3, 3), (4, 6), (15, 14), (41, 40), (99, 130)])
+def test_a_measured_kernel_is_convolved_as_scipy_does(tree, tmp_path, shape):
+    """Odd, even, and larger than the image; light beyond the image is dark."""
+    kernel = np.random.default_rng(5).uniform(0.0, 1.0, shape) ** 4
+    np.save(tmp_path / "psf.npy", kernel / kernel.sum())
+    spread = {"point_spread": {"kernel": str(tmp_path / "psf.npy")}}
+    profile = {"vignetting_profile": [[0, 1.0], [5, 0.2], [9, 0.7], [25, 0.1]]}  # a pattern
+    plain, blurred = light(tree, **profile), light(tree, **profile, **spread)
+    full = signal.fftconvolve(plain, kernel / kernel.sum())
+    top, left = shape[0] // 2, shape[1] // 2
+    expected = full[top : top + 32, left : left + 48]
+    assert np.abs(blurred - expected).max() < 0.8  # plain is rounded to halves before, too
+    assert np.abs(blurred - plain).max() > 100.0 or shape == (1, 1)
+
+
+def test_kernels_are_divided_by_their_sum(tree, tmp_path):
+    kernel = np.array([[0.0, 1.0], [2.0, 1.0]])
+    np.save(tmp_path / "counts.npy", kernel)
+    np.save(tmp_path / "fractions.npy", 0.3 * kernel)
+    Image.fromarray(kernel.astype(np.uint8)).save(tmp_path / "counts.png")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for name in ("counts.npy", "counts.png"):
+            assert measured.kernel(tmp_path / name) == pytest.approx(kernel / 4.0)
+    with pytest.warns(UserWarning, match=r"the kernel's sum is 1\.2"):
+        assert measured.kernel(tmp_path / "fractions.npy") == pytest.approx(kernel / 4.0)
+    np.save(tmp_path / "dark.npy", 0.0 * kernel)
+    with pytest.raises(ValueError, match="some light"):
+        measured.kernel(tmp_path / "dark.npy")
+
+
+@pytest.mark.parametrize("spread", [{"core": "measured"}, {"core": "airy", "kernel": "a.npy"}])
+def test_a_kernel_and_its_core_belong_together(tree, spread):
+    with pytest.raises(ConfigError, match=r"point_spread\.core: the core `measured` needs"):
+        opened(tree, {"point_spread": spread})
 
 
 @pytest.mark.parametrize(

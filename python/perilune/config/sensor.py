@@ -45,8 +45,12 @@ class SensorExposure(Strict):
 class PointSpread(Strict):
     """What the lens makes of a point: a core, and wings of a power law (glare)."""
 
-    core: Literal["point", "gauss", "airy"] = "gauss"
-    """point: all light in its pixel; airy: diffraction by the aperture."""
+    core: Literal["point", "gauss", "airy", "measured"] = "gauss"
+    """point: all light in its pixel; airy: diffraction by the aperture; measured: `kernel`, and the
+    default where that is given."""
+    kernel: str | None = None
+    """measured: file (.npy, .tif, grey .png) of the image of a point in pixels of the sensor, of any
+    size; its middle is the pixel (width // 2, height // 2). Divided by its sum."""
     sigma_px: Annotated[Positive, Field(ge=0.001, le=1e4)] = 0.5
     """gauss: standard deviation."""
     wings: Fraction = 0.0
@@ -55,6 +59,19 @@ class PointSpread(Strict):
     """Where the wings turn down."""
     wing_beta: Annotated[Positive, Field(ge=1.001, le=100.0)] = 1.4
     """The wings fall as the distance to the power of -2 wing_beta."""
+
+
+    @model_validator(mode="before")
+    @classmethod
+    def _measured(cls, data: Any) -> Any:
+        known = isinstance(data, Mapping) and data.get("kernel") is not None
+        return {"core": "measured", **data} if known else data
+
+    @model_validator(mode="after")
+    def _one_core(self) -> PointSpread:
+        if (self.core == "measured") != (self.kernel is not None):
+            fail("core", "the core `measured` needs a `kernel`, and a kernel this core")
+        return self
 
 
 class CosmicRays(Strict):
