@@ -257,9 +257,11 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(pl_tracer_set(renderer->tracer, &shot));
   lap(result, PL_STAGE_REALISE, &start);
   pl_render_settings settings = settings_of(request, result);
-  const pl_limb limb = pl_limb_make(shot.sun.wavelengths_um);
-  if (settings.soft_sun && pl_plan_value(&result->plan, "limb_darkening") > 0)
+  pl_limb limb;
+  if (settings.soft_sun && pl_plan_value(&result->plan, "limb_darkening") > 0) {
+    limb = pl_limb_make(shot.sun.wavelengths_um);
     settings.limb = &limb;
+  }
   pl_emitters emitters;
   const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
   PL_TRY(pl_frame_emitters(renderer, &shot, emitters_value, &emitters, &settings));
