@@ -24,7 +24,7 @@ BUILD_PACKAGES=(
   libtinygltf-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev
   python3 python3-dev python3-venv ca-certificates
 )
-TEST_PACKAGES=(binutils libcmocka-dev)
+TEST_PACKAGES=(binutils libcmocka-dev valgrind)
 FUZZ_PACKAGES=(clang llvm)
 
 say() { printf '==> %s\n' "$*"; }

@@ -1,0 +1,134 @@
+/* One small frame with every row on, and one for each of some rows with that row off: the plan
+ * obeys, and the image changes. tests/c/rows_off.py runs this program under callgrind and looks up
+ * which functions each frame executes after its plan: none of a row that is off. */
+#include "harness.h"
+
+#include <stdio.h>
+
+#include "frames.h"
+
+enum { WIDTH = 32, HEIGHT = 24 };
+
+static const double AU = 149597870700.0;
+
+/* Rows whose code has files or functions of its own, as listed in rows_off.py, and what else must
+ * be off for that: light between surfaces keeps Hapke's law, for which cheaper ones are not fit. */
+typedef struct row_off {
+  const char *name, *with[2];
+} row_off;
+static const row_off rows[] = {
+    {"soft_sun", {0}},     {"limb_darkening", {0}},
+    {"emitters", {0}},     {"regolith", {"emitters", "body_bounces"}},
+    {"distortion", {0}},   {"vignetting", {0}},
+    {"point_spread", {0}}, {"fixed_pattern", {0}},
+    {"smear", {0}},        {"dark_current", {0}},
+    {"defects", {0}},      {"shot_noise", {0}},
+    {"cosmic_rays", {0}},  {"blooming", {0}},
+    {"read_noise", {0}},
+};
+enum { ROWS = sizeof rows / sizeof *rows };
+
+static pl_sensor flight_sensor(void) {
+  return (pl_sensor){.f_number = 4.0,
+                     .transmission = 0.9,
+                     .shading = {.power = 4.0},
+                     .psf = {PL_PSF_GAUSS, 0.7, 0.02, 2.0, 1.4},
+                     .pixel_m = 5e-6,
+                     .mosaic = PL_MOSAIC_RGGB,
+                     .quantum_efficiency = {0.5, 0.5, 0.5},
+                     .band_share = {0.12, 0.13, 0.14},
+                     .wavelength_m = {650e-9, 550e-9, 450e-9},
+                     .exposure_s = 1e-3,
+                     .prnu = 0.02,
+                     .dark_current = 1e6,
+                     .dark_nonuniform = 0.3,
+                     .hot_pixels = 0.02,
+                     .hot_current = 1e8,
+                     .dead_pixels = 0.02,
+                     .shift_s = 1e-6,
+                     .full_well = 40000.0,
+                     .drain = 0.5,
+                     .ray_flux = 1e12,
+                     .ray_electrons_per_m = 8e7,
+                     .ray_depth_m = 1e-5,
+                     .read_noise = 30.0,
+                     .column_noise = 10.0,
+                     .gain = 10.0,
+                     .black_level = 100.0,
+                     .bits = 12};
+}
+
+/* A lamp and its ground before a moon with Hapke's soil. */
+static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp) {
+  static const double bent[8] = {0.1, 0.02};
+  stage_init(s, WIDTH, HEIGHT, 40.0);
+  s->placement.sun =
+      (pl_sun){{0.05 * AU, 0.02 * AU, -0.08 * AU}, 695700e3, 13.6, {0.65, 0.55, 0.45}};
+  assert_int_equal(pl_lens_init(&pl_lens_models[0], bent, &s->placement.camera.lens), PL_OK);
+  stage_add_object(s, ground, (pl_vec3){-4.0, 0, 12.0}, PL_QUAT_IDENTITY, 1.0);
+  stage_add_object(s, lamp, (pl_vec3){-4.0, 0.5, 10.0}, PL_QUAT_IDENTITY, 1.0);
+  const size_t moon = stage_add_body(s, (pl_vec3){6.0, 0, 40.0}, (pl_vec3){15.0, 15.0, 15.0}, 0.3f);
+  s->scene.bodies[moon].reflectance = &pl_reflectance_hapke;
+  const pl_regolith_band soil = {0.25f, 0.3f, 0.0f, 0.0f, 1.5f, 0.06f, 0.4f, 0.0f};
+  for (int band = 0; band < 3; band++)
+    s->bodies[moon].regolith.band[band] = soil;
+}
+
+static uint64_t mask_of(const row_off *row) {
+  uint64_t mask = row == NULL ? 0 : effect_bit(row->name);
+  for (int i = 0; row != NULL && i < 2 && row->with[i] != NULL; i++)
+    mask |= effect_bit(row->with[i]);
+  return mask;
+}
+
+/* rows_off.py has callgrind dump at the end of this function: it must stay one. */
+__attribute__((noinline)) static void rows_off_frame(const stage *s, pl_renderer *renderer,
+                                                     const pl_sensor *sensor, const row_off *row,
+                                                     uint16_t *raw, uint8_t *rgb) {
+  pl_frame_request request = {.seed = 1,
+                              .placement = s->placement,
+                              .samples = 1,
+                              .max_bounces = 1,
+                              .texture_filter = PL_FILTER_FINEST,
+                              .wish = {.force_off = mask_of(row)},
+                              .exposure = {.white_radiance = 1361.0 / PL_PI},
+                              .threads = 1,
+                              .sensor = sensor,
+                              .raw = raw,
+                              .sensor_rgb = rgb};
+  request.wish.force_on = all_effects() & ~request.wish.force_off;
+  const pl_frame_result result = render(renderer, &request);
+  if (row != NULL)
+    assert_int_equal(pl_plan_value(&result.plan, row->name), 0);
+}
+
+static void test_rows_that_are_off(void **state) {
+  (void)state;
+  static uint16_t raw[2][WIDTH * HEIGHT];
+  static uint8_t rgb[3 * WIDTH * HEIGHT];
+  stage s;
+  pl_renderer *renderer;
+  pl_model *ground = square_create(3.0), *lamp = square_create(0.5);
+  for (int k = 0; k < 3; k++)
+    lamp->materials[0].emissive[k] = 200.0f;
+  set_scene(&s, ground, lamp);
+  const pl_sensor sensor = flight_sensor();
+  assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
+  for (int i = -1; i < ROWS; i++) { /* the first frame has all */
+    rows_off_frame(&s, renderer, &sensor, i < 0 ? NULL : &rows[i], raw[i < 0 ? 0 : 1], rgb);
+    if (i >= 0 && memcmp(raw[0], raw[1], sizeof raw[0]) == 0)
+      fail_msg("%s changes nothing", rows[i].name);
+    printf("frame %s\n", i < 0 ? "all" : rows[i].name);
+  }
+  pl_renderer_destroy(renderer);
+  stage_clear(&s);
+  pl_model_destroy(ground);
+  pl_model_destroy(lamp);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_rows_that_are_off),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
