@@ -1,13 +1,54 @@
 /* From the radiance of a frame to its sensor's arrays. */
 #include "frame/renderer.h"
+#include "light/sun.h"
+#include "math/sampling.h"
 #include "sensor/stage.h"
 
 bool pl_frame_wants_sensor(const pl_frame_request *request) {
   return request->raw != NULL || request->sensor_rgb != NULL;
 }
 
+/* Rays that say how much of the sun is seen: 8 x 8 over its disc. */
+enum { SUN_SIDE = 8, SUN_RAYS = SUN_SIDE * SUN_SIDE };
+
+/* Part of the sun's disc that nothing hides from the camera. Things that the plan culled hide
+ * nothing. */
+static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
+  pl_ray rays[SUN_RAYS];
+  bool hidden[SUN_RAYS];
+  int seen = 0;
+  for (int i = 0; i < SUN_RAYS; i++) {
+    const float u[2] = {((float)(i % SUN_SIDE) + 0.5f) / SUN_SIDE,
+                        ((float)(i / SUN_SIDE) + 0.5f) / SUN_SIDE};
+    rays[i] = (pl_ray){
+        .t_max = sun->distance_m, .direction = pl_sun_sample(sun, u), .skip_body = PL_NOTHING};
+  }
+  pl_tracer_occluded(tracer, rays, hidden, SUN_RAYS, true);
+  for (int i = 0; i < SUN_RAYS; i++)
+    seen += !hidden[i];
+  return (double)seen / SUN_RAYS;
+}
+
+/* The sun as a source of ghosts. What falls on the aperture goes with the cosine of its angle. */
+static pl_flare_sun flare_sun(const pl_renderer *renderer, const pl_snapshot *shot,
+                              const pl_flare *flare) {
+  const pl_camera *camera = &shot->camera;
+  const pl_vec3 to_sun = pl_mat3_mul_vec_t(shot->camera_to_root, pl_vec3_unit(shot->sun.position));
+  const double angle = acos(fmax(-1.0, fmin(1.0, to_sun.z)));
+  const double part = pl_flare_baffle(flare, angle) * fmax(0.0, to_sun.z);
+  pl_flare_sun out = {.on = false};
+  if (!(part > 0.0) || !pl_camera_project(camera, to_sun, out.place_px))
+    return out;
+  const pl_sun_view sun = pl_sun_view_at(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
+  out.light = part * sun.irradiance * camera->fx * camera->fy * sun_seen(renderer->tracer, &sun);
+  out.radius_px = sun.sin_radius * fmax(camera->fx, camera->fy) / pow(to_sun.z, 2.0);
+  out.on = out.light > 0.0;
+  return out;
+}
+
 pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *request,
-                           const pl_sensor *sensor, const pl_plan *plan, pl_vec3f *bands) {
+                           const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
+                           pl_vec3f *bands) {
   const pl_camera *camera = &request->placement.camera;
   const size_t pixels = (size_t)camera->width * (size_t)camera->height;
   pl_sensor_frame frame = {
@@ -27,6 +68,8 @@ pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *reques
       .rgb = request->sensor_rgb,
       .encoder = &renderer->encoder,
   };
+  if (pl_plan_value(plan, "lens_flare") > 0)
+    frame.sun = flare_sun(renderer, shot, &sensor->flare);
   if (frame.raw == NULL)
     frame.raw = pl_arena_alloc(&renderer->arena, pixels, sizeof *frame.raw);
   if (frame.electrons == NULL || frame.raw == NULL)

@@ -9,17 +9,36 @@
 #include "sensor/effects.h"
 #include "shade/effects.h"
 
-/* clang-format off: a line each, so that a new row is one line of a change. */
+/* A line each, so that a new row is one line of a change. */
+/* clang-format off */
 const pl_effect *const pl_effects[] = {
-    &pl_effect_soft_sun,       &pl_effect_limb_darkening, &pl_effect_cast_shadows,
-    &pl_effect_emission,       &pl_effect_emitters,       &pl_effect_bounces,
-    &pl_effect_body_bounces,   &pl_effect_surface_maps,   &pl_effect_bump_detail,
-    &pl_effect_texture_filter, &pl_effect_regolith,       &pl_effect_clear_coat,
-    &pl_effect_transmission,   &pl_effect_distortion,     &pl_effect_depth_of_field,
-    &pl_effect_antialiasing,   &pl_effect_vignetting,     &pl_effect_point_spread,
-    &pl_effect_fixed_pattern,  &pl_effect_smear,          &pl_effect_dark_current,
-    &pl_effect_defects,        &pl_effect_shot_noise,     &pl_effect_cosmic_rays,
-    &pl_effect_blooming,       &pl_effect_read_noise,
+    &pl_effect_soft_sun,
+    &pl_effect_limb_darkening,
+    &pl_effect_cast_shadows,
+    &pl_effect_emission,
+    &pl_effect_emitters,
+    &pl_effect_bounces,
+    &pl_effect_body_bounces,
+    &pl_effect_surface_maps,
+    &pl_effect_bump_detail,
+    &pl_effect_texture_filter,
+    &pl_effect_regolith,
+    &pl_effect_clear_coat,
+    &pl_effect_transmission,
+    &pl_effect_distortion,
+    &pl_effect_depth_of_field,
+    &pl_effect_antialiasing,
+    &pl_effect_vignetting,
+    &pl_effect_lens_flare,
+    &pl_effect_point_spread,
+    &pl_effect_fixed_pattern,
+    &pl_effect_smear,
+    &pl_effect_dark_current,
+    &pl_effect_defects,
+    &pl_effect_shot_noise,
+    &pl_effect_cosmic_rays,
+    &pl_effect_blooming,
+    &pl_effect_read_noise,
 };
 /* clang-format on */
 const size_t pl_effect_count = sizeof pl_effects / sizeof pl_effects[0];

@@ -272,7 +272,7 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
       pl_labels_finish(&output.labels, renderer->tracer, &renderer->label_tools, &renderer->arena));
   lap(result, PL_STAGE_LABEL, &start);
   if (develop)
-    PL_TRY(pl_frame_develop(renderer, request, &sensor, &result->plan, output.bands));
+    PL_TRY(pl_frame_develop(renderer, request, &shot, &sensor, &result->plan, output.bands));
   lap(result, PL_STAGE_SENSOR, &start);
   return PL_OK;
 }

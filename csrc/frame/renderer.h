@@ -29,8 +29,10 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
 
 /* Whether the request asks for what a sensor makes. */
 bool pl_frame_wants_sensor(const pl_frame_request *request);
-/* Takes `bands` (radiance, row-major; changed) through the sensor to the request's arrays. */
+/* Takes `bands` (radiance, row-major; changed) of a rendered snapshot through the sensor to the
+ * request's arrays. */
 pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *request,
-                           const pl_sensor *sensor, const pl_plan *plan, pl_vec3f *bands);
+                           const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
+                           pl_vec3f *bands);
 
 #endif

@@ -50,6 +50,8 @@ typedef struct pl_view {
   double sun_radius_rad;    /* angular radius of the sun at the camera */
   double sun_position_m[3]; /* camera-relative, root axes */
   double sun_radius_m;
+  double sun_axis_rad;   /* angle of the sun to the camera's axis */
+  double sun_irradiance; /* unshadowed, at the camera, W m-2 per band */
   bool sun_in_frame;
   double lens_shift_px;        /* by which the lens moves the image at most */
   double defocus_px;           /* widest circle of confusion of what is in the frame; infinite of

@@ -103,6 +103,27 @@ static int parse_kernel(PyObject *dict, pl_py_states *states) {
   return 0;
 }
 
+/* "lens_flare": {"baffle_rad": (2,), "ghosts": (ghosts, 5): scale, radius, red, green, blue}; may
+ * be absent or None. */
+static int parse_flare(PyObject *dict, pl_flare *out) {
+  PyObject *given;
+  if (pl_py_member(dict, "lens_flare", 1, WHERE, &given) < 0)
+    return -1;
+  const npy_intp shape[2] = {-1, 5};
+  PyArrayObject *ghosts = NULL;
+  const int failed = given != Py_None &&
+                     (pl_py_member_doubles(given, "baffle_rad", WHERE, 2, out->baffle_rad) < 0 ||
+                      !(ghosts = pl_py_member_array(given, "ghosts", WHERE, 2, shape)));
+  Py_DECREF(given);
+  const npy_intp count = ghosts != NULL ? PyArray_DIM(ghosts, 0) : 0;
+  const double *g = ghosts != NULL ? PyArray_DATA(ghosts) : NULL;
+  out->count = count <= PL_GHOSTS_MAX ? (int)count : PL_GHOSTS_MAX + 1;
+  for (int i = 0; i < out->count && i < PL_GHOSTS_MAX; i++, g += 5)
+    out->ghosts[i] = (pl_ghost){g[0], g[1], {g[2], g[3], g[4]}};
+  Py_XDECREF((PyObject *)ghosts);
+  return failed ? -1 : 0;
+}
+
 /* "flat_field" (any height, any width) float32: may be absent or None. */
 static int parse_flat(PyObject *dict, pl_py_states *states) {
   PyArrayObject *flat = image_of(dict, "flat_field", NPY_FLOAT, &states->sensor_flat);
@@ -168,7 +189,7 @@ static int parse(PyObject *dict, pl_py_states *states) {
   if (parse_numbers(dict, numbers, sizeof numbers / sizeof numbers[0]) < 0 ||
       parse_psf(dict, &out->psf) < 0 || parse_pixels(dict, out) < 0 || parse_pupil(dict, out) < 0 ||
       parse_profile(dict, &out->shading) < 0 || parse_flat(dict, states) < 0 ||
-      parse_kernel(dict, states) < 0)
+      parse_kernel(dict, states) < 0 || parse_flare(dict, &out->flare) < 0)
     return -1;
   return parse_auto_time(dict, &out->auto_time);
 }

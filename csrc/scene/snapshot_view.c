@@ -167,6 +167,7 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
     things[shot->object_count + i] = body_thing(shot, &shot->bodies[i]);
   const pl_vec3 sun = shot->sun.position;
   const double distance = pl_vec3_norm(sun);
+  const pl_vec3 axis = pl_mat3_mul_vec(shot->camera_to_root, (pl_vec3){0.0, 0.0, 1.0});
   *out = (pl_view){
       .width = shot->camera.width,
       .height = shot->camera.height,
@@ -175,6 +176,8 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
       .sun_radius_rad = asin(fmin(1.0, shot->sun.radius_m / distance)),
       .sun_position_m = {sun.x, sun.y, sun.z},
       .sun_radius_m = shot->sun.radius_m,
+      .sun_axis_rad = atan2(pl_vec3_norm(pl_vec3_cross(axis, sun)), pl_vec3_dot(axis, sun)),
+      .sun_irradiance = pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
       .sun_in_frame = shot->sun.in_frame,
       .lens_shift_px = pl_camera_lens_shift(&shot->camera),
       .things = things,

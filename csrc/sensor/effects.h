@@ -6,6 +6,7 @@
 
 extern const pl_effect pl_effect_point_spread;
 extern const pl_effect pl_effect_vignetting;
+extern const pl_effect pl_effect_lens_flare;
 extern const pl_effect pl_effect_smear;
 extern const pl_effect pl_effect_defects;
 extern const pl_effect pl_effect_cosmic_rays;

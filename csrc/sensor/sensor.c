@@ -84,6 +84,7 @@ pl_status pl_sensor_check(const pl_sensor *sensor) {
   PL_TRY(in_range("mosaic", sensor->mosaic, 0, PL_MOSAIC_COUNT - 1));
   PL_TRY(check_psf(&sensor->psf));
   PL_TRY(pl_shading_check(&sensor->shading));
+  PL_TRY(pl_flare_check(&sensor->flare));
   PL_TRY(check_bands(sensor));
   return check_auto_time(&sensor->auto_time);
 }

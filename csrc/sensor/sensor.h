@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "base/status.h"
+#include "sensor/flare.h"
 #include "sensor/shading.h"
 
 /* Which colour the pixel (0, 0), its right neighbour, and the two below them see. */
@@ -56,6 +57,7 @@ typedef struct pl_sensor {
   double transmission; /* 0..1 */
   pl_shading shading;  /* vignetting */
   pl_psf psf;
+  pl_flare flare;
   /* pixels */
   double pixel_m;
   pl_mosaic mosaic;

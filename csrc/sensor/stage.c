@@ -9,6 +9,7 @@
 
 const pl_sensor_stage pl_sensor_stages[] = {
     {"vignetting", &pl_effect_vignetting, pl_stage_vignetting},
+    {"lens_flare", &pl_effect_lens_flare, pl_stage_lens_flare},
     {"point_spread", &pl_effect_point_spread, pl_stage_point_spread},
     {"electrons", NULL, pl_stage_electrons},
     {"fixed_pattern", &pl_effect_fixed_pattern, pl_stage_fixed_pattern},
@@ -96,14 +97,21 @@ double pl_sensor_dimming_dn(const pl_view *view, double fraction) {
   return fmin(255.0, pl_view_dn_dimming(fraction) + bared);
 }
 
-double pl_sensor_electrons_max(const pl_view *view) {
+double pl_sensor_radiance_max(const pl_view *view) {
   double radiance = 0.0;
   if (view->sun_in_frame || pl_view_alpha_min(view) < 1.0)
-    return view->sensor->exposure_s > 0.0 ? INFINITY : 0.0;
+    return INFINITY;
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].in_frame)
       radiance = fmax(radiance, pl_view_light(&view->things[i]) + pl_view_received(view, i));
-  radiance *= pl_view_series(view, 1 + view->max_bounces);
+  return radiance * pl_view_series(view, 1 + view->max_bounces);
+}
+
+double pl_sensor_electrons_max(const pl_view *view) {
+  if (!(view->sensor->exposure_s > 0.0))
+    return 0.0;
+  const double scene = pl_sensor_radiance_max(view);
+  const double radiance = scene + pl_flare_radiance_max(view, scene);
   return radiance * pl_sensor_response_white(view->sensor);
 }
 

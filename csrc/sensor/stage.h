@@ -13,6 +13,7 @@
 typedef struct pl_sensor_frame {
   const pl_sensor *sensor; /* borrowed */
   int width, height;
+  pl_flare_sun sun;                 /* a source of ghosts */
   double focal_px[2], centre_px[2]; /* x, y: for angles to the axis; integer pixel centres */
   uint64_t seed, index;
   int threads;
@@ -56,6 +57,11 @@ double pl_sensor_dn(const pl_view *view, double electrons);
 /* The same of light, in electrons of the pixels that a white radiance fills first: other bands have
  * fewer, by what they are balanced up. */
 double pl_sensor_light_dn(const pl_view *view, double electrons);
+/* Upper bound of the radiance that comes to the lens; INFINITY where the sun may be mirrored or is
+ * in the frame. */
+double pl_sensor_radiance_max(const pl_view *view);
+/* Upper bound of what ghosts add to a pixel where the frame is so bright, W m-2 sr-1. */
+double pl_flare_radiance_max(const pl_view *view, double brightest);
 /* Upper bound of the electrons that light frees in a pixel; INFINITY where the sun may be mirrored
  * or is in the frame. */
 double pl_sensor_electrons_max(const pl_view *view);

@@ -6,6 +6,7 @@
 
 pl_status pl_stage_point_spread(pl_sensor_frame *frame, int value);
 pl_status pl_stage_vignetting(pl_sensor_frame *frame, int value);
+pl_status pl_stage_lens_flare(pl_sensor_frame *frame, int value);
 pl_status pl_stage_smear(pl_sensor_frame *frame, int value);
 pl_status pl_stage_defects(pl_sensor_frame *frame, int value);
 pl_status pl_stage_cosmic_rays(pl_sensor_frame *frame, int value);

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from perilune import measured
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
+from perilune.config.lens_flare import LensFlare
 from perilune.config.sensor import SensorExposure
 
 F64 = NDArray[np.float64]
@@ -47,6 +48,13 @@ def _auto_time(exposure: SensorExposure) -> dict[str, float] | None:
         "max_s": exposure.max_ms * 1e-3,
         "step_s": exposure.step_ms * 1e-3,
     }
+
+
+def _lens_flare(flare: LensFlare | None) -> dict[str, Any] | None:
+    if flare is None:
+        return None
+    rows = [(g.scale, math.radians(g.radius_deg), *g.intensity) for g in flare.ghosts]
+    return {"ghosts": np.array(rows), "baffle_rad": np.radians(flare.baffle_deg)}
 
 
 def intrinsics(camera: Camera) -> F64:
@@ -100,6 +108,7 @@ def sensor_of(
         "transmission": sensor.transmission,
         "psf": sensor.point_spread.model_dump(exclude={"kernel"}),
         "kernel": measured.kernel(path(kernel, _KEY + "point_spread.kernel")) if kernel else None,
+        "lens_flare": _lens_flare(sensor.lens_flare),
         "pixel_m": sensor.pixel_um * 1e-6,
         "mosaic": sensor.mosaic,
         "quantum_efficiency": sensor.quantum_efficiency,

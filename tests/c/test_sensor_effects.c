@@ -56,6 +56,18 @@ static pl_shading random_shading(test_random *random) {
   return shading;
 }
 
+static pl_flare random_flare(test_random *random) {
+  pl_flare flare = {.count = random_below(random, 4),
+                    .baffle_rad = {0.3, random_range(random, 0.3, 1.5)}};
+  for (int i = 0; i < flare.count; i++) {
+    flare.ghosts[i] = (pl_ghost){.scale = i == 0 ? 0.0 : random_range(random, -2.0, 2.0),
+                                 .radius_rad = random_scale(random, 1e-3, 1.0)};
+    for (int band = 0; band < 3; band++)
+      flare.ghosts[i].part[band] = random_or_none(random, 1e-6, 0.1);
+  }
+  return flare;
+}
+
 /* Within what pl_sensor_check takes, and what there is. */
 static pl_sensor random_sensor(test_random *random) {
   pl_sensor s = sensor_plain();
@@ -63,6 +75,7 @@ static pl_sensor random_sensor(test_random *random) {
   s.f_number = random_scale(random, 0.7, 20.0);
   s.shading = random_shading(random);
   s.psf = random_psf(random);
+  s.flare = random_flare(random);
   s.mosaic = (pl_mosaic)random_below(random, PL_MOSAIC_COUNT);
   for (int band = 0; band < 3; band++)
     s.quantum_efficiency[band] = random_range(random, 0.05, 1.0);
@@ -128,10 +141,13 @@ static void scene_init(scene *s, test_random *random) {
                       .white_radiance = 1.0,
                       .corner_tangent = hypot(fmax(u, -s->centre_px[0] / s->focal_px[0]),
                                               fmax(v, -s->centre_px[1] / s->focal_px[1])),
+                      .pixel_rad = 1.0 / fmax(s->focal_px[0], s->focal_px[1]),
+                      .sun_axis_rad = random_range(random, 0.0, 2.0),
+                      .sun_irradiance = white * random_or_none(random, 1e-6, 1e3),
                       .things = &s->thing,
                       .thing_count = 1,
                       .sensor = &s->sensor};
-  s->brightest = (float)(pl_sensor_electrons_max(&s->view) / pl_sensor_response_white(&s->sensor));
+  s->brightest = (float)pl_sensor_radiance_max(&s->view);
 }
 
 /* All bright; a bright half; one bright pixel; one dark pixel in each column; noise. */
@@ -159,6 +175,12 @@ static void develop(const scene *s, const pl_plan *plan, sensor_shot *shot) {
     shot->frame.focal_px[axis] = s->focal_px[axis];
     shot->frame.centre_px[axis] = s->centre_px[axis];
   }
+  const pl_view *view = &s->view; /* the sun in the image, wherever the view says that it is */
+  const double sun = view->sun_irradiance * pl_flare_baffle(&s->sensor.flare, view->sun_axis_rad);
+  shot->frame.sun = (pl_flare_sun){.on = sun > 0.0,
+                                   .place_px = {0.3 * s->width, 0.6 * s->height},
+                                   .radius_px = 1.0,
+                                   .light = sun * s->focal_px[0] * s->focal_px[1]};
   shot->frame.seed = s->seed;
   for (size_t i = 0; i < shot->pixels; i++) {
     const float light = light_at(s, i, shot->pixels, &random);

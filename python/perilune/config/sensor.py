@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
+from perilune.config.lens_flare import LensFlare
 from perilune.config.sensor_presets import PRESETS, Name
 from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
 
@@ -49,8 +50,8 @@ class PointSpread(Strict):
     """point: all light in its pixel; airy: diffraction by the aperture; measured: `kernel`, and the
     default where that is given."""
     kernel: str | None = None
-    """measured: file (.npy, .tif, grey .png) of the image of a point in pixels of the sensor, of any
-    size; its middle is the pixel (width // 2, height // 2). Divided by its sum."""
+    """measured: file (.npy, .tif, grey .png) of the image of a point in pixels of the sensor; any
+    size, its middle is the pixel (width // 2, height // 2). Divided by its sum."""
     sigma_px: Annotated[Positive, Field(ge=0.001, le=1e4)] = 0.5
     """gauss: standard deviation."""
     wings: Fraction = 0.0
@@ -59,7 +60,6 @@ class PointSpread(Strict):
     """Where the wings turn down."""
     wing_beta: Annotated[Positive, Field(ge=1.001, le=100.0)] = 1.4
     """The wings fall as the distance to the power of -2 wing_beta."""
-
 
     @model_validator(mode="before")
     @classmethod
@@ -112,6 +112,8 @@ class ImageSensor(Strict):
     """File (.npy, .tif, grey .png) of a measured flat field: its ratio to its middle multiplies.
     Stretched over the image."""
     point_spread: PointSpread = PointSpread()
+    lens_flare: LensFlare | None = None
+    """Ghosts of bright sources; `{}` has those of a generic lens."""
     pixel_um: Annotated[Positive, Field(ge=0.01, le=1e6)] = 5.5
     """Side of a pixel."""
     mosaic: Mosaic = "rggb"
