@@ -63,6 +63,45 @@ static double depth_along(const void *context, double t) {
   return pl_cone_depth(c->cone, c->other ? pl_cone_limb(c->other, t) : sun_limb(c->sun, t));
 }
 
+/* The depth along an arc without a crossing, where it says most: limbs may touch at one place. */
+static double depth_of_arc(const disc *sun, const pl_cone *cone, const pl_cone *other, double a,
+                           double b) {
+  static const double places[] = {0.5, 0.31, 0.73};
+  const curve c = {sun, cone, other};
+  double depth = 0.0;
+  for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+    const double here = depth_along(&c, a + places[i] * (b - a));
+    depth = fabs(here) > fabs(depth) ? here : depth;
+  }
+  return depth;
+}
+
+/* Where a body's limb crosses an arc of another, or of the sun's (`other` NULL). Of limbs that
+ * touch, rounding makes crossings with nothing between them: those are none. Ascending; `closed`:
+ * the arc is the whole limb. */
+static size_t crossings_of(const disc *sun, const pl_cone *cone, const pl_cone *other, double from,
+                           double to, bool closed, double out[CROSSINGS]) {
+  const curve along = {sun, cone, other};
+  size_t count = pl_roots_find(depth_along, &along, from, to, closed, out, CROSSINGS);
+  for (size_t k = 0; k + 1 < count;) {
+    if (fabs(depth_of_arc(sun, cone, other, out[k], out[k + 1])) > COINCIDENT) {
+      k++;
+      continue;
+    }
+    count -= 2;
+    for (size_t m = k; m < count; m++)
+      out[m] = out[m + 2];
+    k = 0;
+  }
+  if (closed && count > 1 &&
+      fabs(depth_of_arc(sun, cone, other, out[count - 1], out[0] + to - from)) <= COINCIDENT) {
+    count -= 2;
+    for (size_t m = 0; m < count; m++)
+      out[m] = out[m + 1];
+  }
+  return count;
+}
+
 static band_law law_of(double wavelength_um) {
   double c[PL_LIMB_TERMS] = {1.0};
   if (wavelength_um > 0.0)
@@ -115,12 +154,13 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Whether the middle of an arc of body i's limb is behind another body. Of limbs that coincide the
- * first one's is the outline. */
-static bool behind_others(const workspace *w, size_t i, double turn) {
-  const pl_vec3 d = pl_cone_limb(&w->shades[i].cone, turn);
+/* Whether an arc of body i's limb that no other limb crosses is behind another body. Of limbs that
+ * coincide the first one's is the outline. */
+static bool behind_others(const disc *sun, const workspace *w, size_t i, double a, double b) {
   for (size_t j = 0; j < w->active; j++) {
-    const double depth = j == i ? -1.0 : pl_cone_depth(&w->shades[j].cone, d);
+    if (j == i)
+      continue;
+    const double depth = depth_of_arc(sun, &w->shades[j].cone, &w->shades[i].cone, a, b);
     if (depth > COINCIDENT || (depth > -COINCIDENT && j < i))
       return true;
   }
@@ -132,18 +172,17 @@ static bool behind_others(const workspace *w, size_t i, double turn) {
 static void add_limb(const disc *sun, size_t i, double from, double to, size_t bands,
                      workspace *w) {
   const pl_cone *own = &w->shades[i].cone;
+  const bool whole = w->shades[i].crossings == 0;
   size_t count = 0;
   w->breaks[count++] = from;
-  for (size_t j = 0; j < w->active; j++) {
-    const curve along = {sun, &w->shades[j].cone, own};
+  for (size_t j = 0; j < w->active; j++)
     if (j != i)
-      count += pl_roots_find(depth_along, &along, from, to, false, w->breaks + count, CROSSINGS);
-  }
+      count += crossings_of(sun, &w->shades[j].cone, own, from, to, whole, w->breaks + count);
   w->breaks[count++] = to;
   qsort(w->breaks, count, sizeof *w->breaks, ascending);
   for (size_t k = 0; k + 1 < count; k++) {
     const double a = w->breaks[k], b = w->breaks[k + 1];
-    if (!(b > a) || behind_others(w, i, 0.5 * (a + b)))
+    if (!(b > a) || behind_others(sun, w, i, a, b))
       continue;
     const int pieces = (int)ceil((b - a) / (0.5 * PL_PI) - 1e-9);
     for (int piece = 0; piece < pieces; piece++)
@@ -165,16 +204,11 @@ static void add_limbs(const disc *sun, size_t i, size_t bands, workspace *w) {
   for (size_t k = 0; k < shade->crossings; k++) {
     const bool last = k + 1 == shade->crossings;
     const double a = shade->ring[k], b = last ? shade->ring[0] + 2.0 * PL_PI : shade->ring[k + 1];
-    if (pl_cone_depth(&shade->cone, sun_limb(sun, 0.5 * (a + b))) >= 0.0)
+    if (depth_of_arc(sun, &shade->cone, NULL, a, b) >= 0.0)
       continue;
     const double from = pl_cone_turn(&shade->cone, sun_limb(sun, a));
-    double to = pl_cone_turn(&shade->cone, sun_limb(sun, b));
-    if (to < from)
-      to += 2.0 * PL_PI;
-    /* Rounding may turn an arc of no length into a whole turn. */
-    if (to - from > PL_PI && !before_sun(sun, pl_cone_limb(&shade->cone, 0.5 * (from + to))))
-      continue;
-    add_limb(sun, i, from, to, bands, w);
+    const double to = pl_cone_turn(&shade->cone, sun_limb(sun, b));
+    add_limb(sun, i, from, to < from ? to + 2.0 * PL_PI : to, bands, w);
   }
 }
 
@@ -191,9 +225,8 @@ static double hidden_ring(const disc *sun, workspace *w) {
   for (size_t k = 0; k < count; k++) {
     const double a = w->breaks[k];
     const double b = k + 1 < count ? w->breaks[k + 1] : w->breaks[0] + 2.0 * PL_PI;
-    const pl_vec3 middle = sun_limb(sun, 0.5 * (a + b));
     for (size_t i = 0; i < w->active; i++)
-      if (pl_cone_depth(&w->shades[i].cone, middle) >= 0.0) {
+      if (depth_of_arc(sun, &w->shades[i].cone, NULL, a, b) >= 0.0) {
         hidden += b - a;
         break;
       }
@@ -220,12 +253,11 @@ static cover by_spheres(const disc *sun, pl_vec3 to_body, pl_vec3 radii_m) {
 
 /* The same exactly, by where the limbs cross; fills shade->ring. */
 static cover by_limbs(const disc *sun, body_shade *shade, pl_vec3 to_body) {
-  const curve ring = {sun, &shade->cone, NULL};
   /* From the place opposite to the body on, once around. */
   const double begin = atan2(-pl_vec3_dot(to_body, sun->y), -pl_vec3_dot(to_body, sun->x));
-  shade->crossings =
-      pl_roots_find(depth_along, &ring, begin, begin + 2.0 * PL_PI, true, shade->ring, CROSSINGS);
-  if (shade->crossings == 0 && depth_along(&ring, begin) >= 0.0)
+  const double end = begin + 2.0 * PL_PI;
+  shade->crossings = crossings_of(sun, &shade->cone, NULL, begin, end, true, shade->ring);
+  if (shade->crossings == 0 && depth_of_arc(sun, &shade->cone, NULL, begin, end) >= 0.0)
     return COVER_ALL;
   if (shade->crossings == 0 && !before_sun(sun, to_body))
     return COVER_NONE;

@@ -176,6 +176,36 @@ static void test_unions(void **state) {
   }
 }
 
+/* Limbs that touch within rounding, whichever way they are turned: a body inside the disc at its
+ * edge, two bodies of which one touches the other's limb from within, and all three at once. */
+static void test_touching(void **state) {
+  (void)state;
+  const double a = sun_angle();
+  for (int i = 0; i < 200; i++) {
+    const double turn = 0.0317 * i, b = 0.01 * a * (1 + i % 99);
+    sky inner = {0}, pair = {0}, alone_outer = {0};
+    add_sphere(&inner, b, a - b, turn, 1e8);
+    solve(&inner);
+    assert_true(fabs(inner.light[0] - (1.0 - b * b / (a * a))) < 1e-5);
+    add_sphere(&pair, b, b + 0.1 * a, turn, 1e8);
+    add_sphere(&pair, 3.0 * b, 3.0 * b + 0.1 * a, turn, 2e8);
+    solve(&pair);
+    add_sphere(&alone_outer, 3.0 * b, 3.0 * b + 0.1 * a, turn, 2e8);
+    solve(&alone_outer);
+    for (int band = 0; band < BANDS; band++)
+      assert_true(fabs(pair.light[band] - alone_outer.light[band]) < 1e-9);
+    add_sphere(&inner, 1.5 * b, a - 1.5 * b, turn, 1.1e8);
+    add_sphere(&inner, 0.5 * b, a - 0.5 * b, turn, 0.9e8);
+    solve(&inner);
+    sky outer = {0};
+    add_sphere(&outer, 1.5 * b, fabs(a - 1.5 * b), a > 1.5 * b ? turn : turn + PL_PI, 1.1e8);
+    solve(&outer);
+    for (int band = 0; band < BANDS; band++)
+      if (!(fabs(inner.light[band] - outer.light[band]) < 1e-9))
+        fail_msg("%d %g %d: %.15g %.15g", i, b / a, band, inner.light[band], outer.light[band]);
+  }
+}
+
 /* A fraction stays one, falls when a body is added or grows, and two bodies never take more than
  * each alone does. */
 static void test_invariants(void **state) {
@@ -279,8 +309,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_analytic),   cmocka_unit_test(test_against_the_plane),
       cmocka_unit_test(test_ellipsoids), cmocka_unit_test(test_unions),
-      cmocka_unit_test(test_invariants), cmocka_unit_test(test_cone),
-      cmocka_unit_test(test_edges),
+      cmocka_unit_test(test_touching),   cmocka_unit_test(test_invariants),
+      cmocka_unit_test(test_cone),       cmocka_unit_test(test_edges),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
