@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -197,18 +196,6 @@ def ladder(state: F64, acting: dict[str, Any], sat: Satrec) -> list[Rung]:
     return rungs
 
 
-def processor_s(work: Callable[[], Any], least_s: float = 0.2) -> float:
-    """Shortest of at least three runs."""
-    best, spent = math.inf, 0.0
-    runs = 0
-    while runs < 3 or spent < least_s:
-        begin = time.process_time()
-        work()
-        took = time.process_time() - begin
-        best, spent, runs = min(best, took), spent + took, runs + 1
-    return best
-
-
 def afresh(rung: Rung, t_s: F64) -> F64:
     """With nothing kept."""
     return rung.make()(t_s)
@@ -265,7 +252,7 @@ def main() -> None:
     marks = {"orbit": period, "day": DAY_S, "month": 30.0 * DAY_S}
     t_s = np.arange(0.0, DAY_S, 10.0)
     jd = days_of(t_s)
-    unit_s = processor_s(lambda: sat.sgp4_array(*jd)) / len(t_s)
+    unit_s = report.processor_s(lambda: sat.sgp4_array(*jd)) / len(t_s)
     track = np.geomspace(period, 30.0 * DAY_S, 40)
     rows: list[dict[str, Any]] = []
     curves: dict[str, tuple[F64, F64]] = {}
@@ -275,9 +262,9 @@ def main() -> None:
         for mark, end in marks.items():
             row[f"error_{mark}_m"] = float(errors_over(path, truth, np.array([end]), period)[0])
         path(t_s)
-        row["again_ratio"] = processor_s(partial(path, t_s)) / len(t_s) / unit_s
+        row["again_ratio"] = report.processor_s(partial(path, t_s)) / len(t_s) / unit_s
         first = partial(afresh, rung, t_s) if rung.keeps else partial(path, t_s)
-        row["first_ratio"] = processor_s(first) / len(t_s) / unit_s
+        row["first_ratio"] = report.processor_s(first) / len(t_s) / unit_s
         rows.append(row)
         curves[rung.name] = (track / DAY_S, errors_over(path, truth, track, period))
     if options.plot is not None:

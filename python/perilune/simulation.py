@@ -22,6 +22,7 @@ from perilune.orbits import Setting, System
 from perilune.parts import Partition
 from perilune.request import arrays_of, camera_label, request_of
 from perilune.sample import Sample
+from perilune.sunlight import LightCurve, light_curve
 from perilune.timeline import Timeline
 from perilune.world import World
 from perilune.world import build as build_world
@@ -171,6 +172,19 @@ class Simulation:
         system = System(self._setting(config, index))
         return build_world(config, drawn, index, self._epoch, radii_m, system)
 
+    def _camera_poses(self, scene: World) -> F64:
+        return trajectories.camera_poses(scene, self._trajectory)
+
+    def camera_poses(self, index: int) -> F64:
+        """Poses (2, 7), camera to root, m, of a frame's camera as the shutter opens and closes."""
+        return self._camera_poses(self.world(index))
+
+    def light_curve(self, name: str, frames: Iterable[int], **options: Any) -> LightCurve:
+        """Eclipses and sunlight at a body, a spacecraft or the camera, frame by frame.
+
+        See perilune.sunlight.light_curve."""
+        return light_curve(self, name, frames, **options)
+
     def request(self, index: int) -> _core.FrameRequest:
         """What the core is asked to render for a frame."""
         return self._request(self.world(index))
@@ -179,7 +193,7 @@ class Simulation:
         self, scene: World, posed: Mapping[str, articulation.Posed] | None = None
     ) -> _core.FrameRequest:
         """posed: the moving parts, where they are known already."""
-        poses = trajectories.camera_poses(scene, self._trajectory)
+        poses = self._camera_poses(scene)
         handles = self._mine()
         movers = articulation.stacked(posed or handles.posed(scene))
         scales = handles.scales(scene.config)
@@ -270,6 +284,12 @@ class Simulation:
         from perilune.plots import plot_trajectory
 
         return plot_trajectory(self, frames, **options)
+
+    def plot_light_curve(self, names: Iterable[str], frames: Iterable[int], **options: Any) -> Any:
+        """A Figure of the sunlight over time; see perilune.plots.plot_light_curve."""
+        from perilune.plots import plot_light_curve
+
+        return plot_light_curve(self, names, frames, **options)
 
     def ground_track(self, frames: Iterable[int], **options: Any) -> Any:
         """A Figure of the spacecraft's tracks on a body; see perilune.plots.plot_ground_track."""

@@ -1,4 +1,4 @@
-"""`perilune orbit`: where everything is, step by step, as a CSV table or a CCSDS OEM."""
+"""`perilune orbit`: where everything is, step by step, as a CSV table or a CCSDS OEM; sunlight."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from perilune.config.errors import nearest
 from perilune.config.motion import sections
 from perilune.ephemerides import oem
 from perilune.simulation import Simulation
+from perilune.sunlight import LightCurve
 
 F64 = NDArray[np.float64]
 
@@ -28,6 +29,10 @@ COLUMNS = (
     *("frame", "time_utc", "object"),
     *("x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"),
     *("qw", "qx", "qy", "qz"),
+)
+SUNLIGHT_COLUMNS = (
+    *("sun_fraction_r", "sun_fraction_g", "sun_fraction_b"),
+    *("sun_r_w_m2", "sun_g_w_m2", "sun_b_w_m2", "sun_hidden_by"),
 )
 _DIGITS = 9  # of seconds: below the rounding of a low orbit's place in doubles, times ten
 _OEM_SUFFIXES = (".oem",)
@@ -64,18 +69,30 @@ def _chosen(sim: Simulation, names: Sequence[str] | None) -> list[str]:
     return list(names or known)
 
 
-def _write_csv(file: TextIO, sim: Simulation, frames: Sequence[int], names: list[str]) -> int:
+def _write_csv(
+    file: TextIO, sim: Simulation, frames: Sequence[int], names: list[str], sunlight: bool
+) -> int:
     table = csv.writer(file, lineterminator="\n")
-    table.writerow(COLUMNS)
+    table.writerow([*COLUMNS, *(SUNLIGHT_COLUMNS if sunlight else ())])
+    indices = list(_one_a_step(sim, frames))
+    curves = {n: sim.light_curve(n, indices, at=0.0) for n in names} if sunlight else {}
     count = 0
-    for index in _one_a_step(sim, frames):
+    for row, index in enumerate(indices):
         for state in states(sim, index):
             if state.name in names:
                 pose, velocity = state.pose, state.velocity_m_s
                 numbers = np.concatenate([pose[:3], velocity, pose[3:]]).tolist()
-                table.writerow([index, state.time_utc, state.name, *map(repr, numbers)])
+                light = _light_cells(curves[state.name], row) if sunlight else []
+                table.writerow([index, state.time_utc, state.name, *map(repr, numbers), *light])
                 count += 1
     return count
+
+
+def _light_cells(curve: LightCurve, row: int) -> list[str]:
+    """Of SUNLIGHT_COLUMNS."""
+    numbers = np.concatenate([curve.fraction[row], curve.irradiance_w_m2[row]]).tolist()
+    hidden = [b for b, hides in zip(curve.bodies, curve.hides[row], strict=True) if hides]
+    return [*map(repr, numbers), " ".join(hidden)]
 
 
 def _one_a_step(sim: Simulation, frames: Sequence[int]) -> Iterator[int]:
@@ -160,16 +177,27 @@ def _configure(parser: ArgumentParser) -> None:
         metavar="NAME",
         help="a body or spacecraft to write (default: all); can be repeated",
     )
+    parser.add_argument(
+        "--sunlight",
+        action="store_true",
+        help="columns of the sunlight at its centre: the fraction that bodies let through and the "
+        "irradiance on a surface facing the Sun, by band, and the bodies before the Sun; CSV only",
+    )
 
 
 def _run(args: Namespace) -> int:
     sim, out = open_simulation(args), Path(args.out)
     names = _chosen(sim, args.object)
-    write = _write_oem if out.suffix.lower() in _OEM_SUFFIXES else _write_csv
+    as_oem = out.suffix.lower() in _OEM_SUFFIXES
+    if as_oem and args.sunlight:
+        raise ConfigError("--sunlight: an OEM has no place for it; write a .csv")
     temporary = out.with_name(f"{out.name}.{os.getpid()}.tmp")
     try:
         with open(temporary, "w", encoding="utf-8", newline="") as file:
-            count = write(file, sim, args.frames, names)
+            if as_oem:
+                count = _write_oem(file, sim, args.frames, names)
+            else:
+                count = _write_csv(file, sim, args.frames, names, args.sunlight)
         os.replace(temporary, out)
     except OSError as error:
         raise OSError(error.errno, f"cannot be written: {error.strerror}", str(out)) from error

@@ -1,5 +1,6 @@
-"""Plots of where things are: orbits, camera paths, ground tracks. Needs matplotlib (extra `plot`).
+"""Plots of where things are (orbits, camera paths, ground tracks), and of the sunlight there.
 
+Needs matplotlib (extra `plot`).
 Each function returns a matplotlib Figure and shows nothing: call `figure.savefig(...)`, or let a
 notebook show it (`%load_ext perilune.notebook`).
 """
@@ -7,7 +8,8 @@ notebook show it (`%load_ext perilune.notebook`).
 from __future__ import annotations
 
 from perilune.plots.ground import plot_ground_track
+from perilune.plots.light import plot_light_curve
 from perilune.plots.orbits import plot_orbits
 from perilune.plots.trajectory import plot_trajectory
 
-__all__ = ["plot_ground_track", "plot_orbits", "plot_trajectory"]
+__all__ = ["plot_ground_track", "plot_light_curve", "plot_orbits", "plot_trajectory"]

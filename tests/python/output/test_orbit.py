@@ -12,7 +12,7 @@ import pytest
 
 import perilune
 from perilune import _core, bodies, dates
-from perilune.cli.orbit import COLUMNS, states
+from perilune.cli.orbit import COLUMNS, SUNLIGHT_COLUMNS, states
 from perilune.ephemerides import oem
 from perilune.orbits.kinds.elements import two_body
 from perilune.orbits.place import Place
@@ -56,6 +56,28 @@ def test_table_is_the_tree(small_scene, pair, tmp_path):
         speeds = [float(value) for value in row[6:9]]
         np.testing.assert_array_equal(speeds, found.velocities_m_s[row[2]][1])
         np.testing.assert_array_equal(speeds, world.velocities_m_s[row[2]][0])
+
+
+def test_columns_of_sunlight(small_scene, tmp_path):
+    """As the light curve at the opening of the shutter; an OEM has no place for them."""
+    out = tmp_path / "states.csv"
+    done = command(small_scene, "--frames", "0:40:4", "--out", out, "--sunlight")
+    assert done.returncode == 0, done.stderr
+    with open(out, newline="") as file:
+        head, *rows = csv.reader(file)
+    assert tuple(head) == COLUMNS + SUNLIGHT_COLUMNS
+    sim = perilune.open(small_scene)
+    for name in ("planet", "probe"):
+        curve = sim.light_curve(name, range(0, 40, 4), at=0.0)
+        cells = [row[len(COLUMNS) :] for row in rows if row[2] == name]
+        numbers = np.array([row[:6] for row in cells], dtype=float)
+        np.testing.assert_array_equal(numbers[:, :3], curve.fraction)
+        np.testing.assert_array_equal(numbers[:, 3:], curve.irradiance_w_m2)
+        hidden = ["planet" if row.any() else "" for row in curve.hides]
+        assert [row[6] for row in cells] == hidden
+    done = command(small_scene, "--frames", "0:4", "--out", tmp_path / "a.oem", "--sunlight")
+    assert done.returncode == 1
+    assert "--sunlight: an OEM has no place for it" in done.stderr
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.7])
@@ -176,7 +198,7 @@ def test_errors(small_scene, tmp_path):
     assert done.returncode == 1
     assert "states.csv: cannot be written" in done.stderr
     done = command(small_scene, "--frames", "0:3000000000", "--out", "x.csv")
-    assert done.returncode == 2
+    assert done.returncode == 1
     assert "2147483647" in done.stderr
     done = command(small_scene, "--frames", "0:2", "--out", "x.csv", "--object", "prob")
     assert done.returncode == 1
