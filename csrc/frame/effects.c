@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "air/effects.h"
 #include "light/effects.h"
 #include "render/effects.h"
 #include "scene/effects.h"
@@ -15,6 +16,9 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_soft_sun,
     &pl_effect_limb_darkening,
     &pl_effect_cast_shadows,
+    &pl_effect_atmosphere,
+    &pl_effect_skylight,
+    &pl_effect_multiple_scattering,
     &pl_effect_emission,
     &pl_effect_emitters,
     &pl_effect_bounces,
@@ -38,7 +42,6 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_shot_noise,
     &pl_effect_cosmic_rays,
     &pl_effect_blooming,
-    &pl_effect_black_sun,
     &pl_effect_read_noise,
 };
 /* clang-format on */

@@ -265,6 +265,8 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   pl_emitters emitters;
   const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
   PL_TRY(pl_frame_emitters(renderer, &shot, emitters_value, &emitters, &settings));
+  pl_air_view air;
+  PL_TRY(pl_frame_air(renderer, &shot, &result->plan, &air, &settings));
   PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
                    request->cancel));
   lap(result, PL_STAGE_RENDER, &start);

@@ -49,6 +49,21 @@ pl_status pl_frame_emitters(pl_renderer *renderer, const pl_snapshot *shot, int 
   return PL_OK;
 }
 
+/* Steps of a quick look at the air: its error is of a few per cent. */
+enum { QUICK_STEPS = 6 };
+
+pl_status pl_frame_air(pl_renderer *renderer, const pl_snapshot *shot, const pl_plan *plan,
+                       pl_air_view *air, pl_render_settings *settings) {
+  const int steps = plan != NULL ? pl_plan_value(plan, "atmosphere") : QUICK_STEPS;
+  if (steps == 0)
+    return PL_OK;
+  PL_TRY(pl_air_view_build(shot, steps, &renderer->arena, air));
+  air->skylight = plan == NULL || pl_plan_value(plan, "skylight") > 0;
+  air->multiple = plan == NULL || pl_plan_value(plan, "multiple_scattering") > 0;
+  settings->air = air->count > 0 ? air : NULL;
+  return PL_OK;
+}
+
 pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_snapshot *shot, double fallback, double *white_radiance,
                          pl_sensor *sensor) {
@@ -66,6 +81,8 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                                  .detail = PL_DETAIL_FULL,
                                  .clear_coat = true};
   pl_emitters emitters;
+  pl_air_view air;
+  PL_TRY(pl_frame_air(renderer, &small, NULL, &air, &settings));
   PL_TRY(pl_frame_emitters(renderer, &small, 2, &emitters, &settings));
   PL_TRY(pl_tracer_set(renderer->tracer, &small));
   PL_TRY(pl_render(&small, renderer->tracer, &settings, renderer->scratch, meter_tile, &meter,

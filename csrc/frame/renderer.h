@@ -20,6 +20,10 @@ struct pl_renderer {
 pl_status pl_frame_emitters(pl_renderer *renderer, const pl_snapshot *shot, int wanted,
                             pl_emitters *emitters, pl_render_settings *settings);
 
+/* Lists the airs where the plan (NULL: a quick look) wants them. */
+pl_status pl_frame_air(pl_renderer *renderer, const pl_snapshot *shot, const pl_plan *plan,
+                       pl_air_view *air, pl_render_settings *settings);
+
 /* Exposures that are automatic, measured on the same frame, small, by direct light only: sets
  * *white_radiance where the request's is, and the exposure time of `sensor` (NULL: none) where its
  * is. `fallback` is the radiance of a sunlit white surface. */

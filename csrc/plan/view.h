@@ -15,6 +15,8 @@ typedef struct pl_view_laws {
   const float *off[PL_VIEW_LAWS - 1];
 } pl_view_laws;
 
+struct pl_air;
+
 /* One mesh object or body, reduced to what bounds need. */
 typedef struct pl_view_thing {
   bool is_body;            /* convex ellipsoid; otherwise a mesh */
@@ -37,6 +39,8 @@ typedef struct pl_view_thing {
   bool pictured;            /* of a mesh or graph: has textures that are not of one colour */
   bool bumped;              /* has normals that are bent */
   bool diffuse;             /* Lambert alone: radiance is the colour's times what it receives */
+  const struct pl_air *air; /* borrowed, for the rows in air/ alone; NULL: none */
+  bool air_in_frame;        /* a sphere that holds it touches the frustum */
   const pl_view_laws *laws; /* of a body in the frame for whose law others may stand, or NULL */
 } pl_view_thing;
 

@@ -74,16 +74,16 @@ static const pl_reflectance *find_reflectance(const char *name) {
 }
 
 static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",        "map",          "map_center_lon_rad",
-                          "reflectance", "instance_id",  "part_id",
-                          "class_ids",   "regolith_map", NULL};
+  static char *names[] = {"name",        "map",     "map_center_lon_rad", "reflectance",
+                          "instance_id", "part_id", "class_ids",          "regolith_map",
+                          "air",         NULL};
   scene_object *self = (scene_object *)object;
-  PyObject *map, *classes, *regolith;
+  PyObject *map, *classes, *regolith, *air;
   const char *name, *reflectance;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiOO:add_body", names, &name, &map,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiOOO:add_body", names, &name, &map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
-                                   &body.part_id, &classes, &regolith) ||
+                                   &body.part_id, &classes, &regolith, &air) ||
       check_open(self) < 0)
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
@@ -91,7 +91,8 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
   if (body.reflectance == NULL)
     return NULL;
   if ((map != Py_None && (body.map = pl_py_map_of(map)) == NULL) ||
-      (regolith != Py_None && (body.regolith_map = pl_py_grid_of(regolith)) == NULL))
+      (regolith != Py_None && (body.regolith_map = pl_py_grid_of(regolith)) == NULL) ||
+      (air != Py_None && (body.air = pl_py_air_of(air)) == NULL))
     return NULL;
   const npy_intp shape[1] = {self->scene.levels};
   PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, shape);
@@ -99,7 +100,8 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
     return NULL;
   memcpy(body.class_ids, PyArray_DATA(ids), (size_t)self->scene.levels * sizeof(uint16_t));
   Py_DECREF((PyObject *)ids);
-  if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, regolith) < 0)
+  if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, regolith) < 0 ||
+      PyList_Append(self->kept, air) < 0)
     return NULL;
   const pl_status status = pl_scene_add_body(&self->scene, &body);
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);

@@ -148,9 +148,12 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   const bool rivals = onward && draw.pdf > 0.0f;
   const float weight = rivals ? pl_power_heuristic(draw.pdf, s->reflectance->pdf(s, wo, wi)) : 1.0f;
   const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));
-  const pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, draw.light), weight);
+  pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, draw.light), weight);
   if (!(pl_vec3f_max(light) > 0.0f))
     return queued;
+  if (context->settings->air != NULL)
+    light = pl_vec3f_mul(light, pl_air_toward_sun(context->settings->air, context->shot,
+                                                  vertex->position, draw.toward));
   if (!shadows_at(context, vertex)) {
     add(&b->sample[path->pixel], light);
     return queued;
@@ -272,6 +275,10 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
   const bool onward = goes_on(context, vertex, bounce);
   *queued = shade_sun(context, &path, vertex, u.sun, wo, onward, *queued, b);
+  if (context->settings->air != NULL)
+    add(&b->sample[path.pixel],
+        pl_vec3f_mul(path.throughput,
+                     pl_air_sky_reflected(context->settings->air, context->shot, vertex, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, onward, *queued, b);
   if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, cap,
@@ -311,6 +318,8 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
                          pl_tile_buffers *b) {
   size_t kept = 0, queued = 0;
   draw_wave(index, bounce, count, b);
+  if (context->settings->air != NULL)
+    pl_air_apply(context, bounce, count, b);
   for (size_t i = 0; i < count; i++) {
     if (b->hits[i].thing == PL_NOTHING)
       shade_miss(context, &b->paths[i], b);

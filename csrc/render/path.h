@@ -46,6 +46,7 @@ typedef struct pl_tile_buffers {
   pl_pending pending[PL_TILE_SHADOWS];
   pl_ray shadow_rays[PL_TILE_SHADOWS];
   bool occluded[PL_TILE_SHADOWS];
+  pl_air_tile air; /* not set where settings->air is NULL */
   uint32_t wave_seeds[PL_TILE_PIXELS];
   float draws[6][PL_TILE_PIXELS];
 } pl_tile_buffers;
@@ -62,7 +63,7 @@ typedef struct pl_path_context {
   float spread;           /* of a colour sample's cone, per metre */
   const pl_reach *reach;  /* where meshes may show */
   bool centred;           /* the geometry buffer's rays are those of sample 0 */
-  bool bodies, sun;       /* whether any body, or the sun, may be in this tile's cone */
+  bool bodies, sun, air;  /* whether any body, the sun or air may be in this tile's cone */
   uint32_t body;          /* the only body that may be in it; PL_NOTHING for none or several */
 } pl_path_context;
 

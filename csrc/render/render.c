@@ -69,7 +69,7 @@ static pl_tile tile_of(const job *job, size_t item) {
 
 /* What the tile's cone can meet. */
 typedef struct content {
-  bool meshes, bodies, sun;
+  bool meshes, bodies, sun, air;
   uint32_t body; /* the only body; PL_NOTHING for none or several, or beside the sun */
 } content;
 
@@ -85,6 +85,7 @@ static content tile_content(const job *job, pl_tile tile) {
     for (int x = 0; x < tile.width; x += PL_REACH_BLOCK)
       out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y);
   out.sun = pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, axis, half_angle);
+  out.air = pl_air_in_cone(job->settings->air, shot, axis, half_angle);
   size_t bodies = 0;
   for (size_t i = 0; i < shot->body_count; i++) {
     if (!pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle))
@@ -189,8 +190,11 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
       .centred = !(job->shot->camera.aperture_m > 0.0),
       .bodies = content->bodies,
       .sun = content->sun,
+      .air = content->air,
       .body = content->body,
   };
+  if (job->settings->air != NULL)
+    pl_air_prepare(&context, b);
   pl_path_settle(&context, b);
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
@@ -219,7 +223,7 @@ static pl_status render_tile(void *context, size_t item, int worker) {
   const content content = tile_content(job, tile);
   for (int i = 0; i < PL_TILE_PIXELS; i++)
     b->radiance[i] = (pl_vec3f){0.0f, 0.0f, 0.0f};
-  const bool anything = content.meshes || content.bodies || content.sun;
+  const bool anything = content.meshes || content.bodies || content.sun || content.air;
   if (anything) {
     fill_points(job, tile, &content, b);
     if (job->settings->samples > 0)

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "light/emitters.h"
 #include "light/limb.h"
+#include "render/air_path.h"
 #include "render/vertex.h"
 
 enum { PL_TILE_SIDE = 32, PL_TILE_PIXELS = PL_TILE_SIDE * PL_TILE_SIDE };
@@ -23,6 +24,7 @@ typedef struct pl_render_settings {
   pl_detail detail;            /* of surfaces */
   int laws_down;               /* steps down from Hapke's law to cheaper ones, see laws.h */
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
+  const pl_air_view *air;      /* borrowed; NULL: none */
   bool emitters_on_bodies;     /* or else on meshes alone */
   float noise_dn;              /* pixels quieter than this get no more samples, see prune.c, and
                                 * busy ones more than `samples`; 0: all get `samples` */

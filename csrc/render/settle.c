@@ -105,8 +105,12 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   pl_vertex_shade(shot, &beam, settings->detail, &vertex);
   pl_laws_apply(shot, settings, &vertex);
   b->settled[pixel] = reflected(&vertex.surface, toward, &sun, height);
+  if (settings->air != NULL)
+    b->settled[pixel] = pl_air_ground_light(context, pixel, &vertex, b->settled[pixel], b);
   if (settings->emission)
     b->settled[pixel] = pl_vec3f_add(b->settled[pixel], vertex.surface.emission);
+  if (settings->air != NULL)
+    b->settled[pixel] = pl_air_seen(context, pixel, b->settled[pixel], b);
   return true;
 }
 
@@ -133,7 +137,11 @@ static void cover_pixels(const pl_path_context *context, bool covered[PL_TILE_PI
 /* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
 static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool covered,
                          pl_tile_buffers *b) {
-  const bool black = !context->bodies && !context->sun;
+  const bool black = !context->bodies && !context->sun && !context->air;
+  if (context->air && pl_air_alone(context, pixel, &b->radiance[pixel], b)) {
+    b->counts[pixel] = 1;
+    return true;
+  }
   if (!black && !(covered && b->settled_thing[pixel] != PL_NOTHING))
     return false;
   b->counts[pixel] = 1;

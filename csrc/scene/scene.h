@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "air/air.h"
 #include "base/status.h"
 #include "geom/cover.h"
 #include "geom/cut.h"
@@ -52,6 +53,7 @@ typedef struct pl_body {
   double map_center_lon_rad;         /* longitude of the map's centre column */
   const pl_reflectance *reflectance; /* row of the table */
   const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel a cell */
+  const pl_air *air;                 /* borrowed, NULL for none */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
   const pl_graph *graph; /* borrowed: instead of, or around, the above surface; NULL for none */

@@ -163,6 +163,10 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
     pl_shot_body *body = &out->bodies[i];
     PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], camera.t, body));
     body->in_frame = pl_snapshot_sees(out, body->center, body->radius_m, axis, half_angle);
+    if (scene->bodies[i].air != NULL)
+      body->air_in_frame =
+          pl_snapshot_sees(out, body->center, pl_air_reach_m(scene->bodies[i].air, body->radius_m),
+                           axis, half_angle);
   }
   return PL_OK;
 }

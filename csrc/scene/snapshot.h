@@ -53,6 +53,7 @@ typedef struct pl_shot_body {
   pl_vec3 camera_unit;        /* the camera in those */
   double radius_m;            /* largest semi-axis */
   bool in_frame;
+  bool air_in_frame; /* its air, if it has any, touches the frustum */
   bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
   bool bounced;  /* others may noticeably light it by reflection; set by pl_snapshot_cull */
   /* Factors on the light with which cheaper laws come nearest to its own where it is seen; NULL

@@ -100,6 +100,8 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
       .ggx_alpha_min = 1.0,
       .diffuse = diffuse,
       .pictured = body->body->regolith_map != NULL,
+      .air = body->body->air,
+      .air_in_frame = body->air_in_frame,
       .irradiance = irradiance_max(shot, body->center, body->radius_m),
       .emission_max = fmax(state->emission[0], fmax(state->emission[1], state->emission[2])),
   };

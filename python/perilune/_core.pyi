@@ -138,6 +138,48 @@ class Grid:
     def mean(self) -> F64:
         """(channels,) mean of all cells."""
 
+class AirSettings(TypedDict):
+    """Of three colour bands where there are three; heights above the surface."""
+
+    rayleigh_scattering: Sequence[float]  # at the surface, 1/m
+    rayleigh_height_m: float
+    mie_scattering: Sequence[float]
+    mie_extinction: Sequence[float]
+    mie_height_m: float
+    mie_g: Sequence[float]
+    ozone_absorption: Sequence[float]  # in the middle of the layer, 1/m
+    ozone_center_m: float
+    ozone_width_m: float
+    top_m: float
+    ground_albedo: Sequence[float]
+    multiple: bool
+
+@final
+class Air:
+    """An atmosphere, with its tables. The methods are for a round body with its centre at the
+    origin; points lie outside its surface, directions are unit vectors."""
+
+    def __new__(cls, settings: AirSettings, radius_m: float) -> Self:
+        """radius_m: of the body, the geometric mean of its semi-axes."""
+    def transmittance(self, points: F64, directions: F64) -> F64:
+        """(n, 3) part of the light of each band that comes from infinity in directions (n, 3) to
+        points (n, 3), m; directions that meet the ground count as tangent to it."""
+    def scatter(
+        self,
+        points: F64,
+        directions: F64,
+        sun: tuple[float, float, float],
+        sun_radius_rad: float,
+        end_m: float,
+        steps: int,
+        multiple: bool,
+    ) -> tuple[F64, F64]:
+        """(n, 3) radiance, 1/sr, that arrives at points of light scattered along the ways in
+        directions up to end_m or the ground, under a sun of irradiance 1; (n, 3) part of the light
+        from the end that arrives. sun: unit direction to it. steps: 1..64."""
+    def skylight(self, sun_sine: float, multiple: bool) -> tuple[float, float, float]:
+        """Irradiance of the sky on flat ground, of a sun of irradiance 1 with its height's sine."""
+
 class Socket(TypedDict):
     name: str
     type: str  # "scalar" | "vector" | "color"
@@ -217,6 +259,7 @@ class Scene:
         part_id: int,
         class_ids: NDArray[np.uint16],
         regolith_map: Grid | None,
+        air: Air | None,
     ) -> int:
         """An ellipsoid; returns its index. class_ids: (levels,). regolith_map: 27 channels, w, b, c,
         B_C0, h_C, B_S0, h_S, roughness in radians and filling factor of each band, for the

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, photometry
+from perilune import _core, articulation, atmospheres, photometry
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError
 from perilune.config.photometry import Photometry
@@ -97,6 +97,7 @@ class Handles:
         self.lock = Lock()
         self._files: dict[str, _core.Map] = {}
         self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
+        self._airs: dict[str, _core.Air | None] = {}
         self._stages: dict[tuple[Any, ...], _Stage] = {}
 
     @cached_property
@@ -196,6 +197,18 @@ class Handles:
             self._files[path] = _core.Map(path)
         return self._files[path]
 
+    def _air(self, name: str, config: Config) -> _core.Air | None:
+        """The atmosphere of a body; its tables are made once."""
+        body = config.bodies[name]
+        if name not in self._airs:
+            try:
+                self._airs[name] = atmospheres.air_of(config, body)
+            except ValueError as error:
+                raise ConfigError(
+                    f"{self.document.source}:\n  bodies.{name}.atmosphere: {error}"
+                ) from error
+        return self._airs[name]
+
     def _regolith_map(self, name: str, given: Photometry | None) -> _core.Grid | None:
         """The parameter map of a body; each set of files is read once."""
         if given is None or not given.maps:
@@ -266,6 +279,7 @@ class Handles:
                 map_center_lon_rad=math.radians(body.map_center_lon_deg),
                 reflectance=body.reflectance,
                 regolith_map=self._regolith_map(name, body.photometry),
+                air=self._air(name, config),
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[

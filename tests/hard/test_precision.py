@@ -121,7 +121,7 @@ def rendered(scene, model, threads=2):
     core = _core.Scene(1)
     core.add_body(
         name="ball", map=None, map_center_lon_rad=0.0, reflectance="lambert", instance_id=BODY,
-        part_id=BODY, class_ids=np.array([BODY], np.uint16), regolith_map=None,
+        part_id=BODY, class_ids=np.array([BODY], np.uint16), regolith_map=None, air=None,
     )  # fmt: skip
     core.add_object(
         name="cube", model=model, offset=np.zeros(3), obj_id=1, instance_id=CUBE,

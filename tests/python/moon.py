@@ -29,6 +29,7 @@ def scene(reflectance: str, regolith_map: _core.Grid | None = None) -> _core.Sce
         part_id=1,
         class_ids=np.array([1], dtype=np.uint16),
         regolith_map=regolith_map,
+        air=None,
     )
     return moon
 

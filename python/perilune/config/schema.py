@@ -18,6 +18,7 @@ from pydantic import (
 )
 
 from perilune.config.articulation import Animation, Joint
+from perilune.config.atmosphere import Atmosphere
 from perilune.config.attitude import Attitude, BodyRotation, Inertial
 from perilune.config.bands import Spectrum
 from perilune.config.camera import Camera
@@ -156,6 +157,8 @@ class Body(Strict):
     lunar_lambert and minnaert, or the single-scattering albedo w of lommel_seeliger and hapke."""
     photometry: Photometry | None = None
     """Other parameters of a photometric reflectance."""
+    atmosphere: Atmosphere | None = None
+    """Air about it; none without."""
     material: str | None = None
     """Name of an entry of `materials`: a graph instead of the surface that the keys above make."""
     material_drivers: DriverSection | None = None

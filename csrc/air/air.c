@@ -1,0 +1,98 @@
+/* What an atmosphere is: its settings checked, densities and phase functions. */
+#include "air/air.h"
+
+#include <math.h>
+
+#include "air/table.h"
+#include "base/memory.h"
+
+static pl_status check_number(const char *name, double value, double low, double high) {
+  if (isfinite(value) && value >= low && value <= high)
+    return PL_OK;
+  return pl_fail(PL_E_RANGE, "atmosphere: %s must be in %g..%g, not %g", name, low, high, value);
+}
+
+static pl_status check_bands(const char *name, const double values[3], double low, double high) {
+  for (int k = 0; k < 3; k++)
+    PL_TRY(check_number(name, values[k], low, high));
+  return PL_OK;
+}
+
+static pl_status check(const pl_air_settings *s, double radius_m) {
+  const double dense = 1e6, short_m = 1e-6, long_m = 1e15, peaked = 0.98;
+  PL_TRY(check_number("the body's radius", radius_m, 1e-3, long_m));
+  PL_TRY(check_bands("rayleigh scattering", s->rayleigh_scattering, 0.0, dense));
+  PL_TRY(check_bands("mie scattering", s->mie_scattering, 0.0, dense));
+  PL_TRY(check_bands("mie extinction", s->mie_extinction, 0.0, dense));
+  PL_TRY(check_bands("ozone absorption", s->ozone_absorption, 0.0, dense));
+  PL_TRY(check_bands("mie g", s->mie_g, -peaked, peaked));
+  PL_TRY(check_bands("ground albedo", s->ground_albedo, 0.0, 1.0));
+  PL_TRY(check_number("rayleigh scale height", s->rayleigh_height_m, short_m, long_m));
+  PL_TRY(check_number("mie scale height", s->mie_height_m, short_m, long_m));
+  PL_TRY(check_number("ozone centre", s->ozone_center_m, 0.0, long_m));
+  PL_TRY(check_number("ozone width", s->ozone_width_m, short_m, long_m));
+  PL_TRY(check_number("top", s->top_m, short_m, long_m));
+  for (int k = 0; k < 3; k++)
+    if (s->mie_scattering[k] > s->mie_extinction[k])
+      return pl_fail(PL_E_RANGE, "atmosphere: mie scattering %g is more than its extinction %g",
+                     s->mie_scattering[k], s->mie_extinction[k]);
+  return PL_OK;
+}
+
+static void set_optics(pl_air *air) {
+  const pl_air_settings *s = &air->settings;
+  for (int k = 0; k < 3; k++) {
+    air->scattering[0][k] = (float)s->rayleigh_scattering[k];
+    air->scattering[1][k] = (float)s->mie_scattering[k];
+    air->extinction[0][k] = (float)s->rayleigh_scattering[k];
+    air->extinction[1][k] = (float)s->mie_extinction[k];
+    air->extinction[2][k] = (float)s->ozone_absorption[k];
+    for (int part = 0; part < PL_AIR_PARTS; part++)
+      air->present[part] |= air->extinction[part][k] > 0.0f;
+  }
+}
+
+pl_status pl_air_create(const pl_air_settings *settings, double radius_m, pl_air **out) {
+  void *memory;
+  PL_TRY(check(settings, radius_m));
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_air), "an atmosphere", &memory));
+  pl_air *air = memory;
+  air->settings = *settings;
+  air->radius_m = radius_m;
+  set_optics(air);
+  pl_air_build_columns(air);
+  if (settings->multiple)
+    pl_air_build_multiple(air);
+  pl_air_build_sky(air);
+  *out = air;
+  return PL_OK;
+}
+
+void pl_air_destroy(pl_air *air) { pl_free(air); }
+
+const pl_air_settings *pl_air_settings_of(const pl_air *air) { return &air->settings; }
+
+double pl_air_radius_m(const pl_air *air) { return air->radius_m; }
+
+double pl_air_reach_m(const pl_air *air, double largest_m) {
+  return largest_m * (1.0 + air->settings.top_m / air->radius_m);
+}
+
+void pl_air_density(const pl_air *air, double height_m, float out[PL_AIR_PARTS]) {
+  const pl_air_settings *s = &air->settings;
+  const bool inside = height_m <= s->top_m;
+  const double off = fabs(height_m - s->ozone_center_m) / s->ozone_width_m;
+  out[0] = inside ? expf((float)(-height_m / s->rayleigh_height_m)) : 0.0f;
+  out[1] = inside ? expf((float)(-height_m / s->mie_height_m)) : 0.0f;
+  out[2] = inside && off < 1.0 ? (float)(1.0 - off) : 0.0f;
+}
+
+float pl_air_rayleigh_phase(float cosine) {
+  return 3.0f / (16.0f * PL_PI_F) * (1.0f + cosine * cosine);
+}
+
+float pl_air_mie_phase(float cosine, float g) {
+  const float base = pl_maxf(1.0f + g * g - 2.0f * g * cosine, 1e-6f);
+  return 3.0f / (8.0f * PL_PI_F) * (1.0f - g * g) * (1.0f + cosine * cosine) /
+         ((2.0f + g * g) * base * sqrtf(base));
+}

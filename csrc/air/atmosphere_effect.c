@@ -1,0 +1,74 @@
+/* The effect row `atmosphere`: light scattered and taken by air, in steps of the integral. */
+#include "air/effects.h"
+
+#include <math.h>
+
+#include "air/reach.h"
+
+static const char *absent(const pl_view *view) {
+  bool any = false;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    if (pl_air_share(view, &view->things[i]) > 0.0)
+      return NULL;
+    any |= view->things[i].air != NULL;
+  }
+  return any ? "no atmosphere is seen, or lights what is" : "no body has an atmosphere";
+}
+
+static int ceiling(const pl_view *view) {
+  (void)view;
+  return 32;
+}
+
+/* The encoding's slope at x, over white, is at most SLOPE x^-PL_AIR_POWER, and no more than that
+ * at KNEE. */
+static const double SLOPE = 255.0 * 1.055 / 2.4, KNEE = 0.003;
+
+static double residual_dn(const pl_view *view, const pl_view_thing *body, int steps, double share) {
+  const pl_air_reach reach = pl_air_reach_of(body->air);
+  const double bright = share * body->irradiance / view->white_radiance;
+  const double long_exposure = pow(fmax(1.0, bright * PL_AIR_DARK / KNEE), PL_AIR_POWER);
+  const double error = pl_air_step_error(reach.depth, steps) * long_exposure;
+  return fmin(SLOPE * pow(bright, 1.0 - PL_AIR_POWER) * error,
+              pl_view_dn(view, share * body->irradiance * (reach.scattered + reach.several)));
+}
+
+/* What is left out altogether: light that is scattered, and dimming on the way from the sun and to
+ * the camera; the sun's disc itself may be dimmed. */
+static double missing_dn(const pl_view *view, const pl_view_thing *body, double share) {
+  const pl_air_reach reach = pl_air_reach_of(body->air);
+  const double dimmed = -expm1(-2.0 * reach.depth);
+  if (view->sun_in_frame && body->air_in_frame)
+    return pl_view_dn(view, INFINITY) * (dimmed > 0.0);
+  const double added =
+      share * body->irradiance * (reach.scattered + reach.several + reach.sky / 3.14159265358979);
+  const double gone = pl_view_dn_dimming(dimmed);
+  return fmin(255.0,
+              pl_view_dn(view, added) +
+                  (share < 1.0 ? fmin(gone, pl_view_dn(view, share * pl_view_light(body))) : gone));
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  double sum = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const double share = pl_air_share(view, &view->things[i]);
+    if (share > 0.0)
+      sum += value > 0 ? residual_dn(view, &view->things[i], value, share)
+                       : missing_dn(view, &view->things[i], share);
+  }
+  return fmin(sum, 255.0);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return 3e-5 * value * view->width * view->height;
+}
+
+const pl_effect pl_effect_atmosphere = {
+    .name = "atmosphere",
+    .doc = "Air of bodies that scatters the sun's light and dims what is behind it or lit through "
+           "it, in so many steps along a ray",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

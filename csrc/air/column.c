@@ -1,0 +1,222 @@
+/* Columns of air: the table of transmittances, held as corrections of a closed form so that a small
+ * one is accurate from the zenith to the horizon. */
+#include <math.h>
+
+#include "air/table.h"
+
+/* Nodes of the integrals that make the table. */
+enum { FINE = 48 };
+
+/* Nodes in height are even, or dense at the surface where the air is high beside the radius. */
+static double bend_of(const pl_air *air, const pl_air_column *column) {
+  const double high = 0.1;
+  return column->top_m > high * air->radius_m ? column->top_m / air->radius_m : 0.0;
+}
+
+static double height_at(const pl_air *air, const pl_air_column *column, int node) {
+  const double w = (double)node / (PL_AIR_HEIGHTS - 1), bend = bend_of(air, column);
+  return w * column->top_m / (1.0 + (1.0 - w) * bend);
+}
+
+static float node_at(const pl_air_column *column, double height_m) {
+  const double x = height_m * column->per_height;
+  return (float)(x * (1.0 + column->bend) / (1.0 + column->bend * x)) * (PL_AIR_HEIGHTS - 1);
+}
+
+/* In the cosine they are dense about that where the air mass bends, s. */
+static double cosine_at(double s, int node) {
+  const double v = (double)node / (PL_AIR_COSINES - 1);
+  return s * v / (1.0 + s - v);
+}
+
+/* Metres from a height to another one above it, under zenith cosine mu >= 0. */
+static double reach(const pl_air *air, double height_m, double mu, double upper_m) {
+  const double r = air->radius_m + height_m;
+  const double rise = (upper_m - height_m) * (upper_m + air->radius_m + r); /* of the squares */
+  return rise <= 0.0 ? 0.0 : rise / (sqrt(r * r * mu * mu + rise) + r * mu);
+}
+
+/* Height at a distance along such a ray. */
+static double height_along(const pl_air *air, double height_m, double mu, double distance) {
+  const double r = air->radius_m + height_m;
+  const double rise = distance * (2.0 * r * mu + distance);
+  return height_m + rise / (sqrt(r * r + rise) + r);
+}
+
+/* Of an exponential density that is 1 at the height itself. */
+static double integrate_exponential(const pl_air *air, const pl_air_rule *rule, double scale_m,
+                                    double height_m, double mu, double top_m) {
+  const double length = reach(air, height_m, mu, top_m);
+  const double s2 = 8.0 * scale_m / (PL_PI * (air->radius_m + height_m));
+  const double scale = fmin(4.0 * scale_m / (mu + sqrt(mu * mu + s2)), 1e3 * length);
+  const double all = -expm1(-length / scale);
+  double sum = 0.0;
+  for (int i = 0; i < rule->count; i++) {
+    const double left = 1.0 - rule->place[i] * all;
+    const double at = height_along(air, height_m, mu, -scale * log(left));
+    sum += rule->weight[i] * exp(-(at - height_m) / scale_m) / left;
+  }
+  return sum * scale * all;
+}
+
+static double tent(const pl_air_settings *s, double height_m) {
+  return fmax(0.0, 1.0 - fabs(height_m - s->ozone_center_m) / s->ozone_width_m);
+}
+
+/* Between the heights where the tent bends. */
+static double integrate_tent(const pl_air *air, const pl_air_rule *rule, double height_m, double mu,
+                             double top_m) {
+  const pl_air_settings *s = &air->settings;
+  const double bends[3] = {s->ozone_center_m - s->ozone_width_m, s->ozone_center_m, top_m};
+  double sum = 0.0, from = 0.0;
+  for (int k = 0; k < 3; k++) {
+    const double to = fmax(from, reach(air, height_m, mu, fmin(bends[k], top_m)));
+    for (int i = 0; k > 0 && i < rule->count; i++) {
+      const double at = height_along(air, height_m, mu, from + (to - from) * rule->place[i]);
+      sum += (to - from) * rule->weight[i] * tent(s, at);
+    }
+    from = to;
+  }
+  return sum;
+}
+
+static double scale_of(const pl_air *air, int part) {
+  return part == 0 ? air->settings.rayleigh_height_m : air->settings.mie_height_m;
+}
+
+/* Of the tent of width 1 about 0, from x upwards. */
+static double tent_above(double x) {
+  if (x >= 0.0)
+    return x >= 1.0 ? 0.0 : 0.5 * (1.0 - x) * (1.0 - x);
+  return x <= -1.0 ? 1.0 : 1.0 - 0.5 * (1.0 + x) * (1.0 + x);
+}
+
+/* Straight up, over the density at the height where that is exponential. */
+static double vertical(const pl_air *air, int part, double height_m) {
+  const pl_air_settings *s = &air->settings;
+  const double top_m = air->columns[part].top_m;
+  if (part < 2)
+    return -scale_of(air, part) * expm1(-fmax(0.0, top_m - height_m) / scale_of(air, part));
+  const double x = (height_m - s->ozone_center_m) / s->ozone_width_m;
+  const double above = tent_above((top_m - s->ozone_center_m) / s->ozone_width_m);
+  return s->ozone_width_m * fmax(0.0, tent_above(x) - above);
+}
+
+static void build_column(pl_air *air, const pl_air_rule *rule, int part) {
+  pl_air_column *column = &air->columns[part];
+  for (int i = 0; i < PL_AIR_HEIGHTS; i++) {
+    /* At the very top all columns are 0; what counts is their ratio just below. */
+    const double h = fmin(height_at(air, column, i), column->top_m * (1.0 - 1e-6));
+    const double up = vertical(air, part, h);
+    double masses[PL_AIR_COSINES], s = 0.0;
+    for (int k = 0; k < PL_AIR_COSINES; k++) {
+      const double mu = k == 0 ? 0.0 : cosine_at(s, k);
+      const double along =
+          part < 2 ? integrate_exponential(air, rule, scale_of(air, part), h, mu, column->top_m)
+                   : integrate_tent(air, rule, h, mu, column->top_m);
+      masses[k] = along / up;
+      if (k == 0)
+        s = 2.0 / masses[0];
+      column->ratio[i][k] = (float)(masses[k] * 0.5 * (mu + sqrt(mu * mu + s * s)));
+    }
+    column->grazing[i] = (float)s;
+  }
+}
+
+void pl_air_build_columns(pl_air *air) {
+  const pl_air_settings *s = &air->settings;
+  const pl_air_rule rule = pl_air_rule_make(FINE);
+  for (int part = 0; part < PL_AIR_PARTS; part++) {
+    const double layer_m = s->ozone_center_m + s->ozone_width_m;
+    air->columns[part].top_m = part < 2 ? s->top_m : fmin(s->top_m, layer_m);
+    if (part < 2)
+      air->rest[part] = expf((float)(-s->top_m / scale_of(air, part)));
+    pl_air_column *column = &air->columns[part];
+    column->bend = bend_of(air, column);
+    column->per_height = 1.0 / column->top_m;
+    if (air->present[part])
+      build_column(air, &rule, part);
+  }
+}
+
+pl_air_place pl_air_place_of(const pl_air *air, double squared_r_less_1) {
+  const double r = sqrt(fmax(1.0 + squared_r_less_1, 1.0));
+  pl_air_place place = {.height_m = fmax(0.0, squared_r_less_1 / (r + 1.0) * air->radius_m),
+                        .r = r};
+  pl_air_density(air, place.height_m, place.density);
+  for (int part = 0; part < PL_AIR_PARTS; part++) {
+    const pl_air_column *column = &air->columns[part];
+    if (!air->present[part] || place.height_m >= column->top_m)
+      continue;
+    const float node = place.node[part] = node_at(column, place.height_m);
+    const int i = node < PL_AIR_HEIGHTS - 2 ? (int)node : PL_AIR_HEIGHTS - 2;
+    const float *s = column->grazing + i;
+    place.grazing[part] = s[0] + (node - (float)i) * (s[1] - s[0]);
+    place.up[part] = part < 2 ? (float)scale_of(air, part) * (place.density[part] - air->rest[part])
+                              : (float)vertical(air, part, place.height_m);
+  }
+  return place;
+}
+
+/* The air mass under a zenith cosine mu >= 0. */
+static float mass_of(const pl_air_column *column, float node, float s, float mu) {
+  const int i = node < PL_AIR_HEIGHTS - 2 ? (int)node : PL_AIR_HEIGHTS - 2;
+  const float y = node - (float)i;
+  const float v = mu * (1.0f + s) / (mu + s) * (PL_AIR_COSINES - 1);
+  const int k = v < PL_AIR_COSINES - 2 ? (int)v : PL_AIR_COSINES - 2;
+  const float x = v - (float)k;
+  const float *low = column->ratio[i] + k, *high = column->ratio[i + 1] + k;
+  const float below = low[0] + x * (low[1] - low[0]), above = high[0] + x * (high[1] - high[0]);
+  return 2.0f * (below + y * (above - below)) / (mu + sqrtf(mu * mu + s * s));
+}
+
+void pl_air_column_up(const pl_air *air, const pl_air_place *place, double mu,
+                      float out[PL_AIR_PARTS]) {
+  for (int part = 0; part < PL_AIR_PARTS; part++)
+    out[part] = place->up[part] > 0.0f
+                    ? place->up[part] * mass_of(&air->columns[part], place->node[part],
+                                                place->grazing[part], (float)mu)
+                    : 0.0f;
+}
+
+/* A ray that goes down comes back up to where it started: past its lowest point it has all of the
+ * column that is grazing there, twice, less what lay behind its start. */
+void pl_air_column_any(const pl_air *air, const pl_air_place *place, double mu,
+                       double lowest2_less_1, float out[PL_AIR_PARTS]) {
+  if (mu >= 0.0) {
+    pl_air_column_up(air, place, mu, out);
+    return;
+  }
+  float behind[PL_AIR_PARTS];
+  pl_air_column_up(air, place, -mu, behind);
+  const pl_air_place low = pl_air_place_of(air, lowest2_less_1);
+  pl_air_column_up(air, &low, 0.0, out);
+  for (int part = 0; part < PL_AIR_PARTS; part++)
+    out[part] = pl_maxf(0.0f, 2.0f * out[part] - behind[part]);
+}
+
+pl_vec3f pl_air_depth_of(const pl_air *air, const float column[PL_AIR_PARTS], float length) {
+  float depth[3];
+  for (int k = 0; k < 3; k++)
+    depth[k] = length * (column[0] * air->extinction[0][k] + column[1] * air->extinction[1][k] +
+                         column[2] * air->extinction[2][k]);
+  return pl_vec3f_make(depth[0], depth[1], depth[2]);
+}
+
+pl_vec3f pl_air_dimmed(pl_vec3f depth) {
+  return pl_vec3f_make(expf(-depth.x), expf(-depth.y), expf(-depth.z));
+}
+
+pl_vec3f pl_air_depth(const pl_air *air, pl_vec3 point, pl_vec3 direction, double stretch) {
+  float column[PL_AIR_PARTS];
+  const double along = pl_vec3_dot(point, direction);
+  const pl_vec3 lowest = pl_vec3_madd(point, -along, direction);
+  const double low = pl_vec3_dot(lowest, lowest) - 1.0;
+  const pl_air_place place = pl_air_place_of(air, low + along * along);
+  pl_air_column_any(air, &place, fmax(-1.0, fmin(1.0, along / place.r)), low, column);
+  return pl_air_depth_of(air, column, (float)(1.0 / stretch));
+}
+
+pl_vec3f pl_air_transmittance(const pl_air *air, pl_vec3 point, pl_vec3 direction, double stretch) {
+  return pl_air_dimmed(pl_air_depth(air, point, direction, stretch));
+}

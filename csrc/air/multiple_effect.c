@@ -1,0 +1,43 @@
+/* The effect row `multiple_scattering`: light that air scatters more than once. */
+#include "air/effects.h"
+
+#include <math.h>
+
+#include "air/reach.h"
+
+static const char *absent(const pl_view *view) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (pl_air_share(view, &view->things[i]) > 0.0 &&
+        pl_air_settings_of(view->things[i].air)->multiple)
+      return NULL;
+  return "no atmosphere that is seen, or lights what is, has it";
+}
+
+/* What it adds to the air's own light, and by way of the sky to the ground's. */
+static double bound_dn(const pl_view *view, int value) {
+  double radiance = 0.0;
+  for (size_t i = 0; value == 0 && i < view->thing_count; i++) {
+    const pl_view_thing *body = &view->things[i];
+    const double share = pl_air_share(view, body);
+    if (share == 0.0)
+      continue;
+    const pl_air_reach reach = pl_air_reach_of(body->air);
+    radiance += share * body->irradiance *
+                (reach.several + body->albedo_max * reach.sky / 3.14159265358979);
+  }
+  return pl_view_dn(view, radiance);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 2e-5 * view->width * view->height;
+}
+
+const pl_effect pl_effect_multiple_scattering = {
+    .name = "multiple_scattering",
+    .doc = "Light that air scatters more than once, after Hillaire (2020); off: once",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

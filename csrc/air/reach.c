@@ -1,0 +1,84 @@
+/* Bounds of what the air of a body does. */
+#include "air/reach.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "air/table.h"
+
+/* The largest value of the phase function of Mie scattering is forwards or backwards. */
+static double peak(const pl_air_settings *s) {
+  double largest = 0.0;
+  for (int k = 0; k < 3; k++)
+    largest = fmax(largest,
+                   (double)pl_air_mie_phase(s->mie_g[k] < 0.0 ? -1.0f : 1.0f, (float)s->mie_g[k]));
+  return largest;
+}
+
+/* Optical depth of one constituent alone along the longest way. */
+static double longest(const pl_air *air, int part) {
+  float column[PL_AIR_PARTS], most = 0.0f;
+  const pl_air_place ground = pl_air_place_of(air, 0.0);
+  pl_air_column_up(air, &ground, 0.0, column);
+  for (int k = 0; k < 3; k++)
+    most = pl_maxf(most, air->extinction[part][k]);
+  return 2.0 * (double)(column[part] * most);
+}
+
+/* What is scattered on the way of a ray is less than what it loses, times the phase function. An
+ * oblate body's rays may be longer than its mean radius says: by less than this. */
+static const double OBLATE = 1.1;
+
+pl_air_reach pl_air_reach_of(const pl_air *air) {
+  pl_air_reach out = {0};
+  const double depths[2] = {OBLATE * longest(air, 0), OBLATE * longest(air, 1)};
+  const double ozone = OBLATE * 2.0 * longest(air, 2); /* its layer is above the ground */
+  out.depth = depths[0] + depths[1] + ozone;
+  const double rayleigh = (double)pl_air_rayleigh_phase(1.0f);
+  out.scattered = rayleigh * -expm1(-depths[0]) + peak(&air->settings) * -expm1(-depths[1]);
+  double largest = 0.0;
+  for (int i = 0; i < PL_AIR_MULTIPLE_HEIGHTS; i++)
+    for (int k = 0; k < PL_AIR_MULTIPLE_SINES; k++)
+      largest = fmax(largest, (double)pl_vec3f_max(air->several[i][k]));
+  out.several = largest * -expm1(-depths[0] - depths[1]);
+  for (int k = 0; k < PL_AIR_SKY; k++)
+    out.sky = fmax(out.sky, (double)pl_vec3f_max(air->sky[1][k]));
+  return out;
+}
+
+double pl_air_share(const pl_view *view, const pl_view_thing *body) {
+  if (body->air == NULL)
+    return 0.0;
+  if (body->air_in_frame)
+    return 1.0;
+  pl_view_thing shell = *body;
+  double share = 0.0;
+  shell.radius_m *= 1.0 + body->air->settings.top_m / body->air->radius_m;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *thing = &view->things[i];
+    if (thing == body || !thing->in_frame)
+      continue;
+    if (pl_view_shadow_reaches(view, &shell, thing))
+      return 1.0;
+    if (view->max_bounces > 0)
+      share =
+          fmax(share, pl_view_transfer(thing, &shell) * pl_view_series(view, view->max_bounces));
+  }
+  return fmin(1.0, share);
+}
+
+/* Envelopes of what tests/c/test_air_steps.c measures. */
+static const struct {
+  int steps;
+  double thin, thick;
+} off[] = {{1, 2.5, 20.0},      {2, 0.6, 6.0},    {3, 0.15, 2.0},     {4, 0.1, 0.8},
+           {5, 0.075, 0.5},     {6, 0.03, 0.5},   {8, 0.02, 0.5},     {10, 0.0085, 0.35},
+           {12, 0.0065, 0.25},  {14, 0.004, 0.2}, {16, 0.0024, 0.12}, {24, 0.0008, 0.036},
+           {32, 0.00045, 0.024}};
+
+double pl_air_step_error(double depth, int steps) {
+  size_t i = 0;
+  while (i + 1 < sizeof off / sizeof off[0] && off[i + 1].steps <= steps)
+    i++;
+  return depth > PL_AIR_THICK ? off[i].thick : off[i].thin;
+}

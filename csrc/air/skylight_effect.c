@@ -1,0 +1,34 @@
+/* The effect row `skylight`: light of its sky on a body's ground. */
+#include "air/effects.h"
+
+#include <math.h>
+
+#include "air/reach.h"
+
+static const char *absent(const pl_view *view) { return pl_effect_atmosphere.absent(view); }
+
+static double bound_dn(const pl_view *view, int value) {
+  double radiance = 0.0;
+  for (size_t i = 0; value == 0 && i < view->thing_count; i++) {
+    const pl_view_thing *body = &view->things[i];
+    const double share = pl_air_share(view, body);
+    if (share > 0.0)
+      radiance += share * body->albedo_max * body->irradiance * pl_air_reach_of(body->air).sky /
+                  3.14159265358979;
+  }
+  return pl_view_dn(view, radiance);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 2e-5 * view->width * view->height;
+}
+
+const pl_effect pl_effect_skylight = {
+    .name = "skylight",
+    .doc = "Light of the sky on the ground of a body with an atmosphere; off: the sun alone",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

@@ -1,0 +1,239 @@
+/* Air along rays and over vertices. Rays from the camera in pixels whose air is known come cheap:
+ * see air_tile.c. */
+#include "render/air_path.h"
+
+#include "light/sun.h"
+#include "render/path.h"
+#include "shade/reflectance.h"
+
+static pl_air_item item_of(const pl_snapshot *shot, uint32_t index) {
+  const pl_shot_body *body = &shot->bodies[index];
+  const pl_air *air = body->body->air;
+  const pl_sun_view sun = pl_sun_view_at(&shot->sun, body->center);
+  const pl_vec3 toward = pl_vec3_unit(pl_vec3_sub(shot->sun.position, body->center));
+  const pl_vec3 scaled = pl_mat3_mul_vec(body->to_unit, toward);
+  const double norm = pl_vec3_norm(scaled), reach_m = pl_air_reach_m(air, body->radius_m);
+  return (pl_air_item){
+      .air = air,
+      .body = index,
+      .toward_sun = pl_vec3_to_float(toward),
+      .sun = {pl_vec3_scale(scaled, 1.0 / norm), norm * pl_air_radius_m(air),
+              asin(fmin(1.0, (double)sun.sin_radius))},
+      .irradiance = sun.irradiance,
+      .reach_m = reach_m,
+      .distance_m = fmax(0.0, pl_vec3_norm(body->center) - reach_m),
+  };
+}
+
+/* In the order in which rays from the camera meet them: nearer centres first. */
+static void sort_items(const pl_snapshot *shot, pl_air_view *view) {
+  for (size_t i = 1; i < view->count; i++)
+    for (size_t k = i; k > 0; k--) {
+      const pl_air_item a = view->items[k - 1], b = view->items[k];
+      if (pl_vec3_norm(shot->bodies[a.body].center) <= pl_vec3_norm(shot->bodies[b.body].center))
+        break;
+      view->items[k - 1] = b;
+      view->items[k] = a;
+    }
+}
+
+pl_status pl_air_view_build(const pl_snapshot *shot, int steps, pl_arena *arena, pl_air_view *out) {
+  *out = (pl_air_view){.rule = pl_air_rule_make(steps)};
+  size_t count = 0;
+  for (size_t i = 0; i < shot->body_count; i++)
+    count += shot->bodies[i].body->air != NULL;
+  if (count == 0)
+    return PL_OK;
+  out->items = pl_arena_alloc(arena, count, sizeof *out->items);
+  if (out->items == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for atmospheres");
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].body->air != NULL)
+      out->items[out->count++] = item_of(shot, (uint32_t)i);
+  sort_items(shot, out);
+  return PL_OK;
+}
+
+bool pl_air_in_cone(const pl_air_view *view, const pl_snapshot *shot, pl_vec3 axis,
+                    double half_angle) {
+  for (size_t i = 0; view != NULL && i < view->count; i++)
+    if (pl_snapshot_sees(shot, shot->bodies[view->items[i].body].center, view->items[i].reach_m,
+                         axis, half_angle))
+      return true;
+  return false;
+}
+
+bool pl_air_item_ray(const pl_air_item *item, const pl_snapshot *shot, pl_vec3 origin,
+                     pl_vec3 direction, double end_m, pl_air_ray *ray) {
+  const pl_shot_body *body = &shot->bodies[item->body];
+  const pl_vec3 scaled = pl_mat3_mul_vec(body->to_unit, direction);
+  const double norm = pl_vec3_norm(scaled);
+  if (!(norm > 0.0)) /* of a lens that has no ray */
+    return false;
+  *ray = (pl_air_ray){
+      .origin = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, origin)),
+      .direction = pl_vec3_scale(scaled, 1.0 / norm),
+      .stretch = norm * pl_air_radius_m(item->air),
+      .end = end_m * norm,
+      .sun_cosine = pl_vec3f_dot(pl_vec3_to_float(direction), item->toward_sun),
+  };
+  return pl_air_meets(item->air, ray);
+}
+
+/* Whether a pixel's own air is what the ray of a camera's path passes on its way to a hit. */
+static bool is_known(const pl_path_context *context, const pl_air_tile *tile, uint32_t pixel,
+                     const pl_hit *hit) {
+  const uint32_t first = (uint32_t)context->shot->object_count;
+  if (tile->known[pixel] == PL_AIR_GROUND)
+    return hit->thing == first + tile->item->body;
+  return tile->known[pixel] == PL_AIR_SPACE && hit->thing == PL_NOTHING;
+}
+
+static void pass(pl_path *path, const pl_air_light *light, float irradiance, bool scattered,
+                 pl_vec3f *sample) {
+  if (scattered)
+    *sample = pl_vec3f_add(
+        *sample, pl_vec3f_scale(pl_vec3f_mul(path->throughput, light->scattered), irradiance));
+  path->throughput = pl_vec3f_mul(path->throughput, light->transmitted);
+}
+
+/* Through all airs between the ray's start and its hit. What is scattered onto a body from its own
+ * air is its skylight, and is not added twice. */
+static void pass_all(const pl_path_context *context, int bounce, size_t i, pl_tile_buffers *b) {
+  const pl_air_view *view = context->settings->air;
+  const pl_hit *hit = &b->hits[i];
+  const bool miss = hit->thing == PL_NOTHING;
+  pl_path *path = &b->paths[i];
+  for (size_t k = 0; k < view->count; k++) {
+    const pl_air_item *item = &view->items[k];
+    const bool ground = hit->thing == context->shot->object_count + item->body;
+    pl_air_ray ray;
+    if (bounce == 0 && !miss && !ground && hit->t < item->distance_m)
+      continue;
+    if (!pl_air_item_ray(item, context->shot, path->beam.origin, path->beam.direction,
+                         miss || ground ? INFINITY : (double)hit->t, &ray))
+      continue;
+    const pl_air_light light =
+        pl_air_scatter(item->air, &ray, &item->sun, &view->rule, view->multiple);
+    const bool scattered = !(view->skylight && bounce > 0 && b->rays[i].skip_body == item->body);
+    pass(path, &light, item->irradiance, scattered, &b->sample[path->pixel]);
+  }
+}
+
+void pl_air_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {
+  if (bounce == 0 && !b->air.any)
+    return;
+  for (size_t i = 0; i < count; i++) {
+    const uint32_t pixel = b->paths[i].pixel;
+    if (bounce > 0) {
+      pass_all(context, bounce, i, b);
+    } else if (b->settled_thing[pixel] != b->hits[i].thing || b->hits[i].thing == PL_NOTHING) {
+      if (is_known(context, &b->air, pixel, &b->hits[i]))
+        pass(&b->paths[i], &b->air.pixels[pixel].light, b->air.item->irradiance, true,
+             &b->sample[pixel]);
+      else
+        pass_all(context, bounce, i, b);
+    }
+  }
+}
+
+pl_vec3f pl_air_toward_sun(const pl_air_view *view, const pl_snapshot *shot, pl_vec3 point,
+                           pl_vec3f toward) {
+  pl_vec3f out = {1.0f, 1.0f, 1.0f};
+  for (size_t i = 0; i < view->count; i++) {
+    pl_air_ray ray;
+    if (!pl_air_item_ray(&view->items[i], shot, point, pl_vec3f_to_double(toward), INFINITY, &ray))
+      continue;
+    out = pl_vec3f_mul(
+        out, pl_air_transmittance(view->items[i].air, ray.origin, ray.direction, ray.stretch));
+  }
+  return out;
+}
+
+/* Skylight comes from everywhere: it counts as coming from this far from the zenith, the mean of an
+ * even sky, for surfaces that are not Lambert's. */
+static const float SKY_COSINE = 2.0f / 3.0f;
+
+/* Skylight from the sun's height over a vertex of the item's body. */
+static pl_vec3f skylight_at(const pl_air_view *view, const pl_air_item *item,
+                            const pl_snapshot *shot, pl_vec3 position) {
+  const pl_shot_body *body = &shot->bodies[item->body];
+  const pl_vec3 up =
+      pl_vec3_unit(pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, position)));
+  return pl_air_skylight(item->air, pl_vec3_dot(up, item->sun.direction), view->multiple);
+}
+
+static pl_vec3f reflect_sky(const pl_surface *s, pl_vec3f wo, pl_vec3f irradiance) {
+  const float across = sqrtf(0.5f * (1.0f - SKY_COSINE * SKY_COSINE));
+  const pl_vec3f wi = {across, across, SKY_COSINE};
+  const pl_vec3f sent = s->reflectance->evaluate(s, wo, wi); /* with the cosine */
+  return pl_vec3f_scale(pl_vec3f_mul(sent, irradiance), 1.0f / SKY_COSINE);
+}
+
+pl_vec3f pl_air_sky_reflected(const pl_air_view *view, const pl_snapshot *shot,
+                              const pl_vertex *vertex, pl_vec3f wo) {
+  for (size_t i = 0; view->skylight && i < view->count; i++) {
+    const pl_air_item *item = &view->items[i];
+    if (vertex->thing != shot->object_count + item->body)
+      continue;
+    const pl_vec3f sky = skylight_at(view, item, shot, vertex->position);
+    return pl_vec3f_scale(reflect_sky(&vertex->surface, wo, sky), item->irradiance);
+  }
+  return (pl_vec3f){0.0f, 0.0f, 0.0f};
+}
+
+/* The pixel's own values where they are known, or the vertex's. */
+pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
+                             const pl_vertex *vertex, pl_vec3f direct, const pl_tile_buffers *b) {
+  const pl_air_view *view = context->settings->air;
+  const pl_snapshot *shot = context->shot;
+  const pl_vec3f toward =
+      pl_vec3_to_float(pl_vec3_unit(pl_vec3_sub(shot->sun.position, vertex->position)));
+  const pl_vec3f wo = pl_surface_to_local(
+      &vertex->surface, pl_vec3_to_float(pl_vec3_scale(pl_vec3_unit(vertex->position), -1.0)));
+  if (b->air.known[pixel] != PL_AIR_GROUND || b->air.item == NULL ||
+      vertex->thing != shot->object_count + b->air.item->body)
+    return pl_vec3f_add(
+        pl_vec3f_mul(direct, pl_air_toward_sun(view, shot, vertex->position, toward)),
+        pl_air_sky_reflected(view, shot, vertex, wo));
+  const pl_air_pixel *air = &b->air.pixels[pixel];
+  pl_vec3f light = pl_vec3f_mul(direct, air->sunlight);
+  if (view->skylight)
+    light = pl_vec3f_madd(light, b->air.item->irradiance,
+                          reflect_sky(&vertex->surface, wo, air->skylight));
+  return light;
+}
+
+pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f radiance,
+                     const pl_tile_buffers *b) {
+  const pl_air_view *view = context->settings->air;
+  const pl_vertex *point = &b->points[pixel];
+  if (b->air.item != NULL && b->air.known[pixel] == PL_AIR_GROUND &&
+      point->thing == context->shot->object_count + b->air.item->body) {
+    const pl_air_light *light = &b->air.pixels[pixel].light;
+    return pl_vec3f_madd(pl_vec3f_mul(radiance, light->transmitted), b->air.item->irradiance,
+                         light->scattered);
+  }
+  pl_vec3f sum = {0.0f, 0.0f, 0.0f}, left = {1.0f, 1.0f, 1.0f};
+  for (size_t k = 0; k < view->count; k++) {
+    const pl_air_item *item = &view->items[k];
+    pl_air_ray ray;
+    const bool ground = point->thing == context->shot->object_count + item->body;
+    if (!pl_air_item_ray(item, context->shot, (pl_vec3){0.0, 0.0, 0.0},
+                         pl_vec3_unit(point->position), ground ? INFINITY : point->t, &ray))
+      continue;
+    const pl_air_light light =
+        pl_air_scatter(item->air, &ray, &item->sun, &view->rule, view->multiple);
+    sum = pl_vec3f_madd(sum, item->irradiance, pl_vec3f_mul(left, light.scattered));
+    left = pl_vec3f_mul(left, light.transmitted);
+  }
+  return pl_vec3f_add(sum, pl_vec3f_mul(left, radiance));
+}
+
+bool pl_air_alone(const pl_path_context *context, uint32_t pixel, pl_vec3f *radiance,
+                  const pl_tile_buffers *b) {
+  if (b->air.known[pixel] != PL_AIR_SPACE || context->sun)
+    return false;
+  *radiance = pl_vec3f_scale(b->air.pixels[pixel].light.scattered, b->air.item->irradiance);
+  return true;
+}

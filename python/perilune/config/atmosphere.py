@@ -1,0 +1,68 @@
+"""The atmosphere of a body."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from perilune.config.errors import fail
+from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn, triple
+
+_Fixed = BeforeValidator(refuse_drawn)
+_Bands = Annotated[
+    tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(triple), _Fixed
+]
+_Height = Annotated[Positive, _Fixed]
+_G = Annotated[float, Field(strict=True, ge=-0.98, le=0.98)]
+_Share = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
+
+
+class Atmosphere(Strict):
+    """Gas, haze and an ozone layer, whose density depends on the height alone.
+
+    A key that is not given is the preset's. Numbers are for all bands, or [r, g, b]. Heights are
+    above the surface; on an oblate body they are longer at the equator and shorter at the poles, by
+    as much as the radius is.
+    """
+
+    preset: Literal["earth", "mars", "none"] = "none"
+    """none: nothing but what the keys below give."""
+    rayleigh_per_km: _Bands | None = None
+    """Scattering by gas at the surface."""
+    rayleigh_height_km: _Height | None = None
+    """Over which the gas thins out by e."""
+    mie_scattering_per_km: _Bands | None = None
+    """Scattering by haze or dust at the surface."""
+    mie_extinction_per_km: _Bands | None = None
+    """Scattering and absorption; the default is the scattering over the preset's share of it."""
+    mie_height_km: _Height | None = None
+    mie_g: Annotated[tuple[_G, _G, _G], BeforeValidator(triple), _Fixed] | None = None
+    """Mean cosine of the angle of scattering; 0 is even, 1 all forward."""
+    ozone_per_km: _Bands | None = None
+    """Absorption in the middle of the ozone layer."""
+    ozone_center_km: _Height | None = None
+    ozone_width_km: _Height | None = None
+    """The ozone thins out to nothing over it, above and below."""
+    top_km: _Height | None = None
+    """Beyond it there is no air; at least ten scale heights hide the edge."""
+    ground_albedo: (
+        Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple), _Fixed] | None
+    ) = None
+    """Of the surface where it lights the air, with multiple_scattering."""
+    multiple_scattering: Annotated[bool, Field(strict=True)] = True
+    """Light that is scattered more than once counts, about (Hillaire 2020)."""
+
+    @model_validator(mode="after")
+    def _haze(self) -> Atmosphere:
+        scattering, extinction = self.mie_scattering_per_km, self.mie_extinction_per_km
+        if extinction is not None and scattering is None and self.preset == "none":
+            fail("mie_extinction_per_km", "needs mie_scattering_per_km beside it")
+        if scattering is not None and extinction is not None:
+            for band, (part, whole) in enumerate(zip(scattering, extinction, strict=True)):
+                if part > whole:
+                    fail(
+                        "mie_extinction_per_km",
+                        f"band {band + 1} is {whole:g}, less than the scattering, {part:g}",
+                    )
+        return self

@@ -1,0 +1,100 @@
+/* The error of the integral along rays, by its steps: inside what the row `atmosphere` says. */
+#include "harness.h"
+
+#include <stdio.h>
+
+#include "air/reach.h"
+#include "airs.h"
+
+enum { AIRS = 40, RAYS = 200 };
+
+static const double RADIUS = 6371e3;
+
+/* Half from outside, many of them near the limb; half from inside. */
+static pl_air_ray random_ray(test_random *random, double top, const pl_air_sun *sun) {
+  const bool inside = random_unit(random) < 0.5;
+  const double r =
+      1.0 + (inside ? random_unit(random) * top : top + random_scale(random, 1e-3, 10.0));
+  double mu = random_range(random, -1.0, 1.0);
+  if (random_unit(random) < 0.6) { /* past the lowest point at such a height */
+    const double low = (1.0 + top * random_range(random, -0.3, 1.0)) / r;
+    mu = low < 1.0 ? -sqrt(1.0 - low * low) : mu;
+  }
+  pl_air_ray ray = {.origin = {0.0, 0.0, r},
+                    .direction = {sqrt(1.0 - mu * mu), 0.0, mu},
+                    .stretch = 1.0,
+                    .end = INFINITY};
+  ray.sun_cosine = (float)pl_vec3_dot(ray.direction, sun->direction);
+  return ray;
+}
+
+/* Largest error of the bands over the light to the power by which displays encode it. */
+static double worst(const pl_air_light *found, const pl_air_light *exact) {
+  const pl_vec3f f = found->scattered, e = exact->scattered;
+  const float pairs[3][2] = {{f.x, e.x}, {f.y, e.y}, {f.z, e.z}};
+  double largest = 0.0;
+  for (int band = 0; band < 3; band++) {
+    const double is = (double)pairs[band][0], light = (double)pairs[band][1];
+    const double dark = fmax(fmin(is, light), PL_AIR_DARK);
+    largest = fmax(largest, fabs(is - light) / pow(dark, PL_AIR_POWER));
+  }
+  return largest;
+}
+
+enum { COUNT = 13 };
+static const int steps[COUNT] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 24, 32};
+
+static void check_rays(const pl_air *air, test_random *random, double errors[COUNT]) {
+  const pl_air_rule fine = pl_air_rule_make(PL_AIR_STEPS_MAX);
+  for (int i = 0; i < RAYS; i++) {
+    const pl_air_sun sun = {random_direction(random), 1.0, 0.00465};
+    const double top = pl_air_settings_of(air)->top_m / RADIUS;
+    const pl_air_ray ray = random_ray(random, top, &sun);
+    const pl_air_light exact = pl_air_scatter(air, &ray, &sun, &fine, false);
+    for (int k = 0; k < COUNT; k++) {
+      const pl_air_rule rule = pl_air_rule_make(steps[k]);
+      const pl_air_light found = pl_air_scatter(air, &ray, &sun, &rule, false);
+      errors[k] = fmax(errors[k], worst(&found, &exact));
+    }
+  }
+}
+
+/* Airs of one of the classes that pl_air_step_error knows. */
+static void check_airs(double low, double high, bool thick, uint64_t seed) {
+  test_random random = {.seed = seed};
+  double errors[COUNT] = {0}, allowed[COUNT];
+  for (int airs = 0; airs < AIRS;) {
+    const pl_air_settings settings = random_air(&random, RADIUS, low, high);
+    pl_air *air = air_create(&settings, RADIUS);
+    const double depth = pl_air_reach_of(air).depth;
+    if ((depth > PL_AIR_THICK) == thick) {
+      airs++;
+      check_rays(air, &random, errors);
+      for (int k = 0; k < COUNT; k++)
+        allowed[k] = pl_air_step_error(depth, steps[k]);
+    }
+    pl_air_destroy(air);
+  }
+  for (int k = 0; k < COUNT; k++)
+    print_message("%2d steps: off by up to %.2g, allowed %.2g\n", steps[k], errors[k], allowed[k]);
+  for (int k = 0; k < COUNT; k++)
+    assert_true(errors[k] <= allowed[k]);
+}
+
+static void test_thin(void **state) {
+  (void)state;
+  check_airs(1e-3, 0.6, false, 51);
+}
+
+static void test_thick(void **state) {
+  (void)state;
+  check_airs(0.05, 2.0, true, 52);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_thin),
+      cmocka_unit_test(test_thick),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
