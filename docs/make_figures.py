@@ -3,8 +3,8 @@
 Figure 5: a satellite around a planet, and one around a moon around a planet. Figure 7: sampled
 orbits. Figure 13: camera trajectories, sketched, with frames taken along them. All from
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
-scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials. Needs the
-extra `plot`.
+scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
+`light_curve`: an eclipse in low orbit. Needs the extra `plot`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import perilune
-from perilune.plots import plot_orbits, plot_trajectory
+from perilune.plots import plot_light_curve, plot_orbits, plot_trajectory
 
 ROOT = Path(__file__).resolve().parent.parent
 DEMO = ROOT / "configs" / "demo.yaml"
@@ -41,6 +41,7 @@ MOON = {
     },
 }
 LOOK = ROOT / "configs" / "material.yaml"
+STATION = ROOT / "configs" / "iss_leo.yaml"
 FOIL = ROOT / "configs" / "mli_randomised.yaml"
 READY = sorted((ROOT / "assets" / "materials").glob("*.yaml"))
 NOISE = {
@@ -219,7 +220,38 @@ def materials() -> None:
     pictures("materials.png", [shown[k : k + 3] for k in range(0, len(shown), 3)], 12.0)
 
 
+def light_curve() -> None:
+    """The sunlight on the station through a revolution, and its penumbra by band."""
+    figure = Figure(figsize=(10.0, 3.4), layout="constrained")
+    still = {"drivers.strength": 0.0}
+    slow = perilune.open(STATION, overrides=still | {"time.step_s": 10.0})
+    title = "Sunlight on the station, one revolution"
+    plot_light_curve(slow, ["iss"], range(558), figure=figure, place=121, title=title, legend=False)
+    dark = slow.light_curve("iss", range(558)).fraction[:, 1] < 1.0
+    begin = 1000 * (int(np.argmax(dark)) - 1)
+    fast = perilune.open(STATION, overrides=still | {"time.step_s": 0.01})
+    frames = range(begin, begin + 1500, 5)
+    curve = fast.light_curve("iss", frames)
+    even = fast.light_curve("iss", frames, limb_darkening=False).fraction[:, 1]
+    partial = np.flatnonzero((even > 0.0) & (even < 1.0))
+    time_s = curve.t_s - curve.t_s[partial[0]]
+    axes = figure.add_subplot(122)
+    for band, color in enumerate(("#d1495b", "#3a7d44", "#30638e")):
+        label = ("red", "green", "blue")[band]
+        axes.plot(time_s, curve.fraction[:, band] - even, color=color, label=label)
+    axes.set(xlim=(-0.5, time_s[partial[-1]] + 0.5), xlabel="seconds into the penumbra")
+    axes.set_ylabel("fraction less that of an even disc")
+    axes.plot([], [], color="0.4", linestyle="--", label="even disc (right scale)")
+    axes.legend(fontsize=8, loc="lower left")
+    axes.set_title("Sunset: the darkened disc against an even one")
+    right = axes.twinx()
+    right.plot(time_s, even, color="0.4", linestyle="--")
+    right.set_ylabel("fraction of an even disc")
+    save(figure, "light_curve.png", 64)
+
+
 FIGURES = {
+    "light_curve": light_curve,
     "05": figure_05,
     "07": figure_07,
     "08": figure_08,

@@ -42,6 +42,7 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_shot_noise,
     &pl_effect_cosmic_rays,
     &pl_effect_blooming,
+    &pl_effect_black_sun,
     &pl_effect_read_noise,
 };
 /* clang-format on */

@@ -185,7 +185,13 @@ static int parse(PyObject *dict, pl_py_states *states) {
                             {"column_noise", &out->column_noise},
                             {"gain", &out->gain},
                             {"black_level", &out->black_level}};
+  const number optional[] = {{"column_flicker", &out->column_flicker},
+                             {"row_noise", &out->row_noise},
+                             {"reset_s", &out->reset_s}};
   *out = (pl_sensor){0};
+  for (size_t i = 0; i < sizeof optional / sizeof optional[0]; i++)
+    if (pl_py_optional_double(dict, optional[i].key, WHERE, optional[i].out) < 0)
+      return -1;
   if (parse_numbers(dict, numbers, sizeof numbers / sizeof numbers[0]) < 0 ||
       parse_psf(dict, &out->psf) < 0 || parse_pixels(dict, out) < 0 || parse_pupil(dict, out) < 0 ||
       parse_profile(dict, &out->shading) < 0 || parse_flat(dict, states) < 0 ||

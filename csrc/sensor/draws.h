@@ -13,6 +13,8 @@ typedef enum pl_draw {
   PL_DRAW_COLUMN,
   PL_DRAW_DEFECT,
   PL_DRAW_RAY,
+  PL_DRAW_ROW,
+  PL_DRAW_FLICKER,
 } pl_draw;
 
 /* The stream of one quantity: key (seed, quantity), counter (pixel or item, frame, n, 0). */

@@ -11,6 +11,7 @@ extern const pl_effect pl_effect_smear;
 extern const pl_effect pl_effect_defects;
 extern const pl_effect pl_effect_cosmic_rays;
 extern const pl_effect pl_effect_blooming;
+extern const pl_effect pl_effect_black_sun;
 extern const pl_effect pl_effect_fixed_pattern;
 extern const pl_effect pl_effect_dark_current;
 extern const pl_effect pl_effect_shot_noise;

@@ -1,7 +1,7 @@
 /* The stage `lens_flare`: ghosts of the sun, where it shines into the lens, and of the pixels that
  * are brighter than white. A ghost is an even disc that holds a stated part of its source's light,
- * all of it where the disc is in the image. What is brighter than white within 4 x 4 pixels is one
- * source, at its centroid. */
+ * all of it where the disc is in the image; it falls off with all other light. What is brighter
+ * than white within 4 x 4 pixels is one source, at its centroid. */
 #include <math.h>
 #include <string.h>
 
@@ -59,6 +59,14 @@ static double white_radiance(const pl_sensor *sensor) {
   return pl_sensor_white_electrons(sensor) / pl_sensor_response_white(sensor);
 }
 
+/* What comes through the aperture from a pixel, of what would come from one on the axis: its solid
+ * angle goes with cos^3 of the angle, the aperture with the cosine. */
+static double aperture_part(const pl_sensor_frame *f, int x, int y) {
+  const double u = (x - f->centre_px[0]) / f->focal_px[0];
+  const double v = (y - f->centre_px[1]) / f->focal_px[1];
+  return pow(1.0 + u * u + v * v, -2.0);
+}
+
 static bool is_sun(const pl_flare_sun *sun, double x, double y) {
   return sun->on && hypot(x - sun->place_px[0], y - sun->place_px[1]) <= sun->radius_px + 1.5;
 }
@@ -75,8 +83,9 @@ static void gather_block(ghosts *g, int x0, int y0, double white) {
       const double brightest = fmax(bands[0], fmax(bands[1], bands[2]));
       if (!(brightest >= white) || is_sun(&f->sun, x, y))
         continue;
+      const double part = aperture_part(f, x, y);
       for (int band = 0; band < 3; band++)
-        s.light[band] += fmin(fmax(0.0, bands[band]), 1e30);
+        s.light[band] += part * fmin(fmax(0.0, bands[band]), 1e30);
       const double w = fmin(brightest, 1e30);
       s.place[0] += w * (x - f->centre_px[0]);
       s.place[1] += w * (y - f->centre_px[1]);
@@ -178,9 +187,7 @@ static double sun_part(const pl_view *view) {
 
 /* Whether anything in the frame can be brighter than white. */
 static bool over_bright(const pl_view *view, double brightest) {
-  double low, high;
-  pl_shading_range(&view->sensor->shading, view->corner_tangent, &low, &high);
-  return fmax(1.0, high) * brightest >= white_radiance(view->sensor);
+  return brightest >= white_radiance(view->sensor);
 }
 
 /* In a pixel all discs may meet whose sources lie within the disc's radius over the scale; blocks

@@ -1,19 +1,28 @@
-/* The stage `read_noise`: normal noise of the amplifier, new in each frame, and an offset of each
- * column that stays. */
+/* The stage `read_noise`: normal noise of the amplifier, offsets of rows and columns, all new in
+ * each frame, and an offset of each column that stays. */
 #include "sensor/draws.h"
 #include "sensor/effects.h"
 #include "sensor/stages.h"
 
+/* A number of the frame or, with `fixed`, of the unit; nothing is drawn for a deviation of 0. */
+static double offset(const pl_sensor_frame *frame, double deviation, pl_draw what, bool fixed,
+                     uint64_t item) {
+  if (!(deviation > 0.0))
+    return 0.0;
+  pl_stream stream = pl_stream_of(fixed ? frame->sensor->serial : frame->seed, what, item,
+                                  fixed ? 0 : frame->index);
+  return deviation * pl_stream_normal(&stream);
+}
+
 static void add_row(pl_sensor_frame *frame, int y) {
   const pl_sensor *sensor = frame->sensor;
   const size_t width = (size_t)frame->width, first = (size_t)y * width;
+  const double row = offset(frame, sensor->row_noise, PL_DRAW_ROW, false, (uint64_t)y);
   for (size_t x = 0; x < width; x++) {
-    pl_stream stream = pl_stream_of(frame->seed, PL_DRAW_READ, first + x, frame->index);
-    frame->electrons[first + x] += sensor->read_noise * pl_stream_normal(&stream);
-    if (sensor->column_noise > 0.0) {
-      pl_stream column = pl_stream_of(sensor->serial, PL_DRAW_COLUMN, x, 0);
-      frame->electrons[first + x] += sensor->column_noise * pl_stream_normal(&column);
-    }
+    double *pixel = &frame->electrons[first + x];
+    *pixel += offset(frame, sensor->read_noise, PL_DRAW_READ, false, first + x);
+    *pixel += offset(frame, sensor->column_noise, PL_DRAW_COLUMN, true, x);
+    *pixel += offset(frame, sensor->column_flicker, PL_DRAW_FLICKER, false, x) + row;
   }
 }
 
@@ -26,11 +35,11 @@ static const char *absent(const pl_view *view) {
   const char *none = pl_sensor_absent(view);
   if (none != NULL)
     return none;
-  return view->sensor->read_noise + view->sensor->column_noise > 0.0 ? NULL : "no read noise";
+  return pl_sensor_read_deviation(view->sensor) > 0.0 ? NULL : "no read noise";
 }
 
 static double bound_dn(const pl_view *view, int value) {
-  const double sigmas = PL_SENSOR_SIGMAS * (view->sensor->read_noise + view->sensor->column_noise);
+  const double sigmas = PL_SENSOR_SIGMAS * pl_sensor_read_deviation(view->sensor);
   return value > 0 ? 0.0 : pl_sensor_dn(view, sigmas);
 }
 
@@ -40,7 +49,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_read_noise = {
     .name = "read_noise",
-    .doc = "Sensor: noise of reading out, and columns with offsets of their own",
+    .doc = "Sensor: noise of reading out, and rows and columns with offsets of their own",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

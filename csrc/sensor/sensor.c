@@ -79,6 +79,9 @@ pl_status pl_sensor_check(const pl_sensor *sensor) {
   PL_TRY(in_range("full_well", sensor->full_well, 1.0, 1e12));
   PL_TRY(in_range("read_noise", sensor->read_noise, 0.0, 1e9));
   PL_TRY(in_range("column_noise", sensor->column_noise, 0.0, 1e9));
+  PL_TRY(in_range("column_flicker", sensor->column_flicker, 0.0, 1e9));
+  PL_TRY(in_range("row_noise", sensor->row_noise, 0.0, 1e9));
+  PL_TRY(in_range("reset", sensor->reset_s, 0.0, 1e6));
   PL_TRY(in_range("gain", sensor->gain, 1e-9, 1e9));
   PL_TRY(in_range("black_level", sensor->black_level, 0.0, most - 1.0));
   PL_TRY(in_range("mosaic", sensor->mosaic, 0, PL_MOSAIC_COUNT - 1));
@@ -127,6 +130,10 @@ double pl_sensor_balance(const pl_sensor *sensor, int band) {
   const double response = pl_sensor_response(sensor, band);
   const bool balanced = sensor->mosaic != PL_MOSAIC_MONO && response > 0.0;
   return balanced ? pl_sensor_response_white(sensor) / response : 1.0;
+}
+
+double pl_sensor_read_deviation(const pl_sensor *sensor) {
+  return sensor->read_noise + sensor->column_noise + sensor->column_flicker + sensor->row_noise;
 }
 
 int pl_sensor_band(pl_mosaic mosaic, int x, int y) {

@@ -78,16 +78,19 @@ typedef struct pl_sensor {
   double shift_s;         /* of a row, in light (frame transfer); 0: no smear */
   double full_well;       /* electrons */
   double drain;           /* part of a full pixel's excess that is drained off; 1: no blooming */
+  double reset_s;         /* between a pixel's reset and its sample; 0: no black sun */
   /* particles */
   double ray_flux;            /* rays a square metre and second */
   double ray_electrons_per_m; /* freed along a track */
   double ray_depth_m;         /* of the layer in which charge is gathered */
   /* reading out */
-  double read_noise;   /* electrons, standard deviation */
-  double column_noise; /* likewise of an offset that a column keeps in all frames */
-  double gain;         /* electrons a digital number */
-  double black_level;  /* digital numbers */
-  int bits;            /* 1..16 */
+  double read_noise;     /* electrons, standard deviation */
+  double column_noise;   /* likewise of an offset that a column keeps in all frames */
+  double column_flicker; /* of one that a column has anew in each frame */
+  double row_noise;      /* of one that a row has anew in each frame */
+  double gain;           /* electrons a digital number */
+  double black_level;    /* digital numbers */
+  int bits;              /* 1..16 */
 } pl_sensor;
 
 /* PL_E_RANGE naming what is outside of its range. */
@@ -104,6 +107,8 @@ double pl_sensor_white_electrons(const pl_sensor *sensor);
 /* What the picture multiplies a band's charge by, so that a white sunlit surface is grey; at least
  * 1. Without filters, and for a band without a response, 1. */
 double pl_sensor_balance(const pl_sensor *sensor, int band);
+/* Sum of the standard deviations of all that is added in reading a pixel, electrons. */
+double pl_sensor_read_deviation(const pl_sensor *sensor);
 /* The band that a pixel sees, 0..2; for PL_MOSAIC_MONO always 1. */
 int pl_sensor_band(pl_mosaic mosaic, int x, int y);
 /* The time that brings `radiance` (W m-2 sr-1, white) to white, in the limits of the automatic. */

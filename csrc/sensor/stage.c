@@ -8,8 +8,8 @@
 #include "sensor/stages.h"
 
 const pl_sensor_stage pl_sensor_stages[] = {
-    {"vignetting", &pl_effect_vignetting, pl_stage_vignetting},
     {"lens_flare", &pl_effect_lens_flare, pl_stage_lens_flare},
+    {"vignetting", &pl_effect_vignetting, pl_stage_vignetting},
     {"point_spread", &pl_effect_point_spread, pl_stage_point_spread},
     {"electrons", NULL, pl_stage_electrons},
     {"fixed_pattern", &pl_effect_fixed_pattern, pl_stage_fixed_pattern},
@@ -19,6 +19,7 @@ const pl_sensor_stage pl_sensor_stages[] = {
     {"shot_noise", &pl_effect_shot_noise, pl_stage_shot_noise},
     {"cosmic_rays", &pl_effect_cosmic_rays, pl_stage_cosmic_rays},
     {"blooming", &pl_effect_blooming, pl_stage_blooming},
+    {"black_sun", &pl_effect_black_sun, pl_stage_black_sun},
     {"full_well", NULL, pl_stage_full_well},
     {"read_noise", &pl_effect_read_noise, pl_stage_read_noise},
     {"digitise", NULL, pl_stage_digitise},
@@ -92,7 +93,7 @@ double pl_sensor_dn(const pl_view *view, double electrons) {
  * and from there by at most E(f n), since the encoding E is concave. */
 double pl_sensor_dimming_dn(const pl_view *view, double fraction) {
   const pl_sensor *s = view->sensor;
-  const double noise = PL_SENSOR_SIGMAS * (s->read_noise + s->column_noise);
+  const double noise = PL_SENSOR_SIGMAS * pl_sensor_read_deviation(s);
   const double bared = pl_sensor_dn(view, fraction * noise);
   return fmin(255.0, pl_view_dn_dimming(fraction) + bared);
 }

@@ -11,6 +11,7 @@ pl_status pl_stage_smear(pl_sensor_frame *frame, int value);
 pl_status pl_stage_defects(pl_sensor_frame *frame, int value);
 pl_status pl_stage_cosmic_rays(pl_sensor_frame *frame, int value);
 pl_status pl_stage_blooming(pl_sensor_frame *frame, int value);
+pl_status pl_stage_black_sun(pl_sensor_frame *frame, int value);
 pl_status pl_stage_electrons(pl_sensor_frame *frame, int value);
 pl_status pl_stage_fixed_pattern(pl_sensor_frame *frame, int value);
 pl_status pl_stage_dark_current(pl_sensor_frame *frame, int value);

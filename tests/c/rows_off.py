@@ -35,6 +35,8 @@ ROWS = {
     "cosmic_rays": ("cosmic_rays.c",),
     "blooming": ("blooming.c",),
     "read_noise": ("read_noise.c",),
+    "lens_flare": ("lens_flare.c",),
+    "black_sun": ("black_sun.c",),
 }
 
 

@@ -49,7 +49,8 @@ static void ghosts_hold_their_light(void **state) {
     moments(&shot, shot.pixels, &sum, middle);
     const double x = 60.0 + scale * ((double)(at % W) - 60.0),
                  y = 40.0 + scale * ((double)(at / W) - 40.0);
-    assert_true(fabs(sum / (1e-3 * 1e6) - 1.0) < 1e-3); /* 1e6 + 0.1 in floats */
+    assert_true(fabs(sum / (1e-3 * 1e6) - 1.0) <
+                4e-3); /* 1e6 + 0.1 in floats; cos^4 of 2 degrees */
     assert_true(hypot(middle[0] - x, middle[1] - y) < (r < 1.0 ? 0.71 : 0.05)); /* of pixels */
     const double most = 1e3 / (3.14159265358979 * r * r);
     for (size_t i = 0; i < shot.pixels; i++) {
@@ -57,7 +58,7 @@ static void ghosts_hold_their_light(void **state) {
       const double got = (double)shot.frame.bands[i].x;
       assert_true(got <= most * 1.001 + 0.07);
       assert_true(d < r + 1.5 || got == 0.0);
-      assert_true(d > r - 1.5 || i == at || fabs(got / most - 1.0) < 1e-5);
+      assert_true(d > r - 1.5 || i == at || fabs(got / most - 1.0) < 4e-3);
     }
     sensor_shot_clear(&shot);
   }

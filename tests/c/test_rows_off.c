@@ -24,7 +24,8 @@ static const row_off rows[] = {
     {"smear", {0}},        {"dark_current", {0}},
     {"defects", {0}},      {"shot_noise", {0}},
     {"cosmic_rays", {0}},  {"blooming", {0}},
-    {"read_noise", {0}},
+    {"read_noise", {0}},   {"lens_flare", {0}},
+    {"black_sun", {0}},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
@@ -33,6 +34,7 @@ static pl_sensor flight_sensor(void) {
                      .transmission = 0.9,
                      .shading = {.power = 4.0},
                      .psf = {PL_PSF_GAUSS, 0.7, 0.02, 2.0, 1.4},
+                     .flare = {1, {{0.5, 0.1, {0.1, 0.1, 0.1}}}, {0.1, 1.5}},
                      .pixel_m = 5e-6,
                      .mosaic = PL_MOSAIC_RGGB,
                      .quantum_efficiency = {0.5, 0.5, 0.5},
@@ -48,6 +50,7 @@ static pl_sensor flight_sensor(void) {
                      .shift_s = 1e-6,
                      .full_well = 40000.0,
                      .drain = 0.5,
+                     .reset_s = 1e-5,
                      .ray_flux = 1e12,
                      .ray_electrons_per_m = 8e7,
                      .ray_depth_m = 1e-5,

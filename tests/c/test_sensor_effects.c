@@ -4,8 +4,8 @@
  *
  * The bound of a random row is a quantile: normal numbers within 6 standard deviations, counts
  * within what one in 1e9 passes; of the 1e6 numbers that are drawn here none should. A change of
- * the mean makes `shot_noise` draw other numbers and lets other pixels bloom: with those two rows
- * the others are not compared. */
+ * the mean makes `shot_noise` draw other numbers and lets other pixels bloom: with those two rows,
+ * and with `black_sun`, where more light is less charge, the others are not compared. */
 #include "harness.h"
 
 #include "differences.h"
@@ -98,7 +98,10 @@ static pl_sensor random_sensor(test_random *random) {
   s.ray_depth_m = random_scale(random, 0.1, 30.0) * s.pixel_m;
   s.ray_electrons_per_m = random_scale(random, 1e-4, 1.0) * s.full_well / s.ray_depth_m;
   s.read_noise = random_or_none(random, 1e-5, 0.1) * s.full_well;
+  s.reset_s = random_or_none(random, 1e-8, 0.3) * s.exposure_s;
   s.column_noise = random_or_none(random, 1e-5, 0.1) * s.full_well;
+  s.column_flicker = random_unit(random) * s.column_noise;
+  s.row_noise = random_unit(random) * s.column_noise;
   return s;
 }
 
@@ -229,7 +232,8 @@ static pl_plan plan_of(const pl_effect *row, int value) {
   pl_plan plan = sensor_plan(1, NULL);
   for (size_t i = 0; i < plan.count; i++) {
     const pl_effect *effect = plan.rows[i].effect;
-    if (effect == &pl_effect_shot_noise || effect == &pl_effect_blooming)
+    if (effect == &pl_effect_shot_noise || effect == &pl_effect_blooming ||
+        effect == &pl_effect_black_sun)
       plan.rows[i].value = 0;
     if (effect == row)
       plan.rows[i].value = value;

@@ -2,6 +2,7 @@
  */
 #include "harness.h"
 
+#include "sensor/stages.h"
 #include "sensors.h"
 
 enum { SIDE = 512 };
@@ -152,6 +153,60 @@ static void fixed_pattern_is_fixed(void **state) {
   }
 }
 
+/* Offsets of rows and columns: the same along each, new in each frame, of the stated deviation. */
+static void rows_and_columns_flicker(void **state) {
+  (void)state;
+  pl_sensor sensor = sensor_plain();
+  sensor.row_noise = 200.0;
+  sensor.column_flicker = 100.0;
+  sensor.black_level = 1000.0;
+  sensor_shot shots[2];
+  const pl_plan plan = sensor_plan(1, NULL);
+  for (int k = 0; k < 2; k++) {
+    sensor_shot_init(&shots[k], &sensor, SIDE, SIDE);
+    shots[k].frame.index = (uint64_t)k;
+    develop(&shots[k], &plan);
+  }
+  double rows = 0.0, columns = 0.0, same = 0.0;
+  for (int i = 1; i < SIDE; i++) { /* differences to the first: twice the variance */
+    const double row = shots[0].frame.electrons[i * SIDE] - shots[0].frame.electrons[0];
+    const double column = shots[0].frame.electrons[i] - shots[0].frame.electrons[0];
+    const double corner = shots[0].frame.electrons[i * SIDE + i] - shots[0].frame.electrons[0];
+    assert_true(fabs(row + column - corner) < 1e-9);
+    same += shots[0].frame.electrons[i * SIDE] == shots[1].frame.electrons[i * SIDE];
+  }
+  for (int i = 0; i + 1 < SIDE; i++) {
+    const double *e = shots[0].frame.electrons;
+    rows += pow(e[(i + 1) * SIDE] - e[i * SIDE], 2.0) / 2.0 / (SIDE - 1);
+    columns += pow(e[i + 1] - e[i], 2.0) / 2.0 / (SIDE - 1);
+  }
+  assert_true(same == 0.0);
+  /* of 511 dependent differences: 5.4 % of the variance as standard error */
+  assert_true(fabs(rows / 40000.0 - 1.0) < 0.3);
+  assert_true(fabs(columns / 10000.0 - 1.0) < 0.3);
+  sensor_shot_clear(&shots[0]);
+  sensor_shot_clear(&shots[1]);
+}
+
+/* With a reset sampled after 1 % of the exposure: 1 % is missing, from a full well on more, and at
+ * a hundred times the well all. */
+static void the_sun_is_black(void **state) {
+  (void)state;
+  pl_sensor sensor = sensor_plain();
+  sensor.reset_s = 0.01 * sensor.exposure_s;
+  const double charges[] = {0.0, 1000.0, 30000.0, 1.5e6, 3e6, 1e12};
+  const double left[] = {0.0, 990.0, 29700.0, 15000.0, 0.0, 0.0};
+  for (int k = 0; k < 6; k++) {
+    sensor_shot shot;
+    sensor_shot_init(&shot, &sensor, 2, 2);
+    for (size_t i = 0; i < shot.pixels; i++)
+      shot.frame.electrons[i] = charges[k];
+    assert_int_equal(pl_stage_black_sun(&shot.frame, 1), PL_OK);
+    assert_true(fabs(shot.frame.electrons[3] - left[k]) < 1e-9 * 3e4);
+    sensor_shot_clear(&shot);
+  }
+}
+
 static uint64_t raw_difference(int threads) {
   pl_sensor sensor = sensor_plain();
   sensor.mosaic = PL_MOSAIC_GRBG;
@@ -230,6 +285,8 @@ int main(void) {
       cmocka_unit_test(read_noise_stands_around_the_black_level),
       cmocka_unit_test(dark_current_gathers),
       cmocka_unit_test(fixed_pattern_is_fixed),
+      cmocka_unit_test(rows_and_columns_flicker),
+      cmocka_unit_test(the_sun_is_black),
       cmocka_unit_test(threads_do_not_matter),
       cmocka_unit_test(demosaicing_keeps_grey_grey),
       cmocka_unit_test(images_of_one_row_develop),

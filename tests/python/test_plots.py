@@ -158,6 +158,26 @@ def test_figures_can_be_saved(opened, tmp_path):
     assert (tmp_path / "a.png").stat().st_size > 2000
 
 
+def test_light_curve_is_drawn_as_it_is(opened):
+    """Its points in hours, and the frames in eclipse grey."""
+    sim = opened(**EQUATOR)
+    curve = sim.light_curve("sat", range(60))
+    figure = sim.plot_light_curve(["sat", "camera"], range(60))
+    lines = figure.axes[0].get_lines()
+    assert [line.get_label() for line in lines] == ["sat", "camera"]
+    x, y = lines[0].get_data()
+    np.testing.assert_allclose(x, np.arange(60) / 12.0)
+    np.testing.assert_array_equal(y, curve.irradiance_w_m2[:, 1])
+    hidden = curve.hides.any(axis=1)
+    assert 0 < hidden.sum() < 60
+    (grey,) = figure.axes[0].collections
+    edges = np.unique(np.concatenate([path.vertices[:, 0] for path in grey.get_paths()]))
+    np.testing.assert_allclose(edges, x[hidden])
+    for wrong in ({"names": []}, {"frames": []}):
+        with pytest.raises(ValueError, match="at least one of each"):
+            sim.plot_light_curve(**{"names": ["sat"], "frames": [0]} | wrong)
+
+
 @pytest.mark.parametrize("method", ["plot_orbits", "plot_trajectory", "ground_track"])
 def test_what_is_missing_is_said(opened, monkeypatch, method):
     sim = opened()

@@ -147,6 +147,9 @@ class ImageSensor(Strict):
     drain: Fraction = 1.0
     """Part of a full pixel's excess that is drained off; the rest blooms along the column. CMOS and
     CCDs with anti-blooming gates: 1; CCDs without: 0."""
+    reset_us: Annotated[NonNegative, Field(le=1e9)] = 0.0
+    """Time from a CMOS pixel's reset to the sample that its signal is counted from. What it gathers
+    then is missing; where that fills the pixel the image is black, as the sun's. 0: protected."""
     cosmic_rays: CosmicRays = CosmicRays()
     full_well_e: Annotated[Positive, Field(ge=1.0, le=1e12)] = 20000.0
     """Electrons that a pixel holds."""
@@ -154,6 +157,10 @@ class ImageSensor(Strict):
     """Standard deviation of the noise of reading a pixel."""
     column_noise_e: Annotated[NonNegative, Field(le=1e9)] = 0.0
     """Standard deviation of an offset that a column keeps in all frames."""
+    column_flicker_e: Annotated[NonNegative, Field(le=1e9)] = 0.0
+    """Standard deviation of an offset that a column has anew in each frame."""
+    row_noise_e: Annotated[NonNegative, Field(le=1e9)] = 0.0
+    """Standard deviation of an offset that a row has anew in each frame."""
     gain_e_dn: Annotated[Positive, Field(ge=1e-9, le=1e9)] = 5.0
     """Electrons a digital number."""
     black_level_dn: NonNegative = 64.0

@@ -198,7 +198,7 @@ def test_errors(small_scene, tmp_path):
     assert done.returncode == 1
     assert "states.csv: cannot be written" in done.stderr
     done = command(small_scene, "--frames", "0:3000000000", "--out", "x.csv")
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert "2147483647" in done.stderr
     done = command(small_scene, "--frames", "0:2", "--out", "x.csv", "--object", "prob")
     assert done.returncode == 1
