@@ -1,5 +1,8 @@
 /* From the radiance of a frame to its sensor's arrays. */
 #include "frame/renderer.h"
+
+#include <string.h>
+
 #include "light/sun.h"
 #include "math/sampling.h"
 #include "sensor/stage.h"
@@ -46,11 +49,13 @@ static pl_flare_sun flare_sun(const pl_renderer *renderer, const pl_snapshot *sh
   return out;
 }
 
-pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *request,
-                           const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
-                           pl_vec3f *bands) {
+/* Runs one image through the stages; `raw` may be NULL. */
+static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
+                     const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
+                     pl_vec3f *bands, uint16_t *raw, uint64_t index) {
   const pl_camera *camera = &request->placement.camera;
   const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+  pl_arena_reset(&renderer->sensor_arena);
   pl_sensor_frame frame = {
       .sensor = sensor,
       .width = camera->width,
@@ -58,21 +63,51 @@ pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *reques
       .focal_px = {camera->fx, camera->fy},
       .centre_px = {camera->cx, camera->cy},
       .seed = request->seed,
-      .index = request->index,
+      .index = index,
       .threads = request->threads,
       .cancel = request->cancel,
-      .arena = &renderer->arena,
+      .arena = &renderer->sensor_arena,
       .bands = bands,
-      .electrons = pl_arena_alloc(&renderer->arena, pixels, sizeof(double)),
-      .raw = request->raw,
+      .electrons = pl_arena_alloc(&renderer->sensor_arena, pixels, sizeof(double)),
+      .raw = raw,
       .rgb = request->sensor_rgb,
       .encoder = &renderer->encoder,
   };
   if (pl_plan_value(plan, "lens_flare") > 0)
     frame.sun = flare_sun(renderer, shot, &sensor->flare);
   if (frame.raw == NULL)
-    frame.raw = pl_arena_alloc(&renderer->arena, pixels, sizeof *frame.raw);
+    frame.raw = pl_arena_alloc(&renderer->sensor_arena, pixels, sizeof *frame.raw);
   if (frame.electrons == NULL || frame.raw == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for a sensor's image");
   return pl_sensor_run(&frame, plan);
+}
+
+/* One image after the other, by the same light and pixels with noise of its own. */
+static pl_status run_planes(pl_renderer *renderer, const pl_frame_request *request,
+                            const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
+                            const pl_vec3f *bands) {
+  const pl_camera *camera = &request->placement.camera;
+  const size_t pixels = (size_t)camera->width * (size_t)camera->height, count = sensor->plane_count;
+  pl_vec3f *light = pl_arena_alloc(&renderer->arena, pixels, sizeof *light);
+  uint16_t *raw = pl_arena_alloc(&renderer->arena, pixels, sizeof *raw);
+  if (light == NULL || raw == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for a sensor's image");
+  for (size_t plane = 0; plane < count; plane++) {
+    const pl_sensor filtered = pl_sensor_of_plane(sensor, plane);
+    memcpy(light, bands, pixels * sizeof *light);
+    /* frames have indices below 2^31 */
+    PL_TRY(run(renderer, request, shot, &filtered, plan, light, raw,
+               request->index + ((uint64_t)plane << 48)));
+    for (size_t i = 0; i < pixels; i++)
+      request->raw[i * count + plane] = raw[i];
+  }
+  return PL_OK;
+}
+
+pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *request,
+                           const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
+                           pl_vec3f *bands) {
+  if (sensor->plane_count > 0)
+    return run_planes(renderer, request, shot, sensor, plan, bands);
+  return run(renderer, request, shot, sensor, plan, bands, request->raw, request->index);
 }

@@ -32,6 +32,7 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_distortion,
     &pl_effect_depth_of_field,
     &pl_effect_antialiasing,
+    &pl_effect_filters,
     &pl_effect_vignetting,
     &pl_effect_lens_flare,
     &pl_effect_point_spread,

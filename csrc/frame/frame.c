@@ -33,6 +33,7 @@ pl_status pl_renderer_create(const pl_scene *scene, pl_renderer **out) {
   pl_renderer *renderer = memory;
   renderer->scene = scene;
   pl_arena_init(&renderer->arena);
+  pl_arena_init(&renderer->sensor_arena);
   pl_encoder_init(&renderer->encoder);
   pl_label_tools_init(&renderer->label_tools);
   const pl_status status = pl_tracer_create(&renderer->tracer);
@@ -50,6 +51,7 @@ void pl_renderer_destroy(pl_renderer *renderer) {
   pl_tracer_destroy(renderer->tracer);
   pl_render_scratch_destroy(renderer->scratch);
   pl_arena_clear(&renderer->arena);
+  pl_arena_clear(&renderer->sensor_arena);
   pl_free(renderer);
 }
 
@@ -86,6 +88,8 @@ static pl_status check_request(const pl_frame_request *request) {
     return pl_fail(PL_E_ARGUMENT, "a channel of the sensor is asked for, but there is no sensor");
   if (request->bands != NULL && request->band_count < 1)
     return pl_fail(PL_E_ARGUMENT, "the channel `bands` is asked for, but there are no bands");
+  if (request->sensor_rgb != NULL && request->sensor->plane_count > 0)
+    return pl_fail(PL_E_ARGUMENT, "a sensor of planes has no picture in colour");
   return request->sensor != NULL ? pl_sensor_check(request->sensor) : PL_OK;
 }
 

@@ -27,11 +27,11 @@ typedef struct pl_frame_request {
   int threads;
   pl_cancel *cancel; /* may be NULL */
   /* Where results go; NULL: not computed. All are height x width images, row-major. */
-  uint8_t *rgb;                          /* 3 a pixel */
-  float *radiance;                       /* 3 a pixel, W m-2 sr-1 */
-  float *bands;                          /* band_count a pixel, W m-2 sr-1 in each band */
-  uint16_t *raw;                         /* 1 a pixel, digital numbers of the sensor */
-  uint8_t *sensor_rgb;                   /* 3 a pixel: what the sensor's picture shows */
+  uint8_t *rgb;        /* 3 a pixel */
+  float *radiance;     /* 3 a pixel, W m-2 sr-1 */
+  float *bands;        /* band_count a pixel, W m-2 sr-1 in each band */
+  uint16_t *raw;       /* digital numbers of the sensor: 1 a pixel, or its planes */
+  uint8_t *sensor_rgb; /* 3 a pixel: what the sensor's picture shows */
   void *channels[PL_FRAME_CHANNELS_MAX]; /* by index in pl_channels */
   pl_object_label *objects;              /* one per object of the scene */
   uint8_t *masks; /* one image per object: 1 on its full silhouette, hidden parts too, else 0 */

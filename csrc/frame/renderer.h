@@ -13,6 +13,7 @@ struct pl_renderer {
   pl_label_tools label_tools;
   pl_render_scratch *scratch;
   pl_arena arena;
+  pl_arena sensor_arena; /* of one of a sensor's images */
   pl_encoder encoder;
 };
 

@@ -103,6 +103,14 @@ static int set_colour(size_t channel, void *data, pl_frame_request *request) {
   return data != NULL ? 0 : -1;
 }
 
+/* Of a channel of light; `raw` of a sensor of planes has one for each. */
+static int components_of(size_t channel, const pl_frame_request *request) {
+  const bool planes = strcmp(colour_channels[channel].name, "raw") == 0 && request->sensor != NULL;
+  if (planes && request->sensor->plane_count > 0)
+    return (int)request->sensor->plane_count;
+  return colour_channels[channel].components;
+}
+
 static int set_output(const char *name, PyObject *array, const pl_scene *scene,
                       pl_frame_request *request) {
   const pl_camera *camera = &request->placement.camera;
@@ -114,7 +122,7 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
     if (strcmp(colour_channels[i].name, name) == 0)
       return set_colour(i,
                         channel_data(array, name, colour_channels[i].dtype,
-                                     colour_channels[i].components, request->band_count, camera),
+                                     components_of(i, request), request->band_count, camera),
                         request);
   for (size_t i = 0; i < pl_channel_count; i++) {
     const pl_channel *channel = &pl_channels[i];

@@ -17,6 +17,7 @@ typedef struct pl_py_states {
   pl_sensor sensor;
   PyObject *sensor_flat, *sensor_kernel; /* arrays that the sensor borrows, or NULL */
   float bands[PL_BANDS_MAX][3];
+  pl_sensor_plane planes[PL_BANDS_MAX];
 } pl_py_states;
 
 /* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */
@@ -26,6 +27,8 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
 int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Lets go of the arrays that the sensor borrows. */
 void pl_py_sensor_clear(pl_py_states *states);
+/* What the sensor's filters see; see perilune.filters. */
+int pl_py_filters_parse(PyObject *sensor, pl_py_states *states, pl_sensor *out);
 /* "bands" (bands, 3), which may be absent. */
 int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Points the request at the arrays of `out` (a mapping name -> ndarray), checking type, shape and

@@ -194,8 +194,9 @@ static int parse(PyObject *dict, pl_py_states *states) {
       return -1;
   if (parse_numbers(dict, numbers, sizeof numbers / sizeof numbers[0]) < 0 ||
       parse_psf(dict, &out->psf) < 0 || parse_pixels(dict, out) < 0 || parse_pupil(dict, out) < 0 ||
-      parse_profile(dict, &out->shading) < 0 || parse_flat(dict, states) < 0 ||
-      parse_kernel(dict, states) < 0 || parse_flare(dict, &out->flare) < 0)
+      pl_py_filters_parse(dict, states, out) < 0 || parse_profile(dict, &out->shading) < 0 ||
+      parse_flat(dict, states) < 0 || parse_kernel(dict, states) < 0 ||
+      parse_flare(dict, &out->flare) < 0)
     return -1;
   return parse_auto_time(dict, &out->auto_time);
 }

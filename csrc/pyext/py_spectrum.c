@@ -82,3 +82,40 @@ int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request 
   out->band_count = (int)count;
   return 0;
 }
+
+/* "planes" (planes, 2, 3), shares and wavelengths in m: may be absent or None. */
+static int parse_planes(PyObject *dict, pl_py_states *states, pl_sensor *out) {
+  PyObject *value = PyDict_GetItemString(dict, "planes");
+  const npy_intp shape[3] = {-1, 2, 3};
+  if (value == NULL || value == Py_None)
+    return PyErr_Occurred() ? -1 : 0;
+  PyArrayObject *array = pl_py_array(value, "sensor: planes", NPY_DOUBLE, 3, shape);
+  if (array == NULL)
+    return -1;
+  const npy_intp count = PyArray_DIM(array, 0);
+  if (count >= 1 && count <= PL_BANDS_MAX)
+    memcpy(states->planes, PyArray_DATA(array), (size_t)count * sizeof *states->planes);
+  else
+    PyErr_Format(PyExc_ValueError, "sensor: between 1 and %d planes, not %zd", (int)PL_BANDS_MAX,
+                 (Py_ssize_t)count);
+  Py_DECREF((PyObject *)array);
+  out->planes = states->planes;
+  out->plane_count = (size_t)count;
+  return PyErr_Occurred() ? -1 : 0;
+}
+
+int pl_py_filters_parse(PyObject *sensor, pl_py_states *states, pl_sensor *out) {
+  PyObject *value = PyDict_GetItemString(sensor, "mix");
+  const npy_intp shape[2] = {3, 3};
+  if (value == NULL && PyErr_Occurred())
+    return -1;
+  out->mixed = value != NULL && value != Py_None;
+  if (out->mixed) {
+    PyArrayObject *array = pl_py_array(value, "sensor: mix", NPY_DOUBLE, 2, shape);
+    if (array == NULL)
+      return -1;
+    memcpy(out->mix, PyArray_DATA(array), sizeof out->mix);
+    Py_DECREF((PyObject *)array);
+  }
+  return parse_planes(sensor, states, out);
+}

@@ -4,6 +4,7 @@
 
 #include "plan/effect.h"
 
+extern const pl_effect pl_effect_filters;
 extern const pl_effect pl_effect_point_spread;
 extern const pl_effect pl_effect_vignetting;
 extern const pl_effect pl_effect_lens_flare;

@@ -2,6 +2,7 @@
 #include "sensor/sensor.h"
 
 #include <math.h>
+#include <string.h>
 
 /* CODATA 2018, exact */
 static const double PLANCK_J_S = 6.62607015e-34, LIGHT_M_S = 299792458.0;
@@ -13,12 +14,39 @@ static pl_status in_range(const char *what, double value, double low, double hig
   return PL_OK;
 }
 
+static pl_status check_mix(const pl_sensor *sensor) {
+  for (int band = 0; band < 3 && sensor->mixed; band++) {
+    double sum = 0.0;
+    for (int c = 0; c < 3; c++) {
+      PL_TRY(in_range("mix", sensor->mix[band][c], 0.0, 1.0));
+      sum += sensor->mix[band][c];
+    }
+    PL_TRY(in_range("sum of a row of mix", sum, 1.0 - 1e-9, 1.0 + 1e-9));
+  }
+  if (sensor->mixed && sensor->mosaic == PL_MOSAIC_MONO)
+    return pl_fail(PL_E_ARGUMENT, "sensor: mix without filters");
+  return PL_OK;
+}
+
+static pl_status check_planes(const pl_sensor *sensor) {
+  for (size_t i = 0; i < sensor->plane_count; i++)
+    for (int c = 0; c < 3; c++) {
+      PL_TRY(in_range("band_share of a plane", sensor->planes[i].band_share[c], 0.0, 1.0));
+      PL_TRY(in_range("wavelength of a plane", sensor->planes[i].wavelength_m[c], 1e-8, 1e-4));
+    }
+  if (sensor->plane_count > 0 && sensor->mosaic != PL_MOSAIC_MONO)
+    return pl_fail(PL_E_ARGUMENT, "sensor: planes behind a mosaic of filters");
+  return PL_OK;
+}
+
 static pl_status check_bands(const pl_sensor *sensor) {
   for (int band = 0; band < 3; band++) {
     PL_TRY(in_range("quantum_efficiency", sensor->quantum_efficiency[band], 0.0, 1.0));
     PL_TRY(in_range("band_share", sensor->band_share[band], 0.0, 1.0));
     PL_TRY(in_range("wavelength", sensor->wavelength_m[band], 1e-8, 1e-4));
   }
+  PL_TRY(check_mix(sensor));
+  PL_TRY(check_planes(sensor));
   if (!(pl_sensor_response_white(sensor) > 0.0) && sensor->exposure_s > 0.0)
     return pl_fail(PL_E_RANGE, "sensor: no band has a response");
   return PL_OK;
@@ -124,6 +152,14 @@ double pl_sensor_response_white(const pl_sensor *sensor) {
 double pl_sensor_white_electrons(const pl_sensor *sensor) {
   const double most = (double)((1u << sensor->bits) - 1u);
   return fmin(sensor->full_well, (most - sensor->black_level) * sensor->gain);
+}
+
+pl_sensor pl_sensor_of_plane(const pl_sensor *sensor, size_t plane) {
+  pl_sensor out = *sensor;
+  memcpy(out.band_share, sensor->planes[plane].band_share, sizeof out.band_share);
+  memcpy(out.wavelength_m, sensor->planes[plane].wavelength_m, sizeof out.wavelength_m);
+  out.plane_count = 0;
+  return out;
 }
 
 double pl_sensor_balance(const pl_sensor *sensor, int band) {

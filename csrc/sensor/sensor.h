@@ -50,6 +50,14 @@ typedef struct pl_auto_time {
   double step_s;       /* times are whole multiples of this, rounded down; 0: any */
 } pl_auto_time;
 
+/* What the whole sensor sees through a filter: by red, green and blue of the light, as the fields
+ * of the same names; its quantum efficiency is in the shares. */
+typedef struct pl_sensor_plane {
+  double band_share[3], wavelength_m[3];
+} pl_sensor_plane;
+
+/* Where it has planes, band_share and wavelength_m are to be those of the one that fills first, and
+ * its wavelengths at least as long as those of the others. */
 typedef struct pl_sensor {
   /* lens */
   double f_number;     /* E = pi L T / (4 N^2) on the axis, by the sine condition ... */
@@ -63,8 +71,12 @@ typedef struct pl_sensor {
   pl_mosaic mosaic;
   double quantum_efficiency[3]; /* red, green, blue: electrons a photon, 0..1 */
   double band_share[3];         /* part of the sun's irradiance that lies in the band */
-  double wavelength_m[3];       /* mean of the band */
-  uint64_t serial;              /* which unit of its kind: keys what is fixed in it */
+  double wavelength_m[3];       /* mean of the band, by energy: electrons are exact */
+  bool mixed;                   /* whether filters see several colours; then ... */
+  double mix[3][3]; /* ... by band, parts of its charge by red, green and blue, of white */
+  const pl_sensor_plane *planes; /* borrowed: of PL_MOSAIC_MONO through filters in turn ... */
+  size_t plane_count;            /* ... an image of each; 0: none */
+  uint64_t serial;               /* which unit of its kind: keys what is fixed in it */
   /* exposure */
   double exposure_s;
   pl_auto_time auto_time;
@@ -104,6 +116,8 @@ double pl_sensor_response(const pl_sensor *sensor, int band);
 double pl_sensor_response_white(const pl_sensor *sensor);
 /* Electrons at which the image is white: the full well, or less where the digits end before. */
 double pl_sensor_white_electrons(const pl_sensor *sensor);
+/* The sensor that makes one of the planes. */
+pl_sensor pl_sensor_of_plane(const pl_sensor *sensor, size_t plane);
 /* What the picture multiplies a band's charge by, so that a white sunlit surface is grey; at least
  * 1. Without filters, and for a band without a response, 1. */
 double pl_sensor_balance(const pl_sensor *sensor, int band);

@@ -8,6 +8,7 @@
 #include "sensor/stages.h"
 
 const pl_sensor_stage pl_sensor_stages[] = {
+    {"filters", &pl_effect_filters, pl_stage_filters},
     {"lens_flare", &pl_effect_lens_flare, pl_stage_lens_flare},
     {"vignetting", &pl_effect_vignetting, pl_stage_vignetting},
     {"point_spread", &pl_effect_point_spread, pl_stage_point_spread},

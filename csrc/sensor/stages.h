@@ -4,6 +4,7 @@
 
 #include "sensor/stage.h"
 
+pl_status pl_stage_filters(pl_sensor_frame *frame, int value);
 pl_status pl_stage_point_spread(pl_sensor_frame *frame, int value);
 pl_status pl_stage_vignetting(pl_sensor_frame *frame, int value);
 pl_status pl_stage_lens_flare(pl_sensor_frame *frame, int value);

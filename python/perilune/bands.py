@@ -23,7 +23,7 @@ MONOCHROME_UM = (0.4, 0.9)
 Bands = BandPreset | tuple[Band, ...]
 
 
-def _stamps(bands: Bands, spectrum: Spectrum | None) -> tuple[files.Stamp, ...]:
+def stamps(bands: Bands, spectrum: Spectrum | None) -> tuple[files.Stamp, ...]:
     """Of all files: what is kept of them ends when they change."""
     names = [] if isinstance(bands, str) else [band.file for band in bands]
     names.append(spectrum.file if spectrum is not None else None)
@@ -63,6 +63,11 @@ def count(camera: Camera) -> int:
     return {"srgb": 3, "monochrome": 1}[b] if isinstance(b := camera.bands, str) else len(b)
 
 
+def has_planes(camera: Camera) -> bool:
+    """Whether its sensor makes an image through each of the bands."""
+    return camera.sensor is not None and camera.sensor.mosaic == "planes"
+
+
 @lru_cache(maxsize=64)
 def _gathered(
     bands: Bands, spectrum: Spectrum | None, stamps: tuple[files.Stamp, ...]
@@ -73,7 +78,7 @@ def _gathered(
 
 def gathered(camera: Camera, sun: Sun) -> tuple[_core.BandLight, ...]:
     """What each band of a camera gathers of sunlight; ValueError for one beyond the spectrum."""
-    return _gathered(camera.bands, sun.spectrum, _stamps(camera.bands, sun.spectrum))
+    return _gathered(camera.bands, sun.spectrum, stamps(camera.bands, sun.spectrum))
 
 
 def matrix(camera: Camera, sun: Sun) -> F64:

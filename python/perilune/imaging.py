@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import measured
+from perilune import filters, measured
+from perilune.config.bands import Spectrum
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.lens_flare import LensFlare
@@ -21,21 +21,6 @@ F64 = NDArray[np.float64]
 F_NUMBER = 4.0
 """Of a lens of which neither the focal ratio nor the aperture is stated."""
 _KEY = "camera.sensor."
-
-SUN_K = 5772.0
-"""Effective temperature of the sun (IAU 2015 resolution B3)."""
-_C2_NM_K = 1.438776877e7  # second radiation constant, CODATA 2018
-
-
-@lru_cache(maxsize=64)
-def solar_band(first_nm: float, last_nm: float) -> tuple[float, float]:
-    """Share of the sun's irradiance between two wavelengths, as of a black body of SUN_K, and the
-    energy-weighted mean wavelength, m: photons are energy times it over h c."""
-    nm = np.linspace(first_nm, last_nm, 2001)
-    spectrum = nm**-5.0 / np.expm1(_C2_NM_K / (nm * SUN_K))
-    energy = float(np.trapezoid(spectrum, nm))
-    total = np.pi**4 / 15.0 * (SUN_K / _C2_NM_K) ** 4
-    return energy / total, float(np.trapezoid(nm * spectrum, nm)) / energy * 1e-9
 
 
 def _auto_time(exposure: SensorExposure) -> dict[str, float] | None:
@@ -88,9 +73,11 @@ def f_number(camera: Camera) -> float:
 
 
 def sensor_of(
-    camera: Camera, path: Callable[[str, str], Path] = lambda text, _: Path(text)
+    camera: Camera,
+    path: Callable[[str, str], Path] = lambda text, _: Path(text),
+    spectrum: Spectrum | None = None,
 ) -> dict[str, Any] | None:
-    """The core's description of a camera's sensor; None if it has none.
+    """The core's description of a camera's sensor under a sun; None if it has none.
 
     path: gives the file that a path in the configuration means; its second argument is the key.
     """
@@ -100,7 +87,6 @@ def sensor_of(
     shaded = sensor.vignetting_profile is not None or sensor.flat_field is not None
     profile = [(math.radians(angle), part) for angle, part in sensor.vignetting_profile or ()]
     flat, kernel = sensor.flat_field, sensor.point_spread.kernel
-    bands = [solar_band(*band) for band in sensor.bands_nm]
     warmth = (sensor.temperature_c - sensor.dark_reference_c) / sensor.dark_doubling_k
     return {
         "f_number": f_number(camera),
@@ -110,10 +96,9 @@ def sensor_of(
         "kernel": measured.kernel(path(kernel, _KEY + "point_spread.kernel")) if kernel else None,
         "lens_flare": _lens_flare(sensor.lens_flare),
         "pixel_m": sensor.pixel_um * 1e-6,
-        "mosaic": sensor.mosaic,
-        "quantum_efficiency": sensor.quantum_efficiency,
-        "band_share": [share for share, _ in bands],
-        "wavelength_m": [wavelength for _, wavelength in bands],
+        "mosaic": "mono" if sensor.mosaic == "planes" else sensor.mosaic,
+        "quantum_efficiency": (1.0, 1.0, 1.0),
+        **filters.described(camera, spectrum),
         "serial": sensor.serial,
         "exposure_s": camera.exposure_time_s,
         "auto_time": _auto_time(sensor.exposure),

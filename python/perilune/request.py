@@ -50,7 +50,7 @@ def request_of(
     """
     config = scene.config
     render, exposure = config.render, config.camera.exposure
-    K, sensor = intrinsics(config.camera), sensor_of(config.camera, path)
+    K, sensor = intrinsics(config.camera), sensor_of(config.camera, path, config.sun.spectrum)
     return {
         "seed": config.seed,
         "index": scene.index,
@@ -111,6 +111,8 @@ def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype
         return (len(config.spacecraft), *size), np.dtype(np.uint8)
     channel = next(row for row in _core.CHANNELS if row["name"] == name)
     count = channel["components"]
+    if name == "raw" and bands.has_planes(config.camera):
+        count = bands.count(config.camera)
     if count < 0:
         count = bands.count(config.camera) if name == "bands" else len(config.labels.levels)
     tail = () if count == 0 else (count,)

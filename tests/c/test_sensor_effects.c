@@ -79,6 +79,13 @@ static pl_sensor random_sensor(test_random *random) {
   s.mosaic = (pl_mosaic)random_below(random, PL_MOSAIC_COUNT);
   for (int band = 0; band < 3; band++)
     s.quantum_efficiency[band] = random_range(random, 0.05, 1.0);
+  s.mixed = s.mosaic != PL_MOSAIC_MONO && random_unit(random) < 0.7;
+  for (int band = 0; band < 3; band++) {
+    const double foreign = random_scale(random, 1e-5, 1.0), part = random_unit(random);
+    s.mix[band][band] = 1.0 - foreign;
+    s.mix[band][(band + 1) % 3] = foreign * part;
+    s.mix[band][(band + 2) % 3] = foreign * (1.0 - part);
+  }
   s.serial = (uint64_t)random_below(random, 1 << 30);
   s.exposure_s = random_scale(random, 1e-5, 100.0);
   s.full_well = random_scale(random, 100.0, 1e6);
@@ -114,6 +121,7 @@ typedef struct scene {
   double focal_px[2], centre_px[2];
   uint64_t seed;
   float brightest; /* radiance */
+  float tint[3];   /* of the light; the largest is 1 */
   int pattern;
 } scene;
 
@@ -122,7 +130,9 @@ static void scene_init(scene *s, test_random *random) {
                .width = 1 + random_below(random, 40),
                .height = 1 + random_below(random, 30),
                .seed = (uint64_t)random_below(random, 1 << 30),
-               .pattern = random_below(random, 5)};
+               .pattern = random_below(random, 5),
+               .tint = {1.0f, 1.0f, 1.0f}};
+  s->tint[random_below(random, 3)] = (float)random_unit(random);
   for (int axis = 0; axis < 2; axis++) {
     s->focal_px[axis] = random_scale(random, 10.0, 1000.0);
     s->centre_px[axis] = random_range(random, -20.0, 60.0);
@@ -187,7 +197,7 @@ static void develop(const scene *s, const pl_plan *plan, sensor_shot *shot) {
   shot->frame.seed = s->seed;
   for (size_t i = 0; i < shot->pixels; i++) {
     const float light = light_at(s, i, shot->pixels, &random);
-    shot->frame.bands[i] = (pl_vec3f){light, light, light};
+    shot->frame.bands[i] = (pl_vec3f){s->tint[0] * light, s->tint[1] * light, s->tint[2] * light};
   }
   assert_int_equal(pl_sensor_run(&shot->frame, plan), PL_OK);
 }

@@ -6,13 +6,12 @@ import copy
 
 import numpy as np
 import pytest
-from scipy import constants, integrate
 
 import perilune
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
 from perilune.config.sensor_presets import PRESETS
-from perilune.imaging import SUN_K, sensor_of, solar_band
+from perilune.imaging import sensor_of
 
 CLEAN = ["rgb", "radiance", "depth"]
 
@@ -34,20 +33,6 @@ def opened(tree, sensor, **overrides):
 
 def value_of(plan, name):
     return next(row["value"] for row in plan if row["name"] == name)
-
-
-@pytest.mark.parametrize("band", [(600.0, 700.0), (500.0, 600.0), (300.0, 1100.0)])
-def test_solar_band_is_plancks_law(band):
-    def spectrum(m):
-        x = constants.h * constants.c / (m * constants.k * SUN_K)
-        return 2 * np.pi * constants.h * constants.c**2 / m**5 / np.expm1(x)
-
-    low, high = (nm * 1e-9 for nm in band)
-    energy = integrate.quad(spectrum, low, high, epsrel=1e-10)[0]
-    weighted = integrate.quad(lambda m: m * spectrum(m), low, high, epsrel=1e-10)[0]
-    share, mean_m = solar_band(*band)
-    assert share == pytest.approx(energy / (constants.Stefan_Boltzmann * SUN_K**4), rel=1e-6)
-    assert mean_m == pytest.approx(weighted / energy, rel=1e-6)
 
 
 def test_clean_channels_do_not_know_of_the_sensor(tree):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from perilune import spectra
 from perilune.config.errors import fail
@@ -74,6 +75,32 @@ class Spectrum(Strict):
             text = f"{self.file} holds {total:.4g} W/m2 between {low:g} and {high:g} um"
             fail("irradiance_unit", f"{text}; the Sun has 1361 in all (relative: any)")
         return self
+
+
+class QuantumEfficiency(Strict):
+    """Electrons a photon by wavelength, from a file."""
+
+    file: str
+    """Rows of wavelength and efficiency, 0 to 1: one column for mosaic mono and planes, else three,
+    of the red, green and blue pixels. Relative to this file, or data:... under PERILUNE_DATA."""
+    wavelength_unit: WavelengthUnit = "nm"
+
+    @field_validator("file")
+    @classmethod
+    def _found(cls, value: str, info: ValidationInfo) -> str:
+        return found(value, info)
+
+    def check(self, columns: int, info: ValidationInfo) -> None:
+        """Inside the validator of the sensor: reads the file, if the folder of paths is known."""
+        if not (info.context or {}).get("path"):
+            return
+        try:
+            table = read_curves(self.file, self.wavelength_unit, columns)
+        except PydanticCustomError as error:
+            fail("quantum_efficiency.file", error.message())
+        if table[:, 1:].max() > 1.0:
+            text = f"{self.file}: {table[:, 1:].max():g} electrons a photon; at most 1"
+            fail("quantum_efficiency.file", text)
 
 
 class Band(Strict):

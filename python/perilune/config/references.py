@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from perilune import _core, bands, materials, photometry
+from perilune import _core, bands, filters, materials, photometry
 from perilune.config.errors import ConfigError, named, nearest
 from perilune.config.schema import Config
 from perilune.drivers import Found
@@ -27,6 +27,8 @@ def pixel_channels(config: Config) -> list[str]:
     names = [channel["name"] for channel in _core.CHANNELS]
     if any(camera.sensor is None for camera in config.cameras.values()):
         names = [name for name in names if name not in OF_SENSOR]
+    if any(bands.has_planes(camera) for camera in config.cameras.values()):
+        names = [name for name in names if name != "sensor_rgb"]
     return names
 
 
@@ -37,9 +39,11 @@ def check_channels(channels: Iterable[str], config: Config, where: str) -> None:
         if name not in known:
             raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
         for camera_name, camera in config.cameras.items():
+            key = "camera" if camera_name is None else f"sensors.{camera_name}"
             if name in OF_SENSOR and camera.sensor is None:
-                key = "camera" if camera_name is None else f"sensors.{camera_name}"
                 raise ConfigError(f"{where}: '{name}' needs the section {key}.sensor")
+            if name == "sensor_rgb" and bands.has_planes(camera):
+                raise ConfigError(f"{where}: '{name}': none where {key}.sensor.mosaic is planes")
 
 
 def check_references(
@@ -70,7 +74,7 @@ def check_references(
         others = ["sun", *config.bodies, *(other for other in config.spacecraft if other != name)]
         for i, joint in enumerate(craft.articulation):
             known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
-    for key, complaint in (*photometry.check(config), *bands.check(config)):
+    for key, complaint in (*photometry.check(config), *bands.check(config), *filters.check(config)):
         raise ConfigError(f"{source}:\n  {key}: {complaint}")
     for problem in materials.check(config, drivers, checked):
         raise ConfigError(f"{source}:\n  {named(problem, origins or {})}")

@@ -6,18 +6,20 @@ import itertools
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationInfo, model_validator
 
+from perilune.config.bands import QuantumEfficiency
 from perilune.config.errors import fail
 from perilune.config.lens_flare import LensFlare
 from perilune.config.sensor_presets import PRESETS, Name
 from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
 
-Mosaic = Literal["mono", "rggb", "bggr", "grbg", "gbrg"]
+Mosaic = Literal["mono", "rggb", "bggr", "grbg", "gbrg", "planes"]
 Band = tuple[Positive, Positive]
 Vignetted = tuple[Annotated[float, Field(strict=True, ge=0.0, lt=90.0)], Fraction]
 Profile = Annotated[tuple[Vignetted, ...], Field(min_length=1, max_length=64)]
 Efficiency = tuple[Fraction, Fraction, Fraction]
+Filters = tuple[Band, Band, Band]
 
 
 class SensorExposure(Strict):
@@ -85,6 +87,10 @@ class CosmicRays(Strict):
     """Of the layer whose charge is gathered."""
 
 
+def _efficiency_tag(value: Any) -> str:
+    return "file" if isinstance(value, (Mapping, QuantumEfficiency)) else "boxes"
+
+
 class ImageSensor(Strict):
     """An image sensor behind a lens: makes the channels `raw` and `sensor_rgb`.
 
@@ -117,11 +123,16 @@ class ImageSensor(Strict):
     pixel_um: Annotated[Positive, Field(ge=0.01, le=1e6)] = 5.5
     """Side of a pixel."""
     mosaic: Mosaic = "rggb"
-    """Filters of the first two pixels and of those below them; mono: none."""
-    quantum_efficiency: Efficiency = (0.45, 0.5, 0.4)
-    """Electrons a photon in the red, green and blue band."""
-    bands_nm: tuple[Band, Band, Band] = ((600.0, 700.0), (500.0, 600.0), (400.0, 500.0))
-    """Red, green and blue: where each begins and ends."""
+    """Filters of the first two pixels and of those below them; mono: none; planes: the bands of
+    `camera.bands` before the whole sensor in turn, at one time: `raw` is (H, W, bands), and there
+    is no `sensor_rgb`."""
+    quantum_efficiency: Annotated[
+        Annotated[Efficiency, Tag("boxes")] | Annotated[QuantumEfficiency, Tag("file")],
+        Discriminator(_efficiency_tag),
+    ] = (0.45, 0.5, 0.4)
+    """Electrons a photon in the red, green and blue of `bands_nm`, or a file of curves."""
+    bands_nm: Filters = ((600.0, 700.0), (500.0, 600.0), (400.0, 500.0))
+    """Red, green and blue: where each begins and ends. Without filters all three count."""
     serial: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
     """Which unit of its kind: what is fixed in a unit is drawn from it."""
     exposure: SensorExposure = SensorExposure()
@@ -179,7 +190,7 @@ class ImageSensor(Strict):
         return data
 
     @model_validator(mode="after")
-    def _sound(self) -> ImageSensor:
+    def _sound(self, info: ValidationInfo) -> ImageSensor:
         self._exactly_one("f_number", "aperture_mm", optional=True)
         angles = [angle for angle, _ in self.vignetting_profile or ()]
         if any(a >= b for a, b in itertools.pairwise(angles)):
@@ -189,7 +200,12 @@ class ImageSensor(Strict):
                 fail(f"bands_nm[{i}]", "must be [shortest, longest], within 10 to 100000")
         if self.black_level_dn > 2**self.bits - 2:
             fail("black_level_dn", f"must be below the largest of {self.bits} bits")
-        if not any(self.quantum_efficiency) or self.transmission == 0.0:
-            key = "transmission" if any(self.quantum_efficiency) else "quantum_efficiency"
-            fail(key, "must be more than 0")
+        if isinstance(self.quantum_efficiency, QuantumEfficiency):
+            self.quantum_efficiency.check(1 if self.mosaic in ("mono", "planes") else 3, info)
+            if "bands_nm" in self.model_fields_set:
+                fail("bands_nm", "not together with a file of quantum_efficiency")
+        elif not any(self.quantum_efficiency):
+            fail("quantum_efficiency", "must be more than 0")
+        if self.transmission == 0.0:
+            fail("transmission", "must be more than 0")
         return self

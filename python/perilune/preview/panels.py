@@ -82,6 +82,16 @@ def digital_panel(name: str, values: Array, context: Context) -> list[Panel]:
     return [Panel(name, image, text=f"0 .. {largest} DN")]
 
 
+def raw_panel(name: str, values: Array, context: Context) -> list[Panel]:
+    """Digital numbers (H, W), or a panel for each plane of (H, W, B)."""
+    if values.ndim == 2:
+        return digital_panel(name, values, context)
+    return [
+        digital_panel(f"{name}/{plane}", values[:, :, plane], context)[0]
+        for plane in range(values.shape[2])
+    ]
+
+
 def radiance_panel(name: str, values: Array, context: Context) -> list[Panel]:
     """Linear light: white is the 99.5th percentile of the lit pixels, gamma 2.2."""
     finite = np.nan_to_num(values.astype(np.float64), nan=0.0, posinf=0.0, neginf=0.0)
@@ -165,7 +175,7 @@ Kind = Callable[[str, Array, Context], list[Panel]]
 
 KINDS: dict[str, Kind] = {
     "rgb": image_panel,
-    "raw": digital_panel,
+    "raw": raw_panel,
     "radiance": radiance_panel,
     "bands": bands_panel,
     "sensor_rgb": image_panel,
