@@ -2,10 +2,11 @@
 
 One frame is taken with all stages of the sensor (`tolerance_dn: 0`), then again with each of them
 left out; the error is the root mean square and the largest difference of `sensor_rgb`, in digital
-numbers of 255 (rounding alone makes 1), beside the bound of the row. `shot_noise`, `blooming`
-and `black_sun` are in their own rows alone: a changed mean draws other noise of the same kind, what
-is full flows elsewhere, and more light may be less charge, so that with them frames would differ by
-more than what the stage changes. The cost is the difference of CPU times of the frames on one thread, medians; below some ten
+numbers of 255 (rounding alone makes 1), beside the bound of the row. `shot_noise`, `blooming` and
+`black_sun` are in their own rows alone: a changed mean draws other noise of the same kind, what is
+full flows elsewhere, and more light may be less charge, so that with them frames would differ by
+more than what the stage changes; likewise `compression`, whose artefacts are of the whole picture.
+The cost is the difference of CPU times of the frames on one thread, medians; below some ten
 milliseconds it is noise of the machine.
 """
 
@@ -28,14 +29,16 @@ SENSOR: dict[str, Any] = {
     "shift_us": 0.2,
     "lens_flare": {},
     "reset_us": 1.0,
+    "compression": {"quality": 90.0},
     "row_noise_e": 4.0,
     "column_noise_e": 4.0,
     "temperature_c": 20.0,
 }
 STAGES = ("lens_flare", "vignetting", "point_spread", "fixed_pattern", "smear", "dark_current",
-          "defects", "shot_noise", "cosmic_rays", "blooming", "black_sun", "read_noise")  # fmt: skip
+          "defects", "shot_noise", "cosmic_rays", "blooming", "black_sun", "read_noise",
+          "compression")  # fmt: skip
 
-NONLINEAR = ("shot_noise", "blooming", "black_sun")
+NONLINEAR = ("shot_noise", "blooming", "black_sun", "compression")
 
 
 def frame(options: Any, force_off: tuple[str, ...]) -> tuple[np.ndarray, float, dict[str, float]]:

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "io/jpeg_write.h"
 #include "light/sun.h"
 #include "math/sampling.h"
 #include "sensor/stage.h"
@@ -79,7 +80,10 @@ static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
     frame.raw = pl_arena_alloc(&renderer->sensor_arena, pixels, sizeof *frame.raw);
   if (frame.electrons == NULL || frame.raw == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for a sensor's image");
-  return pl_sensor_run(&frame, plan);
+  PL_TRY(pl_sensor_run(&frame, plan));
+  if (frame.rgb == NULL || pl_plan_value(plan, "compression") == 0)
+    return PL_OK;
+  return pl_jpeg_cycle(&sensor->compression, frame.width, frame.height, frame.arena, frame.rgb);
 }
 
 /* One image after the other, by the same light and pixels with noise of its own. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "air/effects.h"
+#include "io/effects.h"
 #include "light/effects.h"
 #include "render/effects.h"
 #include "scene/effects.h"
@@ -45,6 +46,7 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_blooming,
     &pl_effect_black_sun,
     &pl_effect_read_noise,
+    &pl_effect_compression,
 };
 /* clang-format on */
 const size_t pl_effect_count = sizeof pl_effects / sizeof pl_effects[0];

@@ -124,6 +124,24 @@ static int parse_flare(PyObject *dict, pl_flare *out) {
   return failed ? -1 : 0;
 }
 
+/* "compression": {"quality", "chroma"}; may be absent or None. */
+static int parse_compression(PyObject *dict, pl_compression *out) {
+  static const char *const chromas[PL_CHROMAS] = {"444", "422", "420"};
+  PyObject *given;
+  if (pl_py_member(dict, "compression", 1, WHERE, &given) < 0)
+    return -1;
+  size_t quality = 0;
+  int chroma = 0, failed = 0;
+  if (given != Py_None) {
+    failed = pl_py_member_size(given, "quality", WHERE, &quality);
+    chroma = failed ? -1 : pl_py_member_choice(given, "chroma", WHERE, chromas, PL_CHROMAS);
+  }
+  Py_DECREF(given);
+  out->quality = quality <= 100 ? (int)quality : 101; /* pl_sensor_check refuses it */
+  out->chroma = (pl_chroma)chroma;
+  return failed < 0 || chroma < 0 ? -1 : 0;
+}
+
 /* "flat_field" (any height, any width) float32: may be absent or None. */
 static int parse_flat(PyObject *dict, pl_py_states *states) {
   PyArrayObject *flat = image_of(dict, "flat_field", NPY_FLOAT, &states->sensor_flat);
@@ -196,7 +214,7 @@ static int parse(PyObject *dict, pl_py_states *states) {
       parse_psf(dict, &out->psf) < 0 || parse_pixels(dict, out) < 0 || parse_pupil(dict, out) < 0 ||
       pl_py_filters_parse(dict, states, out) < 0 || parse_profile(dict, &out->shading) < 0 ||
       parse_flat(dict, states) < 0 || parse_kernel(dict, states) < 0 ||
-      parse_flare(dict, &out->flare) < 0)
+      parse_flare(dict, &out->flare) < 0 || parse_compression(dict, &out->compression) < 0)
     return -1;
   return parse_auto_time(dict, &out->auto_time);
 }

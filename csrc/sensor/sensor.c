@@ -109,6 +109,8 @@ pl_status pl_sensor_check(const pl_sensor *sensor) {
   PL_TRY(in_range("column_noise", sensor->column_noise, 0.0, 1e9));
   PL_TRY(in_range("column_flicker", sensor->column_flicker, 0.0, 1e9));
   PL_TRY(in_range("row_noise", sensor->row_noise, 0.0, 1e9));
+  PL_TRY(in_range("compression: quality", sensor->compression.quality, 0.0, 100.0));
+  PL_TRY(in_range("compression: chroma", sensor->compression.chroma, 0, PL_CHROMAS - 1));
   PL_TRY(in_range("reset", sensor->reset_s, 0.0, 1e6));
   PL_TRY(in_range("gain", sensor->gain, 1e-9, 1e9));
   PL_TRY(in_range("black_level", sensor->black_level, 0.0, most - 1.0));

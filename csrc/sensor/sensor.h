@@ -50,6 +50,14 @@ typedef struct pl_auto_time {
   double step_s;       /* times are whole multiples of this, rounded down; 0: any */
 } pl_auto_time;
 
+typedef enum pl_chroma { PL_CHROMA_444, PL_CHROMA_422, PL_CHROMA_420, PL_CHROMAS } pl_chroma;
+
+/* JPEG, of the picture. */
+typedef struct pl_compression {
+  int quality;      /* 1..100 as of libjpeg; 0: none */
+  pl_chroma chroma; /* how many pixels share a colour: 1, 2 in a row, 2 x 2 */
+} pl_compression;
+
 /* What the whole sensor sees through a filter: by red, green and blue of the light, as the fields
  * of the same names; its quantum efficiency is in the shares. */
 typedef struct pl_sensor_plane {
@@ -103,6 +111,7 @@ typedef struct pl_sensor {
   double gain;           /* electrons a digital number */
   double black_level;    /* digital numbers */
   int bits;              /* 1..16 */
+  pl_compression compression;
 } pl_sensor;
 
 /* PL_E_RANGE naming what is outside of its range. */

@@ -15,7 +15,7 @@ from perilune.config.bands import Spectrum
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.lens_flare import LensFlare
-from perilune.config.sensor import SensorExposure
+from perilune.config.sensor import Compression, SensorExposure
 
 F64 = NDArray[np.float64]
 F_NUMBER = 4.0
@@ -40,6 +40,12 @@ def _lens_flare(flare: LensFlare | None) -> dict[str, Any] | None:
         return None
     rows = [(g.scale, math.radians(g.radius_deg), *g.intensity) for g in flare.ghosts]
     return {"ghosts": np.array(rows), "baffle_rad": np.radians(flare.baffle_deg)}
+
+
+def _compression(compression: Compression | None) -> dict[str, Any] | None:
+    if compression is None:
+        return None
+    return {"quality": round(compression.quality), "chroma": compression.chroma}
 
 
 def intrinsics(camera: Camera) -> F64:
@@ -122,6 +128,7 @@ def sensor_of(
         "column_flicker": sensor.column_flicker_e,
         "row_noise": sensor.row_noise_e,
         "reset_s": sensor.reset_us * 1e-6,
+        "compression": _compression(sensor.compression),
         "gain": sensor.gain_e_dn,
         "black_level": sensor.black_level_dn,
         "bits": sensor.bits,

@@ -37,6 +37,7 @@ ROWS = {
     "read_noise": ("read_noise.c",),
     "lens_flare": ("lens_flare.c",),
     "black_sun": ("black_sun.c",),
+    "compression": ("jpeg_write.c",),
 }
 
 

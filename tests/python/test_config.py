@@ -310,7 +310,8 @@ def test_every_physical_key_has_its_unit():
         "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2",  # of lenses
         "f_number", "transmission", "quantum_efficiency", "serial", "bits",
         "vignetting_profile",  # degrees, and parts of the light
-        "vignetting", "hot_pixels", "dead_pixels", "intensity", "drain", "wings", "wing_beta",
+        "hot_pixels", "dead_pixels", "intensity", "quality",
+        "vignetting", "drain", "wings", "wing_beta",
         "prnu", "dark_nonuniform",  # relative deviations
         "jitter_strength", "step_interval", "correlation", "first_frame",
         "drivers",  # of the inputs of nodes, which say their units

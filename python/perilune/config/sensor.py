@@ -91,6 +91,15 @@ def _efficiency_tag(value: Any) -> str:
     return "file" if isinstance(value, (Mapping, QuantumEfficiency)) else "boxes"
 
 
+class Compression(Strict):
+    """JPEG: what the channel `sensor_rgb` shows is encoded and decoded again; `raw` is not."""
+
+    quality: Annotated[float, Field(strict=True, ge=1.0, le=100.0)] = 90.0
+    """As of libjpeg: 1 is coarsest, 100 finest; rounded to a whole number."""
+    chroma: Literal["444", "422", "420"] = "420"
+    """How many pixels share a colour: none, 2 in a row, 2 x 2. A text."""
+
+
 class ImageSensor(Strict):
     """An image sensor behind a lens: makes the channels `raw` and `sensor_rgb`.
 
@@ -178,6 +187,9 @@ class ImageSensor(Strict):
     """Digital number of no light."""
     bits: Annotated[Integer, Field(ge=1, le=16)] = 12
     """Of a digital number."""
+
+    compression: Compression | None = None
+    """Artefacts of JPEG in the channel `sensor_rgb`; none without it."""
 
     @model_validator(mode="before")
     @classmethod
