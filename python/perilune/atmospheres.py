@@ -129,4 +129,4 @@ def air_of(config: Config, body: Body) -> _core.Air | None:
     if body.atmosphere is None:
         return None
     radius_m = float(np.cbrt(np.prod(orbits.radii_m(body))))
-    return _core.Air(settings(body.atmosphere, config.sun.band_wavelengths_um), radius_m)
+    return _core.Air(settings(body.atmosphere, config.sun.wavelengths_um), radius_m)

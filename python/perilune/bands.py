@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from perilune import _core, files, spectra
 from perilune.config.bands import UM_PER_UNIT, Band, BandPreset, Spectrum
 from perilune.config.camera import Camera
-from perilune.config.schema import Config, Sun
+from perilune.config.schema import SRGB_UM, Config, Sun
 
 F64 = NDArray[np.float64]
 
@@ -84,6 +84,20 @@ def gathered(camera: Camera, sun: Sun) -> tuple[_core.BandLight, ...]:
 def matrix(camera: Camera, sun: Sun) -> F64:
     """(bands, 3): part of the sun's irradiance that each band gathers of red, green and blue."""
     return np.array([band["part"] for band in gathered(camera, sun)])
+
+
+def wavelengths_um(camera: Camera, sun: Sun) -> tuple[float, float, float]:
+    """At which the sun's disc darkens towards its edge, in red, green and blue: the mean of what
+    the camera's bands see of each; of all that they see, for a colour of which that is nothing."""
+    if sun.band_wavelengths_um is not None or camera.bands == "srgb":
+        return sun.wavelengths_um
+    lights = gathered(camera, sun)
+    parts = np.array([light["part"] for light in lights]).sum(axis=0)
+    moments = np.array([light["moment_um"] for light in lights]).sum(axis=0)
+    every = moments.sum() / parts.sum() if parts.sum() > 0.0 else SRGB_UM[1]
+    some = parts > 1e-6 * parts.sum()
+    red, green, blue = np.where(some, moments / np.where(some, parts, 1.0), every).tolist()
+    return red, green, blue
 
 
 def check(config: Config) -> Iterator[tuple[str, str]]:

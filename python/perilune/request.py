@@ -71,7 +71,7 @@ def request_of(
         "sun_position": scene.sun_position_m,
         "sun_radius": config.sun.radius_km * 1e3,
         "sun_irradiance": config.sun.irradiance_w_m2,
-        "sun_wavelengths": np.array(config.sun.band_wavelengths_um),
+        "sun_wavelengths": np.array(bands.wavelengths_um(config.camera, config.sun)),
         "quality": {
             "samples": render.samples,
             "max_bounces": render.max_bounces,

@@ -80,7 +80,7 @@ def light_curve(
     if name not in known and name != CAMERA:
         raise ValueError(f"no body or spacecraft '{name}'{nearest(name, [*known, CAMERA])}")
     bodies = tuple(body for body in config.bodies if body != name)
-    wavelengths = np.array(config.sun.band_wavelengths_um) if limb_darkening else np.zeros(3)
+    wavelengths = np.array(config.sun.wavelengths_um) if limb_darkening else np.zeros(3)
     t_s = np.empty(len(indices))
     fraction = np.empty((len(indices), len(wavelengths)))
     hides = np.empty((len(indices), len(bodies)), dtype=np.bool_)

@@ -38,6 +38,7 @@ ROWS = {
     "lens_flare": ("lens_flare.c",),
     "black_sun": ("black_sun.c",),
     "compression": ("jpeg_write.c",),
+    "filters": ("filters.c",),
 }
 
 

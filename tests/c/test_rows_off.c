@@ -26,6 +26,7 @@ static const row_off rows[] = {
     {"cosmic_rays", {0}},  {"blooming", {0}},
     {"read_noise", {0}},   {"lens_flare", {0}},
     {"black_sun", {0}},    {"compression", {0}},
+    {"filters", {0}},
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
@@ -40,6 +41,8 @@ static pl_sensor flight_sensor(void) {
                      .quantum_efficiency = {0.5, 0.5, 0.5},
                      .band_share = {0.12, 0.13, 0.14},
                      .wavelength_m = {650e-9, 550e-9, 450e-9},
+                     .mixed = true,
+                     .mix = {{0.9, 0.1, 0.0}, {0.1, 0.8, 0.1}, {0.0, 0.1, 0.9}},
                      .exposure_s = 1e-3,
                      .prnu = 0.02,
                      .dark_current = 1e6,

@@ -158,7 +158,8 @@ THREE = [
 
 
 def test_the_channel_is_the_radiance_in_the_bands(tree):
-    sim = opened(tree, THREE)
+    sun = {"band_wavelengths_um": [0.612, 0.549, 0.465]}  # else the disc darkens by the bands
+    sim = opened(tree, THREE, sun)
     sample = sim.frame(0, ["bands", "radiance", "rgb"])
     curves = bands.curves(sim.config.camera.bands)
     parts = np.array([spectra.gather(None, curve)["part"] for curve in curves])
@@ -213,6 +214,20 @@ def test_bands_carry_drivers(tree):
         expected = sample["radiance"].astype(float) @ np.array(parts)
         assert sample["bands"][:, :, 0] == pytest.approx(expected, rel=1e-5, abs=1e-9)
     assert np.ptp(widths) > 0.0
+
+
+def test_the_sun_darkens_as_the_bands_see_it(tree):
+    def found(chosen: Any, sun: Any = None) -> Any:
+        sim = opened(tree, chosen, sun)
+        return sim.request(0)["sun_wavelengths"]
+
+    assert found("srgb").tolist() == [0.612, 0.549, 0.465]
+    assert found([{"center_um": 0.9, "width_um": 0.02}]) == pytest.approx([0.9] * 3, abs=1e-4)
+    red, green, blue = found("monochrome")
+    assert 0.4 < blue < 0.5 < green < 0.6 < 0.7 < red < 0.75  # red has all beyond 0.7 um
+    assert found([THREE[0], THREE[2]])[2] == pytest.approx(0.45, abs=0.01)
+    given = {"band_wavelengths_um": [0.7, 0.6, 0.5]}
+    assert found("monochrome", given).tolist() == [0.7, 0.6, 0.5]
 
 
 # --- files

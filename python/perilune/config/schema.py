@@ -108,6 +108,10 @@ def _vector(value: tuple[float, float, float] | Angles) -> tuple[float, float, f
 _Micrometres = Annotated[float, Field(strict=True, ge=0.4226, le=1.1)]
 
 
+SRGB_UM = (0.612, 0.549, 0.465)
+"""Dominant wavelengths of the primaries of sRGB."""
+
+
 class Sun(Strict):
     """The Sun; its position follows from the date unless a direction is given."""
 
@@ -118,8 +122,10 @@ class Sun(Strict):
     """How it is spread over the wavelengths; default: a black body of 5850 K with 0.7 of its light
     below 0.4 um, within 6 % of the Sun in every 50 nm from 0.3 to 1.1 um. Colours look the same in
     the light of either."""
-    band_wavelengths_um: tuple[_Micrometres, _Micrometres, _Micrometres] = (0.612, 0.549, 0.465)
-    """Of the bands red, green, blue: by these the disc darkens towards its edge (Neckel 2005)."""
+    band_wavelengths_um: tuple[_Micrometres, _Micrometres, _Micrometres] | None = None
+    """Of the colours red, green, blue: by these the disc darkens towards its edge (Neckel 2005) and
+    atmospheres scatter. Default: 0.612, 0.549, 0.465, those of sRGB; but in images the disc darkens
+    by what the camera's `bands` see of each colour."""
     direction: (
         Annotated[
             Annotated[Direction, Tag("vector")] | Annotated[Angles, Tag("angles")],
@@ -132,6 +138,11 @@ class Sun(Strict):
     {azimuth_deg, elevation_deg}."""
     distance_au: Positive = 1.0
     """From the root body; used with `direction` only."""
+
+    @property
+    def wavelengths_um(self) -> tuple[float, float, float]:
+        """Of the colours red, green and blue."""
+        return self.band_wavelengths_um or SRGB_UM
 
 
 class Body(Strict):
