@@ -26,7 +26,6 @@ typedef struct band_law {
 
 typedef struct body_shade {
   pl_cone cone;
-  size_t body;
   double ring[CROSSINGS]; /* angles on the sun's limb where the body's crosses it, ascending */
   size_t crossings;
 } body_shade;
