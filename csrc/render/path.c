@@ -115,6 +115,12 @@ static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) 
   return vertex->thing < objects || context->shot->bodies[vertex->thing - objects].shadowed;
 }
 
+/* Whether every shadow ray from here would meet the body in whose umbra the object is. */
+static bool dark_at(const pl_path_context *context, const pl_vertex *vertex) {
+  return context->settings->cast_shadows && vertex->thing < context->shot->object_count &&
+         context->shot->objects[vertex->thing].dark;
+}
+
 /* A direction to the sun, and its light over the density of the draw; pdf is 0 of a point. */
 typedef struct sun_draw {
   pl_vec3f toward, light;
@@ -140,6 +146,8 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
                         const pl_vertex *vertex, const float u[2], pl_vec3f wo, bool onward,
                         size_t queued, pl_tile_buffers *b) {
   const pl_surface *s = &vertex->surface;
+  if (dark_at(context, vertex))
+    return queued;
   const pl_sun_view sun = sun_at(context, vertex);
   const sun_draw draw = draw_sun(context, &sun, u);
   if (!pl_surface_admits(s, draw.toward))

@@ -33,6 +33,7 @@ typedef struct pl_shot_object {
   bool in_frame;     /* the sphere touches the frustum */
   bool kept;         /* part of the accelerator; culled ones cannot touch the image */
   bool eclipsed;     /* a body's shadow may fall on it; set by pl_snapshot_cull */
+  bool dark;         /* it lies wholly in a body's umbra; set by pl_snapshot_cull */
   /* Of an articulated object: every triangle is in one of these and placed by it, not by to_view;
    * pose and scale are still the object's. */
   const pl_shot_piece *pieces; /* in the order of the cut; NULL of others */
@@ -54,8 +55,8 @@ typedef struct pl_shot_body {
   double radius_m;            /* largest semi-axis */
   bool in_frame;
   bool air_in_frame; /* its air, if it has any, touches the frustum */
-  bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
-  bool bounced;  /* others may noticeably light it by reflection; set by pl_snapshot_cull */
+  bool shadowed;     /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
+  bool bounced;      /* others may noticeably light it by reflection; set by pl_snapshot_cull */
   /* Factors on the light with which cheaper laws come nearest to its own where it is seen; NULL
    * where they may not stand for it. Set by pl_laws_build. */
   const pl_law_colors *laws;

@@ -251,6 +251,29 @@ static bool is_eclipsed(const pl_view *view, const pl_view_thing *receiver) {
   return false;
 }
 
+/* Whether a sphere lies wholly in a body's umbra. From its centre a ball smaller than the body by
+ * the sphere's radius must hide a sun that is larger by it: going from the centre to another place
+ * of the sphere moves both by no more. MARGIN_RAD is what rays in single precision may be off by.
+ */
+static bool is_dark(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
+  static const double MARGIN_RAD = 1e-6;
+  const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
+  const double sun_m = pl_vec3_norm(to_sun), wide = shot->sun.radius_m + radius_m;
+  for (size_t i = 0; i < shot->body_count; i++) {
+    const pl_vec3 radii = shot->bodies[i].state->radii_m;
+    const double ball = fmin(radii.x, fmin(radii.y, radii.z)) - radius_m;
+    const pl_vec3 to_body = pl_vec3_sub(shot->bodies[i].center, center);
+    const double far = pl_vec3_norm(to_body);
+    if (!(ball > 0.0 && far > ball && far + radius_m < sun_m - wide))
+      continue;
+    const double apart =
+        atan2(pl_vec3_norm(pl_vec3_cross(to_sun, to_body)), pl_vec3_dot(to_sun, to_body));
+    if (apart + asin(wide / sun_m) + MARGIN_RAD < asin(ball / far))
+      return true;
+  }
+  return false;
+}
+
 void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
   double brightest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
@@ -259,6 +282,7 @@ void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_d
   for (size_t i = 0; i < shot->object_count; i++) {
     pl_shot_object *object = &shot->objects[i];
     object->eclipsed = is_eclipsed(view, &view->things[i]);
+    object->dark = object->eclipsed && is_dark(shot, object->center, object->radius_m);
     object->kept = object->in_frame || matters(view, &view->things[i], brightest, tolerance_dn);
   }
   const double series = pl_view_series(view, view->max_bounces);

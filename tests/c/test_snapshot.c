@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "geom/ellipsoid.h"
+#include "light/occultation.h"
 #include "scenes.h"
 #include "scene/snapshot.h"
 
@@ -204,6 +205,63 @@ static void test_culling_keeps_black_screens(void **state) {
   pl_model_destroy(screen);
 }
 
+/* An object is dark where the exact light at every place of its sphere is 0, and not much further
+ * in than it has to be: places of it are lit, or it is within a hundredth of the umbra's edge. */
+static void test_dark_is_without_sun(void **state) {
+  (void)state;
+  test_random random = {.seed = 54};
+  pl_model *model = cube_create(0.5);
+  int dark = 0, lit = 0;
+  pl_arena arena;
+  pl_arena_init(&arena);
+  print_message("seed 54\n");
+  for (int i = 0; i < 2000; i++) {
+    stage s;
+    pl_snapshot shot;
+    pl_view view;
+    stage_init(&s, 64, 48, 200.0);
+    const pl_vec3 sun = random_direction(&random), here = {0, 0, 40};
+    s.placement.sun.position_m = pl_vec3_scale(sun, AU);
+    const double radius = random_scale(&random, 1e3, 6e6), size = random_scale(&random, 0.1, 20.0);
+    const double far = radius * random_scale(&random, 1.01, 300.0);
+    const pl_vec3 side = pl_vec3_unit(pl_vec3_cross(sun, random_direction(&random)));
+    const double off = radius - 0.00465 * far * random_range(&random, -1.5, 3.0);
+    const pl_vec3 body = pl_vec3_madd(pl_vec3_madd(here, far, sun), off, side);
+    const pl_vec3 radii = {radius, random_range(&random, 0.97, 1.0) * radius, radius};
+    stage_add_object(&s, model, here, random_rotation(&random), size);
+    stage_add_body(&s, body, radii, 0.3f);
+    if (build(&s, &arena, &shot, &view) == PL_OK) {
+      pl_snapshot_cull(&shot, &view, 0.5);
+      const pl_shot_object *object = &shot.objects[0];
+      double most = 0.0;
+      for (int k = 0; k < 30; k++) {
+        const pl_vec3 place = pl_vec3_madd(object->center, object->radius_m,
+                                           k ? random_direction(&random) : (pl_vec3){0, 0, 0});
+        const pl_pose pose = {shot.bodies[0].center, PL_QUAT_IDENTITY};
+        const double um = 0.0;
+        double light;
+        uint8_t hides;
+        const pl_occultation request = {
+            1, 1, 1, shot.sun.radius_m, &place, &shot.sun.position, &pose, &radii, &um, 16};
+        const pl_occultation_result out = {&light, &hides};
+        assert_int_equal(pl_occultation_solve(&request, &out), PL_OK);
+        most = fmax(most, light);
+      }
+      dark += object->dark;
+      lit += !object->dark;
+      assert_true(!object->dark || most == 0.0);
+      const double inner = 0.97 * radius - object->radius_m;
+      const double edge = inner - (0.00466 + 2e-6) * far;
+      assert_true(object->dark || fabs(off) > edge);
+    }
+    stage_clear(&s);
+  }
+  print_message("%d dark, %d not\n", dark, lit);
+  assert_true(dark > 200 && lit > 200);
+  pl_arena_clear(&arena);
+  pl_model_destroy(model);
+}
+
 static void test_camera_inside(void **state) {
   (void)state;
   stage s;
@@ -303,6 +361,7 @@ int main(void) {
       cmocka_unit_test(test_in_frame_is_conservative),
       cmocka_unit_test(test_culling_keeps_what_matters),
       cmocka_unit_test(test_culling_keeps_black_screens),
+      cmocka_unit_test(test_dark_is_without_sun),
       cmocka_unit_test(test_camera_inside),
       cmocka_unit_test(test_placement_check),
       cmocka_unit_test(test_placement_out_of_reach),
