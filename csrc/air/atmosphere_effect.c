@@ -43,9 +43,11 @@ static double missing_dn(const pl_view *view, const pl_view_thing *body, double 
   const double added =
       share * body->irradiance * (reach.scattered + reach.several + reach.sky / 3.14159265358979);
   const double gone = pl_view_dn_dimming(dimmed);
-  return fmin(255.0,
-              pl_view_dn(view, added) +
-                  (share < 1.0 ? fmin(gone, pl_view_dn(view, share * pl_view_light(body))) : gone));
+  const double sky = pl_view_sky_dn(view, pl_view_sky_max(view)); /* stars are dimmed, too */
+  return fmin(
+      255.0,
+      pl_view_dn(view, added) +
+          (share < 1.0 ? fmin(gone, pl_view_dn(view, share * pl_view_light(body)) + sky) : gone));
 }
 
 static double bound_dn(const pl_view *view, int value) {

@@ -10,6 +10,7 @@
 #include "scene/effects.h"
 #include "sensor/effects.h"
 #include "shade/effects.h"
+#include "sky/effects.h"
 
 /* A line each, so that a new row is one line of a change. */
 /* clang-format off */
@@ -33,6 +34,8 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_distortion,
     &pl_effect_depth_of_field,
     &pl_effect_antialiasing,
+    &pl_effect_sky_background,
+    &pl_effect_stars,
     &pl_effect_filters,
     &pl_effect_vignetting,
     &pl_effect_lens_flare,

@@ -121,7 +121,7 @@ static pl_status expose(pl_renderer *renderer, const pl_frame_request *request, 
  * effect changes. `sensor`: set to the request's with its exposure time, if `developed`. */
 #include "render/laws.h"
 static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request, bool metered,
-                            bool developed, pl_snapshot *shot, pl_sensor *sensor,
+                            bool developed, pl_snapshot *shot, pl_sensor *sensor, pl_frame_sky *sky,
                             pl_frame_result *result) {
   double start = now_s();
   *result = (pl_frame_result){0};
@@ -142,6 +142,7 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(expose(renderer, request, metered, shot, &view, developed ? sensor : NULL));
   result->exposure_s = developed ? sensor->exposure_s : NAN;
   result->white_radiance = request->exposure.automatic && !metered ? NAN : view.white_radiance;
+  PL_TRY(pl_frame_sky_view(request->sky, shot, &request->wish, &renderer->arena, &view, sky));
   lap(result, PL_STAGE_METER, &start);
   if (metered)
     PL_TRY(pl_laws_build(shot, &renderer->arena, &view));
@@ -159,7 +160,8 @@ pl_status pl_renderer_plan(pl_renderer *renderer, const pl_frame_request *reques
                            pl_frame_result *result) {
   pl_snapshot shot;
   pl_sensor sensor;
-  return plan_frame(renderer, request, true, true, &shot, &sensor, result);
+  pl_frame_sky sky;
+  return plan_frame(renderer, request, true, true, &shot, &sensor, &sky, result);
 }
 
 typedef struct output {
@@ -168,14 +170,17 @@ typedef struct output {
   const pl_encoder *encoder;
   float white_radiance;
   pl_vec3f *bands; /* for the sensor; NULL: none */
+  const pl_frame_sky *sky;
   pl_labels labels;
 } output;
 
 static void write_colour(const output *output, const pl_tile_result *result) {
   const size_t width = (size_t)output->shot->camera.width;
+  pl_vec3f lit[PL_TILE_PIXELS];
+  const pl_vec3f *radiance = pl_frame_sky_tile(output->sky, result, lit);
   for (int y = 0; y < result->tile.height; y++) {
     const size_t first = (size_t)(result->tile.y0 + y) * width + (size_t)result->tile.x0;
-    const pl_vec3f *row = result->radiance + y * PL_TILE_SIDE;
+    const pl_vec3f *row = radiance + y * PL_TILE_SIDE;
     const size_t count = (size_t)result->tile.width;
     if (output->request->rgb != NULL)
       pl_encode_rgb(output->encoder, row, count, output->white_radiance,
@@ -245,14 +250,17 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
                             pl_frame_result *result) {
   pl_snapshot shot;
   pl_sensor sensor;
+  pl_frame_sky sky;
   const bool develop = pl_frame_wants_sensor(request);
-  PL_TRY(plan_frame(renderer, request, wants_colour(request), develop, &shot, &sensor, result));
+  PL_TRY(
+      plan_frame(renderer, request, wants_colour(request), develop, &shot, &sensor, &sky, result));
   double start = now_s();
   output output = {
       .request = request,
       .shot = &shot,
       .encoder = &renderer->encoder,
       .white_radiance = (float)result->white_radiance,
+      .sky = &sky,
   };
   if (develop)
     PL_TRY(allocate_bands(renderer, &shot.camera, &output.bands));
@@ -271,6 +279,12 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(pl_frame_emitters(renderer, &shot, emitters_value, &emitters, &settings));
   pl_air_view air;
   PL_TRY(pl_frame_air(renderer, &shot, &result->plan, &air, &settings));
+  if (wants_colour(request))
+    PL_TRY(pl_frame_sky_place(&result->plan, &shot, renderer->tracer, settings.air,
+                              &renderer->arena, &sky));
+  settings.backdrop = sky.backdrop.kind != PL_BACKDROP_NONE ? &sky.backdrop : NULL;
+  result->stars = sky.seen;
+  result->star_count = sky.seen_count;
   PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
                    request->cancel));
   lap(result, PL_STAGE_RENDER, &start);

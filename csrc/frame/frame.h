@@ -5,6 +5,7 @@
 #include "annotate/channel.h"
 #include "annotate/object_label.h"
 #include "base/parallel.h"
+#include "frame/sky.h"
 #include "plan/plan.h"
 #include "scene/scene.h"
 #include "sensor/bands.h"
@@ -24,6 +25,7 @@ typedef struct pl_frame_request {
   const pl_sensor *sensor;      /* borrowed; NULL: none, then neither raw nor sensor_rgb */
   const float (*band_parts)[3]; /* borrowed: of pl_bands_write */
   int band_count;               /* 0: none, then no `bands` */
+  const pl_sky *sky;            /* borrowed; NULL: black */
   int threads;
   pl_cancel *cancel; /* may be NULL */
   /* Where results go; NULL: not computed. All are height x width images, row-major. */
@@ -53,8 +55,12 @@ const char *pl_stage_name(pl_stage stage);
 
 typedef struct pl_frame_result {
   pl_plan plan;
-  double white_radiance;          /* W m-2 sr-1 shown as 255; NaN if it was not measured */
-  double exposure_s;              /* of the sensor; NaN without one */
+  double white_radiance; /* W m-2 sr-1 shown as 255; NaN if it was not measured */
+  double exposure_s;     /* of the sensor; NaN without one */
+  /* Stars that the colours show, the brightest first: those that the plan keeps, less the hidden.
+   * Valid until the renderer's next frame. */
+  const pl_seen_star *stars;
+  size_t star_count;
   double seconds[PL_STAGE_COUNT]; /* wall time; never part of an array */
 } pl_frame_result;
 

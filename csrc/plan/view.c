@@ -49,11 +49,22 @@ double pl_view_step(const pl_view *view) {
   double step = pl_view_radiance_max(view);
   for (size_t i = 0; i < view->thing_count; i++) /* what it lights is no brighter */
     step = fmax(step, view->things[i].emission_max);
-  return pl_view_alpha_min(view) < 1.0 || view->sun_in_frame ? view->white_radiance : step;
+  if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
+    step = view->white_radiance;
+  return fmax(step, view->sky.background_max);
 }
 
 double pl_view_dn_shift(const pl_view *view, double shift_px) {
   return pl_view_dn(view, pl_view_step(view) * fmin(1.0, sqrt(2.0) * shift_px));
+}
+
+double pl_view_sky_max(const pl_view *view) {
+  const pl_view_sky *sky = &view->sky;
+  return sky->background_max + (sky->star_count > 0 ? (double)sky->star_left[0] : 0.0);
+}
+
+double pl_view_sky_dn(const pl_view *view, double radiance) {
+  return pl_view_dn(view, radiance * (view->white_radiance / view->sky.white_radiance));
 }
 
 double pl_view_alpha_min(const pl_view *view) {

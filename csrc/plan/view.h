@@ -44,6 +44,20 @@ typedef struct pl_view_thing {
   const pl_view_laws *laws; /* of a body in the frame for whose law others may stand, or NULL */
 } pl_view_thing;
 
+/* What lies behind everything else. */
+typedef struct pl_view_sky {
+  bool catalogued;   /* there is a catalogue of stars */
+  size_t star_count; /* in the frame */
+  int star_levels;   /* tenths of a magnitude that they span, rounded up */
+  /* Most that leaving out the stars beyond so many tenths takes from a pixel, W m-2 sr-1;
+   * [star_levels + 1], borrowed. */
+  const float *star_left;
+  bool has_background;
+  /* The least radiance that is shown as white: by the display, or by a sensor. */
+  double white_radiance;
+  double background_max; /* largest radiance of the background in any band, W m-2 sr-1 */
+} pl_view_sky;
+
 struct pl_sensor;
 
 typedef struct pl_view {
@@ -65,6 +79,7 @@ typedef struct pl_view {
   int texture_filter;          /* the user's ceiling, a pl_filter */
   const pl_view_thing *things; /* borrowed */
   size_t thing_count;
+  pl_view_sky sky;
   /* Borrowed, for the rows in sensor/ alone; NULL: no digital numbers are made. */
   const struct pl_sensor *sensor;
 } pl_view;
@@ -85,6 +100,10 @@ double pl_view_step(const pl_view *view);
  * `shift_px`, digital numbers. A pixel's mean changes by no more than the step and pixel of motion
  * along each axis: what enters on one side and leaves on the other. */
 double pl_view_dn_shift(const pl_view *view, double shift_px);
+/* Largest radiance that the sky behind all things has in a pixel, W m-2 sr-1. */
+double pl_view_sky_max(const pl_view *view);
+/* As pl_view_dn, in the display and in a sensor's picture. */
+double pl_view_sky_dn(const pl_view *view, double radiance);
 /* Whether anything in the frame is glossy enough to mirror the sun. */
 double pl_view_alpha_min(const pl_view *view);
 /* Whether the shadow of `caster` (umbra and penumbra) can reach `receiver`. */

@@ -1,5 +1,6 @@
 /* The type Renderer: one scene's frames; releases the GIL, listens to ctrl-C. */
 #include "pyext/py_request.h"
+#include "pyext/py_sky.h"
 #include "pyext/py_types.h"
 
 #include <time.h>
@@ -118,12 +119,15 @@ static PyObject *result_dict(const pl_frame_result *result) {
     Py_XDECREF(seconds);
   }
   PyObject *rows = timings != NULL ? plan_rows(&result->plan) : NULL;
-  if (rows == NULL) {
+  PyObject *stars = rows != NULL ? pl_py_seen_stars(result) : NULL;
+  if (stars == NULL) {
     Py_XDECREF(timings);
+    Py_XDECREF(rows);
     return NULL;
   }
-  return Py_BuildValue("{s:d,s:d,s:N,s:N}", "white_radiance", result->white_radiance, "exposure_s",
-                       result->exposure_s, "plan", rows, "timings_s", timings);
+  return Py_BuildValue("{s:d,s:d,s:N,s:N,s:N}", "white_radiance", result->white_radiance,
+                       "exposure_s", result->exposure_s, "plan", rows, "timings_s", timings,
+                       "stars", stars);
 }
 
 static int check_use(const renderer_object *self) {

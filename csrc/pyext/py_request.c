@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "frame/effects.h"
 #include "pyext/py_camera.h"
+#include "pyext/py_sky.h"
 #include "pyext/py_types.h"
 
 /* Borrowed value of a key; KeyError naming it when absent. */
@@ -303,7 +304,8 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_regolith(request, scene->body_count, states->bodies) < 0 ||
       parse_parameters(request, scene, states) < 0 || parse_sun(request, &out->placement.sun) < 0 ||
       parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0 ||
-      pl_py_sensor_parse(request, states, out) < 0 || pl_py_bands_parse(request, states, out) < 0)
+      pl_py_sensor_parse(request, states, out) < 0 || pl_py_bands_parse(request, states, out) < 0 ||
+      pl_py_sky_parse(request, &states->sky, out) < 0)
     return -1;
   return parse_exposure(request, &out->exposure);
 }

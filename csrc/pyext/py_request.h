@@ -18,6 +18,7 @@ typedef struct pl_py_states {
   PyObject *sensor_flat, *sensor_kernel; /* arrays that the sensor borrows, or NULL */
   float bands[PL_BANDS_MAX][3];
   pl_sensor_plane planes[PL_BANDS_MAX];
+  pl_sky sky;
 } pl_py_states;
 
 /* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */

@@ -8,8 +8,7 @@
 #include "scene/scene.h"
 
 extern PyType_Spec pl_py_model_spec, pl_py_map_spec, pl_py_scene_spec, pl_py_renderer_spec,
-    pl_py_articulation_spec, pl_py_graph_spec, pl_py_grid_spec,
-    pl_py_air_spec;
+    pl_py_articulation_spec, pl_py_graph_spec, pl_py_grid_spec, pl_py_stars_spec, pl_py_air_spec;
 
 /* Borrowed contents; NULL with TypeError when the object is of another type. */
 const pl_model *pl_py_model_of(PyObject *object);

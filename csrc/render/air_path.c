@@ -230,10 +230,12 @@ pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f ra
   return pl_vec3f_add(sum, pl_vec3f_mul(left, radiance));
 }
 
-bool pl_air_alone(const pl_path_context *context, uint32_t pixel, pl_vec3f *radiance,
-                  const pl_tile_buffers *b) {
+bool pl_air_alone(const pl_path_context *context, uint32_t pixel, pl_vec3f behind,
+                  pl_vec3f *radiance, const pl_tile_buffers *b) {
   if (b->air.known[pixel] != PL_AIR_SPACE || context->sun)
     return false;
-  *radiance = pl_vec3f_scale(b->air.pixels[pixel].light.scattered, b->air.item->irradiance);
+  const pl_air_light *light = &b->air.pixels[pixel].light;
+  *radiance = pl_vec3f_madd(pl_vec3f_mul(behind, light->transmitted), b->air.item->irradiance,
+                            light->scattered);
   return true;
 }

@@ -70,9 +70,10 @@ pl_vec3f pl_air_ground_light(const struct pl_path_context *context, uint32_t pix
 /* What is seen of the radiance of a settled ground point. */
 pl_vec3f pl_air_seen(const struct pl_path_context *context, uint32_t pixel, pl_vec3f radiance,
                      const struct pl_tile_buffers *buffers);
-/* Radiance of a pixel that holds nothing but air; false if that is not known to be so. */
-bool pl_air_alone(const struct pl_path_context *context, uint32_t pixel, pl_vec3f *radiance,
-                  const struct pl_tile_buffers *buffers);
+/* Radiance of a pixel that holds nothing but air, before a sky of radiance `behind`; false if that
+ * is not known to be so. */
+bool pl_air_alone(const struct pl_path_context *context, uint32_t pixel, pl_vec3f behind,
+                  pl_vec3f *radiance, const struct pl_tile_buffers *buffers);
 /* Along the rays of a wave, whose hits are known: adds to the samples and dims what follows. */
 void pl_air_apply(const struct pl_path_context *context, int bounce, size_t count,
                   struct pl_tile_buffers *buffers);

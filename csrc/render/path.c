@@ -80,7 +80,10 @@ static pl_vec3f disc_ratio(const pl_path_context *context, const pl_sun_view *su
 }
 
 /* A ray that leaves the scene sees the sun or nothing. */
-static void shade_miss(const pl_path_context *context, const pl_path *path, pl_tile_buffers *b) {
+static void shade_miss(const pl_path_context *context, int bounce, const pl_path *path,
+                       pl_tile_buffers *b) {
+  if (bounce == 0 && context->settings->backdrop != NULL)
+    add(&b->sample[path->pixel], pl_vec3f_mul(path->throughput, b->backdrop[path->pixel]));
   if (!context->settings->soft_sun && !isinf(path->pdf))
     return; /* a point sun cannot be met by chance */
   if (!near_sun(context, path))
@@ -330,7 +333,7 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
     pl_air_apply(context, bounce, count, b);
   for (size_t i = 0; i < count; i++) {
     if (b->hits[i].thing == PL_NOTHING)
-      shade_miss(context, &b->paths[i], b);
+      shade_miss(context, bounce, &b->paths[i], b);
     else
       visit_hit(context, bounce, i, &kept, &queued, b);
   }

@@ -40,6 +40,7 @@ typedef struct pl_tile_buffers {
    * samples that hit that body share it. PL_NOTHING: every sample is shaded. */
   uint32_t settled_thing[PL_TILE_PIXELS];
   pl_vec3f settled[PL_TILE_PIXELS];
+  pl_vec3f backdrop[PL_TILE_PIXELS]; /* with settings->backdrop: what is behind everything */
   pl_path paths[PL_TILE_PIXELS];
   pl_ray rays[PL_TILE_PIXELS];
   pl_hit hits[PL_TILE_PIXELS];

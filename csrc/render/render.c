@@ -216,6 +216,14 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
     }
 }
 
+/* What is behind everything, in all pixels of the tile. */
+static void fill_backdrop(const job *job, pl_tile tile, pl_vec3f *out) {
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++)
+      out[y * PL_TILE_SIDE + x] =
+          pl_backdrop_radiance(job->settings->backdrop, job->shot, tile.x0 + x, tile.y0 + y);
+}
+
 static pl_status render_tile(void *context, size_t item, int worker) {
   const job *job = context;
   pl_tile_buffers *b = &job->scratch->buffers[worker];
@@ -223,7 +231,10 @@ static pl_status render_tile(void *context, size_t item, int worker) {
   const content content = tile_content(job, tile);
   for (int i = 0; i < PL_TILE_PIXELS; i++)
     b->radiance[i] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+  const bool behind = job->settings->samples > 0 && job->settings->backdrop != NULL;
   const bool anything = content.meshes || content.bodies || content.sun || content.air;
+  if (behind)
+    fill_backdrop(job, tile, anything ? b->backdrop : b->radiance);
   if (anything) {
     fill_points(job, tile, &content, b);
     if (job->settings->samples > 0)

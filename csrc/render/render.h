@@ -10,6 +10,7 @@
 #include "light/limb.h"
 #include "render/air_path.h"
 #include "render/vertex.h"
+#include "sky/backdrop.h"
 
 enum { PL_TILE_SIDE = 32, PL_TILE_PIXELS = PL_TILE_SIDE * PL_TILE_SIDE };
 
@@ -26,6 +27,7 @@ typedef struct pl_render_settings {
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   const pl_air_view *air;      /* borrowed; NULL: none */
   bool emitters_on_bodies;     /* or else on meshes alone */
+  const pl_backdrop *backdrop; /* borrowed: what the camera sees behind everything; NULL: black */
   float noise_dn;              /* pixels quieter than this get no more samples, see prune.c, and
                                 * busy ones more than `samples`; 0: all get `samples` */
   float white_radiance;        /* what noise_dn refers to, W m-2 sr-1 encoded as 255 */

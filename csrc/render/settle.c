@@ -137,15 +137,17 @@ static void cover_pixels(const pl_path_context *context, bool covered[PL_TILE_PI
 /* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
 static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool covered,
                          pl_tile_buffers *b) {
-  const bool black = !context->bodies && !context->sun && !context->air;
-  if (context->air && pl_air_alone(context, pixel, &b->radiance[pixel], b)) {
+  const bool empty = !context->bodies && !context->sun && !context->air;
+  const pl_vec3f nothing = {0.0f, 0.0f, 0.0f};
+  const pl_vec3f behind = context->settings->backdrop != NULL ? b->backdrop[pixel] : nothing;
+  if (context->air && pl_air_alone(context, pixel, behind, &b->radiance[pixel], b)) {
     b->counts[pixel] = 1;
     return true;
   }
-  if (!black && !(covered && b->settled_thing[pixel] != PL_NOTHING))
+  if (!empty && !(covered && b->settled_thing[pixel] != PL_NOTHING))
     return false;
   b->counts[pixel] = 1;
-  b->radiance[pixel] = black ? (pl_vec3f){0.0f, 0.0f, 0.0f} : b->settled[pixel];
+  b->radiance[pixel] = empty ? behind : b->settled[pixel];
   return true;
 }
 

@@ -83,6 +83,11 @@ double pl_sensor_light_dn(const pl_view *view, double electrons) {
   return dn_of(view, light_gain(view) * electrons);
 }
 
+double pl_sensor_white_radiance(const pl_view *view) {
+  const double response = light_gain(view) * pl_sensor_response_white(view->sensor);
+  return response > 0.0 ? pl_sensor_white_electrons(view->sensor) / response : INFINITY;
+}
+
 double pl_sensor_dn(const pl_view *view, double electrons) {
   double balance = 1.0;
   for (int band = 0; band < 3; band++)
@@ -100,13 +105,15 @@ double pl_sensor_dimming_dn(const pl_view *view, double fraction) {
 }
 
 double pl_sensor_radiance_max(const pl_view *view) {
+  const double gathered = 4.0; /* of stars, by the point-spread function into one pixel */
   double radiance = 0.0;
   if (view->sun_in_frame || pl_view_alpha_min(view) < 1.0)
     return INFINITY;
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].in_frame)
       radiance = fmax(radiance, pl_view_light(&view->things[i]) + pl_view_received(view, i));
-  return radiance * pl_view_series(view, 1 + view->max_bounces);
+  radiance *= pl_view_series(view, 1 + view->max_bounces);
+  return radiance + gathered * pl_view_sky_max(view);
 }
 
 double pl_sensor_electrons_max(const pl_view *view) {

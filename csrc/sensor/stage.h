@@ -57,6 +57,8 @@ double pl_sensor_dn(const pl_view *view, double electrons);
 /* The same of light, in electrons of the pixels that a white radiance fills first: other bands have
  * fewer, by what they are balanced up. */
 double pl_sensor_light_dn(const pl_view *view, double electrons);
+/* The least radiance that may come out white; INFINITY where nothing is gathered. */
+double pl_sensor_white_radiance(const pl_view *view);
 /* Upper bound of the radiance that comes to the lens; INFINITY where the sun may be mirrored or is
  * in the frame. */
 double pl_sensor_radiance_max(const pl_view *view);

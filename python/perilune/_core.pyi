@@ -111,6 +111,18 @@ class Articulation:
         play_s: seconds since the animations began; loop: "repeat", "clamp" or "pingpong", of each."""
 
 @final
+class Stars:
+    """A catalogue of stars: unit directions (n, 3) in root axes for an observer at rest, irradiance
+    of the bands (n, 3), W m-2, magnitudes and numbers (n,) for labels."""
+
+    def __new__(
+        cls, directions: F64, light: F64, magnitudes: F64, numbers: NDArray[np.int64]
+    ) -> Self: ...
+    @property
+    def count(self) -> int:
+        """Number of stars."""
+
+@final
 class Map:
     """A filtered image texture from a PNG, JPEG or WebP file; as it is by default the
     equirectangular map of a body. Wrap modes: "repeat" | "clamp" | "mirror"."""
@@ -334,6 +346,7 @@ class FrameRequest(TypedDict):
     sun_wavelengths: NotRequired[F64]  # (3,), um, of the bands: limb darkening
     quality: Quality
     exposure: Exposure
+    sky: NotRequired[Mapping[str, Any] | None]  # see perilune.sky.Skies.request
     sensor: NotRequired[Mapping[str, Any] | None]  # see perilune.imaging.sensor_of
     # (bands, 3): part of the sun's irradiance that each gathers of red, green and blue reflectances
     bands: NotRequired[F64]
@@ -348,11 +361,17 @@ class PlanRow(TypedDict):
     cost_ms: float
     value: int  # 0: off; 1: on; more where it has a count (samples, bounces)
 
+class SeenStars(TypedDict):
+    number: NDArray[np.int64]  # (n,), the brightest first
+    pixel: F64  # (n, 2)
+    magnitude: NDArray[np.float32]  # (n,)
+
 class FrameResult(TypedDict):
     white_radiance: float  # nan: automatic, and no colour was asked for
     exposure_s: float  # of the sensor; nan: none of its channels was asked for
     plan: list[PlanRow]
     timings_s: dict[str, float]
+    stars: SeenStars  # that the colours show
 
 @final
 class Renderer:

@@ -21,6 +21,7 @@ from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.looks import Look, Looks
 from perilune.parts import Partition, partition
+from perilune.sky import Skies
 from perilune.world import World
 
 F64 = NDArray[np.float64]
@@ -97,6 +98,7 @@ class Handles:
         self.lock = Lock()
         self._files: dict[str, _core.Map] = {}
         self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
+        self.skies = Skies(document.path)
         self._airs: dict[str, _core.Air | None] = {}
         self._stages: dict[tuple[Any, ...], _Stage] = {}
 

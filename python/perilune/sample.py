@@ -14,6 +14,9 @@ from perilune import _core
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
 
+STAR = np.dtype([("number", np.int64), ("u", np.float64), ("v", np.float64), ("magnitude", "f4")])
+"""A row of `Sample.stars`."""
+
 
 @dataclass(frozen=True)
 class CameraLabel:
@@ -48,7 +51,7 @@ class CameraLabel:
 class Sample(Mapping[str, Array]):
     """One frame. `sample["rgb"]` and the like are the pixel channels that were asked for."""
 
-    __slots__ = ("_channels", "_objects", "camera", "meta", "plan")
+    __slots__ = ("_channels", "_objects", "camera", "meta", "plan", "stars")
 
     def __init__(
         self,
@@ -57,6 +60,7 @@ class Sample(Mapping[str, Array]):
         camera: CameraLabel,
         meta: Mapping[str, Any],
         plan: list[_core.PlanRow],
+        stars: Array | None = None,
     ) -> None:
         self._channels = dict(channels)
         self._objects = objects
@@ -70,6 +74,11 @@ class Sample(Mapping[str, Array]):
         m, in the rest pose to where it is, "joints": one {"angle_deg"} or {"translation_m"} for
         each of the node's joints}."""
         self.plan = plan
+        self.stars = np.empty(0, STAR) if stars is None else stars
+        """Stars that the colours show, one row each, the brightest first: number and magnitude of
+        the catalogue, u and v, the pixel position of the centre. With the lens's distortion. Empty
+        where no channel of colours was asked for. Hidden stars, and those too faint for the
+        exposure (row `stars` of the plan), are not in it."""
 
     @property
     def objects(self) -> Array:

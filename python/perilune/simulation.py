@@ -22,6 +22,7 @@ from perilune.orbits import Setting, System
 from perilune.parts import Partition
 from perilune.request import arrays_of, camera_label, request_of
 from perilune.sample import Sample
+from perilune.sky import seen
 from perilune.sunlight import LightCurve, light_curve
 from perilune.timeline import Timeline
 from perilune.world import World
@@ -199,6 +200,7 @@ class Simulation:
         scales = handles.scales(scene.config)
         request = request_of(scene, poses, scales, movers, self._document.path)
         look = handles.looks.of(scene.config)
+        request["sky"] = handles.skies.request(scene)
         request["graph_parameters"] = materials.parameters(look.graphs, scene.config)
         return request
 
@@ -271,7 +273,8 @@ class Simulation:
             meta["exposure_s"] = result["exposure_s"]
         objects = arrays.pop(OBJECTS, None)
         label = camera_label(request, scene.sensor, not undistorted)
-        return Sample(arrays, objects, label, meta, result["plan"])
+        stars = seen(result["stars"])
+        return Sample(arrays, objects, label, meta, result["plan"], stars)
 
     def plot_orbits(self, frames: Iterable[int] = (0,), **options: Any) -> Any:
         """A matplotlib Figure of the orbits in some frames; see perilune.plots.plot_orbits."""

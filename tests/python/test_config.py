@@ -316,6 +316,7 @@ def test_every_physical_key_has_its_unit():
         "jitter_strength", "step_interval", "correlation", "first_frame",
         "drivers",  # of the inputs of nodes, which say their units
         "rotation_deg_step_v",  # the paper's name: degrees in a step
+        "catalogue_year", "limit_magnitude", "white_mag_arcsec2", "brightness",  # of the sky
         "b", "c", "b_s0", "h_s", "b_c0", "h_c", "filling", "k",  # of photometric laws
         "mie_g", "ground_albedo",  # of atmospheres
     }  # fmt: skip

@@ -29,6 +29,7 @@ from perilune.config.orbit import Orbit
 from perilune.config.parts import Parts
 from perilune.config.photometry import Photometry
 from perilune.config.sensors import Sensor
+from perilune.config.sky import Sky
 from perilune.config.trajectory import check_trajectory
 from perilune.config.types import (
     Direction,
@@ -425,6 +426,8 @@ class Config(Strict):
     root: str
     """Name of the body entry whose centre is the origin of the root frame (ICRF axes)."""
     sun: Sun = Sun()
+    sky: Sky | None = None
+    """Black without it."""
     bodies: Annotated[dict[str, Body], Field(min_length=1)]
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
     materials: dict[str, Material] = Field(default_factory=dict)

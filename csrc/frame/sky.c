@@ -1,0 +1,167 @@
+/* Stars between the tracer and the pixels, and the background's scale. */
+#include "frame/sky.h"
+
+#include "frame/effects.h"
+#include "light/sun.h"
+#include "sensor/stage.h"
+
+static pl_status check(const pl_sky *sky) {
+  const double beta = pl_vec3_norm(sky->beta);
+  if (!(beta < 1.0))
+    return pl_fail(PL_E_RANGE, "sky: the camera must be slower than light");
+  for (int band = 0; sky->backdrop.texture != NULL && band < 3; band++)
+    if (!(sky->backdrop.white[band] >= 0.0f && isfinite(sky->backdrop.white[band])))
+      return pl_fail(PL_E_RANGE, "sky: the background's white must be finite and not negative");
+  return PL_OK;
+}
+
+/* A point-spread function may bring all of a star into one pixel, of which the four nearest share
+ * here: no pixel of it gets more than so many times what the fullest of these do. */
+static const double GATHERED = 4.0;
+
+static double white_of(const pl_view *view) {
+  if (view->sensor == NULL)
+    return view->white_radiance;
+  return fmin(view->white_radiance, pl_sensor_white_radiance(view) / GATHERED);
+}
+
+/* Radiance that a cell's faint stars may have together: an eighth of the tolerance, at most. */
+static double faint_radiance(const pl_view *view, const pl_plan_wish *wish) {
+  const bool all = (wish->force_on >> pl_effect_find("stars") & 1u) != 0;
+  double radiance = all || !(wish->tolerance_dn > 0.0) ? 0.0 : view->sky.white_radiance;
+  while (radiance > 1e-30 && pl_view_sky_dn(view, radiance) > 0.125 * wish->tolerance_dn)
+    radiance *= 0.5;
+  return radiance > 1e-30 ? radiance : 0.0;
+}
+
+pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl_plan_wish *wish,
+                            pl_arena *arena, pl_view *view, pl_frame_sky *out) {
+  *out = (pl_frame_sky){.width = shot->camera.width};
+  view->sky = (pl_view_sky){.white_radiance = white_of(view)};
+  if (sky == NULL)
+    return PL_OK;
+  PL_TRY(check(sky));
+  out->backdrop = sky->backdrop;
+  if (sky->backdrop.texture != NULL) {
+    for (int band = 0; band < 3; band++)
+      out->backdrop.white[band] *= sky->by_display ? (float)view->white_radiance : 1.0f;
+    view->sky.has_background = true;
+    view->sky.background_max = pl_backdrop_max(&out->backdrop);
+  }
+  if (sky->stars == NULL)
+    return PL_OK;
+  return pl_star_field_gather(sky->stars, shot, sky->beta, faint_radiance(view, wish), arena,
+                              &out->field, &view->sky);
+}
+
+/* --- after the plan */
+
+/* Keeps the stars that the plan does and nothing hides. A star is a point: it is seen or not. */
+static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer, const pl_air_view *air,
+                           size_t count, pl_arena *arena, pl_frame_sky *sky) {
+  pl_ray *rays = pl_arena_alloc(arena, count, sizeof *rays);
+  bool *hidden = pl_arena_alloc(arena, count, sizeof *hidden);
+  sky->seen = pl_arena_alloc(arena, count, sizeof *sky->seen);
+  if (rays == NULL || hidden == NULL || sky->seen == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for %zu stars", count);
+  for (size_t i = 0; i < count; i++)
+    rays[i] = (pl_ray){.t_max = INFINITY,
+                       .direction = pl_vec3_to_float(sky->field.stars[i].direction),
+                       .skip_body = PL_NOTHING};
+  pl_tracer_occluded(tracer, rays, hidden, count, false);
+  const pl_sun_view sun = pl_sun_view_at(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
+  for (size_t i = 0; i < count; i++) {
+    const pl_field_star *star = &sky->field.stars[i];
+    double pixel[2];
+    /* Again: the plan may have left out the lens's distortion. */
+    const pl_vec3 view = pl_mat3_mul_vec_t(shot->camera_to_root, star->direction);
+    if (hidden[i] || pl_sun_covers(&sun, rays[i].direction) ||
+        !pl_camera_project(&shot->camera, view, pixel))
+      continue;
+    const pl_vec3 here = {0.0, 0.0, 0.0};
+    const pl_vec3f passed = air != NULL ? pl_air_toward_sun(air, shot, here, rays[i].direction)
+                                        : (pl_vec3f){1.0f, 1.0f, 1.0f};
+    sky->seen[sky->seen_count++] = (pl_seen_star){star->star, pixel[0], pixel[1], passed};
+  }
+  return PL_OK;
+}
+
+static size_t tile_of(const pl_frame_sky *sky, uint32_t pixel) {
+  const size_t x = pixel % (uint32_t)sky->width, y = pixel / (uint32_t)sky->width;
+  return y / PL_TILE_SIDE * (size_t)sky->columns + x / PL_TILE_SIDE;
+}
+
+/* Sorts the light by tile; in a tile it stays in order. */
+static void sort_light(const pl_star_light *light, size_t count, size_t tiles, pl_frame_sky *sky) {
+  for (size_t i = 0; i <= tiles; i++)
+    sky->first[i] = 0;
+  for (size_t i = 0; i < count; i++)
+    sky->first[tile_of(sky, light[i].pixel) + 1]++;
+  for (size_t i = 0; i < tiles; i++)
+    sky->first[i + 1] += sky->first[i];
+  for (size_t i = 0; i < count; i++) {
+    size_t *next = &sky->first[tile_of(sky, light[i].pixel)];
+    sky->light[(*next)++] = light[i];
+  }
+  for (size_t i = tiles; i > 0; i--) /* each now stands where the following began */
+    sky->first[i] = sky->first[i - 1];
+  sky->first[0] = 0;
+}
+
+static pl_status deposit(const pl_camera *camera, pl_arena *arena, pl_frame_sky *sky) {
+  const int rows = (camera->height + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
+  sky->columns = (camera->width + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
+  const size_t tiles = (size_t)sky->columns * (size_t)rows, most = 4 * sky->seen_count;
+  pl_star_light *light = pl_arena_alloc(arena, most, sizeof *light);
+  size_t count = 0;
+  sky->light = pl_arena_alloc(arena, most, sizeof *light);
+  sky->first = pl_arena_alloc(arena, tiles + 1, sizeof *sky->first);
+  if (light == NULL || sky->light == NULL || sky->first == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for %zu stars", sky->seen_count);
+  for (size_t i = 0; i < sky->seen_count; i++) {
+    pl_star_splat splat;
+    const pl_vec3f passed = sky->seen[i].passed;
+    pl_star star = *sky->seen[i].star;
+    star.light[0] *= passed.x;
+    star.light[1] *= passed.y;
+    star.light[2] *= passed.z;
+    pl_star_splat_at(camera, &star, sky->seen[i].u, sky->seen[i].v, &splat);
+    for (int k = 0; k < splat.count; k++)
+      light[count++] = (pl_star_light){splat.pixels[k], splat.light[k]};
+  }
+  sort_light(light, count, tiles, sky);
+  return PL_OK;
+}
+
+pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const pl_tracer *tracer,
+                             const pl_air_view *air, pl_arena *arena, pl_frame_sky *sky) {
+  const int level = pl_plan_value(plan, "stars");
+  size_t count = 0;
+  if (pl_plan_value(plan, "sky_background") == 0)
+    sky->backdrop.kind = PL_BACKDROP_NONE;
+  while (count < sky->field.count && sky->field.stars[count].level <= level)
+    count++;
+  if (count == 0)
+    return PL_OK;
+  PL_TRY(find_seen(shot, tracer, air, count, arena, sky));
+  return deposit(&shot->camera, arena, sky);
+}
+
+const pl_vec3f *pl_frame_sky_tile(const pl_frame_sky *sky, const pl_tile_result *result,
+                                  pl_vec3f *lit) {
+  const pl_tile *tile = &result->tile;
+  if (sky->first == NULL)
+    return result->radiance;
+  const size_t index =
+      (size_t)(tile->y0 / PL_TILE_SIDE) * (size_t)sky->columns + (size_t)(tile->x0 / PL_TILE_SIDE);
+  if (sky->first[index] == sky->first[index + 1])
+    return result->radiance;
+  for (int i = 0; i < PL_TILE_PIXELS; i++)
+    lit[i] = result->radiance[i];
+  for (size_t i = sky->first[index]; i < sky->first[index + 1]; i++) {
+    const int x = (int)(sky->light[i].pixel % (uint32_t)sky->width) - tile->x0;
+    const int y = (int)(sky->light[i].pixel / (uint32_t)sky->width) - tile->y0;
+    lit[y * PL_TILE_SIDE + x] = pl_vec3f_add(lit[y * PL_TILE_SIDE + x], sky->light[i].light);
+  }
+  return lit;
+}

@@ -1,0 +1,15 @@
+/* The sky of a request, and the stars of a result. */
+#ifndef PL_PYEXT_PY_SKY_H
+#define PL_PYEXT_PY_SKY_H
+
+#include "pyext/py_common.h"
+
+#include "frame/frame.h"
+
+/* "sky" of the request dictionary, which may be absent or None; what it borrows lives as long as
+ * the request. */
+int pl_py_sky_parse(PyObject *request, pl_sky *sky, pl_frame_request *out);
+/* As documented in the stub. A new reference. */
+PyObject *pl_py_seen_stars(const pl_frame_result *result);
+
+#endif
