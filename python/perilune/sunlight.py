@@ -69,8 +69,8 @@ def light_curve(
     name: an entry of the configuration, or `camera`. A body does not shade itself, and spacecraft
     (meshes) shade nothing here. limb_darkening: false takes a disc of even brightness. at: part of
     the exposure that has passed, 0 at the opening of the shutter and 1 at its closing. nodes: of
-    the quadrature, 1 to 64 (benchmarks/eclipse.py): with 16 the error is below 1e-9, most often
-    1e-12. Positions are geometric, as everywhere here; bodies are ellipsoids without an atmosphere,
+    the quadrature, 1 to 64 (benchmarks/eclipse.py): with 16 the error is below 1e-12, but for
+    bodies that all but touch a darkened limb from inside, 1e-8. Positions are geometric, as everywhere here; bodies are ellipsoids without an atmosphere,
     and the union of all that are before the disc is exact. ValueError for a name that is not there,
     and for a place inside the Sun.
     """
