@@ -70,9 +70,10 @@ def light_curve(
     (meshes) shade nothing here. limb_darkening: false takes a disc of even brightness. at: part of
     the exposure that has passed, 0 at the opening of the shutter and 1 at its closing. nodes: of
     the quadrature, 1 to 64 (benchmarks/eclipse.py): with 16 the error is below 1e-12, but for
-    bodies that all but touch a darkened limb from inside, 1e-8. Positions are geometric, as everywhere here; bodies are ellipsoids without an atmosphere,
-    and the union of all that are before the disc is exact. ValueError for a name that is not there,
-    and for a place inside the Sun.
+    bodies that all but touch a darkened limb from inside, 1e-8. Positions are geometric, as
+    everywhere here; bodies are ellipsoids without an atmosphere, and the union of all that are
+    before the disc is exact. ValueError for a name that is not there, and for a place inside the
+    Sun.
     """
     indices = np.array([int(index) for index in frames], dtype=np.int64)
     config = sim.config
