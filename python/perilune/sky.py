@@ -67,9 +67,9 @@ def irradiance(vmag: F64 | float, temperature_k: F64 | float, sun: Sun) -> F64:
     have the spectral irradiance of their V magnitude there, and are black bodies elsewhere.
     """
     files_of = () if sun.spectrum is None else (files.stamp(Path(sun.spectrum.file)),)
-    parts = _sun_density(sun.band_wavelengths_um, sun.spectrum, files_of)
+    parts = _sun_density(sun.wavelengths_um, sun.spectrum, files_of)
     temperatures = np.asarray(temperature_k, np.float64)[..., None]
-    color = _planck(np.array(sun.band_wavelengths_um), temperatures)
+    color = _planck(np.array(sun.wavelengths_um), temperatures)
     strength = V_ZERO_W_M2_UM * 10.0 ** (-0.4 * np.asarray(vmag, np.float64)[..., None])
     return np.asarray(strength * color / parts)
 
@@ -139,7 +139,7 @@ class Skies:
         spectrum = None if sun.spectrum is None else files.stamp(Path(sun.spectrum.file))
         limit = np.inf if given.limit_magnitude is None else given.limit_magnitude
         file = (path, files.stamp(path))
-        key = (file, years, sun.band_wavelengths_um, sun.spectrum, spectrum, limit)
+        key = (file, years, sun.wavelengths_um, sun.spectrum, spectrum, limit)
 
         def make() -> _core.Stars:
             table = self._tables.get(file, lambda: read_stars(path))
