@@ -13,7 +13,8 @@ static const struct {
   const char *unit, *doc;
 } colour_channels[] = {
     {"rgb", "uint8", 3, "DN", "clean, display-encoded (sRGB)"},
-    {"radiance", "float32", 3, "W m-2 sr-1", "before the sensor"},
+    {"radiance", "float32", 3, "W m-2 sr-1",
+     "before the sensor; each colour as if all of the sun's spectrum were reflected like it"},
     {"bands", "float32", PL_PY_BANDS, "W m-2 sr-1", "clean, in each band of the camera"},
     {"raw", "uint16", 0, "DN", "the sensor's digital numbers, under its mosaic of filters"},
     {"sensor_rgb", "uint8", 3, "DN", "the sensor's picture, display-encoded (sRGB)"},

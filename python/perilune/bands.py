@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, files, spectra
-from perilune.config.bands import UM_PER_UNIT, Band, BandPreset, Spectrum
+from perilune.config.bands import UM_PER_UNIT, Band, Bands, Spectrum
 from perilune.config.camera import Camera
 from perilune.config.schema import SRGB_UM, Config, Sun
 
@@ -18,9 +18,6 @@ F64 = NDArray[np.float64]
 
 MONOCHROME_UM = (0.4, 0.9)
 """The preset `monochrome`: what silicon without filters sees well."""
-
-
-Bands = BandPreset | tuple[Band, ...]
 
 
 def stamps(bands: Bands, spectrum: Spectrum | None) -> tuple[files.Stamp, ...]:

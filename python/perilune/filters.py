@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import bands, files, spectra
-from perilune.config.bands import UM_PER_UNIT, QuantumEfficiency, Spectrum
+from perilune.config.bands import UM_PER_UNIT, Bands, QuantumEfficiency, Spectrum
 from perilune.config.camera import Camera
 from perilune.config.schema import Config
 from perilune.config.sensor import Efficiency, Filters
@@ -76,7 +76,7 @@ def _described(
     mosaic: str,
     given: Efficiencies,
     bands_nm: Filters,
-    chosen: bands.Bands,
+    chosen: Bands,
     spectrum: Spectrum | None,
     stamps: tuple[files.Stamp, ...],
 ) -> dict[str, F64]:
@@ -98,7 +98,7 @@ def described(camera: Camera, spectrum: Spectrum | None) -> dict[str, Any]:
     sensor = camera.sensor
     assert sensor is not None
     given = sensor.quantum_efficiency
-    chosen: bands.Bands = camera.bands if sensor.mosaic == "planes" else "srgb"
+    chosen: Bands = camera.bands if sensor.mosaic == "planes" else "srgb"
     stamps = bands.stamps(chosen, spectrum)
     if isinstance(given, QuantumEfficiency):
         stamps += (files.stamp(Path(given.file)),)

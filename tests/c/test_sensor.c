@@ -64,6 +64,38 @@ static void automatic_time_keeps_its_limits(void **state) {
   assert_true(fabs(pl_sensor_auto_time_s(&sensor, 3.0) - 0.8 * time_s) < 1e-12 * time_s);
 }
 
+/* Rows of the mix are parts of a whole; planes and mixes exclude what they replace. */
+static void wrong_filters_are_refused(void **state) {
+  (void)state;
+  pl_sensor_plane plane = {{0.1, 0.1, 0.1}, {5e-7, 5e-7, 5e-7}};
+  pl_sensor mosaic = sensor_plain(), bare = sensor_plain();
+  mosaic.mosaic = PL_MOSAIC_RGGB;
+  mosaic.mixed = true;
+  for (int band = 0; band < 3; band++)
+    mosaic.mix[band][band] = 1.0;
+  bare.planes = &plane;
+  bare.plane_count = 1;
+  assert_int_equal(pl_sensor_check(&mosaic), PL_OK);
+  assert_int_equal(pl_sensor_check(&bare), PL_OK);
+  mosaic.mix[1][2] = 0.5;
+  assert_int_equal(pl_sensor_check(&mosaic), PL_E_RANGE);
+  mosaic.mix[1][1] = 1.5;
+  mosaic.mix[1][2] = -0.5;
+  assert_int_equal(pl_sensor_check(&mosaic), PL_E_RANGE);
+  mosaic = sensor_plain();
+  mosaic.mosaic = PL_MOSAIC_RGGB;
+  mosaic.planes = &plane;
+  mosaic.plane_count = 1;
+  assert_int_equal(pl_sensor_check(&mosaic), PL_E_ARGUMENT);
+  bare.mixed = true;
+  for (int band = 0; band < 3; band++)
+    bare.mix[band][band] = 1.0;
+  assert_int_equal(pl_sensor_check(&bare), PL_E_ARGUMENT);
+  bare.mixed = false;
+  plane.wavelength_m[2] = (double)NAN;
+  assert_int_equal(pl_sensor_check(&bare), PL_E_RANGE);
+}
+
 static void wrong_numbers_are_refused(void **state) {
   (void)state;
   const pl_sensor good = sensor_plain();
@@ -87,6 +119,7 @@ int main(void) {
       cmocka_unit_test(irradiance_on_the_axis),
       cmocka_unit_test(mosaics_are_named_by_their_first_four),
       cmocka_unit_test(automatic_time_keeps_its_limits),
+      cmocka_unit_test(wrong_filters_are_refused),
       cmocka_unit_test(wrong_numbers_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

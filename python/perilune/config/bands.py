@@ -5,7 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from perilune import spectra
@@ -27,7 +35,7 @@ def found(value: str, info: ValidationInfo) -> str:
     try:
         return str(find(value, ""))
     except FileNotFoundError as error:
-        fail("", str(error).removeprefix(": "))
+        fail("", str(error).split(": : ", 1)[-1])  # the source and key are added to it
 
 
 def read_curves(file: str, unit: WavelengthUnit, columns: int | None = None) -> Any:
@@ -136,3 +144,21 @@ class Band(Strict):
         if self.center_um - 0.5 * self.width_um < 0.01:
             fail("width_um", "the band must begin at 0.01 um or later")
         return self
+
+
+def _some(value: tuple[Band, ...]) -> tuple[Band, ...]:
+    if not 1 <= len(value) <= MOST_BANDS:
+        fail("", f"must have 1 to {MOST_BANDS} bands, not {len(value)}")
+    return value
+
+
+def _bands_tag(value: Any) -> str:
+    return "preset" if isinstance(value, str) else "list"
+
+
+Bands = Annotated[
+    Annotated[BandPreset, Tag("preset")]
+    | Annotated[tuple[Band, ...], AfterValidator(_some), Tag("list")],
+    Discriminator(_bands_tag),
+]
+"""The name of ready bands, or a list of own ones."""

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from perilune.config.bands import MOST_BANDS, Band, BandPreset
+from perilune.config.bands import Bands
 from perilune.config.errors import fail
 from perilune.config.lens import Lens
 from perilune.config.sensor import ImageSensor
@@ -47,9 +47,6 @@ def check_matrix(K: Matrix) -> None:
         fail("K", "must be [fx, s, cx, 0, fy, cy, 0, 0, 1]")
 
 
-Bands = Annotated[tuple[Band, ...], Field(min_length=1, max_length=MOST_BANDS)]
-
-
 class Camera(Strict):
     """A camera; integer pixel centres, OpenCV axes (x right, y down, z forward)."""
 
@@ -67,7 +64,7 @@ class Camera(Strict):
     exposure_time_s: NonNegative = 0.0
     """Shutter opening to closing; frame times are openings."""
     exposure: Exposure = Exposure()
-    bands: BandPreset | Bands = "srgb"
+    bands: Bands = "srgb"
     """Of the channel `bands`: srgb (red, green and blue as a display shows them, weighted by the
     eye's response), monochrome (0.4 to 0.9 um), or a list of bands."""
     sensor: ImageSensor | None = None

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-from perilune.config.bands import BandPreset
-from perilune.config.camera import INTRINSICS, Bands, Camera, Exposure, Matrix, check_matrix
+from perilune.config.bands import Bands
+from perilune.config.camera import INTRINSICS, Camera, Exposure, Matrix, check_matrix
 from perilune.config.errors import fail
 from perilune.config.lens import Lens
 from perilune.config.sensor import ImageSensor
@@ -55,7 +55,7 @@ class Sensor(Strict):
     """Shutter opening to closing; all sensors of a step open together."""
     exposure: Exposure | None = None
     """Replaces the platform's section as a whole."""
-    bands: BandPreset | Bands | None = None
+    bands: Bands | None = None
     """Replaces the platform's list as a whole."""
     sensor: ImageSensor | None = None
     """Likewise."""
