@@ -33,6 +33,8 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_transmission,
     &pl_effect_distortion,
     &pl_effect_depth_of_field,
+    &pl_effect_motion_blur,
+    &pl_effect_rolling_shutter,
     &pl_effect_antialiasing,
     &pl_effect_sky_background,
     &pl_effect_stars,

@@ -6,8 +6,11 @@
 
 #include "base/memory.h"
 #include "frame/effects.h"
+#include "frame/moving.h"
+#include "frame/output.h"
 #include "frame/renderer.h"
 #include "render/laws.h"
+#include "scene/shutter.h"
 
 static const char *const stage_names[PL_STAGE_COUNT] = {"snapshot", "meter", "plan",  "realise",
                                                         "render",   "label", "sensor"};
@@ -34,6 +37,7 @@ pl_status pl_renderer_create(const pl_scene *scene, pl_renderer **out) {
   renderer->scene = scene;
   pl_arena_init(&renderer->arena);
   pl_arena_init(&renderer->sensor_arena);
+  pl_arena_init(&renderer->instants);
   pl_encoder_init(&renderer->encoder);
   pl_label_tools_init(&renderer->label_tools);
   const pl_status status = pl_tracer_create(&renderer->tracer);
@@ -52,6 +56,7 @@ void pl_renderer_destroy(pl_renderer *renderer) {
   pl_render_scratch_destroy(renderer->scratch);
   pl_arena_clear(&renderer->arena);
   pl_arena_clear(&renderer->sensor_arena);
+  pl_arena_clear(&renderer->instants);
   pl_free(renderer);
 }
 
@@ -96,6 +101,19 @@ static pl_status check_request(const pl_frame_request *request) {
 /* --- the frame
  * ----------------------------------------------------------------------------------*/
 
+void pl_frame_view_wants(const pl_frame_request *request, pl_view *view) {
+  view->samples = request->samples;
+  view->max_bounces = request->max_bounces;
+  view->texture_filter = request->texture_filter;
+}
+
+void pl_frame_apply(const pl_plan *plan, pl_snapshot *shot) {
+  if (pl_plan_value(plan, "distortion") == 0)
+    shot->camera.lens = (pl_lens){0};
+  if (pl_plan_value(plan, "depth_of_field") == 0)
+    shot->camera.aperture_m = 0.0;
+}
+
 /* A white Lambert surface facing the sun at the brightest thing of the scene. */
 static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   double irradiance = pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
@@ -119,7 +137,6 @@ static pl_status expose(pl_renderer *renderer, const pl_frame_request *request, 
 
 /* `metered`: automatic exposures are measured. They are not where labels alone are wanted, which no
  * effect changes. `sensor`: set to the request's with its exposure time, if `developed`. */
-#include "render/laws.h"
 static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request, bool metered,
                             bool developed, pl_snapshot *shot, pl_sensor *sensor, pl_frame_sky *sky,
                             pl_frame_result *result) {
@@ -133,9 +150,8 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(pl_snapshot_build(renderer->scene, &request->placement, &renderer->arena, shot));
   PL_TRY(pl_snapshot_view(shot, &renderer->arena, &view));
   lap(result, PL_STAGE_SNAPSHOT, &start);
-  view.samples = request->samples;
-  view.max_bounces = request->max_bounces;
-  view.texture_filter = request->texture_filter;
+  pl_frame_view_wants(request, &view);
+  pl_shutter_measure(&request->placement, shot, &view);
   developed = developed && request->sensor != NULL;
   if (developed)
     *sensor = *request->sensor;
@@ -147,11 +163,10 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   if (metered)
     PL_TRY(pl_laws_build(shot, &renderer->arena, &view));
   PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &view, &request->wish, &result->plan));
+  if (pl_moving(request, &result->plan))
+    PL_TRY(pl_moving_plan(renderer, request, &view, metered, &result->plan));
   pl_snapshot_cull(shot, &view, request->wish.tolerance_dn);
-  if (pl_plan_value(&result->plan, "distortion") == 0)
-    shot->camera.lens = (pl_lens){0};
-  if (pl_plan_value(&result->plan, "depth_of_field") == 0)
-    shot->camera.aperture_m = 0.0;
+  pl_frame_apply(&result->plan, shot);
   lap(result, PL_STAGE_PLAN, &start);
   return PL_OK;
 }
@@ -162,53 +177,6 @@ pl_status pl_renderer_plan(pl_renderer *renderer, const pl_frame_request *reques
   pl_sensor sensor;
   pl_frame_sky sky;
   return plan_frame(renderer, request, true, true, &shot, &sensor, &sky, result);
-}
-
-typedef struct output {
-  const pl_frame_request *request;
-  const pl_snapshot *shot;
-  const pl_encoder *encoder;
-  float white_radiance;
-  pl_vec3f *bands; /* for the sensor; NULL: none */
-  const pl_frame_sky *sky;
-  pl_labels labels;
-} output;
-
-static void write_colour(const output *output, const pl_tile_result *result) {
-  const size_t width = (size_t)output->shot->camera.width;
-  pl_vec3f lit[PL_TILE_PIXELS];
-  const pl_vec3f *radiance = pl_frame_sky_tile(output->sky, result, lit);
-  for (int y = 0; y < result->tile.height; y++) {
-    const size_t first = (size_t)(result->tile.y0 + y) * width + (size_t)result->tile.x0;
-    const pl_vec3f *row = radiance + y * PL_TILE_SIDE;
-    const size_t count = (size_t)result->tile.width;
-    if (output->request->rgb != NULL)
-      pl_encode_rgb(output->encoder, row, count, output->white_radiance,
-                    output->request->rgb + 3 * first);
-    if (output->request->radiance != NULL)
-      memcpy(output->request->radiance + 3 * first, row, count * sizeof *row);
-    if (output->request->bands != NULL)
-      pl_bands_write(output->request->band_parts, output->request->band_count, row, count,
-                     output->request->bands + (size_t)output->request->band_count * first);
-    if (output->bands != NULL)
-      memcpy(output->bands + first, row, count * sizeof *row);
-  }
-}
-
-static pl_status write_tile(void *context, const pl_tile_result *result, int worker) {
-  const output *output = context;
-  const pl_snapshot *shot = output->shot;
-  write_colour(output, result);
-  /* By rows, whose points stay in the nearest cache from channel to channel. */
-  for (int y = 0; y < result->tile.height; y++) {
-    const int row[4] = {result->tile.x0, result->tile.y0 + y, result->tile.width, 1};
-    for (size_t i = 0; i < pl_channel_count; i++)
-      if (output->request->channels[i] != NULL)
-        pl_channel_write(&pl_channels[i], shot, result->points + y * PL_TILE_SIDE, PL_TILE_SIDE,
-                         row, shot->camera.width, output->request->channels[i]);
-  }
-  pl_labels_tile(&output->labels, result, worker);
-  return PL_OK;
 }
 
 static pl_render_settings settings_of(const pl_frame_request *request,
@@ -255,12 +223,14 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(
       plan_frame(renderer, request, wants_colour(request), develop, &shot, &sensor, &sky, result));
   double start = now_s();
-  output output = {
+  pl_output output = {
       .request = request,
       .shot = &shot,
       .encoder = &renderer->encoder,
       .white_radiance = (float)result->white_radiance,
+      .colour = true,
       .sky = &sky,
+      .sensor = develop ? &sensor : NULL,
   };
   if (develop)
     PL_TRY(allocate_bands(renderer, &shot.camera, &output.bands));
@@ -276,17 +246,20 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   }
   pl_emitters emitters;
   const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
-  PL_TRY(pl_frame_emitters(renderer, &shot, emitters_value, &emitters, &settings));
   pl_air_view air;
-  PL_TRY(pl_frame_air(renderer, &shot, &result->plan, &air, &settings));
+  PL_TRY(pl_frame_emitters(&renderer->arena, &shot, emitters_value, &emitters, &settings));
+  PL_TRY(pl_frame_air(&renderer->arena, &shot, &result->plan, &air, &settings));
   if (wants_colour(request))
     PL_TRY(pl_frame_sky_place(&result->plan, &shot, renderer->tracer, settings.air,
                               &renderer->arena, &sky));
   settings.backdrop = sky.backdrop.kind != PL_BACKDROP_NONE ? &sky.backdrop : NULL;
   result->stars = sky.seen;
   result->star_count = sky.seen_count;
-  PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, write_tile, &output,
-                   request->cancel));
+  if (pl_moving(request, &result->plan))
+    PL_TRY(pl_moving_render(renderer, request, &result->plan, &settings, emitters_value, &output));
+  else
+    PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, pl_output_tile, &output,
+                     request->cancel));
   lap(result, PL_STAGE_RENDER, &start);
   PL_TRY(
       pl_labels_finish(&output.labels, renderer->tracer, &renderer->label_tools, &renderer->arena));

@@ -39,11 +39,11 @@ static void shrink_camera(pl_camera *camera) {
   camera->height = h;
 }
 
-pl_status pl_frame_emitters(pl_renderer *renderer, const pl_snapshot *shot, int wanted,
+pl_status pl_frame_emitters(pl_arena *arena, const pl_snapshot *shot, int wanted,
                             pl_emitters *emitters, pl_render_settings *settings) {
   if (wanted == 0)
     return PL_OK;
-  PL_TRY(pl_emitters_build(shot, settings->detail, &renderer->arena, emitters));
+  PL_TRY(pl_emitters_build(shot, settings->detail, arena, emitters));
   settings->emitters = emitters->count > 0 ? emitters : NULL;
   settings->emitters_on_bodies = emitters->count > 0 && wanted > 1;
   return PL_OK;
@@ -52,12 +52,12 @@ pl_status pl_frame_emitters(pl_renderer *renderer, const pl_snapshot *shot, int 
 /* Steps of a quick look at the air: its error is of a few per cent. */
 enum { QUICK_STEPS = 6 };
 
-pl_status pl_frame_air(pl_renderer *renderer, const pl_snapshot *shot, const pl_plan *plan,
+pl_status pl_frame_air(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
                        pl_air_view *air, pl_render_settings *settings) {
   const int steps = plan != NULL ? pl_plan_value(plan, "atmosphere") : QUICK_STEPS;
   if (steps == 0)
     return PL_OK;
-  PL_TRY(pl_air_view_build(shot, steps, &renderer->arena, air));
+  PL_TRY(pl_air_view_build(shot, steps, arena, air));
   air->skylight = plan == NULL || pl_plan_value(plan, "skylight") > 0;
   air->multiple = plan == NULL || pl_plan_value(plan, "multiple_scattering") > 0;
   settings->air = air->count > 0 ? air : NULL;
@@ -82,8 +82,8 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                                  .clear_coat = true};
   pl_emitters emitters;
   pl_air_view air;
-  PL_TRY(pl_frame_air(renderer, &small, NULL, &air, &settings));
-  PL_TRY(pl_frame_emitters(renderer, &small, 2, &emitters, &settings));
+  PL_TRY(pl_frame_air(&renderer->arena, &small, NULL, &air, &settings));
+  PL_TRY(pl_frame_emitters(&renderer->arena, &small, 2, &emitters, &settings));
   PL_TRY(pl_tracer_set(renderer->tracer, &small));
   PL_TRY(pl_render(&small, renderer->tracer, &settings, renderer->scratch, meter_tile, &meter,
                    request->cancel));

@@ -14,15 +14,21 @@ struct pl_renderer {
   pl_render_scratch *scratch;
   pl_arena arena;
   pl_arena sensor_arena; /* of one of a sensor's images */
+  pl_arena instants;     /* what one instant of a moving frame needs */
   pl_encoder encoder;
 };
 
+/* Tells the view what the request asks for. */
+void pl_frame_view_wants(const pl_frame_request *request, pl_view *view);
+/* Takes from a snapshot's camera what the plan leaves out. */
+void pl_frame_apply(const pl_plan *plan, pl_snapshot *shot);
+
 /* Lists the emitters where the settings want them: `wanted` is the value of that effect. */
-pl_status pl_frame_emitters(pl_renderer *renderer, const pl_snapshot *shot, int wanted,
+pl_status pl_frame_emitters(pl_arena *arena, const pl_snapshot *shot, int wanted,
                             pl_emitters *emitters, pl_render_settings *settings);
 
 /* Lists the airs where the plan (NULL: a quick look) wants them. */
-pl_status pl_frame_air(pl_renderer *renderer, const pl_snapshot *shot, const pl_plan *plan,
+pl_status pl_frame_air(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
                        pl_air_view *air, pl_render_settings *settings);
 
 /* Exposures that are automatic, measured on the same frame, small, by direct light only: sets

@@ -161,6 +161,8 @@ const pl_vec3f *pl_frame_sky_tile(const pl_frame_sky *sky, const pl_tile_result 
   for (size_t i = sky->first[index]; i < sky->first[index + 1]; i++) {
     const int x = (int)(sky->light[i].pixel % (uint32_t)sky->width) - tile->x0;
     const int y = (int)(sky->light[i].pixel / (uint32_t)sky->width) - tile->y0;
+    if (y < 0 || y >= tile->height) /* of a band of rows */
+      continue;
     lit[y * PL_TILE_SIDE + x] = pl_vec3f_add(lit[y * PL_TILE_SIDE + x], sky->light[i].light);
   }
   return lit;

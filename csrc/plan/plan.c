@@ -40,8 +40,13 @@ static void solve_row(const pl_view *view, const pl_plan_wish *wish, bool on, bo
              row->bound_dn, wish->tolerance_dn);
   } else {
     row->value = smallest_value(effect, view, wish->tolerance_dn);
-    snprintf(row->reason, sizeof row->reason, "can change %.3g DN, tolerance is %.2g",
-             row->bound_dn, wish->tolerance_dn);
+    const double left = effect->bound_dn(view, row->value);
+    const int at =
+        snprintf(row->reason, sizeof row->reason, "can change %.3g DN, tolerance is %.2g",
+                 row->bound_dn, wish->tolerance_dn);
+    if (row->value > 1 && left > wish->tolerance_dn)
+      snprintf(row->reason + at, sizeof row->reason - (size_t)at,
+               "; %d, as many as there may be, leave %.3g", row->value, left);
   }
   row->residual_dn = absent != NULL ? 0.0 : effect->bound_dn(view, row->value);
   row->cost_ms = row->value > 0 && absent == NULL ? effect->cost_ms(view, row->value) : 0.0;

@@ -74,6 +74,9 @@ typedef struct pl_view {
   double lens_shift_px;        /* by which the lens moves the image at most */
   double defocus_px;           /* widest circle of confusion of what is in the frame; infinite of
                                 * things at the lens */
+  double blur_px;              /* by which anything moves in the image during the exposure at most,
+                                * in pixels or in widths of its glints */
+  double skew_px;              /* likewise from the first row's exposure to the last's */
   int samples;                 /* the user's ceiling of colour samples a pixel */
   int max_bounces;             /* the user's ceiling of bounces */
   int texture_filter;          /* the user's ceiling, a pl_filter */

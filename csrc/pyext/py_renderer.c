@@ -27,6 +27,7 @@ static void renderer_dealloc(PyObject *object) {
   pl_free(self->states.bodies);
   pl_free(self->states.movers);
   pl_free(self->states.parameters);
+  pl_free(self->states.keys.numbers);
   pl_py_sensor_clear(&self->states);
   Py_XDECREF(self->scene);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(object);

@@ -58,7 +58,7 @@ static pl_pose pose_from(const double *p) {
 }
 
 static pl_motion motion_from(const double *p) {
-  return (pl_motion){pose_from(p), pose_from(p + 7)};
+  return (pl_motion){.open = pose_from(p), .close = pose_from(p + 7)};
 }
 
 static int parse_camera(PyObject *dict, pl_camera *camera) {
@@ -303,6 +303,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
       parse_regolith(request, scene->body_count, states->bodies) < 0 ||
       parse_parameters(request, scene, states) < 0 || parse_sun(request, &out->placement.sun) < 0 ||
+      pl_py_motion_parse(request, scene, states, &out->placement) < 0 ||
       parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0 ||
       pl_py_sensor_parse(request, states, out) < 0 || pl_py_bands_parse(request, states, out) < 0 ||
       pl_py_sky_parse(request, &states->sky, out) < 0)

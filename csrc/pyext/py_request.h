@@ -6,6 +6,12 @@
 
 #include "frame/frame.h"
 
+/* Numbers of the keys of all that moves in a frame. */
+typedef struct pl_py_keys {
+  double *numbers; /* owned; grows with the keys */
+  size_t room;
+} pl_py_keys;
+
 /* Room for what a frame places; one per renderer, sized by its scene. */
 typedef struct pl_py_states {
   pl_object_state *objects; /* owned */
@@ -14,6 +20,7 @@ typedef struct pl_py_states {
   size_t mover_count;
   pl_value *parameters;  /* owned: of all graphs, object by object, then body by body */
   size_t parameter_room; /* grows with the graphs of a scene, which may change between frames */
+  pl_py_keys keys;
   pl_sensor sensor;
   PyObject *sensor_flat, *sensor_kernel; /* arrays that the sensor borrows, or NULL */
   float bands[PL_BANDS_MAX][3];
@@ -24,6 +31,10 @@ typedef struct pl_py_states {
 /* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */
 int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
                         pl_frame_request *out);
+/* "motion" of the request dictionary, which may be absent or None: then nothing moves. After all
+ * else that is placed. */
+int pl_py_motion_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
+                       pl_placement *placement);
 /* "sensor" of the request dictionary, which may be absent or None. */
 int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Lets go of the arrays that the sensor borrows. */

@@ -186,7 +186,7 @@ static const pl_air_item *only_item(const pl_path_context *context, bool *any) {
 void pl_air_prepare(const pl_path_context *context, pl_tile_buffers *b) {
   memset(b->air.known, 0, sizeof b->air.known);
   b->air.item = only_item(context, &b->air.any);
-  if (b->air.item == NULL || !context->centred || !(context->settings->noise_dn > 0.0f))
+  if (b->air.item == NULL || !context->sharp || !(context->settings->noise_dn > 0.0f))
     return;
   for (int i = 0; i < PL_AIR_SIDE * PL_AIR_SIDE; i++)
     b->air.corners[i].known = PL_AIR_UNKNOWN;

@@ -33,6 +33,7 @@ typedef struct pl_tile_buffers {
   float square[PL_TILE_PIXELS];      /* sum over samples of the squared luminance */
   int counts[PL_TILE_PIXELS];        /* samples in the sums */
   uint32_t seeds[PL_TILE_PIXELS];
+  int shares[PL_TILE_PIXELS]; /* of a slice: samples of it */
   /* Pixels that need more samples: of these, the first active_meshes may see a mesh. */
   uint32_t active[PL_TILE_PIXELS];
   size_t active_count, active_meshes;
@@ -64,6 +65,7 @@ typedef struct pl_path_context {
   float spread;           /* of a colour sample's cone, per metre */
   const pl_reach *reach;  /* where meshes may show */
   bool centred;           /* the geometry buffer's rays are those of sample 0 */
+  bool sharp;             /* all rays of a pixel come by one point */
   bool bodies, sun, air;  /* whether any body, the sun or air may be in this tile's cone */
   uint32_t body;          /* the only body that may be in it; PL_NOTHING for none or several */
 } pl_path_context;
@@ -75,6 +77,13 @@ void pl_path_settle(const pl_path_context *context, pl_tile_buffers *buffers);
 /* Adds sample `index` of every active pixel to the sums. The geometry buffer's hits serve sample 0
  * of pinhole cameras. */
 void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buffers *buffers);
+
+/* Of a slice: how many of each pixel's samples are of its instant; false: none in the whole tile.
+ */
+bool pl_path_share(const pl_path_context *context, pl_tile_buffers *buffers);
+/* Of a slice, after pl_path_settle: draws them; radiance becomes their part of the pixels' means.
+ */
+void pl_path_slice(const pl_path_context *context, pl_tile_buffers *buffers);
 
 /* Takes the pixels that have samples enough off the active list, see prune.c. Every active pixel
  * has had the same number. */

@@ -56,15 +56,17 @@ typedef struct job {
   pl_tile_fn done;
   void *context;
   int columns; /* tiles a row */
+  int row0, row1;
   double pixel_rad;
 } job;
 
 static pl_tile tile_of(const job *job, size_t item) {
-  const int column = (int)(item % (size_t)job->columns), row = (int)(item / (size_t)job->columns);
-  const int x0 = column * PL_TILE_SIDE, y0 = row * PL_TILE_SIDE;
-  const int w = job->shot->camera.width - x0, h = job->shot->camera.height - y0;
-  return (pl_tile){x0, y0, w < PL_TILE_SIDE ? w : PL_TILE_SIDE,
-                   h < PL_TILE_SIDE ? h : PL_TILE_SIDE};
+  const int column = (int)(item % (size_t)job->columns);
+  const int row = job->row0 / PL_TILE_SIDE + (int)(item / (size_t)job->columns);
+  const int x0 = column * PL_TILE_SIDE, below = (row + 1) * PL_TILE_SIDE;
+  const int y0 = row * PL_TILE_SIDE > job->row0 ? row * PL_TILE_SIDE : job->row0;
+  const int w = job->shot->camera.width - x0, h = (below < job->row1 ? below : job->row1) - y0;
+  return (pl_tile){x0, y0, w < PL_TILE_SIDE ? w : PL_TILE_SIDE, h};
 }
 
 /* What the tile's cone can meet. */
@@ -81,9 +83,10 @@ static content tile_content(const job *job, pl_tile tile) {
   const double rect[4] = {tile.x0 - 0.5, tile.y0 - 0.5, tile.x0 + tile.width - 0.5,
                           tile.y0 + tile.height - 0.5};
   pl_snapshot_cone(shot, rect, &axis, &half_angle);
-  for (int y = 0; y < tile.height; y += PL_REACH_BLOCK)
+  for (int y = tile.y0 / PL_REACH_BLOCK * PL_REACH_BLOCK; y < tile.y0 + tile.height;
+       y += PL_REACH_BLOCK)
     for (int x = 0; x < tile.width; x += PL_REACH_BLOCK)
-      out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y);
+      out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, y);
   out.sun = pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, axis, half_angle);
   out.air = pl_air_in_cone(job->settings->air, shot, axis, half_angle);
   size_t bodies = 0;
@@ -174,10 +177,8 @@ static void fill_points(const job *job, pl_tile tile, const content *content, pl
   }
 }
 
-static void sample_colour(const job *job, pl_tile tile, const content *content,
-                          pl_tile_buffers *b) {
-  const int samples = job->settings->samples;
-  const pl_path_context context = {
+static pl_path_context context_of(const job *job, pl_tile tile, const content *content) {
+  return (pl_path_context){
       .shot = job->shot,
       .tracer = job->tracer,
       .settings = job->settings,
@@ -185,14 +186,48 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
       .tile = tile,
       .pixel_rad = job->pixel_rad,
       .camera_sun = pl_sun_view_at(&job->shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
-      .spread = (float)(job->pixel_rad / sqrt((double)samples)),
+      .spread = (float)(job->pixel_rad / sqrt((double)job->settings->samples)),
       .reach = &job->scratch->reach,
-      .centred = !(job->shot->camera.aperture_m > 0.0),
+      .centred = !(job->shot->camera.aperture_m > 0.0) && job->settings->slice == NULL,
+      .sharp = !(job->shot->camera.aperture_m > 0.0),
       .bodies = content->bodies,
       .sun = content->sun,
       .air = content->air,
       .body = content->body,
   };
+}
+
+/* Pixels that have no sample at this instant see nothing: only they are left out here. */
+static void fill_slice_points(const job *job, pl_tile tile, pl_tile_buffers *b) {
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++) {
+      const int pixel = y * PL_TILE_SIDE + x;
+      b->points[pixel].thing = PL_NOTHING;
+      if (b->shares[pixel] == 0 || pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y))
+        continue;
+      const pl_beam beam = {.direction = pl_snapshot_ray(job->shot, tile.x0 + x, tile.y0 + y),
+                            .spread = (float)job->pixel_rad};
+      fill_body_point(job, &beam, &b->center_hits[pixel], &b->points[pixel]);
+    }
+}
+
+/* The samples of one instant, over those of all. */
+static void sample_slice(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
+  const pl_path_context context = context_of(job, tile, content);
+  draw_seeds(job, tile, b->seeds);
+  if (!pl_path_share(&context, b))
+    return;
+  if (job->settings->air != NULL)
+    pl_air_prepare(&context, b);
+  fill_slice_points(job, tile, b);
+  pl_path_settle(&context, b);
+  pl_path_slice(&context, b);
+}
+
+static void sample_colour(const job *job, pl_tile tile, const content *content,
+                          pl_tile_buffers *b) {
+  const int samples = job->settings->samples;
+  const pl_path_context context = context_of(job, tile, content);
   if (job->settings->air != NULL)
     pl_air_prepare(&context, b);
   pl_path_settle(&context, b);
@@ -234,8 +269,11 @@ static pl_status render_tile(void *context, size_t item, int worker) {
   const bool behind = job->settings->samples > 0 && job->settings->backdrop != NULL;
   const bool anything = content.meshes || content.bodies || content.sun || content.air;
   if (behind)
-    fill_backdrop(job, tile, anything ? b->backdrop : b->radiance);
-  if (anything) {
+    fill_backdrop(job, tile, anything || job->settings->slice != NULL ? b->backdrop : b->radiance);
+  if (job->settings->slice != NULL) {
+    if (anything || behind)
+      sample_slice(job, tile, &content, b);
+  } else if (anything) {
     fill_points(job, tile, &content, b);
     if (job->settings->samples > 0)
       sample_colour(job, tile, &content, b);
@@ -265,7 +303,9 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
                     const pl_render_settings *settings, pl_render_scratch *scratch, pl_tile_fn done,
                     void *context, pl_cancel *cancel) {
   const int columns = (shot->camera.width + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
-  const int rows = (shot->camera.height + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
+  const int row0 = settings->row0;
+  const int row1 = settings->row1 > 0 ? settings->row1 : shot->camera.height;
+  const int rows = (row1 + PL_TILE_SIDE - 1) / PL_TILE_SIDE - row0 / PL_TILE_SIDE;
   job job = {
       .shot = shot,
       .tracer = tracer,
@@ -274,6 +314,8 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .done = done,
       .context = context,
       .columns = columns,
+      .row0 = row0,
+      .row1 = row1,
       .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
   };
   PL_TRY(view_suns(scratch, shot));

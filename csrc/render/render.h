@@ -14,6 +14,15 @@
 
 enum { PL_TILE_SIDE = 32, PL_TILE_PIXELS = PL_TILE_SIDE * PL_TILE_SIDE };
 
+/* One instant of an exposure that is the mean of several: sample j of so many of a pixel of row y
+ * is of the time offset_s + y row_s + spread_s (j + r) / samples, with r random, and is drawn at
+ * the instant that is nearest of `count`, which are evenly in span_s from start_s on. */
+typedef struct pl_slice {
+  int instant, count;
+  double start_s, span_s;
+  double offset_s, row_s, spread_s;
+} pl_slice;
+
 typedef struct pl_render_settings {
   uint64_t seed, frame; /* key all randomness */
   int samples;          /* colour samples a pixel; 0: no colour, labels alone */
@@ -30,6 +39,10 @@ typedef struct pl_render_settings {
   const pl_backdrop *backdrop; /* borrowed: what the camera sees behind everything; NULL: black */
   float noise_dn;              /* pixels quieter than this get no more samples, see prune.c, and
                                 * busy ones more than `samples`; 0: all get `samples` */
+  int row0, row1;              /* of the image; row1 0: all */
+  const pl_slice *slice;       /* borrowed; NULL: all samples are of this instant. Else radiance is
+                                * the part of it that this instant's samples give, and points are
+                                * not filled */
   float white_radiance;        /* what noise_dn refers to, W m-2 sr-1 encoded as 255 */
 } pl_render_settings;
 
@@ -53,6 +66,15 @@ typedef struct pl_render_scratch pl_render_scratch;
 pl_status pl_render_scratch_create(int threads, pl_render_scratch **out);
 void pl_render_scratch_destroy(pl_render_scratch *scratch);
 int pl_render_scratch_threads(const pl_render_scratch *scratch);
+
+/* The instant of a sample, see above; `part`: r, 0..1. */
+static inline int pl_slice_of(const pl_slice *slice, int row, int sample, int samples,
+                              double part) {
+  const double t_s =
+      slice->offset_s + row * slice->row_s + slice->spread_s * (sample + part) / samples;
+  const double at = floor((t_s - slice->start_s) / slice->span_s * slice->count);
+  return (int)fmin(fmax(at, 0.0), slice->count - 1);
+}
 
 /* Renders the snapshot that `tracer` was set to. `done` is called once a tile, on the worker that
  * made it. Results do not depend on the number of threads. */

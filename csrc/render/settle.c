@@ -82,7 +82,7 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   const pl_shot_body *body = &shot->bodies[vertex.thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
   const bool plain = is_plain(body->body);
-  if (!context->centred || (!plain && !body->body->reflectance->photometric) ||
+  if (!context->sharp || (!plain && !body->body->reflectance->photometric) ||
       settings->emitters_on_bodies || (settings->body_bounces && body->bounced))
     return false;
   const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));

@@ -6,5 +6,7 @@
 
 extern const pl_effect pl_effect_distortion;
 extern const pl_effect pl_effect_depth_of_field;
+extern const pl_effect pl_effect_motion_blur;
+extern const pl_effect pl_effect_rolling_shutter;
 
 #endif

@@ -1,7 +1,22 @@
 /* Poses over the exposure, and the check of what a frame places. */
 #include "scene/scene.h"
 
+static pl_pose between(const pl_pose *a, const pl_pose *b, double u) {
+  const pl_vec3 t = pl_vec3_madd(a->t, u, pl_vec3_sub(b->t, a->t));
+  return (pl_pose){t, pl_quat_slerp(a->q, b->q, u)};
+}
+
+pl_pose pl_motion_at(const pl_motion *motion, double u) {
+  if (motion->keys == NULL)
+    return between(&motion->open, &motion->close, u);
+  const double at = u * (motion->key_count - 1);
+  const int first = (int)fmin(at, motion->key_count - 2);
+  return between(&motion->keys[first], &motion->keys[first + 1], at - first);
+}
+
 pl_pose pl_motion_middle(const pl_motion *motion) {
+  if (motion->keys != NULL)
+    return motion->keys[motion->key_count / 2];
   return (pl_pose){
       pl_vec3_scale(pl_vec3_add(motion->open.t, motion->close.t), 0.5),
       pl_quat_slerp(motion->open.q, motion->close.q, 0.5),
@@ -17,6 +32,8 @@ pl_pose pl_motion_middle(const pl_motion *motion) {
 /* Largest radiometric quantity: sums over lights and samples stay finite in float. */
 #define RADIOMETRY_MAX 1e30
 
+/* Far beyond use: times of a frame stay exact. */
+#define SHUTTER_MAX_S 1e12
 /* The widest telescope there may be. */
 #define APERTURE_MAX_M 100.0
 
@@ -31,7 +48,11 @@ static bool good_pose(const pl_pose *pose) {
 }
 
 static pl_status check_motion(const char *kind, const char *name, const pl_motion *motion) {
-  if (!good_pose(&motion->open) || !good_pose(&motion->close))
+  bool good = good_pose(&motion->open) && good_pose(&motion->close) &&
+              (motion->keys == NULL || (motion->key_count >= 3 && motion->key_count % 2 == 1));
+  for (int i = 0; good && motion->keys != NULL && i < motion->key_count; i++)
+    good = good_pose(&motion->keys[i]);
+  if (!good)
     return pl_fail(
         PL_E_RANGE,
         "%s '%s': pose must be finite with a unit quaternion, at most %g m from the root", kind,
@@ -97,13 +118,16 @@ static pl_status check_body(const pl_body *body, const pl_body_state *state) {
 static pl_status check_movers(const pl_object *object, const pl_object_state *state) {
   const double most = 1e3;
   const float *low = object->model->bounds_min, *high = object->model->bounds_max;
+  const size_t movers = pl_object_mover_count(object);
   double reach = 0.0;
   for (int k = 0; k < 3; k++)
     reach = fmax(reach, fmax(fabs((double)low[k]), fabs((double)high[k])));
-  if (pl_object_mover_count(object) > 0 && state->movers == NULL)
+  if (movers > 0 && state->movers == NULL)
     return pl_fail(PL_E_ARGUMENT, "object '%s': its moving nodes have no motion", object->name);
-  for (size_t i = 0; i < pl_object_mover_count(object); i++) {
-    const pl_affine *motion = &state->movers[i];
+  const size_t keyed = state->mover_keys != NULL ? movers * (size_t)state->mover_key_count : 0;
+  for (size_t k = 0; k < movers + keyed; k++) {
+    const size_t i = k % movers;
+    const pl_affine *motion = k < movers ? &state->movers[i] : &state->mover_keys[k - movers];
     bool good = pl_vec3_norm(motion->t) <= most * (reach > 0.0 ? reach : 1.0);
     for (int k = 0; k < 3; k++)
       good = good && pl_vec3_norm(motion->m.row[k]) <= most;
@@ -145,6 +169,10 @@ pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placemen
     PL_TRY(check_object(&scene->objects[i], &placement->objects[i], camera));
   for (size_t i = 0; i < scene->body_count; i++)
     PL_TRY(check_body(&scene->bodies[i], &placement->bodies[i]));
+  const pl_shutter *shutter = &placement->shutter;
+  if (!(shutter->exposure_s >= 0.0 && shutter->exposure_s <= SHUTTER_MAX_S) ||
+      !(shutter->line_s >= 0.0 && shutter->line_s <= SHUTTER_MAX_S))
+    return pl_fail(PL_E_RANGE, "shutter: exposure and line time must be 0..%g s", SHUTTER_MAX_S);
   const pl_sun *sun = &placement->sun;
   if (!in_reach(sun->position_m) || !(sun->radius_m > 0.0) || !(sun->radius_m <= REACH_M))
     return pl_fail(PL_E_RANGE, "sun: position and radius must be at most %g m, the radius above 0",

@@ -109,18 +109,27 @@ pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body);
 /* Replaces a body's graph (borrowed; NULL for none), also between frames. */
 void pl_body_set_graph(pl_body *body, const pl_graph *graph);
 
-/* Child-to-root poses when the shutter opens and when it closes; root frame, metres. */
+/* Child-to-root poses when the shutter opens on the first row and when it closes on the last; root
+ * frame, metres. */
 typedef struct pl_motion {
   pl_pose open, close;
+  const pl_pose *keys; /* borrowed: evenly in time, from `open` to `close`; NULL: these two */
+  int key_count;       /* odd, at least 3; 0 without keys */
 } pl_motion;
-/* Pose in the middle of the exposure, the instant of all labels. */
+/* Pose in the middle of that time, the instant of all labels: the middle key. */
 pl_pose pl_motion_middle(const pl_motion *motion);
+/* Pose at a part u of that time, 0..1, between the keys about it: straight, and by the shorter
+ * turn.
+ */
+pl_pose pl_motion_at(const pl_motion *motion, double u);
 
 typedef struct pl_object_state {
   pl_motion motion;
   double scale;            /* metres per model unit */
   const pl_affine *movers; /* of an articulated object: rest to now of each moving node, model axes
-                              and units (geom/articulation.h) */
+                              and units (geom/articulation.h), in the middle of the exposure */
+  const pl_affine *mover_keys; /* the same at the keys, key by key; NULL: they keep their motion */
+  int mover_key_count;
   const pl_value *parameters; /* of the object's graphs, one graph after the other */
 } pl_object_state;
 
@@ -134,10 +143,12 @@ typedef struct pl_body_state {
 } pl_body_state;
 
 typedef struct pl_sun {
-  pl_vec3 position_m; /* root frame */
+  pl_vec3 position_m; /* root frame, in the middle of the exposure */
   double radius_m;
   double irradiance_au;     /* W m-2 at 1 AU, in every band */
   double wavelengths_um[3]; /* of the bands, for the disc's darkening towards its edge */
+  const pl_vec3 *keys;      /* borrowed: its position at the keys; NULL: it stands */
+  int key_count;
 } pl_sun;
 
 /* p_pixel = K p of what the lens makes of a point, OpenCV axes, integer pixel centres. */
@@ -161,12 +172,20 @@ pl_status pl_camera_check_lens(const pl_camera *camera);
 /* By how many pixels the lens moves the image at most; infinite beyond a right angle. */
 double pl_camera_lens_shift(const pl_camera *camera);
 
+/* When rows gather light: row r from r line_s on, for exposure_s. */
+typedef struct pl_shutter {
+  double exposure_s, line_s; /* both 0: an instant, the middle of what the motions say */
+  bool held; /* the keys are too far apart to say what is between them: each is a state that holds
+                until halfway to the next */
+} pl_shutter;
+
 /* Everything that changes with the frame; arrays are borrowed and as long as the scene's. */
 typedef struct pl_placement {
   const pl_object_state *objects;
   const pl_body_state *bodies;
   pl_sun sun;
   pl_camera camera;
+  pl_shutter shutter;
 } pl_placement;
 /* PL_E_RANGE naming the object or key for non-finite or non-positive values. */
 pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placement);

@@ -328,6 +328,12 @@ class FrameRequest(TypedDict):
     # Diameter of the lens and depth in focus (inf: infinity), m; None: a pinhole.
     focus: NotRequired[tuple[float, float] | None]
     camera_pose: F64  # (2, 7): camera to root at shutter opening and closing
+    # What moves while the shutter is open; None: nothing. "times": exposure in s, time from row to
+    # row in s, whether keys hold to halfway to the next. Keys, an odd number K evenly from the
+    # first row's opening to the last row's closing, replace all poses: "camera" (K, 7), "objects"
+    # (objects, K, 7), "bodies" (bodies, K, 7), "sun" (K, 3), "movers" (K, nodes, 3, 4). Without
+    # "camera" things move straight from their first pose to their second.
+    motion: NotRequired[Mapping[str, Any] | None]
     object_poses: F64  # (objects, 2, 7)
     object_scale: F64  # (objects,), metres per model unit
     object_movers: NotRequired[F64]  # (all moving nodes, 3, 4): see Articulation.pose

@@ -196,7 +196,7 @@ class Posed:
 def posed(rig: Rig, scene: World, name: str, scale: float) -> Posed:
     """The moving nodes of spacecraft `name` in the middle of the exposure."""
     craft = scene.config.spacecraft[name]
-    t_s = scene.t_s + 0.5 * scene.camera.exposure_time_s
+    t_s = scene.t_s + 0.5 * scene.window_s
     values = [_value(joint, t_s, scale) for joint in craft.articulation]
     targets = [_target(joint, scene, name) for joint in craft.articulation]
     play = craft.animation

@@ -17,6 +17,7 @@ from perilune.config.schema import TextureFilter
 from perilune.imaging import intrinsics, sensor_of
 from perilune.optics import focus_of, lens_of
 from perilune.sample import CameraLabel
+from perilune.shutter import Keys
 from perilune.world import World
 
 F64 = NDArray[np.float64]
@@ -40,12 +41,14 @@ def request_of(
     camera_poses: F64,
     scales: Mapping[str, float],
     movers: F64,
+    keys: Keys | None,
     path: Callable[[str, str], Path],
 ) -> _core.FrameRequest:
     """What the core is asked to render.
 
     camera_poses: (2, 7), camera to root, at opening and closing. scales: metres per model unit of
-    each spacecraft. movers: (nodes, 3, 4), the motions of all moving nodes.
+    each spacecraft. movers: (nodes, 3, 4), the motions of all moving nodes in the middle of the
+    exposure. keys: what moves meanwhile.
     path: gives the file that a path in the configuration means, and takes the key for errors.
     """
     config = scene.config
@@ -64,6 +67,7 @@ def request_of(
         "object_movers": movers,
         "object_scale": np.array([scales[name] for name in config.spacecraft], dtype=np.float64),
         "body_poses": _stacked([scene.poses[name] for name in config.bodies], (2, 7)),
+        "motion": _motion(config, keys),
         "body_radii": _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
         "body_albedo": _albedos(config),
         "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
@@ -89,6 +93,21 @@ def request_of(
         "sensor": sensor,
         "bands": bands.matrix(config.camera, config.sun),
         "amodal": render.amodal,
+    }
+
+
+def _motion(config: Config, keys: Keys | None) -> dict[str, Any] | None:
+    """All that moves while the shutter is open, as the core takes it; None in no time at all."""
+    if keys is None:
+        return None
+    camera, shape = config.camera, (keys.count, 7)
+    return {
+        "times": (camera.exposure_time_s, 1e-6 * camera.line_time_us, keys.held),
+        "camera": keys.camera,
+        "objects": _stacked([keys.things[name] for name in config.spacecraft], shape),
+        "bodies": _stacked([keys.things[name] for name in config.bodies], shape),
+        "sun": keys.sun_m,
+        "movers": keys.movers,
     }
 
 
@@ -143,8 +162,12 @@ def arrays_of(config: Config, names: Sequence[str], out: Mapping[str, Array]) ->
 def camera_label(request: _core.FrameRequest, sensor: str | None, bent: bool) -> CameraLabel:
     """The camera in the middle of the exposure. bent: the labels have the lens's distortion."""
     opening, closing = request["camera_pose"]
-    R_w2c = rotations.to_matrix(rotations.middle(opening[3:], closing[3:])).T
-    center = 0.5 * (opening[:3] + closing[:3])
+    center, q = 0.5 * (opening[:3] + closing[:3]), rotations.middle(opening[3:], closing[3:])
+    motion = request["motion"]
+    if motion is not None:
+        middle = motion["camera"][len(motion["camera"]) // 2]
+        center, q = middle[:3], middle[3:]
+    R_w2c = rotations.to_matrix(q).T
     size = request["width"], request["height"]
     lens = request["lens"] if bent else None
     return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor, lens)

@@ -11,12 +11,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, bodies, labels, materials, passes, trajectories
+from perilune import (
+    _core,
+    articulation,
+    bodies,
+    labels,
+    materials,
+    passes,
+    shutter,
+    trajectories,
+)
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.errors import named, nearest
 from perilune.config.references import OBJECTS, OF_SENSOR, check_channels, check_references
 from perilune.handles import Handles, ObjectModel
 from perilune.hooks import Hook
+from perilune.imaging import intrinsics
 from perilune.motion import Kept
 from perilune.orbits import Setting, System
 from perilune.parts import Partition
@@ -193,21 +203,39 @@ class Simulation:
     def _request(
         self, scene: World, posed: Mapping[str, articulation.Posed] | None = None
     ) -> _core.FrameRequest:
-        """posed: the moving parts, where they are known already."""
-        poses = self._camera_poses(scene)
+        """posed: the moving parts in the middle of the exposure, where they are known already."""
         handles = self._mine()
-        movers = articulation.stacked(posed or handles.posed(scene))
+        posed = posed or handles.posed(shutter.middle(scene))
         scales = handles.scales(scene.config)
-        request = request_of(scene, poses, scales, movers, self._document.path)
+        request = request_of(
+            scene,
+            self._camera_poses(scene),
+            scales,
+            articulation.stacked(posed),
+            self._keys(scene),
+            self._document.path,
+        )
         look = handles.looks.of(scene.config)
         request["sky"] = handles.skies.request(scene)
         request["graph_parameters"] = materials.parameters(look.graphs, scene.config)
         return request
 
+    def _keys(self, scene: World) -> shutter.Keys | None:
+        """What moves while the shutter is open; None in no time at all."""
+        if scene.window_s == 0.0:
+            return None
+        exposure = shutter.Exposure(
+            scene,
+            self._camera_poses,
+            lambda world: articulation.stacked(self._mine().posed(world)),
+            hooked=self._trajectory is not None or scene.camera.trajectory.kind == "hook",
+        )
+        return shutter.keys(scene, float(intrinsics(scene.camera)[0, 0]), exposure)
+
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""
         scene, handles = self.world(index), self._mine()
-        request = self._request(scene, handles.posed(scene))
+        request = self._request(scene)
         with handles.lock:
             renderer = handles.renderer_of(scene.config)
             return renderer.measure_rays(request, repeats)
@@ -217,7 +245,7 @@ class Simulation:
 
         Those of the sensor where render.channels has one of its channels."""
         scene, handles = self.world(index), self._mine()
-        request = self._request(scene, handles.posed(scene))
+        request = self._request(scene)
         if not set(OF_SENSOR) & set(scene.config.render.channels):
             request["sensor"] = None
         with handles.lock:
@@ -244,7 +272,7 @@ class Simulation:
         count = default_threads() if threads is None else _checked_threads(threads)
         scene = self.world(index)
         handles = self._mine()
-        posed = handles.posed(scene)
+        posed = handles.posed(shutter.middle(scene))
         request = self._request(scene, posed)
         undistorted = scene.config.camera.label_lens == "undistorted"
         arrays = arrays_of(scene.config, names, out or {})

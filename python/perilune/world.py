@@ -23,7 +23,10 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class World:
-    """What a trajectory sees. Root frame, metres; poses at shutter opening and closing."""
+    """What a trajectory sees. Root frame, metres; poses when the shutter opens on the first row and
+    when it closes on the last.
+
+    Poses within that time are asked for by worlds that close earlier."""
 
     config: Config
     """Its section `camera` is that of the sensor that takes the frame."""
@@ -44,6 +47,8 @@ class World:
     """What moves and how: its states at any other time."""
     drivers: Mapping[str, Any]
     """What the drivers drew, by key path."""
+    window_s: float = 0.0
+    """From the opening of the first row to the closing of the last."""
     longest: World | None = None
     """The same step with the longest exposure of its sensors; None where this one's is."""
 
@@ -186,8 +191,8 @@ def build(
     radii_m = {name: orbits.radii_m(body) for name, body in config.bodies.items()}
 
     def world(camera: Camera, longest: World | None) -> World:
-        exposure = camera.exposure_time_s
-        states = system.states(np.array([t_s, t_s + exposure]))
+        window_s = camera.window_s
+        states = system.states(np.array([t_s, t_s + window_s]))
         return World(
             config=config.model_copy(update={"camera": camera}),
             moment=moment,
@@ -197,13 +202,14 @@ def build(
             velocities_m_s=states.velocities_m_s,
             body_radii_m=radii_m,
             craft_radius_m=craft_radius_m,
-            sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * exposure)),
+            sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * window_s)),
             system=system,
             drivers=drivers,
+            window_s=window_s,
             longest=longest,
         )
 
     own = cameras[moment.sensor]
-    slowest = max(cameras.values(), key=lambda camera: camera.exposure_time_s)
-    shared = slowest.exposure_time_s > own.exposure_time_s
+    slowest = max(cameras.values(), key=lambda camera: camera.window_s)
+    shared = slowest.window_s > own.window_s
     return world(own, world(slowest, None) if shared else None)

@@ -18,7 +18,7 @@ typedef struct stage {
 
 static inline pl_motion still(pl_vec3 position, pl_quat rotation) {
   const pl_pose pose = {position, rotation};
-  return (pl_motion){pose, pose};
+  return (pl_motion){.open = pose, .close = pose};
 }
 
 /* A camera at the root's origin looking along +z with x right and y down (root axes), and a sun one

@@ -56,6 +56,13 @@ static void set_init(set *s) {
   s->stage.placement.sun.position_m = (pl_vec3){0.5e11, -1.2e11, -0.7e11};
 }
 
+/* Lets the camera and a cube move while the shutter is open, row by row. */
+static void set_move(set *s) {
+  s->stage.placement.shutter = (pl_shutter){.exposure_s = 0.02, .line_s = 0.001};
+  s->stage.placement.camera.motion.close.t.x = 0.2;
+  s->stage.objects[0].motion.close.t.y += 0.1;
+}
+
 static void set_clear(set *s) {
   stage_clear(&s->stage);
   pl_model_destroy(s->cube);
@@ -89,9 +96,11 @@ static pl_status frame_with_failure(const set *s, const pl_frame_request *reques
 }
 
 /* What is not given back is found by the leak check of the address sanitizer's run. */
-static void fail_every_allocation(int threads) {
+static void fail_every_allocation(int threads, bool moving) {
   set s;
   set_init(&s);
+  if (moving)
+    set_move(&s);
   film good, other;
   film_init(&good, &s.stage);
   film_init(&other, &s.stage);
@@ -129,15 +138,17 @@ static void fail_every_allocation(int threads) {
 
 static void test_memory_runs_out(void **state) {
   (void)state;
-  fail_every_allocation(1);
-  fail_every_allocation(3);
+  fail_every_allocation(1, false);
+  fail_every_allocation(3, false);
+  fail_every_allocation(2, true);
 }
 
 /* From the second frame on nothing is allocated, whatever moves. */
-static void test_steady_state_allocates_nothing(void **state) {
-  (void)state;
+static void steady_state(bool moving) {
   set s;
   set_init(&s);
+  if (moving)
+    set_move(&s);
   film f;
   film_init(&f, &s.stage);
   pl_renderer *renderer;
@@ -148,6 +159,7 @@ static void test_steady_state_allocates_nothing(void **state) {
     const uint64_t before = pl_memory_allocations();
     for (int i = 0; i < 3; i++) {
       s.stage.objects[0].motion = still((pl_vec3){-1.0 + 0.3 * i, 0, 6}, PL_QUAT_IDENTITY);
+      s.stage.objects[0].motion.close.t.x += moving ? 0.2 : 0.0;
       request.index = (uint64_t)i;
       render(renderer, &request);
       assert_int_equal(pl_memory_allocations(), before);
@@ -156,6 +168,12 @@ static void test_steady_state_allocates_nothing(void **state) {
   pl_renderer_destroy(renderer);
   film_clear(&f);
   set_clear(&s);
+}
+
+static void test_steady_state_allocates_nothing(void **state) {
+  (void)state;
+  steady_state(false);
+  steady_state(true);
 }
 
 int main(void) {

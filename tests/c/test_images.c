@@ -147,7 +147,7 @@ static void test_cube_projects_on_its_mask(void **state) {
     s.placement.camera.skew = 3.0;
     const pl_pose camera = {pl_vec3_scale(random_direction(&random), 1.5e11),
                             random_rotation(&random)};
-    s.placement.camera.motion = (pl_motion){camera, camera};
+    s.placement.camera.motion = (pl_motion){.open = camera, .close = camera};
     const pl_vec3 place = {random_range(&random, -1, 1), random_range(&random, -1, 1),
                            random_range(&random, 4, 20)};
     stage_add_object(&s, model, pl_pose_apply(camera, place), random_rotation(&random), 3.0);

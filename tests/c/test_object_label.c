@@ -70,7 +70,7 @@ static void test_pose_and_box(void **state) {
                             random_rotation(&random)};
     const pl_pose object = {pl_vec3_add(camera.t, pl_vec3_scale(random_direction(&random), 100.0)),
                             random_rotation(&random)};
-    s.placement.camera.motion = (pl_motion){camera, camera};
+    s.placement.camera.motion = (pl_motion){.open = camera, .close = camera};
     stage_add_object(&s, model, object.t, object.q, 2.0);
     assert_int_equal(pl_snapshot_build(&s.scene, &s.placement, &arena, &shot), PL_OK);
     const pl_extent extent = {3, 4, 10, 4, 8};

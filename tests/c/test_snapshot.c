@@ -60,7 +60,7 @@ static void test_rebasing_is_exact(void **state) {
 static void test_middle_of_the_exposure(void **state) {
   (void)state;
   const pl_quat turn = pl_quat_axis_angle((pl_vec3){0, 0, 1}, 1.0);
-  const pl_motion motion = {{{0, 0, 10}, PL_QUAT_IDENTITY}, {{4, 2, 10}, turn}};
+  const pl_motion motion = {.open = {{0, 0, 10}, PL_QUAT_IDENTITY}, .close = {{4, 2, 10}, turn}};
   const pl_pose middle = pl_motion_middle(&motion);
   assert_true(middle.t.x == 2.0 && middle.t.y == 1.0 && middle.t.z == 10.0);
   const pl_vec3 x = pl_quat_rotate(middle.q, (pl_vec3){1, 0, 0});

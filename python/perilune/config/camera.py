@@ -62,7 +62,10 @@ class Camera(Strict):
     error."""
     trajectory: Trajectory
     exposure_time_s: NonNegative = 0.0
-    """Shutter opening to closing; frame times are openings."""
+    """Shutter opening to closing; frame times are openings. What moves meanwhile blurs, also where
+    `sensor` finds an exposure time of its own."""
+    line_time_us: Annotated[NonNegative, Field(le=1e12)] = 0.0
+    """Rolling shutter: each row opens so much after the one above it; 0: all at once."""
     exposure: Exposure = Exposure()
     bands: Bands = "srgb"
     """Of the channel `bands`: srgb (red, green and blue as a display shows them, weighted by the
@@ -76,6 +79,11 @@ class Camera(Strict):
         if self.K is not None:
             check_matrix(self.K)
         return self
+
+    @property
+    def window_s(self) -> float:
+        """From the opening of the first row to the closing of the last."""
+        return self.exposure_time_s + 1e-6 * self.line_time_us * (self.height - 1)
 
     @property
     def label_lens(self) -> Literal["distorted", "undistorted"] | None:

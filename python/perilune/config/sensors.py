@@ -53,6 +53,8 @@ class Sensor(Strict):
     """Replaces the platform's section as a whole."""
     exposure_time_s: NonNegative | None = None
     """Shutter opening to closing; all sensors of a step open together."""
+    line_time_us: Annotated[NonNegative, Field(le=1e12)] | None = None
+    """Rolling shutter: each row opens so much after the one above it."""
     exposure: Exposure | None = None
     """Replaces the platform's section as a whole."""
     bands: Bands | None = None

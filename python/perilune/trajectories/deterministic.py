@@ -119,7 +119,7 @@ def read(path: str) -> Rows:
 
 def _keys(world: World, spec: Deterministic, rows: Rows) -> tuple[float, float]:
     """The key at opening and closing."""
-    exposure, step_s = world.camera.exposure_time_s, world.config.time.step_s
+    exposure, step_s = world.window_s, world.config.time.step_s
     first, last = float(rows.keys[0]), float(rows.keys[-1])
     if rows.by_time:
         if spec.first_frame != 0:

@@ -33,7 +33,7 @@ def _by_time(world: World, spec: Run, duration_s: float) -> Progress:
     run = 0 if spec.after == "hold" else math.floor(share)
     opening = min(max(share - run, 0.0), 1.0)
     # The run that begins while the shutter is open is not this one's: it stays at the end.
-    closing = min(max(share - run + world.camera.exposure_time_s / duration_s, 0.0), 1.0)
+    closing = min(max(share - run + world.window_s / duration_s, 0.0), 1.0)
     return Progress(run, (opening, closing))
 
 
@@ -45,7 +45,7 @@ def _by_steps(world: World, spec: Run, positions: int) -> Progress:
         return Progress(run, (0.0, 0.0))
     opening = place / (positions - 1)
     seconds = abs(world.config.time.step_s) * (positions - 1)
-    moved = world.camera.exposure_time_s / seconds if seconds > 0.0 else 0.0
+    moved = world.window_s / seconds if seconds > 0.0 else 0.0
     return Progress(run, (opening, min(opening + moved, 1.0)))
 
 

@@ -55,7 +55,7 @@ def ellipse_state(ellipse: RelativeEllipse, rate_rad_s: float) -> tuple[F64, F64
 def _elapsed_s(world: World, spec: Relative, rate_rad_s: float) -> tuple[float, float]:
     """Time since the start, at opening and closing."""
     if spec.positions is None and spec.duration_s is None:
-        return world.t_s, world.t_s + world.camera.exposure_time_s
+        return world.t_s, world.t_s + world.window_s
     duration = spec.duration_s or 2.0 * math.pi / rate_rad_s
     if spec.positions is not None:
         shares = progress(world, spec.model_copy(update={"duration_s": None})).share

@@ -1,0 +1,97 @@
+/* Samples of one instant of an exposure. A pixel's samples keep their numbers, whatever instant
+ * each is of: over all instants they are the well spread set that the pixel has without motion, and
+ * (position, time) is a Hammersley set where the instants divide the samples. */
+#include "math/sampler.h"
+#include "render/path.h"
+
+/* A dimension pair that no path comes to, see focus.c. */
+static const uint32_t TIME_DIMENSION = UINT32_C(0x54494d45);
+
+/* Where in its part of the exposure a sample of a pixel is, 0..1. */
+static double part_of(uint32_t seed, int sample) {
+  return 0x1p-32 * pl_sampler_mix(seed ^ pl_sampler_mix((uint32_t)sample + TIME_DIMENSION));
+}
+
+/* The first sample of a row that may be of the slice, and the one after the last. */
+static void range_of(const pl_slice *slice, int row, int samples, int range[2]) {
+  const double rounding = 1e-6;
+  range[0] = 0;
+  range[1] = samples;
+  if (!(slice->spread_s > 0.0))
+    return;
+  const double length_s = slice->span_s / slice->count;
+  const double open_s = slice->offset_s + row * slice->row_s;
+  for (int i = 0; i < 2; i++) {
+    const double end_s = slice->start_s + length_s * (slice->instant + i) - open_s;
+    const double at = end_s / slice->spread_s * samples;
+    const bool outer = i == 0 ? slice->instant == 0 : slice->instant == slice->count - 1;
+    if (!outer)
+      range[i] =
+          (int)fmin(fmax(i == 0 ? floor(at - rounding) : floor(at + rounding) + 1.0, 0.0), samples);
+  }
+}
+
+static bool is_of(const pl_path_context *context, int y, uint32_t seed, int sample) {
+  const pl_slice *slice = context->settings->slice;
+  const int samples = context->settings->samples;
+  return pl_slice_of(slice, context->tile.y0 + y, sample, samples, part_of(seed, sample)) ==
+         slice->instant;
+}
+
+bool pl_path_share(const pl_path_context *context, pl_tile_buffers *b) {
+  bool any = false;
+  for (int y = 0; y < context->tile.height; y++) {
+    int range[2];
+    range_of(context->settings->slice, context->tile.y0 + y, context->settings->samples, range);
+    for (int x = 0; x < context->tile.width; x++) {
+      const int pixel = y * PL_TILE_SIDE + x;
+      b->shares[pixel] = 0;
+      for (int j = range[0]; j < range[1]; j++)
+        b->shares[pixel] += is_of(context, y, b->seeds[pixel], j);
+      any |= b->shares[pixel] > 0;
+    }
+  }
+  return any;
+}
+
+/* Keeps of the `count` pixels of `all` those that have sample j in the slice; meshes stay in front.
+ */
+static void choose(const pl_path_context *context, const uint32_t *all, size_t count, size_t meshes,
+                   int j, pl_tile_buffers *b) {
+  b->active_count = b->active_meshes = 0;
+  for (size_t i = 0; i < count; i++) {
+    if (i == meshes)
+      b->active_meshes = b->active_count;
+    const uint32_t pixel = all[i];
+    if (b->shares[pixel] > 0 && is_of(context, (int)(pixel / PL_TILE_SIDE), b->seeds[pixel], j))
+      b->active[b->active_count++] = pixel;
+  }
+  if (meshes == count)
+    b->active_meshes = b->active_count;
+}
+
+void pl_path_slice(const pl_path_context *context, pl_tile_buffers *b) {
+  const int samples = context->settings->samples;
+  uint32_t all[PL_TILE_PIXELS];
+  const size_t count = b->active_count, meshes = b->active_meshes;
+  int low = samples, high = 0;
+  for (size_t i = 0; i < count; i++)
+    all[i] = b->active[i];
+  for (int y = 0; y < context->tile.height; y++) {
+    int range[2];
+    range_of(context->settings->slice, context->tile.y0 + y, samples, range);
+    low = range[0] < low ? range[0] : low;
+    high = range[1] > high ? range[1] : high;
+    for (int x = 0; x < context->tile.width; x++) { /* those that are known as a whole */
+      const int pixel = y * PL_TILE_SIDE + x;
+      b->radiance[pixel] = pl_vec3f_scale(b->radiance[pixel], (float)b->shares[pixel]);
+    }
+  }
+  for (int j = low; j < high; j++) {
+    choose(context, all, count, meshes, j, b);
+    if (b->active_count > 0)
+      pl_path_sample(context, (uint32_t)j, b);
+  }
+  for (int pixel = 0; pixel < PL_TILE_PIXELS; pixel++)
+    b->radiance[pixel] = pl_vec3f_scale(b->radiance[pixel], 1.0f / (float)samples);
+}

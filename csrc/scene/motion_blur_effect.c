@@ -1,0 +1,43 @@
+/* The effect row `motion_blur`: the exposure as a mean of instants. */
+#include "scene/effects.h"
+
+#include <math.h>
+
+/* Motion below this, pixels, counts as none. */
+static const double STILL_PX = 0.1;
+/* Instants a pixel of motion, and in all. */
+static const double PER_PX = 4.0;
+enum { INSTANTS_MAX = 256 };
+
+static const char *absent(const pl_view *view) {
+  if (!(view->blur_px > 0.0))
+    return "the exposure has no length, or nothing moves in it";
+  return view->blur_px < STILL_PX ? "nothing moves by a tenth of a pixel" : NULL;
+}
+
+static int ceiling(const pl_view *view) {
+  const double wanted = ceil(PER_PX * view->blur_px);
+  return wanted >= INSTANTS_MAX ? INSTANTS_MAX : wanted > 2.0 ? (int)wanted : 2;
+}
+
+/* Of each of n parts of the exposure the middle stands for all: light in it comes from up to 1/2n
+ * of the way, and 1/4n in the mean. */
+static double bound_dn(const pl_view *view, int value) {
+  return pl_view_dn_shift(view, view->blur_px / (4.0 * (value > 0 ? value : 1)));
+}
+
+/* Every instant has its own accelerator of instances, and its own look at the tiles. */
+static double cost_ms(const pl_view *view, int value) {
+  return value * (0.1 + 0.02 * (double)view->thing_count + 1e-5 * view->width * view->height);
+}
+
+const pl_effect pl_effect_motion_blur = {
+    .name = "motion_blur",
+    .doc =
+        "Blur by what moves while the shutter is open: so many instants of the exposure, at most "
+        "256. Each pixel has its usual samples, spread over them; labels are of the middle",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};

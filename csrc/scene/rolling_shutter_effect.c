@@ -1,0 +1,37 @@
+/* The effect row `rolling_shutter`: rows that see the world one after the other. */
+#include "scene/effects.h"
+
+#include <math.h>
+
+/* Motion below this between the first row and the last, pixels, counts as none. */
+static const double STILL_PX = 0.1;
+
+static const char *absent(const pl_view *view) {
+  if (!(view->skew_px > 0.0))
+    return "all rows see at once, or nothing moves";
+  return view->skew_px < STILL_PX ? "from first row to last nothing moves by a tenth of a pixel"
+                                  : NULL;
+}
+
+static int ceiling(const pl_view *view) { return view->skew_px > 0.0 ? view->height : 1; }
+
+/* A row's instant is off by half of its band's rows at most; without bands by half the image's. */
+static double bound_dn(const pl_view *view, int value) {
+  const double rows = ceil((double)view->height / (value > 0 ? value : 1));
+  const double gaps = view->height > 1 ? view->height - 1.0 : 1.0;
+  return pl_view_dn_shift(view, 0.5 * view->skew_px * (rows - 1.0) / gaps);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return value * (0.1 + 0.02 * (double)view->thing_count);
+}
+
+const pl_effect pl_effect_rolling_shutter = {
+    .name = "rolling_shutter",
+    .doc = "Rows exposed one after the other, for colour and labels alike: so many bands of rows, "
+           "each at its own instant",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
