@@ -70,7 +70,10 @@ static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp) {
   static const double bent[8] = {0.1, 0.02};
   stage_init(s, WIDTH, HEIGHT, 40.0);
   s->placement.sun =
-      (pl_sun){{0.05 * AU, 0.02 * AU, -0.08 * AU}, 695700e3, 13.6, {0.65, 0.55, 0.45}};
+      (pl_sun){.position_m = {0.05 * AU, 0.02 * AU, -0.08 * AU},
+               .radius_m = 695700e3,
+               .irradiance_au = 13.6,
+               .wavelengths_um = {0.65, 0.55, 0.45}};
   assert_int_equal(pl_lens_init(&pl_lens_models[0], bent, &s->placement.camera.lens), PL_OK);
   stage_add_object(s, ground, (pl_vec3){-4.0, 0, 12.0}, PL_QUAT_IDENTITY, 1.0);
   stage_add_object(s, lamp, (pl_vec3){-4.0, 0.5, 10.0}, PL_QUAT_IDENTITY, 1.0);

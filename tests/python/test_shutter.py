@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.python.optics_scenes import FORWARD, RIGHT, STANDS_M, at, ball, opened, row, tree
 
 import perilune
 from perilune.config import ConfigError
-from tests.python.optics_scenes import FORWARD, RIGHT, STANDS_M, at, ball, opened, row, tree
 
 COLOUR = ["radiance"]
 
