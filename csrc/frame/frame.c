@@ -157,6 +157,7 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
     *sensor = *request->sensor;
   PL_TRY(expose(renderer, request, metered, shot, &view, developed ? sensor : NULL));
   result->exposure_s = developed ? sensor->exposure_s : NAN;
+  result->gain = developed ? sensor->gain : NAN;
   result->white_radiance = request->exposure.automatic && !metered ? NAN : view.white_radiance;
   PL_TRY(pl_frame_sky_view(request->sky, shot, &request->wish, &renderer->arena, &view, sky));
   lap(result, PL_STAGE_METER, &start);

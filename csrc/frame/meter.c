@@ -2,23 +2,56 @@
 #include "frame/renderer.h"
 
 #include "math/color.h"
+#include "sensor/metering.h"
 
 /* Longer side of the metering pass, pixels, and its samples. */
 enum { METER_SIDE = 96, METER_SAMPLES = 4 };
 
 typedef struct meter {
   float *luminances; /* one per pixel */
+  float *signals;    /* likewise, in the sensor's pixels; NULL: not wanted */
   int width;
+  const pl_sensor *sensor; /* of the signals */
+  double response[3];      /* to the bands, of that to white light */
 } meter;
+
+/* What a pixel of the sensor says of its light: the radiance of a white light that would fill the
+ * pixels that fill first as much. */
+static float signal_of(const meter *meter, pl_vec3f light, int x, int y) {
+  const pl_sensor *sensor = meter->sensor;
+  const double *r = meter->response;
+  if (sensor->mosaic == PL_MOSAIC_MONO)
+    return (float)(r[0] * light.x + r[1] * light.y + r[2] * light.z);
+  const int band = pl_sensor_band(sensor->mosaic, x, y);
+  const double seen[3] = {light.x, light.y, light.z}, *mix = sensor->mix[band];
+  const double sum =
+      sensor->mixed ? mix[0] * seen[0] + mix[1] * seen[1] + mix[2] * seen[2] : seen[band];
+  return (float)(r[band] * sum);
+}
+
+static pl_status meter_sensor(meter *meter, const pl_sensor *sensor, size_t count,
+                              pl_arena *arena) {
+  pl_sensor second = *sensor; /* the ratio is of any time */
+  second.exposure_s = 1.0;
+  meter->sensor = sensor;
+  for (int band = 0; band < 3; band++)
+    meter->response[band] = pl_sensor_response(&second, band) / pl_sensor_response_white(&second);
+  meter->signals = pl_arena_alloc(arena, 2 * count, sizeof(float));
+  return meter->signals != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for metering");
+}
 
 static pl_status meter_tile(void *context, const pl_tile_result *result, int worker) {
   (void)worker;
   meter *meter = context;
-  for (int y = 0; y < result->tile.height; y++)
-    for (int x = 0; x < result->tile.width; x++)
-      meter->luminances[(size_t)(result->tile.y0 + y) * (size_t)meter->width +
-                        (size_t)(result->tile.x0 + x)] =
-          pl_luminance(result->radiance[y * PL_TILE_SIDE + x]);
+  for (int j = 0; j < result->tile.height; j++)
+    for (int i = 0; i < result->tile.width; i++) {
+      const int x = result->tile.x0 + i, y = result->tile.y0 + j;
+      const size_t pixel = (size_t)y * (size_t)meter->width + (size_t)x;
+      const pl_vec3f light = result->radiance[j * PL_TILE_SIDE + i];
+      meter->luminances[pixel] = pl_luminance(light);
+      if (meter->signals != NULL)
+        meter->signals[pixel] = signal_of(meter, light, x, y);
+    }
   return PL_OK;
 }
 
@@ -70,9 +103,13 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
   pl_snapshot small = *shot;
   shrink_camera(&small.camera);
   const size_t count = (size_t)small.camera.width * (size_t)small.camera.height;
-  meter meter = {pl_arena_alloc(&renderer->arena, count, sizeof(float)), small.camera.width};
+  const bool exposes = sensor != NULL && sensor->auto_time.on;
+  meter meter = {.luminances = pl_arena_alloc(&renderer->arena, count, sizeof(float)),
+                 .width = small.camera.width};
   if (meter.luminances == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for metering");
+  if (exposes)
+    PL_TRY(meter_sensor(&meter, sensor, count, &renderer->arena));
   pl_render_settings settings = {.seed = request->seed,
                                  .frame = request->index,
                                  .samples = METER_SAMPLES,
@@ -87,13 +124,10 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
   PL_TRY(pl_tracer_set(renderer->tracer, &small));
   PL_TRY(pl_render(&small, renderer->tracer, &settings, renderer->scratch, meter_tile, &meter,
                    request->cancel));
+  if (exposes)
+    pl_sensor_expose(sensor, pl_sensor_meter(&sensor->auto_time, meter.signals, small.camera.width,
+                                             small.camera.height, meter.signals + count, fallback));
   if (request->exposure.automatic)
     *white_radiance = pl_exposure_meter(&request->exposure, meter.luminances, count, fallback);
-  if (sensor != NULL && sensor->auto_time.on) {
-    const pl_exposure exposure = {.percentile = sensor->auto_time.percentile,
-                                  .key = sensor->auto_time.key};
-    sensor->exposure_s = pl_sensor_auto_time_s(
-        sensor, pl_exposure_meter(&exposure, meter.luminances, count, fallback));
-  }
   return PL_OK;
 }

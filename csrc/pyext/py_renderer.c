@@ -126,9 +126,9 @@ static PyObject *result_dict(const pl_frame_result *result) {
     Py_XDECREF(rows);
     return NULL;
   }
-  return Py_BuildValue("{s:d,s:d,s:N,s:N,s:N}", "white_radiance", result->white_radiance,
-                       "exposure_s", result->exposure_s, "plan", rows, "timings_s", timings,
-                       "stars", stars);
+  return Py_BuildValue("{s:d,s:d,s:d,s:N,s:N,s:N}", "white_radiance", result->white_radiance,
+                       "exposure_s", result->exposure_s, "gain_e_dn", result->gain, "plan", rows,
+                       "timings_s", timings, "stars", stars);
 }
 
 static int check_use(const renderer_object *self) {

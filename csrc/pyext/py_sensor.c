@@ -163,21 +163,43 @@ static int parse_pupil(PyObject *dict, pl_sensor *out) {
   return 0;
 }
 
+/* Up to `room` numbers of a sequence that may be absent; *count is room + 1 where there are more,
+ * which pl_sensor_check refuses. */
+static int parse_list(PyObject *dict, const char *key, int room, double *out, int *count) {
+  PyObject *given;
+  if (pl_py_member(dict, key, 1, WHERE, &given) < 0)
+    return -1;
+  PyArrayObject *numbers = given != Py_None ? pl_py_doubles(given, key) : NULL;
+  const int failed = given != Py_None && numbers == NULL;
+  Py_DECREF(given);
+  const npy_intp size = numbers != NULL ? PyArray_SIZE(numbers) : 0;
+  *count = size <= room ? (int)size : room + 1;
+  for (int i = 0; i < *count && i < room; i++)
+    out[i] = ((const double *)PyArray_DATA(numbers))[i];
+  Py_XDECREF((PyObject *)numbers);
+  return failed ? pl_py_prefix_error(WHERE) : 0;
+}
+
 /* "auto_time": None for a fixed exposure time. */
 static int parse_auto_time(PyObject *dict, pl_auto_time *out) {
+  static const char *const ways[] = {"percentile", "mean"};
   PyObject *given;
   if (pl_py_member(dict, "auto_time", 1, WHERE, &given) < 0)
     return -1;
-  const number numbers[] = {{"percentile", &out->percentile},
-                            {"key", &out->key},
-                            {"min_s", &out->min_s},
-                            {"max_s", &out->max_s},
-                            {"step_s", &out->step_s}};
+  const number numbers[] = {{"percentile", &out->percentile}, {"key", &out->key},
+                            {"saturated", &out->saturated},   {"min_s", &out->min_s},
+                            {"max_s", &out->max_s},           {"step_s", &out->step_s}};
   out->on = given != Py_None;
-  const int failed =
-      out->on ? parse_numbers(given, numbers, sizeof numbers / sizeof numbers[0]) : 0;
+  int failed = out->on ? parse_numbers(given, numbers, sizeof numbers / sizeof numbers[0]) : 0;
+  if (out->on && failed == 0) {
+    const int way = pl_py_member_choice(given, "metering", WHERE, ways, 2);
+    out->mean = way == 1;
+    failed = way < 0 || pl_py_member_doubles(given, "window", WHERE, 4, out->window) < 0 ||
+             parse_list(given, "times_s", PL_AUTO_TIMES, out->times_s, &out->time_count) < 0 ||
+             parse_list(given, "gains", PL_AUTO_GAINS, out->gains, &out->gain_count) < 0;
+  }
   Py_DECREF(given);
-  return failed;
+  return failed ? -1 : 0;
 }
 
 static int parse(PyObject *dict, pl_py_states *states) {

@@ -59,6 +59,18 @@ static pl_status check_auto_time(const pl_auto_time *auto_time) {
   PL_TRY(in_range("key", auto_time->key, 1e-6, 1.0));
   PL_TRY(in_range("min_s", auto_time->min_s, 1e-12, 1e9));
   PL_TRY(in_range("max_s", auto_time->max_s, auto_time->min_s, 1e9));
+  PL_TRY(in_range("saturated", auto_time->saturated, 0.0, 1.0));
+  for (int k = 0; k < 2; k++) {
+    PL_TRY(in_range("window", auto_time->window[k], 0.0, 1.0));
+    PL_TRY(in_range("window", auto_time->window[k + 2], auto_time->window[k], 1.0));
+  }
+  PL_TRY(in_range("number of times", auto_time->time_count, 0.0, PL_AUTO_TIMES));
+  for (int i = 0; i < auto_time->time_count; i++)
+    PL_TRY(
+        in_range("times", auto_time->times_s[i], i > 0 ? auto_time->times_s[i - 1] : 1e-12, 1e9));
+  PL_TRY(in_range("number of gains", auto_time->gain_count, 0.0, PL_AUTO_GAINS));
+  for (int i = 0; i < auto_time->gain_count; i++)
+    PL_TRY(in_range("gains", auto_time->gains[i], i > 0 ? auto_time->gains[i - 1] : 1e-3, 1e3));
   return in_range("step_s", auto_time->step_s, 0.0, 1e9);
 }
 
@@ -178,13 +190,4 @@ int pl_sensor_band(pl_mosaic mosaic, int x, int y) {
   static const int bands[PL_MOSAIC_COUNT][4] = {
       {1, 1, 1, 1}, {0, 1, 1, 2}, {2, 1, 1, 0}, {1, 0, 2, 1}, {1, 2, 0, 1}};
   return bands[mosaic][2 * (y & 1) + (x & 1)];
-}
-
-double pl_sensor_auto_time_s(const pl_sensor *sensor, double radiance) {
-  const pl_auto_time *limits = &sensor->auto_time;
-  const double rate = radiance * response_rate_white(sensor);
-  double time_s = rate > 0.0 ? pl_sensor_white_electrons(sensor) / rate : limits->max_s;
-  if (limits->step_s > 0.0)
-    time_s = limits->step_s * floor(time_s / limits->step_s);
-  return fmin(limits->max_s, fmax(limits->min_s, time_s));
 }

@@ -42,12 +42,20 @@ typedef struct pl_psf {
 } pl_psf;
 
 /* The camera chooses its exposure time by what it sees. */
+enum { PL_AUTO_TIMES = 64, PL_AUTO_GAINS = 16 };
 typedef struct pl_auto_time {
   bool on;
-  double percentile;   /* this percentile of the lit pixels, 0..100 ... */
-  double key;          /* ... is brought to this fraction of white, linear */
-  double min_s, max_s; /* the shortest and longest time */
-  double step_s;       /* times are whole multiples of this, rounded down; 0: any */
+  bool mean;                     /* by the mean of the window's pixels, else ... */
+  double percentile;             /* ... by this percentile of those that are lit, 0..100: it ... */
+  double key;                    /* ... is brought to this fraction of white, linear */
+  double window[4];              /* x0, y0, x1, y1 of the pixels that count, 0..1 over the image */
+  double saturated;              /* part of the window's pixels that may be more than white, 0..1 */
+  double min_s, max_s;           /* the shortest and longest time */
+  double step_s;                 /* times are whole multiples of this, rounded down; 0: any */
+  int time_count;                /* 0: any time */
+  double times_s[PL_AUTO_TIMES]; /* the times there are, rising */
+  int gain_count;                /* 0: one gain */
+  double gains[PL_AUTO_GAINS];   /* factors on digital numbers an electron, rising, > 0 */
 } pl_auto_time;
 
 typedef enum pl_chroma { PL_CHROMA_444, PL_CHROMA_422, PL_CHROMA_420, PL_CHROMAS } pl_chroma;
@@ -134,7 +142,5 @@ double pl_sensor_balance(const pl_sensor *sensor, int band);
 double pl_sensor_read_deviation(const pl_sensor *sensor);
 /* The band that a pixel sees, 0..2; for PL_MOSAIC_MONO always 1. */
 int pl_sensor_band(pl_mosaic mosaic, int x, int y);
-/* The time that brings `radiance` (W m-2 sr-1, white) to white, in the limits of the automatic. */
-double pl_sensor_auto_time_s(const pl_sensor *sensor, double radiance);
 
 #endif

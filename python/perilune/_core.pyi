@@ -375,6 +375,7 @@ class SeenStars(TypedDict):
 class FrameResult(TypedDict):
     white_radiance: float  # nan: automatic, and no colour was asked for
     exposure_s: float  # of the sensor; nan: none of its channels was asked for
+    gain_e_dn: float  # likewise
     plan: list[PlanRow]
     timings_s: dict[str, float]
     stars: SeenStars  # that the colours show

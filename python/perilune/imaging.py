@@ -23,11 +23,18 @@ F_NUMBER = 4.0
 _KEY = "camera.sensor."
 
 
-def _auto_time(exposure: SensorExposure) -> dict[str, float] | None:
+def _auto_time(exposure: SensorExposure) -> dict[str, Any] | None:
     if exposure.mode == "fixed":
         return None
+    low, high = exposure.min_ms, exposure.max_ms
+    times = [t * 1e-3 for t in exposure.times_ms or () if low <= t <= high]
     return {
+        "metering": exposure.metering,
         "percentile": exposure.percentile,
+        "window": exposure.window,
+        "saturated": exposure.saturated,
+        "times_s": times,
+        "gains": exposure.gains,
         "key": exposure.key,
         "min_s": exposure.min_ms * 1e-3,
         "max_s": exposure.max_ms * 1e-3,

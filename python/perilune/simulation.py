@@ -232,6 +232,17 @@ class Simulation:
         )
         return shutter.keys(scene, float(intrinsics(scene.camera)[0, 0]), exposure)
 
+    def _metered(self, scene: World) -> tuple[Config, _core.FrameRequest] | None:
+        """The frame that sets the exposure of a sensor that lags; None where it meters itself."""
+        sensor = scene.config.camera.sensor
+        if sensor is None or sensor.exposure.mode == "fixed":
+            return None
+        earlier = self.timeline.earlier(scene.index, sensor.exposure.lag_frames)
+        if earlier == scene.index:
+            return None
+        before = self.world(earlier)
+        return before.config, self._request(before)
+
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""
         scene, handles = self.world(index), self._mine()
@@ -248,7 +259,10 @@ class Simulation:
         request = self._request(scene)
         if not set(OF_SENSOR) & set(scene.config.render.channels):
             request["sensor"] = None
+        metered = self._metered(scene) if request["sensor"] is not None else None
         with handles.lock:
+            if metered is not None:
+                _expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
             return handles.renderer_of(scene.config).plan(request)["plan"]
 
     def __getitem__(self, index: int) -> Sample:
@@ -274,10 +288,13 @@ class Simulation:
         handles = self._mine()
         posed = handles.posed(shutter.middle(scene))
         request = self._request(scene, posed)
+        metered = self._metered(scene) if set(names) & set(OF_SENSOR) else None
         undistorted = scene.config.camera.label_lens == "undistorted"
         arrays = arrays_of(scene.config, names, out or {})
         try:
             with handles.lock:
+                if metered is not None:
+                    _expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
                 renderer = handles.renderer_of(scene.config)
                 result = passes.render(renderer, request, arrays, count, undistorted)
         except Exception as error:
@@ -299,6 +316,7 @@ class Simulation:
         }
         if not np.isnan(result["exposure_s"]):
             meta["exposure_s"] = result["exposure_s"]
+            meta["gain_e_dn"] = result["gain_e_dn"]
         objects = arrays.pop(OBJECTS, None)
         label = camera_label(request, scene.sensor, not undistorted)
         stars = seen(result["stars"])
@@ -338,6 +356,15 @@ class Simulation:
         from perilune.graph_svg import draw
 
         return draw(self._document, name, on)
+
+
+def _expose(request: _core.FrameRequest, metered: _core.FrameResult) -> None:
+    """Sets the exposure that was metered on another frame."""
+    sensor = dict(request["sensor"] or {})
+    sensor.update(
+        auto_time=None, exposure_s=metered["exposure_s"], gain=metered["gain_e_dn"]
+    )
+    request["sensor"] = sensor
 
 
 def open(  # noqa: A001 (perilune.open is the interface)

@@ -61,6 +61,15 @@ class Timeline:
             raise ValueError(f"step {step}: sensor {sensor!r} takes no frame; {names} do")
         return first + names.index(sensor)
 
+    def earlier(self, index: int, frames: int) -> int:
+        """The frame that the sensor of a frame took so many of its frames before; the first that it
+        takes in the scene if there are fewer."""
+        moment = self.at(index)
+        interval = 1 if moment.sensor is None else self.trigger_intervals[moment.sensor]
+        first = -(-moment.scene * self.frames_per_scene // interval) * interval
+        step = max(min(first, moment.step), moment.step - frames * interval)
+        return self.index_of(step, moment.sensor)
+
     def _step_and_sensor(self, index: int) -> tuple[int, str]:
         # The last step with no more than `index` frames before it: it has the frame itself, as a
         # step without frames has as many before it as the next one. The sensor triggered most

@@ -1,6 +1,7 @@
 /* What follows from a sensor's numbers. */
 #include "harness.h"
 
+#include "sensor/metering.h"
 #include "sensors.h"
 
 /* Worked by hand: radiance 5.890006133944863 in a band (I/F 0.1 at 1 au, 500 to 600 nm), f/5.6, 5.5
@@ -52,16 +53,72 @@ static void mosaics_are_named_by_their_first_four(void **state) {
 static void automatic_time_keeps_its_limits(void **state) {
   (void)state;
   pl_sensor sensor = sensor_plain();
-  sensor.auto_time = (pl_auto_time){true, 99.0, 0.7, 1e-4, 2.0, 0.0};
-  const double time_s = pl_sensor_auto_time_s(&sensor, 3.0);
-  sensor.exposure_s = time_s;
+  sensor.auto_time = (pl_auto_time){.on = true, .min_s = 1e-4, .max_s = 2.0};
+  pl_sensor_expose(&sensor, 3.0);
+  const double time_s = sensor.exposure_s;
   assert_true(fabs(3.0 * pl_sensor_response_white(&sensor) / pl_sensor_white_electrons(&sensor) -
                    1.0) < 1e-12);
-  assert_true(pl_sensor_auto_time_s(&sensor, 1e9) == 1e-4);
-  assert_true(pl_sensor_auto_time_s(&sensor, 1e-9) == 2.0);
-  assert_true(pl_sensor_auto_time_s(&sensor, 0.0) == 2.0);
+  const double radiances[] = {1e9, 1e-9, 0.0}, limits[] = {1e-4, 2.0, 2.0};
+  for (int i = 0; i < 3; i++) {
+    pl_sensor_expose(&sensor, radiances[i]);
+    assert_true(sensor.exposure_s == limits[i]);
+  }
   sensor.auto_time.step_s = time_s / 2.5; /* two whole steps fit */
-  assert_true(fabs(pl_sensor_auto_time_s(&sensor, 3.0) - 0.8 * time_s) < 1e-12 * time_s);
+  pl_sensor_expose(&sensor, 3.0);
+  assert_true(fabs(sensor.exposure_s - 0.8 * time_s) < 1e-12 * time_s);
+  sensor.auto_time.step_s = 0.0;
+  sensor.auto_time.time_count = 3;
+  const double times[] = {0.5 * time_s, 0.9 * time_s, 1.1 * time_s};
+  memcpy(sensor.auto_time.times_s, times, sizeof times);
+  pl_sensor_expose(&sensor, 3.0);
+  assert_true(sensor.exposure_s == times[1]);
+  pl_sensor_expose(&sensor, 300.0); /* all are too long */
+  assert_true(sensor.exposure_s == times[0]);
+}
+
+/* The gain rises when the longest time no longer suffices, and no further than it has steps. Below
+ * the full well, the digits are white: the time is as if nothing else had changed. */
+static void gains_follow_the_longest_time(void **state) {
+  (void)state;
+  pl_sensor sensor = sensor_plain();
+  sensor.full_well = 1e6;
+  sensor.auto_time = (pl_auto_time){
+      .on = true, .min_s = 1e-9, .max_s = 1.0, .gain_count = 3, .gains = {1.0, 2.0, 8.0}};
+  sensor.exposure_s = 1.0;
+  const double white = pl_sensor_white_electrons(&sensor) / pl_sensor_response_white(&sensor);
+  const double parts[] = {2.0, 1.01, 0.99, 0.51, 0.49, 0.126, 0.1};
+  const double gains[] = {1.0, 1.0, 2.0, 2.0, 8.0, 8.0, 8.0};
+  for (int i = 0; i < 7; i++) {
+    sensor.gain = 10.0;
+    pl_sensor_expose(&sensor, parts[i] * white);
+    assert_true(fabs(sensor.gain * gains[i] - 10.0) < 1e-12);
+    assert_true(fabs(sensor.exposure_s - fmin(1.0, 1.0 / parts[i] / gains[i])) < 1e-9);
+  }
+}
+
+static void metering_looks_at_its_window(void **state) {
+  (void)state;
+  float scratch[100], image[100];
+  for (int i = 0; i < 100; i++) /* left half 1 to 10 by rows, right half 100, the rest no light */
+    image[i] = i % 10 < 5 ? (float)(1 + i / 10) : 100.0f;
+  image[99] = NAN;
+  pl_auto_time how = {.percentile = 100.0, .key = 0.5, .window = {0, 0, 0.5, 1}, .saturated = 1.0};
+  assert_true(pl_sensor_meter(&how, image, 10, 10, scratch, 1.0) == 20.0);
+  how.mean = true;
+  assert_true(fabs(pl_sensor_meter(&how, image, 10, 10, scratch, 1.0) - 11.0) < 1e-12);
+  const double all[4] = {0, 0, 1, 1}, dot[4] = {0.31, 0.31, 0.32, 0.32};
+  memcpy(how.window, all, sizeof all);
+  const double average = (0.5 * 5.5 + 0.49 * 100.0); /* of a hundred, one is no number */
+  assert_true(fabs(pl_sensor_meter(&how, image, 10, 10, scratch, 1.0) - average / 0.5) < 1e-9);
+  how.key = 1.0;
+  how.saturated = 0.0; /* then none may be brighter than white */
+  assert_true(pl_sensor_meter(&how, image, 10, 10, scratch, 1.0) == 100.0);
+  how.saturated = 0.49; /* the hundreds may */
+  assert_true(fabs(pl_sensor_meter(&how, image, 10, 10, scratch, 1.0) - average) < 1e-9);
+  memcpy(how.window, dot, sizeof dot); /* between the middles of pixels: the one it lies in */
+  assert_true(pl_sensor_meter(&how, image, 10, 10, scratch, 1.0) == 4.0);
+  memset(image, 0, sizeof image);
+  assert_true(pl_sensor_meter(&how, image, 10, 10, scratch, 7.0) == 7.0);
 }
 
 /* Rows of the mix are parts of a whole; planes and mixes exclude what they replace. */
@@ -120,6 +177,8 @@ int main(void) {
       cmocka_unit_test(mosaics_are_named_by_their_first_four),
       cmocka_unit_test(automatic_time_keeps_its_limits),
       cmocka_unit_test(wrong_filters_are_refused),
+      cmocka_unit_test(gains_follow_the_longest_time),
+      cmocka_unit_test(metering_looks_at_its_window),
       cmocka_unit_test(wrong_numbers_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

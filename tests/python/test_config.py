@@ -311,6 +311,7 @@ def test_every_physical_key_has_its_unit():
         "f_number", "transmission", "quantum_efficiency", "serial", "bits",
         "vignetting_profile",  # degrees, and parts of the light
         "hot_pixels", "dead_pixels", "intensity", "quality",
+        "window", "saturated", "gains", "lag_frames",  # of automatic exposure
         "vignetting", "drain", "wings", "wing_beta",
         "prnu", "dark_nonuniform",  # relative deviations
         "jitter_strength", "step_interval", "correlation", "first_frame",

@@ -14,6 +14,7 @@ from perilune.config.lens_flare import LensFlare
 from perilune.config.sensor_presets import PRESETS, Name
 from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
 
+_Gain = Annotated[Positive, Field(ge=1e-3, le=1e3)]
 Mosaic = Literal["mono", "rggb", "bggr", "grbg", "gbrg", "planes"]
 Band = tuple[Positive, Positive]
 Vignetted = tuple[Annotated[float, Field(strict=True, ge=0.0, lt=90.0)], Fraction]
@@ -27,21 +28,43 @@ class SensorExposure(Strict):
 
     mode: Literal["auto", "fixed"] = "auto"
     """auto: by what is seen; fixed: `camera.exposure_time_s`."""
+    metering: Literal["percentile", "mean"] = "percentile"
+    """auto: by the percentile of the lit pixels, or by the mean of all pixels of the window."""
     percentile: Annotated[float, Field(strict=True, gt=0.0, le=100.0)] = 99.0
     """auto: this percentile of the lit pixels ..."""
     key: Annotated[Fraction, Field(ge=1e-6)] = 0.7
-    """... is brought to this fraction of white, linear."""
+    """... or the mean is brought to this fraction of white, linear."""
+    window: tuple[Fraction, Fraction, Fraction, Fraction] = (0.0, 0.0, 1.0, 1.0)
+    """auto: left, upper, right and lower edge of the part of the image that is metered."""
+    saturated: Fraction = 1.0
+    """auto: at most this part of the window's pixels may be overexposed; 1: no limit."""
     min_ms: Annotated[Positive, Field(ge=1e-9, le=1e12)] = 0.01
     """auto: the shortest time; what is brighter is overexposed."""
     max_ms: Annotated[Positive, Field(ge=1e-9, le=1e12)] = 10000.0
     """auto: the longest time; what is darker stays dark."""
     step_ms: Annotated[NonNegative, Field(le=1e12)] = 0.0
     """auto: times are whole multiples of this, rounded down; 0: any time."""
+    times_ms: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=64)] | None = None
+    """auto: the times that the camera has, rising: the longest that is not too long."""
+    gains: Annotated[tuple[_Gain, ...], Field(min_length=1, max_length=16)] = (1.0,)
+    """auto: steps of gain, rising: gain_e_dn is divided by the first for which max_ms suffices."""
+    lag_frames: Annotated[Integer, Field(ge=0, le=1000)] = 0
+    """auto: measured so many frames earlier, of this sensor in this scene; the first of a scene
+    counts for those before it."""
 
     @model_validator(mode="after")
     def _ordered(self) -> SensorExposure:
         if self.min_ms > self.max_ms:
             fail("min_ms", f"{self.min_ms:g} is more than max_ms, {self.max_ms:g}")
+        if self.window[0] >= self.window[2] or self.window[1] >= self.window[3]:
+            fail("window", "must be [left, upper, right, lower], within 0 to 1")
+        for key, numbers in (("times_ms", self.times_ms or ()), ("gains", self.gains)):
+            if any(a >= b for a, b in itertools.pairwise(numbers)):
+                fail(key, "must rise")
+        if self.times_ms is not None and not any(
+            self.min_ms <= time <= self.max_ms for time in self.times_ms
+        ):
+            fail("times_ms", f"none is within min_ms, {self.min_ms:g}, and max_ms, {self.max_ms:g}")
         return self
 
 
