@@ -1,21 +1,28 @@
-"""Error against time of the sensor's stages: what leaving one out changes, and what it costs.
+"""Error against time for the rows of sensor, light and lens: each left out, and its cheaper ways.
 
-One frame is taken with all stages of the sensor (`tolerance_dn: 0`), then again with each of them
-left out; the error is the root mean square and the largest difference of `sensor_rgb`, in digital
-numbers of 255 (rounding alone makes 1), beside the bound of the row. `shot_noise`, `blooming` and
-`black_sun` are in their own rows alone: a changed mean draws other noise of the same kind, what is
-full flows elsewhere, and more light may be less charge, so that with them frames would differ by
-more than what the stage changes; likewise `compression`, whose artefacts are of the whole picture.
-The cost is the difference of CPU times of the frames on one thread, medians; below some ten
-milliseconds it is noise of the machine.
+At 640x480. A frame is taken with all rows (`tolerance_dn: 0`), then again with one of them left
+out or done in its cheaper way: the error is the root mean square and the largest difference of the
+picture, in digital numbers of 255 (rounding alone makes 1), beside the bound of the row. The cost
+is what CPU time on one thread the frame takes more than without the row, the least of some repeats
+each; below a millisecond or two it is noise of the machine.
+
+Rows of the sensor: `shot_noise`, `blooming` and `black_sun` are in their own lines alone. A changed
+mean draws other noise of the same kind, what is full flows elsewhere, and more light may be less
+charge, so that with them frames would differ by more than what the row changes; likewise
+`compression`, whose artefacts are of the whole picture. The middle of a point spread is only chosen where nothing
+mirrors the sun: it is tried on a bare disc. Rows of the sun and of lenses bend or draw other rays:
+their errors are with the noise of the samples.
 """
 
 from __future__ import annotations
 
 import time
-from typing import Any
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
+import reflectance
 import report
 
 import perilune
@@ -37,23 +44,120 @@ SENSOR: dict[str, Any] = {
 STAGES = ("lens_flare", "vignetting", "point_spread", "fixed_pattern", "smear", "dark_current",
           "defects", "shot_noise", "cosmic_rays", "blooming", "black_sun", "read_noise",
           "compression")  # fmt: skip
-
 NONLINEAR = ("shot_noise", "blooming", "black_sun", "compression")
+SPREADS = {
+    "narrow": {"core": "gauss", "sigma_px": 0.7},
+    "with wings": {"core": "gauss", "sigma_px": 0.7, "wings": 0.01},
+}
+LENS = {"model": "brown_conrady", "k1": -0.1, "k2": 0.02}
+GLOW = {"bodies.planet.emission_w_m2_sr": [3.0, 2.0, 1.0]}
+LIGHTS = ("soft_sun", "limb_darkening", "cast_shadows", "emission", "emitters", "distortion")
+HEAD = ["row", "way", "rms, DN", "largest, DN", "bound, DN", "ms"]
 
 
-def frame(options: Any, force_off: tuple[str, ...]) -> tuple[np.ndarray, float, dict[str, float]]:
-    """The picture, milliseconds of the sensor, and each row's bound."""
-    size = {"camera.width": options.width, "camera.height": options.width * 3 // 4}
-    render = {"render.tolerance_dn": 0.0, "render.samples": 1, "render.force_off": force_off}
-    sim = perilune.open(options.config, overrides=size | render | {"camera.sensor": SENSOR})
-    sim.frame(options.frame, channels=["depth"], threads=1)  # models and maps are loaded once
-    times = []
-    for _ in range(options.repeats):
-        start = time.process_time()
-        sample = sim.frame(options.frame, channels=["sensor_rgb"], threads=1)
-        times.append(1e3 * (time.process_time() - start))
-    bounds = {row["name"]: row["bound_dn"] for row in sample.plan}
-    return sample["sensor_rgb"].astype(float), report.median(times), bounds
+class Frame(NamedTuple):
+    image: np.ndarray
+    ms: float  # CPU time on one thread
+    plan: dict[str, dict[str, Any]]
+
+
+class Bench:
+    """Takes frames of one scene: those of the same settings once."""
+
+    def __init__(self, config: Any, channel: str, index: int, repeats: int, **changes: Any) -> None:
+        self.config, self.channel, self.index, self.repeats = config, channel, index, repeats
+        self.changes = changes
+        self.known: dict[str, Frame] = {}
+
+    def frame(self, off: Sequence[str] = (), **render: Any) -> Frame:
+        render = {"tolerance_dn": 0.0, "force_off": sorted(off)} | render
+        key = repr(sorted(render.items()))
+        if key not in self.known:
+            named = {f"render.{name}": value for name, value in render.items()}
+            sim = perilune.open(self.config, overrides=self.changes | named)
+            sim.frame(self.index, channels=["depth"], threads=1)  # what is loaded once
+            times = []
+            for _ in range(self.repeats):
+                start = time.process_time()
+                sample = sim.frame(self.index, channels=[self.channel], threads=1)
+                times.append(1e3 * (time.process_time() - start))
+            plan = {row["name"]: row for row in sample.plan}
+            self.known[key] = Frame(sample[self.channel].astype(float), min(times), plan)
+        return self.known[key]
+
+    def lines(self, row: str, without: Sequence[str], *cheap: tuple[str, dict[str, Any]],
+              label: str | None = None) -> list[list[object]]:  # fmt: skip
+        """Left out, each cheaper way (a name and keys of `render`), and all of it."""
+        full, out = self.frame(without), self.frame([*without, row])
+        ways = [("left out", out, full.plan[row]["bound_dn"])]
+        for name, render in cheap:
+            frame = self.frame(without, **render)
+            ways.append((name, frame, frame.plan[row]["residual_dn"]))
+        ways.append(("all", full, 0.0))
+        lines: list[list[object]] = []
+        for name, frame, bound in ways:
+            off = np.abs(frame.image - full.image)
+            rms = float(np.sqrt(np.mean(off**2)))
+            line = [label or row, name, rms, float(off.max()), float(bound), frame.ms - out.ms]
+            lines.append(line)
+        return lines
+
+
+def sensor_lines(options: Any, size: dict[str, int]) -> list[list[object]]:
+    bench = Bench(options.config, "sensor_rgb", options.frame, options.repeats,
+                  **size, **{"camera.sensor": SENSOR, "render.samples": 1})  # fmt: skip
+    lines = []
+    for row in STAGES:
+        lines += bench.lines(row, [other for other in NONLINEAR if other != row])
+    disc = reflectance.scene(("disc", 30.0, 380000e3, 0.6), "lambert", options.width)
+    for name, spread in SPREADS.items():
+        sensor = {"mosaic": "mono", "point_spread": spread}
+        bench = Bench(disc, "sensor_rgb", 0, options.repeats,
+                      **size, **{"camera.sensor": sensor, "render.samples": 1})  # fmt: skip
+        # All others are kept by name; of this row some of the picture may be left.
+        kept = [other for other, row in bench.frame(NONLINEAR).plan.items() if row["value"] > 0]
+        middle = {"tolerance_dn": 64.0, "force_on": [k for k in kept if k != "point_spread"]}
+        lines += bench.lines("point_spread", NONLINEAR, ("middle", middle), label=f"{name} spread")
+    return lines
+
+
+def light_lines(options: Any, size: dict[str, int]) -> list[list[object]]:
+    """Of a hard scene: a planet that glows and a satellite with foil before it."""
+    changes = {**size, **GLOW, "camera.lens": LENS, "render.samples": options.samples}
+    bench = Bench(options.config, "rgb", options.frame, max(1, options.repeats - 1), **changes)
+    lines = []
+    for row in LIGHTS:
+        lines += bench.lines(row, [])
+    return lines
+
+
+def plot(path: Path, lines: Sequence[Sequence[Any]]) -> None:
+    """What leaving a row out makes wrong, against what it costs to keep it."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(figsize=(7.5, 4.6), layout="constrained")
+    rows: dict[str, dict[str, tuple[float, float]]] = {}
+    for row, way, rms, _, _, ms in lines:
+        rows.setdefault(row, {})[way] = (rms, max(ms, 0.5))
+    for row, ways in rows.items():
+        style = "C1s" if row in LIGHTS else "C0o"
+        cost, error = ways["all"][1], max(ways["left out"][0], 1e-3)
+        axes.loglog(cost, error, style, markersize=5)
+        axes.annotate(row, (cost, error), fontsize=7.5, xytext=(5, 3), textcoords="offset points")
+        if "middle" in ways:
+            part = max(ways["middle"][0], 1e-3)
+            axes.loglog([cost, ways["middle"][1]], [1e-3, part], ".:", color="C0", linewidth=0.8)
+            axes.annotate("its middle alone", (ways["middle"][1], part), fontsize=6.5,
+                          xytext=(5, 3), textcoords="offset points")  # fmt: skip
+    axes.set_xlabel("CPU time of the row at 640x480, ms (one thread; 0.5: less than the noise)")
+    axes.set_ylabel("RMS error without it, DN of 255")
+    axes.set_title("What rows of sensor (round), light and lens (square) are worth, and cost")
+    axes.set_xlim(right=axes.get_xlim()[1] * 3.0)
+    axes.grid(alpha=0.3)
+    figure.savefig(path, dpi=100)
 
 
 def main() -> None:
@@ -61,22 +165,16 @@ def main() -> None:
     parser.add_argument("--config", default=str(report.ROOT / "configs" / "demo.yaml"))
     parser.add_argument("--frame", type=int, default=2)
     parser.add_argument("--width", type=int, default=640)
-    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--samples", type=int, default=4, help="for the rows of light and lens")
+    parser.add_argument("--repeats", type=int, default=4)
+    parser.add_argument("--plot", type=Path, help="draws errors against costs there (PNG)")
     options = parser.parse_args()
-    rows: list[list[object]] = []
-    references: dict[tuple[str, ...], Any] = {}
-    for name in STAGES:
-        others = tuple(other for other in NONLINEAR if other != name)
-        if others not in references:
-            references[others] = frame(options, others)
-        full, full_ms, bounds = references[others]
-        image, ms, _ = frame(options, (*others, name))
-        error = np.abs(image - full)
-        rms = float(np.sqrt(np.mean(error**2)))
-        rows.append([name, rms, float(error.max()), bounds[name], full_ms - ms])
-    head = ["left out", "rms, DN", "largest, DN", "bound, DN", "ms"]
-    result = {"rows": [dict(zip(head, row, strict=True)) for row in rows]}
-    report.publish(options.json, result, [report.table(head, rows)])
+    size = {"camera.width": options.width, "camera.height": options.width * 3 // 4}
+    lines = sensor_lines(options, size) + light_lines(options, size)
+    if options.plot is not None:
+        plot(options.plot, lines)
+    result = {"rows": [dict(zip(HEAD, line, strict=True)) for line in lines]}
+    report.publish(options.json, result, [report.table(HEAD, lines)])
 
 
 if __name__ == "__main__":

@@ -4,7 +4,8 @@ Figure 5: a satellite around a planet, and one around a moon around a planet. Fi
 orbits. Figure 13: camera trajectories, sketched, with frames taken along them. All from
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
-`light_curve`: an eclipse in low orbit. Needs the extra `plot`.
+`light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. Needs the
+extra `plot`.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 
 import moon_figures
 import numpy as np
+import sensor_figures
 import yaml
 from matplotlib.figure import Figure
 from PIL import Image
@@ -250,6 +252,16 @@ def light_curve() -> None:
     save(figure, "light_curve.png", 64)
 
 
+def glare() -> None:
+    """Foil and a wing in hard light, clean and by sensors."""
+    pictures("glare.png", [sensor_figures.foil(), sensor_figures.panel()], 7.8)
+
+
+def moon_sensor() -> None:
+    """Phases of the Moon as a CCD has them."""
+    pictures("moon_sensor.png", [sensor_figures.moon_sensor()], 10.0)
+
+
 FIGURES = {
     "light_curve": light_curve,
     "05": figure_05,
@@ -257,8 +269,10 @@ FIGURES = {
     "08": figure_08,
     "10": figure_10,
     "13": figure_13,
+    "glare": glare,
     "materials": materials,
     "moon": figure_moon,
+    "moon_sensor": moon_sensor,
 }
 
 

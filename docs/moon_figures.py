@@ -38,10 +38,10 @@ def rolo(g_deg: float) -> float:
     return math.exp(value + ROLO_D[2] * math.cos((g_deg - ROLO_P[2]) / ROLO_P[3]))
 
 
-def radiance(moon: dict[str, Any], sun_deg: float, height_m: float, fov_deg: float) -> NDArray[Any]:
+def scene(moon: dict[str, Any], sun_deg: float, height_m: float, fov_deg: float) -> dict[str, Any]:
     """Seen from above longitude and latitude 0, the Sun at an eastern longitude."""
     g = math.radians(sun_deg)
-    config = {
+    return {
         "version": 1,
         "time": {"epoch": "2026-03-03T06:00:00Z", "step_s": 0.0},
         "root": "moon",
@@ -62,7 +62,11 @@ def radiance(moon: dict[str, Any], sun_deg: float, height_m: float, fov_deg: flo
         },
         "render": {"samples": 16, "max_bounces": 0},
     }
-    return perilune.open(config).frame(0, channels=["radiance"])["radiance"]
+
+
+def radiance(moon: dict[str, Any], sun_deg: float, height_m: float, fov_deg: float) -> NDArray[Any]:
+    sim = perilune.open(scene(moon, sun_deg, height_m, fov_deg))
+    return sim.frame(0, channels=["radiance"])["radiance"]
 
 
 def disc(moon: dict[str, Any], sun_deg: float) -> NDArray[Any]:
