@@ -9,9 +9,9 @@ each; below a millisecond or two it is noise of the machine.
 Rows of the sensor: `shot_noise`, `blooming` and `black_sun` are in their own lines alone. A changed
 mean draws other noise of the same kind, what is full flows elsewhere, and more light may be less
 charge, so that with them frames would differ by more than what the row changes; likewise
-`compression`, whose artefacts are of the whole picture. The middle of a point spread is only chosen where nothing
-mirrors the sun: it is tried on a bare disc. Rows of the sun and of lenses bend or draw other rays:
-their errors are with the noise of the samples.
+`compression`, whose artefacts are of the whole picture. The middle of a point spread is only chosen
+where nothing mirrors the sun: it is tried on a bare disc. Rows of the sun and of lenses bend or
+draw other rays: their errors are with the noise of the samples.
 """
 
 from __future__ import annotations
