@@ -5,7 +5,7 @@
 
 #include "light/reflectance_table.h"
 
-static const double SHORTEST_UM = 0.01, LONGEST_UM = 1000.0;
+static const double SHORTEST_UM = 0.01, LONGEST_UM = 1000.0, SHORTEST_STEP_UM = 1e-5;
 
 /* --- curves */
 
@@ -92,7 +92,7 @@ void pl_reflectance_shares(double um, double shares[3]) {
   const double t = place - row;
   for (int c = 0; c < 2; c++)
     shares[c] = reflectance_table[row][c] * (1.0 - t) + reflectance_table[row + 1][c] * t;
-  shares[2] = fmax(0.0, 1.0 - shares[0] - shares[1]); /* -1e-9 by the table's digits */
+  shares[2] = fmax(0.0, 1.0 - shares[0] - shares[1]); /* -1e-12 by the table's digits */
 }
 
 /* --- integrals */
@@ -154,8 +154,8 @@ static pl_status check_sun(const pl_curve *sun, const pl_curve *response) {
   for (size_t i = 0; i < sun->count; i++)
     if (sun->points[i][1] < 0.0)
       return pl_fail(PL_E_RANGE, "point %zu of the sun's spectrum is negative", i);
-  if (!(curve_total(sun) > 0.0))
-    return pl_fail(PL_E_RANGE, "the sun's spectrum holds no light");
+  if (!(curve_total(sun) > 0.0 && isfinite(curve_total(sun))))
+    return pl_fail(PL_E_RANGE, "the sun's spectrum must hold some light, and not without end");
   if (first_of(response) < first_of(sun) || last_of(response) > last_of(sun))
     return pl_fail(PL_E_RANGE, "the band, %g to %g um, reaches beyond the sun's spectrum, %g to %g",
                    first_of(response), last_of(response), first_of(sun), last_of(sun));
@@ -165,8 +165,9 @@ static pl_status check_sun(const pl_curve *sun, const pl_curve *response) {
 pl_status pl_band_gather(const pl_curve *sun, const pl_curve *responses, size_t count,
                          double step_um, pl_band_light *out) {
   *out = (pl_band_light){{0.0}, 0.0, {0.0}};
-  if (count == 0 || !(step_um > 0.0))
-    return pl_fail(PL_E_ARGUMENT, "a band needs a response and a positive step");
+  if (count == 0 || !(step_um >= SHORTEST_STEP_UM))
+    return pl_fail(PL_E_ARGUMENT, "a band needs a response, and steps of %g um or more",
+                   SHORTEST_STEP_UM);
   double um = SHORTEST_UM, last = LONGEST_UM;
   for (size_t i = 0; i < count; i++) {
     PL_TRY(pl_curve_check(&responses[i]));

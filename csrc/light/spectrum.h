@@ -37,7 +37,7 @@ typedef struct pl_band_light {
  * 50 nm from 0.3 to 1.1 um, within 3 % in every 100 nm from 0.4 to 0.7 um, 10 % too faint
  * beyond 1.1.
  *
- * step_um > 0: the longest piece. PL_E_RANGE for
+ * step_um: the longest piece, 1e-5 or more. PL_E_RANGE for
  * curves that fail pl_curve_check, a sun of no light, or a first response that reaches beyond it.
  */
 pl_status pl_band_gather(const pl_curve *sun, const pl_curve *responses, size_t count,

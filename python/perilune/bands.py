@@ -83,6 +83,19 @@ def matrix(camera: Camera, sun: Sun) -> F64:
     return np.array([band["part"] for band in gathered(camera, sun)])
 
 
+def described(camera: Camera, sun: Sun) -> list[dict[str, str | float]]:
+    """Of each band its name, the mean wavelength of sunlight in it, um, and the part of the sun's
+    irradiance that it gathers: a white surface facing the sun has part * irradiance / pi."""
+    if isinstance(camera.bands, str):
+        names = {"srgb": ["red", "green", "blue"]}.get(camera.bands, [camera.bands])
+    else:
+        names = [band.name for band in camera.bands]
+    return [
+        {"name": name, "mean_um": light["mean_um"], "sun_part": sum(light["part"])}
+        for name, light in zip(names, gathered(camera, sun), strict=True)
+    ]
+
+
 def wavelengths_um(camera: Camera, sun: Sun) -> tuple[float, float, float]:
     """At which the sun's disc darkens towards its edge, in red, green and blue: the mean of what
     the camera's bands see of each; of all that they see, for a colour of which that is nothing."""

@@ -69,7 +69,9 @@ class Sample(Mapping[str, Array]):
         """seed, index, step, scene, sensor, time_utc, drivers (key path -> value), scene_drivers
         (likewise of the scene's first step, where it differs), white_radiance (W m-2 sr-1 shown
         as 255; None where an automatic exposure was not measured: labels alone), timings_s;
-        exposure_s and gain_e_dn (of the sensor, where one of its channels was asked for);
+        exposure_s and gain_e_dn (of the sensor, where one of its channels was asked for); bands
+        (name, mean_um and sun_part of each, where they or planes were asked for;
+        perilune.bands.described);
         articulation: spacecraft -> node -> {"motion": (4, 4), from a point of the object's frame,
         m, in the rest pose to where it is, "joints": one {"angle_deg"} or {"translation_m"} for
         each of the node's joints}."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from perilune import (
     _core,
     articulation,
+    bands,
     bodies,
     labels,
     materials,
@@ -301,7 +302,7 @@ class Simulation:
             error.add_note(f"{self._document.source}: frame {scene.index}")
             raise
         white = result["white_radiance"]
-        meta = {
+        meta: dict[str, Any] = {
             "seed": scene.config.seed,
             "index": scene.index,
             "step": scene.step,
@@ -317,6 +318,8 @@ class Simulation:
         if not np.isnan(result["exposure_s"]):
             meta["exposure_s"] = result["exposure_s"]
             meta["gain_e_dn"] = result["gain_e_dn"]
+        if "bands" in arrays or ("raw" in arrays and bands.has_planes(scene.config.camera)):
+            meta["bands"] = bands.described(scene.config.camera, scene.config.sun)
         objects = arrays.pop(OBJECTS, None)
         label = camera_label(request, scene.sensor, not undistorted)
         stars = seen(result["stars"])

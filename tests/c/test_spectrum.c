@@ -93,6 +93,7 @@ static void what_is_no_band_is_refused(void **state) {
     assert_int_equal(pl_band_gather(&suns[i], &good, 1, 0.01, &light), PL_E_RANGE);
   assert_int_equal(pl_band_gather(&EVEN, &good, 0, 0.01, &light), PL_E_ARGUMENT);
   assert_int_equal(pl_band_gather(&EVEN, &good, 1, 0.0, &light), PL_E_ARGUMENT);
+  assert_int_equal(pl_band_gather(&EVEN, &good, 1, 1e-300, &light), PL_E_ARGUMENT);
   assert_int_equal(pl_band_gather(&EVEN, &good, 1, 0.01, &light), PL_OK);
 }
 

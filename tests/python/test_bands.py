@@ -168,6 +168,10 @@ def test_the_channel_is_the_radiance_in_the_bands(tree):
     expected = np.einsum("bc,hwc->hwb", parts, sample["radiance"].astype(float))
     assert sample["bands"] == pytest.approx(expected, rel=1e-5, abs=1e-9)
     assert sample["bands"].max() > 1.0
+    named = sample.meta["bands"]
+    assert [row["name"] for row in named] == ["blue", "red", "near infrared", "all"]
+    assert [row["sun_part"] for row in named] == pytest.approx(parts.sum(axis=1))
+    assert named[2]["mean_um"] == pytest.approx(0.795, abs=0.01)
     alone, plain = sim.frame(0, ["bands"]), opened(tree, "srgb").frame(0, ["rgb", "bands"])
     assert np.array_equal(alone["bands"], sample["bands"])
     assert np.array_equal(plain["rgb"], sample["rgb"])
@@ -269,6 +273,7 @@ def test_wehrlis_sun_can_be_the_scenes(tree, data_dir):
         ("500\n600\n", "line 1: 1 numbers; expected 2 or more"),
         ("500 1\n600 one\n", "line 2: '600 one' is no row of numbers"),
         ("500 0\n600 0\n", "holds zeros alone"),
+        ("500 90\n600 90\n", "values are 0 to 1, not 90"),
         ("500 1 2\n600 1 2\n", "2 columns of values after the wavelength; expected 1"),
         ("0.5 1\n0.6 1\n", "line 1: a wavelength of 0.0005 um is not in 0.01 to 1000 um"),
         ("100 1\n600 1\n", "reaches beyond the sun's spectrum"),
@@ -312,5 +317,7 @@ def test_other_wrong_keys(tree, tmp_path):
         opened(tree, "srgb", relative, base=tmp_path)
     with pytest.raises(ConfigError, match=r"camera\.bands"):
         opened(tree, "rgb")
-    with pytest.raises(ConfigError, match=r"camera\.bands"):
+    with pytest.raises(ConfigError, match=r"camera\.bands: must have 1 to 64 bands, not 0"):
         opened(tree, [])
+    with pytest.raises(ConfigError, match=r"camera\.bands: two bands have the name 'red'"):
+        opened(tree, [THREE[1], THREE[1]])

@@ -52,6 +52,12 @@ def read_curves(file: str, unit: WavelengthUnit, columns: int | None = None) -> 
     return table
 
 
+def check_parts(table: Any, file: str, key: str = "file") -> None:
+    """Inside a validator: refuses values above 1, as of a file in per cent."""
+    if table[:, 1:].max() > 1.0:
+        fail(key, f"{file}: values are 0 to 1, not {table[:, 1:].max():g}")
+
+
 class Spectrum(Strict):
     """The spectrum of the Sun: a file instead of a black body."""
 
@@ -106,15 +112,14 @@ class QuantumEfficiency(Strict):
             table = read_curves(self.file, self.wavelength_unit, columns)
         except PydanticCustomError as error:
             fail("quantum_efficiency.file", error.message())
-        if table[:, 1:].max() > 1.0:
-            text = f"{self.file}: {table[:, 1:].max():g} electrons a photon; at most 1"
-            fail("quantum_efficiency.file", text)
+        check_parts(table, self.file, "quantum_efficiency.file")
 
 
 class Band(Strict):
     """A band of a camera: how it responds to each wavelength, from 0 to 1."""
 
     name: str = ""
+    """In `Sample.meta["bands"]` and on sheets."""
     center_um: Micrometres | None = None
     """With width_um, instead of a file."""
     width_um: Annotated[float, Field(strict=True, ge=1e-5, le=100.0)] | None = None
@@ -137,7 +142,7 @@ class Band(Strict):
             if self.center_um is not None or self.width_um is not None:
                 fail("file", "not together with center_um and width_um")
             if (info.context or {}).get("path"):
-                read_curves(self.file, self.wavelength_unit, 1)
+                check_parts(read_curves(self.file, self.wavelength_unit, 1), self.file)
             return self
         if self.center_um is None or self.width_um is None:
             fail("", "needs center_um and width_um, or a file")
@@ -149,6 +154,10 @@ class Band(Strict):
 def _some(value: tuple[Band, ...]) -> tuple[Band, ...]:
     if not 1 <= len(value) <= MOST_BANDS:
         fail("", f"must have 1 to {MOST_BANDS} bands, not {len(value)}")
+    names = [band.name for band in value if band.name]
+    for name in names:
+        if names.count(name) > 1:
+            fail("", f"two bands have the name '{name}'")
     return value
 
 

@@ -82,13 +82,19 @@ def digital_panel(name: str, values: Array, context: Context) -> list[Panel]:
     return [Panel(name, image, text=f"0 .. {largest} DN")]
 
 
+def _titles(name: str, values: Array, context: Context) -> list[str]:
+    """Of the bands of a channel."""
+    known = context.names.get("bands", {})
+    return [f"{name}/{known.get(band, band)}" for band in range(values.shape[2])]
+
+
 def raw_panel(name: str, values: Array, context: Context) -> list[Panel]:
     """Digital numbers (H, W), or a panel for each plane of (H, W, B)."""
     if values.ndim == 2:
         return digital_panel(name, values, context)
     return [
-        digital_panel(f"{name}/{plane}", values[:, :, plane], context)[0]
-        for plane in range(values.shape[2])
+        digital_panel(title, values[:, :, plane], context)[0]
+        for plane, title in enumerate(_titles(name, values, context))
     ]
 
 
@@ -164,7 +170,7 @@ def levels_panel(name: str, values: Array, context: Context) -> list[Panel]:
 
 def bands_panel(name: str, values: Array, context: Context) -> list[Panel]:
     """Radiances in bands (H, W, B): a panel a band."""
-    titles = [f"{name}/{band}" for band in range(values.shape[2])]
+    titles = _titles(name, values, context)
     named = replace(context, units=dict.fromkeys(titles, context.units.get(name, "")))
     return [
         radiance_panel(title, values[:, :, band], named)[0] for band, title in enumerate(titles)

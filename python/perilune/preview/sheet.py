@@ -108,6 +108,8 @@ def _panels(sample: Sample, names: Names, units: Mapping[str, str]) -> list[Pane
     step = -(-max(sample.camera.height, sample.camera.width) // _LONGEST_PX)
     # Masks are an image per object; the panel of instances shows what is seen of them.
     thinned = {name: sample[name][::step, ::step] for name in sample if name != MASKS}
+    of_bands = {i: str(row["name"]) for i, row in enumerate(sample.meta.get("bands", ()))}
+    names = {**names, "bands": {i: name for i, name in of_bands.items() if name}}
     context = Context(_hit_mask(thinned), thinned.get("instance"), names, units)
     found: list[Panel] = []
     for name, values in thinned.items():
