@@ -201,7 +201,8 @@ def test_planes_are_exposed_for_the_brightest():
 
 
 def test_planes_on_the_sheet():
-    scene = ball(0.5, {"mosaic": "planes"}, {"bands": [TWO[0], {"center_um": 0.45, "width_um": 0.1}]})
+    blue = {"center_um": 0.45, "width_um": 0.1}
+    scene = ball(0.5, {"mosaic": "planes"}, {"bands": [TWO[0], blue]})
     image = preview.render_sheet(perilune.open(scene), 0)
     assert image.max() > 100
 
