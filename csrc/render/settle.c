@@ -167,7 +167,10 @@ static void activate(uint32_t pixel, bool mesh, pl_tile_buffers *b) {
 }
 
 void pl_path_settle(const pl_path_context *context, pl_tile_buffers *b) {
-  const bool one_body = context->body != PL_NOTHING && !context->sun;
+  /* Of slices with few of the pixels it is quicker to trace those than all corners. */
+  const pl_slice *slice = context->settings->slice;
+  const bool sparse = slice != NULL && slice->count > context->settings->samples;
+  const bool one_body = context->body != PL_NOTHING && !context->sun && !sparse;
   bool covered[PL_TILE_PIXELS] = {false};
   if (one_body)
     cover_pixels(context, covered);
