@@ -41,6 +41,8 @@ static pl_status check(const pl_air_settings *s, double radius_m) {
 
 static void set_optics(pl_air *air) {
   const pl_air_settings *s = &air->settings;
+  air->per_scale[0] = -1.0 / s->rayleigh_height_m;
+  air->per_scale[1] = -1.0 / s->mie_height_m;
   for (int k = 0; k < 3; k++) {
     air->scattering[0][k] = (float)s->rayleigh_scattering[k];
     air->scattering[1][k] = (float)s->mie_scattering[k];
@@ -64,6 +66,7 @@ pl_status pl_air_create(const pl_air_settings *settings, double radius_m, pl_air
   if (settings->multiple)
     pl_air_build_multiple(air);
   pl_air_build_sky(air);
+  pl_air_build_reach(air);
   *out = air;
   return PL_OK;
 }
@@ -82,8 +85,8 @@ void pl_air_density(const pl_air *air, double height_m, float out[PL_AIR_PARTS])
   const pl_air_settings *s = &air->settings;
   const bool inside = height_m <= s->top_m;
   const double off = fabs(height_m - s->ozone_center_m) / s->ozone_width_m;
-  out[0] = inside ? expf((float)(-height_m / s->rayleigh_height_m)) : 0.0f;
-  out[1] = inside ? expf((float)(-height_m / s->mie_height_m)) : 0.0f;
+  out[0] = inside ? expf((float)(height_m * air->per_scale[0])) : 0.0f;
+  out[1] = inside ? expf((float)(height_m * air->per_scale[1])) : 0.0f;
   out[2] = inside && off < 1.0 ? (float)(1.0 - off) : 0.0f;
 }
 

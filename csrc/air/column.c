@@ -98,8 +98,7 @@ static double vertical(const pl_air *air, int part, double height_m) {
   if (part < 2)
     return -scale_of(air, part) * expm1(-fmax(0.0, top_m - height_m) / scale_of(air, part));
   const double x = (height_m - s->ozone_center_m) / s->ozone_width_m;
-  const double above = tent_above((top_m - s->ozone_center_m) / s->ozone_width_m);
-  return s->ozone_width_m * fmax(0.0, tent_above(x) - above);
+  return s->ozone_width_m * fmax(0.0, tent_above(x) - air->columns[part].above);
 }
 
 static void build_column(pl_air *air, const pl_air_rule *rule, int part) {
@@ -134,6 +133,8 @@ void pl_air_build_columns(pl_air *air) {
     pl_air_column *column = &air->columns[part];
     column->bend = bend_of(air, column);
     column->per_height = 1.0 / column->top_m;
+    if (part == 2)
+      column->above = tent_above((column->top_m - s->ozone_center_m) / s->ozone_width_m);
     if (air->present[part])
       build_column(air, &rule, part);
   }

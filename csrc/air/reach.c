@@ -29,7 +29,7 @@ static double longest(const pl_air *air, int part) {
  * oblate body's rays may be longer than its mean radius says: by less than this. */
 static const double OBLATE = 1.1;
 
-pl_air_reach pl_air_reach_of(const pl_air *air) {
+void pl_air_build_reach(pl_air *air) {
   pl_air_reach out = {0};
   const double depths[2] = {OBLATE * longest(air, 0), OBLATE * longest(air, 1)};
   const double ozone = OBLATE * 2.0 * longest(air, 2); /* its layer is above the ground */
@@ -43,8 +43,10 @@ pl_air_reach pl_air_reach_of(const pl_air *air) {
   out.several = largest * -expm1(-depths[0] - depths[1]);
   for (int k = 0; k < PL_AIR_SKY; k++)
     out.sky = fmax(out.sky, (double)pl_vec3f_max(air->sky[1][k]));
-  return out;
+  air->reach = out;
 }
+
+pl_air_reach pl_air_reach_of(const pl_air *air) { return air->reach; }
 
 double pl_air_share(const pl_view *view, const pl_view_thing *body) {
   if (body->air == NULL)
@@ -67,18 +69,22 @@ double pl_air_share(const pl_view *view, const pl_view_thing *body) {
   return fmin(1.0, share);
 }
 
-/* Envelopes of what tests/c/test_air_steps.c measures. */
+/* Envelopes of what tests/c/test_air_steps.c measures, in classes of depth. */
 static const struct {
   int steps;
-  double thin, thick;
-} off[] = {{1, 2.5, 20.0},      {2, 0.6, 6.0},    {3, 0.15, 2.0},     {4, 0.1, 0.8},
-           {5, 0.075, 0.5},     {6, 0.03, 0.5},   {8, 0.02, 0.5},     {10, 0.0085, 0.35},
-           {12, 0.0065, 0.25},  {14, 0.004, 0.2}, {16, 0.0024, 0.12}, {24, 0.0008, 0.036},
-           {32, 0.00045, 0.024}};
+  double off[PL_AIR_CLASSES];
+} steps_off[] = {
+    {1, {2.5, 5.0, 20.0}},        {2, {0.6, 1.0, 6.0}},        {3, {0.15, 0.35, 2.0}},
+    {4, {0.1, 0.15, 0.8}},        {5, {0.05, 0.08, 0.5}},      {6, {0.026, 0.045, 0.5}},
+    {8, {0.008, 0.033, 0.5}},     {10, {0.0042, 0.02, 0.35}},  {12, {0.0034, 0.017, 0.25}},
+    {14, {0.002, 0.014, 0.2}},    {16, {0.0018, 0.012, 0.15}}, {24, {0.0008, 0.007, 0.06}},
+    {32, {0.00045, 0.0045, 0.03}}};
+
+int pl_air_class(double depth) { return depth > 40.0 ? 2 : depth > 30.0 ? 1 : 0; }
 
 double pl_air_step_error(double depth, int steps) {
   size_t i = 0;
-  while (i + 1 < sizeof off / sizeof off[0] && off[i + 1].steps <= steps)
+  while (i + 1 < sizeof steps_off / sizeof steps_off[0] && steps_off[i + 1].steps <= steps)
     i++;
-  return depth > PL_AIR_THICK ? off[i].thick : off[i].thin;
+  return steps_off[i].off[pl_air_class(depth)];
 }

@@ -16,11 +16,12 @@ pl_air_reach pl_air_reach_of(const pl_air *air);
 
 /* What the integral along a ray is off by with so many steps: so many times the light, under a sun
  * of irradiance 1, to the power of PL_AIR_POWER, where displays encode it by its 2.4th root; what
- * is darker than PL_AIR_DARK counts as that. It is more in air that is thick: deeper than
- * PL_AIR_THICK. */
+ * is darker than PL_AIR_DARK counts as that. It grows with the depth of the longest way, by class.
+ */
 #define PL_AIR_POWER (1.4 / 2.4)
 #define PL_AIR_DARK 1e-4
-#define PL_AIR_THICK 40.0
+enum { PL_AIR_CLASSES = 3 };
+int pl_air_class(double depth);
 double pl_air_step_error(double depth, int steps);
 
 /* How a body's air gets into a frame: it is seen itself (1), or only by the light that it sends to

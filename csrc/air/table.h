@@ -3,6 +3,7 @@
 #define PL_AIR_TABLE_H
 
 #include "air/air.h"
+#include "air/reach.h"
 
 /* Nodes in height and in the cosine of the zenith angle. */
 enum { PL_AIR_HEIGHTS = 97, PL_AIR_COSINES = 48 };
@@ -17,6 +18,7 @@ enum { PL_AIR_SKY = 64, PL_AIR_MULTIPLE_HEIGHTS = 16, PL_AIR_MULTIPLE_SINES = 32
 typedef struct pl_air_column {
   double top_m;            /* where the density ends */
   double per_height, bend; /* of the nodes in height */
+  double above;            /* of ozone: part of its layer that is above the top */
   float grazing[PL_AIR_HEIGHTS];
   float ratio[PL_AIR_HEIGHTS][PL_AIR_COSINES];
 } pl_air_column;
@@ -28,10 +30,12 @@ struct pl_air {
   float scattering[2][3];     /* Rayleigh, Mie */
   bool present[PL_AIR_PARTS]; /* with any extinction */
   float rest[2];              /* density at the top */
+  double per_scale[2];        /* -1 over the scale heights */
   pl_air_column columns[PL_AIR_PARTS];
   pl_vec3f sky[2][PL_AIR_SKY]; /* irradiance by the sine of the sun's height; with multiple */
   /* Mean radiance, over the sphere, of light scattered several times. */
   pl_vec3f several[PL_AIR_MULTIPLE_HEIGHTS][PL_AIR_MULTIPLE_SINES];
+  pl_air_reach reach;
 };
 
 /* A place in the air: its height, the distance from the centre over the radius, and of each
@@ -74,6 +78,8 @@ pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const p
 /* Fills air->several; then air->sky. */
 void pl_air_build_multiple(pl_air *air);
 void pl_air_build_sky(pl_air *air);
+/* Fills air->reach, of all the rest. */
+void pl_air_build_reach(pl_air *air);
 /* Mean radiance at a place of light that was scattered before. */
 pl_vec3f pl_air_several(const pl_air *air, const pl_air_place *place, double sun_sine);
 

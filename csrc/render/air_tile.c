@@ -1,14 +1,19 @@
-/* The air of a tile's pixels, where it changes evenly: worked out at corners of squares of pixels.
- * A square whose middle is not what its corners say is cut in four; what is left of two pixels a
- * side is up to each sample. */
+/* The air of a tile's pixels, where it changes evenly: worked out at nine corners of pixels of a
+ * square, and of second order in between. A square with places that are not what the nine say is
+ * cut in four, in the end into pixels, each of which gets its mean. Where that is not known either
+ * it is up to each sample. */
 #include <string.h>
 
 #include "math/color.h"
 #include "render/air_path.h"
 #include "render/path.h"
 
-enum { WHOLE = 8 };               /* pixels a side of the largest squares */
-static const float SHARE = 0.25f; /* of the noise that samples may leave */
+enum { WHOLE = 16, LEAST = 4 };  /* pixels a side of squares */
+static const float SHARE = 0.5f; /* of the noise that samples may leave */
+/* By so many times that the corners of a pixel may miss its middle: the mean of the two by
+ * Simpson's rule is off by a fortieth of it or less, for air that thins out by e^3 across the
+ * pixel. */
+static const float SIMPSON = 10.0f;
 /* Errors of what the ground sends count beside the least that it may send: of this albedo. */
 static const float DARK = 0.05f;
 
@@ -29,7 +34,7 @@ static bool meet_ground(const pl_air_ray *ray, pl_vec3 *point) {
   return true;
 }
 
-static void work_out(const pl_path_context *context, const pl_air_item *item, int x, int y,
+static void work_out(const pl_path_context *context, const pl_air_item *item, double x, double y,
                      pl_air_corner *out) {
   const pl_air_view *view = context->settings->air;
   const pl_vec3 direction =
@@ -58,25 +63,32 @@ static const pl_air_corner *corner_at(const pl_path_context *context, pl_tile_bu
   return corner;
 }
 
-static pl_vec3f weighted(const pl_vec3f v[4], const float w[4]) {
-  pl_vec3f sum = pl_vec3f_scale(v[0], w[0]);
-  for (int i = 1; i < 4; i++)
-    sum = pl_vec3f_madd(sum, w[i], v[i]);
-  return sum;
+/* Sum of values, each times its weight. */
+static void add_weighted(const pl_air_pixel *value, float weight, pl_air_pixel *sum) {
+  sum->light.scattered = pl_vec3f_madd(sum->light.scattered, weight, value->light.scattered);
+  sum->light.transmitted = pl_vec3f_madd(sum->light.transmitted, weight, value->light.transmitted);
+  sum->sunlight = pl_vec3f_madd(sum->sunlight, weight, value->sunlight);
+  sum->skylight = pl_vec3f_madd(sum->skylight, weight, value->skylight);
 }
 
-static pl_air_pixel mix(const pl_air_corner *const c[4], float u, float v) {
-  const float w[4] = {(1.0f - u) * (1.0f - v), u * (1.0f - v), (1.0f - u) * v, u * v};
-  pl_vec3f values[4][4];
-  for (int i = 0; i < 4; i++) {
-    values[0][i] = c[i]->air.light.scattered;
-    values[1][i] = c[i]->air.light.transmitted;
-    values[2][i] = c[i]->air.sunlight;
-    values[3][i] = c[i]->air.skylight;
-  }
-  return (pl_air_pixel){{weighted(values[0], w), weighted(values[1], w)},
-                        weighted(values[2], w),
-                        weighted(values[3], w)};
+enum { NODES = 9 };
+
+/* Lagrange's polynomials of second order on 0, 1/2, 1. */
+static void parabolas(float x, float out[3]) {
+  out[0] = (1.0f - x) * (1.0f - 2.0f * x);
+  out[1] = 4.0f * x * (1.0f - x);
+  out[2] = x * (2.0f * x - 1.0f);
+}
+
+/* At a place of the square, 0..1. */
+static pl_air_pixel mix(const pl_air_corner *const nodes[NODES], float u, float v) {
+  float across[3], down[3];
+  pl_air_pixel sum = {0};
+  parabolas(u, across);
+  parabolas(v, down);
+  for (int i = 0; i < NODES; i++)
+    add_weighted(&nodes[i]->air, across[i % 3] * down[i / 3], &sum);
+  return sum;
 }
 
 /* Radiance of a white ground under the air, over the sun's irradiance: with the sun overhead, which
@@ -118,43 +130,80 @@ static bool is_clear(const square *s) {
   return !pl_sphere_in_cone(body->center, body->radius_m, axis, half_angle);
 }
 
-static bool is_even(const square *s, const pl_air_corner *const c[4]) {
-  const pl_air_corner *middle = corner_at(s->context, s->b, s->x + s->side / 2, s->y + s->side / 2);
-  for (int i = 0; i < 4; i++)
-    if (c[i]->known != middle->known)
-      return false;
-  if (middle->known == PL_AIR_SPACE && !is_clear(s))
-    return false;
-  const pl_air_pixel said = mix(c, 0.5f, 0.5f);
-  return off_dn(s->context->settings, s->b->air.item->irradiance, &said, &middle->air) <=
-         SHARE * s->context->settings->noise_dn;
+static float share_of(const square *s, const pl_air_pixel *said, const pl_air_pixel *is) {
+  const pl_render_settings *settings = s->context->settings;
+  return off_dn(settings, s->b->air.item->irradiance, said, is) / (SHARE * settings->noise_dn);
 }
 
-static void fill(const square *s, const pl_air_corner *const c[4]) {
+/* Whether the nodes say what is a quarter of the way along the diagonals. */
+static bool is_even(const square *s, const pl_air_corner *const nodes[NODES]) {
+  for (int i = 1; i < NODES; i++)
+    if (nodes[i]->known != nodes[0]->known)
+      return false;
+  if (nodes[0]->known == PL_AIR_SPACE && !is_clear(s))
+    return false;
+  for (int i = 0; i < 4; i++) {
+    const int x = i & 1 ? 3 : 1, y = i >> 1 ? 3 : 1;
+    const pl_air_corner *is =
+        corner_at(s->context, s->b, s->x + x * s->side / 4, s->y + y * s->side / 4);
+    const pl_air_pixel said = mix(nodes, 0.25f * (float)x, 0.25f * (float)y);
+    if (is->known != nodes[0]->known || share_of(s, &said, &is->air) > 1.0f)
+      return false;
+  }
+  return true;
+}
+
+static void fill(const square *s, const pl_air_corner *const nodes[NODES]) {
   const float step = 1.0f / (float)s->side;
   for (int y = 0; y < s->side && s->y + y < s->context->tile.height; y++)
     for (int x = 0; x < s->side && s->x + x < s->context->tile.width; x++) {
       const int pixel = (s->y + y) * PL_TILE_SIDE + s->x + x;
-      s->b->air.known[pixel] = (uint8_t)c[0]->known;
-      s->b->air.pixels[pixel] = mix(c, ((float)x + 0.5f) * step, ((float)y + 0.5f) * step);
+      s->b->air.known[pixel] = (uint8_t)nodes[0]->known;
+      s->b->air.pixels[pixel] = mix(nodes, ((float)x + 0.5f) * step, ((float)y + 0.5f) * step);
     }
+}
+
+/* The mean over a pixel, of its corners and its middle. */
+static void take_pixel(const square *s) {
+  pl_air_corner middle;
+  pl_air_pixel around = {0}, mean = {0};
+  if (s->x >= s->context->tile.width || s->y >= s->context->tile.height)
+    return;
+  work_out(s->context, s->b->air.item, s->x + 0.5, s->y + 0.5, &middle);
+  for (int i = 0; i < 4; i++) {
+    const pl_air_corner *corner = corner_at(s->context, s->b, s->x + (i & 1), s->y + (i >> 1));
+    if (corner->known != middle.known)
+      return;
+    add_weighted(&corner->air, 0.25f, &around);
+  }
+  if ((middle.known == PL_AIR_SPACE && !is_clear(s)) || share_of(s, &around, &middle.air) > SIMPSON)
+    return;
+  add_weighted(&around, 1.0f / 3.0f, &mean);
+  add_weighted(&middle.air, 2.0f / 3.0f, &mean);
+  s->b->air.known[s->y * PL_TILE_SIDE + s->x] = (uint8_t)middle.known;
+  s->b->air.pixels[s->y * PL_TILE_SIDE + s->x] = mean;
 }
 
 static void take_square(const square *s) {
   if (s->x >= s->context->tile.width || s->y >= s->context->tile.height)
     return;
-  const pl_air_corner *c[4];
-  for (int i = 0; i < 4; i++)
-    c[i] = corner_at(s->context, s->b, s->x + (i & 1) * s->side, s->y + (i >> 1) * s->side);
-  if (is_even(s, c)) {
-    fill(s, c);
+  const int half = s->side / 2;
+  const pl_air_corner *nodes[NODES];
+  for (int i = 0; i < NODES; i++)
+    nodes[i] = corner_at(s->context, s->b, s->x + i % 3 * half, s->y + i / 3 * half);
+  if (is_even(s, nodes)) {
+    fill(s, nodes);
     return;
   }
-  for (int i = 0; s->side > 2 && i < 4; i++) {
-    const int half = s->side / 2;
-    const square part = {s->context, s->b, s->x + (i & 1) * half, s->y + (i >> 1) * half, half};
-    take_square(&part);
-  }
+  const int side = s->side > LEAST ? half : 1;
+  for (int y = 0; y < s->side; y += side)
+    for (int x = 0; x < s->side; x += side) {
+      const square part = {s->context, s->b, s->x + x, s->y + y, side};
+      if (side == 1)
+        take_pixel(&part);
+      else
+        take_square(&part);
+    }
 }
 
 /* The only air in the tile, if no other body may be in it. */
