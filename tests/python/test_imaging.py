@@ -10,6 +10,7 @@ import pytest
 import perilune
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
+from perilune.config.sensor import ImageSensor
 from perilune.config.sensor_presets import PRESETS
 from perilune.imaging import sensor_of
 
@@ -33,6 +34,13 @@ def opened(tree, sensor, **overrides):
 
 def value_of(plan, name):
     return next(row["value"] for row in plan if row["name"] == name)
+
+
+def test_presets_say_where_they_are_from():
+    assert len(PRESETS) >= 4
+    for preset in PRESETS.values():
+        assert len(preset.source) > 40
+        assert preset.assumed
 
 
 def test_clean_channels_do_not_know_of_the_sensor(tree):
@@ -120,18 +128,21 @@ def test_presets_are_defaults(tree, name):
     values = PRESETS[name].values
     sensor = opened(tree, {"preset": name}).config.camera.sensor
     for key, value in values.items():
-        assert getattr(sensor, key) == (tuple(value) if isinstance(value, list) else value)
+        assert getattr(sensor, key) == getattr(ImageSensor.model_validate({key: value}), key)
     assert opened(tree, {"preset": name, "read_noise_e": 1.5}).config.camera.sensor == (
         sensor.model_copy(update={"read_noise_e": 1.5})
     )
     digits = (2**sensor.bits - 1 - sensor.black_level_dn) * sensor.gain_e_dn
-    assert digits == pytest.approx(sensor.full_well_e, rel=0.02)
+    assert 0.98 < digits / sensor.full_well_e < 1.4
     assert opened(tree, {"preset": name}).frame(0, ["raw"])["raw"].max() > sensor.black_level_dn
 
 
 def test_an_unknown_preset_is_refused(tree):
-    with pytest.raises(ConfigError, match=r"camera\.sensor\.preset"):
+    text = r"camera\.sensor\.preset.*no sensor 'cmv400'; did you mean 'cmv4000'\?.*msl_mardi"
+    with pytest.raises(ConfigError, match=text):
         opened(tree, {"preset": "cmv400"})
+    with pytest.raises(ConfigError, match=r"camera\.sensor\.preset"):
+        opened(tree, {"preset": 3})
 
 
 def test_sensors_of_a_platform_have_their_own(tree):

@@ -1,4 +1,4 @@
-"""`perilune info`: versions, processor, data."""
+"""`perilune info`: versions, processor, ready sensors, data."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import perilune
 from perilune import _core
 from perilune.cli.command import OK, Command
 from perilune.config.paths import DATA_VARIABLE
+from perilune.config.sensor_presets import PRESETS
 from perilune.simulation import default_threads
 
 
@@ -35,6 +36,7 @@ def _facts() -> dict[str, str]:
         "numpy": np.__version__,
         **_core.version(),
         "threads": str(default_threads()),
+        "sensor presets": ", ".join(PRESETS),
         DATA_VARIABLE: _data(),
     }
 
@@ -50,5 +52,5 @@ def _run(args: Namespace) -> int:
 
 
 INFO = Command(
-    "info", "prints versions, instruction set, threads and the data folder", _configure, _run
+    "info", "prints versions, threads, ready sensors and the data folder", _configure, _run
 )

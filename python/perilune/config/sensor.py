@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, ValidationInfo, model_validator
 
 from perilune.config.bands import QuantumEfficiency
-from perilune.config.errors import fail
+from perilune.config.errors import fail, nearest
 from perilune.config.lens_flare import LensFlare
 from perilune.config.sensor_presets import PRESETS, Name
 from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
@@ -218,7 +218,9 @@ class ImageSensor(Strict):
     @classmethod
     def _from_preset(cls, data: Any) -> Any:
         if isinstance(data, Mapping) and isinstance(name := data.get("preset"), str):
-            values = dict(PRESETS[name].values) if name in PRESETS else {}
+            if name not in PRESETS:
+                fail("preset", f"no sensor '{name}'{nearest(name, PRESETS)}")
+            values = dict(PRESETS[name].values)
             if "aperture_mm" in data:
                 values.pop("f_number", None)
             return {**values, **data}
