@@ -307,6 +307,7 @@ bool pl_emitters_sample(const pl_emitters *list, pl_vec3 point, const float u[2]
                          : sample_body(list, item, point, v, out);
   if (!found)
     return false;
+  out->thing = item->thing;
   out->pdf = (float)((double)out->pdf * probability);
   return out->pdf > 0.0f;
 }

@@ -33,6 +33,7 @@ typedef struct pl_emitters {
 
 /* A way from a point to a lit-up one. */
 typedef struct pl_emitter_sample {
+  uint32_t thing;     /* whose light it is */
   pl_vec3f direction; /* unit */
   float distance_m;   /* to stay below: short of the surface by more than rounding */
   float pdf;          /* per solid angle */

@@ -43,6 +43,9 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   if (!pl_emitters_sample(context->settings->emitters, pl_vec3f_to_double(ray.origin), u, &drawn) ||
       !pl_surface_admits(s, drawn.direction))
     return queued;
+  /* A body is drawn by a sphere about it, from inside of which it would light itself. */
+  if (drawn.thing == vertex->thing && vertex->thing >= context->shot->object_count)
+    return queued;
   const pl_vec3f wi = pl_surface_to_local(s, drawn.direction);
   const float rival = onward ? s->reflectance->pdf(s, wo, wi) : 0.0f;
   const float weight = pl_power_heuristic(drawn.pdf, rival) / drawn.pdf;

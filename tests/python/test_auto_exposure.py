@@ -44,6 +44,14 @@ def test_the_mean_is_brought_to_the_key(tree):
     assert white_parts(sim.frame(0, ["raw"]), sim).mean() == pytest.approx(0.3, rel=0.05)
 
 
+def test_a_body_that_glows_is_metered_as_it_is_seen(tree):
+    """It is convex, and so gives no light to itself."""
+    tree = copy.deepcopy(tree)
+    tree["bodies"]["earth"]["emission_w_m2_sr"] = [100.0, 100.0, 100.0]
+    sim = opened(tree, {"metering": "mean", "key": 0.3})
+    assert white_parts(sim.frame(0, ["raw"]), sim).mean() == pytest.approx(0.3, rel=0.01)
+
+
 def test_the_window_is_metered(tree):
     """Of a lens that is dim at its border, the lower left corner and the middle."""
     corner = {"metering": "mean", "key": 0.3, "window": [0.0, 0.75, 0.25, 1.0]}
