@@ -5,6 +5,7 @@
 #include <time.h>
 
 #include "base/memory.h"
+#include "frame/dots.h"
 #include "frame/effects.h"
 #include "frame/moving.h"
 #include "frame/output.h"
@@ -168,6 +169,8 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
     PL_TRY(pl_moving_plan(renderer, request, &view, metered, &result->plan));
   pl_snapshot_cull(shot, &view, request->wish.tolerance_dn);
   pl_frame_apply(&result->plan, shot);
+  if (metered)
+    pl_dots_mark(shot, &view, request->wish.tolerance_dn);
   lap(result, PL_STAGE_PLAN, &start);
   return PL_OK;
 }
@@ -241,7 +244,9 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   lap(result, PL_STAGE_REALISE, &start);
   pl_render_settings settings = settings_of(request, result);
   pl_limb limb;
-  if (settings.soft_sun && pl_plan_value(&result->plan, "limb_darkening") > 0) {
+  /* The disc itself is seen where nothing is lit, too. */
+  if ((settings.soft_sun || shot.sun.in_frame) &&
+      pl_plan_value(&result->plan, "limb_darkening") > 0) {
     limb = pl_limb_make(shot.sun.wavelengths_um);
     settings.limb = &limb;
   }
@@ -250,6 +255,8 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   pl_air_view air;
   PL_TRY(pl_frame_emitters(&renderer->arena, &shot, emitters_value, &emitters, &settings));
   PL_TRY(pl_frame_air(&renderer->arena, &shot, &result->plan, &air, &settings));
+  if (wants_colour(request) && !pl_moving(request, &result->plan))
+    PL_TRY(pl_dots_render(renderer, &shot, &settings, &renderer->arena, request->cancel, &sky));
   if (wants_colour(request))
     PL_TRY(pl_frame_sky_place(&result->plan, &shot, renderer->tracer, settings.air,
                               &renderer->arena, &sky));

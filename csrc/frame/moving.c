@@ -1,6 +1,7 @@
 /* Instants, one after the other. */
 #include "frame/moving.h"
 
+#include "frame/dots.h"
 #include "frame/effects.h"
 #include "render/laws.h"
 #include "scene/shutter.h"
@@ -104,10 +105,13 @@ static pl_status render_at(pl_renderer *renderer, const pl_frame_request *reques
         pl_frame_sky_view(request->sky, &instant.shot, &request->wish, arena, &instant.view, &sky));
   pl_snapshot_cull(&instant.shot, &instant.view, request->wish.tolerance_dn);
   pl_frame_apply(plan, &instant.shot);
+  if (colour)
+    pl_dots_mark(&instant.shot, &instant.view, request->wish.tolerance_dn);
   PL_TRY(pl_tracer_set(renderer->tracer, &instant.shot));
   if (colour) {
     PL_TRY(pl_frame_emitters(arena, &instant.shot, emitters, &lights, &settings));
     PL_TRY(pl_frame_air(arena, &instant.shot, plan, &air, &settings));
+    PL_TRY(pl_dots_render(renderer, &instant.shot, &settings, arena, request->cancel, &sky));
     PL_TRY(pl_frame_sky_place(plan, &instant.shot, renderer->tracer, settings.air, arena, &sky));
     settings.backdrop = sky.backdrop.kind != PL_BACKDROP_NONE ? &sky.backdrop : NULL;
   }

@@ -111,9 +111,12 @@ static void sort_light(const pl_star_light *light, size_t count, size_t tiles, p
 static pl_status deposit(const pl_camera *camera, pl_arena *arena, pl_frame_sky *sky) {
   const int rows = (camera->height + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
   sky->columns = (camera->width + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
-  const size_t tiles = (size_t)sky->columns * (size_t)rows, most = 4 * sky->seen_count;
+  const size_t tiles = (size_t)sky->columns * (size_t)rows,
+               most = 4 * sky->seen_count + sky->dot_count;
   pl_star_light *light = pl_arena_alloc(arena, most, sizeof *light);
   size_t count = 0;
+  for (; count < sky->dot_count; count++)
+    light[count] = sky->dots[count];
   sky->light = pl_arena_alloc(arena, most, sizeof *light);
   sky->first = pl_arena_alloc(arena, tiles + 1, sizeof *sky->first);
   if (light == NULL || sky->light == NULL || sky->first == NULL)
@@ -141,7 +144,7 @@ pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const
     sky->backdrop.kind = PL_BACKDROP_NONE;
   while (count < sky->field.count && sky->field.stars[count].level <= level)
     count++;
-  if (count == 0)
+  if (count == 0 && sky->dot_count == 0)
     return PL_OK;
   PL_TRY(find_seen(shot, tracer, air, count, arena, sky));
   return deposit(&shot->camera, arena, sky);

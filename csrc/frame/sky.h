@@ -25,6 +25,8 @@ typedef struct pl_frame_sky {
   pl_star_field field; /* until the plan */
   pl_seen_star *seen;  /* the brightest first */
   size_t seen_count;
+  pl_star_light *dots; /* of small bodies, see dots.h */
+  size_t dot_count;
   pl_star_light *light; /* tile by tile, in each by brightness of the star */
   size_t *first;        /* of a tile, and at last their number; NULL: there is none */
   int columns;          /* of tiles */

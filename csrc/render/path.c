@@ -302,11 +302,20 @@ static bool is_settled(const pl_tile_buffers *b, int bounce, size_t i) {
   return bounce == 0 && b->settled_thing[b->paths[i].pixel] == b->hits[i].thing;
 }
 
+/* A body of which the camera's rays see nothing, but that it is there. */
+static bool is_dot(const pl_path_context *context, uint32_t thing) {
+  const size_t objects = context->shot->object_count;
+  return thing >= objects && context->shot->bodies[thing - objects].dot &&
+         !context->settings->see_dots;
+}
+
 /* A hit of path `i`, whatever it is. */
 static void visit_hit(const pl_path_context *context, int bounce, size_t i, size_t *kept,
                       size_t *queued, pl_tile_buffers *b) {
   const uint32_t pixel = b->paths[i].pixel;
   pl_vertex vertex;
+  if (bounce == 0 && is_dot(context, b->hits[i].thing))
+    return; /* its light is known, see frame/dots.h */
   if (is_settled(b, bounce, i)) {
     add(&b->sample[pixel], b->settled[pixel]);
     return;

@@ -37,6 +37,7 @@ typedef struct pl_render_settings {
   const pl_air_view *air;      /* borrowed; NULL: none */
   bool emitters_on_bodies;     /* or else on meshes alone */
   const pl_backdrop *backdrop; /* borrowed: what the camera sees behind everything; NULL: black */
+  bool see_dots;               /* bodies that are dots are seen as others are, not black */
   float noise_dn;              /* pixels quieter than this get no more samples, see prune.c, and
                                 * busy ones more than `samples`; 0: all get `samples` */
   int row0, row1;              /* of the image; row1 0: all */

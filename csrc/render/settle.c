@@ -82,8 +82,9 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   const pl_shot_body *body = &shot->bodies[vertex.thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
   const bool plain = is_plain(body->body);
-  if (!context->sharp || (!plain && !body->body->reflectance->photometric) ||
-      settings->emitters_on_bodies || (settings->body_bounces && body->bounced))
+  if ((body->dot && !settings->see_dots) || !context->sharp ||
+      (!plain && !body->body->reflectance->photometric) || settings->emitters_on_bodies ||
+      (settings->body_bounces && body->bounced))
     return false;
   const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));
   const float cosine = fabsf(pl_vec3f_dot(toward, vertex.ng));

@@ -1,0 +1,162 @@
+/* Small bodies: a picture of SIDE pixels squared of each, whose light is put where it belongs. */
+#include "frame/dots.h"
+
+/* Bodies below this diameter are dots: above, sixteen samples a pixel keep the light of a disc to
+ * within a few hundredths, and of more pixels to less. */
+static const double DIAMETER_PX = 5.0;
+/* Side of the picture, and the part of it that the body's bounding sphere fills. The lattice of its
+ * pixels counts the area of a disc to 2e-3. */
+enum { SIDE = 2 * PL_TILE_SIDE };
+static const double FILLED = 0.97;
+
+static double diameter_px(const pl_snapshot *shot, const pl_shot_body *body) {
+  const double distance = pl_vec3_norm(body->center);
+  if (!(distance > body->radius_m))
+    return INFINITY;
+  return 2.0 * asin(body->radius_m / distance) * fmax(shot->camera.fx, shot->camera.fy);
+}
+
+/* Not where depth of field blurs: these pictures are sharp. */
+void pl_dots_mark(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
+  for (size_t i = 0; i < shot->body_count; i++) {
+    pl_shot_body *body = &shot->bodies[i];
+    const pl_view_thing *thing = &view->things[shot->object_count + i];
+    const double size = diameter_px(shot, body);
+    const double covered = fmin(1.0, size * size);
+    body->dot = shot->camera.aperture_m == 0.0 && body->in_frame && size < DIAMETER_PX &&
+                pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
+  }
+}
+
+/* The camera that looks at a body alone. */
+static void aim(const pl_snapshot *shot, const pl_shot_body *body, pl_snapshot *out) {
+  const pl_vec3 forward = pl_vec3_unit(body->center);
+  const pl_vec3 seed = fabs(forward.x) < 0.7 ? (pl_vec3){1, 0, 0} : (pl_vec3){0, 1, 0};
+  const pl_vec3 right = pl_vec3_unit(pl_vec3_cross(seed, forward));
+  const pl_vec3 down = pl_vec3_cross(forward, right);
+  const double sine = body->radius_m / pl_vec3_norm(body->center);
+  const double focal = 0.5 * SIDE * FILLED * sqrt(1.0 - sine * sine) / sine;
+  *out = *shot;
+  out->camera_to_root = pl_mat3_transpose((pl_mat3){{right, down, forward}});
+  out->camera = (pl_camera){.width = SIDE,
+                            .height = SIDE,
+                            .fx = focal,
+                            .fy = focal,
+                            .cx = 0.5 * (SIDE - 1),
+                            .cy = 0.5 * (SIDE - 1)};
+}
+
+/* What a dot's picture is gathered into. */
+typedef struct gathering {
+  uint32_t thing;
+  pl_vec3f light[SIDE * SIDE]; /* black where it is not seen */
+} gathering;
+
+static pl_status gather_tile(void *context, const pl_tile_result *result, int worker) {
+  gathering *g = context;
+  (void)worker;
+  for (int y = 0; y < result->tile.height; y++)
+    for (int x = 0; x < result->tile.width; x++) {
+      const int from = y * PL_TILE_SIDE + x;
+      const int to = (result->tile.y0 + y) * SIDE + result->tile.x0 + x;
+      g->light[to] = result->points[from].thing == g->thing ? result->radiance[from]
+                                                            : (pl_vec3f){0.0f, 0.0f, 0.0f};
+    }
+  return PL_OK;
+}
+
+static void add(pl_frame_sky *sky, size_t first, uint32_t pixel, pl_vec3f light) {
+  size_t i = first;
+  while (i < sky->dot_count && sky->dots[i].pixel != pixel)
+    i++;
+  if (i == sky->dot_count)
+    sky->dots[sky->dot_count++] = (pl_star_light){.pixel = pixel};
+  sky->dots[i].light = pl_vec3f_add(sky->dots[i].light, light);
+}
+
+/* Part of an interval of `width` about a place that lies in pixel `pixel` of an axis. */
+static double overlap(double place, double width, double pixel) {
+  const double low = fmax(place - 0.5 * width, pixel - 0.5);
+  const double high = fmin(place + 0.5 * width, pixel + 0.5);
+  return fmax(0.0, high - low) / width;
+}
+
+/* A pixel of the picture, `width` pixels of the frame wide, onto those that it lies on. */
+static void spread_pixel(const pl_camera *camera, const double at[2], double width, pl_vec3f energy,
+                         size_t first, pl_frame_sky *sky) {
+  const double x0 = floor(at[0] - 0.5 * width + 0.5), y0 = floor(at[1] - 0.5 * width + 0.5);
+  for (int i = 0; i < 4; i++) {
+    const double x = x0 + i % 2, y = y0 + (double)(i / 2);
+    const double part = overlap(at[0], width, x) * overlap(at[1], width, y);
+    if (!(part > 0.0) || x < 0.0 || y < 0.0 || x >= camera->width || y >= camera->height)
+      continue;
+    const double angle = pl_pixel_solid_angle(camera, (int)x, (int)y);
+    add(sky, first, (uint32_t)y * (uint32_t)camera->width + (uint32_t)x,
+        pl_vec3f_scale(energy, (float)(part / angle)));
+  }
+}
+
+/* From the pixels of the picture to those of the frame. */
+static void spread(const gathering *g, const pl_snapshot *close, const pl_snapshot *shot,
+                   pl_frame_sky *sky) {
+  const pl_camera *camera = &shot->camera;
+  const double width = fmax(camera->fx, camera->fy) / close->camera.fx;
+  const size_t first = sky->dot_count;
+  for (int i = 0; i < SIDE * SIDE; i++) {
+    double at[2];
+    const pl_vec3 ray = pl_snapshot_ray(close, i % SIDE, i / SIDE);
+    if (!(pl_vec3f_max(g->light[i]) > 0.0f) ||
+        !pl_camera_project(camera, pl_mat3_mul_vec_t(shot->camera_to_root, ray), at))
+      continue;
+    const double angle = pl_pixel_solid_angle(&close->camera, i % SIDE, i / SIDE);
+    spread_pixel(camera, at, width, pl_vec3f_scale(g->light[i], (float)angle), first, sky);
+  }
+}
+
+/* Pixels that a dot can touch. */
+enum { PIXELS = 16 * 16 };
+
+static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size_t body,
+                            pl_render_settings settings, pl_cancel *cancel, gathering *g,
+                            pl_frame_sky *sky) {
+  pl_snapshot close;
+  aim(shot, &shot->bodies[body], &close);
+  g->thing = (uint32_t)(shot->object_count + body);
+  const pl_air_view *air = settings.air;
+  settings.samples = 1;
+  settings.noise_dn = 0.0f;
+  settings.backdrop = NULL;
+  settings.air = NULL;
+  settings.see_dots = true;
+  settings.row0 = settings.row1 = 0;
+  settings.slice = NULL;
+  PL_TRY(pl_tracer_set(renderer->tracer, &close));
+  PL_TRY(pl_render(&close, renderer->tracer, &settings, renderer->scratch, gather_tile, g, cancel));
+  const size_t first = sky->dot_count;
+  spread(g, &close, shot, sky);
+  if (air == NULL)
+    return PL_OK;
+  const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(shot->bodies[body].center));
+  const pl_vec3f passed = pl_air_toward_sun(air, shot, (pl_vec3){0.0, 0.0, 0.0}, toward);
+  for (size_t i = first; i < sky->dot_count; i++)
+    sky->dots[i].light = pl_vec3f_mul(sky->dots[i].light, passed);
+  return PL_OK;
+}
+
+pl_status pl_dots_render(pl_renderer *renderer, const pl_snapshot *shot,
+                         const pl_render_settings *settings, pl_arena *arena, pl_cancel *cancel,
+                         pl_frame_sky *sky) {
+  size_t count = 0;
+  for (size_t i = 0; i < shot->body_count; i++)
+    count += shot->bodies[i].dot;
+  if (count == 0)
+    return PL_OK;
+  gathering *g = pl_arena_alloc(arena, 1, sizeof *g);
+  sky->dots = pl_arena_alloc(arena, PIXELS * count, sizeof *sky->dots);
+  if (g == NULL || sky->dots == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for %zu small bodies", count);
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].dot)
+      PL_TRY(render_dot(renderer, shot, i, *settings, cancel, g, sky));
+  return pl_tracer_set(renderer->tracer, shot);
+}
