@@ -56,11 +56,15 @@ static void a_core_smaller_than_a_pixel_stays_in_it(void **state) {
 }
 
 static void set_psf(pl_sensor *sensor, int kind) {
+  static double kernel[42];
+  for (int i = 0; i < 42; i++)
+    kernel[i] = 2.0 * (i + 1) / (42.0 * 43.0);
   const pl_psf kinds[] = {
       {PL_PSF_GAUSS, .sigma_px = 0.7},
       {PL_PSF_GAUSS, .sigma_px = 0.7, .wings = 0.02, .wing_radius_px = 2.0, .wing_beta = 1.4},
       {PL_PSF_AIRY, .wings = 0.0},
-      {PL_PSF_POINT, .wings = 0.5, .wing_radius_px = 1.0, .wing_beta = 3.0}};
+      {PL_PSF_POINT, .wings = 0.5, .wing_radius_px = 1.0, .wing_beta = 3.0},
+      {PL_PSF_MEASURED, .kernel = kernel, .kernel_width = 7, .kernel_height = 6}};
   sensor->psf = kinds[kind];
 }
 
@@ -140,7 +144,7 @@ static void the_middle_keeps_its_bound(void **state) {
 static void any_image_is_spread(void **state) {
   (void)state;
   const int sizes[][2] = {{1, 1}, {1, 9}, {5, 1}, {3, 2}, {65, 33}};
-  for (int kind = 0; kind < 4; kind++)
+  for (int kind = 0; kind < 5; kind++)
     for (int k = 0; k < 5; k++)
       for (int value = 1; value <= 2; value++) {
         pl_sensor sensor = sensor_plain();

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import perilune
+from perilune import _core
 from perilune.config import ConfigError
 from perilune.config.loader import read_tree
 from perilune.config.sensor import ImageSensor
@@ -142,6 +143,24 @@ def test_counts_take_none(tree, key):
 def test_an_aperture_takes_a_driver(tree):
     sim = opened(tree, {"aperture_mm": {"uniform": [0.05, 0.1]}})
     assert len({sim.request(i)["sensor"]["f_number"] for i in range(4)}) == 4
+
+
+def test_the_second_frame_allocates_nothing(tree, tmp_path):
+    """With every stage on, a measured kernel and a flat field."""
+    np.save(tmp_path / "psf.npy", np.full((9, 9), 1.0 / 81.0))
+    np.save(tmp_path / "flat.npy", np.ones((5, 5)))
+    files = {"point_spread": {"kernel": str(tmp_path / "psf.npy")},
+             "flat_field": str(tmp_path / "flat.npy")}  # fmt: skip
+    plain = copy.deepcopy(tree)
+    plain["camera"]["sensor"] = FULL | files
+    sim = perilune.open(plain, overrides={"render.tolerance_dn": 0.0})
+    first = sim.frame(2, ["raw", "sensor_rgb"], threads=1)
+    arrays = {name: first[name] for name in first}
+    kept = {name: array.tobytes() for name, array in arrays.items()}
+    before = _core.allocations()
+    second = sim.frame(2, ["raw", "sensor_rgb"], threads=1, out=arrays)
+    assert _core.allocations() == before
+    assert {name: second[name].tobytes() for name in second} == kept
 
 
 def test_clean_and_degraded_images_come_together(tree):
