@@ -4,7 +4,7 @@ At 640x480. A frame is taken with all rows (`tolerance_dn: 0`), then again with 
 out or done in its cheaper way: the error is the root mean square and the largest difference of the
 picture, in digital numbers of 255 (rounding alone makes 1), beside the bound of the row. The cost
 is what CPU time on one thread the frame takes more than without the row, the least of some repeats
-each; below a millisecond or two it is noise of the machine.
+each, taken in turn; for rows of the sensor on a bare disc, whose light takes little time.
 
 Rows of the sensor: `shot_noise`, `blooming` and `black_sun` are in their own lines alone. A changed
 mean draws other noise of the same kind, what is full flows elsewhere, and more light may be less
@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import reflectance
@@ -45,6 +45,8 @@ STAGES = ("lens_flare", "vignetting", "point_spread", "fixed_pattern", "smear", 
           "defects", "shot_noise", "cosmic_rays", "blooming", "black_sun", "read_noise",
           "compression")  # fmt: skip
 NONLINEAR = ("shot_noise", "blooming", "black_sun", "compression")
+DEAR = ("point_spread", "lens_flare")
+"""Left out where another row is timed: what they take would drown it."""
 SPREADS = {
     "narrow": {"core": "gauss", "sigma_px": 0.7},
     "with wings": {"core": "gauss", "sigma_px": 0.7, "wings": 0.01},
@@ -55,80 +57,96 @@ LIGHTS = ("soft_sun", "limb_darkening", "cast_shadows", "emission", "emitters", 
 HEAD = ["row", "way", "rms, DN", "largest, DN", "bound, DN", "ms"]
 
 
-class Frame(NamedTuple):
-    image: np.ndarray
-    ms: float  # CPU time on one thread
-    plan: dict[str, dict[str, Any]]
+Way = tuple[str, dict[str, Any]]
+"""What a way is called, and its keys of `render`."""
 
 
 class Bench:
-    """Takes frames of one scene: those of the same settings once."""
+    """Frames of one scene with rows left out."""
 
-    def __init__(self, config: Any, channel: str, index: int, repeats: int, **changes: Any) -> None:
-        self.config, self.channel, self.index, self.repeats = config, channel, index, repeats
-        self.changes = changes
-        self.known: dict[str, Frame] = {}
+    def __init__(self, config: Any, channel: str, index: int, changes: dict[str, Any]) -> None:
+        self.config, self.channel, self.index, self.changes = config, channel, index, changes
 
-    def frame(self, off: Sequence[str] = (), **render: Any) -> Frame:
-        render = {"tolerance_dn": 0.0, "force_off": sorted(off)} | render
-        key = repr(sorted(render.items()))
-        if key not in self.known:
-            named = {f"render.{name}": value for name, value in render.items()}
-            sim = perilune.open(self.config, overrides=self.changes | named)
-            sim.frame(self.index, channels=["depth"], threads=1)  # what is loaded once
-            times = []
-            for _ in range(self.repeats):
+    def open(self, off: Sequence[str], render: dict[str, Any]) -> perilune.Simulation:
+        keys = {"tolerance_dn": 0.0, "force_off": sorted(set(off))} | render
+        named = {f"render.{name}": value for name, value in keys.items()}
+        return perilune.open(self.config, overrides=self.changes | named)
+
+    def sample(self, off: Sequence[str], **render: Any) -> perilune.Sample:
+        return self.open(off, render).frame(self.index, channels=[self.channel], threads=1)
+
+    def extra_ms(
+        self, row: str, off: Sequence[str], ways: Sequence[Way], repeats: int
+    ) -> list[float]:
+        """CPU time that each way takes more than the first: all in turn, the least of each."""
+        sims = [self.open([*off, *([row] if way[0] == "left out" else [])], way[1]) for way in ways]
+        least = [float("inf")] * len(sims)
+        for turn in range(repeats + 1):
+            for k, sim in enumerate(sims):
                 start = time.process_time()
-                sample = sim.frame(self.index, channels=[self.channel], threads=1)
-                times.append(1e3 * (time.process_time() - start))
-            plan = {row["name"]: row for row in sample.plan}
-            self.known[key] = Frame(sample[self.channel].astype(float), min(times), plan)
-        return self.known[key]
+                sim.frame(self.index, channels=[self.channel], threads=1)
+                if turn > 0:  # what is loaded once
+                    least[k] = min(least[k], 1e3 * (time.process_time() - start))
+        return [ms - least[0] for ms in least]
 
-    def lines(self, row: str, without: Sequence[str], *cheap: tuple[str, dict[str, Any]],
-              label: str | None = None) -> list[list[object]]:  # fmt: skip
-        """Left out, each cheaper way (a name and keys of `render`), and all of it."""
-        full, out = self.frame(without), self.frame([*without, row])
-        ways = [("left out", out, full.plan[row]["bound_dn"])]
-        for name, render in cheap:
-            frame = self.frame(without, **render)
-            ways.append((name, frame, frame.plan[row]["residual_dn"]))
-        ways.append(("all", full, 0.0))
-        lines: list[list[object]] = []
-        for name, frame, bound in ways:
-            off = np.abs(frame.image - full.image)
-            rms = float(np.sqrt(np.mean(off**2)))
-            line = [label or row, name, rms, float(off.max()), float(bound), frame.ms - out.ms]
-            lines.append(line)
-        return lines
+
+def lines_of(
+    row: str,
+    errors: Bench,
+    off: Sequence[str],
+    times: Bench,
+    idle: Sequence[str],
+    repeats: int,
+    cheap: Sequence[Way] = (),
+    label: str = "",
+) -> list[list[object]]:
+    """A row left out, each cheaper way, and all of it. off: rows that the compared frames are
+    without; idle: those that the timed ones are without."""
+    ways: list[Way] = [("left out", {}), *cheap, ("all", {})]
+    idle = [other for other in idle if other != row]
+    ms = times.extra_ms(row, idle, ways, repeats)
+    full = errors.sample(off)
+    lines: list[list[object]] = []
+    for (name, render), cost in zip(ways, ms, strict=True):
+        out = [row] if name == "left out" else []
+        sample = errors.sample([*off, *out], **render)
+        plan = {line["name"]: line for line in sample.plan}[row]
+        difference = sample[errors.channel].astype(float) - full[errors.channel]
+        rms, most = float(np.sqrt(np.mean(difference**2))), float(np.abs(difference).max())
+        bound = plan["bound_dn"] if out else plan["residual_dn"]
+        lines.append([label or row, name, rms, most, float(bound), cost])
+    return lines
 
 
 def sensor_lines(options: Any, size: dict[str, int]) -> list[list[object]]:
-    bench = Bench(options.config, "sensor_rgb", options.frame, options.repeats,
-                  **size, **{"camera.sensor": SENSOR, "render.samples": 1})  # fmt: skip
+    sensor = {**size, "camera.sensor": SENSOR, "render.samples": 1}
+    errors = Bench(options.config, "sensor_rgb", options.frame, sensor)
+    disc = reflectance.scene(("disc", 30.0, 380000e3, 0.6), "lambert", options.width)
+    times = Bench(disc, "sensor_rgb", 0, sensor)
     lines = []
     for row in STAGES:
-        lines += bench.lines(row, [other for other in NONLINEAR if other != row])
-    disc = reflectance.scene(("disc", 30.0, 380000e3, 0.6), "lambert", options.width)
+        off = [other for other in NONLINEAR if other != row]
+        bright = row == "lens_flare"  # ghosts are of what is brighter than a disc
+        timed = errors if bright else times
+        lines += lines_of(row, errors, off, timed, [*off, *DEAR], options.repeats)
     for name, spread in SPREADS.items():
-        sensor = {"mosaic": "mono", "point_spread": spread}
-        bench = Bench(disc, "sensor_rgb", 0, options.repeats,
-                      **size, **{"camera.sensor": sensor, "render.samples": 1})  # fmt: skip
+        spreading = {"mosaic": "mono", "point_spread": spread}
+        bench = Bench(disc, "sensor_rgb", 0, {**sensor, "camera.sensor": spreading})
         # All others are kept by name; of this row some of the picture may be left.
-        kept = [other for other, row in bench.frame(NONLINEAR).plan.items() if row["value"] > 0]
-        middle = {"tolerance_dn": 64.0, "force_on": [k for k in kept if k != "point_spread"]}
-        lines += bench.lines("point_spread", NONLINEAR, ("middle", middle), label=f"{name} spread")
+        kept = [row["name"] for row in bench.sample(NONLINEAR).plan if row["value"] > 0]
+        others = [other for other in kept if other != "point_spread"]
+        middle = ("middle", {"tolerance_dn": 64.0, "force_on": others})
+        lines += lines_of("point_spread", bench, NONLINEAR, bench, NONLINEAR, options.repeats,
+                          [middle], f"{name} spread")  # fmt: skip
     return lines
 
 
 def light_lines(options: Any, size: dict[str, int]) -> list[list[object]]:
-    """Of a hard scene: a planet that glows and a satellite with foil before it."""
+    """Of a hard scene: a planet that glows, and a satellite with foil before it."""
     changes = {**size, **GLOW, "camera.lens": LENS, "render.samples": options.samples}
-    bench = Bench(options.config, "rgb", options.frame, max(1, options.repeats - 1), **changes)
-    lines = []
-    for row in LIGHTS:
-        lines += bench.lines(row, [])
-    return lines
+    bench = Bench(options.config, "rgb", options.frame, changes)
+    repeats = max(1, options.repeats // 3)
+    return [line for row in LIGHTS for line in lines_of(row, bench, [], bench, [], repeats)]
 
 
 def plot(path: Path, lines: Sequence[Sequence[Any]]) -> None:
@@ -165,8 +183,8 @@ def main() -> None:
     parser.add_argument("--config", default=str(report.ROOT / "configs" / "demo.yaml"))
     parser.add_argument("--frame", type=int, default=2)
     parser.add_argument("--width", type=int, default=640)
-    parser.add_argument("--samples", type=int, default=4, help="for the rows of light and lens")
-    parser.add_argument("--repeats", type=int, default=4)
+    parser.add_argument("--samples", type=int, default=2, help="for the rows of light and lens")
+    parser.add_argument("--repeats", type=int, default=9)
     parser.add_argument("--plot", type=Path, help="draws errors against costs there (PNG)")
     options = parser.parse_args()
     size = {"camera.width": options.width, "camera.height": options.width * 3 // 4}
