@@ -13,7 +13,7 @@
 #include "sensor/effects.h"
 #include "sensors.h"
 
-enum { ROUNDS = 150 };
+enum { ROUNDS = 100 };
 
 static double random_or_none(test_random *random, double low, double high) {
   return random_unit(random) < 0.3 ? 0.0 : random_scale(random, low, high);
