@@ -152,7 +152,11 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   PL_TRY(pl_snapshot_view(shot, &renderer->arena, &view));
   lap(result, PL_STAGE_SNAPSHOT, &start);
   pl_frame_view_wants(request, &view);
-  pl_shutter_measure(&request->placement, shot, &view);
+  const pl_sky *sky_asked = request->sky;
+  pl_shutter_measure(&request->placement, shot,
+                     sky_asked != NULL &&
+                         (sky_asked->stars != NULL || sky_asked->backdrop.kind == PL_BACKDROP_MAP),
+                     &view);
   developed = developed && request->sensor != NULL;
   if (developed)
     *sensor = *request->sensor;

@@ -55,7 +55,10 @@ double pl_view_step(const pl_view *view) {
 }
 
 double pl_view_dn_shift(const pl_view *view, double shift_px) {
-  return pl_view_dn(view, pl_view_step(view) * fmin(1.0, sqrt(2.0) * shift_px));
+  const double part = fmin(1.0, sqrt(2.0) * shift_px);
+  /* The light of a star may be all in one pixel, of which four share where it is measured. */
+  const double stars = view->sky.star_count > 0 ? 4.0 * (double)view->sky.star_left[0] : 0.0;
+  return fmax(pl_view_dn(view, pl_view_step(view) * part), pl_view_sky_dn(view, stars * part));
 }
 
 double pl_view_sky_max(const pl_view *view) {

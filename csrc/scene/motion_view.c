@@ -133,7 +133,8 @@ static double body_px(const pl_placement *placement, const pl_snapshot *shot, si
   return sphere_px(step, &mover, &from, &to);
 }
 
-static double step_px(const pl_placement *placement, const pl_snapshot *shot, int key, int keys) {
+static double step_px(const pl_placement *placement, const pl_snapshot *shot, bool sky, int key,
+                      int keys) {
   const step step = step_of(placement, shot, key, keys);
   double u[2] = {(double)key / (keys - 1), (double)(key + 1) / (keys - 1)}, most = 0.0;
   for (size_t i = 0; i < shot->object_count; i++)
@@ -143,10 +144,11 @@ static double step_px(const pl_placement *placement, const pl_snapshot *shot, in
   if (may_be_seen(&step, step.sun_from, step.sun_to, shot->sun.radius_m))
     most =
         fmax(most, step.px_per_rad * (step.turn_rad + angle_between(step.sun_from, step.sun_to)));
-  return most;
+  return sky ? fmax(most, step.px_per_rad * step.turn_rad) : most;
 }
 
-void pl_shutter_measure(const pl_placement *placement, const pl_snapshot *shot, pl_view *view) {
+void pl_shutter_measure(const pl_placement *placement, const pl_snapshot *shot, bool sky,
+                        pl_view *view) {
   const pl_shutter *shutter = &placement->shutter;
   const double window_s = pl_shutter_window_s(placement);
   const pl_motion *camera = &placement->camera.motion;
@@ -156,7 +158,7 @@ void pl_shutter_measure(const pl_placement *placement, const pl_snapshot *shot, 
   if (!(window_s > 0.0))
     return;
   for (int key = 0; key + 1 < keys; key++) {
-    const double px = shutter->held ? INFINITY : step_px(placement, shot, key, keys);
+    const double px = shutter->held ? INFINITY : step_px(placement, shot, sky, key, keys);
     total += px;
     fastest = fmax(fastest, px * (keys - 1) / window_s);
   }

@@ -12,7 +12,9 @@ double pl_shutter_window_s(const pl_placement *placement);
 pl_status pl_placement_at(const pl_scene *scene, const pl_placement *placement, double u,
                           pl_arena *arena, pl_placement *out);
 
-/* Sets the view's blur_px and skew_px: what moves, and how far at most. `shot`: of the middle. */
-void pl_shutter_measure(const pl_placement *placement, const pl_snapshot *shot, pl_view *view);
+/* Sets the view's blur_px and skew_px: what moves, and how far at most. `shot`: of the middle.
+ * `sky`: whether stars or a map of the sky are seen, too, which move as the camera turns. */
+void pl_shutter_measure(const pl_placement *placement, const pl_snapshot *shot, bool sky,
+                        pl_view *view);
 
 #endif

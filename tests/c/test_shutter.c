@@ -106,15 +106,15 @@ static void test_measure(void **state) {
   s.objects[0].motion.close.t.x = 0.5;
   s.placement.shutter.exposure_s = 2.0;
   assert_int_equal(pl_snapshot_build(&s.scene, &s.placement, &arena, &shot), PL_OK);
-  pl_shutter_measure(&s.placement, &shot, &view);
+  pl_shutter_measure(&s.placement, &shot, false, &view);
   assert_true(view.blur_px > 5.3 && view.blur_px < 7.0 && view.skew_px == 0.0);
   const double all = view.blur_px;
   s.placement.shutter = (pl_shutter){.exposure_s = 1.0, .line_s = 1.0 / 30};
-  pl_shutter_measure(&s.placement, &shot, &view);
+  pl_shutter_measure(&s.placement, &shot, false, &view);
   assert_true(fabs(view.blur_px - 0.5 * all) < 1e-9 && fabs(view.skew_px - 0.5 * all) < 1e-9);
   /* A camera that goes along sees nothing move. */
   s.placement.camera.motion.close.t.x = 0.5;
-  pl_shutter_measure(&s.placement, &shot, &view);
+  pl_shutter_measure(&s.placement, &shot, false, &view);
   assert_true(view.blur_px == 0.0 && view.skew_px == 0.0);
   pl_arena_clear(&arena);
   stage_clear(&s);

@@ -443,3 +443,35 @@ def test_air_dims_stars_and_the_sky_alike(tree, repo_dir, tmp_path):
         assert (passed > around.min(axis=0) - 1e-3).all()
         assert (passed < around.max(axis=0) + 1e-3).all()
     assert (sums[0] < 0.2 * sums[5]).all()
+
+
+@pytest.mark.parametrize("kind", ["stars", "map"])
+def test_the_sky_trails_where_nothing_else_is_seen(tree, repo_dir, tmp_path, kind):
+    """A turn of 2 degrees in the exposure: stars become lines of the same light."""
+    path = tmp_path / "stars.csv"
+    path.write_text(HEADER + f"1,{ORION[0]},{ORION[1]},-1,0.6,,\n")
+    picture = np.zeros((180, 360, 3), np.uint8)
+    picture[88:94, 93:99] = 255  # a patch about Orion
+    _core.png_write(str(tmp_path / "map.png"), picture)
+    stars = {"stars": {"catalogue": str(path), "aberration": False}}
+    sky_map = {"background": {"map": str(tmp_path / "map.png")}}
+    tree["sky"] = stars if kind == "stars" else sky_map
+    tree["camera"]["exposure_time_s"] = 1.0
+    tree["camera"]["exposure"]["white_radiance_w_m2_sr"] = 1e-5
+    tree["render"].update(tolerance_dn=1.0, samples=64)
+    q = rotations.look_at(unit(*ORION), unit(0.0, 89.0))
+    turns = [rotations.axis_angle([0.0, 0.0, 1.0], math.radians(a)) for a in (-1.0, 1.0)]
+    place = 3e8 * unit(*ORION)
+    still = np.concatenate([place, q])
+    moving = np.stack([np.concatenate([place, rotations.multiply(turn, q)]) for turn in turns])
+    frames = [
+        perilune.open(tree, base=repo_dir / "tests/python", trajectory=lambda _, p=pose: p).frame(
+            0, channels=["radiance"]
+        )
+        for pose in (still, moving)
+    ]
+    sums = [f["radiance"][..., 1].sum(dtype=float) for f in frames]
+    widths = [(f["radiance"][..., 1].max(axis=0) > 0).sum() for f in frames]
+    assert sums[1] == pytest.approx(sums[0], rel=0.02)
+    # 2 degrees of right ascension are 6.25 pixels of 0.32 degrees here
+    assert widths[1] - widths[0] == pytest.approx(6.25, abs=1.5)
