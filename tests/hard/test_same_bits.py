@@ -43,6 +43,7 @@ def crowd(root):
     ]
     tree["bodies"]["earth"]["color_map"] = str(root / "assets/maps/earth_like.jpg")
     tree["camera"] |= {"fov_deg": JITTER, "exposure_time_s": 0.01, "sensor": {}}
+    tree["camera"]["line_time_us"] = 900.0
     tree["render"] |= {"samples": 3, "max_bounces": 2}
     return tree
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from tests.python.optics_scenes import FORWARD, RIGHT, STANDS_M, at, ball, opened, row, tree
@@ -91,7 +93,7 @@ def test_spins_beyond_half_a_turn(repo_dir, rate_deg_s):
     sim = opened(satellite(rate_deg_s, exposure_time_s=1.0), repo_dir)
     keys = sim.request(0)["motion"]["objects"][0][:, 3:]
     total = 0.0
-    for a, b in zip(keys[:-1], keys[1:], strict=True):
+    for a, b in itertools.pairwise(keys):
         _, angle = rotations.to_axis_angle(rotations.multiply(rotations.conjugate(a), b))
         total += np.degrees(angle)
     assert total == pytest.approx(rate_deg_s, rel=1e-9)
