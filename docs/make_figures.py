@@ -4,8 +4,8 @@ Figure 5: a satellite around a planet, and one around a moon around a planet. Fi
 orbits. Figure 13: camera trajectories, sketched, with frames taken along them. All from
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
-`light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. Needs the
-extra `plot`.
+`light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. `shutter`:
+see shutter_figures.py. Needs the extra `plot`.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 import moon_figures
 import numpy as np
 import sensor_figures
+import shutter_figures
 import yaml
 from matplotlib.figure import Figure
 from PIL import Image
@@ -262,6 +263,11 @@ def moon_sensor() -> None:
     pictures("moon_sensor.png", [sensor_figures.moon_sensor()], 10.0)
 
 
+def shutter() -> None:
+    """A satellite that turns, by lens and shutter."""
+    pictures("shutter.png", shutter_figures.rows(), 7.8)
+
+
 FIGURES = {
     "light_curve": light_curve,
     "05": figure_05,
@@ -273,6 +279,7 @@ FIGURES = {
     "materials": materials,
     "moon": figure_moon,
     "moon_sensor": moon_sensor,
+    "shutter": shutter,
 }
 
 
