@@ -68,7 +68,7 @@ def _sensor(entry: Node, scene: Scene, taken: dict[str, Any]) -> tuple[str, dict
     params.comes(f"{ours}.transformation", "transformation")
     params.comes(f"{ours}.trigger_interval", "triggerInterval")
     _passes(params, scene)
-    params.ignore("depthOfField", "not applied: lenses are pinholes yet")
+    params.ignore("depthOfField", "not applied: say camera.lens.focus_distance_m and aperture_mm")
     return name, found
 
 
