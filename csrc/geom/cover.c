@@ -5,8 +5,8 @@
 
 #include "base/memory.h"
 
-/* 2^8 leaves; a leaf of so few triangles is not halved. */
-enum { DEPTH = 8, LEAF = 8 };
+/* 2^11 leaves; a leaf of so few triangles is not halved. */
+enum { DEPTH = 11, LEAF = 8 };
 
 static const float *vertex_of(const pl_model *model, uint32_t triangle, size_t corner) {
   return model->positions + 3 * (size_t)model->indices[3 * (size_t)triangle + corner];

@@ -7,7 +7,7 @@
 #include "base/status.h"
 #include "geom/model.h"
 
-enum { PL_COVER_BOXES_MAX = 256 };
+enum { PL_COVER_BOXES_MAX = 2048 };
 
 typedef struct pl_box {
   float low[3], high[3]; /* model units */

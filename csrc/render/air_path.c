@@ -116,7 +116,7 @@ static void pass_all(const pl_path_context *context, int bounce, size_t i, pl_ti
     const pl_air_light light =
         pl_air_scatter(item->air, &ray, &item->sun, &view->rule, view->multiple);
     const bool scattered = !(view->skylight && bounce > 0 && b->rays[i].skip_body == item->body);
-    pass(path, &light, item->irradiance, scattered, &b->sample[path->pixel]);
+    pass(path, &light, item->irradiance, scattered, pl_path_sink(b, path->pixel, path->shared));
   }
 }
 

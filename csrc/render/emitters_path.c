@@ -58,6 +58,6 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   ray.direction = drawn.direction;
   ray.t_max = drawn.distance_m;
   b->shadow_rays[queued] = ray;
-  b->pending[queued] = (pl_pending){light, path->pixel};
+  b->pending[queued] = (pl_pending){light, path->pixel, path->shared};
   return queued + 1;
 }

@@ -95,7 +95,7 @@ static void shade_miss(const pl_path_context *context, int bounce, const pl_path
   const pl_vec3f ratio = disc_ratio(context, &sun, direction);
   const float weight = pl_power_heuristic(path->pdf, ratio.y * pl_sun_pdf(&sun));
   const pl_vec3f light = pl_vec3f_scale(path->throughput, weight * sun.radiance);
-  add(&b->sample[path->pixel], pl_vec3f_mul(light, ratio));
+  add(pl_path_sink(b, path->pixel, path->shared), pl_vec3f_mul(light, ratio));
 }
 
 /* The sun at a vertex. Across an object it moves by the object's size over the sun's distance:
@@ -166,7 +166,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
     light = pl_vec3f_mul(light, pl_air_toward_sun(context->settings->air, context->shot,
                                                   vertex->position, draw.toward));
   if (!shadows_at(context, vertex)) {
-    add(&b->sample[path->pixel], light);
+    add(pl_path_sink(b, path->pixel, path->shared), light);
     return queued;
   }
   /* Up to the sun's surface, less rounding: a body that stands for the sun is no obstacle. */
@@ -175,7 +175,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   if (vertex->thing < context->shot->object_count &&
       !context->shot->objects[vertex->thing].eclipsed)
     b->shadow_rays[queued].skip_body = PL_EVERY_BODY;
-  b->pending[queued] = (pl_pending){light, path->pixel};
+  b->pending[queued] = (pl_pending){light, path->pixel, path->shared};
   return queued + 1;
 }
 
@@ -216,17 +216,23 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
       .pdf = pdf,
       .alpha_min = pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * opening, cap)),
       .pixel = path->pixel,
+      .shared = path->shared,
   };
   return roulette(next, bounce, choice[1]);
 }
 
-static bool goes_on(const pl_path_context *context, const pl_vertex *vertex, int bounce) {
+/* Whether paths go on from a thing. */
+static bool bounces_at(const pl_path_context *context, uint32_t thing) {
   const size_t objects = context->shot->object_count;
   const pl_render_settings *s = context->settings;
-  if (vertex->thing >= objects)
-    return s->body_bounces && context->shot->bodies[vertex->thing - objects].bounced &&
-           bounce < (s->bounces > 1 ? s->bounces : 1);
-  return bounce < s->bounces;
+  return thing < objects ? s->bounces > 0
+                         : s->body_bounces && context->shot->bodies[thing - objects].bounced;
+}
+
+static bool goes_on(const pl_path_context *context, uint32_t thing, int bounce) {
+  const int bounces = context->settings->bounces;
+  const int least = thing >= context->shot->object_count ? 1 : 0;
+  return bounces_at(context, thing) && bounce < (bounces > least ? bounces : least);
 }
 
 /* The draws of path `i` of the wave. */
@@ -280,26 +286,51 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   }
   if (pl_vec3f_max(s->emission) > 0.0f) {
     const float weight = pl_emitters_met(context, &path, &b->rays[i], vertex);
-    add(&b->sample[path.pixel], pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));
+    add(pl_path_sink(b, path.pixel, path.shared),
+        pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));
   }
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
-  const bool onward = goes_on(context, vertex, bounce);
+  const bool onward = goes_on(context, vertex->thing, bounce);
   *queued = shade_sun(context, &path, vertex, u.sun, wo, onward, *queued, b);
   if (context->settings->air != NULL)
-    add(&b->sample[path.pixel],
+    add(pl_path_sink(b, path.pixel, path.shared),
         pl_vec3f_mul(path.throughput,
                      pl_air_sky_reflected(context->settings->air, context->shot, vertex, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, onward, *queued, b);
-  if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, cap,
-                       &b->paths[*kept], &b->rays[*kept]))
+  if (onward &&
+      extend(context, &path, vertex, bounce, u.direction, u.choice, wo, cap, &b->paths[*kept],
+             &b->rays[*kept]) &&
+      (bounce > 0 || pl_path_follow(vertex, &b->paths[*kept], b)))
     ++*kept;
 }
 
-/* A first hit on the body whose radiance is known for the whole pixel. */
-static bool is_settled(const pl_tile_buffers *b, int bounce, size_t i) {
-  return bounce == 0 && b->settled_thing[b->paths[i].pixel] == b->hits[i].thing;
+/* A first hit on the body whose radiance by the sun is known for the whole pixel. */
+static bool is_settled(const pl_path_context *context, const pl_tile_buffers *b, int bounce,
+                       size_t i) {
+  const uint32_t pixel = b->paths[i].pixel, thing = b->hits[i].thing;
+  return bounce == 0 && b->settled_thing[pixel] == thing &&
+         (b->slot[pixel] != PL_PATCH_NONE || !bounces_at(context, thing));
+}
+
+/* Light by way of others where that of the sun is settled: one path a patch is enough. */
+static void follow_settled(const pl_path_context *context, size_t i, size_t *kept,
+                           pl_tile_buffers *b) {
+  const pl_path path = b->paths[i];
+  const vertex_draws u = draws_of(b, i);
+  pl_vertex vertex;
+  if (b->slot[path.pixel] == PL_PATCH_NONE ||
+      pl_path_repeat(&b->patches[path.pixel].patch[b->slot[path.pixel]]))
+    return;
+  pl_vertex_locate(context->shot, &path.beam, &b->hits[i], false, &vertex);
+  pl_vertex_shade(context->shot, &path.beam, context->settings->detail, &vertex);
+  const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0));
+  const pl_vec3f wo = pl_surface_to_local(&vertex.surface, view);
+  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, REGULAR_CAP, &b->paths[*kept],
+             &b->rays[*kept]) &&
+      pl_path_follow(&vertex, &b->paths[*kept], b))
+    ++*kept;
 }
 
 /* A body of which the camera's rays see nothing, but that it is there. */
@@ -316,8 +347,9 @@ static void visit_hit(const pl_path_context *context, int bounce, size_t i, size
   pl_vertex vertex;
   if (bounce == 0 && is_dot(context, b->hits[i].thing))
     return; /* its light is known, see frame/dots.h */
-  if (is_settled(b, bounce, i)) {
+  if (is_settled(context, b, bounce, i)) {
     add(&b->sample[pixel], b->settled[pixel]);
+    follow_settled(context, i, kept, b);
     return;
   }
   pl_vertex_locate(context->shot, &b->paths[i].beam, &b->hits[i], false, &vertex);
@@ -349,18 +381,44 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
   pl_tracer_occluded(context->tracer, b->shadow_rays, b->occluded, queued, bounce == 0);
   for (size_t i = 0; i < queued; i++)
     if (!b->occluded[i])
-      add(&b->sample[b->pending[i].pixel], b->pending[i].radiance);
+      add(pl_path_sink(b, b->pending[i].pixel, b->pending[i].shared), b->pending[i].radiance);
   return kept;
+}
+
+/* Adds the sample of a pixel to the sums of its patch, or to the pixel's own. */
+static void gather_pixel(uint32_t pixel, pl_tile_buffers *b) {
+  const uint32_t slot = b->slot[pixel];
+  const pl_vec3f sample = b->sample[pixel], shared = b->shared[pixel];
+  const float y = pl_luminance(sample), light = pl_luminance(shared);
+  b->counts[pixel]++;
+  if (slot == PL_PATCH_NONE) {
+    add(&b->radiance[pixel], sample);
+    b->square[pixel] += y * y;
+    return;
+  }
+  pl_patch *patch = &b->patches[pixel].patch[slot];
+  add(&patch->own, sample);
+  add(&patch->shared, shared);
+  patch->own_square += y * y;
+  patch->lit_square += light * light;
 }
 
 static void gather_sample(pl_tile_buffers *b) {
   for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
-    const float y = pl_luminance(b->sample[pixel]);
-    add(&b->radiance[pixel], b->sample[pixel]);
-    b->square[pixel] += y * y;
-    b->counts[pixel]++;
-    b->sample[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+    gather_pixel(pixel, b);
+    b->sample[pixel] = b->shared[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+  }
+}
+
+/* Finds the patch that each path's hit is on. Light is shared where paths go on. */
+static void find_patches(const pl_path_context *context, size_t count, pl_tile_buffers *b) {
+  for (size_t i = 0; i < count; i++) {
+    const uint32_t pixel = b->paths[i].pixel;
+    b->slot[pixel] = PL_PATCH_NONE;
+    if (context->pools && b->hits[i].thing != PL_NOTHING && bounces_at(context, b->hits[i].thing))
+      b->slot[pixel] = pl_patch_meet(&b->patches[pixel], context->shot, &b->hits[i],
+                                     b->rays[i].direction, (float)context->pixel_rad);
   }
 }
 
@@ -375,6 +433,7 @@ void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buff
     pl_tracer_closest(context->tracer, b->rays + meshes, b->hits + meshes, count - meshes, true,
                       false);
   }
+  find_patches(context, count, b);
   for (int bounce = 0; count > 0; bounce++) {
     count = shade_wave(context, index, bounce, count, b);
     if (count > 0)

@@ -3,6 +3,7 @@
 #define PL_RENDER_PATH_H
 
 #include "light/sun.h"
+#include "render/patch.h"
 #include "render/reach.h"
 #include "render/render.h"
 
@@ -13,12 +14,14 @@ typedef struct pl_path {
   float pdf;       /* density with which the ray's direction was drawn; infinite for the camera's */
   float alpha_min; /* surfaces count as at least this rough (path regularisation) */
   uint32_t pixel;  /* index in the tile */
+  bool shared;     /* what it brings is shared with other pixels, see share.c */
 } pl_path;
 
 /* Light that arrives if a shadow ray is free. */
 typedef struct pl_pending {
   pl_vec3f radiance;
   uint32_t pixel;
+  bool shared;
 } pl_pending;
 
 /* A path casts at most two shadow rays from a vertex: to the sun and to an emitter. */
@@ -28,10 +31,14 @@ enum { PL_TILE_SHADOWS = 2 * PL_TILE_PIXELS };
 typedef struct pl_tile_buffers {
   pl_vertex points[PL_TILE_PIXELS];
   pl_hit center_hits[PL_TILE_PIXELS];
-  pl_vec3f radiance[PL_TILE_PIXELS]; /* sum over samples; in the end the mean */
-  pl_vec3f sample[PL_TILE_PIXELS];   /* the sample that is being traced */
-  float square[PL_TILE_PIXELS];      /* sum over samples of the squared luminance */
-  int counts[PL_TILE_PIXELS];        /* samples in the sums */
+  /* Sum over the samples that are on no patch; in the end the mean of all. */
+  pl_vec3f radiance[PL_TILE_PIXELS];
+  float square[PL_TILE_PIXELS]; /* sum of their squared luminances */
+  int counts[PL_TILE_PIXELS];   /* samples, on patches or not */
+  pl_pixel_patches patches[PL_TILE_PIXELS];
+  /* The sample that is being traced: its patch, its radiance, and that by light that is shared. */
+  uint32_t slot[PL_TILE_PIXELS];
+  pl_vec3f sample[PL_TILE_PIXELS], shared[PL_TILE_PIXELS];
   uint32_t seeds[PL_TILE_PIXELS];
   int shares[PL_TILE_PIXELS]; /* of a slice: samples of it */
   /* Pixels that need more samples: of these, the first active_meshes may see a mesh. */
@@ -42,6 +49,7 @@ typedef struct pl_tile_buffers {
   uint32_t settled_thing[PL_TILE_PIXELS];
   pl_vec3f settled[PL_TILE_PIXELS];
   pl_vec3f backdrop[PL_TILE_PIXELS]; /* with settings->backdrop: what is behind everything */
+  bool single[PL_TILE_PIXELS];       /* one sample is enough */
   pl_path paths[PL_TILE_PIXELS];
   pl_ray rays[PL_TILE_PIXELS];
   pl_hit hits[PL_TILE_PIXELS];
@@ -66,6 +74,7 @@ typedef struct pl_path_context {
   const pl_reach *reach;  /* where meshes may show */
   bool centred;           /* the geometry buffer's rays are those of sample 0 */
   bool sharp;             /* all rays of a pixel come by one point */
+  bool pools;             /* pixels pool light, see share.c */
   bool bodies, sun, air;  /* whether any body, the sun or air may be in this tile's cone */
   uint32_t body;          /* the only body that may be in it; PL_NOTHING for none or several */
 } pl_path_context;
@@ -84,6 +93,27 @@ bool pl_path_share(const pl_path_context *context, pl_tile_buffers *buffers);
 /* Of a slice, after pl_path_settle: draws them; radiance becomes their part of the pixels' means.
  */
 void pl_path_slice(const pl_path_context *context, pl_tile_buffers *buffers);
+
+/* Where the light of a path goes. */
+static inline pl_vec3f *pl_path_sink(pl_tile_buffers *buffers, uint32_t pixel, bool shared) {
+  return shared ? &buffers->shared[pixel] : &buffers->sample[pixel];
+}
+
+/* Whether a path that has left its first surface is to be followed; makes it a shared one if it
+ * went into a wide lobe. */
+bool pl_path_follow(const pl_vertex *vertex, pl_path *next, pl_tile_buffers *buffers);
+
+/* Counts a sample like those before, whose light stands for its own; false if there is none. */
+bool pl_path_repeat(pl_patch *patch);
+
+/* Makes means of the sums; light is shared between pixels. */
+void pl_path_resolve(const pl_path_context *context, pl_tile_buffers *buffers);
+
+/* Digital numbers by which an error moves a mean luminance. */
+float pl_path_error_dn(const pl_render_settings *settings, float mean, float error);
+
+/* Takes the pixels that a single sample is enough for off the active list. */
+void pl_path_drop_single(pl_tile_buffers *buffers);
 
 /* Takes the pixels that have samples enough off the active list, see prune.c. Every active pixel
  * has had the same number. */

@@ -24,6 +24,9 @@ enum { BODY_MIN = 2, MESH_MIN = 4, OUTLINE_MIN = 8 };
  * would let its luck decide, and darken what is lit by rare paths. */
 static const float OWN_NOISE = 1.41421356f;
 
+/* Pixels whose light is pooled with a pixel's, as a rule. */
+static const float POOL = 24.0f;
+
 /* A tile with a border of zeros: sums over neighbours need no cases. */
 enum { SIDE = PL_TILE_SIDE + 2 };
 
@@ -37,22 +40,48 @@ static size_t bordered(uint32_t pixel) {
   return (pixel / PL_TILE_SIDE + 1) * SIDE + pixel % PL_TILE_SIDE + 1;
 }
 
+/* Variance of the light that is shared, in one pixel's mean, after pooling with its neighbours. */
+static float shared_variance(const pl_patch *patch, float n) {
+  if (patch->lit < 2)
+    return 0.0f;
+  const float lit = (float)patch->lit, mean = pl_luminance(patch->shared) / lit;
+  const float variance = pl_maxf(patch->lit_square / lit - mean * mean, 0.0f) / (lit - 1.0f);
+  const float part = (float)patch->wide / n;
+  return part * part * variance / POOL;
+}
+
+/* Light that is shared counts in a sample as what it is in the mean; its noise comes after. */
+static void measure_pixel(const pl_tile_buffers *b, uint32_t pixel, size_t k, moments *out) {
+  const pl_pixel_patches *patches = &b->patches[pixel];
+  const float n = (float)b->counts[pixel];
+  float sum = pl_luminance(b->radiance[pixel]), square = b->square[pixel], shared = 0.0f;
+  for (uint32_t i = 0; i < patches->count; i++) {
+    const pl_patch *patch = &patches->patch[i];
+    const float seen = (float)patch->seen, own = pl_luminance(patch->own);
+    const float each = patch->lit > 0 ? (float)patch->wide / (seen * (float)patch->lit) : 0.0f;
+    const float lit = each * pl_luminance(patch->shared);
+    sum += own + seen * lit;
+    square += patch->own_square + lit * (2.0f * own + seen * lit);
+    shared += shared_variance(patch, n);
+  }
+  out->mean[k] = sum / n;
+  out->weight[k] = 1.0f;
+  if (n > 1.0f)
+    out->variance[k] =
+        pl_maxf(square / n - out->mean[k] * out->mean[k], 0.0f) * n / (n - 1.0f) + n * shared;
+}
+
 static void measure(const pl_path_context *context, const pl_tile_buffers *b, moments *out) {
   *out = (moments){.weight = {0.0f}};
   for (int y = 0; y < context->tile.height; y++)
     for (int x = 0; x < context->tile.width; x++) {
       const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
       const size_t k = bordered(pixel);
-      const float n = (float)b->counts[pixel], m = pl_luminance(b->radiance[pixel]) / n;
-      out->mean[k] = m;
-      out->weight[k] = 1.0f;
-      if (b->counts[pixel] > 1)
-        out->variance[k] = pl_maxf(b->square[pixel] / n - m * m, 0.0f) * n / (n - 1.0f);
+      measure_pixel(b, pixel, k, out);
     }
 }
 
-/* Digital numbers by which a standard error moves a mean. */
-static float error_dn(const pl_render_settings *settings, float mean, float error) {
+float pl_path_error_dn(const pl_render_settings *settings, float mean, float error) {
   const float low = pl_minf(mean / settings->white_radiance, 1.0f);
   const float high = pl_minf((mean + error) / settings->white_radiance, 1.0f);
   return 255.0f * (pl_srgb_encode(high) - pl_srgb_encode(low));
@@ -72,8 +101,8 @@ static float standard_error_dn(const pl_render_settings *settings, const moments
   const float count = sum9(moments->weight, k);
   const float around = sqrtf(sum9(moments->variance, k) / (count * n));
   const float own = sqrtf(moments->variance[k] / n) / OWN_NOISE;
-  return pl_maxf(error_dn(settings, sum9(moments->mean, k) / count, around),
-                 error_dn(settings, moments->mean[k], own));
+  return pl_maxf(pl_path_error_dn(settings, sum9(moments->mean, k) / count, around),
+                 pl_path_error_dn(settings, moments->mean[k], own));
 }
 
 static bool is_finished(const pl_render_settings *settings, const moments *moments, uint32_t pixel,
@@ -95,6 +124,14 @@ static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b,
       if (b->points[v * PL_TILE_SIDE + u].thing != b->points[pixel].thing)
         return true;
   return false;
+}
+
+void pl_path_drop_single(pl_tile_buffers *b) {
+  size_t kept = b->active_meshes; /* they cover what is behind */
+  for (size_t i = kept; i < b->active_count; i++)
+    if (!b->single[b->active[i]])
+      b->active[kept++] = b->active[i];
+  b->active_count = kept;
 }
 
 void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {

@@ -177,6 +177,12 @@ static void fill_points(const job *job, pl_tile tile, const content *content, pl
   }
 }
 
+/* A few samples of a blurred outline may all miss it: then nothing says that more are needed. */
+static bool is_adaptive(const job *job) {
+  return job->settings->noise_dn > 0.0f && !(job->shot->camera.aperture_m > 0.0) &&
+         job->settings->slice == NULL;
+}
+
 static pl_path_context context_of(const job *job, pl_tile tile, const content *content) {
   return (pl_path_context){
       .shot = job->shot,
@@ -190,6 +196,7 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
       .reach = &job->scratch->reach,
       .centred = !(job->shot->camera.aperture_m > 0.0) && job->settings->slice == NULL,
       .sharp = !(job->shot->camera.aperture_m > 0.0),
+      .pools = is_adaptive(job),
       .bodies = content->bodies,
       .sun = content->sun,
       .air = content->air,
@@ -233,22 +240,19 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
   pl_path_settle(&context, b);
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
-  /* A few samples of a blurred outline may all miss it: then nothing says that more are needed. */
-  const bool adaptive = job->settings->noise_dn > 0.0f && context.centred;
+  const bool adaptive = is_adaptive(job);
   const int most = adaptive && samples > 1 ? MOST * samples : samples;
   int check = adaptive ? FIRST_CHECK : most;
   for (int i = 0; i < most && b->active_count > 0; i++) {
     pl_path_sample(&context, (uint32_t)i, b);
+    if (i == 0)
+      pl_path_drop_single(b);
     if (i + 1 != check || check == most)
       continue;
     check *= 2;
     pl_path_prune(&context, b);
   }
-  for (int y = 0; y < tile.height; y++)
-    for (int x = 0; x < tile.width; x++) {
-      const int pixel = y * PL_TILE_SIDE + x;
-      b->radiance[pixel] = pl_vec3f_scale(b->radiance[pixel], 1.0f / (float)b->counts[pixel]);
-    }
+  pl_path_resolve(&context, b);
 }
 
 /* What is behind everything, in all pixels of the tile. */

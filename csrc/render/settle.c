@@ -84,7 +84,7 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   const bool plain = is_plain(body->body);
   if ((body->dot && !settings->see_dots) || !context->sharp ||
       (!plain && !body->body->reflectance->photometric) || settings->emitters_on_bodies ||
-      (settings->body_bounces && body->bounced))
+      (settings->body_bounces && body->bounced && (!context->pools || settings->air != NULL)))
     return false;
   const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));
   const float cosine = fabsf(pl_vec3f_dot(toward, vertex.ng));
@@ -135,6 +135,11 @@ static void cover_pixels(const pl_path_context *context, bool covered[PL_TILE_PI
           corner[y][x] && corner[y][x + 1] && corner[y + 1][x] && corner[y + 1][x + 1];
 }
 
+static bool is_lit_by_others(const pl_path_context *context, uint32_t thing) {
+  const pl_snapshot *shot = context->shot;
+  return context->settings->body_bounces && shot->bodies[thing - shot->object_count].bounced;
+}
+
 /* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
 static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool covered,
                          pl_tile_buffers *b) {
@@ -145,7 +150,10 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
     b->counts[pixel] = 1;
     return true;
   }
-  if (!empty && !(covered && b->settled_thing[pixel] != PL_NOTHING))
+  const uint32_t thing = b->settled_thing[pixel];
+  const bool settled = covered && thing != PL_NOTHING;
+  b->single[pixel] = settled && is_lit_by_others(context, thing);
+  if (!empty && (!settled || b->single[pixel]))
     return false;
   b->counts[pixel] = 1;
   b->radiance[pixel] = empty ? behind : b->settled[pixel];
@@ -154,8 +162,10 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
 
 static void reset_pixel(uint32_t pixel, pl_tile_buffers *b) {
   b->counts[pixel] = 0;
+  b->single[pixel] = false;
   b->square[pixel] = 0.0f;
-  b->sample[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+  b->sample[pixel] = b->shared[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
+  b->patches[pixel].count = 0;
 }
 
 /* Appends a pixel to the active ones; those that may see a mesh stay in front. */

@@ -1,0 +1,60 @@
+/* Telling patches apart. */
+#include "render/patch.h"
+
+#include "geom/ellipsoid.h"
+#include "scene/shot_frame.h"
+
+static pl_vec3f facet_normal(const pl_shot_object *object, uint32_t triangle) {
+  const pl_model *model = object->object->model;
+  const uint32_t *corner = model->indices + 3 * (size_t)triangle;
+  const float *a = model->positions + 3 * (size_t)corner[0];
+  const pl_shot_piece *piece = pl_shot_piece_of(object, triangle);
+  const float *to_view = piece != NULL ? piece->to_view : object->to_view;
+  return pl_vec3f_unit(
+      pl_vec3f_cross(pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[1]),
+                     pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2])));
+}
+
+static pl_vec3f body_normal(const pl_shot_body *body, pl_vec3f point) {
+  const pl_vec3 local =
+      pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(pl_vec3f_to_double(point), body->center));
+  return pl_vec3_to_float(
+      pl_mat3_mul_vec(body->rotation, pl_ellipsoid_normal(body->state->radii_m, local)));
+}
+
+static pl_patch patch_at(const pl_snapshot *shot, const pl_hit *hit, pl_vec3f direction) {
+  pl_patch patch = {.thing = hit->thing,
+                    .triangle = hit->triangle,
+                    .seen = 1,
+                    .point = pl_vec3f_scale(direction, hit->t)};
+  if (hit->thing < shot->object_count) {
+    const pl_shot_object *object = &shot->objects[hit->thing];
+    patch.part = pl_object_part(object->object, hit->triangle);
+    patch.normal = facet_normal(object, hit->triangle);
+  } else {
+    patch.normal = body_normal(&shot->bodies[hit->thing - shot->object_count], patch.point);
+  }
+  return patch;
+}
+
+uint32_t pl_patch_meet(pl_pixel_patches *patches, const pl_snapshot *shot, const pl_hit *hit,
+                       pl_vec3f direction, float spread) {
+  for (uint32_t i = 0; i < patches->count; i++) {
+    pl_patch *patch = &patches->patch[i];
+    if (patch->triangle == hit->triangle && patch->thing == hit->thing)
+      return patch->seen++, i;
+  }
+  const pl_patch met = patch_at(shot, hit, direction);
+  const float depth_m = pl_patch_depth(&met, spread);
+  for (uint32_t i = 0; i < patches->count; i++) {
+    pl_patch *patch = &patches->patch[i];
+    if (!pl_patch_fits(patch, &met, depth_m))
+      continue;
+    patch->triangle = hit->triangle;
+    return patch->seen++, i;
+  }
+  if (patches->count == PL_PATCHES)
+    return PL_PATCH_NONE;
+  patches->patch[patches->count] = met;
+  return patches->count++;
+}
