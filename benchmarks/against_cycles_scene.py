@@ -1,7 +1,8 @@
-"""The other side of against_cycles.py, run by a Python that has Blender's `bpy`: a frame as Cycles sees it.
+"""A frame as Cycles sees it: what against_cycles.py runs with a Python that has Blender's `bpy`.
 
-Reads the description that against_cycles.py wrote (JSON) and for every number of samples writes the radiance
-(.npy) and adds the seconds of the render to `seconds.json`. Nothing of Perilune is imported.
+Reads the description (`job.json`) in the folder that is its argument; for every number of samples
+writes the radiance (.npy), and the seconds of all renders to `seconds.json`. Nothing of Perilune is
+imported.
 """
 
 from __future__ import annotations
