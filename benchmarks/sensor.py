@@ -54,6 +54,9 @@ SPREADS = {
 LENS = {"model": "brown_conrady", "k1": -0.1, "k2": 0.02}
 GLOW = {"bodies.planet.emission_w_m2_sr": [3.0, 2.0, 1.0]}
 LIGHTS = ("soft_sun", "limb_darkening", "cast_shadows", "emission", "emitters", "distortion")
+LABEL_AT = {"narrow spread": (-70, 3), "shot_noise": (-50, 3), "compression": (5, 5),
+            "black_sun": (5, -8)}  # fmt: skip
+"""Where names stand from their points, if not as the others."""
 HEAD = ["row", "way", "rms, DN", "largest, DN", "bound, DN", "ms"]
 
 
@@ -164,7 +167,8 @@ def plot(path: Path, lines: Sequence[Sequence[Any]]) -> None:
         style = "C1s" if row in LIGHTS else "C0o"
         cost, error = ways["all"][1], max(ways["left out"][0], 1e-3)
         axes.loglog(cost, error, style, markersize=5)
-        axes.annotate(row, (cost, error), fontsize=7.5, xytext=(5, 3), textcoords="offset points")
+        where = LABEL_AT.get(row, (5, 3))
+        axes.annotate(row, (cost, error), fontsize=7.5, xytext=where, textcoords="offset points")
         if "middle" in ways:
             part = max(ways["middle"][0], 1e-3)
             axes.loglog([cost, ways["middle"][1]], [1e-3, part], ".:", color="C0", linewidth=0.8)
