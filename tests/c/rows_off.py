@@ -39,6 +39,9 @@ ROWS = {
     "black_sun": ("black_sun.c",),
     "compression": ("jpeg_write.c",),
     "filters": ("filters.c",),
+    "depth_of_field": ("focus.c",),
+    "motion_blur": ("slice.c",),
+    "rolling_shutter": ("pl_moving_render",),
 }
 
 
@@ -87,7 +90,7 @@ def instructions(dump: Path, table: list[tuple[int, int, str, str]]) -> dict[str
 
 
 def profiles(program: str, library: str) -> dict[str, dict[str, int]]:
-    """Of each frame, by the row that is off; "all": none is."""
+    """Of each frame, by the row that is off; "all", "moving": none is."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "counts")
         command = ["valgrind", "--tool=callgrind", "--dump-instr=yes", "--compress-strings=no",
@@ -107,7 +110,7 @@ def profiles(program: str, library: str) -> dict[str, dict[str, int]]:
 
 def main() -> None:
     found = profiles(*sys.argv[1:])
-    if set(found) != {"all", *ROWS}:
+    if set(found) != {"all", "moving", *ROWS}:
         sys.exit(f"frames of the program: {sorted(found)}")
     faults = []
     for row, parts in ROWS.items():
