@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 from perilune import filters, measured
 from perilune.config.bands import Spectrum
 from perilune.config.camera import Camera
-from perilune.config.errors import ConfigError
 from perilune.config.lens_flare import LensFlare
+from perilune.config.schema import Config
 from perilune.config.sensor import Compression, SensorExposure
 
 F64 = NDArray[np.float64]
 F_NUMBER = 4.0
 """Of a lens of which neither the focal ratio nor the aperture is stated."""
-_KEY = "camera.sensor."
 
 
 def _auto_time(exposure: SensorExposure) -> dict[str, Any] | None:
@@ -68,7 +67,7 @@ def intrinsics(camera: Camera) -> F64:
 
 
 def f_number(camera: Camera) -> float:
-    """Of a camera's sensor, from its aperture where that is given."""
+    """Of a camera's sensor, from its aperture where that is given; ValueError for no lens."""
     sensor = camera.sensor
     assert sensor is not None
     if sensor.aperture_mm is None:
@@ -77,22 +76,41 @@ def f_number(camera: Camera) -> float:
     focal_mm = math.sqrt(K[0, 0] * K[1, 1]) * sensor.pixel_um * 1e-3
     number = focal_mm / sensor.aperture_mm
     if not 0.5 <= number <= 1e6:
-        raise ConfigError(
-            f"camera.sensor.aperture_mm = {sensor.aperture_mm:g}: with the focal length of "
+        raise ValueError(
+            f"aperture_mm = {sensor.aperture_mm:g}: with the focal length of "
             f"{focal_mm:g} mm (focal length in pixels times pixel_um) the lens is f/{number:g}; "
             "allowed: f/0.5 to f/1e6"
         )
     return number
 
 
+def section(config: Config, name: str | None) -> str:
+    """Where the file has the section `sensor` of a camera of its own, or of the platform's."""
+    own = name is not None and config.sensors[name].sensor is not None
+    return f"sensors.{name}.sensor" if own else "camera.sensor"
+
+
+def check(config: Config) -> Iterator[tuple[str, str]]:
+    """Key and complaint of each sensor whose aperture makes no lens."""
+    for name, camera in config.cameras.items():
+        if camera.sensor is not None:
+            try:
+                f_number(camera)
+            except ValueError as error:
+                key, _, complaint = str(error).partition(": ")
+                yield f"{section(config, name)}.{key}", complaint
+
+
 def sensor_of(
     camera: Camera,
     path: Callable[[str, str], Path] = lambda text, _: Path(text),
     spectrum: Spectrum | None = None,
+    where: str = "camera.sensor",
 ) -> dict[str, Any] | None:
     """The core's description of a camera's sensor under a sun; None if it has none.
 
     path: gives the file that a path in the configuration means; its second argument is the key.
+    where: key path of the section.
     """
     sensor = camera.sensor
     if sensor is None:
@@ -106,7 +124,7 @@ def sensor_of(
         "plane_pupil": sensor.pupil == "plane",
         "transmission": sensor.transmission,
         "psf": sensor.point_spread.model_dump(exclude={"kernel"}),
-        "kernel": measured.kernel(path(kernel, _KEY + "point_spread.kernel")) if kernel else None,
+        "kernel": measured.kernel(path(kernel, f"{where}.point_spread.kernel")) if kernel else None,
         "lens_flare": _lens_flare(sensor.lens_flare),
         "pixel_m": sensor.pixel_um * 1e-6,
         "mosaic": "mono" if sensor.mosaic == "planes" else sensor.mosaic,
@@ -120,7 +138,7 @@ def sensor_of(
         "dark_nonuniform": sensor.dark_nonuniform,
         "vignetting": (0.0 if shaded else 4.0) if sensor.vignetting is None else sensor.vignetting,
         "vignetting_profile": np.array(profile) if profile else None,
-        "flat_field": measured.flat_field(path(flat, _KEY + "flat_field")) if flat else None,
+        "flat_field": measured.flat_field(path(flat, f"{where}.flat_field")) if flat else None,
         "hot_pixels": sensor.hot_pixels,
         "hot_current": sensor.hot_current_e_s,
         "dead_pixels": sensor.dead_pixels,

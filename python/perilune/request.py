@@ -14,7 +14,7 @@ from perilune import _core, bands, photometry, rotations
 from perilune.config import Config
 from perilune.config.references import MASKS, OBJECTS
 from perilune.config.schema import TextureFilter
-from perilune.imaging import intrinsics, sensor_of
+from perilune.imaging import intrinsics, section, sensor_of
 from perilune.optics import focus_of, lens_of
 from perilune.sample import CameraLabel
 from perilune.shutter import Keys
@@ -53,7 +53,9 @@ def request_of(
     """
     config = scene.config
     render, exposure = config.render, config.camera.exposure
-    K, sensor = intrinsics(config.camera), sensor_of(config.camera, path, config.sun.spectrum)
+    K = intrinsics(config.camera)
+    where = section(config, scene.sensor)
+    sensor = sensor_of(config.camera, path, config.sun.spectrum, where)
     return {
         "seed": config.seed,
         "index": scene.index,

@@ -84,8 +84,23 @@ def test_what_is_no_lens_is_refused(tree, sensor, text):
 
 
 def test_an_impossible_aperture_is_named(tree):
-    with pytest.raises(ConfigError, match=r"aperture_mm = 1000: .*f/0\.000"):
-        opened(tree, {"aperture_mm": 1000.0}).frame(0, ["raw"])
+    text = r"  camera\.sensor\.aperture_mm = 1000: .*f/0\.000"
+    with pytest.raises(ConfigError, match=text):
+        opened(tree, {"aperture_mm": 1000.0})
+    with pytest.raises(ConfigError, match=text):  # also of a limit of its driver
+        opened(tree, {"aperture_mm": {"uniform": [0.1, 1000.0]}})
+
+
+def test_errors_name_the_section_that_has_the_key(tree):
+    near = {"sensor": {"aperture_mm": 1000.0}}
+    with pytest.raises(ConfigError, match=r"  sensors\.near\.sensor\.aperture_mm = 1000"):
+        opened({**tree, "sensors": {"near": near, "far": {}}}, {})
+    near = {"sensor": {"flat_field": "none.npy"}}
+    sim = opened({**tree, "sensors": {"near": near, "far": {}}}, {"flat_field": "none.png"})
+    with pytest.raises(FileNotFoundError, match=r"sensors\.near\.sensor\.flat_field: no such"):
+        sim.frame(0, ["raw"])
+    with pytest.raises(FileNotFoundError, match=r": camera\.sensor\.flat_field: no such"):
+        sim.frame(1, ["raw"])
 
 
 def test_a_profile_is_interpolated_by_angle(tree):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from perilune import _core, bands, filters, materials, photometry
+from perilune import _core, bands, filters, imaging, materials, photometry
 from perilune.config.errors import ConfigError, named, nearest
 from perilune.config.schema import Config
 from perilune.drivers import Found
@@ -74,8 +74,9 @@ def check_references(
         others = ["sun", *config.bodies, *(other for other in config.spacecraft if other != name)]
         for i, joint in enumerate(craft.articulation):
             known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
-    for key, complaint in (*photometry.check(config), *bands.check(config), *filters.check(config)):
-        raise ConfigError(f"{source}:\n  {key}: {complaint}")
+    for table in (photometry, bands, filters, imaging):
+        for key, complaint in table.check(config):
+            raise ConfigError(f"{source}:\n  {key}: {complaint}")
     for problem in materials.check(config, drivers, checked):
         raise ConfigError(f"{source}:\n  {named(problem, origins or {})}")
     for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
