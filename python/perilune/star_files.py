@@ -138,12 +138,14 @@ def _read_csv(path: Path) -> Iterator[_Star | None]:
         reader = csv.DictReader(file, strict=True)
         columns = [name.strip() for name in reader.fieldnames or ()]
         reader.fieldnames = columns
-        for name in _NEEDED:
-            if name not in columns:
-                raise ValueError(f"{path}: line 1: no column '{name}'{nearest(name, columns)}")
         for name in columns:
             if name not in _COLUMNS:
-                raise ValueError(f"{path}: line 1: no column '{name}'{nearest(name, _COLUMNS)}")
+                text = f"a column '{name}' is not known{nearest(name, _COLUMNS)}"
+                raise ValueError(f"{path}: line 1: {text}")
+        for name in _NEEDED:
+            if name not in columns:
+                have = ", ".join(columns) or "nothing"
+                raise ValueError(f"{path}: line 1: no column '{name}'; there is {have}")
         try:
             for count, fields in enumerate(reader, start=1):
                 where = f"{path}: line {reader.line_num}"

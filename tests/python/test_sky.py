@@ -98,8 +98,9 @@ def test_colour_index():
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("s.csv", "ra_deg,dec_deg,mag\n", ["line 1", "no column 'vmag'", "mag"]),
-        ("s.csv", "ra_deg,dec_deg,vmag,b-v\n", ["line 1", "no column 'b-v'"]),
+        ("s.csv", "ra_deg,dec_deg,mag\n", ["line 1", "'mag' is not known; did you mean 'vmag'?"]),
+        ("s.csv", "ra_deg,dec_deg,vmag,b-v\n", ["line 1", "'b-v' is not known", "bv"]),
+        ("s.csv", "ra_deg,vmag\n", ["line 1", "no column 'dec_deg'; there is ra_deg, vmag"]),
         ("s.csv", "ra_deg,dec_deg,vmag\n1,2,3\n1,91,3\n", ["line 3", "dec_deg", "'91'"]),
         ("s.csv", "ra_deg,dec_deg,vmag\nx,2,3\n", ["line 2", "ra_deg", "'x'"]),
         ("s.csv", "ra_deg,dec_deg,vmag\n1,2,nan\n", ["line 2", "vmag"]),
