@@ -308,6 +308,12 @@ def test_wrong_bands_are_named(tree, band, complaint):
     assert complaint in str(caught.value)
 
 
+def test_nanometres_read_as_micrometres_are_named(tree, tmp_path):
+    (tmp_path / "curve.csv").write_text("500 1\n600 1\n")
+    with pytest.raises(ConfigError, match=r"bands\[0\]\.file: .*600 um is more than 100; check"):
+        opened(tree, [{"file": "curve.csv", "wavelength_unit": "um"}], base=tmp_path)
+
+
 def test_other_wrong_keys(tree, tmp_path):
     (tmp_path / "sun.csv").write_text("400 1.361\n700 1.361\n")
     with pytest.raises(ConfigError, match=r"sun\.spectrum\.irradiance_unit: .* holds 408\.3 W/m2"):

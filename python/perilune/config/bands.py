@@ -22,7 +22,8 @@ from perilune.config.types import Strict
 
 WavelengthUnit = Literal["nm", "um"]
 UM_PER_UNIT = {"nm": 1e-3, "um": 1.0}
-Micrometres = Annotated[float, Field(strict=True, ge=0.01, le=100.0)]
+LONGEST_UM = 100.0
+Micrometres = Annotated[float, Field(strict=True, ge=0.01, le=LONGEST_UM)]
 BandPreset = Literal["srgb", "monochrome"]
 MOST_BANDS = 64
 
@@ -53,9 +54,13 @@ def read_curves(file: str, unit: WavelengthUnit, columns: int | None = None) -> 
 
 
 def check_parts(table: Any, file: str, key: str = "file") -> None:
-    """Inside a validator: refuses values above 1, as of a file in per cent."""
+    """Inside a validator: refuses a response above 1, as of a file in per cent, and one to heat
+    alone, as of nanometres read as micrometres."""
     if table[:, 1:].max() > 1.0:
         fail(key, f"{file}: values are 0 to 1, not {table[:, 1:].max():g}")
+    if table[-1, 0] > LONGEST_UM:
+        text = f"a wavelength of {table[-1, 0]:g} um is more than {LONGEST_UM:g}; check its unit"
+        fail(key, f"{file}: {text}")
 
 
 class Spectrum(Strict):
