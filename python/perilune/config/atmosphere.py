@@ -37,11 +37,13 @@ class Atmosphere(Strict):
     mie_extinction_per_km: _Bands | None = None
     """Scattering and absorption; the default is the scattering over the preset's share of it."""
     mie_height_km: _Height | None = None
+    """Over which the haze thins out by e."""
     mie_g: Annotated[tuple[_G, _G, _G], BeforeValidator(triple), _Fixed] | None = None
     """Mean cosine of the angle of scattering; 0 is even, 1 all forward."""
     ozone_per_km: _Bands | None = None
     """Absorption in the middle of the ozone layer."""
     ozone_center_km: _Height | None = None
+    """Height of the middle of the ozone layer."""
     ozone_width_km: _Height | None = None
     """The ozone thins out to nothing over it, above and below."""
     top_km: _Height | None = None

@@ -150,6 +150,7 @@ class ImageSensor(Strict):
     """File (.npy, .tif, grey .png) of a measured flat field: its ratio to its middle multiplies.
     Stretched over the image."""
     point_spread: PointSpread = PointSpread()
+    """Blur and glare of the lens."""
     lens_flare: LensFlare | None = None
     """Ghosts of bright sources; `{}` has those of a generic lens."""
     pixel_um: Annotated[Positive, Field(ge=0.01, le=1e6)] = 5.5
@@ -168,11 +169,13 @@ class ImageSensor(Strict):
     serial: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
     """Which unit of its kind: what is fixed in a unit is drawn from it."""
     exposure: SensorExposure = SensorExposure()
+    """Of `raw` and `sensor_rgb`; `camera.exposure` is that of `rgb`."""
     prnu: Fraction = 0.008
     """Relative standard deviation of the pixels' response."""
     dark_current_e_s: Annotated[NonNegative, Field(le=1e9)] = 5.0
     """Electrons a second and pixel at `dark_reference_c`."""
     dark_reference_c: Finite = 20.0
+    """Temperature of the sensor that `dark_current_e_s` is of."""
     dark_doubling_k: Positive = 7.0
     """Warming by this doubles the dark current."""
     temperature_c: Annotated[Finite, Field(ge=-273.15, le=200.0)] = 20.0
@@ -194,6 +197,7 @@ class ImageSensor(Strict):
     """Time from a CMOS pixel's reset to the sample that its signal is counted from. What it gathers
     then is missing; where that fills the pixel the image is black, as the sun's. 0: protected."""
     cosmic_rays: CosmicRays = CosmicRays()
+    """None by default."""
     full_well_e: Annotated[Positive, Field(ge=1.0, le=1e12)] = 20000.0
     """Electrons that a pixel holds."""
     read_noise_e: Annotated[NonNegative, Field(le=1e9)] = 8.0

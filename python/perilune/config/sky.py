@@ -70,3 +70,4 @@ class Sky(Strict):
     stars: Stars | None = None
     """Without it there are none: there is no catalogue in the package."""
     background: Background | None = None
+    """Black without it."""
