@@ -30,6 +30,16 @@ def failure(scene, **overrides) -> str:
     return str(error.value)
 
 
+def test_wrong_items_make_no_list_too_short(scene):
+    flare = {"ghosts": [{"scale": 3.0, "radius_deg": 1.0, "intensity": 0.1}]}
+    text = failure(scene, **{"camera.sensor": {"lens_flare": flare}})
+    assert text.splitlines()[1:] == [
+        "  camera.sensor.lens_flare.ghosts[0].scale = 3.0: must be less than or equal to 2"
+    ]
+    text = failure(scene, **{"camera.sensor": {"lens_flare": {"ghosts": []}}})
+    assert "lens_flare.ghosts: must have at least 1 item" in text
+
+
 def test_units_and_defaults(scene):
     config = load(scene).config
     assert config.spacecraft["sat"].orbit.altitude_km == 500.0
@@ -99,6 +109,8 @@ def test_units_and_defaults(scene):
         ("spacecraft.sat.attitude.rotation_deg_step_v", 1, ["does not go with spin_rate_deg_s"]),
         ("render.force_off", ["bounces"], ["render.force_off", "force_on"]),
         ("labels.levels", ["kind", "kind"], ["labels.levels", "twice"]),
+        ("camera.sensor", {"compression": 80}, ["sensor.compression = 80: must be a mapping"]),
+        ("camera.lens", {"aperture_mm": 5.0}, ["lens.aperture_mm: blurs nothing without focus"]),
         ("camera.exposure.mode", "fixed", ["white_radiance_w_m2_sr", "required"]),
     ],
 )

@@ -91,9 +91,11 @@ class Camera(Strict):
         return None if self.lens is None or self.lens.model == "rectilinear" else self.lens.labels
 
     def check_focus(self, where: str) -> None:
-        """Inside a validator: refuses a lens that focuses, but whose blur is not known."""
+        """Inside a validator: refuses half of what a focus needs."""
         lens = self.lens
         if lens is None or lens.focus_distance_m is None:
+            if lens is not None and lens.aperture_mm is not None:
+                fail(f"{where}.lens.aperture_mm", "blurs nothing without focus_distance_m")
             return
         if lens.model == "fisheye":
             fail(f"{where}.lens.focus_distance_m", "a fisheye lens has no plane of focus")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
@@ -12,6 +13,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from perilune.drivers import path_text
 
 _SHOWN_NAMES = 40
+_MAPPING = re.compile(r"a valid dictionary( or .*)?$")
 
 
 class ConfigError(ValueError):
@@ -82,6 +84,7 @@ def _describe(
     text = error["msg"].replace("Input should be", "must be")
     text = text.replace("Tuple should have", "must have").replace(" after validation", "")
     text = text.replace("a valid tuple", "a list of values")
+    text = _MAPPING.sub("a mapping", text)
     if error["type"] == "union_tag_invalid":
         allowed = [tag.strip().strip("'") for tag in error["ctx"]["expected_tags"].split(",")]
         text = f"no kind '{error['ctx']['tag']}'{nearest(error['ctx']['tag'], allowed)}"
@@ -90,6 +93,20 @@ def _describe(
     inside = any(key == name or key.startswith((f"{name}.", f"{name}[")) for name in driven)
     where = " (a value or limit of its driver)" if inside else ""
     return f"{shown_key or '(top level)'}{shown}: {text}{where}"
+
+
+def _causes(details: Sequence[ErrorDetails]) -> list[ErrorDetails]:
+    """Without those of lists that are too short because their items are wrong."""
+    return [
+        detail
+        for detail in details
+        if detail["type"] != "too_short"
+        or not any(
+            len(other["loc"]) > len(detail["loc"])
+            and other["loc"][: len(detail["loc"])] == detail["loc"]
+            for other in details
+        )
+    ]
 
 
 def from_validation(
@@ -103,5 +120,6 @@ def from_validation(
 
     origins: key paths of the tree -> those of the file, where it was translated.
     """
-    lines = [_describe(detail, tree, driven or {}, origins or {}) for detail in error.errors()]
+    details = _causes(error.errors())
+    lines = [_describe(detail, tree, driven or {}, origins or {}) for detail in details]
     return ConfigError(f"{source}:\n" + "\n".join(f"  {line}" for line in dict.fromkeys(lines)))
