@@ -9,11 +9,30 @@ static const double DIAMETER_PX = 5.0;
 enum { SIDE = 2 * PL_TILE_SIDE };
 static const double FILLED = 0.97;
 
+/* Pixels between opposite places of a limb of the angular radius `angle` about the unit direction
+ * `center`, camera axes; infinite where one has no image. */
+static double across_px(const pl_camera *camera, pl_vec3 center, pl_vec3 side, double angle) {
+  const pl_vec3 middle = pl_vec3_scale(center, cos(angle));
+  double a[2], b[2];
+  if (!pl_camera_project(camera, pl_vec3_madd(middle, sin(angle), side), a) ||
+      !pl_camera_project(camera, pl_vec3_madd(middle, -sin(angle), side), b))
+    return INFINITY;
+  return hypot(a[0] - b[0], a[1] - b[1]);
+}
+
+/* The larger one of those along and across the direction to the axis: off it the image is wider. */
 static double diameter_px(const pl_snapshot *shot, const pl_shot_body *body) {
   const double distance = pl_vec3_norm(body->center);
   if (!(distance > body->radius_m))
     return INFINITY;
-  return 2.0 * asin(body->radius_m / distance) * fmax(shot->camera.fx, shot->camera.fy);
+  const double angle = asin(body->radius_m / distance);
+  const pl_vec3 center =
+      pl_vec3_scale(pl_mat3_mul_vec_t(shot->camera_to_root, body->center), 1.0 / distance);
+  const double off = hypot(center.x, center.y);
+  const pl_vec3 turn =
+      off > 0.0 ? (pl_vec3){-center.y / off, center.x / off, 0.0} : (pl_vec3){0.0, 1.0, 0.0};
+  return fmax(across_px(&shot->camera, center, turn, angle),
+              across_px(&shot->camera, center, pl_vec3_cross(turn, center), angle));
 }
 
 /* Not where depth of field blurs: these pictures are sharp. */
@@ -21,9 +40,9 @@ void pl_dots_mark(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
   for (size_t i = 0; i < shot->body_count; i++) {
     pl_shot_body *body = &shot->bodies[i];
     const pl_view_thing *thing = &view->things[shot->object_count + i];
-    const double size = diameter_px(shot, body);
+    const double size = body->in_frame ? diameter_px(shot, body) : INFINITY;
     const double covered = fmin(1.0, size * size);
-    body->dot = shot->camera.aperture_m == 0.0 && body->in_frame && size < DIAMETER_PX &&
+    body->dot = shot->camera.aperture_m == 0.0 && size < DIAMETER_PX &&
                 pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
   }
 }
@@ -65,10 +84,15 @@ static pl_status gather_tile(void *context, const pl_tile_result *result, int wo
   return PL_OK;
 }
 
+/* Pixels that a dot can touch: far fewer, unless the lens is wild within it. */
+enum { PIXELS = 16 * 16 };
+
 static void add(pl_frame_sky *sky, size_t first, uint32_t pixel, pl_vec3f light) {
   size_t i = first;
   while (i < sky->dot_count && sky->dots[i].pixel != pixel)
     i++;
+  if (i == first + PIXELS)
+    return;
   if (i == sky->dot_count)
     sky->dots[sky->dot_count++] = (pl_star_light){.pixel = pixel};
   sky->dots[i].light = pl_vec3f_add(sky->dots[i].light, light);
@@ -112,9 +136,6 @@ static void spread(const gathering *g, const pl_snapshot *close, const pl_snapsh
     spread_pixel(camera, at, width, pl_vec3f_scale(g->light[i], (float)angle), first, sky);
   }
 }
-
-/* Pixels that a dot can touch. */
-enum { PIXELS = 16 * 16 };
 
 static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size_t body,
                             pl_render_settings settings, pl_cancel *cancel, gathering *g,
