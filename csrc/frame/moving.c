@@ -73,14 +73,15 @@ static void add_stars(const pl_slice *slice, const pl_frame_sky *sky, const pl_c
   const size_t tiles =
       (size_t)sky->columns * (size_t)((camera->height + PL_TILE_SIDE - 1) / PL_TILE_SIDE);
   const double length_s = slice->span_s / slice->count;
-  const double time_s = slice->start_s + length_s * (slice->instant + 0.5);
+  const double from_s = slice->start_s + length_s * slice->instant - slice->offset_s;
   for (size_t i = 0; sky->first != NULL && i < sky->first[tiles]; i++) {
     const pl_star_light *light = &sky->light[i];
     const int row = (int)(light->pixel / (uint32_t)camera->width);
-    const double open_s = time_s - slice->offset_s - row * slice->row_s;
-    if (open_s >= 0.0 && open_s <= slice->spread_s)
+    const double open_s = from_s - row * slice->row_s; /* since the row's exposure began */
+    const double part_s = fmin(open_s + length_s, slice->spread_s) - fmax(open_s, 0.0);
+    if (part_s > 0.0)
       film[light->pixel] =
-          pl_vec3f_madd(film[light->pixel], (float)(length_s / slice->spread_s), light->light);
+          pl_vec3f_madd(film[light->pixel], (float)(part_s / slice->spread_s), light->light);
   }
 }
 
@@ -231,5 +232,6 @@ pl_status pl_moving_render(pl_renderer *renderer, const pl_frame_request *reques
       status = render_blur(renderer, request, plan, *settings, emitters, output);
   }
   output->shot = middle;
-  return status;
+  output->sky = NULL; /* an instant's */
+  return status == PL_OK ? pl_tracer_set(renderer->tracer, middle) : status;
 }

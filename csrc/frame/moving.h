@@ -20,7 +20,7 @@ pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_view *middle, bool colour, pl_plan *plan);
 
 /* Renders a frame by what pl_renderer_frame has prepared; `emitters`: the value of that effect.
- * Leaves the tracer at an instant that is not the middle. */
+ * The tracer is set to the middle, before and after. */
 pl_status pl_moving_render(pl_renderer *renderer, const pl_frame_request *request,
                            const pl_plan *plan, const pl_render_settings *settings, int emitters,
                            pl_output *output);
