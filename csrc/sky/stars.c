@@ -43,11 +43,18 @@ static bool in_image(const pl_camera *camera, int x, int y) {
   return x >= 0 && y >= 0 && x < camera->width && y < camera->height;
 }
 
+/* Whether any pixel gets light of a star at (u, v), which may be far off. */
+static bool reaches_image(const pl_camera *camera, double u, double v) {
+  return u > -1.0 && v > -1.0 && u < camera->width && v < camera->height;
+}
+
 void pl_star_splat_at(const pl_camera *camera, const pl_star *star, double u, double v,
                       pl_star_splat *out) {
+  out->count = 0;
+  if (!reaches_image(camera, u, v))
+    return;
   const int x0 = (int)floor(u), y0 = (int)floor(v);
   const double right = u - x0, down = v - y0;
-  out->count = 0;
   for (int i = 0; i < 4; i++) {
     const int x = x0 + i % 2, y = y0 + i / 2;
     const double weight = (i % 2 ? right : 1.0 - right) * (i / 2 ? down : 1.0 - down);
@@ -92,8 +99,7 @@ static bool see(const gathering *g, const pl_star *star, pl_field_star *out) {
     return false;
   out->u = pixel[0];
   out->v = pixel[1];
-  return pixel[0] > -1.0 && pixel[1] > -1.0 && pixel[0] < camera->width &&
-         pixel[1] < camera->height;
+  return reaches_image(camera, pixel[0], pixel[1]);
 }
 
 static void gather_cell(gathering *g, const pl_sky_cell *cell) {
