@@ -188,11 +188,13 @@ static double cut(const chord *c, const way *w, double a, double b) {
 /* The part of the chord between x = low and high, of one sign, |low| < |high|. */
 static pl_vec3f integrate(const chord *c, const pl_air_rule *rule, double low, double high,
                           const way *w) {
-  const pl_air_place lowest = place_at(c, low);
   const double length = fabs(high - low), sign = high > low ? 1.0 : -1.0;
+  pl_vec3f sum = {0.0f, 0.0f, 0.0f};
+  if (!(length > 0.0)) /* two bends at one place */
+    return sum;
+  const pl_air_place lowest = place_at(c, low);
   const double scale = fmin(thinning(c, &lowest, depth_at(c, &lowest, low)), 1e3 * length);
   const double all = -expm1(-length / scale);
-  pl_vec3f sum = {0.0f, 0.0f, 0.0f};
   for (int i = 0; i < rule->count; i++) {
     const double left = 1.0 - rule->place[i] * all;
     const double x = low - sign * scale * log(left);
