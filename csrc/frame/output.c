@@ -27,6 +27,8 @@ pl_status pl_output_tile(void *context, const pl_tile_result *result, int worker
       pl_output_colour(output, (size_t)(result->tile.y0 + y) * width + (size_t)result->tile.x0,
                        radiance + y * PL_TILE_SIDE, (size_t)result->tile.width);
   }
+  if (result->points == NULL)
+    return PL_OK;
   /* By rows, whose points stay in the nearest cache from channel to channel. */
   for (int y = 0; y < result->tile.height; y++) {
     const int row[4] = {result->tile.x0, result->tile.y0 + y, result->tile.width, 1};

@@ -106,9 +106,6 @@ bool pl_path_follow(const pl_vertex *vertex, pl_path *next, pl_tile_buffers *buf
 /* Counts a sample like those before, whose light stands for its own; false if there is none. */
 bool pl_path_repeat(pl_patch *patch);
 
-/* Makes means of the sums; light is shared between pixels. */
-void pl_path_resolve(const pl_path_context *context, pl_tile_buffers *buffers);
-
 /* Digital numbers by which an error moves a mean luminance. */
 float pl_path_error_dn(const pl_render_settings *settings, float mean, float error);
 

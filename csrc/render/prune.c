@@ -24,8 +24,9 @@ enum { BODY_MIN = 2, MESH_MIN = 4, OUTLINE_MIN = 8 };
  * would let its luck decide, and darken what is lit by rare paths. */
 static const float OWN_NOISE = 1.41421356f;
 
-/* Pixels whose light is pooled with a pixel's, as a rule. */
-static const float POOL = 24.0f;
+/* Pixels whose light is pooled with a pixel's, as a rule; fewer, for what is left of the noise is
+ * alike in neighbours, which makes it easier to see. */
+static const float POOL = 8.0f;
 
 /* A tile with a border of zeros: sums over neighbours need no cases. */
 enum { SIDE = PL_TILE_SIDE + 2 };

@@ -7,6 +7,7 @@
 #include "math/philox.h"
 #include "render/path.h"
 #include "render/reach.h"
+#include "render/share.h"
 
 /* Samples after which the noise is looked at for the first time; then at every doubling. */
 enum { FIRST_CHECK = 2 };
@@ -19,6 +20,7 @@ struct pl_render_scratch {
   pl_sun_view *suns;        /* owned, one per object */
   size_t sun_count;         /* room in suns */
   pl_reach reach;
+  pl_share share;
 };
 
 pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
@@ -43,6 +45,7 @@ void pl_render_scratch_destroy(pl_render_scratch *scratch) {
   pl_free(scratch->buffers);
   pl_free(scratch->suns);
   pl_reach_clear(&scratch->reach);
+  pl_share_clear(&scratch->share);
   pl_free(scratch);
 }
 
@@ -231,8 +234,9 @@ static void sample_slice(const job *job, pl_tile tile, const content *content, p
   pl_path_slice(&context, b);
 }
 
-static void sample_colour(const job *job, pl_tile tile, const content *content,
-                          pl_tile_buffers *b) {
+static pl_status sample_colour(const job *job, size_t item, int worker, const content *content) {
+  const pl_tile tile = tile_of(job, item);
+  pl_tile_buffers *b = &job->scratch->buffers[worker];
   const int samples = job->settings->samples;
   const pl_path_context context = context_of(job, tile, content);
   if (job->settings->air != NULL)
@@ -252,7 +256,7 @@ static void sample_colour(const job *job, pl_tile tile, const content *content,
     check *= 2;
     pl_path_prune(&context, b);
   }
-  pl_path_resolve(&context, b);
+  return pl_share_keep(&job->scratch->share, item, &context, b);
 }
 
 /* What is behind everything, in all pixels of the tile. */
@@ -280,12 +284,24 @@ static pl_status render_tile(void *context, size_t item, int worker) {
   } else if (anything) {
     fill_points(job, tile, &content, b);
     if (job->settings->samples > 0)
-      sample_colour(job, tile, &content, b);
+      PL_TRY(sample_colour(job, item, worker, &content));
   } else {
     for (int i = 0; i < PL_TILE_PIXELS; i++)
       b->points[i].thing = PL_NOTHING;
   }
   const pl_tile_result result = {tile, !anything, b->points, b->radiance};
+  return job->done(job->context, &result, worker);
+}
+
+/* Once more, with the light that was shared. */
+static pl_status light_tile(void *context, size_t item, int worker) {
+  const job *job = context;
+  const pl_share *share = &job->scratch->share;
+  pl_vec3f *radiance = job->scratch->buffers[worker].radiance;
+  if (!share->tiles[item].lit)
+    return PL_OK;
+  pl_share_light(share, item, job->settings, job->pixel_rad, radiance);
+  const pl_tile_result result = {share->tiles[item].tile, false, NULL, radiance};
   return job->done(job->context, &result, worker);
 }
 
@@ -324,6 +340,10 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
   };
   PL_TRY(view_suns(scratch, shot));
   PL_TRY(pl_reach_update(&scratch->reach, shot));
-  return pl_parallel_for(scratch->threads, (size_t)columns * (size_t)rows, render_tile, &job,
-                         cancel);
+  const size_t tiles = (size_t)columns * (size_t)rows;
+  if (is_adaptive(&job))
+    PL_TRY(pl_share_start(&scratch->share, columns, rows, row0 / PL_TILE_SIDE));
+  PL_TRY(pl_parallel_for(scratch->threads, tiles, render_tile, &job, cancel));
+  return is_adaptive(&job) ? pl_parallel_for(scratch->threads, tiles, light_tile, &job, cancel)
+                           : PL_OK;
 }

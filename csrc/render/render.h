@@ -78,7 +78,8 @@ static inline int pl_slice_of(const pl_slice *slice, int row, int sample, int sa
 }
 
 /* Renders the snapshot that `tracer` was set to. `done` is called once a tile, on the worker that
- * made it. Results do not depend on the number of threads. */
+ * made it; and again without points, when all are made, for those whose radiance was not yet
+ * whole: only with a noise_dn. Results do not depend on the number of threads. */
 pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
                     const pl_render_settings *settings, pl_render_scratch *scratch, pl_tile_fn done,
                     void *context, pl_cancel *cancel);

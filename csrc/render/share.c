@@ -1,12 +1,10 @@
-/* Light from other surfaces, shared between pixels. What reaches a rough surface by way of others
- * changes little from pixel to pixel, but the paths of one pixel find it by luck. So only some are
- * followed, and patches of one smooth surface in neighbouring pixels pool what their paths bring,
- * over what these carry on: colours stay sharp. A pool reaches no farther than it must to be quiet,
- * so that with more samples it is the pixel's own. Neighbours are those in the tile: the result
- * does not depend on threads. */
+/* Following some paths, keeping what they bring, pooling it over neighbours. */
+#include "render/share.h"
+
+#include <string.h>
+
+#include "base/memory.h"
 #include "math/color.h"
-#include "render/path.h"
-#include "shade/reflectance.h"
 
 /* Of so many samples in a row the first few are followed beyond the first surface: neighbours in
  * the sequence of draws lie evenly. The first on a patch is in any case. */
@@ -15,7 +13,7 @@ enum { ROW = 8, FOLLOWED = 2 };
  */
 static const float WIDE_PDF_MAX = 0.4f;
 /* Pixels that a pool reaches to each side. */
-enum { REACH = 3 };
+enum { REACH = 4 };
 /* A pool is quiet once its standard error is below so many tolerances. */
 static const float QUIET = 1.0f;
 
@@ -44,42 +42,151 @@ bool pl_path_repeat(pl_patch *patch) {
   return true;
 }
 
+void pl_share_clear(pl_share *share) {
+  for (size_t i = 0; i < share->room; i++)
+    pl_free(share->tiles[i].patches);
+  pl_free(share->tiles);
+  *share = (pl_share){0};
+}
+
+pl_status pl_share_start(pl_share *share, int columns, int rows, int row0) {
+  const size_t count = (size_t)columns * (size_t)rows;
+  if (count > share->room) {
+    pl_share_tile *grown = pl_realloc(share->tiles, count, sizeof *grown);
+    if (grown == NULL)
+      return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu tiles", count);
+    for (size_t i = share->room; i < count; i++) {
+      grown[i].patches = NULL;
+      grown[i].room = 0;
+    }
+    share->tiles = grown;
+    share->room = count;
+  }
+  for (size_t i = 0; i < count; i++)
+    share->tiles[i].lit = false;
+  share->columns = columns;
+  share->rows = rows;
+  share->row0 = row0;
+  return PL_OK;
+}
+
+/* With some to spare: the next frame of the same view has a few more or less. */
+static pl_status make_room(pl_share_tile *tile, size_t count) {
+  if (count <= tile->room)
+    return PL_OK;
+  const size_t room = count + count / 4 + 32;
+  pl_patch *grown = pl_realloc(tile->patches, room, sizeof *grown);
+  if (grown == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu surfaces", room);
+  tile->patches = grown;
+  tile->room = room;
+  return PL_OK;
+}
+
+static size_t count_lit(const pl_tile_buffers *b, pl_tile tile) {
+  size_t count = 0;
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++) {
+      const pl_pixel_patches *patches = &b->patches[y * PL_TILE_SIDE + x];
+      for (uint32_t i = 0; i < patches->count; i++)
+        count += patches->patch[i].lit > 0;
+    }
+  return count;
+}
+
+/* Radiance of a pixel but for what is shared. */
+static pl_vec3f own_light(const pl_tile_buffers *b, uint32_t pixel) {
+  const pl_pixel_patches *patches = &b->patches[pixel];
+  pl_vec3f sum = b->radiance[pixel];
+  for (uint32_t i = 0; i < patches->count; i++)
+    sum = pl_vec3f_add(sum, patches->patch[i].own);
+  return pl_vec3f_scale(sum, 1.0f / (float)b->counts[pixel]);
+}
+
+static void keep_pixel(const pl_tile_buffers *b, uint32_t pixel, uint32_t *count,
+                       pl_share_tile *tile) {
+  const pl_pixel_patches *patches = &b->patches[pixel];
+  tile->each[pixel] = 1.0f / (float)b->counts[pixel];
+  tile->rest[pixel] = b->radiance[pixel];
+  for (uint32_t i = 0; i < patches->count; i++)
+    if (patches->patch[i].lit > 0)
+      tile->patches[(*count)++] = patches->patch[i];
+}
+
+pl_status pl_share_keep(pl_share *share, size_t item, const pl_path_context *context,
+                        pl_tile_buffers *b) {
+  const pl_tile tile = context->tile;
+  const size_t lit = context->pools ? count_lit(b, tile) : 0;
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++)
+      b->radiance[y * PL_TILE_SIDE + x] = own_light(b, (uint32_t)(y * PL_TILE_SIDE + x));
+  if (lit == 0)
+    return PL_OK;
+  pl_share_tile *kept = &share->tiles[item];
+  PL_TRY(make_room(kept, lit));
+  uint32_t count = 0;
+  for (uint32_t pixel = 0; pixel < PL_TILE_PIXELS; pixel++) {
+    kept->start[pixel] = count;
+    if ((int)(pixel % PL_TILE_SIDE) < tile.width && (int)(pixel / PL_TILE_SIDE) < tile.height)
+      keep_pixel(b, pixel, &count, kept);
+  }
+  kept->start[PL_TILE_PIXELS] = count;
+  kept->tile = tile;
+  kept->lit = true;
+  return PL_OK;
+}
+
+/* What the paths of patches like one bring, by their distance from its pixel: squares about it. */
+typedef struct ring {
+  pl_vec3f shared, weight;
+  float square; /* sum of squared luminances */
+  float count;  /* of paths */
+} ring;
+
 typedef struct pool {
-  const pl_path_context *context;
-  const pl_tile_buffers *buffers;
+  const pl_share *share;
   const pl_patch *like;
   float depth_m;
-  pl_vec3f shared, weight;
-  float square; /* of luminances */
-  float count;
+  ring rings[REACH + 1];
 } pool;
 
-static void add_pixel(pool *pool, int x, int y) {
-  const pl_tile tile = pool->context->tile;
-  if (x < 0 || y < 0 || x >= tile.width || y >= tile.height)
+/* The tile that pixel (x, y) of the image is in; NULL: none that is lit. */
+static const pl_share_tile *tile_at(const pl_share *share, int x, int y) {
+  const int column = x / PL_TILE_SIDE, row = y / PL_TILE_SIDE - share->row0;
+  if (x < 0 || y < 0 || column >= share->columns || row < 0 || row >= share->rows)
+    return NULL;
+  const pl_share_tile *tile = &share->tiles[row * share->columns + column];
+  const bool inside = tile->lit && y >= tile->tile.y0 && x < tile->tile.x0 + tile->tile.width &&
+                      y < tile->tile.y0 + tile->tile.height;
+  return inside ? tile : NULL;
+}
+
+static void add_pixel(pool *pool, int x, int y, ring *ring) {
+  const pl_share_tile *tile = tile_at(pool->share, x, y);
+  if (tile == NULL)
     return;
-  const pl_pixel_patches *patches = &pool->buffers->patches[y * PL_TILE_SIDE + x];
-  for (uint32_t i = 0; i < patches->count; i++) {
-    const pl_patch *patch = &patches->patch[i];
-    if (patch->lit == 0 || !pl_patch_fits(pool->like, patch, pool->depth_m))
+  const int pixel = (y - tile->tile.y0) * PL_TILE_SIDE + x - tile->tile.x0;
+  for (uint32_t i = tile->start[pixel]; i < tile->start[pixel + 1]; i++) {
+    const pl_patch *patch = &tile->patches[i];
+    if (!pl_patch_fits(pool->like, patch, pool->depth_m))
       continue;
-    pool->shared = pl_vec3f_add(pool->shared, patch->shared);
-    pool->weight = pl_vec3f_add(pool->weight, patch->lit_weight);
-    pool->square += patch->lit_square;
-    pool->count += (float)patch->lit;
+    ring->shared = pl_vec3f_add(ring->shared, patch->shared);
+    ring->weight = pl_vec3f_add(ring->weight, patch->lit_weight);
+    ring->square += patch->lit_square;
+    ring->count += (float)patch->lit;
   }
 }
 
-/* The pixels of the square about (x, y) with sides of 2 r + 1. */
 static void add_ring(pool *pool, int x, int y, int r) {
+  ring *ring = &pool->rings[r];
   for (int u = -r; u <= r; u++) {
-    add_pixel(pool, x + u, y - r);
+    add_pixel(pool, x + u, y - r, ring);
     if (r > 0)
-      add_pixel(pool, x + u, y + r);
+      add_pixel(pool, x + u, y + r, ring);
   }
   for (int v = 1 - r; v < r; v++) {
-    add_pixel(pool, x - r, y + v);
-    add_pixel(pool, x + r, y + v);
+    add_pixel(pool, x - r, y + v, ring);
+    add_pixel(pool, x + r, y + v, ring);
   }
 }
 
@@ -92,51 +199,63 @@ static bool is_quiet(const pl_render_settings *settings, float level, float erro
          pl_path_error_dn(settings, level - down, down) < limit;
 }
 
-/* What paths bring for what they carry on, at the patch and around it; `part` of the pixel's
- * samples go on like that. How far around is decided by the scatter within the whole reach: that of
- * the light which is used would stop pools that luck has kept in the dark. */
-static pl_vec3f pooled(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
-                       const pl_patch *like, float part) {
-  const int x = (int)(pixel % PL_TILE_SIDE), y = (int)(pixel / PL_TILE_SIDE);
-  const pl_render_settings *settings = context->settings;
-  pool pools[REACH + 1], pool = {.context = context,
-                                 .buffers = b,
-                                 .like = like,
-                                 .depth_m = pl_patch_depth(like, (float)context->pixel_rad)};
-  for (int r = 0; r <= REACH; r++) {
-    add_ring(&pool, x, y, r);
-    pools[r] = pool;
+/* Rings count less and less up to the first that does not: no edges of squares are to be seen. */
+static float part_of(int r, int reach) { return 1.0f - (float)r / (float)(reach + 1); }
+
+static float error_at(const pool *pool, int reach) {
+  float sum = 0.0f, square = 0.0f;
+  for (int r = 0; r <= reach; r++) {
+    const float part = part_of(r, reach);
+    sum += part * pool->rings[r].count;
+    square += part * part * pool->rings[r].count;
   }
-  const float mean = pl_luminance(pool.shared) / pool.count;
-  const float scatter = part * sqrtf(pl_maxf(pool.square / pool.count - mean * mean, 0.0f));
-  const float level = pl_luminance(like->own) / (float)like->seen + part * mean;
-  int r = 0;
-  while (r < REACH && !is_quiet(settings, level, scatter / sqrtf(pools[r].count)))
-    r++;
-  const pl_vec3f all = pools[r].shared, weight = pools[r].weight;
+  return sqrtf(square) / sum;
+}
+
+/* How far around light is taken from; `part` of the pixel's samples go on. It is decided by the
+ * scatter within the whole reach: that of the light which is used would stop pools that luck has
+ * kept in the dark. */
+static int reach_of(const pool *pool, const pl_render_settings *settings, float part) {
+  float light = 0.0f, square = 0.0f, count = 0.0f;
+  for (int r = 0; r <= REACH; r++) {
+    light += pl_luminance(pool->rings[r].shared);
+    square += pool->rings[r].square;
+    count += pool->rings[r].count;
+  }
+  const float mean = light / count;
+  const float scatter = part * sqrtf(pl_maxf(square / count - mean * mean, 0.0f));
+  const float level = pl_luminance(pool->like->own) / (float)pool->like->seen + part * mean;
+  int reach = 0;
+  while (reach < REACH && !is_quiet(settings, level, scatter * error_at(pool, reach)))
+    reach++;
+  return reach;
+}
+
+/* What paths bring for what they carry on, in the pool. */
+static pl_vec3f pooled(pool *pool, const pl_render_settings *settings, int x, int y, float part) {
+  for (int r = 0; r <= REACH; r++)
+    add_ring(pool, x, y, r);
+  const int reach = reach_of(pool, settings, part);
+  pl_vec3f all = {0.0f, 0.0f, 0.0f}, weight = all;
+  for (int r = 0; r <= reach; r++) {
+    all = pl_vec3f_madd(all, part_of(r, reach), pool->rings[r].shared);
+    weight = pl_vec3f_madd(weight, part_of(r, reach), pool->rings[r].weight);
+  }
   return pl_vec3f_make(ratio(all.x, weight.x), ratio(all.y, weight.y), ratio(all.z, weight.z));
 }
 
-static pl_vec3f pixel_radiance(const pl_path_context *context, const pl_tile_buffers *b,
-                               uint32_t pixel) {
-  const pl_pixel_patches *patches = &b->patches[pixel];
-  const float each = 1.0f / (float)b->counts[pixel];
-  pl_vec3f sum = pl_vec3f_scale(b->radiance[pixel], each);
-  for (uint32_t i = 0; i < patches->count; i++) {
-    const pl_patch *patch = &patches->patch[i];
-    sum = pl_vec3f_madd(sum, each, patch->own);
-    if (patch->lit == 0)
-      continue;
-    const pl_vec3f light = pooled(context, b, pixel, patch, each * (float)patch->wide);
-    sum = pl_vec3f_madd(sum, each, pl_vec3f_mul(patch->weight, light));
-  }
-  return sum;
-}
-
-void pl_path_resolve(const pl_path_context *context, pl_tile_buffers *b) {
-  for (int y = 0; y < context->tile.height; y++)
-    for (int x = 0; x < context->tile.width; x++) {
-      const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
-      b->radiance[pixel] = pixel_radiance(context, b, pixel);
+void pl_share_light(const pl_share *share, size_t item, const pl_render_settings *settings,
+                    double pixel_rad, pl_vec3f radiance[PL_TILE_PIXELS]) {
+  const pl_share_tile *tile = &share->tiles[item];
+  memcpy(radiance, tile->rest, sizeof tile->rest);
+  for (int pixel = 0; pixel < PL_TILE_PIXELS; pixel++) {
+    const int x = tile->tile.x0 + pixel % PL_TILE_SIDE, y = tile->tile.y0 + pixel / PL_TILE_SIDE;
+    const float each = tile->each[pixel];
+    for (uint32_t i = tile->start[pixel]; i < tile->start[pixel + 1]; i++) {
+      const pl_patch *like = &tile->patches[i];
+      pool pool = {.share = share, .like = like, .depth_m = pl_patch_depth(like, (float)pixel_rad)};
+      const pl_vec3f light = pooled(&pool, settings, x, y, each * (float)like->wide);
+      radiance[pixel] = pl_vec3f_madd(radiance[pixel], each, pl_vec3f_mul(like->weight, light));
     }
+  }
 }
