@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -72,15 +73,17 @@ def light_curve(
     the quadrature, 1 to 64 (benchmarks/eclipse.py): with 16 the error is below 1e-12, but for
     bodies that all but touch a darkened limb from inside, 1e-8. Positions are geometric, as
     everywhere here; bodies are ellipsoids without an atmosphere, and the union of all that are
-    before the disc is exact. ValueError for a name that is not there, and for a place inside the
-    Sun.
+    before the disc is exact. ValueError for a name that is not there, for `at` and `nodes` out of
+    range, and for a place inside the Sun.
     """
-    indices = np.array([int(index) for index in frames], dtype=np.int64)
+    indices = np.array([operator.index(index) for index in frames], dtype=np.int64)
     config = sim.config
     known = list(sections(config))
     if name not in known and name != CAMERA:
         raise ValueError(f"no body or spacecraft '{name}'{nearest(name, [*known, CAMERA])}")
     bodies = tuple(body for body in config.bodies if body != name)
+    if not 0.0 <= at <= 1.0:
+        raise ValueError(f"at is {at:g}, but must be from 0 to 1")
     wavelengths = np.array(config.sun.wavelengths_um) if limb_darkening else np.zeros(3)
     t_s = np.empty(len(indices))
     fraction = np.empty((len(indices), len(wavelengths)))

@@ -461,6 +461,11 @@ def test_errors_name_what_is_wrong() -> None:
         sim.light_curve("satt", range(2))
     with pytest.raises(ValueError, match="nodes is 0"):
         sim.light_curve("sat", range(2), nodes=0)
+    for at in (-0.5, 2.0, float("nan")):
+        with pytest.raises(ValueError, match=r"at is .* from 0 to 1"):
+            sim.light_curve("sat", range(2), at=at)
+    with pytest.raises(TypeError, match="integer"):
+        sim.light_curve("sat", [0.5])
     with pytest.raises(ValueError, match="inside the sun"):
         low_orbit(10.0, **{"sun.direction": [0, 0, 1], "sun.distance_au": 1e-4}).light_curve(
             "sat", range(2)
