@@ -114,9 +114,9 @@ def check(config: Config) -> Iterator[tuple[str, str]]:
     """Key and complaint of each band that cannot be used with the sun's spectrum."""
     sun = sun_curve(config.sun.spectrum)
     for name, camera in config.cameras.items():
-        key = "camera" if name is None else f"sensors.{name}"
+        key = config.place(name, "bands")
         for i, curve in enumerate(curves(camera.bands)):
-            where = f"{key}.bands" if isinstance(camera.bands, str) else f"{key}.bands[{i}]"
+            where = key if isinstance(camera.bands, str) else f"{key}[{i}]"
             try:
                 spectra.gather(sun, curve)
             except ValueError as error:

@@ -108,14 +108,14 @@ def described(camera: Camera, spectrum: Spectrum | None) -> dict[str, Any]:
 def check(config: Config) -> Iterator[tuple[str, str]]:
     """Key and complaint of each sensor that sees nothing, or beyond the sun's spectrum."""
     for name, camera in config.cameras.items():
-        key = "camera" if name is None else f"sensors.{name}"
         if camera.sensor is None:
             continue
         planes = camera.sensor.mosaic == "planes"
         if planes and camera.bands == "srgb":
-            yield f"{key}.bands", "srgb is no filter: mosaic planes needs a list, or monochrome"
+            key = config.place(name, "bands")
+            yield key, "srgb is no filter: mosaic planes needs a list, or monochrome"
             continue
-        where = f"{key}.sensor.quantum_efficiency"
+        where = f"{config.place(name, 'sensor')}.quantum_efficiency"
         try:
             seen = described(camera, config.sun.spectrum)
         except ValueError as error:

@@ -84,12 +84,6 @@ def f_number(camera: Camera) -> float:
     return number
 
 
-def section(config: Config, name: str | None) -> str:
-    """Where the file has the section `sensor` of a camera of its own, or of the platform's."""
-    own = name is not None and config.sensors[name].sensor is not None
-    return f"sensors.{name}.sensor" if own else "camera.sensor"
-
-
 def check(config: Config) -> Iterator[tuple[str, str]]:
     """Key and complaint of each sensor whose aperture makes no lens."""
     for name, camera in config.cameras.items():
@@ -98,7 +92,7 @@ def check(config: Config) -> Iterator[tuple[str, str]]:
                 f_number(camera)
             except ValueError as error:
                 key, _, complaint = str(error).partition(": ")
-                yield f"{section(config, name)}.{key}", complaint
+                yield f"{config.place(name, 'sensor')}.{key}", complaint
 
 
 def sensor_of(

@@ -14,7 +14,7 @@ from perilune import _core, bands, photometry, rotations
 from perilune.config import Config
 from perilune.config.references import MASKS, OBJECTS
 from perilune.config.schema import TextureFilter
-from perilune.imaging import intrinsics, section, sensor_of
+from perilune.imaging import intrinsics, sensor_of
 from perilune.optics import focus_of, lens_of
 from perilune.sample import CameraLabel
 from perilune.shutter import Keys
@@ -54,7 +54,7 @@ def request_of(
     config = scene.config
     render, exposure = config.render, config.camera.exposure
     K = intrinsics(config.camera)
-    where = section(config, scene.sensor)
+    where = config.place(scene.sensor, "sensor")
     sensor = sensor_of(config.camera, path, config.sun.spectrum, where)
     return {
         "seed": config.seed,

@@ -95,6 +95,10 @@ def test_errors_name_the_section_that_has_the_key(tree):
     near = {"sensor": {"aperture_mm": 1000.0}}
     with pytest.raises(ConfigError, match=r"  sensors\.near\.sensor\.aperture_mm = 1000"):
         opened({**tree, "sensors": {"near": near, "far": {}}}, {})
+    # a section of the platform's that a sensor has is named where it stands
+    with pytest.raises(ConfigError, match=r"  camera\.sensor\.quantum_efficiency: the sensor sees"):
+        opened({**tree, "sensors": {"far": {"bands": [{"center_um": 2.0, "width_um": 0.1}]}}},
+               {"mosaic": "planes"})  # fmt: skip
     near = {"sensor": {"flat_field": "none.npy"}}
     sim = opened({**tree, "sensors": {"near": near, "far": {}}}, {"flat_field": "none.png"})
     with pytest.raises(FileNotFoundError, match=r"sensors\.near\.sensor\.flat_field: no such"):

@@ -91,13 +91,13 @@ class Camera(Strict):
         return None if self.lens is None or self.lens.model == "rectilinear" else self.lens.labels
 
     def check_focus(self, where: str) -> None:
-        """Inside a validator: refuses half of what a focus needs."""
+        """Inside a validator: refuses half of what a focus needs. where: key path of the lens."""
         lens = self.lens
         if lens is None or lens.focus_distance_m is None:
             if lens is not None and lens.aperture_mm is not None:
-                fail(f"{where}.lens.aperture_mm", "blurs nothing without focus_distance_m")
+                fail(f"{where}.aperture_mm", "blurs nothing without focus_distance_m")
             return
         if lens.model == "fisheye":
-            fail(f"{where}.lens.focus_distance_m", "a fisheye lens has no plane of focus")
+            fail(f"{where}.focus_distance_m", "a fisheye lens has no plane of focus")
         if lens.aperture_mm is None and self.sensor is None:
-            fail(f"{where}.lens.aperture_mm", "required for a focus where there is no `sensor`")
+            fail(f"{where}.aperture_mm", "required for a focus where there is no `sensor`")

@@ -457,6 +457,11 @@ class Config(Strict):
             return {None: self.camera}
         return {name: sensor.camera(self.camera) for name, sensor in self.sensors.items()}
 
+    def place(self, name: str | None, key: str) -> str:
+        """Key path of a key that a camera has: its sensor's own, or the platform's."""
+        own = name is not None and getattr(self.sensors[name], key) is not None
+        return f"sensors.{name}.{key}" if own else f"camera.{key}"
+
     @model_validator(mode="after")
     def _names(self) -> Config:
         sections: dict[str, Iterable[str]] = {
@@ -485,5 +490,5 @@ class Config(Strict):
         check_motion(self)
         check_trajectory(self)
         for name, camera in self.cameras.items():
-            camera.check_focus("camera" if name is None else f"sensors.{name}")
+            camera.check_focus(self.place(name, "lens"))
         return self
