@@ -12,8 +12,9 @@ enum { ROW = 8, FOLLOWED = 2 };
 /* A lobe is wide where the density of a draw is below this, 1/sr: a cosine lobe is so everywhere.
  */
 static const float WIDE_PDF_MAX = 0.4f;
-/* Pixels that a pool reaches to each side. */
-enum { REACH = 4 };
+/* Pixels that a pool reaches to each side; first the near ones are asked, of so many paths, whether
+ * they are enough. */
+enum { REACH = 4, NEAR = 2, FEWEST = 24 };
 /* A pool is quiet once its standard error is below so many tolerances. */
 static const float QUIET = 1.0f;
 
@@ -212,12 +213,13 @@ static float error_at(const pool *pool, int reach) {
   return sqrtf(square) / sum;
 }
 
-/* How far around light is taken from; `part` of the pixel's samples go on. It is decided by the
- * scatter within the whole reach: that of the light which is used would stop pools that luck has
- * kept in the dark. */
-static int reach_of(const pool *pool, const pl_render_settings *settings, float part) {
+/* How far around light is taken from, within what the pool holds: `most` when it never is quiet.
+ * `part` of the pixel's samples go on. It is decided by the scatter of all that is held: that of
+ * the light which is used would stop pools that luck has kept in the dark. */
+static int reach_of(const pool *pool, const pl_render_settings *settings, float part, int most,
+                    bool *quiet) {
   float light = 0.0f, square = 0.0f, count = 0.0f;
-  for (int r = 0; r <= REACH; r++) {
+  for (int r = 0; r <= most; r++) {
     light += pl_luminance(pool->rings[r].shared);
     square += pool->rings[r].square;
     count += pool->rings[r].count;
@@ -225,17 +227,25 @@ static int reach_of(const pool *pool, const pl_render_settings *settings, float 
   const float mean = light / count;
   const float scatter = part * sqrtf(pl_maxf(square / count - mean * mean, 0.0f));
   const float level = pl_luminance(pool->like->own) / (float)pool->like->seen + part * mean;
-  int reach = 0;
-  while (reach < REACH && !is_quiet(settings, level, scatter * error_at(pool, reach)))
-    reach++;
-  return reach;
+  for (int reach = 0; reach <= most; reach++) {
+    *quiet = is_quiet(settings, level, scatter * error_at(pool, reach)) && count >= FEWEST;
+    if (*quiet)
+      return reach;
+  }
+  return most;
 }
 
 /* What paths bring for what they carry on, in the pool. */
 static pl_vec3f pooled(pool *pool, const pl_render_settings *settings, int x, int y, float part) {
-  for (int r = 0; r <= REACH; r++)
+  bool quiet;
+  for (int r = 0; r <= NEAR; r++)
     add_ring(pool, x, y, r);
-  const int reach = reach_of(pool, settings, part);
+  int reach = reach_of(pool, settings, part, NEAR, &quiet);
+  if (!quiet) {
+    for (int r = NEAR + 1; r <= REACH; r++)
+      add_ring(pool, x, y, r);
+    reach = reach_of(pool, settings, part, REACH, &quiet);
+  }
   pl_vec3f all = {0.0f, 0.0f, 0.0f}, weight = all;
   for (int r = 0; r <= reach; r++) {
     all = pl_vec3f_madd(all, part_of(r, reach), pool->rings[r].shared);
