@@ -222,6 +222,37 @@ static pl_status allocate_bands(pl_renderer *renderer, const pl_camera *camera, 
   return *out != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for a sensor's image");
 }
 
+/* Gathers what lights the snapshot of `output`, and renders it. The tracer is set. */
+static pl_status render_output(pl_renderer *renderer, const pl_frame_request *request,
+                               pl_frame_result *result, pl_frame_sky *sky, pl_output *output) {
+  const pl_snapshot *shot = output->shot;
+  pl_render_settings settings = settings_of(request, result);
+  pl_limb limb;
+  /* The disc itself is seen where nothing is lit, too. */
+  if ((settings.soft_sun || shot->sun.in_frame) &&
+      pl_plan_value(&result->plan, "limb_darkening") > 0) {
+    limb = pl_limb_make(shot->sun.wavelengths_um);
+    settings.limb = &limb;
+  }
+  pl_emitters emitters;
+  const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
+  pl_air_view air;
+  PL_TRY(pl_frame_emitters(&renderer->arena, shot, emitters_value, &emitters, &settings));
+  PL_TRY(pl_frame_air(&renderer->arena, shot, &result->plan, &air, &settings));
+  if (wants_colour(request) && !pl_moving(request, &result->plan))
+    PL_TRY(pl_dots_render(renderer, shot, &settings, &renderer->arena, request->cancel, sky));
+  if (wants_colour(request))
+    PL_TRY(pl_frame_sky_place(&result->plan, shot, renderer->tracer, settings.air, &renderer->arena,
+                              sky));
+  settings.backdrop = sky->backdrop.kind != PL_BACKDROP_NONE ? &sky->backdrop : NULL;
+  result->stars = sky->seen;
+  result->star_count = sky->seen_count;
+  if (pl_moving(request, &result->plan))
+    return pl_moving_render(renderer, request, &result->plan, &settings, emitters_value, output);
+  return pl_render(shot, renderer->tracer, &settings, renderer->scratch, pl_output_tile, output,
+                   request->cancel);
+}
+
 pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *request,
                             pl_frame_result *result) {
   pl_snapshot shot;
@@ -246,32 +277,7 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
       pl_labels_prepare(request, &shot, &renderer->label_tools, &renderer->arena, &output.labels));
   PL_TRY(pl_tracer_set(renderer->tracer, &shot));
   lap(result, PL_STAGE_REALISE, &start);
-  pl_render_settings settings = settings_of(request, result);
-  pl_limb limb;
-  /* The disc itself is seen where nothing is lit, too. */
-  if ((settings.soft_sun || shot.sun.in_frame) &&
-      pl_plan_value(&result->plan, "limb_darkening") > 0) {
-    limb = pl_limb_make(shot.sun.wavelengths_um);
-    settings.limb = &limb;
-  }
-  pl_emitters emitters;
-  const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
-  pl_air_view air;
-  PL_TRY(pl_frame_emitters(&renderer->arena, &shot, emitters_value, &emitters, &settings));
-  PL_TRY(pl_frame_air(&renderer->arena, &shot, &result->plan, &air, &settings));
-  if (wants_colour(request) && !pl_moving(request, &result->plan))
-    PL_TRY(pl_dots_render(renderer, &shot, &settings, &renderer->arena, request->cancel, &sky));
-  if (wants_colour(request))
-    PL_TRY(pl_frame_sky_place(&result->plan, &shot, renderer->tracer, settings.air,
-                              &renderer->arena, &sky));
-  settings.backdrop = sky.backdrop.kind != PL_BACKDROP_NONE ? &sky.backdrop : NULL;
-  result->stars = sky.seen;
-  result->star_count = sky.seen_count;
-  if (pl_moving(request, &result->plan))
-    PL_TRY(pl_moving_render(renderer, request, &result->plan, &settings, emitters_value, &output));
-  else
-    PL_TRY(pl_render(&shot, renderer->tracer, &settings, renderer->scratch, pl_output_tile, &output,
-                     request->cancel));
+  PL_TRY(render_output(renderer, request, result, &sky, &output));
   lap(result, PL_STAGE_RENDER, &start);
   PL_TRY(
       pl_labels_finish(&output.labels, renderer->tracer, &renderer->label_tools, &renderer->arena));

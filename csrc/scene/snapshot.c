@@ -125,6 +125,16 @@ static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_
   return PL_OK;
 }
 
+/* Whether camera rays may touch a body, and its air. */
+static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_angle,
+                          pl_shot_body *body) {
+  const pl_air *air = body->body->air;
+  body->in_frame = pl_snapshot_sees(shot, body->center, body->radius_m, axis, half_angle);
+  body->air_in_frame =
+      air != NULL &&
+      pl_snapshot_sees(shot, body->center, pl_air_reach_m(air, body->radius_m), axis, half_angle);
+}
+
 pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,
                             pl_snapshot *out) {
   const pl_pose camera = pl_motion_middle(&placement->camera.motion);
@@ -162,11 +172,7 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   for (size_t i = 0; i < scene->body_count; i++) {
     pl_shot_body *body = &out->bodies[i];
     PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], camera.t, body));
-    body->in_frame = pl_snapshot_sees(out, body->center, body->radius_m, axis, half_angle);
-    if (scene->bodies[i].air != NULL)
-      body->air_in_frame =
-          pl_snapshot_sees(out, body->center, pl_air_reach_m(scene->bodies[i].air, body->radius_m),
-                           axis, half_angle);
+    look_for_body(out, axis, half_angle, body);
   }
   return PL_OK;
 }
