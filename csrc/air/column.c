@@ -29,11 +29,11 @@ static double cosine_at(double s, int node) {
   return s * v / (1.0 + s - v);
 }
 
-/* Metres from a height to another one above it, under zenith cosine mu >= 0. */
+/* Metres from a height to another one above it, under zenith cosine mu >= 0; 0 to one below. */
 static double reach(const pl_air *air, double height_m, double mu, double upper_m) {
   const double r = air->radius_m + height_m;
   const double rise = (upper_m - height_m) * (upper_m + air->radius_m + r); /* of the squares */
-  return rise <= 0.0 ? 0.0 : rise / (sqrt(r * r * mu * mu + rise) + r * mu);
+  return upper_m <= height_m ? 0.0 : rise / (sqrt(r * r * mu * mu + rise) + r * mu);
 }
 
 /* Height at a distance along such a ray. */

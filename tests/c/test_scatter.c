@@ -1,4 +1,4 @@
-/* Rays in special positions. */
+/* Rays in special positions, and layers that reach through the body. */
 #include "harness.h"
 
 #include <math.h>
@@ -45,7 +45,28 @@ static void test_bends_at_one_place(void **state) {
   pl_air_destroy(air);
 }
 
+/* Straight up, a layer of half-width w about the ground has the depth a (t - t^2 / 2w) to the top
+ * t; that it begins beyond the other side of the body is no matter. */
+static void test_wide_layer(void **state) {
+  (void)state;
+  const double radius_m = 5e3, absorption = 1e-4, top_m = 3e3;
+  const double widths[] = {4e3, 9e3, 1.1e4, 3e4, 1e7};
+  for (int i = 0; i < 5; i++) {
+    pl_air_settings settings = {.rayleigh_height_m = 1e3,
+                                .mie_height_m = 1e3,
+                                .ozone_absorption = {absorption, absorption, absorption},
+                                .ozone_width_m = widths[i],
+                                .top_m = top_m};
+    pl_air *air = air_create(&settings, radius_m);
+    const pl_vec3 up = {0.0, 0.0, 1.0};
+    const double depth = absorption * (top_m - 0.5 * top_m * top_m / widths[i]);
+    assert_true(fabs((double)pl_air_depth(air, up, up, 1.0).y / depth - 1.0) < 1e-4);
+    pl_air_destroy(air);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_bends_at_one_place)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_bends_at_one_place),
+                                     cmocka_unit_test(test_wide_layer)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
