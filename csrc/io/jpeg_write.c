@@ -97,8 +97,9 @@ static pl_status guarded(cycle *c) {
   return PL_OK;
 }
 
-/* More than any image takes: a code of 16 bits and 11 of the number for each coefficient of three
- * components in blocks of up to 16 x 16 pixels, each byte doubled where it is 255, and headers. */
+/* More than images take. Without subsampling a pixel has three coefficients; of steps of 1 their
+ * root mean square is 128 at most, which takes 8 bits and a code of 10: 7 bytes a pixel, of which
+ * those of 255 are doubled. Blocks are of up to 16 x 16 pixels; what does not fit is refused. */
 static size_t room_for(int width, int height) {
   const size_t columns = ((size_t)width + 15) / 16 * 16, rows = ((size_t)height + 15) / 16 * 16;
   return columns * rows * 12 + 4096;
