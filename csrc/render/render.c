@@ -34,8 +34,15 @@ pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
     pl_free(scratch);
     return status;
   }
-  *out = scratch;
-  **out = (pl_render_scratch){.threads = threads, .buffers = buffers};
+  pl_render_scratch *made = scratch;
+  *made = (pl_render_scratch){.threads = threads, .buffers = buffers};
+  const pl_status shared = pl_share_init(&made->share);
+  if (shared != PL_OK) {
+    pl_free(buffers);
+    pl_free(scratch);
+    return shared;
+  }
+  *out = made;
   return PL_OK;
 }
 

@@ -43,11 +43,19 @@ bool pl_path_repeat(pl_patch *patch) {
   return true;
 }
 
+pl_status pl_share_init(pl_share *share) {
+  *share = (pl_share){.block_count = 0};
+  if (pthread_mutex_init(&share->lock, NULL) != 0)
+    return pl_fail(PL_E_MEMORY, "cannot make a lock");
+  return PL_OK;
+}
+
 void pl_share_clear(pl_share *share) {
-  for (size_t i = 0; i < share->room; i++)
-    pl_free(share->tiles[i].patches);
+  for (size_t i = 0; i < share->block_count; i++)
+    pl_free(share->blocks[i]);
+  pl_free(share->blocks);
   pl_free(share->tiles);
-  *share = (pl_share){0};
+  pthread_mutex_destroy(&share->lock);
 }
 
 pl_status pl_share_start(pl_share *share, int columns, int rows, int row0) {
@@ -56,32 +64,51 @@ pl_status pl_share_start(pl_share *share, int columns, int rows, int row0) {
     pl_share_tile *grown = pl_realloc(share->tiles, count, sizeof *grown);
     if (grown == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu tiles", count);
-    for (size_t i = share->room; i < count; i++) {
-      grown[i].patches = NULL;
-      grown[i].room = 0;
-    }
     share->tiles = grown;
     share->room = count;
   }
   for (size_t i = 0; i < count; i++)
     share->tiles[i].lit = false;
+  share->block = share->used = 0;
   share->columns = columns;
   share->rows = rows;
   share->row0 = row0;
   return PL_OK;
 }
 
-/* With some to spare: the next frame of the same view has a few more or less. */
-static pl_status make_room(pl_share_tile *tile, size_t count) {
-  if (count <= tile->room)
-    return PL_OK;
-  const size_t room = count + count / 4 + 32;
-  pl_patch *grown = pl_realloc(tile->patches, room, sizeof *grown);
-  if (grown == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu surfaces", room);
-  tile->patches = grown;
-  tile->room = room;
+static pl_status add_block(pl_share *share) {
+  if (share->block_count == share->block_room) {
+    const size_t room = 2 * share->block_room + 8;
+    pl_patch **grown = pl_realloc(share->blocks, room, sizeof *grown);
+    if (grown == NULL)
+      return pl_fail(PL_E_MEMORY, "out of memory for %zu blocks of light", room);
+    share->blocks = grown;
+    share->block_room = room;
+  }
+  void *block;
+  PL_TRY(pl_alloc_or_fail(PL_SHARE_BLOCK, sizeof(pl_patch), "shared light", &block));
+  share->blocks[share->block_count++] = block;
   return PL_OK;
+}
+
+/* Room for so many patches, with the lock held. */
+static pl_status take_room(pl_share *share, size_t count, pl_patch **out) {
+  if (share->used + count > PL_SHARE_BLOCK) {
+    share->block++;
+    share->used = 0;
+  }
+  if (share->block == share->block_count)
+    PL_TRY(add_block(share));
+  *out = share->blocks[share->block] + share->used;
+  share->used += count;
+  return PL_OK;
+}
+
+static pl_status make_room(pl_share *share, size_t count, pl_patch **out) {
+  pthread_mutex_lock(&share->lock);
+  const pl_status status = take_room(share, count, out);
+  pthread_mutex_unlock(&share->lock);
+  return status;
 }
 
 static size_t count_lit(const pl_tile_buffers *b, pl_tile tile) {
@@ -124,7 +151,7 @@ pl_status pl_share_keep(pl_share *share, size_t item, const pl_path_context *con
   if (lit == 0)
     return PL_OK;
   pl_share_tile *kept = &share->tiles[item];
-  PL_TRY(make_room(kept, lit));
+  PL_TRY(make_room(share, lit, &kept->patches));
   uint32_t count = 0;
   for (uint32_t pixel = 0; pixel < PL_TILE_PIXELS; pixel++) {
     kept->start[pixel] = count;

@@ -6,26 +6,35 @@
 #ifndef PL_RENDER_SHARE_H
 #define PL_RENDER_SHARE_H
 
+#include <pthread.h>
+
 #include "render/path.h"
 
 /* What is kept of a tile until all are sampled. */
 typedef struct pl_share_tile {
   bool lit;          /* by others, anywhere; what follows is not valid without */
-  pl_patch *patches; /* owned, with room for so many; pixel by pixel */
-  size_t room;
+  pl_patch *patches; /* in a block, pixel by pixel */
   pl_tile tile;
   uint32_t start[PL_TILE_PIXELS + 1]; /* of each pixel's patches */
   float each[PL_TILE_PIXELS];         /* 1 over the samples of a pixel */
   pl_vec3f rest[PL_TILE_PIXELS];      /* radiance but for what is shared, W m-2 sr-1 */
 } pl_share_tile;
 
-/* Kept from frame to frame. Zeros to begin with. */
+/* Any tile's patches fit into a block. */
+enum { PL_SHARE_BLOCK = PL_TILE_PIXELS * PL_PATCHES };
+
+/* Kept from frame to frame: what moves from tile to tile takes no new memory. */
 typedef struct pl_share {
+  pthread_mutex_t lock; /* on the blocks */
+  pl_patch **blocks;    /* owned, and what they point at */
+  size_t block_count, block_room;
+  size_t block, used;   /* the one that is being filled, and patches in it */
   pl_share_tile *tiles; /* owned, rows of `columns`; the first of them is `row0` of the image */
   int columns, rows, row0;
   size_t room; /* in tiles */
 } pl_share;
 
+pl_status pl_share_init(pl_share *share);
 /* Forgets all tiles and makes room for those of an image, or of some rows of tiles. */
 pl_status pl_share_start(pl_share *share, int columns, int rows, int row0);
 void pl_share_clear(pl_share *share);
