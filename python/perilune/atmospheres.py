@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from perilune import _core, orbits
 from perilune.config.atmosphere import Atmosphere
-from perilune.config.schema import Body, Config
+from perilune.config.body import Body
+from perilune.config.schema import Config
 
 F64 = NDArray[np.float64]
 _Bands = tuple[float, float, float]

@@ -9,8 +9,9 @@ from fnmatch import fnmatchcase
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune.config.body import Body
 from perilune.config.errors import ConfigError, nearest
-from perilune.config.schema import Body, Config, Spacecraft
+from perilune.config.schema import Config, Spacecraft
 from perilune.parts import PartEntry
 
 BACKGROUND = "background"

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, geotiff
+from perilune.config.body import Body
 from perilune.config.photometry import Photometry
-from perilune.config.schema import Body, Config
+from perilune.config.schema import Config
 
 F64 = NDArray[np.float64]
 

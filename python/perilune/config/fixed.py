@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from perilune.config.body import Body
 from perilune.config.camera import Camera
-from perilune.config.schema import Body, Config, Spacecraft
+from perilune.config.schema import Config, Spacecraft
 
 
 def _orbit(thing: Body | Spacecraft) -> tuple[str, str] | None:

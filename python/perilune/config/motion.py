@@ -10,7 +10,8 @@ from perilune.config.errors import fail, nearest
 from perilune.config.orbit import Circular, Database, Hook, Kepler, Table, Tle
 
 if TYPE_CHECKING:
-    from perilune.config.schema import Body, Config, Spacecraft
+    from perilune.config.body import Body
+    from perilune.config.schema import Config, Spacecraft
 
 
 def sections(config: Config) -> Mapping[str, tuple[str, Body | Spacecraft]]:

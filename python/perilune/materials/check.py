@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from perilune.config.body import Body
 from perilune.config.errors import nearest
 from perilune.config.materials import Material
-from perilune.config.schema import Body, Config
+from perilune.config.schema import Config
 from perilune.drivers import Found, KeyPath, path_text
 from perilune.materials import drivers
 from perilune.materials.graph import build, surface_of, uses_own

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from perilune import _core, bodies, rotations
 from perilune.config.attitude import Spin
+from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.orbit import Elements
-from perilune.config.schema import Body
 from perilune.gravity import ZONALS
 from perilune.orbit_database import Centre
 from perilune.orbits.kinds.elements import default_frame, periapsis_m

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from perilune import _core, bodies
 from perilune.bodies import Date
+from perilune.config.body import Body
 from perilune.config.motion import sections
-from perilune.config.schema import Body, Config
+from perilune.config.schema import Config
 from perilune.hooks import Hook
 from perilune.motion import Kept
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from perilune import bodies, rotations
 from perilune.bodies import Date
+from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.orbit import Hook
-from perilune.config.schema import Body
 from perilune.motion import Kept, States, evaluate, propagator
 from perilune.orbits import hooked, paths
 from perilune.orbits.place import Motion, Place

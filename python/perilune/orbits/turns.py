@@ -23,7 +23,7 @@ from perilune.config.attitude import (
     TargetPointing,
     Tumble,
 )
-from perilune.config.schema import Body
+from perilune.config.body import Body
 from perilune.dates import tt_of, utc_of
 from perilune.ephemerides import csv_table
 from perilune.files import Stamp, stamp

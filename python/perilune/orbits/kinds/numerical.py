@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from perilune import forces
 from perilune.config.attitude import Spin
+from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.orbit import Numerical
-from perilune.config.schema import Body
 from perilune.motion import propagator
 from perilune.orbits.kinds.elements import two_body
 from perilune.orbits.place import Motion, Place

@@ -1,0 +1,87 @@
+"""Bodies: ellipsoids with a surface, a place and a rotation."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from perilune.config.atmosphere import Atmosphere
+from perilune.config.attitude import BodyRotation
+from perilune.config.errors import fail
+from perilune.config.materials import DriverSection
+from perilune.config.orbit import Orbit
+from perilune.config.photometry import Photometry
+from perilune.config.types import Positive, PositiveVec3, Rgb, StaticFinite, Strict
+
+
+class Body(Strict):
+    """An ellipsoid: a planet, a moon, an asteroid."""
+
+    kind: str
+    """A name in the table of bodies, or `ellipsoid` (then radii_km and gm_km3_s2 are needed)."""
+    radii_km: PositiveVec3 | None = None
+    """Semi-axes along body-fixed x, y, z; replaces the table's."""
+    gm_km3_s2: Positive | None = None
+    """Gravitational parameter; replaces the table's."""
+    ephemeris: str | None = None
+    """For `ellipsoid`: the body of the table in whose place it stands (root: earth)."""
+    color_map: str | None = None
+    """Equirectangular PNG or JPEG; relative to this file, or data:... under PERILUNE_DATA."""
+    map_center_lon_deg: StaticFinite = 0.0
+    """East longitude of the map's centre column."""
+    albedo: Rgb | None = None
+    """Linear factor on the map (default 1); without a map, the colour (table's Bond albedo)."""
+    emission_w_m2_sr: Rgb = (0.0, 0.0, 0.0)
+    reflectance: str = "lambert"
+    """A name in the table of reflectance models. The albedo is then Lambert's, the normal albedo of
+    lunar_lambert and minnaert, or the single-scattering albedo w of lommel_seeliger and hapke."""
+    photometry: Photometry | None = None
+    """Other parameters of a photometric reflectance."""
+    atmosphere: Atmosphere | None = None
+    """Air about it; none without."""
+    material: str | None = None
+    """Name of an entry of `materials`: a graph instead of the surface that the keys above make."""
+    material_drivers: DriverSection | None = None
+    """Values of nodes of this graph that the material's own drivers do not give."""
+    material_mode: Literal["replace", "wrap"] = "replace"
+    """wrap: inputs of the surface that the graph does not give stay those of the keys above."""
+    orbit: Orbit | None = None
+    """Around another thing; without it the ephemeris of its kind places it."""
+    rotation: BodyRotation | None = None
+    """`body`: the table's rotation (default where it has one); or a fixed one and a spin, from ICRF
+    axes."""
+    class_: str | None = Field(default=None, alias="class")
+    """Class of object for the labels (default: kind, or the entry's name for an ellipsoid)."""
+
+    @property
+    def has_parameter_maps(self) -> bool:
+        """Whether the albedo is that of the photometry's maps."""
+        return self.photometry is not None and bool(self.photometry.maps)
+
+    @model_validator(mode="after")
+    def _ellipsoid(self) -> Body:
+        if self.kind == "ellipsoid":
+            for key in ("radii_km", "gm_km3_s2"):
+                if getattr(self, key) is None:
+                    fail(key, "required for kind: ellipsoid")
+            if self.albedo is None and self.color_map is None and not self.is_replaced:
+                fail("albedo", "required for kind: ellipsoid without a color_map")
+        elif self.ephemeris is not None:
+            fail("ephemeris", f"only for kind: ellipsoid; {self.kind} has its own")
+        if self.kind == "sun":
+            fail("kind", "the Sun is always there (section `sun`); list the other bodies")
+        if self.orbit is not None and self.ephemeris is not None:
+            fail("ephemeris", "give an orbit or an ephemeris, not both")
+        return self
+
+    @property
+    def is_replaced(self) -> bool:
+        """Whether a graph is all of its surface."""
+        return self.material is not None and self.material_mode == "replace"
+
+    @model_validator(mode="after")
+    def _mode_of_material(self) -> Body:
+        if self.material is None and self.material_mode != "replace":
+            fail("material_mode", "only for a body with a material")
+        return self
