@@ -3,10 +3,8 @@
 
 #include "geom/ellipsoid.h"
 #include "math/sampling.h"
-#include "render/regolith.h"
+#include "render/body_surface.h"
 #include "scene/shot_frame.h"
-#include "shade/body_map.h"
-#include "shade/reflectance.h"
 
 /* `piece`: the triangle's, or NULL. */
 static pl_vec3 corner_of(const pl_shot_object *object, const pl_shot_piece *piece, uint32_t index) {
@@ -125,8 +123,7 @@ void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit
     refine_mesh(&shot->objects[hit->thing], beam, hit, out);
 }
 
-/* The cone's ellipse on the tangent plane: across, and along the view direction's projection. */
-static void footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f *a, pl_vec3f *b) {
+void pl_vertex_footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f *a, pl_vec3f *b) {
   const float width = beam->width_m + beam->spread * (float)vertex->t;
   const pl_vec3f d = pl_vec3_to_float(beam->direction), n = vertex->ng;
   const float cosine = pl_maxf(fabsf(pl_vec3f_dot(d, n)), 0.02f);
@@ -174,110 +171,13 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_det
                              .w = {vertex->w[0], vertex->w[1], vertex->w[2]},
                              .edge1 = vertex->edge1,
                              .edge2 = vertex->edge2};
-  footprint(vertex, beam, &point.footprint_a, &point.footprint_b);
+  pl_vertex_footprint(vertex, beam, &point.footprint_a, &point.footprint_b);
   const pl_object_graph *graph =
       pl_object_materials_at(object->object->materials, vertex->triangle);
   if (graph == NULL || pl_graph_wraps(graph->graph))
     pl_material_surface(object->object->model, &point, detail, &vertex->surface);
   if (graph != NULL)
     shade_graph(object, graph, &point, detail, beam, vertex);
-}
-
-/* A point of a body and the footprint about it, body axes, m. */
-typedef struct body_footprint {
-  pl_vec3 point, across, along;
-} body_footprint;
-
-static void find_footprint(const pl_shot_body *body, const pl_vertex *vertex, const pl_beam *beam,
-                           body_footprint *out) {
-  pl_vec3f across, along;
-  out->point = pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center));
-  footprint(vertex, beam, &across, &along);
-  out->across = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(across));
-  out->along = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(along));
-}
-
-static void body_color(const pl_shot_body *body, const pl_vertex *vertex, const pl_beam *beam,
-                       pl_detail detail, float out[4]) {
-  out[0] = out[1] = out[2] = out[3] = 1.0f;
-  if (body->body->map == NULL)
-    return;
-  if (!detail.maps) {
-    pl_texture_mean(body->body->map, out);
-    return;
-  }
-  body_footprint print;
-  find_footprint(body, vertex, beam, &print);
-  const pl_body_place place = {print.point, print.across, print.along,
-                               body->body->map_center_lon_rad};
-  pl_body_map_sample(body->body->map, &place, detail.filter, out);
-}
-
-/* The body's own surface, but for its frame. */
-static void own_surface(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
-                        pl_vertex *vertex) {
-  const pl_body_state *state = body->state;
-  pl_surface *surface = &vertex->surface;
-  float map[4];
-  body_color(body, vertex, beam, detail, map);
-  surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
-                                 pl_minf(map[1] * state->albedo[1], 1.0f),
-                                 pl_minf(map[2] * state->albedo[2], 1.0f));
-  surface->emission = pl_vec3f_make(state->emission[0], state->emission[1], state->emission[2]);
-  surface->metallic = 0.0f;
-  surface->alpha = 1.0f;
-  surface->lobes = pl_lobes_plain();
-  surface->reflectance = body->body->reflectance;
-  if (surface->reflectance->photometric)
-    pl_regolith_shade(body, beam, detail.maps, vertex);
-}
-
-/* The surface by the body's graph; its frame's t points east. */
-static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
-                             pl_vertex *vertex) {
-  const pl_graph *graph = body->body->graph;
-  body_footprint print;
-  find_footprint(body, vertex, beam, &print);
-  const pl_vec3 east = {-print.point.y, print.point.x, 0.0};
-  pl_surface_set_frame(&vertex->surface, vertex->ng,
-                       pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, pl_vec3_unit(east))), 1.0f);
-  if (pl_graph_wraps(graph))
-    own_surface(body, beam, detail, vertex);
-  pl_surface *s = &vertex->surface;
-  const double area = pl_vec3_norm(pl_vec3_cross(print.across, print.along));
-  const pl_graph_point point = {
-      .object = pl_vec3_to_float(print.point),
-      .world = pl_vec3_to_float(pl_vec3_sub(vertex->position, body->center)),
-      .t = s->t,
-      .b = s->b,
-      .n = s->n,
-      .ng = vertex->ng,
-      .view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)),
-      .filter = detail.filter,
-      .bumps = detail.bumps,
-      .radius = detail.maps ? (float)sqrt(area / PL_PI) : INFINITY,
-      .random = body->body->random,
-      .scale = 1.0f,
-      .body = &body->rotation,
-      .place = print.point,
-      .across = print.across,
-      .along = print.along,
-      .map_center_lon_rad = body->body->map_center_lon_rad,
-      .body_map = body->body->map,
-      .body_albedo = body->state->albedo,
-      .body_emission = body->state->emission,
-  };
-  pl_graph_surface(graph, &point, body->state->parameters, s);
-}
-
-static void shade_body(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
-                       pl_vertex *vertex) {
-  if (body->body->graph != NULL) {
-    shade_body_graph(body, beam, detail, vertex);
-    return;
-  }
-  pl_surface_set_frame(&vertex->surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
-  own_surface(body, beam, detail, vertex);
 }
 
 /* Surfaces are two-sided: published models are not reliably wound. */
@@ -319,7 +219,7 @@ void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail det
   if (vertex->thing < shot->object_count)
     shade_mesh(&shot->objects[vertex->thing], beam, detail, vertex);
   else
-    shade_body(&shot->bodies[vertex->thing - shot->object_count], beam, detail, vertex);
+    pl_body_surface_shade(&shot->bodies[vertex->thing - shot->object_count], beam, detail, vertex);
   face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
 }
 

@@ -36,6 +36,11 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                      pl_vertex *vertex);
 
+/* The cone's ellipse on the tangent plane of a located vertex: its axes across, and along the view
+ * direction's projection, m, root axes. */
+void pl_vertex_footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f *across,
+                         pl_vec3f *along);
+
 /* Turns the layers of a shaded vertex, whose row is layered, to the viewer's side too. */
 void pl_vertex_face_layers(pl_vertex *vertex);
 
