@@ -1,0 +1,119 @@
+/* Where a ray's cone passes the plane of the rings. The plane through the ray and the normal meets
+ * the rings' plane in a line; x is along it, from the foot of the ray's origin. Lines of the cone
+ * that lie in that plane are told apart by q, their place across the cone, -1/2..1/2: of the line
+ * that meets x, it is a quotient of linear functions of x. */
+#include "rings/table.h"
+
+/* Rays without a width are given this one: they pass everywhere within a billionth of their way. */
+static const double SPREAD_MIN = 1e-9;
+/* A part of the cone covers no more of the line than this part of the outer radius. */
+static const double STEP = 0.25;
+
+typedef struct fan {
+  double height;      /* of the origin over the plane, m */
+  double start;       /* of x = 0 along the line, from the point next to the axis, m */
+  double lateral;     /* of the line from the axis, m */
+  double across, up;  /* of the direction: along the line and along the normal */
+  double width, grow; /* of the cone, as of the ray */
+  pl_vec3 foot, along;
+} fan;
+
+static fan fan_of(const pl_rings_ray *ray) {
+  const pl_vec3 o = ray->origin, d = ray->direction;
+  const double across = hypot(d.x, d.y);
+  const pl_vec3 along =
+      across > 0.0 ? (pl_vec3){d.x / across, d.y / across, 0.0} : (pl_vec3){1.0, 0.0, 0.0};
+  return (fan){.height = o.z,
+               .start = o.x * along.x + o.y * along.y,
+               .lateral = o.y * along.x - o.x * along.y,
+               .across = across,
+               .up = d.z,
+               .width = ray->width_m,
+               .grow = fmax(ray->spread, SPREAD_MIN),
+               .foot = {o.x, o.y, 0.0},
+               .along = along};
+}
+
+/* Along the ray, m. */
+static double way(const fan *f, double x) { return f->across * x - f->up * f->height; }
+
+static double width_at(const fan *f, double x) { return f->width + f->grow * way(f, x); }
+
+/* q of the line that meets x, times the width there. */
+static double aside(const fan *f, double x) { return -f->up * x - f->across * f->height; }
+
+static double place(const fan *f, double x) {
+  const double q = aside(f, x) / width_at(f, x);
+  return fmin(0.5, fmax(-0.5, q));
+}
+
+/* Keeps x with a x <= b. */
+static void keep(double a, double b, double span[2]) {
+  if (a > 0.0)
+    span[1] = fmin(span[1], b / a);
+  else if (a < 0.0)
+    span[0] = fmax(span[0], b / a);
+  else if (!(b >= 0.0))
+    span[1] = -INFINITY;
+}
+
+/* x within the cone before the ray's end, and within the outer radius. */
+static bool span_of(const pl_rings *rings, const fan *f, double end_m, double span[2]) {
+  const double outer = pl_rings_outer_m(rings);
+  const double chord2 = (outer - f->lateral) * (outer + f->lateral);
+  if (!(chord2 > 0.0))
+    return false;
+  span[0] = -sqrt(chord2) - f->start;
+  span[1] = sqrt(chord2) - f->start;
+  const double lost = f->up * f->height, side = f->across * f->height;
+  const double half = 0.5 * (f->width - f->grow * lost), slope = 0.5 * f->grow * f->across;
+  keep(-f->across, -lost, span);       /* ahead */
+  keep(f->across, end_m + lost, span); /* before the end */
+  keep(-f->up - slope, side + half, span);
+  keep(f->up - slope, -side + half, span);
+  return span[0] < span[1];
+}
+
+/* The part of the cone between two places on one side of the point next to the axis. */
+static bool piece_of(const fan *f, double x0, double x1, pl_rings_piece *out) {
+  const double share = fabs(place(f, x1) - place(f, x0)), x = 0.5 * (x0 + x1);
+  if (!(share > 0.0))
+    return false;
+  const double r0 = hypot(f->start + x0, f->lateral), r1 = hypot(f->start + x1, f->lateral);
+  const double r = 0.5 * (r0 + r1);
+  /* What the cone is wide across the line is along the radius where the line is not. */
+  const double aside_m = r > 0.0 ? 0.5 * width_at(f, x) * fabs(f->lateral) / r : 0.0;
+  *out = (pl_rings_piece){
+      .share = share,
+      .t = hypot(x, f->height),
+      .point = pl_vec3_madd(f->foot, x, f->along),
+      .low_m = fmax(0.0, fmin(r0, r1) - aside_m),
+      .high_m = fmax(r0, r1) + aside_m,
+      .sine = fabs(f->height) / hypot(x, f->height),
+      .side = f->height < 0.0 ? -1.0 : 1.0,
+  };
+  return out->sine > 0.0;
+}
+
+static size_t cut_side(const pl_rings *rings, const fan *f, double x0, double x1,
+                       pl_rings_piece *out) {
+  const double parts = ceil((x1 - x0) / (STEP * pl_rings_outer_m(rings)));
+  const int count = (int)fmin(fmax(parts, 1.0), PL_RINGS_PIECES / 2);
+  size_t found = 0;
+  for (int i = 0; i < count && x0 < x1; i++) {
+    const double from = x0 + (x1 - x0) * i / count, to = x0 + (x1 - x0) * (i + 1) / count;
+    found += piece_of(f, from, to, &out[found]);
+  }
+  return found;
+}
+
+size_t pl_rings_cut(const pl_rings *rings, const pl_rings_ray *ray,
+                    pl_rings_piece out[PL_RINGS_PIECES]) {
+  const fan f = fan_of(ray);
+  double span[2];
+  if (!span_of(rings, &f, ray->end_m, span))
+    return 0;
+  const double middle = fmin(fmax(-f.start, span[0]), span[1]);
+  const size_t first = cut_side(rings, &f, span[0], middle, out);
+  return first + cut_side(rings, &f, middle, span[1], out + first);
+}
