@@ -1,0 +1,314 @@
+"""Six bodies and seven spacecraft, our counterpart of the Space OAISYS paper's figures 14 and 15:
+
+    python docs/gallery.py              # gallery_14.png and gallery_15.png in docs/images
+    python docs/gallery.py --bodies mars,moon --craft iss --width 640 --out /tmp/look
+
+The second form writes single pictures. Models, maps and surfaces are those of the files in
+configs/; here is where each spacecraft is, and the camera. Needs Pillow and the sample data.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from gallery_grounds import cratered, icy
+from numpy.typing import NDArray
+from PIL import Image
+
+import perilune
+from perilune import _core, rotations
+from perilune.bodies import AU_M, date_from_utc, relative_m
+
+F64 = NDArray[np.float64]
+ROOT = Path(__file__).resolve().parent.parent
+IMAGES = ROOT / "docs" / "images"
+MODELS = "data:spacecraft/plain/"
+ASPECT = 3, 4
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A body, and where over it spacecraft are seen."""
+
+    config: Mapping[str, Any]
+    altitude_km: float
+    epoch: tuple[int, int, int, int, int]
+    sun_zenith_deg: float
+    """At the spacecraft."""
+    bearing_deg: float
+    """Of the first spacecraft from the point under the Sun, from the direction of the ICRF's x."""
+    step_deg: float = 37.0
+    """From the bearing of one spacecraft to that of the next."""
+    limb_deg: float = 9.0
+    """How far over the middle of the picture the limb is."""
+    others: Mapping[str, Any] = field(default_factory=dict)
+    materials: Mapping[str, Any] = field(default_factory=dict)
+    white: float = 0.5
+    """The reflectance that is shown as white where it faces the Sun: the exposure."""
+
+
+@dataclass(frozen=True)
+class Craft:
+    """A spacecraft, and from where it is seen."""
+
+    config: Mapping[str, Any]
+    distance_m: float
+    azimuth_deg: float
+    """Of the camera as seen from the spacecraft, from the Sun's azimuth."""
+    roll_deg: float = 0.0
+    aim_m: float = 0.0
+    """How far to the right of the spacecraft's middle the camera looks."""
+    lift_m: float = 0.0
+    """How far above it."""
+    materials: Mapping[str, Any] = field(default_factory=dict)
+
+
+def part(name: str, section: str, entry: str) -> dict[str, Any]:
+    """An entry of a section of a file in configs/; paths are those of the folder."""
+    config = yaml.safe_load((ROOT / "configs" / f"{name}.yaml").read_text())
+    return dict(config[section][entry])
+
+
+def model(name: str, entry: str, **changes: Any) -> dict[str, Any]:
+    """A spacecraft of a file in configs/, to be put on an orbit."""
+    spacecraft = part(name, "spacecraft", entry)
+    return {key: value for key, value in spacecraft.items() if key != "parts"} | changes
+
+
+def ready(*names: str) -> dict[str, Any]:
+    """Materials of assets/materials."""
+    return {name: {"file": f"../assets/materials/{name}.yaml"} for name in names}
+
+
+def level(*rotation_deg: float) -> dict[str, Any]:
+    """An attitude from the local horizon: roll, pitch, yaw."""
+    return {"pointing": "lvlh", "rotation_deg": list(rotation_deg)}
+
+
+MARS = part("mro_mars", "bodies", "mars")
+OWN_GROUND = {"material": "ground", "material_mode": "wrap"}
+GROUNDS = {
+    "earth": Ground(
+        part("iss_leo", "bodies", "earth"),
+        418.0,
+        (2026, 3, 20, 12, 40),
+        45.0,
+        100.0,
+    ),
+    "mars": Ground(MARS, 300.0, (2026, 2, 10, 0, 0), 48.0, 10.0),
+    "mercury": Ground(
+        {
+            "kind": "mercury",
+            "color_map": "data:planets/solarsystemscope/2k_mercury.jpg",
+            "reflectance": "hapke",
+            "albedo": [1.25, 1.15, 1.03],  # a geometric albedo of 0.14
+            **OWN_GROUND,
+        },
+        700.0,
+        (2026, 4, 1, 0, 0),
+        55.0,
+        60.0,
+        materials={"ground": cratered(60e3, "hapke")},
+    ),
+    "moon": Ground(
+        part("lro_moon", "bodies", "moon") | OWN_GROUND,
+        100.0,
+        (2026, 3, 3, 6, 0),
+        55.0,
+        0.0,
+        materials={"ground": cratered(16e3, "hapke")},
+    ),
+    "europa": Ground(
+        {
+            "kind": "europa",
+            "color_map": "data:planets/usgs/europa_1024x512.png",
+            "material": "ground",
+        },
+        500.0,
+        (2026, 5, 1, 3, 0),
+        50.0,
+        200.0,
+        step_deg=9.0,
+        white=0.6,
+        materials={"ground": icy(150e3)},
+    ),
+    "phobos": Ground(
+        part("voyager_phobos", "bodies", "phobos"),
+        45.0,
+        (2026, 6, 1, 11, 30),
+        35.0,
+        140.0,
+        others={"mars": MARS},
+    ),
+}
+
+FOIL = [
+    {"material": "foil_gold*", "use": "gold_mli"},
+    {"material": "foil_*", "use": "silver_mli"},
+]
+CRAFT = {
+    "iss": Craft(model("iss_leo", "iss"), 185.0, 62.0),
+    "station": Craft(
+        model("rendezvous", "station", attitude=level(0.0, 0.0, 40.0)),
+        54.0,
+        -48.0,
+        materials=ready("gold_mli", "silver_mli", "solar_cells", "white_paint"),
+    ),
+    "lro": Craft(
+        model("lro_moon", "lro", materials=FOIL),
+        11.5,
+        55.0,
+        lift_m=1.2,
+        materials=ready("gold_mli", "silver_mli"),
+    ),
+    "mro": Craft(model("mro_mars", "mro", attitude=level(180.0, 0.0, 0.0)), 21.0, -60.0),
+    "shuttle": Craft(
+        {
+            "model": MODELS + "space_shuttle_d.glb",
+            "metres_per_unit": 0.0254,  # the model is in inches
+            "attitude": level(90.0, 0.0, 30.0),
+        },
+        56.0,
+        50.0,
+    ),
+    "tango": Craft(
+        {
+            "model": "../assets/models/tango_like.glb",
+            "metres_per_unit": 1.0,
+            "attitude": level(160.0, -25.0, 30.0),
+        },
+        3.0,
+        -52.0,
+    ),
+    "voyager": Craft(
+        model("voyager_phobos", "voyager", attitude=level(180.0, -25.0, 30.0)),
+        18.0,
+        58.0,
+    ),
+}
+
+
+def turned(v: F64, axis: F64, angle_deg: float) -> F64:
+    return rotations.rotate(rotations.axis_angle(axis, math.radians(angle_deg)), v)
+
+
+def radius_km(body: str) -> float:
+    return float(max(_core.BODIES[body]["radii_m"])) * 1e-3
+
+
+def to_sun_m(body: str) -> F64:
+    return relative_m("sun", body, date_from_utc((*GROUNDS[body].epoch, 0.0)))
+
+
+def state(body: str, column: int) -> dict[str, Any]:
+    """On a circle towards the point under the Sun; each column comes from another side."""
+    ground = GROUNDS[body]
+    to_sun = to_sun_m(body)
+    to_sun /= np.linalg.norm(to_sun)
+    side = np.cross(to_sun, [0.0, 0.0, 1.0])
+    bearing = ground.bearing_deg + ground.step_deg * column
+    axis = turned(side / np.linalg.norm(side), to_sun, bearing)
+    up = turned(to_sun, axis, ground.sun_zenith_deg)
+    distance_km = radius_km(body) + ground.altitude_km
+    speed_km_s = math.sqrt(_core.BODIES[body]["gm_m3_s2"] * 1e-9 / distance_km)
+    return {
+        "position_km": (up * distance_km).tolist(),
+        "velocity_km_s": (np.cross(up, axis) * speed_km_s).tolist(),
+    }
+
+
+def camera(body: str, craft: str) -> dict[str, Any]:
+    """Beside the spacecraft and above it, so that the limb is behind it."""
+    ground, seen = GROUNDS[body], CRAFT[craft]
+    row = list(GROUNDS).index(body)
+    radius = radius_km(body)
+    down = math.acos(radius / (radius + ground.altitude_km)) + math.radians(ground.limb_deg)
+    azimuth = math.radians((seen.azimuth_deg + 4.0 * row - 10.0) * (-1) ** row)
+    ahead, right = np.array([math.cos(azimuth), math.sin(azimuth), 0.0]), -math.sin(azimuth)
+    place = seen.distance_m * (math.cos(down) * ahead - [0.0, 0.0, math.sin(down)])
+    return {
+        "fov_deg": 42.0,
+        "trajectory": {
+            "kind": "fixed",
+            "target": craft,
+            "frame": "lvlh",
+            "position_m": place.tolist(),
+            "aim_offset_m": [seen.aim_m * right, seen.aim_m * math.cos(azimuth), -seen.lift_m],
+            "up": [0.0, 0.0, -1.0],
+            "roll_deg": seen.roll_deg,
+        },
+    }
+
+
+def scene(body: str, craft: str, width: int = 200, samples: int = 16) -> dict[str, Any]:
+    """The configuration of one picture."""
+    ground, seen = GROUNDS[body], CRAFT[craft]
+    orbit = {"around": body, "state": state(body, list(CRAFT).index(craft)), "frame": "icrf"}
+    year, month, day, hour, minute = ground.epoch
+    sunlight = 1361.0 * (AU_M / float(np.linalg.norm(to_sun_m(body)))) ** 2
+    size = {"width": width, "height": width * ASPECT[0] // ASPECT[1]}
+    white = {"white_radiance_w_m2_sr": ground.white * sunlight / math.pi}
+    return {
+        "version": 1,
+        "time": {"epoch": f"{year}-{month:02}-{day:02}T{hour:02}:{minute:02}:00Z"},
+        "root": body,
+        "bodies": {body: dict(ground.config)} | dict(ground.others),
+        "materials": dict(seen.materials) | dict(ground.materials),
+        "spacecraft": {craft: dict(seen.config) | {"orbit": orbit, "class": craft}},
+        "camera": camera(body, craft) | size | {"exposure": {"mode": "fixed", **white}},
+        "render": {"samples": samples, "max_bounces": 4},
+    }
+
+
+def picture(body: str, craft: str, width: int, samples: int) -> NDArray[np.uint8]:
+    sim = perilune.open(scene(body, craft, width, samples), base=ROOT / "configs")
+    rgb: NDArray[np.uint8] = sim.frame(0, channels=["rgb"])["rgb"]
+    return rgb
+
+
+def sheet(rows: list[str], width: int, samples: int) -> Image.Image:
+    """Bodies as rows, spacecraft as columns, a black line between."""
+    gap, height = 3, width * ASPECT[0] // ASPECT[1]
+    size = (len(CRAFT) * (width + gap) - gap, len(rows) * (height + gap) - gap)
+    whole = Image.new("RGB", size)
+    for row, body in enumerate(rows):
+        for column, craft in enumerate(CRAFT):
+            cell = Image.fromarray(picture(body, craft, width, samples))
+            whole.paste(cell, (column * (width + gap), row * (height + gap)))
+    return whole
+
+
+def names(text: str | None, known: Mapping[str, Any]) -> list[str]:
+    return text.split(",") if text else list(known)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--bodies", help="with --out: such as earth,mars")
+    parser.add_argument("--craft", help="with --out: such as iss,lro")
+    parser.add_argument("--width", type=int, default=200)
+    parser.add_argument("--samples", type=int, default=32)
+    parser.add_argument("--out", type=Path, help="folder of single pictures, instead of the sheets")
+    options = parser.parse_args()
+    if options.out:
+        options.out.mkdir(parents=True, exist_ok=True)
+        for body in names(options.bodies, GROUNDS):
+            for craft in names(options.craft, CRAFT):
+                rgb = picture(body, craft, options.width, options.samples)
+                Image.fromarray(rgb).save(options.out / f"{body}_{craft}.png")
+        return
+    rows = list(GROUNDS)
+    for number, some in (("14", rows[:3]), ("15", rows[3:])):
+        image = sheet(some, options.width, options.samples)
+        image.save(IMAGES / f"gallery_{number}.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main()

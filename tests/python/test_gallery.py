@@ -1,0 +1,68 @@
+"""The scenes of docs/gallery.py: each opens, is by day, and has its spacecraft before the body."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import perilune
+from perilune import rotations
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def gallery() -> Any:
+    """The script, whose own modules lie beside it."""
+    sys.path.insert(0, str(ROOT / "docs"))
+    try:
+        yield importlib.import_module("gallery")
+    finally:
+        sys.path.remove(str(ROOT / "docs"))
+
+
+BODIES = ("earth", "mars", "mercury", "moon", "europa", "phobos")
+CRAFT = ("iss", "station", "lro", "mro", "shuttle", "tango", "voyager")
+
+
+def test_the_bodies_and_spacecraft_are_those_of_the_paper(gallery: Any) -> None:
+    assert (tuple(gallery.GROUNDS), tuple(gallery.CRAFT)) == (BODIES, CRAFT)
+
+
+@pytest.mark.needs_data
+@pytest.mark.parametrize("row", range(6))
+def test_a_row_of_the_gallery(gallery: Any, row: int) -> None:
+    """Two cells of each row, in all of them every spacecraft."""
+    body = BODIES[row]
+    for craft in (CRAFT[row], CRAFT[(row + 4) % 7]):
+        sim = perilune.open(gallery.scene(body, craft), base=ROOT / "configs")
+        world = sim.world(0)
+        up = world.position_m(craft) - world.position_m(body)
+        to_sun = world.sun_position_m - world.position_m(craft)
+        zenith_deg = math.degrees(rotations.angle_rad(up, to_sun))
+        assert zenith_deg == pytest.approx(gallery.GROUNDS[body].sun_zenith_deg, abs=0.1)
+        camera = sim.camera_poses(0)[0]
+        forward = rotations.rotate(camera[3:], np.array([0.0, 0.0, 1.0]))
+        to_craft = world.position_m(craft) - camera[:3]
+        assert math.degrees(rotations.angle_rad(forward, to_craft)) < 12.0  # of 21 to the edge
+        assert world.hit_m(body, camera[:3], to_craft / np.linalg.norm(to_craft)) is not None
+
+
+@pytest.mark.needs_data
+@pytest.mark.parametrize("craft", ["lro", "tango"])
+def test_a_cell_shows_the_body_the_spacecraft_and_the_sky(gallery: Any, craft: str) -> None:
+    """Exposed well: neither black nor burnt out."""
+    sim = perilune.open(gallery.scene("moon", craft, 48, 4), base=ROOT / "configs")
+    sample = sim.frame(0, channels=["rgb", "instance"])
+    seen = np.bincount(sample["instance"].ravel())
+    assert np.count_nonzero(seen) == 3
+    assert seen.min() > 0.05 * sample["instance"].size
+    bright = sample["rgb"][sample["instance"] > 0]
+    assert 30.0 < bright.mean() < 150.0
+    assert (bright.min(axis=1) == 255).mean() < 0.12
