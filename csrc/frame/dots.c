@@ -35,6 +35,9 @@ static double diameter_px(const pl_snapshot *shot, const pl_shot_body *body) {
               across_px(&shot->camera, center, pl_vec3_cross(turn, center), angle));
 }
 
+/* Clouds so high, over the body's radius, are not in its picture. */
+static const double HIGH = 0.02;
+
 /* Not where depth of field blurs: these pictures are sharp. */
 void pl_dots_mark(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
   for (size_t i = 0; i < shot->body_count; i++) {
@@ -42,7 +45,8 @@ void pl_dots_mark(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
     const pl_view_thing *thing = &view->things[shot->object_count + i];
     const double size = body->in_frame ? diameter_px(shot, body) : INFINITY;
     const double covered = fmin(1.0, size * size);
-    body->dot = shot->camera.aperture_m == 0.0 && size < DIAMETER_PX &&
+    body->dot = shot->camera.aperture_m == 0.0 &&
+                body->state->clouds.altitude_m < HIGH * body->radius_m && size < DIAMETER_PX &&
                 pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
   }
 }
@@ -144,10 +148,18 @@ static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size
   aim(shot, &shot->bodies[body], &close);
   g->thing = (uint32_t)(shot->object_count + body);
   const pl_air_view *air = settings.air;
+  const pl_veils *veils = settings.veils;
+  pl_veils own; /* what it carries itself is part of its picture */
   settings.samples = 1;
   settings.noise_dn = 0.0f;
   settings.backdrop = NULL;
   settings.air = NULL;
+  if (veils != NULL) {
+    own = *veils;
+    own.air = NULL;
+    own.dot = (uint32_t)body;
+    settings.veils = &own;
+  }
   settings.see_dots = true;
   settings.row0 = settings.row1 = 0;
   settings.slice = NULL;
@@ -155,10 +167,13 @@ static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size
   PL_TRY(pl_render(&close, renderer->tracer, &settings, renderer->scratch, gather_tile, g, cancel));
   const size_t first = sky->dot_count;
   spread(g, &close, shot, sky);
-  if (air == NULL)
-    return PL_OK;
-  const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(shot->bodies[body].center));
-  const pl_vec3f passed = pl_air_toward_sun(air, shot, (pl_vec3){0.0, 0.0, 0.0}, toward);
+  const pl_vec3 toward = pl_vec3_unit(shot->bodies[body].center), here = {0.0, 0.0, 0.0};
+  pl_vec3f passed = {1.0f, 1.0f, 1.0f};
+  if (air != NULL)
+    passed = pl_air_toward_sun(air, shot, here, pl_vec3_to_float(toward));
+  if (veils != NULL)
+    passed = pl_vec3f_mul(
+        passed, pl_veils_passed(veils, shot, toward, pl_vec3_norm(shot->bodies[body].center)));
   for (size_t i = first; i < sky->dot_count; i++)
     sky->dots[i].light = pl_vec3f_mul(sky->dots[i].light, passed);
   return PL_OK;

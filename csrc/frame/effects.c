@@ -21,6 +21,7 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_atmosphere,
     &pl_effect_skylight,
     &pl_effect_multiple_scattering,
+    &pl_effect_clouds,
     &pl_effect_emission,
     &pl_effect_emitters,
     &pl_effect_bounces,

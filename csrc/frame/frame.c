@@ -238,11 +238,13 @@ static pl_status render_output(pl_renderer *renderer, const pl_frame_request *re
   const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
   pl_air_view air;
   PL_TRY(pl_frame_emitters(&renderer->arena, shot, emitters_value, &emitters, &settings));
+  pl_veils veils;
   PL_TRY(pl_frame_air(&renderer->arena, shot, &result->plan, &air, &settings));
+  PL_TRY(pl_frame_veils(&renderer->arena, shot, &result->plan, &veils, &settings));
   if (wants_colour(request) && !pl_moving(request, &result->plan))
     PL_TRY(pl_dots_render(renderer, shot, &settings, &renderer->arena, request->cancel, sky));
   if (wants_colour(request))
-    PL_TRY(pl_frame_sky_place(&result->plan, shot, renderer->tracer, settings.air, &renderer->arena,
+    PL_TRY(pl_frame_sky_place(&result->plan, shot, renderer->tracer, &settings, &renderer->arena,
                               sky));
   settings.backdrop = sky->backdrop.kind != PL_BACKDROP_NONE ? &sky->backdrop : NULL;
   result->stars = sky->seen;

@@ -97,6 +97,20 @@ pl_status pl_frame_air(pl_arena *arena, const pl_snapshot *shot, const pl_plan *
   return PL_OK;
 }
 
+/* Value of the rows of veils for a quick look. */
+enum { QUICK_VEILS = 4 };
+
+pl_status pl_frame_veils(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
+                         pl_veils *veils, pl_render_settings *settings) {
+  int values[PL_VEIL_KINDS_MAX];
+  bool any;
+  for (size_t k = 0; k < pl_veil_kind_count; k++)
+    values[k] = plan != NULL ? pl_plan_value(plan, pl_veil_kinds[k]->name) : QUICK_VEILS;
+  PL_TRY(pl_veils_build(shot, values, settings->detail, settings->air, arena, veils, &any));
+  settings->veils = any ? veils : NULL;
+  return PL_OK;
+}
+
 pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_snapshot *shot, double fallback, double *white_radiance,
                          pl_sensor *sensor) {
@@ -119,7 +133,9 @@ pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                                  .clear_coat = true};
   pl_emitters emitters;
   pl_air_view air;
+  pl_veils veils;
   PL_TRY(pl_frame_air(&renderer->arena, &small, NULL, &air, &settings));
+  PL_TRY(pl_frame_veils(&renderer->arena, &small, NULL, &veils, &settings));
   PL_TRY(pl_frame_emitters(&renderer->arena, &small, 2, &emitters, &settings));
   PL_TRY(pl_tracer_set(renderer->tracer, &small));
   PL_TRY(pl_render(&small, renderer->tracer, &settings, renderer->scratch, meter_tile, &meter,

@@ -92,6 +92,7 @@ static pl_status render_at(pl_renderer *renderer, const pl_frame_request *reques
   instant instant;
   pl_emitters lights;
   pl_air_view air;
+  pl_veils veils;
   pl_frame_sky sky = {0};
   pl_arena *arena = &renderer->instants;
   const bool colour = settings.samples > 0;
@@ -99,6 +100,7 @@ static pl_status render_at(pl_renderer *renderer, const pl_frame_request *reques
                           .sensor = output->sensor};
   const double u = time_s / pl_shutter_window_s(&request->placement);
   settings.air = NULL;
+  settings.veils = NULL;
   settings.backdrop = NULL;
   PL_TRY(stop(renderer, request, u, &middle, colour, &instant));
   if (colour)
@@ -112,8 +114,9 @@ static pl_status render_at(pl_renderer *renderer, const pl_frame_request *reques
   if (colour) {
     PL_TRY(pl_frame_emitters(arena, &instant.shot, emitters, &lights, &settings));
     PL_TRY(pl_frame_air(arena, &instant.shot, plan, &air, &settings));
+    PL_TRY(pl_frame_veils(arena, &instant.shot, plan, &veils, &settings));
     PL_TRY(pl_dots_render(renderer, &instant.shot, &settings, arena, request->cancel, &sky));
-    PL_TRY(pl_frame_sky_place(plan, &instant.shot, renderer->tracer, settings.air, arena, &sky));
+    PL_TRY(pl_frame_sky_place(plan, &instant.shot, renderer->tracer, &settings, arena, &sky));
     settings.backdrop = sky.backdrop.kind != PL_BACKDROP_NONE ? &sky.backdrop : NULL;
   }
   output->shot = &instant.shot;
@@ -222,6 +225,7 @@ pl_status pl_moving_render(pl_renderer *renderer, const pl_frame_request *reques
     labels.samples = 0;
     labels.backdrop = NULL;
     labels.air = NULL;
+    labels.veils = NULL;
     output->colour = false;
     if (bands_of(request, plan) > 1)
       status = render_bands(renderer, request, plan, labels, 0, output);

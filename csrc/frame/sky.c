@@ -56,9 +56,23 @@ pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl
 
 /* --- after the plan */
 
+/* Part of a star's light that comes to the camera. */
+static pl_vec3f passed_of(const pl_snapshot *shot, const pl_render_settings *settings,
+                          pl_vec3f direction) {
+  const pl_vec3 here = {0.0, 0.0, 0.0};
+  pl_vec3f out = {1.0f, 1.0f, 1.0f};
+  if (settings->air != NULL)
+    out = pl_air_toward_sun(settings->air, shot, here, direction);
+  if (settings->veils != NULL)
+    out = pl_vec3f_mul(
+        out, pl_veils_passed(settings->veils, shot, pl_vec3f_to_double(direction), INFINITY));
+  return out;
+}
+
 /* Keeps the stars that the plan does and nothing hides. A star is a point: it is seen or not. */
-static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer, const pl_air_view *air,
-                           size_t count, pl_arena *arena, pl_frame_sky *sky) {
+static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
+                           const pl_render_settings *settings, size_t count, pl_arena *arena,
+                           pl_frame_sky *sky) {
   pl_ray *rays = pl_arena_alloc(arena, count, sizeof *rays);
   bool *hidden = pl_arena_alloc(arena, count, sizeof *hidden);
   sky->seen = pl_arena_alloc(arena, count, sizeof *sky->seen);
@@ -78,9 +92,7 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer, con
     if (hidden[i] || pl_sun_covers(&sun, rays[i].direction) ||
         !pl_camera_project(&shot->camera, view, pixel))
       continue;
-    const pl_vec3 here = {0.0, 0.0, 0.0};
-    const pl_vec3f passed = air != NULL ? pl_air_toward_sun(air, shot, here, rays[i].direction)
-                                        : (pl_vec3f){1.0f, 1.0f, 1.0f};
+    const pl_vec3f passed = passed_of(shot, settings, rays[i].direction);
     sky->seen[sky->seen_count++] = (pl_seen_star){star->star, pixel[0], pixel[1], passed};
   }
   return PL_OK;
@@ -137,7 +149,8 @@ static pl_status deposit(const pl_camera *camera, pl_arena *arena, pl_frame_sky 
 }
 
 pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const pl_tracer *tracer,
-                             const pl_air_view *air, pl_arena *arena, pl_frame_sky *sky) {
+                             const pl_render_settings *settings, pl_arena *arena,
+                             pl_frame_sky *sky) {
   const int level = pl_plan_value(plan, "stars");
   size_t count = 0;
   if (pl_plan_value(plan, "sky_background") == 0)
@@ -146,7 +159,7 @@ pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const
     count++;
   if (count == 0 && sky->dot_count == 0)
     return PL_OK;
-  PL_TRY(find_seen(shot, tracer, air, count, arena, sky));
+  PL_TRY(find_seen(shot, tracer, settings, count, arena, sky));
   return deposit(&shot->camera, arena, sky);
 }
 

@@ -37,10 +37,11 @@ typedef struct pl_frame_sky {
 /* Before the plan: fills view->sky. Exposures are known. */
 pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl_plan_wish *wish,
                             pl_arena *arena, pl_view *view, pl_frame_sky *out);
-/* After it, with the tracer set to `shot`: what the plan keeps, less the stars that are hidden.
- * air: dims stars; may be NULL. */
+/* After it, with the tracer set to `shot`: what the plan keeps, less the stars that are hidden. The
+ * settings' air and veils dim stars. */
 pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const pl_tracer *tracer,
-                             const pl_air_view *air, pl_arena *arena, pl_frame_sky *sky);
+                             const pl_render_settings *settings, pl_arena *arena,
+                             pl_frame_sky *sky);
 /* The tile's radiance with its stars in `lit` (PL_TILE_PIXELS), or as it is where there are none.
  */
 const pl_vec3f *pl_frame_sky_tile(const pl_frame_sky *sky, const pl_tile_result *result,

@@ -16,6 +16,7 @@ typedef struct pl_view_laws {
 } pl_view_laws;
 
 struct pl_air;
+struct pl_clouds;
 
 /* One mesh object or body, reduced to what bounds need. */
 typedef struct pl_view_thing {
@@ -41,6 +42,8 @@ typedef struct pl_view_thing {
   bool diffuse;             /* Lambert alone: radiance is the colour's times what it receives */
   const struct pl_air *air; /* borrowed, for the rows in air/ alone; NULL: none */
   bool air_in_frame;        /* a sphere that holds it touches the frustum */
+  const struct pl_clouds *clouds; /* borrowed, for the row in shade/ alone; NULL: none */
+  bool clouds_in_frame;           /* their shell touches the frustum */
   const pl_view_laws *laws; /* of a body in the frame for whose law others may stand, or NULL */
 } pl_view_thing;
 

@@ -4,6 +4,7 @@
 
 #include "light/sun.h"
 #include "render/path.h"
+#include "render/veil.h"
 #include "shade/reflectance.h"
 
 static pl_air_item item_of(const pl_snapshot *shot, uint32_t index) {
@@ -89,51 +90,95 @@ static bool is_known(const pl_path_context *context, const pl_air_tile *tile, ui
   return tile->known[pixel] == PL_AIR_SPACE && hit->thing == PL_NOTHING;
 }
 
-static void pass(pl_path *path, const pl_air_light *light, float irradiance, bool scattered,
-                 pl_vec3f *sample) {
-  if (scattered)
-    *sample = pl_vec3f_add(
-        *sample, pl_vec3f_scale(pl_vec3f_mul(path->throughput, light->scattered), irradiance));
-  path->throughput = pl_vec3f_mul(path->throughput, light->transmitted);
+/* A ray through the air of one item. */
+typedef struct passage {
+  const pl_air_item *item;
+  pl_air_ray ray;
+  pl_air_light light; /* along all of the ray */
+} passage;
+
+/* Adds what an air scatters along a ray, where each veil lets through a part of what is beyond it;
+ * way[k]: what comes through the airs up to veil k. */
+static pl_vec3f scatter_between(const pl_air_view *view, const passage *p, const pl_veil_list *list,
+                                pl_vec3f *way) {
+  pl_vec3f sum = {0.0f, 0.0f, 0.0f}, left = {1.0f, 1.0f, 1.0f}, before = sum;
+  const double norm = list->count > 0 ? p->ray.stretch / pl_air_radius_m(p->item->air) : 1.0;
+  for (size_t k = 0; k < list->count; k++) {
+    pl_air_ray ray = p->ray;
+    ray.end = fmin(ray.end, list->items[k].t * norm);
+    if (pl_air_meets(p->item->air, &ray)) {
+      const pl_air_light light =
+          pl_air_scatter(p->item->air, &ray, &p->item->sun, &view->rule, view->multiple);
+      sum = pl_vec3f_add(sum, pl_vec3f_mul(left, pl_vec3f_sub(light.scattered, before)));
+      before = light.scattered;
+      way[k] = pl_vec3f_mul(way[k], light.transmitted);
+    }
+    left = pl_vec3f_mul(left, list->items[k].passed);
+  }
+  return pl_vec3f_add(sum, pl_vec3f_mul(left, pl_vec3f_sub(p->light.scattered, before)));
 }
 
-/* Through all airs between the ray's start and its hit. What is scattered onto a body from its own
- * air is its skylight, and is not added twice. */
-static void pass_all(const pl_path_context *context, int bounce, size_t i, pl_tile_buffers *b) {
+/* Along the ray of path i through the air of out->item to its hit; false if there is none. The ray
+ * itself is set where `pieces` of it are wanted, or where its light is not `known`. */
+static bool find_passage(const pl_path_context *context, int bounce, size_t i, bool known,
+                         bool pieces, const pl_tile_buffers *b, passage *out) {
+  const pl_air_item *item = out->item;
   const pl_air_view *view = context->settings->air;
   const pl_hit *hit = &b->hits[i];
+  const pl_path *path = &b->paths[i];
   const bool miss = hit->thing == PL_NOTHING;
+  const bool ground = hit->thing == context->shot->object_count + item->body;
+  if (known)
+    out->light = b->air.pixels[path->pixel].light;
+  if (known && !pieces)
+    return true;
+  if (bounce == 0 && !miss && !ground && hit->t < item->distance_m)
+    return false;
+  if (!pl_air_item_ray(item, context->shot, path->beam.origin, path->beam.direction,
+                       miss || ground ? INFINITY : (double)hit->t, &out->ray))
+    return false;
+  if (!known)
+    out->light = pl_air_scatter(item->air, &out->ray, &item->sun, &view->rule, view->multiple);
+  return true;
+}
+
+/* What is scattered onto a body from its own air is its skylight, and is not added twice. */
+void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_veil_list *list,
+                 pl_tile_buffers *b) {
+  const pl_air_view *view = context->settings->air;
   pl_path *path = &b->paths[i];
-  for (size_t k = 0; k < view->count; k++) {
-    const pl_air_item *item = &view->items[k];
-    const bool ground = hit->thing == context->shot->object_count + item->body;
-    pl_air_ray ray;
-    if (bounce == 0 && !miss && !ground && hit->t < item->distance_m)
+  pl_vec3f *sink = pl_path_sink(b, path->pixel, path->shared), through = path->throughput;
+  pl_vec3f way[PL_VEIL_CROSSINGS];
+  const bool known = bounce == 0 && is_known(context, &b->air, path->pixel, &b->hits[i]);
+  for (size_t k = 0; k < list->count; k++)
+    way[k] = through;
+  for (size_t n = 0; n < (known ? 1 : view->count) && (bounce > 0 || b->air.any); n++) {
+    passage p = {.item = known ? b->air.item : &view->items[n]};
+    if (!find_passage(context, bounce, i, known, list->count > 0, b, &p))
       continue;
-    if (!pl_air_item_ray(item, context->shot, path->beam.origin, path->beam.direction,
-                         miss || ground ? INFINITY : (double)hit->t, &ray))
-      continue;
-    const pl_air_light light =
-        pl_air_scatter(item->air, &ray, &item->sun, &view->rule, view->multiple);
-    const bool scattered = !(view->skylight && bounce > 0 && b->rays[i].skip_body == item->body);
-    pass(path, &light, item->irradiance, scattered, pl_path_sink(b, path->pixel, path->shared));
+    const bool scattered = !(view->skylight && bounce > 0 && b->rays[i].skip_body == p.item->body);
+    const pl_vec3f light = scatter_between(view, &p, list, way);
+    if (scattered)
+      *sink = pl_vec3f_madd(*sink, p.item->irradiance, pl_vec3f_mul(through, light));
+    through = pl_vec3f_mul(through, p.light.transmitted);
   }
+  pl_vec3f left = {1.0f, 1.0f, 1.0f};
+  for (size_t k = 0; k < list->count; k++) {
+    const pl_vec3f radiance = pl_vec3f_mul(way[k], list->items[k].radiance);
+    *sink = pl_vec3f_add(*sink, pl_vec3f_mul(left, radiance));
+    left = pl_vec3f_mul(left, list->items[k].passed);
+  }
+  path->throughput = pl_vec3f_mul(through, left);
 }
 
 void pl_air_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {
+  const pl_veil_list none = {.count = 0};
   if (bounce == 0 && !b->air.any)
     return;
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->paths[i].pixel;
-    if (bounce > 0) {
-      pass_all(context, bounce, i, b);
-    } else if (b->settled_thing[pixel] != b->hits[i].thing || b->hits[i].thing == PL_NOTHING) {
-      if (is_known(context, &b->air, pixel, &b->hits[i]))
-        pass(&b->paths[i], &b->air.pixels[pixel].light, b->air.item->irradiance, true,
-             &b->sample[pixel]);
-      else
-        pass_all(context, bounce, i, b);
-    }
+    if (bounce > 0 || b->settled_thing[pixel] != b->hits[i].thing || b->hits[i].thing == PL_NOTHING)
+      pl_air_pass(context, bounce, i, &none, b);
   }
 }
 

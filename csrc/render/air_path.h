@@ -9,6 +9,7 @@
 struct pl_path_context;
 struct pl_tile_buffers;
 struct pl_tile;
+struct pl_veil_list;
 
 /* The air of one body. */
 typedef struct pl_air_item {
@@ -77,6 +78,10 @@ bool pl_air_alone(const struct pl_path_context *context, uint32_t pixel, pl_vec3
 /* Along the rays of a wave, whose hits are known: adds to the samples and dims what follows. */
 void pl_air_apply(const struct pl_path_context *context, int bounce, size_t count,
                   struct pl_tile_buffers *buffers);
+/* The same along one ray, number i of the wave, with the veils that it crosses: their light is
+ * added and dims what is beyond. */
+void pl_air_pass(const struct pl_path_context *context, int bounce, size_t i,
+                 const struct pl_veil_list *list, struct pl_tile_buffers *buffers);
 /* Part of the light from a unit direction (towards the sun) that reaches a point. */
 pl_vec3f pl_air_toward_sun(const pl_air_view *view, const pl_snapshot *shot, pl_vec3 point,
                            pl_vec3f toward);

@@ -165,6 +165,10 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   if (context->settings->air != NULL)
     light = pl_vec3f_mul(light, pl_air_toward_sun(context->settings->air, context->shot,
                                                   vertex->position, draw.toward));
+  if (context->settings->veils != NULL)
+    light = pl_vec3f_mul(light, pl_veils_toward_sun(context->settings->veils, context->shot,
+                                                    vertex->position, &sun,
+                                                    pl_beam_width(&path->beam, vertex->t)));
   if (!shadows_at(context, vertex)) {
     add(pl_path_sink(b, path->pixel, path->shared), light);
     return queued;
@@ -204,7 +208,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
                   : !(wi.z < 0.0f && pl_vec3f_dot(direction, s->ng) < 0.0f))
     return false;
   *ray = pl_vertex_ray(vertex, context->shot, direction, INFINITY);
-  const float width = path->beam.width_m + path->beam.spread * (float)vertex->t;
+  const float width = pl_beam_width(&path->beam, vertex->t);
   /* The solid angle that one draw of density pdf stands for is about 1/pdf. */
   const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * pdf));
   *next = (pl_path){
@@ -370,7 +374,9 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
                          pl_tile_buffers *b) {
   size_t kept = 0, queued = 0;
   draw_wave(index, bounce, count, b);
-  if (context->settings->air != NULL)
+  if (context->settings->veils != NULL)
+    pl_veils_apply(context, bounce, count, b);
+  else if (context->settings->air != NULL)
     pl_air_apply(context, bounce, count, b);
   for (size_t i = 0; i < count; i++) {
     if (b->hits[i].thing == PL_NOTHING)

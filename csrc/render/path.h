@@ -76,6 +76,7 @@ typedef struct pl_path_context {
   bool sharp;             /* all rays of a pixel come by one point */
   bool pools;             /* pixels pool light, see share.c */
   bool bodies, sun, air;  /* whether any body, the sun or air may be in this tile's cone */
+  bool veils;             /* likewise */
   uint32_t body;          /* the only body that may be in it; PL_NOTHING for none or several */
 } pl_path_context;
 

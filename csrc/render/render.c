@@ -81,7 +81,7 @@ static pl_tile tile_of(const job *job, size_t item) {
 
 /* What the tile's cone can meet. */
 typedef struct content {
-  bool meshes, bodies, sun, air;
+  bool meshes, bodies, sun, air, veils;
   uint32_t body; /* the only body; PL_NOTHING for none or several, or beside the sun */
 } content;
 
@@ -99,6 +99,7 @@ static content tile_content(const job *job, pl_tile tile) {
       out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, y);
   out.sun = pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, axis, half_angle);
   out.air = pl_air_in_cone(job->settings->air, shot, axis, half_angle);
+  out.veils = pl_veils_in_cone(job->settings->veils, shot, axis, half_angle);
   size_t bodies = 0;
   for (size_t i = 0; i < shot->body_count; i++) {
     if (!pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle))
@@ -210,6 +211,7 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
       .bodies = content->bodies,
       .sun = content->sun,
       .air = content->air,
+      .veils = content->veils,
       .body = content->body,
   };
 }
@@ -282,7 +284,8 @@ static pl_status render_tile(void *context, size_t item, int worker) {
   for (int i = 0; i < PL_TILE_PIXELS; i++)
     b->radiance[i] = (pl_vec3f){0.0f, 0.0f, 0.0f};
   const bool behind = job->settings->samples > 0 && job->settings->backdrop != NULL;
-  const bool anything = content.meshes || content.bodies || content.sun || content.air;
+  const bool anything =
+      content.meshes || content.bodies || content.sun || content.air || content.veils;
   if (behind)
     fill_backdrop(job, tile, anything || job->settings->slice != NULL ? b->backdrop : b->radiance);
   if (job->settings->slice != NULL) {

@@ -9,6 +9,7 @@
 #include "light/emitters.h"
 #include "light/limb.h"
 #include "render/air_path.h"
+#include "render/veil.h"
 #include "render/vertex.h"
 #include "sky/backdrop.h"
 
@@ -35,6 +36,7 @@ typedef struct pl_render_settings {
   int laws_down;               /* steps down from Hapke's law to cheaper ones, see laws.h */
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   const pl_air_view *air;      /* borrowed; NULL: none */
+  const pl_veils *veils;       /* borrowed; NULL: none */
   bool emitters_on_bodies;     /* or else on meshes alone */
   const pl_backdrop *backdrop; /* borrowed: what the camera sees behind everything; NULL: black */
   bool see_dots;               /* bodies that are dots are seen as others are, not black */

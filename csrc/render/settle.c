@@ -82,7 +82,7 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   const pl_shot_body *body = &shot->bodies[vertex.thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
   const bool plain = is_plain(body->body);
-  if ((body->dot && !settings->see_dots) || !context->sharp ||
+  if ((body->dot && !settings->see_dots) || !context->sharp || context->veils ||
       (!plain && !body->body->reflectance->photometric) || settings->emitters_on_bodies ||
       (settings->body_bounces && body->bounced && (!context->pools || settings->air != NULL)))
     return false;
@@ -106,6 +106,10 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   pl_vertex_shade(shot, &beam, settings->detail, &vertex);
   pl_laws_apply(shot, settings, &vertex);
   b->settled[pixel] = reflected(&vertex.surface, toward, &sun, height);
+  if (settings->veils != NULL)
+    b->settled[pixel] =
+        pl_vec3f_mul(b->settled[pixel], pl_veils_toward_sun(settings->veils, shot, vertex.position,
+                                                            &sun, (float)footprint_m));
   if (settings->air != NULL)
     b->settled[pixel] = pl_air_ground_light(context, pixel, &vertex, b->settled[pixel], b);
   if (settings->emission)
@@ -143,10 +147,11 @@ static bool is_lit_by_others(const pl_path_context *context, uint32_t thing) {
 /* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
 static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool covered,
                          pl_tile_buffers *b) {
-  const bool empty = !context->bodies && !context->sun && !context->air;
+  const bool empty = !context->bodies && !context->sun && !context->air && !context->veils;
   const pl_vec3f nothing = {0.0f, 0.0f, 0.0f};
   const pl_vec3f behind = context->settings->backdrop != NULL ? b->backdrop[pixel] : nothing;
-  if (context->air && pl_air_alone(context, pixel, behind, &b->radiance[pixel], b)) {
+  if (context->air && !context->veils &&
+      pl_air_alone(context, pixel, behind, &b->radiance[pixel], b)) {
     b->counts[pixel] = 1;
     return true;
   }

@@ -13,6 +13,11 @@ typedef struct pl_beam {
   float spread;      /* growth of the width per metre */
 } pl_beam;
 
+/* Width of its cone at a distance along it. */
+static inline float pl_beam_width(const pl_beam *beam, double t) {
+  return beam->width_m + beam->spread * (float)t;
+}
+
 typedef struct pl_vertex {
   pl_vec3 position; /* camera-relative, root axes, m */
   double t;         /* along the beam, m */

@@ -110,6 +110,8 @@ static pl_status check_body(const pl_body *body, const pl_body_state *state) {
     valid = valid && pl_regolith_band_valid(&regolith->band[k], true);
   if (!valid)
     return pl_fail(PL_E_RANGE, "body '%s': regolith out of range", body->name);
+  if (!pl_clouds_valid(&state->clouds))
+    return pl_fail(PL_E_RANGE, "body '%s': clouds out of range", body->name);
   return check_parameters("body", body->name, pl_body_parameter_count(body), state->parameters);
 }
 

@@ -14,6 +14,7 @@
 #include "math/rotation.h"
 #include "scene/lens.h"
 #include "scene/materials.h"
+#include "shade/clouds.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
@@ -54,6 +55,8 @@ typedef struct pl_body {
   const pl_reflectance *reflectance; /* row of the table */
   const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel a cell */
   const pl_air *air;                 /* borrowed, NULL for none */
+  const pl_texture *cloud_map;       /* borrowed, NULL for none: cover of its clouds */
+  double cloud_map_center_lon_rad;   /* of that map, when the shell is not turned */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
   const pl_graph *graph; /* borrowed: instead of, or around, the above surface; NULL for none */
@@ -139,6 +142,7 @@ typedef struct pl_body_state {
   float albedo[3];            /* factor on the map, or the albedo itself */
   float emission[3];          /* W m-2 sr-1 */
   const pl_value *parameters; /* of the body's graph */
+  pl_clouds clouds;           /* none by default */
   pl_regolith regolith;       /* for photometric rows; what is NAN is the map's, or 0 without one */
 } pl_body_state;
 

@@ -125,7 +125,7 @@ static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_
   return PL_OK;
 }
 
-/* Whether camera rays may touch a body, and its air. */
+/* Whether camera rays may touch a body, its air and its clouds. */
 static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_angle,
                           pl_shot_body *body) {
   const pl_air *air = body->body->air;
@@ -133,6 +133,10 @@ static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_ang
   body->air_in_frame =
       air != NULL &&
       pl_snapshot_sees(shot, body->center, pl_air_reach_m(air, body->radius_m), axis, half_angle);
+  const double clouds_m = body->state->clouds.altitude_m;
+  body->clouds_in_frame =
+      clouds_m > 0.0 &&
+      pl_snapshot_sees(shot, body->center, body->radius_m + clouds_m, axis, half_angle);
 }
 
 pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,

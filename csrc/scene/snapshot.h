@@ -54,10 +54,11 @@ typedef struct pl_shot_body {
   pl_vec3 camera_unit;        /* the camera in those */
   double radius_m;            /* largest semi-axis */
   bool in_frame;
-  bool air_in_frame; /* its air, if it has any, touches the frustum */
-  bool dot;          /* too small for the samples of pixels; set by pl_dots_mark */
-  bool shadowed;     /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
-  bool bounced;      /* others may noticeably light it by reflection; set by pl_snapshot_cull */
+  bool air_in_frame;    /* its air, if it has any, touches the frustum */
+  bool clouds_in_frame; /* likewise */
+  bool dot;             /* too small for the samples of pixels; set by pl_dots_mark */
+  bool shadowed;        /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
+  bool bounced;         /* others may noticeably light it by reflection; set by pl_snapshot_cull */
   /* Factors on the light with which cheaper laws come nearest to its own where it is seen; NULL
    * where they may not stand for it. Set by pl_laws_build. */
   const pl_law_colors *laws;

@@ -102,6 +102,8 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
       .pictured = body->body->regolith_map != NULL,
       .air = body->body->air,
       .air_in_frame = body->air_in_frame,
+      .clouds = state->clouds.altitude_m > 0.0 ? &state->clouds : NULL,
+      .clouds_in_frame = body->clouds_in_frame,
       .irradiance = irradiance_max(shot, body->center, body->radius_m),
       .emission_max = fmax(state->emission[0], fmax(state->emission[1], state->emission[2])),
   };
@@ -111,6 +113,8 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
   }
   if (body->body->graph != NULL)
     add_graph(body->body, &thing);
+  for (int k = 0; thing.clouds != NULL && k < 3; k++) /* they may be brighter than the ground */
+    thing.albedo_max = fmax(thing.albedo_max, (double)state->clouds.color[k]);
   set_center(&thing, body->center);
   return thing;
 }

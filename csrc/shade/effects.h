@@ -10,5 +10,6 @@ extern const pl_effect pl_effect_texture_filter;
 extern const pl_effect pl_effect_regolith;
 extern const pl_effect pl_effect_clear_coat;
 extern const pl_effect pl_effect_transmission;
+extern const pl_effect pl_effect_clouds;
 
 #endif

@@ -1,0 +1,215 @@
+/* Clouds: shells about bodies. A shell is an ellipsoid, and as thin as a sheet but for the way that
+ * level rays have in it. */
+#include "geom/ellipsoid.h"
+#include "render/veil_kinds.h"
+#include "shade/clouds.h"
+
+typedef struct cloud_item {
+  const pl_clouds *clouds;
+  pl_cloud_cover cover;
+  uint32_t body;
+  pl_vec3 radii_m; /* of the shell */
+  double reach_m;
+} cloud_item;
+
+typedef struct cloud_list {
+  size_t count;
+  cloud_item *items;
+} cloud_list;
+
+static cloud_item item_of(const pl_snapshot *shot, uint32_t index, int detail) {
+  const pl_shot_body *body = &shot->bodies[index];
+  const pl_clouds *clouds = &body->state->clouds;
+  const pl_vec3 r = body->state->radii_m;
+  const double h = clouds->altitude_m;
+  return (cloud_item){
+      .clouds = clouds,
+      .cover = pl_cloud_cover_make(clouds, body->body->cloud_map,
+                                   body->body->cloud_map_center_lon_rad, detail),
+      .body = index,
+      .radii_m = {r.x + h, r.y + h, r.z + h},
+      .reach_m = body->radius_m + h,
+  };
+}
+
+static pl_status build(const pl_snapshot *shot, int value, pl_arena *arena, const void **own) {
+  cloud_list *list = pl_arena_alloc(arena, 1, sizeof *list);
+  cloud_item *items = pl_arena_alloc(arena, shot->body_count, sizeof *items);
+  if (list == NULL || items == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for clouds");
+  *list = (cloud_list){.items = items};
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].state->clouds.altitude_m > 0.0)
+      items[list->count++] = item_of(shot, (uint32_t)i, value);
+  *own = list->count > 0 ? list : NULL;
+  return PL_OK;
+}
+
+static bool in_cone(const void *own, const pl_snapshot *shot, pl_vec3 axis, double half_angle) {
+  const cloud_list *list = own;
+  for (size_t i = 0; i < list->count; i++)
+    if (pl_snapshot_sees(shot, shot->bodies[list->items[i].body].center, list->items[i].reach_m,
+                         axis, half_angle))
+      return true;
+  return false;
+}
+
+static pl_vec3 divide(pl_vec3 a, pl_vec3 b) { return (pl_vec3){a.x / b.x, a.y / b.y, a.z / b.z}; }
+
+/* A ray and a shell, in body axes. */
+typedef struct meeting {
+  pl_vec3 origin, direction; /* m from the body's centre */
+  double t[2];               /* entry and exit */
+  bool ground;               /* the ray meets the body, if it goes on */
+} meeting;
+
+static bool meet(const cloud_item *item, const pl_snapshot *shot, pl_vec3 origin, pl_vec3 direction,
+                 meeting *out) {
+  const pl_shot_body *body = &shot->bodies[item->body];
+  out->origin = pl_vec3_add(body->camera, pl_mat3_mul_vec_t(body->rotation, origin));
+  out->direction = pl_mat3_mul_vec_t(body->rotation, direction);
+  const pl_vec3 o = divide(out->origin, item->radii_m), d = divide(out->direction, item->radii_m);
+  const double a = pl_vec3_dot(d, d);
+  if (!(a > 0.0)) /* of a lens that has no ray */
+    return false;
+  const double middle = -pl_vec3_dot(o, d) / a;
+  const pl_vec3 lowest = pl_vec3_madd(o, middle, d);
+  const double left = 1.0 - pl_vec3_dot(lowest, lowest);
+  if (!(left > 0.0))
+    return false;
+  const double half = sqrt(left / a);
+  out->t[0] = middle - half;
+  out->t[1] = middle + half;
+  return out->t[1] > 0.0;
+}
+
+/* Whether a ray from outside the body's surface comes down on it. */
+static bool lands(const pl_shot_body *body, const meeting *m) {
+  const pl_vec3 r = body->state->radii_m;
+  double t;
+  return pl_ellipsoid_intersect(r, m->origin, m->direction, 0.0, &t);
+}
+
+/* A place of the shell, and how a ray goes through it. */
+typedef struct place {
+  pl_vec3 point, normal; /* body axes */
+  float mu;              /* cosine to the normal, of a layer that is round */
+  float cover;
+} place;
+
+static float mu_of(const cloud_item *item, double cosine) {
+  const double bent = 2.0 * item->clouds->thickness_m / item->reach_m;
+  return (float)fmin(1.0, sqrt(cosine * cosine + fmin(bent, 1.0)));
+}
+
+static void find_place(const cloud_item *item, const pl_veils *veils, const meeting *m, double t,
+                       float width_m, place *out) {
+  out->point = pl_vec3_madd(m->origin, t, m->direction);
+  out->normal = pl_ellipsoid_normal(item->radii_m, out->point);
+  const double cosine = fabs(pl_vec3_dot(m->direction, out->normal));
+  out->mu = mu_of(item, cosine);
+  pl_vec3 across = pl_vec3_cross(out->normal, m->direction);
+  if (!(pl_vec3_dot(across, across) > 1e-16))
+    across = pl_vec3_cross(out->normal, fabs(out->normal.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0}
+                                                                  : (pl_vec3){1.0, 0.0, 0.0});
+  across = pl_vec3_scale(pl_vec3_unit(across), (double)width_m);
+  const pl_vec3 along = pl_vec3_scale(pl_vec3_cross(across, out->normal), 1.0 / fmax(cosine, 0.02));
+  out->cover = pl_cloud_cover_at(&item->cover, out->point, across, along, veils->detail.filter,
+                                 veils->detail.maps);
+}
+
+/* Light that comes through a covered place: over the ground all that is not sent back, since what
+ * is scattered on the way was as much elsewhere; of other things what comes straight. */
+static float through(const cloud_item *item, const place *at, bool ground) {
+  const float depth = item->clouds->depth;
+  return ground ? 1.0f - pl_cloud_reflected(depth, at->mu) : pl_cloud_straight(depth, at->mu);
+}
+
+static pl_vec3f passed_at(const cloud_item *item, const place *at, bool ground) {
+  const float left = 1.0f - at->cover * (1.0f - through(item, at, ground));
+  return (pl_vec3f){left, left, left};
+}
+
+/* Sunlight that the place sends to where the ray came from: Lambert's, like that of a layer in
+ * which light has forgotten where it came from. */
+static pl_vec3f radiance_at(const cloud_item *item, const pl_veils *veils, const pl_snapshot *shot,
+                            const meeting *m, const place *at, float width_m) {
+  const pl_shot_body *body = &shot->bodies[item->body];
+  const pl_vec3 point = pl_vec3_add(
+      body->center, pl_mat3_mul_vec(body->rotation, at->point)); /* camera-relative, root axes */
+  const pl_sun_view sun = pl_sun_view_at(&shot->sun, point);
+  const pl_vec3 normal = pl_mat3_mul_vec(body->rotation, at->normal);
+  const double height = pl_vec3_dot(normal, pl_vec3f_to_double(sun.direction));
+  const bool same_side = (height > 0.0) == (pl_vec3_dot(m->direction, at->normal) < 0.0);
+  const float mu = mu_of(item, height), depth = item->clouds->depth;
+  float part = pl_cloud_reflected(depth, mu);
+  if (!same_side)
+    part = pl_maxf(0.0f, 1.0f - part - pl_cloud_straight(depth, mu));
+  part *= at->cover * (float)fabs(height) / PL_PI_F;
+  if (!(part > 0.0f))
+    return (pl_vec3f){0.0f, 0.0f, 0.0f};
+  const float *c = item->clouds->color;
+  const pl_vec3f light = pl_veils_sunlight(veils, &pl_veil_clouds, shot, point, &sun, width_m);
+  return pl_vec3f_scale(pl_vec3f_mul(light, pl_vec3f_make(c[0], c[1], c[2])), part);
+}
+
+static void cross_item(const cloud_item *item, const pl_veils *veils, const pl_snapshot *shot,
+                       const pl_veil_ray *ray, pl_veil_list *out) {
+  meeting m;
+  if (!meet(item, shot, ray->beam->origin, ray->beam->direction, &m))
+    return;
+  const bool ground = lands(&shot->bodies[item->body], &m);
+  for (int i = 0; i < 2; i++) {
+    if (!(m.t[i] > 0.0 && m.t[i] < ray->t_max))
+      continue;
+    place at;
+    const float width_m = pl_beam_width(ray->beam, m.t[i]);
+    find_place(item, veils, &m, m.t[i], width_m, &at);
+    if (!(at.cover > 0.0f))
+      continue;
+    pl_veil_crossing crossing = {.t = m.t[i], .passed = passed_at(item, &at, ground && i == 0)};
+    if (!ray->dark && ray->from_body != item->body)
+      crossing.radiance = radiance_at(item, veils, shot, &m, &at, width_m);
+    pl_veil_list_add(out, &crossing);
+  }
+}
+
+static void cross(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+                  const pl_veil_ray *ray, pl_veil_list *out) {
+  const cloud_list *list = own;
+  for (size_t i = 0; i < list->count; i++)
+    if (pl_veil_ray_sees(veils, ray, shot, list->items[i].body))
+      cross_item(&list->items[i], veils, shot, ray, out);
+}
+
+/* Below the clouds all that they let through counts as coming from the sun. A body's own night is
+ * no matter of its clouds. */
+static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+                           pl_vec3 point, const pl_sun_view *sun, float width_m) {
+  const cloud_list *list = own;
+  pl_vec3f out = {1.0f, 1.0f, 1.0f};
+  for (size_t i = 0; i < list->count; i++) {
+    const cloud_item *item = &list->items[i];
+    meeting m;
+    if (!meet(item, shot, point, pl_vec3f_to_double(sun->direction), &m))
+      continue;
+    const bool below = !(m.t[0] > 0.0);
+    for (int k = 0; k < 2; k++) {
+      if (!(m.t[k] > 0.0 && m.t[k] < (double)sun->distance_m))
+        continue;
+      place at;
+      const float disc_m = 2.0f * sun->sin_radius * (float)m.t[k];
+      find_place(item, veils, &m, m.t[k], width_m + disc_m, &at);
+      out = pl_vec3f_mul(out, passed_at(item, &at, below));
+    }
+  }
+  return out;
+}
+
+const pl_veil_kind pl_veil_clouds = {
+    .name = "clouds",
+    .build = build,
+    .in_cone = in_cone,
+    .cross = cross,
+    .toward_sun = toward_sun,
+};

@@ -1,0 +1,171 @@
+/* Veils on the way of rays. */
+#include "render/veil.h"
+
+#include "render/path.h"
+#include "render/veil_kinds.h"
+
+/* A line each. */
+/* clang-format off */
+const pl_veil_kind *const pl_veil_kinds[] = {
+    &pl_veil_clouds,
+};
+/* clang-format on */
+const size_t pl_veil_kind_count = sizeof pl_veil_kinds / sizeof pl_veil_kinds[0];
+_Static_assert(sizeof pl_veil_kinds / sizeof pl_veil_kinds[0] <= PL_VEIL_KINDS_MAX, "too many");
+
+static const pl_vec3f ALL = {1.0f, 1.0f, 1.0f};
+
+void pl_veil_list_add(pl_veil_list *list, const pl_veil_crossing *crossing) {
+  size_t i = list->count;
+  if (i == PL_VEIL_CROSSINGS) {
+    if (!(crossing->t < list->items[--i].t))
+      return;
+  } else {
+    list->count++;
+  }
+  for (; i > 0 && list->items[i - 1].t > crossing->t; i--)
+    list->items[i] = list->items[i - 1];
+  list->items[i] = *crossing;
+}
+
+pl_status pl_veils_build(const pl_snapshot *shot, const int *values, pl_detail detail,
+                         const pl_air_view *air, pl_arena *arena, pl_veils *out, bool *any) {
+  *out = (pl_veils){.air = air, .detail = detail, .dot = PL_NOTHING};
+  *any = false;
+  for (size_t k = 0; k < pl_veil_kind_count; k++) {
+    if (values[k] > 0)
+      PL_TRY(pl_veil_kinds[k]->build(shot, values[k], arena, &out->own[k]));
+    *any |= out->own[k] != NULL;
+  }
+  return PL_OK;
+}
+
+bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
+                      double half_angle) {
+  for (size_t k = 0; veils != NULL && k < pl_veil_kind_count; k++)
+    if (veils->own[k] != NULL && pl_veil_kinds[k]->in_cone(veils->own[k], shot, axis, half_angle))
+      return true;
+  return false;
+}
+
+bool pl_veil_ray_sees(const pl_veils *veils, const pl_veil_ray *ray, const pl_snapshot *shot,
+                      uint32_t body) {
+  if (!ray->camera)
+    return true;
+  return veils->dot != PL_NOTHING ? veils->dot == body : !shot->bodies[body].dot;
+}
+
+void pl_veils_cross(const pl_veils *veils, const pl_snapshot *shot, const pl_veil_ray *ray,
+                    pl_veil_list *out) {
+  out->count = 0;
+  for (size_t k = 0; k < pl_veil_kind_count; k++)
+    if (veils->own[k] != NULL)
+      pl_veil_kinds[k]->cross(veils, veils->own[k], shot, ray, out);
+}
+
+pl_vec3f pl_veils_passed(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 direction,
+                         double t_max) {
+  const pl_beam beam = {.direction = direction};
+  const pl_veil_ray ray = {
+      .beam = &beam, .t_max = t_max, .camera = true, .dark = true, .from_body = PL_NOTHING};
+  pl_veil_list list;
+  pl_vec3f out = ALL;
+  pl_veils_cross(veils, shot, &ray, &list);
+  for (size_t i = 0; i < list.count; i++)
+    out = pl_vec3f_mul(out, list.items[i].passed);
+  return out;
+}
+
+static pl_vec3f toward_sun_but(const pl_veils *veils, const pl_veil_kind *left_out,
+                               const pl_snapshot *shot, pl_vec3 point, const pl_sun_view *sun,
+                               float width_m) {
+  pl_vec3f out = ALL;
+  for (size_t k = 0; k < pl_veil_kind_count; k++) {
+    const pl_veil_kind *kind = pl_veil_kinds[k];
+    if (veils->own[k] != NULL && kind != left_out)
+      out = pl_vec3f_mul(out, kind->toward_sun(veils, veils->own[k], shot, point, sun, width_m));
+  }
+  return out;
+}
+
+pl_vec3f pl_veils_toward_sun(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 point,
+                             const pl_sun_view *sun, float width_m) {
+  return toward_sun_but(veils, NULL, shot, point, sun, width_m);
+}
+
+/* Part of a disc of radius `a` that another of radius `b` leaves, whose centre is `apart`. */
+static double disc_left(double a, double b, double apart) {
+  if (apart >= a + b)
+    return 1.0;
+  if (apart <= fabs(a - b))
+    return b >= a ? 0.0 : 1.0 - b * b / (a * a);
+  const double x = (apart * apart + a * a - b * b) / (2.0 * apart); /* of the chord */
+  const double y = sqrt(fmax(0.0, a * a - x * x));
+  const double own = a * a * atan2(y, x) - x * y;
+  const double other = b * b * atan2(y, apart - x) - (apart - x) * y;
+  return fmin(1.0, fmax(0.0, 1.0 - (own + other) / (PL_PI * a * a)));
+}
+
+/* Part of the sun's even disc that a body leaves, whose outline counts as a circle: that which
+ * passes where a ray to the sun's centre would be tangent, turned about the body's. */
+static double body_left(const pl_shot_body *body, pl_vec3 point, const pl_sun_view *sun) {
+  const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
+  const pl_vec3 to_body = pl_vec3_sub(body->center, point);
+  const double distance = pl_vec3_norm(to_body), along = pl_vec3_dot(to_body, toward);
+  if (distance - body->radius_m > (double)sun->distance_m)
+    return 1.0;
+  const double low_m = pl_vec3_norm(pl_vec3_madd(to_body, -along, toward));
+  const pl_vec3 o = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, point));
+  const pl_vec3 d = pl_vec3_unit(pl_mat3_mul_vec(body->to_unit, toward));
+  const double low = pl_vec3_norm(pl_vec3_madd(o, -pl_vec3_dot(o, d), d));
+  const double radius = low > 0.0 ? low_m / low : body->radius_m;
+  return disc_left((double)sun->sin_radius, asin(fmin(1.0, radius / distance)),
+                   atan2(low_m, along));
+}
+
+pl_vec3f pl_veils_sunlight(const pl_veils *veils, const pl_veil_kind *kind, const pl_snapshot *shot,
+                           pl_vec3 point, const pl_sun_view *sun, float width_m) {
+  double left = 1.0;
+  for (size_t i = 0; i < shot->body_count && left > 0.0; i++)
+    left *= body_left(&shot->bodies[i], point, sun);
+  if (!(left > 0.0))
+    return (pl_vec3f){0.0f, 0.0f, 0.0f};
+  pl_vec3f out = toward_sun_but(veils, kind, shot, point, sun, width_m);
+  if (veils->air != NULL)
+    out = pl_vec3f_mul(out, pl_air_toward_sun(veils->air, shot, point, sun->direction));
+  return pl_vec3f_scale(out, (float)left * sun->irradiance);
+}
+
+/* Without air. */
+static void pass(pl_path *path, const pl_veil_list *list, pl_vec3f *sink) {
+  for (size_t i = 0; i < list->count; i++) {
+    *sink = pl_vec3f_add(*sink, pl_vec3f_mul(path->throughput, list->items[i].radiance));
+    path->throughput = pl_vec3f_mul(path->throughput, list->items[i].passed);
+  }
+}
+
+void pl_veils_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {
+  const pl_render_settings *settings = context->settings;
+  const bool any = bounce > 0 || context->veils;
+  for (size_t i = 0; i < count; i++) {
+    pl_path *path = &b->paths[i];
+    const pl_hit *hit = &b->hits[i];
+    const bool miss = hit->thing == PL_NOTHING;
+    if (bounce == 0 && !miss && b->settled_thing[path->pixel] == hit->thing)
+      continue; /* all of it is known */
+    const pl_veil_ray ray = {
+        .beam = &path->beam,
+        .t_max = miss ? INFINITY : (double)hit->t,
+        .camera = bounce == 0,
+        .from_body = bounce > 0 ? b->rays[i].skip_body : PL_NOTHING,
+    };
+    pl_veil_list list;
+    list.count = 0;
+    if (any)
+      pl_veils_cross(settings->veils, context->shot, &ray, &list);
+    if (settings->air != NULL)
+      pl_air_pass(context, bounce, i, &list, b);
+    else
+      pass(path, &list, pl_path_sink(b, path->pixel, path->shared));
+  }
+}

@@ -1,0 +1,99 @@
+/* Veils: thin things that rays pass through, such as clouds. One kind a row of the table in veil.c,
+ * with the same name as its effect. */
+#ifndef PL_RENDER_VEIL_H
+#define PL_RENDER_VEIL_H
+
+#include "base/memory.h"
+#include "light/sun.h"
+#include "render/vertex.h"
+
+struct pl_air_view;
+struct pl_path_context;
+struct pl_tile_buffers;
+
+/* Where a ray meets a veil. */
+typedef struct pl_veil_crossing {
+  double t;          /* m along the ray */
+  pl_vec3f passed;   /* part of what comes from beyond that is let through, 0..1 */
+  pl_vec3f radiance; /* what it adds: sunlight that it scatters, what it emits; without the air
+                        between it and the ray's start, W m-2 sr-1 */
+} pl_veil_crossing;
+
+/* Of one ray, by t. The farthest are left out where there are too many. */
+enum { PL_VEIL_CROSSINGS = 16 };
+typedef struct pl_veil_list {
+  size_t count;
+  pl_veil_crossing items[PL_VEIL_CROSSINGS];
+} pl_veil_list;
+void pl_veil_list_add(pl_veil_list *list, const pl_veil_crossing *crossing);
+
+enum { PL_VEIL_KINDS_MAX = 8 };
+/* The veils of a frame, read-only once built. */
+typedef struct pl_veils {
+  const struct pl_air_view *air; /* borrowed; NULL: none */
+  pl_detail detail;
+  uint32_t dot;                       /* body whose picture as a dot this is; PL_NOTHING */
+  const void *own[PL_VEIL_KINDS_MAX]; /* of each kind: what its build made; NULL: none */
+} pl_veils;
+
+/* What is asked of a ray. */
+typedef struct pl_veil_ray {
+  const pl_beam *beam;
+  double t_max;       /* crossings are 0 < t < t_max */
+  bool camera;        /* from the camera */
+  bool dark;          /* only what passes is wanted, no radiance */
+  uint32_t from_body; /* body on whose surface it starts: what its veils send down is in the light
+                         that pl_veils_toward_sun gives, and not wanted; PL_NOTHING */
+} pl_veil_ray;
+
+typedef struct pl_veil_kind {
+  const char *name; /* of its effect row */
+  /* What the snapshot has of the kind, in `arena`: *own stays NULL if nothing. `value`: of the
+   * effect, not 0. */
+  pl_status (*build)(const pl_snapshot *shot, int value, pl_arena *arena, const void **own);
+  /* Whether any may be on camera rays of a cone about a unit axis. */
+  bool (*in_cone)(const void *own, const pl_snapshot *shot, pl_vec3 axis, double half_angle);
+  /* Adds the crossings of a ray. */
+  void (*cross)(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+                const pl_veil_ray *ray, pl_veil_list *out);
+  /* What comes through to a camera-relative point of the sun's light, over its disc and over a
+   * footprint `width_m` wide about the point. */
+  pl_vec3f (*toward_sun)(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+                         pl_vec3 point, const pl_sun_view *sun, float width_m);
+} pl_veil_kind;
+/* The table. */
+extern const pl_veil_kind *const pl_veil_kinds[];
+extern const size_t pl_veil_kind_count;
+
+/* Lists the veils of a snapshot; values[k]: of the k-th kind's effect. *any: whether there are any.
+ */
+pl_status pl_veils_build(const pl_snapshot *shot, const int *values, pl_detail detail,
+                         const struct pl_air_view *air, pl_arena *arena, pl_veils *out, bool *any);
+/* Whether any may be in a cone of rays from the camera; `veils` may be NULL. */
+bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
+                      double half_angle);
+/* Whether a ray sees what a body carries: a dot's veils are in its own picture alone. */
+bool pl_veil_ray_sees(const pl_veils *veils, const pl_veil_ray *ray, const pl_snapshot *shot,
+                      uint32_t body);
+
+/* All crossings of a ray. */
+void pl_veils_cross(const pl_veils *veils, const pl_snapshot *shot, const pl_veil_ray *ray,
+                    pl_veil_list *out);
+/* What of the light from a unit direction comes to the camera, of things at t_max. */
+pl_vec3f pl_veils_passed(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 direction,
+                         double t_max);
+/* What of the sun's light comes through to a point: see the rows. */
+pl_vec3f pl_veils_toward_sun(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 point,
+                             const pl_sun_view *sun, float width_m);
+/* The sun's irradiance on a surface at a point that faces it: with eclipses by bodies, the air
+ * before it and the other kinds' veils; the things that are meshes cast no shadow there. `kind`:
+ * that asks, whose own veils are left out. */
+pl_vec3f pl_veils_sunlight(const pl_veils *veils, const pl_veil_kind *kind, const pl_snapshot *shot,
+                           pl_vec3 point, const pl_sun_view *sun, float width_m);
+
+/* Along the rays of a wave, whose hits are known: adds to the samples and dims what follows. Takes
+ * the place of pl_air_apply. */
+void pl_veils_apply(const struct pl_path_context *context, int bounce, size_t count,
+                    struct pl_tile_buffers *buffers);
+
+#endif

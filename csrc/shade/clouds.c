@@ -1,0 +1,179 @@
+#include "shade/clouds.h"
+
+#include <math.h>
+
+#include "math/fractal.h"
+#include "shade/body_map.h"
+
+#define SQRT_HALF 0.70710678118654752440
+
+static bool within(double x, double low, double high) { return x >= low && x <= high; }
+
+bool pl_clouds_valid(const pl_clouds *c) {
+  if (c->altitude_m == 0.0)
+    return true;
+  bool good = within(c->altitude_m, 1e-6, 1e15) && within(c->thickness_m, 1e-6, 1e15) &&
+              within(c->turn_rad, -1e9, 1e9) && within((double)c->opacity, 0.0, 1.0) &&
+              within((double)c->depth, 0.0, 1e6);
+  for (int k = 0; k < 3; k++)
+    good = good && within((double)c->color[k], 0.0, 1.0);
+  return good && within((double)c->coverage, 0.0, 1.0) && within((double)c->softness, 1e-3, 1e3) &&
+         within((double)c->octaves, 1.0, PL_FRACTAL_OCTAVES) &&
+         within((double)c->roughness, 0.0, 1.0) && within(c->size_m, 1e-6, 1e15) &&
+         within((double)c->warp, -10.0, 10.0) && within((double)c->phase, -1e6, 1e6);
+}
+
+static double normal_below(double x) { return 0.5 * erfc(-x * SQRT_HALF); }
+
+/* Where the normal distribution is `share`; 0 and 1 count as nine standard deviations off. */
+static double normal_place(double share) {
+  double low = -9.0, high = 9.0;
+  for (int i = 0; i < 60; i++) {
+    const double middle = 0.5 * (low + high);
+    if (normal_below(middle) < share)
+      low = middle;
+    else
+      high = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/* Amplitudes of the octaves, as in math/fractal.c. */
+static int list_octaves(const pl_clouds *clouds, float out[PL_FRACTAL_OCTAVES]) {
+  int count = 0;
+  float power = 1.0f;
+  for (; count < PL_FRACTAL_OCTAVES && (float)count < clouds->octaves; count++) {
+    out[count] = power * pl_minf(clouds->octaves - (float)count, 1.0f);
+    power *= clouds->roughness;
+  }
+  return count;
+}
+
+pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *map,
+                                   double map_center_lon_rad, int detail) {
+  pl_cloud_cover out = {
+      .clouds = clouds,
+      .map = map,
+      .map_center_lon_rad = map_center_lon_rad,
+      .sine = (float)sin(clouds->turn_rad),
+      .cosine = (float)cos(clouds->turn_rad),
+  };
+  const int count = list_octaves(clouds, out.amplitudes);
+  float looked_up = 0.0f;
+  out.detail = detail < count ? detail : count;
+  for (int i = 0; i < count; i++) {
+    out.total += out.amplitudes[i];
+    out.variance += out.amplitudes[i] * out.amplitudes[i] * (float)PL_NOISE_VARIANCE;
+    looked_up += i < out.detail ? out.amplitudes[i] : 0.0f;
+  }
+  out.variance /= out.total * out.total;
+  out.scale = looked_up / out.total;
+  const double spread = sqrt((double)out.variance) * hypot(1.0, (double)clouds->softness);
+  out.threshold = (float)(spread * normal_place(1.0 - (double)clouds->coverage));
+  return out;
+}
+
+/* Octaves of what bends the clouds: coarse ones, so that footprints keep their shape, about. */
+enum { BENDS = 2 };
+
+/* By how much a point is moved, cells. Each axis has a pattern of its own. */
+static pl_vec3 bend(const pl_clouds *clouds, pl_vec3 cell, float width) {
+  pl_fractal noise = {.octaves = BENDS, .roughness = 0.5f, .lacunarity = 2.0f};
+  double moved[3];
+  cell.z += (double)clouds->phase;
+  for (uint32_t k = 0; k < 3; k++) {
+    noise.seed = clouds->seed + 0x9e3779b9u * (k + 1);
+    moved[k] =
+        (double)(clouds->warp * pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&noise, cell, width));
+  }
+  return (pl_vec3){moved[0], moved[1], moved[2]};
+}
+
+/* Mean cover by the noise of a footprint `width` cells across. */
+static float noise_cover(const pl_cloud_cover *cover, pl_vec3 cell, float width) {
+  const pl_clouds *clouds = cover->clouds;
+  const pl_fractal noise = {.octaves = pl_minf((float)cover->detail, clouds->octaves),
+                            .roughness = clouds->roughness,
+                            .lacunarity = 2.0f,
+                            .seed = clouds->seed};
+  float lost = 0.0f, value = 0.0f, frequency = 1.0f;
+  for (int i = 0; i < PL_FRACTAL_OCTAVES && (float)i < clouds->octaves; i++) {
+    const float kept = i < cover->detail ? pl_noise_fade(width * frequency) : 0.0f;
+    const float amplitude = cover->amplitudes[i] / cover->total;
+    lost += amplitude * amplitude * (1.0f - kept * kept);
+    frequency *= 2.0f;
+  }
+  if (cover->detail > 0)
+    value = cover->scale * pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&noise, cell, width);
+  const float edge = clouds->softness * clouds->softness * cover->variance;
+  const float spread = sqrtf(edge + lost * (float)PL_NOISE_VARIANCE);
+  return 0.5f * erfcf((cover->threshold - value) / (spread * (float)(2.0 * SQRT_HALF)));
+}
+
+/* From body axes to the shell's. */
+static pl_vec3 turn_back(const pl_cloud_cover *cover, pl_vec3 v) {
+  const double c = (double)cover->cosine, s = (double)cover->sine;
+  return (pl_vec3){c * v.x + s * v.y, c * v.y - s * v.x, v.z};
+}
+
+float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along,
+                        pl_filter filter, bool maps) {
+  const pl_clouds *clouds = cover->clouds;
+  float out = clouds->opacity;
+  pl_body_place place = {turn_back(cover, point), turn_back(cover, across), turn_back(cover, along),
+                         cover->map_center_lon_rad};
+  const double area = pl_vec3_norm(pl_vec3_cross(across, along));
+  const float width = maps ? (float)(2.0 * sqrt(area / PL_PI) / clouds->size_m) : INFINITY;
+  pl_vec3 cell = pl_vec3_scale(place.point, 1.0 / clouds->size_m);
+  if (clouds->warp != 0.0f && maps) {
+    const pl_vec3 moved = bend(clouds, cell, width);
+    cell = pl_vec3_add(cell, moved);
+    place.point = pl_vec3_madd(place.point, clouds->size_m, moved);
+  }
+  if (pl_clouds_noisy(clouds))
+    out *= noise_cover(cover, cell, width * (1.0f + fabsf(clouds->warp)));
+  if (cover->map != NULL) {
+    float value[4];
+    if (maps)
+      pl_body_map_sample(cover->map, &place, filter, value);
+    else
+      pl_texture_mean(cover->map, value);
+    out *= value[0];
+  }
+  return out;
+}
+
+double pl_clouds_detail_error(const pl_clouds *clouds, int detail, double width_m) {
+  float amplitudes[PL_FRACTAL_OCTAVES];
+  double total = 0.0, left = 0.0, variance = 0.0, known = 0.0, frequency = 1.0;
+  if (!pl_clouds_noisy(clouds))
+    return 0.0;
+  const int count = list_octaves(clouds, amplitudes);
+  for (int i = 0; i < count; i++) {
+    const double a = (double)amplitudes[i];
+    const bool hidden = frequency * width_m >= (double)PL_NOISE_WIDEST * clouds->size_m;
+    total += a;
+    variance += a * a;
+    left += i >= detail && !hidden ? a : 0.0;
+    known += i >= detail && !hidden ? 0.0 : a * a;
+    frequency *= 2.0;
+  }
+  if (left == 0.0)
+    return 0.0;
+  /* The normal distribution rises by at most 1/sqrt(2 pi) a standard deviation, and a change of
+   * that moves it by at most x phi(x) <= 0.242 of the logarithm. The narrowest has the softness
+   * alone; the widest all that is left out, too. */
+  const double sigma = sqrt(PL_NOISE_VARIANCE), soft = (double)clouds->softness;
+  const double edge = soft * soft * variance;
+  const double narrow = sqrt(edge) * sigma, wide = sqrt(edge + variance - known) * sigma;
+  return fmin(1.0, left / (narrow * sqrt(2.0 * PL_PI)) + 0.242 * log(wide / narrow));
+}
+
+float pl_cloud_reflected(float depth, float mu) {
+  const float scaled = (1.0f - PL_CLOUD_G * PL_CLOUD_G) * depth;
+  const float g = PL_CLOUD_G / (1.0f + PL_CLOUD_G);
+  const float g1 = 0.75f * (1.0f - g), g3 = 0.5f - 0.75f * g * mu;
+  return (g1 * scaled - (g3 - g1 * mu) * expm1f(-scaled / mu)) / (1.0f + g1 * scaled);
+}
+
+float pl_cloud_straight(float depth, float mu) { return expf(-depth / mu); }

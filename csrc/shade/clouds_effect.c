@@ -1,0 +1,97 @@
+/* The effect row `clouds`: shells of clouds about bodies, with so many octaves of their noise. */
+#include <math.h>
+
+#include "shade/clouds.h"
+#include "shade/effects.h"
+
+/* How a body's clouds get into a frame: seen themselves (1), or only by the light that they send to
+ * things in the frame or keep from them (less; 0: not at all). */
+static double share_of(const pl_view *view, const pl_view_thing *body) {
+  if (body->clouds == NULL)
+    return 0.0;
+  if (body->clouds_in_frame)
+    return 1.0;
+  pl_view_thing shell = *body;
+  double share = 0.0;
+  shell.radius_m += body->clouds->altitude_m;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *thing = &view->things[i];
+    if (thing == body || !thing->in_frame)
+      continue;
+    if (pl_view_shadow_reaches(view, &shell, thing))
+      return 1.0;
+    if (view->max_bounces > 0)
+      share =
+          fmax(share, pl_view_transfer(thing, &shell) * pl_view_series(view, view->max_bounces));
+  }
+  return fmin(1.0, share);
+}
+
+static const char *absent(const pl_view *view) {
+  bool any = false;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    if (share_of(view, &view->things[i]) > 0.0)
+      return NULL;
+    any |= view->things[i].clouds != NULL;
+  }
+  return any ? "no clouds are seen, or light or shade what is" : "no body has clouds";
+}
+
+static int ceiling(const pl_view *view) {
+  double octaves = 1.0;
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].clouds != NULL && pl_clouds_noisy(view->things[i].clouds))
+      octaves = fmax(octaves, ceil((double)view->things[i].clouds->octaves));
+  return (int)octaves;
+}
+
+/* Least width of what a sample sees of the shell; the nearest point of it counts. */
+static double footprint_m(const pl_view *view, const pl_view_thing *body) {
+  const double shell_m = body->radius_m + body->clouds->altitude_m;
+  const double far = fmax(0.0, body->distance_m - shell_m);
+  return far * view->pixel_rad / sqrt(fmax(1.0, (double)view->samples)) /
+         (1.0 + view->corner_tangent * view->corner_tangent);
+}
+
+/* What changes with a change of the cover: at most the brightest that a cloud can be is added, or
+ * so much of what is behind or below taken, once on the way of the sun's light and twice on that of
+ * the ray. */
+static double changed_dn(const pl_view *view, const pl_view_thing *body, double cover,
+                         double share) {
+  const double bright = share * cover * pl_view_light(body);
+  const double dimmed = pl_view_dn_dimming(fmin(1.0, 3.0 * cover));
+  const double sky = pl_view_sky_dn(view, cover * pl_view_sky_max(view));
+  if (share < 1.0)
+    return pl_view_dn(view, 3.0 * bright) + sky;
+  return pl_view_dn(view, 2.0 * bright) + dimmed + sky;
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  double sum = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *body = &view->things[i];
+    const double share = share_of(view, body);
+    if (!(share > 0.0))
+      continue;
+    const double error =
+        value == 0 ? 1.0 : pl_clouds_detail_error(body->clouds, value, footprint_m(view, body));
+    const double cover = (double)body->clouds->opacity * error;
+    if (cover > 0.0)
+      sum += changed_dn(view, body, cover, share);
+  }
+  return fmin(sum, 255.0);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return (2e-3 + 2e-4 * value) * view->width * view->height;
+}
+
+const pl_effect pl_effect_clouds = {
+    .name = "clouds",
+    .doc = "Clouds that scatter the sun's light, shade the ground and hide what is behind them, "
+           "with so many octaves of their noise",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
