@@ -37,6 +37,14 @@ double pl_view_radiance_max(const pl_view *view) {
   return largest;
 }
 
+double pl_view_volumes_max(const pl_view *view) {
+  double sum = 0.0;
+  for (size_t i = 0; i < view->volume_count; i++)
+    if (view->volumes[i].in_frame)
+      sum += view->volumes[i].scattered + view->volumes[i].emitted;
+  return sum;
+}
+
 double pl_view_emission_max(const pl_view *view) {
   double largest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
@@ -49,6 +57,7 @@ double pl_view_step(const pl_view *view) {
   double step = pl_view_radiance_max(view);
   for (size_t i = 0; i < view->thing_count; i++) /* what it lights is no brighter */
     step = fmax(step, view->things[i].emission_max);
+  step += pl_view_volumes_max(view);
   if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
     step = view->white_radiance;
   return fmax(step, view->sky.background_max);

@@ -61,6 +61,17 @@ typedef struct pl_view_sky {
   double background_max; /* largest radiance of the background in any band, W m-2 sr-1 */
 } pl_view_sky;
 
+/* A bounded volume, in a sphere that holds it. */
+typedef struct pl_view_volume {
+  bool in_frame;      /* the sphere touches the frustum */
+  double center_m[3]; /* camera-relative, root axes */
+  double distance_m, radius_m;
+  double depth;     /* upper bound of its optical depth along any line, in any band */
+  double scattered; /* of the sunlight that it scatters into any direction, W m-2 sr-1 */
+  double emitted;   /* of the light that it emits, W m-2 sr-1 */
+  bool even;        /* as dense everywhere */
+} pl_view_volume;
+
 struct pl_sensor;
 
 typedef struct pl_view {
@@ -83,8 +94,11 @@ typedef struct pl_view {
   int samples;                 /* the user's ceiling of colour samples a pixel */
   int max_bounces;             /* the user's ceiling of bounces */
   int texture_filter;          /* the user's ceiling, a pl_filter */
+  int volume_steps;            /* the user's ceiling of steps along rays through volumes */
   const pl_view_thing *things; /* borrowed */
   size_t thing_count;
+  const pl_view_volume *volumes; /* borrowed */
+  size_t volume_count;
   pl_view_sky sky;
   /* Borrowed, for the rows in sensor/ alone; NULL: no digital numbers are made. */
   const struct pl_sensor *sensor;
@@ -97,6 +111,8 @@ double pl_view_dn(const pl_view *view, double radiance);
 double pl_view_dn_dimming(double fraction);
 /* Largest radiance of directly lit diffuse surfaces in the frame, W m-2 sr-1. */
 double pl_view_radiance_max(const pl_view *view);
+/* Largest radiance of a ray through all volumes in the frame, W m-2 sr-1. */
+double pl_view_volumes_max(const pl_view *view);
 /* Largest radiance that anything in the frame emits by itself, W m-2 sr-1. */
 double pl_view_emission_max(const pl_view *view);
 /* Largest step of radiance between two places of the frame, W m-2 sr-1: the display's white where

@@ -9,6 +9,9 @@ static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].in_frame)
       return NULL;
+  for (size_t i = 0; i < view->volume_count; i++)
+    if (view->volumes[i].in_frame)
+      return NULL;
   return "the frame is empty";
 }
 

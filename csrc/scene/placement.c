@@ -171,6 +171,8 @@ pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placemen
     PL_TRY(check_object(&scene->objects[i], &placement->objects[i], camera));
   for (size_t i = 0; i < scene->body_count; i++)
     PL_TRY(check_body(&scene->bodies[i], &placement->bodies[i]));
+  PL_TRY(pl_volumes_check(placement->volumes, placement->volume_count,
+                          scene->object_count + scene->body_count));
   const pl_shutter *shutter = &placement->shutter;
   if (!(shutter->exposure_s >= 0.0 && shutter->exposure_s <= SHUTTER_MAX_S) ||
       !(shutter->line_s >= 0.0 && shutter->line_s <= SHUTTER_MAX_S))

@@ -14,6 +14,7 @@
 #include "math/rotation.h"
 #include "scene/lens.h"
 #include "scene/materials.h"
+#include "scene/volume.h"
 #include "shade/clouds.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
@@ -190,6 +191,8 @@ typedef struct pl_placement {
   pl_sun sun;
   pl_camera camera;
   pl_shutter shutter;
+  const pl_volume *volumes; /* as many as it says */
+  size_t volume_count;
 } pl_placement;
 /* PL_E_RANGE naming the object or key for non-finite or non-positive values. */
 pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placement);

@@ -2,6 +2,7 @@
 #include "scene/snapshot.h"
 
 #include "scene/pieces.h"
+#include "scene/volumes.h"
 
 /* IAU 2012 resolution B2. */
 #define ASTRONOMICAL_UNIT_M 149597870700.0
@@ -178,5 +179,5 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
     PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], camera.t, body));
     look_for_body(out, axis, half_angle, body);
   }
-  return PL_OK;
+  return pl_volumes_place(placement, arena, axis, half_angle, out);
 }

@@ -64,6 +64,15 @@ typedef struct pl_shot_body {
   const pl_law_colors *laws;
 } pl_shot_body;
 
+typedef struct pl_shot_volume {
+  const pl_volume *volume; /* borrowed */
+  pl_mat3 rotation;        /* axes of the bound to root axes */
+  pl_vec3 origin;          /* of the bound, camera-relative, m */
+  pl_vec3 center;          /* of the bounding sphere, camera-relative, m */
+  double radius_m;         /* of the bounding sphere */
+  bool in_frame;           /* the sphere touches the frustum */
+} pl_shot_volume;
+
 typedef struct pl_shot_sun {
   pl_vec3 position; /* camera-relative, m */
   double radius_m;
@@ -81,8 +90,13 @@ typedef struct pl_snapshot {
   size_t object_count;
   pl_shot_body *bodies;
   size_t body_count;
+  pl_shot_volume *volumes;
+  size_t volume_count;
   pl_shot_sun sun;
 } pl_snapshot;
+
+/* The sun's light at the point of a sphere that is nearest to it, W m-2 per band. */
+double pl_shot_irradiance_max(const pl_snapshot *shot, pl_vec3 center, double radius_m);
 
 /* The piece of a triangle of the object's model; NULL when the object has none. */
 static inline const pl_shot_piece *pl_shot_piece_of(const pl_shot_object *object,

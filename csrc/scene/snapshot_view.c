@@ -1,8 +1,9 @@
 /* The plan's view of a snapshot, and culling by it. */
 #include "scene/snapshot.h"
 
-/* The sun's light at the point of a sphere that is nearest to it. */
-static double irradiance_max(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
+#include "scene/volumes.h"
+
+double pl_shot_irradiance_max(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
   const double distance = pl_vec3_norm(to_sun);
   const double step = fmin(radius_m, fmax(0.0, distance - shot->sun.radius_m));
@@ -24,7 +25,7 @@ static pl_view_thing object_thing(const pl_snapshot *shot, const pl_shot_object 
       .radius_m = object->radius_m,
       .albedo_max = summary->albedo_max,
       .ggx_alpha_min = summary->ggx_alpha_min,
-      .irradiance = irradiance_max(shot, object->center, object->radius_m),
+      .irradiance = pl_shot_irradiance_max(shot, object->center, object->radius_m),
       .emission_max = summary->emission_max,
       .coat_max = summary->coat_max,
       .transmission_max = summary->transmission_max,
@@ -104,7 +105,7 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
       .air_in_frame = body->air_in_frame,
       .clouds = state->clouds.altitude_m > 0.0 ? &state->clouds : NULL,
       .clouds_in_frame = body->clouds_in_frame,
-      .irradiance = irradiance_max(shot, body->center, body->radius_m),
+      .irradiance = pl_shot_irradiance_max(shot, body->center, body->radius_m),
       .emission_max = fmax(state->emission[0], fmax(state->emission[1], state->emission[2])),
   };
   if (body->body->map != NULL) {
@@ -159,6 +160,10 @@ static double defocus_px(const pl_snapshot *shot, const pl_view *view) {
     if (thing->in_frame)
       most = fmax(most, sphere_defocus_px(shot, half, center, thing->radius_m));
   }
+  for (size_t i = 0; i < shot->volume_count; i++)
+    if (shot->volumes[i].in_frame)
+      most = fmax(
+          most, sphere_defocus_px(shot, half, shot->volumes[i].center, shot->volumes[i].radius_m));
   return most;
 }
 
@@ -189,6 +194,7 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
       .things = things,
       .thing_count = count,
   };
+  PL_TRY(pl_volumes_view(shot, arena, out));
   out->defocus_px = defocus_px(shot, out);
   return PL_OK;
 }

@@ -44,10 +44,14 @@ void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_poi
 
 bool pl_graph_cuts(const pl_graph *graph) { return graph->cuts; }
 
-bool pl_graph_is_there(const pl_graph *graph, const pl_graph_point *point, const pl_value *params) {
+float pl_graph_alpha(const pl_graph *graph, const pl_graph_point *point, const pl_value *params) {
   pl_value alpha;
   run_lazy(graph, graph->programs[0].outputs[PL_SURFACE_ALPHA], point, params, alpha);
-  return alpha[0] >= PL_ALPHA_CUT;
+  return alpha[0];
+}
+
+bool pl_graph_is_there(const pl_graph *graph, const pl_graph_point *point, const pl_value *params) {
+  return pl_graph_alpha(graph, point, params) >= PL_ALPHA_CUT;
 }
 
 void pl_graph_evaluate(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,

@@ -72,6 +72,8 @@ bool pl_graph_cuts(const pl_graph *graph);
 /* Whether there is a surface at a point: its alpha is PL_ALPHA_CUT or more. */
 #define PL_ALPHA_CUT 0.5f
 bool pl_graph_is_there(const pl_graph *graph, const pl_graph_point *point, const pl_value *params);
+/* Its alpha as it is. */
+float pl_graph_alpha(const pl_graph *graph, const pl_graph_point *point, const pl_value *params);
 size_t pl_graph_parameter_count(const pl_graph *graph);
 /* Nodes evaluated a hit, conversions included; those that lazy inputs evaluate not. */
 size_t pl_graph_instruction_count(const pl_graph *graph);

@@ -1,0 +1,186 @@
+/* Marching through a part of a ray that is in the same volumes all along. */
+#include "render/volume_march.h"
+
+#include <math.h>
+
+#include "math/sampling.h"
+#include "shade/graph_medium.h"
+
+/* Less than this part of the light from beyond is not followed any more. */
+static const float DARK = 1e-4f;
+/* Fewest steps through a volume whose density varies. */
+enum { STEPS_MIN = 4 };
+
+/* Henyey and Greenstein 1941, 1/sr; cosine: of the angle by which light is turned. */
+static float phase(float g, float cosine) {
+  const float base = 1.0f + g * g - 2.0f * g * cosine;
+  return (1.0f - g * g) / (4.0f * PL_PI_F * base * sqrtf(base));
+}
+
+/* A metre of all media at a point. */
+typedef struct mixture {
+  pl_vec3f extinction; /* 1/m */
+  pl_vec3f scattered;  /* times the phase functions, 1/(m sr) */
+  pl_vec3f emission;   /* W m-3 sr-1 */
+} mixture;
+
+static void add_medium(const pl_volume_item *item, const pl_volume_ray *ray, pl_vec3 point,
+                       float radius_m, mixture *sum) {
+  const pl_shot_volume *shot = item->shot;
+  const pl_volume *v = shot->volume;
+  pl_medium medium = {.density = 1.0f, .albedo = {1.0f, 1.0f, 1.0f}};
+  if (v->graph != NULL) {
+    const pl_vec3 place = pl_mat3_mul_vec_t(shot->rotation, pl_vec3_sub(point, shot->origin));
+    const pl_vec3f viewer = pl_vec3_to_float(pl_vec3_scale(ray->direction, -1.0));
+    const pl_graph_point at = pl_volume_point(shot, place, viewer, radius_m);
+    medium = pl_graph_medium(v->graph, &at, v->parameters);
+  }
+  if (!(medium.density > 0.0f))
+    return;
+  const float cosine = pl_vec3f_dot(pl_vec3_to_float(ray->direction), item->sun.direction);
+  const float turned = phase(v->g, cosine);
+  const pl_vec3f e = pl_vec3f_scale(
+      pl_vec3f_make(v->extinction[0], v->extinction[1], v->extinction[2]), medium.density);
+  const pl_vec3f albedo =
+      pl_vec3f_mul(pl_vec3f_make(v->albedo[0], v->albedo[1], v->albedo[2]), medium.albedo);
+  const pl_vec3f own = pl_vec3f_make(v->emission[0], v->emission[1], v->emission[2]);
+  sum->extinction = pl_vec3f_add(sum->extinction, e);
+  sum->scattered = pl_vec3f_madd(sum->scattered, turned, pl_vec3f_mul(e, albedo));
+  sum->emission = pl_vec3f_madd(sum->emission, medium.density, pl_vec3f_add(own, medium.emission));
+}
+
+/* What a step sends on of a source of 1 all along it, over its length: (1 - exp(-x)) / x, m. */
+static float seen_m(float extinction, float length) {
+  const float x = extinction * length;
+  return x > 1e-3f ? -expm1f(-x) / extinction : length * (1.0f - 0.5f * x);
+}
+
+static pl_vec3f seen(pl_vec3f extinction, float length) {
+  return pl_vec3f_make(seen_m(extinction.x, length), seen_m(extinction.y, length),
+                       seen_m(extinction.z, length));
+}
+
+/* One step, from `start` on, whose medium is that at `middle`. */
+static void step(const pl_volume_view *view, const pl_volume_ray *ray, const pl_volume_part *part,
+                 double start, double end, double middle, pl_volume_stretch *sum) {
+  const float length = (float)(end - start);
+  const float width = ray->width_m + ray->spread * (float)middle;
+  const pl_vec3 point = pl_vec3_madd(ray->origin, middle, ray->direction);
+  mixture m = {{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}};
+  for (size_t i = 0; i < part->count; i++)
+    add_medium(part->items[i], ray, point, 0.5f * pl_maxf(length, width), &m);
+  if (ray->sun != NULL) {
+    pl_vec3f source = m.emission;
+    if (pl_vec3f_max(m.scattered) > 0.0f) {
+      const pl_vec3f sun = pl_vec3f_mul(ray->sun(ray->context, point, &part->items[0]->sun),
+                                        pl_volume_toward_sun(view, point));
+      source = pl_vec3f_add(source, pl_vec3f_mul(m.scattered, sun));
+    }
+    const pl_vec3f light = pl_vec3f_mul(source, seen(m.extinction, length));
+    sum->radiance = pl_vec3f_add(sum->radiance, pl_vec3f_mul(sum->passed, light));
+  }
+  const pl_vec3f e = m.extinction;
+  sum->passed = pl_vec3f_mul(
+      sum->passed, pl_vec3f_make(expf(-e.x * length), expf(-e.y * length), expf(-e.z * length)));
+}
+
+/* Steps that each take as much of the light, of which `depth` is taken in all: where the medium is
+ * the same all along, the light that scatters comes most from the near part. */
+static double even_place(double part, double depth, double length) {
+  if (depth < 1e-3)
+    return part * length;
+  return fmin(length, -log1p(part * expm1(-depth)) / depth * length);
+}
+
+static void march_even(const pl_volume_view *view, const pl_volume_ray *ray,
+                       const pl_volume_part *part, pl_volume_stretch *sum) {
+  const double length = part->end - part->start;
+  const int steps = ray->sun != NULL ? view->steps : 1;
+  double most = 0.0;
+  for (size_t i = 0; i < part->count; i++)
+    most += (double)part->items[i]->extinction_max;
+  for (int i = 0; i < steps; i++) {
+    const double a = part->start + even_place((double)i / steps, most * length, length);
+    const double b = i + 1 == steps
+                         ? part->end
+                         : part->start + even_place((i + 1.0) / steps, most * length, length);
+    const double m = part->start + even_place((i + 0.5) / steps, most * length, length);
+    step(view, ray, part, a, b, m, sum);
+  }
+}
+
+/* Steps as seen from the origin of a volume with a core: evenly in the angle between them
+ * (equiangular, Kulla and Fajardo 2012), as if the ray passed it no nearer than the core. */
+typedef struct spacing {
+  double middle, off; /* m: where the ray is nearest to it, and how near; off 0: all are alike */
+  double angles[2];
+} spacing;
+
+static spacing spacing_of(const pl_volume_ray *ray, const pl_volume_part *part) {
+  spacing out = {.off = 0.0};
+  for (size_t i = 0; i < part->count; i++) {
+    const pl_shot_volume *shot = part->items[i]->shot;
+    if (!(shot->volume->core_m > 0.0))
+      continue;
+    const pl_vec3 from = pl_vec3_sub(shot->origin, ray->origin);
+    out.middle = pl_vec3_dot(from, ray->direction);
+    const double near = pl_vec3_norm(pl_vec3_madd(from, -out.middle, ray->direction));
+    out.off = hypot(near, shot->volume->core_m);
+    out.angles[0] = atan((part->start - out.middle) / out.off);
+    out.angles[1] = atan((part->end - out.middle) / out.off);
+    break;
+  }
+  return out;
+}
+
+/* Ends of step `i` of so many. */
+static void step_of(const spacing *s, const pl_volume_part *part, int i, int steps, double ends[2],
+                    double *middle) {
+  for (int side = 0; side < 2; side++) {
+    const double at = (double)(i + side) / steps;
+    const double angle = s->angles[0] + at * (s->angles[1] - s->angles[0]);
+    ends[side] = s->off > 0.0 ? s->middle + s->off * tan(angle)
+                              : part->start + at * (part->end - part->start);
+    ends[side] = fmin(part->end, fmax(part->start, ends[side]));
+  }
+  *middle = 0.5 * (ends[0] + ends[1]);
+  if (!(s->off > 0.0))
+    return;
+  /* Where a metre is as much of an angle as in the whole step: so steps are exact for what falls
+   * off with the square of the distance, and for what is the same everywhere. */
+  const double angle = (s->angles[1] - s->angles[0]) / steps;
+  const double along2 = (ends[1] - ends[0]) / angle * s->off - s->off * s->off;
+  const double along = copysign(sqrt(fmax(0.0, along2)), *middle - s->middle);
+  *middle = fmin(ends[1], fmax(ends[0], s->middle + along));
+}
+
+/* Short ways through a volume take fewer steps. */
+static int steps_of(const pl_volume_view *view, const pl_volume_part *part) {
+  double way = INFINITY;
+  for (size_t i = 0; i < part->count; i++)
+    if (part->items[i]->columns != NULL)
+      way = part->items[i]->shot->volume->core_m > 0.0
+                ? 0.0
+                : fmin(way, 2.0 * part->items[i]->shot->radius_m);
+  const double steps = way > 0.0 ? ceil(view->steps * (part->end - part->start) / way) : INFINITY;
+  const int least = view->steps < STEPS_MIN ? view->steps : STEPS_MIN;
+  return (int)fmin(view->steps, fmax(least, steps));
+}
+
+void pl_volume_march(const pl_volume_view *view, const pl_volume_ray *ray,
+                     const pl_volume_part *part, pl_volume_stretch *sum) {
+  bool even = true;
+  for (size_t i = 0; i < part->count; i++)
+    even = even && part->items[i]->columns == NULL;
+  if (even) {
+    march_even(view, ray, part, sum);
+    return;
+  }
+  const spacing s = spacing_of(ray, part);
+  const int steps = steps_of(view, part);
+  for (int i = 0; i < steps && pl_vec3f_max(sum->passed) > DARK; i++) {
+    double ends[2], middle;
+    step_of(&s, part, i, steps, ends, &middle);
+    step(view, ray, part, ends[0], ends[1], middle, sum);
+  }
+}
