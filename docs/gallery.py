@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import yaml
-from gallery_grounds import cratered, icy
+from gallery_grounds import cratered, icy, lands
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -96,13 +96,21 @@ MARS = part("mro_mars", "bodies", "mars")
 OWN_GROUND = {"material": "ground", "material_mode": "wrap"}
 GROUNDS = {
     "earth": Ground(
-        part("iss_leo", "bodies", "earth"),
+        part("iss_leo", "bodies", "earth") | OWN_GROUND,
         418.0,
         (2026, 3, 20, 12, 40),
         45.0,
         100.0,
+        materials={"ground": lands()},
     ),
-    "mars": Ground(MARS, 300.0, (2026, 2, 10, 0, 0), 48.0, 10.0),
+    "mars": Ground(
+        MARS | OWN_GROUND,
+        300.0,
+        (2026, 2, 10, 0, 0),
+        48.0,
+        10.0,
+        materials={"ground": cratered(45e3, "lambert", 0.6, 0.25, 0.9)},
+    ),
     "mercury": Ground(
         {
             "kind": "mercury",
@@ -163,9 +171,9 @@ CRAFT = {
     ),
     "lro": Craft(
         model("lro_moon", "lro", materials=FOIL),
-        11.5,
+        12.5,
         55.0,
-        lift_m=1.2,
+        lift_m=0.5,
         materials=ready("gold_mli", "silver_mli"),
     ),
     "mro": Craft(model("mro_mars", "mro", attitude=level(180.0, 0.0, 0.0)), 21.0, -60.0),
@@ -175,7 +183,7 @@ CRAFT = {
             "metres_per_unit": 0.0254,  # the model is in inches
             "attitude": level(90.0, 0.0, 30.0),
         },
-        56.0,
+        62.0,
         50.0,
     ),
     "tango": Craft(
@@ -183,12 +191,17 @@ CRAFT = {
             "model": "../assets/models/tango_like.glb",
             "metres_per_unit": 1.0,
             "attitude": level(160.0, -25.0, 30.0),
+            "materials": [
+                {"material": "mli_silver", "use": "silver_mli"},
+                {"material": "solar_cell", "use": "solar_cells"},
+            ],
         },
         3.0,
         -52.0,
+        materials=ready("silver_mli", "solar_cells"),
     ),
     "voyager": Craft(
-        model("voyager_phobos", "voyager", attitude=level(180.0, -25.0, 30.0)),
+        model("voyager_phobos", "voyager", attitude=level(180.0, 10.0, 30.0)),
         18.0,
         58.0,
     ),

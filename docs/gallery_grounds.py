@@ -38,13 +38,18 @@ def _craters(name: str, cell_m: float, share: float, seed: int) -> Nodes:
     }  # fmt: skip
 
 
-def cratered(cell_m: float, law: str, strength: float = 1.0) -> Nodes:
-    """Craters of four sizes from about a third of a cell down, and grain of the soil, on a map."""
+def cratered(
+    cell_m: float, law: str, strength: float = 1.0, share: float = 0.6, contrast: float = 0.6
+) -> Nodes:
+    """Craters of four sizes from about a third of a cell down, and grain of the soil, on a map.
+
+    strength: of the slopes; share: of the cells that have a crater; contrast: of the grain.
+    """
     sizes = {"a": cell_m, "b": cell_m / 2.7, "c": cell_m / 7.3, "d": cell_m / 20.0}
     nodes: Nodes = {"where": {"type": "coordinates"}, "own": {"type": "model_material"}}
     heights = None
     for seed, (name, size) in enumerate(sizes.items(), 3):
-        nodes |= _craters(name, size, 0.6, seed)
+        nodes |= _craters(name, size, share, seed)
         if heights is not None:
             nodes[f"{name}_sum"] = _math("add", heights, name)
         heights = name if heights is None else f"{name}_sum"
@@ -52,7 +57,7 @@ def cratered(cell_m: float, law: str, strength: float = 1.0) -> Nodes:
     nodes |= {
         "relief": {"type": "bump", "height": heights, "distance_m": 1.0, "strength": strength},
         "grain": grain | {"roughness": 0.62},
-        "shade": _math("multiply_add", "grain", 0.6, 0.7),
+        "shade": _math("multiply_add", "grain", contrast, 1.0 - 0.5 * contrast),
         "soil": {"type": "vector_math", "function": "multiply", "a": "own", "b": "shade"},
         "skin": {"type": law, "base_color": "soil", "normal": "relief"},
     }
@@ -102,5 +107,23 @@ def icy(cell_m: float) -> Nodes:
         "high": _math("multiply_add", "abc", 0.35, "hills.value"),
         "relief": {"type": "bump", "height": "high", "distance_m": cell_m * 0.02},
         "skin": {"type": "lambert", "base_color": "tinted", "normal": "relief"},
+    }
+    return {"nodes": nodes}
+
+
+def lands() -> Nodes:
+    """Land and sea of the Earth, by what of its map is bluer than red: the land gets grain."""
+    nodes: Nodes = {"where": {"type": "coordinates"}, "own": {"type": "model_material"}}
+    dot = {"type": "vector_math", "function": "dot", "a": "own.base_color"}
+    grain = {"type": "noise", "vector": "where", "roughness": 0.65, "octaves": 10.0}
+    nodes |= {
+        "warm": dot | {"b": [1.0, 0.0, -0.75]},
+        "land": _math("smoothstep", "warm.value", -0.02, 0.03),
+        "grain": grain | {"scale": 1.0 / 60e3, "seed": 8},
+        "uneven": _math("subtract", "grain.value", 0.5),
+        "much": _math("multiply", "land", 1.6),
+        "shade": _math("multiply_add", "uneven", "much", 1.0),
+        "ground": {"type": "vector_math", "function": "multiply", "a": "own", "b": "shade"},
+        "skin": {"type": "lambert", "base_color": "ground"},
     }
     return {"nodes": nodes}
