@@ -274,7 +274,7 @@ pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_
   }
   for (size_t i = 0; i < count; i++)
     outlines[i].whole = is_whole(shot, i, outlines);
-  for (size_t i = 0; i < count; i++)
+  for (size_t i = 0; i < shot->craft_count; i++) /* those of shapes only hide */
     if (!outlines[i].whole)
       PL_TRY(refine_object(&shot->camera, cache, &outlines[i]));
   for (size_t i = 0; i < count; i++)

@@ -20,14 +20,32 @@ static double across_px(const pl_camera *camera, pl_vec3 center, pl_vec3 side, d
   return hypot(a[0] - b[0], a[1] - b[1]);
 }
 
+/* A body's bounding sphere: that of its shape, if it has one. */
+typedef struct ball {
+  pl_vec3 center;
+  double radius_m;
+  uint32_t thing;
+  bool in_frame;
+} ball;
+
+static ball ball_of(const pl_snapshot *shot, size_t index) {
+  const pl_shot_body *body = &shot->bodies[index];
+  const pl_shot_object *shape = body->shape;
+  if (shape != NULL)
+    return (ball){shape->center, shape->radius_m, (uint32_t)(shape - shot->objects),
+                  shape->in_frame};
+  return (ball){body->center, body->radius_m, (uint32_t)(shot->object_count + index),
+                body->in_frame};
+}
+
 /* The larger one of those along and across the direction to the axis: off it the image is wider. */
-static double diameter_px(const pl_snapshot *shot, const pl_shot_body *body) {
-  const double distance = pl_vec3_norm(body->center);
-  if (!(distance > body->radius_m))
+static double diameter_px(const pl_snapshot *shot, const ball *ball) {
+  const double distance = pl_vec3_norm(ball->center);
+  if (!(distance > ball->radius_m))
     return INFINITY;
-  const double angle = asin(body->radius_m / distance);
+  const double angle = asin(ball->radius_m / distance);
   const pl_vec3 center =
-      pl_vec3_scale(pl_mat3_mul_vec_t(shot->camera_to_root, body->center), 1.0 / distance);
+      pl_vec3_scale(pl_mat3_mul_vec_t(shot->camera_to_root, ball->center), 1.0 / distance);
   const double off = hypot(center.x, center.y);
   const pl_vec3 turn =
       off > 0.0 ? (pl_vec3){-center.y / off, center.x / off, 0.0} : (pl_vec3){0.0, 1.0, 0.0};
@@ -42,22 +60,25 @@ static const double HIGH = 0.02;
 void pl_dots_mark(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
   for (size_t i = 0; i < shot->body_count; i++) {
     pl_shot_body *body = &shot->bodies[i];
-    const pl_view_thing *thing = &view->things[shot->object_count + i];
-    const double size = body->in_frame ? diameter_px(shot, body) : INFINITY;
+    const ball ball = ball_of(shot, i);
+    const pl_view_thing *thing = &view->things[ball.thing];
+    const double size = ball.in_frame ? diameter_px(shot, &ball) : INFINITY;
     const double covered = fmin(1.0, size * size);
     body->dot = shot->camera.aperture_m == 0.0 &&
                 body->state->clouds.altitude_m < HIGH * body->radius_m && size < DIAMETER_PX &&
                 pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
+    if (ball.thing < shot->object_count)
+      shot->objects[ball.thing].dot = body->dot;
   }
 }
 
 /* The camera that looks at a body alone. */
-static void aim(const pl_snapshot *shot, const pl_shot_body *body, pl_snapshot *out) {
-  const pl_vec3 forward = pl_vec3_unit(body->center);
+static void aim(const pl_snapshot *shot, const ball *ball, pl_snapshot *out) {
+  const pl_vec3 forward = pl_vec3_unit(ball->center);
   const pl_vec3 seed = fabs(forward.x) < 0.7 ? (pl_vec3){1, 0, 0} : (pl_vec3){0, 1, 0};
   const pl_vec3 right = pl_vec3_unit(pl_vec3_cross(seed, forward));
   const pl_vec3 down = pl_vec3_cross(forward, right);
-  const double sine = body->radius_m / pl_vec3_norm(body->center);
+  const double sine = ball->radius_m / pl_vec3_norm(ball->center);
   const double focal = 0.5 * SIDE * FILLED * sqrt(1.0 - sine * sine) / sine;
   *out = *shot;
   out->camera_to_root = pl_mat3_transpose((pl_mat3){{right, down, forward}});
@@ -145,8 +166,9 @@ static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size
                             pl_render_settings settings, pl_cancel *cancel, gathering *g,
                             pl_frame_sky *sky) {
   pl_snapshot close;
-  aim(shot, &shot->bodies[body], &close);
-  g->thing = (uint32_t)(shot->object_count + body);
+  const ball ball = ball_of(shot, body);
+  aim(shot, &ball, &close);
+  g->thing = ball.thing;
   const pl_air_view *air = settings.air;
   const pl_veils *veils = settings.veils;
   pl_veils own; /* what it carries itself is part of its picture */
@@ -167,13 +189,12 @@ static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size
   PL_TRY(pl_render(&close, renderer->tracer, &settings, renderer->scratch, gather_tile, g, cancel));
   const size_t first = sky->dot_count;
   spread(g, &close, shot, sky);
-  const pl_vec3 toward = pl_vec3_unit(shot->bodies[body].center), here = {0.0, 0.0, 0.0};
+  const pl_vec3 toward = pl_vec3_unit(ball.center), here = {0.0, 0.0, 0.0};
   pl_vec3f passed = {1.0f, 1.0f, 1.0f};
   if (air != NULL)
     passed = pl_air_toward_sun(air, shot, here, pl_vec3_to_float(toward));
   if (veils != NULL)
-    passed = pl_vec3f_mul(
-        passed, pl_veils_passed(veils, shot, toward, pl_vec3_norm(shot->bodies[body].center)));
+    passed = pl_vec3f_mul(passed, pl_veils_passed(veils, shot, toward, pl_vec3_norm(ball.center)));
   for (size_t i = first; i < sky->dot_count; i++)
     sky->dots[i].light = pl_vec3f_mul(sky->dots[i].light, passed);
   return PL_OK;

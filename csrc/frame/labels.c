@@ -27,12 +27,11 @@ static size_t pixels_of(const pl_snapshot *shot) {
 
 static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
   void *memory;
-  const size_t count = out->shot->object_count;
   PL_TRY(take(arena, pl_outline_count(out->shot), sizeof(pl_outline), &memory));
   out->outlines = memory;
   PL_TRY(pl_outline_build(out->shot, &tools->clusters, out->outlines));
   bool needed = out->request->masks != NULL;
-  for (size_t i = 0; i < count; i++)
+  for (size_t i = 0; i < out->shot->craft_count; i++)
     needed |= !out->outlines[i].whole;
   if (!needed)
     return PL_OK;
@@ -44,7 +43,7 @@ static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
                             pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
   void *memory;
-  const size_t extents = (size_t)request->threads * shot->object_count;
+  const size_t extents = (size_t)request->threads * shot->craft_count;
   *out = (pl_labels){.request = request, .shot = shot};
   if (request->objects == NULL && request->masks == NULL)
     return PL_OK;
@@ -56,7 +55,7 @@ pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *
 }
 
 void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int worker) {
-  const size_t count = labels->shot->object_count;
+  const size_t count = labels->shot->craft_count;
   const int tile[4] = {result->tile.x0, result->tile.y0, result->tile.width, result->tile.height};
   if (labels->seen != NULL)
     pl_seen_write(result->points, PL_TILE_SIDE, tile, labels->shot->camera.width, labels->seen);
@@ -83,7 +82,7 @@ static pl_status label_object(const pl_labels *labels, const pl_silhouette_job *
   const pl_snapshot *shot = labels->shot;
   pl_extent extent = PL_EXTENT_NONE;
   for (size_t w = 0; w < (size_t)labels->request->threads; w++)
-    pl_extent_merge(&extent, &labels->extents[w * shot->object_count + index]);
+    pl_extent_merge(&extent, &labels->extents[w * shot->craft_count + index]);
   if (labels->request->objects != NULL)
     pl_object_label_fill(shot, &shot->objects[index], &extent, &labels->request->objects[index]);
   return labels->outlines != NULL ? find_silhouette(labels, job, index, &extent) : PL_OK;
@@ -109,7 +108,7 @@ pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_label_
       .threads = threads,
       .cancel = labels->request->cancel,
   };
-  for (size_t i = 0; i < labels->shot->object_count; i++)
+  for (size_t i = 0; i < labels->shot->craft_count; i++)
     PL_TRY(label_object(labels, &job, i));
   return PL_OK;
 }

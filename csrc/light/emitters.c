@@ -157,7 +157,8 @@ pl_status pl_emitters_build(const pl_snapshot *shot, pl_detail detail, pl_arena 
     if (emits(&shot->objects[i]))
       add_object(out, i, &used);
   for (size_t i = 0; i < shot->body_count; i++)
-    add_body(out, i);
+    if (shot->bodies[i].shape == NULL) /* light of a shape is met by chance */
+      add_body(out, i);
   return PL_OK;
 }
 

@@ -1,4 +1,4 @@
-/* The type Model: a glTF file, immutable. */
+/* The type Model: a glTF file, or the shape of a body; immutable. */
 #include "pyext/py_types.h"
 
 #include <math.h>
@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "geom/components.h"
+#include "geom/shape.h"
 #include "geom/texture.h"
 #include "io/gltf.h"
 #include "math/color.h"
@@ -54,6 +55,33 @@ static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   Py_INCREF(path);
   self->path = path;
   return (PyObject *)self;
+}
+
+/* A model of the type `self` that a mesh makes. */
+static PyObject *model_of_mesh(PyObject *self, PyObject *args) {
+  const npy_intp rows[2] = {-1, 3};
+  PyObject *name, *positions, *indices;
+  if (!PyArg_ParseTuple(args, "UOO:of_mesh", &name, &positions, &indices))
+    return NULL;
+  const char *text = PyUnicode_AsUTF8AndSize(name, NULL);
+  PyArrayObject *p = text != NULL ? pl_py_array(positions, "positions", NPY_FLOAT, 2, rows) : NULL;
+  PyArrayObject *i = p != NULL ? pl_py_array(indices, "indices", NPY_UINT32, 2, rows) : NULL;
+  PyTypeObject *type = (PyTypeObject *)self;
+  model_object *out =
+      i != NULL ? (model_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0) : NULL;
+  if (out != NULL) {
+    const pl_status status =
+        pl_shape_create(text, PyArray_DATA(p), (size_t)PyArray_DIM(p, 0), PyArray_DATA(i),
+                        (size_t)PyArray_DIM(i, 0), &out->model);
+    out->path = Py_NewRef(name);
+    if (status != PL_OK) {
+      Py_DECREF(out);
+      out = (model_object *)pl_py_raise(status);
+    }
+  }
+  Py_XDECREF((PyObject *)p);
+  Py_XDECREF((PyObject *)i);
+  return (PyObject *)out;
 }
 
 PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path) {
@@ -270,8 +298,21 @@ static PyObject *model_components(PyObject *self, PyObject *unused) {
   return pl_py_raise(status);
 }
 
+static PyObject *model_winding(PyObject *self, PyObject *points) {
+  const npy_intp rows[2] = {-1, 3};
+  PyArrayObject *array = pl_py_array(points, "points", NPY_DOUBLE, 2, rows);
+  npy_intp shape[1] = {array != NULL ? PyArray_DIM(array, 0) : 0};
+  PyObject *out = array != NULL ? PyArray_SimpleNew(1, shape, NPY_DOUBLE) : NULL;
+  const double *p = array != NULL ? PyArray_DATA(array) : NULL;
+  for (npy_intp i = 0; out != NULL && i < shape[0]; i++)
+    ((double *)PyArray_DATA((PyArrayObject *)out))[i] =
+        pl_shape_winding(of(self), (pl_vec3){p[3 * i], p[3 * i + 1], p[3 * i + 2]});
+  Py_XDECREF((PyObject *)array);
+  return out;
+}
+
 static PyGetSetDef model_getset[] = {
-    {"path", get_path, NULL, "Path of the file.", NULL},
+    {"path", get_path, NULL, "Path of the file, or the name given to of_mesh.", NULL},
     {"triangle_count", get_triangle_count, NULL, NULL, NULL},
     {"vertex_count", get_vertex_count, NULL, NULL, NULL},
     {"bounds", get_bounds, NULL, "(2, 3) smallest and largest coordinates, model units.", NULL},
@@ -285,6 +326,8 @@ static PyGetSetDef model_getset[] = {
 
 static PyMethodDef model_methods[] = {
     {"mesh", model_mesh, METH_NOARGS, "Copies of the mesh's arrays, by name."},
+    {"of_mesh", model_of_mesh, METH_VARARGS | METH_CLASS, "The shape of a body, of arrays."},
+    {"winding", model_winding, METH_O, "How often the surface goes around points."},
     {"components", model_components, METH_NOARGS, "Connected component of each triangle."},
     {NULL, NULL, 0, NULL},
 };

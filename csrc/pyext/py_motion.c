@@ -63,7 +63,7 @@ static void set_keys(pl_motion *motion, const double *poses, int keys) {
 
 static int read_poses(reader *reader, const pl_scene *scene, pl_py_states *states,
                       pl_placement *placement) {
-  const npy_intp k = reader->keys, objects = (npy_intp)scene->object_count;
+  const npy_intp k = reader->keys, objects = (npy_intp)scene->craft_count;
   const npy_intp bodies = (npy_intp)scene->body_count;
   const double *camera = read_array(reader, "camera", 2, (npy_intp[]){k, 7});
   const double *object =
@@ -94,7 +94,7 @@ static int read_movers(reader *reader, const pl_scene *scene, pl_py_states *stat
     return -1;
   pl_affine *next = (pl_affine *)(void *)take(reader, 12 * (size_t)(reader->keys * nodes));
   size_t first = 0;
-  for (size_t i = 0; i < scene->object_count; i++) {
+  for (size_t i = 0; i < scene->craft_count; i++) {
     const size_t own = pl_object_mover_count(&scene->objects[i]);
     states->objects[i].mover_keys = own > 0 ? next : NULL;
     states->objects[i].mover_key_count = reader->keys;
@@ -149,7 +149,7 @@ int pl_py_motion_parse(PyObject *request, const pl_scene *scene, pl_py_states *s
   shutter->held = is_held != 0;
   if (reader.keys == 0)
     return 0;
-  const size_t things = 1 + scene->object_count + scene->body_count;
+  const size_t things = 1 + scene->craft_count + scene->body_count;
   if (grow(&states->keys, (size_t)reader.keys * (7 * things + 3 + 24 * states->mover_count)) < 0 ||
       read_poses(&reader, scene, states, placement) < 0)
     return -1;

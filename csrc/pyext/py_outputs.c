@@ -116,9 +116,9 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
                       pl_frame_request *request) {
   const pl_camera *camera = &request->placement.camera;
   if (strcmp(name, "objects") == 0)
-    return (request->objects = object_data(array, scene->object_count)) != NULL ? 0 : -1;
+    return (request->objects = object_data(array, scene->craft_count)) != NULL ? 0 : -1;
   if (strcmp(name, "masks") == 0)
-    return (request->masks = mask_data(array, scene->object_count, camera)) != NULL ? 0 : -1;
+    return (request->masks = mask_data(array, scene->craft_count, camera)) != NULL ? 0 : -1;
   for (size_t i = 0; i < COLOUR_CHANNELS; i++)
     if (strcmp(colour_channels[i].name, name) == 0)
       return set_colour(i,

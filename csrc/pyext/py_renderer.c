@@ -36,11 +36,11 @@ static void renderer_dealloc(PyObject *object) {
 
 static pl_status open_renderer(renderer_object *self) {
   void *objects, *bodies, *movers;
-  PL_TRY(pl_alloc_or_fail(self->core->object_count, sizeof(pl_object_state), "poses", &objects));
+  PL_TRY(pl_alloc_or_fail(self->core->craft_count, sizeof(pl_object_state), "poses", &objects));
   self->states.objects = objects;
   PL_TRY(pl_alloc_or_fail(self->core->body_count, sizeof(pl_body_state), "poses", &bodies));
   self->states.bodies = bodies;
-  for (size_t i = 0; i < self->core->object_count; i++)
+  for (size_t i = 0; i < self->core->craft_count; i++)
     self->states.mover_count += pl_object_mover_count(&self->core->objects[i]);
   PL_TRY(pl_alloc_or_fail(self->states.mover_count, sizeof(pl_affine), "motions", &movers));
   self->states.movers = movers;

@@ -103,7 +103,7 @@ static int parse_movers(PyObject *dict, const pl_scene *scene, pl_py_states *sta
                                     {m[3], m[7], m[11]}};
   Py_DECREF((PyObject *)array);
   const pl_affine *next = states->movers;
-  for (size_t i = 0; i < scene->object_count; i++) {
+  for (size_t i = 0; i < scene->craft_count; i++) {
     states->objects[i].movers = next;
     next += pl_object_mover_count(&scene->objects[i]);
   }
@@ -112,7 +112,7 @@ static int parse_movers(PyObject *dict, const pl_scene *scene, pl_py_states *sta
 
 static size_t parameter_count(const pl_scene *scene) {
   size_t count = 0;
-  for (size_t i = 0; i < scene->object_count; i++)
+  for (size_t i = 0; i < scene->craft_count; i++)
     count += pl_object_parameter_count(&scene->objects[i]);
   for (size_t i = 0; i < scene->body_count; i++)
     count += pl_body_parameter_count(&scene->bodies[i]);
@@ -141,7 +141,7 @@ static int parse_parameters(PyObject *dict, const pl_scene *scene, pl_py_states 
       states->parameters[i][k] = k < 3 ? (float)from[3 * i + k] : 0.0f;
   Py_DECREF((PyObject *)array);
   const pl_value *next = (const pl_value *)states->parameters;
-  for (size_t i = 0; i < scene->object_count; i++) {
+  for (size_t i = 0; i < scene->craft_count; i++) {
     states->objects[i].parameters = next;
     next += pl_object_parameter_count(&scene->objects[i]);
   }
@@ -298,7 +298,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
   out->placement.bodies = states->bodies;
   if (get_u64(request, "seed", &out->seed) < 0 || get_u64(request, "index", &out->index) < 0 ||
       parse_camera(request, &out->placement.camera) < 0 ||
-      parse_objects(request, scene->object_count, states->objects) < 0 ||
+      parse_objects(request, scene->craft_count, states->objects) < 0 ||
       parse_movers(request, scene, states) < 0 ||
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
       parse_regolith(request, scene->body_count, states->bodies) < 0 ||

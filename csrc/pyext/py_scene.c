@@ -74,16 +74,17 @@ static const pl_reflectance *find_reflectance(const char *name) {
 }
 
 static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",        "map",     "map_center_lon_rad", "reflectance",
-                          "instance_id", "part_id", "class_ids",          "regolith_map",
-                          "air",         NULL};
+  static char *names[] = {
+      "name",    "map",       "map_center_lon_rad", "reflectance", "instance_id",
+      "part_id", "class_ids", "regolith_map",       "air",         "shape",
+      NULL};
   scene_object *self = (scene_object *)object;
-  PyObject *map, *classes, *regolith, *air;
+  PyObject *map, *classes, *regolith, *air, *shape = Py_None;
   const char *name, *reflectance;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "$sOdsiiOOO:add_body", names, &name, &map,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$O:add_body", names, &name, &map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
-                                   &body.part_id, &classes, &regolith, &air) ||
+                                   &body.part_id, &classes, &regolith, &air, &shape) ||
       check_open(self) < 0)
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
@@ -92,16 +93,17 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
     return NULL;
   if ((map != Py_None && (body.map = pl_py_map_of(map)) == NULL) ||
       (regolith != Py_None && (body.regolith_map = pl_py_grid_of(regolith)) == NULL) ||
-      (air != Py_None && (body.air = pl_py_air_of(air)) == NULL))
+      (air != Py_None && (body.air = pl_py_air_of(air)) == NULL) ||
+      (shape != Py_None && (body.shape = pl_py_model_of(shape)) == NULL))
     return NULL;
-  const npy_intp shape[1] = {self->scene.levels};
-  PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, shape);
+  const npy_intp levels[1] = {self->scene.levels};
+  PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, levels);
   if (ids == NULL)
     return NULL;
   memcpy(body.class_ids, PyArray_DATA(ids), (size_t)self->scene.levels * sizeof(uint16_t));
   Py_DECREF((PyObject *)ids);
   if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, regolith) < 0 ||
-      PyList_Append(self->kept, air) < 0)
+      PyList_Append(self->kept, air) < 0 || PyList_Append(self->kept, shape) < 0)
     return NULL;
   const pl_status status = pl_scene_add_body(&self->scene, &body);
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);
@@ -155,7 +157,7 @@ static PyObject *scene_add_object(PyObject *object, PyObject *args, PyObject *kw
     };
     const pl_status status = pl_scene_add_object(
         &self->scene, name, model, (pl_vec3){o[0], o[1], o[2]}, obj_id, instance_id, &table);
-    added = status == PL_OK ? PyLong_FromSize_t(self->scene.object_count - 1) : pl_py_raise(status);
+    added = status == PL_OK ? PyLong_FromSize_t(self->scene.craft_count - 1) : pl_py_raise(status);
   }
   for (int i = 0; i < 4; i++)
     Py_XDECREF((PyObject *)in.arrays[i]);
@@ -218,7 +220,7 @@ static PyObject *scene_set_materials(PyObject *object, PyObject *args, PyObject 
                                    &tuple, &triangles) ||
       check_idle(self) < 0)
     return NULL;
-  if (index < 0 || (size_t)index >= self->scene.object_count) {
+  if (index < 0 || (size_t)index >= self->scene.craft_count) {
     PyErr_Format(PyExc_ValueError, "no object %zd", index);
     return NULL;
   }
@@ -276,7 +278,7 @@ static PyObject *scene_articulate(PyObject *object, PyObject *args, PyObject *kw
 
 static PyMethodDef scene_methods[] = {
     {"add_body", (PyCFunction)(void (*)(void))scene_add_body, METH_VARARGS | METH_KEYWORDS,
-     "Adds an ellipsoid; returns its index."},
+     "Adds a body; returns its index."},
     {"add_object", (PyCFunction)(void (*)(void))scene_add_object, METH_VARARGS | METH_KEYWORDS,
      "Adds an instance of a model; returns its index."},
     {"set_materials", (PyCFunction)(void (*)(void))scene_set_materials,

@@ -55,6 +55,12 @@ static void own_surface(const pl_shot_body *body, const pl_beam *beam, pl_detail
     pl_regolith_shade(body, beam, detail.maps, vertex);
 }
 
+/* The outward normal that is shaded: smooth on the shape of a body. */
+static pl_vec3f normal_at(const pl_shot_body *body, const pl_vertex *vertex) {
+  return body->shape == NULL ? vertex->ng
+                             : pl_shot_normal(body->shape, vertex->triangle, vertex->w, vertex->ng);
+}
+
 /* The surface by the body's graph; its frame's t points east. */
 static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
                              pl_vertex *vertex) {
@@ -62,7 +68,7 @@ static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_d
   body_footprint print;
   find_footprint(body, vertex, beam, &print);
   const pl_vec3 east = {-print.point.y, print.point.x, 0.0};
-  pl_surface_set_frame(&vertex->surface, vertex->ng,
+  pl_surface_set_frame(&vertex->surface, normal_at(body, vertex),
                        pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, pl_vec3_unit(east))), 1.0f);
   if (pl_graph_wraps(graph))
     own_surface(body, beam, detail, vertex);
@@ -99,6 +105,7 @@ void pl_body_surface_shade(const pl_shot_body *body, const pl_beam *beam, pl_det
     shade_body_graph(body, beam, detail, vertex);
     return;
   }
-  pl_surface_set_frame(&vertex->surface, vertex->ng, (pl_vec3f){0.0f, 0.0f, 0.0f}, 1.0f);
+  pl_surface_set_frame(&vertex->surface, normal_at(body, vertex), (pl_vec3f){0.0f, 0.0f, 0.0f},
+                       1.0f);
   own_surface(body, beam, detail, vertex);
 }

@@ -339,9 +339,10 @@ static void follow_settled(const pl_path_context *context, size_t i, size_t *kep
 
 /* A body of which the camera's rays see nothing, but that it is there. */
 static bool is_dot(const pl_path_context *context, uint32_t thing) {
-  const size_t objects = context->shot->object_count;
-  return thing >= objects && context->shot->bodies[thing - objects].dot &&
-         !context->settings->see_dots;
+  const pl_snapshot *shot = context->shot;
+  const bool dot = thing < shot->object_count ? shot->objects[thing].dot
+                                              : shot->bodies[thing - shot->object_count].dot;
+  return dot && !context->settings->see_dots;
 }
 
 /* A hit of path `i`, whatever it is. */

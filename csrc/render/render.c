@@ -102,7 +102,9 @@ static content tile_content(const job *job, pl_tile tile) {
   out.veils = pl_veils_in_cone(job->settings->veils, shot, axis, half_angle);
   size_t bodies = 0;
   for (size_t i = 0; i < shot->body_count; i++) {
-    if (!pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle))
+    const pl_shot_body *body = &shot->bodies[i];
+    if (body->shape != NULL || /* its mesh is among the meshes */
+        !pl_snapshot_sees(shot, body->center, body->radius_m, axis, half_angle))
       continue;
     bodies++;
     out.body = (uint32_t)i;

@@ -81,6 +81,8 @@ static void set_body_point(const pl_shot_body *body, const pl_beam *beam, double
 }
 
 static bool meet_body(const pl_shot_body *body, const pl_beam *beam, double *t) {
+  if (body->shape != NULL)
+    return false;
   const pl_vec3 origin =
       pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, beam->origin));
   return pl_unit_sphere_intersect(origin, pl_mat3_mul_vec(body->to_unit, beam->direction), 0.0, t);
@@ -216,8 +218,11 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
 
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                      pl_vertex *vertex) {
-  if (vertex->thing < shot->object_count)
+  if (vertex->thing < shot->craft_count)
     shade_mesh(&shot->objects[vertex->thing], beam, detail, vertex);
+  else if (vertex->thing < shot->object_count)
+    pl_body_surface_shade(&shot->bodies[shot->objects[vertex->thing].object->body], beam, detail,
+                          vertex);
   else
     pl_body_surface_shade(&shot->bodies[vertex->thing - shot->object_count], beam, detail, vertex);
   face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));

@@ -33,7 +33,7 @@ typedef struct pl_vertex {
  * re-intersected in double with the winning triangle's own equation; bodies always are. */
 void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
                       pl_vertex *out);
-/* The nearest body that a beam from the camera meets, located; false for none. */
+/* The nearest ellipsoid of a body that a beam from the camera meets, located; false for none. */
 bool pl_vertex_meet_bodies(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *out);
 /* The interpolated shading normal on the viewer's side, into surface.n and surface.ng alone. */
 void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex);

@@ -60,7 +60,7 @@ pl_status pl_scene_articulate(pl_scene *scene, size_t index, const int *nodes, s
   const pl_cut *cut = NULL;
   uint32_t *parts;
   pl_cover *covers = NULL;
-  if (index >= scene->object_count || scene->objects[index].cut != NULL)
+  if (index >= scene->craft_count || scene->objects[index].cut != NULL)
     return pl_fail(PL_E_ARGUMENT, "object %zu is not there or articulated already", index);
   pl_object *object = &scene->objects[index];
   PL_TRY(find_cut(scene, object->model, nodes, count, &cut));

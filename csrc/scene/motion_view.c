@@ -109,14 +109,14 @@ static step step_of(const pl_placement *placement, const pl_snapshot *shot, int 
 
 static double object_px(const pl_placement *placement, const pl_snapshot *shot, size_t i,
                         const step *step, int key, double u[2]) {
-  const pl_object_state *state = &placement->objects[i];
   const pl_shot_object *object = &shot->objects[i];
+  const pl_object_state state = pl_placement_object(placement, object->object, i);
   const double alpha = object->object->summary.ggx_alpha_min;
   const mover mover = {
-      .motion = &state->motion,
+      .motion = &state.motion,
       .local = pl_mat3_mul_vec_t(object->rotation, pl_vec3_sub(object->center, object->position)),
       .radius_m = object->radius_m,
-      .inner_m = inner_step_m(object->object, state, key),
+      .inner_m = inner_step_m(object->object, &state, key),
       .glint_rad =
           alpha < 1.0 ? alpha + shot->sun.radius_m / pl_vec3_norm(shot->sun.position) : INFINITY,
   };
@@ -140,7 +140,8 @@ static double step_px(const pl_placement *placement, const pl_snapshot *shot, bo
   for (size_t i = 0; i < shot->object_count; i++)
     most = fmax(most, object_px(placement, shot, i, &step, key, u));
   for (size_t i = 0; i < shot->body_count; i++)
-    most = fmax(most, body_px(placement, shot, i, &step, u));
+    if (shot->bodies[i].shape == NULL)
+      most = fmax(most, body_px(placement, shot, i, &step, u));
   if (may_be_seen(&step, step.sun_from, step.sun_to, shot->sun.radius_m))
     most =
         fmax(most, step.px_per_rad * (step.turn_rad + angle_between(step.sun_from, step.sun_to)));

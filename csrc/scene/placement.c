@@ -1,6 +1,8 @@
 /* Poses over the exposure, and the check of what a frame places. */
 #include "scene/scene.h"
 
+#include "geom/shape.h"
+
 static pl_pose between(const pl_pose *a, const pl_pose *b, double u) {
   const pl_vec3 t = pl_vec3_madd(a->t, u, pl_vec3_sub(b->t, a->t));
   return (pl_pose){t, pl_quat_slerp(a->q, b->q, u)};
@@ -164,15 +166,38 @@ static pl_status check_object(const pl_object *object, const pl_object_state *st
   return check_movers(object, state);
 }
 
+pl_object_state pl_placement_object(const pl_placement *placement, const pl_object *object,
+                                    size_t index) {
+  if (object->body < 0)
+    return placement->objects[index];
+  return (pl_object_state){.motion = placement->bodies[object->body].motion, .scale = 1.0};
+}
+
+/* Solid angles of all triangles are summed where the shape's box holds the camera alone. */
+static pl_status check_outside(const pl_object *shape, const pl_object_state *state,
+                               pl_vec3 camera) {
+  const pl_pose pose = pl_motion_middle(&state->motion);
+  const pl_vec3 p = pl_mat3_mul_vec_t(pl_mat3_from_quat(pose.q), pl_vec3_sub(camera, pose.t));
+  const float *low = shape->model->bounds_min, *high = shape->model->bounds_max;
+  if (p.x < low[0] || p.y < low[1] || p.z < low[2] || p.x > high[0] || p.y > high[1] ||
+      p.z > high[2] || fabs(pl_shape_winding(shape->model, p)) < 0.5)
+    return PL_OK;
+  return pl_fail(PL_E_RANGE, "the camera is inside the shape of body '%s'", shape->name);
+}
+
 pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placement) {
   PL_TRY(check_camera(&placement->camera));
   const pl_vec3 camera = pl_motion_middle(&placement->camera.motion).t;
-  for (size_t i = 0; i < scene->object_count; i++)
-    PL_TRY(check_object(&scene->objects[i], &placement->objects[i], camera));
   for (size_t i = 0; i < scene->body_count; i++)
     PL_TRY(check_body(&scene->bodies[i], &placement->bodies[i]));
+  for (size_t i = 0; i < scene->object_count; i++) {
+    const pl_object_state state = pl_placement_object(placement, &scene->objects[i], i);
+    PL_TRY(check_object(&scene->objects[i], &state, camera));
+    if (scene->objects[i].body >= 0)
+      PL_TRY(check_outside(&scene->objects[i], &state, camera));
+  }
   PL_TRY(pl_volumes_check(placement->volumes, placement->volume_count,
-                          scene->object_count + scene->body_count));
+                          scene->craft_count + scene->body_count));
   const pl_shutter *shutter = &placement->shutter;
   if (!(shutter->exposure_s >= 0.0 && shutter->exposure_s <= SHUTTER_MAX_S) ||
       !(shutter->line_s >= 0.0 && shutter->line_s <= SHUTTER_MAX_S))

@@ -60,9 +60,18 @@ static pl_status check_parts(const char *name, const pl_model *model, const pl_p
   return PL_OK;
 }
 
-pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
-                              pl_vec3 offset, int32_t obj_id, int32_t instance_id,
-                              const pl_part_table *parts) {
+/* Puts an object, which becomes the scene's, at `index` before those that are there from it on. */
+static void insert_object(pl_scene *scene, size_t index, const pl_object *object) {
+  pl_object *at = scene->objects + index;
+  memmove(at + 1, at, (scene->object_count - index) * sizeof *at);
+  *at = *object;
+  scene->object_count++;
+}
+
+/* `body`: whose shape it is, or -1. */
+static pl_status add_object(pl_scene *scene, const char *name, const pl_model *model,
+                            pl_vec3 offset, int32_t obj_id, int32_t instance_id, int body,
+                            const pl_part_table *parts) {
   PL_TRY(check_parts(name, model, parts));
   pl_object *grown = pl_realloc(scene->objects, scene->object_count + 1, sizeof *grown);
   if (grown == NULL)
@@ -79,6 +88,7 @@ pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model 
       .part_ids = copy(parts->part_ids, parts->count, sizeof *parts->part_ids),
       .class_ids = copy(parts->class_ids, parts->count * levels, sizeof *parts->class_ids),
       .model_summary = pl_model_summarise(model),
+      .body = body,
   };
   object.summary = object.model_summary;
   if (parts->triangle_part != NULL)
@@ -94,13 +104,19 @@ pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model 
     object_clear(&object);
     return status;
   }
-  scene->objects[scene->object_count++] = object;
+  insert_object(scene, body < 0 ? scene->craft_count++ : scene->object_count, &object);
   return PL_OK;
+}
+
+pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
+                              pl_vec3 offset, int32_t obj_id, int32_t instance_id,
+                              const pl_part_table *parts) {
+  return add_object(scene, name, model, offset, obj_id, instance_id, -1, parts);
 }
 
 pl_status pl_scene_set_materials(pl_scene *scene, size_t index, const pl_graph *const *graphs,
                                  size_t count, const int32_t *triangle_graph) {
-  if (index >= scene->object_count)
+  if (index >= scene->craft_count)
     return pl_fail(PL_E_ARGUMENT, "object %zu is not there", index);
   pl_object *object = &scene->objects[index];
   pl_object_materials *made = NULL;
@@ -182,6 +198,30 @@ void pl_body_set_graph(pl_body *body, const pl_graph *graph) {
     pl_graph_summarise(graph, &body->summary);
 }
 
+static double reach_of(const pl_model *shape) {
+  double square = 0.0;
+  for (size_t v = 0; v < shape->vertex_count; v++) {
+    const float *p = shape->positions + 3 * v;
+    const pl_vec3 corner = {p[0], p[1], p[2]};
+    square = fmax(square, pl_vec3_dot(corner, corner));
+  }
+  return sqrt(square);
+}
+
+static pl_status add_shape(pl_scene *scene, const pl_body *body, size_t index) {
+  uint32_t *whole = pl_alloc(body->shape->triangle_count, sizeof *whole); /* all of part 0 */
+  const pl_part_table parts = {
+      .count = 1, .triangle_part = whole, .part_ids = &body->part_id, .class_ids = body->class_ids};
+  if (whole == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the shape of '%s'", body->name);
+  pl_status status = add_object(scene, body->name, body->shape, (pl_vec3){0.0, 0.0, 0.0}, 0,
+                                body->instance_id, (int)index, &parts);
+  if (status == PL_OK)
+    scene->objects[scene->object_count - 1].reach = reach_of(body->shape);
+  pl_free(whole);
+  return status;
+}
+
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   pl_body *grown = pl_realloc(scene->bodies, scene->body_count + 1, sizeof *grown);
   if (grown == NULL)
@@ -195,6 +235,11 @@ pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
     return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
   added.random = pl_material_random(body->name);
   pl_body_set_graph(&added, body->graph);
+  const pl_status status = body->shape != NULL ? add_shape(scene, body, scene->body_count) : PL_OK;
+  if (status != PL_OK) {
+    pl_free(added.name);
+    return status;
+  }
   scene->bodies[scene->body_count++] = added;
   return PL_OK;
 }

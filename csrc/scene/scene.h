@@ -30,7 +30,8 @@ typedef struct pl_part_table {
   const uint16_t *class_ids;     /* the scene's levels per part */
 } pl_part_table;
 
-/* An instance of a model. A model point p lies at scale * (p - offset) in the object's frame. */
+/* An instance of a model. A model point p lies at scale * (p - offset) in the object's frame. A
+ * body with a shape has one too, which moves with it and is shaded as it. */
 typedef struct pl_object {
   char *name;            /* owned */
   const pl_model *model; /* borrowed; of an articulated object the cut's whole */
@@ -45,14 +46,18 @@ typedef struct pl_object {
   pl_object_materials *materials; /* owned; NULL: the model's own on all triangles */
   pl_cover cover;                 /* owned; not of an articulated object */
   const pl_cut *cut;              /* the scene's; NULL when nothing on the object moves */
+  int body;                       /* index of the body whose shape it is; -1: none */
+  double reach;                   /* of a shape: of its farthest vertex from the body's centre, m */
   pl_cover *piece_covers;         /* owned, one a piece */
 } pl_object;
 
 /* An ellipsoid with an equirectangular map. Its frame: x at longitude 0, z at the north pole. */
 typedef struct pl_body {
-  char *name;                        /* owned */
-  const pl_texture *map;             /* borrowed, NULL for none */
-  double map_center_lon_rad;         /* longitude of the map's centre column */
+  char *name;                /* owned */
+  const pl_model *shape;     /* borrowed: its surface instead of the ellipsoid's, in metres and
+                                body axes; NULL for none */
+  const pl_texture *map;     /* borrowed, NULL for none */
+  double map_center_lon_rad; /* longitude of the map's centre column */
   const pl_reflectance *reflectance; /* row of the table */
   const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel a cell */
   const pl_air *air;                 /* borrowed, NULL for none */
@@ -69,9 +74,10 @@ typedef struct pl_body {
 
 typedef struct pl_scene {
   int levels;
-  pl_object *objects; /* owned */
-  size_t object_count;
-  pl_body *bodies; /* owned */
+  pl_object *objects;  /* owned: those that were added, then the shapes of bodies */
+  size_t craft_count;  /* those that were added: they have places and labels of their own */
+  size_t object_count; /* all */
+  pl_body *bodies;     /* owned */
   size_t body_count;
   pl_cut **cuts; /* owned; shared by objects of the same model and moving nodes */
   size_t cut_count;
@@ -80,7 +86,8 @@ typedef struct pl_scene {
 /* levels: of semantic labels, 1..PL_LEVELS_MAX. */
 pl_status pl_scene_init(int levels, pl_scene *out);
 void pl_scene_clear(pl_scene *scene);
-/* Copies name and what the table points to. PL_E_RANGE for a triangle's part that is not in it. */
+/* Copies name and what the table points to; its index is the craft_count of before. PL_E_RANGE for
+ * a triangle's part that is not in it. */
 pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
                               pl_vec3 offset, int32_t obj_id, int32_t instance_id,
                               const pl_part_table *parts);
@@ -108,7 +115,7 @@ static inline uint32_t pl_object_part(const pl_object *object, uint32_t triangle
   return object->triangle_part != NULL ? object->triangle_part[triangle]
                                        : object->model->triangle_part[triangle];
 }
-/* Copies *body and its name. */
+/* Copies *body and its name. A shape becomes an object of one part, behind those that are added. */
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body);
 /* Replaces a body's graph (borrowed; NULL for none), also between frames. */
 void pl_body_set_graph(pl_body *body, const pl_graph *graph);
@@ -184,9 +191,9 @@ typedef struct pl_shutter {
                 until halfway to the next */
 } pl_shutter;
 
-/* Everything that changes with the frame; arrays are borrowed and as long as the scene's. */
+/* Everything that changes with the frame; arrays are borrowed. */
 typedef struct pl_placement {
-  const pl_object_state *objects;
+  const pl_object_state *objects; /* [craft_count] */
   const pl_body_state *bodies;
   pl_sun sun;
   pl_camera camera;
@@ -194,7 +201,11 @@ typedef struct pl_placement {
   const pl_volume *volumes; /* as many as it says */
   size_t volume_count;
 } pl_placement;
-/* PL_E_RANGE naming the object or key for non-finite or non-positive values. */
+/* The state of the scene's object `index`: the shape of a body has the body's motion. */
+pl_object_state pl_placement_object(const pl_placement *placement, const pl_object *object,
+                                    size_t index);
+/* PL_E_RANGE naming the object or key for non-finite or non-positive values, and where the camera
+ * is inside a body's shape in the middle of the exposure. */
 pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placement);
 
 #endif

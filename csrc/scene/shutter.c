@@ -54,7 +54,7 @@ static double held(const pl_motion *camera, double u) {
 
 pl_status pl_placement_at(const pl_scene *scene, const pl_placement *from, double u,
                           pl_arena *arena, pl_placement *out) {
-  pl_object_state *objects = pl_arena_alloc(arena, scene->object_count, sizeof *objects);
+  pl_object_state *objects = pl_arena_alloc(arena, scene->craft_count, sizeof *objects);
   pl_body_state *bodies = pl_arena_alloc(arena, scene->body_count, sizeof *bodies);
   if (objects == NULL || bodies == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for an instant of the exposure");
@@ -72,7 +72,7 @@ pl_status pl_placement_at(const pl_scene *scene, const pl_placement *from, doubl
     out->sun.position_m = lerp3(from->sun.keys[first], from->sun.keys[first + 1], part);
     out->sun.keys = NULL;
   }
-  for (size_t i = 0; i < scene->object_count; i++) {
+  for (size_t i = 0; i < scene->craft_count; i++) {
     objects[i] = from->objects[i];
     objects[i].motion = stopped(&from->objects[i].motion, u);
     PL_TRY(stop_movers(&scene->objects[i], u, arena, &objects[i]));

@@ -103,6 +103,10 @@ static void build_object(const pl_object *object, size_t index, const pl_object_
   const pl_vec3 local = pl_vec3_scale(pl_vec3_sub(middle, object->offset), s);
   out->center = pl_vec3_add(out->position, pl_mat3_mul_vec(m, local));
   out->radius_m = s * pl_vec3_norm(half) * (1.0 + 1e-6);
+  if (object->body >= 0 && object->reach < pl_vec3_norm(half)) {
+    out->center = out->position;
+    out->radius_m = s * object->reach * (1.0 + 1e-6);
+  }
 }
 
 static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_vec3 camera,
@@ -120,7 +124,7 @@ static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_
   const double radii[3] = {r.x, r.y, r.z};
   for (int i = 0; i < 3; i++)
     out->to_unit.row[i] = pl_vec3_scale(out->to_unit.row[i], 1.0 / radii[i]);
-  if (!(pl_vec3_norm(scaled) > 1.0))
+  if (body->shape == NULL && !(pl_vec3_norm(scaled) > 1.0))
     return pl_fail(PL_E_RANGE, "the camera is inside body '%s' (%.6g of its radius)", body->name,
                    pl_vec3_norm(scaled));
   return PL_OK;
@@ -130,7 +134,8 @@ static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_
 static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_angle,
                           pl_shot_body *body) {
   const pl_air *air = body->body->air;
-  body->in_frame = pl_snapshot_sees(shot, body->center, body->radius_m, axis, half_angle);
+  body->in_frame = body->body->shape == NULL &&
+                   pl_snapshot_sees(shot, body->center, body->radius_m, axis, half_angle);
   body->air_in_frame =
       air != NULL &&
       pl_snapshot_sees(shot, body->center, pl_air_reach_m(air, body->radius_m), axis, half_angle);
@@ -145,6 +150,7 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   const pl_pose camera = pl_motion_middle(&placement->camera.motion);
   *out = (pl_snapshot){
       .levels = scene->levels,
+      .craft_count = scene->craft_count,
       .camera = placement->camera,
       .camera_to_root = pl_mat3_from_quat(camera.q),
       .camera_position = camera.t,
@@ -169,7 +175,8 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   out->sun.in_frame = pl_snapshot_sees(out, out->sun.position, out->sun.radius_m, axis, half_angle);
   for (size_t i = 0; i < scene->object_count; i++) {
     pl_shot_object *object = &out->objects[i];
-    build_object(&scene->objects[i], i, &placement->objects[i], camera.t, object);
+    const pl_object_state state = pl_placement_object(placement, &scene->objects[i], i);
+    build_object(&scene->objects[i], i, &state, camera.t, object);
     if (scene->objects[i].cut != NULL)
       PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
     object->in_frame = pl_snapshot_sees(out, object->center, object->radius_m, axis, half_angle);
@@ -179,5 +186,7 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
     PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], camera.t, body));
     look_for_body(out, axis, half_angle, body);
   }
+  for (size_t i = scene->craft_count; i < scene->object_count; i++)
+    out->bodies[scene->objects[i].body].shape = &out->objects[i];
   return pl_volumes_place(placement, arena, axis, half_angle, out);
 }

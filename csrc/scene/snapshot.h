@@ -34,6 +34,7 @@ typedef struct pl_shot_object {
   bool kept;         /* part of the accelerator; culled ones cannot touch the image */
   bool eclipsed;     /* a body's shadow may fall on it; set by pl_snapshot_cull */
   bool dark;         /* it lies wholly in a body's umbra; set by pl_snapshot_cull */
+  bool dot;          /* as of bodies: of the shape of one, too small for the samples of pixels */
   /* Of an articulated object: every triangle is in one of these and placed by it, not by to_view;
    * pose and scale are still the object's. */
   const pl_shot_piece *pieces; /* in the order of the cut; NULL of others */
@@ -45,20 +46,21 @@ typedef struct pl_law_colors {
 } pl_law_colors;
 
 typedef struct pl_shot_body {
-  const pl_body *body;        /* borrowed */
-  const pl_body_state *state; /* borrowed */
-  pl_mat3 rotation;           /* body axes to root axes */
-  pl_vec3 center;             /* camera-relative, m */
-  pl_vec3 camera;             /* the camera in body axes, from the body's centre, m */
-  pl_mat3 to_unit;            /* root axes to body axes scaled by the radii: a unit sphere there */
-  pl_vec3 camera_unit;        /* the camera in those */
-  double radius_m;            /* largest semi-axis */
-  bool in_frame;
-  bool air_in_frame;    /* its air, if it has any, touches the frustum */
-  bool clouds_in_frame; /* likewise */
-  bool dot;             /* too small for the samples of pixels; set by pl_dots_mark */
-  bool shadowed;        /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
-  bool bounced;         /* others may noticeably light it by reflection; set by pl_snapshot_cull */
+  const pl_body *body;         /* borrowed */
+  const pl_body_state *state;  /* borrowed */
+  const pl_shot_object *shape; /* what rays meet instead of the ellipsoid; NULL: that */
+  pl_mat3 rotation;            /* body axes to root axes */
+  pl_vec3 center;              /* camera-relative, m */
+  pl_vec3 camera;              /* the camera in body axes, from the body's centre, m */
+  pl_mat3 to_unit;             /* root axes to body axes scaled by the radii: a unit sphere there */
+  pl_vec3 camera_unit;         /* the camera in those */
+  double radius_m;             /* largest semi-axis */
+  bool in_frame;               /* camera rays may meet the ellipsoid; never of one with a shape */
+  bool air_in_frame;           /* its air, if it has any, touches the frustum */
+  bool clouds_in_frame;        /* likewise */
+  bool dot;                    /* too small for the samples of pixels; set by pl_dots_mark */
+  bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
+  bool bounced;  /* others may noticeably light it by reflection; set by pl_snapshot_cull */
   /* Factors on the light with which cheaper laws come nearest to its own where it is seen; NULL
    * where they may not stand for it. Set by pl_laws_build. */
   const pl_law_colors *laws;
@@ -83,6 +85,7 @@ typedef struct pl_shot_sun {
 
 typedef struct pl_snapshot {
   int levels;
+  size_t craft_count;      /* as the scene's: objects with labels of their own */
   pl_camera camera;        /* intrinsics; its motion is not used any more */
   pl_mat3 camera_to_root;  /* rotation at mid-exposure */
   pl_vec3 camera_position; /* root frame, m */

@@ -17,7 +17,7 @@ static void set_center(pl_view_thing *thing, pl_vec3 center) {
   thing->distance_m = pl_vec3_norm(center);
 }
 
-static pl_view_thing object_thing(const pl_snapshot *shot, const pl_shot_object *object) {
+static pl_view_thing craft_thing(const pl_snapshot *shot, const pl_shot_object *object) {
   const pl_model_summary *summary = &object->object->summary;
   pl_view_thing thing = {
       .in_frame = object->in_frame,
@@ -120,6 +120,38 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
   return thing;
 }
 
+/* The shape of a body: the body's surface on a mesh. What is known of a map on an ellipsoid is not
+ * of one that is anywhere; other laws never stand for its own. */
+static pl_view_thing shape_thing(const pl_snapshot *shot, const pl_shot_object *object) {
+  const pl_shot_body *body = &shot->bodies[object->object->body];
+  pl_view_thing thing = body_thing(shot, body);
+  thing.is_body = false;
+  thing.in_frame = object->in_frame;
+  thing.radius_m = object->radius_m;
+  thing.irradiance = pl_shot_irradiance_max(shot, object->center, object->radius_m);
+  thing.pictured = thing.pictured || thing.map_ranges != NULL;
+  thing.map_ranges = NULL;
+  thing.air = NULL;
+  set_center(&thing, object->center);
+  return thing;
+}
+
+/* A body whose shape stands for it: nothing. */
+static pl_view_thing hollow_thing(const pl_shot_body *body) {
+  pl_view_thing thing = {.ggx_alpha_min = 1.0, .diffuse = true};
+  set_center(&thing, body->center);
+  return thing;
+}
+
+static pl_view_thing thing_of(const pl_snapshot *shot, size_t index) {
+  if (index < shot->craft_count)
+    return craft_thing(shot, &shot->objects[index]);
+  if (index < shot->object_count)
+    return shape_thing(shot, &shot->objects[index]);
+  const pl_shot_body *body = &shot->bodies[index - shot->object_count];
+  return body->shape == NULL ? body_thing(shot, body) : hollow_thing(body);
+}
+
 static double corner_tangent(const pl_camera *camera) {
   const double x = fmax(fabs(camera->cx), fabs(camera->width - 1.0 - camera->cx)) / camera->fx;
   const double y = fmax(fabs(camera->cy), fabs(camera->height - 1.0 - camera->cy)) / camera->fy;
@@ -172,10 +204,8 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
   pl_view_thing *things = pl_arena_alloc(arena, count, sizeof *things);
   if (things == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the view");
-  for (size_t i = 0; i < shot->object_count; i++)
-    things[i] = object_thing(shot, &shot->objects[i]);
-  for (size_t i = 0; i < shot->body_count; i++)
-    things[shot->object_count + i] = body_thing(shot, &shot->bodies[i]);
+  for (size_t i = 0; i < count; i++)
+    things[i] = thing_of(shot, i);
   const pl_vec3 sun = shot->sun.position;
   const double distance = pl_vec3_norm(sun);
   const pl_vec3 axis = pl_mat3_mul_vec(shot->camera_to_root, (pl_vec3){0.0, 0.0, 1.0});
@@ -270,6 +300,8 @@ static bool is_dark(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
   const double sun_m = pl_vec3_norm(to_sun), wide = shot->sun.radius_m + radius_m;
   for (size_t i = 0; i < shot->body_count; i++) {
+    if (shot->bodies[i].shape != NULL)
+      continue;
     const pl_vec3 radii = shot->bodies[i].state->radii_m;
     const double ball = fmin(radii.x, fmin(radii.y, radii.z)) - radius_m;
     const pl_vec3 to_body = pl_vec3_sub(shot->bodies[i].center, center);

@@ -13,9 +13,9 @@ enum { PL_VOLUMES_MAX = 16 }; /* in a frame */
 typedef struct pl_volume {
   const char *name; /* borrowed, for errors */
   const pl_bound *bound;
-  double size[3];        /* m, the bound's */
-  size_t parent;         /* the thing that it moves with: an object, or a body after all objects */
-  pl_pose local;         /* axes of the bound in those of the parent, m */
+  double size[3]; /* m, the bound's */
+  size_t parent;  /* the thing that it moves with: an object, or a body after the craft_count */
+  pl_pose local;  /* axes of the bound in those of the parent, m */
   float extinction[3];   /* 1/m in each band */
   float albedo[3];       /* part of it that is scattered, 0..1 */
   float g;               /* mean cosine of the angle of scattering, -1..1 */

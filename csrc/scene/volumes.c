@@ -15,9 +15,9 @@ pl_status pl_volumes_place(const pl_placement *placement, pl_arena *arena, pl_ve
     return pl_fail(PL_E_MEMORY, "out of memory for volumes");
   for (size_t i = 0; i < out->volume_count; i++) {
     const pl_volume *volume = &placement->volumes[i];
-    const bool on_object = volume->parent < out->object_count;
+    const bool on_object = volume->parent < out->craft_count;
     const pl_shot_object *object = on_object ? &out->objects[volume->parent] : NULL;
-    const pl_shot_body *body = on_object ? NULL : &out->bodies[volume->parent - out->object_count];
+    const pl_shot_body *body = on_object ? NULL : &out->bodies[volume->parent - out->craft_count];
     const pl_mat3 axes = on_object ? object->rotation : body->rotation;
     pl_shot_volume *shot = &out->volumes[i];
     *shot = (pl_shot_volume){.volume = volume};

@@ -183,6 +183,8 @@ static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *h
 /* Distance to a body, or infinity. The bounding sphere is tried first, with room for the rounding
  * of a direction that is unit in float. */
 static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
+  if (body->shape != NULL)
+    return INFINITY;
   const pl_vec3 o = pl_vec3f_to_double(ray->origin), d = pl_vec3f_to_double(ray->direction);
   const pl_vec3 to_center = pl_vec3_sub(body->center, o);
   const double along = pl_vec3_dot(to_center, d), square = pl_vec3_dot(to_center, to_center);

@@ -44,7 +44,7 @@ bbox_obj -1s, px_count_all and px_count_valid -1, visib_fract nan."""
 
 @final
 class Model:
-    """A spacecraft model read from .gltf or .glb; immutable, in the file's units, turned to z-up."""
+    """A model read from .gltf or .glb; immutable, in the file's units, turned to z-up."""
 
     def __new__(cls, path: str) -> Self: ...
     @property
@@ -74,6 +74,14 @@ class Model:
     def mesh(self) -> dict[str, NDArray[Any]]:
         """Copies: positions (V,3) f32, normals (V,3) f32, uv (V,2) f32 or absent,
         indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
+    @classmethod
+    def of_mesh(
+        cls, name: str, positions: NDArray[np.float32], indices: NDArray[np.uint32], /
+    ) -> Self:
+        """The shape of a body: positions (V, 3), indices (T, 3), counter-clockwise seen from
+        outside; its path is the name. ValueError for corners that are not there."""
+    def winding(self, points: F64, /) -> F64:
+        """How often the surface goes around points (n, 3): of a closed mesh 1 inside, 0 outside."""
     def components(self) -> NDArray[np.uint32]:
         """(T,): connected component of each triangle, vertices welded by position; numbered from
         0 by falling number of triangles, then by first triangle."""
@@ -272,8 +280,9 @@ class Scene:
         class_ids: NDArray[np.uint16],
         regolith_map: Grid | None,
         air: Air | None,
+        shape: Model | None = None,
     ) -> int:
-        """An ellipsoid; returns its index. class_ids: (levels,). regolith_map: 27 channels, w, b, c,
+        """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids: (levels,). regolith_map: 27 channels, w, b, c,
         B_C0, h_C, B_S0, h_S, roughness in radians and filling factor of each band, for the
         photometric reflectances; its w counts where there is no map."""
     def add_object(

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, atmospheres, photometry
+from perilune import _core, articulation, atmospheres, photometry, shapes
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError
 from perilune.config.photometry import Photometry
 from perilune.config.schema import Config, Spacecraft, Symmetries
+from perilune.config.shape import Shape
 from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.looks import Look, Looks
 from perilune.parts import Partition, partition
@@ -99,6 +100,7 @@ class Handles:
         self._files: dict[str, _core.Map] = {}
         self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
+        self._shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
         self._airs: dict[str, _core.Air | None] = {}
         self._stages: dict[tuple[Any, ...], _Stage] = {}
 
@@ -199,6 +201,22 @@ class Handles:
             self._files[path] = _core.Map(path)
         return self._files[path]
 
+    def shapes_of(self, config: Config) -> dict[str, shapes.BodyShape]:
+        """Body entry -> its shape, of those that have one; each file is read once."""
+        found: dict[str, shapes.BodyShape] = {}
+        for name, body in config.bodies.items():
+            if body.shape is None:
+                continue
+            if (name, body.shape) not in self._shapes:
+                key = f"bodies.{name}.shape.file"
+                path = self.document.path(body.shape.file, key)
+                try:
+                    self._shapes[name, body.shape] = shapes.load(name, body.shape, path)
+                except ValueError as error:
+                    raise ConfigError(f"{self.document.source}:\n  {key}: {error}") from error
+            found[name] = self._shapes[name, body.shape]
+        return found
+
     def _air(self, name: str, config: Config) -> _core.Air | None:
         """The atmosphere of a body; its tables are made once."""
         body = config.bodies[name]
@@ -229,11 +247,17 @@ class Handles:
     def renderer_of(self, config: Config) -> _core.Renderer:
         """The core's renderer, with a frame's graphs on its scene.
 
-        A scene is made for each combination of maps and reflectances that choices give the bodies.
+        A scene is made for each combination of maps, shapes and reflectances that choices give the
+        bodies.
         Graphs change on the scene itself, whose accelerators stay.
         """
         key = tuple(
-            (body.color_map, body.reflectance, body.photometry.maps if body.photometry else ())
+            (
+                body.color_map,
+                body.shape,
+                body.reflectance,
+                body.photometry.maps if body.photometry else (),
+            )
             for body in config.bodies.values()
         )
         if key not in self._stages:
@@ -274,6 +298,7 @@ class Handles:
         for part in labels.parts:
             part_ids.setdefault(part.owner, []).append(part.id)
             part_classes.setdefault(part.owner, []).append(part.class_name)
+        meshes = self.shapes_of(config)
         for name, body in config.bodies.items():
             scene.add_body(
                 name=name,
@@ -282,6 +307,7 @@ class Handles:
                 reflectance=body.reflectance,
                 regolith_map=self._regolith_map(name, body.photometry),
                 air=self._air(name, config),
+                shape=meshes[name].model if name in meshes else None,
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[

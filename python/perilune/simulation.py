@@ -180,9 +180,10 @@ class Simulation:
         """Where everything is in a frame, the camera aside."""
         index = _checked_index(index)
         config, drawn = self.config_at(index)
-        radii_m = self._mine().radii_m(config)
+        mine = self._mine()
+        radii_m, shapes = mine.radii_m(config), mine.shapes_of(config)
         system = System(self._setting(config, index))
-        return build_world(config, drawn, index, self._epoch, radii_m, system)
+        return build_world(config, drawn, index, self._epoch, radii_m, system, shapes)
 
     def _camera_poses(self, scene: World) -> F64:
         return trajectories.camera_poses(scene, self._trajectory)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from perilune.config.camera import Camera
 from perilune.config.orbit import Circular
 from perilune.config.schema import Config
 from perilune.random import generator
+from perilune.shapes import BodyShape
 from perilune.timeline import Moment
 
 F64 = NDArray[np.float64]
@@ -39,7 +40,7 @@ class World:
     velocities_m_s: Mapping[str, F64]
     """Name of a body or spacecraft -> (2, 3)."""
     body_radii_m: Mapping[str, F64]
-    """Name of a body -> semi-axes (3,)."""
+    """Name of a body -> semi-axes (3,), also of one with a shape."""
     craft_radius_m: Mapping[str, float]
     """Name of a spacecraft -> radius of a sphere about its origin that holds it."""
     sun_position_m: F64
@@ -49,6 +50,8 @@ class World:
     """What the drivers drew, by key path."""
     window_s: float = 0.0
     """From the opening of the first row to the closing of the last."""
+    shapes: Mapping[str, BodyShape] = field(default_factory=dict)
+    """Name of a body -> its shape, of those that have one."""
     longest: World | None = None
     """The same step with the longest exposure of its sensors; None where this one's is."""
 
@@ -124,6 +127,8 @@ class World:
         """Radius of a sphere about the centre that holds a body or spacecraft."""
         if name in self.craft_radius_m:
             return self.craft_radius_m[name]
+        if name in self.shapes:
+            return self.shapes[name].radius_m
         return float(self.body_radii_m[name].max())
 
     def random(self, what: str, interval: int = 1) -> np.random.Generator:
@@ -144,11 +149,24 @@ class World:
     def inside(self, point_m: F64, clearance_m: float = 0.0, when: int = 0) -> str | None:
         """Name of a body that a point is in, or nearer to than about the clearance."""
         for name, radii in self.body_radii_m.items():
-            from_center = point_m - self.poses[name][when, :3]
-            p = self.body_axes(name, from_center, when) / (radii + clearance_m)
+            own = self.body_axes(name, point_m - self.poses[name][when, :3], when)
+            if name in self.shapes:
+                if _near_shape(self.shapes[name], own, clearance_m):
+                    return name
+                continue
+            p = own / (radii + clearance_m)
             if float(p @ p) <= 1.0:
                 return name
         return None
+
+    def surface_m(self, name: str, direction: F64) -> float:
+        """From a body's centre to its surface along a unit direction in body axes; of a shape the
+        outermost, or where it has none there, as its ellipsoid's."""
+        shape = self.shapes.get(name)
+        found = shape.surface_m(direction) if shape is not None else None
+        if found is not None:
+            return found
+        return float(1.0 / np.linalg.norm(direction / self.body_radii_m[name]))
 
     def hit_m(self, name: str, origin_m: F64, direction: F64) -> float | None:
         """Distance to the first point of a body ahead on a ray of unit direction; None: no hit.
@@ -156,7 +174,11 @@ class World:
         From inside a body the distance is 0.
         """
         radii = self.body_radii_m[name]
-        p = self.body_axes(name, origin_m - self.position_m(name)) / radii
+        own = self.body_axes(name, origin_m - self.position_m(name))
+        if name in self.shapes:
+            shape = self.shapes[name]
+            return 0.0 if shape.holds(own) else shape.hit_m(own, self.body_axes(name, direction))
+        p = own / radii
         d = self.body_axes(name, direction) / radii
         if float(p @ p) <= 1.0:
             return 0.0
@@ -168,6 +190,13 @@ class World:
         return float(-b / a - np.sqrt(inside / a))
 
 
+def _near_shape(shape: BodyShape, point: F64, clearance_m: float) -> bool:
+    """Whether a point in body axes is inside, or nearer to the surface than the clearance."""
+    if float(np.linalg.norm(point)) > shape.radius_m + clearance_m:
+        return False
+    return shape.holds(point) or (clearance_m > 0.0 and shape.distance_m(point) <= clearance_m)
+
+
 def build(
     config: Config,
     drivers: Mapping[str, Any],
@@ -175,6 +204,7 @@ def build(
     epoch: Date,
     craft_radius_m: Mapping[str, float],
     system: orbits.System | None = None,
+    shapes: Mapping[str, BodyShape] | None = None,
 ) -> World:
     """The world of frame `index`; the sizes of the spacecraft come from their models.
 
@@ -206,6 +236,7 @@ def build(
             system=system,
             drivers=drivers,
             window_s=window_s,
+            shapes=shapes or {},
             longest=longest,
         )
 

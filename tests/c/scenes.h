@@ -42,13 +42,13 @@ static inline void stage_init(stage *s, int width, int height, double focal_px) 
 static inline void stage_clear(stage *s) { pl_scene_clear(&s->scene); }
 
 static inline int32_t stage_next_id(const stage *s) {
-  return (int32_t)(s->scene.object_count + s->scene.body_count + 1);
+  return (int32_t)(s->scene.craft_count + s->scene.body_count + 1);
 }
 
 /* The model's parts all get the object's id; models live longer than the stage. */
 static inline size_t stage_add_object(stage *s, const pl_model *model, pl_vec3 position,
                                       pl_quat rotation, double scale) {
-  const size_t index = s->scene.object_count;
+  const size_t index = s->scene.craft_count;
   const int32_t id = stage_next_id(s);
   int32_t parts[8];
   uint16_t classes[16];

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.atmosphere import Atmosphere
 from perilune.config.attitude import BodyRotation
@@ -12,11 +12,12 @@ from perilune.config.errors import fail
 from perilune.config.materials import DriverSection
 from perilune.config.orbit import Orbit
 from perilune.config.photometry import Photometry
+from perilune.config.shape import Shape, named
 from perilune.config.types import Positive, PositiveVec3, Rgb, StaticFinite, Strict
 
 
 class Body(Strict):
-    """An ellipsoid: a planet, a moon, an asteroid."""
+    """An ellipsoid or a mesh: a planet, a moon, an asteroid."""
 
     kind: str
     """A name in the table of bodies, or `ellipsoid` (then radii_km and gm_km3_s2 are needed)."""
@@ -26,6 +27,8 @@ class Body(Strict):
     """Gravitational parameter; replaces the table's."""
     ephemeris: str | None = None
     """For `ellipsoid`: the body of the table in whose place it stands (root: earth)."""
+    shape: Annotated[Shape, BeforeValidator(named)] | None = None
+    """A mesh instead of the ellipsoid: a file, or a mapping with one."""
     color_map: str | None = None
     """Equirectangular PNG or JPEG; relative to this file, or data:... under PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
@@ -73,6 +76,8 @@ class Body(Strict):
             fail("kind", "the Sun is always there (section `sun`); list the other bodies")
         if self.orbit is not None and self.ephemeris is not None:
             fail("ephemeris", "give an orbit or an ephemeris, not both")
+        if self.shape is not None and self.atmosphere is not None:
+            fail("atmosphere", "only about an ellipsoid: a body with a shape has none")
         return self
 
     @property

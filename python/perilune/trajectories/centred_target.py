@@ -29,7 +29,7 @@ def _surface_m(world: World, spec: CentredTarget, direction: F64, when: int) -> 
         return world.craft_radius_m[spec.target]
     line = rotations.rotate(axes(world, spec.target, spec.frame, when), direction)
     own = world.body_axes(spec.target, line, when)
-    return float(1.0 / np.linalg.norm(own / world.body_radii_m[spec.target]))
+    return world.surface_m(spec.target, own)
 
 
 def centred_target(world: World) -> F64:

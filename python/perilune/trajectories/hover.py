@@ -47,7 +47,11 @@ def hover(world: World) -> F64:
     towards = math.cos(azimuth) * north + math.sin(azimuth) * east
     forward = math.sin(lean) * towards - math.cos(lean) * normal
     up = math.cos(lean) * towards + math.sin(lean) * normal
-    place = surface(world.body_radii_m[spec.target], normal) + height * normal
+    ground = surface(world.body_radii_m[spec.target], normal)
+    shape = world.shapes.get(spec.target)
+    if shape is not None:  # the heights count from it, where the vertical meets it
+        height += shape.surface_m(normal, ground) or 0.0
+    place = ground + height * normal
 
     def view(when: int) -> tuple[F64, F64]:
         body = world.poses[spec.target][when]

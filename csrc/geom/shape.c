@@ -1,0 +1,134 @@
+/* Normals by angle, winding by solid angle. */
+#include "geom/shape.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+
+static pl_vec3 corner_of(const pl_model *model, size_t triangle, size_t k) {
+  const float *p = model->positions + 3 * (size_t)model->indices[3 * triangle + k];
+  return (pl_vec3){p[0], p[1], p[2]};
+}
+
+/* Adds the face's unit normal to its corners' sums, by the angle that it takes up at each: what a
+ * vertex gets does not depend on how flat parts are cut into triangles (Thuermer and Wuethrich
+ * 1998). */
+static void add_face(const pl_model *model, size_t triangle, double *sums) {
+  pl_vec3 corner[3];
+  for (size_t k = 0; k < 3; k++)
+    corner[k] = corner_of(model, triangle, k);
+  const pl_vec3 normal = pl_vec3_unit(
+      pl_vec3_cross(pl_vec3_sub(corner[1], corner[0]), pl_vec3_sub(corner[2], corner[0])));
+  for (size_t k = 0; k < 3; k++) {
+    const pl_vec3 a = pl_vec3_sub(corner[(k + 1) % 3], corner[k]);
+    const pl_vec3 b = pl_vec3_sub(corner[(k + 2) % 3], corner[k]);
+    const double angle = atan2(pl_vec3_norm(pl_vec3_cross(a, b)), pl_vec3_dot(a, b));
+    double *sum = sums + 3 * (size_t)model->indices[3 * triangle + k];
+    sum[0] += angle * normal.x;
+    sum[1] += angle * normal.y;
+    sum[2] += angle * normal.z;
+  }
+}
+
+/* A vertex without faces, or whose faces cancel, gets +z: no point of a surface is lit by it alone.
+ */
+static pl_status set_normals(pl_model *model) {
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(3 * model->vertex_count, sizeof(double), "normals", &memory));
+  double *sums = memory;
+  for (size_t t = 0; t < model->triangle_count; t++)
+    add_face(model, t, sums);
+  for (size_t v = 0; v < model->vertex_count; v++) {
+    const pl_vec3 sum = {sums[3 * v], sums[3 * v + 1], sums[3 * v + 2]};
+    const bool flat = pl_vec3_norm(sum) > 1e-6;
+    const pl_vec3 n = flat ? pl_vec3_unit(sum) : (pl_vec3){0.0, 0.0, 1.0};
+    model->normals[3 * v] = (float)n.x;
+    model->normals[3 * v + 1] = (float)n.y;
+    model->normals[3 * v + 2] = (float)n.z;
+  }
+  pl_free(memory);
+  return PL_OK;
+}
+
+static pl_status check(const char *name, const float *positions, size_t vertices,
+                       const uint32_t *indices, size_t triangles) {
+  if (triangles == 0)
+    return pl_fail(PL_E_RANGE, "shape '%s': has no triangles", name);
+  for (size_t i = 0; i < 3 * vertices; i++)
+    if (!isfinite(positions[i]))
+      return pl_fail(PL_E_RANGE, "shape '%s': vertex %zu is not finite", name, i / 3);
+  for (size_t i = 0; i < 3 * triangles; i++)
+    if (indices[i] >= vertices)
+      return pl_fail(PL_E_RANGE, "shape '%s': triangle %zu has vertex %u of %zu", name, i / 3,
+                     (unsigned)indices[i], vertices);
+  return PL_OK;
+}
+
+static pl_material plain(char *name) {
+  return (pl_material){.name = name,
+                       .base_color = {1.0f, 1.0f, 1.0f, 1.0f},
+                       .roughness = 1.0f,
+                       .normal_scale = 1.0f,
+                       .double_sided = true,
+                       .unlit = true,
+                       .base_color_map = PL_NO_TEXTURE,
+                       .metallic_roughness_map = PL_NO_TEXTURE,
+                       .normal_map = PL_NO_TEXTURE,
+                       .emissive_map = PL_NO_TEXTURE,
+                       .layers = PL_MATERIAL_LAYERS_PLAIN};
+}
+
+static pl_status fill(const char *name, const float *positions, const uint32_t *indices,
+                      pl_model *m) {
+  const size_t numbers = 3 * m->vertex_count, corners = 3 * m->triangle_count;
+  /* Embree reads vertices by four numbers. */
+  PL_TRY(pl_alloc_or_fail(numbers + 1, sizeof(float), "a shape", (void **)&m->positions));
+  PL_TRY(pl_alloc_or_fail(numbers, sizeof(float), "a shape", (void **)&m->normals));
+  PL_TRY(pl_alloc_or_fail(corners, sizeof(uint32_t), "a shape", (void **)&m->indices));
+  PL_TRY(
+      pl_alloc_or_fail(m->triangle_count, sizeof(uint32_t), "a shape", (void **)&m->triangle_part));
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_part), "a shape", (void **)&m->parts));
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_material), "a shape", (void **)&m->materials));
+  m->part_count = m->material_count = 1;
+  m->parts[0].name = pl_strdup(name);
+  m->materials[0] = plain(pl_strdup(name));
+  m->warnings = pl_strdup("");
+  if (m->parts[0].name == NULL || m->materials[0].name == NULL || m->warnings == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for a shape");
+  memcpy(m->positions, positions, numbers * sizeof(float));
+  memcpy(m->indices, indices, corners * sizeof(uint32_t));
+  pl_model_measure(m);
+  return set_normals(m);
+}
+
+pl_status pl_shape_create(const char *name, const float *positions, size_t vertices,
+                          const uint32_t *indices, size_t triangles, pl_model **out) {
+  void *memory;
+  PL_TRY(check(name, positions, vertices, indices, triangles));
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_model), "a shape", &memory));
+  pl_model *model = memory;
+  *model = (pl_model){.vertex_count = vertices, .triangle_count = triangles};
+  const pl_status status = fill(name, positions, indices, model);
+  if (status != PL_OK) {
+    pl_model_destroy(model);
+    return status;
+  }
+  *out = model;
+  return PL_OK;
+}
+
+double pl_shape_winding(const pl_model *model, pl_vec3 point) {
+  double sum = 0.0;
+  for (size_t t = 0; t < model->triangle_count; t++) {
+    const pl_vec3 a = pl_vec3_sub(corner_of(model, t, 0), point);
+    const pl_vec3 b = pl_vec3_sub(corner_of(model, t, 1), point);
+    const pl_vec3 c = pl_vec3_sub(corner_of(model, t, 2), point);
+    const double na = pl_vec3_norm(a), nb = pl_vec3_norm(b), nc = pl_vec3_norm(c);
+    const double volume = pl_vec3_dot(a, pl_vec3_cross(b, c));
+    const double cosines =
+        na * nb * nc + pl_vec3_dot(a, b) * nc + pl_vec3_dot(b, c) * na + pl_vec3_dot(c, a) * nb;
+    if (volume != 0.0)
+      sum += 2.0 * atan2(volume, cosines);
+  }
+  return sum / (4.0 * PL_PI);
+}
