@@ -282,9 +282,10 @@ class Scene:
         air: Air | None,
         shape: Model | None = None,
     ) -> int:
-        """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids: (levels,). regolith_map: 27 channels, w, b, c,
-        B_C0, h_C, B_S0, h_S, roughness in radians and filling factor of each band, for the
-        photometric reflectances; its w counts where there is no map."""
+        """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
+        (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians
+        and filling factor of each band, for the photometric reflectances; its w counts where there
+        is no map."""
     def add_object(
         self,
         *,
