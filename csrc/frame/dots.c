@@ -53,7 +53,7 @@ static double diameter_px(const pl_snapshot *shot, const ball *ball) {
               across_px(&shot->camera, center, pl_vec3_cross(turn, center), angle));
 }
 
-/* Clouds so high, over the body's radius, are not in its picture. */
+/* Clouds so high, over the body's radius, are not in its picture; nor are rings. */
 static const double HIGH = 0.02;
 
 /* Not where depth of field blurs: these pictures are sharp. */
@@ -64,7 +64,7 @@ void pl_dots_mark(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
     const pl_view_thing *thing = &view->things[ball.thing];
     const double size = ball.in_frame ? diameter_px(shot, &ball) : INFINITY;
     const double covered = fmin(1.0, size * size);
-    body->dot = shot->camera.aperture_m == 0.0 &&
+    body->dot = shot->camera.aperture_m == 0.0 && body->body->rings == NULL &&
                 body->state->clouds.altitude_m < HIGH * body->radius_m && size < DIAMETER_PX &&
                 pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
     if (ball.thing < shot->object_count)

@@ -7,6 +7,7 @@
 #include "io/effects.h"
 #include "light/effects.h"
 #include "render/effects.h"
+#include "rings/effects.h"
 #include "scene/effects.h"
 #include "sensor/effects.h"
 #include "shade/effects.h"
@@ -22,6 +23,7 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_skylight,
     &pl_effect_multiple_scattering,
     &pl_effect_clouds,
+    &pl_effect_rings,
     &pl_effect_emission,
     &pl_effect_emitters,
     &pl_effect_bounces,

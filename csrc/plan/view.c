@@ -180,10 +180,23 @@ double pl_view_series(const pl_view *view, int bounces) {
   return sum;
 }
 
+pl_view_thing pl_view_rings(const pl_view_thing *body) {
+  pl_view_thing shell = *body;
+  shell.radius_m = body->rings_radius_m;
+  return shell;
+}
+
 double pl_view_received(const pl_view *view, size_t i) {
   double sum = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (k != i)
-      sum += pl_view_transfer(&view->things[i], &view->things[k]) * pl_view_light(&view->things[k]);
+  for (size_t k = 0; k < view->thing_count; k++) {
+    const pl_view_thing *source = &view->things[k];
+    if (k == i)
+      continue;
+    sum += pl_view_transfer(&view->things[i], source) * pl_view_light(source);
+    if (source->rings_radius_m > 0.0) {
+      const pl_view_thing shell = pl_view_rings(source);
+      sum += pl_view_transfer(&view->things[i], &shell) * source->rings_light;
+    }
+  }
   return sum;
 }

@@ -44,6 +44,11 @@ typedef struct pl_view_thing {
   bool air_in_frame;        /* a sphere that holds it touches the frustum */
   const struct pl_clouds *clouds; /* borrowed, for the row in shade/ alone; NULL: none */
   bool clouds_in_frame;           /* their shell touches the frustum */
+  double rings_radius_m;          /* of a body's rings; 0: none */
+  bool rings_in_frame;            /* a sphere that holds them touches the frustum */
+  double rings_axis[3];           /* their normal, root axes, unit */
+  double rings_depth;             /* largest optical depth along it */
+  double rings_light;             /* upper bound of their radiance, W m-2 sr-1 */
   const pl_view_laws *laws; /* of a body in the frame for whose law others may stand, or NULL */
 } pl_view_thing;
 
@@ -145,6 +150,8 @@ double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source
 double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source);
 /* Upper bound of a thing's radiance as a light of others: the sun reflected, and its emission. */
 double pl_view_light(const pl_view_thing *source);
+/* A body's rings as a thing: the sphere that holds them. */
+pl_view_thing pl_view_rings(const pl_view_thing *body);
 /* 1 + r + r^2 + ..., `bounces` terms: what further reflections between things make of one, where
  * r is the largest albedo in the scene. */
 double pl_view_series(const pl_view *view, int bounces);

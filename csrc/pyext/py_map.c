@@ -87,6 +87,43 @@ static PyObject *get_mean(PyObject *self, void *closure) {
   return array;
 }
 
+/* Rows of which the mean of a column is made, at most. */
+enum { COLUMN_ROWS = 64 };
+
+static void column_mean(const pl_texture *texture, int column, double out[4]) {
+  const float none[2] = {0.0f, 0.0f};
+  int width, height, channels;
+  pl_texture_size(texture, &width, &height, &channels);
+  const int rows = height < COLUMN_ROWS ? height : COLUMN_ROWS;
+  for (int k = 0; k < 4; k++)
+    out[k] = 0.0;
+  for (int i = 0; i < rows; i++) {
+    float texel[4];
+    const int row = (int)((int64_t)height * (2 * i + 1) / (2 * rows));
+    pl_texture_sample(texture, ((float)column + 0.5f) / (float)width,
+                      ((float)row + 0.5f) / (float)height, none, none, PL_FILTER_NONE, texel);
+    for (int k = 0; k < 4; k++)
+      out[k] += (double)texel[k] / rows;
+  }
+}
+
+static PyObject *map_columns(PyObject *self, PyObject *none) {
+  (void)none;
+  const pl_texture *texture = ((map_object *)self)->texture;
+  int width, height, channels;
+  pl_texture_size(texture, &width, &height, &channels);
+  npy_intp shape[2] = {width, 4};
+  PyObject *array = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  for (int i = 0; array != NULL && i < width; i++)
+    column_mean(texture, i, (double *)PyArray_DATA((PyArrayObject *)array) + 4 * i);
+  return array;
+}
+
+static PyMethodDef map_methods[] = {
+    {"columns", map_columns, METH_NOARGS, "(width, 4) mean linear RGBA of each column."},
+    {NULL, NULL, 0, NULL},
+};
+
 static PyGetSetDef map_getset[] = {
     {"size", get_size, NULL, "(width, height), texels.", NULL},
     {"mean", get_mean, NULL, "(4,) mean linear RGBA.", NULL},
@@ -99,6 +136,7 @@ static PyType_Slot map_slots[] = {
     {Py_tp_new, (void *)map_new},
     {Py_tp_dealloc, (void *)map_dealloc},
     {Py_tp_getset, map_getset},
+    {Py_tp_methods, map_methods},
     {0, NULL},
 };
 

@@ -8,7 +8,8 @@
 #include "scene/scene.h"
 
 extern PyType_Spec pl_py_model_spec, pl_py_map_spec, pl_py_scene_spec, pl_py_renderer_spec,
-    pl_py_articulation_spec, pl_py_graph_spec, pl_py_grid_spec, pl_py_stars_spec, pl_py_air_spec;
+    pl_py_articulation_spec, pl_py_graph_spec, pl_py_grid_spec, pl_py_stars_spec, pl_py_air_spec,
+    pl_py_rings_spec;
 
 /* Borrowed contents; NULL with TypeError when the object is of another type. */
 const pl_model *pl_py_model_of(PyObject *object);
@@ -16,6 +17,7 @@ const pl_texture *pl_py_map_of(PyObject *object);
 const pl_graph *pl_py_graph_of(PyObject *object);
 const pl_grid *pl_py_grid_of(PyObject *object);
 const pl_air *pl_py_air_of(PyObject *object);
+const pl_rings *pl_py_rings_of(PyObject *object);
 /* NODES, as documented in the stub. A new reference. */
 PyObject *pl_py_nodes(void);
 /* The function band_gather, as documented in the stub. */

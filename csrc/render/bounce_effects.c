@@ -24,9 +24,13 @@ static int ceiling(const pl_view *view) { return view->max_bounces > 0 ? view->m
  * albedo. */
 static double return_of(const pl_view *view, const pl_view_thing *thing) {
   double sum = thing->is_body ? 0.0 : 1.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (&view->things[k] != thing)
-      sum += pl_view_transfer(thing, &view->things[k]);
+  for (size_t k = 0; k < view->thing_count; k++) {
+    const pl_view_thing *source = &view->things[k];
+    const pl_view_thing rings = pl_view_rings(source);
+    if (source != thing)
+      sum += pl_view_transfer(thing, source) +
+             (rings.radius_m > 0.0 ? pl_view_transfer(thing, &rings) : 0.0);
+  }
   return fmin(thing->is_body ? 1.0 : thing->albedo_max, sum);
 }
 
@@ -36,7 +40,7 @@ static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0, light = 0.0, radiance = 0.0;
   for (size_t i = 0; i < view->thing_count; i++) {
     largest = fmax(largest, return_of(view, &view->things[i]));
-    light = fmax(light, pl_view_light(&view->things[i]));
+    light = fmax(light, fmax(pl_view_light(&view->things[i]), view->things[i].rings_light));
   }
   for (size_t i = 0; i < view->thing_count; i++) {
     const pl_view_thing *thing = &view->things[i];

@@ -5,5 +5,6 @@
 #include "render/veil.h"
 
 extern const pl_veil_kind pl_veil_clouds;
+extern const pl_veil_kind pl_veil_rings;
 
 #endif

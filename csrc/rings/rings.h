@@ -93,7 +93,11 @@ typedef struct pl_rings_sun {
 pl_rings_light pl_rings_scatter(const pl_rings *rings, const pl_rings_piece *piece,
                                 pl_vec3 direction, const pl_rings_sun *sun);
 
-/* Part of the light that comes through the rings along a cone, as by pl_rings_scatter. */
+/* The same of a whole cone, where nothing stands between the rings and the sun. */
+pl_rings_light pl_rings_seen(const pl_rings *rings, const pl_rings_ray *ray,
+                             const pl_rings_sun *sun);
+
+/* Part of the light that comes through the rings along a cone. */
 double pl_rings_passed(const pl_rings *rings, const pl_rings_ray *ray);
 
 #endif

@@ -46,6 +46,22 @@ pl_rings_light pl_rings_scatter(const pl_rings *rings, const pl_rings_piece *pie
                           .scattered = {phase * sum[0], phase * sum[1], phase * sum[2]}};
 }
 
+pl_rings_light pl_rings_seen(const pl_rings *rings, const pl_rings_ray *ray,
+                             const pl_rings_sun *sun) {
+  pl_rings_piece pieces[PL_RINGS_PIECES];
+  pl_rings_light sum = {.passed = 1.0};
+  const size_t count = pl_rings_cut(rings, ray, pieces);
+  for (size_t i = 0; i < count; i++) {
+    const double share = pieces[i].share;
+    const pl_rings_light light = pl_rings_scatter(rings, &pieces[i], ray->direction, sun);
+    sum.passed -= share * (1.0 - light.passed);
+    for (int k = 0; k < 3; k++)
+      sum.scattered[k] += share * light.scattered[k];
+  }
+  sum.passed = fmax(0.0, sum.passed);
+  return sum;
+}
+
 double pl_rings_passed(const pl_rings *rings, const pl_rings_ray *ray) {
   pl_rings_piece pieces[PL_RINGS_PIECES];
   double held = 0.0;

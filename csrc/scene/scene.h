@@ -12,6 +12,7 @@
 #include "geom/grid.h"
 #include "geom/model.h"
 #include "math/rotation.h"
+#include "rings/rings.h"
 #include "scene/lens.h"
 #include "scene/materials.h"
 #include "scene/volume.h"
@@ -63,6 +64,7 @@ typedef struct pl_body {
   const pl_air *air;                 /* borrowed, NULL for none */
   const pl_texture *cloud_map;       /* borrowed, NULL for none: cover of its clouds */
   double cloud_map_center_lon_rad;   /* of that map, when the shell is not turned */
+  const pl_rings *rings;             /* borrowed, NULL for none: in the plane of x and y */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
   const pl_graph *graph; /* borrowed: instead of, or around, the above surface; NULL for none */

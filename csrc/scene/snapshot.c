@@ -143,6 +143,10 @@ static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_ang
   body->clouds_in_frame =
       clouds_m > 0.0 &&
       pl_snapshot_sees(shot, body->center, body->radius_m + clouds_m, axis, half_angle);
+  const pl_rings *rings = body->body->rings;
+  body->rings_in_frame =
+      rings != NULL &&
+      pl_snapshot_sees(shot, body->center, pl_rings_outer_m(rings), axis, half_angle);
 }
 
 pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,

@@ -58,6 +58,7 @@ typedef struct pl_shot_body {
   bool in_frame;               /* camera rays may meet the ellipsoid; never of one with a shape */
   bool air_in_frame;           /* its air, if it has any, touches the frustum */
   bool clouds_in_frame;        /* likewise */
+  bool rings_in_frame;         /* likewise */
   bool dot;                    /* too small for the samples of pixels; set by pl_dots_mark */
   bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
   bool bounced;  /* others may noticeably light it by reflection; set by pl_snapshot_cull */

@@ -89,6 +89,20 @@ static double albedo_max(const pl_body *body, const pl_body_state *state) {
   return pl_regolith_peak(&surface);
 }
 
+/* No place of the rings is nearer to the sun than by their radius. */
+static void add_rings(const pl_snapshot *shot, const pl_shot_body *body, pl_view_thing *thing) {
+  const pl_rings_reach reach = pl_rings_reach_of(body->body->rings);
+  const pl_vec3 axis = pl_mat3_mul_vec(body->rotation, (pl_vec3){0.0, 0.0, 1.0});
+  thing->rings_radius_m = pl_rings_outer_m(body->body->rings);
+  thing->rings_in_frame = body->rings_in_frame;
+  thing->rings_axis[0] = axis.x;
+  thing->rings_axis[1] = axis.y;
+  thing->rings_axis[2] = axis.z;
+  thing->rings_depth = reach.depth;
+  thing->rings_light =
+      reach.scattered * pl_shot_irradiance_max(shot, body->center, thing->rings_radius_m);
+}
+
 static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *body) {
   const pl_body_state *state = body->state;
   const bool diffuse = body->body->reflectance == &pl_reflectance_lambert;
@@ -116,6 +130,8 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
     add_graph(body->body, &thing);
   for (int k = 0; thing.clouds != NULL && k < 3; k++) /* they may be brighter than the ground */
     thing.albedo_max = fmax(thing.albedo_max, (double)state->clouds.color[k]);
+  if (body->body->rings != NULL)
+    add_rings(shot, body, &thing);
   set_center(&thing, body->center);
   return thing;
 }

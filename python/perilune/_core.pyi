@@ -144,6 +144,8 @@ class Map:
     @property
     def mean(self) -> F64:
         """(4,) mean linear RGBA."""
+    def columns(self) -> F64:
+        """(width, 4) mean linear RGBA of each column, of up to 64 of its texels."""
 
 @final
 class Grid:
@@ -199,6 +201,36 @@ class Air:
         from the end that arrives. sun: unit direction to it. steps: 1..64."""
     def skylight(self, sun_sine: float, multiple: bool) -> tuple[float, float, float]:
         """Irradiance of the sky on flat ground, of a sun of irradiance 1 with its height's sine."""
+
+@final
+class Rings:
+    """Flat rings about a body, in its axes: z is their normal, the origin its centre."""
+
+    def __new__(
+        cls,
+        edges_m: F64,
+        depth: F64,
+        albedo: F64,
+        exponent: float,
+        dust_share: float,
+        dust_g: float,
+    ) -> Self:
+        """edges_m: (n + 1,) rising radii; between them depth (n,) along the normal and albedo
+        (n, 3), n up to 16384. exponent: of the particles' phase function; dust_share: of the light
+        that is scattered as by dust, with a mean cosine of dust_g."""
+    def scatter(
+        self,
+        points: F64,
+        directions: F64,
+        sun: tuple[float, float, float],
+        sun_radius_rad: float,
+        width_m: float,
+        spread: float,
+    ) -> tuple[F64, F64]:
+        """(n, 3) radiance, 1/sr, that the rings send to points (n, 3), m, of a sun of irradiance 1
+        in the unit direction `sun`, and (n,) part of the light from behind that passes: means over
+        cones about unit directions (n, 3), width_m wide at the points and growing by `spread` a
+        metre. The body's shadow is left out."""
 
 class Socket(TypedDict):
     name: str
@@ -281,6 +313,7 @@ class Scene:
         regolith_map: Grid | None,
         air: Air | None,
         shape: Model | None = None,
+        rings: Rings | None = None,
     ) -> int:
         """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
         (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, atmospheres, photometry, shapes
+from perilune import _core, articulation, atmospheres, photometry, rings, shapes
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError
 from perilune.config.photometry import Photometry
@@ -102,6 +102,7 @@ class Handles:
         self.skies = Skies(document.path)
         self._shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
         self._airs: dict[str, _core.Air | None] = {}
+        self._ring_systems: dict[str, _core.Rings] = {}
         self._stages: dict[tuple[Any, ...], _Stage] = {}
 
     @cached_property
@@ -229,6 +230,24 @@ class Handles:
                 ) from error
         return self._airs[name]
 
+    def _rings(self, name: str, config: Config) -> _core.Rings | None:
+        """The rings of a body; their tables are made once."""
+        given = config.bodies[name].rings
+        if given is None:
+            return None
+        if name not in self._ring_systems:
+            columns = None
+            if given.color_map is not None:
+                path = self.document.path(given.color_map, f"bodies.{name}.rings.color_map")
+                columns = _core.Map(str(path)).columns()
+            try:
+                self._ring_systems[name] = rings.rings_of(given, columns)
+            except ValueError as error:
+                raise ConfigError(
+                    f"{self.document.source}:\n  bodies.{name}.rings: {error}"
+                ) from error
+        return self._ring_systems[name]
+
     def _regolith_map(self, name: str, given: Photometry | None) -> _core.Grid | None:
         """The parameter map of a body; each set of files is read once."""
         if given is None or not given.maps:
@@ -308,6 +327,7 @@ class Handles:
                 regolith_map=self._regolith_map(name, body.photometry),
                 air=self._air(name, config),
                 shape=meshes[name].model if name in meshes else None,
+                rings=self._rings(name, config),
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[

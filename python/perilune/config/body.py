@@ -12,6 +12,7 @@ from perilune.config.errors import fail
 from perilune.config.materials import DriverSection
 from perilune.config.orbit import Orbit
 from perilune.config.photometry import Photometry
+from perilune.config.rings import Rings
 from perilune.config.shape import Shape, named
 from perilune.config.types import Positive, PositiveVec3, Rgb, StaticFinite, Strict
 
@@ -43,6 +44,8 @@ class Body(Strict):
     """Other parameters of a photometric reflectance."""
     atmosphere: Atmosphere | None = None
     """Air about it; none without."""
+    rings: Rings | None = None
+    """Rings in the plane of its equator; none without."""
     material: str | None = None
     """Name of an entry of `materials`: a graph instead of the surface that the keys above make."""
     material_drivers: DriverSection | None = None

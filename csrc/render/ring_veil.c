@@ -1,0 +1,135 @@
+/* Rings: flat layers in the plane of a body's equator. Of one ray they are one veil, also where its
+ * cone meets them in several places. */
+#include "render/veil_kinds.h"
+#include "rings/rings.h"
+
+typedef struct ring_item {
+  const pl_rings *rings;
+  uint32_t body;
+} ring_item;
+
+typedef struct ring_list {
+  size_t count;
+  ring_item *items;
+} ring_list;
+
+static pl_status build(const pl_snapshot *shot, int value, pl_arena *arena, const void **own) {
+  (void)value;
+  ring_list *list = pl_arena_alloc(arena, 1, sizeof *list);
+  ring_item *items = pl_arena_alloc(arena, shot->body_count, sizeof *items);
+  if (list == NULL || items == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for rings");
+  *list = (ring_list){.items = items};
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].body->rings != NULL)
+      items[list->count++] = (ring_item){shot->bodies[i].body->rings, (uint32_t)i};
+  *own = list->count > 0 ? list : NULL;
+  return PL_OK;
+}
+
+static bool in_cone(const void *own, const pl_snapshot *shot, pl_vec3 axis, double half_angle) {
+  const ring_list *list = own;
+  for (size_t i = 0; i < list->count; i++)
+    if (pl_snapshot_sees(shot, shot->bodies[list->items[i].body].center,
+                         pl_rings_outer_m(list->items[i].rings), axis, half_angle))
+      return true;
+  return false;
+}
+
+/* A camera-relative ray in the body's axes. */
+static pl_rings_ray ray_of(const pl_shot_body *body, pl_vec3 origin, pl_vec3 direction) {
+  return (pl_rings_ray){.origin =
+                            pl_vec3_add(body->camera, pl_mat3_mul_vec_t(body->rotation, origin)),
+                        .direction = pl_mat3_mul_vec_t(body->rotation, direction)};
+}
+
+/* Sunlight that a part of the rings scatters along the ray, and what it lets through. */
+static float look(const ring_item *item, const pl_veils *veils, const pl_snapshot *shot,
+                  const pl_rings_ray *ray, const pl_rings_piece *piece, pl_vec3f *radiance) {
+  const pl_shot_body *body = &shot->bodies[item->body];
+  const pl_vec3 point = pl_vec3_add(body->center, pl_mat3_mul_vec(body->rotation, piece->point));
+  const pl_sun_view view = pl_sun_view_at(&shot->sun, point);
+  const pl_rings_sun sun = {pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(view.direction)),
+                            (double)view.sin_radius};
+  const pl_rings_light light = pl_rings_scatter(item->rings, piece, ray->direction, &sun);
+  const pl_vec3f scattered = pl_vec3f_make((float)light.scattered[0], (float)light.scattered[1],
+                                           (float)light.scattered[2]);
+  const float width_m = (float)(ray->width_m + ray->spread * piece->t);
+  if (pl_vec3f_max(scattered) > 0.0f)
+    *radiance = pl_vec3f_mul(scattered,
+                             pl_veils_sunlight(veils, &pl_veil_rings, shot, point, &view, width_m));
+  return (float)light.passed;
+}
+
+static float straight(const pl_rings *rings, const pl_rings_piece *piece) {
+  return 1.0f -
+         (float)pl_rings_average(rings, piece->low_m, piece->high_m, 1.0 / piece->sine).opacity;
+}
+
+static void cross_item(const ring_item *item, const pl_veils *veils, const pl_snapshot *shot,
+                       const pl_veil_ray *ray, pl_veil_list *out) {
+  const pl_shot_body *body = &shot->bodies[item->body];
+  pl_rings_ray own = ray_of(body, ray->beam->origin, ray->beam->direction);
+  pl_rings_piece pieces[PL_RINGS_PIECES];
+  own.width_m = (double)ray->beam->width_m;
+  own.spread = (double)ray->beam->spread;
+  own.end_m = ray->t_max;
+  const size_t count = pl_rings_cut(item->rings, &own, pieces);
+  /* The light of a body's rings is not seen from its ground. */
+  const bool dark = ray->dark || ray->from_body == item->body;
+  pl_veil_crossing crossing = {0};
+  float held = 0.0f;
+  double shares = 0.0;
+  for (size_t i = 0; i < count; i++) {
+    pl_vec3f radiance = {0.0f, 0.0f, 0.0f};
+    const float share = (float)pieces[i].share;
+    const float passed = dark ? straight(item->rings, &pieces[i])
+                              : look(item, veils, shot, &own, &pieces[i], &radiance);
+    held += share * (1.0f - passed);
+    crossing.radiance = pl_vec3f_madd(crossing.radiance, share, radiance);
+    crossing.t += pieces[i].share * pieces[i].t;
+    shares += pieces[i].share;
+  }
+  if (!(held > 0.0f))
+    return;
+  const float left = pl_maxf(0.0f, 1.0f - held);
+  crossing.t = fmin(crossing.t / shares, ray->t_max);
+  crossing.passed = (pl_vec3f){left, left, left};
+  pl_veil_list_add(out, &crossing);
+}
+
+static void cross(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+                  const pl_veil_ray *ray, pl_veil_list *out) {
+  const ring_list *list = own;
+  for (size_t i = 0; i < list->count; i++)
+    if (pl_veil_ray_sees(veils, ray, shot, list->items[i].body))
+      cross_item(&list->items[i], veils, shot, ray, out);
+}
+
+/* An even strip so wide has the spread of an even disc of radius 1, about any line across it. */
+static const double STRIP = 1.7320508075688772;
+
+/* Rings are cut by a cone as wide as the sun's disc and the footprint. */
+static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+                           pl_vec3 point, const pl_sun_view *sun, float width_m) {
+  const ring_list *list = own;
+  double out = 1.0;
+  (void)veils;
+  for (size_t i = 0; i < list->count; i++) {
+    const ring_item *item = &list->items[i];
+    pl_rings_ray ray = ray_of(&shot->bodies[item->body], point, pl_vec3f_to_double(sun->direction));
+    ray.width_m = (double)width_m;
+    ray.spread = STRIP * (double)sun->sin_radius;
+    ray.end_m = (double)sun->distance_m;
+    out *= pl_rings_passed(item->rings, &ray);
+  }
+  return (pl_vec3f){(float)out, (float)out, (float)out};
+}
+
+const pl_veil_kind pl_veil_rings = {
+    .name = "rings",
+    .build = build,
+    .in_cone = in_cone,
+    .cross = cross,
+    .toward_sun = toward_sun,
+};

@@ -1,0 +1,121 @@
+/* The effect row `rings`: what rings add, hide and shade. */
+#include "rings/effects.h"
+
+#include <math.h>
+#include <stddef.h>
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Longest way through the rings over their normal's length, of lines from them to within margin_m
+ * of a point: no point of the rings is farther from it than its distance and their radius. */
+static double longest(const pl_view_thing *body, const double point_m[3], double margin_m) {
+  const double from[3] = {point_m[0] - body->center_m[0], point_m[1] - body->center_m[1],
+                          point_m[2] - body->center_m[2]};
+  const double height = fabs(dot(body->rings_axis, from)) - margin_m;
+  const double far = sqrt(dot(from, from)) + margin_m + body->rings_radius_m;
+  return height > 0.0 ? far / height : INFINITY;
+}
+
+static double opacity(const pl_view_thing *body, double path) {
+  return body->rings_depth > 0.0 ? -expm1(-body->rings_depth * path) : 0.0;
+}
+
+/* Whether sunlight passes the rings on its way to things in the frame. */
+static bool shades(const pl_view *view, const pl_view_thing *body) {
+  const pl_view_thing shell = pl_view_rings(body);
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].in_frame && pl_view_shadow_reaches(view, &shell, &view->things[i]))
+      return true;
+  return false;
+}
+
+/* Upper bound of the part of a source's light that rings keep from a receiver. Lines at a sine of y
+ * to their plane lose min(1, depth/y) at most; over a disc of radius rho about the plane's horizon
+ * the mean of that is below (4/pi) depth/rho (1 + ln(rho/depth)), and twice that also where angles
+ * are no longer as their sines. Mirrors may show the horizon alone. */
+static double kept_back(double depth, const pl_view_thing *receiver, const pl_view_thing *source) {
+  double d2 = 0.0;
+  for (int k = 0; k < 3; k++)
+    d2 += pow(receiver->center_m[k] - source->center_m[k], 2.0);
+  const double rho = source->radius_m / (sqrt(d2) + receiver->radius_m + source->radius_m);
+  if (!(depth > 0.0) || receiver->ggx_alpha_min < 1.0)
+    return depth > 0.0;
+  return fmin(1.0, 2.55 * depth / rho * (1.0 + log1p(rho / depth)));
+}
+
+/* Radiance that things in the frame get by reflection of the rings' light, or lose of others'. The
+ * body's own light by its rings is left out by all. `lit`: way of the sun's light through them. */
+static double reflected(const pl_view *view, const pl_view_thing *body, double lit) {
+  const pl_view_thing shell = pl_view_rings(body);
+  double most = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *thing = &view->things[i];
+    if (!thing->in_frame)
+      continue;
+    double sum = 0.0;
+    if (thing != body)
+      sum = pl_view_transfer(thing, &shell) * body->rings_light *
+            fmin(1.0, kept_back(body->rings_depth, thing, &shell) + body->rings_depth * lit);
+    for (size_t k = 0; k < view->thing_count; k++)
+      if (k != i)
+        sum += pl_view_transfer(thing, &view->things[k]) * pl_view_light(&view->things[k]) *
+               kept_back(body->rings_depth, thing, &view->things[k]);
+    most = fmax(most, sum);
+  }
+  return most * pl_view_series(view, view->max_bounces);
+}
+
+static const char *absent(const pl_view *view) {
+  bool any = false;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *thing = &view->things[i];
+    if (!(thing->rings_radius_m > 0.0))
+      continue;
+    if (thing->rings_in_frame || shades(view, thing) || reflected(view, thing, INFINITY) > 0.0)
+      return NULL;
+    any = true;
+  }
+  return any ? "no rings are seen, or before the light of what is" : "no body has rings";
+}
+
+static double missing_dn(const pl_view *view, const pl_view_thing *body) {
+  static const double camera[3] = {0.0, 0.0, 0.0};
+  const double seen = longest(body, camera, 0.0);
+  const double lit = longest(body, view->sun_position_m, view->sun_radius_m);
+  double sum = pl_view_dn(view, reflected(view, body, lit));
+  if (shades(view, body))
+    sum += pl_view_dn_dimming(opacity(body, lit));
+  if (!body->rings_in_frame)
+    return sum;
+  const double hidden = opacity(body, seen);
+  if (view->sun_in_frame && hidden > 0.0)
+    return pl_view_dn(view, INFINITY);
+  /* Of one scattering no more than the depth along both ways comes. */
+  const double scattered =
+      body->rings_depth > 0.0 ? fmin(1.0, body->rings_depth * (seen + lit)) : 0.0;
+  return sum + pl_view_dn(view, scattered * body->rings_light) + pl_view_dn_dimming(hidden) +
+         pl_view_sky_dn(view, hidden * pl_view_sky_max(view));
+}
+
+static double bound_dn(const pl_view *view, int value) {
+  double sum = 0.0;
+  for (size_t i = 0; value == 0 && i < view->thing_count; i++)
+    if (view->things[i].rings_radius_m > 0.0)
+      sum += missing_dn(view, &view->things[i]);
+  return fmin(sum, 255.0);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return 3e-5 * value * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_rings = {
+    .name = "rings",
+    .doc = "Rings of bodies: sunlight that they scatter once, what they hide and their shadow",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
