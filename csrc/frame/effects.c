@@ -24,6 +24,7 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_multiple_scattering,
     &pl_effect_clouds,
     &pl_effect_rings,
+    &pl_effect_volumes,
     &pl_effect_emission,
     &pl_effect_emitters,
     &pl_effect_bounces,

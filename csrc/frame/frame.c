@@ -84,6 +84,9 @@ static pl_status check_request(const pl_frame_request *request) {
   if (request->texture_filter < PL_FILTER_NEAREST || request->texture_filter >= PL_FILTER_COUNT)
     return pl_fail(PL_E_RANGE, "texture_filter must be in 1..%d, not %d", PL_FILTER_FINEST,
                    request->texture_filter);
+  if (request->placement.volume_count > 0 &&
+      (request->volume_steps < 1 || request->volume_steps > 4096))
+    return pl_fail(PL_E_RANGE, "volume_steps must be in 1..4096, not %d", request->volume_steps);
   if (!(request->wish.tolerance_dn >= 0.0))
     return pl_fail(PL_E_RANGE, "tolerance_dn must be at least 0");
   if (!e->automatic && !(e->white_radiance > 0.0 && isfinite(e->white_radiance)))
@@ -106,6 +109,7 @@ void pl_frame_view_wants(const pl_frame_request *request, pl_view *view) {
   view->samples = request->samples;
   view->max_bounces = request->max_bounces;
   view->texture_filter = request->texture_filter;
+  view->volume_steps = request->volume_steps;
 }
 
 void pl_frame_apply(const pl_plan *plan, pl_snapshot *shot) {

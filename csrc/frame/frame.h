@@ -20,6 +20,7 @@ typedef struct pl_frame_request {
   int samples;        /* ceiling of colour samples a pixel, >= 1 */
   int max_bounces;    /* >= 0 */
   int texture_filter; /* ceiling: a pl_filter, not PL_FILTER_NONE */
+  int volume_steps;   /* ceiling of steps along a ray through volumes, >= 1 where there are any */
   pl_plan_wish wish;
   pl_exposure exposure;
   const pl_sensor *sensor;      /* borrowed; NULL: none, then neither raw nor sensor_rgb */

@@ -74,7 +74,6 @@ typedef struct pl_view_volume {
   double depth;     /* upper bound of its optical depth along any line, in any band */
   double scattered; /* of the sunlight that it scatters into any direction, W m-2 sr-1 */
   double emitted;   /* of the light that it emits, W m-2 sr-1 */
-  bool even;        /* as dense everywhere */
 } pl_view_volume;
 
 struct pl_sensor;

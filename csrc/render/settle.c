@@ -41,6 +41,17 @@ static bool near_shadow(const pl_snapshot *shot, const pl_vertex *vertex, const 
   return false;
 }
 
+/* Whether a volume may shade a part of the pixel. */
+static bool near_volume(const pl_path_context *context, const pl_vertex *vertex,
+                        const pl_sun_view *sun, double margin_m) {
+  const pl_snapshot *shot = context->shot;
+  for (size_t i = 0; context->settings->veils != NULL && i < shot->volume_count; i++)
+    if (overlaps_sun(shot->volumes[i].center, shot->volumes[i].radius_m, margin_m, vertex->position,
+                     sun))
+      return true;
+  return false;
+}
+
 /* Whether the body is a Lambert surface whose map alone varies. The colours of a graph that varies
  * are at best functions of filtered patterns, whose value at the centre is not the pixel's mean. */
 static bool is_plain(const pl_body *body) {
@@ -97,7 +108,8 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   if (!plain && !is_calm(body->body, toward, &sun))
     return false;
   if (fabsf(height) < HORIZON_MARGIN * sun.sin_radius ||
-      (settings->cast_shadows && body->shadowed && near_shadow(shot, &vertex, &sun, footprint_m)))
+      (settings->cast_shadows && body->shadowed && near_shadow(shot, &vertex, &sun, footprint_m)) ||
+      near_volume(context, &vertex, &sun, footprint_m))
     return false;
   const pl_beam beam = {
       .direction = pl_vec3_unit(vertex.position),

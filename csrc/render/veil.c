@@ -9,6 +9,7 @@
 const pl_veil_kind *const pl_veil_kinds[] = {
     &pl_veil_clouds,
     &pl_veil_rings,
+    &pl_veil_volumes,
 };
 /* clang-format on */
 const size_t pl_veil_kind_count = sizeof pl_veil_kinds / sizeof pl_veil_kinds[0];

@@ -6,5 +6,6 @@
 
 extern const pl_veil_kind pl_veil_clouds;
 extern const pl_veil_kind pl_veil_rings;
+extern const pl_veil_kind pl_veil_volumes;
 
 #endif

@@ -34,7 +34,6 @@ pl_status pl_volume_view_build(const pl_snapshot *shot, int steps, pl_arena *are
   pl_volume_view *view = pl_arena_alloc(arena, 1, sizeof *view);
   if (view == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for volumes");
-  view->shot = shot;
   view->steps = steps;
   view->count = shot->volume_count;
   for (size_t i = 0; i < view->count; i++)

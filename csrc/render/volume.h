@@ -15,7 +15,6 @@ typedef struct pl_volume_item {
 
 /* Read-only once built; shared by all workers. */
 typedef struct pl_volume_view {
-  const pl_snapshot *shot;
   pl_volume_item items[PL_VOLUMES_MAX];
   size_t count;
   int steps; /* along a ray through one */

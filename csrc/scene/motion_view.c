@@ -133,6 +133,24 @@ static double body_px(const pl_placement *placement, const pl_snapshot *shot, si
   return sphere_px(step, &mover, &from, &to);
 }
 
+/* Volumes move with their parents. */
+static double volume_px(const pl_placement *placement, const pl_snapshot *shot, size_t i,
+                        const step *step, double u[2]) {
+  const pl_shot_volume *volume = &shot->volumes[i];
+  const size_t parent = volume->volume->parent;
+  const bool on_object = parent < shot->object_count;
+  const pl_motion *motion = on_object ? &placement->objects[parent].motion
+                                      : &placement->bodies[parent - shot->object_count].motion;
+  const pl_pose middle = pl_motion_middle(motion), from = pl_motion_at(motion, u[0]),
+                to = pl_motion_at(motion, u[1]);
+  const pl_vec3 at = pl_vec3_sub(pl_vec3_add(volume->center, shot->camera_position), middle.t);
+  const mover mover = {.motion = motion,
+                       .local = pl_quat_rotate_inverse(middle.q, at),
+                       .radius_m = volume->radius_m,
+                       .glint_rad = INFINITY};
+  return sphere_px(step, &mover, &from, &to);
+}
+
 static double step_px(const pl_placement *placement, const pl_snapshot *shot, bool sky, int key,
                       int keys) {
   const step step = step_of(placement, shot, key, keys);
@@ -142,6 +160,8 @@ static double step_px(const pl_placement *placement, const pl_snapshot *shot, bo
   for (size_t i = 0; i < shot->body_count; i++)
     if (shot->bodies[i].shape == NULL)
       most = fmax(most, body_px(placement, shot, i, &step, u));
+  for (size_t i = 0; i < shot->volume_count; i++)
+    most = fmax(most, volume_px(placement, shot, i, &step, u));
   if (may_be_seen(&step, step.sun_from, step.sun_to, shot->sun.radius_m))
     most =
         fmax(most, step.px_per_rad * (step.turn_rad + angle_between(step.sun_from, step.sun_to)));

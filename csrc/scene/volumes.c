@@ -44,7 +44,6 @@ static pl_view_volume volume_of(const pl_snapshot *shot, const pl_shot_volume *f
       .center_m = {from->center.x, from->center.y, from->center.z},
       .distance_m = pl_vec3_norm(from->center),
       .radius_m = from->radius_m,
-      .even = volume->graph == NULL,
   };
   for (int k = 0; k < 3; k++) {
     const double depth = (double)volume->extinction[k] * way;

@@ -63,6 +63,7 @@ static inline pl_frame_request request_all(const stage *s, const film *f) {
       .samples = 16,
       .max_bounces = 3,
       .texture_filter = PL_FILTER_FINEST,
+      .volume_steps = 16,
       .wish = {.tolerance_dn = 0.5},
       .exposure = {.white_radiance = 1361.0 / PL_PI},
       .threads = 1,

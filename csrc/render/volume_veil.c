@@ -1,0 +1,72 @@
+/* Bounded volumes as veils. */
+#include "render/veil_kinds.h"
+#include "render/volume.h"
+
+static pl_status build(const pl_snapshot *shot, int value, pl_arena *arena, const void **own) {
+  const pl_volume_view *view;
+  PL_TRY(pl_volume_view_build(shot, value, arena, &view));
+  *own = view;
+  return PL_OK;
+}
+
+static bool in_cone(const void *own, const pl_snapshot *shot, pl_vec3 axis, double half_angle) {
+  const pl_volume_view *view = own;
+  for (size_t i = 0; i < view->count; i++) {
+    const pl_shot_volume *volume = view->items[i].shot;
+    if (pl_snapshot_sees(shot, volume->center, volume->radius_m, axis, half_angle))
+      return true;
+  }
+  return false;
+}
+
+/* For the sun at points of volumes. */
+typedef struct place {
+  const pl_veils *veils;
+  const pl_snapshot *shot;
+} place;
+
+static pl_vec3f sun_at(const void *context, pl_vec3 point, const pl_sun_view *sun) {
+  const place *p = context;
+  return pl_veils_sunlight(p->veils, &pl_veil_volumes, p->shot, point, sun, 0.0f);
+}
+
+/* Each stretch counts as being in its middle. A dot's picture has no volumes: they are in the
+ * frame's own. */
+static void cross(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+                  const pl_veil_ray *ray, pl_veil_list *out) {
+  if (ray->camera && veils->dot != PL_NOTHING)
+    return;
+  const place p = {veils, shot};
+  const pl_volume_ray asked = {
+      .origin = ray->beam->origin,
+      .direction = ray->beam->direction,
+      .width_m = ray->beam->width_m,
+      .spread = ray->beam->spread,
+      .t_max = ray->t_max,
+      .camera = ray->camera,
+      .sun = ray->dark ? NULL : sun_at,
+      .context = &p,
+  };
+  pl_volume_stretch stretches[PL_VOLUMES_MAX];
+  const size_t count = pl_volume_cross(own, &asked, stretches);
+  for (size_t i = 0; i < count; i++) {
+    const pl_veil_crossing crossing = {.t = 0.5 * (stretches[i].start + stretches[i].end),
+                                       .passed = stretches[i].passed,
+                                       .radiance = stretches[i].radiance};
+    pl_veil_list_add(out, &crossing);
+  }
+}
+
+static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+                           pl_vec3 point, const pl_sun_view *sun, float width_m) {
+  (void)veils, (void)shot, (void)sun, (void)width_m;
+  return pl_volume_toward_sun(own, point);
+}
+
+const pl_veil_kind pl_veil_volumes = {
+    .name = "volumes",
+    .build = build,
+    .in_cone = in_cone,
+    .cross = cross,
+    .toward_sun = toward_sun,
+};

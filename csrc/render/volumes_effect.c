@@ -1,0 +1,85 @@
+/* The effect row `volumes`: dust, gas and light within bounds, in so many steps along a ray. */
+#include "render/effects.h"
+
+#include <math.h>
+
+/* A volume as others see it: a thing that may shade and light them. */
+static pl_view_thing thing_of(const pl_view_volume *volume) {
+  return (pl_view_thing){
+      .distance_m = volume->distance_m,
+      .radius_m = volume->radius_m,
+      .center_m = {volume->center_m[0], volume->center_m[1], volume->center_m[2]},
+  };
+}
+
+/* How a volume gets into a frame. */
+typedef struct share {
+  bool shades;   /* it keeps light of the sun from things */
+  double lights; /* most of its radiance that a thing in the frame sends on */
+} share;
+
+static share share_of(const pl_view *view, const pl_view_volume *volume) {
+  const pl_view_thing thing = thing_of(volume);
+  share out = {.shades = false};
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *other = &view->things[i];
+    if ((other->in_frame || view->max_bounces > 0) && volume->depth > 0.0 &&
+        pl_view_shadow_reaches(view, &thing, other))
+      out.shades = true;
+    if (other->in_frame && view->max_bounces > 0)
+      out.lights = fmax(out.lights,
+                        pl_view_transfer(other, &thing) * pl_view_series(view, view->max_bounces));
+  }
+  /* On other volumes, too. */
+  out.shades = out.shades || (volume->depth > 0.0 && view->volume_count > 1);
+  return out;
+}
+
+/* Without any of them: their light is missing, of what is behind them nothing is taken, and of the
+ * sun's light neither. */
+static double missing_dn(const pl_view *view) {
+  double added = 0.0, depth = 0.0, sky_depth = 0.0;
+  for (size_t i = 0; i < view->volume_count; i++) {
+    const pl_view_volume *volume = &view->volumes[i];
+    const share s = share_of(view, volume);
+    added += (volume->in_frame ? 1.0 + s.lights : s.lights) * (volume->scattered + volume->emitted);
+    depth += ((volume->in_frame ? 1.0 : 0.0) + (s.shades ? 1.0 : 0.0)) * volume->depth;
+    sky_depth += volume->in_frame ? volume->depth : 0.0;
+  }
+  if (view->sun_in_frame && sky_depth > 0.0)
+    return 255.0;
+  return fmin(255.0, pl_view_dn(view, added) + pl_view_dn_dimming(-expm1(-depth)) +
+                         pl_view_sky_dn(view, -expm1(-sky_depth) * pl_view_sky_max(view)));
+}
+
+static const char *absent(const pl_view *view) {
+  if (view->volume_count == 0)
+    return "there are no volumes";
+  for (size_t i = 0; i < view->volume_count; i++) {
+    const share s = share_of(view, &view->volumes[i]);
+    if (view->volumes[i].in_frame || s.shades || s.lights > 0.0)
+      return NULL;
+  }
+  return "no volume is seen, or lights or shades what is";
+}
+
+static int ceiling(const pl_view *view) { return view->volume_steps > 1 ? view->volume_steps : 1; }
+
+/* Of fewer steps than asked for no bound is known: densities are as a graph makes them. */
+static double bound_dn(const pl_view *view, int value) {
+  return value >= ceiling(view) ? 0.0 : missing_dn(view);
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  return 1e-4 * value * view->width * view->height;
+}
+
+const pl_effect pl_effect_volumes = {
+    .name = "volumes",
+    .doc = "Volumes that scatter the sun's light, emit, and dim what is behind them or in their "
+           "shadow, in so many steps along a ray",
+    .absent = absent,
+    .ceiling = ceiling,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
