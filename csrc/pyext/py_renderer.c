@@ -29,6 +29,7 @@ static void renderer_dealloc(PyObject *object) {
   pl_free(self->states.parameters);
   pl_free(self->states.keys.numbers);
   pl_py_sensor_clear(&self->states);
+  pl_py_volumes_clear(&self->states);
   Py_XDECREF(self->scene);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(object);
   Py_DECREF(type);

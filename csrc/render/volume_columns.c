@@ -6,19 +6,29 @@
 #include "math/sampling.h"
 #include "shade/graph_medium.h"
 
-/* A line: between its places in the shape along the direction to the sun; columns are
- * sides + 1 sums, from each place to the last. */
+/* A line: its part in the shape along the direction to the sun; equal: it misses the shape. Columns
+ * are side + 1 sums, from each place to the last. Places and lines are even in warped lengths. */
 typedef struct line {
-  double start, end; /* m along `toward`; equal: it misses the shape */
+  double start, end; /* warped */
 } line;
 
 struct pl_volume_columns {
   pl_vec3 across[2], toward; /* orthonormal, axes of the bound */
-  double low[2], step[2];    /* of the grid of lines, m */
+  double low[2], step[2];    /* of the grid of lines, warped */
+  double core_m;             /* of the volume */
   int side;                  /* cells */
   line *lines;               /* [(side + 1)^2], the first axis runs fastest */
   float *columns;            /* [line * (side + 1) + place], m */
 };
+
+/* Lengths from the shape's origin, such that steps of the same size are shortest there and grow
+ * with the square of the distance beyond the core; without a core they are lengths. */
+static double warp(const pl_volume_columns *c, double x) {
+  return c->core_m > 0.0 ? x / (c->core_m + fabs(x)) : x;
+}
+static double unwarp(const pl_volume_columns *c, double s) {
+  return c->core_m > 0.0 ? c->core_m * s / fmax(1e-12, 1.0 - fabs(s)) : s;
+}
 
 pl_graph_point pl_volume_point(const pl_shot_volume *shot, pl_vec3 place, pl_vec3f view,
                                float radius_m) {
@@ -42,7 +52,7 @@ pl_graph_point pl_volume_point(const pl_shot_volume *shot, pl_vec3 place, pl_vec
 }
 
 static void fill_line(const pl_shot_volume *shot, const pl_volume_columns *c, pl_vec3 foot,
-                      double radius_m, line *out, float *columns) {
+                      double across_m, line *out, float *columns) {
   const pl_volume *volume = shot->volume;
   double t[2];
   *out = (line){0.0, 0.0};
@@ -50,15 +60,18 @@ static void fill_line(const pl_shot_volume *shot, const pl_volume_columns *c, pl
     columns[k] = 0.0f;
   if (!pl_bound_span(volume->bound, volume->size, foot, c->toward, t))
     return;
-  *out = (line){t[0], t[1]};
-  const double cell = (t[1] - t[0]) / c->side;
+  *out = (line){warp(c, t[0]), warp(c, t[1])};
   const pl_vec3f view = pl_vec3_to_float(pl_mat3_mul_vec(shot->rotation, c->toward));
-  const float radius = (float)(0.5 * fmax(cell, radius_m));
   for (int k = c->side; k-- > 0;) {
-    const pl_vec3 place = pl_vec3_madd(foot, t[0] + (k + 0.5) * cell, c->toward);
+    const double a = unwarp(c, out->start + (out->end - out->start) * k / c->side);
+    const double b = unwarp(c, out->start + (out->end - out->start) * (k + 1) / c->side);
+    /* Between the two so that what falls off with the square of the distance has its mean there. */
+    const double at = c->core_m > 0.0 && a * b > 0.0 ? copysign(sqrt(a * b), a) : 0.5 * (a + b);
+    const pl_vec3 place = pl_vec3_madd(foot, at, c->toward);
+    const float radius = (float)(0.5 * fmax(b - a, across_m));
     const pl_graph_point point = pl_volume_point(shot, place, view, radius);
     const float density = pl_graph_density(volume->graph, &point, volume->parameters);
-    columns[k] = columns[k + 1] + density * (float)cell;
+    columns[k] = columns[k + 1] + density * (float)(b - a);
   }
 }
 
@@ -68,10 +81,11 @@ static void set_grid(const pl_volume *volume, pl_vec3 toward, int side, pl_volum
   out->across[0] = pl_vec3_unit(pl_vec3_cross(pl_vec3f_to_double(basis.b), toward));
   out->across[1] = pl_vec3_cross(toward, out->across[0]);
   out->side = side;
+  out->core_m = volume->core_m;
   for (int k = 0; k < 2; k++) {
     const pl_bound *bound = volume->bound;
-    const double high = bound->support(volume->size, out->across[k]);
-    out->low[k] = -bound->support(volume->size, pl_vec3_scale(out->across[k], -1.0));
+    const double high = warp(out, bound->support(volume->size, out->across[k]));
+    out->low[k] = warp(out, -bound->support(volume->size, pl_vec3_scale(out->across[k], -1.0)));
     out->step[k] = (high - out->low[k]) / side;
   }
 }
@@ -87,11 +101,13 @@ pl_status pl_volume_columns_build(const pl_shot_volume *shot, pl_vec3 toward, in
   set_grid(shot->volume, toward, side, made);
   made->lines = lines;
   made->columns = columns;
-  const double across_m = fmax(made->step[0], made->step[1]);
   for (size_t i = 0; i < nodes * nodes; i++) {
-    const double u = made->low[0] + made->step[0] * (double)(i % nodes);
-    const double v = made->low[1] + made->step[1] * (double)(i / nodes);
+    const double s[2] = {made->low[0] + made->step[0] * (double)(i % nodes),
+                         made->low[1] + made->step[1] * (double)(i / nodes)};
+    const double u = unwarp(made, s[0]), v = unwarp(made, s[1]);
     const pl_vec3 foot = pl_vec3_madd(pl_vec3_scale(made->across[0], u), v, made->across[1]);
+    const double across_m = fmax(fabs(unwarp(made, s[0] + copysign(made->step[0], -s[0])) - u),
+                                 fabs(unwarp(made, s[1] + copysign(made->step[1], -s[1])) - v));
     fill_line(shot, made, foot, across_m, &lines[i], columns + i * nodes);
   }
   *out = made;
@@ -111,11 +127,11 @@ static float column_on(const pl_volume_columns *c, size_t at, double w) {
 }
 
 float pl_volume_column(const pl_volume_columns *c, pl_vec3 point) {
-  const double w = pl_vec3_dot(point, c->toward);
+  const double w = warp(c, pl_vec3_dot(point, c->toward));
   int first[2];
   float part[2];
   for (int k = 0; k < 2; k++) {
-    const double at = (pl_vec3_dot(point, c->across[k]) - c->low[k]) / c->step[k];
+    const double at = (warp(c, pl_vec3_dot(point, c->across[k])) - c->low[k]) / c->step[k];
     if (!(at > 0.0 && at < c->side))
       return 0.0f;
     first[k] = (int)fmin(at, c->side - 1);

@@ -351,6 +351,7 @@ class Quality(TypedDict):
     samples: int  # colour samples a pixel, 1..65536
     max_bounces: int  # 0..64
     texture_filter: int  # ceiling, 1..7, see the row of that name
+    volume_steps: NotRequired[int]  # ceiling, 1..4096; with volumes
     tolerance_dn: float  # an effect whose bound is below this is left out; 0 keeps all that apply
     force_on: Sequence[str]  # effects kept whatever their bound
     force_off: Sequence[str]  # effects left out whatever their bound
@@ -396,6 +397,7 @@ class FrameRequest(TypedDict):
     quality: Quality
     exposure: Exposure
     sky: NotRequired[Mapping[str, Any] | None]  # see perilune.sky.Skies.request
+    volumes: NotRequired[Sequence[Mapping[str, Any]] | None]  # see perilune.volumes.Volumes
     sensor: NotRequired[Mapping[str, Any] | None]  # see perilune.imaging.sensor_of
     # (bands, 3): part of the sun's irradiance that each gathers of red, green and blue reflectances
     bands: NotRequired[F64]

@@ -23,6 +23,7 @@ from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.looks import Look, Looks
 from perilune.parts import Partition, partition
 from perilune.sky import Skies
+from perilune.volumes import Volumes
 from perilune.world import World
 
 F64 = NDArray[np.float64]
@@ -101,6 +102,7 @@ class Handles:
         self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
         self._shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
+        self.volumes = Volumes(document)
         self._airs: dict[str, _core.Air | None] = {}
         self._ring_systems: dict[str, _core.Rings] = {}
         self._stages: dict[tuple[Any, ...], _Stage] = {}

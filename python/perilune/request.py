@@ -81,6 +81,7 @@ def request_of(
         "quality": {
             "samples": render.samples,
             "max_bounces": render.max_bounces,
+            "volume_steps": render.volume_steps,
             "texture_filter": 1 + get_args(TextureFilter).index(render.texture_filter),
             "tolerance_dn": render.tolerance_dn,
             "force_on": list(render.force_on),

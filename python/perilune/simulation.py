@@ -219,6 +219,8 @@ class Simulation:
         )
         look = handles.looks.of(scene.config)
         request["sky"] = handles.skies.request(scene)
+        if scene.config.volumes:
+            request["volumes"] = handles.volumes.request(scene.config)
         request["graph_parameters"] = materials.parameters(look.graphs, scene.config)
         return request
 

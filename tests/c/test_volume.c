@@ -321,6 +321,20 @@ static void test_square_law(void **state) {
     near(-log((double)out[0].passed.x), 0.5 * 2.0 * acos(pass / 1000.0) / pass, 2e-3);
     finish(&c);
   }
+  /* Towards the sun, from (p, 0, z) on: the table's lines lie closer there, too. */
+  scene c;
+  c.volumes[0] = volume_of(&pl_bound_ellipsoid, 1000, 1000, 1000, 0.5f);
+  c.volumes[0].graph = graph;
+  c.volumes[0].core_m = 3.0;
+  const pl_volume_view *view = build(&c, 1, STEPS);
+  for (int i = 0; i < 8; i++) {
+    const double p = i < 4 ? 2.5 : 30.0, z = i % 4 == 0 ? -20.0 : 15.0 * (i % 4 - 1);
+    const double edge = sqrt(1e6 - p * p);
+    const double column = (atan(edge / p) + atan(z / p)) / p;
+    const pl_vec3f passed = pl_volume_toward_sun(view, (pl_vec3){p * 0.6, p * 0.8, z});
+    near(-log((double)passed.x), 0.5 * column, 0.03);
+  }
+  finish(&c);
   pl_graph_destroy(graph);
 }
 

@@ -60,6 +60,7 @@ def fixed(config: Config) -> Mapping[str, Any]:
         "root": config.root,
         "bodies": list(config.bodies),
         "spacecraft": list(config.spacecraft),
+        "volumes": list(config.volumes),
         "sensors": [(name, row.trigger_interval) for name, row in config.sensors.items()],
         "render.channels": config.render.channels,
         "render.amodal": config.render.amodal,

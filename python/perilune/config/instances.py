@@ -14,14 +14,15 @@ Tree = dict[str, Any]
 def spread(tree: Tree) -> None:
     """Puts copies of the sections that say `per: instance` where each thing has its own.
 
-    Things are spacecraft and bodies. What `materials.X.drivers` holds goes to
+    Things are spacecraft, bodies and volumes. What `materials.X.drivers` holds goes to
     `materials.X.instances.S` of the things S that use X, what the top level holds to
     `material_drivers` of those with such a node. Entries that are there already stay. As draws are
     keyed by the key path, each thing then draws for itself, and what it drew is recorded and
     replayed by a name of its own. What is on no thing stays where it is; what is malformed is left
     to the validation.
     """
-    things = {**_mapping(tree, "spacecraft"), **_mapping(tree, "bodies")}
+    sections = ("spacecraft", "bodies", "volumes")
+    things = {name: raw for key in sections for name, raw in _mapping(tree, key).items()}
     materials = _mapping(tree, "materials")
     for name, material in materials.items():
         if _is_per_instance(material):

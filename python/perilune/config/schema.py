@@ -41,6 +41,7 @@ from perilune.config.types import (
     Strict,
     refuse_drawn,
 )
+from perilune.config.volumes import Volume
 from perilune.drivers import Drawn, Group, factor
 from perilune.timeline import Timeline
 
@@ -219,6 +220,9 @@ class Render(Strict):
     texture_filter: TextureFilter = "anisotropic_16"
     """The best filter of pictures that may be used: of a mip level the nearest texel or four, of
     two levels four each, or up to so many of these along the longer axis of a footprint."""
+    volume_steps: Annotated[Integer, Field(ge=1, le=1024)] = 32
+    """Most steps along a ray through a volume, and cells along and across the table of the light
+    that reaches its parts, if that has a material."""
     tolerance_dn: NonNegative = 1.0
     """An effect that can change no pixel by more is left out; 0 keeps all that apply."""
     force_on: tuple[str, ...] = ()
@@ -354,6 +358,8 @@ class Config(Strict):
     """Black without it."""
     bodies: Annotated[dict[str, Body], Field(min_length=1)]
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
+    volumes: Annotated[dict[str, Volume], Field(max_length=16)] = Field(default_factory=dict)
+    """Dust, gas and light within bounds."""
     materials: dict[str, Material] = Field(default_factory=dict)
     """Graphs of nodes that the spacecraft's `materials` put on their models."""
     material_drivers: MaterialDrivers | None = None
@@ -393,6 +399,7 @@ class Config(Strict):
             "spacecraft": self.spacecraft,
             "materials": self.materials,
             "sensors": self.sensors,
+            "volumes": self.volumes,
         }
         for section, names in sections.items():
             for name in names:
@@ -401,6 +408,9 @@ class Config(Strict):
         for name in self.spacecraft:
             if name in self.bodies:
                 fail(f"spacecraft.{name}", "a body has the same name")
+        for name in self.volumes:
+            if name in self.bodies or name in self.spacecraft:
+                fail(f"volumes.{name}", "a body or spacecraft has the same name")
         return self
 
     @model_validator(mode="after")
@@ -411,6 +421,8 @@ class Config(Strict):
 
         bodies = list(self.bodies)
         known("root", self.root, bodies)
+        for name, volume in self.volumes.items():
+            known(f"volumes.{name}.parent", volume.parent, [*bodies, *self.spacecraft])
         check_motion(self)
         check_trajectory(self)
         for name, camera in self.cameras.items():

@@ -18,6 +18,7 @@ _PLACES = (
     ("materials", None, "instances", None, "drivers", None),
     ("spacecraft", None, "material_drivers", "drivers", None),
     ("bodies", None, "material_drivers", "drivers", None),
+    ("volumes", None, "material_drivers", "drivers", None),
     ("material_drivers", "drivers", None),
 )
 """Key paths of the values of sections of drivers; None is any name."""
@@ -34,11 +35,12 @@ def _is_in_section(path: KeyPath) -> bool:
 def is_choice(path: KeyPath) -> bool:
     """Whether a driver there changes which graph is where."""
     uses = path[0] == "spacecraft" and path[2:3] == ("materials",)
-    return uses or (path[0] == "bodies" and path[2:3] in (("material",), ("material_mode",)))
+    one = path[0] in ("bodies", "volumes")
+    return uses or (one and path[2:3] in (("material",), ("material_mode",)))
 
 
 def _is_of_graphs(path: KeyPath) -> bool:
-    key = path[2:3] if path[0] in ("spacecraft", "bodies") else path[:1]
+    key = path[2:3] if path[0] in ("spacecraft", "bodies", "volumes") else path[:1]
     return key in (("materials",), ("material_drivers",))
 
 
@@ -107,22 +109,27 @@ def _missing(config: Config) -> Iterator[str]:
             yield f"{key}: no entry named '{use}'{nearest(use, config.materials)}"
         elif owner in config.bodies and _has_alpha(config.materials[use]):
             yield f"{key}: '{use}' has an alpha, but there are no holes in bodies"
+        elif owner in config.volumes and uses_own(config.materials[use]):
+            yield f"{key}: '{use}' asks for a model's own material, which a volume does not have"
         elif owner in config.bodies and config.bodies[owner].is_replaced:
             yield from _unused(owner, config.bodies[owner], config.materials[use])
 
 
 def _uses(config: Config) -> Iterator[tuple[str, str, str]]:
-    """(key path, spacecraft or body, entry of materials) of all that is used."""
+    """(key path, spacecraft, body or volume, entry of materials) of all that is used."""
     for name, body in config.bodies.items():
         if body.material is not None:
             yield f"bodies.{name}.material", name, body.material
+    for name, volume in config.volumes.items():
+        if volume.material is not None:
+            yield f"volumes.{name}.material", name, volume.material
     for name, craft in config.spacecraft.items():
         for k, use in enumerate(craft.materials):
             yield f"spacecraft.{name}.materials[{k}].use", name, use.use
 
 
 def users(config: Config, found: Sequence[Found]) -> dict[str, list[str]]:
-    """Spacecraft or body -> the entries of materials that are, or may be, on it."""
+    """Spacecraft, body or volume -> the entries of materials that are, or may be, on it."""
     found_on: dict[str, list[str]] = {}
     for _, owner, use in _uses(config):
         found_on.setdefault(owner, []).append(use)

@@ -40,7 +40,7 @@ def sections(
 ) -> Iterator[tuple[str, DriverSection | None]]:
     """(key path, section) of all that may drive an entry of `materials`, the first wins.
 
-    owner: the spacecraft or body that it is on.
+    owner: the spacecraft, body or volume that it is on.
     """
     material = config.materials[name]
     if owner is not None:
@@ -48,6 +48,8 @@ def sections(
     yield f"materials.{name}.drivers", material.drivers
     if owner in config.spacecraft:
         yield f"spacecraft.{owner}.material_drivers", config.spacecraft[owner].material_drivers
+    elif owner in config.volumes:
+        yield f"volumes.{owner}.material_drivers", config.volumes[owner].material_drivers
     elif owner is not None:
         yield f"bodies.{owner}.material_drivers", config.bodies[owner].material_drivers
     yield "material_drivers", config.material_drivers
@@ -80,7 +82,7 @@ Users: TypeAlias = Mapping[str, Sequence[str]]
 
 def _places(config: Config, users: Users) -> Iterator[tuple[str, str | None]]:
     """(entry of materials, owner) of all graphs; those that are on nothing count too."""
-    things = (*config.spacecraft, *config.bodies)
+    things = (*config.spacecraft, *config.bodies, *config.volumes)
     for name, material in config.materials.items():
         owners: list[str | None] = [t for t in things if name in users.get(t, ())]
         # What has values of its own may have used the graph before an override of its choice.
@@ -103,7 +105,11 @@ def _entries(config: Config, users: Users) -> Iterator[tuple[str, str, list[str]
         yield from of(f"materials.{name}.drivers", material.drivers, [name])
         for owner, section in material.instances.items():
             yield from of(f"materials.{name}.instances.{owner}", section, [name])
-    for kind, things in (("spacecraft", config.spacecraft), ("bodies", config.bodies)):
+    for kind, things in (
+        ("spacecraft", config.spacecraft),
+        ("bodies", config.bodies),
+        ("volumes", config.volumes),
+    ):
         for owner, row in things.items():
             key = f"{kind}.{owner}.material_drivers"
             yield from of(key, row.material_drivers, users.get(owner, []))

@@ -1,0 +1,129 @@
+"""The section `volumes` of the schema: dust, gas and light within bounds.
+
+To add a shape: its section here and its line in `Volume`; its file in csrc/geom and its line in the
+table there; its line in perilune.volumes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from perilune.config.errors import fail
+from perilune.config.materials import DriverSection
+from perilune.config.types import (
+    Fraction,
+    NonNegative,
+    Positive,
+    PositiveVec3,
+    Rgb,
+    Strict,
+    Vec3,
+    triple,
+)
+
+_Fractions = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
+
+
+class BaseVolume(Strict):
+    """What scatters and emits light within a shape, which moves with a body or a spacecraft.
+
+    Light is scattered once. Bodies and other volumes shade it; spacecraft do not. Labels and depth
+    see through it. Where volumes overlap, their densities add up.
+    """
+
+    parent: str
+    """Body or spacecraft in whose axes it stands."""
+    position_m: Vec3 = (0.0, 0.0, 0.0)
+    """Of the shape's origin, in the parent's axes."""
+    rotation_deg: Vec3 = (0.0, 0.0, 0.0)
+    """Roll, pitch, yaw of the shape's axes: about the parent's x, then y, then z axis."""
+    extinction_per_m: Rgb = (0.0, 0.0, 0.0)
+    """Part of the light that a metre takes, where the density is 1: a path of 1 / extinction lets
+    37 % through."""
+    albedo: _Fractions = (1.0, 1.0, 1.0)
+    """Part of this that is scattered rather than absorbed."""
+    g: Annotated[float, Field(strict=True, ge=-0.98, le=0.98)] = 0.0
+    """Mean cosine of the angle of scattering (Henyey and Greenstein): 0 is even, towards 1 light
+    goes on almost straight, below 0 it comes back."""
+    emission_w_m3_sr: Rgb = (0.0, 0.0, 0.0)
+    """Radiance that a metre adds, where the density is 1."""
+    material: str | None = None
+    """Name of an entry of `materials`, read as a medium: `alpha` is the density (0 to 1),
+    `base_color` a factor on the albedo, and the emission is added, for a metre. Its `coordinates`
+    are in the shape's axes, metres. Without one the density is 1."""
+    material_drivers: DriverSection | None = None
+    """Values of nodes of this graph that the material's own drivers do not give."""
+    core_m: NonNegative = 0.0
+    """Steps along a ray are as short as this near the shape's origin, and longer farther off, as
+    suits what thins out from there; 0: all are alike. For volumes with a material."""
+
+    @model_validator(mode="after")
+    def _for_a_material(self) -> BaseVolume:
+        for key in ("core_m", "material_drivers"):
+            if self.material is None and key in self.model_fields_set:
+                fail(key, "only for a volume with a material")
+        return self
+
+
+class BoxVolume(BaseVolume):
+    """A box about the origin."""
+
+    shape: Literal["box"]
+    size_m: PositiveVec3
+    """Lengths of its sides along x, y, z."""
+
+    @property
+    def numbers_m(self) -> tuple[float, float, float]:
+        """As the core takes them."""
+        return self.size_m
+
+
+class EllipsoidVolume(BaseVolume):
+    """An ellipsoid about the origin."""
+
+    shape: Literal["ellipsoid"]
+    radii_m: PositiveVec3
+    """A number for a sphere, or the semi-axes along x, y, z."""
+
+    @property
+    def numbers_m(self) -> tuple[float, float, float]:
+        """As the core takes them."""
+        return self.radii_m
+
+
+class ConeVolume(BaseVolume):
+    """A cone, or a part of one, from the origin on along z."""
+
+    shape: Literal["cone"]
+    start_radius_m: NonNegative = 0.0
+    """At the origin."""
+    end_radius_m: NonNegative
+    """At the other end."""
+    length_m: Positive
+
+    @property
+    def numbers_m(self) -> tuple[float, float, float]:
+        """As the core takes them."""
+        return (self.start_radius_m, self.end_radius_m, self.length_m)
+
+    @model_validator(mode="after")
+    def _some_radius(self) -> ConeVolume:
+        if self.start_radius_m == self.end_radius_m == 0.0:
+            fail("end_radius_m", "a cone needs a radius at one of its ends")
+        return self
+
+
+def _shape(value: Any) -> str | None:
+    found = value.get("shape") if isinstance(value, Mapping) else getattr(value, "shape", None)
+    return found if isinstance(found, str) else None
+
+
+Volume = Annotated[
+    Annotated[BoxVolume, Tag("box")]
+    | Annotated[EllipsoidVolume, Tag("ellipsoid")]
+    | Annotated[ConeVolume, Tag("cone")],
+    Discriminator(_shape),
+]
+"""A volume; `shape` says which."""
