@@ -138,9 +138,9 @@ static double volume_px(const pl_placement *placement, const pl_snapshot *shot, 
                         const step *step, double u[2]) {
   const pl_shot_volume *volume = &shot->volumes[i];
   const size_t parent = volume->volume->parent;
-  const bool on_object = parent < shot->object_count;
+  const bool on_object = parent < shot->craft_count;
   const pl_motion *motion = on_object ? &placement->objects[parent].motion
-                                      : &placement->bodies[parent - shot->object_count].motion;
+                                      : &placement->bodies[parent - shot->craft_count].motion;
   const pl_pose middle = pl_motion_middle(motion), from = pl_motion_at(motion, u[0]),
                 to = pl_motion_at(motion, u[1]);
   const pl_vec3 at = pl_vec3_sub(pl_vec3_add(volume->center, shot->camera_position), middle.t);

@@ -27,7 +27,7 @@ typedef struct pl_volume {
   float random;               /* 0..1, of the name */
 } pl_volume;
 
-/* PL_E_RANGE naming the volume for values out of range. things: that may be parents. */
+/* PL_E_RANGE naming the volume for values out of range. things: so many may be parents. */
 pl_status pl_volumes_check(const pl_volume *volumes, size_t count, size_t things);
 
 /* Largest value of the phase function, 1/sr: Henyey and Greenstein's, forwards. */

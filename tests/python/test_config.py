@@ -333,6 +333,7 @@ def test_every_physical_key_has_its_unit():
         "b", "c", "b_s0", "h_s", "b_c0", "h_c", "filling", "k",  # of photometric laws
         "mie_g", "ground_albedo",  # of atmospheres
         "optical_depth", "phase_exponent", "dust_share", "dust_g",  # of rings
+        "g", "emission_w_m3_sr", "volume_steps",  # of volumes
     }  # fmt: skip
     schema = cfg.Config.model_json_schema()
     found = 0

@@ -421,8 +421,8 @@ class Config(Strict):
 
         bodies = list(self.bodies)
         known("root", self.root, bodies)
-        for name, volume in self.volumes.items():
-            known(f"volumes.{name}.parent", volume.parent, [*bodies, *self.spacecraft])
+        for place, volume in self.volumes.items():
+            known(f"volumes.{place}.parent", volume.parent, [*bodies, *self.spacecraft])
         check_motion(self)
         check_trajectory(self)
         for name, camera in self.cameras.items():
