@@ -1,7 +1,7 @@
 """The section `volumes` of the schema: dust, gas and light within bounds.
 
 To add a shape: its section here and its line in `Volume`; its file in csrc/geom and its line in the
-table there; its line in perilune.volumes."""
+table there."""
 
 from __future__ import annotations
 
