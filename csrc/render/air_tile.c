@@ -88,6 +88,10 @@ static pl_air_pixel mix(const pl_air_corner *const nodes[NODES], float u, float 
   parabolas(v, down);
   for (int i = 0; i < NODES; i++)
     add_weighted(&nodes[i]->air, across[i % 3] * down[i / 3], &sum);
+  /* Parabolas swing below what ends in nothing. */
+  sum.light.scattered =
+      pl_vec3f_make(pl_maxf(sum.light.scattered.x, 0.0f), pl_maxf(sum.light.scattered.y, 0.0f),
+                    pl_maxf(sum.light.scattered.z, 0.0f));
   return sum;
 }
 
@@ -113,7 +117,11 @@ static float off_dn(const pl_render_settings *settings, float irradiance, const 
   for (int k = 0; k < 3; k++) {
     const float level = haze[1][k] + DARK * gray[1][k];
     const float error = fabsf(haze[0][k] - haze[1][k]) + fabsf(gray[0][k] - gray[1][k]);
-    worst = pl_maxf(worst, encode(white * (level + error)) - encode(white * level));
+    const float shown = encode(white * level);
+    worst = pl_maxf(worst, encode(white * (level + error)) - shown);
+    /* What is over white hides it, but may be said to be less than it is, down to black. */
+    if (white * (level + error) > 1.0f)
+      worst = pl_maxf(worst, shown - encode(white * (level - error)));
   }
   return 255.0f * worst;
 }

@@ -252,3 +252,26 @@ def test_presets_in_a_document_are_named_when_wrong() -> None:
     with pytest.raises(ValueError, match="top_km"):
         Atmosphere.model_validate({"topkm": 3.0})
     assert atmospheres.settings(Atmosphere(), UM)["rayleigh_scattering"] == (0.0, 0.0, 0.0)
+
+
+def test_edge_of_the_air_in_a_long_exposure() -> None:
+    """Just after sunset, exposed so that even the top of the air burns out: its outline is that of
+    samples without interpolation, and no light is negative."""
+    r = EARTH_M
+    up = np.array([0.0, 0.0, 1.0])
+    low = math.acos(r / (r + 800e3))
+    toward = [-math.cos(low), 0.05, -math.sin(low)]
+    sun = [-math.sin(math.radians(118.0)), 0.3, math.cos(math.radians(118.0))]
+    asked = air_worlds.request(
+        [[r] * 3], (r + 8e5) * up, toward, sun, up=up, size=(120, 60), fov_deg=30.0, white=1.2e-3
+    )
+    world = air_worlds.scene([air_of(r)])
+    quick = air_worlds.render(world, asked)
+    asked["quality"]["tolerance_dn"] = 0.0
+    whole = air_worlds.render(world, asked)
+    assert quick["radiance"].min() >= 0.0
+    assert (whole["rgb"] == 255).sum() > 1000
+    off = np.abs(quick["rgb"].astype(int) - whole["rgb"]).max(axis=-1) > 12
+    # In the row of pixels that the edge crosses few samples may miss what many find.
+    assert off.sum() < 2 * asked["width"]
+    assert (off[1:-1] & off[:-2] & off[2:]).sum() == 0
