@@ -206,6 +206,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
                                         : 1,
       .bounces = pl_plan_value(plan, "bounces"),
       .body_bounces = pl_plan_value(plan, "body_bounces") > 0,
+      .planetshine = pl_plan_value(plan, "planetshine") > 0,
       .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
       .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
       .emission = pl_plan_value(plan, "emission") > 0,
@@ -241,10 +242,12 @@ static pl_status render_output(pl_renderer *renderer, const pl_frame_request *re
   pl_emitters emitters;
   const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
   pl_air_view air;
+  pl_planetshine shine;
   PL_TRY(pl_frame_emitters(&renderer->arena, shot, emitters_value, &emitters, &settings));
   pl_veils veils;
   PL_TRY(pl_frame_air(&renderer->arena, shot, &result->plan, &air, &settings));
   PL_TRY(pl_frame_veils(&renderer->arena, shot, &result->plan, &veils, &settings));
+  PL_TRY(pl_frame_planetshine(&renderer->arena, shot, &result->plan, &shine, &settings));
   if (wants_colour(request) && !pl_moving(request, &result->plan))
     PL_TRY(pl_dots_render(renderer, shot, &settings, &renderer->arena, request->cancel, sky));
   if (wants_colour(request))

@@ -111,6 +111,16 @@ pl_status pl_frame_veils(pl_arena *arena, const pl_snapshot *shot, const pl_plan
   return PL_OK;
 }
 
+pl_status pl_frame_planetshine(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
+                               pl_planetshine *shine, pl_render_settings *settings) {
+  settings->shine = NULL;
+  if (pl_plan_value(plan, "planetshine") == 0 || shot->body_count == 0)
+    return PL_OK;
+  PL_TRY(pl_planetshine_build(shot, settings->white_radiance, arena, shine));
+  settings->shine = shine->any ? shine : NULL;
+  return PL_OK;
+}
+
 pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_snapshot *shot, double fallback, double *white_radiance,
                          pl_sensor *sensor) {

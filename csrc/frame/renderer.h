@@ -35,6 +35,10 @@ pl_status pl_frame_air(pl_arena *arena, const pl_snapshot *shot, const pl_plan *
 pl_status pl_frame_veils(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
                          pl_veils *veils, pl_render_settings *settings);
 
+/* Lists the bodies that light others where the plan wants them. */
+pl_status pl_frame_planetshine(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
+                               pl_planetshine *shine, pl_render_settings *settings);
+
 /* Exposures that are automatic, measured on the same frame, small, by direct light only: sets
  * *white_radiance where the request's is, and the exposure time of `sensor` (NULL: none) where its
  * is. `fallback` is the radiance of a sunlit white surface. */

@@ -4,6 +4,7 @@
 #define PL_RENDER_EMITTERS_PATH_H
 
 #include "render/path.h"
+#include "render/planetshine.h"
 
 /* Weight of the emission of the vertex that path `i` of the wave has met: 1 as seen by the camera;
  * otherwise what chance is worth beside drawing, or 0 where emitters are to light nothing. */
@@ -11,10 +12,10 @@ float pl_emitters_met(const pl_path_context *context, const pl_path *path, const
                       const pl_vertex *vertex);
 
 /* Draws a point of an emitter and queues its light at the vertex; what lies between always casts a
- * shadow. `onward`: the path goes on, and may meet emitters by chance too. Returns the new length
- * of the queue. */
+ * shadow. `onward`: how the path goes on, and may meet emitters by chance too; NULL: it ends. Returns
+ * the new length of the queue. */
 size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
-                         const pl_vertex *vertex, int bounce, pl_vec3f wo, bool onward,
-                         size_t queued, pl_tile_buffers *buffers);
+                         const pl_vertex *vertex, int bounce, pl_vec3f wo,
+                         const pl_shine *onward, size_t queued, pl_tile_buffers *buffers);
 
 #endif

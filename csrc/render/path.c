@@ -11,6 +11,7 @@
 #include "render/emitters_path.h"
 #include "render/focus.h"
 #include "render/laws.h"
+#include "render/planetshine.h"
 #include "shade/reflectance.h"
 
 enum { ROULETTE_AFTER = 3 };
@@ -143,11 +144,11 @@ static sun_draw draw_sun(const pl_path_context *context, const pl_sun_view *sun,
   return (sun_draw){toward, pl_vec3f_scale(ratio, light / ratio.y), ratio.y * even};
 }
 
-/* Queues the sun's light at the vertex, or adds it at once where shadows are off. `onward`: the
- * path goes on, and meets the sun by chance too; otherwise this is all the sun there is. */
+/* Queues the sun's light at the vertex, or adds it at once where shadows are off. `onward`: how the
+ * path goes on, and meets the sun by chance too; NULL: this is all the sun there is. */
 static size_t shade_sun(const pl_path_context *context, const pl_path *path,
-                        const pl_vertex *vertex, const float u[2], pl_vec3f wo, bool onward,
-                        size_t queued, pl_tile_buffers *b) {
+                        const pl_vertex *vertex, const float u[2], pl_vec3f wo,
+                        const pl_shine *onward, size_t queued, pl_tile_buffers *b) {
   const pl_surface *s = &vertex->surface;
   if (dark_at(context, vertex))
     return queued;
@@ -156,8 +157,9 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   if (!pl_surface_admits(s, draw.toward))
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, draw.toward);
-  const bool rivals = onward && draw.pdf > 0.0f;
-  const float weight = rivals ? pl_power_heuristic(draw.pdf, s->reflectance->pdf(s, wo, wi)) : 1.0f;
+  const bool rivals = onward != NULL && draw.pdf > 0.0f;
+  const float weight =
+      rivals ? pl_power_heuristic(draw.pdf, pl_shine_pdf(onward, s, wo, wi, draw.toward)) : 1.0f;
   const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));
   pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, draw.light), weight);
   if (!(pl_vec3f_max(light) > 0.0f))
@@ -196,29 +198,25 @@ static bool roulette(pl_path *next, int bounce, float u) {
 
 /* Draws where the path goes on from the vertex; `cap`: the most that it is regularised by. */
 static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
-                   int bounce, const float u[2], const float choice[2], pl_vec3f wo, float cap,
-                   pl_path *next, pl_ray *ray) {
-  const pl_surface *s = &vertex->surface;
-  pl_vec3f wi, weight;
-  float pdf;
-  if (!s->reflectance->sample(s, wo, u, choice[0], &wi, &weight, &pdf))
+                   int bounce, const float u[2], const float choice[2], pl_vec3f wo,
+                   const pl_shine *shine, float cap, pl_path *next, pl_ray *ray) {
+  pl_shine_draw drawn;
+  if (!pl_shine_sample(shine, &vertex->surface, wo, u, choice[0], &drawn))
     return false;
-  const pl_vec3f direction = pl_vec3f_unit(pl_surface_to_world(s, wi));
-  if (wi.z > 0.0f ? !(pl_vec3f_dot(direction, s->ng) > 0.0f)
-                  : !(wi.z < 0.0f && pl_vec3f_dot(direction, s->ng) < 0.0f))
-    return false;
-  *ray = pl_vertex_ray(vertex, context->shot, direction, INFINITY);
+  *ray = pl_vertex_ray(vertex, context->shot, drawn.direction, INFINITY);
   const float width = pl_beam_width(&path->beam, vertex->t);
   /* The solid angle that one draw of density pdf stands for is about 1/pdf. */
-  const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * pdf));
+  const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.pdf));
+  const float lobe_opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.lobe_pdf));
   *next = (pl_path){
       .beam = {.origin = pl_vec3f_to_double(ray->origin),
-               .direction = pl_vec3_unit(pl_vec3f_to_double(direction)),
+               .direction = pl_vec3_unit(pl_vec3f_to_double(drawn.direction)),
                .width_m = width,
                .spread = pl_maxf(path->beam.spread, pl_minf(opening, SPREAD_MAX))},
-      .throughput = pl_vec3f_mul(path->throughput, weight),
-      .pdf = pdf,
-      .alpha_min = pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * opening, cap)),
+      .throughput = pl_vec3f_mul(path->throughput, drawn.weight),
+      .pdf = drawn.pdf,
+      .lobe_pdf = drawn.lobe_pdf,
+      .alpha_min = pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * lobe_opening, cap)),
       .pixel = path->pixel,
       .shared = path->shared,
   };
@@ -293,18 +291,24 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
     add(pl_path_sink(b, path.pixel, path.shared),
         pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));
   }
+  if (bounce > 0 && !context->settings->planetshine && vertex->thing >= context->shot->object_count)
+    return;
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
+  pl_shine shine;
   const bool onward = goes_on(context, vertex->thing, bounce);
-  *queued = shade_sun(context, &path, vertex, u.sun, wo, onward, *queued, b);
+  if (onward)
+    pl_shine_at(context->settings->shine, vertex, wo, &shine);
+  const pl_shine *way = onward ? &shine : NULL;
+  *queued = shade_sun(context, &path, vertex, u.sun, wo, way, *queued, b);
   if (context->settings->air != NULL)
     add(pl_path_sink(b, path.pixel, path.shared),
         pl_vec3f_mul(path.throughput,
                      pl_air_sky_reflected(context->settings->air, context->shot, vertex, wo)));
   if (context->settings->emitters != NULL)
-    *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, onward, *queued, b);
+    *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
   if (onward &&
-      extend(context, &path, vertex, bounce, u.direction, u.choice, wo, cap, &b->paths[*kept],
+      extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, cap, &b->paths[*kept],
              &b->rays[*kept]) &&
       (bounce > 0 || pl_path_follow(vertex, &b->paths[*kept], b)))
     ++*kept;
@@ -331,8 +335,10 @@ static void follow_settled(const pl_path_context *context, size_t i, size_t *kep
   pl_vertex_shade(context->shot, &path.beam, context->settings->detail, &vertex);
   const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0));
   const pl_vec3f wo = pl_surface_to_local(&vertex.surface, view);
-  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, REGULAR_CAP, &b->paths[*kept],
-             &b->rays[*kept]) &&
+  pl_shine shine;
+  pl_shine_at(context->settings->shine, &vertex, wo, &shine);
+  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, REGULAR_CAP,
+             &b->paths[*kept], &b->rays[*kept]) &&
       pl_path_follow(&vertex, &b->paths[*kept], b))
     ++*kept;
 }

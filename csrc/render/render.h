@@ -10,6 +10,7 @@
 #include "light/limb.h"
 #include "render/air_path.h"
 #include "render/veil.h"
+#include "render/planetshine.h"
 #include "render/vertex.h"
 #include "sky/backdrop.h"
 
@@ -29,6 +30,7 @@ typedef struct pl_render_settings {
   int samples;          /* colour samples a pixel; 0: no colour, labels alone */
   int bounces;          /* on meshes */
   bool body_bounces;    /* paths go on from bodies */
+  bool planetshine;     /* what bodies reflect lights other things */
   const pl_limb *limb;  /* of the sun's disc, with soft_sun; NULL: of even brightness */
   bool soft_sun, cast_shadows, clear_coat, transmission;
   bool emission;               /* what emits is seen to */
@@ -37,6 +39,7 @@ typedef struct pl_render_settings {
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   const pl_air_view *air;      /* borrowed; NULL: none */
   const pl_veils *veils;       /* borrowed; NULL: none */
+  const pl_planetshine *shine; /* borrowed; NULL: bodies that light others are met by chance */
   bool emitters_on_bodies;     /* or else on meshes alone */
   const pl_backdrop *backdrop; /* borrowed: what the camera sees behind everything; NULL: black */
   bool see_dots;               /* bodies that are dots are seen as others are, not black */

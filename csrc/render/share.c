@@ -21,16 +21,18 @@ static const float QUIET = 1.0f;
 bool pl_path_follow(const pl_vertex *vertex, pl_path *next, pl_tile_buffers *b) {
   const uint32_t slot = b->slot[next->pixel];
   const pl_vec3f direction = pl_vec3_to_float(next->beam.direction);
-  if (slot == PL_PATCH_NONE || next->pdf > WIDE_PDF_MAX ||
+  if (slot == PL_PATCH_NONE || next->lobe_pdf > WIDE_PDF_MAX ||
       !(pl_vec3f_dot(direction, vertex->surface.ng) > 0.0f))
     return true;
   pl_patch *patch = &b->patches[next->pixel].patch[slot];
+  /* As if it were drawn by the lobe: evenly coloured however often bodies are drawn to. */
+  const pl_vec3f carried = pl_vec3f_scale(next->throughput, next->pdf / next->lobe_pdf);
   patch->wide++;
-  patch->weight = pl_vec3f_add(patch->weight, next->throughput);
+  patch->weight = pl_vec3f_add(patch->weight, carried);
   if (patch->lit > 0 && b->counts[next->pixel] % ROW >= FOLLOWED)
     return false;
   patch->lit++;
-  patch->lit_weight = pl_vec3f_add(patch->lit_weight, next->throughput);
+  patch->lit_weight = pl_vec3f_add(patch->lit_weight, carried);
   next->shared = true;
   return true;
 }

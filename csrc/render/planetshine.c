@@ -1,0 +1,219 @@
+/* Which bodies are drawn to, and how often; drawing. */
+#include "render/planetshine.h"
+
+#include "math/color.h"
+#include "shade/reflectance.h"
+
+/* The least radiance of a white surface, of what is shown as white, for which a body is drawn. */
+static const float INVISIBLE = 1e-6f;
+/* Colours that stand for those of surfaces whose mean no one has: soils, and graphs. Guesses. */
+static const float SOIL = 0.15f, GRAPH = 0.3f;
+/* Part of the sun's light that a mesh may get by way of itself and other meshes. A guess as well:
+ * it keeps paths for that light. Bodies are convex and have little of it. */
+static const float BY_MESHES = 0.01f;
+/* Bodies of which a surface sends on less than this part of what a diffuse one would are behind its
+ * gloss: other things are in it. */
+static const float GLOSS = 0.02f;
+/* Paths are drawn by the lobe in any case, with this chance at least; and by it alone where bodies
+ * would get so few that finding them is not worth the while. */
+static const float LOBE_MIN = 0.25f, SHARE_MIN = 0.04f;
+
+static float mean_color(const pl_shot_body *body) {
+  const pl_body_state *state = body->state;
+  float map[4] = {1.0f, 1.0f, 1.0f, 1.0f};
+  if (body->body->graph != NULL)
+    return GRAPH;
+  if (body->body->map != NULL)
+    pl_texture_mean(body->body->map, map);
+  const pl_vec3f color = {map[0] * state->albedo[0], map[1] * state->albedo[1],
+                          map[2] * state->albedo[2]};
+  return pl_minf(pl_luminance(color), 1.0f) * (body->body->reflectance->photometric ? SOIL : 1.0f);
+}
+
+/* Keeps the brightest, in falling order. */
+static void insert(pl_shine_sky *sky, float light[PL_SHINE_LIGHTS], uint32_t body, float found) {
+  int at = sky->count < PL_SHINE_LIGHTS ? sky->count++ : PL_SHINE_LIGHTS;
+  if (at == PL_SHINE_LIGHTS && !(found > light[--at]))
+    return;
+  for (; at > 0 && found > light[at - 1]; at--) {
+    light[at] = light[at - 1];
+    sky->body[at] = sky->body[at - 1];
+  }
+  light[at] = found;
+  sky->body[at] = body;
+}
+
+/* `own`: the thing's own body, which it cannot see. */
+static void fill_sky(const pl_planetshine *p, pl_vec3 center, double radius_m, size_t own,
+                     float white_radiance, pl_shine_sky *sky) {
+  float light[PL_SHINE_LIGHTS];
+  for (size_t i = 0; i < p->shot->body_count; i++) {
+    const pl_shot_body *body = &p->shot->bodies[i];
+    const double gap = pl_vec3_norm(pl_vec3_sub(body->center, center)) - radius_m;
+    const double sine = body->radius_m / fmax(gap, body->radius_m);
+    const float found = p->radiance[i] * (float)(sine * sine);
+    if (i != own && found > INVISIBLE * white_radiance)
+      insert(sky, light, (uint32_t)i, found);
+  }
+}
+
+static void fill_skies(pl_planetshine *p, float white_radiance) {
+  const pl_snapshot *shot = p->shot;
+  for (size_t i = 0; i < shot->object_count; i++) {
+    const pl_shot_object *object = &shot->objects[i];
+    pl_shine_sky *sky = &p->skies[i];
+    const double sun = object->dark ? 0.0 : pl_shot_sun_irradiance(&shot->sun, object->center);
+    *sky = (pl_shine_sky){.other = BY_MESHES * (float)sun / PL_PI_F};
+    fill_sky(p, object->center, object->radius_m, shot->body_count, white_radiance, sky);
+    p->any = p->any || sky->count > 0;
+  }
+  for (size_t i = 0; i < shot->body_count; i++) {
+    pl_shine_sky *sky = &p->skies[shot->object_count + i];
+    *sky = (pl_shine_sky){.other = 0.0f};
+    fill_sky(p, shot->bodies[i].center, shot->bodies[i].radius_m, i, white_radiance, sky);
+    p->any = p->any || sky->count > 0;
+  }
+}
+
+pl_status pl_planetshine_build(const pl_snapshot *shot, float white_radiance, pl_arena *arena,
+                               pl_planetshine *out) {
+  const size_t things = shot->object_count + shot->body_count;
+  *out = (pl_planetshine){
+      .shot = shot,
+      .suns = pl_arena_alloc(arena, shot->body_count, sizeof *out->suns),
+      .radiance = pl_arena_alloc(arena, shot->body_count, sizeof *out->radiance),
+      .skies = pl_arena_alloc(arena, things, sizeof *out->skies),
+  };
+  if (out->suns == NULL || out->radiance == NULL || out->skies == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu bodies", shot->body_count);
+  for (size_t i = 0; i < shot->body_count; i++) {
+    const pl_shot_body *body = &shot->bodies[i];
+    const float sun = (float)pl_shot_sun_irradiance(&shot->sun, body->center);
+    out->suns[i] = pl_vec3_sub(shot->sun.position, body->center);
+    out->radiance[i] = mean_color(body) * sun / PL_PI_F;
+  }
+  fill_skies(out, white_radiance);
+  return PL_OK;
+}
+
+/* What a body in the sky may bring: the light that the surface sends on, and the part of the lobe's
+ * own draws that meet it; both by one direction, in the middle of what is lit, or between that and
+ * the zenith for a body that reaches far up from the horizon. */
+typedef struct guess {
+  float light, met;
+  float white; /* what a white diffuse surface that faces the body would send on */
+} guess;
+
+static guess guess_at(const pl_lune *lune, const pl_surface *s, pl_vec3f wo, float radiance) {
+  static const float middle[2] = {0.5f, 0.5f};
+  pl_vec3f direction;
+  float pdf;
+  guess out = {0.0f, 0.0f, 0.0f};
+  if (!pl_lune_sample(lune, middle, &direction, &pdf))
+    return out;
+  out.white = radiance / (pdf * PL_PI_F);
+  if (!pl_surface_admits(s, direction)) {
+    direction = pl_vec3f_unit(pl_vec3f_madd(direction, (float)(1.0 / lune->d), s->ng));
+    if (!pl_surface_admits(s, direction))
+      return out;
+  }
+  const pl_vec3f wi = pl_surface_to_local(s, direction);
+  const float reflected = pl_luminance(s->reflectance->evaluate(s, wo, wi));
+  out.light = radiance * reflected / pdf;
+  out.met = pl_minf(s->reflectance->pdf(s, wo, wi) / pdf, 1.0f);
+  return out;
+}
+
+void pl_shine_at(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo, pl_shine *out) {
+  const pl_surface *s = &vertex->surface;
+  out->share = 0.0f;
+  if (p == NULL || p->skies[vertex->thing].count == 0 ||
+      (s->reflectance->layered && s->lobes.inside))
+    return;
+  const pl_shine_sky *sky = &p->skies[vertex->thing];
+  float light = 0.0f, met = 0.0f, other = sky->other;
+  out->count = 0;
+  for (int i = 0; i < sky->count; i++) {
+    const uint32_t body = sky->body[i];
+    pl_lune *lune = &out->lunes[out->count];
+    if (!pl_lune_make(&p->shot->bodies[body], p->suns[body], vertex->position, lune))
+      continue;
+    const guess found = guess_at(lune, s, wo, p->radiance[body]);
+    other += GLOSS * found.white;
+    if (!(found.light > 0.0f))
+      continue;
+    light += out->chance[out->count++] = found.light;
+    met += found.met;
+  }
+  if (!(light > 0.0f) || !(met < 1.0f))
+    return;
+  /* Of all paths so many are to meet bodies, of which the lobe's own draws find some. */
+  const float wanted = light / (light + other * pl_luminance(s->color));
+  const float share = pl_minf((wanted - met) / (1.0f - met), 1.0f - LOBE_MIN);
+  if (!(share > SHARE_MIN))
+    return;
+  out->share = share;
+  for (int i = 0; i < out->count; i++)
+    out->chance[i] /= light;
+}
+
+/* Density of drawing to the bodies; `drawn`: one whose own density is known, or -1. */
+static float bodies_pdf(const pl_shine *shine, pl_vec3f direction, int drawn, float known) {
+  float sum = 0.0f;
+  for (int i = 0; i < shine->count; i++)
+    sum += shine->chance[i] * (i == drawn ? known : pl_lune_pdf(&shine->lunes[i], direction));
+  return sum;
+}
+
+float pl_shine_pdf(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, pl_vec3f wi,
+                   pl_vec3f direction) {
+  const float lobe = s->reflectance->pdf(s, wo, wi);
+  if (!(shine->share > 0.0f))
+    return lobe;
+  return (1.0f - shine->share) * lobe + shine->share * bodies_pdf(shine, direction, -1, 0.0f);
+}
+
+static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], float choice,
+                        pl_shine_draw *out) {
+  if (!s->reflectance->sample(s, wo, u, choice, &out->wi, &out->weight, &out->lobe_pdf))
+    return false;
+  out->pdf = out->lobe_pdf;
+  out->direction = pl_vec3f_unit(pl_surface_to_world(s, out->wi));
+  const float side = pl_vec3f_dot(out->direction, s->ng);
+  return out->wi.z > 0.0f ? side > 0.0f : out->wi.z < 0.0f && side < 0.0f;
+}
+
+/* `choice` in [0, 1) among the bodies. */
+static bool sample_body(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, const float u[2],
+                        float choice, pl_shine_draw *out) {
+  int at = 0;
+  float known;
+  while (at + 1 < shine->count && choice >= shine->chance[at])
+    choice -= shine->chance[at++];
+  if (!pl_lune_sample(&shine->lunes[at], u, &out->direction, &known) ||
+      !pl_surface_admits(s, out->direction))
+    return false;
+  out->wi = pl_surface_to_local(s, out->direction);
+  out->lobe_pdf = s->reflectance->pdf(s, wo, out->wi);
+  if (!(out->lobe_pdf > 0.0f))
+    return false;
+  out->pdf = (1.0f - shine->share) * out->lobe_pdf +
+             shine->share * bodies_pdf(shine, out->direction, at, known);
+  out->weight = pl_vec3f_scale(s->reflectance->evaluate(s, wo, out->wi), 1.0f / out->pdf);
+  return true;
+}
+
+bool pl_shine_sample(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, const float u[2],
+                     float choice, pl_shine_draw *out) {
+  const float share = shine->share;
+  if (!(share > 0.0f))
+    return sample_lobe(s, wo, u, choice, out);
+  if (choice < share)
+    return sample_body(shine, s, wo, u, choice / share, out);
+  if (!sample_lobe(s, wo, u, pl_minf((choice - share) / (1.0f - share), 0x1.fffffep-1f), out))
+    return false;
+  out->pdf = (1.0f - share) * out->lobe_pdf +
+             share * bodies_pdf(shine, out->direction, -1, 0.0f);
+  out->weight = pl_vec3f_scale(out->weight, out->lobe_pdf / out->pdf);
+  return true;
+}

@@ -1,0 +1,61 @@
+/* Planetshine: light that bodies reflect onto other things. A path that goes on from a surface is
+ * drawn by the surface's lobe, or towards the sunlit parts of the bodies in its sky (light/lune.h),
+ * and weighted by the density of both together (Veach 1997, the balance heuristic of one sample):
+ * no ray more is cast. What it meets there is shaded as anything else, so that the light is that of
+ * the body's own reflectance, map, air and shadows; a bad guess of it makes noise, never an error.
+ */
+#ifndef PL_RENDER_PLANETSHINE_H
+#define PL_RENDER_PLANETSHINE_H
+
+#include "light/lune.h"
+#include "render/vertex.h"
+
+/* Bodies that paths from one thing are drawn to: the brightest, as it sees them. */
+enum { PL_SHINE_LIGHTS = 4 };
+
+/* What is known of a thing's sky beforehand. */
+typedef struct pl_shine_sky {
+  uint32_t body[PL_SHINE_LIGHTS];
+  int count;
+  float other; /* guess of the light by way of what is no body, as radiance of a white surface */
+} pl_shine_sky;
+
+/* Read-only once built; shared by all workers. */
+typedef struct pl_planetshine {
+  const pl_snapshot *shot; /* borrowed */
+  pl_vec3 *suns;           /* of each body: the direction of the sun, root axes */
+  float *radiance;         /* of each body where the sun is overhead, a guess, W m-2 sr-1 */
+  pl_shine_sky *skies;     /* of each thing */
+  bool any;                /* something is to be drawn from anywhere */
+} pl_planetshine;
+
+/* Memory comes from `arena`. Bodies whose light is far below `white_radiance` are met by chance. */
+pl_status pl_planetshine_build(const pl_snapshot *shot, float white_radiance, pl_arena *arena,
+                               pl_planetshine *out);
+
+/* The bodies in the sky of one shaded vertex. */
+typedef struct pl_shine {
+  float share; /* of draws that go to bodies, 0..1; the rest is not valid at 0 */
+  int count;
+  pl_lune lunes[PL_SHINE_LIGHTS];
+  float chance[PL_SHINE_LIGHTS]; /* of each, together 1 */
+} pl_shine;
+
+/* `wo` in the surface's frame. `shine` NULL: share is 0. */
+void pl_shine_at(const pl_planetshine *shine, const pl_vertex *vertex, pl_vec3f wo, pl_shine *out);
+
+/* Where a path goes on, world axes. */
+typedef struct pl_shine_draw {
+  pl_vec3f direction, wi, weight; /* weight: reflected over pdf */
+  float pdf, lobe_pdf;            /* of both ways of drawing, and of the surface's alone; 1/sr */
+} pl_shine_draw;
+
+/* False if the path ends. */
+bool pl_shine_sample(const pl_shine *shine, const pl_surface *surface, pl_vec3f wo,
+                     const float u[2], float choice, pl_shine_draw *out);
+
+/* Density of that: `direction` in world axes, `wi` the same in the surface's frame. */
+float pl_shine_pdf(const pl_shine *shine, const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
+                   pl_vec3f direction);
+
+#endif
