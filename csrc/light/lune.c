@@ -87,8 +87,8 @@ bool pl_lune_sample(const pl_lune *l, const float u[2], pl_vec3f *direction, flo
   const pl_vec3 w = pl_vec3_madd(
       pl_vec3_madd(pl_vec3_scale(l->z, cosine * cos(turn)), cosine * sin(turn), l->x), sine, l->y);
   const pl_vec3 radii = l->body->state->radii_m;
-  const pl_vec3 v = pl_mat3_mul_vec(l->body->rotation,
-                                    (pl_vec3){radii.x * w.x, radii.y * w.y, radii.z * w.z});
+  const pl_vec3 v =
+      pl_mat3_mul_vec(l->body->rotation, (pl_vec3){radii.x * w.x, radii.y * w.y, radii.z * w.z});
   const double length = pl_vec3_norm(v);
   *direction = pl_vec3_to_float(pl_vec3_scale(v, 1.0 / length));
   *pdf = (float)(density(l, y, turns_rad) * stretch(l, 1.0 / length));

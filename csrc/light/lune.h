@@ -4,7 +4,8 @@
  * Everything happens in axes scaled by the body's radii, where it is the unit sphere and lines stay
  * lines. A direction is given there by its sine across the line from the point to the body and the
  * sun, and by its turn about that axis: of each sine the limb and the terminator bound the turns,
- * both in closed form. The sun counts as a point, so that the lit part ends at the terminator. */
+ * both in closed form. The sun counts as a point, so that the lit part ends at the terminator.
+ * Directions are in float: of a body n radii away they are off by about 1e-7 n of its radius. */
 #ifndef PL_LIGHT_LUNE_H
 #define PL_LIGHT_LUNE_H
 

@@ -5,7 +5,7 @@
 #include "shade/reflectance.h"
 
 /* The least radiance of a white surface, of what is shown as white, for which a body is drawn. */
-static const float INVISIBLE = 1e-6f;
+static const float INVISIBLE = 1e-5f;
 /* Colours that stand for those of surfaces whose mean no one has: soils, and graphs. Guesses. */
 static const float SOIL = 0.15f, GRAPH = 0.3f;
 /* Part of the sun's light that a mesh may get by way of itself and other meshes. A guess as well:
@@ -17,6 +17,8 @@ static const float GLOSS = 0.02f;
 /* Paths are drawn by the lobe in any case, with this chance at least; and by it alone where bodies
  * would get so few that finding them is not worth the while. */
 static const float LOBE_MIN = 0.25f, SHARE_MIN = 0.04f;
+/* Of all paths so many are to meet bodies at least: weak light is noise that is seen, too. */
+static const float WANTED_MIN = 0.25f;
 
 static float mean_color(const pl_shot_body *body) {
   const pl_body_state *state = body->state;
@@ -131,7 +133,7 @@ void pl_shine_at(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo, 
       (s->reflectance->layered && s->lobes.inside))
     return;
   const pl_shine_sky *sky = &p->skies[vertex->thing];
-  float light = 0.0f, met = 0.0f, other = sky->other;
+  float light = 0.0f, met = 0.0f, gloss = 0.0f;
   out->count = 0;
   for (int i = 0; i < sky->count; i++) {
     const uint32_t body = sky->body[i];
@@ -139,7 +141,7 @@ void pl_shine_at(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo, 
     if (!pl_lune_make(&p->shot->bodies[body], p->suns[body], vertex->position, lune))
       continue;
     const guess found = guess_at(lune, s, wo, p->radiance[body]);
-    other += GLOSS * found.white;
+    gloss += GLOSS * found.white;
     if (!(found.light > 0.0f))
       continue;
     light += out->chance[out->count++] = found.light;
@@ -148,7 +150,9 @@ void pl_shine_at(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo, 
   if (!(light > 0.0f) || !(met < 1.0f))
     return;
   /* Of all paths so many are to meet bodies, of which the lobe's own draws find some. */
-  const float wanted = light / (light + other * pl_luminance(s->color));
+  const float other = sky->other + gloss;
+  const float part = light / (light + other * pl_luminance(s->color));
+  const float wanted = light > gloss * pl_luminance(s->color) ? pl_maxf(part, WANTED_MIN) : part;
   const float share = pl_minf((wanted - met) / (1.0f - met), 1.0f - LOBE_MIN);
   if (!(share > SHARE_MIN))
     return;
@@ -212,8 +216,7 @@ bool pl_shine_sample(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, co
     return sample_body(shine, s, wo, u, choice / share, out);
   if (!sample_lobe(s, wo, u, pl_minf((choice - share) / (1.0f - share), 0x1.fffffep-1f), out))
     return false;
-  out->pdf = (1.0f - share) * out->lobe_pdf +
-             share * bodies_pdf(shine, out->direction, -1, 0.0f);
+  out->pdf = (1.0f - share) * out->lobe_pdf + share * bodies_pdf(shine, out->direction, -1, 0.0f);
   out->weight = pl_vec3f_scale(out->weight, out->lobe_pdf / out->pdf);
   return true;
 }

@@ -23,6 +23,7 @@ ROWS = {
     "soft_sun": ("pl_sun_sample", "pl_limb_sample"),
     "limb_darkening": ("limb.c",),
     "emitters": ("emitters.c",),
+    "planetshine": ("pl_planetshine_build", "lune.c"),
     "regolith": ("hapke.c", "hapke_rough.c"),
     "distortion": ("lens.c", "lens_models.c"),
     "vignetting": ("vignetting.c", "shading.c"),

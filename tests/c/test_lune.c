@@ -83,8 +83,8 @@ static void test_draws_are_what_is_lit(void **state) {
       }
       /* Any direction near the body's. */
       const pl_vec3 to = pl_vec3_sub(w.body.center, w.point);
-      direction = pl_vec3_to_float(pl_vec3_unit(
-          pl_vec3_madd(to, 1.1 * w.body.radius_m * random_unit(&random), random_direction(&random))));
+      direction = pl_vec3_to_float(pl_vec3_unit(pl_vec3_madd(
+          to, 1.1 * w.body.radius_m * random_unit(&random), random_direction(&random))));
       const double h = height(&w, direction);
       if (h > 1e-3)
         lit += any && pl_lune_pdf(&lune, direction) > 0.0f ? 1 : 1000000;

@@ -22,6 +22,7 @@ static const row_off rows[] = {
     {.name = "soft_sun"},
     {.name = "limb_darkening"},
     {.name = "emitters"},
+    {.name = "planetshine"},
     {.name = "regolith", .with = {"emitters", "body_bounces"}},
     {.name = "distortion"},
     {.name = "vignetting"},
@@ -80,7 +81,8 @@ static pl_sensor flight_sensor(void) {
                      .compression = {50, PL_CHROMA_420}};
 }
 
-/* A lamp and its ground before a moon with Hapke's soil. */
+/* A lamp and its ground before a moon with Hapke's soil, and a planet beside that shines on them.
+ */
 static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp) {
   static const double bent[8] = {0.1, 0.02};
   stage_init(s, WIDTH, HEIGHT, 40.0);
@@ -91,6 +93,7 @@ static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp) {
   assert_int_equal(pl_lens_init(&pl_lens_models[0], bent, &s->placement.camera.lens), PL_OK);
   stage_add_object(s, ground, (pl_vec3){-4.0, 0, 12.0}, PL_QUAT_IDENTITY, 1.0);
   stage_add_object(s, lamp, (pl_vec3){-4.0, 0.5, 10.0}, PL_QUAT_IDENTITY, 1.0);
+  stage_add_body(s, (pl_vec3){-40.0, 0, 0.0}, (pl_vec3){15.0, 15.0, 15.0}, 0.9f);
   const size_t moon = stage_add_body(s, (pl_vec3){6.0, 0, 40.0}, (pl_vec3){15.0, 15.0, 15.0}, 0.3f);
   s->scene.bodies[moon].reflectance = &pl_reflectance_hapke;
   const pl_regolith_band soil = {0.25f, 0.3f, 0.0f, 0.0f, 1.5f, 0.06f, 0.4f, 0.0f};
