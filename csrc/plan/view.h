@@ -21,6 +21,7 @@ struct pl_clouds;
 /* One mesh object or body, reduced to what bounds need. */
 typedef struct pl_view_thing {
   bool is_body;            /* convex ellipsoid; otherwise a mesh */
+  bool is_world;           /* a body of either kind */
   bool in_frame;           /* its bounding sphere touches the frustum */
   bool textured;           /* has a colour map */
   double distance_m;       /* camera to the centre of the bounding sphere */

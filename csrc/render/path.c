@@ -291,7 +291,8 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
     add(pl_path_sink(b, path.pixel, path.shared),
         pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));
   }
-  if (bounce > 0 && !context->settings->planetshine && vertex->thing >= context->shot->object_count)
+  if (bounce > 0 && !context->settings->planetshine &&
+      pl_shine_is_light(context->shot, vertex->thing, b->rays[i].from_thing))
     return;
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));

@@ -45,8 +45,8 @@ static void insert(pl_shine_sky *sky, float light[PL_SHINE_LIGHTS], uint32_t bod
   sky->body[at] = body;
 }
 
-/* `own`: the thing's own body, which it cannot see. */
-static void fill_sky(const pl_planetshine *p, pl_vec3 center, double radius_m, size_t own,
+/* `own`: the body that the thing is, or -1. */
+static void fill_sky(const pl_planetshine *p, pl_vec3 center, double radius_m, int own,
                      float white_radiance, pl_shine_sky *sky) {
   float light[PL_SHINE_LIGHTS];
   for (size_t i = 0; i < p->shot->body_count; i++) {
@@ -54,7 +54,7 @@ static void fill_sky(const pl_planetshine *p, pl_vec3 center, double radius_m, s
     const double gap = pl_vec3_norm(pl_vec3_sub(body->center, center)) - radius_m;
     const double sine = body->radius_m / fmax(gap, body->radius_m);
     const float found = p->radiance[i] * (float)(sine * sine);
-    if (i != own && found > INVISIBLE * white_radiance)
+    if ((int)i != own && found > INVISIBLE * white_radiance)
       insert(sky, light, (uint32_t)i, found);
   }
 }
@@ -66,13 +66,13 @@ static void fill_skies(pl_planetshine *p, float white_radiance) {
     pl_shine_sky *sky = &p->skies[i];
     const double sun = object->dark ? 0.0 : pl_shot_sun_irradiance(&shot->sun, object->center);
     *sky = (pl_shine_sky){.other = BY_MESHES * (float)sun / PL_PI_F};
-    fill_sky(p, object->center, object->radius_m, shot->body_count, white_radiance, sky);
+    fill_sky(p, object->center, object->radius_m, object->object->body, white_radiance, sky);
     p->any = p->any || sky->count > 0;
   }
   for (size_t i = 0; i < shot->body_count; i++) {
     pl_shine_sky *sky = &p->skies[shot->object_count + i];
     *sky = (pl_shine_sky){.other = 0.0f};
-    fill_sky(p, shot->bodies[i].center, shot->bodies[i].radius_m, i, white_radiance, sky);
+    fill_sky(p, shot->bodies[i].center, shot->bodies[i].radius_m, (int)i, white_radiance, sky);
     p->any = p->any || sky->count > 0;
   }
 }
@@ -96,6 +96,10 @@ pl_status pl_planetshine_build(const pl_snapshot *shot, float white_radiance, pl
   }
   fill_skies(out, white_radiance);
   return PL_OK;
+}
+
+bool pl_shine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t from) {
+  return thing != from && (thing >= shot->object_count || shot->objects[thing].object->body >= 0);
 }
 
 /* What a body in the sky may bring: the light that the surface sends on, and the part of the lobe's

@@ -33,6 +33,9 @@ typedef struct pl_planetshine {
 pl_status pl_planetshine_build(const pl_snapshot *shot, float white_radiance, pl_arena *arena,
                                pl_planetshine *out);
 
+/* Whether what a path finds on `thing` is planetshine, from the thing that it comes from. */
+bool pl_shine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t from);
+
 /* The bodies in the sky of one shaded vertex. */
 typedef struct pl_shine {
   float share; /* of draws that go to bodies, 0..1; the rest is not valid at 0 */

@@ -8,7 +8,7 @@ static const char *absent(const pl_view *view) {
   size_t bodies = 0;
   bool seen = false;
   for (size_t i = 0; i < view->thing_count; i++) {
-    bodies += view->things[i].is_body;
+    bodies += view->things[i].is_world;
     seen = seen || view->things[i].in_frame;
   }
   if (view->max_bounces == 0)
@@ -25,7 +25,7 @@ static double sent_on(const pl_view *view, const pl_view_thing *receiver) {
   double sum = 0.0;
   for (size_t k = 0; k < view->thing_count; k++) {
     const pl_view_thing *body = &view->things[k];
-    if (body->is_body && body != receiver)
+    if (body->is_world && body != receiver)
       sum += pl_view_transfer(receiver, body) * (pl_view_light(body) - body->emission_max);
   }
   return sum;

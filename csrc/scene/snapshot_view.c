@@ -108,6 +108,7 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
   const bool diffuse = body->body->reflectance == &pl_reflectance_lambert;
   pl_view_thing thing = {
       .is_body = true,
+      .is_world = true,
       .in_frame = body->in_frame,
       .textured = body->body->map != NULL || body->body->regolith_map != NULL,
       .radius_m = body->radius_m,
