@@ -49,6 +49,8 @@ int pl_py_volumes_parse(PyObject *request, pl_py_states *states, pl_frame_reques
 void pl_py_volumes_clear(pl_py_states *states);
 /* What the sensor's filters see; see perilune.filters. */
 int pl_py_filters_parse(PyObject *sensor, pl_py_states *states, pl_sensor *out);
+/* "body_clouds", one a body, which may be absent. */
+int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out);
 /* "bands" (bands, 3), which may be absent. */
 int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* Points the request at the arrays of `out` (a mapping name -> ndarray), checking type, shape and

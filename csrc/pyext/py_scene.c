@@ -77,14 +77,17 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
   static char *names[] = {"name",        "map",          "map_center_lon_rad",
                           "reflectance", "instance_id",  "part_id",
                           "class_ids",   "regolith_map", "air",
-                          "shape",       "rings",        NULL};
+                          "shape",       "rings",        "cloud_map",
+                          NULL};
   scene_object *self = (scene_object *)object;
   PyObject *map, *classes, *regolith, *air, *shape = Py_None, *rings = Py_None;
+  PyObject *cloud_map = Py_None;
   const char *name, *reflectance;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OO:add_body", names, &name, &map,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOO:add_body", names, &name, &map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
-                                   &body.part_id, &classes, &regolith, &air, &shape, &rings) ||
+                                   &body.part_id, &classes, &regolith, &air, &shape, &rings,
+                                   &cloud_map) ||
       check_open(self) < 0)
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
@@ -95,7 +98,8 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
       (regolith != Py_None && (body.regolith_map = pl_py_grid_of(regolith)) == NULL) ||
       (air != Py_None && (body.air = pl_py_air_of(air)) == NULL) ||
       (shape != Py_None && (body.shape = pl_py_model_of(shape)) == NULL) ||
-      (rings != Py_None && (body.rings = pl_py_rings_of(rings)) == NULL))
+      (rings != Py_None && (body.rings = pl_py_rings_of(rings)) == NULL) ||
+      (cloud_map != Py_None && (body.cloud_map = pl_py_map_of(cloud_map)) == NULL))
     return NULL;
   const npy_intp levels[1] = {self->scene.levels};
   PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, levels);
@@ -105,7 +109,7 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
   Py_DECREF((PyObject *)ids);
   if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, regolith) < 0 ||
       PyList_Append(self->kept, air) < 0 || PyList_Append(self->kept, shape) < 0 ||
-      PyList_Append(self->kept, rings) < 0)
+      PyList_Append(self->kept, rings) < 0 || PyList_Append(self->kept, cloud_map) < 0)
     return NULL;
   const pl_status status = pl_scene_add_body(&self->scene, &body);
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);

@@ -24,8 +24,7 @@ static cloud_item item_of(const pl_snapshot *shot, uint32_t index, int detail) {
   const double h = clouds->altitude_m;
   return (cloud_item){
       .clouds = clouds,
-      .cover = pl_cloud_cover_make(clouds, body->body->cloud_map,
-                                   body->body->cloud_map_center_lon_rad, detail),
+      .cover = pl_cloud_cover_make(clouds, body->body->cloud_map, detail),
       .body = index,
       .radii_m = {r.x + h, r.y + h, r.z + h},
       .reach_m = body->radius_m + h,
@@ -102,8 +101,8 @@ static float mu_of(const cloud_item *item, double cosine) {
   return (float)fmin(1.0, sqrt(cosine * cosine + fmin(bent, 1.0)));
 }
 
-static void find_place(const cloud_item *item, const pl_veils *veils, const meeting *m, double t,
-                       float width_m, place *out) {
+static void find_place(const cloud_item *item, const meeting *m, double t, float width_m,
+                       place *out) {
   out->point = pl_vec3_madd(m->origin, t, m->direction);
   out->normal = pl_ellipsoid_normal(item->radii_m, out->point);
   const double cosine = fabs(pl_vec3_dot(m->direction, out->normal));
@@ -114,8 +113,7 @@ static void find_place(const cloud_item *item, const pl_veils *veils, const meet
                                                                   : (pl_vec3){1.0, 0.0, 0.0});
   across = pl_vec3_scale(pl_vec3_unit(across), (double)width_m);
   const pl_vec3 along = pl_vec3_scale(pl_vec3_cross(across, out->normal), 1.0 / fmax(cosine, 0.02));
-  out->cover = pl_cloud_cover_at(&item->cover, out->point, across, along, veils->detail.filter,
-                                 veils->detail.maps);
+  out->cover = pl_cloud_cover_at(&item->cover, out->point, across, along);
 }
 
 /* Light that comes through a covered place: over the ground all that is not sent back, since what
@@ -164,7 +162,7 @@ static void cross_item(const cloud_item *item, const pl_veils *veils, const pl_s
       continue;
     place at;
     const float width_m = pl_beam_width(ray->beam, m.t[i]);
-    find_place(item, veils, &m, m.t[i], width_m, &at);
+    find_place(item, &m, m.t[i], width_m, &at);
     if (!(at.cover > 0.0f))
       continue;
     pl_veil_crossing crossing = {.t = m.t[i], .passed = passed_at(item, &at, ground && i == 0)};
@@ -188,6 +186,7 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
                            pl_vec3 point, const pl_sun_view *sun, float width_m) {
   const cloud_list *list = own;
   pl_vec3f out = {1.0f, 1.0f, 1.0f};
+  (void)veils;
   for (size_t i = 0; i < list->count; i++) {
     const cloud_item *item = &list->items[i];
     meeting m;
@@ -199,7 +198,7 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
         continue;
       place at;
       const float disc_m = 2.0f * sun->sin_radius * (float)m.t[k];
-      find_place(item, veils, &m, m.t[k], width_m + disc_m, &at);
+      find_place(item, &m, m.t[k], width_m + disc_m, &at);
       out = pl_vec3f_mul(out, passed_at(item, &at, below));
     }
   }

@@ -30,8 +30,7 @@ void pl_veil_list_add(pl_veil_list *list, const pl_veil_crossing *crossing);
 enum { PL_VEIL_KINDS_MAX = 8 };
 /* The veils of a frame, read-only once built. */
 typedef struct pl_veils {
-  const struct pl_air_view *air; /* borrowed; NULL: none */
-  pl_detail detail;
+  const struct pl_air_view *air;      /* borrowed; NULL: none */
   uint32_t dot;                       /* body whose picture as a dot this is; PL_NOTHING */
   const void *own[PL_VEIL_KINDS_MAX]; /* of each kind: what its build made; NULL: none */
 } pl_veils;
@@ -67,8 +66,8 @@ extern const size_t pl_veil_kind_count;
 
 /* Lists the veils of a snapshot; values[k]: of the k-th kind's effect. *any: whether there are any.
  */
-pl_status pl_veils_build(const pl_snapshot *shot, const int *values, pl_detail detail,
-                         const struct pl_air_view *air, pl_arena *arena, pl_veils *out, bool *any);
+pl_status pl_veils_build(const pl_snapshot *shot, const int *values, const struct pl_air_view *air,
+                         pl_arena *arena, pl_veils *out, bool *any);
 /* Whether any may be in a cone of rays from the camera; `veils` may be NULL. */
 bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
                       double half_angle);

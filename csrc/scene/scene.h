@@ -63,7 +63,6 @@ typedef struct pl_body {
   const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel a cell */
   const pl_air *air;                 /* borrowed, NULL for none */
   const pl_texture *cloud_map;       /* borrowed, NULL for none: cover of its clouds */
-  double cloud_map_center_lon_rad;   /* of that map, when the shell is not turned */
   const pl_rings *rings;             /* borrowed, NULL for none: in the plane of x and y */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];

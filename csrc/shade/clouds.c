@@ -18,24 +18,26 @@ bool pl_clouds_valid(const pl_clouds *c) {
   for (int k = 0; k < 3; k++)
     good = good && within((double)c->color[k], 0.0, 1.0);
   return good && within((double)c->coverage, 0.0, 1.0) && within((double)c->softness, 1e-3, 1e3) &&
-         within((double)c->octaves, 1.0, PL_FRACTAL_OCTAVES) &&
+         (c->octaves == 0.0f || within((double)c->octaves, 1.0, PL_FRACTAL_OCTAVES)) &&
          within((double)c->roughness, 0.0, 1.0) && within(c->size_m, 1e-6, 1e15) &&
          within((double)c->warp, -10.0, 10.0) && within((double)c->phase, -1e6, 1e6);
 }
 
-static double normal_below(double x) { return 0.5 * erfc(-x * SQRT_HALF); }
-
-/* Where the normal distribution is `share`; 0 and 1 count as nine standard deviations off. */
-static double normal_place(double share) {
-  double low = -9.0, high = 9.0;
-  for (int i = 0; i < 60; i++) {
-    const double middle = 0.5 * (low + high);
-    if (normal_below(middle) < share)
-      low = middle;
-    else
-      high = middle;
-  }
-  return 0.5 * (low + high);
+/* Where the normal distribution is `share`, 0 < share < 1, to 1e-6: by the inverse error function
+ * (Giles 2010, Approximating the erfinv function, GPU Computing Gems). */
+static float normal_place(float share) {
+  static const float middle[9] = {2.81022636e-08f,  3.43273939e-07f, -3.5233877e-06f,
+                                  -4.39150654e-06f, 0.00021858087f,  -0.00125372503f,
+                                  -0.00417768164f,  0.246640727f,    1.50140941f};
+  static const float tails[9] = {-0.000200214257f, 0.000100950558f, 0.00134934322f,
+                                 -0.00367342844f,  0.00573950773f,  -0.0076224613f,
+                                 0.00943887047f,   1.00167406f,     2.83297682f};
+  const float w = -logf(4.0f * share * (1.0f - share));
+  const float *row = w < 5.0f ? middle : tails, at = w < 5.0f ? w - 2.5f : sqrtf(w) - 3.0f;
+  float p = row[0];
+  for (int i = 1; i < 9; i++)
+    p = row[i] + p * at;
+  return p * (2.0f * share - 1.0f) * (float)(2.0 * SQRT_HALF);
 }
 
 /* Amplitudes of the octaves, as in math/fractal.c. */
@@ -49,12 +51,10 @@ static int list_octaves(const pl_clouds *clouds, float out[PL_FRACTAL_OCTAVES]) 
   return count;
 }
 
-pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *map,
-                                   double map_center_lon_rad, int detail) {
+pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *map, int detail) {
   pl_cloud_cover out = {
       .clouds = clouds,
       .map = map,
-      .map_center_lon_rad = map_center_lon_rad,
       .sine = (float)sin(clouds->turn_rad),
       .cosine = (float)cos(clouds->turn_rad),
   };
@@ -66,10 +66,11 @@ pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *ma
     out.variance += out.amplitudes[i] * out.amplitudes[i] * (float)PL_NOISE_VARIANCE;
     looked_up += i < out.detail ? out.amplitudes[i] : 0.0f;
   }
+  if (count == 0)
+    return out;
   out.variance /= out.total * out.total;
   out.scale = looked_up / out.total;
-  const double spread = sqrt((double)out.variance) * hypot(1.0, (double)clouds->softness);
-  out.threshold = (float)(spread * normal_place(1.0 - (double)clouds->coverage));
+  out.spread = sqrtf(out.variance * (1.0f + clouds->softness * clouds->softness));
   return out;
 }
 
@@ -89,8 +90,8 @@ static pl_vec3 bend(const pl_clouds *clouds, pl_vec3 cell, float width) {
   return (pl_vec3){moved[0], moved[1], moved[2]};
 }
 
-/* Mean cover by the noise of a footprint `width` cells across. */
-static float noise_cover(const pl_cloud_cover *cover, pl_vec3 cell, float width) {
+/* What the noise makes of a cover of `mean`, over a footprint `width` cells across. */
+static float noise_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell, float width) {
   const pl_clouds *clouds = cover->clouds;
   const pl_fractal noise = {.octaves = pl_minf((float)cover->detail, clouds->octaves),
                             .roughness = clouds->roughness,
@@ -107,7 +108,8 @@ static float noise_cover(const pl_cloud_cover *cover, pl_vec3 cell, float width)
     value = cover->scale * pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&noise, cell, width);
   const float edge = clouds->softness * clouds->softness * cover->variance;
   const float spread = sqrtf(edge + lost * (float)PL_NOISE_VARIANCE);
-  return 0.5f * erfcf((cover->threshold - value) / (spread * (float)(2.0 * SQRT_HALF)));
+  const float threshold = -cover->spread * normal_place(mean);
+  return 0.5f * erfcf((threshold - value) / (spread * (float)(2.0 * SQRT_HALF)));
 }
 
 /* From body axes to the shell's. */
@@ -116,31 +118,27 @@ static pl_vec3 turn_back(const pl_cloud_cover *cover, pl_vec3 v) {
   return (pl_vec3){c * v.x + s * v.y, c * v.y - s * v.x, v.z};
 }
 
-float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along,
-                        pl_filter filter, bool maps) {
+float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along) {
   const pl_clouds *clouds = cover->clouds;
-  float out = clouds->opacity;
+  float mean = clouds->coverage;
   pl_body_place place = {turn_back(cover, point), turn_back(cover, across), turn_back(cover, along),
-                         cover->map_center_lon_rad};
+                         0.0};
   const double area = pl_vec3_norm(pl_vec3_cross(across, along));
-  const float width = maps ? (float)(2.0 * sqrt(area / PL_PI) / clouds->size_m) : INFINITY;
+  const float width = (float)(2.0 * sqrt(area / PL_PI) / clouds->size_m);
   pl_vec3 cell = pl_vec3_scale(place.point, 1.0 / clouds->size_m);
-  if (clouds->warp != 0.0f && maps) {
+  if (clouds->warp != 0.0f) {
     const pl_vec3 moved = bend(clouds, cell, width);
     cell = pl_vec3_add(cell, moved);
     place.point = pl_vec3_madd(place.point, clouds->size_m, moved);
   }
-  if (pl_clouds_noisy(clouds))
-    out *= noise_cover(cover, cell, width * (1.0f + fabsf(clouds->warp)));
   if (cover->map != NULL) {
     float value[4];
-    if (maps)
-      pl_body_map_sample(cover->map, &place, filter, value);
-    else
-      pl_texture_mean(cover->map, value);
-    out *= value[0];
+    pl_body_map_sample(cover->map, &place, PL_FILTER_FINEST, value);
+    mean *= value[0];
   }
-  return out;
+  if (pl_clouds_noisy(clouds) && mean > 0.0f && mean < 1.0f)
+    mean = noise_cover(cover, mean, cell, width * (1.0f + fabsf(clouds->warp)));
+  return clouds->opacity * mean;
 }
 
 double pl_clouds_detail_error(const pl_clouds *clouds, int detail, double width_m) {

@@ -8,8 +8,8 @@
 #include "geom/texture.h"
 #include "math/vec.h"
 
-/* What a frame says of a body's clouds. Cover is the part of the shell that has clouds: a map's
- * value, that of a noise, or their product. */
+/* What a frame says of a body's clouds. Cover is the part of a place that has clouds: a map gives
+ * its mean, which a noise breaks into clouds and gaps. */
 typedef struct pl_clouds {
   double altitude_m;  /* of the shell over the surface, along the semi-axes; 0: no clouds */
   double thickness_m; /* of the layer: how long a way through it a level ray has */
@@ -17,41 +17,37 @@ typedef struct pl_clouds {
   float opacity;      /* factor on the cover, 0..1 */
   float depth;        /* optical, of what is covered, straight through */
   float color[3];     /* factor on the light that is scattered, 0..1 */
-  /* Noise: nowhere with a coverage of 1. */
-  float coverage;  /* mean of the cover, 0..1 */
-  float softness;  /* of the edges, over the noise's standard deviation; > 0 */
-  float octaves;   /* 1..16; parts of one count */
-  float roughness; /* amplitude of an octave by the one before, 0..1 */
-  double size_m;   /* of the largest clouds: cells of the first octave */
-  float warp;      /* by which map and noise are bent, over size_m */
-  float phase;     /* moves what bends them, cells: clouds change their shape with it */
+  float coverage;     /* mean of the cover; factor on a map's, 0..1 */
+  float softness;     /* of the edges, over the noise's standard deviation; > 0 */
+  float octaves;      /* of the noise, 1..16, parts of one count; 0: none, the cover is its mean */
+  float roughness;    /* amplitude of an octave by the one before, 0..1 */
+  double size_m;      /* of the largest clouds: cells of the first octave */
+  float warp;         /* by which map and noise are bent, over size_m */
+  float phase;        /* moves what bends them, cells: clouds change their shape with it */
   uint32_t seed;
 } pl_clouds;
 
 /* Whether all is finite and in range. */
 bool pl_clouds_valid(const pl_clouds *clouds);
-static inline bool pl_clouds_noisy(const pl_clouds *clouds) { return clouds->coverage < 1.0f; }
+static inline bool pl_clouds_noisy(const pl_clouds *clouds) { return clouds->octaves > 0.0f; }
 
 /* Made once a frame of the above. */
 typedef struct pl_cloud_cover {
   const pl_clouds *clouds;
-  const pl_texture *map; /* equirectangular, red; NULL for none */
-  double map_center_lon_rad;
+  const pl_texture *map;       /* equirectangular about longitude 0, red; NULL for none */
   int detail;                  /* octaves that are looked up; the others count as their spread */
-  float threshold;             /* of the noise, where half is covered */
+  float spread;                /* of the noise and its soft edges, standard deviations */
   float variance;              /* of the whole noise */
   float scale;                 /* of the octaves that are looked up, in the whole */
   float sine, cosine;          /* of the turn */
   float amplitudes[16], total; /* of the octaves, and their sum */
 } pl_cloud_cover;
-pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *map,
-                                   double map_center_lon_rad, int detail);
+pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *map, int detail);
 
 /* Mean cover, 0..1, of a footprint of extents `across` and `along` about a point of the shell, body
- * axes, m. Without `maps` that of all the shell. The noise counts as normally distributed where the
- * footprint or `detail` hides octaves: then the mean stays the coverage at any distance. */
-float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along,
-                        pl_filter filter, bool maps);
+ * axes, m. The noise counts as normally distributed where the footprint or `detail` hides octaves:
+ * then the mean stays what it is at any distance. */
+float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along);
 
 /* Most by which the cover changes when only so many octaves are looked up, for footprints of
  * `width_m` or more. */
@@ -63,7 +59,8 @@ double pl_clouds_detail_error(const pl_clouds *clouds, int detail, double width_
 
 /* Part of the light at the cosine mu > 0 to the normal that a layer of some depth sends back, by
  * the delta-Eddington approximation without absorption (Joseph, Wiscombe and Weinman 1976, Journal
- * of the Atmospheric Sciences 33, 2452; Meador and Weaver 1980, 37, 630): off by up to 0.05. */
+ * of the Atmospheric Sciences 33, 2452; Meador and Weaver 1980, 37, 630): off by up to 0.05, and
+ * 0.09 where mu is below 0.3. */
 float pl_cloud_reflected(float depth, float mu);
 /* Part that comes through straight. The rest comes through diffusely. */
 float pl_cloud_straight(float depth, float mu);

@@ -314,11 +314,12 @@ class Scene:
         air: Air | None,
         shape: Model | None = None,
         rings: Rings | None = None,
+        cloud_map: Map | None = None,
     ) -> int:
         """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
         (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians
         and filling factor of each band, for the photometric reflectances; its w counts where there
-        is no map."""
+        is no map. cloud_map: cover of the clouds that requests give it, about longitude 0; red."""
     def add_object(
         self,
         *,
@@ -362,6 +363,24 @@ class Exposure(TypedDict):
     percentile: float  # auto: this percentile of the lit pixels ...
     key: float  # auto: ... is shown at this fraction of white (linear)
 
+class CloudSettings(TypedDict):
+    """See perilune.config.clouds."""
+
+    altitude_m: float
+    thickness_m: float
+    turn_rad: float  # of the shell eastwards against the body
+    opacity: float
+    depth: float  # optical
+    color: Sequence[float]  # three
+    coverage: float  # 1: no noise
+    softness: float
+    octaves: float
+    roughness: float
+    size_m: float
+    warp: float
+    phase: float
+    seed: int
+
 class FrameRequest(TypedDict):
     seed: int
     index: int
@@ -390,6 +409,7 @@ class FrameRequest(TypedDict):
     # filling factor of each band (nan: the map's, or 0), Minnaert's k, 1 for the H function of 1981
     # instead of 2002, 1 for the coherent surge's shape of 2012 instead of 2002.
     body_regolith: NotRequired[F64]
+    body_clouds: NotRequired[Sequence[CloudSettings | None]]  # one a body; None: no clouds
     sun_position: F64  # (3,), m, root frame
     sun_radius: float  # m
     sun_irradiance: float  # W m-2 at 1 AU, in every colour band

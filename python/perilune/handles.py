@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, articulation, atmospheres, photometry, rings, shapes
+from perilune.config.body import Body
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError
 from perilune.config.photometry import Photometry
@@ -98,7 +99,7 @@ class Handles:
     def __init__(self, document: Document) -> None:
         self.document = document
         self.lock = Lock()
-        self._files: dict[str, _core.Map] = {}
+        self._files: dict[tuple[Any, ...], _core.Map] = {}
         self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
         self._shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
@@ -195,14 +196,23 @@ class Handles:
             for name, rig in self.rigs.items()
         }
 
-    def _map(self, name: str, text: str | None) -> _core.Map | None:
-        """The colour map of a body; each file is read once."""
+    def _map(self, name: str, text: str | None, key: str, **options: Any) -> _core.Map | None:
+        """A map of a body; each file is read once for each set of options of _core.Map."""
         if text is None:
             return None
-        path = str(self.document.path(text, f"bodies.{name}.color_map"))
-        if path not in self._files:
-            self._files[path] = _core.Map(path)
-        return self._files[path]
+        path = str(self.document.path(text, f"bodies.{name}.{key}"))
+        read = path, *sorted(options.items())
+        if read not in self._files:
+            try:
+                self._files[read] = _core.Map(path, **options)
+            except ValueError as error:
+                raise ValueError(f"bodies.{name}.{key}: {error}") from error
+        return self._files[read]
+
+    def _cloud_map(self, name: str, body: Body) -> _core.Map | None:
+        if body.clouds is None:
+            return None
+        return self._map(name, body.clouds.map, "clouds.map", srgb=False)
 
     def shapes_of(self, config: Config) -> dict[str, shapes.BodyShape]:
         """Body entry -> its shape, of those that have one; each file is read once."""
@@ -278,6 +288,7 @@ class Handles:
                 body.shape,
                 body.reflectance,
                 body.photometry.maps if body.photometry else (),
+                body.clouds.map if body.clouds else None,
             )
             for body in config.bodies.values()
         )
@@ -323,13 +334,14 @@ class Handles:
         for name, body in config.bodies.items():
             scene.add_body(
                 name=name,
-                map=self._map(name, body.color_map),
+                map=self._map(name, body.color_map, "color_map"),
                 map_center_lon_rad=math.radians(body.map_center_lon_deg),
                 reflectance=body.reflectance,
                 regolith_map=self._regolith_map(name, body.photometry),
                 air=self._air(name, config),
                 shape=meshes[name].model if name in meshes else None,
                 rings=self._rings(name, config),
+                cloud_map=self._cloud_map(name, body),
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[

@@ -19,7 +19,7 @@ static inline pl_clouds overcast(double altitude_m, float depth) {
                      .color = {1.0f, 1.0f, 1.0f},
                      .coverage = 1.0f,
                      .softness = 0.3f,
-                     .octaves = 1.0f,
+                     .octaves = 0.0f,
                      .roughness = 0.5f,
                      .size_m = 1.0};
 }

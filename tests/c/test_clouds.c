@@ -38,7 +38,7 @@ static pl_clouds noisy(float coverage) {
 
 static double cover_at(const pl_cloud_cover *cover, pl_vec3 point, double width_m) {
   return (double)pl_cloud_cover_at(cover, point, (pl_vec3){width_m, 0.0, 0.0},
-                                   (pl_vec3){0.0, width_m, 0.0}, PL_FILTER_FINEST, true);
+                                   (pl_vec3){0.0, width_m, 0.0});
 }
 
 /* The mean cover is the coverage, however wide the footprints and however few octaves count. The
@@ -51,7 +51,7 @@ static void test_mean_is_the_coverage(void **state) {
     clouds.warp = k == 5 ? 0.5f : 0.0f;
     for (int detail = 0; detail <= 8; detail += 4)
       for (size_t w = 0; w < sizeof widths / sizeof *widths; w++) {
-        const pl_cloud_cover cover = pl_cloud_cover_make(&clouds, NULL, 0.0, detail);
+        const pl_cloud_cover cover = pl_cloud_cover_make(&clouds, NULL, detail);
         test_random random = {.seed = 5};
         moments m = {0};
         for (int i = 0; i < 4000; i++)
@@ -67,7 +67,7 @@ static void test_mean_is_the_coverage(void **state) {
 static void test_footprint_is_the_mean(void **state) {
   (void)state;
   const pl_clouds clouds = noisy(0.4f);
-  const pl_cloud_cover cover = pl_cloud_cover_make(&clouds, NULL, 0.0, 16);
+  const pl_cloud_cover cover = pl_cloud_cover_make(&clouds, NULL, 16);
   test_random random = {.seed = 8};
   double square = 0.0;
   enum { PLACES = 60, PARTS = 200 };
@@ -92,8 +92,8 @@ static void test_detail_error(void **state) {
     const double width = random_scale(&random, 1.0, 3e3);
     const int detail = random_below(&random, 9);
     clouds.warp = 0.0f;
-    const pl_cloud_cover all = pl_cloud_cover_make(&clouds, NULL, 0.0, 16);
-    const pl_cloud_cover some = pl_cloud_cover_make(&clouds, NULL, 0.0, detail);
+    const pl_cloud_cover all = pl_cloud_cover_make(&clouds, NULL, 16);
+    const pl_cloud_cover some = pl_cloud_cover_make(&clouds, NULL, detail);
     const double allowed = (double)clouds.opacity * pl_clouds_detail_error(&clouds, detail, width);
     for (int i = 0; i < 100; i++) {
       const pl_vec3 place = random_point(&random, 1e5);
@@ -110,9 +110,9 @@ static void test_detail_error(void **state) {
 static void test_turn(void **state) {
   (void)state;
   pl_clouds clouds = noisy(0.5f);
-  const pl_cloud_cover still = pl_cloud_cover_make(&clouds, NULL, 0.0, 16);
+  const pl_cloud_cover still = pl_cloud_cover_make(&clouds, NULL, 16);
   clouds.turn_rad = 0.7;
-  const pl_cloud_cover turned = pl_cloud_cover_make(&clouds, NULL, 0.0, 16);
+  const pl_cloud_cover turned = pl_cloud_cover_make(&clouds, NULL, 16);
   for (int i = 0; i < 50; i++) {
     const double lon = 0.13 * i, z = 1e3 * i - 2.5e4;
     const pl_vec3 there = {1e5 * cos(lon), 1e5 * sin(lon), z};

@@ -334,6 +334,8 @@ def test_every_physical_key_has_its_unit():
         "mie_g", "ground_albedo",  # of atmospheres
         "optical_depth", "phase_exponent", "dust_share", "dust_g",  # of rings
         "g", "emission_w_m3_sr", "volume_steps",  # of volumes
+        "coverage", "octaves", "roughness", "softness", "warp", "phase", "opacity",  # of clouds
+        "color",
     }  # fmt: skip
     schema = cfg.Config.model_json_schema()
     found = 0

@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.atmosphere import Atmosphere
 from perilune.config.attitude import BodyRotation
+from perilune.config.clouds import Clouds
 from perilune.config.errors import fail
 from perilune.config.materials import DriverSection
 from perilune.config.orbit import Orbit
@@ -44,6 +45,8 @@ class Body(Strict):
     """Other parameters of a photometric reflectance."""
     atmosphere: Atmosphere | None = None
     """Air about it; none without."""
+    clouds: Clouds | None = None
+    """A shell of clouds about it; none without."""
     rings: Rings | None = None
     """Rings in the plane of its equator; none without."""
     material: str | None = None

@@ -145,6 +145,9 @@ def _files(sim: Simulation) -> dict[str, str]:
         if body.rings is not None and body.rings.color_map is not None:
             key = f"bodies.{name}.rings.color_map"
             files[key] = _file_sha256(sim, body.rings.color_map, key)
+        if body.clouds is not None and body.clouds.map is not None:
+            key = f"bodies.{name}.clouds.map"
+            files[key] = _file_sha256(sim, body.clouds.map, key)
     for driver in sim.document.drivers:
         if driver.path[0] == "bodies" and driver.path[-1] == "color_map":
             for k, text in enumerate(filter(None, driver.distribution.limits)):

@@ -1,0 +1,64 @@
+/* "body_clouds" of the request dictionary: a sequence with None or a mapping for each body. */
+#include "pyext/py_request.h"
+
+#include "pyext/py_read.h"
+
+static const char WHERE[] = "body_clouds";
+
+static int parse_floats(PyObject *from, pl_clouds *out) {
+  const struct {
+    const char *key;
+    float *value;
+  } members[] = {
+      {"opacity", &out->opacity},   {"depth", &out->depth},     {"coverage", &out->coverage},
+      {"softness", &out->softness}, {"octaves", &out->octaves}, {"roughness", &out->roughness},
+      {"warp", &out->warp},         {"phase", &out->phase},
+  };
+  for (size_t i = 0; i < sizeof members / sizeof members[0]; i++) {
+    double value;
+    if (pl_py_member_double(from, members[i].key, WHERE, &value) < 0)
+      return -1;
+    *members[i].value = (float)value;
+  }
+  return 0;
+}
+
+static int parse_clouds(PyObject *from, pl_clouds *out) {
+  double color[3];
+  size_t seed;
+  if (pl_py_member_double(from, "altitude_m", WHERE, &out->altitude_m) < 0 ||
+      pl_py_member_double(from, "thickness_m", WHERE, &out->thickness_m) < 0 ||
+      pl_py_member_double(from, "turn_rad", WHERE, &out->turn_rad) < 0 ||
+      pl_py_member_double(from, "size_m", WHERE, &out->size_m) < 0 ||
+      pl_py_member_doubles(from, "color", WHERE, 3, color) < 0 ||
+      pl_py_member_size(from, "seed", WHERE, &seed) < 0 || parse_floats(from, out) < 0)
+    return -1;
+  for (int k = 0; k < 3; k++)
+    out->color[k] = (float)color[k];
+  out->seed = (uint32_t)seed;
+  return 0;
+}
+
+int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out) {
+  PyObject *list = PyDict_GetItemString(request, WHERE);
+  for (size_t i = 0; i < count; i++)
+    out[i].clouds = (pl_clouds){.altitude_m = 0.0};
+  if (list == NULL)
+    return PyErr_Occurred() ? -1 : 0;
+  const Py_ssize_t length = PySequence_Size(list);
+  if (length < 0)
+    return -1;
+  if ((size_t)length != count) {
+    PyErr_Format(PyExc_ValueError, "%s: %zd entries for %zu bodies", WHERE, length, count);
+    return -1;
+  }
+  for (size_t i = 0; i < count; i++) {
+    PyObject *entry = PySequence_GetItem(list, (Py_ssize_t)i);
+    const int failed =
+        entry == NULL || (entry != Py_None && parse_clouds(entry, &out[i].clouds) < 0);
+    Py_XDECREF(entry);
+    if (failed)
+      return -1;
+  }
+  return 0;
+}

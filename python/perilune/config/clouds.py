@@ -1,0 +1,77 @@
+"""The clouds of a body."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
+
+from perilune.config.types import (
+    Finite,
+    Fraction,
+    Integer,
+    NonNegative,
+    Positive,
+    StaticFinite,
+    Strict,
+    triple,
+)
+
+_Octaves = Annotated[float, Field(strict=True, ge=1.0, le=16.0)]
+_Softness = Annotated[float, Field(strict=True, ge=0.01, le=100.0)]
+_Warp = Annotated[float, Field(strict=True, ge=-10.0, le=10.0)]
+_Phase = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
+_Shares = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
+
+
+class CloudNoise(Strict):
+    """A pattern of clouds and gaps, and how it, or the map, is bent."""
+
+    coverage: Fraction | None = None
+    """Mean part of the body that clouds cover (default 0.5); with a map a factor on its cover
+    (default 1)."""
+    size_km: Positive = 2000.0
+    """Of the largest clouds and gaps."""
+    octaves: _Octaves = 10.0
+    """Each adds detail of half the size."""
+    roughness: Fraction = 0.55
+    """Strength of an octave by the one before."""
+    softness: _Softness = 0.35
+    """Of the edges: 0.1 is crisp, 1 is mist, 100 leaves a map as it is."""
+    warp: _Warp = 0.0
+    """By which clouds are bent, over size_km: about 0.3 makes swirls."""
+    phase: _Phase = 0.0
+    """Changes how they are bent: clouds flow from one shape to the next with it."""
+    seed: Annotated[Integer, Field(ge=0, lt=2**32)] = 0
+    """Another seed, another pattern."""
+
+
+class Clouds(Strict):
+    """A shell of clouds; a map, a noise or both say what part of each place is covered.
+
+    Without both it is an overcast. Clouds scatter and do not absorb, but for `color`.
+    """
+
+    map: str | None = None
+    """Equirectangular PNG or JPEG of the cover: the part of each place that has clouds, white for
+    all, as the file's numbers are (red); relative to this file, or data:... under
+    PERILUNE_DATA."""
+    map_center_lon_deg: StaticFinite = 0.0
+    """East longitude of the map's centre column at the start, before `longitude_deg`."""
+    altitude_km: Positive = 8.0
+    """Of the shell, over the surface."""
+    thickness_km: Positive = 2.0
+    """Of the layer: rays that pass it level are in it for so long a way as this makes."""
+    longitude_deg: Finite = 0.0
+    """By which the shell is turned eastwards against the body at the start."""
+    rotation_deg_h: Finite = 0.0
+    """Degrees an hour at which it turns on eastwards against the body."""
+    opacity: Fraction = 1.0
+    """Factor on the cover."""
+    optical_depth: NonNegative = 15.0
+    """Of what is covered, straight down: 3 is a veil, 10 a common cloud, 50 a storm."""
+    color: _Shares = (1.0, 1.0, 1.0)
+    """Factor on the light that they scatter."""
+    noise: CloudNoise | None = None
+    """Clouds without a map; or what breaks a map's cover into clouds and gaps finer than it shows,
+    of the same mean."""
