@@ -25,6 +25,7 @@ ROWS = {
     "emitters": ("emitters.c",),
     "planetshine": ("pl_planetshine_build", "lune.c"),
     "regolith": ("hapke.c", "hapke_rough.c"),
+    "clouds": ("cloud_veil.c", "clouds.c", "pl_veils_apply", "pl_veils_toward_sun"),
     "distortion": ("lens.c", "lens_models.c"),
     "vignetting": ("vignetting.c", "shading.c"),
     "point_spread": ("point_spread.c", "psf.c", "convolve.c", "fft.c"),

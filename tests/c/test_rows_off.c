@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 
+#include "clouds.h"
 #include "frames.h"
 
 enum { WIDTH = 32, HEIGHT = 24 };
@@ -24,6 +25,7 @@ static const row_off rows[] = {
     {.name = "emitters"},
     {.name = "planetshine"},
     {.name = "regolith", .with = {"emitters", "body_bounces"}},
+    {.name = "clouds"},
     {.name = "distortion"},
     {.name = "vignetting"},
     {.name = "lens_flare"},
@@ -99,6 +101,8 @@ static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp) {
   const pl_regolith_band soil = {0.25f, 0.3f, 0.0f, 0.0f, 1.5f, 0.06f, 0.4f, 0.0f};
   for (int band = 0; band < 3; band++)
     s->bodies[moon].regolith.band[band] = soil;
+  s->bodies[moon].clouds = overcast(0.5, 2.0f);
+  s->bodies[moon].clouds.opacity = 0.2f;
 }
 
 /* The camera turns while rows are read, and focuses behind the lamp. */
