@@ -120,7 +120,7 @@ static double body_left(const pl_shot_body *body, pl_vec3 point, const pl_sun_vi
   const pl_vec3 o = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, point));
   const pl_vec3 d = pl_vec3_unit(pl_mat3_mul_vec(body->to_unit, toward));
   const double low = pl_vec3_norm(pl_vec3_madd(o, -pl_vec3_dot(o, d), d));
-  const double radius = low > 0.0 ? low_m / low : body->radius_m;
+  const double radius = low > 1e-6 ? low_m / low : body->radius_m;
   return disc_left((double)sun->sin_radius, asin(fmin(1.0, radius / distance)),
                    atan2(low_m, along));
 }
