@@ -125,7 +125,8 @@ def test_a_break_in_the_clouds_is_where_the_map_says(tmp_path) -> None:
     for place in ((-1, 0, 0), (0.01, 0, 1), (0, 0.01, -1)):
         at = np.array(place) / np.linalg.norm(place)
         asked = air_worlds.request(
-            [[EARTH_M] * 3], 1.5 * EARTH_M * at, -at, at, size=(33, 33), fov_deg=60.0, tolerance_dn=0.0, samples=4, albedo=0.05, up=(0.3, 1, 0.2),
+            [[EARTH_M] * 3], 1.5 * EARTH_M * at, -at, at, size=(33, 33), fov_deg=60.0,
+            tolerance_dn=0.0, samples=4, albedo=0.05, up=(0.3, 1, 0.2),
         )  # fmt: skip
         picture = cloud_worlds.render(given, asked)["radiance"][..., 0]
         assert picture[16, 16] < 0.25 * picture[0, 0]
