@@ -216,16 +216,44 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
   vertex->surface.n = behind ? pl_vec3f_scale(n, -1.0f) : n;
 }
 
+static bool on_shape(const pl_snapshot *shot, uint32_t thing) {
+  return thing >= shot->craft_count && thing < shot->object_count;
+}
+
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                      pl_vertex *vertex) {
   if (vertex->thing < shot->craft_count)
     shade_mesh(&shot->objects[vertex->thing], beam, detail, vertex);
-  else if (vertex->thing < shot->object_count)
+  else if (on_shape(shot, vertex->thing))
     pl_body_surface_shade(&shot->bodies[shot->objects[vertex->thing].object->body], beam, detail,
                           vertex);
   else
     pl_body_surface_shade(&shot->bodies[vertex->thing - shot->object_count], beam, detail, vertex);
   face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
+  if (on_shape(shot, vertex->thing)) /* what the lifted rays leave, see below */
+    vertex->surface.ng = pl_shot_normal(&shot->objects[vertex->thing], vertex->triangle, vertex->w,
+                                        vertex->surface.ng);
+}
+
+/* From a point of a facet to the smooth surface that its normals speak of: the mean, by the
+ * point's weights, of its places over the planes across the normals of the corners (Hanika 2021,
+ * "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). Rays from there do not meet the
+ * neighbours that only the cut into facets puts before them: shadows on round ground would begin
+ * with teeth. Never inwards, and nothing on flat facets. */
+static pl_vec3f lift(const pl_shot_object *object, const pl_vertex *vertex) {
+  const pl_model *model = object->object->model;
+  const uint32_t *corner = model->indices + 3 * (size_t)vertex->triangle;
+  const float *w = vertex->w;
+  const pl_vec3f from = pl_vec3f_madd(pl_vec3f_scale(vertex->edge1, w[1]), w[2], vertex->edge2);
+  const pl_vec3f to_corner[3] = {{0.0f, 0.0f, 0.0f}, vertex->edge1, vertex->edge2};
+  pl_vec3f out = {0.0f, 0.0f, 0.0f};
+  for (int k = 0; k < 3; k++) {
+    const float *n = model->normals + 3 * (size_t)corner[k];
+    const pl_vec3f normal = pl_shot_rotate(&object->rotation, pl_vec3f_make(n[0], n[1], n[2]));
+    const float below = pl_vec3f_dot(pl_vec3f_sub(to_corner[k], from), normal);
+    out = pl_vec3f_madd(out, w[k] * pl_maxf(below, 0.0f), normal);
+  }
+  return out;
 }
 
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,
@@ -235,8 +263,11 @@ pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f 
   const pl_vec3f p = pl_vec3_to_float(vertex->position);
   const float largest = pl_maxf(fabsf(p.x), pl_maxf(fabsf(p.y), fabsf(p.z)));
   const float offset = on_body ? 0.0f : side * (0x1p-19f * largest + 1e-6f);
+  pl_vec3f origin = pl_vec3f_madd(p, offset, vertex->surface.ng);
+  if (on_shape(shot, vertex->thing) && side > 0.0f)
+    origin = pl_vec3f_add(origin, lift(&shot->objects[vertex->thing], vertex));
   return (pl_ray){
-      .origin = pl_vec3f_madd(p, offset, vertex->surface.ng),
+      .origin = origin,
       .t_max = t_max,
       .direction = direction,
       .skip_body = on_body ? vertex->thing - (uint32_t)shot->object_count : PL_NOTHING,

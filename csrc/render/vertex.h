@@ -50,7 +50,8 @@ void pl_vertex_footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f 
 void pl_vertex_face_layers(pl_vertex *vertex);
 
 /* Start of a secondary ray from the vertex towards `direction`: off the surface by a few ulp of the
- * coordinates, for the neighbours in its plane; the triangle itself cannot be hit again. */
+ * coordinates, for the neighbours in its plane; the triangle itself cannot be hit again. On shapes
+ * of bodies from the smooth surface of their normals. */
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,
                      float t_max);
 

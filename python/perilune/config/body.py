@@ -82,8 +82,9 @@ class Body(Strict):
             fail("kind", "the Sun is always there (section `sun`); list the other bodies")
         if self.orbit is not None and self.ephemeris is not None:
             fail("ephemeris", "give an orbit or an ephemeris, not both")
-        if self.shape is not None and self.atmosphere is not None:
-            fail("atmosphere", "only about an ellipsoid: a body with a shape has none")
+        for key in ("atmosphere", "clouds"):
+            if self.shape is not None and getattr(self, key, None) is not None:
+                fail(key, "only about an ellipsoid: a body with a shape has none")
         return self
 
     @property
