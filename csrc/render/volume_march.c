@@ -8,8 +8,9 @@
 
 /* Less than this part of the light from beyond is not followed any more. */
 static const float DARK = 1e-4f;
-/* Fewest steps through a volume whose density varies. */
-enum { STEPS_MIN = 4 };
+/* Fewest steps through a volume whose density varies; and rays that come from surfaces take so many
+ * times fewer. */
+enum { STEPS_MIN = 4, OF_SURFACES = 4 };
 
 /* Henyey and Greenstein 1941, 1/sr; cosine: of the angle by which light is turned. */
 static float phase(float g, float cosine) {
@@ -84,52 +85,88 @@ static void step(const pl_volume_view *view, const pl_volume_ray *ray, const pl_
       sum->passed, pl_vec3f_make(expf(-e.x * length), expf(-e.y * length), expf(-e.z * length)));
 }
 
-/* Steps that each take as much of the light, of which `depth` is taken in all: where the medium is
- * the same all along, the light that scatters comes most from the near part. */
+/* Of steps that each take as much of the light, of which `depth` is taken in all: the end of a part
+ * of them. Where the medium is the same all along, what scatters comes most from the near part. */
 static double even_place(double part, double depth, double length) {
   if (depth < 1e-3)
     return part * length;
   return fmin(length, -log1p(part * expm1(-depth)) / depth * length);
 }
 
+/* Sum of the extinctions of the media in each band: its largest and its smallest, 1/m. */
+static void extinction_range(const pl_volume_part *part, double *high, double *low) {
+  double sum[3] = {0.0, 0.0, 0.0};
+  for (size_t i = 0; i < part->count; i++)
+    for (int k = 0; k < 3; k++)
+      sum[k] += (double)part->items[i]->shot->volume->extinction[k];
+  *high = fmax(sum[0], fmax(sum[1], sum[2]));
+  *low = fmin(sum[0], fmin(sum[1], sum[2]));
+}
+
+/* Steps for the densest band; half of them are alike where others see farther. */
 static void march_even(const pl_volume_view *view, const pl_volume_ray *ray,
                        const pl_volume_part *part, pl_volume_stretch *sum) {
   const double length = part->end - part->start;
   const int steps = ray->sun != NULL ? view->steps : 1;
-  double most = 0.0;
-  for (size_t i = 0; i < part->count; i++)
-    most += (double)part->items[i]->extinction_max;
-  for (int i = 0; i < steps; i++) {
-    const double a = part->start + even_place((double)i / steps, most * length, length);
-    const double b = i + 1 == steps
-                         ? part->end
-                         : part->start + even_place((i + 1.0) / steps, most * length, length);
-    const double m = part->start + even_place((i + 0.5) / steps, most * length, length);
-    step(view, ray, part, a, b, m, sum);
+  double high, low;
+  extinction_range(part, &high, &low);
+  const int alike = high > low ? steps / 2 : 0, by_light = steps - alike;
+  double place = 0.0;
+  for (int i = 0, k = 0; i + k < steps;) {
+    const double next_alike = k < alike ? length * (k + 1.0) / (alike + 1.0) : length;
+    const double next_by_light = even_place((i + 1.0) / by_light, high * length, length);
+    const bool last = i + k + 1 == steps;
+    const double next = last ? length : fmin(next_alike, next_by_light);
+    const double middle =
+        alike > 0 ? 0.5 * (place + next) : even_place((i + 0.5) / by_light, high * length, length);
+    step(view, ray, part, part->start + place, part->start + next, part->start + middle, sum);
+    if (next_alike < next_by_light)
+      k++;
+    else
+      i++;
+    place = next;
   }
 }
 
-/* Steps as seen from the origin of a volume with a core: evenly in the angle between them
- * (equiangular, Kulla and Fajardo 2012), as if the ray passed it no nearer than the core. */
+/* Steps of a part of a ray: as many as the volume asks for whose density is the finest there. Of
+ * one with a core they are seen from its origin: even in the angle between them (equiangular, Kulla
+ * and Fajardo 2012), as if the ray passed it no nearer than the core. */
 typedef struct spacing {
   double middle, off; /* m: where the ray is nearest to it, and how near; off 0: all are alike */
   double angles[2];
+  double steps;
 } spacing;
 
-static spacing spacing_of(const pl_volume_ray *ray, const pl_volume_part *part) {
-  spacing out = {.off = 0.0};
+static spacing spacing_in(const pl_volume_ray *ray, const pl_volume_part *part,
+                          const pl_shot_volume *shot) {
+  const double core_m = shot->volume->core_m;
+  spacing out = {.off = 0.0, .steps = (part->end - part->start) / (2.0 * shot->radius_m)};
+  if (!(core_m > 0.0))
+    return out;
+  const pl_vec3 from = pl_vec3_sub(shot->origin, ray->origin);
+  out.middle = pl_vec3_dot(from, ray->direction);
+  out.off = hypot(pl_vec3_norm(pl_vec3_madd(from, -out.middle, ray->direction)), core_m);
+  out.angles[0] = atan((part->start - out.middle) / out.off);
+  out.angles[1] = atan((part->end - out.middle) / out.off);
+  out.steps = (out.angles[1] - out.angles[0]) / PL_PI;
+  return out;
+}
+
+/* Shorter ways take fewer steps, and so do rays that come from surfaces: they are many to a pixel.
+ */
+static spacing spacing_of(const pl_volume_view *view, const pl_volume_ray *ray,
+                          const pl_volume_part *part) {
+  spacing out = {.steps = -1.0};
   for (size_t i = 0; i < part->count; i++) {
-    const pl_shot_volume *shot = part->items[i]->shot;
-    if (!(shot->volume->core_m > 0.0))
+    if (part->items[i]->columns == NULL)
       continue;
-    const pl_vec3 from = pl_vec3_sub(shot->origin, ray->origin);
-    out.middle = pl_vec3_dot(from, ray->direction);
-    const double near = pl_vec3_norm(pl_vec3_madd(from, -out.middle, ray->direction));
-    out.off = hypot(near, shot->volume->core_m);
-    out.angles[0] = atan((part->start - out.middle) / out.off);
-    out.angles[1] = atan((part->end - out.middle) / out.off);
-    break;
+    const spacing found = spacing_in(ray, part, part->items[i]->shot);
+    if (found.steps > out.steps)
+      out = found;
   }
+  const int most = ray->camera ? view->steps : (view->steps + OF_SURFACES - 1) / OF_SURFACES;
+  const int least = most < STEPS_MIN ? most : STEPS_MIN;
+  out.steps = fmin(most, fmax(least, ceil(most * out.steps)));
   return out;
 }
 
@@ -154,19 +191,6 @@ static void step_of(const spacing *s, const pl_volume_part *part, int i, int ste
   *middle = fmin(ends[1], fmax(ends[0], s->middle + along));
 }
 
-/* Short ways through a volume take fewer steps. */
-static int steps_of(const pl_volume_view *view, const pl_volume_part *part) {
-  double way = INFINITY;
-  for (size_t i = 0; i < part->count; i++)
-    if (part->items[i]->columns != NULL)
-      way = part->items[i]->shot->volume->core_m > 0.0
-                ? 0.0
-                : fmin(way, 2.0 * part->items[i]->shot->radius_m);
-  const double steps = way > 0.0 ? ceil(view->steps * (part->end - part->start) / way) : INFINITY;
-  const int least = view->steps < STEPS_MIN ? view->steps : STEPS_MIN;
-  return (int)fmin(view->steps, fmax(least, steps));
-}
-
 void pl_volume_march(const pl_volume_view *view, const pl_volume_ray *ray,
                      const pl_volume_part *part, pl_volume_stretch *sum) {
   bool even = true;
@@ -176,8 +200,8 @@ void pl_volume_march(const pl_volume_view *view, const pl_volume_ray *ray,
     march_even(view, ray, part, sum);
     return;
   }
-  const spacing s = spacing_of(ray, part);
-  const int steps = steps_of(view, part);
+  const spacing s = spacing_of(view, ray, part);
+  const int steps = (int)s.steps;
   for (int i = 0; i < steps && pl_vec3f_max(sum->passed) > DARK; i++) {
     double ends[2], middle;
     step_of(&s, part, i, steps, ends, &middle);

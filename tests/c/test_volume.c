@@ -54,8 +54,11 @@ static pl_vec3f even_sun(const void *context, pl_vec3 point, const pl_sun_view *
 }
 
 static pl_volume_ray ray_of(pl_vec3 origin, pl_vec3 direction) {
-  return (pl_volume_ray){
-      .origin = origin, .direction = pl_vec3_unit(direction), .t_max = INFINITY, .sun = even_sun};
+  return (pl_volume_ray){.origin = origin,
+                         .direction = pl_vec3_unit(direction),
+                         .t_max = INFINITY,
+                         .camera = true,
+                         .sun = even_sun};
 }
 
 static void near(double found, double expected, double relative) {
