@@ -127,6 +127,15 @@ static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b,
   return false;
 }
 
+/* Veils may be thinner than a pixel, as an outline's slivers are. */
+static bool has_thin_veil(const pl_path_context *context, uint32_t pixel) {
+  const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
+  const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+  const pl_beam beam = {.direction = pl_snapshot_ray(context->shot, x, y),
+                        .spread = (float)context->pixel_rad};
+  return context->veils && pl_veils_thin(context->settings->veils, context->shot, &beam);
+}
+
 void pl_path_drop_single(pl_tile_buffers *b) {
   size_t kept = b->active_meshes; /* they cover what is behind */
   for (size_t i = kept; i < b->active_count; i++)
@@ -144,7 +153,8 @@ void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
     const int n = b->counts[pixel];
     const bool early = n < (i < b->active_meshes ? MESH_MIN : BODY_MIN) ||
                        (n < OUTLINE_MIN && on_outline(context, b, pixel));
-    if (early || !is_finished(context->settings, &moments, pixel, (float)n))
+    if (early || !is_finished(context->settings, &moments, pixel, (float)n) ||
+        (n < context->settings->samples && has_thin_veil(context, pixel)))
       b->active[kept++] = pixel;
     if (i + 1 == b->active_meshes)
       meshes = kept;

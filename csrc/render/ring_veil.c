@@ -106,6 +106,23 @@ static void cross(const pl_veils *veils, const void *own, const pl_snapshot *sho
       cross_item(&list->items[i], veils, shot, ray, out);
 }
 
+/* Opacities that differ by more are seen. */
+static const double ALIKE = 0.01;
+
+/* Sharp edges and lines are where the middle of a pixel is not as the whole. */
+static bool thin(const void *own, const pl_snapshot *shot, const pl_beam *pixel) {
+  const ring_list *list = own;
+  for (size_t i = 0; i < list->count; i++) {
+    pl_rings_ray ray = ray_of(&shot->bodies[list->items[i].body], pixel->origin, pixel->direction);
+    ray.end_m = INFINITY;
+    const double middle = pl_rings_passed(list->items[i].rings, &ray);
+    ray.spread = (double)pixel->spread;
+    if (fabs(pl_rings_passed(list->items[i].rings, &ray) - middle) > ALIKE)
+      return true;
+  }
+  return false;
+}
+
 /* An even strip so wide has the spread of an even disc of radius 1, about any line across it. */
 static const double STRIP = 1.7320508075688772;
 
@@ -132,4 +149,5 @@ const pl_veil_kind pl_veil_rings = {
     .in_cone = in_cone,
     .cross = cross,
     .toward_sun = toward_sun,
+    .thin = thin,
 };

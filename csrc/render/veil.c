@@ -50,6 +50,14 @@ bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 ax
   return false;
 }
 
+bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel) {
+  for (size_t k = 0; k < pl_veil_kind_count; k++)
+    if (veils->own[k] != NULL && pl_veil_kinds[k]->thin != NULL &&
+        pl_veil_kinds[k]->thin(veils->own[k], shot, pixel))
+      return true;
+  return false;
+}
+
 bool pl_veil_ray_sees(const pl_veils *veils, const pl_veil_ray *ray, const pl_snapshot *shot,
                       uint32_t body) {
   if (!ray->camera)

@@ -59,6 +59,9 @@ typedef struct pl_veil_kind {
    * footprint `width_m` wide about the point. */
   pl_vec3f (*toward_sun)(const pl_veils *veils, const void *own, const pl_snapshot *shot,
                          pl_vec3 point, const pl_sun_view *sun, float width_m);
+  /* Whether a few samples of a pixel may miss what its whole beam from the camera sees. May be
+   * NULL: never. */
+  bool (*thin)(const void *own, const pl_snapshot *shot, const pl_beam *pixel);
 } pl_veil_kind;
 /* The table. */
 extern const pl_veil_kind *const pl_veil_kinds[];
@@ -71,6 +74,8 @@ pl_status pl_veils_build(const pl_snapshot *shot, const int *values, const struc
 /* Whether any may be in a cone of rays from the camera; `veils` may be NULL. */
 bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
                       double half_angle);
+/* Whether few samples may miss veils that the beam of a pixel sees. */
+bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel);
 /* Whether a ray sees what a body carries: a dot's veils are in its own picture alone. */
 bool pl_veil_ray_sees(const pl_veils *veils, const pl_veil_ray *ray, const pl_snapshot *shot,
                       uint32_t body);

@@ -15,8 +15,12 @@ F64 = NDArray[np.float64]
 AU_M, SOLAR, SUN_M = 149597870700.0, 1361.0, 695700e3
 
 
-def scene(airs: Sequence[_core.Air | None], path: str | None = None) -> _core.Scene:
-    """A body for each air."""
+def scene(
+    airs: Sequence[_core.Air | None],
+    path: str | None = None,
+    rings: Sequence[_core.Rings | None] = (),
+) -> _core.Scene:
+    """A body for each air; rings are of the first bodies."""
     world = _core.Scene(1)
     for index, air in enumerate(airs):
         world.add_body(
@@ -29,6 +33,7 @@ def scene(airs: Sequence[_core.Air | None], path: str | None = None) -> _core.Sc
             class_ids=np.array([index + 1], dtype=np.uint16),
             regolith_map=None,
             air=air,
+            rings=rings[index] if index < len(rings) else None,
         )
     return world
 
