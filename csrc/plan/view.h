@@ -30,7 +30,7 @@ typedef struct pl_view_thing {
   double albedo_max;       /* upper bound of the reflectance in any band, 0..1 */
   double ggx_alpha_min;    /* smallest GGX alpha of its materials; 1 when nothing is glossy */
   double irradiance;       /* of the unshadowed sun at its nearest point, W m-2 per band */
-  double emission_max;     /* W m-2 sr-1 */
+  double emission_max;     /* W m-2 sr-1; with the lights of the night */
   double coat_max;         /* heaviest clear coat, 0..1 */
   double transmission_max; /* largest part of the light that passes a surface, 0..1 */
   /* Of a body's map: as pl_texture_ranges, and the fewest texels a metre; NULL without one. */
@@ -41,6 +41,9 @@ typedef struct pl_view_thing {
   bool pictured;            /* of a mesh or graph: has textures that are not of one colour */
   bool bumped;              /* has normals that are bent */
   bool diffuse;             /* Lambert alone: radiance is the colour's times what it receives */
+  bool relief;              /* of a body: its normals are bent by a map */
+  bool ocean;               /* of a body: it has open water */
+  double lights_max;        /* of a body: of its lights of the night, W m-2 sr-1 */
   const struct pl_air *air; /* borrowed, for the rows in air/ alone; NULL: none */
   bool air_in_frame;        /* a sphere that holds it touches the frustum */
   const struct pl_clouds *clouds; /* borrowed, for the row in shade/ alone; NULL: none */

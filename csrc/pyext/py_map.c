@@ -1,6 +1,7 @@
 /* The type Map: a filtered image texture. */
 #include "pyext/py_types.h"
 
+#include "geom/image_levels.h"
 #include "geom/texture.h"
 #include "io/image_file.h"
 
@@ -23,11 +24,25 @@ const pl_texture *pl_py_map_of(PyObject *object) {
   return ((map_object *)object)->texture;
 }
 
-static pl_status load(const char *path, bool srgb, pl_wrap wrap_u, pl_wrap wrap_v,
-                      pl_texture **out) {
+/* What a map is read as, and what is done to its texels before. */
+typedef struct map_options {
+  int srgb, water;
+  float black;
+  pl_wrap wrap_u, wrap_v;
+} map_options;
+
+static pl_status load(const char *path, const map_options *options, pl_texture **out) {
   pl_image image;
   PL_TRY(pl_image_load(path, &image));
-  return pl_texture_create(&image, srgb, wrap_u, wrap_v, out);
+  if (options->black > 0.0f)
+    pl_image_raise_black(&image, options->black);
+  const pl_status status = options->water ? pl_image_to_water(&image) : PL_OK;
+  if (status != PL_OK) {
+    pl_image_clear(&image);
+    return status;
+  }
+  return pl_texture_create(&image, options->srgb && !options->water, options->wrap_u,
+                           options->wrap_v, out);
 }
 
 /* For PyArg_Parse: a wrap mode by its name. */
@@ -44,13 +59,18 @@ static int convert_wrap(PyObject *object, void *out) {
 }
 
 static PyObject *map_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"path", "srgb", "wrap_u", "wrap_v", NULL};
+  static char *names[] = {"path", "srgb", "wrap_u", "wrap_v", "black", "water", NULL};
   PyObject *bytes = NULL;
-  int srgb = 1;
-  pl_wrap wrap_u = PL_WRAP_REPEAT, wrap_v = PL_WRAP_CLAMP;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&|pO&O&:Map", names, PyUnicode_FSConverter,
-                                   &bytes, &srgb, convert_wrap, &wrap_u, convert_wrap, &wrap_v))
+  map_options options = {.srgb = 1, .wrap_u = PL_WRAP_REPEAT, .wrap_v = PL_WRAP_CLAMP};
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&|pO&O&fp:Map", names, PyUnicode_FSConverter,
+                                   &bytes, &options.srgb, convert_wrap, &options.wrap_u,
+                                   convert_wrap, &options.wrap_v, &options.black, &options.water))
     return NULL;
+  if (!(options.black >= 0.0f && options.black < 1.0f)) {
+    PyErr_SetString(PyExc_ValueError, "black must be at least 0 and below 1");
+    Py_DECREF(bytes);
+    return NULL;
+  }
   map_object *self = (map_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
   if (self == NULL) {
     Py_DECREF(bytes);
@@ -58,7 +78,7 @@ static PyObject *map_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
   }
   pl_status status;
   const char *path = PyBytes_AsString(bytes);
-  Py_BEGIN_ALLOW_THREADS status = load(path, srgb != 0, wrap_u, wrap_v, &self->texture);
+  Py_BEGIN_ALLOW_THREADS status = load(path, &options, &self->texture);
   Py_END_ALLOW_THREADS Py_DECREF(bytes);
   if (status != PL_OK) {
     Py_DECREF(self);
@@ -131,7 +151,8 @@ static PyGetSetDef map_getset[] = {
 };
 
 static PyType_Slot map_slots[] = {
-    {Py_tp_doc, "Map(path, srgb=True, wrap_u='repeat', wrap_v='clamp')\n--\n\nA filtered image "
+    {Py_tp_doc, "Map(path, srgb=True, wrap_u='repeat', wrap_v='clamp', black=0.0, "
+                "water=False)\n--\n\nA filtered image "
                 "texture; PNG, JPEG or WebP."},
     {Py_tp_new, (void *)map_new},
     {Py_tp_dealloc, (void *)map_dealloc},

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "frame/effects.h"
 #include "pyext/py_camera.h"
+#include "pyext/py_ground.h"
 #include "pyext/py_sky.h"
 #include "pyext/py_types.h"
 
@@ -303,6 +304,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
       parse_regolith(request, scene->body_count, states->bodies) < 0 ||
       pl_py_clouds_parse(request, scene->body_count, states->bodies) < 0 ||
+      pl_py_ground_states(request, scene->body_count, states->bodies) < 0 ||
       parse_parameters(request, scene, states) < 0 || parse_sun(request, &out->placement.sun) < 0 ||
       pl_py_motion_parse(request, scene, states, &out->placement) < 0 ||
       parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0 ||

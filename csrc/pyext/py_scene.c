@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "pyext/py_ground.h"
 
 typedef struct scene_object {
   PyObject_HEAD pl_scene scene;
@@ -74,20 +75,29 @@ static const pl_reflectance *find_reflectance(const char *name) {
 }
 
 static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",        "map",          "map_center_lon_rad",
-                          "reflectance", "instance_id",  "part_id",
-                          "class_ids",   "regolith_map", "air",
-                          "shape",       "rings",        "cloud_map",
+  static char *names[] = {"name",
+                          "map",
+                          "map_center_lon_rad",
+                          "reflectance",
+                          "instance_id",
+                          "part_id",
+                          "class_ids",
+                          "regolith_map",
+                          "air",
+                          "shape",
+                          "rings",
+                          "cloud_map",
+                          "ground",
                           NULL};
   scene_object *self = (scene_object *)object;
   PyObject *map, *classes, *regolith, *air, *shape = Py_None, *rings = Py_None;
-  PyObject *cloud_map = Py_None;
+  PyObject *cloud_map = Py_None, *ground = Py_None;
   const char *name, *reflectance;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOO:add_body", names, &name, &map,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOO:add_body", names, &name, &map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
                                    &body.part_id, &classes, &regolith, &air, &shape, &rings,
-                                   &cloud_map) ||
+                                   &cloud_map, &ground) ||
       check_open(self) < 0)
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
@@ -99,7 +109,8 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
       (air != Py_None && (body.air = pl_py_air_of(air)) == NULL) ||
       (shape != Py_None && (body.shape = pl_py_model_of(shape)) == NULL) ||
       (rings != Py_None && (body.rings = pl_py_rings_of(rings)) == NULL) ||
-      (cloud_map != Py_None && (body.cloud_map = pl_py_map_of(cloud_map)) == NULL))
+      (cloud_map != Py_None && (body.cloud_map = pl_py_map_of(cloud_map)) == NULL) ||
+      pl_py_ground_parse(ground, self->kept, &body.ground) < 0)
     return NULL;
   const npy_intp levels[1] = {self->scene.levels};
   PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, levels);

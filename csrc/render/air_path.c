@@ -209,6 +209,9 @@ static pl_vec3f skylight_at(const pl_air_view *view, const pl_air_item *item,
 }
 
 static pl_vec3f reflect_sky(const pl_surface *s, pl_vec3f wo, pl_vec3f irradiance) {
+  if (s->reflectance->under_sky != NULL)
+    return pl_vec3f_scale(pl_vec3f_mul(s->reflectance->under_sky(s, wo), irradiance),
+                          1.0f / PL_PI_F);
   const float across = sqrtf(0.5f * (1.0f - SKY_COSINE * SKY_COSINE));
   const pl_vec3f wi = {across, across, SKY_COSINE};
   const pl_vec3f sent = s->reflectance->evaluate(s, wo, wi); /* with the cosine */

@@ -1,48 +1,42 @@
 /* Maps are read where the ray meets the body, over the ray's footprint; positions in double. */
 #include "render/body_surface.h"
 
+#include "render/ground.h"
 #include "render/regolith.h"
 #include "scene/shot_frame.h"
 #include "shade/body_map.h"
 #include "shade/reflectance.h"
 
-/* A point of a body and the footprint about it, body axes, m. */
-typedef struct body_footprint {
-  pl_vec3 point, across, along;
-} body_footprint;
-
-static void find_footprint(const pl_shot_body *body, const pl_vertex *vertex, const pl_beam *beam,
-                           body_footprint *out) {
+static pl_body_place place_of(const pl_shot_body *body, const pl_vertex *vertex,
+                              const pl_beam *beam) {
   pl_vec3f across, along;
-  out->point = pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center));
   pl_vertex_footprint(vertex, beam, &across, &along);
-  out->across = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(across));
-  out->along = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(along));
+  return (pl_body_place){
+      .point = pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center)),
+      .across = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(across)),
+      .along = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(along)),
+      .center_lon_rad = body->body->map_center_lon_rad,
+  };
 }
 
-static void body_color(const pl_shot_body *body, const pl_vertex *vertex, const pl_beam *beam,
-                       pl_detail detail, float out[4]) {
+static void body_color(const pl_shot_body *body, const pl_body_place *place, pl_detail detail,
+                       float out[4]) {
   out[0] = out[1] = out[2] = out[3] = 1.0f;
   if (body->body->map == NULL)
     return;
-  if (!detail.maps) {
+  if (detail.maps)
+    pl_body_map_sample(body->body->map, place, detail.filter, out);
+  else
     pl_texture_mean(body->body->map, out);
-    return;
-  }
-  body_footprint print;
-  find_footprint(body, vertex, beam, &print);
-  const pl_body_place place = {print.point, print.across, print.along,
-                               body->body->map_center_lon_rad};
-  pl_body_map_sample(body->body->map, &place, detail.filter, out);
 }
 
 /* The body's own surface, but for its frame. */
-static void own_surface(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
-                        pl_vertex *vertex) {
+static void own_surface(const pl_shot_body *body, const pl_beam *beam, const pl_body_place *place,
+                        pl_detail detail, pl_vertex *vertex) {
   const pl_body_state *state = body->state;
   pl_surface *surface = &vertex->surface;
   float map[4];
-  body_color(body, vertex, beam, detail, map);
+  body_color(body, place, detail, map);
   surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
                                  pl_minf(map[1] * state->albedo[1], 1.0f),
                                  pl_minf(map[2] * state->albedo[2], 1.0f));
@@ -65,17 +59,16 @@ static pl_vec3f normal_at(const pl_shot_body *body, const pl_vertex *vertex) {
 static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
                              pl_vertex *vertex) {
   const pl_graph *graph = body->body->graph;
-  body_footprint print;
-  find_footprint(body, vertex, beam, &print);
-  const pl_vec3 east = {-print.point.y, print.point.x, 0.0};
+  const pl_body_place place = place_of(body, vertex, beam);
+  const pl_vec3 east = {-place.point.y, place.point.x, 0.0};
   pl_surface_set_frame(&vertex->surface, normal_at(body, vertex),
                        pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, pl_vec3_unit(east))), 1.0f);
   if (pl_graph_wraps(graph))
-    own_surface(body, beam, detail, vertex);
+    own_surface(body, beam, &place, detail, vertex);
   pl_surface *s = &vertex->surface;
-  const double area = pl_vec3_norm(pl_vec3_cross(print.across, print.along));
+  const double area = pl_vec3_norm(pl_vec3_cross(place.across, place.along));
   const pl_graph_point point = {
-      .object = pl_vec3_to_float(print.point),
+      .object = pl_vec3_to_float(place.point),
       .world = pl_vec3_to_float(pl_vec3_sub(vertex->position, body->center)),
       .t = s->t,
       .b = s->b,
@@ -88,9 +81,9 @@ static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_d
       .random = body->body->random,
       .scale = 1.0f,
       .body = &body->rotation,
-      .place = print.point,
-      .across = print.across,
-      .along = print.along,
+      .place = place.point,
+      .across = place.across,
+      .along = place.along,
       .map_center_lon_rad = body->body->map_center_lon_rad,
       .body_map = body->body->map,
       .body_albedo = body->state->albedo,
@@ -99,13 +92,27 @@ static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_d
   pl_graph_surface(graph, &point, body->state->parameters, s);
 }
 
-void pl_body_surface_shade(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
-                           pl_vertex *vertex) {
+static bool has_ground(const pl_ground *ground) {
+  return ground->ocean || ground->lights != NULL || pl_ground_has_relief(ground);
+}
+
+void pl_body_surface_shade(const pl_snapshot *shot, const pl_shot_body *body, const pl_beam *beam,
+                           pl_detail detail, pl_vertex *vertex) {
   if (body->body->graph != NULL) {
     shade_body_graph(body, beam, detail, vertex);
     return;
   }
+  const bool ground = has_ground(&body->body->ground);
+  pl_body_place place = {0};
+  if (detail.maps && (ground || body->body->map != NULL))
+    place = place_of(body, vertex, beam);
   pl_surface_set_frame(&vertex->surface, normal_at(body, vertex), (pl_vec3f){0.0f, 0.0f, 0.0f},
                        1.0f);
-  own_surface(body, beam, detail, vertex);
+  own_surface(body, beam, &place, detail, vertex);
+  if (!ground)
+    return;
+  pl_ground_bend(body, &place, detail, &vertex->surface);
+  pl_ground_flood(body, &place, detail, &vertex->surface);
+  if (detail.lights && body->body->ground.lights != NULL)
+    pl_ground_light(body, &shot->sun, &place, detail, vertex);
 }

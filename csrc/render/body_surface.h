@@ -1,4 +1,4 @@
-/* The surface of a body: its maps, its photometry and its graph. */
+/* The surface of a body: its maps, its photometry, its ground and its graph. */
 #ifndef PL_RENDER_BODY_SURFACE_H
 #define PL_RENDER_BODY_SURFACE_H
 
@@ -6,7 +6,7 @@
 
 /* Fills the surface of a located vertex of `body`, its frame included, before it is turned to the
  * viewer's side. */
-void pl_body_surface_shade(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
-                           pl_vertex *vertex);
+void pl_body_surface_shade(const pl_snapshot *shot, const pl_shot_body *body, const pl_beam *beam,
+                           pl_detail detail, pl_vertex *vertex);
 
 #endif

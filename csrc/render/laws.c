@@ -233,7 +233,7 @@ pl_status pl_laws_build(pl_snapshot *shot, pl_arena *arena, pl_view *view) {
   pl_view_thing *things = NULL;
   for (size_t i = 0; i < shot->body_count; i++) {
     pl_shot_body *body = &shot->bodies[i];
-    if (!body->in_frame || body->body->graph != NULL ||
+    if (!body->in_frame || body->body->graph != NULL || pl_ground_has_relief(&body->body->ground) ||
         body->body->reflectance != &pl_reflectance_hapke)
       continue;
     if (things == NULL && (things = pl_arena_alloc(arena, view->thing_count, sizeof *things)))

@@ -5,7 +5,7 @@
 #include "light/sun.h"
 #include "render/laws.h"
 #include "render/path.h"
-#include "shade/reflectance.h"
+#include "shade/water.h"
 
 /* The whole disc clears the horizon when the sun is higher than its radius; the rest allows for
  * the change of the normal across a pixel. */
@@ -76,11 +76,26 @@ static bool is_calm(const pl_body *body, pl_vec3f toward, const pl_sun_view *sun
 /* What the shaded body sends on of the sun's light, W m-2 sr-1. */
 static pl_vec3f reflected(const pl_surface *s, pl_vec3f toward, const pl_sun_view *sun,
                           float height) {
-  if (!s->reflectance->photometric)
+  if (s->reflectance == &pl_reflectance_lambert)
     return pl_vec3f_scale(s->color, (height > 0.0f ? height * sun->irradiance : 0.0f) / PL_PI_F);
+  if (!(height > 0.0f))
+    return (pl_vec3f){0.0f, 0.0f, 0.0f};
   const pl_vec3f wo = pl_surface_to_local(s, pl_vec3f_scale(toward, -1.0f));
   const pl_vec3f wi = pl_surface_to_local(s, sun->direction);
   return pl_vec3f_scale(s->reflectance->evaluate(s, wo, wi), sun->irradiance);
+}
+
+/* Relief and water change within a pixel. The slopes that it hides turn none of it away from a sun
+ * that is so high over them; and over waves of at least the calm sea's slopes the disc of a small
+ * sun counts as its centre: by rho^2/(2 alpha^2), 4e-3 of the glint for the sun at 1 AU. */
+static const float HEIGHT_OVER_RELIEF = 0.3f, WAVES_MIN = 0.05f;
+static bool is_even(const pl_surface *s, const pl_sun_view *sun, float height) {
+  if (s->reflectance == &pl_reflectance_water &&
+      !(s->alpha > WAVES_MIN && sun->sin_radius < 0.1f * s->alpha))
+    return false;
+  const bool bent = pl_vec3f_dot(s->n, s->ng) < 1.0f - 1e-6f;
+  return !bent || height < 0.0f ||
+         (height > HEIGHT_OVER_RELIEF && pl_vec3f_dot(sun->direction, s->n) > HEIGHT_OVER_RELIEF);
 }
 
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
@@ -117,7 +132,10 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   };
   pl_vertex_shade(shot, &beam, settings->detail, &vertex);
   pl_laws_apply(shot, settings, &vertex);
-  b->settled[pixel] = reflected(&vertex.surface, toward, &sun, height);
+  if (!is_even(&vertex.surface, &sun, height))
+    return false;
+  const float over = height > 0.0f ? pl_vec3f_dot(sun.direction, vertex.surface.n) : height;
+  b->settled[pixel] = reflected(&vertex.surface, toward, &sun, over);
   if (settings->veils != NULL)
     b->settled[pixel] =
         pl_vec3f_mul(b->settled[pixel], pl_veils_toward_sun(settings->veils, shot, vertex.position,

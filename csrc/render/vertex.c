@@ -225,10 +225,11 @@ void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail det
   if (vertex->thing < shot->craft_count)
     shade_mesh(&shot->objects[vertex->thing], beam, detail, vertex);
   else if (on_shape(shot, vertex->thing))
-    pl_body_surface_shade(&shot->bodies[shot->objects[vertex->thing].object->body], beam, detail,
-                          vertex);
+    pl_body_surface_shade(shot, &shot->bodies[shot->objects[vertex->thing].object->body], beam,
+                          detail, vertex);
   else
-    pl_body_surface_shade(&shot->bodies[vertex->thing - shot->object_count], beam, detail, vertex);
+    pl_body_surface_shade(shot, &shot->bodies[vertex->thing - shot->object_count], beam, detail,
+                          vertex);
   face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
   if (on_shape(shot, vertex->thing)) /* what the lifted rays leave, see below */
     vertex->surface.ng = pl_shot_normal(&shot->objects[vertex->thing], vertex->triangle, vertex->w,

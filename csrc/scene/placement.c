@@ -95,6 +95,21 @@ static pl_status check_parameters(const char *what, const char *name, size_t cou
   return PL_OK;
 }
 
+static pl_status check_ground(const char *name, const pl_ground_state *ground) {
+  bool valid = fabsf(ground->height_m) <= 1e9f && fabsf(ground->steepness) <= 1e3f &&
+               ground->wind_m_s >= 0.0f && ground->wind_m_s <= 1e3f;
+  for (int k = 0; k < 3; k++)
+    valid = valid && ground->lights[k] >= 0.0f && ground->lights[k] <= (float)RADIOMETRY_MAX &&
+            (isnan(ground->water[k]) || (ground->water[k] >= 0.0f && ground->water[k] <= 1.0f));
+  if (!valid)
+    return pl_fail(
+        PL_E_RANGE,
+        "body '%s': relief must be at most 1e9 m and 1e3 times as steep as its map, wind "
+        "0..1e3 m/s, the albedo of water 0..1, lights 0..%g W m-2 sr-1",
+        name, RADIOMETRY_MAX);
+  return PL_OK;
+}
+
 static pl_status check_body(const pl_body *body, const pl_body_state *state) {
   PL_TRY(check_motion("body", body->name, &state->motion));
   const pl_vec3 r = state->radii_m;
@@ -106,6 +121,7 @@ static pl_status check_body(const pl_body *body, const pl_body_state *state) {
         !(state->emission[k] >= 0.0f && state->emission[k] <= (float)RADIOMETRY_MAX))
       return pl_fail(PL_E_RANGE, "body '%s': albedo must be 0..10, emission 0..%g", body->name,
                      RADIOMETRY_MAX);
+  PL_TRY(check_ground(body->name, &state->ground));
   const pl_regolith *regolith = &state->regolith;
   bool valid = regolith->limb >= -1.0f && regolith->limb <= 1.0f;
   for (int k = 0; k < 3; k++)

@@ -17,6 +17,7 @@
 #include "scene/materials.h"
 #include "scene/volume.h"
 #include "shade/clouds.h"
+#include "shade/ground.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
@@ -64,6 +65,7 @@ typedef struct pl_body {
   const pl_air *air;                 /* borrowed, NULL for none */
   const pl_texture *cloud_map;       /* borrowed, NULL for none: cover of its clouds */
   const pl_rings *rings;             /* borrowed, NULL for none: in the plane of x and y */
+  pl_ground ground;                  /* of a body without a graph; open water on Lambert's law */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
   const pl_graph *graph; /* borrowed: instead of, or around, the above surface; NULL for none */
@@ -153,6 +155,7 @@ typedef struct pl_body_state {
   const pl_value *parameters; /* of the body's graph */
   pl_clouds clouds;           /* none by default */
   pl_regolith regolith;       /* for photometric rows; what is NAN is the map's, or 0 without one */
+  pl_ground_state ground;
 } pl_body_state;
 
 typedef struct pl_sun {

@@ -2,6 +2,7 @@
 #include "scene/snapshot.h"
 
 #include "scene/volumes.h"
+#include "shade/water.h"
 
 double pl_shot_irradiance_max(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
@@ -103,6 +104,35 @@ static void add_rings(const pl_snapshot *shot, const pl_shot_body *body, pl_view
       reach.scattered * pl_shot_irradiance_max(shot, body->center, thing->rings_radius_m);
 }
 
+static bool varies(const pl_texture *map) {
+  int levels;
+  return map != NULL && pl_texture_ranges(map, &levels)[0] > 0.0f;
+}
+
+/* Open water mirrors up to everything at grazing angles; how much at most in one direction follows
+ * from its waves as from microfacets (tests/c/test_water.c). */
+static void add_ground(const pl_ground *ground, const pl_ground_state *state,
+                       pl_view_thing *thing) {
+  const pl_texture *maps[] = {ground->heights, ground->normals,
+                              ground->ocean ? ground->water : NULL, ground->lights};
+  for (size_t i = 0; i < sizeof maps / sizeof *maps; i++) {
+    thing->textured = thing->textured || maps[i] != NULL;
+    thing->pictured = thing->pictured || varies(maps[i]);
+  }
+  thing->relief = pl_ground_has_relief(ground);
+  thing->ocean = ground->ocean;
+  if (ground->ocean) {
+    thing->diffuse = false;
+    thing->albedo_max = 1.0;
+    thing->ggx_alpha_min = (double)pl_water_bound_alpha(state->wind_m_s);
+  }
+  if (ground->lights == NULL)
+    return;
+  const float *lights = state->lights;
+  thing->lights_max = fmax(lights[0], fmax(lights[1], lights[2]));
+  thing->emission_max += thing->lights_max;
+}
+
 static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *body) {
   const pl_body_state *state = body->state;
   const bool diffuse = body->body->reflectance == &pl_reflectance_lambert;
@@ -129,6 +159,8 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
   }
   if (body->body->graph != NULL)
     add_graph(body->body, &thing);
+  else
+    add_ground(&body->body->ground, &state->ground, &thing);
   for (int k = 0; thing.clouds != NULL && k < 3; k++) /* they may be brighter than the ground */
     thing.albedo_max = fmax(thing.albedo_max, (double)state->clouds.color[k]);
   if (body->body->rings != NULL)

@@ -4,7 +4,7 @@
 /* A footprint over more of a turn of longitude than this is read in parts: about the poles a map's
  * rows are no straight lines. */
 static const float POLAR_TURN = 0.125f;
-enum { PARTS = 4, TAPS = 16 };
+enum { PARTS = 4, TAPS = 16 }; /* along a side; PL_BODY_MAP_PARTS in all */
 
 /* Shortens a part's extent along a row to what taps cover without a coarser level, which would mix
  * rows that the footprint does not touch. The other parts lie elsewhere around the pole. */
@@ -20,21 +20,51 @@ static void shorten(const pl_texture *map, float a[2], float b[2]) {
   b[0] *= most / columns;
 }
 
-static void read_polar(const pl_texture *map, const pl_body_place *place, pl_filter filter,
-                       float out[4]) {
+static bool is_polar(const float a[2], const float b[2], pl_filter filter) {
+  return filter != PL_FILTER_NONE && fabsf(a[0]) + fabsf(b[0]) > POLAR_TURN;
+}
+
+static pl_body_place part_of(const pl_body_place *place, int i) {
+  const double s = i % PARTS + 0.5 - 0.5 * PARTS, t = (double)(i / PARTS) + 0.5 - 0.5 * PARTS;
   const double part = 1.0 / PARTS;
   const pl_vec3 across = pl_vec3_scale(place->across, part);
   const pl_vec3 along = pl_vec3_scale(place->along, part);
-  out[0] = out[1] = out[2] = out[3] = 0.0f;
-  for (int i = 0; i < PARTS * PARTS; i++) {
-    float uv[2], a[2], b[2], value[4];
-    const double s = i % PARTS + 0.5 - 0.5 * PARTS, t = (double)(i / PARTS) + 0.5 - 0.5 * PARTS;
-    const pl_vec3 point = pl_vec3_madd(pl_vec3_madd(place->point, s, across), t, along);
-    pl_body_map_uv(point, place->center_lon_rad, across, along, uv, a, b);
+  return (pl_body_place){pl_vec3_madd(pl_vec3_madd(place->point, s, across), t, along), across,
+                         along, place->center_lon_rad};
+}
+
+int pl_body_map_split(const pl_body_place *place, pl_filter filter,
+                      pl_body_place parts[PL_BODY_MAP_PARTS]) {
+  float a[2], b[2];
+  pl_body_map_step(place->point, place->across, a);
+  pl_body_map_step(place->point, place->along, b);
+  if (!is_polar(a, b, filter)) {
+    parts[0] = *place;
+    return 1;
+  }
+  for (int i = 0; i < PL_BODY_MAP_PARTS; i++)
+    parts[i] = part_of(place, i);
+  return PL_BODY_MAP_PARTS;
+}
+
+void pl_body_map_read(const pl_texture *map, const pl_body_place *part, bool of_many,
+                      pl_filter filter, float out[4]) {
+  float uv[2], a[2], b[2];
+  pl_body_map_uv(part->point, part->center_lon_rad, part->across, part->along, uv, a, b);
+  if (of_many)
     shorten(map, a, b);
-    pl_texture_sample(map, uv[0], uv[1], a, b, filter, value);
+  pl_texture_sample(map, uv[0], uv[1], a, b, filter, out);
+}
+
+static void read_polar(const pl_texture *map, const pl_body_place *place, pl_filter filter,
+                       float out[4]) {
+  out[0] = out[1] = out[2] = out[3] = 0.0f;
+  for (int i = 0; i < PL_BODY_MAP_PARTS; i++) {
+    float value[4];
+    const pl_body_place part = part_of(place, i);
+    pl_body_map_read(map, &part, true, filter, value);
     for (int c = 0; c < 4; c++)
-      out[c] += value[c] / (float)(PARTS * PARTS);
+      out[c] += value[c] / (float)PL_BODY_MAP_PARTS;
   }
 }
 
@@ -42,7 +72,7 @@ void pl_body_map_sample(const pl_texture *map, const pl_body_place *place, pl_fi
                         float out[4]) {
   float uv[2], a[2], b[2];
   pl_body_map_uv(place->point, place->center_lon_rad, place->across, place->along, uv, a, b);
-  if (filter != PL_FILTER_NONE && fabsf(a[0]) + fabsf(b[0]) > POLAR_TURN)
+  if (is_polar(a, b, filter))
     read_polar(map, place, filter, out);
   else
     pl_texture_sample(map, uv[0], uv[1], a, b, filter, out);

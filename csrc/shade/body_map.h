@@ -4,6 +4,7 @@
 #define PL_SHADE_BODY_MAP_H
 
 #include <math.h>
+#include <stdbool.h>
 
 #include "geom/ellipsoid.h"
 #include "geom/texture.h"
@@ -47,8 +48,16 @@ typedef struct pl_body_place {
   double center_lon_rad;
 } pl_body_place;
 
-/* Value of an equirectangular map there, as pl_texture_sample. Footprints on a pole are read in
- * sixteen parts of a quarter of the width. */
+/* The parts that a footprint is read in: itself, or on a pole sixteen of a quarter of the width
+ * (but with PL_FILTER_NONE). Returns their number. */
+enum { PL_BODY_MAP_PARTS = 16 };
+int pl_body_map_split(const pl_body_place *place, pl_filter filter,
+                      pl_body_place parts[PL_BODY_MAP_PARTS]);
+/* Value of a map over a part, the only one or one of many. */
+void pl_body_map_read(const pl_texture *map, const pl_body_place *part, bool of_many,
+                      pl_filter filter, float out[4]);
+
+/* Value of an equirectangular map there, as pl_texture_sample: the mean over the parts. */
 void pl_body_map_sample(const pl_texture *map, const pl_body_place *place, pl_filter filter,
                         float out[4]);
 

@@ -1,20 +1,24 @@
-/* The effect row `bump_detail`: normal maps and bumps. */
+/* The effect rows `bump_detail` and `relief`: normals that maps and bumps bend. */
 #include <math.h>
 
 #include "shade/effects.h"
 
-static const char *absent(const pl_view *view) {
+typedef bool (*bends_fn)(const pl_view_thing *thing);
+static bool is_bumped(const pl_view_thing *thing) { return thing->bumped; }
+static bool has_relief(const pl_view_thing *thing) { return thing->relief; }
+
+static bool any(const pl_view *view, bends_fn bends) {
   for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].bumped)
-      return NULL;
-  return "no normal in the scene is bent";
+    if (bends(&view->things[i]))
+      return true;
+  return false;
 }
 
 /* Through the light that bent normals send onto things[i]. */
-static double indirect(const pl_view *view, size_t i) {
+static double indirect(const pl_view *view, bends_fn bends, size_t i) {
   double radiance = 0.0;
   for (size_t k = 0; k < view->thing_count; k++)
-    if (k != i && view->things[k].bumped)
+    if (k != i && bends(&view->things[k]))
       radiance +=
           pl_view_transfer(&view->things[i], &view->things[k]) * pl_view_light(&view->things[k]);
   return radiance * pl_view_series(view, view->max_bounces);
@@ -31,13 +35,12 @@ static double own(const pl_view *view, size_t i) {
          pl_view_series(view, view->max_bounces + 1);
 }
 
-static double bound_dn(const pl_view *view, int value) {
+static double bound_dn(const pl_view *view, bends_fn bends) {
   double radiance = 0.0;
-  if (value > 0)
-    return 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].in_frame)
-      radiance = fmax(radiance, indirect(view, i) + (view->things[i].bumped ? own(view, i) : 0.0));
+      radiance =
+          fmax(radiance, indirect(view, bends, i) + (bends(&view->things[i]) ? own(view, i) : 0.0));
   return pl_view_dn(view, radiance);
 }
 
@@ -46,11 +49,36 @@ static double cost_ms(const pl_view *view, int value) {
   return 1e-4 * view->width * view->height * view->samples;
 }
 
+static const char *bump_absent(const pl_view *view) {
+  return any(view, is_bumped) ? NULL : "no normal in the scene is bent";
+}
+
+static double bump_bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : bound_dn(view, is_bumped);
+}
+
 const pl_effect pl_effect_bump_detail = {
     .name = "bump_detail",
     .doc = "Normals bent by normal maps and bumps; off: those of the mesh",
-    .absent = absent,
+    .absent = bump_absent,
     .ceiling = pl_effect_ceiling_one,
-    .bound_dn = bound_dn,
+    .bound_dn = bump_bound_dn,
+    .cost_ms = cost_ms,
+};
+
+static const char *relief_absent(const pl_view *view) {
+  return any(view, has_relief) ? NULL : "no body in the scene has relief";
+}
+
+static double relief_bound_dn(const pl_view *view, int value) {
+  return value > 0 ? 0.0 : bound_dn(view, has_relief);
+}
+
+const pl_effect pl_effect_relief = {
+    .name = "relief",
+    .doc = "Height and normal maps of bodies; off: they are smooth",
+    .absent = relief_absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = relief_bound_dn,
     .cost_ms = cost_ms,
 };

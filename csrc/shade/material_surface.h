@@ -12,9 +12,18 @@
 typedef struct pl_detail {
   bool maps;        /* otherwise each counts as its mean */
   bool bumps;       /* otherwise normal maps and bumps count as flat */
+  bool relief;      /* of bodies; otherwise they are smooth */
+  bool glint;       /* of open water; otherwise it is as ground is */
+  bool lights;      /* of the night on bodies; otherwise dark */
   pl_filter filter; /* of pictures */
 } pl_detail;
-#define PL_DETAIL_FULL ((pl_detail){.maps = true, .bumps = true, .filter = PL_FILTER_FINEST})
+#define PL_DETAIL_FULL                                                                             \
+  ((pl_detail){.maps = true,                                                                       \
+               .bumps = true,                                                                      \
+               .relief = true,                                                                     \
+               .glint = true,                                                                      \
+               .lights = true,                                                                     \
+               .filter = PL_FILTER_FINEST})
 
 /* A point of a triangle, in the axes of the view. */
 typedef struct pl_triangle_point {

@@ -40,6 +40,9 @@ struct pl_reflectance {
    * horizon. *weight = evaluate / pdf. */
   bool (*sample)(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
                  pl_vec3f *wi, pl_vec3f *weight, float *pdf);
+  /* What it sends to wo of light that comes evenly from above, over that light's pi times radiance:
+   * its albedo. NULL: light from the sky counts as coming from one direction. */
+  pl_vec3f (*under_sky)(const pl_surface *surface, pl_vec3f wo);
   /* What it reads beside colour, normal and emission, as sockets of its node in material graphs. */
   const pl_socket *inputs;
   size_t input_count;

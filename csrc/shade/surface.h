@@ -16,6 +16,7 @@ typedef struct pl_surface {
   pl_vec3f emission;                 /* W m-2 sr-1 */
   float metallic;                    /* 0..1 */
   float alpha;                       /* GGX alpha = roughness^2 */
+  float water;                       /* 0..1: part that is open water; read by its row alone */
   pl_lobes lobes;                    /* read by layered rows alone */
   pl_regolith regolith;              /* read by photometric rows alone */
   const pl_reflectance *reflectance; /* row of the table */

@@ -16,7 +16,8 @@ static const char *absent(const pl_view *view) {
  * map a dark one into a lamp. */
 static double own_radiance(const pl_view *view, const pl_view_thing *thing) {
   const double diffuse = thing->albedo_max * thing->irradiance / 3.14159265358979;
-  return thing->is_body && !thing->graphed ? diffuse : fmax(diffuse, view->white_radiance);
+  return thing->is_body && !thing->graphed && !thing->ocean ? diffuse + thing->lights_max
+                                                            : fmax(diffuse, view->white_radiance);
 }
 
 /* Elsewhere a map acts through the light that it reflects or emits onto what is in the frame. */

@@ -67,6 +67,7 @@ static double bound_dn(const pl_view *view, int value) {
     if (own > 0.0 && !(thing->is_body && thing->diffuse && !thing->graphed))
       return pl_view_dn(view, view->white_radiance);
     const double lit = thing->albedo_max * thing->irradiance / 3.14159265358979 +
+                       thing->lights_max +
                        pl_view_received(view, i) * pl_view_series(view, view->max_bounces);
     radiance = fmax(radiance, own * lit + indirect(view, i, value));
   }

@@ -133,10 +133,17 @@ class Stars:
 @final
 class Map:
     """A filtered image texture from a PNG, JPEG or WebP file; as it is by default the
-    equirectangular map of a body. Wrap modes: "repeat" | "clamp" | "mirror"."""
+    equirectangular map of a body. Wrap modes: "repeat" | "clamp" | "mirror". black: what is darker
+    (linear, 0..1) becomes 0, the rest is stretched. water: a mask of where its colours are blue."""
 
     def __new__(
-        cls, path: str, srgb: bool = True, wrap_u: str = "repeat", wrap_v: str = "clamp"
+        cls,
+        path: str,
+        srgb: bool = True,
+        wrap_u: str = "repeat",
+        wrap_v: str = "clamp",
+        black: float = 0.0,
+        water: bool = False,
     ) -> Self: ...
     @property
     def size(self) -> tuple[int, int]:
@@ -294,6 +301,14 @@ class Graph:
         """(n, 8): colour (3), metalness, GGX alpha, emission (3) of the surface at points (n, 3) in
         object axes, m, with footprints of this radius, m. parameters: (count, 4)."""
 
+class Ground(TypedDict, total=False):
+    heights: Map | None  # black to white: body_ground's height
+    normals: Map | None  # x east, y north, z up
+    south: bool  # green of the normals grows southwards
+    ocean: bool  # there is open water ...
+    water: Map | None  # ... of this part; None: everywhere
+    lights: Map | None  # of the night
+
 @final
 class Scene:
     """What does not change from frame to frame: models, maps, label ids."""
@@ -315,11 +330,13 @@ class Scene:
         shape: Model | None = None,
         rings: Rings | None = None,
         cloud_map: Map | None = None,
+        ground: Ground | None = None,
     ) -> int:
         """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
         (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians
         and filling factor of each band, for the photometric reflectances; its w counts where there
-        is no map. cloud_map: cover of the clouds that requests give it, about longitude 0; red."""
+        is no map. cloud_map: cover of the clouds that requests give it, about longitude 0; red.
+        ground: not of a body with a graph; water only with reflectance lambert."""
     def add_object(
         self,
         *,
@@ -410,6 +427,10 @@ class FrameRequest(TypedDict):
     # instead of 2002, 1 for the coherent surge's shape of 2012 instead of 2002.
     body_regolith: NotRequired[F64]
     body_clouds: NotRequired[Sequence[CloudSettings | None]]  # one a body; None: no clouds
+    # (bodies, 9), of the ground: height of white over black in m, factor on the slopes of normals,
+    # wind over the water in m/s, albedo of water (3; nan: the map's), radiance of the lights where
+    # their map is white (3) in W m-2 sr-1.
+    body_ground: NotRequired[F64]
     sun_position: F64  # (3,), m, root frame
     sun_radius: float  # m
     sun_irradiance: float  # W m-2 at 1 AU, in every colour band

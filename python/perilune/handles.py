@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, atmospheres, photometry, rings, shapes
+from perilune import _core, articulation, atmospheres, ground, photometry, rings, shapes
 from perilune.config.body import Body
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError
@@ -289,6 +289,7 @@ class Handles:
                 body.reflectance,
                 body.photometry.maps if body.photometry else (),
                 body.clouds.map if body.clouds else None,
+                ground.files(body),
             )
             for body in config.bodies.values()
         )
@@ -342,6 +343,7 @@ class Handles:
                 shape=meshes[name].model if name in meshes else None,
                 rings=self._rings(name, config),
                 cloud_map=self._cloud_map(name, body),
+                ground=ground.of_body(body, partial(self._map, name)),
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[

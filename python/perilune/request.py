@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, bands, clouds, photometry, rotations
+from perilune import _core, bands, clouds, ground, photometry, rotations
 from perilune.config import Config
 from perilune.config.references import MASKS, OBJECTS
 from perilune.config.schema import TextureFilter
@@ -75,6 +75,7 @@ def request_of(
         "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
         "body_regolith": photometry.regolith(config),
         "body_clouds": clouds.rows(config, scene.t_s + 0.5 * scene.window_s),
+        "body_ground": ground.numbers(config),
         "sun_position": scene.sun_position_m,
         "sun_radius": config.sun.radius_km * 1e3,
         "sun_irradiance": config.sun.irradiance_w_m2,

@@ -26,6 +26,9 @@ static const row_off rows[] = {
     {.name = "planetshine"},
     {.name = "regolith", .with = {"emitters", "body_bounces"}},
     {.name = "clouds"},
+    {.name = "relief"},
+    {.name = "glint"},
+    {.name = "night_lights"},
     {.name = "distortion"},
     {.name = "vignetting"},
     {.name = "lens_flare"},
@@ -83,9 +86,21 @@ static pl_sensor flight_sensor(void) {
                      .compression = {50, PL_CHROMA_420}};
 }
 
-/* A lamp and its ground before a moon with Hapke's soil, and a planet beside that shines on them.
- */
-static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp) {
+static pl_texture *speckle(void) {
+  pl_image image;
+  pl_texture *texture;
+  assert_int_equal(pl_image_init(16, 8, 1, &image), PL_OK);
+  for (int i = 0; i < 16 * 8; i++)
+    image.texels[i] = (uint8_t)(97 * i % 256);
+  assert_int_equal(pl_texture_create(&image, false, PL_WRAP_REPEAT, PL_WRAP_CLAMP, &texture),
+                   PL_OK);
+  return texture;
+}
+
+/* A lamp and its ground before a moon with Hapke's soil; a planet beside that shines on them, and a
+ * world with water and lights. */
+static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp,
+                      const pl_texture *map) {
   static const double bent[8] = {0.1, 0.02};
   stage_init(s, WIDTH, HEIGHT, 40.0);
   s->placement.sun = (pl_sun){.position_m = {0.05 * AU, 0.02 * AU, -0.08 * AU},
@@ -103,6 +118,11 @@ static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp) {
     s->bodies[moon].regolith.band[band] = soil;
   s->bodies[moon].clouds = overcast(0.5, 2.0f);
   s->bodies[moon].clouds.opacity = 0.2f;
+  const size_t sea = stage_add_body(s, (pl_vec3){0, 20.0, 60.0}, (pl_vec3){15.0, 15.0, 15.0}, 0.3f);
+  s->scene.bodies[sea].ground =
+      (pl_ground){.heights = map, .ocean = true, .water = map, .lights = map};
+  s->bodies[sea].ground =
+      (pl_ground_state){.height_m = 1.0f, .wind_m_s = 7.0f, .lights = {200.0f, 100.0f, 50.0f}};
 }
 
 /* The camera turns while rows are read, and focuses behind the lamp. */
@@ -154,7 +174,8 @@ static void test_rows_that_are_off(void **state) {
   pl_model *ground = square_create(3.0), *lamp = square_create(0.5);
   for (int k = 0; k < 3; k++)
     lamp->materials[0].emissive[k] = 200.0f;
-  set_scene(&s, ground, lamp);
+  pl_texture *map = speckle();
+  set_scene(&s, ground, lamp, map);
   const pl_sensor sensor = flight_sensor();
   assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
   for (int moving = 0; moving < 2; moving++) {
@@ -175,6 +196,7 @@ static void test_rows_that_are_off(void **state) {
   stage_clear(&s);
   pl_model_destroy(ground);
   pl_model_destroy(lamp);
+  pl_texture_destroy(map);
 }
 
 int main(void) {

@@ -336,6 +336,7 @@ def test_every_physical_key_has_its_unit():
         "g", "emission_w_m3_sr", "volume_steps",  # of volumes
         "coverage", "octaves", "roughness", "softness", "warp", "phase", "opacity",  # of clouds
         "color",
+        "normal_strength", "radiance_w_m2_sr", "black", "wind_m_s",  # of the ground
     }  # fmt: skip
     schema = cfg.Config.model_json_schema()
     found = 0

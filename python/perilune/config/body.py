@@ -10,6 +10,7 @@ from perilune.config.atmosphere import Atmosphere
 from perilune.config.attitude import BodyRotation
 from perilune.config.clouds import Clouds
 from perilune.config.errors import fail
+from perilune.config.ground import NightLights, Ocean, Relief
 from perilune.config.materials import DriverSection
 from perilune.config.orbit import Orbit
 from perilune.config.photometry import Photometry
@@ -43,6 +44,12 @@ class Body(Strict):
     lunar_lambert and minnaert, or the single-scattering albedo w of lommel_seeliger and hapke."""
     photometry: Photometry | None = None
     """Other parameters of a photometric reflectance."""
+    relief: Relief | None = None
+    """Mountains as normals; smooth without."""
+    ocean: Ocean | None = None
+    """Open water that mirrors the sun; only with reflectance: lambert."""
+    night_lights: NightLights | None = None
+    """Seen where the sun is down."""
     atmosphere: Atmosphere | None = None
     """Air about it; none without."""
     clouds: Clouds | None = None
@@ -91,6 +98,17 @@ class Body(Strict):
     def is_replaced(self) -> bool:
         """Whether a graph is all of its surface."""
         return self.material is not None and self.material_mode == "replace"
+
+    @model_validator(mode="after")
+    def _ground(self) -> Body:
+        for key in ("relief", "ocean", "night_lights"):
+            if getattr(self, key) is not None and self.material is not None:
+                fail(key, f"not for a body with a material; give it to '{self.material}'")
+        if self.ocean is not None and self.reflectance != "lambert":
+            fail("ocean", f"only with reflectance: lambert, not {self.reflectance}")
+        if self.ocean is not None and self.ocean.map is None and self.color_map is None:
+            fail("ocean.map", "required without a color_map, whose blue would be the water")
+        return self
 
     @model_validator(mode="after")
     def _mode_of_material(self) -> Body:

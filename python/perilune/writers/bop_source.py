@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import perilune
-from perilune import _core, rotations
+from perilune import _core, ground, rotations
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Symmetries
@@ -148,6 +148,9 @@ def _files(sim: Simulation) -> dict[str, str]:
         if body.clouds is not None and body.clouds.map is not None:
             key = f"bodies.{name}.clouds.map"
             files[key] = _file_sha256(sim, body.clouds.map, key)
+        for part, path in ground.maps(body).items():
+            key = f"bodies.{name}.{part}"
+            files[key] = _file_sha256(sim, path, key)
     for driver in sim.document.drivers:
         if driver.path[0] == "bodies" and driver.path[-1] == "color_map":
             for k, text in enumerate(filter(None, driver.distribution.limits)):

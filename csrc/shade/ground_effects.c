@@ -1,0 +1,86 @@
+/* The effect rows `glint` and `night_lights`: open water and lights of the night on bodies. */
+#include <math.h>
+
+#include "shade/effects.h"
+
+/* Through the light that things with a part send onto things[i]; `light`: of one of them. */
+typedef double (*light_fn)(const pl_view_thing *thing);
+
+static double indirect(const pl_view *view, size_t i, light_fn light) {
+  double radiance = 0.0;
+  for (size_t k = 0; k < view->thing_count; k++)
+    if (k != i && light(&view->things[k]) > 0.0)
+      radiance += pl_view_transfer(&view->things[i], &view->things[k]) * light(&view->things[k]);
+  return radiance * pl_view_series(view, view->max_bounces);
+}
+
+static bool any(const pl_view *view, light_fn light) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (light(&view->things[i]) > 0.0)
+      return true;
+  return false;
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 3e-5 * view->width * view->height * view->samples;
+}
+
+static double water_light(const pl_view_thing *thing) {
+  return thing->ocean ? pl_view_light(thing) : 0.0;
+}
+
+static const char *glint_absent(const pl_view *view) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].ocean)
+      return NULL;
+  return "no body in the scene has open water";
+}
+
+/* Of the sun, what the sharpest lobe makes of it; of all else that the water receives and mirrors,
+ * or that the ground in its place does. */
+static double glint_bound_dn(const pl_view *view, int value) {
+  double radiance = 0.0;
+  for (size_t i = 0; value == 0 && i < view->thing_count; i++) {
+    const pl_view_thing *thing = &view->things[i];
+    if (!thing->in_frame)
+      continue;
+    const double lobe = 0.5 / pow(thing->ggx_alpha_min, 3.0) + 1.0;
+    const double own = thing->irradiance / 3.14159265358979 * lobe +
+                       pl_view_received(view, i) * pl_view_series(view, view->max_bounces);
+    radiance = fmax(radiance, indirect(view, i, water_light) + (thing->ocean ? own : 0.0));
+  }
+  return pl_view_dn(view, radiance);
+}
+
+const pl_effect pl_effect_glint = {
+    .name = "glint",
+    .doc = "Open water that mirrors the sun on waves; off: it is as the colour map has it",
+    .absent = glint_absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = glint_bound_dn,
+    .cost_ms = cost_ms,
+};
+
+static double lights_of(const pl_view_thing *thing) { return thing->lights_max; }
+
+static const char *lights_absent(const pl_view *view) {
+  return any(view, lights_of) ? NULL : "no body in the scene has lights of the night";
+}
+
+static double lights_bound_dn(const pl_view *view, int value) {
+  double radiance = 0.0;
+  for (size_t i = 0; value == 0 && i < view->thing_count; i++)
+    if (view->things[i].in_frame)
+      radiance = fmax(radiance, indirect(view, i, lights_of) + view->things[i].lights_max);
+  return pl_view_dn(view, radiance);
+}
+
+const pl_effect pl_effect_night_lights = {
+    .name = "night_lights",
+    .doc = "Lights of the night on bodies, where the sun is down; off: dark",
+    .absent = lights_absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = lights_bound_dn,
+    .cost_ms = cost_ms,
+};

@@ -1,0 +1,67 @@
+"""What the ground of a body may have beside its colour: relief, open water, lights at night."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from perilune.config.errors import fail
+from perilune.config.types import Finite, Fraction, Rgb, Strict, refuse_drawn, triple
+
+_Bands = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
+_Black = Annotated[float, Field(strict=True, ge=0.0, lt=1.0), BeforeValidator(refuse_drawn)]
+_File = Annotated[str, BeforeValidator(refuse_drawn)]
+
+
+class Relief(Strict):
+    """Slopes of the ground, from a height map, a normal map or both, whose slopes are then added.
+
+    They bend the normal alone: outlines stay smooth, and mountains cast no shadows. Maps are
+    equirectangular, PNG or JPEG of 8 bits, relative to this file, or data:... under PERILUNE_DATA,
+    with the body's map_center_lon_deg in their middle."""
+
+    height_map: _File | None = None
+    """Grey (of colours, red): black is low. Its 255 steps are terraces where texels are many: where
+    height_m / 255 is not small against what a texel rises, a normal map shows less of them."""
+    height_m: Finite | None = None
+    """Of white over black; required with height_map."""
+    normal_map: _File | None = None
+    """Red grows with a normal's lean eastwards, green north- or southwards, blue upwards."""
+    normal_green: Literal["north", "south"] = "north"
+    normal_strength: Annotated[float, Field(strict=True, ge=-1000.0, le=1000.0)] = 1.0
+    """Factor on the slopes of normal_map; published ones are often steeper than the ground."""
+
+    @model_validator(mode="after")
+    def _complete(self) -> Relief:
+        if self.height_map is None and self.normal_map is None:
+            fail("height_map", "give height_map, normal_map or both")
+        if (self.height_map is None) != (self.height_m is None):
+            fail("height_m", "height_map and height_m go together")
+        return self
+
+
+class Ocean(Strict):
+    """Open water: Fresnel's law for an index of 1.34 on waves whose slopes are those of Cox and
+    Munk (1954). No foam."""
+
+    map: _File | None = None
+    """Where it is: white is water. PNG or JPEG as other maps, linear. Without it, water is where
+    the color_map is blue: where linear blue is more than 1.5 (fully: 2.5) times linear red."""
+    wind_m_s: Annotated[float, Field(strict=True, ge=0.0, le=100.0)] = 7.0
+    """12.5 m above the water; the mean over the oceans is about 7. Measured up to 14."""
+    albedo: _Bands | None = None
+    """Of what comes back from below the surface (default: the color_map's). The open ocean is about
+    [0.003, 0.01, 0.04]: most of the blue that is seen from space is air."""
+
+
+class NightLights(Strict):
+    """Cities and the like. They come on from sunset to the end of civil twilight, 6 deg later."""
+
+    map: _File
+    """Equirectangular PNG or JPEG, sRGB."""
+    radiance_w_m2_sr: Rgb = (1e-3, 1e-3, 1e-3)
+    """Where the map is white. Centres of large cities are 1e-3 (100 nW cm-2 sr-1 in VIIRS's
+    day/night band; Roman et al. 2018), the brightest places ten times that."""
+    black: _Black = 0.0
+    """Linear value of the map, 0..1, up to which there is no light: many maps have dim ground."""

@@ -1,0 +1,75 @@
+"""From the ground of bodies in the configuration to what the core takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.config import Config
+from perilune.config.body import Body
+
+F64 = NDArray[np.float64]
+LoadMap = Callable[..., _core.Map | None]
+"""Takes a path of the configuration, the key that it stands under, and options of _core.Map."""
+
+
+def files(body: Body) -> tuple[Any, ...]:
+    """All that a scene keeps of a body's ground."""
+    relief, ocean, lights = body.relief, body.ocean, body.night_lights
+    return (
+        relief and (relief.height_map, relief.normal_map, relief.normal_green),
+        ocean and (ocean.map or body.color_map,),
+        lights and (lights.map, lights.black),
+    )
+
+
+def maps(body: Body) -> dict[str, str]:
+    """Key within a body -> file, of all maps of its ground."""
+    relief, ocean, lights = body.relief, body.ocean, body.night_lights
+    found = {
+        "relief.height_map": relief and relief.height_map,
+        "relief.normal_map": relief and relief.normal_map,
+        "ocean.map": ocean and ocean.map,
+        "night_lights.map": lights and lights.map,
+    }
+    return {key: path for key, path in found.items() if path}
+
+
+def of_body(body: Body, load: LoadMap) -> _core.Ground | None:
+    """Maps of a body, or None where there are none."""
+    relief, ocean, lights = body.relief, body.ocean, body.night_lights
+    ground: _core.Ground = {}
+    if relief is not None:
+        ground["heights"] = load(relief.height_map, "relief.height_map", srgb=False)
+        ground["normals"] = load(relief.normal_map, "relief.normal_map", srgb=False)
+        ground["south"] = relief.normal_green == "south"
+    if ocean is not None:
+        ground["ocean"] = True
+        if ocean.map is not None:
+            ground["water"] = load(ocean.map, "ocean.map", srgb=False)
+        else:
+            ground["water"] = load(body.color_map, "color_map", water=True)
+    if lights is not None:
+        ground["lights"] = load(lights.map, "night_lights.map", black=lights.black)
+    return ground or None
+
+
+def numbers(config: Config) -> F64:
+    """(bodies, 9): the request's body_ground."""
+    rows = []
+    for body in config.bodies.values():
+        relief, ocean, lights = body.relief, body.ocean, body.night_lights
+        rows.append(
+            (
+                relief.height_m or 0.0 if relief else 0.0,
+                relief.normal_strength if relief else 0.0,
+                ocean.wind_m_s if ocean else 0.0,
+                *(ocean.albedo if ocean and ocean.albedo else (np.nan,) * 3),
+                *(lights.radiance_w_m2_sr if lights else (0.0,) * 3),
+            )
+        )
+    return np.array(rows, dtype=np.float64)
