@@ -95,20 +95,41 @@ typedef struct passage {
   const pl_air_item *item;
   pl_air_ray ray;
   pl_air_light light; /* along all of the ray */
+  bool known;         /* for all of its pixel */
 } passage;
+
+/* Veils of a pixel whose air is even are so far from each other, in parts of the way to them. */
+static const double VEIL_STEP = 0.002;
+
+/* Light along a ray up to a veil. In pixels whose air is known samples share it. */
+static bool light_to_veil(const pl_air_view *view, const passage *p, double t, double norm,
+                          pl_air_tile *tile, uint32_t pixel, pl_air_light *out) {
+  pl_air_ray ray = p->ray;
+  const bool kept = p->known && fabs(tile->veil_t[pixel] - t) < VEIL_STEP * t;
+  if (kept) {
+    *out = tile->to_veil[pixel];
+    return true;
+  }
+  ray.end = fmin(ray.end, t * norm);
+  if (!pl_air_meets(p->item->air, &ray))
+    return false;
+  *out = pl_air_scatter(p->item->air, &ray, &p->item->sun, &view->rule, view->multiple);
+  if (p->known && tile->veil_t[pixel] == 0.0) {
+    tile->veil_t[pixel] = t;
+    tile->to_veil[pixel] = *out;
+  }
+  return true;
+}
 
 /* Adds what an air scatters along a ray, where each veil lets through a part of what is beyond it;
  * way[k]: what comes through the airs up to veil k. */
 static pl_vec3f scatter_between(const pl_air_view *view, const passage *p, const pl_veil_list *list,
-                                pl_vec3f *way) {
+                                pl_vec3f *way, pl_air_tile *tile, uint32_t pixel) {
   pl_vec3f sum = {0.0f, 0.0f, 0.0f}, left = {1.0f, 1.0f, 1.0f}, before = sum;
   const double norm = list->count > 0 ? p->ray.stretch / pl_air_radius_m(p->item->air) : 1.0;
   for (size_t k = 0; k < list->count; k++) {
-    pl_air_ray ray = p->ray;
-    ray.end = fmin(ray.end, list->items[k].t * norm);
-    if (pl_air_meets(p->item->air, &ray)) {
-      const pl_air_light light =
-          pl_air_scatter(p->item->air, &ray, &p->item->sun, &view->rule, view->multiple);
+    pl_air_light light;
+    if (light_to_veil(view, p, list->items[k].t, norm, tile, pixel, &light)) {
       sum = pl_vec3f_add(sum, pl_vec3f_mul(left, pl_vec3f_sub(light.scattered, before)));
       before = light.scattered;
       way[k] = pl_vec3f_mul(way[k], light.transmitted);
@@ -119,25 +140,25 @@ static pl_vec3f scatter_between(const pl_air_view *view, const passage *p, const
 }
 
 /* Along the ray of path i through the air of out->item to its hit; false if there is none. The ray
- * itself is set where `pieces` of it are wanted, or where its light is not `known`. */
-static bool find_passage(const pl_path_context *context, int bounce, size_t i, bool known,
-                         bool pieces, const pl_tile_buffers *b, passage *out) {
+ * itself is set where `pieces` of it are wanted, or where its light is not known. */
+static bool find_passage(const pl_path_context *context, int bounce, size_t i, bool pieces,
+                         const pl_tile_buffers *b, passage *out) {
   const pl_air_item *item = out->item;
   const pl_air_view *view = context->settings->air;
   const pl_hit *hit = &b->hits[i];
   const pl_path *path = &b->paths[i];
   const bool miss = hit->thing == PL_NOTHING;
   const bool ground = hit->thing == context->shot->object_count + item->body;
-  if (known)
+  if (out->known)
     out->light = b->air.pixels[path->pixel].light;
-  if (known && !pieces)
+  if (out->known && !pieces)
     return true;
   if (bounce == 0 && !miss && !ground && hit->t < item->distance_m)
     return false;
   if (!pl_air_item_ray(item, context->shot, path->beam.origin, path->beam.direction,
                        miss || ground ? INFINITY : (double)hit->t, &out->ray))
     return false;
-  if (!known)
+  if (!out->known)
     out->light = pl_air_scatter(item->air, &out->ray, &item->sun, &view->rule, view->multiple);
   return true;
 }
@@ -153,11 +174,11 @@ void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_
   for (size_t k = 0; k < list->count; k++)
     way[k] = through;
   for (size_t n = 0; n < (known ? 1 : view->count) && (bounce > 0 || b->air.any); n++) {
-    passage p = {.item = known ? b->air.item : &view->items[n]};
-    if (!find_passage(context, bounce, i, known, list->count > 0, b, &p))
+    passage p = {.item = known ? b->air.item : &view->items[n], .known = known};
+    if (!find_passage(context, bounce, i, list->count > 0, b, &p))
       continue;
     const bool scattered = !(view->skylight && bounce > 0 && b->rays[i].skip_body == p.item->body);
-    const pl_vec3f light = scatter_between(view, &p, list, way);
+    const pl_vec3f light = scatter_between(view, &p, list, way, &b->air, path->pixel);
     if (scattered)
       *sink = pl_vec3f_madd(*sink, p.item->irradiance, pl_vec3f_mul(through, light));
     through = pl_vec3f_mul(through, p.light.transmitted);

@@ -56,6 +56,9 @@ typedef struct pl_air_tile {
   uint8_t known[1024];     /* a pl_air_known for each pixel */
   pl_air_pixel pixels[1024];
   pl_air_corner corners[PL_AIR_SIDE * PL_AIR_SIDE];
+  /* Of known pixels: the way up to the first veil that a sample met, and its light; 0: none yet. */
+  double veil_t[1024];
+  pl_air_light to_veil[1024];
 } pl_air_tile;
 
 /* Whether any air may be in a cone of rays from the camera; `view` may be NULL. */
