@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import bodies_clouds
 import numpy as np
 import report
 from numpy.typing import NDArray
@@ -92,8 +93,14 @@ def request(view: str, width: int, force_off: list[str]) -> dict[str, Any]:
     }
 
 
-def frame(air: _core.Air, view: str, width: int, force_off: list[str]) -> tuple[float, int]:
-    """CPU milliseconds, and the steps of the plan."""
+def earth_air() -> _core.Air:
+    return _core.Air(
+        atmospheres.settings(Atmosphere(preset="earth"), (0.612, 0.549, 0.465)), RADIUS_M
+    )
+
+
+def scene_of(air: _core.Air) -> _core.Scene:
+    """A body with this air."""
     scene = _core.Scene(1)
     scene.add_body(
         name="earth",
@@ -106,7 +113,12 @@ def frame(air: _core.Air, view: str, width: int, force_off: list[str]) -> tuple[
         regolith_map=None,
         air=air,
     )
-    renderer = _core.Renderer(scene)
+    return scene
+
+
+def frame(air: _core.Air, view: str, width: int, force_off: list[str]) -> tuple[float, int]:
+    """CPU milliseconds, and the steps of the plan."""
+    renderer = _core.Renderer(scene_of(air))
     asked: Any = request(view, width, force_off)
     out = {"rgb": np.empty((asked["height"], width, 3), np.uint8)}
     result: Any = renderer.render(asked, out, 1)
@@ -145,13 +157,16 @@ def errors(air: _core.Air, view: str) -> list[tuple[float, float]]:
     return found
 
 
+PARTS = (bodies_clouds.part,)
+"""Of the other modules: a function each, of the width, that gives results and tables."""
+
+
 def main() -> None:
     parser = report.arguments(__doc__ or "")
     parser.add_argument("--width", type=int, default=640)
     arguments = parser.parse_args()
-    settings = atmospheres.settings(Atmosphere(preset="earth"), (0.612, 0.549, 0.465))
-    air = _core.Air(settings, RADIUS_M)
-    made_s = report.processor_s(lambda: _core.Air(settings, RADIUS_M))
+    air = earth_air()
+    made_s = report.processor_s(earth_air)
     result: dict[str, Any] = {"air_made_ms": 1e3 * made_s}
     costs, curves = [], {view: errors(air, view) for view in VIEWS}
     for view in VIEWS:
@@ -172,6 +187,10 @@ def main() -> None:
         report.table(["view", "off, ms", "on, ms", "ratio", "steps"], costs),
         report.table(head, rows),
     ]
+    for part in PARTS:
+        name, numbers, texts = part(arguments.width)
+        result[name] = numbers
+        tables += texts
     report.publish(arguments.json, result, tables)
 
 

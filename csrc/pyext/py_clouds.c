@@ -1,7 +1,9 @@
-/* "body_clouds" of the request dictionary: a sequence with None or a mapping for each body. */
+/* "body_clouds" of the request dictionary: a sequence with None or a mapping for each body. And
+ * what clouds cover. */
 #include "pyext/py_request.h"
 
 #include "pyext/py_read.h"
+#include "pyext/py_types.h"
 
 static const char WHERE[] = "body_clouds";
 
@@ -61,4 +63,40 @@ int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out) {
       return -1;
   }
   return 0;
+}
+
+static void fill_cover(const pl_clouds *clouds, PyArrayObject *points, double width_m, int detail,
+                       double *out) {
+  const pl_cloud_cover cover = pl_cloud_cover_make(clouds, NULL, detail);
+  const double side = 0.5 * sqrt(PL_PI) * width_m; /* of a square with a disc's area */
+  for (npy_intp i = 0; i < PyArray_DIM(points, 0); i++) {
+    const double *p = (const double *)PyArray_DATA(points) + 3 * i;
+    out[i] = (double)pl_cloud_cover_at(&cover, (pl_vec3){p[0], p[1], p[2]}, (pl_vec3){side, 0, 0},
+                                       (pl_vec3){0, side, 0});
+  }
+}
+
+PyObject *pl_py_cloud_cover(PyObject *module, PyObject *args) {
+  const npy_intp shape[2] = {-1, 3};
+  PyObject *settings, *points;
+  pl_clouds clouds = {0};
+  double width_m;
+  int detail;
+  (void)module;
+  if (!PyArg_ParseTuple(args, "OOdi:cloud_cover", &settings, &points, &width_m, &detail) ||
+      parse_clouds(settings, &clouds) < 0)
+    return NULL;
+  if (!pl_clouds_valid(&clouds) || !(width_m >= 0.0) || detail < 0) {
+    PyErr_SetString(PyExc_ValueError, "clouds, their footprint or their detail out of range");
+    return NULL;
+  }
+  PyArrayObject *array = pl_py_array(points, "points", NPY_DOUBLE, 2, shape);
+  if (array == NULL)
+    return NULL;
+  const npy_intp count[1] = {PyArray_DIM(array, 0)};
+  PyObject *out = PyArray_SimpleNew(1, count, NPY_DOUBLE);
+  if (out != NULL)
+    fill_cover(&clouds, array, width_m, detail, PyArray_DATA((PyArrayObject *)out));
+  Py_DECREF((PyObject *)array);
+  return out;
 }

@@ -26,6 +26,8 @@ PyObject *pl_py_band_gather(PyObject *module, PyObject *args);
 PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path);
 /* The function sunlight, as documented in the stub. */
 PyObject *pl_py_sunlight(PyObject *module, PyObject *args, PyObject *kwargs);
+/* The function cloud_cover, as documented in the stub. */
+PyObject *pl_py_cloud_cover(PyObject *module, PyObject *args);
 /* Marks the scene as in use, so that nothing is added any more. */
 const pl_scene *pl_py_scene_freeze(PyObject *object);
 /* While a frame of the scene is rendered (change +1 before, -1 after) its materials stay. */

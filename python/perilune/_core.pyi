@@ -573,6 +573,10 @@ def png_grey(data: bytes, name: str, /) -> NDArray[np.uint16]:
     """(H, W): a grey PNG of n bits, times 65535 / (2^n - 1), without its alpha. ValueError that
     starts with `name` for what is none."""
 
+def cloud_cover(settings: CloudSettings, points: F64, width_m: float, detail: int) -> F64:
+    """The part (n,) that clouds without a map cover of footprints of a width about points (n, 3),
+    m, body axes, with so many octaves of the noise."""
+
 def sunlight(
     points: F64,
     sun: F64,
