@@ -25,6 +25,7 @@ ROWS = {
     "emitters": ("emitters.c",),
     "planetshine": ("pl_planetshine_build", "lune.c"),
     "regolith": ("hapke.c", "hapke_rough.c"),
+    "volumes": ("volume.c", "volume_march.c", "volume_columns.c", "volume_veil.c"),
     "clouds": ("cloud_veil.c", "clouds.c", "pl_veils_apply", "pl_veils_toward_sun"),
     "relief": ("relief.c",),
     "glint": ("water.c",),

@@ -7,6 +7,7 @@
 
 #include "clouds.h"
 #include "frames.h"
+#include "graphs.h"
 
 enum { WIDTH = 32, HEIGHT = 24 };
 
@@ -25,7 +26,8 @@ static const row_off rows[] = {
     {.name = "emitters"},
     {.name = "planetshine"},
     {.name = "regolith", .with = {"emitters", "body_bounces"}},
-    {.name = "clouds"},
+    {.name = "volumes"},
+    {.name = "clouds", .with = {"volumes"}}, /* veils, too */
     {.name = "relief"},
     {.name = "glint"},
     {.name = "night_lights"},
@@ -84,6 +86,27 @@ static pl_sensor flight_sensor(void) {
                      .black_level = 100.0,
                      .bits = 12,
                      .compression = {50, PL_CHROMA_420}};
+}
+
+/* As dense everywhere, which the core does not know. */
+static pl_graph *fog_create(void) {
+  test_graph g = {0};
+  pl_graph *graph;
+  const size_t medium = graph_add(&g, "lambert");
+  graph_set(&g, medium, "alpha", 0.5f, 0.5f, 0.5f);
+  assert_int_equal(graph_make(&g, &graph), PL_OK);
+  return graph;
+}
+
+/* A ball of fog beside the lamp. */
+static pl_volume fog_of(const pl_graph *graph) {
+  return (pl_volume){.name = "fog",
+                     .bound = &pl_bound_ellipsoid,
+                     .size = {1.0, 1.0, 1.0},
+                     .local = {{2.5, 0.0, 0.0}, PL_QUAT_IDENTITY},
+                     .extinction = {0.5f, 0.5f, 0.5f},
+                     .albedo = {1.0f, 1.0f, 1.0f},
+                     .graph = graph};
 }
 
 static pl_texture *speckle(void) {
@@ -151,6 +174,7 @@ __attribute__((noinline)) static void rows_off_frame(const stage *s, pl_renderer
       .placement = s->placement,
       .samples = 1,
       .max_bounces = 1,
+      .volume_steps = 4,
       .texture_filter = PL_FILTER_FINEST,
       .wish = {.tolerance_dn = moving ? 1.0 : 0.0, .force_off = mask_of(row)},
       .exposure = {.white_radiance = 1361.0 / PL_PI},
@@ -176,6 +200,10 @@ static void test_rows_that_are_off(void **state) {
     lamp->materials[0].emissive[k] = 200.0f;
   pl_texture *map = speckle();
   set_scene(&s, ground, lamp, map);
+  pl_graph *graph = fog_create();
+  const pl_volume fog = fog_of(graph);
+  s.placement.volumes = &fog;
+  s.placement.volume_count = 1;
   const pl_sensor sensor = flight_sensor();
   assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
   for (int moving = 0; moving < 2; moving++) {
@@ -194,6 +222,7 @@ static void test_rows_that_are_off(void **state) {
   }
   pl_renderer_destroy(renderer);
   stage_clear(&s);
+  pl_graph_destroy(graph);
   pl_model_destroy(ground);
   pl_model_destroy(lamp);
   pl_texture_destroy(map);
