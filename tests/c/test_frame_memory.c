@@ -1,8 +1,10 @@
-/* Memory of whole frames that have everything: textured meshes, a mapped body, lamps, full
- * silhouettes, automatic exposure, several threads. Every allocation is made to fail in turn. */
+/* Memory of whole frames that have everything: textured meshes, a mapped body, lamps, smoke,
+ * full silhouettes, automatic exposure, several threads. Every allocation is made to fail in turn.
+ */
 #include "harness.h"
 
 #include "frames.h"
+#include "graphs.h"
 
 enum { WIDTH = 48, HEIGHT = 36, TEXELS = 8 };
 
@@ -10,6 +12,8 @@ typedef struct set {
   stage stage;
   pl_model *cube, *soup;
   pl_texture *map;
+  pl_graph *graph;
+  pl_volume smoke;
 } set;
 
 static pl_texture *checkers_create(int channels) {
@@ -39,6 +43,23 @@ static void model_paint(pl_model *model, float emissive) {
     model->materials[0].emissive[k] = emissive;
 }
 
+/* A ball that is denser on one side. */
+static void smoke_init(set *s) {
+  test_graph g = {0};
+  const size_t where = graph_add(&g, "coordinates"), medium = graph_add(&g, "lambert");
+  graph_link(&g, medium, "alpha", where, 0);
+  assert_int_equal(graph_make(&g, &s->graph), PL_OK);
+  s->smoke = (pl_volume){.name = "smoke",
+                         .bound = &pl_bound_ellipsoid,
+                         .size = {1.0, 1.0, 1.0},
+                         .local = {{0.0, 0.0, -1.0}, PL_QUAT_IDENTITY},
+                         .extinction = {1.0f, 1.0f, 1.0f},
+                         .albedo = {1.0f, 1.0f, 1.0f},
+                         .graph = s->graph};
+  s->stage.placement.volumes = &s->smoke;
+  s->stage.placement.volume_count = 1;
+}
+
 static void set_init(set *s) {
   test_random random = {.seed = 93};
   s->cube = cube_create(0.5);
@@ -54,6 +75,7 @@ static void set_init(set *s) {
   stage_add_body(&s->stage, (pl_vec3){0, 4, 30}, (pl_vec3){9, 9, 8}, 0.6f);
   s->stage.scene.bodies[0].map = s->map;
   s->stage.placement.sun.position_m = (pl_vec3){0.5e11, -1.2e11, -0.7e11};
+  smoke_init(s);
 }
 
 /* Lets the camera and a cube move while the shutter is open, row by row. */
@@ -68,6 +90,7 @@ static void set_clear(set *s) {
   pl_model_destroy(s->cube);
   pl_model_destroy(s->soup);
   pl_texture_destroy(s->map);
+  pl_graph_destroy(s->graph);
 }
 
 static pl_frame_request request_whole(const set *s, const film *f, int threads) {
