@@ -1,4 +1,4 @@
-"""Makes the pictures of the README from configs/demo.yaml: `python docs/make_images.py`."""
+"""Makes the README's pictures of configs/demo.yaml and comet.yaml: `python docs/make_images.py`."""
 
 from __future__ import annotations
 
@@ -26,11 +26,19 @@ def strip(index: int) -> np.ndarray:
     return np.hstack([sample["rgb"], normals.astype(np.uint8), colored_ids(sample["part"])])
 
 
+def comet() -> np.ndarray:
+    """Dust about a comet and the plume of a probe: (H, W, 3)."""
+    size = {"camera.width": 480, "camera.height": 360, "render.samples": 12}
+    sim = perilune.open(ROOT / "configs" / "comet.yaml", overrides=size)
+    return sim.frame(0, channels=["rgb"])["rgb"]
+
+
 def main() -> None:
-    target = ROOT / "docs" / "images" / "demo.png"
-    target.parent.mkdir(exist_ok=True)
-    picture = np.ascontiguousarray(np.vstack([strip(index) for index in FRAMES]))
-    _core.png_write(str(target), picture, level=9)
+    target = ROOT / "docs" / "images"
+    target.mkdir(exist_ok=True)
+    demo = np.ascontiguousarray(np.vstack([strip(index) for index in FRAMES]))
+    _core.png_write(str(target / "demo.png"), demo, level=9)
+    _core.png_write(str(target / "comet.png"), comet(), level=9)
 
 
 if __name__ == "__main__":

@@ -93,32 +93,28 @@ static double even_place(double part, double depth, double length) {
   return fmin(length, -log1p(part * expm1(-depth)) / depth * length);
 }
 
-/* Sum of the extinctions of the media in each band: its largest and its smallest, 1/m. */
-static void extinction_range(const pl_volume_part *part, double *high, double *low) {
+/* Sum of the extinctions of the media in the band where it is largest, 1/m. */
+static double extinction_of(const pl_volume_part *part) {
   double sum[3] = {0.0, 0.0, 0.0};
   for (size_t i = 0; i < part->count; i++)
     for (int k = 0; k < 3; k++)
       sum[k] += (double)part->items[i]->shot->volume->extinction[k];
-  *high = fmax(sum[0], fmax(sum[1], sum[2]));
-  *low = fmin(sum[0], fmin(sum[1], sum[2]));
+  return fmax(sum[0], fmax(sum[1], sum[2]));
 }
 
-/* Steps for the densest band; half of them are alike where others see farther. */
+/* Half of the steps are for the densest band; the others are alike, for bands that see farther, and
+ * for light that comes from behind. */
 static void march_even(const pl_volume_view *view, const pl_volume_ray *ray,
                        const pl_volume_part *part, pl_volume_stretch *sum) {
-  const double length = part->end - part->start;
+  const double length = part->end - part->start, dense = extinction_of(part);
   const int steps = ray->sun != NULL ? view->steps : 1;
-  double high, low;
-  extinction_range(part, &high, &low);
-  const int alike = high > low ? steps / 2 : 0, by_light = steps - alike;
+  const int alike = steps / 2, by_light = steps - alike;
   double place = 0.0;
   for (int i = 0, k = 0; i + k < steps;) {
     const double next_alike = k < alike ? length * (k + 1.0) / (alike + 1.0) : length;
-    const double next_by_light = even_place((i + 1.0) / by_light, high * length, length);
-    const bool last = i + k + 1 == steps;
-    const double next = last ? length : fmin(next_alike, next_by_light);
-    const double middle =
-        alike > 0 ? 0.5 * (place + next) : even_place((i + 0.5) / by_light, high * length, length);
+    const double next_by_light = even_place((i + 1.0) / by_light, dense * length, length);
+    const double next = i + k + 1 == steps ? length : fmin(next_alike, next_by_light);
+    const double middle = place + even_place(0.5, dense * (next - place), next - place);
     step(view, ray, part, part->start + place, part->start + next, part->start + middle, sum);
     if (next_alike < next_by_light)
       k++;
