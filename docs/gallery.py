@@ -1,10 +1,12 @@
-"""Six bodies and seven spacecraft, our counterpart of the Space OAISYS paper's figures 14 and 15:
+"""Worlds, and seven spacecraft over six of them, after figures of the Space OAISYS paper:
 
-    python docs/gallery.py              # gallery_14.png and gallery_15.png in docs/images
-    python docs/gallery.py --bodies mars,moon --craft iss --width 640 --out /tmp/look
+    python docs/gallery.py                 # gallery_*.png in docs/images, or those that are named
+    python docs/gallery.py 12 14 15 worlds
+    python docs/gallery.py cells --bodies mars,moon --craft iss --width 640 --out /tmp/look
 
-The second form writes single pictures. Models, maps and surfaces are those of the files in
-configs/; here is where each spacecraft is, and the camera. Needs Pillow and the sample data.
+Figures 14 and 15 are the spacecraft, 12 is clouds that a driver bends; `cells` writes single
+pictures of 14 and 15. Models, maps and surfaces are those of the files in configs/; here is where
+each thing is, and the camera. Needs Pillow and the sample data.
 """
 
 from __future__ import annotations
@@ -16,9 +18,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import gallery_stills
 import numpy as np
-import yaml
 from gallery_grounds import cratered, icy, lands
+from gallery_stills import part
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -70,12 +73,6 @@ class Craft:
     materials: Mapping[str, Any] = field(default_factory=dict)
 
 
-def part(name: str, section: str, entry: str) -> dict[str, Any]:
-    """An entry of a section of a file in configs/; paths are those of the folder."""
-    config = yaml.safe_load((ROOT / "configs" / f"{name}.yaml").read_text())
-    return dict(config[section][entry])
-
-
 def model(name: str, entry: str, **changes: Any) -> dict[str, Any]:
     """A spacecraft of a file in configs/, to be put on an orbit."""
     spacecraft = part(name, "spacecraft", entry)
@@ -93,10 +90,14 @@ def level(*rotation_deg: float) -> dict[str, Any]:
 
 
 MARS = part("mro_mars", "bodies", "mars")
+LOW_CLOUDS = {
+    "map": "data:planets/solarsystemscope/2k_earth_clouds.jpg",
+    "noise": {"size_km": 70.0, "softness": 0.8, "octaves": 12.0},  # the map's texels are 20 km
+}
 OWN_GROUND = {"material": "ground", "material_mode": "wrap"}
 GROUNDS = {
     "earth": Ground(
-        part("iss_leo", "bodies", "earth") | OWN_GROUND,
+        part("iss_leo", "bodies", "earth") | OWN_GROUND | {"clouds": LOW_CLOUDS},
         418.0,
         (2026, 3, 20, 12, 40),
         45.0,
@@ -123,6 +124,7 @@ GROUNDS = {
         (2026, 4, 1, 0, 0),
         55.0,
         60.0,
+        white=0.42,
         materials={"ground": cratered(60e3, "hapke")},
     ),
     "moon": Ground(
@@ -131,6 +133,7 @@ GROUNDS = {
         (2026, 3, 3, 6, 0),
         55.0,
         0.0,
+        white=0.4,
         materials={"ground": cratered(16e3, "hapke")},
     ),
     "europa": Ground(
@@ -148,12 +151,14 @@ GROUNDS = {
         materials={"ground": icy(150e3)},
     ),
     "phobos": Ground(
-        part("voyager_phobos", "bodies", "phobos"),
-        45.0,
+        part("phobos", "bodies", "phobos"),
+        35.0,
         (2026, 6, 1, 11, 30),
         35.0,
         140.0,
+        limb_deg=7.0,
         others={"mars": MARS},
+        white=0.3,
     ),
 }
 
@@ -204,6 +209,7 @@ CRAFT = {
         model("voyager_phobos", "voyager", attitude=level(180.0, 10.0, 30.0)),
         18.0,
         58.0,
+        lift_m=-1.5,
     ),
 }
 
@@ -286,41 +292,75 @@ def picture(body: str, craft: str, width: int, samples: int) -> NDArray[np.uint8
     return rgb
 
 
-def sheet(rows: list[str], width: int, samples: int) -> Image.Image:
-    """Bodies as rows, spacecraft as columns, a black line between."""
-    gap, height = 3, width * ASPECT[0] // ASPECT[1]
-    size = (len(CRAFT) * (width + gap) - gap, len(rows) * (height + gap) - gap)
-    whole = Image.new("RGB", size)
-    for row, body in enumerate(rows):
-        for column, craft in enumerate(CRAFT):
-            cell = Image.fromarray(picture(body, craft, width, samples))
-            whole.paste(cell, (column * (width + gap), row * (height + gap)))
+def grid(pictures: list[list[NDArray[np.uint8]]]) -> Image.Image:
+    """Rows of pictures of one size, a black line between."""
+    gap, (height, width) = 3, pictures[0][0].shape[:2]
+    whole = Image.new(
+        "RGB", (len(pictures[0]) * (width + gap) - gap, len(pictures) * (height + gap) - gap)
+    )
+    for row, line in enumerate(pictures):
+        for column, rgb in enumerate(line):
+            whole.paste(Image.fromarray(rgb), (column * (width + gap), row * (height + gap)))
     return whole
 
 
-def names(text: str | None, known: Mapping[str, Any]) -> list[str]:
-    return text.split(",") if text else list(known)
+def craft_sheet(rows: list[str], width: int, samples: int) -> Image.Image:
+    """Bodies as rows, spacecraft as columns."""
+    return grid([[picture(body, craft, width, samples) for craft in CRAFT] for body in rows])
+
+
+def rendered(scene: dict[str, Any] | Path, width: int, samples: int) -> NDArray[np.uint8]:
+    """A still, three by two."""
+    changes = {"camera.width": width, "camera.height": width * 2 // 3, "render.samples": samples}
+    sim = perilune.open(scene, base=ROOT / "configs", overrides=changes)
+    rgb: NDArray[np.uint8] = sim.frame(0, channels=["rgb"])["rgb"]
+    return rgb
+
+
+def worlds(width: int, samples: int) -> Image.Image:
+    """The Earth by day and by night, Saturn, the Moon in the Earth's light, a comet, a fiction."""
+    shown = [rendered(scene(), width, samples) for scene in gallery_stills.WORLDS.values()]
+    return grid([shown[:3], shown[3:]])
+
+
+def clouds(width: int, samples: int) -> Image.Image:
+    """One map of clouds, bent more and more by a driver."""
+    scenes = [gallery_stills.clouds(warp) for warp in (0.0, 0.4, 1.2, 3.0)]
+    return grid([[rendered(scene, width, samples) for scene in scenes]])
+
+
+SHEETS = {
+    "12": lambda width, samples: clouds(width * 3 // 2, samples),
+    "14": lambda width, samples: craft_sheet(list(GROUNDS)[:3], width, samples),
+    "15": lambda width, samples: craft_sheet(list(GROUNDS)[3:], width, samples),
+    "worlds": lambda width, samples: worlds(width * 2, samples),
+}
+
+
+def cells(options: argparse.Namespace) -> None:
+    """Single pictures."""
+    options.out.mkdir(parents=True, exist_ok=True)
+    for body in options.bodies.split(","):
+        for craft in options.craft.split(","):
+            rgb = picture(body, craft, options.width, options.samples)
+            Image.fromarray(rgb).save(options.out / f"{body}_{craft}.png")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--bodies", help="with --out: such as earth,mars")
-    parser.add_argument("--craft", help="with --out: such as iss,lro")
-    parser.add_argument("--width", type=int, default=200)
-    parser.add_argument("--samples", type=int, default=32)
-    parser.add_argument("--out", type=Path, help="folder of single pictures, instead of the sheets")
+    parser.add_argument("what", nargs="*", default=list(SHEETS), choices=[*SHEETS, "cells"])
+    parser.add_argument("--bodies", default=",".join(GROUNDS), help="of cells: such as earth,mars")
+    parser.add_argument("--craft", default=",".join(CRAFT), help="of cells: such as iss,lro")
+    parser.add_argument("--width", type=int, default=180, help="of a cell, pixels")
+    parser.add_argument("--samples", type=int, default=16)
+    parser.add_argument("--out", type=Path, default=IMAGES)
     options = parser.parse_args()
-    if options.out:
-        options.out.mkdir(parents=True, exist_ok=True)
-        for body in names(options.bodies, GROUNDS):
-            for craft in names(options.craft, CRAFT):
-                rgb = picture(body, craft, options.width, options.samples)
-                Image.fromarray(rgb).save(options.out / f"{body}_{craft}.png")
-        return
-    rows = list(GROUNDS)
-    for number, some in (("14", rows[:3]), ("15", rows[3:])):
-        image = sheet(some, options.width, options.samples)
-        image.save(IMAGES / f"gallery_{number}.png", optimize=True)
+    for name in options.what:
+        if name == "cells":
+            cells(options)
+        else:
+            image = SHEETS[name](options.width, options.samples)
+            image.save(options.out / f"gallery_{name}.png", optimize=True)
 
 
 if __name__ == "__main__":

@@ -66,3 +66,20 @@ def test_a_cell_shows_the_body_the_spacecraft_and_the_sky(gallery: Any, craft: s
     bright = sample["rgb"][sample["instance"] > 0]
     assert 30.0 < bright.mean() < 150.0
     assert (bright.min(axis=1) == 255).mean() < 0.12
+
+
+@pytest.mark.needs_data
+def test_the_worlds_show_what_they_are_for(gallery: Any) -> None:
+    """Lights on the night side, a Moon whose night is grey, rings beside Saturn."""
+    stills = gallery.gallery_stills
+    shown = {name: gallery.rendered(stills.WORLDS[name](), 48, 4) for name in stills.WORLDS}
+    night = shown["night"][16:].max(axis=-1)
+    assert (night > 60).sum() > 30
+    assert np.median(night) < 40
+    assert 20 < np.median(shown["earthshine"][12:20, 20:28]) < 200
+    assert (shown["saturn"].max(axis=-1) > 20).mean() > 0.15
+    assert (shown["earth"].min(axis=-1) > 90).sum() > 50  # clouds
+    for rgb in shown.values():
+        assert rgb.std() > 15.0
+    bent = [gallery.rendered(stills.clouds(warp), 48, 4).astype(int) for warp in (0.0, 1.2)]
+    assert np.abs(bent[0] - bent[1]).mean() > 3.0

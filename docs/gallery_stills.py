@@ -1,0 +1,164 @@
+"""Scenes of worlds without spacecraft: see gallery.py."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from perilune import _core, rotations
+from perilune.bodies import date_from_utc, relative_m
+
+Scene = dict[str, Any]
+ROOT = Path(__file__).resolve().parent.parent
+MAPS = "data:planets/solarsystemscope/"
+EARTH_KM = 6378.1
+CLOUDS: Scene = {"map": MAPS + "2k_earth_clouds.jpg", "noise": {"size_km": 150.0, "softness": 4.0}}
+RINGS: Scene = {
+    "inner_radius_km": 74500.0,
+    "outer_radius_km": 140220.0,
+    "color_map": MAPS + "2k_saturn_ring_alpha.png",
+    "albedo": [2.7, 2.5, 2.1],  # the map's colours are what is seen, darker than the particles
+    "optical_depth": 1.3,
+}
+
+
+def part(name: str, section: str, entry: str) -> Scene:
+    """An entry of a section of a file in configs/; paths are those of the folder."""
+    config = yaml.safe_load((ROOT / "configs" / f"{name}.yaml").read_text())
+    return dict(config[section][entry])
+
+
+def direction(lon_deg: float, lat_deg: float) -> np.ndarray[Any, Any]:
+    """In a body's own axes."""
+    lon, lat = math.radians(lon_deg), math.radians(lat_deg)
+    flat = math.cos(lat)
+    return np.array([flat * math.cos(lon), flat * math.sin(lon), math.sin(lat)])
+
+
+def view(target: str, place_m: Any, aim_m: Any, up: Any, fov_deg: float, frame: str) -> Scene:
+    """A camera at a place, and the point that it looks at, both from the target's centre."""
+    return {
+        "fov_deg": fov_deg,
+        "trajectory": {
+            "kind": "fixed",
+            "target": target,
+            "frame": frame,
+            "position_m": np.asarray(place_m).tolist(),
+            "aim_offset_m": np.asarray(aim_m).tolist(),
+            "up": np.asarray(up).tolist(),
+        },
+    }
+
+
+def above(place: tuple[float, float, float], aim: tuple[float, float, float], fov: float) -> Scene:
+    """Over the Earth: longitude, latitude, deg, and height, km, of the camera and of its aim.
+
+    What is farther from the Earth is up in the image; north, from more than a radius of it.
+    """
+    points = [direction(lon, lat) * (EARTH_KM + height) * 1e3 for lon, lat, height in (place, aim)]
+    up = np.array([0.0, 0.0, 1.0]) if place[2] > EARTH_KM else points[0]
+    return view("earth", *points, up, fov, "target")
+
+
+def still(epoch: str, root: str, bodies: Scene, camera: Scene, white: float) -> Scene:
+    """white: the radiance that is shown as white, W m-2 sr-1."""
+    fixed = {"mode": "fixed", "white_radiance_w_m2_sr": white}
+    return {
+        "version": 1,
+        "time": {"epoch": epoch},
+        "root": root,
+        "bodies": bodies,
+        "camera": camera | {"width": 360, "height": 240, "exposure": fixed},
+    }
+
+
+def planet(**more: Any) -> Scene:
+    """The Earth as in configs/iss_leo.yaml, with its sea, clouds and what else is given."""
+    body = part("iss_leo", "bodies", "earth")
+    return body | {"ocean": {}, "clouds": CLOUDS} | more
+
+
+def earth() -> Scene:
+    """The Atlantic and Africa from 9000 km, the Sun mirrored by the sea."""
+    camera = above((-30.0, 10.0, 9000.0), (-26.0, 9.0, 0.0), 66.0)
+    return still("2026-03-20T15:10:00Z", "earth", {"earth": planet()}, camera, 200.0)
+
+
+def night() -> Scene:
+    """Europe's lights from 2500 km over Libya, looking northwest after the sunset."""
+    lights = {"map": MAPS + "2k_earth_nightmap.jpg", "black": 0.02}
+    camera = above((22.0, 30.0, 2500.0), (6.0, 47.0, 0.0), 45.0)
+    bodies = {"earth": planet(night_lights=lights)}
+    return still("2026-03-20T21:50:00Z", "earth", bodies, camera, 1.2e-3)
+
+
+def clouds(warp: float) -> Scene:
+    """The map of clouds over the Atlantic, bent."""
+    bent = CLOUDS | {"noise": CLOUDS["noise"] | {"size_km": 1500.0, "softness": 3.0, "warp": warp}}
+    camera = above((-30.0, 25.0, 6500.0), (-27.0, 25.0, 0.0), 40.0)
+    return still("2026-06-20T13:30:00Z", "earth", {"earth": planet(clouds=bent)}, camera, 230.0)
+
+
+def earthshine() -> Scene:
+    """The young Moon from the Earth's side, exposed for its night."""
+    date = date_from_utc((2026, 3, 21, 18, 0, 0.0))
+    to_earth = relative_m("earth", "moon", date)
+    place = to_earth / np.linalg.norm(to_earth) * 2.0e7
+    camera = view("moon", place, [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 17.5, "icrf")
+    bodies = {"moon": part("lro_moon", "bodies", "moon"), "earth": planet()}
+    return still("2026-03-21T18:00:00Z", "moon", bodies, camera, 0.011)
+
+
+def banded() -> Scene:
+    """Saturn's bands by latitude, with the storms' edges a little ragged."""
+    pale, gold, brown = [0.80, 0.68, 0.47], [0.72, 0.56, 0.34], [0.55, 0.42, 0.26]
+    blue = [0.42, 0.46, 0.47]
+    stops = [[-1.0, *brown], [-0.8, *gold], [-0.62, *pale], [-0.5, *gold], [-0.38, *pale],
+             [-0.22, *gold], [-0.1, *pale], [0.06, *pale], [0.18, *gold], [0.3, *pale],
+             [0.44, *gold], [0.52, *pale], [0.66, *brown], [0.78, *gold], [0.9, *blue],
+             [1.0, *blue]]  # fmt: skip
+    polar = 1.0 / 5.4364e7
+    dot = {"type": "vector_math", "function": "dot", "a": "where"}
+    return {
+        "nodes": {
+            "where": {"type": "coordinates"},
+            "height": dot | {"b": [0.0, 0.0, polar]},
+            # Streaks: a noise that is long around the axis.
+            "squeezed": {"type": "mapping", "vector": "where", "scale": [4e-9, 4e-9, 2.2e-7]},
+            "streaks": {"type": "noise", "vector": "squeezed", "octaves": 6.0, "roughness": 0.6},
+            "ragged": {"type": "math", "function": "multiply_add", "a": "streaks", "b": 0.16,
+                       "c": "height.value"},
+            "centred": {"type": "math", "function": "subtract", "a": "ragged", "b": 0.08},
+            "bands": {"type": "ramp", "value": "centred", "stops": stops, "interpolation": "ease"},
+            "skin": {"type": "lambert", "base_color": "bands"},
+        }
+    }  # fmt: skip
+
+
+def saturn() -> Scene:
+    """Saturn and its rings with both shadows, from 24 deg over their lit side."""
+    when = date_from_utc((2013, 10, 10, 0, 0, 0.0))
+    turn = _core.body_orientation("saturn", when.day, np.array([when.fraction]))[0]
+    to_sun = rotations.rotate(rotations.conjugate(turn), relative_m("sun", "saturn", when))
+    azimuth_deg = math.degrees(math.atan2(to_sun[1], to_sun[0])) + 38.0
+    place = direction(azimuth_deg, math.copysign(24.0, to_sun[2])) * 1.1e9
+    camera = view("saturn", place, [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 17.0, "target")
+    body = {"kind": "saturn", "material": "bands", "rings": RINGS}
+    scene = still("2013-10-10T00:00:00Z", "saturn", {"saturn": body}, camera, 3.4)
+    return scene | {"materials": {"bands": banded()}}
+
+
+WORLDS: dict[str, Callable[[], Scene | Path]] = {
+    "earth": earth,
+    "night": night,
+    "saturn": saturn,
+    "earthshine": earthshine,
+    "comet": lambda: ROOT / "configs" / "comet.yaml",
+    "fictional": lambda: ROOT / "configs" / "fictional.yaml",
+}
+"""Of gallery_worlds.png, three in a row."""
