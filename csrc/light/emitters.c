@@ -70,10 +70,6 @@ static corners corners_of(const pl_shot_object *object, uint32_t triangle) {
   return out;
 }
 
-static bool emits(const pl_shot_object *object) {
-  return object->kept && object->object->summary.emission_max > 0.0;
-}
-
 /* What a body emits everywhere. A graph whose emission varies over the body is seen, but is not
  * drawn as a light: paths meet it by chance. */
 static pl_vec3f body_emission(const pl_shot_body *body) {
@@ -87,14 +83,25 @@ static pl_vec3f body_emission(const pl_shot_body *body) {
   return pl_graph_emission(graph, &nowhere, body->state->parameters);
 }
 
+/* Luminance of all triangles of a body's shape; 0 of objects that are none. */
+static float shape_luminance(const pl_snapshot *shot, const pl_shot_object *object) {
+  const int body = object->object->body;
+  return body < 0 ? 0.0f : pl_luminance(body_emission(&shot->bodies[body]));
+}
+
+static bool emits(const pl_snapshot *shot, const pl_shot_object *object) {
+  return object->kept &&
+         (object->object->summary.emission_max > 0.0 || shape_luminance(shot, object) > 0.0f);
+}
+
 static size_t count_triangles(const pl_snapshot *shot) {
   size_t count = 0;
   for (size_t i = 0; i < shot->object_count; i++) {
     const pl_object *object = shot->objects[i].object;
-    if (!emits(&shot->objects[i]))
+    if (!emits(shot, &shot->objects[i]))
       continue;
     for (uint32_t t = 0; t < object->model->triangle_count; t++)
-      count += may_emit(object, t);
+      count += object->body >= 0 || may_emit(object, t);
   }
   return count;
 }
@@ -107,10 +114,12 @@ static void add_object(pl_emitters *list, size_t thing, size_t *used) {
                      .center = object->center,
                      .radius_m = object->radius_m,
                      .first = *used};
+  const bool shape = object->object->body >= 0;
+  const float even = shape_luminance(list->shot, object);
   for (uint32_t t = 0; t < model->triangle_count; t++) {
-    if (!may_emit(object->object, t))
+    if (!shape && !may_emit(object->object, t))
       continue;
-    const float luminance = luminance_of(object, t, list->detail);
+    const float luminance = shape ? even : luminance_of(object, t, list->detail);
     if (!(luminance > 0.0f))
       continue;
     const corners c = corners_of(object, t);
@@ -154,10 +163,10 @@ pl_status pl_emitters_build(const pl_snapshot *shot, pl_detail detail, pl_arena 
   if (out->items == NULL || out->triangles == NULL || out->luminances == NULL || out->sums == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for emissive surfaces");
   for (size_t i = 0; i < shot->object_count; i++)
-    if (emits(&shot->objects[i]))
+    if (emits(shot, &shot->objects[i]))
       add_object(out, i, &used);
   for (size_t i = 0; i < shot->body_count; i++)
-    if (shot->bodies[i].shape == NULL) /* light of a shape is met by chance */
+    if (shot->bodies[i].shape == NULL)
       add_body(out, i);
   return PL_OK;
 }
@@ -252,6 +261,11 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   out->distance_m = (float)distance * 0.9999f - 0x1p-18f * largest;
   if (!(cosine > 1e-6f) || !(out->distance_m > 0.0f))
     return false;
+  out->pdf = (float)mesh_pdf(item, list->luminances[chosen], distance, (double)cosine);
+  if (object->object->body >= 0) {
+    out->radiance = body_emission(&list->shot->bodies[object->object->body]);
+    return true;
+  }
   const pl_triangle_point hit = {
       .triangle = triangle, .w = {1.0f - v - w, v, w}, .edge1 = c.edge1, .edge2 = c.edge2};
   if (pl_material_opacity(model, &hit) < 0.5f)
@@ -263,7 +277,6 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
                       ? pl_graph_light_radiance(object, triangle, hit.w, graph, list->detail,
                                                 pl_vec3f_scale(out->direction, -1.0f))
                       : pl_material_emission(model, &hit, list->detail);
-  out->pdf = (float)mesh_pdf(item, list->luminances[chosen], distance, (double)cosine);
   return true;
 }
 

@@ -1,5 +1,6 @@
 /* Surfaces that emit light, as lights: triangles of emissive materials or graphs, and bodies with
- * emission. Radiance is in W m-2 sr-1 per band, the same on both sides of double-sided materials.
+ * emission, those with a shape by its triangles. Radiance is in W m-2 sr-1 per band, the same on
+ * both sides of double-sided materials.
  */
 #ifndef PL_LIGHT_EMITTERS_H
 #define PL_LIGHT_EMITTERS_H

@@ -117,6 +117,22 @@ def test_two_lobes_shade_each_other(tmp_path):
     assert abs(both[x > 0].mean() / both[x < 0].mean() - 1.0) < 0.02
 
 
+def test_a_glowing_shape_lights_as_its_ellipsoid(fine):
+    """Drawn by triangles here and by the cone about a ball there, and met by chance in both."""
+    mean, lamp = [], {"kind": "ellipsoid", "gm_km3_s2": 1e-9, "radii_km": 0.5, "albedo": 0.0}
+    lamp["emission_w_m2_sr"] = [100.0, 60.0, 20.0]
+    lamp["orbit"] = {"around": "rock", "position_km": [1.9, -1.2, 0.3]}
+    for keys in ({}, {"shape": {"file": fine, "metres_per_unit": 500.0}}):
+        tree = scene({}, (0.0, -3000.0, 0.0))
+        tree["sun"]["irradiance_w_m2"] = 0.0
+        tree["bodies"]["lamp"] = {**lamp, **keys}
+        tree["render"].update(samples=64, max_bounces=1, tolerance_dn=0.0)
+        sample = frame(tree)
+        mean.append(sample["radiance"][sample["instance"] == 1].mean(axis=0))
+    assert mean[0].min() > 0.01
+    assert np.allclose(mean[1], mean[0], rtol=0.02)
+
+
 @pytest.mark.parametrize("sun", [[1.0, 0.05, 0.3], [0.3, -1.0, 0.7], [0.7, 0.7, -0.2]])
 def test_a_coarse_ball_has_no_teeth(tmp_path, sun):
     """A convex body does not shade itself: with shadows and without it is the same, although facets
