@@ -5,7 +5,7 @@ orbits. Figure 13: camera trajectories, sketched, with frames taken along them. 
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
 `light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. `shutter`:
-see shutter_figures.py. Needs the extra `plot`.
+see shutter_figures.py. `shapes`: see shape_figures.py. Needs the extra `plot`.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 import moon_figures
 import numpy as np
 import sensor_figures
+import shape_figures
 import shutter_figures
 import yaml
 from matplotlib.figure import Figure
@@ -268,6 +269,11 @@ def shutter() -> None:
     pictures("shutter.png", shutter_figures.rows(), 7.8)
 
 
+def shapes() -> None:
+    """Bodies that are no ellipsoids, and some that are nowhere."""
+    pictures("shapes.png", shape_figures.rows(), 7.8)
+
+
 FIGURES = {
     "light_curve": light_curve,
     "05": figure_05,
@@ -279,6 +285,7 @@ FIGURES = {
     "materials": materials,
     "moon": figure_moon,
     "moon_sensor": moon_sensor,
+    "shapes": shapes,
     "shutter": shutter,
 }
 
