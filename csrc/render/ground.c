@@ -35,11 +35,13 @@ void pl_ground_flood(const pl_shot_body *body, const pl_body_place *place, pl_de
     read_map(ground->water, place, detail, part);
   if (!(part[0] > 0.0f))
     return;
-  float color[3] = {surface->color.x, surface->color.y, surface->color.z};
-  for (int k = 0; k < 3; k++)
-    if (!isnan(state->water[k]))
-      color[k] += part[0] * (state->water[k] - color[k]);
+  float color[3] = {surface->color.x, surface->color.y, surface->color.z}, below[3];
+  for (int k = 0; k < 3; k++) {
+    below[k] = part[0] * (isnan(state->water[k]) ? color[k] : state->water[k]);
+    color[k] = (1.0f - part[0]) * color[k] + below[k];
+  }
   surface->color = pl_vec3f_make(color[0], color[1], color[2]);
+  surface->below = pl_vec3f_make(below[0], below[1], below[2]);
   surface->water = part[0];
   surface->alpha = pl_water_alpha(state->wind_m_s);
   surface->reflectance = &pl_reflectance_water;

@@ -17,6 +17,7 @@ typedef struct pl_surface {
   float metallic;                    /* 0..1 */
   float alpha;                       /* GGX alpha = roughness^2 */
   float water;                       /* 0..1: part that is open water; read by its row alone */
+  pl_vec3f below;                    /* likewise: what of color comes from below water */
   pl_lobes lobes;                    /* read by layered rows alone */
   pl_regolith regolith;              /* read by photometric rows alone */
   const pl_reflectance *reflectance; /* row of the table */

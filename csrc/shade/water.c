@@ -34,17 +34,16 @@ static float mirrored(const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h)
          (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN));
 }
 
-/* Of the colour: what leaves dry ground, and water. */
-static float base_share(const pl_surface *s, float cos_o, float cos_i) {
-  const float through = (1.0f - pl_fresnel(cos_o, INDEX)) * (1.0f - pl_fresnel(cos_i, INDEX));
-  return 1.0f - s->water + s->water * through;
+/* Adds what the waves mirror to the colour less what they keep from the water below. */
+static pl_vec3f over_base(const pl_surface *s, float glint, float kept, float scale) {
+  return pl_vec3f_make(glint + scale * (s->color.x - kept * s->below.x),
+                       glint + scale * (s->color.y - kept * s->below.y),
+                       glint + scale * (s->color.z - kept * s->below.z));
 }
 
 static pl_vec3f value_of(const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
-  const float glint = s->water * mirrored(s, wo, wi, h);
-  const float base = base_share(s, wo.z, wi.z) * wi.z / PL_PI_F;
-  return pl_vec3f_make(glint + base * s->color.x, glint + base * s->color.y,
-                       glint + base * s->color.z);
+  const float through = (1.0f - pl_fresnel(wo.z, INDEX)) * (1.0f - pl_fresnel(wi.z, INDEX));
+  return over_base(s, s->water * mirrored(s, wo, wi, h), 1.0f - through, wi.z / PL_PI_F);
 }
 
 /* The lobe is drawn as GGX's visible normals of the same alpha: these are more than half as dense
@@ -101,9 +100,7 @@ static pl_vec3f under_sky(const pl_surface *s, pl_vec3f wo) {
   const float alpha = pl_ggx_alpha(s->alpha), c2 = wo.z * wo.z;
   const float glint = pl_fresnel(sqrtf(c2 + 0.9f * alpha * alpha * (1.0f - c2)), INDEX);
   const float through = (1.0f - pl_fresnel(wo.z, INDEX)) * EVEN_SHARE;
-  const float base = 1.0f - s->water + s->water * through;
-  return pl_vec3f_make(s->water * glint + base * s->color.x, s->water * glint + base * s->color.y,
-                       s->water * glint + base * s->color.z);
+  return over_base(s, s->water * glint, 1.0f - through, 1.0f);
 }
 
 const pl_reflectance pl_reflectance_water = {

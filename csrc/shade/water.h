@@ -21,7 +21,8 @@ static inline float pl_water_bound_alpha(float wind_m_s) {
 }
 
 /* Not in the table: a surface has it where a map of water says so. Reads color, alpha (of slopes,
- * as above) and water, the part of the ground that is open water. Gaussian slopes (Beckmann) with
+ * as above), water, the part of the ground that is open water, and below, the part of the colour
+ * that is that water's. Gaussian slopes (Beckmann) with
  * Smith's shadowing, Fresnel's law for an index of 1.34 (sea water in the visible; Quan and Fry
  * 1995: 1.33..1.35); light that comes out of the water is Lambert's, less what the surface mirrors
  * on the way in and out. */

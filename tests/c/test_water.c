@@ -12,6 +12,7 @@ static pl_surface sea(float wind, float color, float water) {
   pl_surface s = white(pl_water_alpha(wind), 0.0f);
   s.color = pl_vec3f_make(color, color, color);
   s.water = water;
+  s.below = pl_vec3f_scale(s.color, water);
   return s;
 }
 
