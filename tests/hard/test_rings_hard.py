@@ -1,4 +1,4 @@
-"""Rings where they are hard: edge-on, thin as lines, shadows both ways, things before and behind."""
+"""Rings where they are hard: edge-on, thin as lines, shadows both ways, things before, behind."""
 
 from __future__ import annotations
 

@@ -53,7 +53,8 @@ def test_glint_is_that_of_cox_and_munk(wind_m_s: float, tolerance_dn: float) -> 
     sun = view - 2.0 * (view @ meets) * meets / RADIUS**2 + np.array([0.02, 0.03, -0.04])
     asked, frame = seen(
         globe({"ocean": True}), numbers(wind_m_s=wind_m_s), [[RADIUS] * 3], camera,
-        toward_ground, sun, size=(16, 12), fov_deg=6.0, white=1000.0, tolerance_dn=tolerance_dn, samples=16, force_off=("soft_sun",),
+        toward_ground, sun, size=(16, 12), fov_deg=6.0, white=1000.0, tolerance_dn=tolerance_dn,
+        samples=16, force_off=("soft_sun",),
     )  # fmt: skip
     normal, hit = points(asked, frame)
     toward = sun / np.linalg.norm(sun)
