@@ -62,6 +62,10 @@ typedef struct meeting {
   bool ground;               /* the ray meets the body, if it goes on */
 } meeting;
 
+/* A ray that starts so near to the shell, over its radius, starts on it, and does not cross it
+ * there: rounding would let some do and others not. */
+static const double ON_SHELL = 1e-12;
+
 static bool meet(const cloud_item *item, const pl_snapshot *shot, pl_vec3 origin, pl_vec3 direction,
                  meeting *out) {
   const pl_shot_body *body = &shot->bodies[item->body];
@@ -79,6 +83,10 @@ static bool meet(const cloud_item *item, const pl_snapshot *shot, pl_vec3 origin
   const double half = sqrt(left / a);
   out->t[0] = middle - half;
   out->t[1] = middle + half;
+  if (fabs(pl_vec3_dot(o, o) - 1.0) < ON_SHELL) { /* one of the two is where the ray starts */
+    out->t[0] = fmin(0.0, 2.0 * middle);
+    out->t[1] = fmax(0.0, 2.0 * middle);
+  }
   return out->t[1] > 0.0;
 }
 
