@@ -18,8 +18,7 @@ const pl_bound *pl_bound_find(const char *name) {
   return NULL;
 }
 
-void pl_bound_sphere(const pl_bound *bound, const double size[3], pl_vec3 *center,
-                     double *radius_m) {
+pl_bound_ball pl_bound_sphere(const pl_bound *bound, const double size[3]) {
   const double x[2] = {-bound->support(size, (pl_vec3){-1.0, 0.0, 0.0}),
                        bound->support(size, (pl_vec3){1.0, 0.0, 0.0})};
   const double y[2] = {-bound->support(size, (pl_vec3){0.0, -1.0, 0.0}),
@@ -27,21 +26,19 @@ void pl_bound_sphere(const pl_bound *bound, const double size[3], pl_vec3 *cente
   const double z[2] = {-bound->support(size, (pl_vec3){0.0, 0.0, -1.0}),
                        bound->support(size, (pl_vec3){0.0, 0.0, 1.0})};
   const pl_vec3 half = {0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0]), 0.5 * (z[1] - z[0])};
-  *center = (pl_vec3){0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 0.5 * (z[0] + z[1])};
-  *radius_m = pl_vec3_norm(half);
+  const pl_vec3 center = {0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 0.5 * (z[0] + z[1])};
+  return (pl_bound_ball){center, pl_vec3_norm(half)};
 }
 
 /* From the point of the line that is nearest to the shape's middle: squares of large coordinates
  * would leave nothing of a small shape. */
-bool pl_bound_span(const pl_bound *bound, const double size[3], pl_vec3 origin, pl_vec3 direction,
-                   double t[2]) {
-  pl_vec3 center;
-  double radius_m;
-  pl_bound_sphere(bound, size, &center, &radius_m);
-  const double nearest = pl_vec3_dot(pl_vec3_sub(center, origin), direction);
+bool pl_bound_span(const pl_bound *bound, const double size[3], const pl_bound_ball *ball,
+                   pl_vec3 origin, pl_vec3 direction, double t[2]) {
+  const double nearest = pl_vec3_dot(pl_vec3_sub(ball->center, origin), direction);
   const pl_vec3 from = pl_vec3_madd(origin, nearest, direction);
-  const pl_vec3 off = pl_vec3_sub(from, center);
-  if (pl_vec3_dot(off, off) > radius_m * radius_m || !bound->span(size, from, direction, t))
+  const pl_vec3 off = pl_vec3_sub(from, ball->center);
+  if (pl_vec3_dot(off, off) > ball->radius_m * ball->radius_m ||
+      !bound->span(size, from, direction, t))
     return false;
   t[0] += nearest;
   t[1] += nearest;

@@ -19,13 +19,16 @@ typedef struct pl_bound {
   double (*support)(const double size[3], pl_vec3 direction);
 } pl_bound;
 
-/* As the kind's own, for unit directions, from any origin: what is left of a coordinate of 1e9 m
- * in double is 1e-7 m. */
-bool pl_bound_span(const pl_bound *bound, const double size[3], pl_vec3 origin, pl_vec3 direction,
-                   double t[2]);
 /* A sphere that holds the shape: its box's. */
-void pl_bound_sphere(const pl_bound *bound, const double size[3], pl_vec3 *center,
-                     double *radius_m);
+typedef struct pl_bound_ball {
+  pl_vec3 center;
+  double radius_m;
+} pl_bound_ball;
+pl_bound_ball pl_bound_sphere(const pl_bound *bound, const double size[3]);
+/* As the kind's own, for unit directions, from any origin: what is left of a coordinate of 1e9 m
+ * in double is 1e-7 m. `ball`: the shape's. */
+bool pl_bound_span(const pl_bound *bound, const double size[3], const pl_bound_ball *ball,
+                   pl_vec3 origin, pl_vec3 direction, double t[2]);
 
 /* The part of [t[0], t[1]] where (t - root[0]) (t - root[1]) has the sign that a quadratic
  * a t^2 + 2 b t + c <= 0 asks for; false if it is empty. For the kinds: the set is one interval. */

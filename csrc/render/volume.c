@@ -53,7 +53,8 @@ static float column_of(const pl_volume_item *item, pl_vec3 point) {
   double t[2];
   if (item->columns != NULL)
     return pl_volume_column(item->columns, at);
-  if (!pl_bound_span(volume->bound, volume->size, at, item->toward, t) || !(t[1] > 0.0))
+  if (!pl_bound_span(volume->bound, volume->size, &item->shot->ball, at, item->toward, t) ||
+      !(t[1] > 0.0))
     return 0.0f;
   return (float)(t[1] - fmax(0.0, t[0]));
 }
@@ -77,7 +78,8 @@ static bool span_of(const pl_volume_item *item, const pl_volume_ray *ray, double
   if (ray->camera && !shot->in_frame)
     return false;
   const pl_vec3 direction = pl_mat3_mul_vec_t(shot->rotation, ray->direction);
-  if (!pl_bound_span(volume->bound, volume->size, local_point(shot, ray->origin), direction, t))
+  if (!pl_bound_span(volume->bound, volume->size, &shot->ball, local_point(shot, ray->origin),
+                     direction, t))
     return false;
   t[0] = fmax(t[0], 0.0);
   t[1] = fmin(t[1], ray->t_max);

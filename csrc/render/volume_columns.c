@@ -58,7 +58,7 @@ static void fill_line(const pl_shot_volume *shot, const pl_volume_columns *c, pl
   *out = (line){0.0, 0.0};
   for (int k = 0; k <= c->side; k++)
     columns[k] = 0.0f;
-  if (!pl_bound_span(volume->bound, volume->size, foot, c->toward, t))
+  if (!pl_bound_span(volume->bound, volume->size, &shot->ball, foot, c->toward, t))
     return;
   *out = (line){warp(c, t[0]), warp(c, t[1])};
   const pl_vec3f view = pl_vec3_to_float(pl_mat3_mul_vec(shot->rotation, c->toward));

@@ -71,6 +71,7 @@ typedef struct pl_shot_volume {
   const pl_volume *volume; /* borrowed */
   pl_mat3 rotation;        /* axes of the bound to root axes */
   pl_vec3 origin;          /* of the bound, camera-relative, m */
+  pl_bound_ball ball;      /* that holds it, in its own axes */
   pl_vec3 center;          /* of the bounding sphere, camera-relative, m */
   double radius_m;         /* of the bounding sphere */
   bool in_frame;           /* the sphere touches the frustum */

@@ -24,9 +24,9 @@ pl_status pl_volumes_place(const pl_placement *placement, pl_arena *arena, pl_ve
     shot->rotation = pl_mat3_mul(axes, pl_mat3_from_quat(volume->local.q));
     shot->origin = pl_vec3_add(on_object ? object->position : body->center,
                                pl_mat3_mul_vec(axes, volume->local.t));
-    pl_vec3 center;
-    pl_bound_sphere(volume->bound, volume->size, &center, &shot->radius_m);
-    shot->center = pl_vec3_add(shot->origin, pl_mat3_mul_vec(shot->rotation, center));
+    shot->ball = pl_bound_sphere(volume->bound, volume->size);
+    shot->radius_m = shot->ball.radius_m;
+    shot->center = pl_vec3_add(shot->origin, pl_mat3_mul_vec(shot->rotation, shot->ball.center));
     shot->in_frame = pl_snapshot_sees(out, shot->center, shot->radius_m, axis, half_angle);
   }
   return PL_OK;

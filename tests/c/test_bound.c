@@ -20,6 +20,12 @@ static bool inside(const pl_bound *bound, const double s[3], pl_vec3 p, double g
          hypot(p.x, p.y) <= radius + (grow - 1.0) * fmax(s[0], s[1]);
 }
 
+static bool span_of(const pl_bound *bound, const double size[3], pl_vec3 o, pl_vec3 d,
+                    double t[2]) {
+  const pl_bound_ball ball = pl_bound_sphere(bound, size);
+  return pl_bound_span(bound, size, &ball, o, d, t);
+}
+
 static pl_vec3 at(pl_vec3 o, double t, pl_vec3 d) { return pl_vec3_madd(o, t, d); }
 
 /* Points of the span are inside, points before and behind it are not; a line without a span has no
@@ -28,7 +34,7 @@ static void check_line(const pl_bound *bound, const double size[3], pl_vec3 o, p
                        int *met) {
   double t[2];
   enum { POINTS = 40 };
-  const bool found = pl_bound_span(bound, size, o, d, t);
+  const bool found = span_of(bound, size, o, d, t);
   for (int i = 0; i <= POINTS; i++) {
     if (found) {
       const double within = t[0] + (t[1] - t[0]) * (i + 0.5) / (POINTS + 1);
@@ -75,24 +81,24 @@ static void test_cone(void **state) {
   const double tip[3] = {0.0, 2.0, 4.0}, pipe[3] = {1.5, 1.5, 4.0};
   const pl_vec3 z = {0, 0, 1}, x = {1, 0, 0};
   double t[2];
-  assert_true(pl_bound_span(&pl_bound_cone, tip, (pl_vec3){0, 0, -3}, z, t));
+  assert_true(span_of(&pl_bound_cone, tip, (pl_vec3){0, 0, -3}, z, t));
   check_near(t[0], 3.0, 1e-12);
   check_near(t[1], 7.0, 1e-12);
-  assert_true(pl_bound_span(&pl_bound_cone, tip, (pl_vec3){-9, 0, 2}, x, t));
+  assert_true(span_of(&pl_bound_cone, tip, (pl_vec3){-9, 0, 2}, x, t));
   check_near(t[0], 8.0, 1e-12);
   check_near(t[1], 10.0, 1e-12);
-  assert_true(pl_bound_span(&pl_bound_cone, pipe, (pl_vec3){0.5, 0, -3}, z, t));
+  assert_true(span_of(&pl_bound_cone, pipe, (pl_vec3){0.5, 0, -3}, z, t));
   check_near(t[1] - t[0], 4.0, 1e-12);
-  assert_false(pl_bound_span(&pl_bound_cone, pipe, (pl_vec3){1.6, 0, -3}, z, t));
-  assert_false(pl_bound_span(&pl_bound_cone, tip, (pl_vec3){-9, 0, 0}, x, t));
-  assert_false(pl_bound_span(&pl_bound_cone, tip, (pl_vec3){-9, 0, 4}, x, t));
+  assert_false(span_of(&pl_bound_cone, pipe, (pl_vec3){1.6, 0, -3}, z, t));
+  assert_false(span_of(&pl_bound_cone, tip, (pl_vec3){-9, 0, 0}, x, t));
+  assert_false(span_of(&pl_bound_cone, tip, (pl_vec3){-9, 0, 4}, x, t));
   /* Parallel to its side and 1e-6 m inside, it is there for all but 2e-6 m of the height. */
   const pl_vec3 side = pl_vec3_unit((pl_vec3){2, 0, 4});
-  assert_true(pl_bound_span(&pl_bound_cone, tip, (pl_vec3){-1e-6, 0, 0}, side, t));
+  assert_true(span_of(&pl_bound_cone, tip, (pl_vec3){-1e-6, 0, 0}, side, t));
   check_near(t[1] - t[0], sqrt(20.0), 2e-6);
   /* Towards the tip a line does not come out of the other half of the double cone. */
-  assert_true(pl_bound_span(&pl_bound_cone, tip, (pl_vec3){0, 0, 10},
-                            pl_vec3_unit((pl_vec3){0.01, 0, -1}), t));
+  assert_true(
+      span_of(&pl_bound_cone, tip, (pl_vec3){0, 0, 10}, pl_vec3_unit((pl_vec3){0.01, 0, -1}), t));
   assert_true(10.0 - t[1] * cos(atan(0.01)) >= 0.0);
 }
 
@@ -101,10 +107,10 @@ static void test_degenerate_lines(void **state) {
   const double unit[3] = {2.0, 2.0, 2.0}, ball[3] = {1.0, 1.0, 1.0};
   const pl_vec3 x = {1, 0, 0};
   double t[2];
-  assert_false(pl_bound_span(&pl_bound_box, unit, (pl_vec3){-5, 1.0, 0}, x, t));
-  assert_true(pl_bound_span(&pl_bound_box, unit, (pl_vec3){-5, 0.999999, 0}, x, t));
-  assert_false(pl_bound_span(&pl_bound_ellipsoid, ball, (pl_vec3){-5, 1.0, 0}, x, t));
-  assert_true(pl_bound_span(&pl_bound_ellipsoid, ball, (pl_vec3){0, 0, 0}, x, t));
+  assert_false(span_of(&pl_bound_box, unit, (pl_vec3){-5, 1.0, 0}, x, t));
+  assert_true(span_of(&pl_bound_box, unit, (pl_vec3){-5, 0.999999, 0}, x, t));
+  assert_false(span_of(&pl_bound_ellipsoid, ball, (pl_vec3){-5, 1.0, 0}, x, t));
+  assert_true(span_of(&pl_bound_ellipsoid, ball, (pl_vec3){0, 0, 0}, x, t));
   check_near(t[0], -1.0, 1e-12);
   check_near(t[1], 1.0, 1e-12);
 }
@@ -116,18 +122,16 @@ static void test_far_origin(void **state) {
   const pl_vec3 d = pl_vec3_unit((pl_vec3){1, 2, -2}), across = pl_vec3_unit((pl_vec3){0, 1, 1});
   double t[2];
   const pl_vec3 o = pl_vec3_madd(pl_vec3_scale(across, 0.6), -1e9, d);
-  assert_true(pl_bound_span(&pl_bound_ellipsoid, ball, o, d, t));
+  assert_true(span_of(&pl_bound_ellipsoid, ball, o, d, t));
   check_near(t[1] - t[0], 1.6, 2e-6);
 }
 
 static void test_sphere_and_support(void **state) {
   (void)state;
   const double s[3] = {0.5, 2.0, 4.0};
-  pl_vec3 center;
-  double radius_m;
-  pl_bound_sphere(&pl_bound_cone, s, &center, &radius_m);
-  check_near(center.z, 2.0, 1e-12);
-  check_near(radius_m, sqrt(4.0 + 4.0 + 4.0), 1e-12);
+  const pl_bound_ball ball = pl_bound_sphere(&pl_bound_cone, s);
+  check_near(ball.center.z, 2.0, 1e-12);
+  check_near(ball.radius_m, sqrt(4.0 + 4.0 + 4.0), 1e-12);
   const pl_vec3 d = pl_vec3_unit((pl_vec3){3, 0, 4});
   check_near(pl_bound_cone.support(s, d), 2.0 * 0.6 + 4.0 * 0.8, 1e-12);
   check_near(pl_bound_box.support(s, d), 0.5 * (0.5 * 0.6 + 4.0 * 0.8), 1e-12);
