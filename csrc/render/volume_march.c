@@ -8,6 +8,8 @@
 
 /* Less than this part of the light from beyond is not followed any more. */
 static const float DARK = 1e-4f;
+/* Sums of lights stay finite. */
+static const float LIGHT_MAX = 1e30f;
 /* Fewest steps through a volume whose density varies; and rays that come from surfaces take so many
  * times fewer. */
 enum { STEPS_MIN = 4, OF_SURFACES = 4 };
@@ -61,6 +63,11 @@ static pl_vec3f seen(pl_vec3f extinction, float length) {
                        seen_m(extinction.z, length));
 }
 
+static pl_vec3f cut_off(pl_vec3f light) {
+  return pl_vec3f_make(pl_minf(light.x, LIGHT_MAX), pl_minf(light.y, LIGHT_MAX),
+                       pl_minf(light.z, LIGHT_MAX));
+}
+
 /* One step, from `start` on, whose medium is that at `middle`. */
 static void step(const pl_volume_view *view, const pl_volume_ray *ray, const pl_volume_part *part,
                  double start, double end, double middle, pl_volume_stretch *sum) {
@@ -77,7 +84,7 @@ static void step(const pl_volume_view *view, const pl_volume_ray *ray, const pl_
                                         pl_volume_toward_sun(view, point));
       source = pl_vec3f_add(source, pl_vec3f_mul(m.scattered, sun));
     }
-    const pl_vec3f light = pl_vec3f_mul(source, seen(m.extinction, length));
+    const pl_vec3f light = cut_off(pl_vec3f_mul(source, seen(m.extinction, length)));
     sum->radiance = pl_vec3f_add(sum->radiance, pl_vec3f_mul(sum->passed, light));
   }
   const pl_vec3f e = m.extinction;

@@ -85,6 +85,23 @@ def test_thin_and_edge_on() -> None:
     assert np.isfinite(picture(config({"cone": cone}))).all()
 
 
+@pytest.mark.parametrize("material", [None, "fog"])
+@pytest.mark.parametrize("extinction", [0.0, 1e-30, 1e30])
+@pytest.mark.parametrize("emission", [0.0, 1e30])
+def test_extremes(material: str | None, extinction: float, emission: float) -> None:
+    """The most and the least that the schema takes: no pixel is other than finite."""
+    ball = mist(
+        material=material, extinction_per_m=extinction, emission_w_m3_sr=emission, radii_m=1e6
+    )
+    tree = config({"mist": ball}, materials=FOG)
+    tree["render"]["force_on"] = ["volumes"]
+    found = picture(tree)
+    assert np.isfinite(found).all()
+    assert np.all(found >= 0.0)
+    # The camera is inside, where the densest mist is black.
+    assert bool(found.any()) == (emission > 0.0 or extinction == 1e-30)
+
+
 def test_body_in_its_dust() -> None:
     """A body within its own dust hides what is behind it, shades it, and is shaded: between camera
     and ground there is what a shell of it scatters."""

@@ -187,6 +187,20 @@ def test_own_values_in_each_volume() -> None:
     assert sorted(bool(half.any()) for half in halves) == [False, True]
 
 
+def test_a_draw_for_each_volume() -> None:
+    graph = {
+        "nodes": {
+            "driver:thick": {"type": "value", "value": 0.5},
+            "medium": {"type": "lambert", "alpha": "driver:thick"},
+        },
+        "drivers": {"per": "instance", "drivers": {"thick": {"uniform": [0.1, 1.0]}}},
+    }
+    balls = {"left": mist(material="fog"), "right": mist(material="fog")}
+    drawn = perilune.open(config(balls, materials={"fog": graph}))[0].meta["drivers"]
+    assert len(drawn) == 2
+    assert len(set(drawn.values())) == 2
+
+
 def test_same_bits_for_any_threads() -> None:
     balls = {"mist": mist(material="layers"), "more": mist(radii_m=[2.0, 0.3, 0.3])}
     tree = config(balls, materials={"layers": LAYERED})
