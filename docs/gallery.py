@@ -4,9 +4,9 @@
     python docs/gallery.py 12 14 15 worlds
     python docs/gallery.py cells --bodies mars,moon --craft iss --width 640 --out /tmp/look
 
-Figures 14 and 15 are the spacecraft, 12 is clouds that a driver bends; `cells` writes single
-pictures of 14 and 15. Models, maps and surfaces are those of the files in configs/; here is where
-each thing is, and the camera. Needs Pillow and the sample data.
+Figures 14 and 15 are the spacecraft, 12 is clouds that are bent; `cells` writes single pictures of
+14 and 15. Models, maps and surfaces are those of the files in configs/; here is where things are,
+and the camera. Needs Pillow and the sample data.
 """
 
 from __future__ import annotations
@@ -65,11 +65,8 @@ class Craft:
     distance_m: float
     azimuth_deg: float
     """Of the camera as seen from the spacecraft, from the Sun's azimuth."""
-    roll_deg: float = 0.0
-    aim_m: float = 0.0
-    """How far to the right of the spacecraft's middle the camera looks."""
     lift_m: float = 0.0
-    """How far above it."""
+    """How far above the spacecraft's middle the camera looks."""
     materials: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -250,7 +247,7 @@ def camera(body: str, craft: str) -> dict[str, Any]:
     radius = radius_km(body)
     down = math.acos(radius / (radius + ground.altitude_km)) + math.radians(ground.limb_deg)
     azimuth = math.radians((seen.azimuth_deg + 4.0 * row - 10.0) * (-1) ** row)
-    ahead, right = np.array([math.cos(azimuth), math.sin(azimuth), 0.0]), -math.sin(azimuth)
+    ahead = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
     place = seen.distance_m * (math.cos(down) * ahead - [0.0, 0.0, math.sin(down)])
     return {
         "fov_deg": 42.0,
@@ -259,9 +256,8 @@ def camera(body: str, craft: str) -> dict[str, Any]:
             "target": craft,
             "frame": "lvlh",
             "position_m": place.tolist(),
-            "aim_offset_m": [seen.aim_m * right, seen.aim_m * math.cos(azimuth), -seen.lift_m],
+            "aim_offset_m": [0.0, 0.0, -seen.lift_m],
             "up": [0.0, 0.0, -1.0],
-            "roll_deg": seen.roll_deg,
         },
     }
 
@@ -324,7 +320,7 @@ def worlds(width: int, samples: int) -> Image.Image:
 
 
 def clouds(width: int, samples: int) -> Image.Image:
-    """One map of clouds, bent more and more by a driver."""
+    """One map of clouds, bent more and more."""
     scenes = [gallery_stills.clouds(warp) for warp in (0.0, 0.4, 1.2, 3.0)]
     return grid([[rendered(scene, width, samples) for scene in scenes]])
 
@@ -348,16 +344,18 @@ def cells(options: argparse.Namespace) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", nargs="*", default=list(SHEETS), choices=[*SHEETS, "cells"])
+    parser.add_argument("what", nargs="*", help=f"{', '.join(SHEETS)} (default: all), cells")
     parser.add_argument("--bodies", default=",".join(GROUNDS), help="of cells: such as earth,mars")
     parser.add_argument("--craft", default=",".join(CRAFT), help="of cells: such as iss,lro")
     parser.add_argument("--width", type=int, default=180, help="of a cell, pixels")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--out", type=Path, default=IMAGES)
     options = parser.parse_args()
-    for name in options.what:
+    for name in options.what or SHEETS:
         if name == "cells":
             cells(options)
+        elif name not in SHEETS:
+            parser.error(f"no sheet named '{name}'")
         else:
             image = SHEETS[name](options.width, options.samples)
             image.save(options.out / f"gallery_{name}.png", optimize=True)

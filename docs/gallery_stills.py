@@ -60,9 +60,9 @@ def above(place: tuple[float, float, float], aim: tuple[float, float, float], fo
 
     What is farther from the Earth is up in the image; north, from more than a radius of it.
     """
-    points = [direction(lon, lat) * (EARTH_KM + height) * 1e3 for lon, lat, height in (place, aim)]
-    up = np.array([0.0, 0.0, 1.0]) if place[2] > EARTH_KM else points[0]
-    return view("earth", *points, up, fov, "target")
+    start, end = (direction(lon, lat) * (EARTH_KM + high) * 1e3 for lon, lat, high in (place, aim))
+    up = np.array([0.0, 0.0, 1.0]) if place[2] > EARTH_KM else start
+    return view("earth", start, end, up, fov, "target")
 
 
 def still(epoch: str, root: str, bodies: Scene, camera: Scene, white: float) -> Scene:
