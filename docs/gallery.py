@@ -4,9 +4,9 @@
     python docs/gallery.py 12 14 15 worlds
     python docs/gallery.py cells --bodies mars,moon --craft iss --width 640 --out /tmp/look
 
-Figures 14 and 15 are the spacecraft, 12 is clouds that are bent; `cells` writes single pictures of
-14 and 15. Models, maps and surfaces are those of the files in configs/; here is where things are,
-and the camera. Needs Pillow and the sample data.
+Figures 14 and 15 are the spacecraft, 12 is clouds that a driver bends; `cells` writes single
+pictures of 14 and 15. Models, maps and surfaces are those of the files in configs/; here is where
+things are, and the camera. Needs Pillow and the sample data.
 """
 
 from __future__ import annotations
@@ -320,8 +320,8 @@ def worlds(width: int, samples: int) -> Image.Image:
 
 
 def clouds(width: int, samples: int) -> Image.Image:
-    """One map of clouds, bent more and more."""
-    scenes = [gallery_stills.clouds(warp) for warp in (0.0, 0.4, 1.2, 3.0)]
+    """One map of clouds, bent more and more by a driver."""
+    scenes = [gallery_stills.clouds(strength) for strength in (0.0, 0.05, 0.5, 4.0)]
     return grid([[rendered(scene, width, samples) for scene in scenes]])
 
 

@@ -97,11 +97,14 @@ def night() -> Scene:
     return still("2026-03-20T21:50:00Z", "earth", bodies, camera, 1.2e-3)
 
 
-def clouds(warp: float) -> Scene:
-    """The map of clouds over the Atlantic, bent."""
-    bent = CLOUDS | {"noise": CLOUDS["noise"] | {"size_km": 1500.0, "softness": 3.0, "warp": warp}}
+def clouds(strength: float) -> Scene:
+    """The map of clouds over the Atlantic, bent by a driver of this strength."""
+    warp = {"ideal": 0.0, "jitter_variance": 1.0, "clip_min": -10.0, "clip_max": 10.0}
+    noise = CLOUDS["noise"] | {"size_km": 1500.0, "softness": 3.0, "warp": warp}
     camera = above((-30.0, 25.0, 6500.0), (-27.0, 25.0, 0.0), 40.0)
-    return still("2026-06-20T13:30:00Z", "earth", {"earth": planet(clouds=bent)}, camera, 230.0)
+    bodies = {"earth": planet(clouds=CLOUDS | {"noise": noise})}
+    scene = still("2026-06-20T13:30:00Z", "earth", bodies, camera, 230.0)
+    return scene | {"drivers": {"strength": strength}, "seed": 8}
 
 
 def earthshine() -> Scene:
