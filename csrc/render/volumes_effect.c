@@ -71,7 +71,7 @@ static double bound_dn(const pl_view *view, int value) {
 }
 
 static double cost_ms(const pl_view *view, int value) {
-  return 1e-4 * value * view->width * view->height;
+  return 5e-4 * value * view->width * view->height;
 }
 
 const pl_effect pl_effect_volumes = {
