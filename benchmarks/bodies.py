@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 import bodies_clouds
+import bodies_planetshine
 import numpy as np
 import report
 from numpy.typing import NDArray
@@ -157,7 +158,7 @@ def errors(air: _core.Air, view: str) -> list[tuple[float, float]]:
     return found
 
 
-PARTS = (bodies_clouds.part,)
+PARTS = (bodies_clouds.part, bodies_planetshine.part)
 """Of the other modules: a function each, of the width, that gives results and tables."""
 
 
