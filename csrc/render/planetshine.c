@@ -10,13 +10,16 @@ static const float INVISIBLE = 1e-5f;
 static const float SOIL = 0.15f, GRAPH = 0.3f;
 /* Part of the sun's light that a mesh may get by way of itself and other meshes. A guess as well:
  * it keeps paths for that light. Bodies are convex and have little of it. */
-static const float BY_MESHES = 0.01f;
+static const float BY_MESHES = 0.005f;
 /* Bodies of which a surface sends on less than this part of what a diffuse one would are behind its
  * gloss: other things are in it. */
 static const float GLOSS = 0.02f;
-/* Paths are drawn by the lobe in any case, with this chance at least; and by it alone where bodies
- * would get so few that finding them is not worth the while. */
-static const float LOBE_MIN = 0.25f, SHARE_MIN = 0.04f;
+/* Paths are drawn by the lobe in any case, with this chance at least: meshes light each other. And
+ * by it alone where bodies would get so few that finding them is not worth the while. */
+static const float LOBE_MIN = 0.4f, LOBE_MIN_ON_BODIES = 0.1f, SHARE_MIN = 0.04f;
+/* Bodies whose lit part is wider than this, sr, are found by the lobe's own draws as well, which
+ * lie where the light counts. By measurement. */
+static const float WIDE_SR = 1.5f;
 /* Of all paths so many are to meet bodies at least: weak light is noise that is seen, too. */
 static const float WANTED_MIN = 0.25f;
 
@@ -130,39 +133,58 @@ static guess guess_at(const pl_lune *lune, const pl_surface *s, pl_vec3f wo, flo
   return out;
 }
 
+/* What a vertex sees: light of the bodies that are drawn to, and what else is known of. */
+typedef struct sums {
+  float light, met, gloss, wide;
+} sums;
+
+static void list_bodies(const pl_planetshine *p, const pl_shine_sky *sky, const pl_vertex *vertex,
+                        pl_vec3f wo, pl_shine *out, sums *sums) {
+  out->count = 0;
+  for (int i = 0; i < sky->count; i++) {
+    const uint32_t body = sky->body[i];
+    const float radiance = p->radiance[body];
+    pl_lune *lune = &out->lunes[out->count];
+    if (!pl_lune_make(&p->shot->bodies[body], p->suns[body], vertex->position, lune))
+      continue;
+    const guess found = guess_at(lune, &vertex->surface, wo, radiance);
+    if (found.white * PL_PI_F > WIDE_SR * radiance) {
+      sums->wide += found.light;
+      continue;
+    }
+    sums->gloss += GLOSS * found.white;
+    if (!(found.light > 0.0f))
+      continue;
+    sums->light += out->chance[out->count++] = found.light;
+    sums->met += found.met;
+  }
+}
+
 void pl_shine_at(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo, pl_shine *out) {
   const pl_surface *s = &vertex->surface;
+  const float color = pl_luminance(s->color);
+  sums sums = {0.0f, 0.0f, 0.0f, 0.0f};
   out->share = 0.0f;
   if (p == NULL || p->skies[vertex->thing].count == 0 ||
       (s->reflectance->layered && s->lobes.inside))
     return;
   const pl_shine_sky *sky = &p->skies[vertex->thing];
-  float light = 0.0f, met = 0.0f, gloss = 0.0f;
-  out->count = 0;
-  for (int i = 0; i < sky->count; i++) {
-    const uint32_t body = sky->body[i];
-    pl_lune *lune = &out->lunes[out->count];
-    if (!pl_lune_make(&p->shot->bodies[body], p->suns[body], vertex->position, lune))
-      continue;
-    const guess found = guess_at(lune, s, wo, p->radiance[body]);
-    gloss += GLOSS * found.white;
-    if (!(found.light > 0.0f))
-      continue;
-    light += out->chance[out->count++] = found.light;
-    met += found.met;
-  }
-  if (!(light > 0.0f) || !(met < 1.0f))
+  list_bodies(p, sky, vertex, wo, out, &sums);
+  if (!(sums.light > 0.0f) || !(sums.met < 1.0f))
     return;
   /* Of all paths so many are to meet bodies, of which the lobe's own draws find some. */
-  const float other = sky->other + gloss;
-  const float part = light / (light + other * pl_luminance(s->color));
-  const float wanted = light > gloss * pl_luminance(s->color) ? pl_maxf(part, WANTED_MIN) : part;
-  const float share = pl_minf((wanted - met) / (1.0f - met), 1.0f - LOBE_MIN);
+  const float other = (sky->other + sums.gloss) * color + sums.wide;
+  const float part = sums.light / (sums.light + other);
+  const bool least = sums.light > sums.gloss * color && !(sums.wide > 0.0f);
+  const float wanted = least ? pl_maxf(part, WANTED_MIN) : part;
+  const bool on_body = vertex->thing >= p->shot->object_count;
+  const float most = 1.0f - (on_body ? LOBE_MIN_ON_BODIES : LOBE_MIN);
+  const float share = pl_minf((wanted - sums.met) / (1.0f - sums.met), most);
   if (!(share > SHARE_MIN))
     return;
   out->share = share;
   for (int i = 0; i < out->count; i++)
-    out->chance[i] /= light;
+    out->chance[i] /= sums.light;
 }
 
 /* Density of drawing to the bodies; `drawn`: one whose own density is known, or -1. */

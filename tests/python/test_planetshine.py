@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from perilune import _core
-from tests.python import air_worlds
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import air_worlds
 
 F64 = NDArray[np.float64]
 
