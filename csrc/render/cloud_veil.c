@@ -125,7 +125,8 @@ static void find_place(const cloud_item *item, const meeting *m, double t, float
 }
 
 /* Light that comes through a covered place: over the ground all that is not sent back, since what
- * is scattered on the way was as much elsewhere; of other things what comes straight. */
+ * is scattered on the way was as much elsewhere; of other things what comes straight. What the
+ * ground sends up and clouds send back is left out. */
 static float through(const cloud_item *item, const place *at, bool ground) {
   const float depth = item->clouds->depth;
   return ground ? 1.0f - pl_cloud_reflected(depth, at->mu) : pl_cloud_straight(depth, at->mu);
@@ -219,4 +220,5 @@ const pl_veil_kind pl_veil_clouds = {
     .in_cone = in_cone,
     .cross = cross,
     .toward_sun = toward_sun,
+    .before_sky = true,
 };

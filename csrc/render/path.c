@@ -271,6 +271,17 @@ static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path
   path->throughput = pl_vec3f_mul(path->throughput, pl_lobes_passed(lobes, (float)units));
 }
 
+/* What a vertex sends on of its sky's light. */
+static pl_vec3f sky_at(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
+                       pl_vec3f wo) {
+  const pl_render_settings *s = context->settings;
+  const pl_vec3f sky = pl_air_sky_reflected(s->air, context->shot, vertex, wo);
+  if (s->veils == NULL || !(pl_vec3f_max(sky) > 0.0f))
+    return sky;
+  return pl_vec3f_mul(sky, pl_veils_before_sky(s->veils, context->shot, vertex->position,
+                                               vertex->ng, pl_beam_width(&path->beam, vertex->t)));
+}
+
 /* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
@@ -304,8 +315,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   *queued = shade_sun(context, &path, vertex, u.sun, wo, way, *queued, b);
   if (context->settings->air != NULL)
     add(pl_path_sink(b, path.pixel, path.shared),
-        pl_vec3f_mul(path.throughput,
-                     pl_air_sky_reflected(context->settings->air, context->shot, vertex, wo)));
+        pl_vec3f_mul(path.throughput, sky_at(context, &path, vertex, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
   if (onward &&

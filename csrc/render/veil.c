@@ -103,6 +103,21 @@ pl_vec3f pl_veils_toward_sun(const pl_veils *veils, const pl_snapshot *shot, pl_
   return toward_sun_but(veils, NULL, shot, point, sun, width_m);
 }
 
+/* The sky counts as a disc about the zenith of this sine of its radius. */
+static const float SKY_SINE = 0.5f;
+
+pl_vec3f pl_veils_before_sky(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 point,
+                             pl_vec3f up, float width_m) {
+  const pl_sun_view sky = {.direction = up, .sin_radius = SKY_SINE, .distance_m = INFINITY};
+  pl_vec3f out = ALL;
+  for (size_t k = 0; k < pl_veil_kind_count; k++) {
+    const pl_veil_kind *kind = pl_veil_kinds[k];
+    if (veils->own[k] != NULL && kind->before_sky)
+      out = pl_vec3f_mul(out, kind->toward_sun(veils, veils->own[k], shot, point, &sky, width_m));
+  }
+  return out;
+}
+
 /* Part of a disc of radius `a` that another of radius `b` leaves, whose centre is `apart`. */
 static double disc_left(double a, double b, double apart) {
   if (apart >= a + b)

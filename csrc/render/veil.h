@@ -59,6 +59,7 @@ typedef struct pl_veil_kind {
    * footprint `width_m` wide about the point. */
   pl_vec3f (*toward_sun)(const pl_veils *veils, const void *own, const pl_snapshot *shot,
                          pl_vec3 point, const pl_sun_view *sun, float width_m);
+  bool before_sky; /* it lies between a ground and its sky, which is dimmed as the sun is */
   /* Whether a few samples of a pixel may miss what its whole beam from the camera sees. May be
    * NULL: never. */
   bool (*thin)(const void *own, const pl_snapshot *shot, const pl_beam *pixel);
@@ -89,6 +90,9 @@ pl_vec3f pl_veils_passed(const pl_veils *veils, const pl_snapshot *shot, pl_vec3
 /* What of the sun's light comes through to a point: see the rows. */
 pl_vec3f pl_veils_toward_sun(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 point,
                              const pl_sun_view *sun, float width_m);
+/* What of the light of the sky comes through to a point of the ground, whose normal is `up`. */
+pl_vec3f pl_veils_before_sky(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 point,
+                             pl_vec3f up, float width_m);
 /* The sun's irradiance on a surface at a point that faces it: with eclipses by bodies, the air
  * before it and the other kinds' veils; the things that are meshes cast no shadow there. `kind`:
  * that asks, whose own veils are left out. */

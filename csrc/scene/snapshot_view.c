@@ -139,7 +139,7 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
   pl_view_thing thing = {
       .is_body = true,
       .is_world = true,
-      .in_frame = body->in_frame,
+      .in_frame = body->in_frame || body->clouds_in_frame,
       .textured = body->body->map != NULL || body->body->regolith_map != NULL,
       .radius_m = body->radius_m,
       .albedo_max = albedo_max(body->body, state),

@@ -225,6 +225,22 @@ def test_bodies_shade_clouds() -> None:
     np.testing.assert_allclose(pictures[0] / pictures[1], left[:, 0], atol=2e-3)
 
 
+def test_skylight_comes_through_clouds() -> None:
+    """The ground under an overcast that lets nothing through is dark, with air too."""
+    air = _core.Air(atmospheres.settings(Atmosphere(preset="earth"), (0.61, 0.55, 0.46)), EARTH_M)
+    asked = air_worlds.request(
+        [[EARTH_M] * 3], [EARTH_M + 10.0, 0, 0], [-1, 0, 0], [1, 0.4, 0], size=(3, 3),
+        fov_deg=1.0, tolerance_dn=0.0, samples=4, albedo=0.5, force_off=["soft_sun"],
+    )  # fmt: skip
+    bare = cloud_worlds.render(None, asked, air=air)["radiance"][1, 1]
+    for depth in (5.0, 1e6):
+        under = cloud_worlds.render(Clouds(optical_depth=depth), asked, air=air)["radiance"][1, 1]
+        part = 1.0 - cloud_worlds.reflected(depth, 1.0 / math.hypot(1.0, 0.4))
+        zenith = 1.0 - cloud_worlds.reflected(depth, 1.0)
+        assert (under >= 0.999 * part * bare - 0.1).all()  # 0.1: air on the way to the camera
+        assert (under <= 1.001 * zenith * bare + 0.1).all()
+
+
 CONFIG = """
 version: 1
 seed: 3

@@ -49,7 +49,9 @@ class CloudNoise(Strict):
 class Clouds(Strict):
     """A shell of clouds; a map, a noise or both say what part of each place is covered.
 
-    Without both it is an overcast. Clouds scatter and do not absorb, but for `color`.
+    Without both it is an overcast. Clouds scatter and do not absorb, but for `color`; light that
+    goes to and fro between them and the ground is left out. Beneath them the sky is dimmed as the
+    sun is.
     """
 
     map: str | None = None
