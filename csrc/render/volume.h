@@ -33,7 +33,8 @@ typedef struct pl_volume_ray {
   pl_vec3 origin, direction;
   float width_m, spread; /* as of a pl_beam */
   double t_max;
-  bool camera;          /* from the camera: volumes that are not in the frame are left out */
+  bool camera; /* from the camera: volumes that are not in the frame are left out. Other rays
+                * take a quarter of the steps where densities are graphs' */
   pl_volume_sun_fn sun; /* NULL: only what passes is wanted */
   const void *context;
 } pl_volume_ray;

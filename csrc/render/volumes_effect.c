@@ -18,6 +18,14 @@ typedef struct share {
   double lights; /* most of its radiance that a thing in the frame sends on */
 } share;
 
+/* Whether there is what else the light is kept from: other volumes, clouds, rings. */
+static bool shades_veils(const pl_view *view) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (view->things[i].clouds != NULL || view->things[i].rings_radius_m > 0.0)
+      return true;
+  return view->volume_count > 1;
+}
+
 static share share_of(const pl_view *view, const pl_view_volume *volume) {
   const pl_view_thing thing = thing_of(volume);
   share out = {.shades = false};
@@ -30,8 +38,7 @@ static share share_of(const pl_view *view, const pl_view_volume *volume) {
       out.lights = fmax(out.lights,
                         pl_view_transfer(other, &thing) * pl_view_series(view, view->max_bounces));
   }
-  /* On other volumes, too. */
-  out.shades = out.shades || (volume->depth > 0.0 && view->volume_count > 1);
+  out.shades = out.shades || (volume->depth > 0.0 && shades_veils(view));
   return out;
 }
 

@@ -114,6 +114,36 @@ static void test_dot_behind_slab(void **state) {
   stage_clear(&s);
 }
 
+/* Out of the frame, and with its shadow on no thing: it matters where it may shade rings. */
+static void test_shadow_on_rings(void **state) {
+  (void)state;
+  const pl_effect *row = pl_effects[pl_effect_find("volumes")];
+  pl_view_thing body = {.is_body = true,
+                        .in_frame = true,
+                        .center_m = {0, 0, 100},
+                        .distance_m = 100,
+                        .radius_m = 1,
+                        .albedo_max = 0.5,
+                        .irradiance = 1361.0};
+  const pl_view_volume volume = {
+      .center_m = {50, 0, 0}, .distance_m = 50, .radius_m = 1, .depth = 0.5, .scattered = 1.0};
+  const pl_view view = {.white_radiance = 100.0,
+                        .sun_position_m = {0, 0, -AU},
+                        .sun_radius_m = 7e8,
+                        .things = &body,
+                        .thing_count = 1,
+                        .volumes = &volume,
+                        .volume_count = 1,
+                        .volume_steps = 32,
+                        .sky = {.white_radiance = 100.0}};
+  assert_non_null(row->absent(&view));
+  body.rings_radius_m = 60.0;
+  assert_null(row->absent(&view));
+  assert_true(row->bound_dn(&view, 0) > 20.0);
+  assert_true(row->bound_dn(&view, 31) == row->bound_dn(&view, 0));
+  assert_true(row->bound_dn(&view, 32) == 0.0);
+}
+
 /* --- the bound -------------------------------------------------------------------------------- */
 
 /* Noise for a density. */
@@ -217,9 +247,8 @@ static void test_row_stays_below_its_bound(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_wall_behind_slab),
-      cmocka_unit_test(test_shadow_of_a_body),
-      cmocka_unit_test(test_dot_behind_slab),
+      cmocka_unit_test(test_wall_behind_slab),          cmocka_unit_test(test_shadow_of_a_body),
+      cmocka_unit_test(test_dot_behind_slab),           cmocka_unit_test(test_shadow_on_rings),
       cmocka_unit_test(test_row_stays_below_its_bound),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -221,8 +221,9 @@ class Render(Strict):
     """The best filter of pictures that may be used: of a mip level the nearest texel or four, of
     two levels four each, or up to so many of these along the longer axis of a footprint."""
     volume_steps: Annotated[Integer, Field(ge=1, le=1024)] = 32
-    """Most steps along a ray through a volume, and cells along and across the table of the light
-    that reaches its parts, if that has a material."""
+    """Most steps along a ray through a volume. Where that has a material they are also the cells, 8
+    to 64, of the table of the light that reaches its parts, and rays from surfaces take a quarter
+    of them."""
     tolerance_dn: NonNegative = 1.0
     """An effect that can change no pixel by more is left out; 0 keeps all that apply."""
     force_on: tuple[str, ...] = ()
