@@ -26,6 +26,7 @@ ROWS = {
     "planetshine": ("pl_planetshine_build", "lune.c"),
     "regolith": ("hapke.c", "hapke_rough.c"),
     "volumes": ("volume.c", "volume_march.c", "volume_columns.c", "volume_veil.c"),
+    "rings": ("ring_veil.c", "average.c", "pl_rings_cut", "pl_rings_scatter"),
     "clouds": ("cloud_veil.c", "clouds.c", "pl_veils_apply", "pl_veils_toward_sun"),
     "relief": ("relief.c",),
     "glint": ("water.c",),

@@ -27,7 +27,8 @@ static const row_off rows[] = {
     {.name = "planetshine"},
     {.name = "regolith", .with = {"emitters", "body_bounces"}},
     {.name = "volumes"},
-    {.name = "clouds", .with = {"volumes"}}, /* veils, too */
+    {.name = "rings"},
+    {.name = "clouds", .with = {"volumes", "rings"}}, /* veils, too */
     {.name = "relief"},
     {.name = "glint"},
     {.name = "night_lights"},
@@ -148,6 +149,17 @@ static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp,
       (pl_ground_state){.height_m = 1.0f, .wind_m_s = 7.0f, .lights = {200.0f, 100.0f, 50.0f}};
 }
 
+/* Thin ones about the moon. */
+static pl_rings *put_rings(stage *s) {
+  const double edges[2] = {17.0, 22.0}, depth = 0.2, albedo[3] = {0.5, 0.5, 0.5};
+  pl_rings *rings;
+  const pl_rings_settings settings = {
+      .count = 1, .edges_m = edges, .depth = &depth, .albedo = albedo};
+  assert_int_equal(pl_rings_create(&settings, &rings), PL_OK);
+  s->scene.bodies[1].rings = rings;
+  return rings;
+}
+
 /* The camera turns while rows are read, and focuses behind the lamp. */
 static void set_moving(stage *s) {
   pl_camera *camera = &s->placement.camera;
@@ -204,6 +216,7 @@ static void test_rows_that_are_off(void **state) {
   const pl_volume fog = fog_of(graph);
   s.placement.volumes = &fog;
   s.placement.volume_count = 1;
+  pl_rings *rings = put_rings(&s);
   const pl_sensor sensor = flight_sensor();
   assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
   for (int moving = 0; moving < 2; moving++) {
@@ -226,6 +239,7 @@ static void test_rows_that_are_off(void **state) {
   pl_model_destroy(ground);
   pl_model_destroy(lamp);
   pl_texture_destroy(map);
+  pl_rings_destroy(rings);
 }
 
 int main(void) {
