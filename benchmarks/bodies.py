@@ -14,6 +14,7 @@ from typing import Any
 
 import bodies_clouds
 import bodies_planetshine
+import bodies_rings
 import numpy as np
 import report
 from numpy.typing import NDArray
@@ -158,7 +159,7 @@ def errors(air: _core.Air, view: str) -> list[tuple[float, float]]:
     return found
 
 
-PARTS = (bodies_clouds.part, bodies_planetshine.part)
+PARTS = (bodies_clouds.part, bodies_planetshine.part, bodies_rings.part)
 """Of the other modules: a function each, of the width, that gives results and tables."""
 
 

@@ -27,11 +27,44 @@ static pl_status build(const pl_snapshot *shot, int value, pl_arena *arena, cons
   return PL_OK;
 }
 
+/* Whether a cone may hold places of a circle about the z axis, in whose axes all is: none is
+ * farther than half a step from one of ARCS places. slack_m: by which the cone's apex may be off.
+ */
+enum { ARCS = 64 };
+static bool circle_in_cone(double radius_m, pl_vec3 apex, pl_vec3 axis, double half_angle,
+                           double slack_m) {
+  const double step_m = radius_m * PL_PI / ARCS + slack_m;
+  for (int i = 0; i < ARCS; i++) {
+    const double turn = 2.0 * PL_PI * i / ARCS;
+    const pl_vec3 to =
+        pl_vec3_sub((pl_vec3){radius_m * cos(turn), radius_m * sin(turn), 0.0}, apex);
+    const double off = atan2(pl_vec3_norm(pl_vec3_cross(to, axis)), pl_vec3_dot(to, axis));
+    const double far = pl_vec3_norm(to);
+    if (!(far > step_m) || off < half_angle + asin(step_m / far))
+      return true;
+  }
+  return false;
+}
+
+/* The part of the plane that a cone holds has no holes: it meets the rings where its middle or one
+ * of their edges is within. */
+static bool may_see(const ring_item *item, const pl_snapshot *shot, pl_vec3 axis,
+                    double half_angle) {
+  const pl_shot_body *body = &shot->bodies[item->body];
+  const double inner = pl_rings_inner_m(item->rings), outer = pl_rings_outer_m(item->rings);
+  if (!pl_snapshot_sees(shot, body->center, outer, axis, half_angle))
+    return false;
+  const pl_vec3 apex = body->camera, along = pl_mat3_mul_vec_t(body->rotation, axis);
+  const pl_vec3 at = pl_vec3_madd(apex, -apex.z / along.z, along);
+  const double r = hypot(at.x, at.y), slack_m = shot->camera.aperture_m;
+  return !(r < inner || r > outer) || circle_in_cone(inner, apex, along, half_angle, slack_m) ||
+         circle_in_cone(outer, apex, along, half_angle, slack_m);
+}
+
 static bool in_cone(const void *own, const pl_snapshot *shot, pl_vec3 axis, double half_angle) {
   const ring_list *list = own;
   for (size_t i = 0; i < list->count; i++)
-    if (pl_snapshot_sees(shot, shot->bodies[list->items[i].body].center,
-                         pl_rings_outer_m(list->items[i].rings), axis, half_angle))
+    if (may_see(&list->items[i], shot, axis, half_angle))
       return true;
   return false;
 }

@@ -137,6 +137,8 @@ void pl_rings_destroy(pl_rings *rings) {
   pl_free(rings);
 }
 
+double pl_rings_inner_m(const pl_rings *rings) { return rings->edges_m[0]; }
+
 double pl_rings_outer_m(const pl_rings *rings) { return rings->edges_m[rings->count]; }
 
 pl_rings_reach pl_rings_reach_of(const pl_rings *rings) { return rings->reach; }

@@ -29,6 +29,7 @@ typedef struct pl_rings pl_rings;
 pl_status pl_rings_create(const pl_rings_settings *settings, pl_rings **out);
 void pl_rings_destroy(pl_rings *rings);
 
+double pl_rings_inner_m(const pl_rings *rings);
 double pl_rings_outer_m(const pl_rings *rings);
 /* Bounds of all intervals. */
 typedef struct pl_rings_reach {
