@@ -15,6 +15,7 @@ from typing import Any
 import bodies_clouds
 import bodies_planetshine
 import bodies_rings
+import bodies_shapes
 import numpy as np
 import report
 from numpy.typing import NDArray
@@ -159,7 +160,7 @@ def errors(air: _core.Air, view: str) -> list[tuple[float, float]]:
     return found
 
 
-PARTS = (bodies_clouds.part, bodies_planetshine.part, bodies_rings.part)
+PARTS = (bodies_clouds.part, bodies_planetshine.part, bodies_rings.part, bodies_shapes.part)
 """Of the other modules: a function each, of the width, that gives results and tables."""
 
 

@@ -321,6 +321,9 @@ def test_the_configuration(tmp_path):
     air = {"shape": "a.obj", "atmosphere": {"preset": "mars"}}
     with pytest.raises(ConfigError, match="a body with a shape has none"):
         perilune.open(scene(air, (5e3, 0, 0)))
+    clouds = {"shape": "a.obj", "clouds": {"altitude_km": 1.0, "noise": {}}}
+    with pytest.raises(ConfigError, match=r"clouds.*a body with a shape has none"):
+        perilune.open(scene(clouds, (5e3, 0, 0)))
     with pytest.raises((ConfigError, FileNotFoundError), match=r"nowhere\.obj"):
         frame(scene({"shape": str(tmp_path / "nowhere.obj")}, (5e3, 0, 0)))
 
