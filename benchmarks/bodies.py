@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 import bodies_clouds
+import bodies_ground
 import bodies_planetshine
 import bodies_rings
 import bodies_shapes
@@ -160,7 +161,13 @@ def errors(air: _core.Air, view: str) -> list[tuple[float, float]]:
     return found
 
 
-PARTS = (bodies_clouds.part, bodies_planetshine.part, bodies_rings.part, bodies_shapes.part)
+PARTS = (
+    bodies_clouds.part,
+    bodies_ground.part,
+    bodies_planetshine.part,
+    bodies_rings.part,
+    bodies_shapes.part,
+)
 """Of the other modules: a function each, of the width, that gives results and tables."""
 
 
