@@ -206,7 +206,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   *ray = pl_vertex_ray(vertex, context->shot, drawn.direction, INFINITY);
   const float width = pl_beam_width(&path->beam, vertex->t);
   /* The solid angle that one draw of density pdf stands for is about 1/pdf. */
-  const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.pdf));
+  const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.fine_pdf));
   const float lobe_opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.lobe_pdf));
   *next = (pl_path){
       .beam = {.origin = pl_vec3f_to_double(ray->origin),

@@ -35,11 +35,17 @@ static float mean_color(const pl_shot_body *body) {
   return pl_minf(pl_luminance(color), 1.0f) * (body->body->reflectance->photometric ? SOIL : 1.0f);
 }
 
-/* Keeps the brightest, in falling order. */
+/* Keeps the brightest, in falling order; the rest is other light. */
 static void insert(pl_shine_sky *sky, float light[PL_SHINE_LIGHTS], uint32_t body, float found) {
-  int at = sky->count < PL_SHINE_LIGHTS ? sky->count++ : PL_SHINE_LIGHTS;
-  if (at == PL_SHINE_LIGHTS && !(found > light[--at]))
-    return;
+  int at = sky->count;
+  if (at == PL_SHINE_LIGHTS) {
+    at--;
+    sky->other += pl_minf(found, light[at]);
+    if (!(found > light[at]))
+      return;
+  } else {
+    sky->count++;
+  }
   for (; at > 0 && found > light[at - 1]; at--) {
     light[at] = light[at - 1];
     sky->body[at] = sky->body[at - 1];
@@ -187,6 +193,16 @@ void pl_shine_at(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo, 
     out->chance[i] /= sums.light;
 }
 
+/* A draw to a body stands for all that is lit; but so many times finer is what it sees, or the map
+ * of a body's far side would be in it. */
+static const float FINER = 16.0f;
+
+static void set_densities(const pl_shine *shine, float bodies, pl_shine_draw *out) {
+  const float lobe = (1.0f - shine->share) * out->lobe_pdf;
+  out->pdf = lobe + shine->share * bodies;
+  out->fine_pdf = lobe + FINER * shine->share * bodies;
+}
+
 /* Density of drawing to the bodies; `drawn`: one whose own density is known, or -1. */
 static float bodies_pdf(const pl_shine *shine, pl_vec3f direction, int drawn, float known) {
   float sum = 0.0f;
@@ -207,7 +223,7 @@ static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], floa
                         pl_shine_draw *out) {
   if (!s->reflectance->sample(s, wo, u, choice, &out->wi, &out->weight, &out->lobe_pdf))
     return false;
-  out->pdf = out->lobe_pdf;
+  out->pdf = out->fine_pdf = out->lobe_pdf;
   out->direction = pl_vec3f_unit(pl_surface_to_world(s, out->wi));
   const float side = pl_vec3f_dot(out->direction, s->ng);
   return out->wi.z > 0.0f ? side > 0.0f : out->wi.z < 0.0f && side < 0.0f;
@@ -227,8 +243,7 @@ static bool sample_body(const pl_shine *shine, const pl_surface *s, pl_vec3f wo,
   out->lobe_pdf = s->reflectance->pdf(s, wo, out->wi);
   if (!(out->lobe_pdf > 0.0f))
     return false;
-  out->pdf = (1.0f - shine->share) * out->lobe_pdf +
-             shine->share * bodies_pdf(shine, out->direction, at, known);
+  set_densities(shine, bodies_pdf(shine, out->direction, at, known), out);
   out->weight = pl_vec3f_scale(s->reflectance->evaluate(s, wo, out->wi), 1.0f / out->pdf);
   return true;
 }
@@ -242,7 +257,7 @@ bool pl_shine_sample(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, co
     return sample_body(shine, s, wo, u, choice / share, out);
   if (!sample_lobe(s, wo, u, pl_minf((choice - share) / (1.0f - share), 0x1.fffffep-1f), out))
     return false;
-  out->pdf = (1.0f - share) * out->lobe_pdf + share * bodies_pdf(shine, out->direction, -1, 0.0f);
+  set_densities(shine, bodies_pdf(shine, out->direction, -1, 0.0f), out);
   out->weight = pl_vec3f_scale(out->weight, out->lobe_pdf / out->pdf);
   return true;
 }

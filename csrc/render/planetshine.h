@@ -17,7 +17,7 @@ enum { PL_SHINE_LIGHTS = 4 };
 typedef struct pl_shine_sky {
   uint32_t body[PL_SHINE_LIGHTS];
   int count;
-  float other; /* guess of the light by way of what is no body, as radiance of a white surface */
+  float other; /* guess of the light by way of anything else, as radiance of a white surface */
 } pl_shine_sky;
 
 /* Read-only once built; shared by all workers. */
@@ -51,6 +51,7 @@ void pl_shine_at(const pl_planetshine *shine, const pl_vertex *vertex, pl_vec3f 
 typedef struct pl_shine_draw {
   pl_vec3f direction, wi, weight; /* weight: reflected over pdf */
   float pdf, lobe_pdf;            /* of both ways of drawing, and of the surface's alone; 1/sr */
+  float fine_pdf;                 /* of which so much is to be seen: 1 over a solid angle, 1/sr */
 } pl_shine_draw;
 
 /* False if the path ends. */

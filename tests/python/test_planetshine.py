@@ -51,22 +51,27 @@ def new_moon(phase_deg: float, **changes: Any) -> dict[str, Any]:
     return asked
 
 
-def earthlight(phase_deg: float, away_m: float = APART_M - MOON_M) -> float:
-    """W m-2 on a plate that faces the Earth, so far from its centre: the cosine law integrated over
-    what it sees of the sunlit side, by 200 Gauss nodes of the cosine from below the plate."""
-    angle = math.radians(phase_deg)
+def light_of_sphere(albedo: float, radius_m: float, phase_rad: float, away_m: float) -> float:
+    """W m-2 on a plate that faces a Lambert sphere, so far from its centre: the cosine law
+    integrated over what it sees of the sunlit side, by 200 Gauss nodes of the cosine from below
+    the plate."""
     nodes, weights = np.polynomial.legendre.leggauss(200)
-    horizon = EARTH_M / away_m
+    horizon = radius_m / away_m
     z = (0.5 * (1 + horizon) + 0.5 * (1 - horizon) * nodes)[:, None]
     turns = 2 * math.pi * (np.arange(400) + 0.5) / 400
     n = np.stack(np.broadcast_arrays(z, np.sqrt(1 - z * z) * np.cos(turns)), axis=-1)
-    lit = np.maximum(0.0, n @ np.array([math.cos(angle), math.sin(angle)]))
-    gap_x = away_m - EARTH_M * n[..., 0]
-    square = gap_x**2 + EARTH_M**2 * (1 - n[..., 0] ** 2)
-    out = (away_m * n[..., 0] - EARTH_M) / np.sqrt(square)  # cosine at the ground
-    areas = EARTH_M**2 * 0.5 * (1 - horizon) * weights[:, None] * 2 * math.pi / 400
+    lit = np.maximum(0.0, n @ np.array([math.cos(phase_rad), math.sin(phase_rad)]))
+    gap_x = away_m - radius_m * n[..., 0]
+    square = gap_x**2 + radius_m**2 * (1 - n[..., 0] ** 2)
+    out = (away_m * n[..., 0] - radius_m) / np.sqrt(square)  # cosine at the ground
+    areas = radius_m**2 * 0.5 * (1 - horizon) * weights[:, None] * 2 * math.pi / 400
     kernel = lit * np.maximum(0.0, out) * gap_x / square**1.5
-    return float(1.5 * GEOMETRIC_ALBEDO / math.pi * air_worlds.SOLAR * (kernel * areas).sum())
+    return float(albedo / math.pi * air_worlds.SOLAR * (kernel * areas).sum())
+
+
+def earthlight(phase_deg: float, away_m: float = APART_M - MOON_M) -> float:
+    """W m-2 on ground of the Moon that faces the Earth."""
+    return light_of_sphere(1.5 * GEOMETRIC_ALBEDO, EARTH_M, math.radians(phase_deg), away_m)
 
 
 def test_the_integral_from_afar() -> None:
