@@ -215,6 +215,37 @@ def test_a_whole_system_in_a_pixel() -> None:
     assert sums[0] == pytest.approx(sums[1], rel=0.01)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_every_tile_that_the_rings_are_in_shows_them(seed: int) -> None:
+    """About a body too small to matter: pixels whose centre's ray meets lit rings are lit, and where
+    their light changes slowly they are as bright as that ray."""
+    generator = np.random.default_rng(seed)
+    rings = even(SATURN_M, 1.0)
+    camera = SATURN_M * generator.normal(size=3) * generator.choice([0.5, 2.0, 20.0])
+    camera[2] += 0.02 * SATURN_M
+    turn = generator.uniform(0.0, 2.0 * math.pi)
+    aim = SATURN_M * 1.8 * np.array([math.cos(turn), math.sin(turn), 0.0])
+    sun = unit([0.5, 0.3, math.copysign(0.6, camera[2])])
+    asked = air_worlds.request(
+        [[1.0] * 3], list(camera), list(aim - camera), list(sun), size=(160, 128),
+        fov_deg=float(generator.choice([3.0, 25.0, 80.0])), samples=4, white=100.0,
+    )  # fmt: skip
+    seen = air_worlds.render(worlds(rings), asked)["radiance"][..., 0]
+    rays = air_worlds.directions(asked).reshape(-1, 3)
+    points = np.tile(camera, (len(rays), 1))
+    light, _ = rings.scatter(points, rays, tuple(sun), 1e-6, 0.0, 1e-9)
+    expected = air_worlds.SOLAR * light[:, 0].reshape(seen.shape)
+    assert (expected > 1.0).any()
+    assert (seen[expected > 1.0] > 0.0).all()
+    inside = np.zeros(seen.shape, dtype=bool)  # and so are the eight about it
+    inside[1:-1, 1:-1] = True
+    for y in (-1, 0, 1):
+        for x in (-1, 0, 1):
+            around = np.roll(expected, (y, x), (0, 1))
+            inside &= np.abs(around - expected) < 0.01 * expected
+    np.testing.assert_allclose(seen[inside], expected[inside], rtol=0.02)
+
+
 def test_the_same_bits_for_any_threads() -> None:
     asked = air_worlds.request(
         [[SATURN_M] * 3], [0.0, -5.0 * SATURN_M, 1.5 * SATURN_M], [0.0, 1.0, -0.3], SUN,
