@@ -217,7 +217,7 @@ def test_a_whole_system_in_a_pixel() -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_every_tile_that_the_rings_are_in_shows_them(seed: int) -> None:
-    """About a body too small to matter: pixels whose centre's ray meets lit rings are lit, and where
+    """About a body too small to matter: pixels whose centre's ray meets lit rings are lit; where
     their light changes slowly they are as bright as that ray."""
     generator = np.random.default_rng(seed)
     rings = even(SATURN_M, 1.0)
