@@ -1,4 +1,4 @@
-"""Planetshine where it is hard: maps with two faces, tiny and huge bodies, no light, many bodies."""
+"""Planetshine where it is hard: maps with two faces, tiny and huge bodies, many bodies."""
 
 from __future__ import annotations
 
