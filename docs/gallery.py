@@ -68,6 +68,8 @@ class Craft:
     lift_m: float = 0.0
     """How far above the spacecraft's middle the camera looks."""
     materials: Mapping[str, Any] = field(default_factory=dict)
+    finer: int = 1
+    """By so many times the number of samples is larger: crumpled mirrors are noisy."""
 
 
 def model(name: str, entry: str, **changes: Any) -> dict[str, Any]:
@@ -177,6 +179,7 @@ CRAFT = {
         55.0,
         lift_m=0.5,
         materials=ready("gold_mli", "silver_mli"),
+        finer=4,
     ),
     "mro": Craft(model("mro_mars", "mro", attitude=level(180.0, 0.0, 0.0)), 21.0, -60.0),
     "shuttle": Craft(
@@ -201,6 +204,7 @@ CRAFT = {
         3.0,
         -52.0,
         materials=ready("silver_mli", "solar_cells"),
+        finer=4,
     ),
     "voyager": Craft(
         model("voyager_phobos", "voyager", attitude=level(180.0, 10.0, 30.0)),
@@ -278,7 +282,7 @@ def scene(body: str, craft: str, width: int = 200, samples: int = 16) -> dict[st
         "materials": dict(seen.materials) | dict(ground.materials),
         "spacecraft": {craft: dict(seen.config) | {"orbit": orbit, "class": craft}},
         "camera": camera(body, craft) | size | {"exposure": {"mode": "fixed", **white}},
-        "render": {"samples": samples, "max_bounces": 4},
+        "render": {"samples": samples * seen.finer, "max_bounces": 4},
     }
 
 
