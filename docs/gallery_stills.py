@@ -18,13 +18,6 @@ ROOT = Path(__file__).resolve().parent.parent
 MAPS = "data:planets/solarsystemscope/"
 EARTH_KM = 6378.1
 CLOUDS: Scene = {"map": MAPS + "2k_earth_clouds.jpg", "noise": {"size_km": 150.0, "softness": 4.0}}
-RINGS: Scene = {
-    "inner_radius_km": 74500.0,
-    "outer_radius_km": 140220.0,
-    "color_map": MAPS + "2k_saturn_ring_alpha.png",
-    "albedo": [2.7, 2.5, 2.1],  # the map's colours are what is seen, darker than the particles
-    "optical_depth": 1.3,
-}
 
 
 def part(name: str, section: str, entry: str) -> Scene:
@@ -117,32 +110,6 @@ def earthshine() -> Scene:
     return still("2026-03-21T18:00:00Z", "moon", bodies, camera, 0.011)
 
 
-def banded() -> Scene:
-    """Saturn's bands by latitude, with the storms' edges a little ragged."""
-    pale, gold, brown = [0.80, 0.68, 0.47], [0.72, 0.56, 0.34], [0.55, 0.42, 0.26]
-    blue = [0.42, 0.46, 0.47]
-    stops = [[-1.0, *brown], [-0.8, *gold], [-0.62, *pale], [-0.5, *gold], [-0.38, *pale],
-             [-0.22, *gold], [-0.1, *pale], [0.06, *pale], [0.18, *gold], [0.3, *pale],
-             [0.44, *gold], [0.52, *pale], [0.66, *brown], [0.78, *gold], [0.9, *blue],
-             [1.0, *blue]]  # fmt: skip
-    polar = 1.0 / 5.4364e7
-    dot = {"type": "vector_math", "function": "dot", "a": "where"}
-    return {
-        "nodes": {
-            "where": {"type": "coordinates"},
-            "height": dot | {"b": [0.0, 0.0, polar]},
-            # Streaks: a noise that is long around the axis.
-            "squeezed": {"type": "mapping", "vector": "where", "scale": [4e-9, 4e-9, 2.2e-7]},
-            "streaks": {"type": "noise", "vector": "squeezed", "octaves": 6.0, "roughness": 0.6},
-            "ragged": {"type": "math", "function": "multiply_add", "a": "streaks", "b": 0.16,
-                       "c": "height.value"},
-            "centred": {"type": "math", "function": "subtract", "a": "ragged", "b": 0.08},
-            "bands": {"type": "ramp", "value": "centred", "stops": stops, "interpolation": "ease"},
-            "skin": {"type": "lambert", "base_color": "bands"},
-        }
-    }  # fmt: skip
-
-
 def saturn() -> Scene:
     """Saturn and its rings with both shadows, from 24 deg over their lit side."""
     when = date_from_utc((2013, 10, 10, 0, 0, 0.0))
@@ -151,9 +118,9 @@ def saturn() -> Scene:
     azimuth_deg = math.degrees(math.atan2(to_sun[1], to_sun[0])) + 38.0
     place = direction(azimuth_deg, math.copysign(24.0, to_sun[2])) * 1.1e9
     camera = view("saturn", place, [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 17.0, "target")
-    body = {"kind": "saturn", "material": "bands", "rings": RINGS}
-    scene = still("2013-10-10T00:00:00Z", "saturn", {"saturn": body}, camera, 3.4)
-    return scene | {"materials": {"bands": banded()}}
+    body = part("cassini_saturn", "bodies", "saturn")
+    scene = still("2013-10-10T00:00:00Z", "saturn", {"saturn": body}, camera, 2.5)
+    return scene | {"materials": {"bands": part("cassini_saturn", "materials", "bands")}}
 
 
 WORLDS: dict[str, Callable[[], Scene | Path]] = {
