@@ -59,7 +59,6 @@ static pl_vec3 divide(pl_vec3 a, pl_vec3 b) { return (pl_vec3){a.x / b.x, a.y / 
 typedef struct meeting {
   pl_vec3 origin, direction; /* m from the body's centre */
   double t[2];               /* entry and exit */
-  bool ground;               /* the ray meets the body, if it goes on */
 } meeting;
 
 /* A ray that starts so near to the shell, over its radius, starts on it, and does not cross it
