@@ -196,14 +196,25 @@ static bool roulette(pl_path *next, int bounce, float u) {
   return true;
 }
 
+/* Whether what paths from a thing find on meshes goes unnoticed. */
+static bool far_from_meshes(const pl_snapshot *shot, uint32_t thing) {
+  return thing >= shot->object_count && !shot->bodies[thing - shot->object_count].near_meshes;
+}
+
 /* Draws where the path goes on from the vertex; `cap`: the most that it is regularised by. */
 static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                    int bounce, const float u[2], const float choice[2], pl_vec3f wo,
-                   const pl_shine *shine, float cap, pl_path *next, pl_ray *ray) {
+                   const pl_shine *shine, float cap, size_t kept, pl_tile_buffers *b) {
+  pl_path *next = &b->paths[kept];
+  pl_ray *ray = &b->rays[kept];
   pl_shine_draw drawn;
-  if (!pl_shine_sample(shine, &vertex->surface, wo, u, choice[0], &drawn))
+  if (!pl_shine_sample(shine, &vertex->surface, wo, u, choice[0], &drawn)) {
+    if (bounce == 0 && drawn.set)
+      pl_path_lose(vertex, path, b);
     return false;
+  }
   *ray = pl_vertex_ray(vertex, context->shot, drawn.direction, INFINITY);
+  ray->no_meshes = far_from_meshes(context->shot, vertex->thing);
   const float width = pl_beam_width(&path->beam, vertex->t);
   /* The solid angle that one draw of density pdf stands for is about 1/pdf. */
   const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.fine_pdf));
@@ -319,18 +330,16 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
   if (onward &&
-      extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, cap, &b->paths[*kept],
-             &b->rays[*kept]) &&
+      extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, cap, *kept, b) &&
       (bounce > 0 || pl_path_follow(vertex, &b->paths[*kept], b)))
     ++*kept;
 }
 
 /* A first hit on the body whose radiance by the sun is known for the whole pixel. */
-static bool is_settled(const pl_path_context *context, const pl_tile_buffers *b, int bounce,
-                       size_t i) {
+static bool is_settled(const pl_tile_buffers *b, int bounce, size_t i) {
   const uint32_t pixel = b->paths[i].pixel, thing = b->hits[i].thing;
   return bounce == 0 && b->settled_thing[pixel] == thing &&
-         (b->slot[pixel] != PL_PATCH_NONE || !bounces_at(context, thing));
+         (b->slot[pixel] != PL_PATCH_NONE || !b->lit[pixel]);
 }
 
 /* Light by way of others where that of the sun is settled: one path a patch is enough. */
@@ -339,17 +348,21 @@ static void follow_settled(const pl_path_context *context, size_t i, size_t *kep
   const pl_path path = b->paths[i];
   const vertex_draws u = draws_of(b, i);
   pl_vertex vertex;
-  if (b->slot[path.pixel] == PL_PATCH_NONE ||
-      pl_path_repeat(&b->patches[path.pixel].patch[b->slot[path.pixel]]))
+  if (!b->lit[path.pixel] || pl_path_repeat(&b->patches[path.pixel].patch[b->slot[path.pixel]]))
     return;
-  pl_vertex_locate(context->shot, &path.beam, &b->hits[i], false, &vertex);
-  pl_vertex_shade(context->shot, &path.beam, context->settings->detail, &vertex);
+  if (b->counts[path.pixel] == 0 && context->centred) {
+    vertex = b->points[path.pixel];
+    vertex.surface = b->settled_surface[path.pixel];
+  } else {
+    pl_vertex_locate(context->shot, &path.beam, &b->hits[i], false, &vertex);
+    pl_vertex_shade(context->shot, &path.beam, context->settings->detail, &vertex);
+  }
   const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0));
   const pl_vec3f wo = pl_surface_to_local(&vertex.surface, view);
   pl_shine shine;
   pl_shine_at(context->settings->shine, &vertex, wo, &shine);
-  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, REGULAR_CAP,
-             &b->paths[*kept], &b->rays[*kept]) &&
+  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, REGULAR_CAP, *kept,
+             b) &&
       pl_path_follow(&vertex, &b->paths[*kept], b))
     ++*kept;
 }
@@ -369,7 +382,7 @@ static void visit_hit(const pl_path_context *context, int bounce, size_t i, size
   pl_vertex vertex;
   if (bounce == 0 && is_dot(context, b->hits[i].thing))
     return; /* its light is known, see frame/dots.h */
-  if (is_settled(context, b, bounce, i)) {
+  if (is_settled(b, bounce, i)) {
     add(&b->sample[pixel], b->settled[pixel]);
     follow_settled(context, i, kept, b);
     return;

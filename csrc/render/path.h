@@ -49,6 +49,8 @@ typedef struct pl_tile_buffers {
    * samples that hit that body share it. PL_NOTHING: every sample is shaded. */
   uint32_t settled_thing[PL_TILE_PIXELS];
   pl_vec3f settled[PL_TILE_PIXELS];
+  bool lit[PL_TILE_PIXELS]; /* where it is: others light the body there */
+  pl_surface settled_surface[PL_TILE_PIXELS]; /* where lit: at the centre */
   pl_vec3f backdrop[PL_TILE_PIXELS]; /* with settings->backdrop: what is behind everything */
   bool single[PL_TILE_PIXELS];       /* one sample is enough */
   pl_path paths[PL_TILE_PIXELS];
@@ -78,7 +80,6 @@ typedef struct pl_path_context {
   bool pools;             /* pixels pool light, see share.c */
   bool bodies, sun, air;  /* whether any body, the sun or air may be in this tile's cone */
   bool veils;             /* likewise */
-  uint32_t body;          /* the only body that may be in it; PL_NOTHING for none or several */
 } pl_path_context;
 
 /* Fills settled_thing, settled and the list of active pixels; pixels that need no samples get their
@@ -104,6 +105,10 @@ static inline pl_vec3f *pl_path_sink(pl_tile_buffers *buffers, uint32_t pixel, b
 /* Whether a path that has left its first surface is to be followed; makes it a shared one if it
  * went into a wide lobe. */
 bool pl_path_follow(const pl_vertex *vertex, pl_path *next, pl_tile_buffers *buffers);
+
+/* Of a path that ends at its first surface, drawn to what has set there: counts as one that was
+ * followed and found no light. */
+void pl_path_lose(const pl_vertex *vertex, const pl_path *path, pl_tile_buffers *buffers);
 
 /* Counts a sample like those before, whose light stands for its own; false if there is none. */
 bool pl_path_repeat(pl_patch *patch);

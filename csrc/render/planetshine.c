@@ -10,7 +10,7 @@ static const float INVISIBLE = 1e-5f;
 static const float SOIL = 0.15f, GRAPH = 0.3f;
 /* Part of the sun's light that a mesh may get by way of itself and other meshes. A guess as well:
  * it keeps paths for that light. Bodies are convex and have little of it. */
-static const float BY_MESHES = 0.005f;
+static const float BY_MESHES = 0.02f;
 /* Bodies of which a surface sends on less than this part of what a diffuse one would are behind its
  * gloss: other things are in it. */
 static const float GLOSS = 0.02f;
@@ -21,7 +21,11 @@ static const float LOBE_MIN = 0.4f, LOBE_MIN_ON_BODIES = 0.1f, SHARE_MIN = 0.04f
  * lie where the light counts. By measurement. */
 static const float WIDE_SR = 1.5f;
 /* Of all paths so many are to meet bodies at least: weak light is noise that is seen, too. */
-static const float WANTED_MIN = 0.25f;
+static const float WANTED_MIN = 0.1f;
+
+/* A thing so small for the distance of a body sees it in one direction: draws to it are those of
+ * the thing's centre, and what parallax hides of it is left to the lobe. */
+static const double PARALLAX_MAX = 0.003;
 
 static float mean_color(const pl_shot_body *body) {
   const pl_body_state *state = body->state;
@@ -68,6 +72,23 @@ static void fill_sky(const pl_planetshine *p, pl_vec3 center, double radius_m, i
   }
 }
 
+static void look_at(const pl_planetshine *p, uint32_t body, pl_vec3 point, pl_shine_light *out) {
+  static const float middle[2] = {0.5f, 0.5f};
+  out->seen = pl_lune_make(&p->shot->bodies[body], p->suns[body], point, &out->lune) &&
+              pl_lune_sample(&out->lune, middle, &out->middle, &out->pdf);
+}
+
+static void fill_lights(const pl_planetshine *p, pl_vec3 center, double radius_m,
+                        pl_shine_sky *sky) {
+  sky->far = true;
+  for (int i = 0; i < sky->count; i++) {
+    const pl_shot_body *body = &p->shot->bodies[sky->body[i]];
+    const double gap = pl_vec3_norm(pl_vec3_sub(body->center, center)) - body->radius_m;
+    sky->far = sky->far && radius_m < PARALLAX_MAX * gap;
+    look_at(p, sky->body[i], center, &sky->lights[i]);
+  }
+}
+
 static void fill_skies(pl_planetshine *p, float white_radiance) {
   const pl_snapshot *shot = p->shot;
   for (size_t i = 0; i < shot->object_count; i++) {
@@ -76,6 +97,7 @@ static void fill_skies(pl_planetshine *p, float white_radiance) {
     const double sun = object->dark ? 0.0 : pl_shot_sun_irradiance(&shot->sun, object->center);
     *sky = (pl_shine_sky){.other = BY_MESHES * (float)sun / PL_PI_F};
     fill_sky(p, object->center, object->radius_m, object->object->body, white_radiance, sky);
+    fill_lights(p, object->center, object->radius_m, sky);
     p->any = p->any || sky->count > 0;
   }
   for (size_t i = 0; i < shot->body_count; i++) {
@@ -119,23 +141,19 @@ typedef struct guess {
   float white; /* what a white diffuse surface that faces the body would send on */
 } guess;
 
-static guess guess_at(const pl_lune *lune, const pl_surface *s, pl_vec3f wo, float radiance) {
-  static const float middle[2] = {0.5f, 0.5f};
-  pl_vec3f direction;
-  float pdf;
-  guess out = {0.0f, 0.0f, 0.0f};
-  if (!pl_lune_sample(lune, middle, &direction, &pdf))
-    return out;
-  out.white = radiance / (pdf * PL_PI_F);
+static guess guess_at(const pl_shine_light *light, const pl_surface *s, pl_vec3f wo,
+                      float radiance) {
+  pl_vec3f direction = light->middle;
+  guess out = {.white = radiance / (light->pdf * PL_PI_F)};
   if (!pl_surface_admits(s, direction)) {
-    direction = pl_vec3f_unit(pl_vec3f_madd(direction, (float)(1.0 / lune->d), s->ng));
+    direction = pl_vec3f_unit(pl_vec3f_madd(direction, (float)(1.0 / light->lune.d), s->ng));
     if (!pl_surface_admits(s, direction))
       return out;
   }
   const pl_vec3f wi = pl_surface_to_local(s, direction);
   const float reflected = pl_luminance(s->reflectance->evaluate(s, wo, wi));
-  out.light = radiance * reflected / pdf;
-  out.met = pl_minf(s->reflectance->pdf(s, wo, wi) / pdf, 1.0f);
+  out.light = radiance * reflected / light->pdf;
+  out.met = pl_minf(s->reflectance->pdf(s, wo, wi) / light->pdf, 1.0f);
   return out;
 }
 
@@ -150,10 +168,13 @@ static void list_bodies(const pl_planetshine *p, const pl_shine_sky *sky, const 
   for (int i = 0; i < sky->count; i++) {
     const uint32_t body = sky->body[i];
     const float radiance = p->radiance[body];
-    pl_lune *lune = &out->lunes[out->count];
-    if (!pl_lune_make(&p->shot->bodies[body], p->suns[body], vertex->position, lune))
+    pl_shine_light own;
+    const pl_shine_light *light = sky->far ? &sky->lights[i] : &own;
+    if (!sky->far)
+      look_at(p, body, vertex->position, &own);
+    if (!light->seen)
       continue;
-    const guess found = guess_at(lune, &vertex->surface, wo, radiance);
+    const guess found = guess_at(light, &vertex->surface, wo, radiance);
     if (found.white * PL_PI_F > WIDE_SR * radiance) {
       sums->wide += found.light;
       continue;
@@ -161,6 +182,7 @@ static void list_bodies(const pl_planetshine *p, const pl_shine_sky *sky, const 
     sums->gloss += GLOSS * found.white;
     if (!(found.light > 0.0f))
       continue;
+    out->lunes[out->count] = light->lune;
     sums->light += out->chance[out->count++] = found.light;
     sums->met += found.met;
   }
@@ -251,6 +273,7 @@ static bool sample_body(const pl_shine *shine, const pl_surface *s, pl_vec3f wo,
 bool pl_shine_sample(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, const float u[2],
                      float choice, pl_shine_draw *out) {
   const float share = shine->share;
+  out->set = choice < share;
   if (!(share > 0.0f))
     return sample_lobe(s, wo, u, choice, out);
   if (choice < share)

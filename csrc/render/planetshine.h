@@ -13,10 +13,20 @@
 /* Bodies that paths from one thing are drawn to: the brightest, as it sees them. */
 enum { PL_SHINE_LIGHTS = 4 };
 
+/* The lit part of a body as one point sees it. */
+typedef struct pl_shine_light {
+  bool seen; /* the rest is not valid without */
+  pl_lune lune;
+  pl_vec3f middle; /* of the lit part: a unit direction, and the density of its draw */
+  float pdf;
+} pl_shine_light;
+
 /* What is known of a thing's sky beforehand. */
 typedef struct pl_shine_sky {
   uint32_t body[PL_SHINE_LIGHTS];
   int count;
+  bool far; /* from all of the thing the sky looks as from its centre: `lights` are valid */
+  pl_shine_light lights[PL_SHINE_LIGHTS];
   float other; /* guess of the light by way of anything else, as radiance of a white surface */
 } pl_shine_sky;
 
@@ -52,9 +62,10 @@ typedef struct pl_shine_draw {
   pl_vec3f direction, wi, weight; /* weight: reflected over pdf */
   float pdf, lobe_pdf;            /* of both ways of drawing, and of the surface's alone; 1/sr */
   float fine_pdf;                 /* of which so much is to be seen: 1 over a solid angle, 1/sr */
+  bool set;                       /* of one that ends: the body is below the horizon there */
 } pl_shine_draw;
 
-/* False if the path ends. */
+/* False if the path ends; then only `set` is valid. */
 bool pl_shine_sample(const pl_shine *shine, const pl_surface *surface, pl_vec3f wo,
                      const float u[2], float choice, pl_shine_draw *out);
 

@@ -82,14 +82,13 @@ static pl_tile tile_of(const job *job, size_t item) {
 /* What the tile's cone can meet. */
 typedef struct content {
   bool meshes, bodies, sun, air, veils;
-  uint32_t body; /* the only body; PL_NOTHING for none or several, or beside the sun */
 } content;
 
 static content tile_content(const job *job, pl_tile tile) {
   pl_vec3 axis;
   double half_angle;
   const pl_snapshot *shot = job->shot;
-  content out = {.body = PL_NOTHING};
+  content out = {.meshes = false};
   const double rect[4] = {tile.x0 - 0.5, tile.y0 - 0.5, tile.x0 + tile.width - 0.5,
                           tile.y0 + tile.height - 0.5};
   pl_snapshot_cone(shot, rect, &axis, &half_angle);
@@ -100,18 +99,10 @@ static content tile_content(const job *job, pl_tile tile) {
   out.sun = pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, axis, half_angle);
   out.air = pl_air_in_cone(job->settings->air, shot, axis, half_angle);
   out.veils = pl_veils_in_cone(job->settings->veils, shot, axis, half_angle);
-  size_t bodies = 0;
-  for (size_t i = 0; i < shot->body_count; i++) {
-    const pl_shot_body *body = &shot->bodies[i];
-    if (body->shape != NULL || /* its mesh is among the meshes */
-        !pl_snapshot_sees(shot, body->center, body->radius_m, axis, half_angle))
-      continue;
-    bodies++;
-    out.body = (uint32_t)i;
-  }
-  if (bodies != 1)
-    out.body = PL_NOTHING;
-  out.bodies = bodies > 0;
+  for (size_t i = 0; i < shot->body_count && !out.bodies; i++)
+    out.bodies =
+        shot->bodies[i].shape == NULL && /* its mesh is among the meshes */
+        pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle);
   return out;
 }
 
@@ -214,7 +205,6 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
       .sun = content->sun,
       .air = content->air,
       .veils = content->veils,
-      .body = content->body,
   };
 }
 

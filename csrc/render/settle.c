@@ -7,12 +7,15 @@
 #include "render/path.h"
 #include "shade/water.h"
 
-/* The whole disc clears the horizon when the sun is higher than its radius; the rest allows for
- * the change of the normal across a pixel. */
-static const float HORIZON_MARGIN = 3.0f;
+/* The whole disc clears the horizon when the sun is higher than its radius, by this for rounding
+ * and by the turn of the normal across a pixel. */
+static const float HORIZON_MARGIN = 1.5f;
+/* The same for bodies that rise: normals are in single precision. */
+static const double HORIZON_ROUNDING = 1e-5;
 /* Towards the limb a pixel's footprint grows until one value is no mean any more: the view must be
- * this steep, and the footprint this short against the body's radius. */
-static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.01f;
+ * this steep, and the footprint this short against the body's radius; shorter
+ * where the light of air, relief or water changes faster than that of plain ground. */
+static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.1f, ARC_MAX_VARIED_RAD = 0.01f;
 
 /* Whether a sphere, widened by `margin_m`, covers part of the sun's disc as seen from a point. */
 static bool overlaps_sun(pl_vec3 center, double radius_m, double margin_m, pl_vec3 point,
@@ -98,6 +101,69 @@ static bool is_even(const pl_surface *s, const pl_sun_view *sun, float height) {
          (height > HEIGHT_OVER_RELIEF && pl_vec3f_dot(sun->direction, s->n) > HEIGHT_OVER_RELIEF);
 }
 
+/* Whether anything that may light a body noticeably rises above the horizon of a point on it. */
+static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *vertex) {
+  const pl_snapshot *shot = context->shot;
+  const uint32_t own = vertex->thing - (uint32_t)shot->object_count;
+  if (!context->settings->body_bounces || !shot->bodies[own].bounced)
+    return false;
+  const pl_vec3 up = pl_vec3f_to_double(vertex->ng);
+  for (size_t i = 0; i < shot->body_count; i++) {
+    const pl_shot_body *body = &shot->bodies[i];
+    const double height = pl_vec3_dot(up, pl_vec3_sub(body->center, vertex->position));
+    if (i != own && height > -body->radius_m * (1.0 + HORIZON_ROUNDING))
+      return true;
+  }
+  return shot->bodies[own].near_meshes;
+}
+
+/* Whether bodies of this kind can be settled in the tile at all. */
+static bool may_settle(const pl_path_context *context, const pl_shot_body *body) {
+  const pl_render_settings *settings = context->settings;
+  if ((body->dot && !settings->see_dots) || !context->sharp || context->veils)
+    return false;
+  if (!is_plain(body->body) && !body->body->reflectance->photometric)
+    return false;
+  return !settings->emitters_on_bodies &&
+         !(settings->body_bounces && body->bounced && (!context->pools || settings->air != NULL));
+}
+
+/* Whether one value is the mean of the footprint about a point, but for its map. */
+static bool spans_little(const pl_path_context *context, const pl_shot_body *body,
+                         const pl_vertex *vertex, pl_vec3f toward, const pl_sun_view *sun,
+                         double *footprint_m) {
+  const float cosine = fabsf(pl_vec3f_dot(toward, vertex->ng));
+  const pl_vec3 radii = body->state->radii_m;
+  *footprint_m = vertex->t * context->pixel_rad / pl_maxf(cosine, COSINE_MIN);
+  const float arc = (float)(*footprint_m / fmin(radii.x, fmin(radii.y, radii.z)));
+  const bool varied = context->settings->air != NULL || !pl_ground_is_plain(&body->body->ground);
+  const float longest = varied ? ARC_MAX_VARIED_RAD : ARC_MAX_RAD;
+  if (cosine < COSINE_MIN || arc > longest)
+    return false;
+  const float height = pl_vec3f_dot(sun->direction, vertex->ng);
+  if (fabsf(height) < HORIZON_MARGIN * sun->sin_radius + arc)
+    return false;
+  return is_plain(body->body) || is_calm(body->body, toward, sun);
+}
+
+/* The settled light of a shaded point as the camera sees it. */
+static pl_vec3f seen_light(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
+                           const pl_sun_view *sun, pl_vec3f toward, double footprint_m,
+                           pl_tile_buffers *b) {
+  const pl_render_settings *settings = context->settings;
+  const float height = pl_vec3f_dot(sun->direction, vertex->ng);
+  const float over = height > 0.0f ? pl_vec3f_dot(sun->direction, vertex->surface.n) : height;
+  pl_vec3f light = reflected(&vertex->surface, toward, sun, over);
+  if (settings->veils != NULL)
+    light = pl_vec3f_mul(light, pl_veils_toward_sun(settings->veils, context->shot,
+                                                    vertex->position, sun, (float)footprint_m));
+  if (settings->air != NULL)
+    light = pl_air_ground_light(context, pixel, vertex, light, b);
+  if (settings->emission)
+    light = pl_vec3f_add(light, vertex->surface.emission);
+  return settings->air != NULL ? pl_air_seen(context, pixel, light, b) : light;
+}
+
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
  */
 static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
@@ -107,71 +173,65 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
     return false;
   const pl_shot_body *body = &shot->bodies[vertex.thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
-  const bool plain = is_plain(body->body);
-  if ((body->dot && !settings->see_dots) || !context->sharp || context->veils ||
-      (!plain && !body->body->reflectance->photometric) || settings->emitters_on_bodies ||
-      (settings->body_bounces && body->bounced && (!context->pools || settings->air != NULL)))
+  if (!may_settle(context, body))
     return false;
-  const pl_vec3f toward = pl_vec3_to_float(pl_vec3_unit(vertex.position));
-  const float cosine = fabsf(pl_vec3f_dot(toward, vertex.ng));
-  const double footprint_m = vertex.t * context->pixel_rad / pl_maxf(cosine, COSINE_MIN);
-  const pl_vec3 radii = body->state->radii_m;
-  if (cosine < COSINE_MIN || footprint_m > ARC_MAX_RAD * fmin(radii.x, fmin(radii.y, radii.z)))
-    return false;
+  const pl_vec3 direction = pl_vec3_unit(vertex.position);
+  const pl_vec3f toward = pl_vec3_to_float(direction);
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);
-  const float height = pl_vec3f_dot(sun.direction, vertex.ng);
-  if (!plain && !is_calm(body->body, toward, &sun))
-    return false;
-  if (fabsf(height) < HORIZON_MARGIN * sun.sin_radius ||
+  double footprint_m;
+  if (!spans_little(context, body, &vertex, toward, &sun, &footprint_m) ||
       (settings->cast_shadows && body->shadowed && near_shadow(shot, &vertex, &sun, footprint_m)) ||
       near_volume(context, &vertex, &sun, footprint_m))
     return false;
-  const pl_beam beam = {
-      .direction = pl_vec3_unit(vertex.position),
-      .spread = (float)context->pixel_rad,
-  };
+  const pl_beam beam = {.direction = direction, .spread = (float)context->pixel_rad};
   pl_vertex_shade(shot, &beam, settings->detail, &vertex);
   pl_laws_apply(shot, settings, &vertex);
-  if (!is_even(&vertex.surface, &sun, height))
+  if (!is_even(&vertex.surface, &sun, pl_vec3f_dot(sun.direction, vertex.ng)))
     return false;
-  const float over = height > 0.0f ? pl_vec3f_dot(sun.direction, vertex.surface.n) : height;
-  b->settled[pixel] = reflected(&vertex.surface, toward, &sun, over);
-  if (settings->veils != NULL)
-    b->settled[pixel] =
-        pl_vec3f_mul(b->settled[pixel], pl_veils_toward_sun(settings->veils, shot, vertex.position,
-                                                            &sun, (float)footprint_m));
-  if (settings->air != NULL)
-    b->settled[pixel] = pl_air_ground_light(context, pixel, &vertex, b->settled[pixel], b);
-  if (settings->emission)
-    b->settled[pixel] = pl_vec3f_add(b->settled[pixel], vertex.surface.emission);
-  if (settings->air != NULL)
-    b->settled[pixel] = pl_air_seen(context, pixel, b->settled[pixel], b);
+  b->lit[pixel] = is_lit_by_others(context, &vertex);
+  if (b->lit[pixel])
+    b->settled_surface[pixel] = vertex.surface;
+  b->settled[pixel] = seen_light(context, pixel, &vertex, &sun, toward, footprint_m, b);
   return true;
 }
 
-/* Whether the corners of each pixel lie on the tile's only body: its outline is convex, so the
- * pixel does too. */
-static void cover_pixels(const pl_path_context *context, bool covered[PL_TILE_PIXELS]) {
-  enum { CORNERS = PL_TILE_SIDE + 1 };
-  pl_ray ray = {.t_max = INFINITY, .skip_body = PL_NOTHING};
-  bool corner[CORNERS][CORNERS];
-  for (int y = 0; y <= context->tile.height; y++)
-    for (int x = 0; x <= context->tile.width; x++) {
-      pl_hit hit;
-      ray.direction = pl_vec3_to_float(
-          pl_snapshot_ray(context->shot, context->tile.x0 + x - 0.5, context->tile.y0 + y - 0.5));
-      pl_tracer_closest(context->tracer, &ray, &hit, 1, false, false);
-      corner[y][x] = hit.thing != PL_NOTHING;
-    }
-  for (int y = 0; y < context->tile.height; y++)
-    for (int x = 0; x < context->tile.width; x++)
-      covered[y * PL_TILE_SIDE + x] =
-          corner[y][x] && corner[y][x + 1] && corner[y + 1][x] && corner[y + 1][x + 1];
+/* A tile and a pixel more to each side. */
+enum { BORDERED = PL_TILE_SIDE + 2 };
+
+/* Whether the centres of a pixel and of those around it lie on one body: its outline is convex, so
+ * all of the pixel does. Another in front of it that is wider than a few pixels, as all are that
+ * are not dots, would have one of these centres or stay outside the pixel. */
+static bool is_covered(const uint32_t thing[BORDERED][BORDERED], int x, int y) {
+  for (int v = y; v <= y + 2; v++)
+    for (int u = x; u <= x + 2; u++)
+      if (thing[v][u] != thing[y + 1][x + 1])
+        return false;
+  return true;
 }
 
-static bool is_lit_by_others(const pl_path_context *context, uint32_t thing) {
-  const pl_snapshot *shot = context->shot;
-  return context->settings->body_bounces && shot->bodies[thing - shot->object_count].bounced;
+/* The body that a pixel's centre is on, in the tile or beside it. */
+static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b, int x, int y) {
+  const pl_tile tile = context->tile;
+  if (x >= 0 && y >= 0 && x < tile.width && y < tile.height)
+    return b->points[y * PL_TILE_SIDE + x].thing;
+  pl_hit hit;
+  const pl_ray ray = {
+      .t_max = INFINITY,
+      .direction = pl_vec3_to_float(pl_snapshot_ray(context->shot, tile.x0 + x, tile.y0 + y)),
+      .skip_body = PL_NOTHING};
+  pl_tracer_closest(context->tracer, &ray, &hit, 1, false, false);
+  return hit.thing;
+}
+
+static void cover_pixels(const pl_path_context *context, const pl_tile_buffers *b,
+                         bool covered[PL_TILE_PIXELS]) {
+  uint32_t thing[BORDERED][BORDERED];
+  for (int y = 0; y < context->tile.height + 2; y++)
+    for (int x = 0; x < context->tile.width + 2; x++)
+      thing[y][x] = body_at(context, b, x - 1, y - 1);
+  for (int y = 0; y < context->tile.height; y++)
+    for (int x = 0; x < context->tile.width; x++)
+      covered[y * PL_TILE_SIDE + x] = is_covered(thing, x, y);
 }
 
 /* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
@@ -187,7 +247,7 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
   }
   const uint32_t thing = b->settled_thing[pixel];
   const bool settled = covered && thing != PL_NOTHING;
-  b->single[pixel] = settled && is_lit_by_others(context, thing);
+  b->single[pixel] = settled && b->lit[pixel];
   if (!empty && (!settled || b->single[pixel]))
     return false;
   b->counts[pixel] = 1;
@@ -216,10 +276,9 @@ void pl_path_settle(const pl_path_context *context, pl_tile_buffers *b) {
   /* Of slices with few of the pixels it is quicker to trace those than all corners. */
   const pl_slice *slice = context->settings->slice;
   const bool sparse = slice != NULL && slice->count > context->settings->samples;
-  const bool one_body = context->body != PL_NOTHING && !context->sun && !sparse;
   bool covered[PL_TILE_PIXELS] = {false};
-  if (one_body)
-    cover_pixels(context, covered);
+  if (context->bodies && !context->sun && !sparse)
+    cover_pixels(context, b, covered);
   b->active_count = b->active_meshes = 0;
   for (int y = 0; y < context->tile.height; y++) {
     for (int x = 0; x < context->tile.width; x++) {

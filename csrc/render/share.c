@@ -15,8 +15,22 @@ static const float WIDE_PDF_MAX = 0.4f;
 /* Pixels that a pool reaches to each side; first the near ones are asked, of so many paths, whether
  * they are enough. */
 enum { REACH = 4, NEAR = 2, FEWEST = 24 };
+/* Nothing is made of fewer paths than about these: one that found no light would show. */
+static const float ERROR_MAX = 0.36f; /* of the mean, by the scatter: 1/sqrt(8) and rounding */
 /* A pool is quiet once its standard error is below so many tolerances. */
 static const float QUIET = 1.0f;
+
+/* Counts a path that goes on into a wide lobe; whether it is one of those that are followed. */
+static bool count_wide(const pl_tile_buffers *b, uint32_t pixel, pl_vec3f carried,
+                       pl_patch *patch) {
+  patch->wide++;
+  patch->weight = pl_vec3f_add(patch->weight, carried);
+  if (patch->lit > 0 && b->counts[pixel] % ROW >= FOLLOWED)
+    return false;
+  patch->lit++;
+  patch->lit_weight = pl_vec3f_add(patch->lit_weight, carried);
+  return true;
+}
 
 bool pl_path_follow(const pl_vertex *vertex, pl_path *next, pl_tile_buffers *b) {
   const uint32_t slot = b->slot[next->pixel];
@@ -24,17 +38,21 @@ bool pl_path_follow(const pl_vertex *vertex, pl_path *next, pl_tile_buffers *b) 
   if (slot == PL_PATCH_NONE || next->lobe_pdf > WIDE_PDF_MAX ||
       !(pl_vec3f_dot(direction, vertex->surface.ng) > 0.0f))
     return true;
-  pl_patch *patch = &b->patches[next->pixel].patch[slot];
   /* As if it were drawn by the lobe: evenly coloured however often bodies are drawn to. */
   const pl_vec3f carried = pl_vec3f_scale(next->throughput, next->pdf / next->lobe_pdf);
-  patch->wide++;
-  patch->weight = pl_vec3f_add(patch->weight, carried);
-  if (patch->lit > 0 && b->counts[next->pixel] % ROW >= FOLLOWED)
-    return false;
-  patch->lit++;
-  patch->lit_weight = pl_vec3f_add(patch->lit_weight, carried);
-  next->shared = true;
-  return true;
+  next->shared = count_wide(b, next->pixel, carried, &b->patches[next->pixel].patch[slot]);
+  return next->shared;
+}
+
+void pl_path_lose(const pl_vertex *vertex, const pl_path *path, pl_tile_buffers *b) {
+  const uint32_t slot = b->slot[path->pixel];
+  if (slot == PL_PATCH_NONE)
+    return;
+  pl_patch *patch = &b->patches[path->pixel].patch[slot];
+  const pl_vec3f carried = patch->wide > 0
+                               ? pl_vec3f_scale(patch->weight, 1.0f / (float)patch->wide)
+                               : pl_vec3f_mul(path->throughput, vertex->surface.color);
+  count_wide(b, path->pixel, carried, patch);
 }
 
 bool pl_path_repeat(pl_patch *patch) {
@@ -257,15 +275,17 @@ static int reach_of(const pool *pool, const pl_render_settings *settings, float 
   const float scatter = part * sqrtf(pl_maxf(square / count - mean * mean, 0.0f));
   const float level = pl_luminance(pool->like->own) / (float)pool->like->seen + part * mean;
   for (int reach = 0; reach <= most; reach++) {
-    *quiet = is_quiet(settings, level, scatter * error_at(pool, reach)) && count >= FEWEST;
+    const float error = error_at(pool, reach);
+    *quiet = count >= FEWEST && error < ERROR_MAX && is_quiet(settings, level, scatter * error);
     if (*quiet)
       return reach;
   }
   return most;
 }
 
-/* What paths bring for what they carry on, in the pool. */
-static pl_vec3f pooled(pool *pool, const pl_render_settings *settings, int x, int y, float part) {
+/* What paths bring for what they carry on, in the pool; `reach` of it. */
+static pl_vec3f pooled(pool *pool, const pl_render_settings *settings, int x, int y, float part,
+                       int *out_reach) {
   bool quiet;
   for (int r = 0; r <= NEAR; r++)
     add_ring(pool, x, y, r);
@@ -280,20 +300,44 @@ static pl_vec3f pooled(pool *pool, const pl_render_settings *settings, int x, in
     all = pl_vec3f_madd(all, part_of(r, reach), pool->rings[r].shared);
     weight = pl_vec3f_madd(weight, part_of(r, reach), pool->rings[r].weight);
   }
+  *out_reach = reach;
   return pl_vec3f_make(ratio(all.x, weight.x), ratio(all.y, weight.y), ratio(all.z, weight.z));
+}
+
+/* The light that was pooled last in a square of pixels. */
+typedef struct pooled_light {
+  const pl_patch *like; /* NULL: none */
+  pl_vec3f light;
+} pooled_light;
+enum { SQUARE = 2, SQUARES = PL_TILE_SIDE / SQUARE };
+
+/* Pools over many pixels hold nearly the same in all of a square: one is enough for them. */
+static pl_vec3f light_of(const pl_render_settings *settings, pool *pool, int x, int y, float part,
+                         pooled_light *last) {
+  if (last->like != NULL && pl_patch_fits(pool->like, last->like, pool->depth_m))
+    return last->light;
+  int reach;
+  const pl_vec3f light = pooled(pool, settings, x, y, part, &reach);
+  if (reach > 0 || pool->rings[0].count < 3.0f)
+    *last = (pooled_light){pool->like, light};
+  return light;
 }
 
 void pl_share_light(const pl_share *share, size_t item, const pl_render_settings *settings,
                     double pixel_rad, pl_vec3f radiance[PL_TILE_PIXELS]) {
   const pl_share_tile *tile = &share->tiles[item];
+  pooled_light last[SQUARES];
   memcpy(radiance, tile->rest, sizeof tile->rest);
   for (int pixel = 0; pixel < PL_TILE_PIXELS; pixel++) {
-    const int x = tile->tile.x0 + pixel % PL_TILE_SIDE, y = tile->tile.y0 + pixel / PL_TILE_SIDE;
+    const int i = pixel % PL_TILE_SIDE, j = pixel / PL_TILE_SIDE;
+    if (i % SQUARE == 0 && j % SQUARE == 0)
+      last[i / SQUARE].like = NULL;
     const float each = tile->each[pixel];
-    for (uint32_t i = tile->start[pixel]; i < tile->start[pixel + 1]; i++) {
-      const pl_patch *like = &tile->patches[i];
+    for (uint32_t k = tile->start[pixel]; k < tile->start[pixel + 1]; k++) {
+      const pl_patch *like = &tile->patches[k];
       pool pool = {.share = share, .like = like, .depth_m = pl_patch_depth(like, (float)pixel_rad)};
-      const pl_vec3f light = pooled(&pool, settings, x, y, each * (float)like->wide);
+      const pl_vec3f light = light_of(settings, &pool, tile->tile.x0 + i, tile->tile.y0 + j,
+                                      each * (float)like->wide, &last[i / SQUARE]);
       radiance[pixel] = pl_vec3f_madd(radiance[pixel], each, pl_vec3f_mul(like->weight, light));
     }
   }

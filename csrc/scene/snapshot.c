@@ -112,7 +112,8 @@ static void build_object(const pl_object *object, size_t index, const pl_object_
 static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_vec3 camera,
                             pl_shot_body *out) {
   const pl_pose pose = pl_motion_middle(&state->motion);
-  *out = (pl_shot_body){.body = body, .state = state, .shadowed = true, .bounced = true};
+  *out = (pl_shot_body){
+      .body = body, .state = state, .shadowed = true, .bounced = true, .near_meshes = true};
   out->rotation = pl_mat3_from_quat(pose.q);
   out->center = pl_vec3_sub(pose.t, camera);
   out->camera = pl_mat3_mul_vec_t(out->rotation, pl_vec3_scale(out->center, -1.0));

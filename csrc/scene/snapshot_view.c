@@ -325,6 +325,16 @@ static bool matters(const pl_view *view, const pl_view_thing *thing, double brig
   return view->max_bounces > 0 && reflects(view, thing, brightest, tolerance_dn);
 }
 
+/* Whether objects noticeably change what others send to a body. They hide or send at most what
+ * comes from as much of its sky at the brightest. */
+static bool is_near_meshes(const pl_snapshot *shot, const pl_view *view, size_t thing,
+                           double brightest, double tolerance_dn) {
+  double part = 0.0;
+  for (size_t i = 0; i < shot->object_count; i++)
+    part += pl_view_transfer(&view->things[thing], &view->things[i]);
+  return pl_view_dn(view, part * brightest) > tolerance_dn;
+}
+
 static bool is_shadowed(const pl_view *view, const pl_view_thing *receiver, double tolerance_dn) {
   double hidden = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
@@ -382,5 +392,6 @@ void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_d
     shot->bodies[i].shadowed = is_shadowed(view, &view->things[thing], tolerance_dn);
     shot->bodies[i].bounced =
         pl_view_dn(view, pl_view_received(view, thing) * series) > tolerance_dn;
+    shot->bodies[i].near_meshes = is_near_meshes(shot, view, thing, brightest, tolerance_dn);
   }
 }

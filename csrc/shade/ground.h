@@ -32,6 +32,11 @@ static inline bool pl_ground_has_relief(const pl_ground *ground) {
   return ground->heights != NULL || ground->normals != NULL;
 }
 
+/* Whether there is none of it. */
+static inline bool pl_ground_is_plain(const pl_ground *ground) {
+  return !pl_ground_has_relief(ground) && !ground->ocean && ground->lights == NULL;
+}
+
 /* Rise over run of the relief at a point of the body, uphill, in body axes and across `up`, the
  * unit normal of the body there. Slopes that the footprint hides count as their mean. */
 pl_vec3 pl_ground_slope(const pl_ground *ground, const pl_ground_state *state,

@@ -235,7 +235,8 @@ void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits
       closest_packet(tracer, rays + i, hits + i, count - i < PACKET ? count - i : PACKET);
   else if (meshes)
     for (size_t i = 0; i < count; i++)
-      closest_single(tracer, &rays[i], &hits[i]);
+      if (!rays[i].no_meshes)
+        closest_single(tracer, &rays[i], &hits[i]);
   if (meshes && tracer->has_coincident)
     settle_coincident(tracer, rays, hits, count);
   if (meshes && tracer->has_pieces)

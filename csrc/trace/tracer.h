@@ -23,6 +23,7 @@ typedef struct pl_ray {
   /* The triangle that the ray starts on and so cannot hit: of an object, counted from 1; 0: none.
    */
   uint32_t from_thing, from_triangle;
+  bool no_meshes; /* closest hits: of bodies alone */
 } pl_ray;
 
 typedef struct pl_hit {
