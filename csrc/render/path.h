@@ -49,7 +49,7 @@ typedef struct pl_tile_buffers {
    * samples that hit that body share it. PL_NOTHING: every sample is shaded. */
   uint32_t settled_thing[PL_TILE_PIXELS];
   pl_vec3f settled[PL_TILE_PIXELS];
-  bool lit[PL_TILE_PIXELS]; /* where it is: others light the body there */
+  bool lit[PL_TILE_PIXELS];                   /* where it is: others light the body there */
   pl_surface settled_surface[PL_TILE_PIXELS]; /* where lit: at the centre */
   pl_vec3f backdrop[PL_TILE_PIXELS]; /* with settings->backdrop: what is behind everything */
   bool single[PL_TILE_PIXELS];       /* one sample is enough */
