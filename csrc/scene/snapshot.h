@@ -60,8 +60,8 @@ typedef struct pl_shot_body {
   bool clouds_in_frame;        /* likewise */
   bool rings_in_frame;         /* likewise */
   bool dot;                    /* too small for the samples of pixels; set by pl_dots_mark */
-  bool shadowed; /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
-  bool bounced;  /* others may noticeably light it by reflection; set by pl_snapshot_cull */
+  bool shadowed;    /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
+  bool bounced;     /* others may noticeably light it by reflection; set by pl_snapshot_cull */
   bool near_meshes; /* objects may, or hide what others send it; set by pl_snapshot_cull */
   /* Factors on the light with which cheaper laws come nearest to its own where it is seen; NULL
    * where they may not stand for it. Set by pl_laws_build. */
