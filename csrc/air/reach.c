@@ -53,20 +53,8 @@ double pl_air_share(const pl_view *view, const pl_view_thing *body) {
     return 0.0;
   if (body->air_in_frame)
     return 1.0;
-  pl_view_thing shell = *body;
-  double share = 0.0;
-  shell.radius_m *= 1.0 + body->air->settings.top_m / body->air->radius_m;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    if (thing == body || !thing->in_frame)
-      continue;
-    if (pl_view_shadow_reaches(view, &shell, thing))
-      return 1.0;
-    if (view->max_bounces > 0)
-      share =
-          fmax(share, pl_view_transfer(thing, &shell) * pl_view_series(view, view->max_bounces));
-  }
-  return fmin(1.0, share);
+  return pl_view_shell_share(
+      view, body, body->radius_m * (1.0 + body->air->settings.top_m / body->air->radius_m));
 }
 
 /* Envelopes of what tests/c/test_air_steps.c measures, in classes of depth. */

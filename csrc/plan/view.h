@@ -158,6 +158,10 @@ pl_view_thing pl_view_rings(const pl_view_thing *body);
 /* 1 + r + r^2 + ..., `bounces` terms: what further reflections between things make of one, where
  * r is the largest albedo in the scene. */
 double pl_view_series(const pl_view *view, int bounces);
+/* How a shell of that radius about a body, which is not seen itself, gets into the frame: by the
+ * light that it sends to things there (a part of its radiance) or keeps from them (1); 0: not at
+ * all. */
+double pl_view_shell_share(const pl_view *view, const pl_view_thing *body, double radius_m);
 
 /* Upper bound of the radiance that thing `i` sends on of what all others reflect or emit onto it
  * directly, W m-2 sr-1. */

@@ -11,20 +11,7 @@ static double share_of(const pl_view *view, const pl_view_thing *body) {
     return 0.0;
   if (body->clouds_in_frame)
     return 1.0;
-  pl_view_thing shell = *body;
-  double share = 0.0;
-  shell.radius_m += body->clouds->altitude_m;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *thing = &view->things[i];
-    if (thing == body || !thing->in_frame)
-      continue;
-    if (pl_view_shadow_reaches(view, &shell, thing))
-      return 1.0;
-    if (view->max_bounces > 0)
-      share =
-          fmax(share, pl_view_transfer(thing, &shell) * pl_view_series(view, view->max_bounces));
-  }
-  return fmin(1.0, share);
+  return pl_view_shell_share(view, body, body->radius_m + body->clouds->altitude_m);
 }
 
 static const char *absent(const pl_view *view) {
