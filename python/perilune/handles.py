@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, atmospheres, ground, photometry, rings, shapes
+from perilune import _core, articulation, atmospheres, ground, orbits, photometry, rings, shapes
 from perilune.config.body import Body
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError
 from perilune.config.photometry import Photometry
+from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.config.shape import Shape
 from perilune.labels import Taxonomy, object_class, taxonomy
@@ -30,7 +31,18 @@ from perilune.world import World
 F64 = NDArray[np.float64]
 
 _STAGES = 4
-"""Scenes and renderers that are kept."""
+"""Scenes and renderers that are kept, and airs."""
+
+
+def _make_room(kept: dict[Any, Any]) -> None:
+    """What was made first goes where there would be too many."""
+    if len(kept) >= _STAGES:
+        del kept[next(iter(kept))]
+
+
+def _air_key(body: Body) -> tuple[Any, ...]:
+    """What the tables of a body's air depend on, of all that may differ from frame to frame."""
+    return (body.atmosphere, body.atmosphere and tuple(orbits.radii_m(body)))
 
 
 @dataclass
@@ -104,8 +116,8 @@ class Handles:
         self.skies = Skies(document.path)
         self._shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
         self.volumes = Volumes(document)
-        self._airs: dict[str, _core.Air | None] = {}
-        self._ring_systems: dict[str, _core.Rings] = {}
+        self._airs: dict[tuple[Any, ...], _core.Air | None] = {}
+        self._ring_systems: dict[Rings, _core.Rings] = {}
         self._stages: dict[tuple[Any, ...], _Stage] = {}
 
     @cached_property
@@ -231,34 +243,36 @@ class Handles:
         return found
 
     def _air(self, name: str, config: Config) -> _core.Air | None:
-        """The atmosphere of a body; its tables are made once."""
+        """The atmosphere of a body; its tables are made once for each air and radii."""
         body = config.bodies[name]
-        if name not in self._airs:
+        key = _air_key(body)
+        if key not in self._airs:
+            _make_room(self._airs)
             try:
-                self._airs[name] = atmospheres.air_of(config, body)
+                self._airs[key] = atmospheres.air_of(config, body)
             except ValueError as error:
                 raise ConfigError(
                     f"{self.document.source}:\n  bodies.{name}.atmosphere: {error}"
                 ) from error
-        return self._airs[name]
+        return self._airs[key]
 
     def _rings(self, name: str, config: Config) -> _core.Rings | None:
-        """The rings of a body; their tables are made once."""
+        """The rings of a body; their tables are made once for each that choices give."""
         given = config.bodies[name].rings
         if given is None:
             return None
-        if name not in self._ring_systems:
+        if given not in self._ring_systems:
             columns = None
             if given.color_map is not None:
-                path = self.document.path(given.color_map, f"bodies.{name}.rings.color_map")
-                columns = _core.Map(str(path)).columns()
+                read = self._map(name, given.color_map, "rings.color_map")
+                columns = read.columns() if read is not None else None
             try:
-                self._ring_systems[name] = rings.rings_of(given, columns)
+                self._ring_systems[given] = rings.rings_of(given, columns)
             except ValueError as error:
                 raise ConfigError(
                     f"{self.document.source}:\n  bodies.{name}.rings: {error}"
                 ) from error
-        return self._ring_systems[name]
+        return self._ring_systems[given]
 
     def _regolith_map(self, name: str, given: Photometry | None) -> _core.Grid | None:
         """The parameter map of a body; each set of files is read once."""
@@ -278,8 +292,8 @@ class Handles:
     def renderer_of(self, config: Config) -> _core.Renderer:
         """The core's renderer, with a frame's graphs on its scene.
 
-        A scene is made for each combination of maps, shapes and reflectances that choices give the
-        bodies.
+        A scene is made for each combination of maps, shapes, reflectances, air and rings that
+        choices give the bodies.
         Graphs change on the scene itself, whose accelerators stay.
         """
         key = tuple(
@@ -288,14 +302,15 @@ class Handles:
                 body.shape,
                 body.reflectance,
                 body.photometry.maps if body.photometry else (),
+                _air_key(body),
+                body.rings,
                 body.clouds.map if body.clouds else None,
                 ground.files(body),
             )
             for body in config.bodies.values()
         )
         if key not in self._stages:
-            if len(self._stages) == _STAGES:  # the one made first makes room
-                del self._stages[next(iter(self._stages))]
+            _make_room(self._stages)
             self._stages[key] = self._stage(config)
         stage = self._stages[key]
         try:
