@@ -154,7 +154,7 @@ void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
     const bool early = n < (i < b->active_meshes ? MESH_MIN : BODY_MIN) ||
                        (n < OUTLINE_MIN && on_outline(context, b, pixel));
     if (early || !is_finished(context->settings, &moments, pixel, (float)n) ||
-        (n < context->settings->samples && has_thin_veil(context, pixel)))
+        (n < context->settings->samples && (b->narrow[pixel] || has_thin_veil(context, pixel))))
       b->active[kept++] = pixel;
     if (i + 1 == b->active_meshes)
       meshes = kept;

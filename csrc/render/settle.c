@@ -2,6 +2,8 @@
  * Lambert surface under a sun that is wholly above (or below) the horizon has a closed form, a
  * photometric law away from opposition all but one, and the map is filtered over the pixel's
  * footprint, so one shading is the pixel's mean. */
+#include <string.h>
+
 #include "light/sun.h"
 #include "render/laws.h"
 #include "render/path.h"
@@ -199,8 +201,8 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
 enum { BORDERED = PL_TILE_SIDE + 2 };
 
 /* Whether the centres of a pixel and of those around it lie on one body: its outline is convex, so
- * all of the pixel does. Another in front of it that is wider than a few pixels, as all are that
- * are not dots, would have one of these centres or stay outside the pixel. */
+ * all of the pixel does. Another in front of it that is wider than a few pixels would have one of
+ * these centres or stay outside the pixel; for those that are not see find_narrow. */
 static bool is_covered(const uint32_t thing[BORDERED][BORDERED], int x, int y) {
   for (int v = y; v <= y + 2; v++)
     for (int u = x; u <= x + 2; u++)
@@ -231,7 +233,39 @@ static void cover_pixels(const pl_path_context *context, const pl_tile_buffers *
       thing[y][x] = body_at(context, b, x - 1, y - 1);
   for (int y = 0; y < context->tile.height; y++)
     for (int x = 0; x < context->tile.width; x++)
-      covered[y * PL_TILE_SIDE + x] = is_covered(thing, x, y);
+      covered[y * PL_TILE_SIDE + x] = !b->narrow[y * PL_TILE_SIDE + x] && is_covered(thing, x, y);
+}
+
+/* Bodies of up to so many pixels may lie between centres, and between samples. */
+static const double NARROW_PX = 5.0;
+
+static bool is_narrow(const pl_path_context *context, const pl_shot_body *body) {
+  return body->shape == NULL &&
+         (body->dot ||
+          2.0 * body->radius_m < NARROW_PX * context->pixel_rad * pl_vec3_norm(body->center));
+}
+
+/* Marks the pixels that a narrow body may touch before what their centres are on. */
+static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
+  const pl_snapshot *shot = context->shot;
+  const double reach = 0.5 * NARROW_PX + 1.0;
+  memset(b->narrow, 0, sizeof b->narrow);
+  for (size_t i = 0; i < shot->body_count; i++) {
+    const pl_shot_body *body = &shot->bodies[i];
+    const pl_vec3 seen = pl_mat3_mul_vec_t(shot->camera_to_root, body->center);
+    double at[2];
+    if (!is_narrow(context, body) || !pl_camera_project(&shot->camera, seen, at))
+      continue;
+    const double near_m = pl_vec3_norm(body->center) - body->radius_m;
+    for (int y = 0; y < context->tile.height; y++)
+      for (int x = 0; x < context->tile.width; x++) {
+        const int pixel = y * PL_TILE_SIDE + x;
+        const double off_x = context->tile.x0 + x - at[0], off_y = context->tile.y0 + y - at[1];
+        if (fabs(off_x) < reach && fabs(off_y) < reach && b->points[pixel].thing != PL_NOTHING &&
+            b->points[pixel].t > near_m)
+          b->narrow[pixel] = true;
+      }
+  }
 }
 
 /* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
@@ -277,6 +311,7 @@ void pl_path_settle(const pl_path_context *context, pl_tile_buffers *b) {
   const pl_slice *slice = context->settings->slice;
   const bool sparse = slice != NULL && slice->count > context->settings->samples;
   bool covered[PL_TILE_PIXELS] = {false};
+  find_narrow(context, b);
   if (context->bodies && !context->sun && !sparse)
     cover_pixels(context, b, covered);
   b->active_count = b->active_meshes = 0;

@@ -24,6 +24,13 @@ static void arrange_two(stage *s) {
   stage_add_body(s, (pl_vec3){20, 10, 150}, (pl_vec3){12, 12, 12}, 0.2f);
 }
 
+/* A globe before another, so small that it lies between the centres of four pixels. */
+static void arrange_transit(stage *s) {
+  s->placement.sun.position_m = (pl_vec3){-0.3 * AU, 0.2 * AU, -AU};
+  stage_add_body(s, (pl_vec3){0, 0, 300}, (pl_vec3){80, 80, 80}, 0.8f);
+  stage_add_body(s, (pl_vec3){0, 0, 150}, (pl_vec3){1.1, 1.1, 1.1}, 0.5f);
+}
+
 /* A dark globe, of which one side faces a bright one beside the camera. */
 static void arrange_lit(stage *s) {
   s->placement.sun.position_m = (pl_vec3){0.1 * AU, 0.0, AU};
@@ -112,6 +119,22 @@ static void test_outlines_of_two(void **state) {
   check_finer(arrange_two, 0.5);
 }
 
+/* A small body hides what lies behind it also where it covers no centre of a pixel; by finer
+ * pixels, of which it is many wide. */
+static void test_transit(void **state) {
+  (void)state;
+  const pl_plan_wish wish = {.tolerance_dn = 0.5};
+  float *coarse = shoot(arrange_transit, 1, WHITE, wish, 256, 0);
+  float *fine = shoot(arrange_transit, 4 * FINER, WHITE, wish, 8, 0);
+  for (int y = HEIGHT / 2 - 2; y < HEIGHT / 2 + 2; y++)
+    for (int x = WIDTH / 2 - 2; x < WIDTH / 2 + 2; x++) {
+      const size_t i = 3 * (size_t)(y * WIDTH + x);
+      assert_true(dn(fabs((double)coarse[i] - fine[i]), WHITE) < 2.0);
+    }
+  free(coarse);
+  free(fine);
+}
+
 /* Light by way of another body: in the mean over frames that of paths of each pixel's own, but that
  * pools at the limb reach inwards, and next to none where that body has
  * not risen. */
@@ -157,6 +180,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_arcs),
       cmocka_unit_test(test_outlines_of_two),
+      cmocka_unit_test(test_transit),
       cmocka_unit_test(test_lit_by_another),
       cmocka_unit_test(test_no_black_over_white),
   };
