@@ -7,6 +7,7 @@ a section's `kind` (choose among whole sections instead) or of a name in a list 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaMode, JsonSchemaValue
@@ -126,7 +127,10 @@ class _Generator(GenerateJsonSchema):
     ) -> JsonSchemaValue:
         function = schema["function"]["function"]
         if schema["schema"]["type"] in ("model", "model-fields", "definition-ref"):
-            return super().function_before_schema(schema)
+            found = super().function_before_schema(schema)
+            # A name may stand for a section.
+            named = isinstance(_takes(function, "name"), Mapping)
+            return {"anyOf": [{"type": "string"}, found]} if named else found
         refuses = _takes(function, Drawn(1.0)) is None
         self._fixed += refuses
         try:
