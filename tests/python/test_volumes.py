@@ -214,6 +214,7 @@ def test_same_bits_for_any_threads() -> None:
     [
         ({"parent": "rok"}, "volumes.mist.parent: no entry named 'rok'; did you mean 'rock'?"),
         ({"shape": "ball"}, "volumes.mist"),
+        ({"shape": None}, "volumes.mist: needs the key 'shape'"),
         ({"radii_m": 0.0}, "volumes.mist.radii_m"),
         ({"size_m": 1.0}, "volumes.mist.size_m: unknown key"),
         ({"g": 1.0}, "volumes.mist.g"),

@@ -89,7 +89,9 @@ def _describe(
         allowed = [tag.strip().strip("'") for tag in error["ctx"]["expected_tags"].split(",")]
         text = f"no kind '{error['ctx']['tag']}'{nearest(error['ctx']['tag'], allowed)}"
     elif error["type"] == "union_tag_not_found":
-        text = "needs the key 'kind'"
+        # ctx has the name of the key, or of the function that reads it.
+        needed = error["ctx"]["discriminator"].strip("'_()")
+        text = f"needs the key '{needed}'"
     inside = any(key == name or key.startswith((f"{name}.", f"{name}[")) for name in driven)
     where = " (a value or limit of its driver)" if inside else ""
     return f"{shown_key or '(top level)'}{shown}: {text}{where}"
