@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 import perilune
 from perilune import _core, ground, rotations
+from perilune.config.body import Body
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Symmetries
@@ -132,6 +134,34 @@ def _file_sha256(sim: Simulation, text: str, key: str) -> str:
     return digest.hexdigest()
 
 
+def _files_of(body: Body) -> dict[str, str]:
+    """Key within a body -> the file that it names."""
+    found = {
+        "color_map": body.color_map,
+        "shape.file": body.shape and body.shape.file,
+        "rings.color_map": body.rings and body.rings.color_map,
+        "clouds.map": body.clouds and body.clouds.map,
+        **ground.maps(body),
+    }
+    if body.photometry is not None:
+        found |= {f"photometry.maps[{k}]": text for k, text in enumerate(body.photometry.maps)}
+    return {key: text for key, text in found.items() if text}
+
+
+_FILE_KEYS = ("color_map", "map", "height_map", "normal_map", "shape", "file")
+"""Keys of bodies, and of their sections, whose text is a file's name."""
+
+
+def _named_in(value: Any, key: str | int) -> Iterator[tuple[str, str]]:
+    """(key path below, file) of all files that a value of a driver names; key: where it stands."""
+    if isinstance(value, Mapping):
+        for name, item in value.items():
+            for below, text in _named_in(item, name):
+                yield f".{name}{below}", text
+    elif isinstance(value, str) and key in _FILE_KEYS:
+        yield "", value
+
+
 def _files(sim: Simulation) -> dict[str, str]:
     """Key of the configuration -> hash of the file it names."""
     files = {}
@@ -139,22 +169,15 @@ def _files(sim: Simulation) -> dict[str, str]:
         key = f"spacecraft.{name}.model"
         files[key] = _file_sha256(sim, craft.model, key)
     for name, body in sim.config.bodies.items():
-        if body.color_map is not None:
-            key = f"bodies.{name}.color_map"
-            files[key] = _file_sha256(sim, body.color_map, key)
-        if body.rings is not None and body.rings.color_map is not None:
-            key = f"bodies.{name}.rings.color_map"
-            files[key] = _file_sha256(sim, body.rings.color_map, key)
-        if body.clouds is not None and body.clouds.map is not None:
-            key = f"bodies.{name}.clouds.map"
-            files[key] = _file_sha256(sim, body.clouds.map, key)
-        for part, path in ground.maps(body).items():
+        for part, text in _files_of(body).items():
             key = f"bodies.{name}.{part}"
-            files[key] = _file_sha256(sim, path, key)
+            files[key] = _file_sha256(sim, text, key)
     for driver in sim.document.drivers:
-        if driver.path[0] == "bodies" and driver.path[-1] == "color_map":
-            for k, text in enumerate(filter(None, driver.distribution.limits)):
-                files[f"{driver.name}.choice[{k}]"] = _file_sha256(sim, text, driver.name)
+        if driver.path[0] == "bodies":
+            for k, value in enumerate(driver.distribution.limits):
+                for below, text in _named_in(value, driver.path[-1]):
+                    key = f"{driver.name}.choice[{k}]{below}"
+                    files[key] = _file_sha256(sim, text, driver.name)
     for name, material in sim.config.materials.items():
         for image in images_in(name, material):
             files[image.key] = _file_sha256(sim, image.file, image.key)

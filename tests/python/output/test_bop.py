@@ -14,7 +14,7 @@ from PIL import Image
 import perilune
 from perilune import _core
 from perilune.config import ConfigError
-from perilune.writers import bop_files
+from perilune.writers import bop_files, bop_source
 from perilune.writers.bop import CHANNELS
 
 FRAMES = range(6)
@@ -421,3 +421,38 @@ def test_depth_beyond_the_last_step_is_no_measurement():
 def test_ids_are_ordered_as_numbers():
     text = bop_files.json_by_id({10: 1, 9: 2, 100: 3})
     assert list(json.loads(text)) == ["9", "10", "100"]
+
+
+@pytest.mark.parametrize(
+    ("section", "named"),
+    [
+        ({"shape": "a.bin"}, {"shape.file": "a"}),
+        ({"shape": {"file": "a.bin", "smooth": False}}, {"shape.file": "a"}),
+        ({"clouds": {"map": "a.bin"}}, {"clouds.map": "a"}),
+        ({"rings": {"inner_radius_km": 1.0, "outer_radius_km": 2.0, "color_map": "a.bin"}},
+         {"rings.color_map": "a"}),
+        ({"relief": {"height_map": "a.bin", "height_m": 1.0, "normal_map": "b.bin"}},
+         {"relief.height_map": "a", "relief.normal_map": "b"}),
+        ({"ocean": {"map": "a.bin"}, "night_lights": {"map": "b.bin"}},
+         {"ocean.map": "a", "night_lights.map": "b"}),
+        ({"photometry": {"maps": ["a.bin"]}, "reflectance": "hapke"}, {"photometry.maps[0]": "a"}),
+        ({"color_map": {"choice": ["a.bin", "b.bin"]}},
+         {"color_map": "a", "color_map.choice[0]": "a", "color_map.choice[1]": "b"}),
+        ({"clouds": {"map": {"choice": ["a.bin", "b.bin"]}}},
+         {"clouds.map": "a", "clouds.map.choice[0]": "a", "clouds.map.choice[1]": "b"}),
+        ({"shape": {"choice": ["a.bin", {"file": "b.bin"}]}},
+         {"shape.file": "a", "shape.choice[0]": "a", "shape.choice[1].file": "b"}),
+        ({"clouds": {"choice": [{"opacity": 0.5}, {"map": "b.bin"}]}},
+         {"clouds.choice[1].map": "b"}),
+    ],
+)  # fmt: skip
+def test_files_of_bodies_are_those_of_the_dataset(section, named, small_scene):
+    """Frames show what is in them, so that a dataset does not go on with others."""
+    for name in "ab":
+        (small_scene.parent / f"{name}.bin").write_text(name)
+    begin = "bodies.planet."
+    sim = perilune.open(small_scene, overrides={begin + key: section[key] for key in section})
+    files = bop_source.dataset_info(sim, 4, "train")["files_sha256"]
+    assert {key: value for key, value in files.items() if key.startswith(begin)} == {
+        begin + key: hashlib.sha256(text.encode()).hexdigest() for key, text in named.items()
+    }
