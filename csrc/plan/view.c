@@ -58,6 +58,8 @@ double pl_view_step(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++) /* what it lights is no brighter */
     step = fmax(step, view->things[i].emission_max);
   step += pl_view_volumes_max(view);
+  for (size_t i = 0; i < view->thing_count; i++)
+    step += view->things[i].rings_in_frame ? view->things[i].rings_light : 0.0;
   if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
     step = view->white_radiance;
   return fmax(step, view->sky.background_max);

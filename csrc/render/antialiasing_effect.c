@@ -7,7 +7,7 @@ static const char *absent(const pl_view *view) {
   if (view->sun_in_frame)
     return NULL;
   for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame)
+    if (view->things[i].in_frame || view->things[i].rings_in_frame)
       return NULL;
   for (size_t i = 0; i < view->volume_count; i++)
     if (view->volumes[i].in_frame)

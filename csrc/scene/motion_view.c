@@ -133,6 +133,40 @@ static double body_px(const pl_placement *placement, const pl_snapshot *shot, si
   return sphere_px(step, &mover, &from, &to);
 }
 
+/* How far a point is from rings about `center`, whose normal is `axis`. */
+static double rings_gap_m(const pl_rings *rings, pl_vec3 center, pl_vec3 axis) {
+  const double height = pl_vec3_dot(center, axis);
+  const double across = pl_vec3_norm(pl_vec3_madd(center, -height, axis));
+  const double in = pl_rings_inner_m(rings) - across, out = across - pl_rings_outer_m(rings);
+  return hypot(height, fmax(0.0, fmax(in, out)));
+}
+
+/* Rings are the same all around: a turn about their axis moves nothing. */
+static double rings_px(const pl_rings *rings, const pl_motion *motion, const step *step,
+                       double u[2]) {
+  const pl_pose from = pl_motion_at(motion, u[0]), to = pl_motion_at(motion, u[1]);
+  const pl_vec3 z = {0.0, 0.0, 1.0}, a = pl_vec3_sub(from.t, step->from.t),
+                b = pl_vec3_sub(to.t, step->to.t);
+  const double outer_m = pl_rings_outer_m(rings);
+  if (!may_be_seen(step, a, b, outer_m))
+    return 0.0;
+  const pl_mat3 eye_a = pl_mat3_from_quat(step->from.q), eye_b = pl_mat3_from_quat(step->to.q);
+  const pl_vec3 axis_a = pl_mat3_mul_vec(pl_mat3_from_quat(from.q), z);
+  const pl_vec3 axis_b = pl_mat3_mul_vec(pl_mat3_from_quat(to.q), z);
+  const double turn_seen =
+      angle_between(pl_mat3_mul_vec_t(eye_a, axis_a), pl_mat3_mul_vec_t(eye_b, axis_b));
+  const double by_camera =
+      pl_vec3_norm(pl_vec3_sub(pl_mat3_mul_vec_t(eye_b, b), pl_mat3_mul_vec_t(eye_a, a))) +
+      turn_seen * outer_m;
+  const double by_root = pl_vec3_norm(pl_vec3_sub(b, a)) + angle_between(axis_a, axis_b) * outer_m;
+  const double nearest = fmin(rings_gap_m(rings, a, axis_a), rings_gap_m(rings, b, axis_b));
+  if (!(by_camera > 0.0))
+    return 0.0;
+  if (!(nearest > 0.0))
+    return INFINITY;
+  return step->px_per_rad * fmin(by_camera / nearest, step->turn_rad + by_root / nearest);
+}
+
 /* Volumes move with their parents. */
 static double volume_px(const pl_placement *placement, const pl_snapshot *shot, size_t i,
                         const step *step, double u[2]) {
@@ -160,6 +194,10 @@ static double step_px(const pl_placement *placement, const pl_snapshot *shot, bo
   for (size_t i = 0; i < shot->body_count; i++)
     if (shot->bodies[i].shape == NULL)
       most = fmax(most, body_px(placement, shot, i, &step, u));
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].body->rings != NULL)
+      most =
+          fmax(most, rings_px(shot->bodies[i].body->rings, &placement->bodies[i].motion, &step, u));
   for (size_t i = 0; i < shot->volume_count; i++)
     most = fmax(most, volume_px(placement, shot, i, &step, u));
   if (may_be_seen(&step, step.sun_from, step.sun_to, shot->sun.radius_m))

@@ -240,6 +240,8 @@ static double defocus_px(const pl_snapshot *shot, const pl_view *view) {
     const pl_vec3 center = {thing->center_m[0], thing->center_m[1], thing->center_m[2]};
     if (thing->in_frame)
       most = fmax(most, sphere_defocus_px(shot, half, center, thing->radius_m));
+    if (thing->rings_in_frame)
+      most = fmax(most, sphere_defocus_px(shot, half, center, thing->rings_radius_m));
   }
   for (size_t i = 0; i < shot->volume_count; i++)
     if (shot->volumes[i].in_frame)

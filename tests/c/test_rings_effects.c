@@ -144,9 +144,47 @@ static void test_absent(void **state) {
   pl_rings_destroy(rings);
 }
 
+/* Rings are seen where the body is not: they have edges, move, and may be out of focus. */
+static void test_rings_alone(void **state) {
+  (void)state;
+  static const char *const rows[] = {"antialiasing", "motion_blur", "depth_of_field"};
+  const double edges[2] = {1.5e6, 3e6}, depth = 1.0, albedo[3] = {0.9, 0.9, 0.9};
+  const pl_rings_settings settings = {
+      .count = 1, .edges_m = edges, .depth = &depth, .albedo = albedo, .exponent = 3.0};
+  stage s;
+  film f;
+  pl_rings *rings;
+  pl_renderer *renderer;
+  pl_frame_result result;
+  assert_int_equal(pl_rings_create(&settings, &rings), PL_OK);
+  stage_init(&s, WIDTH, HEIGHT, 400.0);
+  stage_add_body(&s, (pl_vec3){2.5e6, 0, 5e6}, (pl_vec3){1e6, 1e6, 1e6}, 0.5f);
+  s.scene.bodies[0].rings = rings;
+  s.placement.shutter.exposure_s = 1.0;
+  s.placement.camera.motion.close.q = pl_quat_axis_angle((pl_vec3){1, 0, 0}, 0.01);
+  s.placement.camera.aperture_m = 1.0;
+  s.placement.camera.focus_per_m = 0.005;
+  film_init(&f, &s);
+  pl_frame_request request = request_all(&s, &f);
+  request.samples = SAMPLES;
+  request.exposure = (pl_exposure){.white_radiance = 100.0};
+  assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
+  assert_int_equal(pl_renderer_plan(renderer, &request, &result), PL_OK);
+  for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    const pl_plan_row *row = &result.plan.rows[pl_effect_find(rows[i])];
+    if (row->value == 0)
+      fail_msg("%s is off: %s", rows[i], row->reason);
+  }
+  pl_renderer_destroy(renderer);
+  film_clear(&f);
+  stage_clear(&s);
+  pl_rings_destroy(rings);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_absent),
+      cmocka_unit_test(test_rings_alone),
       cmocka_unit_test(test_promise),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
