@@ -17,7 +17,7 @@ static const double HORIZON_ROUNDING = 1e-5;
 /* Towards the limb a pixel's footprint grows until one value is no mean any more: the view must be
  * this steep, and the footprint this short against the body's radius; shorter
  * where the light of air, relief or water changes faster than that of plain ground. */
-static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.1f, ARC_MAX_VARIED_RAD = 0.01f;
+static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.03f, ARC_MAX_VARIED_RAD = 0.01f;
 
 /* Whether a sphere, widened by `margin_m`, covers part of the sun's disc as seen from a point. */
 static bool overlaps_sun(pl_vec3 center, double radius_m, double margin_m, pl_vec3 point,
@@ -138,7 +138,7 @@ static bool spans_little(const pl_path_context *context, const pl_shot_body *bod
   const pl_vec3 radii = body->state->radii_m;
   *footprint_m = vertex->t * context->pixel_rad / pl_maxf(cosine, COSINE_MIN);
   const float arc = (float)(*footprint_m / fmin(radii.x, fmin(radii.y, radii.z)));
-  const bool varied = context->settings->air != NULL || !pl_ground_is_plain(&body->body->ground);
+  const bool varied = body->body->air != NULL || !pl_ground_is_plain(&body->body->ground);
   const float longest = varied ? ARC_MAX_VARIED_RAD : ARC_MAX_RAD;
   if (cosine < COSINE_MIN || arc > longest)
     return false;

@@ -10,10 +10,11 @@ static const double WHITE = 400.0; /* W m-2 sr-1 */
 
 typedef void arrange_fn(stage *s);
 
-/* A globe so near that a pixel spans 0.02 of its radius in the middle, lit from the left. */
+/* A globe so near that a pixel spans 0.01 to 0.03 of its radius, with its limb, lit from the left.
+ */
 static void arrange_globe(stage *s) {
   s->placement.sun.position_m = (pl_vec3){-AU, 0.1 * AU, -0.6 * AU};
-  stage_add_body(s, (pl_vec3){0, 0, 60}, (pl_vec3){20, 19, 18}, 0.8f);
+  stage_add_body(s, (pl_vec3){25, 0, 80}, (pl_vec3){40, 39, 38}, 0.8f);
 }
 
 /* A globe in front of another, both lit from behind the camera: their light is even but for
@@ -111,12 +112,12 @@ static void check_finer(arrange_fn *arrange, double most_dn) {
 
 static void test_arcs(void **state) {
   (void)state;
-  check_finer(arrange_globe, 0.05);
+  check_finer(arrange_globe, 0.2);
 }
 
 static void test_outlines_of_two(void **state) {
   (void)state;
-  check_finer(arrange_two, 0.5);
+  check_finer(arrange_two, 0.7);
 }
 
 /* A small body hides what lies behind it also where it covers no centre of a pixel; by finer
@@ -158,7 +159,7 @@ static void test_lit_by_another(void **state) {
     free(found);
   }
   print_message("by another body: RMS %.3f DN, light %.4f\n", sqrt(square), sum / true_sum);
-  assert_true(true_sum > 0.0 && fabs(sum / true_sum - 1.0) < 0.025);
+  assert_true(true_sum > 0.0 && fabs(sum / true_sum - 1.0) < 0.035);
   assert_true(square < 16.0);
   free(truth);
 }
