@@ -290,6 +290,10 @@ def test_shell_turns_with_time() -> None:
     ("entry", "message"),
     [
         ({"altitude_km": 0.0}, "altitude_km"),
+        ({"altitude_km": 1e13}, "altitude_km"),
+        ({"thickness_km": 1e-12}, "thickness_km"),
+        ({"optical_depth": 1e7}, "optical_depth"),
+        ({"noise": {"size_km": 1e-12}}, "size_km"),
         ({"opacity": 1.5}, "opacity"),
         ({"noise": {"octaves": 17}}, "octaves"),
         ({"noise": {"cover": 0.3}}, "unknown key"),
@@ -298,6 +302,17 @@ def test_shell_turns_with_time() -> None:
 def test_errors_name_the_key(entry, message: str) -> None:
     with pytest.raises(ValidationError, match=message):
         Clouds.model_validate(entry)
+
+
+@pytest.mark.parametrize("key", ["altitude_km", "thickness_km", "size_km", "optical_depth"])
+@pytest.mark.parametrize("end", [1e-9, 1e12])
+def test_the_core_takes_what_the_schema_takes(key: str, end: float) -> None:
+    entry = {key: min(end, 1e6) if key == "optical_depth" else end}
+    given = {"noise": entry} if key == "size_km" else entry
+    asked = air_worlds.request([[EARTH_M] * 3], [2 * EARTH_M, 0, 0], [-1, 0, 0], [1, 0, 0])
+    row = clouds.settings(Clouds.model_validate(given), 0.0)
+    found = air_worlds.render(air_worlds.scene([None]), {**asked, "body_clouds": [row]})
+    assert np.isfinite(found["radiance"]).all()
 
 
 def test_the_core_refuses_what_is_not_a_number() -> None:

@@ -10,13 +10,13 @@ from perilune.config.types import (
     Finite,
     Fraction,
     Integer,
-    NonNegative,
-    Positive,
     StaticFinite,
     Strict,
     triple,
 )
 
+_Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-9, le=1e12)]
+_Depth = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1e6)]
 _Octaves = Annotated[float, Field(strict=True, ge=1.0, le=16.0)]
 _Softness = Annotated[float, Field(strict=True, ge=0.01, le=100.0)]
 _Warp = Annotated[float, Field(strict=True, ge=-10.0, le=10.0)]
@@ -30,7 +30,7 @@ class CloudNoise(Strict):
     coverage: Fraction | None = None
     """Mean part of the body that clouds cover (default 0.5); with a map a factor on its cover
     (default 1)."""
-    size_km: Positive = 2000.0
+    size_km: _Length = 2000.0
     """Of the largest clouds and gaps."""
     octaves: _Octaves = 10.0
     """Each adds detail of half the size."""
@@ -60,9 +60,9 @@ class Clouds(Strict):
     PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
     """East longitude of the map's centre column at the start, before `longitude_deg`."""
-    altitude_km: Positive = 8.0
+    altitude_km: _Length = 8.0
     """Of the shell, over the surface."""
-    thickness_km: Positive = 2.0
+    thickness_km: _Length = 2.0
     """Of the layer: rays that pass it level are in it for so long a way as this makes."""
     longitude_deg: Finite = 0.0
     """By which the shell is turned eastwards against the body at the start."""
@@ -70,7 +70,7 @@ class Clouds(Strict):
     """Degrees an hour at which it turns on eastwards against the body."""
     opacity: Fraction = 1.0
     """Factor on the cover."""
-    optical_depth: NonNegative = 15.0
+    optical_depth: _Depth = 15.0
     """Of what is covered, straight down: 3 is a veil, 10 a common cloud, 50 a storm."""
     color: _Shares = (1.0, 1.0, 1.0)
     """Factor on the light that they scatter."""
