@@ -27,10 +27,7 @@ def read(path: Path) -> Mesh:
     """A closed mesh, wound outwards, each place one vertex; ValueError that names the file."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        kinds = ", ".join(_READERS)
-        raise ValueError(
-            f"{path}: no kind of shape file; allowed: {kinds}{nearest(path.suffix, _READERS)}"
-        )
+        raise ValueError(f"{path}: no kind of shape file{nearest(path.suffix, _READERS)}")
     try:
         return _closed(*reader(path))
     except ValueError as error:
