@@ -37,8 +37,10 @@ double pl_view_radiance_max(const pl_view *view) {
   return largest;
 }
 
-double pl_view_volumes_max(const pl_view *view) {
+double pl_view_veils_max(const pl_view *view) {
   double sum = 0.0;
+  for (size_t i = 0; i < view->thing_count; i++)
+    sum += view->things[i].rings_in_frame ? view->things[i].rings_light : 0.0;
   for (size_t i = 0; i < view->volume_count; i++)
     if (view->volumes[i].in_frame)
       sum += view->volumes[i].scattered + view->volumes[i].emitted;
@@ -57,9 +59,7 @@ double pl_view_step(const pl_view *view) {
   double step = pl_view_radiance_max(view);
   for (size_t i = 0; i < view->thing_count; i++) /* what it lights is no brighter */
     step = fmax(step, view->things[i].emission_max);
-  step += pl_view_volumes_max(view);
-  for (size_t i = 0; i < view->thing_count; i++)
-    step += view->things[i].rings_in_frame ? view->things[i].rings_light : 0.0;
+  step += pl_view_veils_max(view);
   if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
     step = view->white_radiance;
   return fmax(step, view->sky.background_max);
@@ -188,8 +188,20 @@ pl_view_thing pl_view_rings(const pl_view_thing *body) {
   return shell;
 }
 
-double pl_view_received(const pl_view *view, size_t i) {
+double pl_view_from_volumes(const pl_view *view, const pl_view_thing *receiver) {
   double sum = 0.0;
+  for (size_t k = 0; k < view->volume_count; k++) {
+    const pl_view_volume *volume = &view->volumes[k];
+    const pl_view_thing ball = {
+        .center_m = {volume->center_m[0], volume->center_m[1], volume->center_m[2]},
+        .radius_m = volume->radius_m};
+    sum += pl_view_transfer(receiver, &ball) * (volume->scattered + volume->emitted);
+  }
+  return sum;
+}
+
+double pl_view_received(const pl_view *view, size_t i) {
+  double sum = pl_view_from_volumes(view, &view->things[i]);
   for (size_t k = 0; k < view->thing_count; k++) {
     const pl_view_thing *source = &view->things[k];
     if (k == i)

@@ -119,8 +119,8 @@ double pl_view_dn(const pl_view *view, double radiance);
 double pl_view_dn_dimming(double fraction);
 /* Largest radiance of directly lit diffuse surfaces in the frame, W m-2 sr-1. */
 double pl_view_radiance_max(const pl_view *view);
-/* Largest radiance of a ray through all volumes in the frame, W m-2 sr-1. */
-double pl_view_volumes_max(const pl_view *view);
+/* Largest radiance of a ray through all volumes and rings in the frame, W m-2 sr-1. */
+double pl_view_veils_max(const pl_view *view);
 /* Largest radiance that anything in the frame emits by itself, W m-2 sr-1. */
 double pl_view_emission_max(const pl_view *view);
 /* Largest step of radiance between two places of the frame, W m-2 sr-1: the display's white where
@@ -153,6 +153,8 @@ double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source
 double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source);
 /* Upper bound of a thing's radiance as a light of others: the sun reflected, and its emission. */
 double pl_view_light(const pl_view_thing *source);
+/* Upper bound of the radiance that a thing sends on of the volumes' light. */
+double pl_view_from_volumes(const pl_view *view, const pl_view_thing *receiver);
 /* A body's rings as a thing: the sphere that holds them. */
 pl_view_thing pl_view_rings(const pl_view_thing *body);
 /* 1 + r + r^2 + ..., `bounces` terms: what further reflections between things make of one, where

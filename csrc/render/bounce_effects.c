@@ -6,7 +6,7 @@
 
 /* Whether a thing has another in its sky; a mesh may have itself. */
 static bool has_sky(const pl_view *view, const pl_view_thing *thing) {
-  return !thing->is_body || view->thing_count > 1;
+  return !thing->is_body || view->thing_count > 1 || view->volume_count > 0;
 }
 
 static const char *absent(const pl_view *view) {
@@ -37,9 +37,10 @@ static double return_of(const pl_view *view, const pl_view_thing *thing) {
 /* What paths of more than `value` bounces can add: each bounce keeps at most the largest return, a
  * geometric series. Paths on bodies have one bounce more from the row `body_bounces`. */
 static double bound_dn(const pl_view *view, int value) {
-  double largest = 0.0, light = 0.0, radiance = 0.0;
+  double largest = 0.0, light = 0.0, radiance = 0.0, volumes = 0.0;
   for (size_t i = 0; i < view->thing_count; i++) {
     largest = fmax(largest, return_of(view, &view->things[i]));
+    volumes = fmax(volumes, pl_view_from_volumes(view, &view->things[i]));
     light = fmax(light, fmax(pl_view_light(&view->things[i]), view->things[i].rings_light));
   }
   for (size_t i = 0; i < view->thing_count; i++) {
@@ -49,7 +50,7 @@ static double bound_dn(const pl_view *view, int value) {
     if (largest >= 1.0 || thing->ggx_alpha_min < 1.0)
       return pl_view_dn(view, view->white_radiance); /* may show the sun itself */
     const double bounces = thing->is_body && value == 0 ? 1 : value;
-    const double all = return_of(view, thing) * light / (1.0 - largest);
+    const double all = (return_of(view, thing) * light + volumes) / (1.0 - largest);
     radiance = fmax(radiance, all * pow(largest, bounces));
   }
   return pl_view_dn(view, radiance);
@@ -72,7 +73,7 @@ static const char *body_absent(const pl_view *view) {
   if (view->max_bounces == 0)
     return "max_bounces is 0";
   for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].in_frame && view->things[i].is_body && view->thing_count > 1)
+    if (view->things[i].in_frame && view->things[i].is_body && has_sky(view, &view->things[i]))
       return NULL;
   return "no body in the frame has anything in its sky";
 }

@@ -103,19 +103,31 @@ static bool is_even(const pl_surface *s, const pl_sun_view *sun, float height) {
          (height > HEIGHT_OVER_RELIEF && pl_vec3f_dot(sun->direction, s->n) > HEIGHT_OVER_RELIEF);
 }
 
+/* Whether a sphere rises above the horizon of a point. */
+static bool rises(pl_vec3 center, double radius_m, const pl_vertex *vertex) {
+  const pl_vec3 up = pl_vec3f_to_double(vertex->ng);
+  return pl_vec3_dot(up, pl_vec3_sub(center, vertex->position)) >
+         -radius_m * (1.0 + HORIZON_ROUNDING);
+}
+
+/* Of a body with its clouds and rings. */
+static double reach_of(const pl_shot_body *body) {
+  const double rings = body->body->rings != NULL ? pl_rings_outer_m(body->body->rings) : 0.0;
+  return fmax(body->radius_m + body->state->clouds.altitude_m, rings);
+}
+
 /* Whether anything that may light a body noticeably rises above the horizon of a point on it. */
 static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *vertex) {
   const pl_snapshot *shot = context->shot;
   const uint32_t own = vertex->thing - (uint32_t)shot->object_count;
   if (!context->settings->body_bounces || !shot->bodies[own].bounced)
     return false;
-  const pl_vec3 up = pl_vec3f_to_double(vertex->ng);
-  for (size_t i = 0; i < shot->body_count; i++) {
-    const pl_shot_body *body = &shot->bodies[i];
-    const double height = pl_vec3_dot(up, pl_vec3_sub(body->center, vertex->position));
-    if (i != own && height > -body->radius_m * (1.0 + HORIZON_ROUNDING))
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (i != own && rises(shot->bodies[i].center, reach_of(&shot->bodies[i]), vertex))
       return true;
-  }
+  for (size_t i = 0; i < shot->volume_count; i++)
+    if (rises(shot->volumes[i].center, shot->volumes[i].radius_m, vertex))
+      return true;
   return shot->bodies[own].near_meshes;
 }
 

@@ -381,6 +381,8 @@ void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_d
   double brightest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
     brightest = fmax(brightest, pl_view_light(&view->things[i]));
+  for (size_t i = 0; i < view->volume_count; i++)
+    brightest += view->volumes[i].scattered + view->volumes[i].emitted;
   brightest *= pl_view_series(view, view->max_bounces);
   for (size_t i = 0; i < shot->object_count; i++) {
     pl_shot_object *object = &shot->objects[i];

@@ -114,6 +114,33 @@ static void test_dot_behind_slab(void **state) {
   stage_clear(&s);
 }
 
+/* The night side of a body, and a glow beside the image that alone lights it. */
+static void test_glow_on_a_body(void **state) {
+  (void)state;
+  double sums[2] = {0.0, 0.0};
+  stage s;
+  film f;
+  stage_init(&s, 16, 16, 60.0);
+  s.placement.sun.position_m = (pl_vec3){0, AU, AU};
+  stage_add_body(&s, (pl_vec3){0, 0, 60}, (pl_vec3){10, 10, 10}, 0.8f);
+  pl_volume volume = box(8.0, 8.0, 8.0, 0.0f);
+  volume.local.t = (pl_vec3){20.0, 0.0, -30.0};
+  volume.emission[0] = 50.0f;
+  s.placement.volumes = &volume;
+  s.placement.volume_count = 1;
+  film_init(&f, &s);
+  for (int k = 0; k < 2; k++) {
+    shoot(&s, &f,
+          (pl_plan_wish){.tolerance_dn = 0.5, .force_on = k == 0 ? all_effects() : UINT64_C(0)});
+    for (size_t i = 0; i < f.pixels; i++)
+      sums[k] += (double)f.radiance[3 * i] / (double)f.pixels;
+  }
+  assert_true(sums[0] > 1.0);
+  near(sums[1], sums[0], 0.1);
+  film_clear(&f);
+  stage_clear(&s);
+}
+
 /* Out of the frame, and with its shadow on no thing: it matters where it may shade rings. */
 static void test_shadow_on_rings(void **state) {
   (void)state;
@@ -247,9 +274,9 @@ static void test_row_stays_below_its_bound(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_wall_behind_slab),          cmocka_unit_test(test_shadow_of_a_body),
-      cmocka_unit_test(test_dot_behind_slab),           cmocka_unit_test(test_shadow_on_rings),
-      cmocka_unit_test(test_row_stays_below_its_bound),
+      cmocka_unit_test(test_wall_behind_slab), cmocka_unit_test(test_shadow_of_a_body),
+      cmocka_unit_test(test_dot_behind_slab),  cmocka_unit_test(test_shadow_on_rings),
+      cmocka_unit_test(test_glow_on_a_body),   cmocka_unit_test(test_row_stays_below_its_bound),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
