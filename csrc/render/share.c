@@ -15,6 +15,9 @@ static const float WIDE_PDF_MAX = 0.4f;
 /* Pixels that a pool reaches to each side; first the near ones are asked, of so many paths, whether
  * they are enough. */
 enum { REACH = 4, NEAR = 2, FEWEST = 24 };
+/* Of so many paths that found light at least, counted as if all had found the same: where fewer
+ * did, near ones may have missed it by luck, and the farthest are asked. */
+static const float FOUND = 8.0f;
 /* Nothing is made of fewer paths than about these: one that found no light would show. */
 static const float ERROR_MAX = 0.36f; /* of the mean, by the scatter: 1/sqrt(8) and rounding */
 /* A pool is quiet once its standard error is below so many tolerances. */
@@ -271,6 +274,9 @@ static int reach_of(const pool *pool, const pl_render_settings *settings, float 
     square += pool->rings[r].square;
     count += pool->rings[r].count;
   }
+  *quiet = false;
+  if (!(light * light > FOUND * square))
+    return most;
   const float mean = light / count;
   const float scatter = part * sqrtf(pl_maxf(square / count - mean * mean, 0.0f));
   const float level = pl_luminance(pool->like->own) / (float)pool->like->seen + part * mean;

@@ -103,6 +103,56 @@ static void test_noise_and_light(void **state) {
   pl_model_destroy(model);
 }
 
+/* The cube's near faces again, lit by the sunlit back of a small cube alone: few paths find it. */
+static void shoot_rare(const pl_model *model, int samples, bool even, uint64_t index,
+                       picture *out) {
+  stage s;
+  film f;
+  pl_renderer *renderer;
+  stage_init(&s, WIDTH, HEIGHT, 80.0);
+  s.placement.sun.position_m = (pl_vec3){-0.4 * AU, 0.1 * AU, AU};
+  stage_add_object(&s, model, (pl_vec3){0, 0, 12}, PL_QUAT_IDENTITY, 5.0);
+  stage_add_object(&s, model, (pl_vec3){-4.5, 0, 6}, PL_QUAT_IDENTITY, 1.5);
+  film_init(&f, &s);
+  pl_frame_request request = request_all(&s, &f);
+  request.index = index;
+  request.samples = samples;
+  request.max_bounces = 1;
+  request.exposure = (pl_exposure){.white_radiance = WHITE};
+  request.wish =
+      (pl_plan_wish){.tolerance_dn = 0.5, .force_on = even ? effect_bit("antialiasing") : 0};
+  assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
+  render(renderer, &request);
+  memcpy(out->radiance, f.radiance, sizeof out->radiance);
+  pl_renderer_destroy(renderer);
+  film_clear(&f);
+  stage_clear(&s);
+}
+
+/* Where near pixels miss the light by luck the farthest are asked: there are fewer black
+ * blotches in a dim light. */
+static void test_no_blotches(void **state) {
+  (void)state;
+  pl_model *model = cube_create(0.5);
+  picture *truth = malloc(2 * sizeof *truth), *found = truth + 1;
+  assert_non_null(truth);
+  shoot_rare(model, 1024, true, 0, truth);
+  size_t lit = 0, black = 0;
+  for (uint64_t frame = 0; frame < 8; frame++) {
+    shoot_rare(model, 4, false, frame, found);
+    for (size_t i = 0; i < 3 * PIXELS; i++) {
+      const bool dim = truth->radiance[i] > 0.005 * WHITE && truth->radiance[i] < 0.1 * WHITE;
+      lit += dim;
+      black += dim && !(found->radiance[i] > 0.0f);
+    }
+  }
+  print_message("black: %zu of %zu\n", black, lit);
+  assert_true(lit > 10000);
+  assert_true(black < 2 * lit / 5); /* two thirds, if only near ones are asked */
+  free(truth);
+  pl_model_destroy(model);
+}
+
 /* Frames of one index are the same, and without other surfaces' light there is nothing to share. */
 static void test_dark_without_bounces(void **state) {
   (void)state;
@@ -122,6 +172,7 @@ static void test_dark_without_bounces(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_noise_and_light),
+      cmocka_unit_test(test_no_blotches),
       cmocka_unit_test(test_dark_without_bounces),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
