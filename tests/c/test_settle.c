@@ -39,6 +39,18 @@ static void arrange_lit(stage *s) {
   stage_add_body(s, (pl_vec3){-90, 0, -20}, (pl_vec3){60, 60, 60}, 0.9f);
 }
 
+static pl_rings *rings; /* of the scene below */
+
+/* The night side of a globe, over whose horizon another stays out of sight; its rings do not. */
+static void arrange_rings(stage *s) {
+  s->placement.sun.position_m = (pl_vec3){0.0, -0.5 * AU, AU};
+  stage_add_body(s, (pl_vec3){0, 0, 100}, (pl_vec3){30, 30, 30}, 0.9f);
+  const pl_vec3 place = {-150, 60, 110};
+  const size_t body = stage_add_body(s, place, (pl_vec3){5, 5, 5}, 0.1f);
+  s->bodies[body].motion = still(place, pl_quat_axis_angle((pl_vec3){1, 0, 0}, 0.5 * PL_PI));
+  s->scene.bodies[body].rings = rings;
+}
+
 /* An image of `scale` times as many pixels, as means over squares of so many: floats, 3 a pixel. */
 static float *shoot(arrange_fn *arrange, int scale, double white, pl_plan_wish wish, int samples,
                     uint64_t index) {
@@ -164,6 +176,29 @@ static void test_lit_by_another(void **state) {
   free(truth);
 }
 
+static void test_lit_by_rings(void **state) {
+  (void)state;
+  const double white = 10.0, edges[2] = {10.0, 145.0}, depth = 0.5, albedo[3] = {1.0, 1.0, 1.0};
+  const pl_rings_settings settings = {
+      .count = 1, .edges_m = edges, .depth = &depth, .albedo = albedo};
+  const pl_plan_wish settled = {.tolerance_dn = 0.5};
+  const pl_plan_wish even = {.tolerance_dn = 0.5, .force_on = effect_bit("antialiasing")};
+  assert_int_equal(pl_rings_create(&settings, &rings), PL_OK);
+  float *truth = shoot(arrange_rings, 1, white, even, 64, 0);
+  float *found = shoot(arrange_rings, 1, white, settled, 64, 0);
+  double sums[2] = {0.0, 0.0};
+  for (int y = HEIGHT / 2 - 6; y < HEIGHT / 2 + 6; y++)
+    for (int x = WIDTH / 2 - 6; x < WIDTH / 2 + 6; x++) {
+      sums[0] += truth[3 * (y * WIDTH + x)] / 144.0;
+      sums[1] += found[3 * (y * WIDTH + x)] / 144.0;
+    }
+  print_message("by rings: %.4f, not %.4f\n", sums[1], sums[0]);
+  assert_true(sums[0] > 0.01 * white && fabs(sums[1] / sums[0] - 1.0) < 0.1);
+  free(truth);
+  free(found);
+  pl_rings_destroy(rings);
+}
+
 /* Where the light is over white, too, nothing is made of the luck of single paths: no pixel of the
  * middle of the lit half is black. */
 static void test_no_black_over_white(void **state) {
@@ -179,11 +214,9 @@ static void test_no_black_over_white(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_arcs),
-      cmocka_unit_test(test_outlines_of_two),
-      cmocka_unit_test(test_transit),
-      cmocka_unit_test(test_lit_by_another),
-      cmocka_unit_test(test_no_black_over_white),
+      cmocka_unit_test(test_arcs),         cmocka_unit_test(test_outlines_of_two),
+      cmocka_unit_test(test_transit),      cmocka_unit_test(test_lit_by_another),
+      cmocka_unit_test(test_lit_by_rings), cmocka_unit_test(test_no_black_over_white),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
