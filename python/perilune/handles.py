@@ -218,7 +218,8 @@ class Handles:
             try:
                 self._files[read] = _core.Map(path, **options)
             except ValueError as error:
-                raise ValueError(f"bodies.{name}.{key}: {error}") from error
+                where = f"{self.document.source}: bodies.{name}.{key}"
+                raise ConfigError(f"{where}: {error}") from error
         return self._files[read]
 
     def _cloud_map(self, name: str, body: Body) -> _core.Map | None:

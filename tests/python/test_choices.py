@@ -109,5 +109,6 @@ def test_air_is_that_of_the_radii_drawn(tmp_path: Path) -> None:
 def test_a_broken_map_of_rings_is_named(tmp_path: Path) -> None:
     (tmp_path / "broken.png").write_bytes(b"no image")
     config = scene(rings=RING | {"color_map": "broken.png"})
-    with pytest.raises(ValueError, match=r"bodies\.b\.rings\.color_map: .*broken\.png"):
+    where = r"^configuration: bodies\.b\.rings\.color_map: .*broken\.png"
+    with pytest.raises(ValueError, match=where):
         perilune.open(config, base=tmp_path).frame(0)
