@@ -137,13 +137,8 @@ class Map:
     (linear, 0..1) becomes 0, the rest is stretched. water: a mask of where its colours are blue."""
 
     def __new__(
-        cls,
-        path: str,
-        srgb: bool = True,
-        wrap_u: str = "repeat",
-        wrap_v: str = "clamp",
-        black: float = 0.0,
-        water: bool = False,
+        cls, path: str, srgb: bool = True, wrap_u: str = "repeat", wrap_v: str = "clamp", black:
+        float = 0.0, water: bool = False
     ) -> Self: ...
     @property
     def size(self) -> tuple[int, int]:
@@ -194,14 +189,8 @@ class Air:
         """(n, 3) part of the light of each band that comes from infinity in directions (n, 3) to
         points (n, 3), m; directions that meet the ground count as tangent to it."""
     def scatter(
-        self,
-        points: F64,
-        directions: F64,
-        sun: tuple[float, float, float],
-        sun_radius_rad: float,
-        end_m: float,
-        steps: int,
-        multiple: bool,
+        self, points: F64, directions: F64, sun: tuple[float, float, float], sun_radius_rad: float,
+        end_m: float, steps: int, multiple: bool
     ) -> tuple[F64, F64]:
         """(n, 3) radiance, 1/sr, that arrives at points of light scattered along the ways in
         directions up to end_m or the ground, under a sun of irradiance 1; (n, 3) part of the light
@@ -214,25 +203,15 @@ class Rings:
     """Flat rings about a body, in its axes: z is their normal, the origin its centre."""
 
     def __new__(
-        cls,
-        edges_m: F64,
-        depth: F64,
-        albedo: F64,
-        exponent: float,
-        dust_share: float,
-        dust_g: float,
+        cls, edges_m: F64, depth: F64, albedo: F64, exponent: float, dust_share: float, dust_g:
+        float
     ) -> Self:
         """edges_m: (n + 1,) rising radii; between them depth (n,) along the normal and albedo
         (n, 3), n up to 16384. exponent: of the particles' phase function; dust_share: of the light
         that is scattered as by dust, with a mean cosine of dust_g."""
     def scatter(
-        self,
-        points: F64,
-        directions: F64,
-        sun: tuple[float, float, float],
-        sun_radius_rad: float,
-        width_m: float,
-        spread: float,
+        self, points: F64, directions: F64, sun: tuple[float, float, float], sun_radius_rad: float,
+        width_m: float, spread: float
     ) -> tuple[F64, F64]:
         """(n, 3) radiance, 1/sr, that the rings send to points (n, 3), m, of a sun of irradiance 1
         in the unit direction `sun`, and (n,) part of the light from behind that passes: means over
@@ -284,11 +263,7 @@ class Graph:
     the model's material's. ValueError starts with `node.key`."""
 
     def __new__(
-        cls,
-        nodes: tuple[tuple[Any, ...], ...],
-        surface: int,
-        parameters: int,
-        wrap: bool,
+        cls, nodes: tuple[tuple[Any, ...], ...], surface: int, parameters: int, wrap: bool
     ) -> Self: ...
     @property
     def instructions(self) -> int:
@@ -316,21 +291,10 @@ class Scene:
     def __new__(cls, levels: int) -> Self:
         """levels: number of semantic levels, 1..8."""
     def add_body(
-        self,
-        *,
-        name: str,
-        map: Map | None,
-        map_center_lon_rad: float,
-        reflectance: str,
-        instance_id: int,
-        part_id: int,
-        class_ids: NDArray[np.uint16],
-        regolith_map: Grid | None,
-        air: Air | None,
-        shape: Model | None = None,
-        rings: Rings | None = None,
-        cloud_map: Map | None = None,
-        ground: Ground | None = None,
+        self, *, name: str, map: Map | None, map_center_lon_rad: float, reflectance: str,
+        instance_id: int, part_id: int, class_ids: NDArray[np.uint16], regolith_map: Grid | None,
+        air: Air | None, shape: Model | None = None, rings: Rings | None = None, cloud_map: Map |
+        None = None, ground: Ground | None = None
     ) -> int:
         """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
         (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians
@@ -338,16 +302,9 @@ class Scene:
         is no map. cloud_map: cover of the clouds that requests give it, about longitude 0; red.
         ground: not of a body with a graph; water only with reflectance lambert."""
     def add_object(
-        self,
-        *,
-        name: str,
-        model: Model,
-        offset: F64,
-        obj_id: int,
-        instance_id: int,
-        part_ids: NDArray[np.int32],
-        class_ids: NDArray[np.uint16],
-        triangle_part: NDArray[np.uint32] | None = None,
+        self, *, name: str, model: Model, offset: F64, obj_id: int, instance_id: int, part_ids:
+        NDArray[np.int32], class_ids: NDArray[np.uint16], triangle_part: NDArray[np.uint32] | None =
+        None
     ) -> int:
         """A model instance; a model point p is at scale * (p - offset) in the object's frame.
         offset: (3,) model units; part_ids: (parts,); class_ids: (parts, levels); triangle_part:
@@ -472,10 +429,7 @@ class Renderer:
 
     def __new__(cls, scene: Scene) -> Self: ...
     def render(
-        self,
-        request: FrameRequest,
-        out: Mapping[str, NDArray[Any]],
-        threads: int = 1,
+        self, request: FrameRequest, out: Mapping[str, NDArray[Any]], threads: int = 1
     ) -> FrameResult:
         """Fills the arrays of `out`: any of CHANNELS by name, C-contiguous, exact shape and type,
         "objects": (objects,) of OBJECT_LABEL, and "masks": (objects, height, width) uint8, 1 on
@@ -578,13 +532,8 @@ def cloud_cover(settings: CloudSettings, points: F64, width_m: float, detail: in
     m, body axes, with so many octaves of the noise."""
 
 def sunlight(
-    points: F64,
-    sun: F64,
-    sun_radius: float,
-    poses: F64,
-    radii: F64,
-    wavelengths_um: F64,
-    nodes: int = 16,
+    points: F64, sun: F64, sun_radius: float, poses: F64, radii: F64, wavelengths_um: F64, nodes:
+    int = 16
 ) -> tuple[F64, NDArray[np.bool_]]:
     """The fraction (n, bands) of the sun's irradiance, on a surface that faces it, that bodies let
     through to points, and which hide a part of the disc (n, bodies).
