@@ -236,6 +236,13 @@ void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail det
                                         vertex->surface.ng);
 }
 
+/* How far rays pass under neighbouring facets: in hollows the smooth surface is below the facets,
+ * and of those that are turned away from the sun some are on its bright side. Much farther is what
+ * truly casts a shadow. */
+static float facet_size(const pl_vertex *vertex) {
+  return pl_maxf(pl_vec3f_norm(vertex->edge1), pl_vec3f_norm(vertex->edge2));
+}
+
 /* From a point of a facet to the smooth surface that its normals speak of: the mean, by the
  * point's weights, of its places over the planes across the normals of the corners (Hanika 2021,
  * "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). Rays from there do not meet the
@@ -265,7 +272,8 @@ pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f 
   const float largest = pl_maxf(fabsf(p.x), pl_maxf(fabsf(p.y), fabsf(p.z)));
   const float offset = on_body ? 0.0f : side * (0x1p-19f * largest + 1e-6f);
   pl_vec3f origin = pl_vec3f_madd(p, offset, vertex->surface.ng);
-  if (on_shape(shot, vertex->thing) && side > 0.0f)
+  const bool outwards = on_shape(shot, vertex->thing) && side > 0.0f;
+  if (outwards)
     origin = pl_vec3f_add(origin, lift(&shot->objects[vertex->thing], vertex));
   return (pl_ray){
       .origin = origin,
@@ -274,5 +282,6 @@ pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f 
       .skip_body = on_body ? vertex->thing - (uint32_t)shot->object_count : PL_NOTHING,
       .from_thing = vertex->thing,
       .from_triangle = on_body ? 0 : vertex->triangle + 1,
+      .leaves = outwards ? facet_size(vertex) : 0.0f,
   };
 }

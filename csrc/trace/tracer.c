@@ -93,7 +93,9 @@ static bool counts(const origins *origins, const struct RTCFilterFunctionNArgume
   uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
   if (tracer->has_pieces && thing >= tracer->object_count)
     name_owner(tracer, &thing, &triangle);
-  if (triangle + 1 == ray->from_triangle && thing == ray->from_thing)
+  if (thing == ray->from_thing && (triangle + 1 == ray->from_triangle ||
+                                   (pl_embree_ray_far(arguments->ray, n, i) < ray->leaves &&
+                                    pl_embree_from_behind(arguments->ray, arguments->hit, n, i))))
     return false;
   return !tracer->has_cuts ||
          pl_shot_is_there(&tracer->snapshot->objects[thing], triangle,

@@ -23,6 +23,7 @@ typedef struct pl_ray {
   /* The triangle that the ray starts on and so cannot hit: of an object, counted from 1; 0: none.
    */
   uint32_t from_thing, from_triangle;
+  float leaves;   /* so far, m, it cannot hit the backs of `from_thing`'s triangles */
   bool no_meshes; /* closest hits: of bodies alone */
 } pl_ray;
 

@@ -356,6 +356,35 @@ static void test_single_sided(void **state) {
   pl_model_destroy(model);
 }
 
+/* A ray that leaves a mesh passes its backs as far as it says, 5 m away, and no fronts. */
+static void test_leaving(void **state) {
+  (void)state;
+  pl_model *model = square_create(1.0); /* faces +z */
+  world w;
+  world_init(&w);
+  stage_add_object(&w.stage, model, (pl_vec3){0, 0, 5}, PL_QUAT_IDENTITY, 3.0);
+  world_set(&w);
+  for (int i = 0; i < 16; i++) {
+    const bool front = i & 1, far = i & 2, own = i & 4;
+    const pl_ray ray = {.origin = {0.3f, 0.2f, front ? 10 : 0},
+                        .direction = {0, 0, front ? -1 : 1},
+                        .t_max = INFINITY,
+                        .skip_body = PL_NOTHING,
+                        .from_thing = own ? 0 : 1,
+                        .from_triangle = 9,
+                        .leaves = far ? 5.1f : 4.9f};
+    const bool passes = own && far && !front;
+    pl_hit hit;
+    bool occluded;
+    pl_tracer_closest(w.tracer, &ray, &hit, 1, i & 8, true);
+    pl_tracer_occluded(w.tracer, &ray, &occluded, 1, i & 8);
+    assert_int_equal(hit.thing, passes ? PL_NOTHING : 0);
+    assert_int_equal(occluded, !passes);
+  }
+  world_clear(&w);
+  pl_model_destroy(model);
+}
+
 typedef struct shared {
   const world *w;
   const pl_ray *rays;
@@ -399,7 +428,7 @@ int main(void) {
       cmocka_unit_test(test_random_scenes), cmocka_unit_test(test_ragged_counts),
       cmocka_unit_test(test_models_change), cmocka_unit_test(test_order_of_body_and_mesh),
       cmocka_unit_test(test_cut_out),       cmocka_unit_test(test_single_sided),
-      cmocka_unit_test(test_threads_agree),
+      cmocka_unit_test(test_leaving),       cmocka_unit_test(test_threads_agree),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -151,6 +151,25 @@ def test_a_coarse_ball_has_no_teeth(tmp_path, sun):
     assert ((flat[..., 0] == 0.0) & (bare[..., 0] > 0.0)).sum() > 5
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_coarse_waist_has_no_dark_facets(tmp_path, seed):
+    """A body of revolution with the Sun over its equator: no point shades another, however thin the
+    waist, as both would be on one disc across the axis. Of uneven facets many turn away where the
+    smooth normals do not, in hollows too: what they lose was 8 to 12 in ten thousand."""
+    vertices, faces = ball(12)
+    vertices += np.random.default_rng(seed).normal(0.0, 0.03, vertices.shape)
+    vertices /= np.linalg.norm(vertices, axis=1)[:, None]
+    vertices[:, :2] *= 0.35 + 0.65 * vertices[:, 2:] ** 2
+    path = str(write_obj(tmp_path / "waist.obj", vertices, faces))
+    tree = scene({"shape": path}, (0.0, -3000.0, 0.0), sun=[1.0, -0.4, 0.0])
+    tree["render"].update(max_bounces=0, force_off=["soft_sun", "limb_darkening"])
+    shaded = frame(tree)["radiance"]
+    tree["render"]["force_off"].append("cast_shadows")
+    bare = frame(tree)["radiance"]
+    assert (bare[..., 0] > 1.0).sum() > 500
+    assert (bare - shaded).sum() < 2e-4 * bare.sum()
+
+
 # --- sizes --------------------------------------------------------------------------------------
 
 
