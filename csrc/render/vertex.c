@@ -236,9 +236,9 @@ void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail det
                                         vertex->surface.ng);
 }
 
-/* How far rays pass under neighbouring facets: in hollows the smooth surface is below the facets,
- * and of those that are turned away from the sun some are on its bright side. Much farther is what
- * truly casts a shadow. */
+/* How far rays leave a shape by its normals: in hollows the smooth surface is below the facets, and
+ * some that are turned away from the sun, or are in the shade of these, are on its bright side.
+ * What is farther away truly casts a shadow. */
 static float facet_size(const pl_vertex *vertex) {
   return pl_maxf(pl_vec3f_norm(vertex->edge1), pl_vec3f_norm(vertex->edge2));
 }

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "geom/ellipsoid.h"
 #include "scene/graph_point.h"
+#include "scene/shot_frame.h"
 #include "trace/accelerator.h"
 #include "trace/coincident.h"
 
@@ -81,6 +82,24 @@ typedef struct origins {
   const pl_ray *rays; /* by the number that each has in the query */
 } origins;
 
+/* Whether ray `i`, which leaves the mesh that it meets, passes that here: it comes out of the
+ * facet, or would of the smooth surface of the normals. */
+static bool is_left(const origins *origins, const struct RTCFilterFunctionNArguments *arguments,
+                    unsigned i, uint32_t triangle) {
+  const unsigned n = arguments->N;
+  const pl_ray *ray = &origins->rays[pl_embree_ray_id(arguments->ray, n, i)];
+  if (!(pl_embree_ray_far(arguments->ray, n, i) < ray->leaves))
+    return false;
+  if (pl_embree_from_behind(arguments->ray, arguments->hit, n, i))
+    return true;
+  const pl_shot_object *object = &origins->tracer->snapshot->objects[ray->from_thing];
+  const pl_model *model = object->object->model;
+  const float u = pl_embree_hit_u(arguments->hit, n, i), v = pl_embree_hit_v(arguments->hit, n, i);
+  const float w[3] = {1.0f - u - v, u, v};
+  const pl_vec3f normal = pl_shot_mix3(model->normals, 3, model->indices + 3 * (size_t)triangle, w);
+  return pl_vec3f_dot(pl_shot_rotate(&object->rotation, normal), ray->direction) > 0.0f;
+}
+
 /* Whether ray `i` meets what it can. Not the triangle that it starts on: however far the origin is
  * put off the surface, rounding in large coordinates, or in those of a scaled instance, can put it
  * behind again. Nor where a graph leaves no surface. */
@@ -93,9 +112,8 @@ static bool counts(const origins *origins, const struct RTCFilterFunctionNArgume
   uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
   if (tracer->has_pieces && thing >= tracer->object_count)
     name_owner(tracer, &thing, &triangle);
-  if (thing == ray->from_thing && (triangle + 1 == ray->from_triangle ||
-                                   (pl_embree_ray_far(arguments->ray, n, i) < ray->leaves &&
-                                    pl_embree_from_behind(arguments->ray, arguments->hit, n, i))))
+  if (thing == ray->from_thing &&
+      (triangle + 1 == ray->from_triangle || is_left(origins, arguments, i, triangle)))
     return false;
   return !tracer->has_cuts ||
          pl_shot_is_there(&tracer->snapshot->objects[thing], triangle,
