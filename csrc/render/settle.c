@@ -214,8 +214,11 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
 enum { BORDERED = PL_TILE_SIDE + 2 };
 
 /* Whether the centres of a pixel and of those around it lie on one body: its outline is convex, so
- * all of the pixel does. Another in front of it that is wider than a few pixels would have one of
- * these centres or stay outside the pixel; for those that are not see find_narrow. */
+ * all of the pixel does. Or whether all lie on none. Another body would have one of these centres
+ * or stay outside the pixel: its outline is a union of discs as large as its sharpest bend, and one
+ * that comes half a pixel deep between two centres without touching them is smaller than a pixel
+ * (its sagitta over a chord of one pixel is half a pixel only if its radius is). For bodies that
+ * bend more sharply than a few pixels see find_narrow. */
 static bool is_covered(const uint32_t thing[BORDERED][BORDERED], int x, int y) {
   for (int v = y; v <= y + 2; v++)
     for (int u = x; u <= x + 2; u++)
@@ -224,16 +227,18 @@ static bool is_covered(const uint32_t thing[BORDERED][BORDERED], int x, int y) {
   return true;
 }
 
-/* The body that a pixel's centre is on, in the tile or beside it. */
+/* The body that a pixel's centre is on, in the tile or beside it; where the lens has no ray, none
+ * that is in the tile. */
 static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b, int x, int y) {
   const pl_tile tile = context->tile;
   if (x >= 0 && y >= 0 && x < tile.width && y < tile.height)
     return b->points[y * PL_TILE_SIDE + x].thing;
   pl_hit hit;
+  const pl_vec3 direction = pl_snapshot_ray(context->shot, tile.x0 + x, tile.y0 + y);
+  if (pl_vec3_norm(direction) == 0.0)
+    return PL_EVERY_BODY;
   const pl_ray ray = {
-      .t_max = INFINITY,
-      .direction = pl_vec3_to_float(pl_snapshot_ray(context->shot, tile.x0 + x, tile.y0 + y)),
-      .skip_body = PL_NOTHING};
+      .t_max = INFINITY, .direction = pl_vec3_to_float(direction), .skip_body = PL_NOTHING};
   pl_tracer_closest(context->tracer, &ray, &hit, 1, false, false);
   return hit.thing;
 }
@@ -249,42 +254,66 @@ static void cover_pixels(const pl_path_context *context, const pl_tile_buffers *
       covered[y * PL_TILE_SIDE + x] = !b->narrow[y * PL_TILE_SIDE + x] && is_covered(thing, x, y);
 }
 
-/* Bodies of up to so many pixels may lie between centres, and between samples. */
+/* Bodies of up to so many pixels may lie between centres, and between samples; and longer ones with
+ * ends as sharp. */
 static const double NARROW_PX = 5.0;
 
-static bool is_narrow(const pl_path_context *context, const pl_shot_body *body) {
+/* An ellipsoid bends nowhere more than about a radius of b^2/a, of its shortest and longest axis.
+ */
+static bool is_narrow(const pl_shot_body *body, double pixel_m) {
+  const pl_vec3 radii = body->state->radii_m;
+  const double least = fmin(radii.x, fmin(radii.y, radii.z));
   return body->shape == NULL &&
-         (body->dot ||
-          2.0 * body->radius_m < NARROW_PX * context->pixel_rad * pl_vec3_norm(body->center));
+         (body->dot || 2.0 * least * least < NARROW_PX * pixel_m * body->radius_m);
+}
+
+/* Whether a narrow body may touch what a pixel's centre is on, or hide it. The light of dots is
+ * added to the sky later, and black is as black behind them. */
+static bool may_hide(const pl_path_context *context, const pl_shot_body *body,
+                     const pl_vertex *point) {
+  const pl_render_settings *settings = context->settings;
+  if (point->thing == PL_NOTHING)
+    return !body->dot || settings->see_dots || settings->backdrop != NULL;
+  return point->t > pl_vec3_norm(body->center) - body->radius_m;
 }
 
 /* Marks the pixels that a narrow body may touch before what their centres are on. */
 static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
-  const double reach = 0.5 * NARROW_PX + 1.0;
   memset(b->narrow, 0, sizeof b->narrow);
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
     const pl_vec3 seen = pl_mat3_mul_vec_t(shot->camera_to_root, body->center);
+    const double pixel_m = context->pixel_rad * pl_vec3_norm(body->center);
     double at[2];
-    if (!is_narrow(context, body) || !pl_camera_project(&shot->camera, seen, at))
+    if (!is_narrow(body, pixel_m) || !pl_camera_project(&shot->camera, seen, at))
       continue;
-    const double near_m = pl_vec3_norm(body->center) - body->radius_m;
+    const double reach = fmax(0.5 * NARROW_PX, body->radius_m / pixel_m) + 1.0;
     for (int y = 0; y < context->tile.height; y++)
       for (int x = 0; x < context->tile.width; x++) {
         const int pixel = y * PL_TILE_SIDE + x;
         const double off_x = context->tile.x0 + x - at[0], off_y = context->tile.y0 + y - at[1];
-        if (fabs(off_x) < reach && fabs(off_y) < reach && b->points[pixel].thing != PL_NOTHING &&
-            b->points[pixel].t > near_m)
+        if (fabs(off_x) < reach && fabs(off_y) < reach &&
+            may_hide(context, body, &b->points[pixel]))
           b->narrow[pixel] = true;
       }
   }
 }
 
+/* Whether a pixel outside the meshes' reach sees only what is behind everything: covered by none.
+ * Of a slice not all centres are known. */
+static bool is_sky(const pl_path_context *context, uint32_t pixel, bool covered,
+                   const pl_tile_buffers *b) {
+  if (context->sun || context->air || context->veils)
+    return false;
+  return !context->bodies || (covered && context->sharp && context->settings->slice == NULL &&
+                              b->points[pixel].thing == PL_NOTHING);
+}
+
 /* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
 static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool covered,
                          pl_tile_buffers *b) {
-  const bool empty = !context->bodies && !context->sun && !context->air && !context->veils;
+  const bool sky = is_sky(context, pixel, covered, b);
   const pl_vec3f nothing = {0.0f, 0.0f, 0.0f};
   const pl_vec3f behind = context->settings->backdrop != NULL ? b->backdrop[pixel] : nothing;
   if (context->air && !context->veils &&
@@ -295,10 +324,10 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
   const uint32_t thing = b->settled_thing[pixel];
   const bool settled = covered && thing != PL_NOTHING;
   b->single[pixel] = settled && b->lit[pixel];
-  if (!empty && (!settled || b->single[pixel]))
+  if (!sky && (!settled || b->single[pixel]))
     return false;
   b->counts[pixel] = 1;
-  b->radiance[pixel] = empty ? behind : b->settled[pixel];
+  b->radiance[pixel] = sky ? behind : b->settled[pixel];
   return true;
 }
 

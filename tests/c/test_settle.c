@@ -32,6 +32,12 @@ static void arrange_transit(stage *s) {
   stage_add_body(s, (pl_vec3){0, 0, 150}, (pl_vec3){1.1, 1.1, 1.1}, 0.5f);
 }
 
+/* A disc seen from its edge, thinner than a pixel, between two rows of centres; only sky behind. */
+static void arrange_edge(stage *s) {
+  s->placement.sun.position_m = (pl_vec3){-0.3 * AU, 0.2 * AU, -AU};
+  stage_add_body(s, (pl_vec3){0, 0, 150}, (pl_vec3){40, 0.4, 40}, 0.8f);
+}
+
 /* A dark globe, of which one side faces a bright one beside the camera. */
 static void arrange_lit(stage *s) {
   s->placement.sun.position_m = (pl_vec3){0.1 * AU, 0.0, AU};
@@ -148,6 +154,25 @@ static void test_transit(void **state) {
   free(fine);
 }
 
+/* A thin body is not lost in the sky around it, though it is on no centre of a pixel. */
+static void test_edge_in_sky(void **state) {
+  (void)state;
+  const pl_plan_wish wish = {.tolerance_dn = 0.5};
+  float *coarse = shoot(arrange_edge, 1, WHITE, wish, 256, 0);
+  float *fine = shoot(arrange_edge, 4 * FINER, WHITE, wish, 8, 0);
+  double found = 0.0, expected = 0.0;
+  for (int y = HEIGHT / 2 - 1; y <= HEIGHT / 2; y++)
+    for (int x = 0; x < WIDTH; x++) {
+      found += dn(coarse[3 * (y * WIDTH + x)], WHITE);
+      expected += dn(fine[3 * (y * WIDTH + x)], WHITE);
+    }
+  print_message("a disc's edge: %.2f DN, by finer pixels %.2f\n", found, expected);
+  assert_true(expected > 40.0 * 5.0);
+  assert_true(fabs(found / expected - 1.0) < 0.02);
+  free(coarse);
+  free(fine);
+}
+
 /* Light by way of another body: in the mean over frames that of paths of each pixel's own, but that
  * pools at the limb reach inwards, and next to none where that body has
  * not risen. */
@@ -214,9 +239,13 @@ static void test_no_black_over_white(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_arcs),         cmocka_unit_test(test_outlines_of_two),
-      cmocka_unit_test(test_transit),      cmocka_unit_test(test_lit_by_another),
-      cmocka_unit_test(test_lit_by_rings), cmocka_unit_test(test_no_black_over_white),
+      cmocka_unit_test(test_arcs),
+      cmocka_unit_test(test_outlines_of_two),
+      cmocka_unit_test(test_transit),
+      cmocka_unit_test(test_edge_in_sky),
+      cmocka_unit_test(test_lit_by_another),
+      cmocka_unit_test(test_lit_by_rings),
+      cmocka_unit_test(test_no_black_over_white),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
