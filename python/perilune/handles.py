@@ -81,6 +81,15 @@ def metres_per_unit(craft: Spacecraft, model: _core.Model) -> float:
     return craft.size_m / float((high - low).max())
 
 
+def _check_length(where: str, scale: float, bounds: F64) -> None:
+    """ConfigError for a model longer or shorter than the core takes; size_m is in range already."""
+    length_m = scale * float((bounds[1] - bounds[0]).max())
+    low, high = shapes.LENGTHS_M
+    if not low * (1.0 - 1e-12) <= length_m <= high * (1.0 + 1e-12):
+        text = f"{scale:g}: the model is then {length_m:.3g} m long; allowed: {low:g} to {high:g} m"
+        raise ConfigError(f"{where}.metres_per_unit: {text}")
+
+
 def _reach_units(model: _core.Model, offset: F64) -> float:
     """Distance from the offset to the farthest corner of the bounding box, model units."""
     return math.hypot(*np.abs(model.bounds - offset).max(axis=0))
@@ -137,6 +146,7 @@ class Handles:
             if not float((bounds[1] - bounds[0]).max()) > 0.0:
                 raise ValueError(f"spacecraft.{name}.model: {path}: has no extent")
             scale = metres_per_unit(craft, model)
+            _check_length(f"{self.document.source}:\n  spacecraft.{name}", scale, bounds)
             result[name] = ObjectModel(
                 name=name,
                 obj_id=ids[name],
@@ -234,12 +244,12 @@ class Handles:
             if body.shape is None:
                 continue
             if (name, body.shape) not in self._shapes:
-                key = f"bodies.{name}.shape.file"
-                path = self.document.path(body.shape.file, key)
+                key = f"bodies.{name}.shape"
+                path = self.document.path(body.shape.file, f"{key}.file")
                 try:
                     self._shapes[name, body.shape] = shapes.load(name, body.shape, path)
                 except ValueError as error:
-                    raise ConfigError(f"{self.document.source}:\n  {key}: {error}") from error
+                    raise ConfigError(f"{self.document.source}:\n  {key}.{error}") from error
             found[name] = self._shapes[name, body.shape]
         return found
 

@@ -93,14 +93,27 @@ def _to_segment(point: F64, p: F64, q: F64) -> F64:
     return np.asarray(np.linalg.norm(point - nearest, axis=1))
 
 
+LENGTHS_M = (1e-9, 1e18)
+"""Of shapes and models: what the core's single precision holds."""
+
+
 def load(name: str, given: Shape, path: Path) -> BodyShape:
-    """The shape of the body `name`; ValueError that names the file."""
-    vertices, triangles = shape_files.read(path)
+    """The shape of the body `name`; ValueError that names key, below the section, and file."""
+    try:
+        vertices, triangles = shape_files.read(path)
+    except ValueError as error:
+        raise ValueError(f"file: {error}") from error
     unit_m = given.metres_per_unit
     if unit_m is None:
         unit_m = 1.0 if path.suffix.lower() in (".gltf", ".glb") else 1e3
     if not given.smooth:  # normals are the mean of the faces about a vertex
         vertices = vertices[triangles.ravel()]
         triangles = np.arange(len(vertices)).reshape(-1, 3)
+    largest_m = unit_m * float(np.abs(vertices).max())
+    if not LENGTHS_M[0] <= largest_m <= LENGTHS_M[1]:
+        raise ValueError(
+            f"metres_per_unit: {unit_m:g}: {path} then reaches {largest_m:.3g} m far; "
+            f"allowed: {LENGTHS_M[0]:g} to {LENGTHS_M[1]:g} m"
+        )
     metres = (unit_m * vertices).astype(np.float32)
     return BodyShape(_core.Model.of_mesh(name, metres, triangles.astype(np.uint32)))

@@ -219,7 +219,7 @@ def test_same_bits_for_any_threads() -> None:
         ({"size_m": 1.0}, "volumes.mist.size_m: unknown key"),
         ({"g": 1.0}, "volumes.mist.g"),
         ({"albedo": 1.2}, "volumes.mist.albedo"),
-        ({"core_m": 1.0}, "volumes.mist.core_m: only for a volume with a material"),
+        ({"core_m": 1.0}, "volumes.mist.core_m: does nothing without a material"),
         ({"material": "foog"}, "volumes.mist.material: no entry named 'foog'; did you mean 'fog'?"),
         ({"material": "own"}, "volumes.mist.material: 'own' asks for a model's own material"),
     ],

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
-from perilune.config.types import Finite, Integer, StaticVec3, Strict, refuse_drawn
-
-Text = Annotated[str, BeforeValidator(refuse_drawn)]
+from perilune.config.types import Finite, Integer, StaticVec3, Strict
 
 
 class Joint(Strict):
@@ -19,7 +17,7 @@ class Joint(Strict):
     are given in the rest pose and travel with the joints of the nodes above them; several on one
     node act from the last to the first."""
 
-    node: Text
+    node: str
     """Shell pattern on the names of the model's nodes (`perilune parts CONFIG --nodes`); one must
     match."""
     axis: StaticVec3
@@ -33,7 +31,7 @@ class Joint(Strict):
     """Angle from the rest pose; added to what rate_deg_s and towards give."""
     rate_deg_s: Finite | None = None
     """The angle grows from the epoch on."""
-    towards: Text | None = None
+    towards: str | None = None
     """`sun`, or a body or spacecraft: turns until `normal` comes as near to its direction from the
     pivot as the axis allows. One on the axis leaves the angle at 0."""
     normal: StaticVec3 | None = None
@@ -69,7 +67,7 @@ class Joint(Strict):
 class Animation(Strict):
     """The model's own glTF animations, played at the frame's time."""
 
-    name: Text | None = None
+    name: str | None = None
     """Shell pattern on their names (`perilune parts CONFIG --nodes`); all that match play."""
     index: Annotated[Integer, Field(ge=0)] | None = None
     """Or the number of one of them, from 0."""

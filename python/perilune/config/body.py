@@ -16,7 +16,13 @@ from perilune.config.orbit import Orbit
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.shape import Shape, named
-from perilune.config.types import Positive, PositiveVec3, Rgb, StaticFinite, Strict
+from perilune.config.types import Positive, Rgb, StaticFinite, Strict, triple
+
+# In kilometres what the core's floats hold, 1e-9 to 1e18 m.
+_Radius = Annotated[float, Field(strict=True, ge=1e-12, le=1e15)]
+_Radii = Annotated[tuple[_Radius, _Radius, _Radius], BeforeValidator(triple)]
+_Share = Annotated[float, Field(strict=True, ge=0.0, le=10.0)]
+_Albedo = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple)]
 
 
 class Body(Strict):
@@ -24,7 +30,7 @@ class Body(Strict):
 
     kind: str
     """A name in the table of bodies, or `ellipsoid` (then radii_km and gm_km3_s2 are needed)."""
-    radii_km: PositiveVec3 | None = None
+    radii_km: _Radii | None = None
     """Semi-axes along body-fixed x, y, z; replaces the table's."""
     gm_km3_s2: Positive | None = None
     """Gravitational parameter; replaces the table's."""
@@ -36,7 +42,7 @@ class Body(Strict):
     """Equirectangular PNG or JPEG; relative to this file, or data:... under PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
     """East longitude of the map's centre column."""
-    albedo: Rgb | None = None
+    albedo: _Albedo | None = None
     """Linear factor on the map (default 1); without a map, the colour (table's Bond albedo)."""
     emission_w_m2_sr: Rgb = (0.0, 0.0, 0.0)
     reflectance: str = "lambert"
@@ -108,6 +114,13 @@ class Body(Strict):
             fail("ocean", f"only with reflectance: lambert, not {self.reflectance}")
         if self.ocean is not None and self.ocean.map is None and self.color_map is None:
             fail("ocean.map", "required without a color_map, whose blue would be the water")
+        return self
+
+    @model_validator(mode="after")
+    def _centre_of_map(self) -> Body:
+        users = ("color_map", "relief", "ocean", "night_lights", "material")
+        if all(getattr(self, key) is None for key in users):
+            self._only_with(f"a map, or one of {', '.join(users)}", "map_center_lon_deg")
         return self
 
     @model_validator(mode="after")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.types import (
     Finite,
@@ -45,6 +45,12 @@ class CloudNoise(Strict):
     seed: Annotated[Integer, Field(ge=0, lt=2**32)] = 0
     """Another seed, another pattern."""
 
+    @model_validator(mode="after")
+    def _bent(self) -> CloudNoise:
+        if "warp" not in self.model_fields_set:
+            self._only_with("a warp", "phase")
+        return self
+
 
 class Clouds(Strict):
     """A shell of clouds; a map, a noise or both say what part of each place is covered.
@@ -77,3 +83,11 @@ class Clouds(Strict):
     noise: CloudNoise | None = None
     """Clouds without a map; or what breaks a map's cover into clouds and gaps finer than it shows,
     of the same mean."""
+
+    @model_validator(mode="after")
+    def _something_turns(self) -> Clouds:
+        if self.map is None:
+            self._only_with("a map", "map_center_lon_deg")
+            if self.noise is None:
+                self._only_with("a map or noise", "longitude_deg", "rotation_deg_h")
+        return self

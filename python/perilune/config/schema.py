@@ -142,6 +142,12 @@ class Sun(Strict):
         """Of the colours red, green and blue."""
         return self.band_wavelengths_um or SRGB_UM
 
+    @model_validator(mode="after")
+    def _given(self) -> Sun:
+        if self.direction is None:
+            self._only_with("a direction: the date says where the Sun is", "distance_au")
+        return self
+
 
 class ContinuousSymmetry(Strict):
     """Full rotational symmetry about a line of the model frame."""
@@ -163,7 +169,7 @@ class Spacecraft(Strict):
 
     model: str
     """.glb or .gltf; relative to this file, or data:... under PERILUNE_DATA."""
-    size_m: Positive | None = None
+    size_m: Annotated[Positive, Field(ge=1e-9, le=1e18)] | None = None
     """Longest side of the bounding box."""
     metres_per_unit: Positive | None = None
     centre: Literal["bounds", "origin"] = "bounds"

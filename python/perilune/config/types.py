@@ -109,6 +109,12 @@ class Strict(BaseModel):
                 fail(str(key), f"unknown key{nearest(key, allowed)}")
         return data
 
+    def _only_with(self, needed: str, *keys: str) -> None:
+        """Refuses keys that do nothing without something else. needed: what it is."""
+        for key in keys:
+            if key in self.model_fields_set:
+                fail(key, f"does nothing without {needed}")
+
     def _exactly_one(self, *names: str, optional: bool = False) -> None:
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) > 1:

@@ -12,18 +12,19 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from perilune.config.errors import fail
 from perilune.config.materials import DriverSection
-from perilune.config.types import (
-    Fraction,
-    NonNegative,
-    Positive,
-    PositiveVec3,
-    Rgb,
-    Strict,
-    Vec3,
-    triple,
-)
+from perilune.config.types import Fraction, Strict, Vec3, triple
 
 _Fractions = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
+# What single precision holds along any way through any volume; far beyond use.
+_Place = Annotated[float, Field(strict=True, ge=-1e15, le=1e15)]
+_SIZE_MIN_M = 1e-9
+_Size = Annotated[float, Field(strict=True, ge=_SIZE_MIN_M, le=1e15)]
+_SizeOrNone = Annotated[float, Field(strict=True, ge=0.0, le=1e15)]
+_Sizes = Annotated[tuple[_Size, _Size, _Size], BeforeValidator(triple)]
+_Extinction = Annotated[float, Field(strict=True, ge=0.0, le=1e12)]
+_Emission = Annotated[float, Field(strict=True, ge=0.0, le=1e20)]
+_Extinctions = Annotated[tuple[_Extinction, _Extinction, _Extinction], BeforeValidator(triple)]
+_Emissions = Annotated[tuple[_Emission, _Emission, _Emission], BeforeValidator(triple)]
 
 
 class BaseVolume(Strict):
@@ -35,11 +36,11 @@ class BaseVolume(Strict):
 
     parent: str
     """Body or spacecraft in whose axes it stands."""
-    position_m: Vec3 = (0.0, 0.0, 0.0)
+    position_m: tuple[_Place, _Place, _Place] = (0.0, 0.0, 0.0)
     """Of the shape's origin, in the parent's axes."""
     rotation_deg: Vec3 = (0.0, 0.0, 0.0)
     """Roll, pitch, yaw of the shape's axes: about the parent's x, then y, then z axis."""
-    extinction_per_m: Rgb = (0.0, 0.0, 0.0)
+    extinction_per_m: _Extinctions = (0.0, 0.0, 0.0)
     """Part of the light that a metre takes, where the density is 1: a path of 1 / extinction lets
     37 % through."""
     albedo: _Fractions = (1.0, 1.0, 1.0)
@@ -47,7 +48,7 @@ class BaseVolume(Strict):
     g: Annotated[float, Field(strict=True, ge=-0.98, le=0.98)] = 0.0
     """Mean cosine of the angle of scattering (Henyey and Greenstein): 0 is even, towards 1 light
     goes on almost straight, below 0 it comes back."""
-    emission_w_m3_sr: Rgb = (0.0, 0.0, 0.0)
+    emission_w_m3_sr: _Emissions = (0.0, 0.0, 0.0)
     """Radiance that a metre adds, where the density is 1."""
     material: str | None = None
     """Name of an entry of `materials`, read as a medium: `alpha` is the density (0 to 1),
@@ -55,15 +56,20 @@ class BaseVolume(Strict):
     are in the shape's axes, metres. Without one the density is 1."""
     material_drivers: DriverSection | None = None
     """Values of nodes of this graph that the material's own drivers do not give."""
-    core_m: NonNegative = 0.0
+    core_m: _SizeOrNone = 0.0
     """Steps along a ray are as short as this near the shape's origin, and longer farther off, as
     suits what thins out from there; 0: all are alike. For volumes with a material."""
 
     @model_validator(mode="after")
-    def _for_a_material(self) -> BaseVolume:
-        for key in ("core_m", "material_drivers"):
-            if self.material is None and key in self.model_fields_set:
-                fail(key, "only for a volume with a material")
+    def _something_of(self) -> BaseVolume:
+        if self.material is None:
+            self._only_with("a material", "core_m", "material_drivers")
+        given = self.model_fields_set
+        if "extinction_per_m" not in given:
+            if self.material is None and "emission_w_m3_sr" not in given:
+                text = "give extinction_per_m, emission_w_m3_sr or a material: else there is nothing"
+                fail("extinction_per_m", text)
+            self._only_with("extinction_per_m", "albedo", "g")
         return self
 
 
@@ -71,7 +77,7 @@ class BoxVolume(BaseVolume):
     """A box about the origin."""
 
     shape: Literal["box"]
-    size_m: PositiveVec3
+    size_m: _Sizes
     """Lengths of its sides along x, y, z."""
 
     @property
@@ -84,7 +90,7 @@ class EllipsoidVolume(BaseVolume):
     """An ellipsoid about the origin."""
 
     shape: Literal["ellipsoid"]
-    radii_m: PositiveVec3
+    radii_m: _Sizes
     """A number for a sphere, or the semi-axes along x, y, z."""
 
     @property
@@ -97,11 +103,11 @@ class ConeVolume(BaseVolume):
     """A cone, or a part of one, from the origin on along z."""
 
     shape: Literal["cone"]
-    start_radius_m: NonNegative = 0.0
+    start_radius_m: _SizeOrNone = 0.0
     """At the origin."""
-    end_radius_m: NonNegative
+    end_radius_m: _SizeOrNone
     """At the other end."""
-    length_m: Positive
+    length_m: _Size
 
     @property
     def numbers_m(self) -> tuple[float, float, float]:
@@ -112,6 +118,9 @@ class ConeVolume(BaseVolume):
     def _some_radius(self) -> ConeVolume:
         if self.start_radius_m == self.end_radius_m == 0.0:
             fail("end_radius_m", "a cone needs a radius at one of its ends")
+        for key in ("start_radius_m", "end_radius_m"):
+            if 0.0 < getattr(self, key) < _SIZE_MIN_M:
+                fail(key, f"must be 0, or at least {_SIZE_MIN_M:g}")
         return self
 
 
