@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import perilune
 from perilune import config as cfg
 from perilune.config import ConfigError, parse_override
 from perilune.config.loader import parse_json, parse_yaml, read_tree
@@ -112,6 +113,19 @@ def test_units_and_defaults(scene):
         ("camera.sensor", {"compression": 80}, ["sensor.compression = 80: must be a mapping"]),
         ("camera.lens", {"aperture_mm": 5.0}, ["lens.aperture_mm: blurs nothing without focus"]),
         ("camera.exposure.mode", "fixed", ["white_radiance_w_m2_sr", "required"]),
+        ("bodies.earth.radii_km", 1e16, ["bodies.earth.radii_km", "1000000000000000"]),
+        ("bodies.earth.relief", {"height_map": "x.png", "height_m": 1e30},
+         ["bodies.earth.relief.height_m = 1e+30", "less than or equal to 1000000000"]),
+        ("spacecraft.sat.size_m", 1e19, ["sat.size_m = 1e+19", "1000000000000000000"]),
+        ("volumes.mist", {"parent": "sat", "shape": "box", "size_m": 1e30, "g": 0.5},
+         ["volumes.mist.size_m", "1000000000000000"]),
+        ("volumes.mist", {"parent": "sat", "shape": "box", "size_m": 1, "extinction_per_m": 1e30},
+         ["volumes.mist.extinction_per_m", "1000000000000"]),
+        ("volumes.mist", {"parent": "sat", "shape": "cone", "end_radius_m": 1e-12, "length_m": 1,
+                          "extinction_per_m": 1},
+         ["volumes.mist.end_radius_m", "at least 1e-09"]),
+        ("volumes.mist", {"parent": "sat", "shape": "box", "size_m": 1.0},
+         ["volumes.mist.extinction_per_m: give extinction_per_m, emission_w_m3_sr or a material"]),
     ],
 )
 def test_errors_say_where_and_what(scene, key, value, expected):
@@ -120,6 +134,14 @@ def test_errors_say_where_and_what(scene, key, value, expected):
     text = failure(scene, **{key: value})
     for part in expected:
         assert part in text, text
+
+
+@pytest.mark.parametrize("unit", [1e30, 1e-30])
+def test_absurd_units_are_refused_by_name(scene, repo_dir, unit):
+    scene["spacecraft"]["sat"] |= {"size_m": None, "metres_per_unit": unit}
+    scene["spacecraft"]["sat"]["model"] = str(repo_dir / "assets/models/smallsat.glb")
+    with pytest.raises(ConfigError, match=r"sat\.metres_per_unit: .* allowed: 1e-09 to 1e\+18 m"):
+        _ = perilune.open(scene).models
 
 
 def test_cycles_are_printed(scene):

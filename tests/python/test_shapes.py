@@ -347,6 +347,14 @@ def test_the_configuration(tmp_path):
         frame(scene({"shape": str(tmp_path / "nowhere.obj")}, (5e3, 0, 0)))
 
 
+@pytest.mark.parametrize("unit", [1e30, 1e-15])
+def test_absurd_units_are_refused_by_name(fine, unit):
+    tree = scene({"shape": {"file": fine, "metres_per_unit": unit}}, (2600.0, 0.0, 0.0))
+    text = r"bodies\.\w+\.shape\.metres_per_unit: .*allowed: 1e-09 to 1e\+18 m"
+    with pytest.raises(ConfigError, match=text):
+        perilune.open(tree).world(0)
+
+
 def test_the_core_refuses(tmp_path):
     corners = np.zeros((3, 3), np.float32)
     with pytest.raises(ValueError, match="shape 'rock': triangle 0 has vertex 3 of 3"):

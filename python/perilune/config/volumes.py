@@ -67,7 +67,7 @@ class BaseVolume(Strict):
         given = self.model_fields_set
         if "extinction_per_m" not in given:
             if self.material is None and "emission_w_m3_sr" not in given:
-                text = "give extinction_per_m, emission_w_m3_sr or a material: else there is nothing"
+                text = "give extinction_per_m, emission_w_m3_sr or a material: it is of nothing"
                 fail("extinction_per_m", text)
             self._only_with("extinction_per_m", "albedo", "g")
         return self
