@@ -1,149 +1,169 @@
-/* The table of label channels. */
+/* The table of label channels, and how they are written: run by run, pixels abreast. */
 #include "annotate/channel.h"
 
-#include <stdint.h>
+#include <string.h>
 
+#include "base/wide.h"
 #include "math/angle.h"
 
+/* --- loops over the pixels of a run
+ * -----------------------------------------------------------------------------*/
+
+/* Component k of M^T v: of a vector in the axes that are the columns of M. */
+#define COLUMN_DOT(m, k, x, y, z) ((m).row[0].k * (x) + (m).row[1].k * (y) + (m).row[2].k * (z))
+
+/* Along the third column of m. */
+PL_WIDE static void fill_third(size_t count, const double (*restrict v)[PL_LABEL_RUN], pl_mat3 m,
+                               float *restrict out) {
+  for (size_t i = 0; i < count; i++)
+    out[i] = (float)COLUMN_DOT(m, z, v[0][i], v[1][i], v[2][i]);
+}
+
+PL_WIDE static void fill_norm(size_t count, const double (*restrict v)[PL_LABEL_RUN],
+                              float *restrict out) {
+  for (size_t i = 0; i < count; i++)
+    out[i] = (float)sqrt(v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i]);
+}
+
+/* M^T (v - origin), three numbers a pixel. */
+PL_WIDE static void fill_turned(size_t count, const double (*restrict v)[PL_LABEL_RUN],
+                                pl_vec3 origin, pl_mat3 m, float *restrict out) {
+  for (size_t i = 0; i < count; i++) {
+    const double x = v[0][i] - origin.x, y = v[1][i] - origin.y, z = v[2][i] - origin.z;
+    out[3 * i] = (float)COLUMN_DOT(m, x, x, y, z);
+    out[3 * i + 1] = (float)COLUMN_DOT(m, y, x, y, z);
+    out[3 * i + 2] = (float)COLUMN_DOT(m, z, x, y, z);
+  }
+}
+
+PL_WIDE static void fill_moved(size_t count, const double (*restrict v)[PL_LABEL_RUN], pl_vec3 by,
+                               double *restrict out) {
+  for (size_t i = 0; i < count; i++) {
+    out[3 * i] = by.x + v[0][i];
+    out[3 * i + 1] = by.y + v[1][i];
+    out[3 * i + 2] = by.z + v[2][i];
+  }
+}
+
+PL_WIDE static void fill_angle(size_t count, const double (*restrict a)[PL_LABEL_RUN],
+                               const double (*restrict b)[PL_LABEL_RUN], float *restrict out) {
+  for (size_t i = 0; i < count; i++)
+    out[i] = (float)pl_vec3_angle((pl_vec3){a[0][i], a[1][i], a[2][i]},
+                                  (pl_vec3){b[0][i], b[1][i], b[2][i]});
+}
+
+/* Copies the first of `count` pixels to the others. */
+static void repeat(void *pixels, size_t bytes, size_t count) {
+  unsigned char *out = pixels;
+  const size_t all = bytes * count;
+  for (size_t done = bytes; done < all; done *= 2)
+    memcpy(out + done, out, done < all - done ? done : all - done);
+}
+
+/* --- the channels
+ * -----------------------------------------------------------------------------------------------*/
+
+/* NULL: the run is on a body. */
+static const pl_shot_object *object_of(const pl_label_run *run) {
+  const pl_snapshot *shot = run->shot;
+  return run->thing < shot->object_count ? &shot->objects[run->thing] : NULL;
+}
+
+static const pl_shot_body *body_of(const pl_label_run *run) {
+  return &run->shot->bodies[run->thing - run->shot->object_count];
+}
+
 /* Camera axes: x right, y down, z forward. */
-static pl_vec3 to_camera(const pl_snapshot *shot, pl_vec3 v) {
-  return pl_mat3_mul_vec_t(shot->camera_to_root, v);
+static void write_depth(const pl_label_run *run, void *pixels) {
+  fill_third(run->count, run->position, run->shot->camera_to_root, pixels);
 }
 
-static void write_depth(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  float *out = pixel;
-  *out = vertex != NULL ? (float)to_camera(shot, vertex->position).z : 0.0f;
+static void write_range(const pl_label_run *run, void *pixels) {
+  fill_norm(run->count, run->position, pixels);
 }
 
-static void write_range(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  (void)shot;
-  float *out = pixel;
-  *out = vertex != NULL ? (float)pl_vec3_norm(vertex->position) : 0.0f;
+static void write_normal(const pl_label_run *run, void *pixels) {
+  fill_turned(run->count, run->normal, (pl_vec3){0.0, 0.0, 0.0}, run->shot->camera_to_root, pixels);
 }
 
-static void write_normal(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  float *out = pixel;
-  out[0] = out[1] = out[2] = 0.0f;
-  if (vertex == NULL)
-    return;
-  const pl_vec3 n = to_camera(shot, pl_vec3f_to_double(vertex->surface.n));
-  out[0] = (float)n.x;
-  out[1] = (float)n.y;
-  out[2] = (float)n.z;
+static void write_position(const pl_label_run *run, void *pixels) {
+  fill_moved(run->count, run->position, run->shot->camera_position, pixels);
 }
 
-static void write_position(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  double *out = pixel;
-  out[0] = out[1] = out[2] = NAN;
-  if (vertex == NULL)
-    return;
-  const pl_vec3 p = pl_vec3_add(shot->camera_position, vertex->position);
-  out[0] = p.x;
-  out[1] = p.y;
-  out[2] = p.z;
-}
-
-static void write_object_coords(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  float *out = pixel;
-  out[0] = out[1] = out[2] = NAN;
-  if (vertex == NULL)
-    return;
-  pl_vec3 p;
-  if (vertex->thing < shot->object_count) {
-    const pl_shot_object *object = &shot->objects[vertex->thing];
-    p = pl_mat3_mul_vec_t(object->rotation, pl_vec3_sub(vertex->position, object->position));
-  } else {
-    const pl_shot_body *body = &shot->bodies[vertex->thing - shot->object_count];
-    p = pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center));
-  }
-  out[0] = (float)p.x;
-  out[1] = (float)p.y;
-  out[2] = (float)p.z;
-}
-
-static const uint16_t *classes_of(const pl_snapshot *shot, const pl_vertex *vertex) {
-  if (vertex->thing >= shot->object_count)
-    return shot->bodies[vertex->thing - shot->object_count].body->class_ids;
-  const pl_object *object = shot->objects[vertex->thing].object;
-  const size_t part = pl_object_part(object, vertex->triangle);
-  return object->class_ids + part * (size_t)shot->levels;
-}
-
-static void write_semantic(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  uint16_t *out = pixel;
-  const uint16_t *classes = vertex != NULL ? classes_of(shot, vertex) : NULL;
-  for (int level = 0; level < shot->levels; level++)
-    out[level] = classes != NULL ? classes[level] : 0;
-}
-
-static void write_part(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  int32_t *out = pixel;
-  *out = 0;
-  if (vertex == NULL)
-    return;
-  if (vertex->thing >= shot->object_count) {
-    *out = shot->bodies[vertex->thing - shot->object_count].body->part_id;
-    return;
-  }
-  const pl_object *object = shot->objects[vertex->thing].object;
-  *out = object->part_ids[pl_object_part(object, vertex->triangle)];
-}
-
-static void write_instance(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  int32_t *out = pixel;
-  if (vertex == NULL)
-    *out = 0;
-  else if (vertex->thing >= shot->object_count)
-    *out = shot->bodies[vertex->thing - shot->object_count].body->instance_id;
+static void write_object_coords(const pl_label_run *run, void *pixels) {
+  const pl_shot_object *object = object_of(run);
+  if (object != NULL)
+    fill_turned(run->count, run->position, object->position, object->rotation, pixels);
   else
-    *out = shot->objects[vertex->thing].object->instance_id;
+    fill_turned(run->count, run->position, body_of(run)->center, body_of(run)->rotation, pixels);
 }
 
-static pl_vec3 to_sun(const pl_snapshot *shot, const pl_vertex *vertex) {
-  return pl_vec3_sub(shot->sun.position, vertex->position);
+static void write_semantic(const pl_label_run *run, void *pixels) {
+  const pl_shot_object *object = object_of(run);
+  const size_t levels = (size_t)run->shot->levels;
+  uint16_t *out = pixels;
+  if (object == NULL) {
+    memcpy(out, body_of(run)->body->class_ids, levels * sizeof *out);
+    repeat(out, levels * sizeof *out, run->count);
+    return;
+  }
+  for (size_t i = 0; i < run->count; i++)
+    for (size_t level = 0; level < levels; level++)
+      *out++ = object->object->class_ids[run->parts[i] * levels + level];
 }
 
-static pl_vec3 to_viewer(const pl_vertex *vertex) { return pl_vec3_scale(vertex->position, -1.0); }
-
-static void write_incidence(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  float *out = pixel;
-  *out = vertex == NULL
-             ? NAN
-             : (float)pl_vec3_angle(pl_vec3f_to_double(vertex->surface.n), to_sun(shot, vertex));
+static void write_part(const pl_label_run *run, void *pixels) {
+  const pl_shot_object *object = object_of(run);
+  int32_t *out = pixels;
+  for (size_t i = 0; i < run->count; i++)
+    out[i] = object != NULL ? object->object->part_ids[run->parts[i]] : body_of(run)->body->part_id;
 }
 
-static void write_emission(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  (void)shot;
-  float *out = pixel;
-  *out = vertex == NULL
-             ? NAN
-             : (float)pl_vec3_angle(pl_vec3f_to_double(vertex->surface.n), to_viewer(vertex));
+static void write_instance(const pl_label_run *run, void *pixels) {
+  const pl_shot_object *object = object_of(run);
+  const int32_t id = object != NULL ? object->object->instance_id : body_of(run)->body->instance_id;
+  int32_t *out = pixels;
+  for (size_t i = 0; i < run->count; i++)
+    out[i] = id;
 }
 
-static void write_phase(const pl_snapshot *shot, const pl_vertex *vertex, void *pixel) {
-  float *out = pixel;
-  *out = vertex == NULL ? NAN : (float)pl_vec3_angle(to_viewer(vertex), to_sun(shot, vertex));
+static void write_incidence(const pl_label_run *run, void *pixels) {
+  fill_angle(run->count, run->normal, run->to_sun, pixels);
+}
+
+static void write_emission(const pl_label_run *run, void *pixels) {
+  fill_angle(run->count, run->normal, run->to_viewer, pixels);
+}
+
+static void write_phase(const pl_label_run *run, void *pixels) {
+  fill_angle(run->count, run->to_viewer, run->to_sun, pixels);
 }
 
 const pl_channel pl_channels[] = {
     {"depth", "float32", 4, 0, "m", "z along the optical axis; 0 where nothing is hit",
-     write_depth},
-    {"range", "float32", 4, 0, "m", "distance along the ray; 0 where nothing is hit", write_range},
+     PL_BLANK_ZERO, write_depth},
+    {"range", "float32", 4, 0, "m", "distance along the ray; 0 where nothing is hit", PL_BLANK_ZERO,
+     write_range},
     {"normal", "float32", 4, 3, "1",
-     "unit shading normal on the viewer's side, camera axes; 0 where nothing is hit", write_normal},
-    {"position", "float64", 8, 3, "m", "root frame; nan where nothing is hit", write_position},
+     "unit shading normal on the viewer's side, camera axes; 0 where nothing is hit", PL_BLANK_ZERO,
+     write_normal},
+    {"position", "float64", 8, 3, "m", "root frame; nan where nothing is hit", PL_BLANK_NAN,
+     write_position},
     {"object_coords", "float32", 4, 3, "m",
-     "coordinates in the object's or body's own frame; nan where nothing is hit",
+     "coordinates in the object's or body's own frame; nan where nothing is hit", PL_BLANK_NAN,
      write_object_coords},
-    {"semantic", "uint16", 2, -1, "id", "class at each level; 0 is background", write_semantic},
-    {"part", "int32", 4, 0, "id", "part of an object, or the body; 0 is background", write_part},
-    {"instance", "int32", 4, 0, "id", "object or body; 0 is background", write_instance},
-    {"incidence", "float32", 4, 0, "rad", "normal to sun; nan where nothing is hit",
+    {"semantic", "uint16", 2, -1, "id", "class at each level; 0 is background", PL_BLANK_ZERO,
+     write_semantic},
+    {"part", "int32", 4, 0, "id", "part of an object, or the body; 0 is background", PL_BLANK_ZERO,
+     write_part},
+    {"instance", "int32", 4, 0, "id", "object or body; 0 is background", PL_BLANK_ZERO,
+     write_instance},
+    {"incidence", "float32", 4, 0, "rad", "normal to sun; nan where nothing is hit", PL_BLANK_NAN,
      write_incidence},
-    {"emission", "float32", 4, 0, "rad", "normal to viewer; nan where nothing is hit",
+    {"emission", "float32", 4, 0, "rad", "normal to viewer; nan where nothing is hit", PL_BLANK_NAN,
      write_emission},
     {"phase", "float32", 4, 0, "rad", "viewer to sun at the surface; nan where nothing is hit",
-     write_phase},
+     PL_BLANK_NAN, write_phase},
 };
 const size_t pl_channel_count = sizeof pl_channels / sizeof pl_channels[0];
 
@@ -153,14 +173,90 @@ size_t pl_channel_elements(const pl_channel *channel, int levels) {
   return channel->components == 0 ? 1 : (size_t)channel->components;
 }
 
-void pl_channel_write(const pl_channel *channel, const pl_snapshot *shot, const pl_vertex *points,
-                      size_t stride, const int tile[4], int image_width, void *pixels) {
-  const size_t bytes = pl_channel_elements(channel, shot->levels) * channel->element;
-  for (int y = 0; y < tile[3]; y++) {
-    const size_t first = (size_t)(tile[1] + y) * (size_t)image_width + (size_t)tile[0];
-    unsigned char *out = (unsigned char *)pixels + first * bytes;
-    const pl_vertex *row = points + (size_t)y * stride;
-    for (int x = 0; x < tile[2]; x++, out += bytes)
-      channel->write(shot, row[x].thing != PL_NOTHING ? &row[x] : NULL, out);
+/* --- runs
+ * -------------------------------------------------------------------------------------------------------*/
+
+/* Where pixel `first` is in the image of a channel; *bytes: of a pixel. */
+static unsigned char *place(const pl_channel *channel, const pl_snapshot *shot, size_t first,
+                            void *image, size_t *bytes) {
+  *bytes = pl_channel_elements(channel, shot->levels) * channel->element;
+  return (unsigned char *)image + first * *bytes;
+}
+
+static void fill_blank(const pl_channel *channel, unsigned char *out, size_t bytes, size_t count) {
+  const float nan_float = NAN;
+  const double nan_double = NAN;
+  if (channel->blank == PL_BLANK_ZERO) {
+    memset(out, 0, bytes * count);
+    return;
+  }
+  const bool wide = channel->element == sizeof nan_double;
+  memcpy(out, wide ? (const void *)&nan_double : (const void *)&nan_float, channel->element);
+  repeat(out, channel->element, bytes / channel->element * count);
+}
+
+void pl_channels_blank(const pl_snapshot *shot, size_t count, size_t first, void *const *images) {
+  for (size_t i = 0; i < pl_channel_count; i++) {
+    size_t bytes;
+    if (images[i] == NULL)
+      continue;
+    unsigned char *out = place(&pl_channels[i], shot, first, images[i], &bytes);
+    fill_blank(&pl_channels[i], out, bytes, count);
+  }
+}
+
+static void find_parts(const pl_object *object, const pl_vertex *points, pl_label_run *run) {
+  for (size_t i = 0; i < run->count; i++)
+    run->parts[i] = pl_object_part(object, points[i].triangle);
+}
+
+static void gather(const pl_vertex *points, pl_label_run *run) {
+  for (size_t i = 0; i < run->count; i++) {
+    const pl_vec3 p = points[i].position;
+    const pl_vec3f n = points[i].surface.n;
+    run->position[0][i] = p.x;
+    run->position[1][i] = p.y;
+    run->position[2][i] = p.z;
+    run->normal[0][i] = n.x;
+    run->normal[1][i] = n.y;
+    run->normal[2][i] = n.z;
+  }
+  const pl_vec3 sun = run->shot->sun.position;
+  const double to[3] = {sun.x, sun.y, sun.z};
+  for (size_t k = 0; k < 3; k++)
+    for (size_t i = 0; i < run->count; i++) {
+      run->to_sun[k][i] = to[k] - run->position[k][i];
+      run->to_viewer[k][i] = -run->position[k][i];
+    }
+  if (object_of(run) != NULL)
+    find_parts(object_of(run)->object, points, run);
+}
+
+/* Pixels from the first on that hit the same, at most `count`. */
+static size_t length_of(const pl_vertex *points, size_t count) {
+  size_t length = 1;
+  while (length < count && points[length].thing == points[0].thing)
+    length++;
+  return length;
+}
+
+void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t count, size_t first,
+                       void *const *images) {
+  pl_label_run run;
+  run.shot = shot;
+  for (size_t x = 0; x < count; x += run.count) {
+    const size_t left = count - x;
+    run.count = length_of(points + x, left < PL_LABEL_RUN ? left : PL_LABEL_RUN);
+    run.thing = points[x].thing;
+    if (run.thing == PL_NOTHING) {
+      pl_channels_blank(shot, run.count, first + x, images);
+      continue;
+    }
+    gather(points + x, &run);
+    for (size_t i = 0; i < pl_channel_count; i++) {
+      size_t bytes;
+      if (images[i] != NULL)
+        pl_channels[i].write(&run, place(&pl_channels[i], shot, first + x, images[i], &bytes));
+    }
   }
 }

@@ -30,12 +30,14 @@ pl_status pl_output_tile(void *context, const pl_tile_result *result, int worker
   if (result->points == NULL)
     return PL_OK;
   /* By rows, whose points stay in the nearest cache from channel to channel. */
+  void *const *channels = output->request->channels;
   for (int y = 0; y < result->tile.height; y++) {
-    const int row[4] = {result->tile.x0, result->tile.y0 + y, result->tile.width, 1};
-    for (size_t i = 0; i < pl_channel_count; i++)
-      if (output->request->channels[i] != NULL)
-        pl_channel_write(&pl_channels[i], shot, result->points + y * PL_TILE_SIDE, PL_TILE_SIDE,
-                         row, shot->camera.width, output->request->channels[i]);
+    const size_t first = (size_t)(result->tile.y0 + y) * width + (size_t)result->tile.x0;
+    const size_t count = (size_t)result->tile.width;
+    if (result->empty)
+      pl_channels_blank(shot, count, first, channels);
+    else
+      pl_channels_write(shot, result->points + y * PL_TILE_SIDE, count, first, channels);
   }
   pl_labels_tile(&output->labels, result, worker);
   return PL_OK;

@@ -1,15 +1,8 @@
 /* One loop a dimension pair, made for the machine's vectors where it has them. */
 #include "render/draws.h"
 
+#include "base/wide.h"
 #include "math/sampler.h"
-
-/* Sanitizers instrument the resolver of a multi-versioned function before they are ready. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PL_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define PL_WIDE
-#endif
 
 PL_WIDE static void fill_pair(float *restrict first, float *restrict second,
                               const uint32_t *restrict seeds, size_t count, uint32_t index,

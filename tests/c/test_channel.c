@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "annotate/channel.h"
+#include "frame/frame.h"
 #include "scenes.h"
 
 typedef struct fixture {
@@ -36,10 +37,17 @@ static void fixture_clear(fixture *f) {
   pl_model_destroy(f->model);
 }
 
+/* One pixel of one channel; `vertex` NULL: it hits nothing. */
+static void write_one(const fixture *f, size_t channel, const pl_vertex *vertex, void *out) {
+  const pl_vertex none = {.thing = PL_NOTHING};
+  void *images[PL_FRAME_CHANNELS_MAX] = {NULL};
+  images[channel] = out;
+  pl_channels_write(&f->shot, vertex != NULL ? vertex : &none, 1, 0, images);
+}
 static void write_pixel(const fixture *f, const char *name, const pl_vertex *vertex, void *out) {
   for (size_t i = 0; i < pl_channel_count; i++)
     if (strcmp(pl_channels[i].name, name) == 0) {
-      pl_channels[i].write(&f->shot, vertex, out);
+      write_one(f, i, vertex, out);
       return;
     }
   fail_msg("no channel '%s'", name);
@@ -169,37 +177,73 @@ static void test_background(void **state) {
   fixture_clear(&f);
 }
 
-/* A tile of every channel changes its own pixels and no others. */
-static void test_tiles_stay_in_place(void **state) {
+enum { WIDTH = 80, FROM = 5, COUNT = 71, BYTES_MAX = 24 };
+
+/* Vertices on object and body, and pixels that hit nothing, in runs of 1 to 40. */
+static void fill_row(const fixture *f, test_random *random, pl_vertex *points) {
+  size_t x = 0;
+  for (size_t run = 1; x < COUNT; run = run == 1 ? 40 : run / 2 + 1) {
+    const uint32_t thing = (uint32_t)(random_unit(random) * 3.0);
+    for (size_t i = 0; i < run && x < COUNT; i++, x++) {
+      pl_vec3 root;
+      const pl_vec3 local = pl_vec3_scale(random_direction(random), thing == 0 ? 1.0 : 5e6);
+      points[x] = vertex_at(f, thing < 2 ? thing : 0, local, &root);
+      points[x].triangle = (uint32_t)x % 12;
+      points[x].surface.n = pl_vec3_to_float(random_direction(random));
+      if (thing == 2)
+        points[x].thing = PL_NOTHING;
+    }
+  }
+}
+
+/* A row is what its pixels are one by one, to the last bit, and no pixel beside it changes. */
+static void test_rows_are_their_pixels(void **state) {
   (void)state;
   test_random random = {.seed = 65};
+  print_message("seed 65\n");
   fixture f;
   fixture_init(&f, &random);
-  enum { WIDTH = 8, HEIGHT = 6, STRIDE = 5, BYTES_MAX = 24 };
-  pl_vertex points[STRIDE * 3];
-  pl_vec3 root;
-  for (size_t i = 0; i < STRIDE * 3; i++) {
-    points[i] = vertex_at(&f, 0, (pl_vec3){0.1 * (double)i, 1, 0}, &root);
-    if (i % 4 == 0)
-      points[i].thing = PL_NOTHING;
-  }
-  const int tile[4] = {3, 2, 4, 3};
-  for (size_t c = 0; c < pl_channel_count; c++) {
-    const pl_channel *channel = &pl_channels[c];
-    const size_t bytes = pl_channel_elements(channel, 2) * channel->element;
-    unsigned char image[WIDTH * HEIGHT * BYTES_MAX], pixel[BYTES_MAX];
+  for (size_t c = 0; c < 8 * pl_channel_count; c++) {
+    const size_t channel = c % pl_channel_count;
+    const size_t bytes =
+        pl_channel_elements(&pl_channels[channel], 2) * pl_channels[channel].element;
+    pl_vertex points[COUNT];
+    unsigned char image[WIDTH * BYTES_MAX], pixel[BYTES_MAX];
+    void *images[PL_FRAME_CHANNELS_MAX] = {NULL};
     assert_true(bytes <= BYTES_MAX);
+    fill_row(&f, &random, points);
     memset(image, 0xa5, sizeof image);
-    pl_channel_write(channel, &f.shot, points, STRIDE, tile, WIDTH, image);
-    for (int y = 0; y < HEIGHT; y++)
-      for (int x = 0; x < WIDTH; x++) {
-        const bool inside = x >= 3 && x < 7 && y >= 2 && y < 5;
-        const pl_vertex *v = inside ? &points[(y - 2) * STRIDE + x - 3] : NULL;
-        memset(pixel, 0xa5, sizeof pixel);
-        if (inside)
-          channel->write(&f.shot, v->thing != PL_NOTHING ? v : NULL, pixel);
-        assert_memory_equal(image + (size_t)(y * WIDTH + x) * bytes, pixel, bytes);
-      }
+    images[channel] = image;
+    pl_channels_write(&f.shot, points, COUNT, FROM, images);
+    for (size_t x = 0; x < WIDTH; x++) {
+      memset(pixel, 0xa5, sizeof pixel);
+      if (x >= FROM && x < FROM + COUNT)
+        write_one(&f, channel, &points[x - FROM], pixel);
+      assert_memory_equal(image + x * bytes, pixel, bytes);
+    }
+  }
+  fixture_clear(&f);
+}
+
+/* Pixels that hit nothing, as tiles that are empty write them. */
+static void test_blanks(void **state) {
+  (void)state;
+  test_random random = {.seed = 66};
+  fixture f;
+  fixture_init(&f, &random);
+  for (size_t c = 0; c < pl_channel_count; c++) {
+    const size_t bytes = pl_channel_elements(&pl_channels[c], 2) * pl_channels[c].element;
+    unsigned char image[WIDTH * BYTES_MAX], pixel[BYTES_MAX];
+    void *images[PL_FRAME_CHANNELS_MAX] = {NULL};
+    memset(image, 0xa5, sizeof image);
+    images[c] = image;
+    pl_channels_blank(&f.shot, COUNT, FROM, images);
+    for (size_t x = 0; x < WIDTH; x++) {
+      memset(pixel, 0xa5, sizeof pixel);
+      if (x >= FROM && x < FROM + COUNT)
+        write_one(&f, c, NULL, pixel);
+      assert_memory_equal(image + x * bytes, pixel, bytes);
+    }
   }
   fixture_clear(&f);
 }
@@ -210,7 +254,8 @@ int main(void) {
       cmocka_unit_test(test_angles),
       cmocka_unit_test(test_ids),
       cmocka_unit_test(test_background),
-      cmocka_unit_test(test_tiles_stay_in_place),
+      cmocka_unit_test(test_rows_are_their_pixels),
+      cmocka_unit_test(test_blanks),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
