@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,17 @@ def reads(reflectance: str) -> dict[str, tuple[float, float, float]]:
     return {key: sockets[key] for key in (*_KEYS, "k") if "b_s0" in sockets and key in sockets}
 
 
+def _unread(given: Photometry, known: Collection[str], law: str) -> Iterator[tuple[str, str]]:
+    """Parameter and complaint of each that a law, which knows some, does not read."""
+    stated = [key for key in Photometry.model_fields if key in given.model_fields_set]
+    forms = ("h_function", "coherent_surge")  # of Hapke's laws, as the coherent surge is
+    for key in stated:
+        if key != "maps" and ("h_c" if key in forms else key) not in known:
+            yield key, f"not read by reflectance {law}"
+        elif key in ("h_c", "coherent_surge") and given.b_c0 is None and not given.maps:
+            yield key, "does nothing without b_c0, whose default is 0"
+
+
 def check(config: Config) -> Iterator[tuple[str, str]]:
     """Key and complaint of each parameter that a body's law does not read."""
     for name, body in config.bodies.items():
@@ -42,9 +53,8 @@ def check(config: Config) -> Iterator[tuple[str, str]]:
             laws = [row["name"] for row in _core.REFLECTANCES if reads(row["name"])]
             yield key, f"only for reflectance {', '.join(laws)}"
             continue
-        for parameter in (*_KEYS, "k"):
-            if getattr(given, parameter) is not None and parameter not in known:
-                yield f"{key}.{parameter}", f"not read by reflectance {body.reflectance}"
+        for parameter, complaint in _unread(given, known, body.reflectance):
+            yield f"{key}.{parameter}", complaint
         if len(given.maps) not in (0, 1, 3):
             yield f"{key}.maps", "give one file, or those of red, green and blue"
 

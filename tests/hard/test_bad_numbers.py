@@ -40,7 +40,7 @@ def numbers(node, path=()):
 
 FULL = {
     "bodies": {
-        "earth": {"kind": "earth", "albedo": [0.3, 0.3, 0.3], "map_center_lon_deg": 0.0,
+        "earth": {"kind": "earth", "albedo": [0.3, 0.3, 0.3],
                   "emission_w_m2_sr": [0.0, 0.0, 0.0]},
         "rock": {"kind": "ellipsoid", "radii_km": [1.0, 2.0, 3.0], "gm_km3_s2": 1e-3,
                  "albedo": 0.1, "orbit": {"around": "earth", "position_km": [8000.0, 0.0, 0.0]},

@@ -283,7 +283,7 @@ def _lists(value):
 FOV = "camera.fov_deg"
 ORBITS = [
     {"around": "earth", "altitude_km": 500, "inclination_deg": 97.4, "mean_anomaly_deg": 0},
-    {"kind": "circular", "around": "earth", "scale": 1.1},
+    {"kind": "circular", "around": "earth", "scale": 1.1, "v_step": 0.0},
 ]
 FAULTY = [
     (FOV, {**NORMAL, "clip_min": 60.0}, [f"{FOV}.clip_min", "above clip_max"]),

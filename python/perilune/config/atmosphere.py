@@ -18,6 +18,19 @@ _G = Annotated[float, Field(strict=True, ge=-0.98, le=0.98)]
 _Share = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 
 
+_PARTS = {
+    "rayleigh_per_km": ("rayleigh_height_km",),
+    "mie_scattering_per_km": ("mie_extinction_per_km", "mie_height_km", "mie_g"),
+    "ozone_per_km": ("ozone_center_km", "ozone_width_km"),
+}
+"""What there may be -> the keys that say how it is."""
+_PRESET_HAS = {
+    "earth": tuple(_PARTS),
+    "mars": ("rayleigh_per_km", "mie_scattering_per_km"),
+    "none": (),
+}
+
+
 class Atmosphere(Strict):
     """Gas, haze and an ozone layer, whose density depends on the height alone.
 
@@ -56,10 +69,20 @@ class Atmosphere(Strict):
     """Light that is scattered more than once counts, about (Hillaire 2020)."""
 
     @model_validator(mode="after")
+    def _something(self) -> Atmosphere:
+        there = [key for key in _PARTS if key in _PRESET_HAS[self.preset] or getattr(self, key)]
+        for key, details in _PARTS.items():
+            if key not in there:
+                self._only_with(f"{key}: preset {self.preset} has none", *details)
+        if not there:
+            fail("preset", f"none: there is no air without one of {', '.join(_PARTS)}")
+        if not self.multiple_scattering:
+            self._only_with("multiple_scattering", "ground_albedo")
+        return self
+
+    @model_validator(mode="after")
     def _haze(self) -> Atmosphere:
         scattering, extinction = self.mie_scattering_per_km, self.mie_extinction_per_km
-        if extinction is not None and scattering is None and self.preset == "none":
-            fail("mie_extinction_per_km", "needs mie_scattering_per_km beside it")
         if scattering is not None and extinction is not None:
             for band, (part, whole) in enumerate(zip(scattering, extinction, strict=True)):
                 if part > whole:

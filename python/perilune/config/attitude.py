@@ -32,6 +32,9 @@ class Spin(Strict):
             fail("rotation_deg_step_v", "does not go with spin_rate_deg_s, the same in a second")
         if isinstance(self.rotation_deg_step_v, tuple) and "spin_axis" in self.model_fields_set:
             fail("spin_axis", "does not go with three angles in rotation_deg_step_v")
+        if not {"spin_rate_deg_s", "rotation_deg_step_v"} & self.model_fields_set:
+            spin = "spin_rate_deg_s or rotation_deg_step_v"
+            self._only_with(spin, "spin_axis", "rotation_mode")
         return self
 
     @property

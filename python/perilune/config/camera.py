@@ -31,6 +31,8 @@ class Exposure(Strict):
             fail("white_radiance_w_m2_sr", "required for mode: fixed")
         if self.mode == "auto" and self.white_radiance_w_m2_sr is not None:
             fail("white_radiance_w_m2_sr", "only for mode: fixed")
+        if self.mode == "fixed":
+            self._only_with("mode: auto", "percentile", "key")
         return self
 
 

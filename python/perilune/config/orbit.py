@@ -124,8 +124,8 @@ class Kepler(Elements):
 class _OnPath(Around):
     """Motion along a closed path at a constant rate."""
 
-    v_step: Finite = 0.0
-    """Revolutions from one step to the next; needs time.step_s."""
+    v_step: Finite
+    """Revolutions from one step to the next, which needs time.step_s; 0: it stands still."""
     orbit_start: Finite = 0.0
     """Revolutions from the path's x axis at the epoch."""
 
@@ -267,7 +267,7 @@ class Drawn(Around):
     """How the drawn orbit is run through: kepler (default), j2, or circular (at v_step, from
     orbit_start; default for a hook's form {scale_xyz, rotation_rpy})."""
     v_step: Finite | None = None
-    """For circular: revolutions from one step to the next (default 0); needs time.step_s."""
+    """For circular, which needs it: revolutions from one step to the next; needs time.step_s."""
     orbit_start: FiniteRange | None = None
     """For circular: revolutions at the start; a number, or [smallest, largest] (default 0 to 1)."""
 
@@ -276,6 +276,8 @@ class Drawn(Around):
             for key in ("v_step", "orbit_start"):
                 if getattr(self, key) is not None:
                     fail(key, "only for propagator: circular")
+        if self.propagator == "circular" and self.v_step is None:
+            fail("v_step", "required for propagator: circular (0: it stands still)")
 
 
 class Database(Drawn):

@@ -74,6 +74,12 @@ class Rings(Strict):
     """Mean cosine of the angle by which dust turns light; 1 is all forward."""
 
     @model_validator(mode="after")
+    def _dusty(self) -> Rings:
+        if "dust_share" not in self.model_fields_set:
+            self._only_with("a dust_share", "dust_g")
+        return self
+
+    @model_validator(mode="after")
     def _one_form(self) -> Rings:
         plain = ("inner_radius_km", "outer_radius_km", "color_map", "optical_depth", "albedo")
         given = [key for key in plain if getattr(self, key) is not None]

@@ -53,6 +53,14 @@ class SensorExposure(Strict):
     counts for those before it."""
 
     @model_validator(mode="after")
+    def _read(self) -> SensorExposure:
+        if self.mode == "fixed":
+            self._only_with("mode: auto", *(set(type(self).model_fields) - {"mode"}))
+        if self.metering == "mean":
+            self._only_with("metering: percentile", "percentile")
+        return self
+
+    @model_validator(mode="after")
     def _ordered(self) -> SensorExposure:
         if self.min_ms > self.max_ms:
             fail("min_ms", f"{self.min_ms:g} is more than max_ms, {self.max_ms:g}")
@@ -96,6 +104,10 @@ class PointSpread(Strict):
     def _one_core(self) -> PointSpread:
         if (self.core == "measured") != (self.kernel is not None):
             fail("core", "the core `measured` needs a `kernel`, and a kernel this core")
+        if self.core != "gauss":
+            self._only_with("core: gauss", "sigma_px")
+        if "wings" not in self.model_fields_set:
+            self._only_with("wings", "wing_radius_px", "wing_beta")
         return self
 
 
@@ -108,6 +120,12 @@ class CosmicRays(Strict):
     """Electrons that a micrometre of track frees; 80 in silicon by a fast proton."""
     depth_um: Annotated[NonNegative, Field(le=1e6)] = 10.0
     """Of the layer whose charge is gathered."""
+
+    @model_validator(mode="after")
+    def _some(self) -> CosmicRays:
+        if "flux_cm2_s" not in self.model_fields_set:
+            self._only_with("a flux_cm2_s", "electrons_um", "depth_um")
+        return self
 
 
 def _efficiency_tag(value: Any) -> str:
@@ -229,6 +247,15 @@ class ImageSensor(Strict):
                 values.pop("f_number", None)
             return {**values, **data}
         return data
+
+    @model_validator(mode="after")
+    def _read(self) -> ImageSensor:
+        given = self.model_fields_set
+        if "hot_pixels" not in given:
+            self._only_with("hot_pixels", "hot_current_e_s")
+        if not {"temperature_c", "dark_reference_c"} & given:
+            self._only_with("a temperature_c other than dark_reference_c", "dark_doubling_k")
+        return self
 
     @model_validator(mode="after")
     def _sound(self, info: ValidationInfo) -> ImageSensor:

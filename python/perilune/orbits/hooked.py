@@ -86,7 +86,9 @@ def _circle(answer: Mapping[str, Any], orbit: Any, place: Place) -> Motion:
     if not (scale > 0.0).all():
         raise ValueError(f"scale_xyz must be positive, not {scale.tolist()}")
     drawn = isinstance(orbit, Drawn)
-    v_step = (orbit.v_step or 0.0) if drawn else 0.0
+    v_step = orbit.v_step if drawn else 0.0
+    if v_step is None:
+        raise ValueError("returned {scale_xyz, rotation_rpy}: needs the orbit's key v_step")
     start = start_rev(orbit, place) if drawn else float(place.scene_random("orbit_start").random())
     return path(place, scale, rotations.from_rpy_deg(np.degrees(rpy).tolist()), v_step, start)
 

@@ -178,6 +178,16 @@ def test_wrong_answers_are_named(scene, repo_dir, answer, text):
     assert text in found
 
 
+def test_a_circle_that_a_hook_draws_needs_its_rate(scene, repo_dir, tmp_path, monkeypatch):
+    """It stood still without a word."""
+    circle = 'def circle():\n    return {"scale_xyz": [1.1] * 3, "rotation_rpy": [0, 0, 0]}\n'
+    (tmp_path / "my_circles.py").write_text(circle)
+    monkeypatch.syspath_prepend(tmp_path)
+    orbit = {"kind": "hook", "function": "my_circles:circle"}
+    assert "needs the orbit's key v_step" in refused(scene, repo_dir, orbit=orbit)
+    opened(scene, repo_dir, orbit | {"v_step": 0.0})
+
+
 def test_orbits_of_unknown_things(scene, repo_dir):
     assert "orbits: no entry named 'sta'; did you mean 'sat'" in refused(
         scene, repo_dir, orbits={"sta": paper}

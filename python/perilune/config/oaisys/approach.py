@@ -53,9 +53,10 @@ def _linear(node: Node, params: Node, scene: Scene) -> dict[str, Any]:
         "kind": "linear",
         "start": _pose(params, "start_pose", scene),
         "end": _pose(params, "end_pose", scene),
-        "camera_axes": "opengl",
         "positions": scene.steps,
     }
+    if "rotation_deg" in found["start"] or "rotation_deg" in found["end"]:
+        found["camera_axes"] = "opengl"
     params.comes("camera.trajectory.start", "start_pose")
     params.comes("camera.trajectory.end", "end_pose")
     for ours, theirs in (("start_speed_m_s", "start_velocity"), ("end_speed_m_s", "end_velocity")):

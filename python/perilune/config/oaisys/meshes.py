@@ -84,7 +84,11 @@ def _pose(mesh: _Mesh, ours: str) -> dict[str, Any]:
         else:
             turn["rotation_deg_step_v"] = params.number("rotation_deg_step_v")
     if params.has("rotation_mode"):
-        turn["rotation_mode"] = params.choice("rotation_mode", ("local", "global"))
+        mode = params.choice("rotation_mode", ("local", "global"))
+        if "rotation_deg_step_v" in turn:
+            turn["rotation_mode"] = mode
+        else:
+            params.ignore("rotation_mode", "it does not turn: there is no rotation_deg_step_v")
     for key in turn:
         params.comes(f"{ours}.{key}", key)
     return turn

@@ -47,6 +47,8 @@ class OrbitObject(Pointing, Redrawn):
     @model_validator(mode="after")
     def _noise(self) -> OrbitObject:
         _noise_fits(self.distance_noise_m, self.distance_m[0], "distance_m")
+        if self.cone_angle_deg is None:
+            self._only_with("cone_angle_deg", "cone_axis")
         return self
 
 
@@ -104,8 +106,12 @@ class RandomBox(Pointing, Redrawn):
                 fail(high if b is None else low, f"{low} and {high} go together")
             if a is not None and any(x > y for x, y in zip(a, b, strict=True)):
                 fail(high, f"must not be below {low} in any component")
-        if self.target_from == "camera" and self.target_min_m is None:
-            fail("target_from", "only with target_min_m")
+        if self.target_min_m is None:
+            self._only_with("target_min_m", "target_from")
+        if self.rotation_min_deg is None:
+            self._only_with("rotation_min_deg", "camera_axes")
+        else:
+            self._only_with("something to look at", "up")
         if self.around is None and self.frame != "icrf":
             fail("frame", f"{self.frame}: only with `around`")
         return self

@@ -43,6 +43,10 @@ class Linear(Aimed, Run):
     def _complete(self) -> Linear:
         if (self.start.rotation_deg is None) != (self.end.rotation_deg is None):
             fail("end.rotation_deg", "give rotation_deg of both start and end, or of neither")
+        if self.start.rotation_deg is None:
+            self._only_with("rotation_deg in start and end", "camera_axes")
+        else:
+            self._only_with("a look at the target: rotations say it", "aim_offset_m", "up")
         given = [key for key in _SPEEDS if getattr(self, key) is not None]
         if len(given) == 1:
             fail(given[0], f"{' and '.join(_SPEEDS)} go together")
@@ -143,6 +147,8 @@ class CentredTarget(Aimed, Run):
         self._exactly_one("distance_m", "distance_scale", optional=True)
         if self.landing != (self.final_distance_m is not None):
             fail("final_distance_m", "required with landing: true, and only then")
+        if not self.landing and self.direction is not None:
+            self._only_with("landing, or a direction that is drawn", *Run.model_fields)
         return self
 
     def needs_run(self) -> bool:
@@ -193,6 +199,8 @@ class Relative(Aimed, Run):
     @model_validator(mode="after")
     def _one_start(self) -> Relative:
         self._exactly_one("state", "ellipse")
+        if self.positions is None and self.duration_s is None:
+            self._only_with("positions or duration_s", "after")
         return self
 
     @model_validator(mode="after")

@@ -26,6 +26,7 @@ def _ranges(orbit: Database) -> dict[str, tuple[float, float]]:
 def _circle(orbit: Drawn, place: Place, elements: dict[str, Any], of_date: bool) -> Motion:
     """The paper's circle for an orbit's size and plane: its altitude over each semi-axis."""
     parent = place.parent
+    assert orbit.v_step is not None  # the schema asks for it
     if "altitude_km" in elements:
         altitude = elements["altitude_km"] * KM
     else:
@@ -33,7 +34,7 @@ def _circle(orbit: Drawn, place: Place, elements: dict[str, Any], of_date: bool)
     scale = (altitude + parent.radii_m) / parent.radii_m
     plane = rotations.from_rpy_deg((elements["inclination_deg"], 0.0, elements["raan_deg"]))
     q = rotations.multiply(equator(place.setting, parent, of_date), plane)
-    return path(place, scale, q, orbit.v_step or 0.0, start_rev(orbit, place))
+    return path(place, scale, q, orbit.v_step, start_rev(orbit, place))
 
 
 def database(orbit: Database, place: Place) -> Motion:
