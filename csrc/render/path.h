@@ -30,6 +30,7 @@ enum { PL_TILE_SHADOWS = 2 * PL_TILE_PIXELS };
 
 /* All buffers of one worker. */
 typedef struct pl_tile_buffers {
+  double directions[3][PL_TILE_PIXELS]; /* of the pixels' centre rays */
   pl_vertex points[PL_TILE_PIXELS];
   pl_hit center_hits[PL_TILE_PIXELS];
   /* Sum over the samples that are on no patch; in the end the mean of all. */

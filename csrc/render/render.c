@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "light/sun.h"
 #include "math/philox.h"
+#include "render/body_points.h"
 #include "render/path.h"
 #include "render/reach.h"
 #include "render/share.h"
@@ -82,27 +83,28 @@ static pl_tile tile_of(const job *job, size_t item) {
 /* What the tile's cone can meet. */
 typedef struct content {
   bool meshes, bodies, sun, air, veils;
+  pl_vec3 axis; /* of the cone */
+  double half_angle_rad;
 } content;
 
 static content tile_content(const job *job, pl_tile tile) {
-  pl_vec3 axis;
-  double half_angle;
   const pl_snapshot *shot = job->shot;
   content out = {.meshes = false};
   const double rect[4] = {tile.x0 - 0.5, tile.y0 - 0.5, tile.x0 + tile.width - 0.5,
                           tile.y0 + tile.height - 0.5};
-  pl_snapshot_cone(shot, rect, &axis, &half_angle);
+  pl_snapshot_cone(shot, rect, &out.axis, &out.half_angle_rad);
   for (int y = tile.y0 / PL_REACH_BLOCK * PL_REACH_BLOCK; y < tile.y0 + tile.height;
        y += PL_REACH_BLOCK)
     for (int x = 0; x < tile.width; x += PL_REACH_BLOCK)
       out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, y);
-  out.sun = pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, axis, half_angle);
-  out.air = pl_air_in_cone(job->settings->air, shot, axis, half_angle);
-  out.veils = pl_veils_in_cone(job->settings->veils, shot, axis, half_angle);
+  out.sun =
+      pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, out.axis, out.half_angle_rad);
+  out.air = pl_air_in_cone(job->settings->air, shot, out.axis, out.half_angle_rad);
+  out.veils = pl_veils_in_cone(job->settings->veils, shot, out.axis, out.half_angle_rad);
   for (size_t i = 0; i < shot->body_count && !out.bodies; i++)
-    out.bodies =
-        shot->bodies[i].shape == NULL && /* its mesh is among the meshes */
-        pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, axis, half_angle);
+    out.bodies = shot->bodies[i].shape == NULL && /* its mesh is among the meshes */
+                 pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, out.axis,
+                                  out.half_angle_rad);
   return out;
 }
 
@@ -136,49 +138,47 @@ static size_t order_pixels(const job *job, pl_tile tile, uint32_t *pixels) {
   return front;
 }
 
-/* What the centre ray of a pixel hits that no mesh can be in: at once in double. */
-static void fill_body_point(const job *job, const pl_beam *beam, pl_hit *hit, pl_vertex *point) {
-  *hit = (pl_hit){.thing = PL_NOTHING};
-  point->thing = PL_NOTHING;
-  if (!pl_vertex_meet_bodies(job->shot, beam, point))
-    return;
-  *hit = (pl_hit){.thing = point->thing, .t = (float)point->t};
-  pl_vertex_orient(job->shot, beam, point);
+static pl_vec3 direction_at(const pl_tile_buffers *b, uint32_t pixel) {
+  return (pl_vec3){b->directions[0][pixel], b->directions[1][pixel], b->directions[2][pixel]};
 }
 
-static void fill_mesh_points(const job *job, const content *content, size_t count,
-                             pl_tile_buffers *b) {
+/* What pixels see of meshes, the first `count` of `active`, before the bodies that they meet. */
+static void fill_mesh_points(const job *job, size_t count, pl_tile_buffers *b) {
   for (size_t i = 0; i < count; i++)
     b->rays[i] = (pl_ray){.t_max = INFINITY,
-                          .direction = pl_vec3_to_float(b->paths[i].beam.direction),
-                          .skip_body = content->bodies ? PL_NOTHING : PL_EVERY_BODY};
+                          .direction = pl_vec3_to_float(direction_at(b, b->active[i])),
+                          .skip_body = PL_EVERY_BODY};
   pl_tracer_closest(job->tracer, b->rays, b->hits, count, true, true);
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->active[i];
-    b->center_hits[pixel] = b->hits[i];
-    b->points[pixel].thing = PL_NOTHING;
-    if (b->hits[i].thing == PL_NOTHING)
+    pl_vertex *point = &b->points[pixel];
+    const pl_hit *hit = &b->hits[i];
+    if (hit->thing == PL_NOTHING || (point->thing != PL_NOTHING && point->t < hit->t))
       continue;
-    pl_vertex_locate(job->shot, &b->paths[i].beam, &b->hits[i], true, &b->points[pixel]);
-    pl_vertex_orient(job->shot, &b->paths[i].beam, &b->points[pixel]);
+    const pl_beam beam = {.direction = direction_at(b, pixel), .spread = (float)job->pixel_rad};
+    b->center_hits[pixel] = *hit;
+    pl_vertex_locate(job->shot, &beam, hit, true, point);
+    pl_vertex_orient(job->shot, &beam, point);
   }
+}
+
+static void fill_body_points(const job *job, pl_tile tile, const content *content,
+                             pl_tile_buffers *b) {
+  pl_body_points(job->shot, tile, content->axis, content->half_angle_rad, b->directions, b->points);
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++) {
+      const int pixel = y * PL_TILE_SIDE + x;
+      const pl_vertex *point = &b->points[pixel];
+      b->center_hits[pixel] = (pl_hit){.thing = PL_NOTHING};
+      if (point->thing != PL_NOTHING)
+        b->center_hits[pixel] = (pl_hit){.thing = point->thing, .t = (float)point->t};
+    }
 }
 
 /* The geometry buffer: what the pixels' centre rays hit. */
 static void fill_points(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
-  const size_t count = (size_t)(tile.width * tile.height);
-  const size_t meshes = order_pixels(job, tile, b->active);
-  for (size_t i = 0; i < count; i++) {
-    const uint32_t pixel = b->active[i];
-    const pl_vec3 direction = pl_snapshot_ray(job->shot, tile.x0 + (int)(pixel % PL_TILE_SIDE),
-                                              tile.y0 + (int)(pixel / PL_TILE_SIDE));
-    b->paths[i].beam = (pl_beam){.direction = direction, .spread = (float)job->pixel_rad};
-  }
-  fill_mesh_points(job, content, meshes, b);
-  for (size_t i = meshes; i < count; i++) {
-    const uint32_t pixel = b->active[i];
-    fill_body_point(job, &b->paths[i].beam, &b->center_hits[pixel], &b->points[pixel]);
-  }
+  fill_body_points(job, tile, content, b);
+  fill_mesh_points(job, order_pixels(job, tile, b->active), b);
 }
 
 /* A few samples of a blurred outline may all miss it: then nothing says that more are needed. */
@@ -209,16 +209,14 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
 }
 
 /* Pixels that have no sample at this instant see nothing: only they are left out here. */
-static void fill_slice_points(const job *job, pl_tile tile, pl_tile_buffers *b) {
+static void fill_slice_points(const job *job, pl_tile tile, const content *content,
+                              pl_tile_buffers *b) {
+  fill_body_points(job, tile, content, b);
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
       const int pixel = y * PL_TILE_SIDE + x;
-      b->points[pixel].thing = PL_NOTHING;
       if (b->shares[pixel] == 0 || pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y))
-        continue;
-      const pl_beam beam = {.direction = pl_snapshot_ray(job->shot, tile.x0 + x, tile.y0 + y),
-                            .spread = (float)job->pixel_rad};
-      fill_body_point(job, &beam, &b->center_hits[pixel], &b->points[pixel]);
+        b->points[pixel].thing = PL_NOTHING;
     }
 }
 
@@ -230,7 +228,7 @@ static void sample_slice(const job *job, pl_tile tile, const content *content, p
     return;
   if (job->settings->air != NULL)
     pl_air_prepare(&context, b);
-  fill_slice_points(job, tile, b);
+  fill_slice_points(job, tile, content, b);
   pl_path_settle(&context, b);
   pl_path_slice(&context, b);
 }

@@ -127,6 +127,9 @@ void pl_snapshot_cull(pl_snapshot *snapshot, const pl_view *view, double toleran
 
 /* Unit direction in root axes through pixel position (u, v); zero where the lens has no ray. */
 pl_vec3 pl_snapshot_ray(const pl_snapshot *snapshot, double u, double v);
+/* Those of `count` pixels from (u0, v) on along a row, to the last bit; into three arrays. */
+void pl_snapshot_rays(const pl_snapshot *snapshot, int u0, int v, size_t count, double *x,
+                      double *y, double *z);
 
 /* The cone about the middle of a rectangle of the image (x0, y0, x1, y1; pixel positions) that
  * holds all its rays. */
