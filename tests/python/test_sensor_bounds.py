@@ -58,12 +58,9 @@ SENSORS = st.fixed_dictionaries(
         "f_number": st.floats(1.0, 16.0),
         "vignetting": fraction(8.0),
         "point_spread": st.fixed_dictionaries(
-            {
-                "core": st.sampled_from(["point", "gauss", "airy"]),
-                "sigma_px": st.floats(0.2, 5.0),
-                "wings": fraction(0.5),
-            }
-        ),
+            {"core": st.sampled_from(["point", "airy"]), "wings": fraction(0.5)}
+        )
+        | st.fixed_dictionaries({"sigma_px": st.floats(0.2, 5.0), "wings": fraction(0.5)}),
         "prnu": fraction(0.1),
         "dark_current_e_s": fraction(1e4),
         "hot_pixels": fraction(0.1),

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from perilune.config.errors import fail
 from perilune.config.materials import DriverSection
-from perilune.config.types import Fraction, Strict, Vec3, triple
+from perilune.config.types import Fraction, Rgb, Strict, Vec3, triple
 
 _Fractions = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
 # What single precision holds along any way through any volume; far beyond use.
@@ -21,10 +21,6 @@ _SIZE_MIN_M = 1e-9
 _Size = Annotated[float, Field(strict=True, ge=_SIZE_MIN_M, le=1e15)]
 _SizeOrNone = Annotated[float, Field(strict=True, ge=0.0, le=1e15)]
 _Sizes = Annotated[tuple[_Size, _Size, _Size], BeforeValidator(triple)]
-_Extinction = Annotated[float, Field(strict=True, ge=0.0, le=1e12)]
-_Emission = Annotated[float, Field(strict=True, ge=0.0, le=1e20)]
-_Extinctions = Annotated[tuple[_Extinction, _Extinction, _Extinction], BeforeValidator(triple)]
-_Emissions = Annotated[tuple[_Emission, _Emission, _Emission], BeforeValidator(triple)]
 
 
 class BaseVolume(Strict):
@@ -40,7 +36,7 @@ class BaseVolume(Strict):
     """Of the shape's origin, in the parent's axes."""
     rotation_deg: Vec3 = (0.0, 0.0, 0.0)
     """Roll, pitch, yaw of the shape's axes: about the parent's x, then y, then z axis."""
-    extinction_per_m: _Extinctions = (0.0, 0.0, 0.0)
+    extinction_per_m: Rgb = (0.0, 0.0, 0.0)
     """Part of the light that a metre takes, where the density is 1: a path of 1 / extinction lets
     37 % through."""
     albedo: _Fractions = (1.0, 1.0, 1.0)
@@ -48,7 +44,7 @@ class BaseVolume(Strict):
     g: Annotated[float, Field(strict=True, ge=-0.98, le=0.98)] = 0.0
     """Mean cosine of the angle of scattering (Henyey and Greenstein): 0 is even, towards 1 light
     goes on almost straight, below 0 it comes back."""
-    emission_w_m3_sr: _Emissions = (0.0, 0.0, 0.0)
+    emission_w_m3_sr: Rgb = (0.0, 0.0, 0.0)
     """Radiance that a metre adds, where the density is 1."""
     material: str | None = None
     """Name of an entry of `materials`, read as a medium: `alpha` is the density (0 to 1),
