@@ -139,11 +139,26 @@ static inline void add_last(const pl_texture *texture, float weight, float sum[4
     sum[c] += weight * texture->last[c];
 }
 
+/* The four texels about a place, and their weights. */
+typedef struct quad {
+  const uint8_t *texel[4];
+  float weight[4];
+} quad;
+
+static inline void add_quad(const pl_texture *texture, const quad *q, size_t channels,
+                            float sum[4]) {
+  for (size_t c = 0; c < channels; c++) {
+    const float *table = texture->table[c];
+    sum[c] += q->weight[0] * table[q->texel[0][c]] + q->weight[1] * table[q->texel[1][c]] +
+              q->weight[2] * table[q->texel[2][c]] + q->weight[3] * table[q->texel[3][c]];
+  }
+}
+
 /* Adds `weight` times the bilinear value at (u, v) of one level to sum, in stored channels. */
 static inline void add_bilinear(const pl_texture *texture, int level_index, float u, float v,
                                 float weight, float sum[4]) {
   const pl_mip_level *level = &texture->mips.levels[level_index];
-  const int n = texture->mips.channels;
+  const size_t n = (size_t)texture->mips.channels;
   if (level_index == texture->mips.level_count - 1) {
     add_last(texture, weight, sum);
     return;
@@ -151,18 +166,19 @@ static inline void add_bilinear(const pl_texture *texture, int level_index, floa
   int x0, x1, y0, y1;
   const float fx = neighbours(u, level->width, texture->wrap_u, &x0, &x1);
   const float fy = neighbours(v, level->height, texture->wrap_v, &y0, &y1);
-  const size_t row = (size_t)level->width * (size_t)n;
+  const size_t row = (size_t)level->width * n;
   const uint8_t *top = level->texels + (size_t)y0 * row;
   const uint8_t *bottom = level->texels + (size_t)y1 * row;
-  const size_t left = (size_t)x0 * (size_t)n, right = (size_t)x1 * (size_t)n;
-  const float w00 = (1.0f - fx) * (1.0f - fy), w10 = fx * (1.0f - fy);
-  const float w01 = (1.0f - fx) * fy, w11 = fx * fy;
-  for (int c = 0; c < n; c++) {
-    const float *table = texture->table[c];
-    const size_t k = (size_t)c;
-    sum[c] += weight * (w00 * table[top[left + k]] + w10 * table[top[right + k]] +
-                        w01 * table[bottom[left + k]] + w11 * table[bottom[right + k]]);
-  }
+  const size_t left = (size_t)x0 * n, right = (size_t)x1 * n;
+  const float low = weight * (1.0f - fy), high = weight * fy;
+  const quad q = {{top + left, top + right, bottom + left, bottom + right},
+                  {low * (1.0f - fx), low * fx, high * (1.0f - fx), high * fx}};
+  if (n == 3)
+    add_quad(texture, &q, 3, sum);
+  else if (n == 1)
+    add_quad(texture, &q, 1, sum);
+  else
+    add_quad(texture, &q, n, sum);
 }
 
 /* Adds the nearest texel of one level. */
@@ -191,12 +207,51 @@ typedef struct footprint {
   float step_u, step_v; /* uv between two taps */
 } footprint;
 
+/* How a footprint's axes become a level. */
+typedef struct kernel {
+  float least; /* texels: of a longer axis up to this, the picture itself is read once */
+  float (*level)(float texels);
+} kernel;
+
+/* Binary logarithm of 1 and more within 1e-4, continuous: the exponent, and a polynomial of the
+ * mantissa that is 0 and 1 at its ends. */
+static inline float log2_near(float x) {
+  uint32_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  const float whole = (float)((int)(bits >> 23) - 127);
+  bits = (bits & 0x7fffffu) | 0x3f800000u;
+  float t;
+  memcpy(&t, &bits, sizeof t);
+  t -= 1.0f;
+  return whole + t * (1.4418359f + t * ((-0.7083722f) +
+                                        t * (0.4135551f + t * ((-0.1912625f) + t * 0.0442437f))));
+}
+
+/* ceilf for |x| < 2^31 without a library call. */
+static inline int whole_above(float x) {
+  const int whole = (int)x;
+  return whole + ((float)whole < x);
+}
+
+/* Texels as wide as the axis: next to no aliases, but the bilinear read of them has three times the
+ * variance of a box of that width. */
+static inline float level_smooth(float texels) { return texels > 1.0f ? log2_near(texels) : 0.0f; }
+static const kernel SMOOTH = {1.0f, level_smooth};
+
+/* Reads of the level k, texels t = 2^k wide, are means over boxes of t, blurred by a tent of twice
+ * that: variance t^2/12 + t^2/6. A box of s texels over the picture, of which a read has 1/4 like
+ * that, should have s^2/12 + 1/4. */
+static inline float level_box(float texels) {
+  return 0.5f * log2_near(1.0f + texels * texels / 3.0f);
+}
+static const kernel BOX = {0.5f, level_box};
+
 /* Axes of the ellipse with the covariance of the parallelogram: the singular values of the Jacobian
  * [a b] in texels (Heckbert, "Fundamentals of texture mapping", 1989, section 3.5). The shorter
  * sets the level, the longer is walked (McCormack et al., "Feline", SIGGRAPH 1999). Singular
  * values, as against the vectors themselves, do not care how the parallelogram is sheared. */
 static footprint footprint_of(const pl_texture *texture, const float a[2], const float b[2],
-                              int max_taps) {
+                              int max_taps, const kernel *kernel) {
   const pl_mip_pyramid *mips = &texture->mips;
   const footprint all = {1, mips->level_count - 1, 0.0f, 0.0f, 0.0f};
   const float w = (float)mips->levels[0].width, h = (float)mips->levels[0].height;
@@ -207,13 +262,13 @@ static footprint footprint_of(const pl_texture *texture, const float a[2], const
   const float xx = ax * ax + bx * bx, yy = ay * ay + by * by, xy = ax * ay + bx * by;
   const float half = 0.5f * (xx - yy), root = sqrtf(half * half + xy * xy);
   const float longer = sqrtf(0.5f * (xx + yy) + root);
-  if (longer <= 1.0f)
+  if (longer <= kernel->least)
     return (footprint){.taps = 1};
-  float shorter = pl_maxf(fabsf(ax * by - ay * bx) / longer, 1.0f);
-  footprint f = {.taps = (int)ceilf(pl_minf(longer / shorter, (float)max_taps) - 1e-3f)};
+  const float shorter = fabsf(ax * by - ay * bx) / longer;
+  const float ratio = pl_minf(longer / pl_maxf(shorter, 1.0f), (float)max_taps);
+  footprint f = {.taps = whole_above(ratio - 1e-3f)};
   f.taps = f.taps < 1 ? 1 : f.taps;
-  shorter = pl_maxf(shorter, longer / (float)max_taps);
-  const float level = log2f(shorter);
+  const float level = kernel->level(pl_maxf(shorter, longer / (float)max_taps));
   if (level >= (float)(mips->level_count - 1))
     return all;
   f.level = (int)level;
@@ -260,12 +315,61 @@ void pl_texture_sample(const pl_texture *texture, float u, float v, const float 
   if (filter == PL_FILTER_NONE) {
     add_nearest(texture, 0, u, v, sum);
   } else {
-    const footprint f = footprint_of(texture, a, b, TAPS[filter]);
+    const footprint f = footprint_of(texture, a, b, TAPS[filter], &SMOOTH);
     if (filter < PL_FILTER_TRILINEAR)
       read_level(texture, &f, u, v, filter == PL_FILTER_BILINEAR, sum);
     else
       read_taps(texture, &f, u, v, sum);
   }
+  expand(sum, texture->mips.channels, out);
+}
+
+/* Where fine and coarse texels differ by more than this, one read of each is no mean. */
+static const float EVEN = 0.04f;
+
+/* The two levels about a box; true where they say the same. */
+static bool read_even(const pl_texture *texture, const footprint *f, float u, float v,
+                      float sum[4]) {
+  float fine[4] = {0}, coarse[4] = {0}, most = 0.0f;
+  const footprint one = {f->taps, f->level, 0.0f, f->step_u, f->step_v};
+  const footprint two = {f->taps, f->level + 1, 0.0f, f->step_u, f->step_v};
+  read_taps(texture, &one, u, v, fine);
+  read_taps(texture, &two, u, v, coarse);
+  for (int c = 0; c < texture->mips.channels; c++) {
+    const float change = coarse[c] - fine[c];
+    sum[c] = fine[c] + f->blend * change;
+    most = pl_maxf(most, fabsf(change));
+  }
+  return most <= EVEN;
+}
+
+/* Four quarters of the footprint, each as a box. */
+static void read_quarters(const pl_texture *texture, float u, float v, const float a[2],
+                          const float b[2], int max_taps, float sum[4]) {
+  const float ha[2] = {0.5f * a[0], 0.5f * a[1]}, hb[2] = {0.5f * b[0], 0.5f * b[1]};
+  const footprint f = footprint_of(texture, ha, hb, max_taps, &BOX);
+  for (int c = 0; c < 4; c++)
+    sum[c] = 0.0f;
+  for (int i = 0; i < 4; i++) {
+    const float p = i % 2 == 0 ? -0.5f : 0.5f, q = i / 2 == 0 ? -0.5f : 0.5f;
+    read_taps(texture, &f, u + p * ha[0] + q * hb[0], v + p * ha[1] + q * hb[1], sum);
+  }
+  for (int c = 0; c < 4; c++)
+    sum[c] *= 0.25f;
+}
+
+void pl_texture_box(const pl_texture *texture, float u, float v, const float a[2], const float b[2],
+                    pl_filter filter, float out[4]) {
+  if (filter < PL_FILTER_TRILINEAR || !(fabsf(u) < FOOTPRINT_LIMIT && fabsf(v) < FOOTPRINT_LIMIT)) {
+    pl_texture_sample(texture, u, v, a, b, filter, out);
+    return;
+  }
+  const footprint f = footprint_of(texture, a, b, TAPS[filter], &BOX);
+  float sum[4] = {0};
+  if (f.level == texture->mips.level_count - 1 || (f.taps == 1 && !(f.blend > 0.0f)))
+    read_taps(texture, &f, u, v, sum);
+  else if (!read_even(texture, &f, u, v, sum))
+    read_quarters(texture, u, v, a, b, TAPS[filter], sum);
   expand(sum, texture->mips.channels, out);
 }
 

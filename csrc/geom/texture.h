@@ -44,6 +44,13 @@ void pl_texture_destroy(pl_texture *texture);
 void pl_texture_sample(const pl_texture *texture, float u, float v, const float a[2],
                        const float b[2], pl_filter filter, float out[4]);
 
+/* The same, nearer to the mean over the footprint: for one that is read once and is not averaged
+ * with its neighbours, as of a whole pixel. pl_texture_sample blurs by more than the footprint, or
+ * not at all where that is a texel wide. With filters below PL_FILTER_TRILINEAR the same. Reads no
+ * finer a level than that of a quarter of the shorter axis. */
+void pl_texture_box(const pl_texture *texture, float u, float v, const float a[2], const float b[2],
+                    pl_filter filter, float out[4]);
+
 /* Largest difference between two texels in any one channel, 0..1, linear: of each mip level and all
  * coarser ones together. Not growing; 0 for the last of `*levels`. What filters read of a
  * footprint whose shorter axis is 2^k texels or more lies that close together. */

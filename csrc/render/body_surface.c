@@ -24,7 +24,9 @@ static void body_color(const pl_shot_body *body, const pl_body_place *place, pl_
   out[0] = out[1] = out[2] = out[3] = 1.0f;
   if (body->body->map == NULL)
     return;
-  if (detail.maps)
+  if (detail.maps && detail.box)
+    pl_body_map_box(body->body->map, place, detail.filter, out);
+  else if (detail.maps)
     pl_body_map_sample(body->body->map, place, detail.filter, out);
   else
     pl_texture_mean(body->body->map, out);

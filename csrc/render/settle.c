@@ -16,7 +16,7 @@ static const float HORIZON_MARGIN = 1.5f;
 static const double HORIZON_ROUNDING = 1e-5;
 /* Towards the limb a pixel's footprint grows until one value is no mean any more: the view must be
  * this steep, and the footprint this short against the body's radius; shorter
- * where maps, air, relief or water change faster than plain ground. */
+ * where air, relief or water change faster than plain ground. */
 static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.03f, ARC_MAX_VARIED_RAD = 0.01f;
 
 /* Whether a sphere, widened by `margin_m`, covers part of the sun's disc as seen from a point. */
@@ -151,7 +151,7 @@ static bool spans_little(const pl_path_context *context, const pl_shot_body *bod
   *footprint_m = vertex->t * context->pixel_rad / pl_maxf(cosine, COSINE_MIN);
   const float arc = (float)(*footprint_m / fmin(radii.x, fmin(radii.y, radii.z)));
   const pl_body *kind = body->body;
-  const bool varied = kind->air != NULL || kind->map != NULL || !pl_ground_is_plain(&kind->ground);
+  const bool varied = kind->air != NULL || !pl_ground_is_plain(&kind->ground);
   const float longest = varied ? ARC_MAX_VARIED_RAD : ARC_MAX_RAD;
   if (cosine < COSINE_MIN || arc > longest)
     return false;
@@ -199,7 +199,9 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
       near_volume(context, &vertex, &sun, footprint_m))
     return false;
   const pl_beam beam = {.direction = direction, .spread = (float)context->pixel_rad};
-  pl_vertex_shade(shot, &beam, settings->detail, &vertex);
+  pl_detail detail = settings->detail;
+  detail.box = true;
+  pl_vertex_shade(shot, &beam, detail, &vertex);
   pl_laws_apply(shot, settings, &vertex);
   if (!is_even(&vertex.surface, &sun, pl_vec3f_dot(sun.direction, vertex.ng)))
     return false;

@@ -36,8 +36,9 @@ static pl_body_place part_of(const pl_body_place *place, int i) {
 int pl_body_map_split(const pl_body_place *place, pl_filter filter,
                       pl_body_place parts[PL_BODY_MAP_PARTS]) {
   float a[2], b[2];
-  pl_body_map_step(place->point, place->across, a);
-  pl_body_map_step(place->point, place->along, b);
+  const pl_body_spot spot = pl_body_spot_of(place->point);
+  pl_body_map_step(&spot, place->across, a);
+  pl_body_map_step(&spot, place->along, b);
   if (!is_polar(a, b, filter)) {
     parts[0] = *place;
     return 1;
@@ -68,12 +69,25 @@ static void read_polar(const pl_texture *map, const pl_body_place *place, pl_fil
   }
 }
 
-void pl_body_map_sample(const pl_texture *map, const pl_body_place *place, pl_filter filter,
-                        float out[4]) {
+typedef void read_fn(const pl_texture *texture, float u, float v, const float a[2],
+                     const float b[2], pl_filter filter, float out[4]);
+
+static inline void read_map(const pl_texture *map, const pl_body_place *place, pl_filter filter,
+                            read_fn *read, float out[4]) {
   float uv[2], a[2], b[2];
   pl_body_map_uv(place->point, place->center_lon_rad, place->across, place->along, uv, a, b);
   if (is_polar(a, b, filter))
     read_polar(map, place, filter, out);
   else
-    pl_texture_sample(map, uv[0], uv[1], a, b, filter, out);
+    read(map, uv[0], uv[1], a, b, filter, out);
+}
+
+void pl_body_map_sample(const pl_texture *map, const pl_body_place *place, pl_filter filter,
+                        float out[4]) {
+  read_map(map, place, filter, pl_texture_sample, out);
+}
+
+void pl_body_map_box(const pl_texture *map, const pl_body_place *place, pl_filter filter,
+                     float out[4]) {
+  read_map(map, place, filter, pl_texture_box, out);
 }

@@ -6,25 +6,40 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "geom/ellipsoid.h"
 #include "geom/texture.h"
+#include "math/angle.h"
 
-/* Change of longitude and latitude over a step in body axes, as map coordinates. At the poles,
- * where longitude has no derivative, the point counts as a millionth of the radius away, at
- * longitude 0. */
-static inline void pl_body_map_step(pl_vec3 p, pl_vec3 step, float out[2]) {
+/* What longitude and latitude need of a point of a body, body axes, m. */
+typedef struct pl_body_spot {
+  pl_vec3 point;
+  double axis_m;                /* from the axis */
+  double rho, per_rho2, per_r2; /* for derivatives: likewise, 1 / rho^2, 1 / r^2 */
+} pl_body_spot;
+
+/* At the poles, where longitude has no derivative, the point counts as a millionth of the radius
+ * away, at longitude 0. */
+static inline pl_body_spot pl_body_spot_of(pl_vec3 p) {
   const double r2 = pl_vec3_dot(p, p);
   double rho2 = p.x * p.x + p.y * p.y;
+  pl_body_spot out = {p, sqrt(rho2), 0.0, 0.0, 1.0 / r2};
+  out.rho = out.axis_m;
   if (rho2 < 1e-12 * r2) {
     rho2 = 1e-12 * r2;
-    p.x = sqrt(rho2);
-    p.y = 0.0;
+    out.rho = sqrt(rho2);
+    out.point = (pl_vec3){out.rho, 0.0, p.z};
   }
-  const double rho = sqrt(rho2);
-  const double lon = (p.x * step.y - p.y * step.x) / rho2;
-  const double lat = (rho * step.z - p.z * (p.x * step.x + p.y * step.y) / rho) / r2;
-  out[0] = (float)(lon / (2.0 * PL_PI));
-  out[1] = (float)(-lat / PL_PI);
+  out.per_rho2 = 1.0 / rho2;
+  return out;
+}
+
+/* Change of longitude and latitude over a step in body axes, as map coordinates. */
+static inline void pl_body_map_step(const pl_body_spot *s, pl_vec3 step, float out[2]) {
+  const pl_vec3 p = s->point;
+  const double lon = (p.x * step.y - p.y * step.x) * s->per_rho2;
+  const double outwards = (p.x * step.x + p.y * step.y) * s->per_rho2 * s->rho;
+  const double lat = (s->rho * step.z - p.z * outwards) * s->per_r2;
+  out[0] = (float)(lon * (0.5 / PL_PI));
+  out[1] = (float)(lat * (-1.0 / PL_PI));
 }
 
 /* Coordinates in an equirectangular map whose centre column is at longitude `center_lon_rad`: u
@@ -33,10 +48,10 @@ static inline void pl_body_map_step(pl_vec3 p, pl_vec3 step, float out[2]) {
  * so the date line is no seam. Latitude is planetocentric. */
 static inline void pl_body_map_uv(pl_vec3 point, double center_lon_rad, pl_vec3 across,
                                   pl_vec3 along, float uv[2], float a[2], float b[2]) {
-  double lon, lat;
-  pl_body_map_step(point, across, a);
-  pl_body_map_step(point, along, b);
-  pl_ellipsoid_lon_lat(point, &lon, &lat);
+  const pl_body_spot spot = pl_body_spot_of(point);
+  pl_body_map_step(&spot, across, a);
+  pl_body_map_step(&spot, along, b);
+  const double lon = pl_arctan2(point.y, point.x), lat = pl_arctan2(point.z, spot.axis_m);
   const double u = 0.5 + (lon - center_lon_rad) / (2.0 * PL_PI);
   uv[0] = (float)(u - floor(u));
   uv[1] = (float)(0.5 - lat / PL_PI);
@@ -60,5 +75,8 @@ void pl_body_map_read(const pl_texture *map, const pl_body_place *part, bool of_
 /* Value of an equirectangular map there, as pl_texture_sample: the mean over the parts. */
 void pl_body_map_sample(const pl_texture *map, const pl_body_place *place, pl_filter filter,
                         float out[4]);
+/* The same, as pl_texture_box but for the poles. */
+void pl_body_map_box(const pl_texture *map, const pl_body_place *place, pl_filter filter,
+                     float out[4]);
 
 #endif

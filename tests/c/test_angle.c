@@ -26,6 +26,22 @@ static void test_angle(void **state) {
   }
 }
 
+/* Against the library, in all octants and on their bounds. */
+static void test_arctangent_of_two(void **state) {
+  (void)state;
+  for (int i = 0; i <= 100000; i++) {
+    const double turn = 2.0 * PL_PI * i / 100000.0 - PL_PI, y = 3e6 * sin(turn),
+                 x = 3e6 * cos(turn);
+    assert_true(fabs(pl_arctan2(y, x) - atan2(y, x)) < 4e-8);
+  }
+  const double sides[] = {0.0, 1.0, -1.0, 1e300, -1e-300};
+  for (int i = 0; i < 25; i++)
+    assert_true(fabs(pl_arctan2(sides[i / 5], sides[i % 5]) - atan2(sides[i / 5], sides[i % 5])) <
+                4e-8);
+  assert_true(pl_arctan2(-0.0, -2.0) == -PL_PI);
+  assert_true(pl_arctan2(NAN, NAN) == 0.0);
+}
+
 static void test_edges(void **state) {
   (void)state;
   const pl_vec3 x = {1, 0, 0}, y = {0, 3, 0}, zero = {0, 0, 0};
@@ -38,6 +54,7 @@ static void test_edges(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_arctangent),
+      cmocka_unit_test(test_arctangent_of_two),
       cmocka_unit_test(test_angle),
       cmocka_unit_test(test_edges),
   };

@@ -99,6 +99,9 @@ static void check_ranges(test_random *random, const pl_texture *texture) {
       for (int c = 0; c < channels; c++)
         assert_true(fabsf(out[c] - best[c]) <= range + 2e-6f);
     }
+    pl_texture_box(texture, u, v, a, b, PL_FILTER_FINEST, out);
+    for (int c = 0; c < channels; c++)
+      assert_true(fabsf(out[c] - best[c]) <= ranges[level < 2 ? 0 : level - 2] + 2e-6f);
   }
 }
 
@@ -147,7 +150,7 @@ static void test_finer_filters_are_nearer_to_the_mean(void **state) {
   pl_texture *texture = make(SIDE, SIDE, 1, texels, false, PL_WRAP_REPEAT);
   free(texels);
   test_random random = {.seed = 23};
-  double square[PL_FILTER_COUNT] = {0};
+  double square[PL_FILTER_COUNT] = {0}, box = 0.0;
   for (int i = 0; i < 1500; i++) {
     float a[2], b[2], out[4];
     footprint_of(&random, SIDE, SIDE, random_scale(&random, 0.5, 8.0), a, b);
@@ -157,7 +160,11 @@ static void test_finer_filters_are_nearer_to_the_mean(void **state) {
       pl_texture_sample(texture, (float)u, (float)v, a, b, (pl_filter)filter, out);
       square[filter] += pow((double)out[0] - mean, 2.0) / 1500;
     }
+    pl_texture_box(texture, (float)u, (float)v, a, b, PL_FILTER_FINEST, out);
+    box += pow((double)out[0] - mean, 2.0) / 1500;
   }
+  print_message("as a box: RMS error %.4f\n", sqrt(box));
+  assert_true(box < 0.5 * square[PL_FILTER_FINEST]);
   for (int filter = 0; filter < PL_FILTER_COUNT; filter++)
     print_message("filter %d: RMS error %.4f\n", filter, sqrt(square[filter]));
   assert_true(square[PL_FILTER_BILINEAR] <= square[PL_FILTER_NEAREST]);
@@ -169,12 +176,38 @@ static void test_finer_filters_are_nearer_to_the_mean(void **state) {
   pl_texture_destroy(texture);
 }
 
+/* The cheaper filters stay what they are, and so do pictures of one colour. */
+static void test_boxes_of_cheap_filters_and_of_nothing(void **state) {
+  (void)state;
+  const uint8_t texels[] = {10, 60, 110, 160, 210, 250};
+  pl_texture *texture = make(3, 2, 1, texels, false, PL_WRAP_REPEAT);
+  const float wide[2] = {0.5f, 0.1f}, high[2] = {0.0f, 0.7f}, none[2] = {NAN, INFINITY};
+  float out[4], same[4];
+  for (int filter = PL_FILTER_NONE; filter < PL_FILTER_TRILINEAR; filter++) {
+    pl_texture_box(texture, 0.3f, 0.4f, wide, high, (pl_filter)filter, out);
+    pl_texture_sample(texture, 0.3f, 0.4f, wide, high, (pl_filter)filter, same);
+    assert_memory_equal(out, same, sizeof out);
+  }
+  pl_texture_box(texture, 0.3f, 0.4f, none, high, PL_FILTER_FINEST, out); /* all of it */
+  assert_true(fabsf(out[0] - 800.0f / 6.0f / 255.0f) < 1e-6f);
+  pl_texture_box(texture, NAN, 0.25f, NOTHING, NOTHING, PL_FILTER_FINEST, out);
+  pl_texture_sample(texture, 0.0f, 0.25f, NOTHING, NOTHING, PL_FILTER_FINEST, same);
+  assert_memory_equal(out, same, sizeof out);
+  pl_texture_destroy(texture);
+  const uint8_t even[] = {7, 7, 7, 7};
+  texture = make(2, 2, 1, even, false, PL_WRAP_CLAMP);
+  pl_texture_box(texture, 0.3f, 0.4f, wide, high, PL_FILTER_FINEST, out);
+  assert_true(fabsf(out[0] - 7.0f / 255.0f) < 1e-6f);
+  pl_texture_destroy(texture);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_nearest_texel),
       cmocka_unit_test(test_ranges_fall),
       cmocka_unit_test(test_filters_differ_within_ranges),
       cmocka_unit_test(test_finer_filters_are_nearer_to_the_mean),
+      cmocka_unit_test(test_boxes_of_cheap_filters_and_of_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
