@@ -126,15 +126,17 @@ static void draw_seeds(const job *job, pl_tile tile, uint32_t *seeds) {
 /* Pixels of the tile, those that may see a mesh first; returns how many these are. */
 static size_t order_pixels(const job *job, pl_tile tile, uint32_t *pixels) {
   size_t front = 0, count = 0;
-  for (int y = 0; y < tile.height; y++)
-    for (int x = 0; x < tile.width; x++) {
-      const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
-      pixels[count++] = pixel;
-      if (!pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y))
-        continue;
-      pixels[count - 1] = pixels[front];
-      pixels[front++] = pixel;
-    }
+  for (uint32_t i = 0; i < PL_TILE_PIXELS; i++) {
+    const uint32_t pixel = pl_tile_pixel(i);
+    if (!pl_tile_has(tile, pixel))
+      continue;
+    pixels[count++] = pixel;
+    if (!pl_reach_pixel(&job->scratch->reach, tile.x0 + (int)(pixel % PL_TILE_SIDE),
+                        tile.y0 + (int)(pixel / PL_TILE_SIDE)))
+      continue;
+    pixels[count - 1] = pixels[front];
+    pixels[front++] = pixel;
+  }
   return front;
 }
 

@@ -9,12 +9,11 @@
 #include "light/emitters.h"
 #include "light/limb.h"
 #include "render/air_path.h"
+#include "render/tile.h"
 #include "render/veil.h"
 #include "render/planetshine.h"
 #include "render/vertex.h"
 #include "sky/backdrop.h"
-
-enum { PL_TILE_SIDE = 32, PL_TILE_PIXELS = PL_TILE_SIDE * PL_TILE_SIDE };
 
 /* One instant of an exposure that is the mean of several: sample j of so many of a pixel of row y
  * is of the time offset_s + y row_s + spread_s (j + r) / samples, with r random, and is drawn at
@@ -51,10 +50,6 @@ typedef struct pl_render_settings {
                                 * not filled */
   float white_radiance;        /* what noise_dn refers to, W m-2 sr-1 encoded as 255 */
 } pl_render_settings;
-
-typedef struct pl_tile {
-  int x0, y0, width, height; /* pixels */
-} pl_tile;
 
 /* A finished tile. Arrays have PL_TILE_SIDE pixels a row; valid until the callback returns. A pixel
  * that sees nothing has points[i].thing == PL_NOTHING. */

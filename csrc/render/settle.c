@@ -359,15 +359,16 @@ void pl_path_settle(const pl_path_context *context, pl_tile_buffers *b) {
   if (context->bodies && !context->sun && !sparse)
     cover_pixels(context, b, covered);
   b->active_count = b->active_meshes = 0;
-  for (int y = 0; y < context->tile.height; y++) {
-    for (int x = 0; x < context->tile.width; x++) {
-      const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
-      const bool mesh = pl_reach_pixel(context->reach, context->tile.x0 + x, context->tile.y0 + y);
-      const bool settled = settle_pixel(context, pixel, b);
-      b->settled_thing[pixel] = settled ? b->points[pixel].thing : PL_NOTHING;
-      reset_pixel(pixel, b);
-      if (mesh || !finish_pixel(context, pixel, covered[pixel], b))
-        activate(pixel, mesh, b);
-    }
+  for (uint32_t i = 0; i < PL_TILE_PIXELS; i++) {
+    const uint32_t pixel = pl_tile_pixel(i);
+    if (!pl_tile_has(context->tile, pixel))
+      continue;
+    const bool mesh = pl_reach_pixel(context->reach, context->tile.x0 + (int)(pixel % PL_TILE_SIDE),
+                                     context->tile.y0 + (int)(pixel / PL_TILE_SIDE));
+    const bool settled = settle_pixel(context, pixel, b);
+    b->settled_thing[pixel] = settled ? b->points[pixel].thing : PL_NOTHING;
+    reset_pixel(pixel, b);
+    if (mesh || !finish_pixel(context, pixel, covered[pixel], b))
+      activate(pixel, mesh, b);
   }
 }

@@ -178,7 +178,7 @@ pl_status pl_share_keep(pl_share *share, size_t item, const pl_path_context *con
   uint32_t count = 0;
   for (uint32_t pixel = 0; pixel < PL_TILE_PIXELS; pixel++) {
     kept->start[pixel] = count;
-    if ((int)(pixel % PL_TILE_SIDE) < tile.width && (int)(pixel / PL_TILE_SIDE) < tile.height)
+    if (pl_tile_has(tile, pixel))
       keep_pixel(b, pixel, &count, kept);
   }
   kept->start[PL_TILE_PIXELS] = count;
