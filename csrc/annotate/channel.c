@@ -52,14 +52,6 @@ PL_WIDE static void fill_angle(size_t count, const double (*restrict a)[PL_LABEL
                                   (pl_vec3){b[0][i], b[1][i], b[2][i]});
 }
 
-/* Copies the first of `count` pixels to the others. */
-static void repeat(void *pixels, size_t bytes, size_t count) {
-  unsigned char *out = pixels;
-  const size_t all = bytes * count;
-  for (size_t done = bytes; done < all; done *= 2)
-    memcpy(out + done, out, done < all - done ? done : all - done);
-}
-
 /* --- the channels
  * -----------------------------------------------------------------------------------------------*/
 
@@ -102,14 +94,13 @@ static void write_semantic(const pl_label_run *run, void *pixels) {
   const pl_shot_object *object = object_of(run);
   const size_t levels = (size_t)run->shot->levels;
   uint16_t *out = pixels;
-  if (object == NULL) {
-    memcpy(out, body_of(run)->body->class_ids, levels * sizeof *out);
-    repeat(out, levels * sizeof *out, run->count);
-    return;
+  for (size_t level = 0; level < levels; level++) {
+    const uint16_t *ids =
+        (object != NULL ? object->object->class_ids : body_of(run)->body->class_ids) + level;
+    const uint16_t first = *ids;
+    for (size_t i = 0; i < run->count; i++)
+      out[i * levels + level] = object != NULL ? ids[run->parts[i] * levels] : first;
   }
-  for (size_t i = 0; i < run->count; i++)
-    for (size_t level = 0; level < levels; level++)
-      *out++ = object->object->class_ids[run->parts[i] * levels + level];
 }
 
 static void write_part(const pl_label_run *run, void *pixels) {
@@ -177,22 +168,24 @@ size_t pl_channel_elements(const pl_channel *channel, int levels) {
  * -------------------------------------------------------------------------------------------------------*/
 
 /* Where pixel `first` is in the image of a channel; *bytes: of a pixel. */
-static unsigned char *place(const pl_channel *channel, const pl_snapshot *shot, size_t first,
-                            void *image, size_t *bytes) {
+static void *place(const pl_channel *channel, const pl_snapshot *shot, size_t first, void *image,
+                   size_t *bytes) {
   *bytes = pl_channel_elements(channel, shot->levels) * channel->element;
   return (unsigned char *)image + first * *bytes;
 }
 
-static void fill_blank(const pl_channel *channel, unsigned char *out, size_t bytes, size_t count) {
-  const float nan_float = NAN;
-  const double nan_double = NAN;
+static void fill_blank(const pl_channel *channel, void *pixels, size_t bytes) {
   if (channel->blank == PL_BLANK_ZERO) {
-    memset(out, 0, bytes * count);
-    return;
+    memset(pixels, 0, bytes);
+  } else if (channel->element == sizeof(double)) {
+    double *out = pixels;
+    for (size_t i = 0; i < bytes / sizeof(double); i++)
+      out[i] = NAN;
+  } else {
+    float *out = pixels;
+    for (size_t i = 0; i < bytes / sizeof(float); i++)
+      out[i] = NAN;
   }
-  const bool wide = channel->element == sizeof nan_double;
-  memcpy(out, wide ? (const void *)&nan_double : (const void *)&nan_float, channel->element);
-  repeat(out, channel->element, bytes / channel->element * count);
 }
 
 void pl_channels_blank(const pl_snapshot *shot, size_t count, size_t first, void *const *images) {
@@ -200,8 +193,8 @@ void pl_channels_blank(const pl_snapshot *shot, size_t count, size_t first, void
     size_t bytes;
     if (images[i] == NULL)
       continue;
-    unsigned char *out = place(&pl_channels[i], shot, first, images[i], &bytes);
-    fill_blank(&pl_channels[i], out, bytes, count);
+    void *out = place(&pl_channels[i], shot, first, images[i], &bytes);
+    fill_blank(&pl_channels[i], out, bytes * count);
   }
 }
 
