@@ -24,6 +24,7 @@ from perilune.config.shape import Shape
 from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.looks import Look, Looks
 from perilune.parts import Partition, partition
+from perilune.pool import Pool
 from perilune.sky import Skies
 from perilune.volumes import Volumes
 from perilune.world import World
@@ -120,6 +121,7 @@ class Handles:
     def __init__(self, document: Document) -> None:
         self.document = document
         self.lock = Lock()
+        self.pool = Pool()
         self._files: dict[tuple[Any, ...], _core.Map] = {}
         self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)

@@ -16,6 +16,7 @@ from perilune.config.references import MASKS, OBJECTS
 from perilune.config.schema import TextureFilter
 from perilune.imaging import intrinsics, sensor_of
 from perilune.optics import focus_of, lens_of
+from perilune.pool import Pool
 from perilune.sample import CameraLabel
 from perilune.shutter import Keys
 from perilune.world import World
@@ -143,8 +144,10 @@ def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype
     return (config.camera.height, config.camera.width, *tail), np.dtype(channel["dtype"])
 
 
-def arrays_of(config: Config, names: Sequence[str], out: Mapping[str, Array]) -> dict[str, Array]:
-    """An array for each channel: that of `out` if there is one, else a new one.
+def arrays_of(
+    config: Config, names: Sequence[str], out: Mapping[str, Array], pool: Pool
+) -> dict[str, Array]:
+    """An array for each channel: that of `out` if there is one, else one of the pool.
 
     ValueError for one of `out` of another shape or type.
     """
@@ -153,7 +156,7 @@ def arrays_of(config: Config, names: Sequence[str], out: Mapping[str, Array]) ->
         shape, dtype = channel_layout(config, name)
         given = out.get(name)
         if given is None:
-            arrays[name] = np.empty(shape, dtype)
+            arrays[name] = pool.take(name, shape, dtype)
         elif given.shape != shape or given.dtype != dtype or not given.flags.c_contiguous:
             raise ValueError(
                 f"out['{name}']: must be a C-contiguous {dtype} array of shape {shape}, "

@@ -283,7 +283,7 @@ class Simulation:
 
         channels: names to compute (default: render.channels). threads: does not change the result
         (default: all processors of the process). out: arrays to write into by channel name, as an
-        earlier sample's; the others are new.
+        earlier sample's; the others are new, or were of a sample that nobody holds any more.
         """
         names = list(dict.fromkeys(self.config.render.channels if channels is None else channels))
         check_channels(names, self.config, "channels")
@@ -294,7 +294,7 @@ class Simulation:
         request = self._request(scene, posed)
         metered = self._metered(scene) if set(names) & set(OF_SENSOR) else None
         undistorted = scene.config.camera.label_lens == "undistorted"
-        arrays = arrays_of(scene.config, names, out or {})
+        arrays = arrays_of(scene.config, names, out or {}, handles.pool)
         try:
             with handles.lock:
                 if metered is not None:
