@@ -27,18 +27,6 @@ def files(body: Body) -> tuple[Any, ...]:
     )
 
 
-def maps(body: Body) -> dict[str, str]:
-    """Key within a body -> file, of all maps of its ground."""
-    relief, ocean, lights = body.relief, body.ocean, body.night_lights
-    found = {
-        "relief.height_map": relief and relief.height_map,
-        "relief.normal_map": relief and relief.normal_map,
-        "ocean.map": ocean and ocean.map,
-        "night_lights.map": lights and lights.map,
-    }
-    return {key: path for key, path in found.items() if path}
-
-
 def of_body(body: Body, load: LoadMap) -> _core.Ground | None:
     """Maps of a body, or None where there are none."""
     relief, ocean, lights = body.relief, body.ocean, body.night_lights

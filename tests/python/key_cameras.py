@@ -117,7 +117,7 @@ CAMERAS = [
             "lens_flare": {},
             "pixel_um": 3.0,
             "mosaic": "mono",
-            "quantum_efficiency": 0.2,
+            "quantum_efficiency": [0.2, 0.3, 0.2],
             "bands_nm": [[600, 650], [500, 600], [400, 450]],
             "serial": 5,
             "exposure": {"key": 0.3},

@@ -322,7 +322,7 @@ THINGS = [
             "part_classes": {"panel": ["*panel*"]},
             "materials": [{"material": "*", "use": "m"}],
             "material_drivers": {"drivers": {"x": 1.0}},
-            "articulation": [{"node": "*panel*", "axis": [1, 0, 0], "angle_deg": 30.0}],
+            "articulation": [{"node": "panel_left", "axis": [1, 0, 0], "angle_deg": 30.0}],
             "animation": {"index": 0},
             "symmetries": {"discrete_deg": [[0, 0, 180]]},
         },

@@ -11,7 +11,7 @@ from perilune.check.findings import Finding, Report
 from perilune.check.models import check_models
 from perilune.check.records import Camera, Source, read_json
 from perilune.check.scene import check_scene
-from perilune.writers.bop_files import IMAGE_FOLDERS
+from perilune.writers.bop_files import RGB_FOLDER
 from perilune.writers.bop_finish import (
     CARD_FILE,
     DETECTION,
@@ -78,7 +78,7 @@ def check_bop(folder: str | Path, progress: Callable[[int, int], None] | None = 
         return report
     _check_layout(report, source.split)
     folders = _scenes(report, report.folder / source.split)
-    total = sum(len(list((path / IMAGE_FOLDERS[0]).glob("*.png"))) for path in folders)
+    total = sum(len(list((path / RGB_FOLDER).glob("*.png"))) for path in folders)
     done = 0
 
     def step() -> None:

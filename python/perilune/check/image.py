@@ -77,8 +77,9 @@ class ImageCheck:
 
     def run(self) -> None:
         self._camera()
-        rgb = self.scene.rgb(self.im_id)
-        self._png(rgb, RGB8, pixels=False)
+        for name in self.scene.pictures:
+            kind = GREY16 if name == "raw" else RGB8
+            self._png(self.scene.picture(self.im_id, name), kind, pixels=False)
         depth = self._png(self.scene.depth(self.im_id), GREY16)
         taken = np.zeros((self.size[1], self.size[0]), dtype=bool)
         annotated = np.zeros_like(taken)

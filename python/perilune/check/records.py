@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue, TypeAdapter, ValidationError
 
@@ -190,6 +190,8 @@ class Source(BaseModel):
     seed: int
     sensors: list[SensorEntry] = []
     """In the order in which they take frames; empty without sensors."""
+    pictures: dict[Literal["rgb", "sensor_rgb", "raw"], Literal["rgb", "sensor_rgb", "raw"]] = {}
+    """Folder -> channel of the images that are no labels; empty: `rgb` alone."""
     split: Annotated[str, Field(pattern="^[a-z0-9]+(_[a-z0-9]+)?$")]
 
 

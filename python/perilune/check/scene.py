@@ -25,9 +25,9 @@ from perilune.writers.bop_files import (
     CAMERA_FILE,
     COCO_FILE,
     GT_FILE,
-    IMAGE_FOLDERS,
     INFO_FILE,
     PARTIAL,
+    RGB_FOLDER,
     SCENE_FILES,
     SceneFolder,
 )
@@ -63,7 +63,7 @@ def _check_files(report: Report, scene: SceneFolder, poses: Mapping[str, list[Po
         wanted |= scene.files_of(int(key), len(instances))
     present = set()
     for path in folder.iterdir():
-        if path.name in IMAGE_FOLDERS and path.is_dir():
+        if path.name in scene.image_folders and path.is_dir():
             present |= {f"{path.name}/{entry.name}" for entry in path.iterdir()}
         elif path.name not in _FREE:
             present.add(path.name)
@@ -127,7 +127,7 @@ def check_scene(
     coco = read_json(report, folder / COCO_FILE, TypeAdapter(Coco))
     if cameras is None or poses is None or infos is None or coco is None:
         return
-    scene = SceneFolder(folder)
+    scene = SceneFolder(folder, source.pictures or (RGB_FOLDER,))
     _check_files(report, scene, poses)
     header = CocoHeader(source.dataset_name, source.split, tuple(meshes), *size)
     annotations = _check_coco(report, folder / COCO_FILE, coco, header)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Tag, model_validator
 
 from perilune.config.errors import fail
-from perilune.config.types import Direction, Finite, PositiveVec3, Strict, Vec3
+from perilune.config.types import Direction, FileName, Finite, PositiveVec3, Strict, Vec3
 
 
 class Spin(Strict):
@@ -101,7 +101,7 @@ class AttitudeTable(Spin):
     """
 
     pointing: Literal["table"]
-    file: str
+    file: FileName
     """CSV with the columns t_s (seconds after the epoch) or time_utc, and qw, qx, qy, qz (the
     thing's axes to ICRF); relative to this file, or data:... under PERILUNE_DATA. What
     `perilune orbit` writes is such a table."""

@@ -18,7 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from perilune import spectra
 from perilune.config.errors import fail
-from perilune.config.types import Strict
+from perilune.config.types import FileName, Strict
 
 WavelengthUnit = Literal["nm", "um"]
 UM_PER_UNIT = {"nm": 1e-3, "um": 1.0}
@@ -66,7 +66,7 @@ def check_parts(table: Any, file: str, key: str = "file") -> None:
 class Spectrum(Strict):
     """The spectrum of the Sun: a file instead of a black body."""
 
-    file: str
+    file: FileName
     """Rows of wavelength and irradiance, wavelengths rising; commas or blanks between. Relative to
     this file, or data:... under PERILUNE_DATA. It counts by its shape: `irradiance_w_m2` is the
     integral of it all."""
@@ -99,7 +99,7 @@ class Spectrum(Strict):
 class QuantumEfficiency(Strict):
     """Electrons a photon by wavelength, from a file."""
 
-    file: str
+    file: FileName
     """Rows of wavelength and efficiency, 0 to 1: one column for mosaic mono and planes, else three,
     of the red, green and blue pixels. Relative to this file, or data:... under PERILUNE_DATA."""
     wavelength_unit: WavelengthUnit = "nm"
@@ -130,7 +130,7 @@ class Band(Strict):
     width_um: Annotated[float, Field(strict=True, ge=1e-5, le=100.0)] | None = None
     """Edge to edge of a box; of a gaussian where it has half its height."""
     shape: Literal["box", "gaussian"] = "box"
-    file: str | None = None
+    file: FileName | None = None
     """Rows of wavelength and response, wavelengths rising; commas or blanks between. Relative to
     this file, or data:... under PERILUNE_DATA."""
     wavelength_unit: WavelengthUnit = "nm"

@@ -16,7 +16,7 @@ from perilune.config.orbit import Orbit
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.shape import Shape, named
-from perilune.config.types import Positive, Rgb, StaticFinite, Strict, triple
+from perilune.config.types import FileName, Positive, Rgb, StaticFinite, Strict, triple
 
 # In kilometres what the core's floats hold, 1e-9 to 1e18 m.
 _Radius = Annotated[float, Field(strict=True, ge=1e-12, le=1e15)]
@@ -38,7 +38,7 @@ class Body(Strict):
     """For `ellipsoid`: the body of the table in whose place it stands (root: earth)."""
     shape: Annotated[Shape, BeforeValidator(named)] | None = None
     """A mesh instead of the ellipsoid: a file, or a mapping with one."""
-    color_map: str | None = None
+    color_map: FileName | None = None
     """Equirectangular PNG or JPEG; relative to this file, or data:... under PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
     """East longitude of the map's centre column."""

@@ -6,14 +6,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from perilune.config.types import (
-    Finite,
-    Fraction,
-    Integer,
-    StaticFinite,
-    Strict,
-    triple,
-)
+from perilune.config.types import FileName, Finite, Fraction, Integer, StaticFinite, Strict, triple
 
 _Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-9, le=1e12)]
 _Depth = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1e6)]
@@ -60,7 +53,7 @@ class Clouds(Strict):
     sun is.
     """
 
-    map: str | None = None
+    map: FileName | None = None
     """Equirectangular PNG or JPEG of the cover: the part of each place that has clouds, white for
     all, as the file's numbers are (red); relative to this file, or data:... under
     PERILUNE_DATA."""

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.errors import fail
-from perilune.config.types import Fraction, Rgb, Strict, refuse_drawn, triple
+from perilune.config.types import FileName, Fraction, Rgb, Strict, refuse_drawn, triple
 
 _Bands = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
 _Black = Annotated[float, Field(strict=True, ge=0.0, lt=1.0), BeforeValidator(refuse_drawn)]
@@ -21,12 +21,12 @@ class Relief(Strict):
     equirectangular, PNG or JPEG of 8 bits, relative to this file, or data:... under PERILUNE_DATA,
     with the body's map_center_lon_deg in their middle."""
 
-    height_map: str | None = None
+    height_map: FileName | None = None
     """Grey (of colours, red): black is low. Its 255 steps are terraces where texels are many: where
     height_m / 255 is not small against what a texel rises, a normal map shows less of them."""
     height_m: _Height | None = None
     """Of white over black; required with height_map."""
-    normal_map: str | None = None
+    normal_map: FileName | None = None
     """Red grows with a normal's lean eastwards, green north- or southwards, blue upwards."""
     normal_green: Literal["north", "south"] = "north"
     """Where green of normal_map grows to."""
@@ -48,7 +48,7 @@ class Ocean(Strict):
     """Open water: Fresnel's law for an index of 1.34 on waves whose slopes are those of Cox and
     Munk (1954). No foam."""
 
-    map: str | None = None
+    map: FileName | None = None
     """Where it is: white is water. PNG or JPEG as other maps, linear. Without it, water is where
     the color_map is blue: where linear blue is more than 1.5 (fully: 2.5) times linear red."""
     wind_m_s: Annotated[float, Field(strict=True, ge=0.0, le=100.0)] = 7.0
@@ -61,7 +61,7 @@ class Ocean(Strict):
 class NightLights(Strict):
     """Cities and the like. They come on from sunset to the end of civil twilight, 6 deg later."""
 
-    map: str
+    map: FileName
     """Equirectangular PNG or JPEG, sRGB."""
     radiance_w_m2_sr: Rgb = (1e-3, 1e-3, 1e-3)
     """Where the map is white. Centres of large cities are 1e-3 (100 nW cm-2 sr-1 in VIIRS's

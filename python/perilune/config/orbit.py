@@ -14,6 +14,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from perilune.config.errors import fail
 from perilune.config.types import (
     AngleRange,
+    FileName,
     Finite,
     FiniteRange,
     FunctionName,
@@ -159,7 +160,7 @@ class Harmonics(Strict):
     """Without a file, 2 to 6: the zonal harmonics of the table."""
     order: Annotated[Integer, Field(ge=0)] | None = None
     """With a file: 0 to the degree (default)."""
-    file: str | None = None
+    file: FileName | None = None
     """Spherical-harmonic coefficients; relative to this file, or data:... under PERILUNE_DATA."""
 
     @model_validator(mode="after")
@@ -212,7 +213,7 @@ class Tle(Around):
     kind: Literal["tle"]
     lines: tuple[str, str] | None = None
     """The two lines."""
-    file: str | None = None
+    file: FileName | None = None
     """A file of sets, with or without name lines; relative to this file, or data:..."""
     name: str | None = None
     """Which set of the file, by its name line."""
@@ -235,7 +236,7 @@ class Table(Around):
     """Interpolated states of a file."""
 
     kind: Literal["table"]
-    file: str
+    file: FileName
     """A CCSDS OEM (.oem, .txt: KVN), or a CSV table: its first line names the columns t_s (seconds
     after the epoch) or time_utc; x_km, y_km, z_km (or x_m ...) from the centre of what is orbited,
     ICRF axes; optionally vx_km_s ... (or vx_m_s ...). Relative to this file, or data:..."""
@@ -251,7 +252,7 @@ class Spice(Around):
     """States of SPICE kernels (extra `spice`), geometric, J2000 axes."""
 
     kind: Literal["spice"]
-    kernels: Annotated[tuple[str, ...], Field(min_length=1)]
+    kernels: Annotated[tuple[FileName, ...], Field(min_length=1)]
     """Files, loaded in this order; relative to this file, or data:..."""
     target: str
     """Name or number of what moves."""

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field
 
-from perilune.config.types import Strict, triple
+from perilune.config.types import FileName, Strict, triple
 
 _Lobe = Annotated[float, Field(strict=True, ge=0.0, le=0.95)]
 _Back = Annotated[float, Field(strict=True, ge=-2.0, le=2.0)]
@@ -23,7 +23,7 @@ class Photometry(Strict):
     2014). Numbers are for all bands, or [r, g, b].
     """
 
-    maps: tuple[str, ...] = ()
+    maps: tuple[FileName, ...] = ()
     """GeoTIFF of the bands w, b, c, B_C0, h_C, B_S0, h_S, roughness in degrees, filling factor, as
     the LROC WAC Hapke parameter maps: one for all colours, or [red, green, blue]. Their w is taken
     where there is no color_map. Beyond their edges the edge's values hold."""

@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.errors import fail
-from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn, triple
+from perilune.config.types import FileName, NonNegative, Positive, Strict, refuse_drawn, triple
 
 _Fixed = BeforeValidator(refuse_drawn)
 _Radius = Annotated[Positive, _Fixed]
@@ -55,7 +55,7 @@ class Rings(Strict):
     inner_radius_km: _Radius | None = None
     """From the body's centre."""
     outer_radius_km: _Radius | None = None
-    color_map: str | None = None
+    color_map: FileName | None = None
     """PNG or WebP; columns from the inner to the outer radius. Alpha is the part of the light that
     the rings hold back along their normal, the colour (sRGB) the albedo of single scattering.
     Relative to this file, or data:... under PERILUNE_DATA; 1 to 16384 columns."""

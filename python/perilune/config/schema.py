@@ -32,6 +32,7 @@ from perilune.config.sky import Sky
 from perilune.config.trajectory import check_trajectory
 from perilune.config.types import (
     Direction,
+    FileName,
     Finite,
     Integer,
     NonNegative,
@@ -167,7 +168,7 @@ class Symmetries(Strict):
 class Spacecraft(Strict):
     """A model on an orbit."""
 
-    model: str
+    model: FileName
     """.glb or .gltf; relative to this file, or data:... under PERILUNE_DATA."""
     size_m: Annotated[Positive, Field(ge=1e-9, le=1e18)] | None = None
     """Longest side of the bounding box."""

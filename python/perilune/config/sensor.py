@@ -12,7 +12,7 @@ from perilune.config.bands import QuantumEfficiency
 from perilune.config.errors import fail, nearest
 from perilune.config.lens_flare import LensFlare
 from perilune.config.sensor_presets import PRESETS, Name
-from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positive, Strict
+from perilune.config.types import FileName, Finite, Fraction, Integer, NonNegative, Positive, Strict
 
 _Gain = Annotated[Positive, Field(ge=1e-3, le=1e3)]
 Mosaic = Literal["mono", "rggb", "bggr", "grbg", "gbrg", "planes"]
@@ -82,7 +82,7 @@ class PointSpread(Strict):
     core: Literal["point", "gauss", "airy", "measured"] = "gauss"
     """point: all light in its pixel; airy: diffraction by the aperture; measured: `kernel`, and the
     default where that is given."""
-    kernel: str | None = None
+    kernel: FileName | None = None
     """measured: file (.npy, .tif, grey .png) of the image of a point in pixels of the sensor; any
     size, its middle is the pixel (width // 2, height // 2). Divided by its sum."""
     sigma_px: Annotated[Positive, Field(ge=0.001, le=1e4)] = 0.5
@@ -164,7 +164,7 @@ class ImageSensor(Strict):
     out: 4, or 0 where a profile or a flat field says what is left."""
     vignetting_profile: Profile | None = None
     """[angle to the axis in degrees, part of the light], by rising angle; linear between."""
-    flat_field: str | None = None
+    flat_field: FileName | None = None
     """File (.npy, .tif, grey .png) of a measured flat field: its ratio to its middle multiplies.
     Stretched over the image."""
     point_spread: PointSpread = PointSpread()

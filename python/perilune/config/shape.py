@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
-from perilune.config.types import Positive, Strict, refuse_drawn
+from perilune.config.types import FileName, Positive, Strict, refuse_drawn
 
 
 class Shape(Strict):
@@ -17,7 +17,7 @@ class Shape(Strict):
     from. Materials, colours and uvs of the file are not used.
     """
 
-    file: str
+    file: FileName
     """.obj; .tab or .txt with vertices and plates as of the Planetary Data System; .gltf or .glb
     (y up there). Relative to this file, or data:... under PERILUNE_DATA."""
     metres_per_unit: Annotated[Positive, BeforeValidator(refuse_drawn)] | None = None

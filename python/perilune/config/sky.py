@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
-from perilune.config.types import Finite, NonNegative, Strict
+from perilune.config.types import FileName, Finite, NonNegative, Strict
 
 SKY_FRAMES = ("icrf", "galactic", "ecliptic")
 
@@ -15,7 +15,7 @@ SKY_FRAMES = ("icrf", "galactic", "ecliptic")
 class Stars(Strict):
     """Stars from a file, as points of light of the right strength and colour."""
 
-    catalogue: str
+    catalogue: FileName
     """.csv with a header (ra_deg, dec_deg and vmag; optional number, bv, temperature_k,
     pm_ra_mas_yr along the sky, pm_dec_mas_yr), or .json of the Bright Star Catalogue as a list of
     {RA, Dec, V, K, HR}; ICRF. Relative to this file, or data:... under PERILUNE_DATA."""
@@ -31,7 +31,7 @@ class Stars(Strict):
 class Background(Strict):
     """A picture behind everything: a map of the sky, or an image that fills the frame."""
 
-    map: str | None = None
+    map: FileName | None = None
     """Equirectangular PNG, JPEG or WebP of the sky; north up."""
     frame: Literal["icrf", "galactic", "ecliptic"] = "icrf"
     """map: its axes; ecliptic is that of J2000."""
@@ -42,7 +42,7 @@ class Background(Strict):
     white_mag_arcsec2: Annotated[Finite, Field(ge=-20.0, le=60.0)] = 16.3
     """map: surface brightness (V) of its white; values in between are linear after sRGB decoding.
     With the default the Milky Way of NASA's Deep Star Map 2020 has 21 on average."""
-    image: str | None = None
+    image: FileName | None = None
     """PNG, JPEG or WebP; a driver with a choice takes one of several."""
     fit: Literal["cover", "stretch"] = "cover"
     """image: cut to the frame's shape, or stretched to it."""

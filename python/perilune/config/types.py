@@ -82,6 +82,11 @@ AngleRange = Annotated[
 StaticVec3 = Annotated[Vec3, BeforeValidator(refuse_drawn)]
 
 
+NAMES_A_FILE = "names a file"
+FileName = Annotated[str, NAMES_A_FILE]
+"""A path, as the configuration has it; datasets keep what is in the file (see file_names.py)."""
+
+
 def _module_function(value: str) -> str:
     module, _, function = value.partition(":")
     if not module or not all(part.isidentifier() for part in function.split(".")):

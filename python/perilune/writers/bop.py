@@ -36,6 +36,7 @@ from perilune.writers.bop_source import (
     dataset_info,
     dataset_name,
     nominal_camera,
+    pictures,
     refuse_unfit,
 )
 from perilune.writers.queue import WriteQueue
@@ -45,8 +46,8 @@ F64 = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
-CHANNELS = ("rgb", "depth", "instance", "objects", "masks")
-"""What is rendered for a frame."""
+LABELS = ("depth", "instance", "objects", "masks")
+"""What is rendered for a frame beside its pictures."""
 DEFAULT_CHUNK = 1000
 _SPLIT = re.compile(r"[a-z0-9]+(_[a-z0-9]+)?")
 _PNG_LEVEL = 6
@@ -108,16 +109,18 @@ def write_image(
     sample: Sample,
     names: Sequence[str],
     origins_m: Mapping[int, F64],
+    pictures: Mapping[str, str],
 ) -> Record:
     """Writes the files of one frame into its scene folder, the record of it last.
 
-    names: of the spacecraft, in the order of the sample's objects.
+    names: of the spacecraft, in the order of the sample's objects. pictures: folder -> channel.
     """
     depth_m, instance = sample["depth"], sample["instance"]
     annotated = np.isin(instance, sample.objects["instance_id"])
     scale_mm = depth_scale_mm(float(depth_m[annotated].max(initial=0.0)) * MM_PER_M)
     depth = encode_depth(depth_m, scale_mm)
-    _core.png_write(str(folder.rgb(im_id)), sample["rgb"], _PNG_LEVEL)
+    for name, channel in pictures.items():
+        _core.png_write(str(folder.picture(im_id, name)), sample[channel], _PNG_LEVEL)
     _core.png_write(str(folder.depth(im_id)), depth, _PNG_LEVEL)
     record = Record(camera_record(sample, scale_mm), [], [], [])
     moving = sample.meta["articulation"]
@@ -143,6 +146,8 @@ class _Job:
     split_folder: Path
     origins_m: Mapping[int, F64]
     header: CocoHeader
+    pictures: Mapping[str, str]
+    """Folder -> channel."""
     threads: int | None
     total: int
     progress: Progress | None
@@ -155,9 +160,13 @@ class _Job:
         if self.progress is not None:
             self.progress(self.written + self.kept, self.total)
 
+    def folder(self, scene_id: int) -> SceneFolder:
+        """Of a scene."""
+        return SceneFolder(self.split_folder / f"{scene_id:06d}", self.pictures)
+
     def write_chunk(self, scene_id: int, images: Mapping[int, int]) -> None:
         """Writes the images (image id -> frame index) of one scene that are not there yet."""
-        folder = SceneFolder(self.split_folder / f"{scene_id:06d}")
+        folder = self.folder(scene_id)
         records = folder.finished()
         missing = [im_id for im_id in images if im_id not in records]
         if missing or folder.listed() != records:
@@ -169,12 +178,15 @@ class _Job:
         self, folder: SceneFolder, images: Mapping[int, int], records: dict[int, Record]
     ) -> None:
         names = list(self.sim.config.spacecraft)
+        channels = [*dict.fromkeys(self.pictures.values()), *LABELS]
         with WriteQueue() as queue:
             for im_id, index in images.items():
-                sample = self.sim.frame(index, channels=CHANNELS, threads=self.threads)
+                sample = self.sim.frame(index, channels=channels, threads=self.threads)
 
                 def task(im_id: int = im_id, sample: Sample = sample) -> None:
-                    records[im_id] = write_image(folder, im_id, sample, names, self.origins_m)
+                    records[im_id] = write_image(
+                        folder, im_id, sample, names, self.origins_m, self.pictures
+                    )
 
                 self.advance(written=queue.put(task))
             self.advance(written=queue.drain())
@@ -222,6 +234,21 @@ def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> d
     return models
 
 
+def _job(
+    sim: Simulation,
+    root: Path,
+    split: str,
+    models: Mapping[int, BopModel],
+    threads: int | None,
+    total: int,
+    progress: Progress | None,
+) -> _Job:
+    origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
+    size = nominal_camera(sim)
+    header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
+    return _Job(sim, root / split, origins_m, header, pictures(sim), threads, total, progress)
+
+
 def write_bop(
     sim: Simulation,
     frames: range,
@@ -247,6 +274,9 @@ def write_bop(
     shard = (k, n): only the k-th of n runs of whole chunks, k from 0; the shards may go to one
     folder or to several, and `merge_bop` makes the dataset of them.
 
+    `rgb/` holds the channel `sensor_rgb` where render.channels has this and no `rgb`; where it has
+    both, `sensor_rgb` has a folder of its own, and so has `raw` (16 bit).
+
     Depth is stored for all surfaces up to the farthest annotated one; beyond it may be 0.
 
     Raises OSError if a file cannot be written (finished frames stay valid), ValueError if the
@@ -257,15 +287,14 @@ def write_bop(
     root = Path(out)
     models = _write_source(sim, root, chunk_size, split)
     images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
-    origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
-    size = nominal_camera(sim)
-    header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
     total = sum(len(images) for images in images_of.values())
-    job = _Job(sim, root / split, origins_m, header, threads, total, progress)
-    kept = 0
-    for scene_id, images in images_of.items():
-        done = SceneFolder(job.split_folder / f"{scene_id:06d}").finished()
-        kept += sum(im_id in done for im_id in images)
+    job = _job(sim, root, split, models, threads, total, progress)
+    kept = sum(
+        im_id in done
+        for scene_id, images in images_of.items()
+        for done in [job.folder(scene_id).finished()]
+        for im_id in images
+    )
     if shard is not None:
         Note(frames, shard).write(root)
     if kept < total or shard is not None:

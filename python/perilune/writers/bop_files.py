@@ -30,7 +30,8 @@ GT_FILE = "scene_gt.json"
 INFO_FILE = "scene_gt_info.json"
 COCO_FILE = "scene_gt_coco.json"
 SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE)
-IMAGE_FOLDERS = ("rgb", "depth", "mask", "mask_visib")
+RGB_FOLDER = "rgb"
+LABEL_FOLDERS = ("depth", "mask", "mask_visib")
 PARTIAL = ".partial"
 """Hidden folder of a scene that is being written."""
 
@@ -159,13 +160,15 @@ class SceneFolder:
     is being written, a record of it lies in a hidden folder. The record is written after the files.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, pictures: Iterable[str] = (RGB_FOLDER,)) -> None:
+        """pictures: the folders of the images that are no labels."""
         self.folder = folder
+        self.pictures = tuple(pictures)
         self._partial = folder / PARTIAL
 
     def prepare(self) -> None:
         """Makes the folders, and removes what an interrupted run left half written."""
-        for name in (*IMAGE_FOLDERS, PARTIAL):
+        for name in (*self.image_folders, PARTIAL):
             directory = self.folder / name
             directory.mkdir(parents=True, exist_ok=True)
             for leftover in directory.glob("*.tmp"):
@@ -173,8 +176,14 @@ class SceneFolder:
         for leftover in self.folder.glob("*.tmp"):
             leftover.unlink(missing_ok=True)
 
-    def rgb(self, im_id: int) -> Path:
-        return self.folder / "rgb" / f"{im_id:06d}.png"
+    @property
+    def image_folders(self) -> tuple[str, ...]:
+        """All folders of the scene."""
+        return (*self.pictures, *LABEL_FOLDERS)
+
+    def picture(self, im_id: int, name: str) -> Path:
+        """An image that is no label; name: one of `pictures`."""
+        return self.folder / name / f"{im_id:06d}.png"
 
     def depth(self, im_id: int) -> Path:
         return self.folder / "depth" / f"{im_id:06d}.png"
@@ -212,7 +221,7 @@ class SceneFolder:
             if record is not None:
                 records[int(path.stem)] = record
         present = {
-            f"{name}/{entry}" for name in IMAGE_FOLDERS for entry in _names(self.folder / name)
+            f"{name}/{entry}" for name in self.image_folders for entry in _names(self.folder / name)
         }
         return {
             im_id: record
@@ -222,7 +231,7 @@ class SceneFolder:
 
     def files_of(self, im_id: int, instances: int) -> set[str]:
         """The image files of one image, relative to the folder."""
-        paths = [self.rgb(im_id), self.depth(im_id)]
+        paths = [*(self.picture(im_id, name) for name in self.pictures), self.depth(im_id)]
         for gt_id in range(instances):
             paths += [self.mask(im_id, gt_id), self.mask_visib(im_id, gt_id)]
         return {path.relative_to(self.folder).as_posix() for path in paths}

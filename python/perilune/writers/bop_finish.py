@@ -101,6 +101,18 @@ def target_files(split: str, found: Summary) -> dict[str, str]:
     }
 
 
+_SHOWN = {
+    "rgb": "the colours as they are",
+    "sensor_rgb": "as the sensor's electronics show them",
+    "raw": "digital numbers of the sensor, 16 bit",
+}
+"""Channel -> what the card says of it."""
+
+
+def _picture_lines(pictures: Mapping[str, str]) -> list[str]:
+    return [f"* `{folder}/`: {_SHOWN[channel]}" for folder, channel in pictures.items()]
+
+
 def _sensor_lines(sensors: list[dict[str, Any]]) -> list[str]:
     if not sensors:
         return []
@@ -126,6 +138,7 @@ def card(info: Mapping[str, Any], camera: Mapping[str, Any], found: Summary) -> 
         f"* scenes: {found.scenes} of up to {info['chunk_size']} images",
         f"* images: {found.images} of {camera['width']} x {camera['height']} pixels",
         *_sensor_lines(info.get("sensors", [])),
+        *_picture_lines(info.get("pictures", {})),
         "",
         f"| obj_id | instances | of which {LEAST_VISIBLE:.0%} visible | mean visible fraction "
         "| mean visible pixels |",

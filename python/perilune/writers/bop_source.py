@@ -5,23 +5,25 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import perilune
-from perilune import _core, ground, rotations
-from perilune.config.body import Body
+from perilune import _core, bands, rotations
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
+from perilune.config.file_names import file_names
+from perilune.config.references import OF_SENSOR
 from perilune.config.schema import Symmetries
-from perilune.config.trajectory import Deterministic
-from perilune.drivers import Found
+from perilune.drivers import Found, path_text
+from perilune.drivers.choice import KIND as CHOICE
 from perilune.imaging import intrinsics
 from perilune.materials import images_in
 from perilune.simulation import Simulation
+from perilune.writers.bop_files import RGB_FOLDER
 from perilune.writers.bop_models import BopModel, bop_model
 
 F64 = NDArray[np.float64]
@@ -61,10 +63,33 @@ def _refuse_several_sizes(sim: Simulation) -> None:
         )
 
 
+def pictures(sim: Simulation) -> dict[str, str]:
+    """Folder -> channel of the images that are no labels, by the configuration's channels.
+
+    `rgb`, from which all are trained, holds what the user asks for: `sensor_rgb` if that is asked
+    for and `rgb` is not. What else there is of the sensor has a folder by its own name.
+    """
+    asked = sim.config.render.channels
+    main = "sensor_rgb" if "sensor_rgb" in asked and RGB_FOLDER not in asked else "rgb"
+    others = [name for name in OF_SENSOR if name in asked and name != main]
+    return {RGB_FOLDER: main} | {name: name for name in others}
+
+
+def _refuse_planes(sim: Simulation) -> None:
+    for name, camera in sim.config.cameras.items():
+        if "raw" in sim.config.render.channels and bands.has_planes(camera):
+            raise ConfigError(
+                f"{sim.document.source}: render.channels: 'raw' of mosaic: planes "
+                f"({sim.config.place(name, 'sensor')}) is no one image, as those of a BOP dataset "
+                "are; leave it out"
+            )
+
+
 def refuse_unfit(sim: Simulation) -> None:
     """ConfigError for what a configuration may say, but a BOP dataset cannot hold."""
     _refuse_driven_sizes(sim)
     _refuse_several_sizes(sim)
+    _refuse_planes(sim)
     for name, camera in sim.config.cameras.items():
         if camera.label_lens == "distorted":
             where = "camera" if name is None else f"sensors.{name}"
@@ -134,58 +159,24 @@ def _file_sha256(sim: Simulation, text: str, key: str) -> str:
     return digest.hexdigest()
 
 
-def _files_of(body: Body) -> dict[str, str]:
-    """Key within a body -> the file that it names."""
-    found = {
-        "color_map": body.color_map,
-        "shape.file": body.shape and body.shape.file,
-        "rings.color_map": body.rings and body.rings.color_map,
-        "clouds.map": body.clouds and body.clouds.map,
-        **ground.maps(body),
-    }
-    if body.photometry is not None:
-        found |= {f"photometry.maps[{k}]": text for k, text in enumerate(body.photometry.maps)}
-    return {key: text for key, text in found.items() if text}
-
-
-_FILE_KEYS = ("color_map", "map", "height_map", "normal_map", "shape", "file")
-"""Keys of bodies, and of their sections, whose text is a file's name."""
-
-
-def _named_in(value: Any, key: str | int) -> Iterator[tuple[str, str]]:
-    """(key path below, file) of all files that a value of a driver names; key: where it stands."""
-    if isinstance(value, Mapping):
-        for name, item in value.items():
-            for below, text in _named_in(item, name):
-                yield f".{name}{below}", text
-    elif isinstance(value, str) and key in _FILE_KEYS:
-        yield "", value
+def _chosen_files(sim: Simulation, driver: Found) -> Iterator[tuple[str, str]]:
+    """(key, file) of all files that the values which a driver chooses from name."""
+    length = len(driver.path)
+    for k, config in enumerate(sim.document.choices(lambda path: path == driver.path)):
+        for path, text in file_names(config):
+            if path[:length] == driver.path:
+                yield path_text((*driver.path, "choice", k, *path[length:])), text
 
 
 def _files(sim: Simulation) -> dict[str, str]:
     """Key of the configuration -> hash of the file it names."""
-    files = {}
-    for name, craft in sim.config.spacecraft.items():
-        key = f"spacecraft.{name}.model"
-        files[key] = _file_sha256(sim, craft.model, key)
-    for name, body in sim.config.bodies.items():
-        for part, text in _files_of(body).items():
-            key = f"bodies.{name}.{part}"
-            files[key] = _file_sha256(sim, text, key)
+    named = {path_text(path): text for path, text in file_names(sim.config)}
     for driver in sim.document.drivers:
-        if driver.path[0] == "bodies":
-            for k, value in enumerate(driver.distribution.limits):
-                for below, text in _named_in(value, driver.path[-1]):
-                    key = f"{driver.name}.choice[{k}]{below}"
-                    files[key] = _file_sha256(sim, text, driver.name)
+        if driver.kind is CHOICE:
+            named |= dict(_chosen_files(sim, driver))
     for name, material in sim.config.materials.items():
-        for image in images_in(name, material):
-            files[image.key] = _file_sha256(sim, image.file, image.key)
-    trajectory = sim.config.camera.trajectory
-    if isinstance(trajectory, Deterministic):
-        key = "camera.trajectory.file"
-        files[key] = _file_sha256(sim, trajectory.file, key)
-    return files
+        named |= {image.key: image.file for image in images_in(name, material)}
+    return {key: _file_sha256(sim, text, key) for key, text in named.items()}
 
 
 def dataset_name(sim: Simulation) -> str:
@@ -201,10 +192,12 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
         {"name": name, "trigger_interval": sensor.trigger_interval}
         for name, sensor in sim.config.sensors.items()
     ]
+    shown = pictures(sim)
     undistorted = any(camera.label_lens for camera in sim.config.cameras.values())
     return {
         **({"sensors": sensors} if sensors else {}),
         **({"annotations": "undistorted"} if undistorted else {}),
+        **({"pictures": shown} if shown != {RGB_FOLDER: "rgb"} else {}),
         "chunk_size": chunk_size,
         "config_name": sim.config.name,
         "config_sha256": hashlib.sha256(text.encode("utf-8")).hexdigest(),

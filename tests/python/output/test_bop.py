@@ -6,6 +6,8 @@ import errno
 import hashlib
 import itertools
 import json
+import re
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -14,10 +16,14 @@ from PIL import Image
 import perilune
 from perilune import _core
 from perilune.config import ConfigError
+from perilune.config.file_names import _file_keys
+from perilune.config.schema import Config
+from perilune.config.types import Strict
 from perilune.writers import bop_files, bop_source
-from perilune.writers.bop import CHANNELS
+from perilune.writers.bop import LABELS
 
 FRAMES = range(6)
+CHANNELS = ("rgb", *LABELS)
 
 
 def read_image(path):
@@ -441,7 +447,7 @@ def test_ids_are_ordered_as_numbers():
         ({"clouds": {"map": {"choice": ["a.bin", "b.bin"]}}},
          {"clouds.map": "a", "clouds.map.choice[0]": "a", "clouds.map.choice[1]": "b"}),
         ({"shape": {"choice": ["a.bin", {"file": "b.bin"}]}},
-         {"shape.file": "a", "shape.choice[0]": "a", "shape.choice[1].file": "b"}),
+         {"shape.file": "a", "shape.choice[0].file": "a", "shape.choice[1].file": "b"}),
         ({"clouds": {"choice": [{"opacity": 0.5}, {"map": "b.bin"}]}},
          {"clouds.choice[1].map": "b"}),
     ],
@@ -456,3 +462,66 @@ def test_files_of_bodies_are_those_of_the_dataset(section, named, small_scene):
     assert {key: value for key, value in files.items() if key.startswith(begin)} == {
         begin + key: hashlib.sha256(text.encode()).hexdigest() for key, text in named.items()
     }
+
+
+def test_files_of_the_sky_are_those_of_the_dataset(small_scene, tmp_path):
+    """A dataset does not go on under other stars, or before another picture."""
+    stars, back = tmp_path / "stars.csv", tmp_path / "back.png"
+    stars.write_text("ra_deg,dec_deg,vmag\n10,20,1\n")
+    _core.png_write(str(back), np.zeros((2, 4, 3), np.uint8))
+    sky = {"stars": {"catalogue": str(stars)}, "background": {"map": str(back)}}
+    sim = perilune.open(small_scene, overrides={"sky": sky})
+    perilune.write_bop(sim, range(1), tmp_path / "out", threads=1)
+    files = read_json(tmp_path / "out/dataset_info.json")["files_sha256"]
+    assert {key for key in files if key.startswith("sky")} == {
+        "sky.stars.catalogue", "sky.background.map"
+    }  # fmt: skip
+    before = stars.read_text()
+    stars.write_text("ra_deg,dec_deg,vmag\n10,20,2\n")
+    with pytest.raises(ValueError, match="another files_sha256"):
+        perilune.write_bop(sim, range(2), tmp_path / "out", threads=1)
+    stars.write_text(before)
+    _core.png_write(str(back), np.ones((2, 4, 3), np.uint8))
+    with pytest.raises(ValueError, match="another files_sha256"):
+        perilune.write_bop(sim, range(2), tmp_path / "out", threads=1)
+    assert len(list((tmp_path / "out/train/000000/rgb").iterdir())) == 1
+
+
+def test_files_of_orbits_and_sensors_are_those_of_the_dataset(small_scene):
+    folder = small_scene.parent
+    (folder / "flat.png").write_bytes(b"flat")
+    (folder / "states.csv").write_text("t_s,x_km,y_km,z_km\n-1e9,7000,0,0\n1e9,7000,1,0\n")
+    changes = {
+        "camera.sensor": {"flat_field": "flat.png"},
+        "spacecraft.probe.orbit": {"kind": "table", "around": "planet", "file": "states.csv"},
+    }
+    sim = perilune.open(small_scene, overrides=changes)
+    assert {"camera.sensor.flat_field", "spacecraft.probe.orbit.file"} <= set(
+        bop_source.dataset_info(sim, 4, "train")["files_sha256"]
+    )
+
+
+def _sections(section, done):
+    """All sections below one."""
+    if section not in done:
+        done.add(section)
+        for field in section.model_fields.values():
+            below = [field.annotation]
+            while below:
+                found = below.pop()
+                below += get_args(found)
+                if isinstance(found, type) and issubclass(found, Strict):
+                    _sections(found, done)
+    return done
+
+
+def test_all_keys_that_name_files_say_so():
+    """By what their documentation says; a graph's own file is in the tree when it is loaded."""
+    told = {
+        (section.__name__, name)
+        for section in _sections(Config, set())
+        for name, field in section.model_fields.items()
+        if re.search(r"elative to (this|its) file|under\s+PERILUNE_DATA", field.description or "")
+        and name not in _file_keys(section)
+    }
+    assert told == {("Material", "file")}

@@ -127,3 +127,43 @@ def test_preview_names_the_sensor(sim, small_scene, tmp_path):
     args = ["preview", str(small_scene), "--frame", "1", "--out", str(tmp_path / "s.png")]
     assert main([*args, *overrides]) == 0
     assert main(["plan", str(small_scene), "--frame", "1", *overrides]) == 0
+
+
+@pytest.mark.parametrize(
+    ("channels", "pictures"),
+    [
+        (["rgb", "depth"], {"rgb": "rgb"}),
+        (["sensor_rgb", "depth"], {"rgb": "sensor_rgb"}),
+        (["rgb", "sensor_rgb"], {"rgb": "rgb", "sensor_rgb": "sensor_rgb"}),
+        (["sensor_rgb", "raw"], {"rgb": "sensor_rgb", "raw": "raw"}),
+        (["rgb", "sensor_rgb", "raw"], {k: k for k in ("rgb", "sensor_rgb", "raw")}),
+    ],
+)
+def test_images_are_those_that_are_asked_for(small_scene, tmp_path, channels, pictures):
+    asked = {"camera.sensor": {}, "render.channels": channels}
+    sim = perilune.open(small_scene, overrides=asked)
+    perilune.write_bop(sim, range(2), tmp_path, threads=1)
+    assert check_bop(tmp_path).findings == []
+    scene = tmp_path / "train" / "000000"
+    labels = {"depth", "mask", "mask_visib"}
+    assert {path.name for path in scene.iterdir() if path.is_dir()} == labels | set(pictures)
+    sample = sim.frame(1, channels=list(pictures.values()))
+    for folder, channel in pictures.items():
+        with Image.open(scene / folder / "000001.png") as image:
+            np.testing.assert_array_equal(np.array(image), sample[channel])
+    assert perilune.write_bop(sim, range(2), tmp_path, threads=1).kept == 2
+    away = tmp_path.parent / f"{tmp_path.name}.png"
+    for folder in pictures:  # each of them is missed
+        path = scene / folder / "000001.png"
+        path.rename(away)
+        named = {finding.file for finding in check_bop(tmp_path).findings}
+        assert f"train/000000/{folder}/000001.png" in named
+        away.rename(path)
+
+
+def test_planes_are_no_image(small_scene, tmp_path):
+    planes = {"camera.sensor": {"mosaic": "planes", "quantum_efficiency": [0.5, 0.5, 0.5]}}
+    changes = {"camera.bands": [{"center_um": 0.6, "width_um": 0.1}], "render.channels": ["raw"]}
+    sim = perilune.open(small_scene, overrides=planes | changes)
+    with pytest.raises(ConfigError, match=r"render\.channels: 'raw' of mosaic: planes \(camera"):
+        perilune.write_bop(sim, range(1), tmp_path / "out")

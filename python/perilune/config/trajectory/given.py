@@ -8,14 +8,22 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from perilune.config.errors import fail
 from perilune.config.trajectory.common import CameraAxes, Frame, Pointing
-from perilune.config.types import FunctionName, Integer, NonNegative, Positive, Strict, Vec3
+from perilune.config.types import (
+    FileName,
+    FunctionName,
+    Integer,
+    NonNegative,
+    Positive,
+    Strict,
+    Vec3,
+)
 
 
 class Deterministic(Pointing):
     """Poses from a CSV file, one a row; between rows the camera moves and turns evenly."""
 
     kind: Literal["deterministic"]
-    file: str
+    file: FileName
     """Columns frame,x,y,z,qw,qx,qy,qz, with or without this header line; with a header in any
     order, and maybe `t_s` (seconds after the epoch) instead of `frame` (a step). Rising from row to
     row. Relative to this file, or data:... under PERILUNE_DATA."""
