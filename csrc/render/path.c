@@ -20,6 +20,9 @@ enum { ROULETTE_AFTER = 3 };
  * lobe that looks at them, and free of fireflies. Energy is kept; the bias falls under the row
  * `bounces` (Kaplanyan and Dachsbacher 2013, path-space regularisation). */
 static const float REGULAR_FACTOR = 2.0f, REGULAR_CAP = 0.5f;
+/* A way of drawing whose density is below this part of another's is none to be weighed against it:
+ * by the power heuristic it would get its square. */
+static const float RIVAL_MIN = 0.01f;
 /* A cone that stands for a diffuse bounce opens no wider than this. */
 static const float SPREAD_MAX = 0.5f;
 
@@ -157,7 +160,9 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   if (!pl_surface_admits(s, draw.toward))
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, draw.toward);
-  const bool rivals = onward != NULL && draw.pdf > 0.0f;
+  /* Lobes that are wide against the sun find it so seldom that its weight is 1. */
+  const bool rivals =
+      onward != NULL && draw.pdf > 0.0f && RIVAL_MIN * draw.pdf < pl_surface_pdf_most(s);
   const float weight =
       rivals ? pl_power_heuristic(draw.pdf, pl_shine_pdf(onward, s, wo, wi, draw.toward)) : 1.0f;
   const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));

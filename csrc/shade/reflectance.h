@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "math/vec.h"
 #include "shade/socket.h"
 #include "shade/surface.h"
 
@@ -80,6 +81,15 @@ static inline bool pl_surface_admits(const pl_surface *s, pl_vec3f direction) {
   const float ng = pl_vec3f_dot(direction, s->ng), n = pl_vec3f_dot(direction, s->n);
   return (ng > 0.0f && n > 0.0f) ||
          (s->reflectance->layered && s->lobes.transmission > 0.0f && ng < 0.0f && n < 0.0f);
+}
+
+/* Upper bound of the density of `sample`, 1/sr; infinite where layers may be sharper. Of GGX's
+ * visible normals it is D(n) G1(wo) / (4 cos(wo)), where D is at most 1/(pi alpha^2), and G1 /
+ * cos(wo) at most 2/alpha, by Smith's Lambda; a cosine's is less wherever alpha is at most 0.79. */
+static inline float pl_surface_pdf_most(const pl_surface *s) {
+  const float alpha = s->alpha;
+  const float most = 1.0f / (2.0f * PL_PI_F * alpha * alpha * alpha);
+  return s->reflectance->layered ? INFINITY : pl_maxf(most, 1.0f / PL_PI_F);
 }
 
 /* Upper bound of pi times what a surface of a photometric row makes of a light's irradiance, in any

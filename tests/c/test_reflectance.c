@@ -170,6 +170,37 @@ static void test_bound_of_the_lobe(void **state) {
   assert_true(nearest > 0.5);
 }
 
+/* Densities of draws stay below their bound, which GGX uses up where it is looked at at a grazing
+ * angle; layers have none. Half of the draws are about the mirror's direction. */
+static void test_bound_of_the_density(void **state) {
+  (void)state;
+  test_random random = {.seed = 26};
+  double nearest = 0.0;
+  for (size_t m = 0; m < pl_reflectance_count; m++)
+    for (int i = 0; i < 300000; i++) {
+      const double alpha = random_scale(&random, 0.01, 1.0);
+      pl_surface s = white((float)alpha, (float)random_unit(&random));
+      s.reflectance = pl_reflectances[m];
+      const double bound = (double)pl_surface_pdf_most(&s), spread = i % 2 == 0 ? alpha : 1.0;
+      const float cosine = (float)random_scale(&random, 1e-3, 1);
+      const pl_vec3f wo = tilted(cosine, 0.0f);
+      const pl_vec3f wi = tilted(i % 4 == 0 ? cosine : (float)random_scale(&random, 1e-3, 1),
+                                 (float)(PL_PI + spread * random_range(&random, -3, 3)));
+      if (s.reflectance->layered) {
+        assert_true(isinf(bound));
+        continue;
+      }
+      const double density = (double)s.reflectance->pdf(&s, wo, wi);
+      if (density > bound * (1.0 + 1e-5))
+        fail_msg("%s alpha %g: %g over %g", s.reflectance->name, alpha, density, bound);
+      nearest = fmax(nearest, s.reflectance == &pl_reflectance_metallic_roughness && alpha < 0.1
+                                  ? density / bound
+                                  : 0.0);
+    }
+  print_message("seed 26: GGX uses up to %.3f of the bound\n", nearest);
+  assert_true(nearest > 0.2);
+}
+
 static bool sound(pl_vec3f v) {
   return isfinite(v.x) && isfinite(v.y) && isfinite(v.z) && v.x >= 0.0f && v.y >= 0.0f &&
          v.z >= 0.0f;
@@ -241,6 +272,7 @@ int main(void) {
       cmocka_unit_test(test_reciprocity),
       cmocka_unit_test(test_reciprocity_of_boundaries),
       cmocka_unit_test(test_bound_of_the_lobe),
+      cmocka_unit_test(test_bound_of_the_density),
       cmocka_unit_test(test_extremes),
       cmocka_unit_test(test_below_the_horizon),
       cmocka_unit_test(test_table),
