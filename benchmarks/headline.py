@@ -15,18 +15,24 @@ JOBS = {
     "rgb and all labels": ["rgb", "radiance", *report.LABELS],
     "rgb alone": ["rgb"],
     "labels alone": report.LABELS,
+    "labels alone, out=": report.LABELS,
 }
+"""Those that end with `out=` write into the arrays of an earlier frame."""
 
 
 def measure(
-    sim: perilune.Simulation, channels: list[str], frames: int, threads: int
+    sim: perilune.Simulation, channels: list[str], frames: int, threads: int, reuse: bool
 ) -> dict[str, float]:
     """Median seconds of the whole frame (Python included) and of each stage of the core."""
+    out = dict(sim.frame(0, channels=channels, threads=threads)) if reuse else None
     stages: dict[str, list[float]] = {}
     whole = []
     for index in range(frames):
         whole += report.seconds(
-            lambda i=index: stages_of(sim.frame(i, channels=channels, threads=threads), stages), 1
+            lambda i=index: stages_of(
+                sim.frame(i, channels=channels, threads=threads, out=out), stages
+            ),
+            1,
         )
     return {"frame": report.median(whole)} | {
         name: report.median(values) for name, values in stages.items()
@@ -48,7 +54,7 @@ def main() -> None:
     )
     sim.frame(0, threads=options.threads)  # models and maps are loaded once
     results = {
-        name: measure(sim, channels, options.frames, options.threads)
+        name: measure(sim, channels, options.frames, options.threads, name.endswith("out="))
         for name, channels in JOBS.items()
     }
     memory = report.peak_memory_mb()
