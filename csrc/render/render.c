@@ -123,21 +123,17 @@ static void draw_seeds(const job *job, pl_tile tile, uint32_t *seeds) {
   }
 }
 
-/* Pixels of the tile, those that may see a mesh first; returns how many these are. */
-static size_t order_pixels(const job *job, pl_tile tile, uint32_t *pixels) {
-  size_t front = 0, count = 0;
+/* Pixels of the tile that may see a mesh; returns how many. */
+static size_t list_mesh_pixels(const job *job, pl_tile tile, uint32_t *pixels) {
+  size_t count = 0;
   for (uint32_t i = 0; i < PL_TILE_PIXELS; i++) {
     const uint32_t pixel = pl_tile_pixel(i);
-    if (!pl_tile_has(tile, pixel))
-      continue;
-    pixels[count++] = pixel;
-    if (!pl_reach_pixel(&job->scratch->reach, tile.x0 + (int)(pixel % PL_TILE_SIDE),
-                        tile.y0 + (int)(pixel / PL_TILE_SIDE)))
-      continue;
-    pixels[count - 1] = pixels[front];
-    pixels[front++] = pixel;
+    if (pl_tile_has(tile, pixel) &&
+        pl_reach_pixel(&job->scratch->reach, tile.x0 + (int)(pixel % PL_TILE_SIDE),
+                       tile.y0 + (int)(pixel / PL_TILE_SIDE)))
+      pixels[count++] = pixel;
   }
-  return front;
+  return count;
 }
 
 static pl_vec3 direction_at(const pl_tile_buffers *b, uint32_t pixel) {
@@ -180,7 +176,8 @@ static void fill_body_points(const job *job, pl_tile tile, const content *conten
 /* The geometry buffer: what the pixels' centre rays hit. */
 static void fill_points(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
   fill_body_points(job, tile, content, b);
-  fill_mesh_points(job, order_pixels(job, tile, b->active), b);
+  if (content->meshes)
+    fill_mesh_points(job, list_mesh_pixels(job, tile, b->active), b);
 }
 
 /* A few samples of a blurred outline may all miss it: then nothing says that more are needed. */
