@@ -107,6 +107,7 @@ pl_status pl_frame_veils(pl_arena *arena, const pl_snapshot *shot, const pl_plan
   for (size_t k = 0; k < pl_veil_kind_count; k++)
     values[k] = plan != NULL ? pl_plan_value(plan, pl_veil_kinds[k]->name) : QUICK_VEILS;
   PL_TRY(pl_veils_build(shot, values, settings->air, arena, veils, &any));
+  veils->emission = plan == NULL || pl_plan_value(plan, "emission") > 0;
   settings->veils = any ? veils : NULL;
   return PL_OK;
 }

@@ -1,14 +1,22 @@
 /* The effect row `emission`: what emits is seen to. */
 #include "light/effects.h"
 
-static const char *absent(const pl_view *view) {
-  return pl_view_emission_max(view) > 0.0 ? NULL : "nothing in the frame emits light";
+/* Of a surface, and of all volumes before it. */
+static double seen(const pl_view *view) {
+  double sum = pl_view_emission_max(view);
+  for (size_t i = 0; i < view->volume_count; i++)
+    sum += view->volumes[i].in_frame ? view->volumes[i].emitted : 0.0;
+  return sum;
 }
 
-/* Added to what the surface reflects: most on black. What others get of it is the row `emitters`.
- */
+static const char *absent(const pl_view *view) {
+  return seen(view) > 0.0 ? NULL : "nothing in the frame emits light";
+}
+
+/* Added to what the surface reflects: most on black. What others get of it is the row `emitters`,
+ * of volumes the row `volumes`. */
 static double bound_dn(const pl_view *view, int value) {
-  return value > 0 ? 0.0 : pl_view_dn(view, pl_view_emission_max(view));
+  return value > 0 ? 0.0 : pl_view_dn(view, seen(view));
 }
 
 static double cost_ms(const pl_view *view, int value) {
@@ -18,8 +26,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_emission = {
     .name = "emission",
-    .doc = "Light of emissive surfaces and bodies as the camera sees it; off: they look as others "
-           "do, though they may light them",
+    .doc = "Light of emissive surfaces, bodies and volumes as the camera sees it; off: they look "
+           "as others do, though they may light them",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -32,7 +32,7 @@ void pl_veil_list_add(pl_veil_list *list, const pl_veil_crossing *crossing) {
 
 pl_status pl_veils_build(const pl_snapshot *shot, const int *values, const pl_air_view *air,
                          pl_arena *arena, pl_veils *out, bool *any) {
-  *out = (pl_veils){.air = air, .dot = PL_NOTHING};
+  *out = (pl_veils){.air = air, .dot = PL_NOTHING, .emission = true};
   *any = false;
   for (size_t k = 0; k < pl_veil_kind_count; k++) {
     if (values[k] > 0)

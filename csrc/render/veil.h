@@ -32,6 +32,7 @@ enum { PL_VEIL_KINDS_MAX = 8 };
 typedef struct pl_veils {
   const struct pl_air_view *air;      /* borrowed; NULL: none */
   uint32_t dot;                       /* body whose picture as a dot this is; PL_NOTHING */
+  bool emission;                      /* the camera sees what they emit */
   const void *own[PL_VEIL_KINDS_MAX]; /* of each kind: what its build made; NULL: none */
 } pl_veils;
 

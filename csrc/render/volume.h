@@ -35,6 +35,7 @@ typedef struct pl_volume_ray {
   double t_max;
   bool camera; /* from the camera: volumes that are not in the frame are left out. Other rays
                 * take a quarter of the steps where densities are graphs' */
+  bool unlit;  /* what the volumes emit is left out */
   pl_volume_sun_fn sun; /* NULL: only what passes is wanted */
   const void *context;
 } pl_volume_ray;

@@ -78,7 +78,7 @@ static void step(const pl_volume_view *view, const pl_volume_ray *ray, const pl_
   for (size_t i = 0; i < part->count; i++)
     add_medium(part->items[i], ray, point, 0.5f * pl_maxf(length, width), &m);
   if (ray->sun != NULL) {
-    pl_vec3f source = m.emission;
+    pl_vec3f source = ray->unlit ? (pl_vec3f){0.0f, 0.0f, 0.0f} : m.emission;
     if (pl_vec3f_max(m.scattered) > 0.0f) {
       const pl_vec3f sun = pl_vec3f_mul(ray->sun(ray->context, point, &part->items[0]->sun),
                                         pl_volume_toward_sun(view, point));

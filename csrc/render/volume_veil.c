@@ -44,6 +44,7 @@ static void cross(const pl_veils *veils, const void *own, const pl_snapshot *sho
       .spread = ray->beam->spread,
       .t_max = ray->t_max,
       .camera = ray->camera,
+      .unlit = ray->camera && !veils->emission,
       .sun = ray->dark ? NULL : sun_at,
       .context = &p,
   };

@@ -86,6 +86,32 @@ static void test_shadow_of_a_body(void **state) {
   stage_clear(&s);
 }
 
+/* A glow that takes no light: its radiance is what it emits times the way through it. Without the
+ * row `emission` there is none of it, and the row's bound says how much that is; a volume behind it
+ * adds to that. */
+static void test_a_glow_is_emission(void **state) {
+  (void)state;
+  stage s;
+  film f;
+  stage_init(&s, 5, 5, 500.0);
+  stage_add_body(&s, (pl_vec3){0, 0, -9e6}, (pl_vec3){6e6, 6e6, 6e6}, 0.3f);
+  pl_volume volumes[2] = {box(2.0, 2.0, 4.0, 0.0f), box(2.0, 2.0, 3.0, 0.0f)};
+  for (int i = 0; i < 2; i++) {
+    volumes[i].local.t.z = 9e6 + 40.0 + 10.0 * i;
+    volumes[i].emission[1] = 3.0f;
+  }
+  s.placement.volumes = volumes;
+  s.placement.volume_count = 2;
+  film_init(&f, &s);
+  shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0});
+  near((double)f.radiance[3 * 12 + 1], 3.0 * (4.0 + 3.0), 1e-4);
+  shoot(&s, &f, (pl_plan_wish){.tolerance_dn = 0.0, .force_off = effect_bit("emission")});
+  for (size_t k = 0; k < 3 * f.pixels; k++)
+    assert_true(f.radiance[k] == 0.0f);
+  film_clear(&f);
+  stage_clear(&s);
+}
+
 /* The camera in a volume, and a body that is a dot behind one: each is dimmed once, wherever it is.
  */
 static void test_dot_behind_slab(void **state) {
@@ -274,9 +300,13 @@ static void test_row_stays_below_its_bound(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_wall_behind_slab), cmocka_unit_test(test_shadow_of_a_body),
-      cmocka_unit_test(test_dot_behind_slab),  cmocka_unit_test(test_shadow_on_rings),
-      cmocka_unit_test(test_glow_on_a_body),   cmocka_unit_test(test_row_stays_below_its_bound),
+      cmocka_unit_test(test_wall_behind_slab),
+      cmocka_unit_test(test_shadow_of_a_body),
+      cmocka_unit_test(test_dot_behind_slab),
+      cmocka_unit_test(test_shadow_on_rings),
+      cmocka_unit_test(test_glow_on_a_body),
+      cmocka_unit_test(test_a_glow_is_emission),
+      cmocka_unit_test(test_row_stays_below_its_bound),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
