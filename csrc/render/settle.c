@@ -19,17 +19,23 @@ static const double HORIZON_ROUNDING = 1e-5;
  * where air, relief or water change faster than plain ground. */
 static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.03f, ARC_MAX_VARIED_RAD = 0.01f;
 
-/* Whether a sphere, widened by `margin_m`, covers part of the sun's disc as seen from a point. */
+/* Whether a sphere, widened by `margin_m`, covers part of the sun's disc as seen from a point: the
+ * angle to its centre is less than the sum of both radii. By sines and cosines of that sum; the
+ * cosine alone has too few digits for a far sun. */
 static bool overlaps_sun(pl_vec3 center, double radius_m, double margin_m, pl_vec3 point,
                          const pl_sun_view *sun) {
   const pl_vec3 to_center = pl_vec3_sub(center, point);
-  const double distance = pl_vec3_norm(to_center), reach = radius_m + margin_m;
-  if (distance <= reach)
+  const double reach = radius_m + margin_m;
+  const double besides2 = pl_vec3_dot(to_center, to_center) - reach * reach;
+  if (!(besides2 > 0.0))
     return true;
   const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
-  const double angle =
-      atan2(pl_vec3_norm(pl_vec3_cross(to_center, toward)), pl_vec3_dot(to_center, toward));
-  return angle < asin(reach / distance) + asin(fmin(1.0, (double)sun->sin_radius));
+  const pl_vec3 across = pl_vec3_cross(to_center, toward);
+  const double besides = sqrt(besides2), sine = sun->sin_radius, cosine = 1.0 - sun->one_minus_cos;
+  const double most = reach * cosine + besides * sine; /* of the distance across */
+  const bool ahead = pl_vec3_dot(to_center, toward) > 0.0;
+  const bool less = pl_vec3_dot(across, across) < most * most;
+  return besides * cosine > reach * sine ? ahead && less : ahead || !less;
 }
 
 /* Whether a shadow's edge or inside may come near a point of a body. */
@@ -183,14 +189,16 @@ static pl_vec3f seen_light(const pl_path_context *context, uint32_t pixel, const
  */
 static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
-  pl_vertex vertex = b->points[pixel];
-  if (vertex.thing == PL_NOTHING || vertex.thing < shot->object_count)
+  const uint32_t thing = b->points[pixel].thing;
+  if (thing == PL_NOTHING || thing < shot->object_count)
     return false;
-  const pl_shot_body *body = &shot->bodies[vertex.thing - shot->object_count];
+  const pl_shot_body *body = &shot->bodies[thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
   if (!may_settle(context, body))
     return false;
-  const pl_vec3 direction = pl_vec3_unit(vertex.position);
+  pl_vertex vertex = b->points[pixel];
+  const pl_vec3 direction = {b->directions[0][pixel], b->directions[1][pixel],
+                             b->directions[2][pixel]};
   const pl_vec3f toward = pl_vec3_to_float(direction);
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);
   double footprint_m;
@@ -215,20 +223,6 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
 /* A tile and a pixel more to each side. */
 enum { BORDERED = PL_TILE_SIDE + 2 };
 
-/* Whether the centres of a pixel and of those around it lie on one body: its outline is convex, so
- * all of the pixel does. Or whether all lie on none. Another body would have one of these centres
- * or stay outside the pixel: its outline is a union of discs as large as its sharpest bend, and one
- * that comes half a pixel deep between two centres without touching them is smaller than a pixel
- * (its sagitta over a chord of one pixel is half a pixel only if its radius is). For bodies that
- * bend more sharply than a few pixels see find_narrow. */
-static bool is_covered(const uint32_t thing[BORDERED][BORDERED], int x, int y) {
-  for (int v = y; v <= y + 2; v++)
-    for (int u = x; u <= x + 2; u++)
-      if (thing[v][u] != thing[y + 1][x + 1])
-        return false;
-  return true;
-}
-
 /* The body that a pixel's centre is on, in the tile or beside it; where the lens has no ray, none
  * that is in the tile. */
 static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b, int x, int y) {
@@ -245,15 +239,34 @@ static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b
   return hit.thing;
 }
 
+/* Whether the centres of a pixel and of those around it lie on one body: its outline is convex, so
+ * all of the pixel does. Or whether all lie on none. Another body would have one of these centres
+ * or stay outside the pixel: its outline is a union of discs as large as its sharpest bend, and one
+ * that comes half a pixel deep between two centres without touching them is smaller than a pixel
+ * (its sagitta over a chord of one pixel is half a pixel only if its radius is). For bodies that
+ * bend more sharply than a few pixels see find_narrow. */
+static void compare_centres(const uint32_t thing[BORDERED][BORDERED], pl_tile tile,
+                            bool covered[PL_TILE_PIXELS]) {
+  bool row[BORDERED][PL_TILE_SIDE];
+  for (int y = 0; y < tile.height + 2; y++)
+    for (int x = 0; x < tile.width; x++)
+      row[y][x] = (thing[y][x] == thing[y][x + 1]) & (thing[y][x] == thing[y][x + 2]);
+  for (int y = 0; y < tile.height; y++)
+    for (int x = 0; x < tile.width; x++) {
+      const bool column = (thing[y][x] == thing[y + 1][x]) & (thing[y][x] == thing[y + 2][x]);
+      covered[y * PL_TILE_SIDE + x] = row[y][x] & row[y + 1][x] & row[y + 2][x] & column;
+    }
+}
+
 static void cover_pixels(const pl_path_context *context, const pl_tile_buffers *b,
                          bool covered[PL_TILE_PIXELS]) {
   uint32_t thing[BORDERED][BORDERED];
   for (int y = 0; y < context->tile.height + 2; y++)
     for (int x = 0; x < context->tile.width + 2; x++)
       thing[y][x] = body_at(context, b, x - 1, y - 1);
-  for (int y = 0; y < context->tile.height; y++)
-    for (int x = 0; x < context->tile.width; x++)
-      covered[y * PL_TILE_SIDE + x] = !b->narrow[y * PL_TILE_SIDE + x] && is_covered(thing, x, y);
+  compare_centres(thing, context->tile, covered);
+  for (int i = 0; i < PL_TILE_PIXELS; i++)
+    covered[i] = covered[i] && !b->narrow[i];
 }
 
 /* Bodies of up to so many pixels may lie between centres, and between samples; and longer ones with
