@@ -44,8 +44,17 @@ static void transform(const pl_uv_transform *t, float v[2], float translate) {
   v[0] = u;
 }
 
-void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
-                      const pl_texture_slot *slot, pl_detail detail, float out[4]) {
+/* Where a point is in the images of one set of coordinates, before a slot's own transform. */
+typedef struct image_place {
+  int set; /* NO_SET: not yet known */
+  float uv[2], a[2], b[2];
+} image_place;
+enum { NO_SET = -2 };
+
+/* `last`: of the slot that was read before, at the same point. */
+static void read_slot(const pl_model *model, const pl_triangle_point *point,
+                      const pl_texture_slot *slot, pl_detail detail, image_place *last,
+                      float out[4]) {
   out[0] = out[1] = out[2] = out[3] = 1.0f;
   if (slot->texture < 0)
     return;
@@ -54,12 +63,20 @@ void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
     pl_texture_mean(texture, out);
     return;
   }
-  float uv[2], a[2], b[2];
-  pl_material_uv(model, point, slot->uv_set, uv, a, b);
-  transform(&slot->transform, uv, 1.0f);
-  transform(&slot->transform, a, 0.0f);
-  transform(&slot->transform, b, 0.0f);
-  pl_texture_sample(texture, uv[0], uv[1], a, b, detail.filter, out);
+  if (last->set != slot->uv_set)
+    pl_material_uv(model, point, slot->uv_set, last->uv, last->a, last->b);
+  last->set = slot->uv_set;
+  image_place at = *last;
+  transform(&slot->transform, at.uv, 1.0f);
+  transform(&slot->transform, at.a, 0.0f);
+  transform(&slot->transform, at.b, 0.0f);
+  pl_texture_sample(texture, at.uv[0], at.uv[1], at.a, at.b, detail.filter, out);
+}
+
+void pl_material_slot(const pl_model *model, const pl_triangle_point *point,
+                      const pl_texture_slot *slot, pl_detail detail, float out[4]) {
+  image_place place = {.set = NO_SET};
+  read_slot(model, point, slot, detail, &place, out);
 }
 
 static void vertex_color(const pl_model *model, const pl_triangle_point *point, float out[4]) {
@@ -77,13 +94,18 @@ const pl_material *pl_material_of(const pl_model *model, uint32_t triangle) {
   return &model->materials[model->parts[model->triangle_part[triangle]].material];
 }
 
-pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point,
-                              pl_detail detail) {
-  const pl_material *material = pl_material_of(model, point->triangle);
+static pl_vec3f emission_of(const pl_model *model, const pl_triangle_point *point,
+                            const pl_material *material, pl_detail detail, image_place *last) {
   float map[4];
-  pl_material_slot(model, point, &material->emissive_map, detail, map);
+  read_slot(model, point, &material->emissive_map, detail, last, map);
   return pl_vec3f_make(map[0] * material->emissive[0], map[1] * material->emissive[1],
                        map[2] * material->emissive[2]);
+}
+
+pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *point,
+                              pl_detail detail) {
+  image_place place = {.set = NO_SET};
+  return emission_of(model, point, pl_material_of(model, point->triangle), detail, &place);
 }
 
 pl_vec3f pl_material_bent_normal(const pl_model *model, const pl_triangle_point *point,
@@ -122,13 +144,14 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
                          pl_surface *surface) {
   const pl_material *material = pl_material_of(model, point->triangle);
   float base[4], vertex[4], mr[4];
-  pl_material_slot(model, point, &material->base_color_map, detail, base);
-  pl_material_slot(model, point, &material->metallic_roughness_map, detail, mr);
+  image_place place = {.set = NO_SET};
+  read_slot(model, point, &material->base_color_map, detail, &place, base);
+  read_slot(model, point, &material->metallic_roughness_map, detail, &place, mr);
   vertex_color(model, point, vertex);
   surface->color = pl_vec3f_make(base[0] * vertex[0] * material->base_color[0],
                                  base[1] * vertex[1] * material->base_color[1],
                                  base[2] * vertex[2] * material->base_color[2]);
-  surface->emission = pl_material_emission(model, point, detail);
+  surface->emission = emission_of(model, point, material, detail, &place);
   const float roughness = mr[1] * material->roughness;
   surface->alpha = roughness * roughness;
   surface->metallic = mr[2] * material->metallic;
