@@ -91,7 +91,8 @@ def level(*rotation_deg: float) -> dict[str, Any]:
 MARS = part("mro_mars", "bodies", "mars")
 LOW_CLOUDS = {
     "map": "data:planets/solarsystemscope/2k_earth_clouds.jpg",
-    "noise": {"size_km": 70.0, "softness": 0.8, "octaves": 12.0},  # the map's texels are 20 km
+    # The map's texels are 20 km: finer things, bent as by winds, are the noise's.
+    "noise": {"size_km": 200.0, "roughness": 0.76, "softness": 0.7, "octaves": 15.0, "warp": 0.5},
 }
 OWN_GROUND = {"material": "ground", "material_mode": "wrap"}
 GROUNDS = {
@@ -166,30 +167,34 @@ FOIL = [
     {"material": "foil_*", "use": "silver_mli"},
 ]
 CRAFT = {
-    "iss": Craft(model("iss_leo", "iss"), 185.0, 62.0),
+    "iss": Craft(model("iss_leo", "iss"), 260.0, 62.0, lift_m=-6.0),
     "station": Craft(
         model("rendezvous", "station", attitude=level(0.0, 0.0, 40.0)),
-        54.0,
+        66.0,
         -48.0,
+        lift_m=-1.0,
         materials=ready("gold_mli", "silver_mli", "solar_cells", "white_paint"),
     ),
     "lro": Craft(
         model("lro_moon", "lro", materials=FOIL),
-        12.5,
+        13.5,
         55.0,
         lift_m=0.5,
         materials=ready("gold_mli", "silver_mli"),
         finer=4,
     ),
-    "mro": Craft(model("mro_mars", "mro", attitude=level(180.0, 0.0, 0.0)), 21.0, -60.0),
+    "mro": Craft(
+        model("mro_mars", "mro", attitude=level(180.0, 0.0, 0.0)), 24.5, -60.0, lift_m=-0.6
+    ),
     "shuttle": Craft(
         {
             "model": MODELS + "space_shuttle_d.glb",
             "metres_per_unit": 0.0254,  # the model is in inches
             "attitude": level(90.0, 0.0, 30.0),
         },
-        62.0,
+        70.0,
         50.0,
+        lift_m=-1.0,
     ),
     "tango": Craft(
         {
@@ -208,7 +213,7 @@ CRAFT = {
     ),
     "voyager": Craft(
         model("voyager_phobos", "voyager", attitude=level(180.0, 10.0, 30.0)),
-        18.0,
+        22.0,
         58.0,
         lift_m=-1.5,
     ),
