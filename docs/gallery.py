@@ -315,10 +315,12 @@ def craft_sheet(rows: list[str], width: int, samples: int) -> Image.Image:
 
 
 def rendered(scene: dict[str, Any] | Path, width: int, samples: int) -> NDArray[np.uint8]:
-    """A still, three by two."""
+    """A still, three by two; by its camera's sensor where it has one."""
     changes = {"camera.width": width, "camera.height": width * 2 // 3, "render.samples": samples}
     sim = perilune.open(scene, base=ROOT / "configs", overrides=changes)
-    rgb: NDArray[np.uint8] = sim.frame(0, channels=["rgb"])["rgb"]
+    sensor = isinstance(scene, dict) and "sensor" in scene["camera"]
+    channel = "sensor_rgb" if sensor else "rgb"
+    rgb: NDArray[np.uint8] = sim.frame(0, channels=[channel])[channel]
     return rgb
 
 

@@ -101,13 +101,25 @@ def clouds(strength: float) -> Scene:
 
 
 def earthshine() -> Scene:
-    """The young Moon from the Earth's side, exposed for its night."""
-    date = date_from_utc((2026, 3, 21, 18, 0, 0.0))
+    """The young Moon from the Earth's side, exposed for its night: a second and a half at f/4, by a
+    camera whose lens scatters what is too much for the sensor."""
+    date = date_from_utc((2026, 3, 21, 8, 0, 0.0))
     to_earth = relative_m("earth", "moon", date)
     place = to_earth / np.linalg.norm(to_earth) * 2.0e7
     camera = view("moon", place, [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 17.5, "icrf")
+    camera["exposure_time_s"] = 1.5
+    camera["sensor"] = {
+        "f_number": 4.0,
+        "full_well_e": 20000.0,
+        "gain_e_dn": 1.25,
+        "bits": 14,
+        "read_noise_e": 3.0,
+        "exposure": {"mode": "fixed"},
+        "point_spread": {"sigma_px": 0.6, "wings": 0.02, "wing_beta": 1.25},
+        "cosmic_rays": {"flux_cm2_s": 0.0},
+    }
     bodies = {"moon": part("lro_moon", "bodies", "moon"), "earth": planet()}
-    return still("2026-03-21T18:00:00Z", "moon", bodies, camera, 0.011)
+    return still("2026-03-21T08:00:00Z", "moon", bodies, camera, 0.011)
 
 
 def saturn() -> Scene:
