@@ -20,8 +20,17 @@ static pl_vec3 across(pl_vec3 z, pl_vec3 sun) {
   return pl_vec3_unit(pl_vec3_cross(z, fabs(z.x) < 0.5 ? (pl_vec3){1, 0, 0} : (pl_vec3){0, 1, 0}));
 }
 
+/* Radii of the body that air reaches to: it shines beyond the ground's limb. Within it the ground
+ * alone counts. */
+static double swelling(const pl_shot_body *body, double d) {
+  const pl_air *air = body->body->air;
+  const double out = air != NULL ? pl_air_reach_m(air, body->radius_m) / body->radius_m : 1.0;
+  return d > out ? out : 1.0;
+}
+
 bool pl_lune_make(const pl_shot_body *body, pl_vec3 sun, pl_vec3 point, pl_lune *out) {
-  const pl_vec3 at = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, point));
+  const pl_vec3 from = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, point));
+  const pl_vec3 at = pl_vec3_scale(from, 1.0 / swelling(body, pl_vec3_norm(from)));
   const pl_vec3 s = pl_vec3_unit(pl_mat3_mul_vec(body->to_unit, sun));
   const double d = pl_vec3_norm(at), least = 1e-9;
   if (!(d > 1.0 + least))

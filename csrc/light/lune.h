@@ -1,5 +1,5 @@
-/* The sunlit part of a body as a point sees it, as a set of directions to draw from: a disc, a
- * half moon or a crescent, up to half of the sky.
+/* The sunlit part of a body, with its air, as a point sees it, as a set of directions to draw from:
+ * a disc, a half moon or a crescent, up to half of the sky.
  *
  * Everything happens in axes scaled by the body's radii, where it is the unit sphere and lines stay
  * lines. A direction is given there by its sine across the line from the point to the body and the

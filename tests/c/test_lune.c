@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 
+#include "airs.h"
 #include "geom/ellipsoid.h"
 #include "light/lune.h"
 #include "math/sampler.h"
@@ -12,6 +13,7 @@
 /* A body as a snapshot has it. */
 typedef struct world {
   pl_body_state state;
+  pl_body own;
   pl_shot_body body;
   pl_vec3 sun, point;
 } world;
@@ -24,6 +26,7 @@ static void world_init(world *w, pl_vec3 radii, pl_quat turn, pl_vec3 center, pl
   for (int k = 0; k < 3; k++)
     to_unit.row[k] = pl_vec3_scale(to_unit.row[k], 1.0 / r[k]);
   w->body = (pl_shot_body){.state = &w->state,
+                           .body = &w->own,
                            .rotation = rotation,
                            .center = center,
                            .to_unit = to_unit,
@@ -135,6 +138,29 @@ static void test_solid_angles(void **state) {
   }
 }
 
+/* Air shines beyond the limb: a body with air is drawn to as one as large as both, but from within
+ * the air as the ground alone. */
+static void test_air_is_part_of_it(void **state) {
+  (void)state;
+  const pl_vec3 ground = {6e6, 6e6, 6e6}, both = {6.6e6, 6.6e6, 6.6e6}, here = {0, 0, 0};
+  test_random random = {.seed = 13};
+  pl_air_settings settings = random_air(&random, ground.x, 0.1, 1.0);
+  settings.top_m = 6e5;
+  pl_air *air = air_create(&settings, ground.x);
+  for (int i = 0; i < 2; i++) {
+    const pl_vec3 center = {0, 0, i == 0 ? 7e6 : 6.5e6}, sun = {0.6, 0.1, -0.7};
+    world w, other;
+    pl_lune lune, expected;
+    world_init(&w, ground, PL_QUAT_IDENTITY, center, here, sun);
+    world_init(&other, i == 0 ? both : ground, PL_QUAT_IDENTITY, center, here, sun);
+    w.own.air = air;
+    assert_true(pl_lune_make(&w.body, sun, here, &lune));
+    assert_true(pl_lune_make(&other.body, sun, here, &expected));
+    assert_true(fabs(solid_angle(&lune) / solid_angle(&expected) - 1.0) < 1e-5);
+  }
+  pl_air_destroy(air);
+}
+
 /* Of worlds at random against counting the lit among directions that are even over a cone. */
 static void test_random_solid_angles(void **state) {
   (void)state;
@@ -182,9 +208,8 @@ static void test_nothing_lit(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_draws_are_what_is_lit),
-      cmocka_unit_test(test_solid_angles),
-      cmocka_unit_test(test_random_solid_angles),
+      cmocka_unit_test(test_draws_are_what_is_lit), cmocka_unit_test(test_solid_angles),
+      cmocka_unit_test(test_air_is_part_of_it),     cmocka_unit_test(test_random_solid_angles),
       cmocka_unit_test(test_nothing_lit),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
