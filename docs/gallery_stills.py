@@ -17,7 +17,10 @@ Scene = dict[str, Any]
 ROOT = Path(__file__).resolve().parent.parent
 MAPS = "data:planets/solarsystemscope/"
 EARTH_KM = 6378.1
-CLOUDS: Scene = {"map": MAPS + "2k_earth_clouds.jpg", "noise": {"size_km": 150.0, "softness": 4.0}}
+CLOUDS: Scene = {
+    "map": MAPS + "2k_earth_clouds.jpg",
+    "noise": {"size_km": 200.0, "roughness": 0.76, "softness": 2.0, "octaves": 12.0},
+}
 
 
 def part(name: str, section: str, entry: str) -> Scene:
@@ -78,8 +81,8 @@ def planet(**more: Any) -> Scene:
 
 def earth() -> Scene:
     """The Atlantic and Africa from 9000 km, the Sun mirrored by the sea."""
-    camera = above((-30.0, 10.0, 9000.0), (-26.0, 9.0, 0.0), 66.0)
-    return still("2026-03-20T15:10:00Z", "earth", {"earth": planet()}, camera, 200.0)
+    camera = above((-30.0, 10.0, 9000.0), (-29.0, 10.0, 0.0), 76.0)
+    return still("2026-03-20T15:10:00Z", "earth", {"earth": planet()}, camera, 250.0)
 
 
 def night() -> Scene:
