@@ -4,7 +4,8 @@
 #include "geom/texture.h"
 #include "shade/effects.h"
 
-/* For rounding of footprints in single precision; on the poles they are read in quarters. */
+/* For rounding of footprints in single precision; on the poles they are read in quarters, and so
+ * are those of settled pixels. */
 static const double MARGIN = 0.249;
 
 static bool is_pictured(const pl_view_thing *thing) {
