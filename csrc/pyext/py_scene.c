@@ -74,6 +74,36 @@ static const pl_reflectance *find_reflectance(const char *name) {
   return found;
 }
 
+/* What add_body takes that the core borrows, and the scene keeps; each may be None. */
+typedef struct body_arguments {
+  PyObject *map, *regolith, *air, *shape, *rings, *cloud_map;
+} body_arguments;
+
+static int borrow(const body_arguments *in, PyObject *kept, pl_body *out) {
+  PyObject *const all[] = {in->map, in->regolith, in->air, in->shape, in->rings, in->cloud_map};
+  if ((in->map != Py_None && (out->map = pl_py_map_of(in->map)) == NULL) ||
+      (in->regolith != Py_None && (out->regolith_map = pl_py_grid_of(in->regolith)) == NULL) ||
+      (in->air != Py_None && (out->air = pl_py_air_of(in->air)) == NULL) ||
+      (in->shape != Py_None && (out->shape = pl_py_model_of(in->shape)) == NULL) ||
+      (in->rings != Py_None && (out->rings = pl_py_rings_of(in->rings)) == NULL) ||
+      (in->cloud_map != Py_None && (out->cloud_map = pl_py_map_of(in->cloud_map)) == NULL))
+    return -1;
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+    if (PyList_Append(kept, all[i]) < 0)
+      return -1;
+  return 0;
+}
+
+static int copy_classes(PyObject *classes, int count, uint16_t *out) {
+  const npy_intp levels[1] = {count};
+  PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, levels);
+  if (ids == NULL)
+    return -1;
+  memcpy(out, PyArray_DATA(ids), (size_t)count * sizeof *out);
+  Py_DECREF((PyObject *)ids);
+  return 0;
+}
+
 static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"name",
                           "map",
@@ -90,37 +120,21 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
                           "ground",
                           NULL};
   scene_object *self = (scene_object *)object;
-  PyObject *map, *classes, *regolith, *air, *shape = Py_None, *rings = Py_None;
-  PyObject *cloud_map = Py_None, *ground = Py_None;
+  PyObject *classes, *ground = Py_None;
+  body_arguments in = {.shape = Py_None, .rings = Py_None, .cloud_map = Py_None};
   const char *name, *reflectance;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOO:add_body", names, &name, &map,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOO:add_body", names, &name, &in.map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
-                                   &body.part_id, &classes, &regolith, &air, &shape, &rings,
-                                   &cloud_map, &ground) ||
+                                   &body.part_id, &classes, &in.regolith, &in.air, &in.shape,
+                                   &in.rings, &in.cloud_map, &ground) ||
       check_open(self) < 0)
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
   body.reflectance = find_reflectance(reflectance);
-  if (body.reflectance == NULL)
-    return NULL;
-  if ((map != Py_None && (body.map = pl_py_map_of(map)) == NULL) ||
-      (regolith != Py_None && (body.regolith_map = pl_py_grid_of(regolith)) == NULL) ||
-      (air != Py_None && (body.air = pl_py_air_of(air)) == NULL) ||
-      (shape != Py_None && (body.shape = pl_py_model_of(shape)) == NULL) ||
-      (rings != Py_None && (body.rings = pl_py_rings_of(rings)) == NULL) ||
-      (cloud_map != Py_None && (body.cloud_map = pl_py_map_of(cloud_map)) == NULL) ||
-      pl_py_ground_parse(ground, self->kept, &body.ground) < 0)
-    return NULL;
-  const npy_intp levels[1] = {self->scene.levels};
-  PyArrayObject *ids = pl_py_array(classes, "class_ids", NPY_UINT16, 1, levels);
-  if (ids == NULL)
-    return NULL;
-  memcpy(body.class_ids, PyArray_DATA(ids), (size_t)self->scene.levels * sizeof(uint16_t));
-  Py_DECREF((PyObject *)ids);
-  if (PyList_Append(self->kept, map) < 0 || PyList_Append(self->kept, regolith) < 0 ||
-      PyList_Append(self->kept, air) < 0 || PyList_Append(self->kept, shape) < 0 ||
-      PyList_Append(self->kept, rings) < 0 || PyList_Append(self->kept, cloud_map) < 0)
+  if (body.reflectance == NULL || borrow(&in, self->kept, &body) < 0 ||
+      pl_py_ground_parse(ground, self->kept, &body.ground) < 0 ||
+      copy_classes(classes, self->scene.levels, body.class_ids) < 0)
     return NULL;
   const pl_status status = pl_scene_add_body(&self->scene, &body);
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);

@@ -150,6 +150,19 @@ static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_ang
       pl_snapshot_sees(shot, body->center, pl_rings_outer_m(rings), axis, half_angle);
 }
 
+static pl_status place_objects(const pl_scene *scene, const pl_placement *placement,
+                               pl_arena *arena, pl_vec3 axis, double half_angle, pl_snapshot *out) {
+  for (size_t i = 0; i < scene->object_count; i++) {
+    pl_shot_object *object = &out->objects[i];
+    const pl_object_state state = pl_placement_object(placement, &scene->objects[i], i);
+    build_object(&scene->objects[i], i, &state, out->camera_position, object);
+    if (scene->objects[i].cut != NULL)
+      PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
+    object->in_frame = pl_snapshot_sees(out, object->center, object->radius_m, axis, half_angle);
+  }
+  return PL_OK;
+}
+
 pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,
                             pl_snapshot *out) {
   const pl_pose camera = pl_motion_middle(&placement->camera.motion);
@@ -178,14 +191,7 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   const double image[4] = {-0.5, -0.5, out->camera.width - 0.5, out->camera.height - 0.5};
   pl_snapshot_cone(out, image, &axis, &half_angle);
   out->sun.in_frame = pl_snapshot_sees(out, out->sun.position, out->sun.radius_m, axis, half_angle);
-  for (size_t i = 0; i < scene->object_count; i++) {
-    pl_shot_object *object = &out->objects[i];
-    const pl_object_state state = pl_placement_object(placement, &scene->objects[i], i);
-    build_object(&scene->objects[i], i, &state, camera.t, object);
-    if (scene->objects[i].cut != NULL)
-      PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
-    object->in_frame = pl_snapshot_sees(out, object->center, object->radius_m, axis, half_angle);
-  }
+  PL_TRY(place_objects(scene, placement, arena, axis, half_angle, out));
   for (size_t i = 0; i < scene->body_count; i++) {
     pl_shot_body *body = &out->bodies[i];
     PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], camera.t, body));

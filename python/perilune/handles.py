@@ -352,14 +352,25 @@ class Handles:
 
     def _stage(self, config: Config) -> _Stage:
         """A scene without graphs."""
-        labels = self.taxonomy
-        scene = _core.Scene(len(labels.levels))
+        scene = _core.Scene(len(self.taxonomy.levels))
         part_ids: dict[str, list[int]] = {}
         part_classes: dict[str, list[str]] = {}
-        for part in labels.parts:
+        for part in self.taxonomy.parts:
             part_ids.setdefault(part.owner, []).append(part.id)
             part_classes.setdefault(part.owner, []).append(part.class_name)
-        meshes = self.shapes_of(config)
+        self._add_bodies(scene, config, part_ids, part_classes)
+        self._add_crafts(scene, part_ids, part_classes)
+        return _Stage(scene, _core.Renderer(scene))
+
+    def _add_bodies(
+        self,
+        scene: _core.Scene,
+        config: Config,
+        part_ids: Mapping[str, Sequence[int]],
+        part_classes: Mapping[str, Sequence[str]],
+    ) -> None:
+        """part_ids, part_classes: of the parts of each entry."""
+        labels, meshes = self.taxonomy, self.shapes_of(config)
         for name, body in config.bodies.items():
             scene.add_body(
                 name=name,
@@ -378,6 +389,14 @@ class Handles:
                     0
                 ],
             )
+
+    def _add_crafts(
+        self,
+        scene: _core.Scene,
+        part_ids: Mapping[str, Sequence[int]],
+        part_classes: Mapping[str, Sequence[str]],
+    ) -> None:
+        labels = self.taxonomy
         for name, row in self.models.items():
             index = scene.add_object(
                 name=name,
@@ -392,7 +411,6 @@ class Handles:
             if name in self.rigs:
                 nodes = np.array(self.rigs[name].core.nodes, dtype=np.int32)
                 scene.articulate(index, nodes)
-        return _Stage(scene, _core.Renderer(scene))
 
 
 def _class_ids(

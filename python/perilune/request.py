@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from perilune import _core, bands, clouds, ground, photometry, rotations
 from perilune.config import Config
+from perilune.config.camera import Exposure
 from perilune.config.references import MASKS, OBJECTS
-from perilune.config.schema import TextureFilter
+from perilune.config.schema import Render, TextureFilter
 from perilune.imaging import intrinsics, sensor_of
 from perilune.optics import focus_of, lens_of
 from perilune.pool import Pool
@@ -53,7 +54,6 @@ def request_of(
     path: gives the file that a path in the configuration means, and takes the key for errors.
     """
     config = scene.config
-    render, exposure = config.render, config.camera.exposure
     K = intrinsics(config.camera)
     where = config.place(scene.sensor, "sensor")
     sensor = sensor_of(config.camera, path, config.sun.spectrum, where)
@@ -81,24 +81,32 @@ def request_of(
         "sun_radius": config.sun.radius_km * 1e3,
         "sun_irradiance": config.sun.irradiance_w_m2,
         "sun_wavelengths": np.array(bands.wavelengths_um(config.camera, config.sun)),
-        "quality": {
-            "samples": render.samples,
-            "max_bounces": render.max_bounces,
-            "volume_steps": render.volume_steps,
-            "texture_filter": 1 + get_args(TextureFilter).index(render.texture_filter),
-            "tolerance_dn": render.tolerance_dn,
-            "force_on": list(render.force_on),
-            "force_off": list(render.force_off),
-        },
-        "exposure": {
-            "mode": exposure.mode,
-            "white_radiance": exposure.white_radiance_w_m2_sr or 1.0,  # unused in mode auto
-            "percentile": exposure.percentile,
-            "key": exposure.key,
-        },
+        "quality": _quality(config.render),
+        "exposure": _exposure(config.camera.exposure),
         "sensor": sensor,
         "bands": bands.matrix(config.camera, config.sun),
-        "amodal": render.amodal,
+        "amodal": config.render.amodal,
+    }
+
+
+def _quality(render: Render) -> _core.Quality:
+    return {
+        "samples": render.samples,
+        "max_bounces": render.max_bounces,
+        "volume_steps": render.volume_steps,
+        "texture_filter": 1 + get_args(TextureFilter).index(render.texture_filter),
+        "tolerance_dn": render.tolerance_dn,
+        "force_on": list(render.force_on),
+        "force_off": list(render.force_off),
+    }
+
+
+def _exposure(exposure: Exposure) -> _core.Exposure:
+    return {
+        "mode": exposure.mode,
+        "white_radiance": exposure.white_radiance_w_m2_sr or 1.0,  # unused in mode auto
+        "percentile": exposure.percentile,
+        "key": exposure.key,
     }
 
 

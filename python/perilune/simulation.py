@@ -304,6 +304,18 @@ class Simulation:
         except Exception as error:
             error.add_note(f"{self._document.source}: frame {scene.index}")
             raise
+        meta = self._meta(scene, posed, result)
+        if "bands" in arrays or ("raw" in arrays and bands.has_planes(scene.config.camera)):
+            meta["bands"] = bands.described(scene.config.camera, scene.config.sun)
+        objects = arrays.pop(OBJECTS, None)
+        label = camera_label(request, scene.sensor, not undistorted)
+        stars = seen(result["stars"])
+        return Sample(arrays, objects, label, meta, result["plan"], stars)
+
+    def _meta(
+        self, scene: World, posed: Mapping[str, articulation.Posed], result: _core.FrameResult
+    ) -> dict[str, Any]:
+        """What a sample says of its frame, but for its bands."""
         white = result["white_radiance"]
         meta: dict[str, Any] = {
             "seed": scene.config.seed,
@@ -321,12 +333,7 @@ class Simulation:
         if not np.isnan(result["exposure_s"]):
             meta["exposure_s"] = result["exposure_s"]
             meta["gain_e_dn"] = result["gain_e_dn"]
-        if "bands" in arrays or ("raw" in arrays and bands.has_planes(scene.config.camera)):
-            meta["bands"] = bands.described(scene.config.camera, scene.config.sun)
-        objects = arrays.pop(OBJECTS, None)
-        label = camera_label(request, scene.sensor, not undistorted)
-        stars = seen(result["stars"])
-        return Sample(arrays, objects, label, meta, result["plan"], stars)
+        return meta
 
     def plot_orbits(self, frames: Iterable[int] = (0,), **options: Any) -> Any:
         """A matplotlib Figure of the orbits in some frames; see perilune.plots.plot_orbits."""

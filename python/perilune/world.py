@@ -197,6 +197,15 @@ def _near_shape(shape: BodyShape, point: F64, clearance_m: float) -> bool:
     return shape.holds(point) or (clearance_m > 0.0 and shape.distance_m(point) <= clearance_m)
 
 
+def _system(
+    config: Config, epoch: Date, scene: int, craft_radius_m: Mapping[str, float]
+) -> orbits.System:
+    """Of a configuration alone."""
+    return orbits.System(
+        orbits.Setting(config, epoch, scene, lambda text, _: Path(text), craft_radius_m.__getitem__)
+    )
+
+
 def build(
     config: Config,
     drivers: Mapping[str, Any],
@@ -211,18 +220,14 @@ def build(
     system: what moves, where it needs files, hooks or scenes; default: of the configuration alone.
     """
     moment = config.timeline.at(index)
-    if system is None:
-        setting = orbits.Setting(
-            config, epoch, moment.scene, lambda text, _: Path(text), craft_radius_m.__getitem__
-        )
-        system = orbits.System(setting)
+    moving = system or _system(config, epoch, moment.scene, craft_radius_m)
     cameras = config.cameras
     t_s = config.time.step_s * moment.step
     radii_m = {name: orbits.radii_m(body) for name, body in config.bodies.items()}
 
     def world(camera: Camera, longest: World | None) -> World:
         window_s = camera.window_s
-        states = system.states(np.array([t_s, t_s + window_s]))
+        states = moving.states(np.array([t_s, t_s + window_s]))
         return World(
             config=config.model_copy(update={"camera": camera}),
             moment=moment,
@@ -233,7 +238,7 @@ def build(
             body_radii_m=radii_m,
             craft_radius_m=craft_radius_m,
             sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * window_s)),
-            system=system,
+            system=moving,
             drivers=drivers,
             window_s=window_s,
             shapes=shapes or {},
