@@ -5,8 +5,8 @@
 
 #include "base/memory.h"
 
-/* 2^11 leaves; a leaf of so few triangles is not halved. */
-enum { DEPTH = 11, LEAF = 8 };
+/* At most 2^13 leaves; a leaf of so few triangles is not halved. */
+enum { DEPTH = 13, LEAF = 8, BOXES_MAX = (2 << DEPTH) - 1 };
 
 static const float *vertex_of(const pl_model *model, uint32_t triangle, size_t corner) {
   return model->positions + 3 * (size_t)model->indices[3 * (size_t)triangle + corner];
@@ -19,7 +19,7 @@ static float centroid(const pl_model *model, uint32_t triangle, int axis) {
 }
 
 static pl_box box_of(const pl_model *model, const uint32_t *triangles, size_t count) {
-  pl_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+  pl_box box = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
   for (size_t i = 0; i < count; i++)
     for (size_t corner = 0; corner < 3; corner++)
       for (int axis = 0; axis < 3; axis++) {
@@ -66,36 +66,63 @@ static size_t partition(const pl_model *model, uint32_t *triangles, size_t count
   return front;
 }
 
-static void halve(const pl_model *model, uint32_t *triangles, size_t count, int depth,
-                  pl_cover *cover) {
+static void add_box(pl_box box, size_t first, size_t count, pl_cover *cover) {
+  box.first = (uint32_t)first;
+  box.count = (uint32_t)count;
+  cover->boxes[cover->count++] = box;
+}
+
+/* Boxes of inner nodes are the union of their halves', which are made first. */
+static void enclose(pl_box *box, const pl_box *half) {
+  for (int axis = 0; axis < 3; axis++) {
+    box->low[axis] = fminf(box->low[axis], half->low[axis]);
+    box->high[axis] = fmaxf(box->high[axis], half->high[axis]);
+  }
+}
+
+static void halve(const pl_model *model, size_t first, size_t count, int depth, pl_cover *cover) {
+  const size_t own = cover->count;
+  uint32_t *triangles = cover->triangles + first;
   const size_t front = depth < DEPTH && count > LEAF ? partition(model, triangles, count) : 0;
   if (front == 0 || front == count) {
-    cover->boxes[cover->count++] = box_of(model, triangles, count);
-    return;
+    add_box(box_of(model, triangles, count), first, count, cover);
+  } else {
+    add_box(box_of(model, triangles, 0), first, count, cover);
+    halve(model, first, front, depth + 1, cover);
+    const size_t second = cover->count;
+    halve(model, first + front, count - front, depth + 1, cover);
+    enclose(&cover->boxes[own], &cover->boxes[own + 1]);
+    enclose(&cover->boxes[own], &cover->boxes[second]);
   }
-  halve(model, triangles, front, depth + 1, cover);
-  halve(model, triangles + front, count - front, depth + 1, cover);
+  cover->boxes[own].after = (uint32_t)cover->count;
+}
+
+/* Fewer triangles make fewer boxes. */
+static size_t boxes_most(size_t triangles) {
+  return triangles < BOXES_MAX / 2 ? 2 * triangles : BOXES_MAX;
 }
 
 pl_status pl_cover_init(const pl_model *model, pl_cover *out) {
   void *boxes, *triangles;
+  const size_t count = model->triangle_count;
   *out = (pl_cover){0};
-  if (model->triangle_count == 0)
+  if (count == 0)
     return PL_OK;
-  PL_TRY(pl_alloc_or_fail(model->triangle_count, sizeof(uint32_t), "a cover", &triangles));
-  const pl_status status = pl_alloc_or_fail(PL_COVER_BOXES_MAX, sizeof(pl_box), "a cover", &boxes);
-  if (status == PL_OK) {
-    uint32_t *order = triangles;
-    for (size_t i = 0; i < model->triangle_count; i++)
-      order[i] = (uint32_t)i;
-    out->boxes = boxes;
-    halve(model, order, model->triangle_count, 0, out);
+  PL_TRY(pl_alloc_or_fail(count, sizeof(uint32_t), "a cover", &triangles));
+  const pl_status status = pl_alloc_or_fail(boxes_most(count), sizeof(pl_box), "a cover", &boxes);
+  if (status != PL_OK) {
+    pl_free(triangles);
+    return status;
   }
-  pl_free(triangles);
-  return status;
+  *out = (pl_cover){.boxes = boxes, .triangles = triangles};
+  for (size_t i = 0; i < count; i++)
+    out->triangles[i] = (uint32_t)i;
+  halve(model, 0, count, 0, out);
+  return PL_OK;
 }
 
 void pl_cover_clear(pl_cover *cover) {
   pl_free(cover->boxes);
+  pl_free(cover->triangles);
   *cover = (pl_cover){0};
 }

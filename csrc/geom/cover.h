@@ -1,4 +1,5 @@
-/* A few boxes that together cover a mesh more tightly than one sphere: what a long boom needs. */
+/* A tree of boxes about the triangles of a mesh: where the mesh may be, as closely as it is worth
+ * to look. */
 #ifndef PL_GEOM_COVER_H
 #define PL_GEOM_COVER_H
 
@@ -7,19 +8,22 @@
 #include "base/status.h"
 #include "geom/model.h"
 
-enum { PL_COVER_BOXES_MAX = 2048 };
-
 typedef struct pl_box {
   float low[3], high[3]; /* model units */
+  uint32_t after;        /* index of the first box that is not inside this one */
+  uint32_t first, count; /* its triangles, in pl_cover.triangles */
 } pl_box;
 
 typedef struct pl_cover {
-  pl_box *boxes; /* owned */
-  size_t count;  /* 0 for an empty mesh */
+  /* Owned. The whole mesh first; then each box's first half with all that is in it, and its second.
+   * A box with nothing inside is a leaf: its `after` is the next one. */
+  pl_box *boxes;
+  size_t count;        /* 0 for an empty mesh */
+  uint32_t *triangles; /* owned: indices of the model's, each once */
 } pl_cover;
 
-/* Splits the triangles at the middle of their centroids' longest extent until there are enough
- * boxes. Every triangle lies in one of them. */
+/* Splits the triangles at the middle of their centroids' longest extent until few are left, or the
+ * tree is deep. */
 pl_status pl_cover_init(const pl_model *model, pl_cover *out);
 void pl_cover_clear(pl_cover *cover);
 

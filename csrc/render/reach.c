@@ -1,17 +1,61 @@
-/* Projecting boxes. */
+/* Projecting boxes and triangles. */
 #include "render/reach.h"
 
-#include <string.h>
-
 #include "base/memory.h"
+#include "base/parallel.h"
 
-/* A rectangle of pixels, inclusive. */
+/* Pixels, inclusive; places are from the centre of pixel (0, 0). */
 typedef struct extent {
   double x0, y0, x1, y1;
 } extent;
+typedef struct area {
+  int x0, y0, x1, y1;
+} area;
 
-/* Rays leave through any place of a pixel, and boxes are projected through float transforms. */
-static const double MARGIN_PX = 0.75;
+/* Rays leave through any place of a pixel, and a little beyond: pl_path_subpixel goes to 0.542 with
+ * three samples. */
+static const double MARGIN_PX = 0.55;
+/* Rays and transforms are in single precision: hits are off by less than this part of the lengths
+ * that are added up there, some sixteen roundings. */
+static const double ROUNDING = 1e-6;
+
+/* Boxes that touch so many pixels need no closer look; nor do those of a lens or an aperture with
+ * so few triangles, which cost more. */
+enum { AREA_LEAST = 9, COARSE = 64 };
+/* Triangles that touch no more than so many columns or rows of pixels mark all of their rectangle.
+ */
+enum { NARROW = 2 };
+/* For projections of corners: between those the nearest point of a box is nearer. */
+static const double CORNER_ROOM_PX = 0.2;
+/* Boxes for which it does not pay to start threads; slices of an object's boxes, and of how many
+ * objects. */
+enum { ALONE = 1024, SLICES = 32, SLICED_MOST = 64 };
+
+/* A mesh as the camera has it. Without a lens and an aperture a point p of the model is seen at
+ * (cx + u/w, cy + v/w) of (u, v, w) = linear p + origin, w in m. */
+typedef struct placed {
+  const pl_snapshot *shot;
+  const pl_shot_object *object;
+  const pl_shot_piece *piece; /* NULL of an object that has none */
+  const pl_model *model;
+  const pl_cover *cover;
+  pl_mat3 linear;
+  pl_vec3 origin;
+  double length_m; /* that is added up on the way */
+  double rounding; /* px m: over w it is added to the margin */
+  double rays;     /* that a pixel gets */
+} placed;
+
+typedef struct job {
+  const pl_reach *reach;
+  const pl_snapshot *shot;
+  int rays;
+  size_t slices;
+} job;
+
+/* fmin and fmax are calls of the library. */
+static double lesser(double a, double b) { return a < b ? a : b; }
+static double greater(double a, double b) { return a > b ? a : b; }
 
 /* Corners of a box as the middle of the lens sees them, or as four points about it do whose square
  * holds the lens: by a point o, a point p looks as p - o (1 - depth / F) does by the middle. */
@@ -22,113 +66,328 @@ static pl_vec3 by_lens(const pl_camera *camera, int point, pl_vec3 p) {
   return (pl_vec3){p.x + (point & 8 ? shift : -shift), p.y + (point & 16 ? shift : -shift), p.z};
 }
 
-static pl_vec3 view_of_object(const pl_shot_object *object, pl_vec3 p) {
-  const pl_vec3 local = pl_vec3_scale(pl_vec3_sub(p, object->object->offset), object->scale);
-  return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
+static bool is_pinhole(const pl_camera *camera) {
+  return camera->lens.model == NULL && !(camera->aperture_m > 0.0);
 }
 
-static pl_vec3 view_of_piece(const pl_shot_piece *piece, pl_vec3 p) {
-  return pl_vec3_add(piece->origin, pl_mat3_mul_vec(piece->linear, p));
+/* From model units to metres in camera axes. */
+static void view_of(const placed *at, pl_mat3 *linear, pl_vec3 *origin) {
+  const pl_shot_object *object = at->object;
+  pl_mat3 turn = object->rotation;
+  pl_vec3 place =
+      pl_vec3_sub(object->position,
+                  pl_mat3_mul_vec(turn, pl_vec3_scale(object->object->offset, object->scale)));
+  for (int i = 0; i < 3; i++)
+    turn.row[i] = pl_vec3_scale(turn.row[i], object->scale);
+  if (at->piece != NULL) {
+    turn = at->piece->linear;
+    place = at->piece->origin;
+  }
+  *linear = pl_mat3_mul(pl_mat3_transpose(at->shot->camera_to_root), turn);
+  *origin = pl_mat3_mul_vec_t(at->shot->camera_to_root, place);
 }
 
-/* The rectangle that a box projects into; false if part of it is beside or behind a pinhole camera,
- * where projection has no bounds. */
-static bool project_box(const pl_snapshot *shot, const pl_shot_object *object,
-                        const pl_shot_piece *piece, const pl_box *box, extent *out) {
+/* Metres that are added up, at most, on the way from the model to the camera. */
+static double length_of(const pl_mat3 *linear, pl_vec3 origin, const pl_box *whole) {
+  const pl_mat3 columns = pl_mat3_transpose(*linear);
+  double length = pl_vec3_norm(origin);
+  for (int i = 0; i < 3; i++)
+    length += pl_vec3_norm(columns.row[i]) *
+              fmax(fabs((double)whole->low[i]), fabs((double)whole->high[i]));
+  return length;
+}
+
+static placed place(const pl_snapshot *shot, const pl_shot_object *object,
+                    const pl_shot_piece *piece, int rays) {
   const pl_camera *camera = &shot->camera;
+  placed at = {.shot = shot,
+               .object = object,
+               .piece = piece,
+               .model = piece != NULL ? piece->model : object->object->model,
+               .cover = piece != NULL ? piece->cover : &object->object->cover,
+               .rays = rays};
+  pl_mat3 view;
+  pl_vec3 origin;
+  view_of(&at, &view, &origin);
+  at.length_m = length_of(&view, origin, &at.cover->boxes[0]);
+  at.rounding = 2.0 * ROUNDING * at.length_m * (fmax(camera->fx, camera->fy) + fabs(camera->skew));
+  const pl_vec3 x = pl_vec3_scale(view.row[0], camera->fx);
+  at.linear.row[0] = pl_vec3_madd(x, camera->skew, view.row[1]);
+  at.linear.row[1] = pl_vec3_scale(view.row[1], camera->fy);
+  at.linear.row[2] = view.row[2];
+  at.origin =
+      (pl_vec3){camera->fx * origin.x + camera->skew * origin.y, camera->fy * origin.y, origin.z};
+  return at;
+}
+
+/* Widest |row p| for points p within `half` about 0. */
+static double reach_of(pl_vec3 row, pl_vec3 half) {
+  return fabs(row.x) * half.x + fabs(row.y) * half.y + fabs(row.z) * half.z;
+}
+
+/* What a box may show in by a pinhole: without bounds if part of it is beside or behind the camera.
+ * If its centre is seen at (x, y), a point (u, v, w) off it is seen (u - x w) over its depth to the
+ * side. */
+static void project_box(const placed *at, const pl_box *box, extent *out) {
+  const pl_vec3 low = {(double)box->low[0], (double)box->low[1], (double)box->low[2]};
+  const pl_vec3 high = {(double)box->high[0], (double)box->high[1], (double)box->high[2]};
+  const pl_vec3 half = pl_vec3_scale(pl_vec3_sub(high, low), 0.5);
+  const pl_vec3 *rows = at->linear.row;
+  const pl_vec3 c = pl_vec3_add(
+      at->origin, pl_mat3_mul_vec(at->linear, pl_vec3_scale(pl_vec3_add(low, high), 0.5)));
+  const double deep = reach_of(rows[2], half);
+  const double near_m = c.z - deep;
+  *out = (extent){1.0, 1.0, -1.0, -1.0};
+  if (c.z + deep < -ROUNDING * at->length_m)
+    return; /* no ray leaves to the back */
+  *out = (extent){-INFINITY, -INFINITY, INFINITY, INFINITY};
+  if (!(near_m > 0.0))
+    return;
+  const double x = c.x / c.z, y = c.y / c.z, by = 1.0 / near_m;
+  const double margin = MARGIN_PX + at->rounding * by;
+  const double dx = reach_of(pl_vec3_madd(rows[0], -x, rows[2]), half) * by + margin;
+  const double dy = reach_of(pl_vec3_madd(rows[1], -y, rows[2]), half) * by + margin;
+  const pl_camera *camera = &at->shot->camera;
+  *out =
+      (extent){camera->cx + x - dx, camera->cy + y - dy, camera->cx + x + dx, camera->cy + y + dy};
+}
+
+/* Corners of a box in camera axes. */
+static size_t corners_of(const placed *at, const pl_box *box, pl_vec3 corners[BOX_POINTS]) {
+  const pl_camera *camera = &at->shot->camera;
+  const size_t count = camera->aperture_m > 0.0 ? BOX_POINTS : 8;
+  pl_mat3 linear;
+  pl_vec3 origin;
+  view_of(at, &linear, &origin);
+  for (size_t i = 0; i < count; i++) {
+    const pl_vec3 p = {(double)(i & 1 ? box->high[0] : box->low[0]),
+                       (double)(i & 2 ? box->high[1] : box->low[1]),
+                       (double)(i & 4 ? box->high[2] : box->low[2])};
+    corners[i] = pl_vec3_add(origin, pl_mat3_mul_vec(linear, p));
+    if (camera->aperture_m > 0.0)
+      corners[i] = by_lens(camera, (int)i, corners[i]);
+  }
+  return count;
+}
+
+/* The same by a lens or an aperture, from the box's corners. */
+static void project_corners(const placed *at, const pl_box *box, extent *out) {
+  const pl_camera *camera = &at->shot->camera;
   pl_vec3 corners[BOX_POINTS];
-  const bool focuses = camera->aperture_m > 0.0;
-  const int count = focuses ? BOX_POINTS : 8;
-  *out = (extent){INFINITY, INFINITY, -INFINITY, -INFINITY};
-  for (int corner = 0; corner < count; corner++) {
-    const pl_vec3 p = {corner & 1 ? box->high[0] : box->low[0],
-                       corner & 2 ? box->high[1] : box->low[1],
-                       corner & 4 ? box->high[2] : box->low[2]};
-    const pl_vec3 view = piece != NULL ? view_of_piece(piece, p) : view_of_object(object, p);
-    corners[corner] = pl_mat3_mul_vec_t(shot->camera_to_root, view);
-    if (focuses)
-      corners[corner] = by_lens(camera, corner, corners[corner]);
-  }
-  if (camera->lens.model != NULL) {
-    double rect[4];
-    pl_camera_bound(camera, corners, (size_t)count, rect);
-    *out = (extent){rect[0], rect[1], rect[2], rect[3]};
-    return true;
-  }
-  for (int k = 0; k < count; k++) {
-    const pl_vec3 c = corners[k];
+  const size_t count = corners_of(at, box, corners);
+  double near_m = INFINITY, rect[4] = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+  *out = (extent){-INFINITY, -INFINITY, INFINITY, INFINITY};
+  for (size_t i = 0; i < count; i++) {
     double pixel[2];
-    if (!(c.z > 1e-3 * pl_vec3_norm(c)) || !pl_camera_project(camera, c, pixel))
-      return false;
-    out->x0 = fmin(out->x0, pixel[0]);
-    out->y0 = fmin(out->y0, pixel[1]);
-    out->x1 = fmax(out->x1, pixel[0]);
-    out->y1 = fmax(out->y1, pixel[1]);
+    near_m = fmin(near_m, pl_vec3_norm(corners[i]));
+    if (camera->lens.model != NULL)
+      continue;
+    if (!(corners[i].z > 1e-3 * pl_vec3_norm(corners[i])) ||
+        !pl_camera_project(camera, corners[i], pixel))
+      return;
+    rect[0] = fmin(rect[0], pixel[0]);
+    rect[1] = fmin(rect[1], pixel[1]);
+    rect[2] = fmax(rect[2], pixel[0]);
+    rect[3] = fmax(rect[3], pixel[1]);
   }
+  if (camera->lens.model != NULL)
+    pl_camera_bound(camera, corners, count, rect);
+  const double margin = MARGIN_PX + CORNER_ROOM_PX + at->rounding / near_m;
+  if (rect[0] > rect[2])
+    *out = (extent){1.0, 1.0, -1.0, -1.0};
+  else
+    *out = (extent){rect[0] - margin, rect[1] - margin, rect[2] + margin, rect[3] + margin};
+}
+
+/* The pixels of the image within an extent; false: none. What is not a number counts as far out. */
+static bool area_of(const pl_reach *reach, const extent *e, area *out) {
+  const double right = reach->width - 1, bottom = reach->height - 1;
+  if (e->x0 > e->x1 || e->x1 < 0.0 || e->y1 < 0.0 || e->x0 > right || e->y0 > bottom)
+    return false;
+  *out = (area){e->x0 > 0.0 ? (int)e->x0 : 0, e->y0 > 0.0 ? (int)e->y0 : 0,
+                e->x1 < right ? (int)e->x1 : reach->width - 1,
+                e->y1 < bottom ? (int)e->y1 : reach->height - 1};
+  out->x0 += out->x0 < e->x0;
+  out->y0 += out->y0 < e->y0;
+  return out->x0 <= out->x1 && out->y0 <= out->y1;
+}
+
+static atomic_uchar *row_of(const pl_reach *reach, int y) {
+  return reach->pixels + (size_t)y * (size_t)reach->width;
+}
+
+/* Of several threads that mark, none needs to know of another's marks. */
+static void mark_run(const pl_reach *reach, int y, int x0, int x1) {
+  atomic_uchar *row = row_of(reach, y);
+  for (int x = x0; x <= x1; x++)
+    atomic_store_explicit(&row[x], 1, memory_order_relaxed);
+}
+
+static void mark_area(const pl_reach *reach, const area *a) {
+  for (int y = a->y0; y <= a->y1; y++)
+    mark_run(reach, y, a->x0, a->x1);
+}
+
+static bool is_marked(const pl_reach *reach, const area *a) {
+  for (int y = a->y0; y <= a->y1; y++)
+    for (int x = a->x0; x <= a->x1; x++)
+      if (!pl_reach_pixel(reach, x, y))
+        return false;
   return true;
 }
 
-/* Block of a pixel coordinate, kept within [0, count - 1]. */
-static int block_of(double pixel, int count) {
-  const double block = floor(pixel / PL_REACH_BLOCK);
-  return block < 0.0 ? 0 : block > count - 1 ? count - 1 : (int)block;
-}
-
-static void mark(pl_reach *reach, const pl_snapshot *shot, const extent *e) {
-  if (e->x0 > e->x1 || e->x1 + MARGIN_PX < 0.0 || e->y1 + MARGIN_PX < 0.0 ||
-      e->x0 - MARGIN_PX > shot->camera.width - 1 || e->y0 - MARGIN_PX > shot->camera.height - 1)
+/* Widens a span by the part of an edge that is between two heights. */
+static void span_edge(const double a[2], const double b[2], double low, double high,
+                      double span[2]) {
+  if ((a[1] < low && b[1] < low) || (a[1] > high && b[1] > high))
     return;
-  const int x0 = block_of(e->x0 - MARGIN_PX, reach->columns);
-  const int x1 = block_of(e->x1 + MARGIN_PX, reach->columns);
-  const int y0 = block_of(e->y0 - MARGIN_PX, reach->rows);
-  const int y1 = block_of(e->y1 + MARGIN_PX, reach->rows);
-  for (int y = y0; y <= y1; y++)
-    memset(reach->blocks + (size_t)y * (size_t)reach->columns + x0, 1, (size_t)(x1 - x0 + 1));
+  const double slope = a[1] != b[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0.0;
+  const double from = a[0] + (lesser(greater(a[1], low), high) - a[1]) * slope;
+  const double to = b[0] + (lesser(greater(b[1], low), high) - b[1]) * slope;
+  span[0] = lesser(span[0], lesser(from, to));
+  span[1] = greater(span[1], greater(from, to));
 }
 
-/* `piece`: whose cover it is, or NULL of an object that has none. */
-static void mark_cover(pl_reach *reach, const pl_snapshot *shot, const pl_shot_object *object,
-                       const pl_shot_piece *piece, const pl_cover *cover) {
-  const extent everything = {0.0, 0.0, shot->camera.width, shot->camera.height};
-  for (size_t i = 0; i < cover->count; i++) {
-    extent e;
-    const bool bounded = project_box(shot, object, piece, &cover->boxes[i], &e);
-    mark(reach, shot, bounded ? &e : &everything);
+/* Row by row what squares of the margin about the triangle's points hold. */
+static void mark_rows(const pl_reach *reach, const double p[3][2], double margin, const area *a) {
+  for (int y = a->y0; y <= a->y1; y++) {
+    double span[2] = {INFINITY, -INFINITY};
+    for (int k = 0; k < 3; k++)
+      span_edge(p[k], p[(k + 1) % 3], y - margin, y + margin, span);
+    const extent e = {span[0] - margin, y, span[1] + margin, y};
+    area run;
+    if (area_of(reach, &e, &run))
+      mark_run(reach, y, run.x0, run.x1);
   }
 }
 
-static void mark_object(pl_reach *reach, const pl_snapshot *shot, const pl_shot_object *object) {
+/* Corners as a pinhole sees them, x and y in pixels; returns the inverse of the least depth: 0 of a
+ * triangle behind the camera, infinite of one that is partly beside or behind it. */
+static double project_triangle(const placed *at, uint32_t triangle, double p[3][2]) {
+  const pl_camera *camera = &at->shot->camera;
+  const uint32_t *corners = at->model->indices + 3 * (size_t)triangle;
+  double nearest = INFINITY, farthest = -INFINITY;
+  for (int k = 0; k < 3; k++) {
+    const float *v = at->model->positions + 3 * (size_t)corners[k];
+    const pl_vec3 point = {(double)v[0], (double)v[1], (double)v[2]};
+    const pl_vec3 seen = pl_vec3_add(at->origin, pl_mat3_mul_vec(at->linear, point));
+    const double by = 1.0 / seen.z;
+    p[k][0] = camera->cx + seen.x * by;
+    p[k][1] = camera->cy + seen.y * by;
+    nearest = lesser(nearest, seen.z);
+    farthest = greater(farthest, seen.z);
+  }
+  if (farthest < -ROUNDING * at->length_m)
+    return 0.0;
+  return nearest > 0.0 ? 1.0 / nearest : INFINITY;
+}
+
+static void mark_triangle(const placed *at, const pl_reach *reach, uint32_t triangle) {
+  double p[3][2];
+  const double by = project_triangle(at, triangle, p), margin = MARGIN_PX + at->rounding * by;
+  if (by == 0.0)
+    return;
+  const extent e = {lesser(p[0][0], lesser(p[1][0], p[2][0])) - margin,
+                    lesser(p[0][1], lesser(p[1][1], p[2][1])) - margin,
+                    greater(p[0][0], greater(p[1][0], p[2][0])) + margin,
+                    greater(p[0][1], greater(p[1][1], p[2][1])) + margin};
+  area a;
+  if (!area_of(reach, &e, &a))
+    return;
+  if (a.x1 - a.x0 < NARROW || a.y1 - a.y0 < NARROW || isinf(by))
+    mark_area(reach, &a);
+  else
+    mark_rows(reach, p, margin, &a);
+}
+
+static double pixels_of(const area *a) {
+  return (double)(a->x1 - a->x0 + 1) * (double)(a->y1 - a->y0 + 1);
+}
+
+/* Marks what a box shows in; true instead if what is inside it should be looked at. */
+static bool visit(const placed *at, const pl_reach *reach, uint32_t index) {
+  const pl_box *box = &at->cover->boxes[index];
+  const bool pinhole = is_pinhole(&at->shot->camera), leaf = box->after == index + 1;
+  extent e;
+  area a;
+  if (pinhole)
+    project_box(at, box, &e);
+  else
+    project_corners(at, box, &e);
+  if (!area_of(reach, &e, &a) || is_marked(reach, &a))
+    return false;
+  const bool small = pixels_of(&a) <= AREA_LEAST || (!pinhole && box->count <= COARSE);
+  if (!small && !leaf)
+    return true;
+  if (small || !pinhole || box->count > pixels_of(&a) * at->rays) {
+    mark_area(reach, &a);
+    return false;
+  }
+  for (uint32_t i = box->first; i < box->first + box->count; i++)
+    mark_triangle(at, reach, at->cover->triangles[i]);
+  return false;
+}
+
+/* One slice of the boxes of an object, or of its piece. What is in a box that another slice begins
+ * with is looked at there too; which boxes are does not depend on threads. */
+static void mark_cover(const job *job, const pl_shot_object *object, const pl_shot_piece *piece,
+                       size_t slice) {
+  const pl_cover *cover = piece != NULL ? piece->cover : &object->object->cover;
+  const uint32_t first = (uint32_t)(cover->count * slice / job->slices);
+  const uint32_t end = (uint32_t)(cover->count * (slice + 1) / job->slices);
+  if (first == end)
+    return;
+  const placed at = place(job->shot, object, piece, job->rays);
+  for (uint32_t i = first; i < end;)
+    i = visit(&at, job->reach, i) ? i + 1 : cover->boxes[i].after;
+}
+
+static pl_status mark_item(void *context, size_t item, int worker) {
+  const job *job = context;
+  const pl_shot_object *object = &job->shot->objects[item / job->slices];
+  const size_t slice = item % job->slices;
+  (void)worker;
+  if (!object->in_frame)
+    return PL_OK;
   if (object->pieces == NULL)
-    mark_cover(reach, shot, object, NULL, &object->object->cover);
+    mark_cover(job, object, NULL, slice);
   for (size_t k = 0; k < object->piece_count; k++)
     if (object->pieces[k].present)
-      mark_cover(reach, shot, object, &object->pieces[k], object->pieces[k].cover);
-}
-
-pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot) {
-  reach->columns = (shot->camera.width + PL_REACH_BLOCK - 1) / PL_REACH_BLOCK;
-  reach->rows = (shot->camera.height + PL_REACH_BLOCK - 1) / PL_REACH_BLOCK;
-  const size_t bytes = (size_t)reach->columns * (size_t)reach->rows;
-  if (bytes > reach->room) {
-    uint8_t *grown = pl_realloc(reach->blocks, bytes, 1);
-    if (grown == NULL)
-      return pl_fail(PL_E_MEMORY, "out of memory for %zu blocks of pixels", bytes);
-    reach->blocks = grown;
-    reach->room = bytes;
-  }
-  memset(reach->blocks, 0, bytes);
-  for (size_t i = 0; i < shot->object_count; i++)
-    if (shot->objects[i].in_frame)
-      mark_object(reach, shot, &shot->objects[i]);
+      mark_cover(job, object, &object->pieces[k], slice);
   return PL_OK;
 }
 
-void pl_reach_clear(pl_reach *reach) {
-  pl_free(reach->blocks);
-  *reach = (pl_reach){0};
+static size_t boxes_of(const pl_snapshot *shot) {
+  size_t sum = 0;
+  for (size_t i = 0; i < shot->object_count; i++) {
+    const pl_shot_object *object = &shot->objects[i];
+    if (object->in_frame && object->pieces == NULL)
+      sum += object->object->cover.count;
+    for (size_t k = 0; object->in_frame && k < object->piece_count; k++)
+      sum += object->pieces[k].cover->count;
+  }
+  return sum;
 }
 
-bool pl_reach_pixel(const pl_reach *reach, int x, int y) {
-  return reach->blocks[(size_t)(y / PL_REACH_BLOCK) * (size_t)reach->columns +
-                       (size_t)(x / PL_REACH_BLOCK)] != 0;
+pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot, int rays, int threads) {
+  reach->width = shot->camera.width;
+  reach->height = shot->camera.height;
+  const size_t count = (size_t)reach->width * (size_t)reach->height;
+  if (count > reach->room) {
+    atomic_uchar *grown = pl_realloc(reach->pixels, count, sizeof *grown);
+    if (grown == NULL)
+      return pl_fail(PL_E_MEMORY, "out of memory for marks of %zu pixels", count);
+    reach->pixels = grown;
+    reach->room = count;
+  }
+  for (size_t i = 0; i < count; i++)
+    atomic_init(&reach->pixels[i], 0);
+  job job = {reach, shot, rays, shot->object_count > SLICED_MOST ? 1 : SLICES};
+  const int workers = boxes_of(shot) > ALONE ? threads : 1;
+  return pl_parallel_for(workers, shot->object_count * job.slices, mark_item, &job, NULL);
+}
+
+void pl_reach_clear(pl_reach *reach) {
+  pl_free(reach->pixels);
+  *reach = (pl_reach){0};
 }

@@ -93,10 +93,9 @@ static content tile_content(const job *job, pl_tile tile) {
   const double rect[4] = {tile.x0 - 0.5, tile.y0 - 0.5, tile.x0 + tile.width - 0.5,
                           tile.y0 + tile.height - 0.5};
   pl_snapshot_cone(shot, rect, &out.axis, &out.half_angle_rad);
-  for (int y = tile.y0 / PL_REACH_BLOCK * PL_REACH_BLOCK; y < tile.y0 + tile.height;
-       y += PL_REACH_BLOCK)
-    for (int x = 0; x < tile.width; x += PL_REACH_BLOCK)
-      out.meshes |= pl_reach_pixel(&job->scratch->reach, tile.x0 + x, y);
+  for (int y = 0; y < tile.height && !out.meshes; y++)
+    for (int x = 0; x < tile.width && !out.meshes; x++)
+      out.meshes = pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y);
   out.sun =
       pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, out.axis, out.half_angle_rad);
   out.air = pl_air_in_cone(job->settings->air, shot, out.axis, out.half_angle_rad);
@@ -318,6 +317,12 @@ static pl_status view_suns(pl_render_scratch *scratch, const pl_snapshot *shot) 
   return PL_OK;
 }
 
+/* Rays that a pixel gets about: through its centre, and one a sample. */
+static int rays_of(const pl_render_settings *settings) {
+  const int count = settings->slice != NULL ? settings->slice->count : 0;
+  return count > 0 ? (settings->samples + count - 1) / count : 1 + settings->samples;
+}
+
 pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
                     const pl_render_settings *settings, pl_render_scratch *scratch, pl_tile_fn done,
                     void *context, pl_cancel *cancel) {
@@ -338,7 +343,7 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
   };
   PL_TRY(view_suns(scratch, shot));
-  PL_TRY(pl_reach_update(&scratch->reach, shot));
+  PL_TRY(pl_reach_update(&scratch->reach, shot, rays_of(settings), scratch->threads));
   const size_t tiles = (size_t)columns * (size_t)rows;
   if (is_adaptive(&job))
     PL_TRY(pl_share_start(&scratch->share, columns, rows, row0 / PL_TILE_SIDE));

@@ -1,0 +1,274 @@
+/* The mask of pixels that a mesh may show in against rays: none that leaves by another pixel meets
+ * a mesh. The tracer, which meets them, has its own test against brute force. */
+#include "render/reach.h"
+
+#include "jointed.h"
+#include "render/focus.h"
+#include "scenes.h"
+#include "trace/tracer.h"
+
+enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT, TRIES = 12 };
+
+/* From the centre: as far as pl_path_subpixel goes. */
+static const double FARTHEST = 0.542;
+
+typedef struct world {
+  stage stage;
+  pl_arena arena;
+  pl_snapshot shot;
+  pl_tracer *tracer;
+  pl_reach reach;
+} world;
+
+static void world_init(world *w, double focal_px) {
+  *w = (world){0};
+  stage_init(&w->stage, WIDTH, HEIGHT, focal_px);
+  pl_arena_init(&w->arena);
+  assert_int_equal(pl_tracer_create(&w->tracer), PL_OK);
+}
+
+static void world_set(world *w, int rays) {
+  pl_arena_reset(&w->arena);
+  assert_int_equal(pl_snapshot_build(&w->stage.scene, &w->stage.placement, &w->arena, &w->shot),
+                   PL_OK);
+  assert_int_equal(pl_tracer_set(w->tracer, &w->shot), PL_OK);
+  assert_int_equal(pl_reach_update(&w->reach, &w->shot, rays, 1), PL_OK);
+}
+
+static void world_clear(world *w) {
+  pl_reach_clear(&w->reach);
+  pl_tracer_destroy(w->tracer);
+  pl_arena_clear(&w->arena);
+  stage_clear(&w->stage);
+}
+
+/* Triangles about places of the cube of half side 1, of sides from `small` to `large`; many are
+ * slivers. */
+static pl_model *debris_create(test_random *random, size_t triangles, double small, double large) {
+  pl_model *model = model_create(3 * triangles, triangles);
+  for (size_t t = 0; t < triangles; t++) {
+    const pl_vec3 corner = {random_range(random, -1, 1), random_range(random, -1, 1),
+                            random_range(random, -1, 1)};
+    const double a = random_scale(random, small, large), b = random_scale(random, small, large);
+    const uint32_t first = (uint32_t)(3 * t);
+    const pl_vec3 along = random_direction(random), up = {0, 0, 1};
+    model_set_vertex(model, first, corner, up);
+    model_set_vertex(model, first + 1, pl_vec3_madd(corner, a, along), up);
+    model_set_vertex(model, first + 2, pl_vec3_madd(corner, b, random_direction(random)), up);
+    for (uint32_t k = 0; k < 3; k++)
+      model->indices[first + k] = first + k;
+  }
+  pl_model_measure(model);
+  return model;
+}
+
+static bool meets(const world *w, test_random *random, int x, int y) {
+  const pl_vec3 direction = pl_snapshot_ray(&w->shot, x + random_range(random, -FARTHEST, FARTHEST),
+                                            y + random_range(random, -FARTHEST, FARTHEST));
+  pl_beam beam = {.direction = direction};
+  pl_hit hit;
+  if (pl_vec3_norm(direction) == 0.0)
+    return false;
+  if (w->shot.camera.aperture_m > 0.0)
+    pl_focus_beam(&w->shot, (uint32_t)random_below(random, 64),
+                  (uint32_t)random_below(random, 1 << 30), &beam);
+  const pl_ray ray = {.origin = pl_vec3_to_float(beam.origin),
+                      .t_max = INFINITY,
+                      .direction = pl_vec3_to_float(beam.direction),
+                      .skip_body = PL_EVERY_BODY};
+  pl_tracer_closest(w->tracer, &ray, &hit, 1, false, true);
+  return hit.thing != PL_NOTHING;
+}
+
+/* Pixels: marked ones, and those of them that some of the rays hit in. */
+typedef struct sums {
+  int marked, hit, all;
+} sums;
+
+static void check_world(world *w, test_random *random, sums *sums) {
+  for (int y = 0; y < HEIGHT; y++)
+    for (int x = 0; x < WIDTH; x++) {
+      bool hit = false;
+      for (int i = 0; i < TRIES && !hit; i++)
+        hit = meets(w, random, x, y);
+      const bool marked = pl_reach_pixel(&w->reach, x, y);
+      if (hit && !marked)
+        fail_msg("a mesh shows in pixel (%d, %d), which is not marked", x, y);
+      sums->marked += marked;
+      sums->hit += hit;
+      sums->all++;
+    }
+}
+
+/* Changes of the camera, and how far from it the mesh is, in its half sides. */
+typedef void change_fn(pl_camera *camera, test_random *random);
+
+static void keep(pl_camera *camera, test_random *random) {
+  (void)camera;
+  (void)random;
+}
+
+static void skew(pl_camera *camera, test_random *random) {
+  camera->fy *= random_range(random, 0.5, 1.0);
+  camera->skew = random_range(random, -20.0, 20.0);
+  camera->cx += random_range(random, -100.0, 100.0);
+}
+
+static const double BROWN[8] = {-0.28, 0.09, 1e-3, -8e-4, -0.012, 0.01, -0.002, 1e-4};
+static const double EYE[4] = {-0.02, 0.004, -0.001, 1e-4};
+
+static void bend(pl_camera *camera, test_random *random) {
+  const int model = random_below(random, 2);
+  assert_int_equal(pl_lens_init(&pl_lens_models[model], model == 0 ? BROWN : EYE, &camera->lens),
+                   PL_OK);
+}
+
+static void open_wide(pl_camera *camera, test_random *random) {
+  camera->aperture_m = random_range(random, 0.01, 0.5);
+  camera->focus_per_m = random_range(random, 0.0, 0.5);
+}
+
+static sums check_debris(change_fn *change, double near, double far, size_t triangles, double small,
+                         double large, int worlds, uint64_t seed) {
+  test_random random = {.seed = seed};
+  sums sums = {0};
+  for (int i = 0; i < worlds; i++) {
+    world w;
+    pl_model *model = debris_create(&random, triangles, small, large);
+    world_init(&w, random_range(&random, 60.0, 120.0));
+    change(&w.stage.placement.camera, &random);
+    const double off = random_range(&random, near, far);
+    const pl_vec3 place = {random_range(&random, -0.3, 0.3) * off,
+                           random_range(&random, -0.3, 0.3) * off, off};
+    const double scale = random_range(&random, 0.7, 1.0);
+    stage_add_object(&w.stage, model, place, random_rotation(&random), scale);
+    world_set(&w, 1 + random_below(&random, 8));
+    check_world(&w, &random, &sums);
+    world_clear(&w);
+    pl_model_destroy(model);
+  }
+  print_message("%d of %d pixels marked, %d hit\n", sums.marked, sums.all, sums.hit);
+  assert_true(sums.hit > 0 && sums.marked < sums.all);
+  return sums;
+}
+
+/* Triangles of many pixels, near ones too; marks are few more than pixels that are hit. */
+static void test_large(void **state) {
+  (void)state;
+  const sums sums = check_debris(keep, 3.0, 8.0, 30, 0.05, 2.0, 24, 1);
+  assert_true(sums.marked < 1.35 * sums.hit);
+}
+
+/* Triangles of less than a pixel, in more and in fewer boxes than there are pixels. */
+static void test_small(void **state) {
+  (void)state;
+  check_debris(keep, 3.0, 30.0, 1000, 1e-4, 0.05, 12, 2);
+  check_debris(keep, 3.0, 30.0, 40000, 1e-4, 0.02, 3, 3);
+}
+
+static void test_slivers(void **state) {
+  (void)state;
+  check_debris(keep, 2.5, 6.0, 40, 1e-5, 3.0, 24, 4);
+}
+
+/* The camera is among the triangles. */
+static void test_around_the_camera(void **state) {
+  (void)state;
+  check_debris(keep, 0.0, 1.5, 60, 0.001, 0.3, 24, 5);
+}
+
+static void test_cameras(void **state) {
+  (void)state;
+  check_debris(skew, 2.5, 8.0, 60, 0.001, 1.0, 16, 6);
+  check_debris(bend, 1.0, 8.0, 200, 0.001, 0.5, 16, 7);
+  check_debris(open_wide, 2.5, 12.0, 200, 0.001, 0.5, 16, 8);
+}
+
+/* From so far that a pixel is but few roundings of single precision wide. Not of slivers, beyond
+ * whose tips rays then find what is not there. */
+static void test_far_away(void **state) {
+  (void)state;
+  test_random random = {.seed = 9};
+  sums sums = {0};
+  for (int i = 0; i < 12; i++) {
+    world w;
+    const double off = random_scale(&random, 1e3, 1e6);
+    pl_model *model = cube_create(0.6);
+    world_init(&w, 30.0 * off);
+    stage_add_object(&w.stage, model, (pl_vec3){random_range(&random, -1, 1), 0, off},
+                     random_rotation(&random), 1.0);
+    world_set(&w, 5);
+    check_world(&w, &random, &sums);
+    world_clear(&w);
+    pl_model_destroy(model);
+  }
+  assert_true(sums.hit > 0);
+}
+
+static pl_affine random_motion(test_random *random) {
+  pl_affine out = {pl_mat3_from_quat(random_rotation(random)),
+                   {random_range(random, -2, 2), random_range(random, -2, 2), 0}};
+  for (int i = 0; i < 3; i++)
+    out.m.row[i] = pl_vec3_scale(out.m.row[i], random_range(random, 0.3, 1.5));
+  if (random_below(random, 2) == 0)
+    out.m.row[0] = pl_vec3_scale(out.m.row[0], -1.0);
+  return out;
+}
+
+/* Pieces that move, are stretched and mirrored. */
+static void test_pieces(void **state) {
+  (void)state;
+  static const cube_node nodes[3] = {{-1, {{0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}}, false},
+                                     {0, {{2.5, 0, 0}, {1, 0, 0, 0}, {1, 0.5, 0.1}}, false},
+                                     {1, {{2.5, 0.5, 0}, {1, 0, 0, 0}, {1, 1, -0.5}}, false}};
+  static const int moving[2] = {1, 2};
+  test_random random = {.seed = 10};
+  sums sums = {0};
+  pl_model *model = jointed_create(nodes, 3, 1);
+  for (int i = 0; i < 16; i++) {
+    world w;
+    const pl_affine motions[2] = {random_motion(&random), random_motion(&random)};
+    world_init(&w, 90.0);
+    stage_add_object(&w.stage, model, (pl_vec3){0, 0, 25}, random_rotation(&random), 1.0);
+    assert_int_equal(pl_scene_articulate(&w.stage.scene, 0, moving, 2), PL_OK);
+    w.stage.objects[0].movers = motions;
+    world_set(&w, 5);
+    check_world(&w, &random, &sums);
+    world_clear(&w);
+  }
+  pl_model_destroy(model);
+  print_message("%d of %d pixels marked, %d hit\n", sums.marked, sums.all, sums.hit);
+  assert_true(sums.hit > 0 && sums.marked < 1.5 * sums.hit);
+}
+
+/* Several threads mark the same pixels. */
+static void test_threads(void **state) {
+  (void)state;
+  test_random random = {.seed = 11};
+  world w;
+  pl_model *model = debris_create(&random, 20000, 0.001, 0.1);
+  world_init(&w, 90.0);
+  for (int i = 0; i < 3; i++)
+    stage_add_object(&w.stage, model, (pl_vec3){i - 1, 0, 4}, random_rotation(&random), 0.7);
+  world_set(&w, 5);
+  unsigned char alone[PIXELS];
+  for (int i = 0; i < PIXELS; i++)
+    alone[i] = pl_reach_pixel(&w.reach, i % WIDTH, i / WIDTH);
+  for (int threads = 2; threads <= 5; threads++) {
+    assert_int_equal(pl_reach_update(&w.reach, &w.shot, 5, threads), PL_OK);
+    for (int i = 0; i < PIXELS; i++)
+      assert_int_equal(pl_reach_pixel(&w.reach, i % WIDTH, i / WIDTH), alone[i]);
+  }
+  world_clear(&w);
+  pl_model_destroy(model);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_large),   cmocka_unit_test(test_small),
+      cmocka_unit_test(test_slivers), cmocka_unit_test(test_around_the_camera),
+      cmocka_unit_test(test_cameras), cmocka_unit_test(test_far_away),
+      cmocka_unit_test(test_pieces),  cmocka_unit_test(test_threads),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
