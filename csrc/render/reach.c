@@ -236,12 +236,11 @@ static bool is_marked(const pl_reach *reach, const area *a) {
   return true;
 }
 
-/* Widens a span by the part of an edge that is between two heights. */
-static void span_edge(const double a[2], const double b[2], double low, double high,
+/* Widens a span by the part of an edge that is between two heights; `slope` is 0 of level ones. */
+static void span_edge(const double a[2], const double b[2], double slope, double low, double high,
                       double span[2]) {
   if ((a[1] < low && b[1] < low) || (a[1] > high && b[1] > high))
     return;
-  const double slope = a[1] != b[1] ? (b[0] - a[0]) / (b[1] - a[1]) : 0.0;
   const double from = a[0] + (lesser(greater(a[1], low), high) - a[1]) * slope;
   const double to = b[0] + (lesser(greater(b[1], low), high) - b[1]) * slope;
   span[0] = lesser(span[0], lesser(from, to));
@@ -250,14 +249,20 @@ static void span_edge(const double a[2], const double b[2], double low, double h
 
 /* Row by row what squares of the margin about the triangle's points hold. */
 static void mark_rows(const pl_reach *reach, const double p[3][2], double margin, const area *a) {
+  double slope[3];
+  for (int k = 0; k < 3; k++) {
+    const double *from = p[k], *to = p[(k + 1) % 3];
+    slope[k] = to[1] != from[1] ? (to[0] - from[0]) / (to[1] - from[1]) : 0.0;
+  }
   for (int y = a->y0; y <= a->y1; y++) {
     double span[2] = {INFINITY, -INFINITY};
     for (int k = 0; k < 3; k++)
-      span_edge(p[k], p[(k + 1) % 3], y - margin, y + margin, span);
-    const extent e = {span[0] - margin, y, span[1] + margin, y};
-    area run;
-    if (area_of(reach, &e, &run))
-      mark_run(reach, y, run.x0, run.x1);
+      span_edge(p[k], p[(k + 1) % 3], slope[k], y - margin, y + margin, span);
+    const double x0 = span[0] - margin, x1 = span[1] + margin;
+    if (x0 > a->x1 || x1 < a->x0)
+      continue;
+    const int first = x0 > a->x0 ? (int)x0 + (x0 > (int)x0) : a->x0;
+    mark_run(reach, y, first, x1 < a->x1 ? (int)x1 : a->x1);
   }
 }
 
@@ -292,7 +297,7 @@ static void mark_triangle(const placed *at, const pl_reach *reach, uint32_t tria
                     greater(p[0][0], greater(p[1][0], p[2][0])) + margin,
                     greater(p[0][1], greater(p[1][1], p[2][1])) + margin};
   area a;
-  if (!area_of(reach, &e, &a))
+  if (!area_of(reach, &e, &a) || is_marked(reach, &a))
     return;
   if (a.x1 - a.x0 < NARROW || a.y1 - a.y0 < NARROW || isinf(by))
     mark_area(reach, &a);

@@ -223,12 +223,25 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
 /* A tile and a pixel more to each side. */
 enum { BORDERED = PL_TILE_SIDE + 2 };
 
-/* The body that a pixel's centre is on, in the tile or beside it; where the lens has no ray, none
- * that is in the tile. */
+/* Whether a pixel of the tile, or one of those around it, is out of the meshes' reach. */
+static bool leaves_reach(const pl_path_context *context, int x, int y) {
+  const pl_tile tile = context->tile;
+  for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < tile.height; v++)
+    for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u < tile.width; u++)
+      if (!pl_reach_pixel(context->reach, tile.x0 + u, tile.y0 + v))
+        return true;
+  return false;
+}
+
+/* The body that a pixel's centre is on, in the tile or beside it; behind a mesh too, where a pixel
+ * without one asks for it. Where the lens has no ray, none that is in the tile. */
 static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b, int x, int y) {
   const pl_tile tile = context->tile;
-  if (x >= 0 && y >= 0 && x < tile.width && y < tile.height)
-    return b->points[y * PL_TILE_SIDE + x].thing;
+  if (x >= 0 && y >= 0 && x < tile.width && y < tile.height) {
+    const uint32_t thing = b->points[y * PL_TILE_SIDE + x].thing;
+    if (thing >= context->shot->object_count || !leaves_reach(context, x, y))
+      return thing;
+  }
   pl_hit hit;
   const pl_vec3 direction = pl_snapshot_ray(context->shot, tile.x0 + x, tile.y0 + y);
   if (pl_vec3_norm(direction) == 0.0)
