@@ -19,9 +19,12 @@ static const double MARGIN_PX = 0.55;
  * that are added up there, some sixteen roundings. */
 static const double ROUNDING = 1e-6;
 
-/* Boxes that touch so many pixels need no closer look; nor do those of a lens or an aperture with
- * so few triangles, which cost more. */
+/* Boxes that touch so many pixels need no closer look; nor do those with so few triangles where
+ * none is paid for. */
 enum { AREA_LEAST = 9, COARSE = 64 };
+/* Triangles cost about as much as a ray that each of their pixels saves: no frame of labels alone
+ * is faster by them. */
+enum { CLOSE_RAYS = 2 };
 /* Triangles that touch no more than so many columns or rows of pixels mark all of their rectangle.
  */
 enum { NARROW = 2 };
@@ -313,6 +316,7 @@ static double pixels_of(const area *a) {
 static bool visit(const placed *at, const pl_reach *reach, uint32_t index) {
   const pl_box *box = &at->cover->boxes[index];
   const bool pinhole = is_pinhole(&at->shot->camera), leaf = box->after == index + 1;
+  const bool closely = pinhole && at->rays >= CLOSE_RAYS;
   extent e;
   area a;
   if (pinhole)
@@ -321,10 +325,10 @@ static bool visit(const placed *at, const pl_reach *reach, uint32_t index) {
     project_corners(at, box, &e);
   if (!area_of(reach, &e, &a) || is_marked(reach, &a))
     return false;
-  const bool small = pixels_of(&a) <= AREA_LEAST || (!pinhole && box->count <= COARSE);
+  const bool small = pixels_of(&a) <= AREA_LEAST || (!closely && box->count <= COARSE);
   if (!small && !leaf)
     return true;
-  if (small || !pinhole || box->count > pixels_of(&a) * at->rays) {
+  if (small || !closely || box->count > pixels_of(&a) * at->rays) {
     mark_area(reach, &a);
     return false;
   }
