@@ -22,39 +22,36 @@ static pl_vec3f body_normal(const pl_shot_body *body, pl_vec3f point) {
       pl_mat3_mul_vec(body->rotation, pl_ellipsoid_normal(body->state->radii_m, local)));
 }
 
-static pl_patch patch_at(const pl_snapshot *shot, const pl_hit *hit, pl_vec3f direction) {
-  pl_patch patch = {.thing = hit->thing,
-                    .triangle = hit->triangle,
-                    .seen = 1,
-                    .point = pl_vec3f_scale(direction, hit->t)};
+static pl_spot spot_at(const pl_snapshot *shot, const pl_hit *hit, pl_vec3f direction) {
+  pl_spot spot = {.thing = hit->thing, .point = pl_vec3f_scale(direction, hit->t)};
   if (hit->thing < shot->object_count) {
     const pl_shot_object *object = &shot->objects[hit->thing];
-    patch.part = pl_object_part(object->object, hit->triangle);
-    patch.normal = facet_normal(object, hit->triangle);
+    spot.part = pl_object_part(object->object, hit->triangle);
+    spot.normal = facet_normal(object, hit->triangle);
   } else {
-    patch.normal = body_normal(&shot->bodies[hit->thing - shot->object_count], patch.point);
+    spot.normal = body_normal(&shot->bodies[hit->thing - shot->object_count], spot.point);
   }
-  return patch;
+  return spot;
 }
 
 uint32_t pl_patch_meet(pl_pixel_patches *patches, const pl_snapshot *shot, const pl_hit *hit,
                        pl_vec3f direction, float spread) {
   for (uint32_t i = 0; i < patches->count; i++) {
     pl_patch *patch = &patches->patch[i];
-    if (patch->triangle == hit->triangle && patch->thing == hit->thing)
+    if (patch->triangle == hit->triangle && patch->spot.thing == hit->thing)
       return patch->seen++, i;
   }
-  const pl_patch met = patch_at(shot, hit, direction);
-  const float depth_m = pl_patch_depth(&met, spread);
+  const pl_spot met = spot_at(shot, hit, direction);
+  const float depth_m = pl_spot_depth(&met, spread);
   for (uint32_t i = 0; i < patches->count; i++) {
     pl_patch *patch = &patches->patch[i];
-    if (!pl_patch_fits(patch, &met, depth_m))
+    if (!pl_spot_fits(&patch->spot, &met, depth_m))
       continue;
     patch->triangle = hit->triangle;
     return patch->seen++, i;
   }
   if (patches->count == PL_PATCHES)
     return PL_PATCH_NONE;
-  patches->patch[patches->count] = met;
+  patches->patch[patches->count] = (pl_patch){.spot = met, .triangle = hit->triangle, .seen = 1};
   return patches->count++;
 }

@@ -215,7 +215,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   pl_shine_draw drawn;
   if (!pl_shine_sample(shine, &vertex->surface, wo, u, choice[0], &drawn)) {
     if (bounce == 0 && drawn.set)
-      pl_path_lose(vertex, path, b);
+      pl_path_lose(context, vertex, path, b);
     return false;
   }
   *ray = pl_vertex_ray(vertex, context->shot, drawn.direction, INFINITY);
@@ -336,7 +336,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
   if (onward &&
       extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, cap, *kept, b) &&
-      (bounce > 0 || pl_path_follow(vertex, &b->paths[*kept], b)))
+      (bounce > 0 || pl_path_follow(context, vertex, &b->paths[*kept], b)))
     ++*kept;
 }
 
@@ -368,7 +368,7 @@ static void follow_settled(const pl_path_context *context, size_t i, size_t *kep
   pl_shine_at(context->settings->shine, &vertex, wo, &shine);
   if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, REGULAR_CAP, *kept,
              b) &&
-      pl_path_follow(&vertex, &b->paths[*kept], b))
+      pl_path_follow(context, &vertex, &b->paths[*kept], b))
     ++*kept;
 }
 
@@ -398,9 +398,21 @@ static void visit_hit(const pl_path_context *context, int bounce, size_t i, size
   shade_hit(context, bounce, i, &vertex, kept, queued, b);
 }
 
-static void draw_wave(uint32_t index, int bounce, size_t count, pl_tile_buffers *b) {
-  const pl_draws draws = {
-      {b->draws[0], b->draws[1]}, {b->draws[2], b->draws[3]}, {b->draws[4], b->draws[5]}};
+/* What few paths of each of many pixels find is pooled: they are spread over these. */
+static void draw_wave(const pl_path_context *context, uint32_t index, int bounce, size_t count,
+                      pl_tile_buffers *b) {
+  enum { ROW_BITS = 5 };
+  _Static_assert(PL_TILE_SIDE == 1 << ROW_BITS, "rows of a tile");
+  pl_draws draws = {.sun = {b->draws[0], b->draws[1]}, .choice = {b->draws[4], b->draws[5]}};
+  float *direction[2] = {b->draws[2], b->draws[3]};
+  if (bounce == 0 && context->quick) {
+    for (size_t i = 0; i < count; i++)
+      b->wave_seeds[i] = b->paths[i].pixel;
+    pl_draws_spread(direction, b->wave_seeds, count, ROW_BITS, b->seeds[0], index);
+  } else {
+    draws.direction[0] = direction[0];
+    draws.direction[1] = direction[1];
+  }
   for (size_t i = 0; i < count; i++)
     b->wave_seeds[i] = b->seeds[b->paths[i].pixel];
   pl_draws_fill(&draws, b->wave_seeds, count, index, (uint32_t)bounce);
@@ -409,7 +421,7 @@ static void draw_wave(uint32_t index, int bounce, size_t count, pl_tile_buffers 
 static size_t shade_wave(const pl_path_context *context, uint32_t index, int bounce, size_t count,
                          pl_tile_buffers *b) {
   size_t kept = 0, queued = 0;
-  draw_wave(index, bounce, count, b);
+  draw_wave(context, index, bounce, count, b);
   if (context->settings->veils != NULL)
     pl_veils_apply(context, bounce, count, b);
   else if (context->settings->air != NULL)

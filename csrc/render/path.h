@@ -61,8 +61,8 @@ typedef struct pl_tile_buffers {
   pl_pending pending[PL_TILE_SHADOWS];
   pl_ray shadow_rays[PL_TILE_SHADOWS];
   bool occluded[PL_TILE_SHADOWS];
-  pl_air_tile air; /* not set where settings->air is NULL */
-  uint32_t wave_seeds[PL_TILE_PIXELS];
+  pl_air_tile air;                     /* not set where settings->air is NULL */
+  uint32_t wave_seeds[PL_TILE_PIXELS]; /* or pixels */
   float draws[6][PL_TILE_PIXELS];
 } pl_tile_buffers;
 
@@ -80,6 +80,7 @@ typedef struct pl_path_context {
   bool centred;           /* the geometry buffer's rays are those of sample 0 */
   bool sharp;             /* all rays of a pixel come by one point */
   bool pools;             /* pixels pool light, see share.c */
+  bool quick;             /* and do so over many, for few samples */
   bool bodies, sun, air;  /* whether any body, the sun or air may be in this tile's cone */
   bool veils;             /* likewise */
 } pl_path_context;
@@ -106,11 +107,13 @@ static inline pl_vec3f *pl_path_sink(pl_tile_buffers *buffers, uint32_t pixel, b
 
 /* Whether a path that has left its first surface is to be followed; makes it a shared one if it
  * went into a wide lobe. */
-bool pl_path_follow(const pl_vertex *vertex, pl_path *next, pl_tile_buffers *buffers);
+bool pl_path_follow(const pl_path_context *context, const pl_vertex *vertex, pl_path *next,
+                    pl_tile_buffers *buffers);
 
 /* Of a path that ends at its first surface, drawn to what has set there: counts as one that was
  * followed and found no light. */
-void pl_path_lose(const pl_vertex *vertex, const pl_path *path, pl_tile_buffers *buffers);
+void pl_path_lose(const pl_path_context *context, const pl_vertex *vertex, const pl_path *path,
+                  pl_tile_buffers *buffers);
 
 /* Counts a sample like those before, whose light stands for its own; false if there is none. */
 bool pl_path_repeat(pl_patch *patch);

@@ -7,6 +7,7 @@
 #include "math/philox.h"
 #include "render/body_points.h"
 #include "render/path.h"
+#include "render/pool.h"
 #include "render/reach.h"
 #include "render/share.h"
 
@@ -199,6 +200,7 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
       .centred = !(job->shot->camera.aperture_m > 0.0) && job->settings->slice == NULL,
       .sharp = !(job->shot->camera.aperture_m > 0.0),
       .pools = is_adaptive(job),
+      .quick = is_adaptive(job) && job->settings->samples <= PL_SHARE_ROW,
       .bodies = content->bodies,
       .sun = content->sun,
       .air = content->air,
@@ -298,7 +300,7 @@ static pl_status light_tile(void *context, size_t item, int worker) {
   pl_vec3f *radiance = job->scratch->buffers[worker].radiance;
   if (!share->tiles[item].lit)
     return PL_OK;
-  pl_share_light(share, item, job->settings, job->pixel_rad, radiance);
+  pl_pool_light(share, item, job->settings, job->pixel_rad, radiance);
   const pl_tile_result result = {share->tiles[item].tile, false, NULL, radiance};
   return job->done(job->context, &result, worker);
 }

@@ -10,23 +10,54 @@
 
 #include "render/path.h"
 
+/* Of so many samples in a row the first few are followed beyond the first surface; fewer of them in
+ * frames of no more samples. */
+enum { PL_SHARE_ROW = 8 };
+
+/* Pixels are merged into square cells, from an even row and column of the image on. */
+enum { PL_CELL = 2, PL_CELL_SIDE = PL_TILE_SIDE / PL_CELL, PL_CELLS = PL_CELL_SIDE * PL_CELL_SIDE };
+
+/* What a cell sees of one surface: what a pool takes from it. */
+typedef struct pl_share_cell {
+  pl_spot spot;
+  pl_vec3f shared, weight; /* of its patches: sums over the paths that were followed */
+  float square;            /* sum of their squared luminances */
+  float count;             /* of these paths */
+} pl_share_cell;
+
+/* What is left of a pixel's patch. */
+typedef struct pl_share_patch {
+  uint16_t pixel;              /* of the tile */
+  uint16_t cell;               /* which of those of its cell it is in */
+  uint32_t lit;                /* paths that were followed */
+  float part;                  /* of the pixel's samples that went on into a wide lobe */
+  float level;                 /* luminance but for what is shared */
+  pl_vec3f weight;             /* of light that is shared, in the pixel's mean */
+  pl_vec3f shared, lit_weight; /* as of pl_patch */
+} pl_share_patch;
+
 /* What is kept of a tile until all are sampled. */
 typedef struct pl_share_tile {
-  bool lit;          /* by others, anywhere; what follows is not valid without */
-  pl_patch *patches; /* in a block, pixel by pixel */
+  bool lit;                /* by others, anywhere; what follows is not valid without */
+  pl_share_patch *patches; /* in a block, cell by cell */
+  pl_share_cell *cells;    /* likewise */
   pl_tile tile;
-  uint32_t start[PL_TILE_PIXELS + 1]; /* of each pixel's patches */
-  float each[PL_TILE_PIXELS];         /* 1 over the samples of a pixel */
-  pl_vec3f rest[PL_TILE_PIXELS];      /* radiance but for what is shared, W m-2 sr-1 */
+  uint32_t patch_start[PL_CELLS + 1], cell_start[PL_CELLS + 1];
+  pl_vec3f rest[PL_TILE_PIXELS]; /* radiance but for what is shared, W m-2 sr-1 */
 } pl_share_tile;
 
-/* Any tile's patches fit into a block. */
+/* Any tile's patches fit into a block, and their cells, which are no more. */
 enum { PL_SHARE_BLOCK = PL_TILE_PIXELS * PL_PATCHES };
+
+typedef struct pl_share_block {
+  pl_share_patch patches[PL_SHARE_BLOCK];
+  pl_share_cell cells[PL_SHARE_BLOCK];
+} pl_share_block;
 
 /* Kept from frame to frame: what moves from tile to tile takes no new memory. */
 typedef struct pl_share {
-  pthread_mutex_t lock; /* on the blocks */
-  pl_patch **blocks;    /* owned, and what they point at */
+  pthread_mutex_t lock;    /* on the blocks */
+  pl_share_block **blocks; /* owned, and what they point at */
   size_t block_count, block_room;
   size_t block, used;   /* the one that is being filled, and patches in it */
   pl_share_tile *tiles; /* owned, rows of `columns`; the first of them is `row0` of the image */
@@ -43,9 +74,5 @@ void pl_share_clear(pl_share *share);
  * that is kept, and radiance is without it. Each item by one worker. */
 pl_status pl_share_keep(pl_share *share, size_t item, const pl_path_context *context,
                         pl_tile_buffers *buffers);
-
-/* Radiance of a tile that is lit, when all are kept. */
-void pl_share_light(const pl_share *share, size_t item, const pl_render_settings *settings,
-                    double pixel_rad, pl_vec3f radiance[PL_TILE_PIXELS]);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "frames.h"
+#include "render/draws.h"
 
 static const double AU = 149597870700.0;
 
@@ -169,11 +170,69 @@ static void test_dark_without_bounces(void **state) {
   pl_model_destroy(model);
 }
 
+enum { ROW_BITS = 5, TILE = 1 << (2 * ROW_BITS) };
+
+/* Whether of 4^k points one is in each of 2^k x 2^k cells. */
+static bool is_even(const float *u, const float *v, const uint32_t *which, int k) {
+  bool taken[TILE] = {false};
+  const float cells = (float)(1 << k);
+  for (int i = 0; i < 1 << (2 * k); i++) {
+    const int cell = (int)(v[which[i]] * cells) << k | (int)(u[which[i]] * cells);
+    if (taken[cell])
+      return false;
+    taken[cell] = true;
+  }
+  return true;
+}
+
+/* By the construction of (0,2)-nets: of any sample, the draws of every aligned square of pixels lie
+ * evenly, and so do the first samples of every pixel. */
+static void test_draws_lie_evenly(void **state) {
+  (void)state;
+  static float u[TILE], v[TILE], own_u[16][TILE], own_v[16][TILE];
+  uint32_t pixels[TILE], square[TILE];
+  for (uint32_t i = 0; i < TILE; i++)
+    pixels[i] = i;
+  float *const arrays[2] = {u, v};
+  for (uint32_t sample = 0; sample < 16; sample++) {
+    pl_draws_spread(arrays, pixels, TILE, ROW_BITS, 77u, sample);
+    memcpy(own_u[sample], u, sizeof u);
+    memcpy(own_v[sample], v, sizeof v);
+    for (int k = 0; k <= ROW_BITS; k++)
+      for (uint32_t at = 0; at < TILE; at += 1u << k) {
+        const uint32_t row = at >> ROW_BITS, side = 1u << k;
+        for (uint32_t i = 0; i < side * side; i++)
+          square[i] = at + (i / side << ROW_BITS) + i % side;
+        if (row % side == 0)
+          assert_true(is_even(u, v, square, k));
+      }
+  }
+  for (uint32_t pixel = 0; pixel < TILE; pixel++) {
+    for (uint32_t i = 0; i < 16; i++)
+      square[i] = i * TILE + pixel;
+    assert_true(is_even(own_u[0], own_v[0], square, 2));
+  }
+}
+
+/* Other tiles draw otherwise; a pixel draws the same whatever others do. */
+static void test_draws_are_keyed(void **state) {
+  (void)state;
+  const uint32_t pixels[3] = {5, 700, 1023};
+  float all[2][3], other[2][3], one[2];
+  pl_draws_spread((float *[2]){all[0], all[1]}, pixels, 3, ROW_BITS, 1u, 3);
+  pl_draws_spread((float *[2]){other[0], other[1]}, pixels, 3, ROW_BITS, 2u, 3);
+  for (int i = 0; i < 3; i++) {
+    pl_draws_spread((float *[2]){&one[0], &one[1]}, &pixels[i], 1, ROW_BITS, 1u, 3);
+    assert_true(one[0] == all[0][i] && one[1] == all[1][i]);
+    assert_true(other[0][i] != all[0][i] && other[1][i] != all[1][i]);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_noise_and_light),
-      cmocka_unit_test(test_no_blotches),
-      cmocka_unit_test(test_dark_without_bounces),
+      cmocka_unit_test(test_noise_and_light),      cmocka_unit_test(test_no_blotches),
+      cmocka_unit_test(test_dark_without_bounces), cmocka_unit_test(test_draws_lie_evenly),
+      cmocka_unit_test(test_draws_are_keyed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,211 @@
+/* Pools are made for cells, and of cells. */
+#include "render/pool.h"
+
+#include <string.h>
+
+#include "math/color.h"
+
+/* Cells that a pool reaches to each side: one is asked first, whether its paths are enough, so many
+ * at least. */
+enum { REACH = 3, FEWEST = 24 };
+/* Of so many paths that found light at least, counted as if all had found the same: where fewer
+ * did, near ones may have missed it by luck, and farther ones are asked. */
+static const float FOUND = 8.0f;
+/* Nothing is made of fewer paths than these: one that found no light would show. */
+static const float FEWEST_USED = 7.7f; /* 8, but for rounding */
+/* A pool is quiet once its standard error is below so many tolerances. */
+static const float QUIET = 1.0f;
+
+/* What the paths of one surface bring, by the distance of their cell: squares about the pool's. */
+typedef struct ring {
+  pl_vec3f shared, weight;
+  float square; /* sum of squared luminances */
+  float count;  /* of paths */
+} ring;
+
+/* The cells of a tile and those around it. */
+enum { SIDE = PL_CELL_SIDE + 2 * REACH };
+typedef struct window {
+  const pl_share_cell *cells[SIDE * SIDE];
+  uint32_t counts[SIDE * SIDE];
+} window;
+
+typedef struct pool {
+  const window *window;
+  const pl_spot *like;
+  float depth_m;
+  ring rings[REACH + 1];
+} pool;
+
+/* What a pool says of its cell's patches. */
+typedef struct answer {
+  bool known;
+  pl_vec3f light; /* for what patches carry on */
+  float enough;   /* paths: patches that have as many do not need it */
+} answer;
+
+/* The tile so many columns and rows from another; NULL: none that is lit. */
+static const pl_share_tile *tile_beside(const pl_share *share, size_t item, int u, int v) {
+  const int column = (int)(item % (size_t)share->columns) + u;
+  const int row = (int)(item / (size_t)share->columns) + v;
+  if (column < 0 || column >= share->columns || row < 0 || row >= share->rows)
+    return NULL;
+  const pl_share_tile *tile = &share->tiles[row * share->columns + column];
+  return tile->lit ? tile : NULL;
+}
+
+static void look_around(const pl_share *share, size_t item, window *out) {
+  const pl_share_tile *tiles[9];
+  for (int i = 0; i < 9; i++)
+    tiles[i] = tile_beside(share, item, i % 3 - 1, i / 3 - 1);
+  for (int k = 0; k < SIDE * SIDE; k++) {
+    const int x = k % SIDE - REACH + PL_CELL_SIDE, y = k / SIDE - REACH + PL_CELL_SIDE;
+    const pl_share_tile *tile = tiles[y / PL_CELL_SIDE * 3 + x / PL_CELL_SIDE];
+    out->counts[k] = 0;
+    if (tile == NULL)
+      continue;
+    const int i = y % PL_CELL_SIDE * PL_CELL_SIDE + x % PL_CELL_SIDE;
+    out->cells[k] = tile->cells + tile->cell_start[i];
+    out->counts[k] = tile->cell_start[i + 1] - tile->cell_start[i];
+  }
+}
+
+static void add_cell(const pool *pool, int k, ring *ring) {
+  const pl_share_cell *cells = pool->window->cells[k];
+  const uint32_t count = pool->window->counts[k];
+  for (uint32_t i = 0; i < count; i++) {
+    const pl_share_cell *cell = &cells[i];
+    if (!pl_spot_fits(pool->like, &cell->spot, pool->depth_m))
+      continue;
+    ring->shared = pl_vec3f_add(ring->shared, cell->shared);
+    ring->weight = pl_vec3f_add(ring->weight, cell->weight);
+    ring->square += cell->square;
+    ring->count += cell->count;
+  }
+}
+
+static void add_ring(pool *pool, int k, int r) {
+  ring *ring = &pool->rings[r];
+  for (int u = -r; u <= r; u++) {
+    add_cell(pool, k - r * SIDE + u, ring);
+    if (r > 0)
+      add_cell(pool, k + r * SIDE + u, ring);
+  }
+  for (int v = 1 - r; v < r; v++) {
+    add_cell(pool, k + v * SIDE - r, ring);
+    add_cell(pool, k + v * SIDE + r, ring);
+  }
+}
+
+static float ratio(float a, float b) { return b > 0.0f ? a / b : 0.0f; }
+
+static pl_vec3f light_of(pl_vec3f shared, pl_vec3f weight) {
+  return pl_vec3f_make(ratio(shared.x, weight.x), ratio(shared.y, weight.y),
+                       ratio(shared.z, weight.z));
+}
+
+/* The standard error with which a level is quiet. Downwards too: what lies beyond white may be in
+ * error by all that it is. */
+static float quiet_error(const pl_render_settings *settings, float level) {
+  const float white = settings->white_radiance, limit = QUIET * settings->noise_dn / 255.0f;
+  const float shown = pl_srgb_encode(pl_minf(level / white, 1.0f));
+  const float up = shown + limit < 1.0f ? white * pl_srgb_decode(shown + limit) - level : INFINITY;
+  const float down = shown > limit ? level - white * pl_srgb_decode(shown - limit) : INFINITY;
+  return pl_minf(up, down);
+}
+
+/* Rings count less and less up to the first that does not: no edges of squares are to be seen. */
+static float part_of(int r, float span) { return pl_maxf(1.0f - (float)r / span, 0.0f); }
+
+/* Paths that a pool is worth if rings count by their span. */
+static float worth(const pool *pool, float span, int most) {
+  float sum = 0.0f, square = 0.0f;
+  for (int r = 0; r <= most; r++) {
+    const float part = part_of(r, span);
+    sum += part * pool->rings[r].count;
+    square += part * part * pool->rings[r].count;
+  }
+  return sum * sum / square;
+}
+
+/* How far around light is taken from, within what the pool holds: to the end when it never is
+ * quiet. It is decided by the scatter of all that is held: that of the light which is used would
+ * stop pools that luck has kept in the dark. */
+static bool choose_span(const pool *pool, const pl_render_settings *settings,
+                        const pl_share_patch *patch, int most, float *span, float *enough) {
+  static const float spans[] = {1.0f, 1.125f, 1.25f, 1.5f, 2.0f, 2.5f, 3.0f, 4.0f};
+  enum { SPANS = sizeof spans / sizeof *spans };
+  float light = 0.0f, square = 0.0f, count = 0.0f;
+  for (int r = 0; r <= most; r++) {
+    light += pl_luminance(pool->rings[r].shared);
+    square += pool->rings[r].square;
+    count += pool->rings[r].count;
+  }
+  *span = (float)(most + 1);
+  *enough = INFINITY;
+  if (!(light * light > FOUND * square) || count < FEWEST)
+    return false;
+  const float mean = light / count;
+  const float variance = pl_maxf(square / count - mean * mean, 0.0f);
+  const float limit = quiet_error(settings, patch->level + patch->part * mean);
+  *enough = pl_maxf(patch->part * patch->part * variance / (limit * limit), FEWEST_USED);
+  for (int i = 0; i < SPANS && spans[i] <= (float)(most + 1); i++)
+    if (worth(pool, spans[i], most) >= *enough) {
+      *span = spans[i];
+      return true;
+    }
+  return false;
+}
+
+/* What paths bring for what they carry on, in the pool about cell `k`. */
+static answer ask(pool *pool, const pl_render_settings *settings, const pl_share_patch *patch,
+                  int k) {
+  answer out = {.known = true};
+  float span = 1.0f;
+  add_ring(pool, k, 0);
+  for (int most = 1; most <= REACH; most++) {
+    add_ring(pool, k, most);
+    if (choose_span(pool, settings, patch, most, &span, &out.enough))
+      break;
+  }
+  pl_vec3f all = {0.0f, 0.0f, 0.0f}, weight = all;
+  for (int r = 0; (float)r < span; r++) {
+    all = pl_vec3f_madd(all, part_of(r, span), pool->rings[r].shared);
+    weight = pl_vec3f_madd(weight, part_of(r, span), pool->rings[r].weight);
+  }
+  out.light = light_of(all, weight);
+  return out;
+}
+
+static void light_cell(const pl_share_tile *tile, int i, const window *window,
+                       const pl_render_settings *settings, float spread, pl_vec3f *radiance) {
+  const pl_share_cell *cells = tile->cells + tile->cell_start[i];
+  const int k = (i / PL_CELL_SIDE + REACH) * SIDE + i % PL_CELL_SIDE + REACH;
+  answer answers[PL_CELL * PL_CELL * PL_PATCHES];
+  for (uint32_t j = 0; j < tile->cell_start[i + 1] - tile->cell_start[i]; j++)
+    answers[j].known = false;
+  for (uint32_t j = tile->patch_start[i]; j < tile->patch_start[i + 1]; j++) {
+    const pl_share_patch *patch = &tile->patches[j];
+    answer *answer = &answers[patch->cell];
+    if (!answer->known) {
+      const pl_spot *spot = &cells[patch->cell].spot;
+      pool pool = {.window = window, .like = spot, .depth_m = pl_spot_depth(spot, spread)};
+      *answer = ask(&pool, settings, patch, k);
+    }
+    const bool alone = (float)patch->lit >= answer->enough;
+    const pl_vec3f light = alone ? light_of(patch->shared, patch->lit_weight) : answer->light;
+    radiance[patch->pixel] =
+        pl_vec3f_add(radiance[patch->pixel], pl_vec3f_mul(patch->weight, light));
+  }
+}
+
+void pl_pool_light(const pl_share *share, size_t item, const pl_render_settings *settings,
+                   double pixel_rad, pl_vec3f radiance[PL_TILE_PIXELS]) {
+  const pl_share_tile *tile = &share->tiles[item];
+  window window;
+  look_around(share, item, &window);
+  memcpy(radiance, tile->rest, sizeof tile->rest);
+  for (int i = 0; i < PL_CELLS; i++)
+    if (tile->patch_start[i] < tile->patch_start[i + 1])
+      light_cell(tile, i, &window, settings, (float)pixel_rad, radiance);
+}
