@@ -297,6 +297,66 @@ def test_overrides(scene):
     assert scene["camera"]["width"] == 48  # the caller's mapping is left alone
 
 
+@pytest.mark.parametrize(
+    ("section", "changes", "left"),
+    [
+        (
+            {"percentile": 90.0, "key": 0.5},
+            {"mode": "fixed", "white_radiance_w_m2_sr": 3.0},
+            {"mode": "fixed", "white_radiance_w_m2_sr": 3.0},
+        ),
+        ({"mode": "fixed", "white_radiance_w_m2_sr": 3.0}, {"mode": "auto"}, {"mode": "auto"}),
+        (
+            {"mode": "fixed", "white_radiance_w_m2_sr": 3.0},
+            {"mode": "auto", "key": 0.5},
+            {"mode": "auto", "key": 0.5},
+        ),
+    ],
+)
+def test_an_override_of_a_mode_leaves_out_what_the_other_mode_reads(scene, section, changes, left):
+    scene["camera"]["exposure"] = section
+    document = load(scene, **{f"camera.exposure.{key}": value for key, value in changes.items()})
+    assert document.tree["camera"]["exposure"] == left
+    assert document.config == cfg.load(document.tree).config
+
+
+def test_an_override_leaves_out_what_is_unread_in_several_sections(scene):
+    scene["camera"]["sensor"] = {
+        "point_spread": {"core": "gauss", "sigma_px": 0.9},
+        "exposure": {"mode": "auto", "metering": "mean", "max_ms": 5.0},
+    }
+    document = load(
+        scene,
+        **{"camera.sensor.point_spread.core": "airy", "camera.sensor.exposure.mode": "fixed"},
+    )
+    sensor = document.tree["camera"]["sensor"]
+    assert sensor == {"point_spread": {"core": "airy"}, "exposure": {"mode": "fixed"}}
+
+
+def test_keys_without_effect_are_refused_where_no_override_explains_them(scene):
+    fixed = {"camera.exposure.mode": "fixed", "camera.exposure.white_radiance_w_m2_sr": 3.0}
+    unread = "camera.exposure.percentile: does nothing without mode: auto"
+    assert unread in failure(scene, **fixed, **{"camera.exposure.percentile": 90.0})
+    whole = {"mode": "fixed", "white_radiance_w_m2_sr": 3.0, "percentile": 90.0}
+    assert unread in failure(scene, **{"camera.exposure": whole})
+    scene["camera"]["exposure"] = whole
+    assert unread in failure(scene)
+    assert unread in failure(scene, **{"camera.width": 64})
+
+
+def test_a_choice_of_a_mode_goes_with_what_one_of_its_values_reads(scene):
+    spread = {"core": {"choice": ["gauss", "airy"]}, "sigma_px": 0.9}
+    scene["camera"]["sensor"] = {"point_spread": spread}
+    document = load(scene)
+    found = {
+        (spread.core, spread.sigma_px)
+        for spread in (document.at(k)[0].camera.sensor.point_spread for k in range(20))
+    }
+    default = cfg.load({**scene, "camera": scene["camera"] | {"sensor": {}}})
+    assert found == {("gauss", 0.9), ("airy", default.config.camera.sensor.point_spread.sigma_px)}
+    assert document.tree["camera"]["sensor"]["point_spread"] == spread
+
+
 def test_faulty_overrides(scene):
     assert "is no index" in failure(scene, **{"camera.trajectory.distance_m.2": 1})
     assert "below a single value" in failure(scene, **{"camera.width.x": 1})

@@ -30,7 +30,7 @@ class Exposure(Strict):
         if self.mode == "fixed" and self.white_radiance_w_m2_sr is None:
             fail("white_radiance_w_m2_sr", "required for mode: fixed")
         if self.mode == "auto" and self.white_radiance_w_m2_sr is not None:
-            fail("white_radiance_w_m2_sr", "only for mode: fixed")
+            self._only_with("mode: fixed", "white_radiance_w_m2_sr")
         if self.mode == "fixed":
             self._only_with("mode: auto", "percentile", "key")
         return self

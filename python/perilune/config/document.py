@@ -10,17 +10,28 @@ from typing import Any
 from pydantic import ValidationError
 
 from perilune.config import oaisys
-from perilune.config.errors import ConfigError, from_validation, named, nearest, origin
+from perilune.config.errors import ConfigError, from_validation, named, nearest, origin, unread
 from perilune.config.fixed import fixed
 from perilune.config.instances import spread
 from perilune.config.loader import plain_tree, read_tree
 from perilune.config.material_files import include
 from perilune.config.model_graphs import include_models
-from perilune.config.overrides import apply_overrides
+from perilune.config.overrides import apply_overrides, without_unread
 from perilune.config.paths import resolve
 from perilune.config.references import check_references
 from perilune.config.schema import Config
-from perilune.drivers import Defaults, DriverError, Found, KeyPath, Plan, find, names, substitute
+from perilune.drivers import (
+    Defaults,
+    DriverError,
+    Found,
+    KeyPath,
+    Plan,
+    find,
+    names,
+    substitute,
+    without,
+)
+from perilune.drivers.choice import KIND as CHOICE
 from perilune.hooks import HookError
 
 
@@ -155,11 +166,23 @@ class Document:
 
     def _validate(self, values: Mapping[KeyPath, Any]) -> Config:
         tree = substitute(self.tree, values)
-        try:
-            return Config.model_validate(tree, context={"path": self.path})
-        except ValidationError as error:
-            driven = self._by_name(values)
-            raise from_validation(error, tree, self.source, driven, self.origins) from None
+        while True:
+            try:
+                return Config.model_validate(tree, context={"path": self.path})
+            except ValidationError as error:
+                idle = unread(error, tree)
+                if not idle or not all(self._beside_choice(path) for path in idle):
+                    driven = self._by_name(values)
+                    raise from_validation(error, tree, self.source, driven, self.origins) from None
+                for path in idle:
+                    tree = without(tree, path)
+
+    def _beside_choice(self, path: KeyPath) -> bool:
+        """Whether another value of a choice in the same section may read a key."""
+        return any(
+            driver.kind is CHOICE and driver.path[:-1] == path[:-1] and driver.path != path
+            for driver in self.drivers
+        )
 
     def choices(self, chosen: Callable[[KeyPath], bool]) -> Iterator[Config]:
         """The configuration with each limit of the drivers at some key paths, one at a time.
@@ -196,8 +219,8 @@ def load(
 ) -> Document:
     """Loads a YAML or JSON file, or takes a mapping (paths relative to `base`, default: here).
 
-    One with the sections of an OAISYS file is translated first; overrides are of our keys. replay:
-    see perilune.open.
+    One with the sections of an OAISYS file is translated first; overrides are of our keys. Where
+    one changes a mode, what only the mode before reads is left out. replay: see perilune.open.
     """
     if isinstance(config, Mapping):
         source = "configuration"
@@ -217,4 +240,11 @@ def load(
     origins |= include(tree, base, source)
     origins |= include_models(tree, base, source)
     spread(tree)
-    return Document(tree, base, source, origins, replay)
+    while True:
+        try:
+            return Document(tree, base, source, origins, replay)
+        except ConfigError as error:
+            fewer = without_unread(tree, error.unread, overrides or ())
+            if not error.unread or fewer is None:
+                raise
+            tree = fewer

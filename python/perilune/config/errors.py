@@ -10,14 +10,19 @@ from typing import Any, NoReturn
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from perilune.drivers import path_text
+from perilune.drivers import KeyPath, path_text
 
 _SHOWN_NAMES = 40
+_OWN, _UNREAD = "perilune", "perilune_unread"
 _MAPPING = re.compile(r"a valid dictionary( or .*)?$")
 
 
 class ConfigError(ValueError):
-    """A configuration that cannot be used; the text names the file and every faulty key."""
+    """A configuration that cannot be used; the text names the file and every faulty key.
+
+    unread: key paths of those that nothing reads beside the others of their sections."""
+
+    unread: Sequence[KeyPath] = ()
 
 
 def nearest(name: object, allowed: Iterable[str]) -> str:
@@ -31,7 +36,24 @@ def nearest(name: object, allowed: Iterable[str]) -> str:
 
 def fail(path: str, text: str) -> NoReturn:
     """Raises, inside a validator, an error at `path` below the value being validated."""
-    raise PydanticCustomError("perilune", "{text}", {"text": text, "path": path})
+    raise PydanticCustomError(_OWN, "{text}", {"text": text, "path": path})
+
+
+def fail_unread(key: str, text: str) -> NoReturn:
+    """As `fail`, of a key that nothing reads beside the others of its section."""
+    raise PydanticCustomError(_UNREAD, "{text}", {"text": text, "path": key})
+
+
+def unread(error: ValidationError, tree: Any) -> list[KeyPath]:
+    """Key paths of what `fail_unread` has refused, without what is not in the tree, as the values
+    of a preset are not."""
+    found = []
+    for detail in error.errors():
+        if detail["type"] == _UNREAD:
+            path, section = _walk(tree, detail["loc"], False)
+            if isinstance(section, Mapping) and (key := detail["ctx"]["path"]) in section:
+                found.append((*path, key))
+    return found
 
 
 def _walk(tree: Any, loc: Sequence[Any], missing: bool) -> tuple[list[Any], Any]:
@@ -71,7 +93,7 @@ def _describe(
     error: ErrorDetails, tree: Any, driven: Mapping[str, Any], origins: Mapping[str, str]
 ) -> str:
     path, value = _walk(tree, error["loc"], error["type"] == "missing")
-    below = error.get("ctx", {}).get("path", "") if error["type"] == "perilune" else ""
+    below = error.get("ctx", {}).get("path", "") if error["type"] in (_OWN, _UNREAD) else ""
     key = path_text((*path, below) if below else tuple(path))
     shown_key = origin(key, origins)
     if error["type"] == "missing":
@@ -124,4 +146,7 @@ def from_validation(
     """
     details = _causes(error.errors())
     lines = [_describe(detail, tree, driven or {}, origins or {}) for detail in details]
-    return ConfigError(f"{source}:\n" + "\n".join(f"  {line}" for line in dict.fromkeys(lines)))
+    text = f"{source}:\n" + "\n".join(f"  {line}" for line in dict.fromkeys(lines))
+    result = ConfigError(text)
+    result.unread = unread(error, tree)
+    return result

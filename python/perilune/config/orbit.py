@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from perilune.config.errors import fail
+from perilune.config.errors import fail, fail_unread
 from perilune.config.types import (
     AngleRange,
     FileName,
@@ -276,7 +276,7 @@ class Drawn(Around):
         if self.propagator in propagators:
             for key in ("v_step", "orbit_start"):
                 if getattr(self, key) is not None:
-                    fail(key, "only for propagator: circular")
+                    fail_unread(key, "only for propagator: circular")
         if self.propagator == "circular" and self.v_step is None:
             fail("v_step", "required for propagator: circular (0: it stands still)")
 

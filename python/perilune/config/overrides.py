@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from perilune.config.errors import ConfigError
 from perilune.config.loader import parse_yaml
+from perilune.drivers import KeyPath, without
 
 _INDEX = re.compile(r"\[(\d+)\]")
 
@@ -33,16 +34,36 @@ def _step(node: Any, part: str, key: str) -> tuple[Any, str | int]:
     raise ConfigError(f"override {key}: '{part}' is below a single value, {node!r}")
 
 
+def _parts(key: str) -> list[str]:
+    return _INDEX.sub(r".\1", key).split(".")
+
+
+def without_unread(
+    tree: dict[str, Any], unread: Iterable[KeyPath], overrides: Iterable[str]
+) -> dict[str, Any] | None:
+    """The tree without the keys that nothing reads since an override has changed others of their
+    sections; None if one of them is of another origin."""
+    changed = [_parts(key) for key in overrides]
+    for path in unread:
+        parts = [str(part) for part in path]
+        given = any(key == parts[: len(key)] for key in changed)
+        beside = any(key[: len(parts) - 1] == parts[:-1] for key in changed)
+        if given or not beside:
+            return None
+        tree = without(tree, path)
+    return tree
+
+
 def apply_overrides(tree: dict[str, Any], overrides: Mapping[str, Any]) -> None:
     """Changes the tree: sets each dotted key, making sections on the way; None removes the key.
 
     Indices of lists are numbers between dots, or in brackets as key paths show them:
     `camera.K.4` or `camera.K[4]`. A key must name something the schema knows; the validation that
-    follows sees to that.
+    follows sees to that, and `without_unread` to what only the mode before an override reads.
     """
     for key, value in overrides.items():
         node: Any = tree
-        parts = _INDEX.sub(r".\1", key).split(".")
+        parts = _parts(key)
         for part in parts[:-1]:
             node, index = _step(node, part, key)
             if isinstance(node, dict) and node.get(part) is None:

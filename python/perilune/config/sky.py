@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from perilune.config.errors import fail
+from perilune.config.errors import fail_unread
 from perilune.config.types import FileName, Finite, NonNegative, Strict
 
 SKY_FRAMES = ("icrf", "galactic", "ecliptic")
@@ -59,7 +59,7 @@ class Background(Strict):
         other = "image" if self.image is None else "map"
         for key in own[other]:
             if key in self.model_fields_set:
-                fail(key, f"only for a background with `{other}`")
+                fail_unread(key, f"only for a background with `{other}`")
         return self
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from perilune.config.errors import fail, nearest
+from perilune.config.errors import fail, fail_unread, nearest
 from perilune.drivers import Drawn
 
 
@@ -118,7 +118,7 @@ class Strict(BaseModel):
         """Refuses keys that do nothing without something else. needed: what it is."""
         for key in keys:
             if key in self.model_fields_set:
-                fail(key, f"does nothing without {needed}")
+                fail_unread(key, f"does nothing without {needed}")
 
     def _exactly_one(self, *names: str, optional: bool = False) -> None:
         given = [name for name in names if getattr(self, name) is not None]

@@ -21,7 +21,7 @@ drivers, and the same for all sensors of a step. Without an interval, a value is
 from perilune.drivers.common import Drawn, DriverError, KeyPath, path_text
 from perilune.drivers.mapping import Driver
 from perilune.drivers.plan import Defaults, Group, Plan, factor
-from perilune.drivers.tree import KINDS, Found, find, names, substitute
+from perilune.drivers.tree import KINDS, Found, find, names, substitute, without
 
 __all__ = [
     "KINDS",
@@ -38,4 +38,5 @@ __all__ = [
     "names",
     "path_text",
     "substitute",
+    "without",
 ]

@@ -182,3 +182,13 @@ def _replaced(node: Any, path: KeyPath, value: Any) -> Any:
     result = copy.copy(node)
     result[path[0]] = _replaced(node[path[0]], path[1:], value)
     return result
+
+
+def without(tree: Any, path: KeyPath) -> Any:
+    """The tree without a key of a mapping; the tree itself is left alone."""
+    result = copy.copy(tree)
+    if len(path) == 1:
+        del result[path[0]]
+    else:
+        result[path[0]] = without(tree[path[0]], path[1:])
+    return result
