@@ -162,7 +162,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   const pl_vec3f wi = pl_surface_to_local(s, draw.toward);
   /* Lobes that are wide against the sun find it so seldom that its weight is 1. */
   const bool rivals =
-      onward != NULL && draw.pdf > 0.0f && RIVAL_MIN * draw.pdf < pl_surface_pdf_most(s);
+      onward != NULL && draw.pdf > 0.0f && RIVAL_MIN * draw.pdf < pl_surface_pdf_most(s, wo);
   const float weight =
       rivals ? pl_power_heuristic(draw.pdf, pl_shine_pdf(onward, s, wo, wi, draw.toward)) : 1.0f;
   const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));
@@ -324,7 +324,9 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
   pl_shine shine;
-  const bool onward = goes_on(context, vertex->thing, bounce);
+  bool onward = goes_on(context, vertex->thing, bounce);
+  const pl_way first = onward && bounce == 0 ? pl_path_way(context, s, wo, &path, b) : PL_WAY_DRAWN;
+  onward = onward && first != PL_WAY_NONE;
   if (onward)
     pl_shine_at(context->settings->shine, vertex, wo, &shine);
   const pl_shine *way = onward ? &shine : NULL;
@@ -334,6 +336,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
         pl_vec3f_mul(path.throughput, sky_at(context, &path, vertex, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
+  path.shared = path.shared || first == PL_WAY_SHARED;
   if (onward &&
       extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, cap, *kept, b) &&
       (bounce > 0 || pl_path_follow(context, vertex, &b->paths[*kept], b)))

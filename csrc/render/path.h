@@ -118,6 +118,18 @@ void pl_path_lose(const pl_path_context *context, const pl_vertex *vertex, const
 /* Counts a sample like those before, whose light stands for its own; false if there is none. */
 bool pl_path_repeat(pl_patch *patch);
 
+/* How a path goes on from what the camera's ray hits. */
+typedef enum pl_way {
+  PL_WAY_DRAWN,  /* what is drawn decides, see pl_path_follow */
+  PL_WAY_SHARED, /* it is shared wherever it goes, and counted */
+  PL_WAY_NONE,   /* counted, but not followed */
+} pl_way;
+
+/* Decides it of a surface all of whose lobes are wide, unless emitters would have to know: what
+ * its path carries on is counted as about its albedo, without the luck of a draw. */
+pl_way pl_path_way(const pl_path_context *context, const pl_surface *surface, pl_vec3f wo,
+                   const pl_path *path, pl_tile_buffers *buffers);
+
 /* Digital numbers by which an error moves a mean luminance. */
 float pl_path_error_dn(const pl_render_settings *settings, float mean, float error);
 

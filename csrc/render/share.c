@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "math/color.h"
+#include "shade/reflectance.h"
 
 /* Of PL_SHARE_ROW samples so many are followed: neighbours in the sequence of draws lie evenly. The
  * first on a patch is in any case. Quick frames spare what their pools can do without: draws are
@@ -16,6 +17,9 @@ enum { BESIDE = 2, ALIKE = 3 };
 /* A lobe is wide where the density of a draw is below this, 1/sr: a cosine lobe is so everywhere.
  */
 static const float WIDE_PDF_MAX = 0.4f;
+/* What a dielectric of index 1.5 mirrors at normal incidence. */
+static const float DIELECTRIC_F0 = 0.04f;
+
 /* Whether a pixel shows the surface of a spot; so it is said of pixels beyond the tile. */
 static bool shows(const pl_path_context *context, const pl_tile_buffers *b, int x, int y,
                   const pl_spot *spot, float depth_m) {
@@ -67,7 +71,7 @@ bool pl_path_follow(const pl_path_context *context, const pl_vertex *vertex, pl_
                     pl_tile_buffers *b) {
   const uint32_t slot = b->slot[next->pixel];
   const pl_vec3f direction = pl_vec3_to_float(next->beam.direction);
-  if (slot == PL_PATCH_NONE || next->lobe_pdf > WIDE_PDF_MAX ||
+  if (next->shared || slot == PL_PATCH_NONE || next->lobe_pdf > WIDE_PDF_MAX ||
       !(pl_vec3f_dot(direction, vertex->surface.ng) > 0.0f))
     return true;
   /* As if it were drawn by the lobe: evenly coloured however often bodies are drawn to. */
@@ -80,7 +84,7 @@ bool pl_path_follow(const pl_path_context *context, const pl_vertex *vertex, pl_
 void pl_path_lose(const pl_path_context *context, const pl_vertex *vertex, const pl_path *path,
                   pl_tile_buffers *b) {
   const uint32_t slot = b->slot[path->pixel];
-  if (slot == PL_PATCH_NONE)
+  if (path->shared || slot == PL_PATCH_NONE)
     return;
   pl_patch *patch = &b->patches[path->pixel].patch[slot];
   const pl_vec3f carried = patch->wide > 0
@@ -95,6 +99,20 @@ bool pl_path_repeat(pl_patch *patch) {
   patch->weight = pl_vec3f_madd(patch->weight, 1.0f / (float)patch->wide, patch->weight);
   patch->wide++;
   return true;
+}
+
+pl_way pl_path_way(const pl_path_context *context, const pl_surface *surface, pl_vec3f wo,
+                   const pl_path *path, pl_tile_buffers *b) {
+  const uint32_t slot = b->slot[path->pixel];
+  if (slot == PL_PATCH_NONE || context->settings->emitters != NULL ||
+      pl_surface_pdf_most(surface, wo) > WIDE_PDF_MAX)
+    return PL_WAY_DRAWN;
+  const float gloss = DIELECTRIC_F0 * (1.0f - surface->metallic);
+  const pl_vec3f albedo = {surface->color.x + gloss, surface->color.y + gloss,
+                           surface->color.z + gloss};
+  const bool followed = count_wide(context, b, path->pixel, pl_vec3f_mul(path->throughput, albedo),
+                                   &b->patches[path->pixel].patch[slot]);
+  return followed ? PL_WAY_SHARED : PL_WAY_NONE;
 }
 
 pl_status pl_share_init(pl_share *share) {

@@ -44,6 +44,12 @@ static inline float pl_ggx_lambda_xy(float ax, float ay, pl_vec3f w) {
                           pl_maxf(w.z * w.z, PL_GGX_COSINE_MIN * PL_GGX_COSINE_MIN));
 }
 
+/* Upper bound of the density of mirror directions about visible normals, D(n) G1(wo) / (4 cos(wo)):
+ * D is at most 1/(pi alpha^2), and G1 / cos(wo) at most 2/alpha by Smith's Lambda. */
+static inline float pl_ggx_pdf_most(float alpha) {
+  return 1.0f / (2.0f * PL_PI_F * alpha * alpha * alpha);
+}
+
 /* What several reflections between microfacets leave of the lost light, by the mean of Schlick's
  * reflectance over the hemisphere, f0 + (1 - f0)/21: the geometric series over further hits, each
  * of which escapes with the chance 1 - loss. All of it for f0 = 1. */

@@ -13,6 +13,12 @@ static float pdf(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {
   return pl_cosine_hemisphere_pdf(wi.z);
 }
 
+static float pdf_most(const pl_surface *surface, pl_vec3f wo) {
+  (void)surface;
+  (void)wo;
+  return pl_cosine_hemisphere_pdf(1.0f);
+}
+
 static bool sample(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
                    pl_vec3f *wi, pl_vec3f *weight, float *density) {
   (void)wo;
@@ -28,5 +34,6 @@ const pl_reflectance pl_reflectance_lambert = {
     .doc = "Lambert: albedo/pi in every direction",
     .evaluate = evaluate,
     .pdf = pdf,
+    .pdf_most = pdf_most,
     .sample = sample,
 };

@@ -106,6 +106,11 @@ static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   return density_of(&v, wo, wi, pl_vec3f_unit(pl_vec3f_add(wo, wi)));
 }
 
+static float pdf_most(const pl_surface *s, pl_vec3f wo) {
+  const view v = view_of(s, wo);
+  return v.chance * pl_ggx_pdf_most(v.alpha) + (1.0f - v.chance) * pl_cosine_hemisphere_pdf(1.0f);
+}
+
 static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float choice, pl_vec3f *wi,
                    pl_vec3f *weight, float *density) {
   if (!(wo.z > 0.0f))
@@ -160,6 +165,7 @@ const pl_reflectance pl_reflectance_metallic_roughness = {
            "base",
     .evaluate = evaluate,
     .pdf = pdf,
+    .pdf_most = pdf_most,
     .sample = sample,
     .inputs = inputs,
     .input_count = sizeof inputs / sizeof inputs[0],

@@ -37,6 +37,8 @@ struct pl_reflectance {
   pl_vec3f (*evaluate)(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
   /* Density of `sample` per solid angle at wi; 0 when it cannot come. */
   float (*pdf)(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi);
+  /* Upper bound of that over all wi, 1/sr; NULL: none is known. */
+  float (*pdf_most)(const pl_surface *surface, pl_vec3f wo);
   /* Draws wi from u in [0,1)^2 and a lobe choice in [0,1); false if the draw falls below the
    * horizon. *weight = evaluate / pdf. */
   bool (*sample)(const pl_surface *surface, pl_vec3f wo, const float u[2], float choice,
@@ -83,13 +85,9 @@ static inline bool pl_surface_admits(const pl_surface *s, pl_vec3f direction) {
          (s->reflectance->layered && s->lobes.transmission > 0.0f && ng < 0.0f && n < 0.0f);
 }
 
-/* Upper bound of the density of `sample`, 1/sr; infinite where layers may be sharper. Of GGX's
- * visible normals it is D(n) G1(wo) / (4 cos(wo)), where D is at most 1/(pi alpha^2), and G1 /
- * cos(wo) at most 2/alpha, by Smith's Lambda; a cosine's is less wherever alpha is at most 0.79. */
-static inline float pl_surface_pdf_most(const pl_surface *s) {
-  const float alpha = s->alpha;
-  const float most = 1.0f / (2.0f * PL_PI_F * alpha * alpha * alpha);
-  return s->reflectance->layered ? INFINITY : pl_maxf(most, 1.0f / PL_PI_F);
+/* The same of any row. */
+static inline float pl_surface_pdf_most(const pl_surface *s, pl_vec3f wo) {
+  return s->reflectance->pdf_most != NULL ? s->reflectance->pdf_most(s, wo) : INFINITY;
 }
 
 /* Upper bound of pi times what a surface of a photometric row makes of a light's irradiance, in any
