@@ -15,7 +15,7 @@ from perilune.config.bands import Spectrum
 from perilune.config.camera import Camera
 from perilune.config.lens_flare import LensFlare
 from perilune.config.schema import Config
-from perilune.config.sensor import Compression, SensorExposure
+from perilune.config.sensor import Compression, ImageSensor, SensorExposure
 
 F64 = NDArray[np.float64]
 F_NUMBER = 4.0
@@ -112,7 +112,6 @@ def sensor_of(
     shaded = sensor.vignetting_profile is not None or sensor.flat_field is not None
     profile = [(math.radians(angle), part) for angle, part in sensor.vignetting_profile or ()]
     flat, kernel = sensor.flat_field, sensor.point_spread.kernel
-    warmth = (sensor.temperature_c - sensor.dark_reference_c) / sensor.dark_doubling_k
     return {
         "f_number": f_number(camera),
         "plane_pupil": sensor.pupil == "plane",
@@ -124,30 +123,46 @@ def sensor_of(
         "mosaic": "mono" if sensor.mosaic == "planes" else sensor.mosaic,
         "quantum_efficiency": (1.0, 1.0, 1.0),
         **filters.described(camera, spectrum),
-        "serial": sensor.serial,
         "exposure_s": camera.exposure_time_s,
         "auto_time": _auto_time(sensor.exposure),
-        "prnu": sensor.prnu,
-        "dark_current": min(1e12, sensor.dark_current_e_s * 2.0 ** min(warmth, 1000.0)),
-        "dark_nonuniform": sensor.dark_nonuniform,
         "vignetting": (0.0 if shaded else 4.0) if sensor.vignetting is None else sensor.vignetting,
         "vignetting_profile": np.array(profile) if profile else None,
         "flat_field": measured.flat_field(path(flat, f"{where}.flat_field")) if flat else None,
+        **_pixels(sensor),
+        **_electronics(sensor),
+        "compression": _compression(sensor.compression),
+    }
+
+
+def _pixels(sensor: ImageSensor) -> dict[str, Any]:
+    """What gathers charge, but for light."""
+    warmth = (sensor.temperature_c - sensor.dark_reference_c) / sensor.dark_doubling_k
+    rays = sensor.cosmic_rays
+    return {
+        "serial": sensor.serial,
+        "prnu": sensor.prnu,
+        "dark_current": min(1e12, sensor.dark_current_e_s * 2.0 ** min(warmth, 1000.0)),
+        "dark_nonuniform": sensor.dark_nonuniform,
         "hot_pixels": sensor.hot_pixels,
         "hot_current": sensor.hot_current_e_s,
         "dead_pixels": sensor.dead_pixels,
-        "shift_s": sensor.shift_us * 1e-6,
-        "drain": sensor.drain,
-        "ray_flux": sensor.cosmic_rays.flux_cm2_s * 1e4,
-        "ray_electrons_per_m": sensor.cosmic_rays.electrons_um * 1e6,
-        "ray_depth_m": sensor.cosmic_rays.depth_um * 1e-6,
+        "ray_flux": rays.flux_cm2_s * 1e4,
+        "ray_electrons_per_m": rays.electrons_um * 1e6,
+        "ray_depth_m": rays.depth_um * 1e-6,
         "full_well": sensor.full_well_e,
+        "drain": sensor.drain,
+    }
+
+
+def _electronics(sensor: ImageSensor) -> dict[str, Any]:
+    """From charge to digital numbers."""
+    return {
+        "shift_s": sensor.shift_us * 1e-6,
+        "reset_s": sensor.reset_us * 1e-6,
         "read_noise": sensor.read_noise_e,
         "column_noise": sensor.column_noise_e,
         "column_flicker": sensor.column_flicker_e,
         "row_noise": sensor.row_noise_e,
-        "reset_s": sensor.reset_us * 1e-6,
-        "compression": _compression(sensor.compression),
         "gain": sensor.gain_e_dn,
         "black_level": sensor.black_level_dn,
         "bits": sensor.bits,
