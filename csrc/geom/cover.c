@@ -105,7 +105,7 @@ static size_t boxes_most(size_t triangles) {
 pl_status pl_cover_init(const pl_model *model, pl_cover *out) {
   void *boxes, *triangles;
   const size_t count = model->triangle_count;
-  *out = (pl_cover){0};
+  *out = (pl_cover){.model = model};
   if (count == 0)
     return PL_OK;
   PL_TRY(pl_alloc_or_fail(count, sizeof(uint32_t), "a cover", &triangles));
@@ -114,7 +114,7 @@ pl_status pl_cover_init(const pl_model *model, pl_cover *out) {
     pl_free(triangles);
     return status;
   }
-  *out = (pl_cover){.boxes = boxes, .triangles = triangles};
+  *out = (pl_cover){.model = model, .boxes = boxes, .triangles = triangles};
   for (size_t i = 0; i < count; i++)
     out->triangles[i] = (uint32_t)i;
   halve(model, 0, count, 0, out);

@@ -15,6 +15,7 @@ typedef struct pl_box {
 } pl_box;
 
 typedef struct pl_cover {
+  const pl_model *model; /* borrowed */
   /* Owned. The whole mesh first; then each box's first half with all that is in it, and its second.
    * A box with nothing inside is a leaf: its `after` is the next one. */
   pl_box *boxes;

@@ -11,6 +11,9 @@ void pl_cut_destroy(pl_cut *cut) {
     return;
   pl_free(cut->whole.indices);
   pl_free(cut->whole.triangle_part);
+  for (size_t k = 0; cut->covers != NULL && k < cut->count; k++)
+    pl_cover_clear(&cut->covers[k]);
+  pl_free(cut->covers);
   pl_free(cut->pieces);
   pl_free(cut->first);
   pl_free(cut->nodes);
@@ -19,12 +22,12 @@ void pl_cut_destroy(pl_cut *cut) {
 }
 
 static pl_status allocate(pl_cut *cut, size_t triangles) {
-  void *memory[6] = {NULL};
-  const size_t count[6] = {cut->count, cut->count + 1, cut->count,
-                           triangles,  3 * triangles,  triangles};
-  const size_t size[6] = {sizeof(pl_model), sizeof(size_t),   sizeof(int),
-                          sizeof(uint32_t), sizeof(uint32_t), sizeof(uint32_t)};
-  for (int i = 0; i < 6; i++)
+  void *memory[7] = {NULL};
+  const size_t count[7] = {cut->count,    cut->count + 1, cut->count, triangles,
+                           3 * triangles, triangles,      cut->count};
+  const size_t size[7] = {sizeof(pl_model), sizeof(size_t),   sizeof(int),     sizeof(uint32_t),
+                          sizeof(uint32_t), sizeof(uint32_t), sizeof(pl_cover)};
+  for (int i = 0; i < 7; i++)
     memory[i] = pl_alloc(count[i], size[i]);
   cut->pieces = memory[0];
   cut->first = memory[1];
@@ -32,7 +35,8 @@ static pl_status allocate(pl_cut *cut, size_t triangles) {
   cut->original = memory[3];
   cut->whole.indices = memory[4];
   cut->whole.triangle_part = memory[5];
-  for (int i = 0; i < 6; i++)
+  cut->covers = memory[6];
+  for (int i = 0; i < 7; i++)
     if (memory[i] == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for the pieces of a model");
   return PL_OK;
@@ -107,6 +111,7 @@ static pl_status fill(pl_cut *cut, const int *nodes) {
     piece->triangle_part = parts + cut->first[k];
     piece->triangle_count = cut->first[k + 1] - cut->first[k];
     measure(piece);
+    PL_TRY(pl_cover_init(piece, &cut->covers[k]));
   }
   return PL_OK;
 }

@@ -2,6 +2,7 @@
 #ifndef PL_GEOM_CUT_H
 #define PL_GEOM_CUT_H
 
+#include "geom/cover.h"
 #include "geom/model.h"
 
 /* Pieces are views of the model: they share its vertices, materials and textures and have triangles
@@ -10,6 +11,7 @@ typedef struct pl_cut {
   const pl_model *model; /* borrowed: what was cut */
   pl_model whole;        /* the model with its triangles in the order of the pieces */
   pl_model *pieces;      /* owned, `count`; with bounds of their own triangles */
+  pl_cover *covers;      /* owned: of the pieces */
   size_t count;          /* moving nodes + 1 */
   size_t *first;      /* owned: first triangle of each piece in `whole`; one more ends the last */
   int *nodes;         /* owned: of pieces 1, 2, .. */

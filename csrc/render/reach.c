@@ -40,7 +40,6 @@ typedef struct placed {
   const pl_snapshot *shot;
   const pl_shot_object *object;
   const pl_shot_piece *piece; /* NULL of an object that has none */
-  const pl_model *model;
   const pl_cover *cover;
   pl_mat3 linear;
   pl_vec3 origin;
@@ -106,8 +105,7 @@ static placed place(const pl_snapshot *shot, const pl_shot_object *object,
   placed at = {.shot = shot,
                .object = object,
                .piece = piece,
-               .model = piece != NULL ? piece->model : object->object->model,
-               .cover = piece != NULL ? piece->cover : &object->object->cover,
+               .cover = piece != NULL ? piece->cover : object->object->cover,
                .rays = rays};
   pl_mat3 view;
   pl_vec3 origin;
@@ -273,10 +271,10 @@ static void mark_rows(const pl_reach *reach, const double p[3][2], double margin
  * triangle behind the camera, infinite of one that is partly beside or behind it. */
 static double project_triangle(const placed *at, uint32_t triangle, double p[3][2]) {
   const pl_camera *camera = &at->shot->camera;
-  const uint32_t *corners = at->model->indices + 3 * (size_t)triangle;
+  const uint32_t *corners = at->cover->model->indices + 3 * (size_t)triangle;
   double nearest = INFINITY, farthest = -INFINITY;
   for (int k = 0; k < 3; k++) {
-    const float *v = at->model->positions + 3 * (size_t)corners[k];
+    const float *v = at->cover->model->positions + 3 * (size_t)corners[k];
     const pl_vec3 point = {(double)v[0], (double)v[1], (double)v[2]};
     const pl_vec3 seen = pl_vec3_add(at->origin, pl_mat3_mul_vec(at->linear, point));
     const double by = 1.0 / seen.z;
@@ -341,7 +339,7 @@ static bool visit(const placed *at, const pl_reach *reach, uint32_t index) {
  * with is looked at there too; which boxes are does not depend on threads. */
 static void mark_cover(const job *job, const pl_shot_object *object, const pl_shot_piece *piece,
                        size_t slice) {
-  const pl_cover *cover = piece != NULL ? piece->cover : &object->object->cover;
+  const pl_cover *cover = piece != NULL ? piece->cover : object->object->cover;
   const uint32_t first = (uint32_t)(cover->count * slice / job->slices);
   const uint32_t end = (uint32_t)(cover->count * (slice + 1) / job->slices);
   if (first == end)
@@ -371,7 +369,7 @@ static size_t boxes_of(const pl_snapshot *shot) {
   for (size_t i = 0; i < shot->object_count; i++) {
     const pl_shot_object *object = &shot->objects[i];
     if (object->in_frame && object->pieces == NULL)
-      sum += object->object->cover.count;
+      sum += object->object->cover->count;
     for (size_t k = 0; object->in_frame && k < object->piece_count; k++)
       sum += object->pieces[k].cover->count;
   }

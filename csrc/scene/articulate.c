@@ -39,27 +39,22 @@ static pl_status sort_parts(const pl_object *object, const pl_cut *cut, uint32_t
   return PL_OK;
 }
 
-static pl_status cover_pieces(const pl_cut *cut, pl_cover **out) {
-  void *memory;
-  PL_TRY(pl_alloc_or_fail(cut->count, sizeof(pl_cover), "covers of pieces", &memory));
-  pl_cover *covers = memory;
-  pl_status status = PL_OK;
-  for (size_t k = 0; k < cut->count && status == PL_OK; k++)
-    status = pl_cover_init(&cut->pieces[k], &covers[k]);
-  if (status == PL_OK) {
-    *out = covers;
-    return PL_OK;
-  }
-  for (size_t k = 0; k < cut->count; k++)
-    pl_cover_clear(&covers[k]);
-  pl_free(covers);
-  return status;
+/* Frees what no object uses any more. */
+static void drop_cover(pl_scene *scene, const pl_cover *cover) {
+  for (size_t i = 0; i < scene->object_count; i++)
+    if (scene->objects[i].cover == cover)
+      return;
+  for (size_t i = 0; i < scene->cover_count; i++)
+    if (scene->covers[i] == cover) {
+      pl_cover_clear(scene->covers[i]);
+      pl_free(scene->covers[i]);
+      scene->covers[i] = scene->covers[--scene->cover_count];
+    }
 }
 
 pl_status pl_scene_articulate(pl_scene *scene, size_t index, const int *nodes, size_t count) {
   const pl_cut *cut = NULL;
   uint32_t *parts;
-  pl_cover *covers = NULL;
   if (index >= scene->craft_count || scene->objects[index].cut != NULL)
     return pl_fail(PL_E_ARGUMENT, "object %zu is not there or articulated already", index);
   pl_object *object = &scene->objects[index];
@@ -68,17 +63,16 @@ pl_status pl_scene_articulate(pl_scene *scene, size_t index, const int *nodes, s
   pl_status status = PL_OK;
   if (object->materials != NULL)
     status = pl_object_materials_sort(object->materials, cut);
-  if (status == PL_OK)
-    status = cover_pieces(cut, &covers);
   if (status != PL_OK) {
     pl_free(parts);
     return status;
   }
   pl_free(object->triangle_part);
-  pl_cover_clear(&object->cover);
+  const pl_cover *cover = object->cover;
   object->triangle_part = parts;
-  object->piece_covers = covers;
+  object->cover = NULL;
   object->model = &cut->whole;
   object->cut = cut;
+  drop_cover(scene, cover);
   return PL_OK;
 }

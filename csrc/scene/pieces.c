@@ -34,7 +34,7 @@ static void set_normal(pl_shot_piece *piece) {
 static void place(const pl_shot_object *object, size_t k, const pl_affine *motion,
                   pl_shot_piece *out) {
   *out = (pl_shot_piece){.model = &object->object->cut->pieces[k],
-                         .cover = &object->object->piece_covers[k]};
+                         .cover = &object->object->cut->covers[k]};
   const pl_vec3 shifted = pl_vec3_sub(motion->t, object->object->offset);
   out->linear = pl_mat3_mul(object->rotation, motion->m);
   for (int i = 0; i < 3; i++)

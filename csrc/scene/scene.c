@@ -20,10 +20,6 @@ static void object_clear(pl_object *object) {
   pl_free(object->part_ids);
   pl_free(object->class_ids);
   pl_object_materials_destroy(object->materials);
-  pl_cover_clear(&object->cover);
-  for (size_t k = 0; object->piece_covers != NULL && k < object->cut->count; k++)
-    pl_cover_clear(&object->piece_covers[k]);
-  pl_free(object->piece_covers);
 }
 
 void pl_scene_clear(pl_scene *scene) {
@@ -34,6 +30,11 @@ void pl_scene_clear(pl_scene *scene) {
   for (size_t i = 0; i < scene->cut_count; i++)
     pl_cut_destroy(scene->cuts[i]);
   pl_free(scene->cuts);
+  for (size_t i = 0; i < scene->cover_count; i++) {
+    pl_cover_clear(scene->covers[i]);
+    pl_free(scene->covers[i]);
+  }
+  pl_free(scene->covers);
   pl_free(scene->objects);
   pl_free(scene->bodies);
   *scene = (pl_scene){0};
@@ -57,6 +58,28 @@ static pl_status check_parts(const char *name, const pl_model *model, const pl_p
     if (parts->triangle_part[t] >= parts->count)
       return pl_fail(PL_E_RANGE, "object '%s': triangle %zu is of part %u, but there are %zu", name,
                      t, (unsigned)parts->triangle_part[t], parts->count);
+  return PL_OK;
+}
+
+/* The cover of a model, made when it is asked for first. */
+static pl_status find_cover(pl_scene *scene, const pl_model *model, const pl_cover **out) {
+  void *memory;
+  for (size_t i = 0; i < scene->cover_count; i++)
+    if (scene->covers[i]->model == model) {
+      *out = scene->covers[i];
+      return PL_OK;
+    }
+  pl_cover **grown = pl_realloc(scene->covers, scene->cover_count + 1, sizeof(pl_cover *));
+  if (grown == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the cover of a model");
+  scene->covers = grown;
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_cover), "the cover of a model", &memory));
+  const pl_status status = pl_cover_init(model, memory);
+  if (status != PL_OK) {
+    pl_free(memory);
+    return status;
+  }
+  *out = scene->covers[scene->cover_count++] = memory;
   return PL_OK;
 }
 
@@ -99,7 +122,7 @@ static pl_status add_object(pl_scene *scene, const char *name, const pl_model *m
     object_clear(&object);
     return pl_fail(PL_E_MEMORY, "out of memory for object '%s'", name);
   }
-  const pl_status status = pl_cover_init(model, &object.cover);
+  const pl_status status = find_cover(scene, model, &object.cover);
   if (status != PL_OK) {
     object_clear(&object);
     return status;

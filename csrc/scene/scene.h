@@ -46,11 +46,10 @@ typedef struct pl_object {
   pl_model_summary model_summary; /* of the model's own materials */
   pl_model_summary summary;       /* of these and the graphs */
   pl_object_materials *materials; /* owned; NULL: the model's own on all triangles */
-  pl_cover cover;                 /* owned; not of an articulated object */
+  const pl_cover *cover;          /* the scene's; NULL of an articulated object */
   const pl_cut *cut;              /* the scene's; NULL when nothing on the object moves */
   int body;                       /* index of the body whose shape it is; -1: none */
   double reach;                   /* of a shape: of its farthest vertex from the body's centre, m */
-  pl_cover *piece_covers;         /* owned, one a piece */
 } pl_object;
 
 /* An ellipsoid with an equirectangular map. Its frame: x at longitude 0, z at the north pole. */
@@ -84,6 +83,8 @@ typedef struct pl_scene {
   size_t body_count;
   pl_cut **cuts; /* owned; shared by objects of the same model and moving nodes */
   size_t cut_count;
+  pl_cover **covers; /* owned; one a model of objects that are not articulated */
+  size_t cover_count;
 } pl_scene;
 
 /* levels: of semantic labels, 1..PL_LEVELS_MAX. */

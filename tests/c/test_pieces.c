@@ -233,6 +233,71 @@ static void flattened_pieces_vanish(void **state) {
   pl_model_destroy(model);
 }
 
+/* One cover a model, of the objects on which nothing moves. */
+static void covers_are_shared(void **state) {
+  (void)state;
+  pl_model *model = arm_create(), *other = arm_create();
+  pl_model *const models[4] = {model, other, model, model};
+  stage s;
+  stage_init(&s, 8, 8, 8.0);
+  for (int i = 0; i < 4; i++)
+    stage_add_object(&s, models[i], (pl_vec3){0, 0, 9}, PL_QUAT_IDENTITY, 1);
+  const pl_object *objects = s.scene.objects;
+  assert_int_equal(s.scene.cover_count, 2);
+  assert_ptr_equal(objects[0].cover, objects[2].cover);
+  assert_ptr_not_equal(objects[0].cover, objects[1].cover);
+  assert_ptr_equal(objects[1].cover->model, other);
+  assert_int_equal(pl_scene_articulate(&s.scene, 0, MOVING, 2), PL_OK);
+  assert_int_equal(pl_scene_articulate(&s.scene, 2, MOVING, 2), PL_OK);
+  assert_null(objects[0].cover);
+  assert_int_equal(s.scene.cover_count, 2);
+  assert_ptr_equal(objects[3].cover->model, model);
+  assert_int_equal(pl_scene_articulate(&s.scene, 3, MOVING, 2), PL_OK); /* the last one */
+  assert_int_equal(s.scene.cover_count, 1);
+  assert_ptr_equal(objects[1].cover->model, other);
+  for (size_t k = 0; k < 3; k++)
+    assert_ptr_equal(objects[0].cut->covers[k].model, &objects[0].cut->pieces[k]);
+  stage_clear(&s);
+  pl_model_destroy(other);
+  pl_model_destroy(model);
+}
+
+static void *fail_at_zero(void *context, size_t size) {
+  long *left = context;
+  return (*left)-- == 0 ? NULL : malloc(size);
+}
+
+static pl_status build_scene(pl_scene *scene, const pl_model *model) {
+  const int32_t ids[3] = {1, 2, 3};
+  const uint16_t classes[3] = {1, 1, 1};
+  const pl_part_table parts = {.count = model->part_count, .part_ids = ids, .class_ids = classes};
+  assert_in_range(model->part_count, 1, 3);
+  for (int i = 0; i < 2; i++)
+    PL_TRY(pl_scene_add_object(scene, "arm", model, (pl_vec3){0, 0, 0}, i, i, &parts));
+  return pl_scene_articulate(scene, 1, MOVING, 2);
+}
+
+/* The n-th allocation fails, for every n until all succeed: a leak checker has to be content. */
+static void memory_runs_out(void **state) {
+  (void)state;
+  pl_model *model = arm_create();
+  pl_status status = PL_E_MEMORY;
+  long failures = 0;
+  for (; status != PL_OK; failures++) {
+    pl_scene scene;
+    long left = failures;
+    assert_int_equal(pl_scene_init(1, &scene), PL_OK);
+    pl_memory_hook(fail_at_zero, &left);
+    status = build_scene(&scene, model);
+    pl_memory_hook(NULL, NULL);
+    assert_true(status == PL_OK || status == PL_E_MEMORY);
+    pl_scene_clear(&scene);
+    assert_in_range(failures, 0, 200);
+  }
+  assert_in_range(failures, 15, 200);
+  pl_model_destroy(model);
+}
+
 static void threads_and_memory(void **state) {
   (void)state;
   test_random random = {5, 0};
@@ -322,6 +387,8 @@ int main(void) {
       cmocka_unit_test(exact_motions_give_equal_labels),
       cmocka_unit_test(bounds_follow_the_pieces),
       cmocka_unit_test(flattened_pieces_vanish),
+      cmocka_unit_test(covers_are_shared),
+      cmocka_unit_test(memory_runs_out),
       cmocka_unit_test(threads_and_memory),
       cmocka_unit_test(part_tables_follow_the_order),
       cmocka_unit_test(impossible_motions_are_refused),
