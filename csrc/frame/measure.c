@@ -51,7 +51,7 @@ static pl_status measure(const pl_snapshot *shot, pl_tracer *tracer, pl_reach *r
   if (first.items == NULL || second.items == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for rays");
   PL_TRY(pl_tracer_set(tracer, shot));
-  PL_TRY(pl_reach_update(reach, shot, 1, 1));
+  PL_TRY(pl_reach_update(reach, shot, 0, shot->camera.height, 1, 1));
   gather_primary(shot, reach, &first);
   gather_shadow(shot, tracer, &first, &second);
   PL_TRY(pl_tracer_measure(tracer, first.items, first.count, false, repeats, primary));

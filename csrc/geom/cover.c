@@ -6,7 +6,7 @@
 #include "base/memory.h"
 
 /* At most 2^13 leaves; a leaf of so few triangles is not halved. */
-enum { DEPTH = 13, LEAF = 8, BOXES_MAX = (2 << DEPTH) - 1 };
+enum { LEAF = 8, BOXES_MAX = (2 << PL_COVER_DEPTH) - 1 };
 
 static const float *vertex_of(const pl_model *model, uint32_t triangle, size_t corner) {
   return model->positions + 3 * (size_t)model->indices[3 * (size_t)triangle + corner];
@@ -83,7 +83,8 @@ static void enclose(pl_box *box, const pl_box *half) {
 static void halve(const pl_model *model, size_t first, size_t count, int depth, pl_cover *cover) {
   const size_t own = cover->count;
   uint32_t *triangles = cover->triangles + first;
-  const size_t front = depth < DEPTH && count > LEAF ? partition(model, triangles, count) : 0;
+  const size_t front =
+      depth < PL_COVER_DEPTH && count > LEAF ? partition(model, triangles, count) : 0;
   if (front == 0 || front == count) {
     add_box(box_of(model, triangles, count), first, count, cover);
   } else {

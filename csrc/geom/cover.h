@@ -8,6 +8,9 @@
 #include "base/status.h"
 #include "geom/model.h"
 
+/* Boxes around one, at most. */
+enum { PL_COVER_DEPTH = 13 };
+
 typedef struct pl_box {
   float low[3], high[3]; /* model units */
   uint32_t after;        /* index of the first box that is not inside this one */

@@ -53,7 +53,15 @@ typedef struct job {
   const pl_snapshot *shot;
   int rays;
   size_t slices;
+  area rows; /* of the image, that are asked for */
 } job;
+
+/* A box that is being looked into, and the pixels that what is inside it may mark: no others, lest
+ * marks depend on whether another thread had marked them all before it was looked at. */
+typedef struct opened {
+  area area;
+  uint32_t after; /* as of pl_box */
+} opened;
 
 /* fmin and fmax are calls of the library. */
 static double lesser(double a, double b) { return a < b ? a : b; }
@@ -200,14 +208,13 @@ static void project_corners(const placed *at, const pl_box *box, extent *out) {
     *out = (extent){rect[0] - margin, rect[1] - margin, rect[2] + margin, rect[3] + margin};
 }
 
-/* The pixels of the image within an extent; false: none. What is not a number counts as far out. */
-static bool area_of(const pl_reach *reach, const extent *e, area *out) {
-  const double right = reach->width - 1, bottom = reach->height - 1;
-  if (e->x0 > e->x1 || e->x1 < 0.0 || e->y1 < 0.0 || e->x0 > right || e->y0 > bottom)
+/* Those of some pixels that are within an extent; false: none. What is not a number counts as far
+ * out. */
+static bool area_of(const area *in, const extent *e, area *out) {
+  if (e->x0 > e->x1 || e->x1 < in->x0 || e->y1 < in->y0 || e->x0 > in->x1 || e->y0 > in->y1)
     return false;
-  *out = (area){e->x0 > 0.0 ? (int)e->x0 : 0, e->y0 > 0.0 ? (int)e->y0 : 0,
-                e->x1 < right ? (int)e->x1 : reach->width - 1,
-                e->y1 < bottom ? (int)e->y1 : reach->height - 1};
+  *out = (area){e->x0 > in->x0 ? (int)e->x0 : in->x0, e->y0 > in->y0 ? (int)e->y0 : in->y0,
+                e->x1 < in->x1 ? (int)e->x1 : in->x1, e->y1 < in->y1 ? (int)e->y1 : in->y1};
   out->x0 += out->x0 < e->x0;
   out->y0 += out->y0 < e->y0;
   return out->x0 <= out->x1 && out->y0 <= out->y1;
@@ -288,7 +295,8 @@ static double project_triangle(const placed *at, uint32_t triangle, double p[3][
   return nearest > 0.0 ? 1.0 / nearest : INFINITY;
 }
 
-static void mark_triangle(const placed *at, const pl_reach *reach, uint32_t triangle) {
+static void mark_triangle(const placed *at, const pl_reach *reach, uint32_t triangle,
+                          const area *in) {
   double p[3][2];
   const double by = project_triangle(at, triangle, p), margin = MARGIN_PX + at->rounding * by;
   if (by == 0.0)
@@ -298,7 +306,7 @@ static void mark_triangle(const placed *at, const pl_reach *reach, uint32_t tria
                     greater(p[0][0], greater(p[1][0], p[2][0])) + margin,
                     greater(p[0][1], greater(p[1][1], p[2][1])) + margin};
   area a;
-  if (!area_of(reach, &e, &a) || is_marked(reach, &a))
+  if (!area_of(in, &e, &a) || is_marked(reach, &a))
     return;
   if (a.x1 - a.x0 < NARROW || a.y1 - a.y0 < NARROW || isinf(by))
     mark_area(reach, &a);
@@ -310,28 +318,29 @@ static double pixels_of(const area *a) {
   return (double)(a->x1 - a->x0 + 1) * (double)(a->y1 - a->y0 + 1);
 }
 
-/* Marks what a box shows in; true instead if what is inside it should be looked at. */
-static bool visit(const placed *at, const pl_reach *reach, uint32_t index) {
+/* Marks what a box shows in of some pixels, which *out becomes; true instead if what is inside it
+ * should be looked at. */
+static bool visit(const placed *at, const pl_reach *reach, uint32_t index, const area *in,
+                  area *out) {
   const pl_box *box = &at->cover->boxes[index];
   const bool pinhole = is_pinhole(&at->shot->camera), leaf = box->after == index + 1;
   const bool closely = pinhole && at->rays >= CLOSE_RAYS;
   extent e;
-  area a;
   if (pinhole)
     project_box(at, box, &e);
   else
     project_corners(at, box, &e);
-  if (!area_of(reach, &e, &a) || is_marked(reach, &a))
+  if (!area_of(in, &e, out) || is_marked(reach, out))
     return false;
-  const bool small = pixels_of(&a) <= AREA_LEAST || (!closely && box->count <= COARSE);
+  const bool small = pixels_of(out) <= AREA_LEAST || (!closely && box->count <= COARSE);
   if (!small && !leaf)
     return true;
-  if (small || !closely || box->count > pixels_of(&a) * at->rays) {
-    mark_area(reach, &a);
+  if (small || !closely || box->count > pixels_of(out) * at->rays) {
+    mark_area(reach, out);
     return false;
   }
   for (uint32_t i = box->first; i < box->first + box->count; i++)
-    mark_triangle(at, reach, at->cover->triangles[i]);
+    mark_triangle(at, reach, at->cover->triangles[i], out);
   return false;
 }
 
@@ -345,8 +354,18 @@ static void mark_cover(const job *job, const pl_shot_object *object, const pl_sh
   if (first == end)
     return;
   const placed at = place(job->shot, object, piece, job->rays);
-  for (uint32_t i = first; i < end;)
-    i = visit(&at, job->reach, i) ? i + 1 : cover->boxes[i].after;
+  opened open[PL_COVER_DEPTH + 1] = {{job->rows, UINT32_MAX}};
+  size_t last = 0;
+  for (uint32_t i = first; i < end;) {
+    area area;
+    while (i >= open[last].after)
+      last--;
+    const uint32_t after = cover->boxes[i].after;
+    const bool into = visit(&at, job->reach, i, &open[last].area, &area);
+    if (into)
+      open[++last] = (opened){area, after};
+    i = into ? i + 1 : after;
+  }
 }
 
 static pl_status mark_item(void *context, size_t item, int worker) {
@@ -376,7 +395,8 @@ static size_t boxes_of(const pl_snapshot *shot) {
   return sum;
 }
 
-pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot, int rays, int threads) {
+pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot, int row0, int row1, int rays,
+                          int threads) {
   reach->width = shot->camera.width;
   reach->height = shot->camera.height;
   const size_t count = (size_t)reach->width * (size_t)reach->height;
@@ -387,9 +407,13 @@ pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot, int rays, in
     reach->pixels = grown;
     reach->room = count;
   }
-  for (size_t i = 0; i < count; i++)
-    atomic_init(&reach->pixels[i], 0);
-  job job = {reach, shot, rays, shot->object_count > SLICED_MOST ? 1 : SLICES};
+  for (atomic_uchar *pixel = row_of(reach, row0); pixel < row_of(reach, row1); pixel++)
+    atomic_init(pixel, 0);
+  job job = {.reach = reach,
+             .shot = shot,
+             .rays = rays,
+             .slices = shot->object_count > SLICED_MOST ? 1 : SLICES,
+             .rows = {0, row0, reach->width - 1, row1 - 1}};
   const int workers = boxes_of(shot) > ALONE ? threads : 1;
   return pl_parallel_for(workers, shot->object_count * job.slices, mark_item, &job, NULL);
 }

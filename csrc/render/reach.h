@@ -14,10 +14,11 @@ typedef struct pl_reach {
   size_t room;          /* bytes allocated */
 } pl_reach;
 
-/* Fills the pixels for a snapshot; memory is kept and grows as needed. `rays`: how many a pixel
- * gets about, which is what it pays to look closely for; at least 1. The result is the same for any
- * number of threads. */
-pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot, int rays, int threads);
+/* Fills the pixels of rows row0 to row1 - 1 for a snapshot; those of others are not valid. Memory
+ * is kept and grows as needed. `rays`: how many a pixel gets about, which is what it pays to look
+ * closely for; at least 1. The result is the same for any number of threads. */
+pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot, int row0, int row1, int rays,
+                          int threads);
 void pl_reach_clear(pl_reach *reach);
 
 static inline bool pl_reach_pixel(const pl_reach *reach, int x, int y) {

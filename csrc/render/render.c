@@ -345,7 +345,7 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
   };
   PL_TRY(view_suns(scratch, shot));
-  PL_TRY(pl_reach_update(&scratch->reach, shot, rays_of(settings), scratch->threads));
+  PL_TRY(pl_reach_update(&scratch->reach, shot, row0, row1, rays_of(settings), scratch->threads));
   const size_t tiles = (size_t)columns * (size_t)rows;
   if (is_adaptive(&job))
     PL_TRY(pl_share_start(&scratch->share, columns, rows, row0 / PL_TILE_SIDE));

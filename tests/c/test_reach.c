@@ -32,7 +32,7 @@ static void world_set(world *w, int rays) {
   assert_int_equal(pl_snapshot_build(&w->stage.scene, &w->stage.placement, &w->arena, &w->shot),
                    PL_OK);
   assert_int_equal(pl_tracer_set(w->tracer, &w->shot), PL_OK);
-  assert_int_equal(pl_reach_update(&w->reach, &w->shot, rays, 1), PL_OK);
+  assert_int_equal(pl_reach_update(&w->reach, &w->shot, 0, HEIGHT, rays, 1), PL_OK);
 }
 
 static void world_clear(world *w) {
@@ -242,24 +242,64 @@ static void test_pieces(void **state) {
   assert_true(sums.hit > 0 && sums.marked < 1.5 * sums.hit);
 }
 
+/* The marks of all rows, as one thread makes them, and of `threads` that make some rows alone. */
+static void check_rows(world *w, int row0, int row1, int threads) {
+  unsigned char alone[PIXELS];
+  for (int i = 0; i < PIXELS; i++)
+    alone[i] = pl_reach_pixel(&w->reach, i % WIDTH, i / WIDTH);
+  memset((void *)w->reach.pixels, 2, PIXELS); /* of another frame */
+  assert_int_equal(pl_reach_update(&w->reach, &w->shot, row0, row1, 5, threads), PL_OK);
+  const unsigned char *pixels = (const unsigned char *)w->reach.pixels;
+  for (int i = 0; i < PIXELS; i++)
+    if (i / WIDTH < row0 || i / WIDTH >= row1)
+      assert_int_equal(pixels[i], 2);
+    else if (row1 - row0 == HEIGHT)
+      assert_int_equal(pixels[i], alone[i]);
+}
+
 /* Several threads mark the same pixels. */
 static void test_threads(void **state) {
   (void)state;
+  change_fn *const cameras[] = {keep, bend, open_wide};
   test_random random = {.seed = 11};
-  world w;
   pl_model *model = debris_create(&random, 20000, 0.001, 0.1);
-  world_init(&w, 90.0);
-  for (int i = 0; i < 3; i++)
-    stage_add_object(&w.stage, model, (pl_vec3){i - 1, 0, 4}, random_rotation(&random), 0.7);
-  world_set(&w, 5);
-  unsigned char alone[PIXELS];
-  for (int i = 0; i < PIXELS; i++)
-    alone[i] = pl_reach_pixel(&w.reach, i % WIDTH, i / WIDTH);
-  for (int threads = 2; threads <= 5; threads++) {
-    assert_int_equal(pl_reach_update(&w.reach, &w.shot, 5, threads), PL_OK);
-    for (int i = 0; i < PIXELS; i++)
-      assert_int_equal(pl_reach_pixel(&w.reach, i % WIDTH, i / WIDTH), alone[i]);
+  for (int k = 0; k < 3; k++) {
+    world w;
+    world_init(&w, 90.0);
+    cameras[k](&w.stage.placement.camera, &random);
+    for (int i = 0; i < 3; i++)
+      stage_add_object(&w.stage, model, (pl_vec3){i - 1, 0, 4}, random_rotation(&random), 0.7);
+    for (int threads = 2; threads <= 5; threads++) {
+      world_set(&w, 5);
+      check_rows(&w, 0, HEIGHT, threads);
+    }
+    world_clear(&w);
   }
+  pl_model_destroy(model);
+}
+
+/* Bands of rows: a ray that meets a mesh leaves by a marked pixel, and others are left alone. */
+static void test_rows(void **state) {
+  (void)state;
+  test_random random = {.seed = 12};
+  int hits = 0;
+  pl_model *model = debris_create(&random, 300, 0.01, 0.5);
+  world w;
+  world_init(&w, 90.0);
+  stage_add_object(&w.stage, model, (pl_vec3){0, 0, 4}, random_rotation(&random), 1.0);
+  world_set(&w, 5);
+  for (int row0 = 0, row1; row0 < HEIGHT; row0 = row1) {
+    row1 = row0 + 1 + random_below(&random, HEIGHT / 4);
+    row1 = row1 < HEIGHT ? row1 : HEIGHT;
+    check_rows(&w, row0, row1, 1 + random_below(&random, 3));
+    for (int i = 0; i < WIDTH * (row1 - row0); i++) {
+      const int x = i % WIDTH, y = row0 + i / WIDTH;
+      const bool hit = meets(&w, &random, x, y);
+      assert_true(!hit || pl_reach_pixel(&w.reach, x, y));
+      hits += hit;
+    }
+  }
+  assert_true(hits > 100);
   world_clear(&w);
   pl_model_destroy(model);
 }
@@ -270,6 +310,7 @@ int main(void) {
       cmocka_unit_test(test_slivers), cmocka_unit_test(test_around_the_camera),
       cmocka_unit_test(test_cameras), cmocka_unit_test(test_far_away),
       cmocka_unit_test(test_pieces),  cmocka_unit_test(test_threads),
+      cmocka_unit_test(test_rows),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
