@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "math/color.h"
+#include "shade/ggx.h"
 #include "shade/reflectance.h"
 
 /* Of PL_SHARE_ROW samples so many are followed: neighbours in the sequence of draws lie evenly. The
@@ -17,9 +18,6 @@ enum { BESIDE = 2, ALIKE = 3 };
 /* A lobe is wide where the density of a draw is below this, 1/sr: a cosine lobe is so everywhere.
  */
 static const float WIDE_PDF_MAX = 0.4f;
-/* What a dielectric of index 1.5 mirrors at normal incidence. */
-static const float DIELECTRIC_F0 = 0.04f;
-
 /* Whether a pixel shows the surface of a spot; so it is said of pixels beyond the tile. */
 static bool shows(const pl_path_context *context, const pl_tile_buffers *b, int x, int y,
                   const pl_spot *spot, float depth_m) {
@@ -107,7 +105,7 @@ pl_way pl_path_way(const pl_path_context *context, const pl_surface *surface, pl
   if (slot == PL_PATCH_NONE || context->settings->emitters != NULL ||
       pl_surface_pdf_most(surface, wo) > WIDE_PDF_MAX)
     return PL_WAY_DRAWN;
-  const float gloss = DIELECTRIC_F0 * (1.0f - surface->metallic);
+  const float gloss = PL_DIELECTRIC_F0 * (1.0f - surface->metallic);
   const pl_vec3f albedo = {surface->color.x + gloss, surface->color.y + gloss,
                            surface->color.z + gloss};
   const bool followed = count_wide(context, b, path->pixel, pl_vec3f_mul(path->throughput, albedo),

@@ -6,10 +6,8 @@
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
-/* Reflectance of dielectrics at normal incidence: index 1.5 (glTF 2.0, B.2.3). */
-static const float DIELECTRIC_F0 = 0.04f;
 static pl_vec3f f0_of(const pl_surface *s) {
-  const float m = s->metallic, d = DIELECTRIC_F0 * (1.0f - m);
+  const float m = s->metallic, d = PL_DIELECTRIC_F0 * (1.0f - m);
   return pl_vec3f_make(d + m * s->color.x, d + m * s->color.y, d + m * s->color.z);
 }
 
