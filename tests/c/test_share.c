@@ -104,6 +104,31 @@ static void test_noise_and_light(void **state) {
   pl_model_destroy(model);
 }
 
+/* The same light of glossy faces, whether what their paths carry on is known beforehand (the first
+ * two: all their lobes are wide) or drawn. */
+static void test_light_of_glossy_faces(void **state) {
+  (void)state;
+  /* Roughness, metalness, and what four samples may be off: few paths find what glosses mirror. */
+  static const float looks[3][3] = {
+      {0.85f, 0.0f, 0.01f}, {0.95f, 0.6f, 0.01f}, {0.5f, 0.3f, 0.05f}};
+  pl_model *model = cube_create(0.5);
+  picture *truth = malloc(sizeof *truth);
+  assert_non_null(truth);
+  for (int i = 0; i < 3; i++) {
+    model->materials[0].roughness = looks[i][0];
+    model->materials[0].metallic = looks[i][1];
+    shoot(model, 512, 2, true, 0, truth);
+    const trial few = try_frames(model, truth, 4, false);
+    const trial many = try_frames(model, truth, 16, false);
+    print_message("roughness %g, metalness %g: light %.4f, %.4f\n", (double)looks[i][0],
+                  (double)looks[i][1], few.light, many.light);
+    assert_true(fabs(few.light - 1.0) < (double)looks[i][2]);
+    assert_true(fabs(many.light - 1.0) < 0.01);
+  }
+  free(truth);
+  pl_model_destroy(model);
+}
+
 /* The cube's near faces again, lit by the sunlit back of a small cube alone: few paths find it. */
 static void shoot_rare(const pl_model *model, int samples, bool even, uint64_t index,
                        picture *out) {
@@ -230,9 +255,9 @@ static void test_draws_are_keyed(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_noise_and_light),      cmocka_unit_test(test_no_blotches),
-      cmocka_unit_test(test_dark_without_bounces), cmocka_unit_test(test_draws_lie_evenly),
-      cmocka_unit_test(test_draws_are_keyed),
+      cmocka_unit_test(test_noise_and_light),  cmocka_unit_test(test_light_of_glossy_faces),
+      cmocka_unit_test(test_no_blotches),      cmocka_unit_test(test_dark_without_bounces),
+      cmocka_unit_test(test_draws_lie_evenly), cmocka_unit_test(test_draws_are_keyed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
