@@ -394,14 +394,16 @@ def open(  # noqa: A001 (perilune.open is the interface)
     """Opens a configuration: a YAML or JSON file, or a mapping of the same shape.
 
     seed: replaces the file's. overrides: {"camera.width": 64} and so on, None removes a key; more
-    can be given as keywords, **{"render.samples": 4}. base: the folder that relative paths refer to
-    (default: the file's, or the current one). trajectory: a callable (perilune.world.World) ->
-    camera pose (7,) or (2, 7), camera to root, instead of the configured trajectory; with `sensors`
-    it is the pose of the platform they sit on. orbits: name of a body or spacecraft -> a function
-    that draws its orbit once a scene, as those of `kind: hook`. replay: the metadata of a sample
-    (Sample.meta, or {index, drivers, scene_drivers} of a dataset): its frame gets the values that
-    its drivers had, whatever they would draw now; other steps draw as ever. With the seed of the
-    metadata, if they hold one and no other is given.
+    can be given as keywords, **{"render.samples": 4}. Keys beside an override that nothing reads
+    any more, as the percentile of mode auto with {"camera.exposure.mode": "fixed"}, are left out.
+    base: the folder that relative paths refer to (default: the file's, or the current one).
+    trajectory: a callable (perilune.world.World) -> camera pose (7,) or (2, 7), camera to root,
+    instead of the configured trajectory; with `sensors` it is the pose of the platform they sit on.
+    orbits: name of a body or spacecraft -> a function that draws its orbit once a scene, as those
+    of `kind: hook`. replay: the metadata of a sample (Sample.meta, or {index, drivers,
+    scene_drivers} of a dataset): its frame gets the values that its drivers had, whatever they
+    would draw now; other steps draw as ever. With the seed of the metadata, if they hold one and no
+    other is given.
     """
     changes = {**(overrides or {}), **dotted}
     if seed is None and replay is not None and "seed" not in changes:

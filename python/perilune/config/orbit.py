@@ -315,7 +315,8 @@ class Hook(Drawn):
     function: FunctionName
     """module:function. It gets those of its arguments that are named body_radius_xyz (km), rng,
     world or params, and returns {scale_xyz, rotation_rpy} (radians: a scaled circle, run through at
-    v_step), {position_km, velocity_km_s}, or elements by the names of a Kepler orbit's keys."""
+    v_step, which it then needs), {position_km, velocity_km_s}, or elements by the names of a Kepler
+    orbit's keys."""
     params: dict[str, Any] = Field(default_factory=dict)
     """Handed to the function as `params`, or each by its name."""
 
