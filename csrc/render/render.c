@@ -350,6 +350,8 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
   if (is_adaptive(&job))
     PL_TRY(pl_share_start(&scratch->share, columns, rows, row0 / PL_TILE_SIDE));
   PL_TRY(pl_parallel_for(scratch->threads, tiles, render_tile, &job, cancel));
-  return is_adaptive(&job) ? pl_parallel_for(scratch->threads, tiles, light_tile, &job, cancel)
-                           : PL_OK;
+  if (!is_adaptive(&job))
+    return PL_OK;
+  PL_TRY(pl_share_reserve(&scratch->share));
+  return pl_parallel_for(scratch->threads, tiles, light_tile, &job, cancel);
 }

@@ -139,7 +139,7 @@ pl_status pl_share_start(pl_share *share, int columns, int rows, int row0) {
   }
   for (size_t i = 0; i < count; i++)
     share->tiles[i].lit = false;
-  share->block = share->used = 0;
+  share->block = share->used = share->kept = share->most = 0;
   share->columns = columns;
   share->rows = rows;
   share->row0 = row0;
@@ -172,6 +172,20 @@ static pl_status take_room(pl_share *share, size_t count, pl_share_tile *tile) {
   tile->patches = share->blocks[share->block]->patches + share->used;
   tile->cells = share->blocks[share->block]->cells + share->used;
   share->used += count;
+  share->kept += count;
+  share->most = count > share->most ? count : share->most;
+  return PL_OK;
+}
+
+/* A block is left when the next tile does not fit: then it lacks less than that to be full, and the
+ * two together hold more than one block does. */
+pl_status pl_share_reserve(pl_share *share) {
+  if (share->kept == 0)
+    return PL_OK;
+  const size_t lacking = share->kept / (PL_SHARE_BLOCK + 1 - share->most) + 1;
+  const size_t pairs = 2 * share->kept / PL_SHARE_BLOCK + 1;
+  while (share->block_count < (lacking < pairs ? lacking : pairs))
+    PL_TRY(add_block(share));
   return PL_OK;
 }
 

@@ -60,6 +60,7 @@ typedef struct pl_share {
   pl_share_block **blocks; /* owned, and what they point at */
   size_t block_count, block_room;
   size_t block, used;   /* the one that is being filled, and patches in it */
+  size_t kept, most;    /* patches of all tiles so far, and of the tile that has most */
   pl_share_tile *tiles; /* owned, rows of `columns`; the first of them is `row0` of the image */
   int columns, rows, row0;
   size_t room; /* in tiles */
@@ -74,5 +75,9 @@ void pl_share_clear(pl_share *share);
  * that is kept, and radiance is without it. Each item by one worker. */
 pl_status pl_share_keep(pl_share *share, size_t item, const pl_path_context *context,
                         pl_tile_buffers *buffers);
+
+/* When all are kept: makes room for the same tiles in any other order, which is that in which
+ * threads finish them. */
+pl_status pl_share_reserve(pl_share *share);
 
 #endif

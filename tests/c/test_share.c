@@ -253,11 +253,45 @@ static void test_draws_are_keyed(void **state) {
   }
 }
 
+/* Tiles are kept in whatever order threads finish them: frames after the first find room for any.
+ */
+static void test_any_order_fits(void **state) {
+  (void)state;
+  pl_model *model = cube_create(0.5);
+  stage s;
+  film f;
+  pl_renderer *renderer;
+  stage_init(&s, 7 * WIDTH + 20, 7 * HEIGHT + 3, 560.0);
+  s.placement.sun.position_m = (pl_vec3){0.2 * AU, 0.1 * AU, AU};
+  stage_add_body(&s, (pl_vec3){-14, 0, -9}, (pl_vec3){12, 12, 12}, 0.9f);
+  stage_add_object(&s, model, (pl_vec3){0, 0, 12}, pl_quat_axis_angle((pl_vec3){0.6, 0.8, 0}, 0.7),
+                   7.0);
+  film_init(&f, &s);
+  pl_frame_request request = request_all(&s, &f);
+  request.samples = 2;
+  request.max_bounces = 1;
+  request.exposure = (pl_exposure){.white_radiance = WHITE};
+  request.wish = (pl_plan_wish){.tolerance_dn = 1.0};
+  request.threads = 4;
+  assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
+  render(renderer, &request);
+  const uint64_t before = pl_memory_allocations();
+  for (int i = 0; i < 12; i++) {
+    render(renderer, &request);
+    assert_int_equal(pl_memory_allocations(), before);
+  }
+  pl_renderer_destroy(renderer);
+  film_clear(&f);
+  stage_clear(&s);
+  pl_model_destroy(model);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_noise_and_light),  cmocka_unit_test(test_light_of_glossy_faces),
-      cmocka_unit_test(test_no_blotches),      cmocka_unit_test(test_dark_without_bounces),
-      cmocka_unit_test(test_draws_lie_evenly), cmocka_unit_test(test_draws_are_keyed),
+      cmocka_unit_test(test_any_order_fits),        cmocka_unit_test(test_noise_and_light),
+      cmocka_unit_test(test_light_of_glossy_faces), cmocka_unit_test(test_no_blotches),
+      cmocka_unit_test(test_dark_without_bounces),  cmocka_unit_test(test_draws_lie_evenly),
+      cmocka_unit_test(test_draws_are_keyed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
