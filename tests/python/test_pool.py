@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import gc
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import perilune
+from perilune import _core
 from perilune.pool import Pool
 
 SHAPE, TYPE = (300, 200), np.dtype(np.float64)
@@ -96,3 +99,24 @@ def test_array_that_a_holder_changed_is_dropped(spoil: str) -> None:
     array = _take(pool)
     assert array.flags.writeable
     assert array.shape == SHAPE
+
+
+def test_frames_do_not_show_what_their_arrays_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every value of every channel is written, of the sensor's and of the layers of `masks` too."""
+    scene = Path(__file__).parent / "scene.yaml"
+    sim = perilune.open(scene, overrides={"camera.sensor": {}})
+    channels = [row["name"] for row in _core.CHANNELS]
+    shown, taken = [], set()
+    for content in (0x00, 0xAB):
+
+        def take(pool: Pool, name: str, shape: Any, dtype: Any, byte: int = content) -> Any:
+            taken.add(name)
+            size = dtype.itemsize * int(np.prod(shape))
+            return np.full(size, byte, np.uint8).view(dtype).reshape(shape)
+
+        monkeypatch.setattr(Pool, "take", take)
+        sample = sim.frame(3, channels=channels, threads=2)
+        shown.append({name: np.asarray(sample[name]).tobytes() for name in sample})
+    assert taken >= set(shown[0])
+    assert {"rgb", "masks", "raw", "sensor_rgb"} <= taken
+    assert [name for name in shown[0] if shown[0][name] != shown[1][name]] == []
