@@ -102,7 +102,7 @@ def test_array_that_a_holder_changed_is_dropped(spoil: str) -> None:
 
 
 def test_frames_do_not_show_what_their_arrays_held(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every value of every channel is written, of the sensor's and of the layers of `masks` too."""
+    """Every value of every channel is written, of those of the sensor too."""
     scene = Path(__file__).parent / "scene.yaml"
     sim = perilune.open(scene, overrides={"camera.sensor": {}})
     channels = [row["name"] for row in _core.CHANNELS]
@@ -118,5 +118,5 @@ def test_frames_do_not_show_what_their_arrays_held(monkeypatch: pytest.MonkeyPat
         sample = sim.frame(3, channels=channels, threads=2)
         shown.append({name: np.asarray(sample[name]).tobytes() for name in sample})
     assert taken >= set(shown[0])
-    assert {"rgb", "masks", "raw", "sensor_rgb"} <= taken
+    assert {"rgb", "raw", "sensor_rgb"} <= taken
     assert [name for name in shown[0] if shown[0][name] != shown[1][name]] == []
