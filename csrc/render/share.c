@@ -1,8 +1,6 @@
 /* Following some paths, and keeping what they bring. */
 #include "render/share.h"
 
-#include <string.h>
-
 #include "base/memory.h"
 #include "math/color.h"
 #include "shade/ggx.h"
@@ -18,6 +16,7 @@ enum { BESIDE = 2, ALIKE = 3 };
 /* A lobe is wide where the density of a draw is below this, 1/sr: a cosine lobe is so everywhere.
  */
 static const float WIDE_PDF_MAX = 0.4f;
+
 /* Whether a pixel shows the surface of a spot; so it is said of pixels beyond the tile. */
 static bool shows(const pl_path_context *context, const pl_tile_buffers *b, int x, int y,
                   const pl_spot *spot, float depth_m) {

@@ -23,7 +23,9 @@ typedef struct pl_ray {
   /* The triangle that the ray starts on and so cannot hit: of an object, counted from 1; 0: none.
    */
   uint32_t from_thing, from_triangle;
-  float leaves;   /* so far, m, it cannot hit the backs of `from_thing`'s triangles */
+  /* So far, m, it cannot hit triangles of `from_thing` that it comes out of: by their backs, or by
+   * their corners' normals. */
+  float leaves;
   bool no_meshes; /* closest hits: of bodies alone */
 } pl_ray;
 
