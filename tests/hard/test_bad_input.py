@@ -296,6 +296,11 @@ def same_files(a, b):
     return True
 
 
+def hear_interrupts() -> None:
+    """What runs in the background is deaf to them, and hands that down."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.parametrize("delay_s", [0.0, 0.3, 1.0])
 def test_ctrl_c(tree, base, tmp_path, delay_s):
     """At any time: code 130, one message, whole files; the same command goes on."""
@@ -303,15 +308,18 @@ def test_ctrl_c(tree, base, tmp_path, delay_s):
     words = ["render", str(scene), "--frames", "0:100000", "--out", str(out), "--threads", "2"]
     process = subprocess.Popen(
         [sys.executable, "-m", "perilune", *words], stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, text=True,
+        stderr=subprocess.PIPE, text=True, preexec_fn=hear_interrupts,
     )  # fmt: skip
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline and not list(out.rglob("*.png")):
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.005)
-    time.sleep(delay_s)
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    try:
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline and not list(out.rglob("*.png")):
+            assert process.poll() is None, process.communicate()
+            time.sleep(0.005)
+        time.sleep(delay_s)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert process.returncode == 130, err
     assert "Traceback" not in err
     assert "interrupted" in err
