@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,11 @@ from hypothesis import settings
 # A timing is never a test; the blob reproduces a failure found elsewhere.
 settings.register_profile("perilune", deadline=None, print_blob=True)
 settings.load_profile("perilune")
+
+
+# What runs in the background is deaf to ctrl-C, and would hand that down to what tests start.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def data_folder() -> Path | None:

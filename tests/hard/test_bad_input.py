@@ -296,11 +296,6 @@ def same_files(a, b):
     return True
 
 
-def hear_interrupts() -> None:
-    """What runs in the background is deaf to them, and hands that down."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 @pytest.mark.parametrize("delay_s", [0.0, 0.3, 1.0])
 def test_ctrl_c(tree, base, tmp_path, delay_s):
     """At any time: code 130, one message, whole files; the same command goes on."""
@@ -308,7 +303,7 @@ def test_ctrl_c(tree, base, tmp_path, delay_s):
     words = ["render", str(scene), "--frames", "0:100000", "--out", str(out), "--threads", "2"]
     process = subprocess.Popen(
         [sys.executable, "-m", "perilune", *words], stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, text=True, preexec_fn=hear_interrupts,
+        stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:
         deadline = time.monotonic() + 60

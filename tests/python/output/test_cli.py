@@ -184,12 +184,15 @@ def interrupted(small_scene, out):
         "bop",
     )
     partial = out / "train" / "000000" / ".partial"
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline and len(list(partial.glob("*.json"))) < 3:
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.02)
-    process.send_signal(signal.SIGINT)
-    return (process, *process.communicate(timeout=60))
+    try:
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline and len(list(partial.glob("*.json"))) < 3:
+            assert process.poll() is None, process.communicate()
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        return (process, *process.communicate(timeout=60))
+    finally:
+        process.kill()
 
 
 def test_ctrl_c_leaves_a_folder_that_continues(small_scene, tmp_path):
