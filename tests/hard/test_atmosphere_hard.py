@@ -251,7 +251,10 @@ def test_presets_in_a_document_are_named_when_wrong() -> None:
         Atmosphere(preset="earth", mie_scattering_per_km=0.1, mie_extinction_per_km=0.05)
     with pytest.raises(ValueError, match="top_km"):
         Atmosphere.model_validate({"topkm": 3.0})
-    assert atmospheres.settings(Atmosphere(), UM)["rayleigh_scattering"] == (0.0, 0.0, 0.0)
+    with pytest.raises(ValueError, match="there is no air without one of rayleigh_per_km"):
+        Atmosphere()
+    dust = Atmosphere(mie_scattering_per_km=0.01)
+    assert atmospheres.settings(dust, UM)["rayleigh_scattering"] == (0.0, 0.0, 0.0)
 
 
 def test_edge_of_the_air_in_a_long_exposure() -> None:
