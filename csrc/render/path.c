@@ -298,6 +298,14 @@ static pl_vec3f sky_at(const pl_path_context *context, const pl_path *path, cons
                                                vertex->ng, pl_beam_width(&path->beam, vertex->t)));
 }
 
+/* What the vertex emits, weighed against drawing it as a light. */
+static void see_emission(const pl_path_context *context, const pl_path *path, const pl_ray *ray,
+                         const pl_vertex *vertex, pl_tile_buffers *b) {
+  const float weight = pl_emitters_met(context, path, ray, vertex);
+  add(pl_path_sink(b, path->pixel, path->shared),
+      pl_vec3f_scale(pl_vec3f_mul(path->throughput, vertex->surface.emission), weight));
+}
+
 /* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
@@ -313,11 +321,8 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
     set_lobes(context->settings, path.alpha_min, s);
     meet_solid(context->shot, vertex, &path, &cap);
   }
-  if (pl_vec3f_max(s->emission) > 0.0f) {
-    const float weight = pl_emitters_met(context, &path, &b->rays[i], vertex);
-    add(pl_path_sink(b, path.pixel, path.shared),
-        pl_vec3f_scale(pl_vec3f_mul(path.throughput, s->emission), weight));
-  }
+  if (pl_vec3f_max(s->emission) > 0.0f)
+    see_emission(context, &path, &b->rays[i], vertex, b);
   if (bounce > 0 && !context->settings->planetshine &&
       pl_shine_is_light(context->shot, vertex->thing, b->rays[i].from_thing))
     return;
@@ -336,7 +341,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
         pl_vec3f_mul(path.throughput, sky_at(context, &path, vertex, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
-  path.shared = path.shared || first == PL_WAY_SHARED;
+  path.shared = path.shared || first == PL_WAY_SHARED; /* from here on: what is above is its own */
   if (onward &&
       extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, cap, *kept, b) &&
       (bounce > 0 || pl_path_follow(context, vertex, &b->paths[*kept], b)))

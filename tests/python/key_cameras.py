@@ -42,6 +42,20 @@ AIMED = POINTING | {
 RUN = {"positions": 5, "duration_s": 100.0, "after": "hold"}
 LENS = {"focus_distance_m": 100.0, "aperture_mm": 5e4, "labels": "undistorted"}
 
+EXPOSURE_KEYS = {
+    "metering": "mean",
+    "percentile": 50.0,
+    "key": 0.3,
+    "window": [0.3, 0.3, 0.7, 0.7],
+    "saturated": 0.0,
+    "min_ms": 100.0,
+    "max_ms": 0.02,
+    "step_ms": 7.0,
+    "times_ms": [0.1, 100.0],
+    "gains": [2.0, 4.0],
+    "lag_frames": 1,
+}
+
 CAMERAS = [
     Section(
         CentredTarget,
@@ -157,17 +171,7 @@ CAMERAS = [
         {},
         {
             "mode": "fixed",
-            "metering": "mean",
-            "percentile": 50.0,
-            "key": 0.3,
-            "window": [0.3, 0.3, 0.7, 0.7],
-            "saturated": 0.0,
-            "min_ms": 100.0,
-            "max_ms": 0.02,
-            "step_ms": 7.0,
-            "times_ms": [0.1, 100.0],
-            "gains": [2.0, 4.0],
-            "lag_frames": 1,
+            **EXPOSURE_KEYS,
         },
         {"camera.exposure_time_s": 0.01},
     ),
@@ -176,17 +180,7 @@ CAMERAS = [
         (*AT_CAMERA, "sensor", "exposure"),
         {"mode": "fixed"},
         {
-            "metering": "mean",
-            "percentile": 50.0,
-            "key": 0.3,
-            "window": [0.3, 0.3, 0.7, 0.7],
-            "saturated": 0.0,
-            "min_ms": 100.0,
-            "max_ms": 0.02,
-            "step_ms": 7.0,
-            "times_ms": [0.1, 100.0],
-            "gains": [2.0, 4.0],
-            "lag_frames": 1,
+            **EXPOSURE_KEYS,
         },
         {"camera.exposure_time_s": 0.01},
     ),

@@ -114,6 +114,21 @@ SPIN: Tree = {
     "rotation_mode": "global",
 }
 
+LAW_KEYS = {
+    "maps": ["none.tif"],
+    "b": 0.5,
+    "c": -0.5,
+    "b_s0": 0.1,
+    "h_s": 0.5,
+    "b_c0": 0.5,
+    "h_c": 0.5,
+    "filling": 0.4,
+    "roughness_deg": 40.0,
+    "k": 0.7,
+    "h_function": "simple",
+    "coherent_surge": "2012",
+}
+
 THINGS = [
     Section(
         Body,
@@ -272,40 +287,14 @@ THINGS = [
         Photometry,
         (*AT_BODY, "photometry"),
         {},
-        {
-            "maps": ["none.tif"],
-            "b": 0.5,
-            "c": -0.5,
-            "b_s0": 0.1,
-            "h_s": 0.5,
-            "b_c0": 0.5,
-            "h_c": 0.5,
-            "filling": 0.4,
-            "roughness_deg": 40.0,
-            "k": 0.7,
-            "h_function": "simple",
-            "coherent_surge": "2012",
-        },
+        LAW_KEYS,
         {"bodies.b.reflectance": "hapke"},
     ),
     Section(
         Photometry,
         (*AT_BODY, "photometry"),
         {},
-        {
-            "maps": ["none.tif"],
-            "b": 0.5,
-            "c": -0.5,
-            "b_s0": 0.1,
-            "h_s": 0.5,
-            "b_c0": 0.5,
-            "h_c": 0.5,
-            "filling": 0.4,
-            "roughness_deg": 40.0,
-            "k": 0.7,
-            "h_function": "simple",
-            "coherent_surge": "2012",
-        },
+        LAW_KEYS,
         {"bodies.b.reflectance": "minnaert"},
     ),
     Section(
