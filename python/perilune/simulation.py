@@ -171,6 +171,12 @@ class Simulation:
         """Whether some orbits are drawn by functions given in code."""
         return bool(self._orbits)
 
+    @property
+    def functions(self) -> list[str]:
+        """Arguments of perilune.open that are functions: what no file of a configuration holds."""
+        given = ["trajectory"] if self._trajectory is not None else []
+        return given + [f"orbits.{name}" for name in self._orbits]
+
     def system(self, index: int) -> System:
         """What moves in a frame, at any time."""
         index = _checked_index(index)

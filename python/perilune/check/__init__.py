@@ -11,6 +11,7 @@ from perilune.check.findings import Finding, Report
 from perilune.check.models import check_models
 from perilune.check.records import Camera, Source, read_json
 from perilune.check.scene import check_scene
+from perilune.writers.bop_config import CONFIG_FILE
 from perilune.writers.bop_files import RGB_FOLDER
 from perilune.writers.bop_finish import (
     CARD_FILE,
@@ -25,7 +26,7 @@ from perilune.writers.bop_shards import NOTES
 
 __all__ = ["Finding", "Report", "check_bop"]
 
-_ROOT_FILES = {"camera.json", SOURCE_FILE, CARD_FILE}
+_ROOT_FILES = {"camera.json", CONFIG_FILE, SOURCE_FILE, CARD_FILE}
 
 
 def _scenes(report: Report, split: Path) -> list[Path]:

@@ -70,6 +70,11 @@ class Document:
         return Document, (self.tree, self.base, self.source, self.origins, self._replay)
 
     @property
+    def replay(self) -> Mapping[str, Any] | None:
+        """The metadata of the frame whose drivers' values are taken instead of new ones."""
+        return self._replay
+
+    @property
     def drivers(self) -> tuple[Found, ...]:
         """What is driven, in the order of the tree."""
         return self._plan.drivers

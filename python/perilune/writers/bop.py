@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.sample import Sample
 from perilune.simulation import Simulation
+from perilune.writers.bop_config import CONFIG_FILE, config_entry, config_text
 from perilune.writers.bop_files import (
     MM_PER_M,
     Record,
@@ -228,6 +229,7 @@ def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> d
     make_folder(root)  # when nothing but the disk can fail any more
     if not _check_same_source(root / SOURCE_FILE, info):
         write_text(root / SOURCE_FILE, json_text(info))
+    write_text(root / CONFIG_FILE, config_text(config_entry(sim)))
     write_text(root / "camera.json", json_text(camera_entry(sim)))
     if not (root / "models" / "models_info.json").exists():
         write_models(root / "models", models)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from perilune.writers.bop_config import CONFIG_FILE
 from perilune.writers.bop_files import CAMERA_FILE, SceneFolder, load_object, make_folder
 from perilune.writers.bop_finish import CARD_FILE, SOURCE_FILE, finish, reopen, scene_folders
 from perilune.writers.bop_shards import Note, chunks, read_notes, shard_chunks
@@ -151,7 +152,7 @@ def _gather(first: Path, scenes: Iterable[tuple[int, Path]], root: Path, split: 
     if (root / SOURCE_FILE).is_file():
         _check_one_source([first, root])  # an earlier merge, interrupted or of fewer frames
     reopen(root)
-    for name in (SOURCE_FILE, "camera.json"):
+    for name in (SOURCE_FILE, CONFIG_FILE, "camera.json"):
         if not (root / name).exists():
             shutil.copyfile(first / name, root / name)
     _copy_folder(first / "models", root / "models", root / _STAGE)

@@ -91,7 +91,8 @@ def scenes(dataset):
 
 
 def test_layout_is_exactly_the_formats(dataset):
-    expected = {"camera.json", "dataset_info.json", "dataset_info.md", "models/models_info.json"}
+    expected = {"camera.json", "config.json", "dataset_info.json", "dataset_info.md"}
+    expected |= {"models/models_info.json"}
     expected.add("models/obj_000005.ply")
     for scene, images in ((0, 4), (1, 2)):
         folder = f"train/{scene:06d}"
