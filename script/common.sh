@@ -9,6 +9,8 @@ LOGS=$ROOT/build
 VENV=$ROOT/.venv
 JOBS=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 export CMAKE_BUILD_PARALLEL_LEVEL=$JOBS
+# Our own builds take warnings for errors, and find in ccache what another folder has compiled.
+export PERILUNE_WERROR=${PERILUNE_WERROR:-ON} CCACHE_BASEDIR=$ROOT CCACHE_NOHASHDIR=1
 STARTED=$SECONDS
 mkdir -p "$LOGS"
 
@@ -99,7 +101,7 @@ need_package() {
   for stamp in "$VENV/.perilune" ${extra:+"$VENV/.perilune-$extra"}; do
     if [[ $(cat "$stamp" 2>/dev/null) != "$state" ]]; then
       say "Installing Python packages and building perilune"
-      quietly pip-build "$VENV/bin/pip" install "setuptools>=68" wheel "numpy>=2"
+      quietly pip-build "$VENV/bin/pip" install "setuptools>=77" wheel "numpy>=2"
       quietly pip-install "$VENV/bin/pip" install --no-build-isolation -e ".${extra:+[$extra]}"
       printf '%s' "$state" >"$VENV/.perilune"
       [[ -z $extra ]] || printf '%s' "$state" >"$VENV/.perilune-$extra"

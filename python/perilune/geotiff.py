@@ -6,21 +6,23 @@ radius. Compressions beyond deflate need the package imagecodecs.
 
 from __future__ import annotations
 
-import logging
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tifffile import TiffFile, TiffPage
+
+from perilune import tiff
+
+if TYPE_CHECKING:
+    from tifffile import TiffPage
 
 _BYTES_MAX = 1 << 32
 """Of the numbers of a file, unpacked: what its header claims is not believed beyond this."""
 _PROJECTED, _GEOGRAPHIC = 1, 2
-_LOG = logging.getLogger("tifffile")
 
 
 @dataclass(frozen=True)
@@ -48,17 +50,13 @@ def read(path: Path) -> Raster:
     """The grid of a file; ValueError that names it for what is not read."""
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
-    level = _LOG.level
-    _LOG.setLevel(logging.CRITICAL)  # it reports odd values of tags that are not read here
     try:
-        with TiffFile(path) as file:
-            page = file.pages[0]
-            assert isinstance(page, TiffPage)
+        with tiff.first_page(path) as page:
             return _raster(page)
+    except ModuleNotFoundError as error:
+        raise ValueError(f"{path}: {error}") from None
     except Exception as error:  # whatever a decoder makes of a broken file
         raise ValueError(f"{path}: not a GeoTIFF that is read here: {error}") from None
-    finally:
-        _LOG.setLevel(level)
 
 
 def _degrees_per_unit(keys: Mapping[str, Any]) -> float:

@@ -2,33 +2,24 @@
 
 from __future__ import annotations
 
-import logging
 import warnings
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from tifffile import TiffFile
 
-from perilune import _core, files
+from perilune import _core, files, tiff
 
 F64 = NDArray[np.float64]
 _SIDE_MAX = 16384
-_TIFF_LOG = logging.getLogger("tifffile")
 
 
 def _tiff(path: Path) -> NDArray[np.generic]:
-    level = _TIFF_LOG.level
-    _TIFF_LOG.setLevel(logging.CRITICAL)  # it reports odd values of tags that are not read here
-    try:
-        with TiffFile(path) as file:
-            page = file.pages[0]
-            if page.size > _SIDE_MAX**2:
-                raise ValueError(f"{page.size} numbers are too many")
-            return np.asarray(page.asarray())
-    finally:
-        _TIFF_LOG.setLevel(level)
+    with tiff.first_page(path) as page:
+        if page.size > _SIDE_MAX**2:
+            raise ValueError(f"{page.size} numbers are too many")
+        return np.asarray(page.asarray())
 
 
 def _numbers(path: Path) -> NDArray[np.generic]:

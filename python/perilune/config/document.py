@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from perilune.config import oaisys
+from perilune.config import oaisys, shipped
 from perilune.config.errors import ConfigError, from_validation, named, nearest, origin, unread
 from perilune.config.fixed import fixed
 from perilune.config.instances import spread
@@ -232,7 +232,7 @@ def load(
         tree = plain_tree(config, source)
         base = base or Path.cwd()
     else:
-        path = Path(config)
+        path = shipped.configuration(Path(config))
         source = str(config)
         tree = read_tree(path)
         base = base or path.resolve().parent

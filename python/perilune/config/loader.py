@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 
 import yaml
 
-from perilune.config.errors import ConfigError
+from perilune.config import shipped
+from perilune.config.errors import ConfigError, nearest
 from perilune.drivers import path_text
 
 _MAX_NODES = 200_000  # aliases can make a small file a tree without end
@@ -91,7 +92,8 @@ def read_tree(path: Path) -> dict[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
-        raise FileNotFoundError(f"{path}: no such configuration file") from None
+        near = nearest(path.as_posix(), shipped.configurations())
+        raise FileNotFoundError(f"{path}: no such configuration file{near}") from None
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: not UTF-8 text: {error}") from None
     parse = parse_json if path.suffix.lower() == ".json" else parse_yaml
