@@ -140,7 +140,7 @@ def write_image(
 
 
 @dataclass
-class _Job:
+class Job:
     """One call of write_bop: what is written where, and how far it is."""
 
     sim: Simulation
@@ -165,6 +165,16 @@ class _Job:
         """Of a scene."""
         return SceneFolder(self.split_folder / f"{scene_id:06d}", self.pictures)
 
+    @property
+    def channels(self) -> list[str]:
+        """What is rendered for a frame."""
+        return [*dict.fromkeys(self.pictures.values()), *LABELS]
+
+    def write_image(self, folder: SceneFolder, im_id: int, sample: Sample) -> Record:
+        """Writes the files of one frame into its scene folder, the record of it last."""
+        names = list(self.sim.config.spacecraft)
+        return write_image(folder, im_id, sample, names, self.origins_m, self.pictures)
+
     def write_chunk(self, scene_id: int, images: Mapping[int, int]) -> None:
         """Writes the images (image id -> frame index) of one scene that are not there yet."""
         folder = self.folder(scene_id)
@@ -178,16 +188,12 @@ class _Job:
     def _render(
         self, folder: SceneFolder, images: Mapping[int, int], records: dict[int, Record]
     ) -> None:
-        names = list(self.sim.config.spacecraft)
-        channels = [*dict.fromkeys(self.pictures.values()), *LABELS]
         with WriteQueue() as queue:
             for im_id, index in images.items():
-                sample = self.sim.frame(index, channels=channels, threads=self.threads)
+                sample = self.sim.frame(index, channels=self.channels, threads=self.threads)
 
                 def task(im_id: int = im_id, sample: Sample = sample) -> None:
-                    records[im_id] = write_image(
-                        folder, im_id, sample, names, self.origins_m, self.pictures
-                    )
+                    records[im_id] = self.write_image(folder, im_id, sample)
 
                 self.advance(written=queue.put(task))
             self.advance(written=queue.drain())
@@ -236,19 +242,23 @@ def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> d
     return models
 
 
-def _job(
+def open_job(
     sim: Simulation,
     root: Path,
+    chunk_size: int,
     split: str,
-    models: Mapping[int, BopModel],
-    threads: int | None,
-    total: int,
-    progress: Progress | None,
-) -> _Job:
+    threads: int | None = None,
+    total: int = 0,
+    progress: Progress | None = None,
+) -> Job:
+    """Writes all files that are no scene's, and tells how those of the scenes are made.
+
+    total: the images that are to be written; progress is told of them."""
+    models = _write_source(sim, root, chunk_size, split)
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
     size = nominal_camera(sim)
     header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
-    return _Job(sim, root / split, origins_m, header, pictures(sim), threads, total, progress)
+    return Job(sim, root / split, origins_m, header, pictures(sim), threads, total, progress)
 
 
 def write_bop(
@@ -287,10 +297,9 @@ def write_bop(
     check_frames(frames, chunk_size, shard or (0, 1))
     _check_split(split)
     root = Path(out)
-    models = _write_source(sim, root, chunk_size, split)
     images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
     total = sum(len(images) for images in images_of.values())
-    job = _job(sim, root, split, models, threads, total, progress)
+    job = open_job(sim, root, chunk_size, split, threads, total, progress)
     kept = sum(
         im_id in done
         for scene_id, images in images_of.items()
