@@ -42,11 +42,16 @@ def _distributions(value: dict[str, Any], variance: dict[str, Any]) -> list[dict
     """Of numbers, or of lists of numbers."""
     limits = {"clip_min": value, "clip_max": value}
     jointly = {"jointly": {"type": "boolean", "description": "One draw for all of a list."}}
+    truncated = {
+        "type": "boolean",
+        "description": "Drawn from within the limits, which would pile up what is clipped.",
+    }
     two = {"type": "array", "items": value, "minItems": 2, "maxItems": 2}
     return [
         _distribution(
             "ideal + N(0, jitter_variance * strength), clipped.",
             {"ideal": value, "jitter_variance": variance, **limits},
+            truncated=truncated,
             **jointly,
         ),
         _distribution(
@@ -57,6 +62,7 @@ def _distributions(value: dict[str, Any], variance: dict[str, Any]) -> list[dict
         _distribution(
             "median * exp(N(0, log_variance * strength)), clipped.",
             {"median": value, "log_variance": variance, **limits},
+            truncated=truncated,
             **jointly,
         ),
     ]

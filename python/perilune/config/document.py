@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,15 @@ from typing import Any
 from pydantic import ValidationError
 
 from perilune.config import oaisys, shipped
-from perilune.config.errors import ConfigError, from_validation, named, nearest, origin, unread
+from perilune.config.errors import (
+    ConfigError,
+    ConfigWarning,
+    from_validation,
+    named,
+    nearest,
+    origin,
+    unread,
+)
 from perilune.config.fixed import fixed
 from perilune.config.instances import spread
 from perilune.config.loader import plain_tree, read_tree
@@ -182,6 +191,15 @@ class Document:
                 for path in idle:
                     tree = without(tree, path)
 
+    def doubts(self) -> Iterator[str]:
+        """What is allowed and hardly meant, one line each."""
+        for driver, limit, share in self._plan.piled():
+            key = origin(driver.name, self.origins)
+            yield (
+                f"{self.source}: {key}: {share:.0%} of its draws are clipped to {limit}; "
+                "`truncated: true` draws them between the limits"
+            )
+
     def _beside_choice(self, path: KeyPath) -> bool:
         """Whether another value of a choice in the same section may read a key."""
         return any(
@@ -247,9 +265,13 @@ def load(
     spread(tree)
     while True:
         try:
-            return Document(tree, base, source, origins, replay)
+            document = Document(tree, base, source, origins, replay)
         except ConfigError as error:
             fewer = without_unread(tree, error.unread, overrides or ())
             if not error.unread or fewer is None:
                 raise
             tree = fewer
+            continue
+        for line in document.doubts():
+            warnings.warn(line, ConfigWarning, stacklevel=3)
+        return document

@@ -25,6 +25,10 @@ class ConfigError(ValueError):
     unread: Sequence[KeyPath] = ()
 
 
+class ConfigWarning(UserWarning):
+    """What a configuration asks for, and hardly means; the text names the file and the key."""
+
+
 def nearest(name: object, allowed: Iterable[str]) -> str:
     """`; did you mean 'x'? allowed: a, b` for a name that is not one of `allowed`."""
     names = list(allowed)

@@ -6,6 +6,7 @@ is `KINDS`, one module a distribution:
     {ideal, jitter_variance, clip_min, clip_max}    normal, clipped
     {uniform: [low, high]}                          uniform
     {median, log_variance, clip_min, clip_max}      log-normal, clipped
+    {..., truncated: true}                          likewise, without tails, not clipped
     {choice: [a, b], weights: [1, 2]}               one of several values, of any type
     {hook: module:function, ideal, ...}             the user's own distribution
 

@@ -8,14 +8,25 @@ Lists as with the normal distribution.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from perilune.drivers.common import DriverError, Kind, Source, clip, joint, numbers, shaped, size
-from perilune.drivers.normal import check_ideal, check_variance, need
+from perilune.drivers.common import (
+    F64,
+    DriverError,
+    Kind,
+    Source,
+    clip,
+    joint,
+    numbers,
+    shaped,
+    size,
+)
+from perilune.drivers.normal import check_ideal, check_variance, in_deviations, need
 
 KEYS = ("median", "log_variance", "clip_min", "clip_max")
 
@@ -43,13 +54,30 @@ class LogNormal:
 
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""
+        return self.at(strength, lambda: source.normals(len(self.medians), self.jointly))
+
+    def at(self, strength: float, normals: Callable[[], F64]) -> Any:
+        """As that of the normal distribution."""
         deviations = np.sqrt(np.array(self.variances) * strength)
         if not deviations.any():
             return self.ideal
-        jitter = deviations * source.normals(len(self.medians), self.jointly)
+        jitter = deviations * normals()
         with np.errstate(over="ignore"):  # infinity is clipped
             values = np.array(self.medians) * np.exp(jitter)
         return shaped(clip(values, self.low, self.high), self.count)
+
+    def standard_limits(self, strength: float) -> list[tuple[float, float]]:
+        """Both clips of each number, in standard deviations of its logarithm from the median's."""
+        rows = zip(self.medians, self.variances, self.low, self.high, strict=True)
+        return [
+            (_limit(low, median, variance * strength), _limit(high, median, variance * strength))
+            for median, variance, low, high in rows
+        ]
+
+
+def _limit(limit: float, median: float, variance: float) -> float:
+    distance = math.log(limit) - math.log(median) if limit > 0.0 else -math.inf
+    return in_deviations(distance, variance)
 
 
 def parse(name: str, raw: Mapping[str, Any]) -> LogNormal:
@@ -64,4 +92,4 @@ def parse(name: str, raw: Mapping[str, Any]) -> LogNormal:
     return LogNormal(count, median, variance, low, high, joint(name, raw))
 
 
-KIND = Kind("log_normal", ("median", "log_variance"), (*KEYS, "jointly"), parse)
+KIND = Kind("log_normal", ("median", "log_variance"), (*KEYS, "jointly", "truncated"), parse)

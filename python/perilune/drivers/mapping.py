@@ -17,7 +17,9 @@ class Driver(Mapping[str, Any]):
     ideal, clipped. Lists in place of numbers are colours or vectors. The other distributions are
     the class methods. All take as keywords `interval` (steps between draws), `strength` (factor on
     the variance) and `group` (a name of `drivers.groups`); those of numbers also `jointly`: one
-    draw for all numbers of a list. Raises perilune.drivers.DriverError for what is no driver.
+    draw for all numbers of a list; and those with clips `truncated`: drawn from within the limits,
+    of which clipping piles up what lies beyond. Raises perilune.drivers.DriverError for what is no
+    driver.
     """
 
     def __init__(

@@ -8,13 +8,15 @@ numbers are drawn independently, or by one draw for all with `jointly: true`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from perilune.drivers.common import (
+    F64,
     DriverError,
     Kind,
     Source,
@@ -51,13 +53,37 @@ class Normal:
 
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""
+        return self.at(strength, lambda: source.normals(len(self.means), self.jointly))
+
+    def at(self, strength: float, normals: Callable[[], F64]) -> Any:
+        """The value of standard normals, which are asked for only where something varies."""
         deviations = np.sqrt(np.array(self.variances) * strength)
         if not deviations.any():
             return self.ideal
-        jitter = deviations * source.normals(len(self.means), self.jointly)
+        jitter = deviations * normals()
         means = np.array(self.means)
         values = np.where(deviations == 0.0, means, means + jitter)  # -0 + 0 is not -0
         return shaped(clip(values, self.low, self.high), self.count)
+
+    def standard_limits(self, strength: float) -> list[tuple[float, float]]:
+        """Both clips of each number, in standard deviations from its ideal."""
+        found = []
+        for mean, own, low, high in zip(
+            self.means, self.variances, self.low, self.high, strict=True
+        ):
+            variance = own * strength
+            found.append(
+                (in_deviations(low - mean, variance), in_deviations(high - mean, variance))
+            )
+        return found
+
+
+def in_deviations(distance: float, variance: float) -> float:
+    """How many standard deviations a limit is away; endlessly many where nothing varies."""
+    deviation = math.sqrt(variance)
+    if math.isinf(distance) or deviation == 0.0:
+        return math.copysign(math.inf, distance)
+    return distance / deviation
 
 
 def check_ideal(
@@ -102,4 +128,4 @@ def parse(name: str, raw: Mapping[str, Any]) -> Normal:
     return Normal(count, mean, variance, low, high, joint(name, raw))
 
 
-KIND = Kind("normal", ("ideal", "jitter_variance"), (*KEYS, "jointly"), parse)
+KIND = Kind("normal", ("ideal", "jitter_variance"), (*KEYS, "jointly", "truncated"), parse)

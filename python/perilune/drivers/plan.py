@@ -8,7 +8,8 @@ the order of keys, of workers and of other drivers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -18,11 +19,17 @@ import numpy as np
 
 from perilune.drivers.common import F64, DriverError, KeyPath, Source
 from perilune.drivers.hook import Hooked
+from perilune.drivers.log_normal import LogNormal
+from perilune.drivers.normal import Normal
 from perilune.drivers.tree import Found
 from perilune.random import generator
 
 _SYMMETRIC = 1e-12
 """Difference of two elements of a correlation matrix that rounding explains."""
+
+PILED = 0.1
+"""Share of a driver's draws on one of its limits that is worth a warning: most that clip mean to
+keep a tail out, not to draw one value more often than any other."""
 
 
 def factor(correlation: Sequence[Sequence[float]]) -> F64:
@@ -154,6 +161,21 @@ class Plan:
         if isinstance(strength, tuple):
             strength = strength[min(epoch, len(strength) - 1)]
         return strength, epoch
+
+    def piled(self) -> Iterator[tuple[Found, str, float]]:
+        """(driver, limit, share of its draws that are clipped to it), of those above PILED."""
+        for driver in self.drivers:
+            if isinstance(driver.distribution, (Normal, LogNormal)):
+                strength, _ = self.settings(driver, 0)
+                rows = driver.distribution.standard_limits(strength)
+                for name, at, sign in (("clip_min", 0, -1.0), ("clip_max", 1, 1.0)):
+                    shares = [
+                        0.5 * math.erfc(sign * row[at] / math.sqrt(2.0))
+                        for row in rows
+                        if row[0] < row[1]  # else it asks for one value
+                    ]
+                    if max(shares, default=0.0) > PILED:
+                        yield driver, name, max(shares)
 
     def draw(self, driver: Found, seed: int, step: int) -> Any:
         """The value of one driver at a step."""

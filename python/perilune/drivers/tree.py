@@ -21,9 +21,10 @@ from perilune.drivers.common import (
 from perilune.drivers.hook import KIND as HOOK
 from perilune.drivers.log_normal import KIND as LOG_NORMAL
 from perilune.drivers.normal import KIND as NORMAL
+from perilune.drivers.truncated import KIND as TRUNCATED
 from perilune.drivers.uniform import KIND as UNIFORM
 
-KINDS: tuple[Kind, ...] = (HOOK, CHOICE, UNIFORM, LOG_NORMAL, NORMAL)
+KINDS: tuple[Kind, ...] = (HOOK, CHOICE, UNIFORM, TRUNCATED, LOG_NORMAL, NORMAL)
 """The table of distributions; a mapping is of the first kind that it has a marker of."""
 
 SETTINGS = ("interval", "strength", "group")

@@ -40,7 +40,7 @@ def read(owner: Node, why_not: str | None, ours: str = _KEY) -> dict[str, Any]:
     return found
 
 
-def _driver(node: Node) -> dict[str, float]:
+def _driver(node: Node) -> dict[str, Any]:
     low, high, ideal, variance = (node.number(key) for key in _NUMBERS)
     if low > high:
         node.fail("clip_min", f"{low:g} is above clip_max = {high:g}")
@@ -48,7 +48,9 @@ def _driver(node: Node) -> dict[str, float]:
         node.fail("ideal", f"{ideal:g} is outside [clip_min, clip_max] = [{low:g}, {high:g}]")
     if variance < 0.0:
         node.fail("jitter_variance", f"must not be negative: {variance:g}")
-    return dict(zip(_NUMBERS, (low, high, ideal, variance), strict=True))
+    found = dict(zip(_NUMBERS, (low, high, ideal, variance), strict=True))
+    # A key of ours: a file of OAISYS has none for it.
+    return {**found, "truncated": True} if node.flag("truncated", False) else found
 
 
 def read_graphs(root: Node, tree: dict[str, Any]) -> None:

@@ -1,0 +1,93 @@
+"""{..., clip_min, clip_max, truncated: true}: normal or log-normal, without its tails.
+
+What clipping would pile up on a limit is drawn anew between the limits: the density within them is
+that of the distribution, divided by what of it they hold. Drawn by the inverse of the cumulative
+distribution, one number of the generator each, so that it goes along in correlated groups.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+
+from perilune.drivers import log_normal, normal
+from perilune.drivers.common import F64, DriverError, Kind, Source
+from perilune.drivers.log_normal import LogNormal
+from perilune.drivers.normal import Normal
+
+_STANDARD = NormalDist()
+_ROOT_2 = math.sqrt(2.0)
+_NEAR = 0.1
+"""Below this, erf is inverted by itself: 0.5 + erf / 2 would round its digits away."""
+
+
+def truncated_normal(low: float, high: float, uniform: float) -> float:
+    """The standard normal between low <= 0 <= high, of the given rank in [0, 1]."""
+    below, above = math.erf(low / _ROOT_2), math.erf(high / _ROOT_2)
+    inner = below + uniform * (above - below)
+    if abs(inner) < _NEAR:
+        z = 0.5 * math.sqrt(math.pi) * inner
+        for _ in range(2):  # Newton's method
+            z -= 0.5 * math.sqrt(math.pi) * (math.erf(z) - inner) * math.exp(z * z)
+        return _ROOT_2 * z
+    # Each half by its own tail, whose digits do not end at those of 1.
+    mass = 0.5 * (above - below)
+    tail, share, sign = (low, uniform, 1.0) if inner < 0.0 else (high, 1.0 - uniform, -1.0)
+    beyond = 0.5 * math.erfc(abs(tail) / _ROOT_2) + share * mass
+    return sign * _STANDARD.inv_cdf(beyond) if beyond > 0.0 else tail
+
+
+@dataclass(frozen=True)
+class Truncated:
+    """`free` is the distribution with its tails."""
+
+    free: Normal | LogNormal
+
+    @property
+    def ideal(self) -> Any:
+        """As without limits: not the mean of what is drawn, unless the limits lie evenly."""
+        return self.free.ideal
+
+    @property
+    def limits(self) -> tuple[Any, ...]:
+        """Both."""
+        return self.free.limits
+
+    def draw(self, source: Source, strength: float) -> Any:
+        """See the module."""
+        limits = self.free.standard_limits(strength)
+
+        def normals() -> F64:
+            uniforms = source.uniforms(len(limits), self.free.jointly).tolist()
+            rows = zip(limits, uniforms, strict=True)
+            return np.array([truncated_normal(*limit, uniform) for limit, uniform in rows])
+
+        return self.free.at(strength, normals)
+
+
+def parse(name: str, raw: Mapping[str, Any]) -> Normal | LogNormal | Truncated:
+    """From its mapping; `name` is the key path."""
+    kind = log_normal if any(key in raw for key in log_normal.KIND.markers) else normal
+    asked = raw["truncated"]
+    if not isinstance(asked, bool):
+        raise DriverError(f"{name}.truncated", f"must be true or false, not {asked!r}")
+    for key in raw:
+        if key in KIND.keys and key not in kind.KIND.keys:
+            text = f"is of another distribution; allowed: {', '.join(kind.KIND.keys)}"
+            raise DriverError(f"{name}.{key}", text)
+    free = kind.parse(name, raw)
+    return Truncated(free) if asked else free
+
+
+KIND = Kind(
+    "truncated",
+    ("truncated",),
+    tuple(dict.fromkeys((*normal.KIND.keys, *log_normal.KIND.keys))),
+    parse,
+    marks=lambda value: not isinstance(value, Mapping),
+)
