@@ -151,6 +151,12 @@ void Walker::walk_scene() {
   }
   for (const int root : roots())
     walk_node(root, -1, Affine());
+  const std::vector<tinygltf::Node> &nodes = asset_.model.nodes;
+  size_t outside = 0;
+  for (size_t i = 0; i < nodes.size(); i++)
+    outside += !placed_[i].in_scene && nodes[i].mesh >= 0;
+  if (outside > 0)
+    warnings_.add("%zu nodes with meshes are not in the scene and left out", outside);
 }
 
 /* The guard has checked that nodes form a forest of limited depth. */

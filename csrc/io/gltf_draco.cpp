@@ -223,8 +223,11 @@ void decode_primitive(Asset &asset, tinygltf::Primitive &primitive, const std::s
   const tinygltf::Value ids = it->second.Get("attributes");
   for (const std::string &name : ids.Keys()) {
     const auto attribute = primitive.attributes.find(name);
-    if (attribute == primitive.attributes.end())
+    if (attribute == primitive.attributes.end()) {
+      warnings.add("%s: the Draco attribute %s is none of the primitive and left out", what.c_str(),
+                   printable(name).c_str());
       continue;
+    }
     const tinygltf::Accessor accessor =
         asset.model.accessors[static_cast<size_t>(attribute->second)];
     attribute->second =

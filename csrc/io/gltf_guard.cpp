@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 
 namespace pl_gltf {
 
@@ -106,6 +107,23 @@ std::vector<std::string> names(const json &document, const char *key) {
   return out;
 }
 
+/* Adds the names of the extensions that a value and what is below it have; in `extras` there may be
+ * anything. The text's depth is limited. */
+void collect_extensions(const json &value, std::set<std::string> &out) {
+  if (value.is_object()) {
+    const auto extensions = value.find("extensions");
+    if (extensions != value.end() && extensions->is_object())
+      for (auto it = extensions->begin(); it != extensions->end(); ++it)
+        out.insert(it.key());
+    for (auto it = value.begin(); it != value.end(); ++it)
+      if (it.key() != "extras")
+        collect_extensions(it.value(), out);
+  } else if (value.is_array() && !value.empty() && value.front().is_structured()) {
+    for (const json &item : value)
+      collect_extensions(item, out);
+  }
+}
+
 void check_extensions(const json &document, Warnings &warnings) {
   const std::vector<std::string> required = names(document, "extensionsRequired");
   std::string refused;
@@ -114,7 +132,10 @@ void check_extensions(const json &document, Warnings &warnings) {
       refused += (refused.empty() ? "" : ", ") + printable(name);
   if (!refused.empty())
     fail(PL_E_UNSUPPORTED, "requires %s, which is not supported", refused.c_str());
-  for (const std::string &name : names(document, "extensionsUsed"))
+  const std::vector<std::string> used = names(document, "extensionsUsed");
+  std::set<std::string> there(used.begin(), used.end());
+  collect_extensions(document, there); /* also what a file does not declare */
+  for (const std::string &name : there)
     if (!contains(implemented, name))
       warnings.add("extension %s is not supported and ignored", printable(name).c_str());
 }
@@ -167,6 +188,18 @@ void warn_of_the_ignored(const json &document, Warnings &warnings) {
     warnings.add("skins are ignored: meshes are placed by their nodes");
   if (has("cameras"))
     warnings.add("cameras are ignored");
+  for (size_t i = 0; has("nodes") && i < document["nodes"].size(); i++) {
+    const json &node = document["nodes"][i];
+    if (node.contains("matrix") &&
+        (node.contains("translation") || node.contains("rotation") || node.contains("scale")))
+      warnings.add("nodes[%zu] has a matrix beside translation, rotation or scale, which glTF "
+                   "forbids: the matrix counts",
+                   i);
+  }
+  const auto scenes = document.find("scenes");
+  if (scenes != document.end() && scenes->size() > 1)
+    warnings.add("scenes[%d] is read, the %zu others are left out", document.value("scene", 0),
+                 scenes->size() - 1);
 }
 
 /* A buffer for readers without EXT_meshopt_compression: nothing is read from it here. */

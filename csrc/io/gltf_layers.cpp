@@ -20,14 +20,14 @@ public:
   }
 
   bool given() const { return value_ != nullptr; }
+  bool has(const char *key) const { return given() && value_->Has(key); }
 
   float number(const char *key, double otherwise, double low, double high) const {
-    return value_ == nullptr || !value_->Has(key) ? static_cast<float>(otherwise)
-                                                  : checked(value_->Get(key), key, low, high);
+    return has(key) ? checked(value_->Get(key), key, low, high) : static_cast<float>(otherwise);
   }
 
   void color(const char *key, float out[3]) const {
-    if (value_ == nullptr || !value_->Has(key))
+    if (!has(key))
       return;
     const tinygltf::Value &list = value_->Get(key);
     if (!list.IsArray() || list.ArrayLen() != 3)
@@ -50,13 +50,19 @@ private:
 
 /* KHR_materials_volume: a thickness makes the mesh the boundary of a solid; how thick it is, the
  * mesh says. The colour is what a way of the distance leaves. */
-void read_volume(const tinygltf::Material &in, const std::string &name,
-                 pl_material_layers *layers) {
+void read_volume(const tinygltf::Material &in, const std::string &name, pl_material_layers *layers,
+                 Warnings &warnings) {
   const Extension volume(in, "KHR_materials_volume", name);
   const double darkest = 1e-6, never = 1e30;
   float color[3] = {1, 1, 1};
   layers->solid = volume.number("thicknessFactor", 0.0, 0.0, 1e30) > 0.0f;
   volume.color("attenuationColor", color);
+  if (*std::max_element(color, color + 3) > 1.0f)
+    warnings.add("%s: KHR_materials_volume: attenuationColor is clamped to 0..1", name.c_str());
+  if (volume.has("thicknessTexture"))
+    warnings.add("%s: KHR_materials_volume: thicknessTexture is not read: the mesh says how thick "
+                 "it is",
+                 name.c_str());
   const float distance = volume.number("attenuationDistance", never, 1e-30, never);
   for (int k = 0; k < 3; k++)
     layers->extinction[k] = static_cast<float>(
@@ -66,7 +72,8 @@ void read_volume(const tinygltf::Material &in, const std::string &name,
 
 } // namespace
 
-void read_layers(const tinygltf::Material &in, const std::string &name, pl_material *out) {
+void read_layers(const tinygltf::Material &in, const std::string &name, pl_material *out,
+                 Warnings &warnings) {
   const Extension coat(in, "KHR_materials_clearcoat", name);
   const Extension clear(in, "KHR_materials_transmission", name);
   const Extension ior(in, "KHR_materials_ior", name);
@@ -83,7 +90,7 @@ void read_layers(const tinygltf::Material &in, const std::string &name, pl_mater
   specular.color("specularColorFactor", layers->specular_color);
   layers->anisotropy = anisotropy.number("anisotropyStrength", 0.0, 0.0, 1.0);
   layers->anisotropy_rotation_rad = anisotropy.number("anisotropyRotation", 0.0, -turn, turn);
-  read_volume(in, name, layers);
+  read_volume(in, name, layers, warnings);
   if (layers->solid && layers->transmission > 0.0f)
     out->double_sided = true; /* light must leave it again */
   if (layers->ior > 0.0f && layers->ior < 1.0f)

@@ -1,6 +1,6 @@
 /* Materials and textures (glTF 2.0, sections 3.8 and 3.9). Occlusion maps are not read: the path
- * tracer computes what they approximate. Filters of samplers are not read: textures are always
- * filtered. */
+ * tracer computes what they approximate. Filters of samplers are not read: `render.texture_filter`
+ * says how textures are filtered. */
 #include "io/gltf_material.hpp"
 
 #include <algorithm>
@@ -115,6 +115,10 @@ pl_texture_slot MaterialBuilder::slot(const Info &info, bool srgb, const std::st
         asset_.model.samplers.at(static_cast<size_t>(texture.sampler));
     key.wrap_u = wrap_of(sampler.wrapS);
     key.wrap_v = wrap_of(sampler.wrapT);
+    if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST)
+      warnings_.add("samplers[%d].magFilter NEAREST is not read: render.texture_filter says how "
+                    "textures are filtered",
+                    texture.sampler);
   }
   const int number = static_cast<int>(textures_.size());
   return {textures_.emplace(key, number).first->second, set, uv_transform(info.extensions)};
@@ -158,7 +162,7 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
                                               : PL_ALPHA_OPAQUE;
   out->double_sided = in.doubleSided;
   out->unlit = in.extensions.count("KHR_materials_unlit") != 0;
-  read_layers(in, name, out);
+  read_layers(in, name, out, warnings_);
   out->base_color_map = out->metallic_roughness_map = out->normal_map = out->emissive_map =
       NO_TEXTURE;
   if (!used)
@@ -166,14 +170,18 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
   out->base_color_map = slot(pbr.baseColorTexture, true, name + ": baseColorTexture");
   out->metallic_roughness_map =
       slot(pbr.metallicRoughnessTexture, false, name + ": metallicRoughnessTexture");
-  if (model_->tangents != nullptr)
-    out->normal_map = slot(in.normalTexture, false, name + ": normalTexture");
+  const pl_texture_slot normals = slot(in.normalTexture, false, name + ": normalTexture");
+  if (model_->tangents != nullptr) /* else the mesh has no coordinates, as has been warned */
+    out->normal_map = normals;
+  if (in.occlusionTexture.index >= 0)
+    warnings_.add("occlusion maps are not read: what they approximate is traced");
   out->emissive_map = slot(in.emissiveTexture, true, name + ": emissiveTexture");
   for (const LayerMap &map : layer_maps(in)) {
     const bool bends = map.slot == &pl_material_layers::coat_normal_map;
+    const pl_texture_slot found = slot(map.info, map.srgb, name + ": " + map.name);
     if (bends && model_->tangents == nullptr)
       continue;
-    out->layers.*map.slot = slot(map.info, map.srgb, name + ": " + map.name);
+    out->layers.*map.slot = found;
     if (bends)
       out->layers.coat_normal_scale = static_cast<float>(map.info.scale);
   }

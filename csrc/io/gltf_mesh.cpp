@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <iterator>
 
 namespace pl_gltf {
 
@@ -49,6 +51,7 @@ private:
   void read_normals(const Accessor &normals);
   void flat_normals();
   void repair_normals(const std::vector<uint32_t> &bad);
+  void warn_of_unread() const;
   void read_uvs();
   void read_colors();
   void read_tangents(const Accessor &tangents);
@@ -301,19 +304,37 @@ void Builder::repair_normals(const std::vector<uint32_t> &bad) {
     put_unit(piece_.normals, v, norm(sum[v]) > 1e-6 * norm(any[v]) ? sum[v] : any[v]);
 }
 
+/* Attributes that nothing reads; skins and needs of materials have warnings of their own. */
+void Builder::warn_of_unread() const {
+  static const char *const read[] = {"POSITION",   "NORMAL",     "TANGENT", "COLOR_0",
+                                     "TEXCOORD_0", "TEXCOORD_1", "JOINTS_", "WEIGHTS_"};
+  for (const auto &entry : primitive_.attributes) {
+    const std::string &name = entry.first;
+    const bool known = std::any_of(std::begin(read), std::end(read), [&](const char *prefix) {
+      return name.rfind(prefix, 0) == 0 && (name == prefix || prefix[strlen(prefix) - 1] == '_');
+    });
+    if (!known && name[0] != '_') /* with it begin names that only their makers know */
+      warnings_.add("%s: the attribute %s is not read", what_.c_str(), printable(name).c_str());
+  }
+}
+
 void Builder::read_uvs() {
   const char *const names[2] = {"TEXCOORD_0", "TEXCOORD_1"};
   for (int set = 0; set < 2; set++) {
     if (attribute(names[set]) < 0)
       continue;
     const Accessor uvs = open(names[set], 2, 2);
+    bool bad = false;
     piece_.uvs[set].resize(2 * source_.size());
     for (size_t v = 0; v < source_.size(); v++) {
       float uv[4] = {0};
       uvs.read(source_[v], uv);
+      bad = bad || !std::isfinite(uv[0]) || !std::isfinite(uv[1]);
       for (size_t k = 0; k < 2; k++)
         piece_.uvs[set][2 * v + k] = std::isfinite(uv[k]) ? uv[k] : 0.0f;
     }
+    if (bad)
+      warnings_.add("%s.%s: numbers that are not finite count as 0", what_.c_str(), names[set]);
   }
 }
 
@@ -321,19 +342,28 @@ void Builder::read_colors() {
   if (attribute("COLOR_0") < 0)
     return;
   const Accessor colors = open("COLOR_0", 3, 4);
+  bool outside = false, broken = false;
   piece_.colors.resize(4 * source_.size());
   for (size_t v = 0; v < source_.size(); v++) {
     float color[4] = {1, 1, 1, 1};
     colors.read(source_[v], color);
-    for (size_t k = 0; k < 4; k++)
-      piece_.colors[4 * v + k] =
-          std::isfinite(color[k]) ? std::min(std::max(color[k], 0.0f), 1.0f) : 1.0f;
+    for (size_t k = 0; k < 4; k++) {
+      const bool finite = std::isfinite(color[k]);
+      broken = broken || !finite;
+      outside = outside || (finite && (color[k] < 0.0f || color[k] > 1.0f));
+      piece_.colors[4 * v + k] = finite ? std::min(std::max(color[k], 0.0f), 1.0f) : 1.0f;
+    }
   }
+  if (outside)
+    warnings_.add("%s.COLOR_0: numbers are clamped to 0..1", what_.c_str());
+  if (broken)
+    warnings_.add("%s.COLOR_0: numbers that are not finite count as 1", what_.c_str());
 }
 
 /* Tangents of the file lie in the surface, so they turn with the matrix itself. */
 void Builder::read_tangents(const Accessor &tangents) {
   const auto &m = to_root_.m;
+  bool replaced = false;
   for (size_t v = 0; v < source_.size(); v++) {
     float in[4];
     tangents.read(source_[v], in);
@@ -343,13 +373,17 @@ void Builder::read_tangents(const Accessor &tangents) {
                              m[1][0] * t[0] + m[1][1] * t[1] + m[1][2] * t[2],
                              m[2][0] * t[0] + m[2][1] * t[1] + m[2][2] * t[2]});
     const double length = norm(turned);
-    if (!(length > 0.0) || !std::isfinite(length))
-      continue; /* keeps the computed one */
+    if (!(length > 0.0) || !std::isfinite(length)) {
+      replaced = true; /* keeps the computed one */
+      continue;
+    }
     piece_.tangents[4 * v] = static_cast<float>(turned.x / length);
     piece_.tangents[4 * v + 1] = static_cast<float>(turned.y / length);
     piece_.tangents[4 * v + 2] = static_cast<float>(turned.z / length);
     piece_.tangents[4 * v + 3] = (in[3] < 0.0f) == flipped_ ? 1.0f : -1.0f;
   }
+  if (replaced)
+    warnings_.add("%s.TANGENT: degenerate tangents are replaced", what_.c_str());
 }
 
 /* Appends a copy of a vertex, as far as it has been read when tangents are made. */
@@ -396,7 +430,8 @@ Piece Builder::build(const Needs &needs) {
            printable(entry.first).c_str(), count, positions.count());
   }
   if (!primitive_.targets.empty())
-    warnings_.add("morph targets are ignored");
+    warnings_.add("%s: morph targets are ignored: the mesh keeps its base shape", what_.c_str());
+  warn_of_unread();
   read_triangles(positions.count());
   place_triangles(positions);
   if (piece_.triangles.empty())

@@ -88,6 +88,7 @@ public:
       : asset_(asset), value_(value), what_(what), placed_(placed), budget_(budget) {}
 
   std::vector<Track> read();
+  size_t passed_over() const { return array("channels").size() - read_; }
 
 private:
   const json &array(const char *key) const;
@@ -103,6 +104,7 @@ private:
   const std::string what_;
   const std::vector<Placed> &placed_;
   size_t &budget_;
+  size_t read_ = 0; /* channels */
 };
 
 const json &Reader::array(const char *key) const {
@@ -132,6 +134,7 @@ std::vector<Track> Reader::read() {
   std::vector<Track> tracks;
   for (size_t k = 0; k < array("channels").size(); k++)
     read_channel(k, tracks);
+  read_ = tracks.size();
   return tracks;
 }
 
@@ -279,11 +282,16 @@ void build_animations(const Asset &asset, const json &animations, const std::vec
   for (size_t i = 0; i < animations.size(); i++) {
     const std::string what = "animations[" + std::to_string(i) + "]";
     try {
-      const std::vector<Track> tracks = Reader(asset, animations[i], what, placed, budget).read();
+      Reader reader(asset, animations[i], what, placed, budget);
+      const std::vector<Track> tracks = reader.read();
       if (tracks.empty()) {
         warnings.add("%s is left out: it moves no node of the scene", what.c_str());
         continue;
       }
+      if (reader.passed_over() > 0)
+        warnings.add("%s: %zu channels move no node of the scene (weights, pointers) and are left "
+                     "out",
+                     what.c_str(), reader.passed_over());
       pl_animation *out = &model->animations[model->animation_count++];
       const auto name = animations[i].find("name");
       const bool named = name != animations[i].end() && name->is_string() && !name->empty();

@@ -309,13 +309,18 @@ void check_layers(Object extensions, const Counts &n) {
       {"KHR_materials_transmission", {"transmissionTexture"}},
       {"KHR_materials_specular", {"specularTexture", "specularColorTexture"}},
       {"KHR_materials_anisotropy", {"anisotropyTexture"}},
+      {"KHR_materials_ior", {}},
+      {"KHR_materials_volume", {}},
+      {"KHR_materials_unlit", {}},
+      {"KHR_materials_emissive_strength", {}},
   };
   for (const auto &[name, maps] : known) {
     json *value = extensions.find(name);
     if (value == nullptr)
       continue;
+    const Object extension(*value, extensions.at(name));
     for (const char *map : maps)
-      check_slot(Object(*value, extensions.at(name)), map, n);
+      check_slot(extension, map, n);
   }
 }
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from perilune.sample import Sample
 from perilune.simulation import ConfigSource, Simulation, default_threads
 from perilune.simulation import open as open_simulation
+from perilune.workers import torch_worker as _torch_worker
 
 Array = NDArray[Any]
 Transform = Callable[[Sample], Any]
@@ -25,13 +26,6 @@ def _simulation(config: ConfigSource | Simulation, seed: int | None) -> Simulati
     if seed is not None and seed != config.config.seed:
         raise ValueError("seed: open the simulation with it (perilune.open(config, seed=...))")
     return config
-
-
-def _torch_worker() -> tuple[int, int]:
-    """(id, count) of the torch DataLoader worker this runs in; (0, 1) outside of any."""
-    data = sys.modules.get("torch.utils.data")
-    info = data.get_worker_info() if data is not None else None
-    return (0, 1) if info is None else (int(info.id), int(info.num_workers))
 
 
 def _threads(threads: int | None) -> int:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from perilune import _core, articulation, atmospheres, ground, orbits, photometry, rings, shapes
 from perilune.config.body import Body
 from perilune.config.document import Document
-from perilune.config.errors import ConfigError
+from perilune.config.errors import ConfigError, origin
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
@@ -25,6 +25,7 @@ from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.looks import Look, Looks
 from perilune.parts import Partition, partition
 from perilune.pool import Pool
+from perilune.remarks import Remarks
 from perilune.sky import Skies
 from perilune.volumes import Volumes
 from perilune.world import World
@@ -118,8 +119,10 @@ def _obj_ids(config: Config) -> dict[str, int]:
 class Handles:
     """Built lazily, once a process; `lock` guards the renderer, which renders a frame at a time."""
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, remarks: Remarks) -> None:
+        """remarks: what readers of models say goes there."""
         self.document = document
+        self._remarks = remarks
         self.lock = Lock()
         self.pool = Pool()
         self._files: dict[tuple[Any, ...], _core.Map] = {}
@@ -143,6 +146,7 @@ class Handles:
             if path not in files:
                 files[path] = _core.Model(path)
             model = files[path]
+            self._tell(f"spacecraft.{name}.model", path, model.warnings)
             bounds = model.bounds
             offset = bounds.mean(axis=0) if craft.centre == "bounds" else np.zeros(3)
             if not float((bounds[1] - bounds[0]).max()) > 0.0:
@@ -160,6 +164,10 @@ class Handles:
                 symmetries=craft.symmetries,
             )
         return result
+
+    def _tell(self, key: str, path: str, lines: tuple[str, ...]) -> None:
+        where = origin(key, self.document.origins)
+        self._remarks.tell(f"{self.document.source}: {where}", path, lines)
 
     @cached_property
     def partitions(self) -> Mapping[str, Partition]:
@@ -252,6 +260,8 @@ class Handles:
                     self._shapes[name, body.shape] = shapes.load(name, body.shape, path)
                 except ValueError as error:
                     raise ConfigError(f"{self.document.source}:\n  {key}.{error}") from error
+                shape = self._shapes[name, body.shape]
+                self._tell(f"bodies.{name}.shape.file", str(path), shape.warnings)
             found[name] = self._shapes[name, body.shape]
         return found
 

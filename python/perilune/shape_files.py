@@ -23,24 +23,29 @@ _WELD = 1e-7
 """Vertices this near by, in parts of the size, are one: poles are often written many times."""
 
 
-def read(path: Path) -> Mesh:
-    """A closed mesh, wound outwards, each place one vertex; ValueError that names the file."""
+def read(path: Path, remarks: list[str] | None = None) -> Mesh:
+    """A closed mesh, wound outwards, each place one vertex; ValueError that names the file.
+
+    remarks: what is repaired or left out is appended there."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise ValueError(f"{path}: no kind of shape file{nearest(path.suffix, _READERS)}")
     try:
-        return _closed(*reader(path))
+        told = [] if remarks is None else remarks
+        return _closed(*reader(path, told), told)
     except ValueError as error:
         text = str(error)
         raise ValueError(text if text.startswith(str(path)) else f"{path}: {text}") from None
 
 
-def _read_gltf(path: Path) -> Mesh:
-    mesh = _core.Model(str(path)).mesh()
+def _read_gltf(path: Path, remarks: list[str]) -> Mesh:
+    model = _core.Model(str(path))
+    remarks += model.warnings
+    mesh = model.mesh()
     return mesh["positions"].astype(np.float64), mesh["indices"].astype(np.int64)
 
 
-def _read_text(path: Path) -> Mesh:
+def _read_text(path: Path, _: list[str]) -> Mesh:
     """By the first word: `v x y z` and `f i j k` lines, or a table of numbers."""
     text = files.text(path)
     words = text.split(maxsplit=1)
@@ -131,7 +136,7 @@ def _edges(triangles: Indices, count: int) -> tuple[NDArray[Any], NDArray[Any]]:
     return a * count + b, b * count + a
 
 
-def _closed(vertices: F64, triangles: Indices) -> Mesh:
+def _closed(vertices: F64, triangles: Indices, remarks: list[str]) -> Mesh:
     if not triangles.size:
         raise ValueError("has no faces")
     finite = np.isfinite(vertices).all(axis=1)
@@ -153,10 +158,13 @@ def _closed(vertices: F64, triangles: Indices) -> Mesh:
         raise ValueError(f"is not closed: {alone} edges have one face alone")
     corners = vertices[triangles]
     volume = np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0
-    return vertices, triangles[:, ::-1] if volume < 0.0 else triangles
+    if volume < 0.0:
+        remarks.append("faces are wound inwards, and turned")
+        triangles = triangles[:, ::-1]
+    return vertices, triangles
 
 
-_READERS: dict[str, Callable[[Path], Mesh]] = {
+_READERS: dict[str, Callable[[Path, list[str]], Mesh]] = {
     ".obj": _read_text,
     ".tab": _read_text,
     ".txt": _read_text,

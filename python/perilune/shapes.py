@@ -20,6 +20,8 @@ class BodyShape:
     """A closed mesh in body axes, metres."""
 
     model: _core.Model
+    warnings: tuple[str, ...] = ()
+    """What the reader of its file left out or repaired."""
 
     @cached_property
     def corners(self) -> F64:
@@ -100,7 +102,8 @@ LENGTHS_M = (1e-9, 1e18)
 def load(name: str, given: Shape, path: Path) -> BodyShape:
     """The shape of the body `name`; ValueError that names key, below the section, and file."""
     try:
-        vertices, triangles = shape_files.read(path)
+        remarks: list[str] = []
+        vertices, triangles = shape_files.read(path, remarks)
     except ValueError as error:
         raise ValueError(f"file: {error}") from error
     unit_m = given.metres_per_unit
@@ -116,4 +119,5 @@ def load(name: str, given: Shape, path: Path) -> BodyShape:
             f"allowed: {LENGTHS_M[0]:g} to {LENGTHS_M[1]:g} m"
         )
     metres = (unit_m * vertices).astype(np.float32)
-    return BodyShape(_core.Model.of_mesh(name, metres, triangles.astype(np.uint32)))
+    model = _core.Model.of_mesh(name, metres, triangles.astype(np.uint32))
+    return BodyShape(model, tuple(remarks))

@@ -31,8 +31,10 @@ from perilune.imaging import intrinsics
 from perilune.motion import Kept
 from perilune.orbits import Setting, System
 from perilune.parts import Partition
+from perilune.remarks import Remarks
 from perilune.request import arrays_of, camera_label, request_of
 from perilune.sample import Sample
+from perilune.shapes import BodyShape
 from perilune.sky import seen
 from perilune.sunlight import LightCurve, light_curve
 from perilune.timeline import Timeline
@@ -81,6 +83,7 @@ class Simulation:
         self._orbits = dict(orbits or {})
         self._epoch = bodies.date_from_utc(document.config.time.utc_fields())
         self._drawn: Kept[Any] = Kept(64)
+        self._remarks = Remarks()
         self._handles: Handles | None = None
         self._pid = 0
         try:
@@ -94,7 +97,8 @@ class Simulation:
             raise ConfigError(f"{document.source}:\n  {text}") from error
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Simulation, (self._document, self._trajectory, self._orbits)
+        arguments = (self._document, self._trajectory, self._orbits)
+        return Simulation, arguments, {"_remarks": self._remarks}
 
     def __repr__(self) -> str:
         cameras = self.config.cameras.items()
@@ -127,6 +131,11 @@ class Simulation:
         return self._mine().models
 
     @property
+    def shapes(self) -> Mapping[str, BodyShape]:
+        """Body entry -> the mesh that is its surface, of those that have one; loads them."""
+        return self._mine().shapes_of(self.config)
+
+    @property
     def partitions(self) -> Mapping[str, Partition]:
         """Spacecraft entry -> how its model is cut into parts; loads the models."""
         return self._mine().partitions
@@ -137,7 +146,7 @@ class Simulation:
         if self._handles is None or self._pid != pid:
             if self._handles is not None:
                 _orphans.append(self._handles)
-            self._handles, self._pid = Handles(self._document), pid
+            self._handles, self._pid = Handles(self._document, self._remarks), pid
         return self._handles
 
     def config_at(self, index: int) -> tuple[Config, dict[str, Any]]:

@@ -1,24 +1,35 @@
-"""`perilune info`: versions, processor, ready sensors, data."""
+"""`perilune info`: versions, processor, ready sensors, data; of a configuration its models."""
 
 from __future__ import annotations
 
 import json
 import os
 import platform
+import warnings
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import perilune
 from perilune import _core
 from perilune.cli.command import OK, Command
+from perilune.cli.options import add_overrides, open_simulation
 from perilune.config.paths import DATA_VARIABLE
 from perilune.config.sensor_presets import PRESETS
-from perilune.simulation import default_threads
+from perilune.remarks import ModelWarning
+from perilune.simulation import Simulation, default_threads
 
 
 def _configure(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "config",
+        metavar="CONFIG",
+        nargs="?",
+        help="a configuration: also lists its models, and what is not read of their files",
+    )
+    add_overrides(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -41,13 +52,54 @@ def _facts() -> dict[str, str]:
     }
 
 
+def _models(sim: Simulation) -> list[dict[str, Any]]:
+    """Of each spacecraft its model, of each body with a shape that."""
+    config, path = sim.config, sim.document.path
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelWarning)  # they are listed
+        found = [
+            _model(key, path(config.spacecraft[name].model, key), row.model, row.radius_m)
+            for name, row in sim.models.items()
+            if (key := f"spacecraft.{name}.model")
+        ]
+        for name, row in sim.shapes.items():
+            shape, key = config.bodies[name].shape, f"bodies.{name}.shape.file"
+            if shape is not None:
+                entry = _model(key, path(shape.file, key), row.model, row.radius_m)
+                found.append({**entry, "warnings": list(row.warnings)})
+    return found
+
+
+def _model(key: str, file: Path, model: _core.Model, radius_m: float) -> dict[str, Any]:
+    return {
+        "key": key,
+        "file": str(file),
+        "triangles": model.triangle_count,
+        "radius_m": radius_m,
+        "warnings": list(model.warnings),
+    }
+
+
+def _lines(models: list[dict[str, Any]]) -> list[str]:
+    lines = []
+    for row in models:
+        size = f"{row['triangles']} triangles, radius {row['radius_m']:.6g} m"
+        lines.append(f"{row['key']}: {row['file']}: {size}")
+        lines += [f"  warning: {text}" for text in row["warnings"]]
+    return lines
+
+
 def _run(args: Namespace) -> int:
-    facts = _facts()
+    if args.config is None and (args.overrides or args.seed is not None):
+        raise ValueError("--set and --seed go with a CONFIG")
+    facts: dict[str, Any] = _facts()
+    models = [] if args.config is None else _models(open_simulation(args))
     if args.json:
-        print(json.dumps(facts, indent=2))
+        print(json.dumps(facts if args.config is None else {**facts, "models": models}, indent=2))
         return OK
     width = max(len(name) for name in facts)
-    print("\n".join(f"{name.ljust(width)}  {value}" for name, value in facts.items()))
+    lines = [f"{name.ljust(width)}  {value}" for name, value in facts.items()]
+    print("\n".join(lines + _lines(models)))
     return OK
 
 

@@ -79,6 +79,11 @@ def frame_range(text: str) -> range:
 def add_config(parser: ArgumentParser) -> None:
     """CONFIG, --seed and --set."""
     parser.add_argument("config", metavar="CONFIG", help="configuration file, YAML or JSON")
+    add_overrides(parser)
+
+
+def add_overrides(parser: ArgumentParser) -> None:
+    """--seed and --set."""
     parser.add_argument(
         "--seed", type=whole_number(0), help="seed of all randomness (default: the file's)"
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Any
@@ -16,6 +17,7 @@ from perilune.config.errors import nearest
 from perilune.config.parts import Parts
 from perilune.labels import part_class
 from perilune.parts import PartEntry, PartExtent, Partition, extents, partition
+from perilune.remarks import ModelWarning
 
 _MODELS = (".glb", ".gltf")
 _COLUMNS = ("part", "material", "triangles", "min", "max", "class")
@@ -95,6 +97,8 @@ def _node_rows(model: _core.Model) -> list[dict[str, Any]]:
 
 def _of_model(args: Namespace) -> dict[str, list[dict[str, Any]]]:
     model = _core.Model(args.config)
+    for line in model.warnings:
+        warnings.warn(f"{args.config}: {line}", ModelWarning, stacklevel=2)
     if args.nodes:
         return {args.config: _node_rows(model)}
     return {args.config: _rows(model, partition(model, _asked(args, Parts())), None)}
