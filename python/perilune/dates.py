@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.bodies import Date
+from perilune.config import utc
 from perilune.config.errors import nearest
 
 F64 = NDArray[np.float64]
@@ -19,6 +20,7 @@ F64 = NDArray[np.float64]
 SCALES = ("UTC", "TAI", "TT", "TDB", "GPS")
 _GPS_BEHIND_TAI_S = 19.0
 _DAY_S = 86400.0
+_LAST_SECOND = 60.0
 _DATE = re.compile(
     r"(\d{4})-(?:(\d{3})|(\d\d)-(\d\d))(?:[T ](\d\d):(\d\d)(?::(\d\d(?:\.\d*)?))?)?Z?"
 )
@@ -49,6 +51,9 @@ def seconds_of(texts: Sequence[str], scale: str, epoch: Date) -> F64:
     if scale not in SCALES:
         raise ValueError(f"no time system '{scale}'{nearest(scale, SCALES)}")
     fields = [_fields(text) for text in texts]
+    for text, row in zip(texts, fields, strict=True):
+        if scale == "UTC" and row[5] >= _LAST_SECOND and utc.complaint(row):
+            raise ValueError(f"'{text}' is no date: there was no leap second")
     kind = "UTC" if scale == "UTC" else "TAI"  # dtf2d knows leap seconds in UTC alone
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", erfa.ErfaWarning)  # dubious year: leap seconds to come

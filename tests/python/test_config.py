@@ -54,8 +54,8 @@ def test_units_and_defaults(scene):
     [
         ("camera.widht", 3, ["camera.widht", "unknown key", "did you mean 'width'?", "height"]),
         ("camera.width", 0, ["camera.width = 0", "greater than or equal to 1"]),
-        ("camera.width", 64.0, ["camera.width = 64.0", "integer"]),
-        ("camera.width", "64", ["camera.width = '64'", "integer"]),
+        ("camera.width", 64.0, ["camera.width = 64.0", "whole number"]),
+        ("camera.width", "64", ["camera.width = '64'", "whole number", "quotes"]),
         ("camera.fov_deg", True, ["camera.fov_deg = True", "number"]),
         ("camera.fov_deg", 180, ["camera.fov_deg = 180", "less than 180"]),
         ("camera.focal_px", 100.0, ["camera", "only one of fov_deg, focal_px"]),

@@ -300,7 +300,7 @@ FAULTY = [
     (FOV, {"choice": [40, 50], "weights": [1]}, [f"{FOV}.weights", "2 numbers"]),
     (FOV, {"choice": [40, 50], "weights": [0, 0]}, [f"{FOV}.weights", "sum above 0"]),
     (FOV, {"choice": [40, 50], "weights": [1, -1]}, [f"{FOV}.weights[1]", "negative"]),
-    (FOV, {"choice": [40, 500]}, [f"{FOV} = 500", "less than 180", "driver"]),
+    (FOV, {"choice": [40, 500]}, [f"{FOV}.choice[1] = 500", "less than 180"]),
     (FOV, {"choice": [40, {"uniform": [1, 2]}]}, [f"{FOV}.choice[1]", "takes no driver"]),
     (FOV, {"weights": [1]}, [FOV]),
     ("bodies.earth.reflectance", {"choice": ["lambert", "lamberts"]}, ["reflectance", "lamberts"]),

@@ -67,7 +67,7 @@ class Document:
             for driver in self.drivers:
                 if driver.path[0] == "drivers":
                     raise DriverError(driver.name, "takes no driver: it sets those of others")
-            self.config = self._validate(self._plan.ideals)
+            self.config = self._validate(self._plan.ideals, self._plan.ideal_keys)
             self._plan = self._grouped()
         except (DriverError, HookError) as error:
             raise ConfigError(f"{source}: {named(str(error), self.origins)}") from None
@@ -178,7 +178,10 @@ class Document:
         """The file that a path of the configuration means; `key` names it in errors."""
         return resolve(text, self.base, f"{self.source}: {origin(key, self.origins)}")
 
-    def _validate(self, values: Mapping[KeyPath, Any]) -> Config:
+    def _validate(
+        self, values: Mapping[KeyPath, Any], parts: Mapping[str, str] | None = None
+    ) -> Config:
+        """parts: key path of each driver -> its key that the value is from; default: it drew it."""
         tree = substitute(self.tree, values)
         while True:
             try:
@@ -186,7 +189,7 @@ class Document:
             except ValidationError as error:
                 idle = unread(error, tree)
                 if not idle or not all(self._beside_choice(path) for path in idle):
-                    driven = self._by_name(values)
+                    driven = parts or {driver.name: "" for driver in self.drivers}
                     raise from_validation(error, tree, self.source, driven, self.origins) from None
                 for path in idle:
                     tree = without(tree, path)
@@ -213,18 +216,20 @@ class Document:
         Of a choice these are all its values."""
         for driver in self.drivers:
             if chosen(driver.path):
-                for limit in driver.distribution.limits:
+                for limit in driver.distribution.limits.values():
                     yield self._validate({**self._plan.ideals, driver.path: limit})
 
     def _check_clips(self) -> None:
         """Each driver's limits must be valid values, so that no later frame fails on them."""
-        ideals = self._plan.ideals
+        ideals, ideal_keys = self._plan.ideals, self._plan.ideal_keys
         fixed_by_scene = fixed(self.config)
         for driver in self.drivers:
-            for limit in driver.distribution.limits:
+            for part, limit in driver.distribution.limits.items():
                 if limit == driver.ideal:
                     continue
-                config = self._validate({**ideals, driver.path: limit})
+                config = self._validate(
+                    {**ideals, driver.path: limit}, {**ideal_keys, driver.name: part}
+                )
                 check_references(config, self.source, self.drivers, self.origins, self.config)
                 for key, value in fixed(config).items():
                     if fixed_by_scene.get(key) != value:

@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-import difflib
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NoReturn
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from perilune.config.names import nearest
+from perilune.config.wording import shown, wording
 from perilune.drivers import KeyPath, path_text
 
-_SHOWN_NAMES = 40
+__all__ = [
+    "ConfigError",
+    "ConfigWarning",
+    "fail",
+    "fail_unread",
+    "from_validation",
+    "named",
+    "nearest",
+    "origin",
+    "shown",
+    "unread",
+]
+
 _OWN, _UNREAD = "perilune", "perilune_unread"
-_MAPPING = re.compile(r"a valid dictionary( or .*)?$")
 
 
 class ConfigError(ValueError):
@@ -27,15 +38,6 @@ class ConfigError(ValueError):
 
 class ConfigWarning(UserWarning):
     """What a configuration asks for, and hardly means; the text names the file and the key."""
-
-
-def nearest(name: object, allowed: Iterable[str]) -> str:
-    """`; did you mean 'x'? allowed: a, b` for a name that is not one of `allowed`."""
-    names = list(allowed)
-    close = difflib.get_close_matches(str(name), names, n=1, cutoff=0.5)
-    hint = f"; did you mean '{close[0]}'?" if close else ";"
-    shown = ", ".join(names[:_SHOWN_NAMES]) + (", ..." if len(names) > _SHOWN_NAMES else "")
-    return f"{hint} allowed: {shown or '(none)'}"
 
 
 def fail(path: str, text: str) -> NoReturn:
@@ -94,7 +96,7 @@ def origin(key: str, origins: Mapping[str, str]) -> str:
 
 
 def _describe(
-    error: ErrorDetails, tree: Any, driven: Mapping[str, Any], origins: Mapping[str, str]
+    error: ErrorDetails, tree: Any, driven: Mapping[str, str], origins: Mapping[str, str]
 ) -> str:
     path, value = _walk(tree, error["loc"], error["type"] == "missing")
     below = error.get("ctx", {}).get("path", "") if error["type"] in (_OWN, _UNREAD) else ""
@@ -103,24 +105,17 @@ def _describe(
     if error["type"] == "missing":
         return f"{shown_key}: required, but missing"
     scalar = not below and not isinstance(value, (Mapping, list, tuple)) and value is not None
-    shown = f" = {value!r}" if scalar else ""
-    if key in driven and error["type"] == "int_type":
+    mark = f" = {shown(value)}" if scalar else ""
+    text = wording(error, value)
+    name = next((n for n in driven if key == n or key.startswith((f"{n}.", f"{n}["))), None)
+    if name is None or text.startswith("takes no driver"):
+        return f"{shown_key or '(top level)'}{mark}: {text}"
+    if error["type"] == "int_type" and key == name:
         why = "it fixes a count, an identity or the shape of an array"
         return f"{shown_key}: takes no driver ({why})"
-    text = error["msg"].replace("Input should be", "must be")
-    text = text.replace("Tuple should have", "must have").replace(" after validation", "")
-    text = text.replace("a valid tuple", "a list of values")
-    text = _MAPPING.sub("a mapping", text)
-    if error["type"] == "union_tag_invalid":
-        allowed = [tag.strip().strip("'") for tag in error["ctx"]["expected_tags"].split(",")]
-        text = f"no kind '{error['ctx']['tag']}'{nearest(error['ctx']['tag'], allowed)}"
-    elif error["type"] == "union_tag_not_found":
-        # ctx has the name of the key, or of the function that reads it.
-        needed = error["ctx"]["discriminator"].strip("'_()")
-        text = f"needs the key '{needed}'"
-    inside = any(key == name or key.startswith((f"{name}.", f"{name}[")) for name in driven)
-    where = " (a value or limit of its driver)" if inside else ""
-    return f"{shown_key or '(top level)'}{shown}: {text}{where}"
+    at = origin(name, origins) + driven[name] + key[len(name) :]
+    drawn = "" if driven[name] else " (drawn by its driver)"
+    return f"{at}{mark}: {text}{drawn}"
 
 
 def _causes(details: Sequence[ErrorDetails]) -> list[ErrorDetails]:
@@ -137,19 +132,43 @@ def _causes(details: Sequence[ErrorDetails]) -> list[ErrorDetails]:
     ]
 
 
+def _is_short(detail: ErrorDetails) -> bool:
+    """Whether it says that a list lacks a value."""
+    return detail["type"] == "missing" and isinstance(detail["loc"][-1], int)
+
+
+def _short_lists(
+    details: Sequence[ErrorDetails], tree: Any, origins: Mapping[str, str]
+) -> Iterator[str]:
+    """One line for each list that lacks values."""
+    needed: dict[str, tuple[int, Any]] = {}
+    for detail in filter(_is_short, details):
+        path, value = _walk(tree, detail["loc"][:-1], False)
+        key = path_text(tuple(path))
+        count = max(needed.get(key, (0, None))[0], int(detail["loc"][-1]) + 1)
+        needed[key] = (count, value)
+    for key, (count, value) in needed.items():
+        given = len(value) if isinstance(value, (list, tuple)) else 0
+        yield f"{origin(key, origins)}: must be a list of {count} values, not of {given}"
+
+
 def from_validation(
     error: ValidationError,
     tree: Any,
     source: str,
-    driven: Mapping[str, Any] | None = None,
+    driven: Mapping[str, str] | None = None,
     origins: Mapping[str, str] | None = None,
 ) -> ConfigError:
     """A pydantic error in the words of the configuration file.
 
-    origins: key paths of the tree -> those of the file, where it was translated.
+    driven: key path of each driver -> which of its keys the value there is from, `.clip_min`; empty
+    for one that was drawn. origins: key paths of the tree -> those of the file, where it was
+    translated.
     """
-    details = _causes(error.errors())
-    lines = [_describe(detail, tree, driven or {}, origins or {}) for detail in details]
+    details = _causes(error.errors(include_url=False))
+    lines = [*_short_lists(details, tree, origins or {})]
+    rest = [detail for detail in details if not _is_short(detail)]
+    lines += [_describe(detail, tree, driven or {}, origins or {}) for detail in rest]
     text = f"{source}:\n" + "\n".join(f"  {line}" for line in dict.fromkeys(lines))
     result = ConfigError(text)
     result.unread = unread(error, tree)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Hashable, Mapping
+from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -12,10 +13,13 @@ import yaml
 
 from perilune.config import shipped
 from perilune.config.errors import ConfigError, nearest
+from perilune.config.wording import kind_of
 from perilune.drivers import path_text
 
 _MAX_NODES = 200_000  # aliases can make a small file a tree without end
 _MAX_DEPTH = 64
+_TOO_DEEP = f"nested too deeply; at most {_MAX_DEPTH} levels"
+_MAX_DIGITS = 400
 
 
 class _Loader(yaml.SafeLoader):
@@ -27,6 +31,9 @@ class _Loader(yaml.SafeLoader):
         seen: dict[str, int] = {}
         for key, _ in node.value:
             line = key.start_mark.line + 1
+            if not isinstance(key, yaml.ScalarNode):
+                text = "a key must be a text, not a list or a mapping"
+                raise yaml.MarkedYAMLError(None, None, text, key.start_mark)
             if key.value in seen and key.tag != "tag:yaml.org,2002:merge":
                 text = f"key '{key.value}' occurs twice (lines {seen[key.value]} and {line})"
                 raise yaml.MarkedYAMLError(None, None, text, key.start_mark)
@@ -35,7 +42,11 @@ class _Loader(yaml.SafeLoader):
 
     def construct_decimal(self, node: yaml.ScalarNode) -> int:
         """YAML 1.2: 010 is ten, not eight."""
-        return int(self.construct_scalar(node))
+        text = self.construct_scalar(node)
+        if len(text) > _MAX_DIGITS:
+            wrong = f"a whole number of {len(text)} digits; at most {_MAX_DIGITS}"
+            raise yaml.MarkedYAMLError(None, None, wrong, node.start_mark)
+        return int(text)
 
 
 _FLOAT = (
@@ -63,7 +74,12 @@ def parse_yaml(text: str, source: str) -> Any:
         mark = error.problem_mark
         where = f" line {mark.line + 1}, column {mark.column + 1}:" if mark else ""
         raise ConfigError(f"{source}:{where} {error.problem or error}") from None
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
+    except RecursionError:
+        raise ConfigError(f"{source}: {_TOO_DEEP}") from None
+    except yaml.reader.ReaderError as error:
+        where = f"character {error.position + 1} (U+{error.character:04X})"
+        raise ConfigError(f"{source}: {where}: {error.reason}") from None
+    except (yaml.YAMLError, ValueError) as error:
         raise ConfigError(f"{source}: {error}") from None
 
 
@@ -78,19 +94,25 @@ def parse_json(text: str, source: str) -> Any:
             result[key] = value
         return result
 
+    def whole(digits: str) -> int:
+        if len(digits) > _MAX_DIGITS:
+            wrong = f"a whole number of {len(digits)} digits; at most {_MAX_DIGITS}"
+            raise ConfigError(f"{source}: {wrong} ({digits[:20]}...)")
+        return int(digits)
+
     try:
-        return json.loads(text, object_pairs_hook=unique)
+        return json.loads(text, object_pairs_hook=unique, parse_int=whole)
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}"
         raise ConfigError(f"{source}: {where}: {error.msg}") from None
     except RecursionError:
-        raise ConfigError(f"{source}: nested too deeply") from None
+        raise ConfigError(f"{source}: {_TOO_DEEP}") from None
 
 
 def read_tree(path: Path) -> dict[str, Any]:
     """The tree of a .yaml, .yml or .json file."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         near = nearest(path.as_posix(), shipped.configurations())
         raise FileNotFoundError(f"{path}: no such configuration file{near}") from None
@@ -100,17 +122,26 @@ def read_tree(path: Path) -> dict[str, Any]:
     return plain_tree(parse(text, str(path)), str(path))
 
 
+def _date_text(value: date) -> str:
+    """ISO 8601, UTC: YAML takes a time without a zone for one in UTC."""
+    if not isinstance(value, datetime):
+        return value.isoformat()
+    utc = value if value.tzinfo is None else value.astimezone(UTC)
+    return utc.replace(tzinfo=None).isoformat() + "Z"
+
+
 def plain_tree(tree: Any, source: str) -> dict[str, Any]:
     """A copy made of plain types, without sharing; refuses what a file could not hold."""
     if not isinstance(tree, Mapping):
-        raise ConfigError(f"{source}: must be a mapping of sections, not {type(tree).__name__}")
+        raise ConfigError(f"{source}: must be a mapping of sections, not {kind_of(tree)}")
     count = 0
 
     def copy(node: Any, path: tuple[str | int, ...]) -> Any:
         nonlocal count
         count += 1
         if count > _MAX_NODES or len(path) > _MAX_DEPTH:
-            raise ConfigError(f"{source}: too large, or nested too deeply ({_MAX_DEPTH} levels)")
+            wrong = f"too large: more than {_MAX_NODES} values" if count > _MAX_NODES else _TOO_DEEP
+            raise ConfigError(f"{source}: {path_text(path[:4])}: {wrong}")
         if isinstance(node, Mapping):
             for key in node:
                 if not isinstance(key, str):
@@ -125,6 +156,8 @@ def plain_tree(tree: Any, source: str) -> dict[str, Any]:
             return node
         if isinstance(node, Path):
             return str(node)
+        if isinstance(node, date):  # what PyYAML's own loaders make of a date without quotes
+            return _date_text(node)
         text = f"a value of type {type(node).__name__} has no place in a configuration"
         raise ConfigError(f"{source}: {path_text(path)}: {text}")
 

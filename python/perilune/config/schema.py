@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from perilune.config import utc
 from perilune.config.articulation import Animation, Joint
 from perilune.config.attitude import Attitude, Inertial
 from perilune.config.bands import Spectrum
@@ -73,14 +74,20 @@ class Time(Strict):
             fail("", "must be an ISO 8601 date in UTC, such as 2026-03-20T12:00:00Z")
         if not _YEARS[0] <= int(match[1]) <= _YEARS[1]:
             fail("", f"years {_YEARS[0]} to {_YEARS[1]} are covered")
+        if wrong := utc.complaint(_fields(match)):
+            fail("", wrong)
         return value
 
     def utc_fields(self) -> tuple[int, int, int, int, int, float]:
         """Year, month, day, hour, minute, second of the epoch."""
         match = _EPOCH.fullmatch(self.epoch)
         assert match is not None  # the validator has matched it
-        year, month, day, hour, minute = (int(match[k] or 0) for k in range(1, 6))
-        return year, month, day, hour, minute, float(match[6] or 0.0)
+        return _fields(match)
+
+
+def _fields(match: re.Match[str]) -> tuple[int, int, int, int, int, float]:
+    year, month, day, hour, minute = (int(match[k] or 0) for k in range(1, 6))
+    return year, month, day, hour, minute, float(match[6] or 0.0)
 
 
 class Angles(Strict):

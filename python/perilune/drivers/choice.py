@@ -29,11 +29,16 @@ class Choice:
         return copy.deepcopy(self.values[0])
 
     @property
-    def limits(self) -> tuple[Any, ...]:
+    def limits(self) -> Mapping[str, Any]:
         """All values that can come."""
         begins = (0.0, *self.ends)
-        rows = zip(self.values, begins, self.ends, strict=False)
-        return tuple(value for value, begin, end in rows if end > begin)
+        rows = enumerate(zip(self.values, begins, self.ends, strict=False))
+        return {f".choice[{k}]": value for k, (value, begin, end) in rows if end > begin}
+
+    @property
+    def ideal_key(self) -> str:
+        """See Distribution."""
+        return ".choice[0]"
 
     def draw(self, source: Source, strength: float) -> Any:
         """One of the values; a copy."""

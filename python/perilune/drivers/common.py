@@ -122,8 +122,13 @@ class Distribution(Protocol):
         """The value without strength: a number, a list of numbers, or what a choice offers."""
 
     @property
-    def limits(self) -> tuple[Any, ...]:
-        """Values that must be valid in the driver's place, beside the ideal."""
+    def limits(self) -> Mapping[str, Any]:
+        """Values that must be valid in the driver's place: key of the driver, as `.clip_min` or
+        `.choice[1]` -> value."""
+
+    @property
+    def ideal_key(self) -> str:
+        """Which key of the driver says the ideal, likewise."""
 
     def draw(self, source: Source, strength: float) -> Any:
         """A value; the ideal, to the bit, at a strength of 0."""

@@ -33,11 +33,17 @@ class Hooked:
     loaded: hooks.Hook | None = None
 
     @property
-    def limits(self) -> tuple[Any, ...]:
+    def limits(self) -> Mapping[str, Any]:
         """Both clips, of numbers."""
         if self.low is None or self.high is None:
-            return ()
-        return shaped(self.low, self.count), shaped(self.high, self.count)
+            return {}
+        low, high = shaped(self.low, self.count), shaped(self.high, self.count)
+        return {".clip_min": low, ".clip_max": high}
+
+    @property
+    def ideal_key(self) -> str:
+        """See Distribution."""
+        return ".ideal"
 
     def load(self, find: Callable[[str, str], Path] | None) -> Hooked:
         """With its function; see hooks.load."""

@@ -47,9 +47,15 @@ class Normal:
         return shaped(self.means, self.count)
 
     @property
-    def limits(self) -> tuple[Any, ...]:
+    def limits(self) -> Mapping[str, Any]:
         """Both clips."""
-        return shaped(self.low, self.count), shaped(self.high, self.count)
+        low, high = shaped(self.low, self.count), shaped(self.high, self.count)
+        return {".clip_min": low, ".clip_max": high}
+
+    @property
+    def ideal_key(self) -> str:
+        """See Distribution."""
+        return ".ideal"
 
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""

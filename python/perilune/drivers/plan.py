@@ -138,6 +138,11 @@ class Plan:
         """Path -> value without strength."""
         return {driver.path: driver.ideal for driver in self.drivers}
 
+    @property
+    def ideal_keys(self) -> dict[str, str]:
+        """Key path -> the driver's key that the ideal stands in, `.ideal`."""
+        return {driver.name: driver.distribution.ideal_key for driver in self.drivers}
+
     def loaded(self, file: Callable[[str, str], Path] | None) -> Plan:
         """With the functions of hooks; HookError for one that is not there."""
         rows = tuple(

@@ -54,9 +54,14 @@ class Truncated:
         return self.free.ideal
 
     @property
-    def limits(self) -> tuple[Any, ...]:
+    def limits(self) -> Mapping[str, Any]:
         """Both."""
         return self.free.limits
+
+    @property
+    def ideal_key(self) -> str:
+        """See Distribution."""
+        return self.free.ideal_key
 
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""

@@ -32,9 +32,15 @@ class Uniform:
         return shaped(tuple(0.5 * (low + high) for low, high in pairs), self.count)
 
     @property
-    def limits(self) -> tuple[Any, ...]:
+    def limits(self) -> Mapping[str, Any]:
         """Both."""
-        return shaped(self.low, self.count), shaped(self.high, self.count)
+        low, high = shaped(self.low, self.count), shaped(self.high, self.count)
+        return {".uniform[0]": low, ".uniform[1]": high}
+
+    @property
+    def ideal_key(self) -> str:
+        """See Distribution."""
+        return ".uniform"
 
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""

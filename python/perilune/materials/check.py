@@ -135,7 +135,7 @@ def users(config: Config, found: Sequence[Found]) -> dict[str, list[str]]:
         found_on.setdefault(owner, []).append(use)
     for row in found:
         if is_choice(row.path):
-            offered = [use for value in row.distribution.limits for use in _offered(value)]
+            offered = [use for value in row.distribution.limits.values() for use in _offered(value)]
             found_on.setdefault(str(row.path[1]), []).extend(offered)
     return found_on
 

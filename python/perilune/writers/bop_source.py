@@ -36,7 +36,7 @@ def _varies_size(driver: Found) -> bool:
     if len(driver.path) > 2:
         return driver.path[-1] in _SIZE_KEYS
     # One among several whole entries, or whole sections.
-    entries = [driver.ideal, *driver.distribution.limits]
+    entries = [driver.ideal, *driver.distribution.limits.values()]
     if len(driver.path) == 2:
         entries = [[entry.get(key) for key in _SIZE_KEYS] for entry in entries]
     return any(entry != entries[0] for entry in entries)
