@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import perilune
 from perilune import _core
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -283,6 +284,31 @@ def test_a_handler_of_signals_runs_in_the_middle_of_a_frame(world, reference):
     assert "cannot resize" in seen[3]
     assert seen[4:] == ["done", "done"]
     assert_same(rendered(world), reference)
+
+
+def test_a_handler_that_asks_the_simulation_for_a_frame(repo_dir):
+    """It is refused; it used to wait for ever for the frame that waited for it."""
+    sim = perilune.open(repo_dir / "tests/python/scene.yaml", overrides={"render.samples": 4096})
+    seen: list[str] = []
+
+    def handler(number, frame):
+        try:
+            sim.frame(1)
+        except RuntimeError as error:
+            seen.append(str(error))
+        raise KeyboardInterrupt
+
+    sim.plan(0)
+    before = signal.signal(signal.SIGALRM, handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(KeyboardInterrupt):
+            sim.frame(0)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert seen == ["a frame of this simulation is being rendered around this call"]
+    assert sim.plan(0)
 
 
 def test_other_threads(world, reference):
