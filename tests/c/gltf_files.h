@@ -47,6 +47,9 @@ static inline void in_model_units(pl_model *model) {
     p[1] = (float)at.y;
     p[2] = (float)at.z;
   }
+  for (size_t i = 0; i < model->material_count; i++)
+    for (int k = 0; k < 3; k++)
+      model->materials[i].layers.extinction[k] /= (float)model->unit;
   model->unit = 1.0;
   model->origin = (pl_vec3){0.0, 0.0, 0.0};
   pl_model_measure(model);
