@@ -88,11 +88,11 @@ def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
     `frame` is what perilune.open(config, seed, replay=...) needs to make the image again.
     """
     sensor = sample.camera.sensor
-    keys = ("drivers", "scene_drivers", "overrides")
+    keys = ("drivers", "scene_drivers")
     drawn = {key: sample.meta[key] for key in keys if sample.meta[key]}
     return {
         **({} if sensor is None else {"sensor": sensor}),
-        **({"frame": {"index": sample.meta["index"], "drivers": {}, **drawn}} if drawn else {}),
+        **({"frame": {"index": sample.meta["index"], **drawn}} if drawn else {}),
         "cam_K": np.asarray(sample.camera.K, dtype=np.float64).ravel().tolist(),
         "cam_R_w2c": np.asarray(sample.camera.R_w2c, dtype=np.float64).ravel().tolist(),
         "cam_t_w2c": (np.asarray(sample.camera.t_w2c) * MM_PER_M).tolist(),
