@@ -390,3 +390,52 @@ void pl_texture_size(const pl_texture *texture, int *width, int *height, int *ch
 }
 
 size_t pl_texture_bytes(const pl_texture *texture) { return sizeof *texture + texture->mips.bytes; }
+
+/* Index of texel i (any integer) along an axis. */
+static int wrapped(int64_t i, int size, pl_wrap wrap) {
+  if (wrap == PL_WRAP_CLAMP)
+    return (int)(i < 0 ? 0 : i >= size ? size - 1 : i);
+  const int64_t period = wrap == PL_WRAP_MIRROR ? 2 * (int64_t)size : size;
+  const int64_t at = ((i % period) + period) % period;
+  return (int)(at < size ? at : period - 1 - at);
+}
+
+/* First texel that coordinates from `low` to `high` touch along an axis, and how many: no more than
+ * make up a period. */
+static int64_t touched(float low, float high, int size, pl_wrap wrap, int64_t *count) {
+  const double limit = 1e15, n = (double)size; /* keeps sums of indices finite */
+  const double first = floor(fmin(fmax((double)low * n, -limit), limit) - 0.5);
+  const double last = floor(fmin(fmax((double)high * n, -limit), limit) - 0.5) + 1.0;
+  const double all = wrap == PL_WRAP_MIRROR ? 2.0 * n : wrap == PL_WRAP_CLAMP ? INFINITY : n;
+  if (wrap == PL_WRAP_CLAMP) { /* beyond an edge there is its texel alone */
+    const double a = fmin(fmax(first, 0.0), n - 1.0), b = fmin(fmax(last, 0.0), n - 1.0);
+    *count = (int64_t)(b - a) + 1;
+    return (int64_t)a;
+  }
+  *count = (int64_t)fmin(last - first + 1.0, all);
+  return (int64_t)first;
+}
+
+void pl_texture_alpha_range(const pl_texture *texture, const float low[2], const float high[2],
+                            float range[2]) {
+  const pl_mip_level *level = &texture->mips.levels[0];
+  const int n = texture->mips.channels;
+  int64_t columns, rows;
+  range[0] = range[1] = 1.0f;
+  if (!pl_mip_is_alpha(n - 1, n))
+    return;
+  const int64_t x0 = touched(low[0], high[0], level->width, texture->wrap_u, &columns);
+  const int64_t y0 = touched(low[1], high[1], level->height, texture->wrap_v, &rows);
+  range[0] = 1.0f;
+  range[1] = 0.0f;
+  for (int64_t y = 0; y < rows; y++) {
+    const size_t row = (size_t)wrapped(y0 + y, level->height, texture->wrap_v);
+    for (int64_t x = 0; x < columns; x++) {
+      const size_t column = (size_t)wrapped(x0 + x, level->width, texture->wrap_u);
+      const size_t at = (row * (size_t)level->width + column) * (size_t)n + (size_t)(n - 1);
+      const float alpha = texture->table[n - 1][level->texels[at]];
+      range[0] = pl_minf(range[0], alpha);
+      range[1] = pl_maxf(range[1], alpha);
+    }
+  }
+}

@@ -58,6 +58,10 @@ const float *pl_texture_ranges(const pl_texture *texture, int *levels);
 
 /* The mean of all texels (area mean: not weighted by latitude), RGBA, linear. */
 void pl_texture_mean(const pl_texture *texture, float out[4]);
+/* Smallest and largest alpha, 0..1, of the texels that bilinear lookups of the image itself read
+ * anywhere in the box from `low` to `high` (u, v); at most of all texels. */
+void pl_texture_alpha_range(const pl_texture *texture, const float low[2], const float high[2],
+                            float range[2]);
 void pl_texture_size(const pl_texture *texture, int *width, int *height, int *channels);
 size_t pl_texture_bytes(const pl_texture *texture);
 

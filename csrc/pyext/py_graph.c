@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "pyext/py_read.h"
+#include "shade/presence.h"
 
 typedef struct graph_object {
   PyObject_HEAD pl_graph *graph; /* owned */
@@ -163,9 +164,18 @@ static PyObject *get_parameters(PyObject *self, void *closure) {
   return PyLong_FromSize_t(pl_graph_parameter_count(((graph_object *)self)->graph));
 }
 
+static PyObject *get_presence(PyObject *self, void *closure) {
+  (void)closure;
+  const pl_graph *graph = ((graph_object *)self)->graph;
+  return PyLong_FromLong(pl_graph_absent(graph) ? PL_PRESENCE_NONE
+                         : pl_graph_cuts(graph) ? PL_PRESENCE_PART
+                                                : PL_PRESENCE_WHOLE);
+}
+
 static PyGetSetDef graph_getset[] = {
     {"instructions", get_instructions, NULL, "Nodes evaluated at each hit.", NULL},
     {"parameters", get_parameters, NULL, "Values that each frame gives.", NULL},
+    {"presence", get_presence, NULL, "What its alpha leaves: 0 nothing, 1 a part, 2 all.", NULL},
     {NULL, NULL, NULL, NULL, NULL},
 };
 

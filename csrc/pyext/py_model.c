@@ -10,6 +10,8 @@
 #include "geom/texture.h"
 #include "io/gltf.h"
 #include "math/color.h"
+#include "shade/material_surface.h"
+#include "shade/presence.h"
 
 typedef struct model_object {
   PyObject_HEAD pl_model *model; /* owned */
@@ -125,10 +127,12 @@ static PyObject *get_bounds(PyObject *self, void *closure) {
   if (array == NULL)
     return NULL;
   double *out = PyArray_DATA((PyArrayObject *)array);
-  for (int k = 0; k < 3; k++) {
-    out[k] = of(self)->bounds_min[k];
-    out[3 + k] = of(self)->bounds_max[k];
-  }
+  const pl_model *m = of(self);
+  const pl_vec3 low = {m->bounds_min[0], m->bounds_min[1], m->bounds_min[2]};
+  const pl_vec3 high = {m->bounds_max[0], m->bounds_max[1], m->bounds_max[2]};
+  const pl_vec3 a = pl_model_point(m, low), b = pl_model_point(m, high);
+  const double bounds[6] = {a.x, a.y, a.z, b.x, b.y, b.z};
+  memcpy(out, bounds, sizeof bounds);
   return array;
 }
 
@@ -241,6 +245,23 @@ static int put_copy(PyObject *dict, const char *key, const void *values, size_t 
   return failed;
 }
 
+/* In model units. */
+static int put_positions(PyObject *dict, const pl_model *m) {
+  npy_intp shape[2] = {(npy_intp)m->vertex_count, 3};
+  PyObject *array = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  if (array == NULL)
+    return -1;
+  double *out = PyArray_DATA((PyArrayObject *)array);
+  for (size_t v = 0; v < m->vertex_count; v++) {
+    const float *p = m->positions + 3 * v;
+    const pl_vec3 at = pl_model_point(m, (pl_vec3){p[0], p[1], p[2]});
+    memcpy(out + 3 * v, (const double[3]){at.x, at.y, at.z}, 3 * sizeof *out);
+  }
+  const int failed = PyDict_SetItemString(dict, "positions", array);
+  Py_DECREF(array);
+  return failed;
+}
+
 /* Mean colour of a triangle's material, sRGB bytes: what viewers of exported models show. */
 static void triangle_color(const pl_model *model, size_t triangle, uint8_t out[3]) {
   const pl_material *material =
@@ -273,7 +294,7 @@ static PyObject *model_mesh(PyObject *self, PyObject *unused) {
   PyObject *dict = PyDict_New();
   if (dict == NULL)
     return NULL;
-  if (put_copy(dict, "positions", m->positions, m->vertex_count, 3, NPY_FLOAT32) < 0 ||
+  if (put_positions(dict, m) < 0 ||
       put_copy(dict, "normals", m->normals, m->vertex_count, 3, NPY_FLOAT32) < 0 ||
       put_copy(dict, "uv", m->uvs[0], m->vertex_count, 2, NPY_FLOAT32) < 0 ||
       put_copy(dict, "indices", m->indices, m->triangle_count, 3, NPY_UINT32) < 0 ||
@@ -281,6 +302,32 @@ static PyObject *model_mesh(PyObject *self, PyObject *unused) {
       put_triangle_colors(dict, m) < 0)
     Py_CLEAR(dict);
   return dict;
+}
+
+static PyObject *put_new(PyObject *dict, const char *key, npy_intp count, int type) {
+  PyObject *array = dict != NULL ? PyArray_SimpleNew(1, &count, type) : NULL;
+  const int failed = array != NULL ? PyDict_SetItemString(dict, key, array) : -1;
+  Py_XDECREF(array); /* the dict holds it */
+  return failed == 0 ? array : NULL;
+}
+
+static PyObject *model_surfaces(PyObject *self, PyObject *unused) {
+  (void)unused;
+  const pl_model *m = of(self);
+  PyObject *dict = PyDict_New();
+  PyObject *sides = put_new(dict, "double_sided", (npy_intp)m->triangle_count, NPY_BOOL);
+  PyObject *presence =
+      sides != NULL ? put_new(dict, "presence", (npy_intp)m->triangle_count, NPY_UINT8) : NULL;
+  if (presence == NULL) {
+    Py_XDECREF(dict);
+    return NULL;
+  }
+  npy_bool *double_sided = PyArray_DATA((PyArrayObject *)sides);
+  for (size_t t = 0; t < m->triangle_count; t++)
+    double_sided[t] = pl_material_of(m, (uint32_t)t)->double_sided;
+  uint8_t *out = PyArray_DATA((PyArrayObject *)presence);
+  Py_BEGIN_ALLOW_THREADS pl_presence_find(m, out);
+  Py_END_ALLOW_THREADS return dict;
 }
 
 static PyObject *model_components(PyObject *self, PyObject *unused) {
@@ -326,6 +373,7 @@ static PyGetSetDef model_getset[] = {
 
 static PyMethodDef model_methods[] = {
     {"mesh", model_mesh, METH_NOARGS, "Copies of the mesh's arrays, by name."},
+    {"surfaces", model_surfaces, METH_NOARGS, "Sides and presence of each triangle."},
     {"of_mesh", model_of_mesh, METH_VARARGS | METH_CLASS, "The shape of a body, of arrays."},
     {"winding", model_winding, METH_O, "How often the surface goes around points."},
     {"components", model_components, METH_NOARGS, "Connected component of each triangle."},

@@ -43,6 +43,7 @@ void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_poi
 }
 
 bool pl_graph_cuts(const pl_graph *graph) { return graph->cuts; }
+bool pl_graph_absent(const pl_graph *graph) { return graph->absent; }
 
 float pl_graph_alpha(const pl_graph *graph, const pl_graph_point *point, const pl_value *params) {
   pl_value alpha;

@@ -69,6 +69,8 @@ pl_vec3f pl_graph_emission(const pl_graph *graph, const pl_graph_point *point,
 bool pl_graph_emits_evenly(const pl_graph *graph);
 /* Whether there may be no surface somewhere. */
 bool pl_graph_cuts(const pl_graph *graph);
+/* Whether there is none anywhere, in any frame. */
+bool pl_graph_absent(const pl_graph *graph);
 /* Whether there is a surface at a point: its alpha is PL_ALPHA_CUT or more. */
 #define PL_ALPHA_CUT 0.5f
 bool pl_graph_is_there(const pl_graph *graph, const pl_graph_point *point, const pl_value *params);

@@ -317,6 +317,7 @@ static void find_set(const pl_graph_node *surface, pl_graph *graph) {
   }
   const float *alpha = folded(graph, PL_SURFACE_ALPHA);
   graph->cuts = alpha == NULL || !(alpha[0] >= PL_ALPHA_CUT);
+  graph->absent = alpha != NULL && graph->cuts;
 }
 
 /* A program of its own for what the surface emits, where it may emit something: lamps are asked

@@ -38,6 +38,7 @@ struct pl_graph {
   unsigned sets;    /* bit k: input k of the surface is not left to the model's material */
   unsigned differs; /* bit k: nor is it known to be its fallback */
   bool cuts;        /* alpha may fall below one half */
+  bool absent;      /* it is below one half everywhere */
   size_t emission;  /* program of emission_color and emission_strength alone; 0: it emits nothing */
   size_t parameter_count;
   pl_program *programs; /* owned; 0 is the surface's, the others are lazy inputs' */

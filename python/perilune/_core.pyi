@@ -72,8 +72,11 @@ class Model:
     @property
     def warnings(self) -> tuple[str, ...]: ...
     def mesh(self) -> dict[str, NDArray[Any]]:
-        """Copies: positions (V,3) f32, normals (V,3) f32, uv (V,2) f32 or absent,
+        """Copies: positions (V,3) f64, in the file's units, normals (V,3) f32, uv (V,2) f32 or absent,
         indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
+    def surfaces(self) -> dict[str, NDArray[Any]]:
+        """What rays meet of the triangles, by the materials of the file: double_sided (T,) bool, and
+        presence (T,) u8: 0 where alpha leaves nothing of a triangle, 1 a part, 2 all of it."""
     @classmethod
     def of_mesh(
         cls, name: str, positions: NDArray[np.float32], indices: NDArray[np.uint32], /
@@ -270,6 +273,9 @@ class Graph:
         """Nodes evaluated at each hit: constant and unused ones are not among them."""
     @property
     def parameters(self) -> int: ...
+    @property
+    def presence(self) -> int:
+        """What its alpha leaves of a surface, in any frame: 0 nothing, 1 perhaps a part, 2 all."""
     def evaluate(
         self, points: F64, radius: float, parameters: NDArray[np.float32]
     ) -> F64:
