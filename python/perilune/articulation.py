@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,9 +35,7 @@ class Rig:
     """Distance from the offset beyond which no turn or animation takes a part; slides add to it."""
 
 
-def rig(
-    model: _core.Model, craft: Spacecraft, offset: F64, scale: float, where: str
-) -> Rig | None:
+def rig(model: _core.Model, craft: Spacecraft, offset: F64, scale: float, where: str) -> Rig | None:
     """The rig of a spacecraft; None when nothing on it moves.
 
     scale: metres per model unit at the ideal size. where: file and key of the spacecraft, for
@@ -183,6 +181,21 @@ def _is_below(parents: Sequence[int], node: int, above: int) -> bool:
     return node >= 0
 
 
+def moving_above(model: _core.Model, rigs: Iterable[Rig]) -> list[tuple[str, ...]]:
+    """Of each part of a model the nodes above it that some of its rigs move, the nearest first."""
+    names = {n: name for rig in rigs for n, name in zip(rig.core.nodes, rig.nodes, strict=True)}
+    parents = [row["parent"] for row in model.nodes]
+    chains = []
+    for part in model.parts:
+        node, chain = part["node"], []
+        while node >= 0:
+            if node in names:
+                chain.append(names[node])
+            node = parents[node]
+        chains.append(tuple(chain))
+    return chains
+
+
 @dataclass(frozen=True)
 class Posed:
     """A rig in one frame."""
@@ -232,14 +245,23 @@ def _target(joint: Joint, scene: World, name: str) -> F64:
     return rotations.rotate(rotations.conjugate(turn), target - place)
 
 
+def in_object_frame(motions: F64, offset: F64, scale: float) -> list[F64]:
+    """Motions (nodes, 3, 4) of the model, its units, as (4, 4) each of the object's frame, m."""
+    matrices = []
+    for motion in motions:
+        matrix = np.eye(4)
+        matrix[:3, :3] = motion[:, :3]
+        matrix[:3, 3] = scale * (motion[:, :3] @ offset + motion[:, 3] - offset)
+        matrices.append(matrix)
+    return matrices
+
+
 def _meta(
     rig: Rig, joints: Sequence[Joint], reached: F64, motions: F64, scale: float
 ) -> dict[str, dict[str, Any]]:
     meta: dict[str, dict[str, Any]] = {}
-    for node, motion in zip(rig.nodes, motions, strict=True):
-        matrix = np.eye(4)
-        matrix[:3, :3] = motion[:, :3]
-        matrix[:3, 3] = scale * (motion[:, :3] @ rig.offset + motion[:, 3] - rig.offset)
+    matrices = in_object_frame(motions, rig.offset, scale)
+    for node, matrix in zip(rig.nodes, matrices, strict=True):
         meta[node] = {"motion": matrix, "joints": []}
     for joint, k, value in zip(joints, rig.joints, reached, strict=True):
         slides = joint.kind == "slide"

@@ -85,6 +85,15 @@ class Looks:
         """(T,) of -1: triangles without graphs."""
         return self._of_patterns(craft, ())
 
+    def presence(self, craft: str) -> NDArray[np.uint8]:
+        """(T,): what alpha leaves of each triangle, whatever drivers choose and draw: 0 nothing,
+        1 perhaps a part, 2 all of it."""
+        own: NDArray[np.uint8] = self._models[craft].surfaces()["presence"]
+        configs = [self._document.config, *self._document.choices(materials.is_choice)]
+        rows = [_with_graphs(own, self.of(config).crafts.get(craft)) for config in configs]
+        low, high = np.minimum.reduce(rows), np.maximum.reduce(rows)
+        return np.where(low == high, low, np.uint8(1))
+
     def _on_craft(self, name: str, config: Config) -> Placed:
         uses = config.spacecraft[name].materials
         names = tuple(use.use for use in uses)
@@ -122,6 +131,14 @@ class Looks:
         if len(self._triangles) > _PATTERNS * len(self._models):
             del self._triangles[next(iter(self._triangles))]  # the one looked up first
         return found
+
+
+def _with_graphs(own: NDArray[np.uint8], placed: Placed | None) -> NDArray[np.uint8]:
+    """A surface must be there by the model's material and by the graph on it."""
+    if placed is None:
+        return own
+    of_graphs = np.array([*(g.core.presence for g in placed.graphs), 2], dtype=np.uint8)
+    return np.minimum(own, of_graphs[placed.triangle_graph])  # -1, no graph, is the last
 
 
 def _kept(store: dict[Any, _T], key: Any, make: Callable[[], _T]) -> _T:

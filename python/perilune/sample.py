@@ -74,7 +74,8 @@ class Sample(Mapping[str, Array]):
         perilune.bands.described);
         articulation: spacecraft -> node -> {"motion": (4, 4), from a point of the object's frame,
         m, in the rest pose to where it is, "joints": one {"angle_deg"} or {"translation_m"} for
-        each of the node's joints}."""
+        each of the node's joints}; rows (of a rolling shutter): poses of some rows, see
+        perilune.rows.row_poses; those of `camera` and `objects` are of the middle of the frame."""
         self.plan = plan
         self.stars = np.empty(0, STAR) if stars is None else stars
         """Stars that the colours show, one row each, the brightest first: number and magnitude of

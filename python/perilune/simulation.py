@@ -33,6 +33,7 @@ from perilune.orbits import Setting, System
 from perilune.parts import Partition
 from perilune.remarks import Remarks
 from perilune.request import arrays_of, camera_label, request_of
+from perilune.rows import row_poses
 from perilune.sample import Sample
 from perilune.shapes import BodyShape
 from perilune.sky import seen
@@ -75,9 +76,7 @@ class Simulation:
     ) -> None:
         """trajectory: a callable that gives the camera's poses instead of the configured one.
         orbits: name of a body or spacecraft -> a hook that draws its orbit instead."""
-        check_references(
-            document.config, document.source, document.drivers, document.origins
-        )
+        check_references(document.config, document.source, document.drivers, document.origins)
         self._document = document
         self._trajectory = trajectory
         self._orbits = dict(orbits or {})
@@ -140,6 +139,19 @@ class Simulation:
         """Spacecraft entry -> how its model is cut into parts; loads the models."""
         return self._mine().partitions
 
+    def presence(self, name: str) -> NDArray[np.uint8]:
+        """(T,): what alpha leaves of each triangle of a spacecraft's model, in any frame.
+
+        0 nothing, 1 perhaps a part, 2 all of it."""
+        return self._mine().looks.presence(name)
+
+    def moving_nodes(self, names: Sequence[str]) -> list[tuple[str, ...]]:
+        """Of each part of the model that some spacecraft share, the nodes above it that move on one
+        of them, the nearest first, by their names in `Sample.meta["articulation"]`."""
+        handles = self._mine()
+        rigs = [handles.rigs[name] for name in names if name in handles.rigs]
+        return articulation.moving_above(handles.models[names[0]].model, rigs)
+
     def _mine(self) -> Handles:
         """This process's handles."""
         pid = os.getpid()
@@ -148,10 +160,6 @@ class Simulation:
                 _orphans.append(self._handles)
             self._handles, self._pid = Handles(self._document, self._remarks), pid
         return self._handles
-
-    def share(self, other: Simulation) -> None:
-        """Takes the models, maps and scenes of another simulation of the same configuration."""
-        self._handles, self._pid = other._mine(), os.getpid()
 
     def config_at(self, index: int) -> tuple[Config, dict[str, Any]]:
         """The configuration of a frame, and what its drivers drew, by key path.
@@ -324,6 +332,10 @@ class Simulation:
             error.add_note(f"{self._document.source}: frame {scene.index}")
             raise
         meta = self._meta(scene, posed, result)
+        if scene.camera.line_time_us > 0.0:
+            meta["rows"] = row_poses(
+                scene.config, request, result["plan"], handles.rigs, handles.scales(scene.config)
+            )
         if "bands" in arrays or ("raw" in arrays and bands.has_planes(scene.config.camera)):
             meta["bands"] = bands.described(scene.config.camera, scene.config.sun)
         objects = arrays.pop(OBJECTS, None)
@@ -393,9 +405,7 @@ class Simulation:
 def _expose(request: _core.FrameRequest, metered: _core.FrameResult) -> None:
     """Sets the exposure that was metered on another frame."""
     sensor = dict(request["sensor"] or {})
-    sensor.update(
-        auto_time=None, exposure_s=metered["exposure_s"], gain=metered["gain_e_dn"]
-    )
+    sensor.update(auto_time=None, exposure_s=metered["exposure_s"], gain=metered["gain_e_dn"])
     request["sensor"] = sensor
 
 

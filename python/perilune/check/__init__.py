@@ -9,26 +9,21 @@ from pydantic import TypeAdapter
 
 from perilune.check.findings import Finding, Report
 from perilune.check.models import check_models
-from perilune.check.records import Camera, Source, read_json
-from perilune.check.remake import compare_with_config
+from perilune.check.records import Camera, PartInfo, Source, read_json
 from perilune.check.scene import check_scene
+from perilune.writers.bop_card import CARD_FILE, SOURCE_FILE
 from perilune.writers.bop_config import CONFIG_FILE
 from perilune.writers.bop_files import RGB_FOLDER
 from perilune.writers.bop_finish import (
-    CARD_FILE,
     DETECTION,
     LOCALISATION,
-    SOURCE_FILE,
-    card,
+    closing_texts,
     summary,
-    target_files,
 )
+from perilune.writers.bop_models import MODELS, PARTS
 from perilune.writers.bop_shards import NOTES
 
-__all__ = ["RERENDERED", "Finding", "Report", "check_bop"]
-
-RERENDERED = 8
-"""Images that are rendered in full for a comparison of colour, if nothing else is said."""
+__all__ = ["Finding", "Report", "check_bop"]
 
 _ROOT_FILES = {"camera.json", CONFIG_FILE, SOURCE_FILE, CARD_FILE}
 
@@ -48,19 +43,18 @@ def _scenes(report: Report, split: Path) -> list[Path]:
 
 
 def _check_layout(report: Report, split: str) -> None:
-    known = {*_ROOT_FILES, "models", split, LOCALISATION, DETECTION, NOTES}
+    known = {*_ROOT_FILES, MODELS, PARTS, split, LOCALISATION, DETECTION, NOTES}
     for path in sorted(report.folder.iterdir()):
         report.need(path.name in known, path, "is not part of the dataset")
     if (report.folder / NOTES).exists():
         report.add(report.folder / NOTES, "shards are not merged: run `perilune merge` on them")
 
 
-def _check_summary(report: Report, source: Source, camera: Camera) -> None:
+def _check_summary(report: Report, source: Source) -> None:
     """Card and targets must be those of the scenes; asked only when the scenes are good."""
     root = report.folder
     found = summary(root / source.split)
-    texts = target_files(source.split, found)
-    texts[CARD_FILE] = card(source.model_dump(), camera.model_dump(), found)
+    texts = closing_texts(root, found)
     for name, text in texts.items():
         path = root / name
         if not path.is_file():
@@ -71,46 +65,31 @@ def _check_summary(report: Report, source: Source, camera: Camera) -> None:
         report.need(not (root / name).exists(), root / name, "only a test split has targets")
 
 
-def check_bop(
-    folder: str | Path,
-    progress: Callable[[int, int], None] | None = None,
-    *,
-    rerender: int | None = RERENDERED,
-    base: str | Path | None = None,
-    alone: bool = False,
-) -> Report:
-    """Checks a BOP dataset that `write_bop` has written.
-
-    progress: (images done, images). rerender: how many images are rendered in full for a comparison
-    of colour; None: all. base: the folder that relative paths of the configuration refer to, where
-    it is no longer the one that the dataset names. alone: checks the dataset against itself alone,
-    without its configuration.
-    """
+def check_bop(folder: str | Path, progress: Callable[[int, int], None] | None = None) -> Report:
+    """Checks a BOP dataset that `write_bop` has written. progress: (images done, images)."""
     report = Report(Path(folder))
     if not report.folder.is_dir():
         raise FileNotFoundError(f"{folder}: no such folder")
     source = read_json(report, report.folder / SOURCE_FILE, TypeAdapter(Source))
     camera = read_json(report, report.folder / "camera.json", TypeAdapter(Camera))
     meshes = check_models(report)
+    if (report.folder / PARTS).exists():
+        check_models(report, PARTS, PartInfo)
     if source is None or camera is None:
         return report
     _check_layout(report, source.split)
     folders = _scenes(report, report.folder / source.split)
     total = sum(len(list((path / RGB_FOLDER).glob("*.png"))) for path in folders)
-    total *= 1 if alone else 2
     done = 0
 
     def step() -> None:
         nonlocal done
         done += 1
         if progress is not None:
-            progress(min(done, total), total)
+            progress(done, total)
 
     for path in folders:
         check_scene(report, path, source, meshes, (camera.width, camera.height), step)
     if not report.findings:
-        _check_summary(report, source, camera)
-    if not alone:
-        where = None if base is None else Path(base)
-        compare_with_config(report, source, folders, rerender, where, step)
+        _check_summary(report, source)
     return report

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune.check import rows
 from perilune.check.findings import Report
 from perilune.check.models import rotation_fault
 from perilune.check.ply import Mesh
 from perilune.check.png import GREY8, GREY16, RGB8, Kind, PngError, read_png
-from perilune.check.records import Annotation, Info, Pose, SceneCamera
+from perilune.check.records import Annotation, Info, Pose, PoseRow, SceneCamera
 from perilune.writers.bop_files import (
     CAMERA_FILE,
     COCO_FILE,
@@ -149,6 +150,11 @@ class ImageCheck:
         path = self._file(GT_FILE)
         fault = rotation_fault(np.reshape(pose.cam_R_m2c, (3, 3)))
         self._need(fault is None, path, f"instance {gt_id}: cam_R_m2c {fault}")
+        for at in pose.rows or ():
+            fault = rotation_fault(np.reshape(at.cam_R_m2c, (3, 3)))
+            self._need(fault is None, path, f"instance {gt_id}: row {at.row}: cam_R_m2c {fault}")
+        wrong = rows.fault(pose, self.size[1])
+        self._need(wrong is None, path, f"instance {gt_id}: {wrong}")
         known = pose.obj_id in self.meshes
         self._need(known, path, f"instance {gt_id}: obj_id {pose.obj_id} is not in models/")
 
@@ -244,7 +250,7 @@ class ImageCheck:
         self._need(wrong == 0, path, reason)
 
     @staticmethod
-    def _outline(mesh: Mesh, pose: Pose) -> F64:
+    def _outline(mesh: Mesh, pose: Pose | PoseRow) -> F64:
         """Points whose convex hull holds the model: with moving parts, the whole of it at rest and
         wherever one of them has gone."""
         points = [mesh.outline]
@@ -259,8 +265,11 @@ class ImageCheck:
         if mesh is None:
             return
         path, who = self._file(GT_FILE), f"instance {gt_id}"
-        R, t = np.reshape(pose.cam_R_m2c, (3, 3)), np.array(pose.cam_t_m2c)
-        points = self.K @ (R @ self._outline(mesh, pose).T + t[:, None])
+        placed = []
+        for at in rows.stated(pose):
+            R, t = rows.matrices(at)
+            placed.append(R @ self._outline(mesh, at).T + t[:, None])
+        points = self.K @ np.concatenate(placed, axis=1)
         if points[2].min() <= 0.0:
             behind = points[2].max() <= 0.0 and bool(mask.any())
             self._need(not behind, path, f"{who}: lies behind the camera, but mask/ is not empty")
@@ -271,12 +280,12 @@ class ImageCheck:
             low, high = pixels.min(axis=1) - _PIXELS, pixels.max(axis=1) + _PIXELS
             inside = low[0] <= x and low[1] <= y and x + w <= high[0] and y + h <= high[1]
             self._need(inside, path, f"{who}: bbox_obj is not inside the projected model")
-        rows, columns = np.nonzero(mask)
-        if rows.size == 0:
+        lines, columns = np.nonzero(mask)
+        if lines.size == 0:
             return
         angles = np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
         axes = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        model, seen = axes @ pixels, axes @ np.stack([columns, rows])
+        model, seen = axes @ pixels, axes @ np.stack([columns, lines])
         over = max(
             float((seen.max(axis=1) - model.max(axis=1)).max()),
             float((model.min(axis=1) - seen.min(axis=1)).max()),
@@ -287,23 +296,24 @@ class ImageCheck:
     def _surface(self, gt_id: int, pose: Pose, visible: Mask, depth: NDArray[Any]) -> None:
         """Depth at visible pixels, taken into the model's frame, must lie in the model's box."""
         path = self.scene.depth(self.im_id)
-        rows, columns = np.nonzero(visible)
-        steps = depth[rows, columns].astype(np.float64)
+        lines, columns = np.nonzero(visible)
+        steps = depth[lines, columns].astype(np.float64)
         none = np.count_nonzero(steps == 0.0)
         self._need(none == 0, path, f"instance {gt_id}: {none} visible pixels have no depth")
         mesh = self.meshes.get(pose.obj_id)
-        if mesh is None or rows.size == 0 or none > 0:
+        if mesh is None or lines.size == 0 or none > 0:
             return
         scale = self.labels.camera.depth_scale
-        pixels = np.stack([columns, rows, np.ones_like(rows)], axis=1).astype(np.float64)
+        pixels = np.stack([columns, lines, np.ones_like(lines)], axis=1).astype(np.float64)
         rays = np.linalg.solve(self.K, pixels.T).T
         points = rays * (steps * scale)[:, None]
-        R, t = np.reshape(pose.cam_R_m2c, (3, 3)), np.array(pose.cam_t_m2c)
-        local = (points - t) @ R
-        outline = self._outline(mesh, pose)
+        R, t = rows.at_rows(pose, lines)
+        local = np.einsum("ni,nij->nj", points - t, R)
+        outline = np.concatenate([self._outline(mesh, at) for at in rows.stated(pose)])
         low, high = outline.min(axis=0), outline.max(axis=0)
         slack = (0.5 * scale + _DEPTH * steps * scale) * np.linalg.norm(rays, axis=1)
-        slack += _SURFACE * float(np.linalg.norm(high - low)) + _DEPTH * float(np.linalg.norm(t))
+        slack += _SURFACE * float(np.linalg.norm(high - low))
+        slack += _DEPTH * np.linalg.norm(t, axis=1)
         off = np.maximum(low - local, local - high).max(axis=1)
         wrong = off > slack
         reason = (
@@ -315,7 +325,8 @@ class ImageCheck:
     def _depth_scale(self, depth: NDArray[Any], annotated: Mask) -> None:
         """The scale must be the finest that holds the farthest annotated surface."""
         path, scale = self._file(CAMERA_FILE), self.labels.camera.depth_scale
-        steps = int(depth[annotated].max(initial=0))
+        measured = depth[annotated] if annotated.any() else depth
+        steps = int(measured.max(initial=0))
         low, high = (max(steps - 0.5, 0.0) * scale, (steps + 0.5) * scale)
         allowed = {depth_scale_mm(low), depth_scale_mm(min(high, LARGEST_DEPTH * scale))}
         nearest = min(allowed, key=lambda value: abs(value - scale))

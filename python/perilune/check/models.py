@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from perilune.check.findings import Report
 from perilune.check.ply import Mesh, PlyError, read_ply
-from perilune.check.records import ModelInfo, by_id, read_json
+from perilune.check.records import ModelInfo, PartInfo, by_id, read_json
 from perilune.writers.diameter import diameter
 
 F64 = NDArray[np.float64]
@@ -55,9 +55,11 @@ def _check_info(report: Report, path: Path, key: str, info: ModelInfo, mesh: Mes
         stated = getattr(info, name)
         close = abs(stated - value) <= _SIZES * longest
         report.need(close, path, f"{key}.{name} is {stated:g}, the model has {value:g}")
+    cut = info.faces_cut_in_part <= len(mesh.faces)
+    report.need(cut, path, f"{key}.faces_cut_in_part exceeds the model's {len(mesh.faces)} faces")
     centre = float(np.abs(low + high).max()) / 2.0
     report.need(
-        centre <= _CENTRE * longest,
+        isinstance(info, PartInfo) or centre <= _CENTRE * longest,
         path,
         f"{key}: the model's box is centred {centre:g} mm from the origin",
     )
@@ -72,10 +74,13 @@ def _check_info(report: Report, path: Path, key: str, info: ModelInfo, mesh: Mes
         report.need(unit, path, f"{key}.symmetries_continuous[{k}].axis is not of unit length")
 
 
-def check_models(report: Report) -> dict[int, Mesh | None]:
-    """Checks models/; returns the mesh of every object it lists, None for one that is of no use."""
-    folder = report.folder / "models"
-    infos = read_json(report, folder / "models_info.json", by_id(ModelInfo)) or {}
+def check_models(
+    report: Report, name: str = "models", kind: type[ModelInfo] = ModelInfo
+) -> dict[int, Mesh | None]:
+    """Checks a folder of models; returns the mesh of every model it lists, None for one that is of
+    no use."""
+    folder = report.folder / name
+    infos = read_json(report, folder / "models_info.json", by_id(kind)) or {}
     meshes: dict[int, Mesh | None] = dict.fromkeys(map(int, infos))
     names = {f"obj_{int(key):06d}.ply": key for key in infos}
     present = {path.name for path in folder.iterdir()} if folder.is_dir() else set()

@@ -53,6 +53,14 @@ class Frame(_Exact):
     scene_drivers: dict[str, JsonValue] = Field(default_factory=dict)
 
 
+class CameraRow(_Exact):
+    """The camera in the middle of the exposure of a row."""
+
+    row: Count
+    cam_R_w2c: Nine  # noqa: N815
+    cam_t_w2c: Three
+
+
 class SceneCamera(_Exact):
     """An entry of scene_camera.json."""
 
@@ -62,6 +70,17 @@ class SceneCamera(_Exact):
     depth_scale: Positive
     sensor: str | None = None
     frame: Frame | None = None
+    rows: list[CameraRow] | None = None
+    """Of a rolling shutter."""
+
+
+class PoseRow(_Exact):
+    """An instance in the middle of the exposure of a row."""
+
+    row: Count
+    cam_R_m2c: Nine  # noqa: N815
+    cam_t_m2c: Three
+    articulation: dict[str, Sixteen] | None = None
 
 
 class Pose(_Exact):
@@ -72,6 +91,8 @@ class Pose(_Exact):
     obj_id: Count
     articulation: dict[str, Sixteen] | None = None
     """Moving node -> its motion in the model's frame: 4 x 4, row by row, mm."""
+    rows: list[PoseRow] | None = None
+    """Of a rolling shutter: between two, straight and by the shorter turn, in camera axes."""
 
 
 class Info(_Exact):
@@ -168,6 +189,21 @@ class ModelInfo(_Exact):
     size_z: Annotated[Number, Field(ge=0.0)]
     symmetries_continuous: list[Line] = []
     symmetries_discrete: list[Sixteen] = []
+    faces_one_sided: Count = 0
+    """Faces whose back is not rendered: renderers that draw backs see more."""
+    faces_cut_in_part: Count = 0
+    """Faces, the last of the file, of which alpha leaves a part only."""
+    triangles_left_out: Count = 0
+    """Triangles of which alpha leaves nothing, and which are no faces."""
+
+
+class PartInfo(ModelInfo):
+    """An entry of models_info.json of the parts that move."""
+
+    obj_id: Count
+    nodes: list[str]
+    """Moving nodes that it hangs on, the nearest first; it moves by the first that `articulation`
+    of an instance names."""
 
 
 class SensorEntry(_Exact):
@@ -175,6 +211,14 @@ class SensorEntry(_Exact):
 
     name: str
     trigger_interval: Annotated[int, Field(ge=1)]
+
+
+class Channel(_Exact):
+    """An entry of `channels` of dataset_info.json: files beside BOP."""
+
+    components: Count | None
+    dtype: Literal["uint8", "uint16", "int32", "float32", "float64"]
+    file: Literal["png", "npy"]
 
 
 class Source(BaseModel):
@@ -192,6 +236,8 @@ class Source(BaseModel):
     """In the order in which they take frames; empty without sensors."""
     pictures: dict[Literal["rgb", "sensor_rgb", "raw"], Literal["rgb", "sensor_rgb", "raw"]] = {}
     """Folder -> channel of the images that are no labels; empty: `rgb` alone."""
+    channels: dict[str, Channel] = {}
+    """What is written beside BOP, a folder each."""
     split: Annotated[str, Field(pattern="^[a-z0-9]+(_[a-z0-9]+)?$")]
 
 

@@ -16,9 +16,12 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.sample import Sample
 from perilune.simulation import Simulation
+from perilune.writers.bop_card import SOURCE_FILE
+from perilune.writers.bop_channels import ChannelFiles, channel_files, pictures
 from perilune.writers.bop_config import CONFIG_FILE, config_entry, config_text
 from perilune.writers.bop_files import (
     MM_PER_M,
+    PNG_LEVEL,
     Record,
     SceneFolder,
     depth_scale_mm,
@@ -27,9 +30,9 @@ from perilune.writers.bop_files import (
     make_folder,
     write_text,
 )
-from perilune.writers.bop_finish import SOURCE_FILE, finish, reopen
+from perilune.writers.bop_finish import finish, reopen
 from perilune.writers.bop_labels import CocoHeader, Mask, annotation, info_entry
-from perilune.writers.bop_models import BopModel, write_models
+from perilune.writers.bop_models import MODELS, MODELS_INFO, BopModel, write_models
 from perilune.writers.bop_shards import Note, Shard, check_frames, shard_chunks
 from perilune.writers.bop_source import (
     bop_models,
@@ -37,7 +40,6 @@ from perilune.writers.bop_source import (
     dataset_info,
     dataset_name,
     nominal_camera,
-    pictures,
     refuse_unfit,
 )
 from perilune.writers.queue import WriteQueue
@@ -51,7 +53,6 @@ LABELS = ("depth", "instance", "objects", "masks")
 """What is rendered for a frame beside its pictures."""
 DEFAULT_CHUNK = 1000
 _SPLIT = re.compile(r"[a-z0-9]+(_[a-z0-9]+)?")
-_PNG_LEVEL = 6
 _MASK_ON = np.uint8(255)
 
 
@@ -62,23 +63,49 @@ def _motion_entry(motion: F64, origin_m: F64) -> list[float]:
     return [float(value) for value in moved.ravel()]
 
 
-def pose_entry(
-    row: Any, origins_m: Mapping[int, F64], moving: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
-    """One entry of scene_gt.json, from an object's label.
-
-    moving: of an articulated object, as in Sample.meta; readers pass over the key `articulation`.
-    """
-    rotation = np.asarray(row["R_m2c"], dtype=np.float64)
-    # The origin of the BOP model lies at `origins_m` in the object's frame.
-    offset_m = origins_m[int(row["obj_id"])]
-    origin_m = row["t_m2c"] + rotation @ offset_m
-    moved = {name: _motion_entry(node["motion"], offset_m) for name, node in (moving or {}).items()}
+def _placed(R_m2c: F64, t_m2c: F64, origin_m: F64, moving: Mapping[str, F64]) -> dict[str, Any]:
+    """Keys of a pose. origin_m: of the BOP model in the object's frame. moving: node -> motion."""
+    rotation = np.asarray(R_m2c, dtype=np.float64)
+    moved = {name: _motion_entry(motion, origin_m) for name, motion in moving.items()}
     return {
         **({"articulation": moved} if moved else {}),
         "cam_R_m2c": rotation.ravel().tolist(),
-        "cam_t_m2c": (origin_m * MM_PER_M).tolist(),
+        "cam_t_m2c": ((t_m2c + rotation @ origin_m) * MM_PER_M).tolist(),
+    }
+
+
+def pose_entry(
+    row: Any,
+    origins_m: Mapping[int, F64],
+    moving: Mapping[str, Any] | None = None,
+    rows: Sequence[tuple[int, Mapping[str, Any]]] = (),
+) -> dict[str, Any]:
+    """One entry of scene_gt.json, from an object's label.
+
+    moving: of an articulated object, as in Sample.meta. rows: of a rolling shutter, as in
+    Sample.meta, of this object: row -> its pose. Readers pass over the keys `articulation` and
+    `rows`.
+    """
+    origin_m = origins_m[int(row["obj_id"])]
+    motions = {name: node["motion"] for name, node in (moving or {}).items()}
+    by_row = [
+        {
+            "row": number,
+            **_placed(at["R_m2c"], at["t_m2c"], origin_m, at.get("articulation", {})),
+        }
+        for number, at in rows
+    ]
+    return {
+        **_placed(row["R_m2c"], row["t_m2c"], origin_m, motions),
+        **({"rows": by_row} if by_row else {}),
         "obj_id": int(row["obj_id"]),
+    }
+
+
+def _world_to_camera(R_w2c: F64, t_w2c: F64) -> dict[str, Any]:
+    return {
+        "cam_R_w2c": np.asarray(R_w2c, dtype=np.float64).ravel().tolist(),
+        "cam_t_w2c": (np.asarray(t_w2c) * MM_PER_M).tolist(),
     }
 
 
@@ -90,18 +117,22 @@ def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
     sensor = sample.camera.sensor
     keys = ("drivers", "scene_drivers")
     drawn = {key: sample.meta[key] for key in keys if sample.meta[key]}
+    rows = [
+        {"row": at["row"], **_world_to_camera(at["R_w2c"], at["t_w2c"])}
+        for at in sample.meta.get("rows", ())
+    ]
     return {
         **({} if sensor is None else {"sensor": sensor}),
         **({"frame": {"index": sample.meta["index"], **drawn}} if drawn else {}),
         "cam_K": np.asarray(sample.camera.K, dtype=np.float64).ravel().tolist(),
-        "cam_R_w2c": np.asarray(sample.camera.R_w2c, dtype=np.float64).ravel().tolist(),
-        "cam_t_w2c": (np.asarray(sample.camera.t_w2c) * MM_PER_M).tolist(),
+        **_world_to_camera(sample.camera.R_w2c, sample.camera.t_w2c),
+        **({"rows": rows} if rows else {}),
         "depth_scale": scale_mm,
     }
 
 
 def _write_mask(path: Path, mask: Mask) -> None:
-    _core.png_write(str(path), np.where(mask, _MASK_ON, np.uint8(0)), _PNG_LEVEL)
+    _core.png_write(str(path), np.where(mask, _MASK_ON, np.uint8(0)), PNG_LEVEL)
 
 
 def write_image(
@@ -111,18 +142,24 @@ def write_image(
     names: Sequence[str],
     origins_m: Mapping[int, F64],
     pictures: Mapping[str, str],
+    channels: Mapping[str, ChannelFiles],
 ) -> Record:
     """Writes the files of one frame into its scene folder, the record of it last.
 
     names: of the spacecraft, in the order of the sample's objects. pictures: folder -> channel.
+    channels: what is written beside BOP.
     """
     depth_m, instance = sample["depth"], sample["instance"]
     annotated = np.isin(instance, sample.objects["instance_id"])
-    scale_mm = depth_scale_mm(float(depth_m[annotated].max(initial=0.0)) * MM_PER_M)
+    # Where no object is seen, depth is that of all that is.
+    measured_m = depth_m[annotated] if annotated.any() else depth_m
+    scale_mm = depth_scale_mm(float(measured_m.max(initial=0.0)) * MM_PER_M)
     depth = encode_depth(depth_m, scale_mm)
     for name, channel in pictures.items():
-        _core.png_write(str(folder.picture(im_id, name)), sample[channel], _PNG_LEVEL)
-    _core.png_write(str(folder.depth(im_id)), depth, _PNG_LEVEL)
+        _core.png_write(str(folder.picture(im_id, name)), sample[channel], PNG_LEVEL)
+    for name, files in channels.items():
+        files.write(folder.channel(im_id, name), sample[name])
+    _core.png_write(str(folder.depth(im_id)), depth, PNG_LEVEL)
     record = Record(camera_record(sample, scale_mm), [], [], [])
     moving = sample.meta["articulation"]
     for gt_id, (name, row) in enumerate(zip(names, sample.objects, strict=True)):
@@ -130,7 +167,8 @@ def write_image(
         _write_mask(folder.mask(im_id, gt_id), mask)
         _write_mask(folder.mask_visib(im_id, gt_id), visible)
         info = info_entry(row, mask, depth > 0)
-        record.gt.append(pose_entry(row, origins_m, moving.get(name)))
+        rows = [(at["row"], at["objects"][name]) for at in sample.meta.get("rows", ())]
+        record.gt.append(pose_entry(row, origins_m, moving.get(name), rows))
         record.gt_info.append(info)
         if info["px_count_visib"] > 0:
             obj_id, fraction = int(row["obj_id"]), info["visib_fract"]
@@ -149,6 +187,8 @@ class Job:
     header: CocoHeader
     pictures: Mapping[str, str]
     """Folder -> channel."""
+    beside: Mapping[str, ChannelFiles]
+    """Channels that are written beside BOP."""
     threads: int | None
     total: int
     progress: Progress | None
@@ -163,17 +203,18 @@ class Job:
 
     def folder(self, scene_id: int) -> SceneFolder:
         """Of a scene."""
-        return SceneFolder(self.split_folder / f"{scene_id:06d}", self.pictures)
+        beside = {name: files.suffix for name, files in self.beside.items()}
+        return SceneFolder(self.split_folder / f"{scene_id:06d}", self.pictures, beside)
 
     @property
     def channels(self) -> list[str]:
         """What is rendered for a frame."""
-        return [*dict.fromkeys(self.pictures.values()), *LABELS]
+        return list(dict.fromkeys((*self.pictures.values(), *LABELS, *self.beside)))
 
     def write_image(self, folder: SceneFolder, im_id: int, sample: Sample) -> Record:
         """Writes the files of one frame into its scene folder, the record of it last."""
         names = list(self.sim.config.spacecraft)
-        return write_image(folder, im_id, sample, names, self.origins_m, self.pictures)
+        return write_image(folder, im_id, sample, names, self.origins_m, self.pictures, self.beside)
 
     def write_chunk(self, scene_id: int, images: Mapping[int, int]) -> None:
         """Writes the images (image id -> frame index) of one scene that are not there yet."""
@@ -231,14 +272,20 @@ def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> d
     """What the dataset says of its simulation as a whole; refuses a folder of another one."""
     refuse_unfit(sim)
     models = bop_models(sim)
+    if not models:
+        _log.warning(
+            "%s: spacecraft: there is none, so the dataset has no model, pose, mask or annotation; "
+            "depth is that of the bodies",
+            sim.document.source,
+        )
     info = dataset_info(sim, chunk_size, split)
     make_folder(root)  # when nothing but the disk can fail any more
     if not _check_same_source(root / SOURCE_FILE, info):
         write_text(root / SOURCE_FILE, json_text(info))
     write_text(root / CONFIG_FILE, config_text(config_entry(sim)))
     write_text(root / "camera.json", json_text(camera_entry(sim)))
-    if not (root / "models" / "models_info.json").exists():
-        write_models(root / "models", models)
+    if not (root / MODELS / MODELS_INFO).exists():
+        write_models(root, models)
     return models
 
 
@@ -258,7 +305,8 @@ def open_job(
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
     size = nominal_camera(sim)
     header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
-    return Job(sim, root / split, origins_m, header, pictures(sim), threads, total, progress)
+    shown, beside = pictures(sim), channel_files(sim)
+    return Job(sim, root / split, origins_m, header, shown, beside, threads, total, progress)
 
 
 def write_bop(
@@ -289,7 +337,10 @@ def write_bop(
     `rgb/` holds the channel `sensor_rgb` where render.channels has this and no `rgb`; where it has
     both, `sensor_rgb` has a folder of its own, and so has `raw` (16 bit).
 
-    Depth is stored for all surfaces up to the farthest annotated one; beyond it may be 0.
+    Depth is stored for all surfaces up to the farthest annotated one, beyond which it may be 0; in
+    images without an annotated surface for all that is seen. Further channels that the
+    configuration states in render.channels have a folder each, see perilune.writers.bop_channels.
+    Of a rolling shutter, `rows` gives the poses row by row.
 
     Raises OSError if a file cannot be written (finished frames stay valid), ValueError if the
     folder belongs to another configuration, seed or chunk size.

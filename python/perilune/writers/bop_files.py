@@ -31,6 +31,7 @@ INFO_FILE = "scene_gt_info.json"
 COCO_FILE = "scene_gt_coco.json"
 SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE)
 RGB_FOLDER = "rgb"
+PNG_LEVEL = 6
 LABEL_FOLDERS = ("depth", "mask", "mask_visib")
 PARTIAL = ".partial"
 """Hidden folder of a scene that is being written."""
@@ -64,7 +65,7 @@ def write_text(path: Path, text: str) -> None:
         raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from error
 
 
-def write_bytes(path: Path, parts: Iterable[bytes]) -> None:
+def write_bytes(path: Path, parts: Iterable[bytes | memoryview]) -> None:
     """The same for bytes."""
     temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
     try:
@@ -160,10 +161,17 @@ class SceneFolder:
     is being written, a record of it lies in a hidden folder. The record is written after the files.
     """
 
-    def __init__(self, folder: Path, pictures: Iterable[str] = (RGB_FOLDER,)) -> None:
-        """pictures: the folders of the images that are no labels."""
+    def __init__(
+        self,
+        folder: Path,
+        pictures: Iterable[str] = (RGB_FOLDER,),
+        channels: Mapping[str, str] | None = None,
+    ) -> None:
+        """pictures: the folders of the images that are no labels. channels: the folders of what is
+        written beside BOP, each with the suffix of its files."""
         self.folder = folder
         self.pictures = tuple(pictures)
+        self.channels = dict(channels or {})
         self._partial = folder / PARTIAL
 
     def prepare(self) -> None:
@@ -179,11 +187,15 @@ class SceneFolder:
     @property
     def image_folders(self) -> tuple[str, ...]:
         """All folders of the scene."""
-        return (*self.pictures, *LABEL_FOLDERS)
+        return (*self.pictures, *LABEL_FOLDERS, *self.channels)
 
     def picture(self, im_id: int, name: str) -> Path:
         """An image that is no label; name: one of `pictures`."""
         return self.folder / name / f"{im_id:06d}.png"
+
+    def channel(self, im_id: int, name: str) -> Path:
+        """A file beside BOP; name: one of `channels`."""
+        return self.folder / name / f"{im_id:06d}.{self.channels[name]}"
 
     def depth(self, im_id: int) -> Path:
         return self.folder / "depth" / f"{im_id:06d}.png"
@@ -232,6 +244,7 @@ class SceneFolder:
     def files_of(self, im_id: int, instances: int) -> set[str]:
         """The image files of one image, relative to the folder."""
         paths = [*(self.picture(im_id, name) for name in self.pictures), self.depth(im_id)]
+        paths += [self.channel(im_id, name) for name in self.channels]
         for gt_id in range(instances):
             paths += [self.mask(im_id, gt_id), self.mask_visib(im_id, gt_id)]
         return {path.relative_to(self.folder).as_posix() for path in paths}

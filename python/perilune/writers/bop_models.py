@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,11 @@ from perilune.writers.diameter import diameter
 
 F64 = NDArray[np.float64]
 
+MODELS = "models"
+PARTS = "models_parts"
+"""Folder of the parts that move, of articulated objects."""
+MODELS_INFO = "models_info.json"
+
 _VERTEX = np.dtype(
     [(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz")]
     + [(name, "u1") for name in ("red", "green", "blue")]
@@ -25,19 +30,62 @@ _PLY_TYPE = {"f4": "float", "u1": "uchar"}
 
 
 @dataclass(frozen=True)
+class Surfaces:
+    """What rays meet of a model's triangles, and what they hang on."""
+
+    double_sided: NDArray[np.bool_]  # (T,)
+    presence: NDArray[np.uint8]  # (T,), 0: nothing of it, 1: perhaps a part, 2: all
+    nodes: Sequence[tuple[str, ...]] = ()
+    """Chains of moving nodes, the nearest first."""
+    triangle_nodes: NDArray[np.int64] | None = None  # (T,), index into `nodes`; None: nothing moves
+
+
+@dataclass(frozen=True)
 class BopModel:
-    """A model as BOP wants it, and where its origin lies in the object's own frame."""
+    """A model as BOP wants it, and where its origin lies in the object's own frame.
+
+    The faces are those that are rendered, so that a renderer that culls back faces sees the same:
+    single-sided triangles once, double-sided ones once from each side, those that alpha cuts in
+    part at the end, and none of which alpha leaves nothing.
+    """
 
     obj_id: int
     vertices: NDArray[Any]  # of _VERTEX, mm
-    faces: NDArray[np.int32]  # (T, 3)
+    faces: NDArray[np.int32]  # (F, 3)
     center_m: F64  # (3,), the origin in the object's frame, metres
     symmetries_discrete: Sequence[F64]  # (3, 3) each, about the object frame's origin
     symmetries_continuous: Sequence[tuple[F64, F64]]  # axis, offset in the object's frame (m)
+    counts: Mapping[str, int]
+    """Keys of models_info.json beyond BOP's: how many faces are not what they look like."""
+    nodes: Sequence[tuple[str, ...]] = ()
+    """Chains of moving nodes, the nearest first; none where nothing moves."""
+    face_nodes: NDArray[np.int64] | None = None  # (F,), index into `nodes`
 
     @property
     def positions_mm(self) -> F64:
         return np.stack([self.vertices[name].astype(np.float64) for name in "xyz"], axis=1)
+
+    def pieces(self) -> list[tuple[tuple[str, ...], BopModel]]:
+        """The parts that move apart, in the frame of the whole, each with its moving nodes."""
+        if self.face_nodes is None:
+            return []
+        found = []
+        for k, chain in enumerate(self.nodes):
+            mine = self.face_nodes == k
+            if mine.any():
+                used, faces = np.unique(self.faces[mine], return_inverse=True)
+                piece = replace(
+                    self,
+                    vertices=self.vertices[used],
+                    faces=faces.reshape(-1, 3).astype(np.int32),
+                    symmetries_discrete=(),
+                    symmetries_continuous=(),
+                    counts={},
+                    nodes=(),
+                    face_nodes=None,
+                )
+                found.append((chain, piece))
+        return found
 
 
 def _vertex_colors(mesh: dict[str, NDArray[Any]], count: int) -> NDArray[np.uint8]:
@@ -52,9 +100,29 @@ def _vertex_colors(mesh: dict[str, NDArray[Any]], count: int) -> NDArray[np.uint
     return colors
 
 
+def _faces(
+    indices: NDArray[np.int64], surfaces: Surfaces
+) -> tuple[NDArray[np.int64], NDArray[np.int64], dict[str, int]]:
+    """Corners (F, 3) of the faces to write, the triangle (F,) of each, and their counts."""
+    order, corners = [], []
+    for presence in (2, 1):
+        fronts = np.flatnonzero(surfaces.presence == presence)
+        backs = fronts[surfaces.double_sided[fronts]]
+        order += [fronts, backs]
+        corners += [indices[fronts], indices[backs][:, ::-1]]
+    counts = {
+        "faces_one_sided": int(len(order[0]) - len(order[1]) + len(order[2]) - len(order[3])),
+        "faces_cut_in_part": len(order[2]) + len(order[3]),
+        "triangles_left_out": int(np.count_nonzero(surfaces.presence == 0)),
+    }
+    told = {name: count for name, count in counts.items() if count}
+    return np.concatenate(corners), np.concatenate(order), told
+
+
 def bop_model(
     obj_id: int,
     mesh: dict[str, NDArray[Any]],
+    surfaces: Surfaces,
     offset: F64,
     metres_per_unit: float,
     symmetries_discrete: Sequence[F64] = (),
@@ -63,11 +131,12 @@ def bop_model(
     """Turns a mesh in model units into a BOP model.
 
     A model point p is at metres_per_unit * (p - offset) in the object's frame. BOP's origin is the
-    centre of the box of the vertices that triangles use; `center_m` is where that lies.
+    centre of the box of the vertices that faces use; `center_m` is where that lies.
     """
-    used, faces = np.unique(mesh["indices"].astype(np.int64), return_inverse=True)
+    corners, triangles, counts = _faces(mesh["indices"].astype(np.int64), surfaces)
+    used, faces = np.unique(corners, return_inverse=True)
     if used.size == 0:
-        raise ValueError(f"object {obj_id}: its model has no triangle; BOP needs a mesh")
+        raise ValueError(f"object {obj_id}: its model has no triangle that is seen; BOP needs some")
     positions = mesh["positions"][used].astype(np.float64)
     center = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
     positions_mm = (positions - center) * (metres_per_unit * MM_PER_M)
@@ -78,6 +147,7 @@ def bop_model(
     colors = _vertex_colors(mesh, len(mesh["positions"]))[used]
     for channel, name in enumerate(("red", "green", "blue")):
         vertices[name] = colors[:, channel]
+    moving = surfaces.triangle_nodes
     return BopModel(
         obj_id,
         vertices,
@@ -85,6 +155,9 @@ def bop_model(
         metres_per_unit * (center - np.asarray(offset, dtype=np.float64)),
         symmetries_discrete,
         symmetries_continuous,
+        counts,
+        surfaces.nodes,
+        None if moving is None else moving[triangles],
     )
 
 
@@ -128,7 +201,7 @@ def model_info(model: BopModel) -> dict[str, Any]:
     """One entry of models_info.json, of the vertices as written."""
     positions = model.positions_mm
     low, high = positions.min(axis=0), positions.max(axis=0)
-    info: dict[str, Any] = {"diameter": diameter(positions)}
+    info: dict[str, Any] = {"diameter": diameter(positions), **model.counts}
     for axis, name in enumerate("xyz"):
         info[f"min_{name}"] = float(low[axis])
         info[f"size_{name}"] = float(high[axis] - low[axis])
@@ -139,10 +212,27 @@ def model_info(model: BopModel) -> dict[str, Any]:
     return info
 
 
-def write_models(folder: Path, models: dict[int, BopModel]) -> None:
-    """The PLY of every model, and models_info.json last."""
+def _write_folder(folder: Path, models: Mapping[int, BopModel], infos: Mapping[int, Any]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
+    for number in sorted(models):
+        write_bytes(folder / f"obj_{number:06d}.ply", ply_bytes(models[number]))
+    write_text(folder / MODELS_INFO, json_by_id(infos))
+
+
+def write_models(root: Path, models: Mapping[int, BopModel]) -> None:
+    """The PLY of every model, and models_info.json last; parts that move likewise, before them.
+
+    Parts are numbered through all objects. They lie in the frame of their object's model at rest;
+    a part moves by the first of its `nodes` that the `articulation` of an instance names.
+    """
+    pieces: dict[int, BopModel] = {}
+    infos: dict[int, Any] = {}
     for obj_id in sorted(models):
-        write_bytes(folder / f"obj_{obj_id:06d}.ply", ply_bytes(models[obj_id]))
-    infos = {obj_id: model_info(model) for obj_id, model in models.items()}
-    write_text(folder / "models_info.json", json_by_id(infos))
+        for chain, piece in models[obj_id].pieces():
+            number = len(pieces) + 1
+            pieces[number] = piece
+            infos[number] = {**model_info(piece), "obj_id": obj_id, "nodes": list(chain)}
+    if pieces:
+        _write_folder(root / PARTS, pieces, infos)
+    whole = {obj_id: model_info(model) for obj_id, model in models.items()}
+    _write_folder(root / MODELS, models, whole)

@@ -5,26 +5,26 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import perilune
-from perilune import _core, bands, rotations
+from perilune import _core, rotations
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.file_names import file_names
-from perilune.config.references import OF_SENSOR
 from perilune.config.schema import Symmetries
 from perilune.drivers import Found, path_text
 from perilune.drivers.choice import KIND as CHOICE
 from perilune.imaging import intrinsics
 from perilune.materials import images_in
 from perilune.simulation import Simulation
+from perilune.writers.bop_channels import channel_files, label_names, pictures
 from perilune.writers.bop_files import RGB_FOLDER
-from perilune.writers.bop_models import BopModel, bop_model
+from perilune.writers.bop_models import BopModel, Surfaces, bop_model
 
 F64 = NDArray[np.float64]
 
@@ -63,33 +63,10 @@ def _refuse_several_sizes(sim: Simulation) -> None:
         )
 
 
-def pictures(sim: Simulation) -> dict[str, str]:
-    """Folder -> channel of the images that are no labels, by the configuration's channels.
-
-    `rgb`, from which all are trained, holds what the user asks for: `sensor_rgb` if that is asked
-    for and `rgb` is not. What else there is of the sensor has a folder by its own name.
-    """
-    asked = sim.config.render.channels
-    main = "sensor_rgb" if "sensor_rgb" in asked and RGB_FOLDER not in asked else "rgb"
-    others = [name for name in OF_SENSOR if name in asked and name != main]
-    return {RGB_FOLDER: main} | {name: name for name in others}
-
-
-def _refuse_planes(sim: Simulation) -> None:
-    for name, camera in sim.config.cameras.items():
-        if "raw" in sim.config.render.channels and bands.has_planes(camera):
-            raise ConfigError(
-                f"{sim.document.source}: render.channels: 'raw' of mosaic: planes "
-                f"({sim.config.place(name, 'sensor')}) is no one image, as those of a BOP dataset "
-                "are; leave it out"
-            )
-
-
 def refuse_unfit(sim: Simulation) -> None:
     """ConfigError for what a configuration may say, but a BOP dataset cannot hold."""
     _refuse_driven_sizes(sim)
     _refuse_several_sizes(sim)
-    _refuse_planes(sim)
     for name, camera in sim.config.cameras.items():
         if camera.label_lens == "distorted":
             where = "camera" if name is None else f"sensors.{name}"
@@ -115,19 +92,38 @@ def _continuous(symmetries: Symmetries) -> list[tuple[F64, F64]]:
     return [(np.array(line.axis), np.array(line.offset_m)) for line in symmetries.continuous]
 
 
+def _surfaces(sim: Simulation, names: Sequence[str]) -> Surfaces:
+    """Of the model that some spacecraft share, each with its own materials and moving parts."""
+    model = sim.models[names[0]].model
+    rows = [sim.presence(name) for name in names]
+    low, high = np.minimum.reduce(rows), np.maximum.reduce(rows)
+    presence = np.where(low == high, low, np.uint8(1))
+    double_sided = model.surfaces()["double_sided"]
+    chains = sim.moving_nodes(names)
+    if not any(chains):
+        return Surfaces(double_sided, presence)
+    nodes = sorted(set(chains), key=lambda chain: (len(chain), chain))
+    of_part = np.array([nodes.index(chain) for chain in chains], dtype=np.int64)
+    return Surfaces(double_sided, presence, nodes, of_part[model.mesh()["triangle_part"]])
+
+
 def bop_models(sim: Simulation) -> dict[int, BopModel]:
     """Object id -> model; spacecraft that share an id share a model."""
+    crafts: dict[int, list[str]] = {}
+    for name, row in sim.models.items():
+        crafts.setdefault(row.obj_id, []).append(name)
     models: dict[int, BopModel] = {}
-    for row in sim.models.values():
-        if row.obj_id not in models:
-            models[row.obj_id] = bop_model(
-                row.obj_id,
-                row.model.mesh(),
-                row.offset,
-                row.metres_per_unit,
-                _discrete(row.symmetries),
-                _continuous(row.symmetries),
-            )
+    for obj_id, names in crafts.items():
+        row = sim.models[names[0]]
+        models[obj_id] = bop_model(
+            obj_id,
+            row.model.mesh(),
+            _surfaces(sim, names),
+            row.offset,
+            row.metres_per_unit,
+            _discrete(row.symmetries),
+            _continuous(row.symmetries),
+        )
     return models
 
 
@@ -192,12 +188,17 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
         {"name": name, "trigger_interval": sensor.trigger_interval}
         for name, sensor in sim.config.sensors.items()
     ]
-    shown = pictures(sim)
+    shown, beside = pictures(sim), channel_files(sim)
+    names = label_names(sim, beside)
     undistorted = any(camera.label_lens for camera in sim.config.cameras.values())
+    rolling = any(camera.line_time_us > 0.0 for camera in sim.config.cameras.values())
     return {
         **({"sensors": sensors} if sensors else {}),
         **({"annotations": "undistorted"} if undistorted else {}),
+        **({"rolling_shutter": True} if rolling else {}),
         **({"pictures": shown} if shown != {RGB_FOLDER: "rgb"} else {}),
+        **({"channels": {k: row.entry() for k, row in beside.items()}} if beside else {}),
+        **({"labels": names} if names else {}),
         "chunk_size": chunk_size,
         "config_name": sim.config.name,
         "config_sha256": hashlib.sha256(text.encode("utf-8")).hexdigest(),

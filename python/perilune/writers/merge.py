@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from perilune.writers.bop_card import CARD_FILE, SOURCE_FILE
 from perilune.writers.bop_config import CONFIG_FILE
 from perilune.writers.bop_files import CAMERA_FILE, SceneFolder, load_object, make_folder
-from perilune.writers.bop_finish import CARD_FILE, SOURCE_FILE, finish, reopen, scene_folders
+from perilune.writers.bop_finish import finish, reopen, scene_folders
 from perilune.writers.bop_shards import Note, chunks, read_notes, shard_chunks
 
 _log = logging.getLogger(__name__)

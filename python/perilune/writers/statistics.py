@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from perilune.writers.bop_card import SOURCE_FILE
 from perilune.writers.bop_files import CAMERA_FILE, MM_PER_M, load_object
-from perilune.writers.bop_finish import SOURCE_FILE, Instances, images_of, scene_folders
+from perilune.writers.bop_finish import Instances, images_of, scene_folders
 
 QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)
 

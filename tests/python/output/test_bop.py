@@ -238,7 +238,9 @@ def test_models_info_agrees_with_brute_force(dataset):
     for axis, name in enumerate("xyz"):
         assert info[f"min_{name}"] == points[:, axis].min()
         assert info[f"size_{name}"] == pytest.approx(np.ptp(points[:, axis]))
-    assert set(info) == {"diameter", *(f"{a}_{b}" for a in ("min", "size") for b in "xyz")}
+    keys = {"diameter", *(f"{a}_{b}" for a in ("min", "size") for b in "xyz")}
+    assert set(info) == keys | {"faces_one_sided"}
+    assert info["faces_one_sided"] == 24
 
 
 def test_symmetries_are_those_of_the_configuration(small_scene, tmp_path):

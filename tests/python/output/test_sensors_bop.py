@@ -161,9 +161,12 @@ def test_images_are_those_that_are_asked_for(small_scene, tmp_path, channels, pi
         away.rename(path)
 
 
-def test_planes_are_no_image(small_scene, tmp_path):
+def test_planes_are_arrays(small_scene, tmp_path):
     planes = {"camera.sensor": {"mosaic": "planes", "quantum_efficiency": [0.5, 0.5, 0.5]}}
     changes = {"camera.bands": [{"center_um": 0.6, "width_um": 0.1}], "render.channels": ["raw"]}
     sim = perilune.open(small_scene, overrides=planes | changes)
-    with pytest.raises(ConfigError, match=r"render\.channels: 'raw' of mosaic: planes \(camera"):
-        perilune.write_bop(sim, range(1), tmp_path / "out")
+    perilune.write_bop(sim, range(1), tmp_path / "out")
+    raw = np.load(tmp_path / "out" / "train" / "000000" / "raw" / "000000.npy")
+    np.testing.assert_array_equal(raw, sim.frame(0)["raw"])
+    assert raw.shape == (72, 96, 1)
+    assert check_bop(tmp_path / "out").findings == []
