@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from threading import RLock
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -116,26 +116,6 @@ def _obj_ids(config: Config) -> dict[str, int]:
     return {name: stated[name] if name in stated else next(unused) for name in config.spacecraft}
 
 
-class FrameLock:
-    """Lets one frame through at a time: other threads wait, but what runs in the middle of a frame
-    in its own thread (a signal's handler, a finalizer) would wait for ever, and is refused."""
-
-    def __init__(self) -> None:
-        self._lock = RLock()
-        self._busy = False
-
-    def __enter__(self) -> None:
-        self._lock.acquire()
-        if self._busy:
-            self._lock.release()
-            raise RuntimeError("a frame of this simulation is being rendered around this call")
-        self._busy = True
-
-    def __exit__(self, *_: object) -> None:
-        self._busy = False
-        self._lock.release()
-
-
 class Handles:
     """Built lazily, once a process; `lock` guards the renderer, which renders a frame at a time."""
 
@@ -143,7 +123,7 @@ class Handles:
         """remarks: what readers of models say goes there."""
         self.document = document
         self._remarks = remarks
-        self.lock = FrameLock()
+        self.lock = Lock()
         self.pool = Pool()
         self._files: dict[tuple[Any, ...], _core.Map] = {}
         self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter
 from perilune.check.findings import Finding, Report
 from perilune.check.models import check_models
 from perilune.check.records import Camera, PartInfo, Source, read_json
+from perilune.check.remake import compare_with_config
 from perilune.check.scene import check_scene
 from perilune.writers.bop_card import CARD_FILE, SOURCE_FILE
 from perilune.writers.bop_config import CONFIG_FILE
@@ -23,7 +24,10 @@ from perilune.writers.bop_finish import (
 from perilune.writers.bop_models import MODELS, PARTS
 from perilune.writers.bop_shards import NOTES
 
-__all__ = ["Finding", "Report", "check_bop"]
+__all__ = ["RERENDERED", "Finding", "Report", "check_bop"]
+
+RERENDERED = 8
+"""Images that are rendered in full for a comparison of colour, if nothing else is said."""
 
 _ROOT_FILES = {"camera.json", CONFIG_FILE, SOURCE_FILE, CARD_FILE}
 
@@ -65,8 +69,21 @@ def _check_summary(report: Report, source: Source) -> None:
         report.need(not (root / name).exists(), root / name, "only a test split has targets")
 
 
-def check_bop(folder: str | Path, progress: Callable[[int, int], None] | None = None) -> Report:
-    """Checks a BOP dataset that `write_bop` has written. progress: (images done, images)."""
+def check_bop(
+    folder: str | Path,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    rerender: int | None = RERENDERED,
+    base: str | Path | None = None,
+    alone: bool = False,
+) -> Report:
+    """Checks a BOP dataset that `write_bop` has written.
+
+    progress: (images done, images). rerender: how many images are rendered in full for a comparison
+    of colour; None: all. base: the folder that relative paths of the configuration refer to, where
+    it is no longer the one that the dataset names. alone: checks the dataset against itself alone,
+    without its configuration.
+    """
     report = Report(Path(folder))
     if not report.folder.is_dir():
         raise FileNotFoundError(f"{folder}: no such folder")
@@ -80,16 +97,20 @@ def check_bop(folder: str | Path, progress: Callable[[int, int], None] | None = 
     _check_layout(report, source.split)
     folders = _scenes(report, report.folder / source.split)
     total = sum(len(list((path / RGB_FOLDER).glob("*.png"))) for path in folders)
+    total *= 1 if alone else 2
     done = 0
 
     def step() -> None:
         nonlocal done
         done += 1
         if progress is not None:
-            progress(done, total)
+            progress(min(done, total), total)
 
     for path in folders:
         check_scene(report, path, source, meshes, (camera.width, camera.height), step)
     if not report.findings:
         _check_summary(report, source)
+    if not alone:
+        where = None if base is None else Path(base)
+        compare_with_config(report, source, folders, rerender, where, step)
     return report

@@ -121,6 +121,14 @@ def _diagonals(coded: U8, width: int, pixel: int) -> U8:
     return inner.astype(np.uint8).reshape(height, width * pixel)
 
 
+def decoded_png(path: Path) -> NDArray[Any]:
+    """The array of a PNG of whatever kind of those that are written."""
+    width, height, bits, color = struct.unpack(">IIBB", _chunks(path.read_bytes())[0][1][:10])
+    if bits not in (8, 16) or color not in _COMPONENTS:
+        raise PngError(f"is {Kind(bits, color)}")
+    return read_png(path, Kind(bits, color), (width, height))
+
+
 def read_png(path: Path, kind: Kind, size: tuple[int, int], pixels: bool = True) -> NDArray[Any]:
     """The array of a file of that kind and size (width, height); PngError says what is not so.
 
@@ -143,5 +151,5 @@ def read_png(path: Path, kind: Kind, size: tuple[int, int], pixels: bool = True)
     simple = not (coded[:, 0] >= _AVERAGE).any()
     decoded = _rows(coded, pixel) if simple else _diagonals(coded, width, pixel)
     if bits == 16:
-        return decoded.view(">u2").astype(np.uint16)
+        decoded = decoded.view(">u2").astype(np.uint16)
     return decoded.reshape(height, width, 3) if color == RGB8.color else decoded

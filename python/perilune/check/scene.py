@@ -89,6 +89,11 @@ def _check_coco(
                 report.need(stated == value, path, reason)
         count = len(getattr(coco, name)) == len(expected[name])
         report.need(count, path, f"must have {len(expected[name])} {name}")
+    for key, value in expected["info"].items():
+        stated = getattr(coco.info, key)
+        report.need(stated == value, path, f"info.{key} is {stated!r}, must be {value!r}")
+    reason = f"licenses are {coco.licenses}, must be {expected['licenses']}"
+    report.need(coco.licenses == expected["licenses"], path, reason)
     found: dict[int, list[Annotation]] = {im_id: [] for im_id in im_ids}
     for place, entry in enumerate(coco.annotations, start=1):
         report.need(entry.id == place, path, f"annotation {place} has id {entry.id}")

@@ -1,20 +1,51 @@
-"""`perilune check`: validates a written dataset against itself."""
+"""`perilune check`: validates a written dataset against itself and against its configuration."""
 
 from __future__ import annotations
 
 import json
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from dataclasses import asdict
 from typing import Any
 
-from perilune.check import Report, check_bop
+from perilune.check import RERENDERED, Report, check_bop
 from perilune.cli.command import FAILED, OK, Command
 from perilune.cli.progress import Bar
+
+_ALL = "all"
+
+
+def _rerender(text: str) -> int | None:
+    """Images to render in full; None for all."""
+    if text == _ALL:
+        return None
+    if not text.isdecimal():
+        raise ArgumentTypeError(f"must be a number of images or '{_ALL}', not '{text}'")
+    return int(text)
 
 
 def _configure(parser: ArgumentParser) -> None:
     parser.add_argument("folder", metavar="DIR", help="folder of the dataset")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument(
+        "--rerender",
+        metavar=f"N|{_ALL}",
+        type=_rerender,
+        default=RERENDERED,
+        help="images whose colour is rendered again in full and compared to the byte, evenly "
+        f"spread (default: {RERENDERED}); all are compared at few samples, and those that look "
+        "wrong in full",
+    )
+    parser.add_argument(
+        "--base",
+        metavar="DIR",
+        help="folder that paths of the configuration refer to, if it is not there any more where "
+        "the dataset was made",
+    )
+    parser.add_argument(
+        "--alone",
+        action="store_true",
+        help="check the dataset against itself alone: make no frame again from its configuration",
+    )
 
 
 def _counted(count: int, noun: str) -> str:
@@ -28,29 +59,47 @@ def _as_json(report: Report) -> dict[str, Any]:
         "images": report.images,
         "instances": report.instances,
         "findings": [asdict(finding) for finding in report.findings],
+        "more": [
+            {**asdict(finding), "count": report.more(finding)}
+            for finding in report.findings
+            if report.more(finding)
+        ],
+        "total": report.total,
+        "notes": report.notes,
     }
+
+
+def _told(report: Report) -> str:
+    lines = []
+    for finding in report.findings:
+        lines.append(f"{finding.file}: {finding.reason}")
+        more = report.more(finding)
+        if more:
+            lines.append(f"  and {_counted(more, 'finding')} more of this kind")
+    lines += [f"note: {text}" for text in report.notes]
+    looked = ", ".join(
+        _counted(count, noun)
+        for count, noun in (
+            (report.scenes, "scene"),
+            (report.images, "image"),
+            (report.instances, "instance"),
+        )
+    )
+    return "\n".join([*lines, f"{report.folder}: {looked}; {_counted(report.total, 'finding')}"])
 
 
 def _run(args: Namespace) -> int:
     with Bar() as bar:
-        report = check_bop(args.folder, bar)
-    if args.json:
-        print(json.dumps(_as_json(report), indent=2))
-    else:
-        for finding in report.findings:
-            print(f"{finding.file}: {finding.reason}")
-        looked = ", ".join(
-            _counted(count, noun)
-            for count, noun in (
-                (report.scenes, "scene"),
-                (report.images, "image"),
-                (report.instances, "instance"),
-            )
+        report = check_bop(
+            args.folder, bar, rerender=args.rerender, base=args.base, alone=args.alone
         )
-        print(f"{report.folder}: {looked}; {_counted(len(report.findings), 'finding')}")
+    print(json.dumps(_as_json(report), indent=2) if args.json else _told(report))
     return FAILED if report.findings else OK
 
 
 CHECK = Command(
-    "check", "validates a written dataset against itself; exit code 1 on findings", _configure, _run
+    "check",
+    "validates a written dataset against itself and its configuration; exit code 1 on findings",
+    _configure,
+    _run,
 )

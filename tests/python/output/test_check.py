@@ -61,7 +61,11 @@ def command(*words):
 def test_command_prints_findings_and_fails(good, tmp_path):
     done = command(good)
     assert done.returncode == 0
-    assert done.stdout == f"{good}: 2 scenes, 6 images, 18 instances; 0 findings\n"
+    note, told = done.stdout.splitlines()
+    assert note.startswith("note: models and labels of all images were made again; colour of all 6")
+    assert told == f"{good}: 2 scenes, 6 images, 18 instances; 0 findings"
+    alone = f"{good}: 2 scenes, 6 images, 18 instances; 0 findings\n"
+    assert command(good, "--alone").stdout.endswith(alone)
     root = tmp_path / "crowd"
     shutil.copytree(good, root)
     (root / IMAGE).unlink()
@@ -72,7 +76,21 @@ def test_command_prints_findings_and_fails(good, tmp_path):
     assert done.returncode == 1
     found = json.loads(done.stdout)
     assert found["findings"] == [{"file": IMAGE, "reason": "is missing"}]
-    assert found["images"] == 6
+    assert (found["images"], found["total"], found["more"]) == (6, 1, [])
+
+
+def test_findings_of_one_cause_are_told_together(good, tmp_path):
+    root = tmp_path / "crowd"
+    shutil.copytree(good, root)
+    for path in root.glob("test/*/mask/*.png"):
+        path.unlink()
+    done = command(root, "--alone")
+    assert done.stdout.count("is missing") == 3
+    assert "  and 15 findings more of this kind" in done.stdout
+    assert done.stdout.endswith("18 findings\n")
+    found = json.loads(command(root, "--alone", "--json").stdout)
+    assert (len(found["findings"]), found["total"]) == (3, 18)
+    assert [(row["reason"], row["count"]) for row in found["more"]] == [("is missing", 15)]
 
 
 def test_folder_that_is_none(tmp_path):
