@@ -78,6 +78,10 @@ static void write_normal(const pl_label_run *run, void *pixels) {
   fill_turned(run->count, run->normal, (pl_vec3){0.0, 0.0, 0.0}, run->shot->camera_to_root, pixels);
 }
 
+static void write_geometric_normal(const pl_label_run *run, void *pixels) {
+  fill_turned(run->count, run->facet, (pl_vec3){0.0, 0.0, 0.0}, run->shot->camera_to_root, pixels);
+}
+
 static void write_position(const pl_label_run *run, void *pixels) {
   fill_moved(run->count, run->position, run->shot->camera_position, pixels);
 }
@@ -136,8 +140,14 @@ const pl_channel pl_channels[] = {
     {"range", "float32", 4, 0, "m", "distance along the ray; 0 where nothing is hit", PL_BLANK_ZERO,
      write_range},
     {"normal", "float32", 4, 3, "1",
-     "unit shading normal on the viewer's side, camera axes; 0 where nothing is hit", PL_BLANK_ZERO,
-     write_normal},
+     "unit shading normal (interpolated between vertices), camera axes, less than 90 degrees from "
+     "the "
+     "viewer; 0 where nothing is hit",
+     PL_BLANK_ZERO, write_normal},
+    {"geometric_normal", "float32", 4, 3, "1",
+     "unit normal of the triangle or ellipsoid itself on the viewer's side, camera axes; 0 where "
+     "nothing is hit",
+     PL_BLANK_ZERO, write_geometric_normal},
     {"position", "float64", 8, 3, "m", "root frame; nan where nothing is hit", PL_BLANK_NAN,
      write_position},
     {"object_coords", "float32", 4, 3, "m",
@@ -149,10 +159,10 @@ const pl_channel pl_channels[] = {
      write_part},
     {"instance", "int32", 4, 0, "id", "object or body; 0 is background", PL_BLANK_ZERO,
      write_instance},
-    {"incidence", "float32", 4, 0, "rad", "normal to sun; nan where nothing is hit", PL_BLANK_NAN,
-     write_incidence},
-    {"emission", "float32", 4, 0, "rad", "normal to viewer; nan where nothing is hit", PL_BLANK_NAN,
-     write_emission},
+    {"incidence", "float32", 4, 0, "rad", "shading normal to sun; nan where nothing is hit",
+     PL_BLANK_NAN, write_incidence},
+    {"emission", "float32", 4, 0, "rad", "shading normal to viewer; nan where nothing is hit",
+     PL_BLANK_NAN, write_emission},
     {"phase", "float32", 4, 0, "rad", "viewer to sun at the surface; nan where nothing is hit",
      PL_BLANK_NAN, write_phase},
 };
@@ -206,13 +216,16 @@ static void find_parts(const pl_object *object, const pl_vertex *points, pl_labe
 static void gather(const pl_vertex *points, pl_label_run *run) {
   for (size_t i = 0; i < run->count; i++) {
     const pl_vec3 p = points[i].position;
-    const pl_vec3f n = points[i].surface.n;
+    const pl_vec3f n = points[i].surface.n, facet = points[i].surface.ng;
     run->position[0][i] = p.x;
     run->position[1][i] = p.y;
     run->position[2][i] = p.z;
     run->normal[0][i] = n.x;
     run->normal[1][i] = n.y;
     run->normal[2][i] = n.z;
+    run->facet[0][i] = facet.x;
+    run->facet[1][i] = facet.y;
+    run->facet[2][i] = facet.z;
   }
   const pl_vec3 sun = run->shot->sun.position;
   const double to[3] = {sun.x, sun.y, sun.z};

@@ -16,6 +16,7 @@ typedef struct pl_label_run {
   size_t count;
   double position[3][PL_LABEL_RUN]; /* camera-relative, m */
   double normal[3][PL_LABEL_RUN];   /* unit, shading, on the viewer's side */
+  double facet[3][PL_LABEL_RUN];    /* unit, geometric, likewise */
   double to_sun[3][PL_LABEL_RUN], to_viewer[3][PL_LABEL_RUN]; /* m */
   uint32_t parts[PL_LABEL_RUN];                               /* of an object; not set on bodies */
 } pl_label_run;

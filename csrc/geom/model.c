@@ -27,6 +27,27 @@ void pl_model_destroy(pl_model *model) {
   pl_free(model);
 }
 
+/* Where an axis begins: at zero, unless that is far from what lies about `middle`. */
+static double origin_of(double middle, double unit) {
+  return fabs(middle) < 2.0 * unit ? 0.0 : rint(middle / unit) * unit;
+}
+
+/* The least power of two that is not below `size`. */
+static double power_above(double size) {
+  int exponent;
+  return frexp(size, &exponent) > 0.5 ? ldexp(1.0, exponent) : size;
+}
+
+void pl_model_set_unit(pl_model *model, pl_vec3 low, pl_vec3 high) {
+  const pl_vec3 half = {0.5 * high.x - 0.5 * low.x, 0.5 * high.y - 0.5 * low.y,
+                        0.5 * high.z - 0.5 * low.z};
+  const double most = fmax(half.x, fmax(half.y, half.z));
+  model->unit = most > 0.0 && isfinite(most) ? power_above(most) : 1.0;
+  model->origin = (pl_vec3){origin_of(0.5 * low.x + 0.5 * high.x, model->unit),
+                            origin_of(0.5 * low.y + 0.5 * high.y, model->unit),
+                            origin_of(0.5 * low.z + 0.5 * high.z, model->unit)};
+}
+
 void pl_model_measure(pl_model *model) {
   for (int axis = 0; axis < 3; axis++) {
     model->bounds_min[axis] = INFINITY;

@@ -1,6 +1,13 @@
 /* A model as loaded: one flattened triangle mesh, its materials, textures and part names.
- * Immutable after loading and shared between scenes; coordinates are the file's units, with the
- * file's y-up axes already turned to z-up: (x, y, z)_file -> (x, -z, y). */
+ * Immutable after loading and shared between scenes; the file's y-up axes are already turned to
+ * z-up: (x, y, z)_file -> (x, -z, y).
+ *
+ * A file's units may be anything, from 1e-30 to 1e30 of the model's size, and its origin anywhere.
+ * So there are two kinds of lengths: model units are the file's, in double, and what callers speak
+ * of (offsets, scales, nodes, motions, animations). Positions and bounds are in mesh units, of
+ * about the model's radius, and near their origin, so that single precision resolves them: a point
+ * p of the mesh is at pl_model_point(model, p). Both are powers of two and multiples of them: the
+ * numbers of usual files lose nothing. */
 #ifndef PL_GEOM_MODEL_H
 #define PL_GEOM_MODEL_H
 
@@ -52,7 +59,7 @@ typedef struct pl_material_layers {
   /* KHR_materials_volume. A solid: the mesh is closed and wound outwards. Otherwise walls are thin.
    */
   bool solid;
-  float extinction[3]; /* of the solid, per model unit; >= 0 */
+  float extinction[3]; /* of the solid, per mesh unit; >= 0 */
 } pl_material_layers;
 #define PL_NO_TEXTURE ((pl_texture_slot){-1, 0, PL_UV_IDENTITY})
 #define PL_MATERIAL_LAYERS_PLAIN                                                                   \
@@ -105,7 +112,9 @@ typedef struct pl_part {
 
 typedef struct pl_model {
   size_t vertex_count, triangle_count;
-  float *positions;  /* 3 per vertex, model units, z-up */
+  double unit;       /* of the mesh, in model units; a power of two */
+  pl_vec3 origin;    /* of the mesh, in model units */
+  float *positions;  /* 3 per vertex, mesh units, z-up */
   float *normals;    /* 3 per vertex, unit; computed flat/smooth when the file has none */
   float *tangents;   /* 4 per vertex (xyz unit, w = handedness) or NULL: no map of normals, nothing
                         anisotropic */
@@ -131,6 +140,20 @@ typedef struct pl_model {
 void pl_model_destroy(pl_model *model);
 /* Recomputes the bounds. */
 void pl_model_measure(pl_model *model);
+/* Sets unit and origin of the mesh for a model within the box from `low` to `high`, model units:
+ * coordinates are below 4. Unit 1 of a box without a size. */
+void pl_model_set_unit(pl_model *model, pl_vec3 low, pl_vec3 high);
+/* Model units of a point in mesh units, and the other way round. */
+static inline pl_vec3 pl_model_point(const pl_model *model, pl_vec3 p) {
+  return pl_vec3_madd(model->origin, model->unit, p);
+}
+static inline pl_vec3 pl_model_mesh_point(const pl_model *model, pl_vec3 p) {
+  return pl_vec3_scale(pl_vec3_sub(p, model->origin), 1.0 / model->unit);
+}
+/* A motion in model units as one of mesh units. */
+static inline pl_affine pl_model_mesh_motion(const pl_model *model, const pl_affine *motion) {
+  return (pl_affine){motion->m, pl_model_mesh_point(model, pl_affine_apply(motion, model->origin))};
+}
 
 #ifdef __cplusplus
 }

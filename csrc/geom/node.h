@@ -1,7 +1,7 @@
 /* Nodes of a model: the hierarchy that places its meshes, kept so that parts of it can move.
  *
  * Axes are the model's (z-up): a node's own axis (x, y, z) of the file is (x, -z, y) here. Lengths
- * are model units. */
+ * are model units (geom/model.h), not those of the mesh. */
 #ifndef PL_GEOM_NODE_H
 #define PL_GEOM_NODE_H
 

@@ -78,6 +78,25 @@ static pl_material plain(char *name) {
                        .layers = PL_MATERIAL_LAYERS_PLAIN};
 }
 
+/* Bodies of any size in units that single precision resolves about them. */
+static void place(const float *positions, pl_model *m) {
+  pl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+  for (size_t v = 0; v < m->vertex_count; v++) {
+    const pl_vec3 p = {positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]};
+    low = (pl_vec3){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
+    high = (pl_vec3){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
+  }
+  pl_model_set_unit(m, low, high);
+  for (size_t v = 0; v < m->vertex_count; v++) {
+    const float *p = positions + 3 * v;
+    const pl_vec3f q = pl_vec3_to_float(pl_model_mesh_point(m, (pl_vec3){p[0], p[1], p[2]}));
+    m->positions[3 * v] = q.x;
+    m->positions[3 * v + 1] = q.y;
+    m->positions[3 * v + 2] = q.z;
+  }
+  pl_model_measure(m);
+}
+
 static pl_status fill(const char *name, const float *positions, const uint32_t *indices,
                       pl_model *m) {
   const size_t numbers = 3 * m->vertex_count, corners = 3 * m->triangle_count;
@@ -95,9 +114,8 @@ static pl_status fill(const char *name, const float *positions, const uint32_t *
   m->warnings = pl_strdup("");
   if (m->parts[0].name == NULL || m->materials[0].name == NULL || m->warnings == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for a shape");
-  memcpy(m->positions, positions, numbers * sizeof(float));
   memcpy(m->indices, indices, corners * sizeof(uint32_t));
-  pl_model_measure(m);
+  place(positions, m);
   return set_normals(m);
 }
 
@@ -119,6 +137,7 @@ pl_status pl_shape_create(const char *name, const float *positions, size_t verti
 
 double pl_shape_winding(const pl_model *model, pl_vec3 point) {
   double sum = 0.0;
+  point = pl_model_mesh_point(model, point);
   for (size_t t = 0; t < model->triangle_count; t++) {
     const pl_vec3 a = pl_vec3_sub(corner_of(model, t, 0), point);
     const pl_vec3 b = pl_vec3_sub(corner_of(model, t, 1), point);

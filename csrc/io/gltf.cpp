@@ -90,7 +90,7 @@ void append(Flat &flat, const Piece &piece) {
                             static_cast<uint32_t>(flat.parts.size() - 1));
 }
 
-/* Walks the scene and flattens it. */
+/* Walks the scene, which says how large it is, and flattens it. */
 class Walker {
 public:
   Walker(const Asset &asset, Warnings &warnings)
@@ -98,6 +98,8 @@ public:
         placed_(asset.model.nodes.size()) {}
 
   void walk_scene();
+  const Extent &extent() const { return extent_; }
+  void flatten(const pl_model &model); /* which has its unit */
   const Tally &tally() const { return tally_; }
   const std::vector<bool> &used_materials() const { return used_; }
   const std::vector<Placed> &placed() const { return placed_; }
@@ -107,14 +109,23 @@ public:
 private:
   std::vector<int> roots() const;
   void walk_node(int index, int parent, const Affine &parent_to_root);
-  void add_mesh(int mesh, int node, const Affine &to_root);
+  void find_mesh(int mesh, int node, const Affine &to_root);
+
+  /* A mesh in its place. */
+  struct Use {
+    int mesh, node;
+    Affine to_root;
+  };
+  void add_mesh(const Use &use, const pl_model &model);
 
   const Asset &asset_;
   Warnings &warnings_;
   std::vector<bool> used_;
   std::vector<Placed> placed_; /* by node */
   std::vector<int> order_;     /* of the walk */
-  Tally tally_;
+  std::vector<Use> uses_;
+  Extent extent_;
+  Tally measured_, tally_; /* of the first and the second reading */
   Flat flat_;
 };
 
@@ -146,7 +157,7 @@ void Walker::walk_scene() {
   if (asset_.model.nodes.empty() && !asset_.model.meshes.empty()) {
     warnings_.add("there are no nodes: every mesh is placed once, as it is");
     for (size_t i = 0; i < asset_.model.meshes.size(); i++)
-      add_mesh(static_cast<int>(i), -1, Affine());
+      find_mesh(static_cast<int>(i), -1, Affine());
     return;
   }
   for (const int root : roots())
@@ -167,12 +178,30 @@ void Walker::walk_node(int index, int parent, const Affine &parent_to_root) {
   placed_[static_cast<size_t>(index)] = {true, parent, local};
   order_.push_back(index);
   if (node.mesh >= 0)
-    add_mesh(node.mesh, index, to_root);
+    find_mesh(node.mesh, index, to_root);
   for (const int child : node.children)
     walk_node(child, index, to_root);
 }
 
-void Walker::add_mesh(int mesh_index, int node_index, const Affine &to_root) {
+std::string primitive_name(int mesh, size_t primitive) {
+  return "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(primitive) + "]";
+}
+
+void Walker::find_mesh(int mesh_index, int node_index, const Affine &to_root) {
+  const tinygltf::Mesh &mesh = asset_.model.meshes[static_cast<size_t>(mesh_index)];
+  for (size_t i = 0; i < mesh.primitives.size(); i++)
+    measure_primitive(asset_, mesh.primitives[i], primitive_name(mesh_index, i), to_root, measured_,
+                      warnings_, extent_);
+  uses_.push_back({mesh_index, node_index, to_root});
+}
+
+void Walker::flatten(const pl_model &model) {
+  for (const Use &use : uses_)
+    add_mesh(use, model);
+}
+
+void Walker::add_mesh(const Use &use, const pl_model &model) {
+  const int mesh_index = use.mesh, node_index = use.node;
   const tinygltf::Mesh &mesh = asset_.model.meshes[static_cast<size_t>(mesh_index)];
   std::string name =
       node_index >= 0 ? asset_.model.nodes[static_cast<size_t>(node_index)].name : "";
@@ -183,10 +212,8 @@ void Walker::add_mesh(int mesh_index, int node_index, const Affine &to_root) {
                            : "mesh " + std::to_string(mesh_index);
   for (size_t i = 0; i < mesh.primitives.size(); i++) {
     const tinygltf::Primitive &primitive = mesh.primitives[i];
-    const std::string what =
-        "meshes[" + std::to_string(mesh_index) + "].primitives[" + std::to_string(i) + "]";
     const Piece piece =
-        read_primitive(asset_, primitive, what, to_root,
+        read_primitive(asset_, primitive, primitive_name(mesh_index, i), use.to_root, model,
                        needs_of_material(asset_, primitive.material), tally_, warnings_);
     if (piece.triangles.empty())
       continue;
@@ -270,14 +297,19 @@ ModelPtr load(const std::string &path) {
   const Asset asset = parse_asset(path, animations, warnings);
   Walker walker(asset, warnings);
   walker.walk_scene();
-  const Tally &tally = walker.tally();
-  report(tally, warnings);
-  if (walker.flat().indices.empty())
-    refuse_empty(tally);
   void *memory;
   if (pl_alloc_or_fail(1, sizeof(pl_model), "a model", &memory) != PL_OK)
     fail(PL_E_MEMORY, "%s", pl_error_text());
   ModelPtr model(static_cast<pl_model *>(memory));
+  const Extent &e = walker.extent();
+  const bool any = e.low[0] <= e.high[0];
+  pl_model_set_unit(model.get(), any ? pl_vec3{e.low[0], e.low[1], e.low[2]} : pl_vec3{0, 0, 0},
+                    any ? pl_vec3{e.high[0], e.high[1], e.high[2]} : pl_vec3{0, 0, 0});
+  walker.flatten(*model);
+  const Tally &tally = walker.tally();
+  report(tally, warnings);
+  if (walker.flat().indices.empty())
+    refuse_empty(tally);
   fill_arrays(walker.flat(), model.get());
   build_nodes(asset, walker.placed(), walker.order(), model.get());
   build_animations(asset, animations, walker.placed(), model.get(), warnings);

@@ -50,12 +50,12 @@ private:
 
 /* KHR_materials_volume: a thickness makes the mesh the boundary of a solid; how thick it is, the
  * mesh says. The colour is what a way of the distance leaves. */
-void read_volume(const tinygltf::Material &in, const std::string &name, pl_material_layers *layers,
-                 Warnings &warnings) {
+void read_volume(const tinygltf::Material &in, const std::string &name, double unit,
+                 pl_material_layers *layers, Warnings &warnings) {
   const Extension volume(in, "KHR_materials_volume", name);
-  const double darkest = 1e-6, never = 1e30;
+  const double darkest = 1e-6, never = 3e38; /* lengths are of any unit: as floats go */
   float color[3] = {1, 1, 1};
-  layers->solid = volume.number("thicknessFactor", 0.0, 0.0, 1e30) > 0.0f;
+  layers->solid = volume.number("thicknessFactor", 0.0, 0.0, never) > 0.0f;
   volume.color("attenuationColor", color);
   if (*std::max_element(color, color + 3) > 1.0f)
     warnings.add("%s: KHR_materials_volume: attenuationColor is clamped to 0..1", name.c_str());
@@ -63,17 +63,17 @@ void read_volume(const tinygltf::Material &in, const std::string &name, pl_mater
     warnings.add("%s: KHR_materials_volume: thicknessTexture is not read: the mesh says how thick "
                  "it is",
                  name.c_str());
-  const float distance = volume.number("attenuationDistance", never, 1e-30, never);
+  const float distance = volume.number("attenuationDistance", never, 1e-37, never);
   for (int k = 0; k < 3; k++)
     layers->extinction[k] = static_cast<float>(
         -std::log(std::min(std::max(static_cast<double>(color[k]), darkest), 1.0)) /
-        static_cast<double>(distance));
+        static_cast<double>(distance) * unit);
 }
 
 } // namespace
 
-void read_layers(const tinygltf::Material &in, const std::string &name, pl_material *out,
-                 Warnings &warnings) {
+void read_layers(const tinygltf::Material &in, const std::string &name, double unit,
+                 pl_material *out, Warnings &warnings) {
   const Extension coat(in, "KHR_materials_clearcoat", name);
   const Extension clear(in, "KHR_materials_transmission", name);
   const Extension ior(in, "KHR_materials_ior", name);
@@ -90,7 +90,7 @@ void read_layers(const tinygltf::Material &in, const std::string &name, pl_mater
   specular.color("specularColorFactor", layers->specular_color);
   layers->anisotropy = anisotropy.number("anisotropyStrength", 0.0, 0.0, 1.0);
   layers->anisotropy_rotation_rad = anisotropy.number("anisotropyRotation", 0.0, -turn, turn);
-  read_volume(in, name, layers, warnings);
+  read_volume(in, name, unit, layers, warnings);
   if (layers->solid && layers->transmission > 0.0f)
     out->double_sided = true; /* light must leave it again */
   if (layers->ior > 0.0f && layers->ior < 1.0f)

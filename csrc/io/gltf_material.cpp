@@ -162,7 +162,7 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
                                               : PL_ALPHA_OPAQUE;
   out->double_sided = in.doubleSided;
   out->unlit = in.extensions.count("KHR_materials_unlit") != 0;
-  read_layers(in, name, out, warnings_);
+  read_layers(in, name, model_->unit, out, warnings_);
   out->base_color_map = out->metallic_roughness_map = out->normal_map = out->emissive_map =
       NO_TEXTURE;
   if (!used)

@@ -20,9 +20,10 @@ void build_materials(const Asset &asset, const std::vector<bool> &used, pl_model
                      Warnings &warnings);
 
 /* Reads what KHR_materials_clearcoat, _transmission, _ior, _specular and _anisotropy give into
- * out->layers, but for their maps; numbers that are none or out of range are errors. */
-void read_layers(const tinygltf::Material &in, const std::string &name, pl_material *out,
-                 Warnings &warnings);
+ * out->layers, but for their maps; numbers that are none or out of range are errors. `unit`: of the
+ * mesh. */
+void read_layers(const tinygltf::Material &in, const std::string &name, double unit,
+                 pl_material *out, Warnings &warnings);
 
 /* A map that one of these extensions gives. */
 struct LayerMap {

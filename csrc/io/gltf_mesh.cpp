@@ -16,6 +16,8 @@ constexpr double SHORTEST_NORMAL = 1e-6;
  * more a byte. (Nodes may share a mesh, so triangles can exceed what the bytes hold.) */
 constexpr size_t FREE_TRIANGLES = size_t{1} << 20;
 constexpr uint32_t NONE = UINT32_MAX;
+/* No coordinate of a mesh is larger, in its own units. */
+constexpr float OUTERMOST = 4.0f;
 
 struct Vec {
   double x = 0, y = 0, z = 0;
@@ -31,10 +33,14 @@ class Builder {
 public:
   Builder(const Asset &asset, const tinygltf::Primitive &primitive, const std::string &what,
           const Affine &to_root, Tally &tally, Warnings &warnings)
-      : asset_(asset), primitive_(primitive), what_(what), to_root_(to_root),
-        flipped_(determinant(to_root) < 0.0), tally_(tally), warnings_(warnings) {}
+      : asset_(asset), primitive_(primitive), what_(what), to_root_(to_root), tally_(tally),
+        warnings_(warnings) {
+    matrix_of_directions(to_root, turn_);
+    flipped_ = determinant(turn_) < 0.0;
+  }
 
-  Piece build(const Needs &needs);
+  Piece build(const pl_model &model, const Needs &needs);
+  void measure(Extent &extent);
 
 private:
   int attribute(const char *name) const {
@@ -43,6 +49,8 @@ private:
   }
   Accessor open(const char *name, int low, int high) const;
   std::vector<uint32_t> corner_list(size_t vertices) const;
+  bool is_mesh();
+  Accessor open_mesh();
   void read_triangles(size_t vertices);
   bool drop_degenerate();
   void place_triangles(const Accessor &positions);
@@ -60,16 +68,19 @@ private:
   Vec face(
       size_t triangle) const; /* cross product of two edges: twice the area, along the normal */
 
-  Vec place(const float p[3]) const;
+  Vec place(const Accessor &positions, uint32_t vertex) const;
   Vec turn(const Vec &v) const { return {v.x, 0.0 - v.z, v.y}; } /* y up to z up, no -0 */
 
   const Asset &asset_;
   const tinygltf::Primitive &primitive_;
   const std::string &what_;
   const Affine &to_root_;
-  const bool flipped_;
+  double turn_[3][3]; /* of directions */
+  bool flipped_;
   Tally &tally_;
   Warnings &warnings_;
+  pl_vec3 origin_ = {0, 0, 0}; /* of the mesh */
+  double unit_ = 1.0;
 
   Piece piece_;
   std::vector<uint32_t> source_; /* the file's vertex behind each vertex of the piece */
@@ -143,7 +154,10 @@ void Builder::read_triangles(size_t vertices) {
   }
 }
 
-Vec Builder::place(const float p[3]) const {
+/* In model units. */
+Vec Builder::place(const Accessor &positions, uint32_t vertex) const {
+  float p[4];
+  positions.read(vertex, p);
   const double x = static_cast<double>(p[0]), y = static_cast<double>(p[1]),
                z = static_cast<double>(p[2]);
   const auto &m = to_root_.m;
@@ -181,12 +195,10 @@ void Builder::number_vertices(size_t vertices) {
 void Builder::read_positions(const Accessor &positions) {
   piece_.positions.resize(3 * source_.size());
   for (size_t v = 0; v < source_.size(); v++) {
-    float p[4];
-    positions.read(source_[v], p);
-    const Vec q = place(p);
-    piece_.positions[3 * v] = static_cast<float>(q.x);
-    piece_.positions[3 * v + 1] = static_cast<float>(q.y);
-    piece_.positions[3 * v + 2] = static_cast<float>(q.z);
+    const Vec q = place(positions, source_[v]);
+    piece_.positions[3 * v] = static_cast<float>((q.x - origin_.x) / unit_);
+    piece_.positions[3 * v + 1] = static_cast<float>((q.y - origin_.y) / unit_);
+    piece_.positions[3 * v + 2] = static_cast<float>((q.z - origin_.z) / unit_);
   }
 }
 
@@ -201,19 +213,21 @@ Vec Builder::face(size_t triangle) const {
 
 /* Keeps triangles whose corners, as they are stored, span an area; true when all do. (Measured on
  * the stored floats: GCC 12 vectorises double -> float -> double into nothing, so rounding a local
- * double would not do.) */
+ * double would not do.) What lies beyond the extent had no area before it was rounded. */
 bool Builder::drop_degenerate() {
   std::vector<uint32_t> kept;
   kept.reserve(piece_.triangles.size());
   for (size_t t = 0; t < piece_.triangles.size(); t += 3) {
-    bool finite = true;
-    for (size_t k = 0; k < 9; k++)
-      finite = finite &&
-               std::isfinite(
-                   piece_.positions[3 * static_cast<size_t>(piece_.triangles[t + k / 3]) + k % 3]);
+    bool finite = true, within = true;
+    for (size_t k = 0; k < 9; k++) {
+      const float x =
+          piece_.positions[3 * static_cast<size_t>(piece_.triangles[t + k / 3]) + k % 3];
+      finite = finite && std::isfinite(x);
+      within = within && std::fabs(x) <= OUTERMOST;
+    }
     if (!finite)
       tally_.not_finite++;
-    else if (!(norm(face(t / 3)) > 0.0))
+    else if (!within || !(norm(face(t / 3)) > 0.0))
       tally_.zero_area++;
     else
       kept.insert(kept.end(), &piece_.triangles[t], &piece_.triangles[t] + 3);
@@ -263,7 +277,7 @@ void Builder::flat_normals() {
 /* Normals turn with the cofactors of the matrix: the inverse transpose without its division, which
  * would fail for flattened nodes. The sign keeps them outward under mirroring. */
 void Builder::read_normals(const Accessor &normals) {
-  const auto &m = to_root_.m;
+  const auto &m = turn_;
   const double sign = flipped_ ? -1.0 : 1.0;
   std::vector<uint32_t> bad;
   piece_.normals.resize(3 * source_.size());
@@ -362,7 +376,7 @@ void Builder::read_colors() {
 
 /* Tangents of the file lie in the surface, so they turn with the matrix itself. */
 void Builder::read_tangents(const Accessor &tangents) {
-  const auto &m = to_root_.m;
+  const auto &m = turn_;
   bool replaced = false;
   for (size_t v = 0; v < source_.size(); v++) {
     float in[4];
@@ -415,14 +429,20 @@ void Builder::add_tangents(const Needs &needs) {
     read_tangents(open("TANGENT", 4, 4));
 }
 
-Piece Builder::build(const Needs &needs) {
+/* Whether there are triangles to read; counts what else there is. */
+bool Builder::is_mesh() {
   if (primitive_.mode == TINYGLTF_MODE_POINTS)
-    return tally_.points++, Piece();
+    return tally_.points++, false;
   if (primitive_.mode < TINYGLTF_MODE_TRIANGLES)
-    return tally_.lines++, Piece();
+    return tally_.lines++, false;
   if (attribute("POSITION") < 0)
-    return tally_.unplaced++, Piece();
-  const Accessor positions = open("POSITION", 3, 3);
+    return tally_.unplaced++, false;
+  return true;
+}
+
+/* The positions, with the triangles read; all attributes are of as many vertices. */
+Accessor Builder::open_mesh() {
+  Accessor positions = open("POSITION", 3, 3);
   for (const auto &entry : primitive_.attributes) {
     const size_t count = asset_.model.accessors[static_cast<size_t>(entry.second)].count;
     if (count != positions.count())
@@ -433,6 +453,48 @@ Piece Builder::build(const Needs &needs) {
     warnings_.add("%s: morph targets are ignored: the mesh keeps its base shape", what_.c_str());
   warn_of_unread();
   read_triangles(positions.count());
+  return positions;
+}
+
+/* Whether three points span an area, of whatever size. */
+bool spans(const Vec corner[3]) {
+  Vec a = corner[1] - corner[0], b = corner[2] - corner[0];
+  double most = 0.0;
+  for (const double x : {a.x, a.y, a.z, b.x, b.y, b.z})
+    most = std::fmax(most, std::fabs(x));
+  if (!(most > 0.0) || !std::isfinite(most))
+    return false;
+  a = {a.x / most, a.y / most, a.z / most};
+  b = {b.x / most, b.y / most, b.z / most};
+  return norm(cross(a, b)) > 0.0;
+}
+
+void Builder::measure(Extent &extent) {
+  if (!is_mesh())
+    return;
+  const Accessor positions = open_mesh();
+  for (size_t t = 0; t < piece_.triangles.size(); t += 3) {
+    Vec corner[3];
+    for (size_t k = 0; k < 3; k++)
+      corner[k] = place(positions, piece_.triangles[t + k]);
+    if (!spans(corner))
+      continue;
+    for (const Vec &p : corner) {
+      const double at[3] = {p.x, p.y, p.z};
+      for (size_t k = 0; k < 3; k++) {
+        extent.low[k] = std::min(extent.low[k], at[k]);
+        extent.high[k] = std::max(extent.high[k], at[k]);
+      }
+    }
+  }
+}
+
+Piece Builder::build(const pl_model &model, const Needs &needs) {
+  origin_ = model.origin;
+  unit_ = model.unit;
+  if (!is_mesh())
+    return Piece();
+  const Accessor positions = open_mesh();
   place_triangles(positions);
   if (piece_.triangles.empty())
     return Piece();
@@ -452,10 +514,16 @@ Piece Builder::build(const Needs &needs) {
 
 } // namespace
 
+void measure_primitive(const Asset &asset, const tinygltf::Primitive &primitive,
+                       const std::string &what, const Affine &to_root, Tally &tally,
+                       Warnings &warnings, Extent &extent) {
+  Builder(asset, primitive, what, to_root, tally, warnings).measure(extent);
+}
+
 Piece read_primitive(const Asset &asset, const tinygltf::Primitive &primitive,
-                     const std::string &what, const Affine &to_root, const Needs &needs,
-                     Tally &tally, Warnings &warnings) {
-  return Builder(asset, primitive, what, to_root, tally, warnings).build(needs);
+                     const std::string &what, const Affine &to_root, const pl_model &model,
+                     const Needs &needs, Tally &tally, Warnings &warnings) {
+  return Builder(asset, primitive, what, to_root, tally, warnings).build(model, needs);
 }
 
 } // namespace pl_gltf

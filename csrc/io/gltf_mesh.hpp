@@ -2,9 +2,11 @@
 #ifndef PL_IO_GLTF_MESH_HPP
 #define PL_IO_GLTF_MESH_HPP
 
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include "geom/model.h"
 #include "io/gltf_access.hpp"
 
 namespace pl_gltf {
@@ -15,12 +17,19 @@ struct Affine {
   double t[3] = {0, 0, 0};
 };
 
-double determinant(const Affine &a);
+/* The matrix over its largest number: for directions, of nodes of any scale. */
+void matrix_of_directions(const Affine &a, double out[3][3]);
+double determinant(const double m[3][3]);
 Affine compose(const Affine &parent, const Affine &child);
 Affine node_transform(const tinygltf::Node &node, size_t index, Warnings &warnings);
 
-/* What one primitive of one node contributes; z-up, vertices numbered from 0. Arrays that a
- * primitive does not have are empty. */
+/* The box of what will be rendered, model units (z up). */
+struct Extent {
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+};
+
+/* What one primitive of one node contributes, in mesh units (geom/model.h); z-up, vertices numbered
+ * from 0. Arrays that a primitive does not have are empty. */
 struct Piece {
   std::vector<uint32_t> triangles;                                 /* 3 per triangle */
   std::vector<float> positions, normals, tangents, uvs[2], colors; /* 3, 3, 4, 2, 4 per vertex */
@@ -41,10 +50,15 @@ struct Needs {
   int tangent_uv_set = 0;
 };
 
-/* Reads a primitive; a piece without triangles when it has none (points, lines, all degenerate). */
+/* Where a primitive is: widens the extent by its triangles that have an area. */
+void measure_primitive(const Asset &asset, const tinygltf::Primitive &primitive,
+                       const std::string &what, const Affine &to_root, Tally &tally,
+                       Warnings &warnings, Extent &extent);
+/* Reads a primitive; a piece without triangles when it has none (points, lines, all degenerate).
+ * `model`: with the unit and origin of its mesh, for which every primitive has been measured. */
 Piece read_primitive(const Asset &asset, const tinygltf::Primitive &primitive,
-                     const std::string &what, const Affine &to_root, const Needs &needs,
-                     Tally &tally, Warnings &warnings);
+                     const std::string &what, const Affine &to_root, const pl_model &model,
+                     const Needs &needs, Tally &tally, Warnings &warnings);
 
 /* Splits vertices shared by triangles of opposite handedness in uv: triangles of the second kind
  * are given new vertices, numbered from `vertices` on. Returns the vertex each new one is a copy

@@ -40,8 +40,17 @@ void rotate(Affine &a, const std::vector<double> &q, size_t index, Warnings &war
 
 } // namespace
 
-double determinant(const Affine &a) {
-  const auto &m = a.m;
+void matrix_of_directions(const Affine &a, double out[3][3]) {
+  double most = 0.0;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      most = std::fmax(most, std::fabs(a.m[i][j]));
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      out[i][j] = most > 0.0 ? a.m[i][j] / most : 0.0;
+}
+
+double determinant(const double m[3][3]) {
   return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
          m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
          m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);

@@ -48,6 +48,9 @@ static PyObject *png_grey(PyObject *module, PyObject *args) {
   return result;
 }
 
+/* Other threads run while an image is written: it is copied, as in pl_py_own_array. */
+#define PL_IMAGE_FLAGS (NPY_ARRAY_IN_ARRAY | NPY_ARRAY_ENSUREARRAY | NPY_ARRAY_ENSURECOPY)
+
 static PyObject *png_write(PyObject *module, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"path", "array", "level", NULL};
   (void)module;
@@ -56,7 +59,7 @@ static PyObject *png_write(PyObject *module, PyObject *args, PyObject *kwargs) {
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&O|i:png_write", names, PyUnicode_FSConverter,
                                    &path, &object, &level))
     return NULL;
-  PyArrayObject *array = (PyArrayObject *)PyArray_FROM_OF(object, NPY_ARRAY_IN_ARRAY);
+  PyArrayObject *array = (PyArrayObject *)PyArray_FROM_OF(object, PL_IMAGE_FLAGS);
   const int type = array != NULL ? PyArray_TYPE(array) : NPY_NOTYPE;
   const int channels = array != NULL ? image_channels(array) : 0;
   if (array == NULL || (type != NPY_UINT8 && type != NPY_UINT16) || channels == 0) {

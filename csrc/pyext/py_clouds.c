@@ -41,12 +41,7 @@ static int parse_clouds(PyObject *from, pl_clouds *out) {
   return 0;
 }
 
-int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out) {
-  PyObject *list = PyDict_GetItemString(request, WHERE);
-  for (size_t i = 0; i < count; i++)
-    out[i].clouds = (pl_clouds){.altitude_m = 0.0};
-  if (list == NULL)
-    return PyErr_Occurred() ? -1 : 0;
+static int parse_list(PyObject *list, size_t count, pl_body_state *out) {
   const Py_ssize_t length = PySequence_Size(list);
   if (length < 0)
     return -1;
@@ -63,6 +58,17 @@ int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out) {
       return -1;
   }
   return 0;
+}
+
+int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out) {
+  PyObject *list = Py_XNewRef(PyDict_GetItemString(request, WHERE));
+  for (size_t i = 0; i < count; i++)
+    out[i].clouds = (pl_clouds){.altitude_m = 0.0};
+  if (list == NULL)
+    return PyErr_Occurred() ? -1 : 0;
+  const int failed = parse_list(list, count, out);
+  Py_DECREF(list);
+  return failed;
 }
 
 static void fill_cover(const pl_clouds *clouds, PyArrayObject *points, double width_m, int detail,

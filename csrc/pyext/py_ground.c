@@ -3,16 +3,20 @@
 
 #include <string.h>
 
+#include "pyext/py_read.h"
 #include "pyext/py_types.h"
 
 /* A map of the dictionary, kept alive by `kept`; absent or None: NULL. */
 static int get_map(PyObject *dict, const char *key, PyObject *kept, const pl_texture **out) {
-  PyObject *value = PyDict_GetItemString(dict, key);
+  PyObject *value;
   *out = NULL;
-  if (value == NULL || value == Py_None)
-    return PyErr_Occurred() ? -1 : 0;
-  *out = pl_py_map_of(value);
-  return *out != NULL ? PyList_Append(kept, value) : -1;
+  if (pl_py_member(dict, key, 1, "ground", &value) < 0)
+    return -1;
+  if (value != Py_None)
+    *out = pl_py_map_of(value);
+  const int failed = (value != Py_None && *out == NULL) || PyList_Append(kept, value) < 0;
+  Py_DECREF(value);
+  return failed ? -1 : 0;
 }
 
 int pl_py_ground_parse(PyObject *dict, PyObject *kept, pl_ground *out) {
@@ -37,12 +41,13 @@ int pl_py_ground_parse(PyObject *dict, PyObject *kept, pl_ground *out) {
 int pl_py_ground_states(PyObject *request, size_t count, pl_body_state *out) {
   enum { ROW = 9 };
   const npy_intp shape[2] = {(npy_intp)count, ROW};
-  PyObject *given = PyDict_GetItemString(request, "body_ground");
+  PyObject *given = Py_XNewRef(PyDict_GetItemString(request, "body_ground"));
   for (size_t i = 0; i < count; i++)
     memset(&out[i].ground, 0, sizeof out[i].ground);
   if (given == NULL)
     return PyErr_Occurred() ? -1 : 0;
   PyArrayObject *array = pl_py_array(given, "body_ground", NPY_DOUBLE, 2, shape);
+  Py_DECREF(given);
   if (array == NULL)
     return -1;
   for (size_t i = 0; i < count; i++) {

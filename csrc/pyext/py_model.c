@@ -127,10 +127,12 @@ static PyObject *get_bounds(PyObject *self, void *closure) {
   if (array == NULL)
     return NULL;
   double *out = PyArray_DATA((PyArrayObject *)array);
-  for (int k = 0; k < 3; k++) {
-    out[k] = of(self)->bounds_min[k];
-    out[3 + k] = of(self)->bounds_max[k];
-  }
+  const pl_model *m = of(self);
+  const pl_vec3 low = {m->bounds_min[0], m->bounds_min[1], m->bounds_min[2]};
+  const pl_vec3 high = {m->bounds_max[0], m->bounds_max[1], m->bounds_max[2]};
+  const pl_vec3 a = pl_model_point(m, low), b = pl_model_point(m, high);
+  const double bounds[6] = {a.x, a.y, a.z, b.x, b.y, b.z};
+  memcpy(out, bounds, sizeof bounds);
   return array;
 }
 
@@ -243,6 +245,23 @@ static int put_copy(PyObject *dict, const char *key, const void *values, size_t 
   return failed;
 }
 
+/* In model units. */
+static int put_positions(PyObject *dict, const pl_model *m) {
+  npy_intp shape[2] = {(npy_intp)m->vertex_count, 3};
+  PyObject *array = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  if (array == NULL)
+    return -1;
+  double *out = PyArray_DATA((PyArrayObject *)array);
+  for (size_t v = 0; v < m->vertex_count; v++) {
+    const float *p = m->positions + 3 * v;
+    const pl_vec3 at = pl_model_point(m, (pl_vec3){p[0], p[1], p[2]});
+    memcpy(out + 3 * v, (const double[3]){at.x, at.y, at.z}, 3 * sizeof *out);
+  }
+  const int failed = PyDict_SetItemString(dict, "positions", array);
+  Py_DECREF(array);
+  return failed;
+}
+
 /* Mean colour of a triangle's material, sRGB bytes: what viewers of exported models show. */
 static void triangle_color(const pl_model *model, size_t triangle, uint8_t out[3]) {
   const pl_material *material =
@@ -275,7 +294,7 @@ static PyObject *model_mesh(PyObject *self, PyObject *unused) {
   PyObject *dict = PyDict_New();
   if (dict == NULL)
     return NULL;
-  if (put_copy(dict, "positions", m->positions, m->vertex_count, 3, NPY_FLOAT32) < 0 ||
+  if (put_positions(dict, m) < 0 ||
       put_copy(dict, "normals", m->normals, m->vertex_count, 3, NPY_FLOAT32) < 0 ||
       put_copy(dict, "uv", m->uvs[0], m->vertex_count, 2, NPY_FLOAT32) < 0 ||
       put_copy(dict, "indices", m->indices, m->triangle_count, 3, NPY_UINT32) < 0 ||

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "pyext/py_read.h"
 #include "pyext/py_types.h"
 
 /* Poses are read as they lie in the arrays: x y z qw qx qy qz. */
@@ -37,12 +38,13 @@ static int grow(pl_py_keys *keys, size_t count) {
 
 /* Copies an array of the key's shape to where it stays until the next request. */
 static double *read_array(reader *reader, const char *key, int nd, const npy_intp *shape) {
-  PyObject *value = PyDict_GetItemString(reader->motion, key);
+  PyObject *value = Py_XNewRef(PyDict_GetItemString(reader->motion, key));
   if (value == NULL) {
     PyErr_Format(PyExc_KeyError, "motion lacks '%s'", key);
     return NULL;
   }
   PyArrayObject *array = pl_py_array(value, key, NPY_DOUBLE, nd, shape);
+  Py_DECREF(value);
   if (array == NULL)
     return NULL;
   size_t count = 1;
@@ -111,13 +113,15 @@ static int read_movers(reader *reader, const pl_scene *scene, pl_py_states *stat
 
 /* Keys of the camera, which all others share. */
 static int count_keys(PyObject *motion, int *keys) {
-  PyObject *camera = PyDict_GetItemString(motion, "camera");
+  PyObject *camera;
   *keys = 0;
-  if (camera == NULL || camera == Py_None)
-    return PyErr_Occurred() ? -1 : 0;
-  const Py_ssize_t count = PySequence_Size(camera);
-  if (count < 0)
+  if (pl_py_member(motion, "camera", 1, "motion", &camera) < 0)
     return -1;
+  const bool given = camera != Py_None;
+  const Py_ssize_t count = given ? PySequence_Size(camera) : 0;
+  Py_DECREF(camera);
+  if (!given || count < 0)
+    return given ? -1 : 0;
   if (count < 3 || count % 2 == 0 || count > 4097) {
     PyErr_Format(PyExc_ValueError, "motion: the camera has %zd keys; allowed: odd, 3..4097", count);
     return -1;
@@ -126,27 +130,27 @@ static int count_keys(PyObject *motion, int *keys) {
   return 0;
 }
 
-int pl_py_motion_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
-                       pl_placement *placement) {
-  reader reader = {.motion = PyDict_GetItemString(request, "motion"), .buffer = &states->keys};
-  int is_held = 0;
-  pl_shutter *shutter = &placement->shutter;
-  *shutter = (pl_shutter){0};
-  if (reader.motion == NULL || reader.motion == Py_None)
-    return PyErr_Occurred() ? -1 : 0;
-  if (!PyDict_Check(reader.motion)) {
+static int read_times(PyObject *motion, pl_shutter *shutter) {
+  PyObject *times = Py_XNewRef(PyDict_GetItemString(motion, "times"));
+  int is_held = 0, read = 0;
+  if (times != NULL && PyTuple_Check(times))
+    read = PyArg_ParseTuple(times, "ddp:times", &shutter->exposure_s, &shutter->line_s, &is_held);
+  else
+    PyErr_SetString(PyExc_TypeError, "motion.times: must be (exposure_s, line_s, held)");
+  Py_XDECREF(times);
+  shutter->held = is_held != 0;
+  return read ? 0 : -1;
+}
+
+static int parse(PyObject *motion, const pl_scene *scene, pl_py_states *states,
+                 pl_placement *placement) {
+  reader reader = {.motion = motion, .buffer = &states->keys};
+  if (!PyDict_Check(motion)) {
     PyErr_SetString(PyExc_TypeError, "motion: must be None or a dict");
     return -1;
   }
-  PyObject *times = PyDict_GetItemString(reader.motion, "times");
-  if (times == NULL || !PyTuple_Check(times)) {
-    PyErr_SetString(PyExc_TypeError, "motion.times: must be (exposure_s, line_s, held)");
+  if (read_times(motion, &placement->shutter) < 0 || count_keys(motion, &reader.keys) < 0)
     return -1;
-  }
-  if (!PyArg_ParseTuple(times, "ddp:times", &shutter->exposure_s, &shutter->line_s, &is_held) ||
-      count_keys(reader.motion, &reader.keys) < 0)
-    return -1;
-  shutter->held = is_held != 0;
   if (reader.keys == 0)
     return 0;
   const size_t things = 1 + scene->craft_count + scene->body_count;
@@ -154,4 +158,15 @@ int pl_py_motion_parse(PyObject *request, const pl_scene *scene, pl_py_states *s
       read_poses(&reader, scene, states, placement) < 0)
     return -1;
   return read_movers(&reader, scene, states);
+}
+
+int pl_py_motion_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
+                       pl_placement *placement) {
+  PyObject *motion;
+  placement->shutter = (pl_shutter){0};
+  if (pl_py_member(request, "motion", 1, "request", &motion) < 0)
+    return -1;
+  const int failed = motion != Py_None ? parse(motion, scene, states, placement) : 0;
+  Py_DECREF(motion);
+  return failed;
 }

@@ -5,6 +5,7 @@
 #include "orbit/numerical.h"
 #include "pyext/py_propagator.h"
 #include "pyext/py_read.h"
+#include "pyext/py_types.h"
 
 #define WHERE_SIZE 160
 #define KEYS_SIZE 400
@@ -63,7 +64,7 @@ static int read_motions(PyObject *spec, const char *where, parts *p) {
 /* Numbers of any shape, in C order; *array keeps them alive. */
 static int read_numbers(PyObject *item, const char *key, pl_force_value *out,
                         PyArrayObject **array) {
-  *array = (PyArrayObject *)PyArray_FROMANY(item, NPY_DOUBLE, 0, 0, NPY_ARRAY_CARRAY_RO);
+  *array = pl_py_own_array(item, NPY_DOUBLE);
   if (!*array)
     return pl_py_prefix_error(key);
   out->numbers = PyArray_DATA(*array);

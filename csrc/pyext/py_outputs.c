@@ -1,5 +1,6 @@
 /* Where results go: channels by name, and their description for Python. */
 #include "pyext/py_request.h"
+#include "pyext/py_types.h"
 
 #include <string.h>
 
@@ -69,7 +70,9 @@ static void *object_data(PyObject *object, size_t count) {
     return NULL;
   }
   PyArrayObject *array = (PyArrayObject *)object;
-  if (PyArray_NDIM(array) != 1 || PyArray_DIM(array, 0) != (npy_intp)count ||
+  /* Whatever has these bytes will do, but for references to Python's objects. */
+  if (PyArray_TYPE(array) != NPY_VOID || PyDataType_REFCHK(PyArray_DESCR(array)) ||
+      PyArray_NDIM(array) != 1 || PyArray_DIM(array, 0) != (npy_intp)count ||
       !PyArray_ISCARRAY(array) ||
       PyArray_NBYTES(array) != (npy_intp)(count * sizeof(pl_object_label))) {
     PyErr_Format(PyExc_ValueError, "out['objects'] must be (%zu,) of OBJECT_LABEL", count);
@@ -137,18 +140,27 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
   return -1;
 }
 
+static int take_pair(PyObject *pair, const pl_scene *scene, PyObject *kept,
+                     pl_frame_request *request) {
+  if (!PyTuple_Check(pair) || PyTuple_Size(pair) != 2 ||
+      !PyUnicode_Check(PyTuple_GetItem(pair, 0))) {
+    PyErr_SetString(PyExc_TypeError, "out must map names of channels to NumPy arrays");
+    return -1;
+  }
+  PyObject *array = PyTuple_GetItem(pair, 1);
+  const char *name = PyUnicode_AsUTF8AndSize(PyTuple_GetItem(pair, 0), NULL);
+  if (name == NULL || pl_py_keep_memory(kept, array) < 0)
+    return -1;
+  return set_output(name, array, scene, request);
+}
+
 int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,
                           pl_frame_request *request) {
   PyObject *items = PyMapping_Items(out);
   const Py_ssize_t count = items != NULL ? PyList_Size(items) : -1;
   int failed = count < 0;
-  for (Py_ssize_t i = 0; !failed && i < count; i++) {
-    PyObject *pair = PyList_GetItem(items, i);
-    PyObject *array = PyTuple_GetItem(pair, 1);
-    const char *name = PyUnicode_AsUTF8AndSize(PyTuple_GetItem(pair, 0), NULL);
-    failed = name == NULL || PyList_Append(kept, array) < 0 ||
-             set_output(name, array, scene, request) < 0;
-  }
+  for (Py_ssize_t i = 0; !failed && i < count; i++)
+    failed = take_pair(PyList_GetItem(items, i), scene, kept, request) < 0;
   Py_XDECREF(items);
   return failed ? -1 : 0;
 }

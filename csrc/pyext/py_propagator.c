@@ -217,7 +217,12 @@ int pl_py_read_propagator(PyObject *spec, const char *where, double day, double 
     names[i] = readers[i].kind->name;
   const int kind =
       pl_py_member_choice(spec, "kind", where ? where : "propagator", names, (int)READER_COUNT);
-  return kind < 0 ? -1 : readers[kind].read(spec, where ? where : names[kind], day, fraction, out);
+  /* Forces of a propagator may name propagators: a description may hold itself. */
+  if (kind < 0 || Py_EnterRecursiveCall(" in the description of a propagator"))
+    return -1;
+  const int result = readers[kind].read(spec, where ? where : names[kind], day, fraction, out);
+  Py_LeaveRecursiveCall();
+  return result;
 }
 
 typedef struct propagator_object {

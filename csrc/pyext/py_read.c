@@ -115,7 +115,7 @@ int pl_py_member_size(PyObject *mapping, const char *key, const char *where, siz
   PyObject *item = NULL;
   if (pl_py_member(mapping, key, 0, where, &item) < 0)
     return -1;
-  const Py_ssize_t value = PyLong_AsSsize_t(item);
+  const Py_ssize_t value = PyNumber_AsSsize_t(item, PyExc_OverflowError);
   Py_DECREF(item);
   if (PyErr_Occurred()) {
     pl_py_prefix_error(key);
@@ -179,8 +179,7 @@ int pl_py_check(pl_status status, const char *where) {
 }
 
 PyArrayObject *pl_py_doubles(PyObject *object, const char *name) {
-  PyArrayObject *array =
-      (PyArrayObject *)PyArray_FROMANY(object, NPY_DOUBLE, 0, 0, NPY_ARRAY_CARRAY_RO);
+  PyArrayObject *array = pl_py_own_array(object, NPY_DOUBLE);
   if (!array) {
     pl_py_prefix_error(name);
     return NULL;

@@ -15,7 +15,7 @@ typedef struct renderer_object {
   pl_renderer *renderer;         /* owned */
   pl_py_states states;
   pid_t pid; /* Embree and its memory belong to the process that opened them */
-  int busy;  /* guarded by the GIL */
+  int busy;  /* guarded by the GIL: from before a request is read to after its result is made */
 } renderer_object;
 
 static void renderer_dealloc(PyObject *object) {
@@ -28,8 +28,7 @@ static void renderer_dealloc(PyObject *object) {
   pl_free(self->states.movers);
   pl_free(self->states.parameters);
   pl_free(self->states.keys.numbers);
-  pl_py_sensor_clear(&self->states);
-  pl_py_volumes_clear(&self->states);
+  pl_free(self->states.volume_parameters);
   Py_XDECREF(self->scene);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(object);
   Py_DECREF(type);
@@ -132,17 +131,35 @@ static PyObject *result_dict(const pl_frame_result *result) {
                        "timings_s", timings, "stars", stars);
 }
 
-static int check_use(const renderer_object *self) {
+static void end(renderer_object *self) {
+  PyObject *kept = self->states.kept;
+  self->states.kept = NULL;
+  pl_py_scene_release(self->scene);
+  self->busy = 0;
+  Py_XDECREF(kept); /* the last, since it may run code, too */
+}
+
+/* Takes hold of the renderer and its scene. Before anything of the request is read: values, arrays
+ * and mappings may run any code when they are asked, frames of this renderer included. */
+static int begin(renderer_object *self) {
   if (self->pid != getpid()) {
     PyErr_SetString(PyExc_ValueError,
                     "this Renderer was made in another process; make one in each process");
     return -1;
   }
   if (self->busy) {
-    PyErr_SetString(PyExc_ValueError, "this Renderer is rendering in another thread");
+    PyErr_SetString(PyExc_ValueError, "this Renderer is already rendering a frame, in another "
+                                      "thread or around this call");
     return -1;
   }
-  return 0;
+  if (pl_py_scene_hold(self->scene) < 0)
+    return -1;
+  self->busy = 1;
+  self->states.kept = PyList_New(0);
+  if (self->states.kept != NULL)
+    return 0;
+  end(self);
+  return -1;
 }
 
 typedef pl_status (*renderer_fn)(pl_renderer *, const pl_frame_request *, pl_frame_result *);
@@ -152,13 +169,9 @@ static PyObject *run(renderer_object *self, pl_frame_request *request, renderer_
   poller poller = {NULL, now_s()};
   pl_cancel cancel = {.poll = poll_signals, .context = &poller};
   request->cancel = &cancel;
-  self->busy = 1;
-  pl_py_scene_hold(self->scene, +1);
   poller.state = PyEval_SaveThread();
   const pl_status status = function(self->renderer, request, &result);
   PyEval_RestoreThread(poller.state);
-  pl_py_scene_hold(self->scene, -1);
-  self->busy = 0;
   return status == PL_OK ? result_dict(&result) : pl_py_raise(status);
 }
 
@@ -169,22 +182,25 @@ static PyObject *renderer_render(PyObject *object, PyObject *args, PyObject *kwa
   pl_frame_request frame = {.threads = 1};
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OO|i:render", names, &request, &out,
                                    &frame.threads) ||
-      check_use(self) < 0)
+      begin(self) < 0)
     return NULL;
-  PyObject *kept = PyList_New(0);
-  if (kept != NULL && pl_py_request_parse(request, self->core, &self->states, &frame) == 0 &&
-      pl_py_request_outputs(out, self->core, kept, &frame) == 0)
+  if (pl_py_request_parse(request, self->core, &self->states, &frame) == 0 &&
+      pl_py_request_outputs(out, self->core, self->states.kept, &frame) == 0)
     result = run(self, &frame, pl_renderer_frame);
-  Py_XDECREF(kept);
+  end(self);
   return result;
 }
 
 static PyObject *renderer_plan(PyObject *object, PyObject *request) {
   renderer_object *self = (renderer_object *)object;
   pl_frame_request frame = {.threads = 1};
-  if (check_use(self) < 0 || pl_py_request_parse(request, self->core, &self->states, &frame) < 0)
+  PyObject *result = NULL;
+  if (begin(self) < 0)
     return NULL;
-  return run(self, &frame, pl_renderer_plan);
+  if (pl_py_request_parse(request, self->core, &self->states, &frame) == 0)
+    result = run(self, &frame, pl_renderer_plan);
+  end(self);
+  return result;
 }
 
 static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
@@ -192,17 +208,19 @@ static PyObject *renderer_measure_rays(PyObject *object, PyObject *args) {
   PyObject *request;
   int repeats;
   pl_frame_request frame = {.threads = 1};
-  if (!PyArg_ParseTuple(args, "Oi:measure_rays", &request, &repeats) || check_use(self) < 0 ||
-      pl_py_request_parse(request, self->core, &self->states, &frame) < 0)
+  if (!PyArg_ParseTuple(args, "Oi:measure_rays", &request, &repeats) || begin(self) < 0)
     return NULL;
   pl_ray_times primary, shadow;
-  pl_status status;
-  self->busy = 1;
-  pl_py_scene_hold(self->scene, +1);
-  Py_BEGIN_ALLOW_THREADS status =
-      pl_measure_rays(self->core, &frame.placement, repeats, &primary, &shadow);
-  Py_END_ALLOW_THREADS pl_py_scene_hold(self->scene, -1);
-  self->busy = 0;
+  const int parsed = pl_py_request_parse(request, self->core, &self->states, &frame);
+  pl_status status = PL_OK;
+  if (parsed == 0) {
+    Py_BEGIN_ALLOW_THREADS status =
+        pl_measure_rays(self->core, &frame.placement, repeats, &primary, &shadow);
+    Py_END_ALLOW_THREADS
+  }
+  end(self);
+  if (parsed < 0)
+    return NULL;
   if (status != PL_OK)
     return pl_py_raise(status);
   return Py_BuildValue("{s:(ndd),s:(ndd)}", "primary", (Py_ssize_t)primary.rays, primary.ours_s,

@@ -10,9 +10,15 @@
 #include "pyext/py_sky.h"
 #include "pyext/py_types.h"
 
-/* Borrowed value of a key; KeyError naming it when absent. */
+/* Value of a key, a new reference; NULL, without an exception where it is absent. Never a borrowed
+ * one: reading a value may run code that removes it from its dictionary. */
+static PyObject *maybe(PyObject *dict, const char *key) {
+  return Py_XNewRef(PyDict_GetItemString(dict, key));
+}
+
+/* Likewise, but KeyError naming the key when absent. */
 static PyObject *item(PyObject *dict, const char *key) {
-  PyObject *value = PyDict_GetItemString(dict, key);
+  PyObject *value = maybe(dict, key);
   if (value == NULL && !PyErr_Occurred())
     PyErr_Format(PyExc_KeyError, "the request lacks '%s'", key);
   return value;
@@ -23,6 +29,7 @@ static int get_double(PyObject *dict, const char *key, double *out) {
   if (value == NULL)
     return -1;
   *out = PyFloat_AsDouble(value);
+  Py_DECREF(value);
   return *out == -1.0 && PyErr_Occurred() ? -1 : 0;
 }
 
@@ -31,6 +38,7 @@ static int get_int(PyObject *dict, const char *key, int *out) {
   if (value == NULL)
     return -1;
   const long number = PyLong_AsLong(value);
+  Py_DECREF(value);
   if (number == -1 && PyErr_Occurred())
     return -1;
   if (number < INT_MIN || number > INT_MAX) {
@@ -45,13 +53,20 @@ static int get_u64(PyObject *dict, const char *key, uint64_t *out) {
   PyObject *value = item(dict, key);
   if (value == NULL)
     return -1;
-  *out = PyLong_AsUnsignedLongLong(value);
+  PyObject *number = PyNumber_Index(value);
+  Py_DECREF(value);
+  if (number == NULL)
+    return -1;
+  *out = PyLong_AsUnsignedLongLong(number);
+  Py_DECREF(number);
   return PyErr_Occurred() ? -1 : 0;
 }
 
 static PyArrayObject *get_array(PyObject *dict, const char *key, int nd, const npy_intp *shape) {
   PyObject *value = item(dict, key);
-  return value != NULL ? pl_py_array(value, key, NPY_DOUBLE, nd, shape) : NULL;
+  PyArrayObject *array = value != NULL ? pl_py_array(value, key, NPY_DOUBLE, nd, shape) : NULL;
+  Py_XDECREF(value);
+  return array;
 }
 
 static pl_pose pose_from(const double *p) {
@@ -66,9 +81,13 @@ static int parse_camera(PyObject *dict, pl_camera *camera) {
   const npy_intp shape[2] = {2, 7};
   if (get_int(dict, "width", &camera->width) < 0 || get_int(dict, "height", &camera->height) < 0)
     return -1;
-  PyObject *k = item(dict, "K");
-  if (k == NULL || pl_py_camera_optics(k, PyDict_GetItemString(dict, "lens"), camera) < 0 ||
-      pl_py_camera_focus(PyDict_GetItemString(dict, "focus"), camera) < 0)
+  PyObject *k = item(dict, "K"), *lens = maybe(dict, "lens"), *focus = maybe(dict, "focus");
+  const int failed = k == NULL || pl_py_camera_optics(k, lens, camera) < 0 ||
+                     pl_py_camera_focus(focus, camera) < 0;
+  Py_XDECREF(k);
+  Py_XDECREF(lens);
+  Py_XDECREF(focus);
+  if (failed)
     return -1;
   PyArrayObject *pose = get_array(dict, "camera_pose", 2, shape);
   if (pose == NULL)
@@ -181,7 +200,7 @@ static int parse_regolith(PyObject *dict, size_t count, pl_body_state *out) {
   for (size_t i = 0; i < count; i++)
     for (size_t k = 0; k < BANDS; k++)
       ((float *)out[i].regolith.band)[k] = NAN;
-  if (PyDict_GetItemString(dict, "body_regolith") == NULL)
+  if (PyDict_GetItemString(dict, "body_regolith") == NULL) /* only asked for, not used */
     return PyErr_Occurred() ? -1 : 0;
   PyArrayObject *array = get_array(dict, "body_regolith", 2, shape);
   if (array == NULL)
@@ -229,10 +248,8 @@ static int parse_sun(PyObject *dict, pl_sun *sun) {
   return parse_wavelengths(dict, sun);
 }
 
-/* Names of effects as a mask. */
-static int parse_mask(PyObject *dict, const char *key, uint64_t *mask) {
-  PyObject *names = item(dict, key);
-  const Py_ssize_t count = names != NULL ? PySequence_Size(names) : -1;
+static int mask_of(PyObject *names, const char *key, uint64_t *mask) {
+  const Py_ssize_t count = PySequence_Size(names);
   *mask = 0;
   for (Py_ssize_t i = 0; i < count; i++) {
     PyObject *name = PySequence_GetItem(names, i);
@@ -249,9 +266,26 @@ static int parse_mask(PyObject *dict, const char *key, uint64_t *mask) {
   return count < 0 ? -1 : 0;
 }
 
-static int parse_quality(PyObject *dict, pl_frame_request *out) {
-  PyObject *quality = item(dict, "quality");
-  if (quality == NULL || get_int(quality, "samples", &out->samples) < 0 ||
+/* Names of effects as a mask. */
+static int parse_mask(PyObject *dict, const char *key, uint64_t *mask) {
+  PyObject *names = item(dict, key);
+  const int failed = names != NULL ? mask_of(names, key, mask) : -1;
+  Py_XDECREF(names);
+  return failed;
+}
+
+/* A member that is a dictionary itself: a new reference. */
+static PyObject *section(PyObject *dict, const char *key) {
+  PyObject *value = item(dict, key);
+  if (value == NULL || PyDict_Check(value))
+    return value;
+  PyErr_Format(PyExc_TypeError, "%s must be a dict", key);
+  Py_DECREF(value);
+  return NULL;
+}
+
+static int quality_of(PyObject *quality, pl_frame_request *out) {
+  if (get_int(quality, "samples", &out->samples) < 0 ||
       get_int(quality, "max_bounces", &out->max_bounces) < 0 ||
       get_int(quality, "texture_filter", &out->texture_filter) < 0 ||
       get_double(quality, "tolerance_dn", &out->wish.tolerance_dn) < 0)
@@ -261,19 +295,37 @@ static int parse_quality(PyObject *dict, pl_frame_request *out) {
   return parse_mask(quality, "force_off", &out->wish.force_off);
 }
 
-static int parse_exposure(PyObject *dict, pl_exposure *out) {
-  PyObject *exposure = item(dict, "exposure");
-  PyObject *mode = exposure != NULL ? item(exposure, "mode") : NULL;
-  if (mode == NULL || get_double(exposure, "white_radiance", &out->white_radiance) < 0 ||
-      get_double(exposure, "percentile", &out->percentile) < 0 ||
-      get_double(exposure, "key", &out->key) < 0)
+static int parse_quality(PyObject *dict, pl_frame_request *out) {
+  PyObject *quality = section(dict, "quality");
+  const int failed = quality != NULL ? quality_of(quality, out) : -1;
+  Py_XDECREF(quality);
+  return failed;
+}
+
+static int parse_mode(PyObject *exposure, pl_exposure *out) {
+  PyObject *mode = item(exposure, "mode");
+  if (mode == NULL)
     return -1;
-  out->automatic = PyUnicode_CompareWithASCIIString(mode, "auto") == 0;
-  if (!out->automatic && PyUnicode_CompareWithASCIIString(mode, "fixed") != 0) {
+  const bool text = PyUnicode_Check(mode);
+  out->automatic = text && PyUnicode_CompareWithASCIIString(mode, "auto") == 0;
+  const bool known =
+      out->automatic || (text && PyUnicode_CompareWithASCIIString(mode, "fixed") == 0);
+  if (!known)
     PyErr_Format(PyExc_ValueError, "exposure.mode must be 'auto' or 'fixed', not %R", mode);
+  Py_DECREF(mode);
+  return known ? 0 : -1;
+}
+
+static int parse_exposure(PyObject *dict, pl_exposure *out) {
+  PyObject *exposure = section(dict, "exposure");
+  if (exposure == NULL)
     return -1;
-  }
-  return 0;
+  const int failed = parse_mode(exposure, out) < 0 ||
+                     get_double(exposure, "white_radiance", &out->white_radiance) < 0 ||
+                     get_double(exposure, "percentile", &out->percentile) < 0 ||
+                     get_double(exposure, "key", &out->key) < 0;
+  Py_DECREF(exposure);
+  return failed ? -1 : 0;
 }
 
 /* The key may be absent: then true. */
@@ -310,7 +362,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_quality(request, out) < 0 || parse_amodal(request, &out->amodal) < 0 ||
       pl_py_volumes_parse(request, states, out) < 0 ||
       pl_py_sensor_parse(request, states, out) < 0 || pl_py_bands_parse(request, states, out) < 0 ||
-      pl_py_sky_parse(request, &states->sky, out) < 0)
+      pl_py_sky_parse(request, states, out) < 0)
     return -1;
   return parse_exposure(request, &out->exposure);
 }

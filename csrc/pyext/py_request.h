@@ -22,14 +22,13 @@ typedef struct pl_py_states {
   size_t parameter_room; /* grows with the graphs of a scene, which may change between frames */
   pl_py_keys keys;
   pl_sensor sensor;
-  PyObject *sensor_flat, *sensor_kernel; /* arrays that the sensor borrows, or NULL */
   float bands[PL_BANDS_MAX][3];
   pl_sensor_plane planes[PL_BANDS_MAX];
   pl_sky sky;
   pl_volume volumes[PL_VOLUMES_MAX];
   pl_value *volume_parameters; /* owned: of all their graphs */
   size_t volume_room;
-  PyObject *volumes_kept; /* what they borrow from, or NULL */
+  PyObject *kept; /* list of all that the request in hand borrows from; NULL between frames */
 } pl_py_states;
 
 /* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */
@@ -41,12 +40,8 @@ int pl_py_motion_parse(PyObject *request, const pl_scene *scene, pl_py_states *s
                        pl_placement *placement);
 /* "sensor" of the request dictionary, which may be absent or None. */
 int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
-/* Lets go of the arrays that the sensor borrows. */
-void pl_py_sensor_clear(pl_py_states *states);
 /* "volumes" of the request dictionary, which may be absent or None. */
 int pl_py_volumes_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
-/* Lets go of what they borrow. */
-void pl_py_volumes_clear(pl_py_states *states);
 /* What the sensor's filters see; see perilune.filters. */
 int pl_py_filters_parse(PyObject *sensor, pl_py_states *states, pl_sensor *out);
 /* "body_clouds", one a body, which may be absent. */

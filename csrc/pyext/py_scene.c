@@ -11,7 +11,9 @@ typedef struct scene_object {
   PyObject *kept; /* list: what the scene borrows from */
   PyObject
       *graphs; /* dict: index of an object -> tuple of its graphs; -1 - index of a body -> graph */
-  int frozen, held; /* guarded by the GIL; held: frames that are being rendered */
+  /* Guarded by the GIL. held: frames that are being rendered; changing: a method is between its
+   * checks and its end, and reads arguments whose code may do anything. */
+  int frozen, held, changing;
 } scene_object;
 
 static void scene_dealloc(PyObject *self) {
@@ -23,16 +25,33 @@ static void scene_dealloc(PyObject *self) {
   Py_DECREF(type);
 }
 
+static int check_changing(const scene_object *self) {
+  if (!self->changing)
+    return 0;
+  PyErr_SetString(PyExc_ValueError, "the scene is being changed, by another thread or by the code "
+                                    "of an argument");
+  return -1;
+}
+
 const pl_scene *pl_py_scene_freeze(PyObject *object) {
   if (!pl_py_is(object, (void *)scene_dealloc)) {
     PyErr_SetString(PyExc_TypeError, "scene must be a perilune._core.Scene");
     return NULL;
   }
+  if (check_changing((scene_object *)object) < 0)
+    return NULL;
   ((scene_object *)object)->frozen = 1;
   return &((scene_object *)object)->scene;
 }
 
-void pl_py_scene_hold(PyObject *scene, int change) { ((scene_object *)scene)->held += change; }
+int pl_py_scene_hold(PyObject *scene) {
+  if (check_changing((scene_object *)scene) < 0)
+    return -1;
+  ((scene_object *)scene)->held++;
+  return 0;
+}
+
+void pl_py_scene_release(PyObject *scene) { ((scene_object *)scene)->held--; }
 
 static PyObject *scene_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"levels", NULL};
@@ -52,18 +71,31 @@ static PyObject *scene_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   return (PyObject *)self;
 }
 
-static int check_open(const scene_object *self) {
-  if (!self->frozen)
-    return 0;
-  PyErr_SetString(PyExc_ValueError, "the scene is in use by a Renderer; make a new one");
-  return -1;
+/* What a method of the scene does; the arguments are the method's. */
+typedef PyObject *(*change_fn)(scene_object *self, PyObject *args, PyObject *kwargs);
+
+static int check_use(const scene_object *self, bool adds) {
+  if (adds && self->frozen) {
+    PyErr_SetString(PyExc_ValueError, "the scene is in use by a Renderer; make a new one");
+    return -1;
+  }
+  if (self->held > 0) {
+    PyErr_SetString(PyExc_ValueError, "a frame of the scene is being rendered");
+    return -1;
+  }
+  return check_changing(self);
 }
 
-static int check_idle(const scene_object *self) {
-  if (self->held == 0)
-    return 0;
-  PyErr_SetString(PyExc_ValueError, "a frame of the scene is being rendered in another thread");
-  return -1;
+/* adds: not once there is a renderer, which has room for what it saw; else between frames. */
+static PyObject *run_change(PyObject *object, PyObject *args, PyObject *kwargs, change_fn change,
+                            bool adds) {
+  scene_object *self = (scene_object *)object;
+  if (check_use(self, adds) < 0)
+    return NULL;
+  self->changing = 1;
+  PyObject *result = change(self, args, kwargs);
+  self->changing = 0;
+  return result;
 }
 
 static const pl_reflectance *find_reflectance(const char *name) {
@@ -104,7 +136,7 @@ static int copy_classes(PyObject *classes, int count, uint16_t *out) {
   return 0;
 }
 
-static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwargs) {
+static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"name",
                           "map",
                           "map_center_lon_rad",
@@ -119,7 +151,6 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
                           "cloud_map",
                           "ground",
                           NULL};
-  scene_object *self = (scene_object *)object;
   PyObject *classes, *ground = Py_None;
   body_arguments in = {.shape = Py_None, .rings = Py_None, .cloud_map = Py_None};
   const char *name, *reflectance;
@@ -127,8 +158,7 @@ static PyObject *scene_add_body(PyObject *object, PyObject *args, PyObject *kwar
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOO:add_body", names, &name, &in.map,
                                    &body.map_center_lon_rad, &reflectance, &body.instance_id,
                                    &body.part_id, &classes, &in.regolith, &in.air, &in.shape,
-                                   &in.rings, &in.cloud_map, &ground) ||
-      check_open(self) < 0)
+                                   &in.rings, &in.cloud_map, &ground))
     return NULL;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */
   body.reflectance = find_reflectance(reflectance);
@@ -162,18 +192,16 @@ static int object_arrays(const scene_object *self, const pl_model *model, object
   return 0;
 }
 
-static PyObject *scene_add_object(PyObject *object, PyObject *args, PyObject *kwargs) {
+static PyObject *add_object(scene_object *self, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"name",     "model",     "offset",        "obj_id", "instance_id",
                           "part_ids", "class_ids", "triangle_part", NULL};
-  scene_object *self = (scene_object *)object;
   PyObject *py_model, *added = NULL;
   object_arguments in = {.triangle_part = Py_None};
   const char *name;
   int obj_id, instance_id;
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOOiiOO|$O:add_object", names, &name, &py_model,
                                    &in.offset, &obj_id, &instance_id, &in.parts, &in.classes,
-                                   &in.triangle_part) ||
-      check_open(self) < 0)
+                                   &in.triangle_part))
     return NULL;
   const pl_model *model = pl_py_model_of(py_model);
   if (model == NULL)
@@ -242,14 +270,12 @@ static int replace_graphs(scene_object *self, size_t index, PyObject *tuple,
   return result;
 }
 
-static PyObject *scene_set_materials(PyObject *object, PyObject *args, PyObject *kwargs) {
+static PyObject *set_materials(scene_object *self, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"object", "graphs", "triangle_graph", NULL};
-  scene_object *self = (scene_object *)object;
   Py_ssize_t index;
   PyObject *tuple, *triangles;
   if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO!O:set_materials", names, &index, &PyTuple_Type,
-                                   &tuple, &triangles) ||
-      check_idle(self) < 0)
+                                   &tuple, &triangles))
     return NULL;
   if (index < 0 || (size_t)index >= self->scene.craft_count) {
     PyErr_Format(PyExc_ValueError, "no object %zd", index);
@@ -262,13 +288,11 @@ static PyObject *scene_set_materials(PyObject *object, PyObject *args, PyObject 
   return failed ? NULL : Py_NewRef(Py_None);
 }
 
-static PyObject *scene_set_body_graph(PyObject *object, PyObject *args, PyObject *kwargs) {
+static PyObject *set_body_graph(scene_object *self, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"body", "graph", NULL};
-  scene_object *self = (scene_object *)object;
   Py_ssize_t index;
   PyObject *py_graph;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO:set_body_graph", names, &index, &py_graph) ||
-      check_idle(self) < 0)
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO:set_body_graph", names, &index, &py_graph))
     return NULL;
   if (index < 0 || (size_t)index >= self->scene.body_count) {
     PyErr_Format(PyExc_ValueError, "no body %zd", index);
@@ -289,14 +313,12 @@ static PyObject *scene_set_body_graph(PyObject *object, PyObject *args, PyObject
   return failed ? NULL : Py_NewRef(Py_None);
 }
 
-static PyObject *scene_articulate(PyObject *object, PyObject *args, PyObject *kwargs) {
+static PyObject *articulate(scene_object *self, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"object", "nodes", NULL};
   const npy_intp any[1] = {-1};
-  scene_object *self = (scene_object *)object;
   Py_ssize_t index;
   PyObject *nodes;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO:articulate", names, &index, &nodes) ||
-      check_open(self) < 0)
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "nO:articulate", names, &index, &nodes))
     return NULL;
   PyArrayObject *array = pl_py_array(nodes, "nodes", NPY_INT, 1, any);
   if (array == NULL)
@@ -305,6 +327,26 @@ static PyObject *scene_articulate(PyObject *object, PyObject *args, PyObject *kw
                                                PyArray_DATA(array), (size_t)PyArray_DIM(array, 0));
   Py_DECREF((PyObject *)array);
   return status == PL_OK ? Py_NewRef(Py_None) : pl_py_raise(status);
+}
+
+static PyObject *scene_add_body(PyObject *self, PyObject *args, PyObject *kwargs) {
+  return run_change(self, args, kwargs, add_body, true);
+}
+
+static PyObject *scene_add_object(PyObject *self, PyObject *args, PyObject *kwargs) {
+  return run_change(self, args, kwargs, add_object, true);
+}
+
+static PyObject *scene_set_materials(PyObject *self, PyObject *args, PyObject *kwargs) {
+  return run_change(self, args, kwargs, set_materials, false);
+}
+
+static PyObject *scene_set_body_graph(PyObject *self, PyObject *args, PyObject *kwargs) {
+  return run_change(self, args, kwargs, set_body_graph, false);
+}
+
+static PyObject *scene_articulate(PyObject *self, PyObject *args, PyObject *kwargs) {
+  return run_change(self, args, kwargs, articulate, true);
 }
 
 static PyMethodDef scene_methods[] = {

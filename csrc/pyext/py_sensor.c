@@ -73,33 +73,54 @@ static int parse_profile(PyObject *dict, pl_shading *out) {
   return 0;
 }
 
-/* An image of the mapping, kept by the states until the next request: a borrowed array, or NULL
- * without an exception where it is absent or None. */
-static PyArrayObject *image_of(PyObject *dict, const char *key, int type, PyObject **kept) {
-  const npy_intp any[2] = {-1, -1};
+/* Pixels of the mapping, borrowed from an array that the frame keeps. */
+typedef struct sensor_image {
+  void *pixels; /* NULL: there is none */
+  int width, height;
+} sensor_image;
+
+/* Not copied: a flat field is as large as the image. */
+static int lend(PyArrayObject *array, const char *key, PyObject *kept, sensor_image *out) {
+  if (pl_py_keep_memory(kept, (PyObject *)array) < 0)
+    return -1;
+  if (PyArray_NDIM(array) != 2) {
+    PyErr_Format(PyExc_ValueError, "%s: %s must have 2 dimensions, not %d", WHERE, key,
+                 PyArray_NDIM(array));
+    return -1;
+  }
+  if (PyArray_SIZE(array) == 0 || PyArray_DIM(array, 0) > INT_MAX ||
+      PyArray_DIM(array, 1) > INT_MAX) {
+    PyErr_Format(PyExc_ValueError, "%s: %s has no pixels, or too many", WHERE, key);
+    return -1;
+  }
+  *out =
+      (sensor_image){PyArray_DATA(array), (int)PyArray_DIM(array, 1), (int)PyArray_DIM(array, 0)};
+  return 0;
+}
+
+/* The key may be absent or None. */
+static int image_of(PyObject *dict, const char *key, int type, PyObject *kept, sensor_image *out) {
   PyObject *given;
-  Py_CLEAR(*kept);
+  *out = (sensor_image){0};
   if (pl_py_member(dict, key, 1, WHERE, &given) < 0)
-    return NULL;
-  if (given != Py_None)
-    *kept = (PyObject *)pl_py_array(given, key, type, 2, any);
+    return -1;
+  const bool there = given != Py_None;
+  PyArrayObject *array =
+      there ? (PyArrayObject *)PyArray_FROMANY(given, type, 0, 0, NPY_ARRAY_IN_ARRAY) : NULL;
   Py_DECREF(given);
-  PyArrayObject *image = (PyArrayObject *)*kept;
-  if (image == NULL || (PyArray_SIZE(image) > 0 && PyArray_DIM(image, 0) <= INT_MAX &&
-                        PyArray_DIM(image, 1) <= INT_MAX))
-    return image;
-  PyErr_Format(PyExc_ValueError, "%s: %s has no pixels, or too many", WHERE, key);
-  return NULL;
+  const int failed = array != NULL ? lend(array, key, kept, out) : 0;
+  Py_XDECREF((PyObject *)array);
+  return there && array == NULL ? -1 : failed;
 }
 
 /* "kernel" (any height, any width) of a measured point spread: may be absent or None. */
 static int parse_kernel(PyObject *dict, pl_py_states *states) {
-  PyArrayObject *kernel = image_of(dict, "kernel", NPY_DOUBLE, &states->sensor_kernel);
-  if (kernel == NULL)
-    return PyErr_Occurred() ? -1 : 0;
-  states->sensor.psf.kernel = PyArray_DATA(kernel);
-  states->sensor.psf.kernel_width = (int)PyArray_DIM(kernel, 1);
-  states->sensor.psf.kernel_height = (int)PyArray_DIM(kernel, 0);
+  sensor_image kernel;
+  if (image_of(dict, "kernel", NPY_DOUBLE, states->kept, &kernel) < 0)
+    return -1;
+  states->sensor.psf.kernel = kernel.pixels;
+  states->sensor.psf.kernel_width = kernel.width;
+  states->sensor.psf.kernel_height = kernel.height;
   return 0;
 }
 
@@ -144,12 +165,13 @@ static int parse_compression(PyObject *dict, pl_compression *out) {
 
 /* "flat_field" (any height, any width) float32: may be absent or None. */
 static int parse_flat(PyObject *dict, pl_py_states *states) {
-  PyArrayObject *flat = image_of(dict, "flat_field", NPY_FLOAT, &states->sensor_flat);
-  if (flat == NULL)
-    return PyErr_Occurred() ? -1 : 0;
+  sensor_image flat;
+  if (image_of(dict, "flat_field", NPY_FLOAT, states->kept, &flat) < 0)
+    return -1;
+  if (flat.pixels == NULL)
+    return 0;
   const pl_status status =
-      pl_shading_set_flat(&states->sensor.shading, PyArray_DATA(flat), (int)PyArray_DIM(flat, 1),
-                          (int)PyArray_DIM(flat, 0));
+      pl_shading_set_flat(&states->sensor.shading, flat.pixels, flat.width, flat.height);
   return status == PL_OK ? 0 : (pl_py_raise(status), -1);
 }
 
@@ -249,9 +271,4 @@ int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request
   out->sensor = given != Py_None ? &states->sensor : NULL;
   Py_DECREF(given);
   return failed;
-}
-
-void pl_py_sensor_clear(pl_py_states *states) {
-  Py_CLEAR(states->sensor_flat);
-  Py_CLEAR(states->sensor_kernel);
 }

@@ -100,7 +100,7 @@ PyType_Spec pl_py_stars_spec = {"perilune._core.Stars", sizeof(stars_object), 0,
 
 /* --- requests */
 
-static int parse_stars(PyObject *given, pl_sky *out) {
+static int parse_stars(PyObject *given, PyObject *kept, pl_sky *out) {
   PyObject *stars;
   if (pl_py_member(given, "stars", 1, WHERE, &stars) < 0)
     return -1;
@@ -109,8 +109,9 @@ static int parse_stars(PyObject *given, pl_sky *out) {
     PyErr_SetString(PyExc_TypeError, "sky: stars must be a perilune._core.Stars or None");
   else if (stars != Py_None)
     out->stars = ((stars_object *)stars)->catalogue;
+  const int failed = !fits || PyList_Append(kept, stars) < 0;
   Py_DECREF(stars);
-  return fits ? 0 : -1;
+  return failed ? -1 : 0;
 }
 
 static int parse_axes(PyObject *given, pl_mat3 *out) {
@@ -125,7 +126,7 @@ static int parse_axes(PyObject *given, pl_mat3 *out) {
   return 0;
 }
 
-static int parse_backdrop(PyObject *given, pl_sky *out) {
+static int parse_backdrop(PyObject *given, PyObject *kept, pl_sky *out) {
   static const char *const kinds[PL_BACKDROP_KINDS] = {"none", "map", "cover", "stretch"};
   PyObject *map;
   double white[3];
@@ -137,33 +138,35 @@ static int parse_backdrop(PyObject *given, pl_sky *out) {
       pl_py_member(given, "map", 0, WHERE, &map) < 0)
     return -1;
   out->backdrop.texture = pl_py_map_of(map);
-  Py_DECREF(map); /* the request holds it */
+  const int failed = out->backdrop.texture == NULL || PyList_Append(kept, map) < 0;
+  Py_DECREF(map);
   out->backdrop.kind = (pl_backdrop_kind)kind;
   out->by_display = by_display != 0;
   for (int band = 0; band < 3; band++)
     out->backdrop.white[band] = (float)white[band];
-  return out->backdrop.texture != NULL ? 0 : -1;
+  return failed ? -1 : 0;
 }
 
-static int parse(PyObject *given, pl_sky *out) {
+static int parse(PyObject *given, PyObject *kept, pl_sky *out) {
   PyObject *backdrop;
   double beta[3];
   *out = (pl_sky){0};
-  if (parse_stars(given, out) < 0 || pl_py_member_doubles(given, "beta", WHERE, 3, beta) < 0 ||
+  if (parse_stars(given, kept, out) < 0 ||
+      pl_py_member_doubles(given, "beta", WHERE, 3, beta) < 0 ||
       pl_py_member(given, "backdrop", 1, WHERE, &backdrop) < 0)
     return -1;
   out->beta = (pl_vec3){beta[0], beta[1], beta[2]};
-  const int failed = backdrop != Py_None ? parse_backdrop(backdrop, out) : 0;
+  const int failed = backdrop != Py_None ? parse_backdrop(backdrop, kept, out) : 0;
   Py_DECREF(backdrop);
   return failed;
 }
 
-int pl_py_sky_parse(PyObject *request, pl_sky *sky, pl_frame_request *out) {
+int pl_py_sky_parse(PyObject *request, pl_py_states *states, pl_frame_request *out) {
   PyObject *given;
   if (pl_py_member(request, "sky", 1, "request", &given) < 0)
     return -1;
-  const int failed = given != Py_None ? parse(given, sky) : 0;
-  out->sky = given != Py_None ? sky : NULL;
+  const int failed = given != Py_None ? parse(given, states->kept, &states->sky) : 0;
+  out->sky = given != Py_None ? &states->sky : NULL;
   Py_DECREF(given);
   return failed;
 }

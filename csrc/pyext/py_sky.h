@@ -4,11 +4,10 @@
 
 #include "pyext/py_common.h"
 
-#include "frame/frame.h"
+#include "pyext/py_request.h"
 
-/* "sky" of the request dictionary, which may be absent or None; what it borrows lives as long as
- * the request. */
-int pl_py_sky_parse(PyObject *request, pl_sky *sky, pl_frame_request *out);
+/* "sky" of the request dictionary, which may be absent or None. */
+int pl_py_sky_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* As documented in the stub. A new reference. */
 PyObject *pl_py_seen_stars(const pl_frame_result *result);
 

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "light/spectrum.h"
+#include "pyext/py_read.h"
 #include "pyext/py_request.h"
 #include "pyext/py_types.h"
 
@@ -61,11 +62,12 @@ PyObject *pl_py_band_gather(PyObject *module, PyObject *args) {
 
 int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request *out) {
   const npy_intp shape[2] = {-1, 3};
-  PyObject *value = PyDict_GetItemString(request, "bands");
+  PyObject *value = Py_XNewRef(PyDict_GetItemString(request, "bands"));
   out->band_count = 0;
   if (value == NULL)
     return PyErr_Occurred() ? -1 : 0;
   PyArrayObject *array = pl_py_array(value, "bands", NPY_DOUBLE, 2, shape);
+  Py_DECREF(value);
   if (array == NULL)
     return -1;
   const npy_intp count = PyArray_DIM(array, 0);
@@ -85,13 +87,15 @@ int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request 
 
 /* "planes" (planes, 2, 3), shares and wavelengths in m: may be absent or None. */
 static int parse_planes(PyObject *dict, pl_py_states *states, pl_sensor *out) {
-  PyObject *value = PyDict_GetItemString(dict, "planes");
+  PyObject *value;
   const npy_intp shape[3] = {-1, 2, 3};
-  if (value == NULL || value == Py_None)
-    return PyErr_Occurred() ? -1 : 0;
-  PyArrayObject *array = pl_py_array(value, "sensor: planes", NPY_DOUBLE, 3, shape);
-  if (array == NULL)
+  if (pl_py_member(dict, "planes", 1, "sensor", &value) < 0)
     return -1;
+  const bool given = value != Py_None;
+  PyArrayObject *array = given ? pl_py_array(value, "sensor: planes", NPY_DOUBLE, 3, shape) : NULL;
+  Py_DECREF(value);
+  if (array == NULL)
+    return given ? -1 : 0;
   const npy_intp count = PyArray_DIM(array, 0);
   if (count >= 1 && count <= PL_BANDS_MAX)
     memcpy(states->planes, PyArray_DATA(array), (size_t)count * sizeof *states->planes);
@@ -105,17 +109,16 @@ static int parse_planes(PyObject *dict, pl_py_states *states, pl_sensor *out) {
 }
 
 int pl_py_filters_parse(PyObject *sensor, pl_py_states *states, pl_sensor *out) {
-  PyObject *value = PyDict_GetItemString(sensor, "mix");
+  PyObject *value;
   const npy_intp shape[2] = {3, 3};
-  if (value == NULL && PyErr_Occurred())
+  if (pl_py_member(sensor, "mix", 1, "sensor", &value) < 0)
     return -1;
-  out->mixed = value != NULL && value != Py_None;
-  if (out->mixed) {
-    PyArrayObject *array = pl_py_array(value, "sensor: mix", NPY_DOUBLE, 2, shape);
-    if (array == NULL)
-      return -1;
+  out->mixed = value != Py_None;
+  PyArrayObject *array =
+      out->mixed ? pl_py_array(value, "sensor: mix", NPY_DOUBLE, 2, shape) : NULL;
+  Py_DECREF(value);
+  if (array != NULL)
     memcpy(out->mix, PyArray_DATA(array), sizeof out->mix);
-    Py_DECREF((PyObject *)array);
-  }
-  return parse_planes(sensor, states, out);
+  Py_XDECREF((PyObject *)array);
+  return out->mixed && array == NULL ? -1 : parse_planes(sensor, states, out);
 }

@@ -70,25 +70,20 @@ static int read_tumble(PyObject *rotation, const char *where, pl_tumble *out) {
   return pl_py_check(pl_tumble_init(inertia, omega, start, out), where);
 }
 
-/* The arrays are kept with the tree, and copied where the caller could change them. */
+/* The arrays are our own, and kept with the tree. */
 static int read_table(PyObject *rotation, const char *where, tree_object *self,
                       pl_attitude_table *out) {
   const npy_intp any[1] = {-1};
   PyArrayObject *times = pl_py_member_array(rotation, "t_s", where, 1, any);
   const npy_intp shape[2] = {times ? PyArray_SIZE(times) : 0, 4};
   PyArrayObject *quats = times ? pl_py_member_array(rotation, "quats", where, 2, shape) : NULL;
-  PyObject *own[2] = {times ? PyArray_NewCopy(times, NPY_CORDER) : NULL,
-                      quats ? PyArray_NewCopy(quats, NPY_CORDER) : NULL};
   int result = -1;
-  if (own[0] && own[1] && PyList_Append(self->kept, own[0]) == 0)
-    result = PyList_Append(self->kept, own[1]);
+  if (quats && PyList_Append(self->kept, (PyObject *)times) == 0)
+    result = PyList_Append(self->kept, (PyObject *)quats);
   if (result == 0)
-    *out = (pl_attitude_table){(size_t)shape[0], PyArray_DATA((PyArrayObject *)own[0]),
-                               PyArray_DATA((PyArrayObject *)own[1])};
+    *out = (pl_attitude_table){(size_t)shape[0], PyArray_DATA(times), PyArray_DATA(quats)};
   Py_XDECREF((PyObject *)times);
   Py_XDECREF((PyObject *)quats);
-  Py_XDECREF(own[0]);
-  Py_XDECREF(own[1]);
   return result;
 }
 

@@ -28,9 +28,34 @@ static void raise_shape(const char *what, int nd, const npy_intp *shape, PyArray
   Py_XDECREF(got);
 }
 
+PyArrayObject *pl_py_own_array(PyObject *object, int type) {
+  PyObject *given = PyArray_FROMANY(object, type, 0, 0, NPY_ARRAY_IN_ARRAY | NPY_ARRAY_ENSUREARRAY);
+  if (given == NULL)
+    return NULL;
+  /* ENSURECOPY above would not do: what an object's __array__ returns counts as a copy already. */
+  PyObject *own =
+      PyArray_FromArray((PyArrayObject *)given, PyArray_DescrFromType(type),
+                        NPY_ARRAY_CARRAY | NPY_ARRAY_ENSURECOPY | NPY_ARRAY_ENSUREARRAY);
+  Py_DECREF(given);
+  return (PyArrayObject *)own;
+}
+
+int pl_py_keep_memory(PyObject *kept, PyObject *array) {
+  /* NumPy resizes no array that has weak references; refcheck=False does not change that. */
+  for (PyObject *at = array; at != NULL && PyArray_Check(at);
+       at = PyArray_BASE((PyArrayObject *)at)) {
+    PyObject *weak = PyWeakref_NewRef(at, NULL);
+    const int failed = weak == NULL || PyList_Append(kept, weak) < 0;
+    Py_XDECREF(weak);
+    if (failed)
+      return -1;
+  }
+  return PyList_Append(kept, array);
+}
+
 PyArrayObject *pl_py_array(PyObject *object, const char *what, int type, int nd,
                            const npy_intp *shape) {
-  PyArrayObject *array = (PyArrayObject *)PyArray_FROMANY(object, type, 0, 0, NPY_ARRAY_IN_ARRAY);
+  PyArrayObject *array = pl_py_own_array(object, type);
   if (array == NULL)
     return NULL;
   int same = PyArray_NDIM(array) == nd;

@@ -30,17 +30,26 @@ PyObject *pl_py_sunlight(PyObject *module, PyObject *args, PyObject *kwargs);
 PyObject *pl_py_cloud_cover(PyObject *module, PyObject *args);
 /* Marks the scene as in use, so that nothing is added any more. */
 const pl_scene *pl_py_scene_freeze(PyObject *object);
-/* While a frame of the scene is rendered (change +1 before, -1 after) its materials stay. */
-void pl_py_scene_hold(PyObject *scene, int change);
+/* From hold to release its materials stay, and nothing is added; -1 with ValueError where another
+ * thread, or the code of an argument, is in the middle of changing it. */
+int pl_py_scene_hold(PyObject *scene);
+void pl_py_scene_release(PyObject *scene);
 
 /* Whether `object` is of the type that has this tp_dealloc: our types cannot be subclassed, so the
  * function identifies them without module state (the limited API of 3.11 has no way from an
  * argument to the module). */
 int pl_py_is(PyObject *object, void *dealloc);
 
-/* `array` as C-contiguous values of `type` with exactly these dimensions (-1: any), or NULL with
- * ValueError naming `what`. A new reference. */
+/* `object` as C-contiguous values of `type`, or NULL with an exception; a new reference. Always a
+ * copy that no one else knows of: code of other arguments, and other threads, may resize or reshape
+ * what they passed between our checks and our use of it. */
+PyArrayObject *pl_py_own_array(PyObject *object, int type);
+/* The same with exactly these dimensions (-1: any); ValueError names `what`. */
 PyArrayObject *pl_py_array(PyObject *object, const char *what, int type, int nd,
                            const npy_intp *shape);
+
+/* For large arrays that are not copied: appends `array` to the list `kept`, and sees to it that its
+ * memory stays where it is for as long. */
+int pl_py_keep_memory(PyObject *kept, PyObject *array);
 
 #endif

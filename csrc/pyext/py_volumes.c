@@ -128,16 +128,14 @@ static int parse_list(PyObject *list, PyObject *request, pl_py_states *states,
   }
   if (count == 0)
     return 0;
-  states->volumes_kept = PyList_New(0);
-  for (Py_ssize_t i = 0; states->volumes_kept != NULL && i < count; i++) {
+  for (Py_ssize_t i = 0; i < count; i++) {
     PyObject *given = PySequence_GetItem(list, i);
-    const int failed =
-        given == NULL || parse_volume(given, states->volumes_kept, &states->volumes[i]) < 0;
+    const int failed = given == NULL || parse_volume(given, states->kept, &states->volumes[i]) < 0;
     Py_XDECREF(given);
     if (failed)
       return -1;
   }
-  if (states->volumes_kept == NULL || parse_parameters(list, states, (size_t)count) < 0 ||
+  if (parse_parameters(list, states, (size_t)count) < 0 ||
       pl_py_member(request, "quality", 0, "request", &quality) < 0)
     return -1;
   const int failed = pl_py_member_size(quality, "volume_steps", "quality", &steps);
@@ -150,7 +148,6 @@ static int parse_list(PyObject *list, PyObject *request, pl_py_states *states,
 
 int pl_py_volumes_parse(PyObject *request, pl_py_states *states, pl_frame_request *out) {
   PyObject *given;
-  Py_CLEAR(states->volumes_kept);
   out->placement.volumes = NULL;
   out->placement.volume_count = 0;
   if (pl_py_member(request, "volumes", 1, "request", &given) < 0)
@@ -158,9 +155,4 @@ int pl_py_volumes_parse(PyObject *request, pl_py_states *states, pl_frame_reques
   const int failed = given != Py_None ? parse_list(given, request, states, out) : 0;
   Py_DECREF(given);
   return failed;
-}
-
-void pl_py_volumes_clear(pl_py_states *states) {
-  Py_CLEAR(states->volumes_kept);
-  pl_free(states->volume_parameters);
 }

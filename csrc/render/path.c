@@ -274,7 +274,7 @@ static void set_lobes(const pl_render_settings *settings, float alpha_min, pl_su
 }
 
 /* The path met the boundary of a solid, if it is one: it may come through it, whose extinction is
- * by the length of the model's units. Boundaries hand on no more than their own roughness: light
+ * by the length of the mesh's units. Boundaries hand on no more than their own roughness: light
  * that goes to and fro between them would see them rougher at every turn. */
 static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path, float *cap) {
   pl_lobes *lobes = &vertex->surface.lobes;

@@ -182,6 +182,14 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_det
     shade_graph(object, graph, &point, detail, beam, vertex);
 }
 
+/* An interpolated normal can lean away from the viewer, who sees the surface all the same; it is
+ * brought back to this cosine. */
+#define GRAZING 1e-3f
+
+static pl_vec3f bring_back(pl_vec3f n, float cosine, pl_vec3f view) {
+  return pl_vec3f_unit(pl_vec3f_madd(n, GRAZING - cosine, view));
+}
+
 /* Surfaces are two-sided: published models are not reliably wound. */
 static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
   surface->ng = ng;
@@ -190,12 +198,9 @@ static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
     surface->n = pl_vec3f_scale(surface->n, -1.0f);
     surface->b = pl_vec3f_scale(surface->b, -1.0f);
   }
-  /* An interpolated normal can lean away from the viewer; bring it back to grazing. */
   const float cosine = pl_vec3f_dot(surface->n, view);
-  if (cosine < 1e-3f) {
-    const pl_vec3f n = pl_vec3f_unit(pl_vec3f_madd(surface->n, 1e-3f - cosine, view));
-    pl_surface_set_frame(surface, n, surface->t, 1.0f);
-  }
+  if (cosine < GRAZING)
+    pl_surface_set_frame(surface, bring_back(surface->n, cosine, view), surface->t, 1.0f);
 }
 
 void pl_vertex_face_layers(pl_vertex *vertex) {
@@ -214,6 +219,10 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
   const bool behind = pl_vec3_dot(pl_vec3f_to_double(vertex->ng), beam->direction) > 0.0;
   vertex->surface.ng = behind ? pl_vec3f_scale(vertex->ng, -1.0f) : vertex->ng;
   vertex->surface.n = behind ? pl_vec3f_scale(n, -1.0f) : n;
+  const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0));
+  const float cosine = pl_vec3f_dot(vertex->surface.n, view);
+  if (on_mesh && cosine < GRAZING) /* those of bodies are exact */
+    vertex->surface.n = bring_back(vertex->surface.n, cosine, view);
 }
 
 static bool on_shape(const pl_snapshot *shot, uint32_t thing) {

@@ -35,7 +35,8 @@ void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit
                       pl_vertex *out);
 /* The nearest ellipsoid of a body that a beam from the camera meets, located; false for none. */
 bool pl_vertex_meet_bodies(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *out);
-/* The interpolated shading normal on the viewer's side, into surface.n and surface.ng alone. */
+/* The interpolated shading normal, less than 90 degrees from the viewer, and the geometric one on
+ * the viewer's side: into surface.n and surface.ng alone. */
 void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex);
 /* Shading frame and material at a located vertex. As detailed as asked for. */
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,

@@ -79,8 +79,9 @@ static double inner_step_m(const pl_object *object, const pl_object_state *state
   double most = 0.0;
   for (size_t i = 0; state->mover_keys != NULL && i < 8 * count; i++) {
     const pl_affine *a = state->mover_keys + (size_t)key * count + i / 8;
-    const pl_vec3 p = {i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1],
-                       i & 4 ? high[2] : low[2]};
+    const pl_vec3 corner = {i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1],
+                            i & 4 ? high[2] : low[2]};
+    const pl_vec3 p = pl_model_point(object->model, corner);
     const pl_vec3 from = pl_vec3_add(pl_mat3_mul_vec(a->m, p), a->t);
     const pl_vec3 to = pl_vec3_add(pl_mat3_mul_vec(a[count].m, p), a[count].t);
     most = fmax(most, pl_vec3_norm(pl_vec3_sub(to, from)));

@@ -35,7 +35,8 @@ static void place(const pl_shot_object *object, size_t k, const pl_affine *motio
                   pl_shot_piece *out) {
   *out = (pl_shot_piece){.model = &object->object->cut->pieces[k],
                          .cover = &object->object->cut->covers[k]};
-  const pl_vec3 shifted = pl_vec3_sub(motion->t, object->object->offset);
+  const pl_affine moved = pl_model_mesh_motion(object->object->model, motion);
+  const pl_vec3 shifted = pl_vec3_sub(moved.t, object->object->offset);
   out->linear = pl_mat3_mul(object->rotation, motion->m);
   for (int i = 0; i < 3; i++)
     out->linear.row[i] = pl_vec3_scale(out->linear.row[i], object->scale);

@@ -139,9 +139,10 @@ static pl_status check_movers(const pl_object *object, const pl_object_state *st
   const double most = 1e3;
   const float *low = object->model->bounds_min, *high = object->model->bounds_max;
   const size_t movers = pl_object_mover_count(object);
-  double reach = 0.0;
-  for (int k = 0; k < 3; k++)
-    reach = fmax(reach, fmax(fabs((double)low[k]), fabs((double)high[k])));
+  const pl_vec3 a = pl_model_point(object->model, (pl_vec3){low[0], low[1], low[2]});
+  const pl_vec3 b = pl_model_point(object->model, (pl_vec3){high[0], high[1], high[2]});
+  const double reach = fmax(fmax(fmax(fabs(a.x), fabs(b.x)), fmax(fabs(a.y), fabs(b.y))),
+                            fmax(fabs(a.z), fabs(b.z)));
   if (movers > 0 && state->movers == NULL)
     return pl_fail(PL_E_ARGUMENT, "object '%s': its moving nodes have no motion", object->name);
   const size_t keyed = state->mover_keys != NULL ? movers * (size_t)state->mover_key_count : 0;
@@ -166,14 +167,15 @@ static pl_status check_object(const pl_object *object, const pl_object_state *st
   double units = 0.0;
   for (int k = 0; k < 3; k++)
     units = fmax(units, (double)high[k] - low[k]);
-  const double size_m = state->scale * units;
+  const double size_m = state->scale * object->model->unit * units;
   if (!(state->scale > 0.0) || !isfinite(state->scale))
     return pl_fail(PL_E_RANGE, "object '%s': scale must be finite and positive", object->name);
   if (!(size_m >= SIZE_MIN_M && size_m <= REACH_M))
     return pl_fail(PL_E_RANGE, "object '%s': is %.3g m long, must be %g..%g", object->name, size_m,
                    SIZE_MIN_M, REACH_M);
   const pl_pose pose = pl_motion_middle(&state->motion);
-  const double distance = pl_vec3_norm(pl_vec3_sub(pose.t, camera)) / state->scale;
+  const double distance =
+      pl_vec3_norm(pl_vec3_sub(pose.t, camera)) / (state->scale * object->model->unit);
   if (!(distance <= REACH_UNITS))
     return pl_fail(PL_E_RANGE, "object '%s': is %.3g of its model's units away, must be at most %g",
                    object->name, distance, REACH_UNITS);
@@ -194,9 +196,10 @@ static pl_status check_outside(const pl_object *shape, const pl_object_state *st
                                pl_vec3 camera) {
   const pl_pose pose = pl_motion_middle(&state->motion);
   const pl_vec3 p = pl_mat3_mul_vec_t(pl_mat3_from_quat(pose.q), pl_vec3_sub(camera, pose.t));
+  const pl_vec3 q = pl_model_mesh_point(shape->model, p);
   const float *low = shape->model->bounds_min, *high = shape->model->bounds_max;
-  if (p.x < low[0] || p.y < low[1] || p.z < low[2] || p.x > high[0] || p.y > high[1] ||
-      p.z > high[2] || fabs(pl_shape_winding(shape->model, p)) < 0.5)
+  if (q.x < low[0] || q.y < low[1] || q.z < low[2] || q.x > high[0] || q.y > high[1] ||
+      q.z > high[2] || fabs(pl_shape_winding(shape->model, p)) < 0.5)
     return PL_OK;
   return pl_fail(PL_E_RANGE, "the camera is inside the shape of body '%s'", shape->name);
 }

@@ -104,7 +104,7 @@ static pl_status add_object(pl_scene *scene, const char *name, const pl_model *m
   pl_object object = {
       .name = pl_strdup(name),
       .model = model,
-      .offset = offset,
+      .offset = pl_model_mesh_point(model, offset),
       .obj_id = obj_id,
       .instance_id = instance_id,
       .part_count = parts->count,
@@ -225,7 +225,7 @@ static double reach_of(const pl_model *shape) {
   double square = 0.0;
   for (size_t v = 0; v < shape->vertex_count; v++) {
     const float *p = shape->positions + 3 * v;
-    const pl_vec3 corner = {p[0], p[1], p[2]};
+    const pl_vec3 corner = pl_model_point(shape, (pl_vec3){p[0], p[1], p[2]});
     square = fmax(square, pl_vec3_dot(corner, corner));
   }
   return sqrt(square);

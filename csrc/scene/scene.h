@@ -32,12 +32,13 @@ typedef struct pl_part_table {
   const uint16_t *class_ids;     /* the scene's levels per part */
 } pl_part_table;
 
-/* An instance of a model. A model point p lies at scale * (p - offset) in the object's frame. A
+/* An instance of a model. A mesh point p lies at scale * (p - offset) in the object's frame, where
+ * the scale is that of pl_shot_object. A
  * body with a shape has one too, which moves with it and is shaded as it. */
 typedef struct pl_object {
   char *name;            /* owned */
   const pl_model *model; /* borrowed; of an articulated object the cut's whole */
-  pl_vec3 offset;        /* model units */
+  pl_vec3 offset;        /* mesh units */
   int32_t obj_id, instance_id;
   size_t part_count;
   uint32_t *triangle_part;        /* owned, per triangle; NULL: the model's */
@@ -90,8 +91,9 @@ typedef struct pl_scene {
 /* levels: of semantic labels, 1..PL_LEVELS_MAX. */
 pl_status pl_scene_init(int levels, pl_scene *out);
 void pl_scene_clear(pl_scene *scene);
-/* Copies name and what the table points to; its index is the craft_count of before. PL_E_RANGE for
- * a triangle's part that is not in it. */
+/* Copies name and what the table points to; its index is the craft_count of before. `offset`: the
+ * point of the model, in its units, that is the origin of the object's frame. PL_E_RANGE for a
+ * triangle's part that is not in it. */
 pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
                               pl_vec3 offset, int32_t obj_id, int32_t instance_id,
                               const pl_part_table *parts);

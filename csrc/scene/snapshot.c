@@ -72,13 +72,13 @@ static void build_object(const pl_object *object, size_t index, const pl_object_
   const pl_pose pose = pl_motion_middle(&state->motion);
   *out = (pl_shot_object){.object = object,
                           .parameters = state->parameters,
-                          .scale = state->scale,
+                          .scale = state->scale * object->model->unit,
                           .kept = true,
                           .eclipsed = true};
   out->rotation = pl_mat3_from_quat(pose.q);
   out->position = pl_vec3_sub(pose.t, camera);
   const pl_mat3 m = out->rotation;
-  const double s = state->scale;
+  const double s = out->scale;
   const pl_vec3 shift = pl_mat3_mul_vec(m, pl_vec3_scale(object->offset, -s));
   const pl_vec3 t = pl_vec3_add(out->position, shift);
   const double columns[12] = {s * m.row[0].x,
@@ -103,9 +103,9 @@ static void build_object(const pl_object *object, size_t index, const pl_object_
   const pl_vec3 local = pl_vec3_scale(pl_vec3_sub(middle, object->offset), s);
   out->center = pl_vec3_add(out->position, pl_mat3_mul_vec(m, local));
   out->radius_m = s * pl_vec3_norm(half) * (1.0 + 1e-6);
-  if (object->body >= 0 && object->reach < pl_vec3_norm(half)) {
+  if (object->body >= 0 && state->scale * object->reach < s * pl_vec3_norm(half)) {
     out->center = out->position;
-    out->radius_m = s * object->reach * (1.0 + 1e-6);
+    out->radius_m = state->scale * object->reach * (1.0 + 1e-6);
   }
 }
 

@@ -14,8 +14,8 @@ typedef struct pl_shot_piece {
   const pl_model *model; /* borrowed: its own triangles */
   const pl_cover *cover; /* borrowed */
   bool present;          /* has triangles, and its motion does not flatten it */
-  pl_mat3 linear;        /* model axes to root axes, m per model unit */
-  pl_vec3 origin;        /* of the model's coordinates, camera-relative, m */
+  pl_mat3 linear;        /* model axes to root axes, m per mesh unit */
+  pl_vec3 origin;        /* of the mesh's coordinates, camera-relative, m */
   pl_mat3 normal;        /* turns normals, not to unit length */
   float side;            /* -1 where the motion mirrors: triangles wind the other way round */
   float to_view[12];     /* as in pl_shot_object */
@@ -24,17 +24,17 @@ typedef struct pl_shot_piece {
 typedef struct pl_shot_object {
   const pl_object *object;    /* borrowed */
   const pl_value *parameters; /* of its graphs; borrowed */
-  double scale;               /* metres per model unit */
+  double scale;               /* metres per mesh unit */
   pl_mat3 rotation;           /* object axes to root axes */
   pl_vec3 position;           /* of the object's origin, camera-relative, m */
-  float to_view[12]; /* model units to view, 3x4 column-major (x, y, z axes, translation) */
-  pl_vec3 center;    /* of the bounding sphere, camera-relative, m */
-  double radius_m;   /* of the bounding sphere */
-  bool in_frame;     /* the sphere touches the frustum */
-  bool kept;         /* part of the accelerator; culled ones cannot touch the image */
-  bool eclipsed;     /* a body's shadow may fall on it; set by pl_snapshot_cull */
-  bool dark;         /* it lies wholly in a body's umbra; set by pl_snapshot_cull */
-  bool dot;          /* as of bodies: of the shape of one, too small for the samples of pixels */
+  float to_view[12];          /* mesh units to view, 3x4 column-major (x, y, z axes, translation) */
+  pl_vec3 center;             /* of the bounding sphere, camera-relative, m */
+  double radius_m;            /* of the bounding sphere */
+  bool in_frame;              /* the sphere touches the frustum */
+  bool kept;                  /* part of the accelerator; culled ones cannot touch the image */
+  bool eclipsed;              /* a body's shadow may fall on it; set by pl_snapshot_cull */
+  bool dark;                  /* it lies wholly in a body's umbra; set by pl_snapshot_cull */
+  bool dot; /* as of bodies: of the shape of one, too small for the samples of pixels */
   /* Of an articulated object: every triangle is in one of these and placed by it, not by to_view;
    * pose and scale are still the object's. */
   const pl_shot_piece *pieces; /* in the order of the cut; NULL of others */

@@ -21,7 +21,7 @@ typedef struct pl_lobes {
   /* Index of refraction of the solid that the surface bounds, against vacuum; 0: a thin wall. */
   float ior;
   bool inside;         /* the viewer is inside that solid */
-  pl_vec3f extinction; /* of the solid, per unit of the model */
+  pl_vec3f extinction; /* of the solid, per unit of the mesh */
 } pl_lobes;
 
 /* Part of the light that a way of `length` model units through the solid leaves (Beer, Lambert). */

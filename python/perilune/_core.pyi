@@ -72,7 +72,7 @@ class Model:
     @property
     def warnings(self) -> tuple[str, ...]: ...
     def mesh(self) -> dict[str, NDArray[Any]]:
-        """Copies: positions (V,3) f32, normals (V,3) f32, uv (V,2) f32 or absent,
+        """Copies: positions (V,3) f64, in the file's units, normals (V,3) f32, uv (V,2) f32 or absent,
         indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
     def surfaces(self) -> dict[str, NDArray[Any]]:
         """What rays meet of the triangles, by the materials of the file: double_sided (T,) bool, and

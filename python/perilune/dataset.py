@@ -1,23 +1,27 @@
-"""Frames for training loops: a map-style Dataset, an endless Stream, and batches. No torch here."""
+"""Frames for training loops: a map-style Dataset and an endless Stream. No torch here."""
 
 from __future__ import annotations
 
+import multiprocessing
+import os
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from perilune.batches import collate, tell_torch
+from perilune.ledger import Ledger
 from perilune.sample import Sample
+from perilune.schedule import Change, Schedule
 from perilune.simulation import ConfigSource, Simulation, default_threads
 from perilune.simulation import open as open_simulation
-from perilune.workers import torch_worker as _torch_worker
+from perilune.workers import in_torch_worker, torch_worker
 
-Array = NDArray[Any]
+__all__ = ["Dataset", "Stream", "collate"]
+
 Transform = Callable[[Sample], Any]
 
-_STATE_VERSION = 1
+_STATE_VERSION = 2
 
 
 def _simulation(config: ConfigSource | Simulation, seed: int | None) -> Simulation:
@@ -30,13 +34,111 @@ def _simulation(config: ConfigSource | Simulation, seed: int | None) -> Simulati
 
 def _threads(threads: int | None) -> int:
     """As asked; else this worker's share of the processors."""
-    return threads if threads is not None else max(1, default_threads() // _torch_worker()[1])
+    workers = torch_worker()[1]
+    return threads if threads is not None else max(1, default_threads() // workers)
 
 
-class Dataset:
-    """`length` frames by index, from `start` on: a torch Dataset without importing torch.
+class _Frames:
+    """What Dataset and Stream share: a simulation, and the changes that were made to it.
 
-    transform: called with each Sample; what it returns is the item.
+    Copies in the workers of a DataLoader read the changes from a ledger; other copies, as by
+    pickle, have a ledger of their own.
+    """
+
+    def __init__(
+        self,
+        config: ConfigSource | Simulation,
+        seed: int | None,
+        channels: Sequence[str] | None,
+        transform: Transform | None,
+        threads: int | None,
+    ) -> None:
+        self.simulation = _simulation(config, seed)
+        self.channels = channels
+        self.transform = transform
+        self.threads = threads
+        self._schedule = Schedule(self.simulation)
+        self._keep(Ledger())
+        self._came_from: str | None = None
+        """Path of the ledger of what this is a pickled copy of."""
+        self._pid = os.getpid()
+        tell_torch()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_ledger": None, "_schedule": self.changes}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._came_from, self._pid = self._path, os.getpid()
+        carried, self._schedule = self._schedule, Schedule(self.simulation)
+        self._keep(Ledger())
+        with self._shared().held():
+            self._shared().append({"changes": carried})
+
+    def _keep(self, ledger: Ledger) -> None:
+        self._ledger, self._path, self._seen = ledger, ledger.path, 0
+
+    def _shared(self) -> Ledger:
+        """The ledger: of the process that started this worker, or one's own."""
+        if self._came_from is not None and in_torch_worker():
+            # Pickled into a worker that was spawned. A fork has its parent's ledger already.
+            given = Ledger(self._came_from)
+            if self._pid == os.getpid() and given.is_there():
+                self._schedule = Schedule(self.simulation)
+                self._keep(given)
+            self._came_from = None
+        return self._ledger
+
+    def _follow(self, ledger: Ledger) -> None:
+        """Takes over what was changed meanwhile; while the ledger is held."""
+        for row in ledger.rows[self._seen :]:
+            if "changes" in row:
+                self._schedule = Schedule(self.simulation, [(at, c) for at, c in row["changes"]])
+            elif "set" in row:
+                self._schedule.add(row["at"], row["set"], known=True)
+        self._seen = len(ledger.rows)
+
+    @property
+    def changes(self) -> list[Change]:
+        """(index, {key path: value}) of what `set` has changed, by the index it holds from."""
+        ledger = self._shared()
+        with ledger.held():
+            self._follow(ledger)
+        return list(self._schedule.changes)
+
+    def _set(self, ledger: Ledger, at: int, change: Mapping[str, Any]) -> None:
+        """While the ledger is held."""
+        if in_torch_worker():
+            raise RuntimeError("set: call it in the process that made the loader, not in a worker")
+        self._schedule.add(at, change)
+        ledger.append({"at": at, "set": dict(change)})
+        self._seen = len(ledger.rows)
+
+    def _item(self, index: int) -> Any:
+        tell_torch()
+        simulation = self._schedule.simulation(index)
+        sample = simulation.frame(index, self.channels, _threads(self.threads))
+        return sample if self.transform is None else self.transform(sample)
+
+
+def _plain(changes: Mapping[str, Any] | None, dotted: Mapping[str, Any]) -> dict[str, Any]:
+    """As JSON can hold it. ValueError for no change at all."""
+    from perilune.config.loader import plain_tree
+
+    found = plain_tree({**(changes or {}), **dotted}, "set")
+    if not found:
+        raise ValueError("set: no change; give key paths and values, as {'drivers.strength': 0.5}")
+    return found
+
+
+class Dataset(_Frames):
+    """`length` frames by index, from `start` on: a map-style dataset without importing torch.
+
+    Items are Samples; perilune.torch.Dataset gives tensors. The same item is the same frame, to the
+    bit, in any epoch, order and worker.
+
+    channels: names to compute (default: render.channels). transform: called with each Sample; what
+    it returns is the item. threads: of a frame (default: the processors, shared by the workers).
     """
 
     def __init__(
@@ -52,11 +154,8 @@ class Dataset:
     ) -> None:
         if length < 0 or start < 0:
             raise ValueError(f"length = {length}, start = {start}: must not be negative")
-        self.simulation = _simulation(config, seed)
+        super().__init__(config, seed, channels, transform, threads)
         self.start = start
-        self.channels = channels
-        self.transform = transform
-        self.threads = threads
         self._length = length
 
     def __len__(self) -> int:
@@ -66,18 +165,80 @@ class Dataset:
         position = index + self._length if index < 0 else index
         if not 0 <= position < self._length:
             raise IndexError(f"index {index} of a dataset of {self._length} frames")
-        sample = self.simulation.frame(self.start + position, self.channels, _threads(self.threads))
-        return sample if self.transform is None else self.transform(sample)
+        ledger = self._shared()
+        with ledger.held():
+            self._follow(ledger)
+        return self._item(self.start + position)
+
+    def set(
+        self, changes: Mapping[str, Any] | None = None, at: int = 0, **dotted: Any
+    ) -> None:
+        """Changes the configuration of the frames whose index (Sample.meta["index"]) is `at` or
+        more, whenever they are made from now on; in workers too, also in persistent ones.
+
+        changes, dotted: key path -> value, as {"drivers.strength": 0.5}. Between epochs no frame is
+        under way, and all of the next epoch have the change. In an epoch, batches that workers have
+        already begun come without it: `meta["overrides"]` of each sample says what it was made
+        with. ConfigError for a faulty change, and then nothing is changed.
+        """
+        given, ledger = _plain(changes, dotted), self._shared()
+        with ledger.held():
+            self._follow(ledger)
+            self._set(ledger, at, given)
+
+    def state_dict(self) -> dict[str, Any]:
+        """The changes made by `set`, as plain values; where an epoch stands is its sampler's."""
+        return {
+            "version": _STATE_VERSION,
+            "seed": self.simulation.config.seed,
+            "start": self.start,
+            "changes": [[at, dict(change)] for at, change in self.changes],
+        }
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Puts the changes of `state` in the place of those that are; refuses that of another seed
+        or start. ConfigError where they do not fit the configuration."""
+        mine = {"seed": self.simulation.config.seed, "start": self.start}
+        _check_state(mine, state)
+        _restore(self, state.get("changes", ()))
 
 
-class Stream:
+def _check_state(mine: Mapping[str, Any], state: Mapping[str, Any]) -> None:
+    for key, value in mine.items():
+        if state.get(key) != value:
+            raise ValueError(f"state of another stream: {key} is {state.get(key)}, not {value}")
+
+
+def _restore(frames: _Frames, changes: Sequence[Sequence[Any]]) -> None:
+    """Puts changes in the place of those that are; checks them first."""
+    schedule = Schedule(frames.simulation)
+    for at, change in changes:
+        schedule.add(at, change)
+    ledger = frames._shared()
+    with ledger.held():
+        ledger.append({"changes": schedule.changes})
+        frames._follow(ledger)
+
+
+class Stream(_Frames):
     """Endless frames start, start + 1, ...; resumable, and split over shards and workers.
 
-    shard = (k, n): every n-th frame from start + k on. Under torch's DataLoader each worker takes
-    its share of that, so that no frame comes twice. `state_dict` counts the frames that this stream
-    has yielded in this process; `load_state_dict` goes on after them. In a DataLoader with workers
-    the streams that count are the workers' copies: give the batches' own count as `start` then, or
-    use torchdata's StatefulDataLoader, which asks every worker.
+    Items are Samples; perilune.torch.IterableDataset gives tensors. A stream is never at its
+    beginning again: another `iter`, or another epoch of a DataLoader, goes on with new frames.
+
+    shard = (k, n): every n-th frame from start + k on, as for process k of n in distributed
+    training. Positions count the frames of the shard: 0 is start + k, 1 is start + k + n.
+
+    Under torch's DataLoader with W workers, worker w takes positions w, w + W, w + 2 W, ...; with
+    `batch_size` B, it takes them B at a time, so that a loader of that batch size gives all frames
+    in order for any number of workers. No frame comes twice.
+
+    perilune.torch.StreamLoader, or torchdata's StatefulDataLoader, counts the batches that were
+    handed out, so that stopping and resuming, or a second epoch, leaves no frame out. torch's own
+    DataLoader tells nobody: there a second epoch goes on after the last frame that any worker has
+    begun, and leaves out what workers had prepared when the first one was broken off.
+
+    channels, transform, threads: as for Dataset.
     """
 
     def __init__(
@@ -87,6 +248,7 @@ class Stream:
         *,
         start: int = 0,
         shard: tuple[int, int] = (0, 1),
+        batch_size: int = 1,
         channels: Sequence[str] | None = None,
         transform: Transform | None = None,
         threads: int | None = None,
@@ -94,87 +256,194 @@ class Stream:
         part, count = shard
         if start < 0 or not 0 <= part < count:
             raise ValueError(f"start = {start}, shard = {shard}: must be start >= 0, 0 <= k < n")
-        self.simulation = _simulation(config, seed)
+        if batch_size < 1:
+            raise ValueError(f"batch_size = {batch_size}: must be 1 or more")
+        super().__init__(config, seed, channels, transform, threads)
         self.start = start
         self.shard = shard
-        self.channels = channels
-        self.transform = transform
-        self.threads = threads
-        self._yielded = 0
+        self.batch_size = batch_size
+        self._first = 0
+        """Position that this stream, or this worker's pass over it, begins at."""
+        self._taken = 0
+        """Frames handed out since, by this process."""
+        self._loaded = False
+        """Whether a worker was given a state, which says where its next pass begins."""
+        self._passes = 0
+        """Passes begun by this worker."""
+        self._loop: int | None = None
+        """Which loop of a StreamLoader the workers are made in."""
         _register_with_torch()
 
+    @property  # type: ignore[misc]
+    def __class__(self) -> type:
+        """Its type. DataLoader asks for it, by isinstance; a stream that is older than torch is
+        made known to it then."""
+        _register_with_torch()
+        return type(self)
+
     def __iter__(self) -> Iterator[Any]:
-        worker, workers = _torch_worker()
-        part, count = self.shard
-        first, stride = self.start + part + count * worker, count * workers
+        worker, workers = torch_worker()
+        mark = self._begin_pass()
         while True:
-            index = first + stride * self._yielded
-            sample = self.simulation.frame(index, self.channels, _threads(self.threads))
-            item = sample if self.transform is None else self.transform(sample)
-            self._yielded += 1
+            block, place = divmod(self._taken, self.batch_size)
+            position = self._first + self.batch_size * (worker + workers * block) + place
+            ledger = self._shared()
+            with ledger.held():
+                self._follow(ledger)
+                if mark is None or _last_mark(ledger) is mark:
+                    ledger.begun = max(ledger.begun, position + 1)
+            item = self._item(self._index(position))
+            self._taken += 1
             yield item
 
-    def state_dict(self) -> dict[str, int]:
-        """Where the stream stands, as plain numbers."""
+    def _index(self, position: int) -> int:
+        part, count = self.shard
+        return self.start + part + count * position
+
+    def _begin_pass(self) -> dict[str, Any] | None:
+        """Finds out where a pass begins; gives its line in the ledger, if a worker makes it."""
+        if not in_torch_worker():
+            self._first, self._taken = self.position, 0
+            return None
+        ledger = self._shared()
+        with ledger.held():
+            key, value = ("loop", self._loop) if self._loop is not None else ("pass", _family())
+            name = value + self._passes if isinstance(value, int) else f"{value}:{self._passes}"
+            self._passes += 1
+            mark = next((row for row in ledger.rows if row.get(key) == name), None)
+            if mark is None:
+                ledger.append({key: name, "first": ledger.begun})
+                mark = ledger.rows[-1]
+        if not self._loaded:
+            self._first, self._taken = mark["first"], 0
+        self._loaded = False
+        return mark
+
+    @property
+    def position(self) -> int:
+        """How many frames of the shard have been handed out.
+
+        With workers of torch's own DataLoader: how many these have begun.
+        """
+        own = self._first + self._taken
+        ledger = self._shared()
+        with ledger.held():
+            if "pass" in (_last_mark(ledger) or {}) and not in_torch_worker():
+                return max(own, ledger.begun)
+        return own
+
+    def go_to(self, position: int, loop: bool = False) -> int:
+        """Makes `position` the next one; for what hands out frames. Gives it back.
+
+        loop: workers that are made from now on begin there, and persistent ones their next pass.
+        """
+        ledger = self._shared()
+        with ledger.held():
+            self._loop = None
+            row = {"go_to": position}
+            if loop:
+                self._loop = sum("loop" in other for other in ledger.rows)
+                row = {"loop": self._loop, "first": position}
+            ledger.append(row)
+            ledger.begun = position
+        self.handed_out(position)
+        return position
+
+    def handed_out(self, position: int) -> None:
+        """Says that all frames before a position are with the user; for what hands out frames."""
+        self._first, self._taken = position, 0
+
+    def set(
+        self, changes: Mapping[str, Any] | None = None, at: int | None = None, **dotted: Any
+    ) -> int:
+        """Changes the configuration from a frame on, in all workers; gives that frame's index.
+
+        changes, dotted: key path -> value, as {"drivers.strength": 0.5}, or a driver. at: index of
+        the first frame that has them (default: the first one that no worker has begun). So each
+        frame is a function of configuration, changes, seed and index, and the changes stand in
+        `meta["overrides"]` and in `state_dict`.
+        ValueError where a frame from `at` on has been begun; ConfigError for a faulty change. Then
+        nothing is changed.
+        """
+        given, own = _plain(changes, dotted), self._first + self._taken
+        ledger = self._shared()
+        with ledger.held():
+            self._follow(ledger)
+            earliest = self._index(max(own, ledger.begun))
+            if at is not None and at < earliest:
+                text = f"frames before {earliest} are made or being made"
+                raise ValueError(f"set: at = {at}: {text}; the earliest is {earliest}")
+            at = earliest if at is None else at
+            self._set(ledger, at, given)
+        return at
+
+    def state_dict(self) -> dict[str, Any]:
+        """Where the stream stands, and what `set` has changed, as plain values.
+
+        position: frames handed out, of the shard. In a worker, where torchdata's loader asks, it is
+        where the worker's pass has begun, and `taken` what the worker itself has made since.
+        """
+        worker, workers = torch_worker()
+        position, taken = (self.position, 0) if workers == 1 else (self._first, self._taken)
+        self._follow_now()
         return {
             "version": _STATE_VERSION,
             "seed": self.simulation.config.seed,
             "start": self.start,
             "shard": self.shard[0],
             "shards": self.shard[1],
-            "yielded": self._yielded,
+            "position": position,
+            "taken": taken,
+            "worker": worker,
+            "workers": workers,
+            "batch_size": self.batch_size,
+            "changes": [[n, dict(c)] for n, c in self._schedule.from_on(self._index(position))],
         }
 
-    def load_state_dict(self, state: Mapping[str, int]) -> None:
-        """Goes on where `state` stands; refuses that of another seed, start or shard."""
+    def _follow_now(self) -> None:
+        ledger = self._shared()
+        with ledger.held():
+            self._follow(ledger)
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Goes on where `state` stands, with its changes; refuses that of another seed, start or
+        shard, and a worker's in another worker."""
         mine = self.state_dict()
-        for key, value in mine.items():
-            if key != "yielded" and state.get(key) != value:
-                raise ValueError(f"state of another stream: {key} is {state.get(key)}, not {value}")
-        self._yielded = int(state["yielded"])
+        fixed: tuple[str, ...] = ("seed", "start", "shard", "shards")
+        position = state.get("position", state.get("yielded"))  # yielded: of version 1
+        if state.get("workers", 1) > 1 or mine["workers"] > 1:
+            fixed += ("worker", "workers", "batch_size")
+        _check_state({key: mine[key] for key in fixed}, state)
+        if position is None:
+            raise ValueError("state of another stream: it has no position")
+        if not in_torch_worker():
+            _restore(self, state.get("changes", ()))
+            self.go_to(int(position) + int(state.get("taken", 0)))
+            return
+        if not self.changes:  # the process that made the loader knows better, if it knows
+            _restore(self, state.get("changes", ()))
+        self._first, self._taken = int(position), int(state.get("taken", 0))
+        self._loaded = True
+
+
+def _last_mark(ledger: Ledger) -> dict[str, Any] | None:
+    """What was last said of where the stream is."""
+    marks = ("loop", "pass", "go_to")
+    rows = (row for row in reversed(ledger.rows) if any(key in row for key in marks))
+    return next(rows, None)
+
+
+def _family() -> str:
+    """A name that the workers of one loader share, and those of no other loader of its process:
+    workers are processes with numbers in a row."""
+    name, (worker, _) = multiprocessing.current_process().name, torch_worker()
+    found = re.fullmatch(r"(.*?)(\d+)", name)
+    return name if found is None else f"{found[1]}{int(found[2]) - worker}"
 
 
 def _register_with_torch() -> None:
     """Lets torch's DataLoader see a Stream as iterable-style, if torch is there at all."""
     data = sys.modules.get("torch.utils.data")
-    if data is not None:
-        data.IterableDataset.register(Stream)
-
-
-def _check_same_size(first: Sample, other: Sample) -> None:
-    a, b = first.camera, other.camera
-    if (a.width, a.height) != (b.width, b.height):
-        raise ValueError(
-            f"collate: images of {a.width} x {a.height} (sensor {a.sensor}) and of "
-            f"{b.width} x {b.height} (sensor {b.sensor}) do not stack; batch each sensor by itself"
-        )
-
-
-def collate(samples: Sequence[Sample], tensors: bool = False) -> dict[str, Any]:
-    """A batch: every channel stacked to (N, ...), with K, R_w2c, t_w2c, index and objects.
-
-    Where there are sensors, `sensor` lists their names; all of a batch must have one size.
-    objects: a list of structured arrays, as frames may hold different numbers. tensors: the stacked
-    arrays as torch tensors. A DataLoader's collate_fn: functools.partial(collate, tensors=True).
-    """
-    if not samples:
-        raise ValueError("collate: no samples")
-    first = samples[0]
-    for sample in samples:
-        if set(sample) != set(first):
-            raise ValueError("collate: the samples hold different channels")
-        _check_same_size(first, sample)
-    batch: dict[str, Any] = {name: np.stack([s[name] for s in samples]) for name in first}
-    batch["K"] = np.stack([s.camera.K for s in samples])
-    batch["R_w2c"] = np.stack([s.camera.R_w2c for s in samples])
-    batch["t_w2c"] = np.stack([s.camera.t_w2c for s in samples])
-    batch["index"] = np.array([s.meta["index"] for s in samples], dtype=np.int64)
-    if tensors:
-        import torch
-
-        batch = {name: torch.from_numpy(array) for name, array in batch.items()}
-    if any(s.camera.sensor is not None for s in samples):
-        batch["sensor"] = [s.camera.sensor for s in samples]
-    if first.has_objects:
-        batch["objects"] = [s.objects for s in samples]
-    return batch
+    iterable = getattr(data, "IterableDataset", None)
+    if iterable is not None:
+        iterable.register(Stream)

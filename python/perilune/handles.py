@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
-from threading import Lock
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from perilune import _core, articulation, atmospheres, ground, orbits, photometr
 from perilune.config.body import Body
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError, origin
+from perilune.config.fixed import fixed
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
@@ -116,30 +117,72 @@ def _obj_ids(config: Config) -> dict[str, int]:
     return {name: stated[name] if name in stated else next(unused) for name in config.spacecraft}
 
 
-class Handles:
-    """Built lazily, once a process; `lock` guards the renderer, which renders a frame at a time."""
+class FrameLock:
+    """Lets one frame through at a time: other threads wait, but what runs in the middle of a frame
+    in its own thread (a signal's handler, a finalizer) would wait for ever, and is refused."""
 
-    def __init__(self, document: Document, remarks: Remarks) -> None:
-        """remarks: what readers of models say goes there."""
+    def __init__(self) -> None:
+        self._lock = RLock()
+        self._busy = False
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+        if self._busy:
+            self._lock.release()
+            raise RuntimeError("a frame of this simulation is being rendered around this call")
+        self._busy = True
+
+    def __exit__(self, *_: object) -> None:
+        self._busy = False
+        self._lock.release()
+
+
+class Assets:
+    """What was read and built in a process, for a configuration and all that `with_overrides`
+    makes of it. `lock` guards the renderers, which render a frame at a time."""
+
+    def __init__(self, document: Document) -> None:
+        self.lock = FrameLock()
+        self.pool = Pool()
+        self.models: dict[str, _core.Model] = {}
+        self.files: dict[tuple[Any, ...], _core.Map] = {}
+        self.regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
+        self.skies = Skies(document.path)
+        self.shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
+        self.airs: dict[tuple[Any, ...], _core.Air | None] = {}
+        self.ring_systems: dict[Rings, _core.Rings] = {}
+        self.stages: dict[tuple[Any, ...], _Stage] = {}
+
+
+_NOT_BUILT = ("version", "name", "description", "seed", "time.", "render.channels", "drivers")
+"""Of what is fixed, keys that scenes are not built from."""
+
+
+def _built_from(config: Config) -> str:
+    """What a scene is built from, of all that no driver may change; equal texts, equal scenes."""
+    rows = fixed(config)
+    return repr({key: row for key, row in rows.items() if not key.startswith(_NOT_BUILT)})
+
+
+class Handles:
+    """Built lazily, once a process and configuration."""
+
+    def __init__(self, document: Document, remarks: Remarks, assets: Assets) -> None:
+        """remarks: what readers of models say goes there. assets: shared with other configurations
+        that were made of the same one."""
         self.document = document
         self._remarks = remarks
-        self.lock = Lock()
-        self.pool = Pool()
-        self._files: dict[tuple[Any, ...], _core.Map] = {}
-        self._regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
-        self.skies = Skies(document.path)
-        self._shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
+        self.assets = assets
+        self.lock, self.pool, self.skies = self.assets.lock, self.assets.pool, self.assets.skies
         self.volumes = Volumes(document)
-        self._airs: dict[tuple[Any, ...], _core.Air | None] = {}
-        self._ring_systems: dict[Rings, _core.Rings] = {}
-        self._stages: dict[tuple[Any, ...], _Stage] = {}
+        self._built_from = _built_from(document.config)
 
     @cached_property
     def models(self) -> Mapping[str, ObjectModel]:
         """Spacecraft entry -> its model, in the order of the configuration."""
         config = self.document.config
         ids = _obj_ids(config)
-        files: dict[str, _core.Model] = {}
+        files = self.assets.models
         result: dict[str, ObjectModel] = {}
         for name, craft in config.spacecraft.items():
             path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
@@ -234,13 +277,13 @@ class Handles:
             return None
         path = str(self.document.path(text, f"bodies.{name}.{key}"))
         read = path, *sorted(options.items())
-        if read not in self._files:
+        if read not in self.assets.files:
             try:
-                self._files[read] = _core.Map(path, **options)
+                self.assets.files[read] = _core.Map(path, **options)
             except ValueError as error:
                 where = f"{self.document.source}: bodies.{name}.{key}"
                 raise ConfigError(f"{where}: {error}") from error
-        return self._files[read]
+        return self.assets.files[read]
 
     def _cloud_map(self, name: str, body: Body) -> _core.Map | None:
         if body.clouds is None:
@@ -253,49 +296,49 @@ class Handles:
         for name, body in config.bodies.items():
             if body.shape is None:
                 continue
-            if (name, body.shape) not in self._shapes:
+            if (name, body.shape) not in self.assets.shapes:
                 key = f"bodies.{name}.shape"
                 path = self.document.path(body.shape.file, f"{key}.file")
                 try:
-                    self._shapes[name, body.shape] = shapes.load(name, body.shape, path)
+                    self.assets.shapes[name, body.shape] = shapes.load(name, body.shape, path)
                 except ValueError as error:
                     raise ConfigError(f"{self.document.source}:\n  {key}.{error}") from error
-                shape = self._shapes[name, body.shape]
+                shape = self.assets.shapes[name, body.shape]
                 self._tell(f"bodies.{name}.shape.file", str(path), shape.warnings)
-            found[name] = self._shapes[name, body.shape]
+            found[name] = self.assets.shapes[name, body.shape]
         return found
 
     def _air(self, name: str, config: Config) -> _core.Air | None:
         """The atmosphere of a body; its tables are made once for each air and radii."""
         body = config.bodies[name]
         key = _air_key(body)
-        if key not in self._airs:
-            _make_room(self._airs)
+        if key not in self.assets.airs:
+            _make_room(self.assets.airs)
             try:
-                self._airs[key] = atmospheres.air_of(config, body)
+                self.assets.airs[key] = atmospheres.air_of(config, body)
             except ValueError as error:
                 raise ConfigError(
                     f"{self.document.source}:\n  bodies.{name}.atmosphere: {error}"
                 ) from error
-        return self._airs[key]
+        return self.assets.airs[key]
 
     def _rings(self, name: str, config: Config) -> _core.Rings | None:
         """The rings of a body; their tables are made once for each that choices give."""
         given = config.bodies[name].rings
         if given is None:
             return None
-        if given not in self._ring_systems:
+        if given not in self.assets.ring_systems:
             columns = None
             if given.color_map is not None:
                 read = self._map(name, given.color_map, "rings.color_map")
                 columns = read.columns() if read is not None else None
             try:
-                self._ring_systems[given] = rings.rings_of(given, columns)
+                self.assets.ring_systems[given] = rings.rings_of(given, columns)
             except ValueError as error:
                 raise ConfigError(
                     f"{self.document.source}:\n  bodies.{name}.rings: {error}"
                 ) from error
-        return self._ring_systems[given]
+        return self.assets.ring_systems[given]
 
     def _regolith_map(self, name: str, given: Photometry | None) -> _core.Grid | None:
         """The parameter map of a body; each set of files is read once."""
@@ -303,9 +346,9 @@ class Handles:
             return None
         key = f"bodies.{name}.photometry.maps"
         paths = tuple(self.document.path(text, key) for text in given.maps)
-        if paths not in self._regolith_maps:
-            self._regolith_maps[paths] = photometry.load_map(paths)
-        return self._regolith_maps[paths]
+        if paths not in self.assets.regolith_maps:
+            self.assets.regolith_maps[paths] = photometry.load_map(paths)
+        return self.assets.regolith_maps[paths]
 
     @property
     def renderer(self) -> _core.Renderer:
@@ -319,7 +362,7 @@ class Handles:
         choices give the bodies.
         Graphs change on the scene itself, whose accelerators stay.
         """
-        key = tuple(
+        key: tuple[Any, ...] = tuple(
             (
                 body.color_map,
                 body.shape,
@@ -332,14 +375,15 @@ class Handles:
             )
             for body in config.bodies.values()
         )
-        if key not in self._stages:
-            _make_room(self._stages)
-            self._stages[key] = self._stage(config)
-        stage = self._stages[key]
+        key = (self._built_from, *key)
+        if key not in self.assets.stages:
+            _make_room(self.assets.stages)
+            self.assets.stages[key] = self._stage(config)
+        stage = self.assets.stages[key]
         try:
             self._dress(stage, self.looks.of(config))
         except Exception:
-            del self._stages[key]  # who knows what is on it
+            del self.assets.stages[key]  # who knows what is on it
             raise
         return stage.renderer
 

@@ -67,7 +67,8 @@ class Sample(Mapping[str, Array]):
         self.camera = camera
         self.meta = dict(meta)
         """seed, index, step, scene, sensor, time_utc, drivers (key path -> value), scene_drivers
-        (likewise of the scene's first step, where it differs), white_radiance (W m-2 sr-1 shown
+        (likewise of the scene's first step, where it differs), overrides (key path -> value, what
+        with_overrides and `set` of Dataset and Stream changed), white_radiance (W m-2 sr-1 shown
         as 255; None where an automatic exposure was not measured: labels alone), timings_s;
         exposure_s and gain_e_dn (of the sensor, where one of its channels was asked for); bands
         (name, mean_um and sun_part of each, where they or planes were asked for;

@@ -25,7 +25,7 @@ from perilune import (
 from perilune.config import Config, ConfigError, Document, load
 from perilune.config.errors import named, nearest
 from perilune.config.references import OBJECTS, OF_SENSOR, check_channels, check_references
-from perilune.handles import Handles, ObjectModel
+from perilune.handles import Assets, Handles, ObjectModel
 from perilune.hooks import Hook
 from perilune.imaging import intrinsics
 from perilune.motion import Kept
@@ -49,8 +49,8 @@ F64 = NDArray[np.float64]
 Array = NDArray[Any]
 ConfigSource = str | os.PathLike[str] | Mapping[str, Any]
 
-_orphans: list[Handles] = []
-"""Handles of a parent process: a fork must neither use them nor destroy them (the ray tracer's
+_orphans: list[Handles | Assets] = []
+"""Those of a parent process: a fork must neither use them nor destroy them (the ray tracer's
 threads do not exist in the child), so they stay referenced until it ends."""
 
 
@@ -59,6 +59,26 @@ def default_threads() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+class _Store:
+    """The assets that a simulation shares with all that it is made into; one set a process."""
+
+    def __init__(self) -> None:
+        self._assets: Assets | None = None
+        self._pid = 0
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _Store, ()
+
+    def of(self, document: Document) -> Assets:
+        """This process's."""
+        pid = os.getpid()
+        if self._assets is None or self._pid != pid:
+            if self._assets is not None:
+                _orphans.append(self._assets)
+            self._assets, self._pid = Assets(document), pid
+        return self._assets
 
 
 class Simulation:
@@ -73,9 +93,11 @@ class Simulation:
         document: Document,
         trajectory: Callable[[World], Any] | None = None,
         orbits: Mapping[str, Hook] | None = None,
+        store: _Store | None = None,
     ) -> None:
         """trajectory: a callable that gives the camera's poses instead of the configured one.
-        orbits: name of a body or spacecraft -> a hook that draws its orbit instead."""
+        orbits: name of a body or spacecraft -> a hook that draws its orbit instead.
+        store: of the simulation that this one is made of."""
         check_references(document.config, document.source, document.drivers, document.origins)
         self._document = document
         self._trajectory = trajectory
@@ -83,6 +105,7 @@ class Simulation:
         self._epoch = bodies.date_from_utc(document.config.time.utc_fields())
         self._drawn: Kept[Any] = Kept(64)
         self._remarks = Remarks()
+        self._store = store or _Store()
         self._handles: Handles | None = None
         self._pid = 0
         try:
@@ -96,8 +119,28 @@ class Simulation:
             raise ConfigError(f"{document.source}:\n  {text}") from error
 
     def __reduce__(self) -> tuple[Any, ...]:
-        arguments = (self._document, self._trajectory, self._orbits)
+        arguments = (self._document, self._trajectory, self._orbits, self._store)
         return Simulation, arguments, {"_remarks": self._remarks}
+
+    def with_overrides(
+        self, overrides: Mapping[str, Any] | None = None, **dotted: Any
+    ) -> Simulation:
+        """The same simulation with other values at some keys; this one stays as it is.
+
+        overrides, dotted: as those of perilune.open, on top of all that was changed before; drivers
+        as mappings or perilune.Driver. Models, maps, scenes and their accelerators are shared, so
+        that this takes the time of checking the configuration. Samples record the changes in
+        `meta["overrides"]`, from which `perilune.open(config, replay=meta)` takes them again.
+        ConfigError as from perilune.open.
+        """
+        return self._with({**(overrides or {}), **dotted})
+
+    def _with(self, changes: Mapping[str, Any], known: bool = False) -> Simulation:
+        """known: these changes were checked before."""
+        document = self._document.changed(changes, known)
+        made = Simulation(document, self._trajectory, self._orbits, self._store)
+        made._remarks = self._remarks  # models are read once, and told of once
+        return made
 
     def __repr__(self) -> str:
         cameras = self.config.cameras.items()
@@ -158,7 +201,8 @@ class Simulation:
         if self._handles is None or self._pid != pid:
             if self._handles is not None:
                 _orphans.append(self._handles)
-            self._handles, self._pid = Handles(self._document, self._remarks), pid
+            assets = self._store.of(self._document)
+            self._handles, self._pid = Handles(self._document, self._remarks, assets), pid
         return self._handles
 
     def share(self, other: Simulation) -> None:
@@ -361,6 +405,7 @@ class Simulation:
             "time_utc": scene.date.utc(),
             "drivers": dict(scene.drivers),
             "scene_drivers": self._document.scene_values(scene.index),
+            "overrides": dict(self._document.changes),
             "articulation": {name: row.meta for name, row in posed.items()},
             "white_radiance": None if np.isnan(white) else white,
             "timings_s": result["timings_s"],

@@ -38,11 +38,29 @@ static inline const char *write_text(const char *name, const char *text) {
   return write_file(name, text, strlen(text));
 }
 
-/* Loads a file that must be good. */
+/* Makes model units those of the mesh: tests of files speak of what is in them. */
+static inline void in_model_units(pl_model *model) {
+  for (size_t v = 0; v < model->vertex_count; v++) {
+    float *p = model->positions + 3 * v;
+    const pl_vec3 at = pl_model_point(model, (pl_vec3){p[0], p[1], p[2]});
+    p[0] = (float)at.x;
+    p[1] = (float)at.y;
+    p[2] = (float)at.z;
+  }
+  for (size_t i = 0; i < model->material_count; i++)
+    for (int k = 0; k < 3; k++)
+      model->materials[i].layers.extinction[k] /= (float)model->unit;
+  model->unit = 1.0;
+  model->origin = (pl_vec3){0.0, 0.0, 0.0};
+  pl_model_measure(model);
+}
+
+/* Loads a file that must be good, into model units. */
 static inline pl_model *load_file(const char *path) {
   pl_model *model;
   if (pl_gltf_load(path, &model) != PL_OK)
     fail_msg("%s", pl_error_text());
+  in_model_units(model);
   for (size_t i = 0; i < 3 * model->triangle_count; i++)
     assert_true(model->indices[i] < model->vertex_count);
   for (size_t t = 0; t < model->triangle_count; t++)

@@ -34,6 +34,7 @@ static inline pl_model *model_create(size_t vertices, size_t triangles) {
   assert_non_null(model);
   model->vertex_count = vertices;
   model->triangle_count = triangles;
+  model->unit = 1.0;
   model->positions = pl_alloc(3 * vertices + 1, sizeof(float));
   model->normals = pl_alloc(3 * vertices, sizeof(float));
   model->indices = pl_alloc(3 * triangles, sizeof(uint32_t));

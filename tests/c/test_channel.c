@@ -66,6 +66,7 @@ static pl_vertex vertex_at(const fixture *f, uint32_t thing, pl_vec3 local, pl_v
   const pl_vec3 p = pl_vec3_sub(*root, f->stage.placement.camera.motion.open.t);
   pl_vertex vertex = {.position = p, .t = pl_vec3_norm(p), .thing = thing, .triangle = 3};
   vertex.surface.n = pl_vec3_to_float(pl_vec3_unit(pl_vec3_scale(p, -1.0)));
+  vertex.surface.ng = pl_vec3_to_float(pl_vec3_unit((pl_vec3){-p.y, p.x, -p.z}));
   return vertex;
 }
 
@@ -106,6 +107,12 @@ static void test_geometry(void **state) {
       assert_close((double)normal[0], -p.x / range, 1e-6);
       assert_close((double)normal[1], -p.y / range, 1e-6);
       assert_close((double)normal[2], -p.z / range, 1e-6);
+      const pl_vec3 facet = pl_quat_rotate_inverse(
+          camera.q, pl_vec3f_to_double(vertex.surface.ng)); /* another than the shading normal */
+      write_pixel(&f, "geometric_normal", &vertex, normal);
+      assert_close((double)normal[0], facet.x, 1e-6);
+      assert_close((double)normal[1], facet.y, 1e-6);
+      assert_close((double)normal[2], facet.z, 1e-6);
     }
     fixture_clear(&f);
   }

@@ -112,17 +112,25 @@ def test_the_default_against_wehrli(data_dir):
     assert spectra.integral(sun) == pytest.approx(1365.2e0, abs=0.1)
     assert sun.shape[1] == 2
 
+    def by_hand(low: float, high: float) -> float:
+        """By SciPy and NumPy, straight from the file."""
+        um = np.unique([low, high, *sun[(sun[:, 0] > low) & (sun[:, 0] < high), 0]])
+        inside = np.trapezoid(np.interp(um, *sun.T), um) / np.trapezoid(sun[:, 1], sun[:, 0])
+        return quad(default_sun, low, high, (EDGE_UM,)) / TOTAL / inside - 1.0
+
     def error(low: float, high: float) -> float:
         curve = spectra.box(low, high)
         parts = [sum(spectra.gather(which, curve)["part"]) for which in (None, sun)]
-        return parts[0] / parts[1] - 1.0
+        found = parts[0] / parts[1] - 1.0
+        assert found == pytest.approx(by_hand(low, high), abs=2e-6)
+        return float(found)
 
     fifties = [error(0.3 + 0.05 * i, 0.35 + 0.05 * i) for i in range(16)]
-    assert max(map(abs, fifties)) < 0.062
+    assert 0.055 < max(map(abs, fifties)) < 0.062  # "6 %"
     hundreds = [error(0.4 + 0.1 * i, 0.5 + 0.1 * i) for i in range(3)]
-    assert hundreds == pytest.approx([-0.023, -0.012, 0.006], abs=1e-3)
+    assert [round(100.0 * e, 1) for e in hundreds] == [-2.3, -1.2, 0.6]
     assert error(0.4, 0.9) == pytest.approx(0.005, abs=1e-3)
-    assert -0.105 < error(1.1, 2.5) < -0.09
+    assert error(1.1, 2.5) == pytest.approx(-0.0999, abs=5e-4)
     for um, value in ((0.44, 1.912), (0.55, 1.850), (0.68, 1.474)):
         part = sum(spectra.gather(sun, spectra.box(um - 0.005, um + 0.005))["part"])
         assert part * spectra.integral(sun) / 10.0 == pytest.approx(value, rel=0.045)

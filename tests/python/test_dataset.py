@@ -125,25 +125,6 @@ def test_workers_share_the_processors(monkeypatch, fake_torch):
     assert dataset._threads(5) == 5
 
 
-def test_real_torch(sim):
-    torch = pytest.importorskip("torch")
-    from functools import partial
-
-    loader = torch.utils.data.DataLoader(
-        perilune.Stream(sim, channels=CHANNELS),
-        batch_size=2,
-        num_workers=2,
-        collate_fn=partial(perilune.collate, tensors=True),
-    )
-    batches = list(itertools.islice(loader, 4))
-    found = sorted(int(i) for batch in batches for i in batch["index"])
-    assert len(set(found)) == 8
-    assert batches[0]["rgb"].shape == (2, 12, 16, 3)
-    frames = perilune.Dataset(sim, 4, channels=["rgb"])
-    batch = next(iter(torch.utils.data.DataLoader(frames, batch_size=4)))
-    assert (batch["rgb"].numpy()[3] == sim[3]["rgb"]).all()
-
-
 def test_collate(sim):
     samples = [sim.frame(i, channels=CHANNELS) for i in range(3)]
     batch = perilune.collate(samples)

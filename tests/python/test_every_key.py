@@ -1,16 +1,17 @@
-"""No key does nothing: where it stands alone, beside what its section requires, it changes what
-frames hold or is refused by name."""
+"""No key does nothing, and none does what it should not: where it stands alone, beside what its
+section requires, it changes what key_changes.py says of frames, or is refused by name."""
 
 from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Iterator
+from collections import defaultdict
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.python import key_changes
 from tests.python.key_cameras import CAMERAS
 from tests.python.key_sections import LAMBERT, MAP, THINGS, Section, Tree, base, put
 from tests.python.model_files import with_graphs
@@ -24,32 +25,53 @@ FRAMES = (0, 3, 4)
 SECTIONS = [*THINGS, *CAMERAS]
 
 
-def seen(tree: Tree, folder: Path) -> Iterator[bytes]:
+PART_OF = {channel: part for part, names in key_changes.PARTS.items() for channel in names}
+
+
+class Seen(NamedTuple):
     """All that a few frames hold."""
+
+    parts: dict[str, list[bytes]]
+    radiance: float
+    """The sum of all."""
+    raw: float
+    """The sum of the means; 0 without an image sensor."""
+
+
+def seen(tree: Tree, folder: Path) -> Seen:
     sim = perilune.open(tree, base=folder)
     with_sensor = next(iter(sim.config.cameras.values())).sensor is not None
-    channels = ["rgb", "radiance", "depth", "semantic", "instance", "part", "objects", "bands"]
+    channels = [name for part, names in key_changes.PARTS.items() for name in names
+                if part != "sensor" or with_sensor]  # fmt: skip
+    parts: dict[str, list[bytes]] = defaultdict(list)
+    radiance = raw = 0.0
     for index in FRAMES:
-        sensors = ["raw", "sensor_rgb"] if with_sensor else []
-        sample = sim.frame(index, channels=channels + sensors, threads=1)
-        for array in (*sample.values(), sample.objects, sample.stars):
-            yield np.asarray(array).tobytes()
+        sample = sim.frame(index, channels=[*channels, "objects"], threads=1)
+        for name, array in sample.items():
+            parts[PART_OF[name]].append(np.asarray(array).tobytes())
+        parts["objects"].append(sample.objects.tobytes())
+        parts["stars"].append(sample.stars.tobytes())
         camera = sample.camera
-        yield b"".join(np.asarray(a).tobytes() for a in (camera.K, camera.R_w2c, camera.t_w2c))
-        kept = ("white_radiance", "exposure_s", "gain_e_dn", "articulation", "sensor", "bands")
-        yield repr([sample.meta.get(key) for key in kept]).encode()
-    yield repr(sim.taxonomy).encode()
-    yield repr([(m.obj_id, m.class_name, m.symmetries) for m in sim.models.values()]).encode()
+        for array in (camera.K, camera.R_w2c, camera.t_w2c):
+            parts["camera"].append(np.asarray(array).tobytes())
+        for part, keys in (("exposure", ("white_radiance", "exposure_s", "gain_e_dn")),
+                           ("meta", ("articulation", "sensor", "bands"))):  # fmt: skip
+            parts[part].append(repr([sample.meta.get(key) for key in keys]).encode())
+        radiance += float(sample["radiance"].sum(dtype=float))
+        raw += float(sample["raw"].mean(dtype=float)) if with_sensor else 0.0
+    models = [(m.obj_id, m.class_name, m.symmetries) for m in sim.models.values()]
+    parts["names"] += [repr(sim.taxonomy).encode(), repr(models).encode()]
+    return Seen(dict(parts), radiance, raw)
 
 
-def outcome(section: Section, folder: Path, **changes: Any) -> list[bytes] | str:
+def outcome(section: Section, folder: Path, **changes: Any) -> Seen | str:
     """What frames hold, or the error."""
     tree = base()
     for dotted, value in section.around.items():
         put(tree, dotted, copy.deepcopy(value))
     put(tree, ".".join(section.at), copy.deepcopy({**section.required, **changes}))
     try:
-        return list(seen(tree, folder))
+        return seen(tree, folder)
     except (ValueError, FileNotFoundError) as error:
         return str(error)
 
@@ -92,7 +114,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def bare() -> dict[int, list[bytes] | str]:
+def bare() -> dict[int, Seen | str]:
     """What a section shows by itself, by its identity."""
     return {}
 
@@ -108,8 +130,31 @@ def test_a_key_does_something_or_is_refused(
     if isinstance(shown, str):
         place = ".".join(section.at)
         assert f"{place}.{key}" in shown or (place in shown and re.search(rf"\b{key}\b", shown))
-    else:
-        assert shown != bare[which], f"{key} changes nothing"
+        return
+    before = bare[which]
+    if isinstance(before, str):
+        return  # the section alone is refused: the key makes it one
+    model = section.model.__name__
+    names = before.parts.keys() | shown.parts.keys()
+    changed = {part for part in names if before.parts.get(part) != shown.parts.get(part)}
+    expected = key_changes.rule_of(model, key)
+    assert changed, f"{key} changes nothing"
+    assert expected.must <= changed <= expected.may, f"{key} changes {sorted(changed)}"
+    for table, old, new in (
+        (key_changes.RATIOS, before.radiance, shown.radiance),
+        (key_changes.RAW_RATIOS, before.raw, shown.raw),
+    ):
+        if (model, key) in table:
+            low, high = table[model, key]
+            assert low * old < new < high * old, f"{key}: {old} -> {new}"
+
+
+def test_every_rule_is_used() -> None:
+    """A rule for a key that is no more, or of no section here, would be read as a promise."""
+    keys = {(section.model.__name__, key) for section in SECTIONS for key in section.keys}
+    for table in (key_changes.KEYS, key_changes.RATIOS, key_changes.RAW_RATIOS):
+        assert sorted(table.keys() - keys) == []
+    assert sorted(key_changes.MODELS.keys() - {model for model, _ in keys}) == []
 
 
 def test_the_table_is_whole() -> None:

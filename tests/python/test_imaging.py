@@ -60,14 +60,34 @@ def test_clean_channels_do_not_know_of_the_sensor(tree):
     assert value_of(beside.plan, "shot_noise") == 1
 
 
-def test_automatic_exposure_brings_the_percentile_to_the_key(tree):
-    sensor = {"exposure": {"percentile": 90.0, "key": 0.5}, "mosaic": "mono", "bits": 16,
-              "vignetting": 0.0, "gain_e_dn": 0.5}  # fmt: skip
-    sim = opened(tree, sensor, overrides={"camera.width": 96, "camera.height": 64})
-    sample = sim.frame(0, ["raw", "radiance"])
-    light = np.sort((sample["raw"].astype(float) - 64.0)[sample["radiance"].sum(2) > 0.0])
-    # the meter takes a small image of few samples, by direct light: it is no exact science
-    assert light[int(0.9 * len(light))] * 0.5 == pytest.approx(0.5 * 20000.0, rel=0.25)
+ROCK = {
+    "version": 1,
+    "time": {"epoch": "2026-03-20T12:00:00Z", "step_s": 60},
+    "root": "rock",
+    "bodies": {"rock": {"kind": "ellipsoid", "radii_km": 10.0, "gm_km3_s2": 0.1, "albedo": 0.2}},
+    "sun": {"direction": [1.0, 1.0, 0.2]},
+    "camera": {
+        "width": 192, "height": 128, "fov_deg": 30.0,
+        "trajectory": {"kind": "fixed", "target": "rock", "position_m": [50e3, 0.0, 0.0]},
+    },
+    "render": {"max_bounces": 0},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("percentile", [25.0, 50.0, 90.0])
+def test_automatic_exposure_brings_the_percentile_to_the_key(percentile):
+    """The meter sees the light of the Sun alone; here there is no other."""
+    times = []
+    for key in (0.25, 0.5):
+        exposure = {"percentile": percentile, "key": key}
+        sensor = {"exposure": exposure, "mosaic": "mono", "bits": 16, "vignetting": 0.0,
+                  "gain_e_dn": 0.5, "full_well_e": 20000.0}  # fmt: skip
+        sample = opened(ROCK, sensor).frame(0, ["raw", "radiance"])
+        electrons = 0.5 * (sample["raw"][sample["radiance"].sum(2) > 0.0].astype(float) - 64.0)
+        assert len(electrons) > 5000
+        assert np.percentile(electrons, percentile) == pytest.approx(key * 20000.0, rel=0.01)
+        times.append(sample.meta["exposure_s"])
+    assert times[1] == pytest.approx(2.0 * times[0], rel=1e-12)
 
 
 def test_fixed_exposure_is_the_shutters(tree):

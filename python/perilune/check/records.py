@@ -51,6 +51,7 @@ class Frame(_Exact):
     index: Annotated[int, Field(ge=0)]
     drivers: dict[str, JsonValue]
     scene_drivers: dict[str, JsonValue] = Field(default_factory=dict)
+    overrides: dict[str, JsonValue] = Field(default_factory=dict)
 
 
 class CameraRow(_Exact):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from perilune.config.instances import spread
 from perilune.config.loader import plain_tree, read_tree
 from perilune.config.material_files import include
 from perilune.config.model_graphs import include_models
-from perilune.config.overrides import apply_overrides, without_unread
+from perilune.config.overrides import apply_overrides, joined, without_unread
 from perilune.config.paths import resolve
 from perilune.config.references import check_references
 from perilune.config.schema import Config
@@ -44,8 +45,26 @@ from perilune.drivers.choice import KIND as CHOICE
 from perilune.hooks import HookError
 
 
+@dataclass(frozen=True)
+class Given:
+    """What a document was made from: other changes of the same configuration begin with it."""
+
+    tree: Mapping[str, Any]
+    """As written, or translated from an OAISYS file; without overrides, without included files."""
+    base: Path
+    source: str
+    origins: Mapping[str, str]
+    overrides: Mapping[str, Any]
+    """Of perilune.open."""
+    replay: Mapping[str, Any] | None
+
+
 class Document:
     """The configuration of a simulation; pickles as its tree and validates again when loaded."""
+
+    given: Given | None = None
+    changes: Mapping[str, Any]
+    """Key path -> value: what was changed since the configuration was opened."""
 
     def __init__(
         self,
@@ -54,10 +73,14 @@ class Document:
         source: str,
         origins: Mapping[str, str] | None = None,
         replay: Mapping[str, Any] | None = None,
+        *,
+        limits_known: bool = False,
     ) -> None:
         """origins: key path -> key path in the file, of one that was translated or included; for
         errors.
-        replay: the metadata of a frame whose drivers' values are taken instead of new ones."""
+        replay: the metadata of a frame whose drivers' values are taken instead of new ones.
+        limits_known: the drivers' limits were found valid before, in the same tree."""
+        self.changes = {}
         self.tree = plain_tree(tree, source)
         self.base = base
         self.source = source
@@ -71,12 +94,31 @@ class Document:
             self._plan = self._grouped()
         except (DriverError, HookError) as error:
             raise ConfigError(f"{source}: {named(str(error), self.origins)}") from None
-        self._check_clips()
+        if not limits_known:
+            self._check_clips()
         self._replay = dict(replay) if replay is not None else None
         self._recorded = self._records(self._replay) if self._replay is not None else {}
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Document, (self.tree, self.base, self.source, self.origins, self._replay)
+        arguments = (self.tree, self.base, self.source, self.origins, self._replay)
+        return _unpickled, (arguments, self.given, self.changes)
+
+    def changed(self, changes: Mapping[str, Any], known: bool = False) -> Document:
+        """The same configuration with other values at some key paths, as overrides are given.
+
+        known: these were checked before; the drivers' limits are then not tried again.
+        """
+        assert self.given is not None  # `load` has made it
+        together = joined(self.changes, plain_tree(changes, "overrides"))
+        # Strengths and intervals do not move the limits, which were tried when it was opened.
+        settings = all(key.startswith("drivers.") for key in changes)
+        made = _made(self.given, together, known or settings)
+        if not known:
+            told = set(self.doubts())
+            for line in made.doubts():
+                if line not in told:
+                    warnings.warn(line, ConfigWarning, stacklevel=4)
+        return made
 
     @property
     def replay(self) -> Mapping[str, Any] | None:
@@ -239,6 +281,37 @@ class Document:
                         )
 
 
+def _unpickled(
+    arguments: tuple[Any, ...], given: Given | None, changes: Mapping[str, Any]
+) -> Document:
+    document = Document(*arguments, limits_known=True)
+    document.given, document.changes = given, changes
+    return document
+
+
+def _made(given: Given, changes: Mapping[str, Any], limits_known: bool = False) -> Document:
+    """With the overrides of perilune.open, then with the changes since."""
+    tree, base, source = plain_tree(given.tree, given.source), given.base, given.source
+    for overrides in (given.overrides, changes):
+        apply_overrides(tree, plain_tree(overrides, "overrides"))
+    origins = {**given.origins, **include(tree, base, source)}
+    origins |= include_models(tree, base, source)
+    spread(tree)
+    while True:
+        try:
+            document = Document(
+                tree, base, source, origins, given.replay, limits_known=limits_known
+            )
+        except ConfigError as error:
+            fewer = without_unread(tree, error.unread, [*given.overrides, *changes])
+            if not error.unread or fewer is None:
+                raise
+            tree = fewer
+        else:
+            document.given, document.changes = given, dict(changes)
+            return document
+
+
 def load(
     config: str | os.PathLike[str] | Mapping[str, Any],
     overrides: Mapping[str, Any] | None = None,
@@ -248,7 +321,8 @@ def load(
     """Loads a YAML or JSON file, or takes a mapping (paths relative to `base`, default: here).
 
     One with the sections of an OAISYS file is translated first; overrides are of our keys. Where
-    one changes a mode, what only the mode before reads is left out. replay: see perilune.open.
+    one changes a mode, what only the mode before reads is left out. replay: see perilune.open;
+    what was changed when that frame was made, is changed again.
     """
     if isinstance(config, Mapping):
         source = "configuration"
@@ -264,19 +338,9 @@ def load(
     if oaisys.is_oaisys(tree):
         translation = oaisys.translate(tree, base, source)
         tree, origins = translation.tree, dict(translation.origins)
-    apply_overrides(tree, plain_tree(overrides or {}, "overrides"))
-    origins |= include(tree, base, source)
-    origins |= include_models(tree, base, source)
-    spread(tree)
-    while True:
-        try:
-            document = Document(tree, base, source, origins, replay)
-        except ConfigError as error:
-            fewer = without_unread(tree, error.unread, overrides or ())
-            if not error.unread or fewer is None:
-                raise
-            tree = fewer
-            continue
-        for line in document.doubts():
-            warnings.warn(line, ConfigWarning, stacklevel=3)
-        return document
+    given = Given(tree, base, source, origins, plain_tree(overrides or {}, "overrides"), replay)
+    changes = (replay or {}).get("overrides") or {}
+    document = _made(given, plain_tree(changes, "replay: overrides"))
+    for line in document.doubts():
+        warnings.warn(line, ConfigWarning, stacklevel=3)
+    return document

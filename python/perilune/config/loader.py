@@ -6,6 +6,7 @@ import json
 import re
 from collections.abc import Hashable, Mapping
 from datetime import UTC, date, datetime
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -15,6 +16,7 @@ from perilune.config import shipped
 from perilune.config.errors import ConfigError, nearest
 from perilune.config.wording import kind_of
 from perilune.drivers import path_text
+from perilune.files import Stamp, stamp
 
 _MAX_NODES = 200_000  # aliases can make a small file a tree without end
 _MAX_DEPTH = 64
@@ -110,16 +112,23 @@ def parse_json(text: str, source: str) -> Any:
 
 
 def read_tree(path: Path) -> dict[str, Any]:
-    """The tree of a .yaml, .yml or .json file."""
+    """The tree of a .yaml, .yml or .json file; parsed once as long as the file stays as it is."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        return plain_tree(_parsed(path, stamp(path)), str(path))
     except FileNotFoundError:
         near = nearest(path.as_posix(), shipped.configurations())
         raise FileNotFoundError(f"{path}: no such configuration file{near}") from None
+
+
+@lru_cache(maxsize=64)
+def _parsed(path: Path, _: Stamp) -> Any:
+    """What a file holds; shared by all who read it, who must take a copy."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: not UTF-8 text: {error}") from None
     parse = parse_json if path.suffix.lower() == ".json" else parse_yaml
-    return plain_tree(parse(text, str(path)), str(path))
+    return parse(text, str(path))
 
 
 def _date_text(value: date) -> str:

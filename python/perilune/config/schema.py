@@ -362,9 +362,13 @@ class Config(Strict):
     """A whole configuration."""
 
     version: Annotated[Literal[1], BeforeValidator(_whole)]
+    """Of the format of this file."""
     name: str = "perilune"
+    """Of the simulation (default: the file's name)."""
     description: str = ""
+    """What it shows, for readers."""
     seed: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
+    """Of all randomness: the same seed gives the same frames."""
     time: Time
     root: str
     """Name of the body entry whose centre is the origin of the root frame (ICRF axes)."""
@@ -372,7 +376,9 @@ class Config(Strict):
     sky: Sky | None = None
     """Black without it."""
     bodies: Annotated[dict[str, Body], Field(min_length=1)]
+    """Name -> a planet, moon or other body."""
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
+    """Name -> a model on an orbit."""
     volumes: Annotated[dict[str, Volume], Field(max_length=16)] = Field(default_factory=dict)
     """Dust, gas and light within bounds."""
     materials: dict[str, Material] = Field(default_factory=dict)

@@ -1,11 +1,14 @@
 """The rgb picture with the visible boxes and the objects' axes drawn over it."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune import _core
 from perilune.preview import canvas, colors
+from perilune.sample import CameraLabel
 
 U8 = NDArray[np.uint8]
 F64 = NDArray[np.float64]
@@ -13,20 +16,26 @@ F64 = NDArray[np.float64]
 _AXIS_COLORS = ((255, 92, 82), (110, 220, 90), (90, 150, 255))
 
 
-def project(K: F64, points_c: F64) -> F64:
-    """(n, 3) points in front of the camera to (n, 2) pixels."""
-    projected = points_c @ np.asarray(K, dtype=np.float64).T
-    return projected[:, :2] / projected[:, 2:]
+_STEPS = 12
+"""Segments of an axis: lenses bend straight lines."""
 
 
-def axis_tips_m(R_m2c: F64, t_m2c: F64, bbox: NDArray[Any], K: F64) -> F64:
-    """(4, 3): origin and the three axis ends, as long as half the visible box at that distance."""
-    extent_px = max(8.0, float(bbox[2]), float(bbox[3]))
-    length_m = 0.5 * extent_px * float(t_m2c[2]) / float(K[0, 0])
-    return np.vstack([t_m2c, t_m2c + length_m * np.asarray(R_m2c, dtype=np.float64).T])
+def axes_px(R_m2c: F64, t_m2c: F64, bbox: NDArray[Any], camera: CameraLabel) -> F64:
+    """(3, _STEPS + 1, 2): the object's axes from its origin, in pixels of the labels; nan where
+    the camera does not see. As long as half the visible box would be at the origin's distance."""
+    K = np.asarray(camera.K, dtype=np.float64)
+    step_m = 1e-4 * float(np.linalg.norm(t_m2c))
+    beside = _core.project(K, camera.lens, np.stack([t_m2c, t_m2c + np.array([step_m, 0, 0])]))
+    px_per_m = float(np.linalg.norm(beside[1] - beside[0])) / step_m if step_m > 0.0 else np.nan
+    length_m = 0.5 * max(8.0, float(bbox[2]), float(bbox[3])) / px_per_m
+    along = length_m * np.linspace(0.0, 1.0, _STEPS + 1)
+    points = t_m2c + along[:, None] * np.asarray(R_m2c, dtype=np.float64).T[:, None, :]
+    return _core.project(K, camera.lens, points.reshape(-1, 3)).reshape(3, _STEPS + 1, 2)
 
 
-def draw_objects(picture: U8, objects: NDArray[Any], K: F64, image_width: int) -> None:
+def draw_objects(
+    picture: U8, objects: NDArray[Any], camera: CameraLabel, image_width: int
+) -> None:
     """Draws on a picture that shows an image `image_width` pixels wide."""
     scale = picture.shape[1] / image_width
 
@@ -44,13 +53,12 @@ def draw_objects(picture: U8, objects: NDArray[Any], K: F64, image_width: int) -
         right = min(right, picture.shape[1] - 2.0)
         bottom = min(bottom, picture.shape[0] - 2.0)
         canvas.draw_box(picture, max(left, 1.0), max(top, 1.0), right, bottom, color)
-        tips = axis_tips_m(row["R_m2c"], row["t_m2c"], row["bbox_visib"], K)
-        if not np.isfinite(tips).all() or (tips[:, 2] <= 0.0).any():
+        lines = axes_px(row["R_m2c"], row["t_m2c"], row["bbox_visib"], camera)
+        if not np.isfinite(lines).all():
             continue
-        pixels = project(K, tips)
-        start = placed(pixels[0])
-        for axis, axis_color in enumerate(_AXIS_COLORS):
-            end = placed(pixels[axis + 1])
+        for line, axis_color in zip(lines, _AXIS_COLORS, strict=True):
+            corners = [placed(pixel) for pixel in line]
             # A dark border keeps the line visible on a bright spacecraft.
-            canvas.draw_line(picture, start, end, colors.BACKGROUND, 4.0)
-            canvas.draw_line(picture, start, end, axis_color)
+            for ink, thickness in ((colors.BACKGROUND, 4.0), (axis_color, 2.0)):
+                for start, end in pairwise(corners):
+                    canvas.draw_line(picture, start, end, ink, thickness)

@@ -186,6 +186,7 @@ KINDS: dict[str, Kind] = {
     "bands": bands_panel,
     "sensor_rgb": image_panel,
     "normal": normal_panel,
+    "geometric_normal": normal_panel,
     "flow": flow_panel,
     "semantic": levels_panel,
 }

@@ -98,7 +98,7 @@ def _overlay_panel(sample: Sample, box: tuple[int, int]) -> Panel:
     """rgb at the size it will have on the sheet, so that lines keep their thickness."""
     rgb = sample["rgb"]
     picture = canvas.resize(rgb, *canvas.fitted(rgb.shape, box))
-    draw_objects(picture, sample.objects, sample.camera.K, rgb.shape[1])
+    draw_objects(picture, sample.objects, sample.camera, rgb.shape[1])
     visible = int((sample.objects["px_count_visib"] > 0).sum())
     text = f"{visible} of {len(sample.objects)} objects visible"
     return Panel("visible boxes and axes", picture, text=text)

@@ -115,7 +115,7 @@ def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
     `frame` is what perilune.open(config, seed, replay=...) needs to make the image again.
     """
     sensor = sample.camera.sensor
-    keys = ("drivers", "scene_drivers")
+    keys = ("drivers", "scene_drivers", "overrides")
     drawn = {key: sample.meta[key] for key in keys if sample.meta[key]}
     rows = [
         {"row": at["row"], **_world_to_camera(at["R_w2c"], at["t_w2c"])}
@@ -123,7 +123,7 @@ def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
     ]
     return {
         **({} if sensor is None else {"sensor": sensor}),
-        **({"frame": {"index": sample.meta["index"], **drawn}} if drawn else {}),
+        **({"frame": {"index": sample.meta["index"], "drivers": {}, **drawn}} if drawn else {}),
         "cam_K": np.asarray(sample.camera.K, dtype=np.float64).ravel().tolist(),
         **_world_to_camera(sample.camera.R_w2c, sample.camera.t_w2c),
         **({"rows": rows} if rows else {}),

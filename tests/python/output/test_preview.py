@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PIL import Image
 
 import perilune
 from perilune import _core, notebook, preview
-from perilune.preview import canvas, colors, font, panels, sheet
+from perilune.preview import canvas, colors, font, overlay, panels, sheet
 from perilune.request import object_dtype
 from perilune.sample import CameraLabel, Sample
 
@@ -110,6 +112,32 @@ def test_overlay_draws_box_and_axes_where_they_belong():
     red, green = panel.image[240, 360].astype(int), panel.image[300, 320].astype(int)
     assert red[0] > red[1] + 80
     assert green[1] > green[0] + 80
+
+
+@pytest.mark.parametrize(
+    "lens",
+    [
+        ("brown_conrady", np.array([-0.3, 0.1, *[0.0] * 6])),
+        ("brown_conrady", np.array([0.4, *[0.0] * 7])),
+        ("fisheye", np.array([-0.02, 0.0, 0.0, 0.0])),
+    ],
+)
+def test_axes_are_where_the_lens_puts_them(lens):
+    """An object far off the axis: each axis runs through the projections of its own points."""
+    plain = make_sample(640, 480)
+    camera = replace(plain.camera, lens=lens)
+    sample = Sample(dict(plain), plain.objects, camera, plain.meta, [])
+    sample.objects["t_m2c"] = origin = np.array([12.0, -10.0, 50.0])
+    sample.objects["bbox_visib"] = [0, 0, 160, 160]
+    picture = sheet._overlay_panel(sample, (480, 640)).image.astype(int)
+    start = camera.project(origin)[0]
+    assert np.abs(start - _core.project(plain.camera.K, None, origin[None])[0]).max() > 3.0
+    lines = overlay.axes_px(np.eye(3), origin, sample.objects["bbox_visib"][0], camera)
+    for axis, color in enumerate(overlay._AXIS_COLORS[:2]):
+        assert 50.0 < np.linalg.norm(lines[axis, -1] - start) < 140.0
+        for metres in (3.0, 5.0):
+            x, y = np.rint(camera.project(origin + metres * np.eye(3)[axis])[0]).astype(int)
+            assert np.abs(picture[y, x] - color).max() < 60
 
 
 def test_ramp_falls_evenly_in_lightness():

@@ -18,7 +18,10 @@ from perilune.config.loader import read_tree
 @pytest.fixture(scope="module")
 def validator():
     done = subprocess.run(
-        [sys.executable, "-m", "perilune", "schema"], capture_output=True, text=True, check=True
+        [sys.executable, "-m", "perilune", "schema", "--json"],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     schema = json.loads(done.stdout)
     jsonschema.Draft202012Validator.check_schema(schema)

@@ -1,0 +1,237 @@
+"""Frames as torch tensors: a Dataset, an IterableDataset, and a loader that can be resumed.
+
+Items are mappings of tensors that torch's own collate stacks:
+
+    rgb, depth and the like    as render.channels or `channels` ask; images as (channels, height,
+                               width), or (height, width, channels) with chw=False
+    semantic, part, instance   int64: classes to index with; raw is int32
+    K                          (3, 3), pixels, integer pixel centres
+    R_w2c, t_w2c               (3, 3), (3,) float64, m: p_camera = R_w2c p_root + t_w2c
+    index                      int64, the frame's
+    sensor                     its name, where the configuration has sensors
+    objects                    a mapping of tensors, one row a spacecraft (names as in
+                               Sample.objects: R_m2c, t_m2c, m, bbox_visib, ...), padded with zeros
+                               to `max_objects` rows; `valid` (max_objects,) says which are objects
+
+Needs torch (the extra `torch`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch.utils import data
+
+from perilune import dataset as plain
+from perilune.sample import Sample
+from perilune.simulation import ConfigSource, Simulation
+
+__all__ = ["Dataset", "IterableDataset", "StreamLoader", "stacked", "tensors"]
+
+Item = dict[str, Any]
+Transform = Callable[[Item], Any]
+
+_CLASSES = ("semantic", "part", "instance")
+_PLANES_FIRST = ("masks",)
+
+
+def _channel(name: str, array: NDArray[Any], chw: bool) -> torch.Tensor:
+    if chw and array.ndim == 3 and name not in _PLANES_FIRST:
+        array = np.ascontiguousarray(array.transpose(2, 0, 1))
+    if name in _CLASSES:
+        array = array.astype(np.int64)
+    elif array.dtype == np.uint16:  # which torch can hardly do anything with
+        array = array.astype(np.int32)
+    return torch.from_numpy(array)
+
+
+def _objects(rows: NDArray[Any], count: int, dtype: torch.dtype) -> dict[str, torch.Tensor]:
+    """A mapping of tensors (count, ...); rows that are no objects are zero."""
+    found: dict[str, torch.Tensor] = {}
+    for name in rows.dtype.names or ():
+        field = rows[name]
+        kind = dtype if field.dtype.kind == "f" else torch.int64
+        table = torch.zeros((count, *field.shape[1:]), dtype=kind)
+        table[: len(rows)] = torch.from_numpy(np.ascontiguousarray(field)).to(kind)
+        found[name] = table
+    found["valid"] = torch.arange(count) < len(rows)
+    return found
+
+
+def tensors(
+    sample: Sample,
+    *,
+    chw: bool = True,
+    max_objects: int | None = None,
+    dtype: torch.dtype = torch.float32,
+) -> Item:
+    """A sample as the mapping of tensors that this module describes.
+
+    chw: images as (channels, height, width). max_objects: rows of the objects' tensors (default: as
+    many as there are spacecraft). dtype: of K and of what objects have in floating point; R_w2c and
+    t_w2c are always float64, as float32 is metres off at the distance of the Moon.
+    ValueError where there are more objects than that.
+    """
+    camera = sample.camera
+    item: Item = {name: _channel(name, array, chw) for name, array in sample.items()}
+    item["K"] = torch.tensor(camera.K, dtype=dtype)
+    item["R_w2c"] = torch.tensor(camera.R_w2c, dtype=torch.float64)
+    item["t_w2c"] = torch.tensor(camera.t_w2c, dtype=torch.float64)
+    item["index"] = torch.tensor(sample.meta["index"], dtype=torch.int64)
+    if camera.sensor is not None:
+        item["sensor"] = camera.sensor
+    if sample.has_objects:
+        count = len(sample.objects) if max_objects is None else max_objects
+        if len(sample.objects) > count:
+            text = f"frame {sample.meta['index']} has {len(sample.objects)} objects"
+            raise ValueError(f"max_objects = {max_objects}: {text}")
+        item["objects"] = _objects(sample.objects, count, dtype)
+    return item
+
+
+def stacked(samples: Sequence[Sample]) -> Item:
+    """A batch of samples: perilune.collate with tensors=True. Everything in full precision."""
+    most = max(len(s.objects) if s.has_objects else 0 for s in samples)
+    items = [tensors(s, chw=False, max_objects=most, dtype=torch.float64) for s in samples]
+    batch: Item = data.default_collate(items)
+    return batch
+
+
+class _AsTensors:
+    """The transform of a dataset: sample to tensors to what the user makes of them."""
+
+    def __init__(self, options: Mapping[str, Any], then: Transform | None) -> None:
+        self.options = options
+        self.then = then
+
+    def __call__(self, sample: Sample) -> Any:
+        item = tensors(sample, **self.options)
+        return item if self.then is None else self.then(item)
+
+
+class Dataset(plain.Dataset, data.Dataset[Any]):
+    """perilune.Dataset as a torch.utils.data.Dataset of mappings of tensors.
+
+    chw, max_objects, dtype: see `tensors`. transform: called with each mapping; what it returns is
+    the item. Other arguments as those of perilune.Dataset.
+    """
+
+    def __init__(
+        self,
+        config: ConfigSource | Simulation,
+        length: int,
+        seed: int | None = None,
+        *,
+        start: int = 0,
+        channels: Sequence[str] | None = None,
+        transform: Transform | None = None,
+        threads: int | None = None,
+        chw: bool = True,
+        max_objects: int | None = None,
+        dtype: torch.dtype = torch.float32,
+    ) -> None:
+        options = {"chw": chw, "max_objects": max_objects, "dtype": dtype}
+        super().__init__(
+            config,
+            length,
+            seed,
+            start=start,
+            channels=channels,
+            transform=_AsTensors(options, transform),
+            threads=threads,
+        )
+
+
+class IterableDataset(plain.Stream, data.IterableDataset[Any]):
+    """perilune.Stream as a torch.utils.data.IterableDataset of mappings of tensors.
+
+    chw, max_objects, dtype: see `tensors`. transform: called with each mapping; what it returns is
+    the item. Other arguments as those of perilune.Stream, whose documentation says how frames are
+    shared among workers and how the stream is resumed.
+    """
+
+    def __init__(
+        self,
+        config: ConfigSource | Simulation,
+        seed: int | None = None,
+        *,
+        start: int = 0,
+        shard: tuple[int, int] = (0, 1),
+        batch_size: int = 1,
+        channels: Sequence[str] | None = None,
+        transform: Transform | None = None,
+        threads: int | None = None,
+        chw: bool = True,
+        max_objects: int | None = None,
+        dtype: torch.dtype = torch.float32,
+    ) -> None:
+        options = {"chw": chw, "max_objects": max_objects, "dtype": dtype}
+        super().__init__(
+            config,
+            seed,
+            start=start,
+            shard=shard,
+            batch_size=batch_size,
+            channels=channels,
+            transform=_AsTensors(options, transform),
+            threads=threads,
+        )
+
+
+class StreamLoader(data.DataLoader[Any]):
+    """A DataLoader of a stream (IterableDataset here, or perilune.Stream) that knows where it is.
+
+    Batches come in the order of the frames, the same for any number of workers. Another `iter`, or
+    another loop over it, goes on with the frame after the last batch that was handed out; what
+    workers had begun beyond that is made again. `state_dict` and `load_state_dict` are exact, and a
+    state may be resumed with another number of workers or another batch size.
+    options: as those of torch.utils.data.DataLoader; in_order=False is refused.
+    """
+
+    def __init__(
+        self,
+        stream: plain.Stream,
+        batch_size: int | None = 1,
+        *,
+        num_workers: int = 0,
+        **options: Any,
+    ) -> None:
+        if not isinstance(stream, plain.Stream):
+            raise TypeError(
+                "StreamLoader: takes a perilune.torch.IterableDataset or perilune.Stream, not "
+                f"{type(stream).__name__} (torch.utils.data.DataLoader takes a Dataset)"
+            )
+        if not options.get("in_order", True):
+            raise ValueError("in_order=False: batches must come in order to be counted")
+        self._size = 1 if batch_size is None else batch_size
+        stream.batch_size = self._size
+        super().__init__(stream, batch_size=batch_size, num_workers=num_workers, **options)  # type: ignore[arg-type]
+
+    @property
+    def stream(self) -> plain.Stream:
+        """What it loads."""
+        found = self.dataset
+        assert isinstance(found, plain.Stream)
+        return found
+
+    def __iter__(self) -> Iterator[Any]:  # type: ignore[override]
+        position = self.stream.go_to(self.stream.position, loop=True)
+        try:
+            for batch in super().__iter__():
+                position += self._size
+                self.stream.handed_out(position)
+                yield batch
+        finally:
+            self.stream.go_to(position)
+
+    def state_dict(self) -> dict[str, Any]:
+        """Where the stream stands, after the batches handed out; see Stream.state_dict."""
+        return self.stream.state_dict()
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Goes on where `state` stands; see Stream.load_state_dict. Before a loop, not in it."""
+        self.stream.load_state_dict(state)
