@@ -58,17 +58,8 @@ void pl_snapshot_cone(const pl_snapshot *shot, const double rect[4], pl_vec3 *ax
   *half_angle_rad *= bent ? BENT_ROOM : 1.0 + 1e-9;
 }
 
-/* Faces of two objects in one place would win by rounding, a speckle. The later object counts as
- * nearer: for tracing it is shrunk towards the camera by a few units in the last place, which moves
- * nothing in the image; what is written of a hit comes of the true place. After NEARER_MOST objects
- * the order begins anew. */
-#define NEARER_STEP 0x1p-20
-enum { NEARER_MOST = 8 };
-
-static double nearer(size_t index) { return 1.0 - NEARER_STEP * (double)(index % NEARER_MOST); }
-
-static void build_object(const pl_object *object, size_t index, const pl_object_state *state,
-                         pl_vec3 camera, pl_shot_object *out) {
+static void build_object(const pl_object *object, const pl_object_state *state, pl_vec3 camera,
+                         pl_shot_object *out) {
   const pl_pose pose = pl_motion_middle(&state->motion);
   *out = (pl_shot_object){.object = object,
                           .parameters = state->parameters,
@@ -94,7 +85,7 @@ static void build_object(const pl_object *object, size_t index, const pl_object_
                               t.y,
                               t.z};
   for (int i = 0; i < 12; i++)
-    out->to_view[i] = (float)(nearer(index) * columns[i]);
+    out->to_view[i] = (float)columns[i];
   const float *low = object->model->bounds_min, *high = object->model->bounds_max;
   const pl_vec3 middle = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]),
                           0.5 * (low[2] + high[2])};
@@ -155,7 +146,7 @@ static pl_status place_objects(const pl_scene *scene, const pl_placement *placem
   for (size_t i = 0; i < scene->object_count; i++) {
     pl_shot_object *object = &out->objects[i];
     const pl_object_state state = pl_placement_object(placement, &scene->objects[i], i);
-    build_object(&scene->objects[i], i, &state, out->camera_position, object);
+    build_object(&scene->objects[i], &state, out->camera_position, object);
     if (scene->objects[i].cut != NULL)
       PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
     object->in_frame = pl_snapshot_sees(out, object->center, object->radius_m, axis, half_angle);

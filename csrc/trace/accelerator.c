@@ -165,6 +165,22 @@ static pl_status place_pieces(pl_tracer *tracer, size_t index, const pl_shot_obj
   return PL_OK;
 }
 
+/* Instances of objects that have later ones within their spheres: only there may faces of two
+ * objects lie in one place. */
+static void find_overlaps(pl_tracer *tracer, const pl_snapshot *shot) {
+  for (size_t i = 0; i < shot->object_count; i++) {
+    const pl_shot_object *a = &shot->objects[i];
+    bool overlapped = false;
+    for (size_t j = i + 1; a->kept && !overlapped && j < shot->object_count; j++) {
+      const pl_shot_object *b = &shot->objects[j];
+      const double reach = (1.0 + 1e-6) * (a->radius_m + b->radius_m);
+      overlapped = b->kept && pl_vec3_norm(pl_vec3_sub(a->center, b->center)) <= reach;
+    }
+    tracer->instances[i].overlapped = overlapped;
+    tracer->has_coincident |= overlapped;
+  }
+}
+
 pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) {
   size_t used = snapshot->object_count;
   for (size_t i = 0; i < snapshot->object_count; i++)
@@ -187,6 +203,7 @@ pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) 
       remove_instance(tracer, i);
     }
   }
+  find_overlaps(tracer, snapshot);
   rtcCommitScene(tracer->top);
   return pl_accelerator_check(tracer, "placing instances");
 }

@@ -16,6 +16,7 @@ typedef struct pl_instance {
   RTCGeometry geometry;      /* owned; attached under its own index while present */
   const uint8_t *coincident; /* of the model; NULL for none */
   double radius_m;           /* of the object */
+  bool overlapped;           /* the sphere of a later object reaches into the object's */
 } pl_instance;
 
 /* Whose triangles an instance beyond those of the objects holds. */
@@ -35,9 +36,19 @@ struct pl_tracer {
   bool has_pieces;             /* there are instances of moving pieces */
   const pl_snapshot *snapshot; /* borrowed */
   bool has_meshes;             /* the top scene holds an instance */
-  bool has_coincident;         /* some of their models have coincident faces */
+  bool has_coincident;         /* faces of models, or of two objects, may lie in one place */
   bool has_cuts;               /* graphs may cut holes into some of them */
 };
+
+/* Hits of moving pieces, named as Embree does, become those of their objects. */
+static inline void pl_tracer_name_owner(const pl_tracer *tracer, uint32_t *thing,
+                                        uint32_t *triangle) {
+  if (*thing < tracer->object_count)
+    return;
+  const pl_piece_owner owner = tracer->owners[*thing];
+  *thing = owner.object;
+  *triangle += owner.first;
+}
 
 /* PL_E_DEVICE with Embree's error if there is one pending. */
 pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing);

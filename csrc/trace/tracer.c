@@ -69,13 +69,6 @@ pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot) {
   return PL_OK;
 }
 
-/* The object, and the triangle of its model, that a moving piece's triangle is. */
-static void name_owner(const pl_tracer *tracer, uint32_t *thing, uint32_t *triangle) {
-  const pl_piece_owner owner = tracer->owners[*thing];
-  *thing = owner.object;
-  *triangle += owner.first;
-}
-
 /* The rays of a query: what its filter needs to know. */
 typedef struct origins {
   const pl_tracer *tracer;
@@ -103,15 +96,15 @@ static bool is_left(const origins *origins, const struct RTCFilterFunctionNArgum
 /* Whether ray `i` meets what it can. Not the triangle that it starts on: however far the origin is
  * put off the surface, rounding in large coordinates, or in those of a scaled instance, can put it
  * behind again. Nor where a graph leaves no surface. */
-static bool counts(const origins *origins, const struct RTCFilterFunctionNArguments *arguments,
+static bool counts(const void *context, const struct RTCFilterFunctionNArguments *arguments,
                    unsigned i) {
+  const origins *origins = context;
   const pl_tracer *tracer = origins->tracer;
   const unsigned n = arguments->N;
   const pl_ray *ray = &origins->rays[pl_embree_ray_id(arguments->ray, n, i)];
   uint32_t thing = pl_embree_hit_instance(arguments->hit, n, i);
   uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
-  if (tracer->has_pieces && thing >= tracer->object_count)
-    name_owner(tracer, &thing, &triangle);
+  pl_tracer_name_owner(tracer, &thing, &triangle);
   if (thing == ray->from_thing &&
       (triangle + 1 == ray->from_triangle || is_left(origins, arguments, i, triangle)))
     return false;
@@ -233,16 +226,18 @@ static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit
 /* Of coincident faces the last is hit, whatever rounding says. */
 static void settle_coincident(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits,
                               size_t count) {
-  for (size_t i = 0; i < count; i++)
+  for (size_t i = 0; i < count; i++) {
+    const origins origins = {tracer, &rays[i]};
     if (hits[i].thing != PL_NOTHING)
-      pl_coincident_settle(tracer, &rays[i], &hits[i]);
+      pl_coincident_settle(tracer, &rays[i], counts, &origins, &hits[i]);
+  }
 }
 
 /* Hits of moving pieces become hits of their objects. */
 static void name_owners(const pl_tracer *tracer, pl_hit *hits, size_t count) {
   for (size_t i = 0; i < count; i++)
-    if (hits[i].thing != PL_NOTHING && hits[i].thing >= tracer->object_count)
-      name_owner(tracer, &hits[i].thing, &hits[i].triangle);
+    if (hits[i].thing != PL_NOTHING)
+      pl_tracer_name_owner(tracer, &hits[i].thing, &hits[i].triangle);
 }
 
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,

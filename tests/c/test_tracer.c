@@ -154,10 +154,8 @@ static int compare(const world *w, const pl_ray *rays, int *hit_count) {
     assert_int_equal(shadow_packet[i], expected.thing != PL_NOTHING);
     if (expected.thing == PL_NOTHING)
       continue;
-    /* Objects are placed up to 7 2^-20 of their distance nearer: aslant to a face a ray meets it
-     * several times as much earlier. */
-    assert_true(fabs((double)single[i].t - expected.t) < 1e-4 * (20.0 + expected.t));
-    assert_true(fabs((double)packet[i].t - expected.t) < 1e-4 * (20.0 + expected.t));
+    assert_true(fabs((double)single[i].t - expected.t) < 1e-6 * (20.0 + expected.t));
+    assert_true(fabs((double)packet[i].t - expected.t) < 1e-6 * (20.0 + expected.t));
     if (expected.thing >= w->shot.object_count)
       continue;
     assert_int_equal(single[i].triangle, expected.triangle);
