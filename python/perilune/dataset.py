@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from perilune.arguments import whole
 from perilune.batches import collate, tell_torch
 from perilune.ledger import Ledger
 from perilune.sample import Sample
@@ -152,8 +153,7 @@ class Dataset(_Frames):
         transform: Transform | None = None,
         threads: int | None = None,
     ) -> None:
-        if length < 0 or start < 0:
-            raise ValueError(f"length = {length}, start = {start}: must not be negative")
+        length, start = whole("length", length, 0), whole("start", start, 0)
         super().__init__(config, seed, channels, transform, threads)
         self.start = start
         self._length = length
@@ -253,11 +253,13 @@ class Stream(_Frames):
         transform: Transform | None = None,
         threads: int | None = None,
     ) -> None:
-        part, count = shard
-        if start < 0 or not 0 <= part < count:
-            raise ValueError(f"start = {start}, shard = {shard}: must be start >= 0, 0 <= k < n")
-        if batch_size < 1:
-            raise ValueError(f"batch_size = {batch_size}: must be 1 or more")
+        start = whole("start", start, 0)
+        if not isinstance(shard, (tuple, list)) or len(shard) != 2:
+            raise TypeError(f"shard = {shard!r}: must be (k, n), the k-th of n parts, k from 0")
+        shard = part, count = whole("shard[0]", shard[0]), whole("shard[1]", shard[1])
+        if not 0 <= part < count:
+            raise ValueError(f"shard = {shard}: must be (k, n) with 0 <= k < n")
+        batch_size = whole("batch_size", batch_size, 1)
         super().__init__(config, seed, channels, transform, threads)
         self.start = start
         self.shard = shard

@@ -14,6 +14,7 @@ import inspect
 import random
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from threading import RLock
@@ -63,6 +64,15 @@ def _module(name: str, key: str, find: Callable[[str, str], Path] | None) -> Mod
         return _read(path.resolve())
 
 
+def _attribute(value: Any, part: str, what: str) -> Any:
+    if hasattr(value, part):
+        return getattr(value, part)
+    public = [row for row in dir(value) if not row.startswith("_")]
+    close = get_close_matches(part, public, n=1, cutoff=0.5)
+    hint = f"; did you mean '{close[0]}'?" if close else ""
+    raise HookError(f"{what}: no function '{part}' in {getattr(value, '__name__', 'it')}{hint}")
+
+
 def load(name: str, key: str, find: Callable[[str, str], Path] | None = None) -> Hook:
     """The function that `module:function` names; `key` names the entry in errors.
 
@@ -73,8 +83,8 @@ def load(name: str, key: str, find: Callable[[str, str], Path] | None = None) ->
     try:
         value: Any = _module(module, key, find)
         for part in path.split("."):
-            value = getattr(value, part)
-    except (ImportError, AttributeError) as error:
+            value = _attribute(value, part, f"{key} = '{name}'")
+    except ImportError as error:
         text = f"{key} = '{name}': {error}"
         how = "its module must be importable (see PYTHONPATH), or lie beside the configuration"
         raise HookError(f"{text} ({how})") from error

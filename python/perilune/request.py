@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from perilune import _core, bands, clouds, ground, photometry, rotations
 from perilune.config import Config
 from perilune.config.camera import Exposure
+from perilune.config.errors import nearest
 from perilune.config.references import MASKS, OBJECTS
 from perilune.config.schema import Render, TextureFilter
 from perilune.imaging import intrinsics, sensor_of
@@ -160,6 +161,12 @@ def arrays_of(
     ValueError for one of `out` of another shape or type.
     """
     arrays: dict[str, Array] = {}
+    for name, value in out.items():
+        if name not in names:
+            near = nearest(name, names)
+            raise ValueError(f"out: '{name}' is not among the channels asked for{near}")
+        if not isinstance(value, np.ndarray):
+            raise TypeError(f"out['{name}']: must be a NumPy array, not {type(value).__name__}")
     for name in names:
         shape, dtype = channel_layout(config, name)
         given = out.get(name)

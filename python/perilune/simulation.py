@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from perilune import (
     _core,
+    arguments,
     articulation,
     bands,
     bodies,
@@ -101,7 +102,9 @@ class Simulation:
         check_references(document.config, document.source, document.drivers, document.origins)
         self._document = document
         self._trajectory = trajectory
-        self._orbits = dict(orbits or {})
+        self._orbits = _hooks_of(orbits, document.config)
+        if trajectory is not None:
+            arguments.function("trajectory", trajectory, "of a perilune.world.World")
         self._epoch = bodies.date_from_utc(document.config.time.utc_fields())
         self._drawn: Kept[Any] = Kept(64)
         self._remarks = Remarks()
@@ -109,10 +112,6 @@ class Simulation:
         self._handles: Handles | None = None
         self._pid = 0
         try:
-            for name in self._orbits:
-                if name not in document.config.bodies and name not in document.config.spacecraft:
-                    known = [*document.config.bodies, *document.config.spacecraft]
-                    raise ValueError(f"orbits: no entry named '{name}'{nearest(name, known)}")
             self.system(0).states(np.zeros(1))
         except ValueError as error:
             text = named(str(error), document.origins)
@@ -360,7 +359,8 @@ class Simulation:
         (default: all processors of the process). out: arrays to write into by channel name, as an
         earlier sample's; the others are new, or were of a sample that nobody holds any more.
         """
-        names = list(dict.fromkeys(self.config.render.channels if channels is None else channels))
+        asked = self.config.render.channels if channels is None else channels
+        names = arguments.names("channels", asked)
         check_channels(names, self.config, "channels")
         count = default_threads() if threads is None else _checked_threads(threads)
         scene = self.world(index)
@@ -483,7 +483,11 @@ def open(  # noqa: A001 (perilune.open is the interface)
     would draw now; other steps draw as ever. With the seed of the metadata, if they hold one and no
     other is given.
     """
-    changes = {**(overrides or {}), **dotted}
+    if not isinstance(config, (str, os.PathLike, Mapping)):
+        raise TypeError(f"config: must be a path or a mapping, not {config!r:.60}")
+    changes = {**arguments.mapping("overrides", overrides or {}, "{'camera.width': 64}"), **dotted}
+    if replay is not None:
+        arguments.mapping("replay", replay, "a sample's meta")
     if seed is None and replay is not None and "seed" not in changes:
         seed = replay.get("seed")
     if seed is not None:
@@ -492,16 +496,28 @@ def open(  # noqa: A001 (perilune.open is the interface)
     return Simulation(document, trajectory, orbits)
 
 
+_AS_HOOK = "that draws its orbit (the keys of one go into overrides)"
+
+
+def _hooks_of(orbits: Mapping[str, Hook] | None, config: Config) -> dict[str, Hook]:
+    like = "{'sat': function}"
+    found = dict(arguments.mapping("orbits", orbits or {}, like))
+    known = [*config.bodies, *config.spacecraft]
+    for name, hook in found.items():
+        if name not in known:
+            raise ConfigError(f"orbits: no entry named '{name}'{nearest(name, known)}")
+        arguments.function(f"orbits['{name}']", hook, _AS_HOOK)
+    return found
+
+
 def _checked_index(index: int) -> int:
     number = index.__index__() if hasattr(index, "__index__") else None
     if number is None:
-        raise TypeError(f"a frame's index is an integer, not {type(index).__name__}")
+        raise TypeError(f"a frame's index is an integer, not {type(index).__name__} {index!r:.60}")
     if not 0 <= number < 2**31:
         raise IndexError(f"frame {number}: indices run from 0 to 2^31 - 1")
     return number
 
 
 def _checked_threads(threads: int) -> int:
-    if threads < 1:
-        raise ValueError(f"threads = {threads}: must be 1 or more")
-    return threads
+    return arguments.whole("threads", threads, 1)

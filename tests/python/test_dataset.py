@@ -143,7 +143,7 @@ def test_collate(sim):
 
 @pytest.mark.parametrize("arguments", [{"start": -1}, {"shard": (2, 2)}, {"shard": (0, 0)}])
 def test_faulty_streams(sim, arguments):
-    with pytest.raises(ValueError, match="must be start >= 0"):
+    with pytest.raises(ValueError, match="must be"):
         perilune.Stream(sim, **arguments)
 
 

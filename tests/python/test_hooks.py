@@ -135,11 +135,12 @@ def test_a_module_beside_the_configuration(tmp_path):
     for name, what in (
         ("other_hooks:f", "No module named 'other_hooks'"),
         ("broken_hooks:f", "perilune_no_such_module"),
-        ("deep.own_hooks:g", "has no attribute 'g'"),
     ):
         with pytest.raises(hooks.HookError, match=r"a\.b = ") as error:
             hooks.load(name, "a.b", find)
         assert what in str(error.value)
         assert "beside the configuration" in str(error.value)
+    with pytest.raises(hooks.HookError, match=r"no function 'stat' in own_hooks; .* 'state'"):
+        hooks.load("deep.own_hooks:stat", "a.b", find)
     with pytest.raises(hooks.HookError):
         hooks.load("deep.own_hooks:f", "a.b")

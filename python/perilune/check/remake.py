@@ -12,8 +12,8 @@ from perilune.check.records import Source
 from perilune.check.remade_image import RemadeScene
 from perilune.check.reopened import Remake, compare_root, open_remake
 from perilune.check.scene import Step
-from perilune.writers.bop_files import CAMERA_FILE, load_object
 from perilune.writers.bop_card import SOURCE_FILE
+from perilune.writers.bop_files import CAMERA_FILE, load_object
 
 _OF_FILES = f"files_sha256 in {SOURCE_FILE} names"
 _SAME = "what is there now makes the very same dataset"

@@ -20,8 +20,8 @@ from perilune.check.records import Source, read_json
 from perilune.config import Document
 from perilune.simulation import Simulation
 from perilune.writers.bop import Job, open_job
-from perilune.writers.bop_config import CONFIG_FILE
 from perilune.writers.bop_card import SOURCE_FILE
+from perilune.writers.bop_config import CONFIG_FILE
 
 _FREE = {"versions", "files_sha256"}
 """Keys of dataset_info.json that are compared in another way."""

@@ -10,12 +10,14 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Any
 
+import perilune
 from perilune.cli.check import CHECK
 from perilune.cli.command import FAILED, INTERNAL, INTERRUPTED, Command
 from perilune.cli.graph import GRAPH
 from perilune.cli.info import INFO
 from perilune.cli.merge import MERGE
 from perilune.cli.orbit import ORBIT
+from perilune.cli.parser import Parser
 from perilune.cli.parts import PARTS
 from perilune.cli.plan import PLAN
 from perilune.cli.preview import PREVIEW
@@ -42,8 +44,9 @@ _EXPECTED = (ValueError, OSError, MemoryError, RuntimeError)
 
 
 def _parser() -> ArgumentParser:
-    parser = ArgumentParser(prog="perilune", description="Annotated synthetic images of space.")
-    common = ArgumentParser(add_help=False)
+    parser = Parser(prog="perilune", description="Annotated synthetic images of space.")
+    parser.add_argument("--version", action="version", version=f"perilune {perilune.__version__}")
+    common = Parser(add_help=False)
     common.add_argument("--debug", action="store_true", help="show the traceback of an error")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for command in COMMANDS:

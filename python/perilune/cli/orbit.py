@@ -35,6 +35,7 @@ SUNLIGHT_COLUMNS = (
     *("sun_r_w_m2", "sun_g_w_m2", "sun_b_w_m2", "sun_hidden_by"),
 )
 _DIGITS = 9  # of seconds: below the rounding of a low orbit's place in doubles, times ten
+_CSV_SUFFIXES = (".csv",)
 _OEM_SUFFIXES = (".oem",)
 
 
@@ -189,6 +190,9 @@ def _run(args: Namespace) -> int:
     sim, out = open_simulation(args), Path(args.out)
     names = _chosen(sim, args.object)
     as_oem = out.suffix.lower() in _OEM_SUFFIXES
+    if not as_oem and out.suffix.lower() not in _CSV_SUFFIXES:
+        allowed = ", ".join((*_CSV_SUFFIXES, *_OEM_SUFFIXES))
+        raise ValueError(f"--out {out}: the name says the format; it must end in {allowed}")
     if as_oem and args.sunlight:
         raise ConfigError("--sunlight: an OEM has no place for it; write a .csv")
     temporary = out.with_name(f"{out.name}.{os.getpid()}.tmp")

@@ -19,6 +19,7 @@ from perilune.config.errors import (
     named,
     nearest,
     origin,
+    shown,
     unread,
 )
 from perilune.config.fixed import fixed
@@ -171,6 +172,8 @@ class Document:
         for key in ("index", "drivers"):
             if key not in meta:
                 raise ConfigError(f"replay: the metadata of a sample have a key '{key}'")
+            if key == "drivers" and not isinstance(meta[key], Mapping):
+                raise ConfigError(f"replay: drivers: must be a mapping, not {shown(meta[key])}")
         index, now = meta["index"], meta["drivers"]
         if type(index) is not int or not 0 <= index < 2**31:
             raise ConfigError(f"replay: index: must be that of a frame, not {index!r}")

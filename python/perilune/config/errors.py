@@ -104,6 +104,8 @@ def _describe(
     shown_key = origin(key, origins)
     if error["type"] == "missing":
         return f"{shown_key}: required, but missing"
+    if error["loc"] and error["loc"][-1] == "[key]":  # a name is wrong, not what it stands for
+        value = path[-1]
     scalar = not below and not isinstance(value, (Mapping, list, tuple)) and value is not None
     mark = f" = {shown(value)}" if scalar else ""
     text = wording(error, value)

@@ -111,6 +111,10 @@ def parse_json(text: str, source: str) -> Any:
         raise ConfigError(f"{source}: {_TOO_DEEP}") from None
 
 
+_MODEL = "a model, not a configuration; one names it: spacecraft: {NAME: {model: FILE, ...}}"
+_OTHER_FILES = dict.fromkeys((".glb", ".gltf", ".obj", ".stl", ".blend", ".fbx", ".usdz"), _MODEL)
+
+
 def read_tree(path: Path) -> dict[str, Any]:
     """The tree of a .yaml, .yml or .json file; parsed once as long as the file stays as it is."""
     try:
@@ -118,6 +122,8 @@ def read_tree(path: Path) -> dict[str, Any]:
     except FileNotFoundError:
         near = nearest(path.as_posix(), shipped.configurations())
         raise FileNotFoundError(f"{path}: no such configuration file{near}") from None
+    except IsADirectoryError:
+        raise IsADirectoryError(f"{path}: is a folder, not a configuration file") from None
 
 
 @lru_cache(maxsize=64)
@@ -126,7 +132,9 @@ def _parsed(path: Path, _: Stamp) -> Any:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ConfigError(f"{path}: not UTF-8 text: {error}") from None
+        what = _OTHER_FILES.get(path.suffix.lower(), "")
+        text = what or f"not UTF-8 text: {error}"
+        raise ConfigError(f"{path}: {text}") from None
     parse = parse_json if path.suffix.lower() == ".json" else parse_yaml
     return parse(text, str(path))
 

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from perilune.config.errors import ConfigError
+from perilune.config.errors import ConfigError, ConfigWarning, nearest
 from perilune.config.loader import parse_yaml
+from perilune.config.sections import keys_of, sections_at
 from perilune.drivers import KeyPath, without
+from perilune.drivers.tree import kind_of
 
+_CALLER = 5
+"""Frames from a warning here to the place that opens a configuration."""
 _INDEX = re.compile(r"\[(\d+)\]")
 
 
@@ -82,6 +87,34 @@ def apply_overrides(tree: dict[str, Any], overrides: Mapping[str, Any]) -> None:
             node = node[index]
         node, index = _step(node, parts[-1], key)
         if value is None and isinstance(node, dict):
+            _check_removal(node, parts, key)
             node.pop(parts[-1], None)
         else:
+            if isinstance(node, dict):
+                _warn_of_lost(node.get(parts[-1]), value, parts, key)
             node[index] = value
+
+
+def _check_removal(node: Mapping[str, Any], parts: list[str], key: str) -> None:
+    """ConfigError for a key that is neither there nor in the schema: a misspelt one stays."""
+    allowed = [name for section in sections_at(parts[:-1]) for name in keys_of(section)]
+    if allowed and parts[-1] not in node and parts[-1] not in allowed:
+        raise ConfigError(f"override {key}: nothing to remove{nearest(parts[-1], allowed)}")
+
+
+def _warn_of_lost(old: Any, new: Any, parts: list[str], key: str) -> None:
+    """A mapping replaces a section as a whole, where one may mean to change some of its keys."""
+    if not isinstance(old, Mapping) or not isinstance(new, Mapping):
+        return
+    if kind_of(old) is not None or kind_of(new) is not None or not sections_at(parts):
+        return
+    tags = ("kind", "pointing", "model", "shape", "file")
+    lost = [name for name in old if name not in new]
+    if lost and not any(tag in new for tag in tags):
+        one = next(iter(new), "KEY")
+        warnings.warn(
+            f"override {key}: replaces the section as a whole, without its {', '.join(lost)}; "
+            f"'{key}.{one}' changes one key",
+            ConfigWarning,
+            stacklevel=_CALLER,
+        )

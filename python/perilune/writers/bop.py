@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.sample import Sample
 from perilune.simulation import Simulation
+from perilune.writers.bop_begin import as_range, changed_keys, check_folder, check_simulation
 from perilune.writers.bop_card import SOURCE_FILE
 from perilune.writers.bop_channels import ChannelFiles, channel_files, pictures
 from perilune.writers.bop_config import CONFIG_FILE, config_entry, config_text
@@ -247,7 +248,7 @@ def _check_split(split: str) -> None:
         )
 
 
-def _check_same_source(path: Path, info: dict[str, Any]) -> bool:
+def _check_same_source(path: Path, info: dict[str, Any], sim: Simulation) -> bool:
     """True if the folder belongs to this very source, False if it is new; otherwise an error."""
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
@@ -259,6 +260,12 @@ def _check_same_source(path: Path, info: dict[str, Any]) -> bool:
         ) from error
     for key in sorted({*info, *found} - {"versions"}):
         if found.get(key) != info.get(key):
+            changed = changed_keys(path.parent, sim.document.tree)
+            if changed and key not in ("chunk_size", "seed", "split"):
+                raise ValueError(
+                    f"{path.parent}: holds a dataset of another configuration: {changed}; use "
+                    "another folder, or remove this one"
+                )
             raise ValueError(
                 f"{path.parent}: holds a dataset with another {key} ({found.get(key)!r}, here "
                 f"{info.get(key)!r}); use another folder, or remove this one"
@@ -280,7 +287,7 @@ def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> d
         )
     info = dataset_info(sim, chunk_size, split)
     make_folder(root)  # when nothing but the disk can fail any more
-    if not _check_same_source(root / SOURCE_FILE, info):
+    if not _check_same_source(root / SOURCE_FILE, info, sim):
         write_text(root / SOURCE_FILE, json_text(info))
     write_text(root / CONFIG_FILE, config_text(config_entry(sim)))
     write_text(root / "camera.json", json_text(camera_entry(sim)))
@@ -311,7 +318,7 @@ def open_job(
 
 def write_bop(
     sim: Simulation,
-    frames: range,
+    frames: range | Sequence[int],
     out: str | Path,
     *,
     chunk_size: int = DEFAULT_CHUNK,
@@ -342,12 +349,17 @@ def write_bop(
     configuration states in render.channels have a folder each, see perilune.writers.bop_channels.
     Of a rolling shutter, `rows` gives the poses row by row.
 
+    frames: a range, or indices that rise as evenly as those of one.
+
     Raises OSError if a file cannot be written (finished frames stay valid), ValueError if the
-    folder belongs to another configuration, seed or chunk size.
+    folder belongs to another configuration, seed or chunk size, or holds other things than a
+    dataset.
     """
+    check_simulation(sim)
+    frames = as_range(frames)
     check_frames(frames, chunk_size, shard or (0, 1))
     _check_split(split)
-    root = Path(out)
+    root = check_folder(out)
     images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
     total = sum(len(images) for images in images_of.values())
     job = open_job(sim, root, chunk_size, split, threads, total, progress)

@@ -374,7 +374,7 @@ def test_folder_that_cannot_be_made_is_an_error(sim, tmp_path):
     ("changes", "options", "named"),
     [
         ({"seed": 4}, {}, "seed"),
-        ({"render.samples": 3}, {}, "config_sha256"),
+        ({"render.samples": 3}, {}, "configuration: render.samples was 2, here 3"),
         ({}, {"chunk_size": 5}, "chunk_size"),
         ({}, {"split": "test"}, "split"),
     ],

@@ -1,0 +1,40 @@
+"""Arguments of the Python interface: what is wrong with one, by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+
+def whole(name: str, value: Any, least: int | None = None) -> int:
+    """A whole number, NumPy's too, as an int; TypeError or ValueError by the argument's name."""
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise TypeError(f"{name} = {value!r:.60}: must be a whole number")
+    number = int(value.__index__())
+    if least is not None and number < least:
+        raise ValueError(f"{name} = {number}: must be {least} or more")
+    return number
+
+
+def mapping(name: str, value: Any, like: str) -> Mapping[str, Any]:
+    """A mapping with texts as keys; TypeError that shows what it is like."""
+    if not isinstance(value, Mapping):
+        raise TypeError(f"{name}: must be a mapping such as {like}, not {value!r:.60}")
+    for key in value:
+        if not isinstance(key, str):
+            raise TypeError(f"{name}: a key must be a text, not {key!r}; such as {like}")
+    return value
+
+
+def function(name: str, value: Any, like: str) -> None:
+    """TypeError for what cannot be called."""
+    if not callable(value):
+        raise TypeError(f"{name}: must be a function {like}, not {value!r:.60}")
+
+
+def names(name: str, value: Any) -> list[str]:
+    """A list of names, each once; TypeError for a text, whose letters are no names."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        listed = f"; a list of one is [{value!r}]" if isinstance(value, str) else ""
+        raise TypeError(f"{name}: must be a list of names, not {value!r:.60}{listed}")
+    return list(dict.fromkeys(value))
