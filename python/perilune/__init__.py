@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
+from perilune.cameras import look_at
 from perilune.dataset import Dataset, Stream, collate
 from perilune.drivers import Driver
 from perilune.sample import Sample
@@ -13,7 +14,7 @@ from perilune.simulation import Simulation, open  # noqa: A004 (perilune.open is
 if TYPE_CHECKING:
     from perilune.writers import write_bop
 
-__all__ = ["Dataset", "Driver", "Sample", "Simulation", "Stream", "collate", "open", "write_bop"]
+__all__ = ["Dataset", "Driver", "Sample", "Simulation", "Stream", "collate", "look_at", "open", "write_bop"]
 
 try:
     __version__ = version("perilune")

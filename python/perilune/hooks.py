@@ -154,15 +154,17 @@ def call(
     offers: Mapping[str, Offer],
     params: Mapping[str, Any] | None = None,
     first: str | None = None,
+    draws: str | None = None,
 ) -> Any:
     """What a hook returns.
 
     key: its path in the configuration, for errors and for what it draws. index: the scene or step
     that it draws for. offers: what it may ask for by name, beside `rng` and `params`. first: which
-    of the offers its first argument gets if it has a name of its own.
+    of the offers its first argument gets if it has a name of its own. draws: what its random
+    numbers are keyed by (default: key).
     """
     given = dict(params or {})
-    what = f"hook:{key}"
+    what = f"hook:{draws or key}"
     all_offers: dict[str, Offer] = {
         **offers,
         "rng": lambda: generator(seed, what, index),

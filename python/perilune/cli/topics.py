@@ -18,7 +18,8 @@ _POSES = """A pose is seven numbers, x, y, z, qw, qx, qy, qz: p_root = R(q) p_ow
 Metres; the quaternion turns the axes of the thing itself into those of the root frame (ICRF axes,
 the root body at the origin), and need not be of length 1. A camera's own axes are OpenCV's: x
 right, y down, z forward. `Simulation.camera_poses(index)` gives (2, 7): as the shutter opens, and
-closes. A hook of the camera may return (7,), which is one pose for the whole exposure, or (2, 7).
+closes. A hook of the camera may return (7,), the pose as the shutter opens, from which it moves
+with its target, or (2, 7). perilune.look_at makes poses.
 
 Labels have matrices instead: `objects["R_m2c"]` (3, 3) and `["t_m2c"]` (3,), m, from an object's
 frame to the camera's; `camera.R_w2c` and `.t_w2c` from the root frame to the camera's.
@@ -28,12 +29,13 @@ sample.camera: {camera}"""
 _HOOKS = """{about}
 
 The value of a driver, {{hook: "module:function", ideal, ...}}, is drawn once a draw. It may ask for
-rng, seed, step, ideal and strength, and returns a value like the ideal.
+rng, seed, step (the first that the draw is for), ideal and strength, and returns a value like the
+ideal.
 
-An orbit, {{kind: hook, function: "module:function"}}, is drawn once a scene. It may ask for
+An orbit, {{kind: hook, hook: "module:function"}}, is drawn once a scene. It may ask for
 body_radius_xyz (km), world and rng, and returns a scaled circle, a state, or elements.
 
-A camera, {{kind: hook, function: "module:function"}} in camera.trajectory, may be asked several
+A camera, {{kind: hook, hook: "module:function"}} in camera.trajectory, may be asked several
 times a step. It may ask for world, which also is its first argument, and for rng, and returns a
 pose (7,) or two, (2, 7): as the shutter opens, and closes.
 

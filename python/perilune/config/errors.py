@@ -66,13 +66,17 @@ def _walk(tree: Any, loc: Sequence[Any], missing: bool) -> tuple[list[Any], Any]
     """The path in the file that pydantic's location means (no union tags), and its value."""
     path: list[Any] = []
     value = tree
+    tagged = False
     for position, part in enumerate(loc):
+        if not tagged and isinstance(value, Mapping) and value.get("kind") == part:
+            tagged = True  # the tag of a union, though a key be called so too
+            continue
         below = isinstance(value, Mapping) and part in value
         if isinstance(value, list) and isinstance(part, int):
             below = part < len(value)
         if below:
             path.append(part)
-            value = value[part]
+            value, tagged = value[part], False
         elif missing and position == len(loc) - 1:
             path.append(part)
             value = None

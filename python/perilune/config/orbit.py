@@ -312,13 +312,18 @@ class Hook(Drawn):
     """An orbit that a function of the user's draws, once a scene."""
 
     kind: Literal["hook"]
-    function: FunctionName
-    """module:function. It gets those of its arguments that are named body_radius_xyz (km), rng,
-    world or params, and returns {scale_xyz, rotation_rpy} (radians: a scaled circle, run through at
-    v_step, which it then needs), {position_km, velocity_km_s}, or elements by the names of a Kepler
-    orbit's keys."""
+    hook: FunctionName
+    """module:function (`function` is understood too). It gets those of its arguments that are named
+    body_radius_xyz (km), rng, world or params, and returns {scale_xyz, rotation_rpy} (radians: a
+    scaled circle, run through at v_step, which it then needs), {position_km, velocity_km_s}, or
+    elements by the names of a Kepler orbit's keys."""
     params: dict[str, Any] = Field(default_factory=dict)
     """Handed to the function as `params`, or each by its name."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _older_name(cls, data: Any) -> Any:
+        return cls._renamed(data, "function", "hook")
 
     @model_validator(mode="after")
     def _circular_only(self) -> Hook:

@@ -114,6 +114,15 @@ class Strict(BaseModel):
                 fail(str(key), f"unknown key{nearest(key, allowed)}")
         return data
 
+    @classmethod
+    def _renamed(cls, data: Any, old: str, new: str) -> Any:
+        """In a validator that comes first: takes a key by the name that it had before."""
+        if not isinstance(data, Mapping) or old not in data:
+            return data
+        if new in data:
+            fail(old, f"was the name of `{new}`, which stands here too; give one of them")
+        return {(new if key == old else key): value for key, value in data.items()}
+
     def _only_with(self, needed: str, *keys: str) -> None:
         """Refuses keys that do nothing without something else. needed: what it is."""
         for key in keys:

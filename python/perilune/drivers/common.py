@@ -89,6 +89,7 @@ class Source:
     """Key path of the driver."""
     seed: int
     step: int
+    """The first one that the draw is for."""
     epoch: int
     """Counts the draws: the step divided by the interval."""
     correlated: Callable[[int], F64] | None = None

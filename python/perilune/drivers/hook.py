@@ -2,13 +2,16 @@
 
 The function gets those of its arguments that are named rng, seed, step, ideal, strength and params,
 and the entries of `params` by their names; it returns a value like `ideal`. Numbers are clipped; a
-text or a section as `ideal` takes no limits. It is not called at a strength of 0.
+text or a section as `ideal` takes no limits. It is called once a draw, as for all drivers every
+`interval` steps: `step` is the first of them, and the answer holds for all. It is not called at a
+strength of 0.
 """
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +20,9 @@ import numpy as np
 from perilune import hooks
 from perilune.drivers.common import DriverError, Kind, Source, clip, numbers, shaped, size
 from perilune.drivers.normal import check_ideal, need
+
+_KEPT = 16
+"""Answers of a hook that are kept."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +37,8 @@ class Hooked:
     high: tuple[float, ...] | None
     params: Mapping[str, Any]
     loaded: hooks.Hook | None = None
+    answers: dict[tuple[int, int, float], Any] = field(default_factory=dict, compare=False)
+    """The last draws' values, by seed, draw and strength: frames ask for them several times."""
 
     @property
     def limits(self) -> Mapping[str, Any]:
@@ -55,6 +63,16 @@ class Hooked:
         """What the function returns, clipped; DriverError if it is not like the ideal."""
         if strength == 0.0:
             return self.ideal
+        draw = (source.seed, source.epoch, strength)
+        if draw not in self.answers:
+            answer = self._answer(source, strength)
+            while len(self.answers) >= _KEPT:
+                self.answers.pop(next(iter(self.answers)), None)
+            self.answers[draw] = answer
+            return copy.deepcopy(answer)
+        return copy.deepcopy(self.answers[draw])
+
+    def _answer(self, source: Source, strength: float) -> Any:
         key = f"{self.name}.hook"
         function = self.loaded or hooks.load(self.function, key)
         value = hooks.call(

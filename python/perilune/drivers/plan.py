@@ -153,8 +153,8 @@ class Plan:
         )
         return replace(self, drivers=rows)
 
-    def settings(self, driver: Found, step: int) -> tuple[float, int]:
-        """Strength and number of the draw of a driver at a step."""
+    def settings(self, driver: Found, step: int) -> tuple[float, int, int]:
+        """Of the draw of a driver at a step: strength, number, and the first step it is for."""
         group = self.groups[driver.group] if driver.group is not None else Group()
         strengths = (driver.strength, group.strength, driver.section.strength)
         # Drivers of different sections go together in a correlated group.
@@ -165,13 +165,13 @@ class Plan:
         epoch = step // interval
         if isinstance(strength, tuple):
             strength = strength[min(epoch, len(strength) - 1)]
-        return strength, epoch
+        return strength, epoch, epoch * interval
 
     def piled(self) -> Iterator[tuple[Found, str, float]]:
         """(driver, limit, share of its draws that are clipped to it), of those above PILED."""
         for driver in self.drivers:
             if isinstance(driver.distribution, (Normal, LogNormal)):
-                strength, _ = self.settings(driver, 0)
+                strength, _, _ = self.settings(driver, 0)
                 rows = driver.distribution.standard_limits(strength)
                 for name, at, sign in (("clip_min", 0, -1.0), ("clip_max", 1, 1.0)):
                     shares = [
@@ -184,10 +184,10 @@ class Plan:
 
     def draw(self, driver: Found, seed: int, step: int) -> Any:
         """The value of one driver at a step."""
-        strength, epoch = self.settings(driver, step)
+        strength, epoch, first = self.settings(driver, step)
         group = self.groups[driver.group] if driver.group is not None else Group()
         normals = group.normals(seed, epoch, driver.name)
-        source = Source(driver.name, seed, step, epoch, normals)
+        source = Source(driver.name, seed, first, epoch, normals)
         return driver.distribution.draw(source, strength)
 
     def values(self, seed: int, step: int) -> dict[KeyPath, Any]:

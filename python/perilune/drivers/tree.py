@@ -88,6 +88,8 @@ def _strengths(name: str, value: Any) -> float | tuple[float, ...] | None:
 
 def kind_of(raw: Mapping[str, Any]) -> Kind | None:
     """The kind of driver that a mapping is meant as."""
+    if raw.get("kind") == HOOK.name:
+        return None  # a section whose function has the key `hook` too
     for kind in KINDS:
         if any(key in raw and kind.marks(raw[key]) for key in kind.markers):
             return kind

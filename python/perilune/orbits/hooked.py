@@ -126,10 +126,10 @@ def hook(orbit: Any, place: Place, world: Callable[[], Surroundings]) -> Motion:
     """The path that a hook returns for the scene; place: of the scene's first step."""
     setting = place.setting
     given = place.setting.hooks.get(place.name)
-    key = f"{place.key}.function"
+    key = f"{place.key}.hook"
     if given is None:
         assert isinstance(orbit, HookOrbit)  # the caller has seen to it
-        given = hooks.load(orbit.function, key, setting.file)
+        given = hooks.load(orbit.hook, key, setting.file)
     answer = hooks.call(
         given,
         key,
@@ -140,9 +140,10 @@ def hook(orbit: Any, place: Place, world: Callable[[], Surroundings]) -> Motion:
             "world": world,
         },
         params=getattr(orbit, "params", None),
+        draws=f"{place.key}.function",
     )
     try:
         return _motion(answer, orbit, place)
     except ValueError as error:
         name = getattr(given, "__name__", repr(given))
-        raise ValueError(f"orbit.function: {name}: {error}") from None
+        raise ValueError(f"orbit.hook: {name}: {error}") from None

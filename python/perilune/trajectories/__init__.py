@@ -51,7 +51,8 @@ TRAJECTORIES: dict[str, Trajectory] = {
 def platform_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
     """Poses (2, 7) of the platform: the user's callable if there is one, else as configured."""
     if own is not None:
-        return called(world, own, "trajectory", {})
+        target = getattr(world.camera.trajectory, "target", None)
+        return called(world, own, "trajectory", {}, target)
     return TRAJECTORIES[world.camera.trajectory.kind](world)
 
 

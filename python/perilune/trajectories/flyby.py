@@ -27,4 +27,5 @@ def flyby(world: World) -> F64:
         along = -spec.before_m * (1.0 - shares[when]) + behind * shares[when]
         return np.asarray(spec.closest_m * side + along * direction)
 
-    return aimed(world, spec, place)
+    up = spec.up or tuple(np.cross(side, direction).tolist())
+    return aimed(world, spec.model_copy(update={"up": up}), place)

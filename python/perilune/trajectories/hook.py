@@ -38,8 +38,37 @@ def checked(poses: Any, what: str) -> F64:
     return result
 
 
-def called(world: World, function: Callable[..., Any], key: str, params: Mapping[str, Any]) -> F64:
-    """The poses that a function gives for the step; `key` names it in errors and draws."""
+def _nearest(world: World, place: F64) -> str:
+    """The thing whose surface, or bounding sphere, is nearest to a place at the opening."""
+    things = [*world.craft_radius_m, *world.body_radii_m]
+    return min(
+        things,
+        key=lambda name: (
+            float(np.linalg.norm(place - world.position_m(name))) - world.radius_m(name)
+        ),
+    )
+
+
+def beside(world: World, pose: F64, target: str | None) -> F64:
+    """Poses (2, 7) of a camera that keeps its place beside a thing (default: the nearest) while
+    the shutter is open. pose: (7,), at the opening."""
+    poses = world.poses[target or _nearest(world, pose[:3])]
+    closing = pose.copy()
+    closing[:3] += poses[1, :3] - poses[0, :3]
+    return np.stack([pose, closing])
+
+
+def called(
+    world: World,
+    function: Callable[..., Any],
+    key: str,
+    params: Mapping[str, Any],
+    target: str | None,
+) -> F64:
+    """The poses that a function gives for the step; `key` names it in errors.
+
+    target: what a camera of one pose moves with (default: what is nearest).
+    """
     answer = hooks.call(
         function,
         key,
@@ -48,14 +77,16 @@ def called(world: World, function: Callable[..., Any], key: str, params: Mapping
         offers={"world": lambda: world},
         params=params,
         first="world",
+        draws=key.replace(".hook", ".function"),
     )
-    return checked(answer, getattr(function, "__name__", repr(function)))
+    poses = checked(answer, getattr(function, "__name__", repr(function)))
+    return beside(world, poses[0], target) if np.shape(answer) == (7,) else poses
 
 
 def hook(world: World) -> F64:
     """The user's module:function, called as function(world, **params); it may ask for `rng`."""
     spec = world.camera.trajectory
     assert isinstance(spec, Hook)
-    key = "camera.trajectory.function"
-    function = hooks.load(spec.function, key, world.system.setting.file)
-    return called(world, function, key, spec.params)
+    key = "camera.trajectory.hook"
+    function = hooks.load(spec.hook, key, world.system.setting.file)
+    return called(world, function, key, spec.params, spec.target)

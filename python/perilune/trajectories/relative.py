@@ -64,6 +64,15 @@ def _elapsed_s(world: World, spec: Relative, rate_rad_s: float) -> tuple[float, 
     return shares[0] * duration, shares[1] * duration
 
 
+def _default_up(spec: Relative, start_m: F64) -> tuple[float, float, float]:
+    """Along the orbit's normal, which a path about the target in its plane never looks along; away
+    from what is orbited where the run starts near the normal. start_m: in rsw."""
+    steep = abs(float(start_m[2])) > math.cos(math.radians(30.0)) * float(np.linalg.norm(start_m))
+    up = np.array([1.0, 0.0, 0.0] if steep else [0.0, 0.0, 1.0])
+    x, y, z = (up if spec.frame == "rsw" else _FROM_LVLH.T @ up).tolist()
+    return x, y, z
+
+
 def relative(world: World) -> F64:
     """The camera's place in the axes of the target's orbit, which turn with it."""
     spec = world.camera.trajectory
@@ -83,5 +92,5 @@ def relative(world: World) -> F64:
         found = clohessy_wiltshire(position, velocity, rate, elapsed[when])
         return np.asarray(_FROM_LVLH.T @ found if spec.frame == "lvlh" else found)
 
-    outward = (1.0, 0.0, 0.0) if spec.frame == "rsw" else (0.0, 0.0, -1.0)
-    return aimed(world, spec.model_copy(update={"up": spec.up or outward}), place)
+    up = spec.up or _default_up(spec, position)
+    return aimed(world, spec.model_copy(update={"up": up}), place)

@@ -54,4 +54,5 @@ def spiral(world: World) -> F64:
         radius = (1.0 - shares[when]) * begin + shares[when] * end + noise
         return rotations.rotate(rotations.axis_angle(normal, angle), start / begin) * radius
 
-    return aimed(world, spec, place)
+    up = spec.up or tuple(normal.tolist())
+    return aimed(world, spec.model_copy(update={"up": up}), place)

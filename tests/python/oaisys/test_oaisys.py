@@ -89,7 +89,7 @@ def test_a_custom_orbit_is_a_hook(tree, iss):
     iss["orbit_params"] = {**params, "params": {"a": 1}}
     orbit = translated(tree)[0]["spacecraft"]["iss"]["orbit"]
     assert orbit["kind"] == "hook"
-    assert (orbit["function"], orbit["params"]) == ("m:f", {"a": 1})
+    assert (orbit["hook"], orbit["params"]) == ("m:f", {"a": 1})
     assert cfg.load(translated(tree)[0], base=FOLDER).config.spacecraft["iss"].orbit.v_step == 0.01
     for wrong in ("ab", [1], 7):
         iss["orbit_params"]["params"] = wrong

@@ -142,7 +142,7 @@ def test_a_custom_trajectory_is_a_hook(tree):
         approach_moving_type="custom",
         approach_moving_params={"function": "m:f", "speed": 2},
     )
-    assert hook == {"kind": "hook", "function": "m:f", "params": {"speed": 2}}
+    assert hook == {"kind": "hook", "hook": "m:f", "params": {"speed": 2}}
 
 
 def test_random_euclidean(tree):

@@ -150,12 +150,12 @@ def test_hooks_return_elements(scene, repo_dir, tmp_path, monkeypatch):
         "            'mean_anomaly_deg': rng.uniform(0, 360)}\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
-    orbit = {"kind": "hook", "function": "my_orbits:low", "params": {"height": 700.0}}
+    orbit = {"kind": "hook", "hook": "my_orbits:low", "params": {"height": 700.0}}
     sim = opened(scene, repo_dir, orbit)
     heights = [np.linalg.norm(state(sim, index=k)[0][:3]) for k in range(3)]
     assert np.allclose(np.array(heights) - equator_m(sim)[0], 7e5)
-    orbit["function"] = "my_orbits:lwo"
-    assert "spacecraft.sat.orbit.function = 'my_orbits:lwo'" in refused(
+    orbit["hook"] = "my_orbits:lwo"
+    assert "spacecraft.sat.orbit.hook = 'my_orbits:lwo'" in refused(
         scene, repo_dir, orbit=orbit
     )
 
@@ -174,7 +174,7 @@ def test_hooks_return_elements(scene, repo_dir, tmp_path, monkeypatch):
 )
 def test_wrong_answers_are_named(scene, repo_dir, answer, text):
     found = refused(scene, repo_dir, orbits={"sat": lambda: answer})
-    assert "spacecraft.sat: orbit.function" in found
+    assert "spacecraft.sat: orbit.hook" in found
     assert text in found
 
 

@@ -95,8 +95,8 @@ def _custom(node: Node, params: Node, scene: Scene) -> dict[str, Any]:
     function = params.text("function")
     params.skip()
     rest = {key: value for key, value in params.raw.items() if key != "function"}
-    params.comes("camera.trajectory.function", "function")
-    return {"kind": "hook", "function": function, "params": rest}
+    params.comes("camera.trajectory.hook", "function")
+    return {"kind": "hook", "hook": function, "params": rest}
 
 
 _KINDS: dict[str, Callable[[Node, Node, Scene], dict[str, Any]]] = {

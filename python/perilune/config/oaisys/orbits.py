@@ -59,7 +59,7 @@ def _custom(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
     params.skip()
     return {
         "kind": "hook",
-        "function": node.text("function"),
+        "hook": node.text("function"),
         "params": dict(params.raw),
         "propagator": "circular",
         "orbit_start": list(node.span("orbit_start", (0.0, 1.0))),
@@ -80,8 +80,9 @@ def read(node: Node, scene: Scene, ours: str) -> dict[str, Any]:
     orbit = {"around": parent.name, **_KINDS[kind](node, scene, parent)}
     orbit["v_step"] = node.number("v_step", 0.0)
     node.comes(ours)
-    for key in ("scale", "rotation_deg", "orbit_start", "v_step", "function", "params"):
+    for key in ("scale", "rotation_deg", "orbit_start", "v_step", "params"):
         node.comes(f"{ours}.{key}", key)
+    node.comes(f"{ours}.hook", "function")
     node.comes(f"{ours}.around", "parent")
     node.comes(f"{ours}.class", "orbit_type")
     return orbit

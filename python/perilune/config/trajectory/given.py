@@ -64,9 +64,20 @@ class Hook(Strict):
     """A function of the user's, called as function(world, **params) with a perilune.world.World."""
 
     kind: Literal["hook"]
-    function: FunctionName
-    """module:function; returns a camera pose (7,), or two (2, 7): shutter opening and closing. If
-    it has an argument `rng`, it gets a numpy.random.Generator of the step; NumPy's and Python's own
-    generators are seeded for the step while it runs."""
+    hook: FunctionName
+    """module:function (`function` is understood too). It returns the camera's pose x, y, z, qw, qx,
+    qy, qz: metres in the root frame (ICRF axes), and the rotation from the camera's axes (x right,
+    y down, z forward) to the root's; as (7,) at the opening of the shutter, or as (2, 7) at opening
+    and closing. perilune.look_at makes them. If it has an argument `rng`, it gets a
+    numpy.random.Generator of the step; NumPy's and Python's own generators are seeded for the step
+    while it runs."""
+    target: str | None = None
+    """Name of a spacecraft or body. A camera of one pose (7,) keeps its place beside it while the
+    shutter is open (default: what is nearest), without turning; two poses say all themselves."""
     params: dict[str, Any] = Field(default_factory=dict)
     """Handed to the function."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _older_name(cls, data: Any) -> Any:
+        return cls._renamed(data, "function", "hook")

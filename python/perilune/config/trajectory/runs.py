@@ -84,6 +84,8 @@ class Spiral(Aimed, Run):
     """Turns from start to end; negative ones go the other way."""
     distance_noise_m: NonNegative = 0.0
     """Added to the distance at every step, uniform within plus and minus this."""
+    up: Direction | None = None  # type: ignore[assignment]
+    """What is up in the image, in the axes of `frame`; default: the axis of the turning."""
 
     @model_validator(mode="after")
     def _complete(self) -> Spiral:
@@ -115,6 +117,9 @@ class Flyby(Aimed, Run):
     """How far before the closest point it starts, along the way."""
     after_m: NonNegative | None = None
     """How far behind it ends; default: as before."""
+    up: Direction | None = None  # type: ignore[assignment]
+    """What is up in the image, in the axes of `frame`; default: across `direction` and `side`, so
+    that the camera does not roll over."""
 
     @model_validator(mode="after")
     def _across(self) -> Flyby:
@@ -185,7 +190,8 @@ class Relative(Aimed, Run):
     """Axes of the state, `up` and `aim_offset_m`. rsw: x away from what the target orbits, y
     forward, z along the orbit normal; lvlh: z to what it orbits, y along minus the normal."""
     up: Direction | None = None  # type: ignore[assignment]
-    """What is up in the image, in the axes of `frame`; default: away from what is orbited."""
+    """What is up in the image, in the axes of `frame`; default: along the orbit's normal, or away
+    from what is orbited where the run starts within 30 degrees of the normal."""
     state: RelativeState | None = None
     """At the start of the run."""
     ellipse: RelativeEllipse | None = None
