@@ -204,10 +204,6 @@ class Simulation:
             self._handles, self._pid = Handles(self._document, self._remarks, assets), pid
         return self._handles
 
-    def share(self, other: Simulation) -> None:
-        """Takes the models, maps and scenes of another simulation of the same configuration."""
-        self._handles, self._pid = other._mine(), os.getpid()
-
     def config_at(self, index: int) -> tuple[Config, dict[str, Any]]:
         """The configuration of a frame, and what its drivers drew, by key path.
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from perilune import _core
+from perilune.sample import Sample
 from perilune.simulation import Simulation
 
 _OTHER_NOISE = 0x5EED
@@ -13,23 +13,47 @@ _OTHER_NOISE = 0x5EED
 
 
 class Coarse(Simulation):
-    """The same frames, by `samples` samples a pixel, and if asked with other noise."""
+    """The same frames, by `samples` samples a pixel."""
 
     samples = 1
-    other_noise = False
+    beside: Sample | None = None
+    """A frame beside which the same one is rendered with other noise, at its exposure."""
 
     @classmethod
-    def of(cls, sim: Simulation, samples: int, other_noise: bool = False) -> Coarse:
+    def of(cls, sim: Simulation, samples: int) -> Coarse:
         """Shares the models, maps and scenes of the other."""
         coarse = cls(*sim.__reduce__()[1])
-        coarse.share(sim)
-        coarse.samples, coarse.other_noise = samples, other_noise
+        coarse._remarks = sim._remarks  # models are told of once
+        coarse.samples = samples
         return coarse
+
+    def again(self, sample: Sample, channels: list[str]) -> Sample:
+        """The same frame with other noise."""
+        self.beside = sample
+        try:
+            return self.frame(sample.meta["index"], channels=channels)
+        finally:
+            self.beside = None
 
     def _request(self, *args: Any) -> _core.FrameRequest:
         request = super()._request(*args)
-        quality: Mapping[str, Any] = {**request["quality"], "samples": self.samples}
-        request["quality"] = quality  # type: ignore[typeddict-item]
-        if self.other_noise:
+        request["quality"]["samples"] = self.samples
+        if self.beside is not None:
             request["seed"] ^= _OTHER_NOISE
+            _expose_as(request, self.beside.meta)
         return request
+
+    def _metered(self, *args: Any) -> Any:
+        return None if self.beside is not None else super()._metered(*args)
+
+
+def _expose_as(request: _core.FrameRequest, meta: dict[str, Any]) -> None:
+    """Sets the exposure that was metered on another frame."""
+    white = meta["white_radiance"]
+    if white is not None:
+        request["exposure"]["mode"] = "fixed"
+        request["exposure"]["white_radiance"] = white
+    if request.get("sensor") is not None and "exposure_s" in meta:
+        sensor = dict(request["sensor"] or {})
+        sensor.update(auto_time=None, exposure_s=meta["exposure_s"], gain=meta["gain_e_dn"])
+        request["sensor"] = sensor

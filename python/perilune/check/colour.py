@@ -18,6 +18,7 @@ from perilune.check.coarse import Coarse
 from perilune.check.findings import Report
 from perilune.check.png import PngError, decoded_png
 from perilune.check.reopened import Remake
+from perilune.passes import COLOURS
 from perilune.sample import Sample
 
 F32 = NDArray[np.float32]
@@ -35,6 +36,11 @@ _FAR = 4.0
 """Standard deviations of the noise beyond which a block is suspicious."""
 _FEW, _PART_OF_ALL = 2, 5e-4
 """Blocks, and part of all, that may be suspicious: glints that few samples miss."""
+_WILD = 12.0
+"""Levels by which a pixel is wild."""
+_FEW_PIXELS, _PART_OF_PIXELS, _PART_OF_NOISY = 8, 1e-4, 0.15
+"""Pixels, part of all and part of the noisy ones that may be wild: thin things that few samples
+miss."""
 _OTHER_BUILD = 0.02
 """Part of the pixels in which another build of the core may differ."""
 
@@ -56,8 +62,7 @@ class ColourCheck:
         self.samples = sim.config.render.samples
         self.few = coarse_samples(self.samples)
         self.exact = None if self.few == self.samples else exact
-        self._first = Coarse.of(sim, self.few)
-        self._second = Coarse.of(sim, self.few, other_noise=True)
+        self._coarse = Coarse.of(sim, self.few)
         self.in_full = 0
         self._full: Sample | None = None
         self._noise: Sample | None = None
@@ -72,7 +77,7 @@ class ColourCheck:
             self.in_full += 1
             self._full = self.remake.sim.frame(index, channels=channels)
             return self._full
-        return self._first.frame(index, channels=channels)
+        return self._coarse.frame(index, channels=channels)
 
     def _rendered_in_full(self, index: int) -> Sample:
         if self._full is None:
@@ -81,11 +86,19 @@ class ColourCheck:
             self._full = self.remake.sim.frame(index, channels=names)
         return self._full
 
-    def _noisy(self, index: int) -> Sample:
+    def _noisy(self, sample: Sample) -> Sample:
         if self._noise is None:
             names = list(dict.fromkeys(self.remake.job.pictures.values()))
-            self._noise = self._second.frame(index, channels=names)
+            self._noise = self._coarse.again(sample, names)
         return self._noise
+
+    def holds(self, folder: str) -> bool:
+        """Whether what the frame made again has for a folder beside BOP can be compared: labels,
+        which are the same by any number of samples, and in a frame rendered in full all."""
+        if self._full is not None or folder not in COLOURS:
+            return True
+        self.report.note(f"{folder}/ was compared in the images alone that were rendered in full")
+        return False
 
     def compare(self, path: Path, sample: Sample, folder: str) -> None:
         """Compares a picture of a dataset with the frame made again. folder: of the scene."""
@@ -98,7 +111,7 @@ class ColourCheck:
         if found.shape != expected.shape or found.dtype != expected.dtype:
             return  # likewise
         if self._full is None:
-            noise = self._noisy(index)[channel]
+            noise = self._noisy(sample)[channel]
             if not is_suspicious(found, expected, noise):
                 return
         expected = self._rendered_in_full(index)[channel]
@@ -147,10 +160,30 @@ def distances(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]) ->
     return np.asarray(off.max(axis=2), dtype=np.float32)
 
 
+def _highest(image: F32) -> F32:
+    """The largest value of a pixel and its neighbours, in each band."""
+    padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    rows = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
+    return np.asarray(np.maximum(np.maximum(rows[:, :-2], rows[:, 1:-1]), rows[:, 2:]))
+
+
+def wild_pixels(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]) -> tuple[int, int]:
+    """Pixels that are far out of the range of what few samples see there and beside; and pixels in
+    which those differ as far by noise."""
+    a, b, c = _in_levels(found, first, second)
+    above = a - _highest(np.maximum(b, c))
+    below = -_highest(-np.minimum(b, c)) - a
+    wild = (np.maximum(above, below) > _WILD).any(axis=2)
+    return int(wild.sum()), int((np.abs(b - c) > _WILD).any(axis=2).sum())
+
+
 def is_suspicious(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]) -> bool:
     """Whether a picture is farther from one of few samples than the other of few is."""
     far = distances(found, first, second) > _FAR
-    return int(np.count_nonzero(far)) > _FEW + _PART_OF_ALL * far.size
+    if int(np.count_nonzero(far)) > _FEW + _PART_OF_ALL * far.size:
+        return True
+    wild, noisy = wild_pixels(found, first, second)
+    return wild > _FEW_PIXELS + _PART_OF_PIXELS * far.size * _BLOCK**2 + _PART_OF_NOISY * noisy
 
 
 def picture_difference(found: NDArray[Any], expected: NDArray[Any], count: int, path: Path) -> str:

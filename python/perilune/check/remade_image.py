@@ -65,7 +65,7 @@ class RemadeScene:
                 continue  # a missing one is told by the comparison of folder and labels
             if folder in pictures:
                 self.colour.compare(path, sample, folder)
-            elif path.read_bytes() != made.read_bytes():
+            elif self.colour.holds(folder) and path.read_bytes() != made.read_bytes():
                 self._label_file(path, made)
             made.unlink()
 

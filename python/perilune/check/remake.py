@@ -51,9 +51,8 @@ def _compare_frames(
     told = f"all {len(every)}" if colour.in_full == len(every) else str(colour.in_full)
     text = f"colour of {told} of {len(every)} images was rendered again in full"
     if colour.in_full < len(every):
-        text += (
-            f", that of all at {colour.few} of {colour.samples} samples (--rerender all: in full)"
-        )
+        few = f"{colour.few} of {colour.samples} samples"
+        text += f", that of the others compared at {few} (--rerender all: all in full)"
     report.note(f"models and labels of all images were made again; {text}")
 
 

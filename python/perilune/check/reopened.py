@@ -34,6 +34,7 @@ class StoredConfig(BaseModel):
 
     base: str
     functions: list[str] = []
+    overrides: dict[str, JsonValue] = {}
     replay: dict[str, JsonValue] | None = None
     tree: dict[str, JsonValue]
 
@@ -54,6 +55,7 @@ class Remake:
 def _opened(stored: StoredConfig, source: str, base: Path | None) -> Simulation:
     tree: Any = stored.tree
     document = Document(tree, base or Path(stored.base), source, None, stored.replay)
+    document.changes = stored.overrides
     sim = Simulation(document)
     len(sim.models)  # reads the files
     return sim

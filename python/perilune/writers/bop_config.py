@@ -18,7 +18,8 @@ def config_entry(sim: Simulation) -> dict[str, Any]:
     tree: the configuration with all overrides, includes and defaults of files that it was made of;
     its order is that of the instances, and of the frame's random draws. base: the folder that
     relative paths in it refer to. functions: what was given in code, which no file can hold.
-    replay: the metadata that a frame's drivers are taken from.
+    replay: the metadata that a frame's drivers are taken from. overrides: what of the tree was
+    changed since the configuration was opened, as each frame tells.
     """
     document = sim.document
     entry: dict[str, Any] = {"base": str(document.base.resolve())}
@@ -26,6 +27,8 @@ def config_entry(sim: Simulation) -> dict[str, Any]:
         entry["functions"] = sim.functions
     if document.replay is not None:
         entry["replay"] = {key: document.replay[key] for key in _REPLAY if key in document.replay}
+    if document.changes:
+        entry["overrides"] = dict(document.changes)
     return {**entry, "tree": document.tree}
 
 

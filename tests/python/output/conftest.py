@@ -33,9 +33,9 @@ def _box(low, high):
     return np.array(positions), np.array(normals), np.array(triangles)
 
 
-def write_probe(path: Path) -> None:
+def write_probe(path: Path, wing: float = 1.0) -> None:
     """A bus and a wing, off the origin and without symmetry, as a GLB of two materials."""
-    boxes = [_box((1, 0, 0), (3, 1, 1.5)), _box((3, 0.4, 0.5), (6, 0.5, 1.0))]
+    boxes = [_box((1, 0, 0), (3, 1, 1.5)), _box((3, 0.4, 0.5), (6, 0.5, wing))]
     chunks, views, accessors, primitives = b"", [], [], []
 
     def add(array, component, kind, target):

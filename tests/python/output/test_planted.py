@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import shutil
 
+import numpy as np
 import pytest
+from tests.python.output.conftest import write_probe
+from tests.python.output.faults import read
+from tests.python.output.planted import gamma, noisy, picture, with_tile
 from tests.python.output.planted_table import PLANTED
 
 import perilune
@@ -33,3 +37,77 @@ def test_fault_is_found(good, tmp_path, name):
     mutate(root)
     findings = check_bop(root).findings
     assert any(file in f.file and reason in f.reason for f in findings), findings
+
+
+def checked(sim, out, frames=range(3), rerender=1, **options):
+    """The report on an untouched dataset."""
+    perilune.write_bop(sim, frames, out, threads=1, **options)
+    return check_bop(out, rerender=rerender)
+
+
+def test_changed_replayed_and_driven_simulations_pass(small_scene, tmp_path):
+    driven = {"camera.fov_deg": {"uniform": [30, 40]}}
+    changed = perilune.open(small_scene).with_overrides({"camera.fov_deg": 30.0})
+    replay = {"index": 1, "drivers": {"camera.fov_deg": 33.0}}
+    replayed = perilune.open(small_scene, overrides=driven, replay=replay)
+    assert checked(changed, tmp_path / "changed").findings == []
+    assert checked(replayed, tmp_path / "replayed").findings == []
+
+
+def test_few_samples_tell_faults_and_no_others(small_scene, tmp_path):
+    """Frames are rendered in full only where few samples see that something is wrong."""
+    channels = {"render.samples": 32, "render.channels": ["rgb", "radiance", "normal", "semantic"]}
+    sim = perilune.open(small_scene, overrides=channels)
+    out = tmp_path / "many"
+    report = checked(sim, out, rerender=0)
+    assert report.findings == []
+    assert "colour of 0 of 3 images was rendered again in full, that of the others compared" in str(
+        report
+    )
+    assert "radiance/ was compared in the images alone" in str(report)
+    assert checked(sim, out, rerender=None).findings == []
+    for name, change in {
+        "mirrored": lambda c: c[:, ::-1],
+        "black": np.zeros_like,
+        "gamma": gamma(1.3),
+        "noise": noisy,
+        "swapped bands": lambda c: c[..., ::-1],
+        "other frame": lambda c: read(out / "train/000000/rgb/000000.png"),
+        "tile": with_tile,
+    }.items():
+        root = tmp_path / "bad"
+        shutil.copytree(out, root)
+        picture("rgb", change, image=1, scene="train/000000")(root)
+        report = check_bop(root, rerender=0)
+        assert [f.file for f in report.findings] == ["train/000000/rgb/000001.png"], name
+        assert "colour of 1 of 3 images" in str(report.notes)
+        shutil.rmtree(root)
+
+
+def test_what_cannot_be_compared_is_said(small_scene, tmp_path):
+    def still(world):
+        return np.array([0.0, 0, 2e7, 0, 1, 0, 0])
+
+    coded = perilune.open(small_scene, trajectory=still)
+    report = checked(coded, tmp_path / "coded")
+    assert report.findings == []
+    assert "not made again for comparison: trajectory were functions given in code" in str(report)
+
+    folder = tmp_path / "moved"
+    shutil.copytree(small_scene.parent, folder)
+    sim = perilune.open(folder / small_scene.name)
+    report = checked(sim, tmp_path / "away")
+    assert report.findings == []
+    (folder / "probe.glb").unlink()
+    report = check_bop(tmp_path / "away")
+    assert report.findings == []
+    assert "the configuration cannot be opened" in str(report.notes)
+    assert "probe.glb" in str(report.notes)
+    report = check_bop(tmp_path / "away", base=small_scene.parent)
+    assert report.findings == []
+    assert "made again; colour" in str(report.notes)
+
+    write_probe(folder / "probe.glb", wing=2.0)
+    report = check_bop(tmp_path / "away")
+    assert report.findings == []
+    assert "no longer those that files_sha256" in str(report.notes)
