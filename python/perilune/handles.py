@@ -70,9 +70,14 @@ class ObjectModel:
     """Model units."""
     metres_per_unit: float
     """Of the configuration's ideal values; a driver on the size changes it per frame."""
-    radius_m: float
-    """Of a sphere about the object's origin that holds the model."""
+    reach_units: float
+    """Radius of the least sphere about the object's origin that holds the model, model units."""
     symmetries: Symmetries
+
+    @property
+    def radius_m(self) -> float:
+        """Likewise in metres, at the ideal size."""
+        return self.metres_per_unit * self.reach_units
 
 
 def metres_per_unit(craft: Spacecraft, model: _core.Model) -> float:
@@ -93,9 +98,11 @@ def _check_length(where: str, scale: float, bounds: F64) -> None:
         raise ConfigError(f"{where}.metres_per_unit: {text}")
 
 
-def _reach_units(model: _core.Model, offset: F64) -> float:
-    """Distance from the offset to the farthest corner of the bounding box, model units."""
-    return math.hypot(*np.abs(model.bounds - offset).max(axis=0))
+def reach_units(model: _core.Model, offset: F64) -> float:
+    """Distance from the offset to the farthest vertex, model units. (The farthest corner of the box
+    would be 1.73 times as far on a ball.)"""
+    from_offset = model.mesh()["positions"].astype(np.float64) - offset
+    return math.sqrt(float(np.einsum("ij,ij->i", from_offset, from_offset).max()))
 
 
 def _obj_ids(config: Config) -> dict[str, int]:
@@ -203,7 +210,7 @@ class Handles:
                 model=model,
                 offset=offset,
                 metres_per_unit=scale,
-                radius_m=scale * _reach_units(model, offset),
+                reach_units=reach_units(model, offset),
                 symmetries=craft.symmetries,
             )
         return result
@@ -259,7 +266,7 @@ class Handles:
         radii_m = {}
         for name, scale in self.scales(config).items():
             row, rig = self.models[name], self.rigs.get(name)
-            reach = _reach_units(row.model, row.offset) if rig is None else rig.reach_units
+            reach = row.reach_units if rig is None else rig.reach_units
             radii_m[name] = scale * reach + articulation.slides_m(config.spacecraft[name])
         return radii_m
 
@@ -439,9 +446,7 @@ class Handles:
                 ground=ground.of_body(body, partial(self._map, name)),
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
-                class_ids=_class_ids(labels, "body", object_class(name, body), part_classes[name])[
-                    0
-                ],
+                class_ids=_class_ids(labels, name, body, part_classes[name])[0],
             )
 
     def _add_crafts(
@@ -459,7 +464,9 @@ class Handles:
                 obj_id=row.obj_id,
                 instance_id=labels.instances[name],
                 part_ids=np.array(part_ids[name], dtype=np.int32),
-                class_ids=_class_ids(labels, "spacecraft", row.class_name, part_classes[name]),
+                class_ids=_class_ids(
+                    labels, name, self.document.config.spacecraft[name], part_classes[name]
+                ),
                 triangle_part=self.partitions[name].triangle_part,
             )
             if name in self.rigs:
@@ -468,6 +475,8 @@ class Handles:
 
 
 def _class_ids(
-    labels: Taxonomy, kind: str, object_name: str, parts: Sequence[str]
+    labels: Taxonomy, name: str, entry: Body | Spacecraft, parts: Sequence[str]
 ) -> NDArray[np.uint16]:
-    return labels.class_ids(*({"kind": kind, "object": object_name, "part": p} for p in parts))
+    kind = "body" if isinstance(entry, Body) else "spacecraft"
+    known = {**entry.classes, "kind": kind, "object": object_class(name, entry)}
+    return labels.class_ids(*({**known, "part": part} for part in parts))

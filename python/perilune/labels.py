@@ -64,8 +64,11 @@ class Taxonomy:
         return {channel: self.names(channel) for channel in channels}
 
     def class_ids(self, *names: Mapping[str, str]) -> NDArray[np.uint16]:
-        """(n, levels): ids of things given by their class name at each level."""
-        rows = [[self.classes[level][name[level]] for level in self.levels] for name in names]
+        """(n, levels): ids of things given by their class name at each level; 0 without one."""
+        rows = [
+            [self.classes[level][name[level]] if level in name else 0 for level in self.levels]
+            for name in names
+        ]
         return np.array(rows, dtype=np.uint16).reshape(len(names), len(self.levels))
 
 
@@ -117,13 +120,13 @@ def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxono
         ],
         "part": [_SURFACE, *(name for table in tables for name in table), config.labels.other_part],
     }
+    own = [body.classes for body in config.bodies.values()]
+    own += [craft.classes for craft in config.spacecraft.values()]
+    for level in config.labels.levels:
+        if level not in names:
+            names[level] = [row[level] for row in own if level in row]
     classes = {
-        level: _numbered(
-            level,
-            names[level],
-            next((ids for key, ids in config.labels.ids.items() if key == level), {}),
-        )
-        for level in names
+        level: _numbered(level, names[level], config.labels.ids.get(level, {})) for level in names
     }
     instances = {name: k for k, name in enumerate([*config.bodies, *config.spacecraft], start=1)}
     rows: list[Part] = []

@@ -106,16 +106,15 @@ def load(name: str, given: Shape, path: Path) -> BodyShape:
         vertices, triangles = shape_files.read(path, remarks)
     except ValueError as error:
         raise ValueError(f"file: {error}") from error
-    unit_m = given.metres_per_unit
-    if unit_m is None:
-        unit_m = 1.0 if path.suffix.lower() in (".gltf", ".glb") else 1e3
+    standard_m = 1.0 if path.suffix.lower() in (".gltf", ".glb") else 1e3
+    unit_m = np.array(given.metres_per_unit or (standard_m,) * 3)
     if not given.smooth:  # normals are the mean of the faces about a vertex
         vertices = vertices[triangles.ravel()]
         triangles = np.arange(len(vertices)).reshape(-1, 3)
-    largest_m = unit_m * float(np.abs(vertices).max())
+    largest_m = float((unit_m * np.abs(vertices)).max())
     if not LENGTHS_M[0] <= largest_m <= LENGTHS_M[1]:
         raise ValueError(
-            f"metres_per_unit: {unit_m:g}: {path} then reaches {largest_m:.3g} m far; "
+            f"metres_per_unit: {unit_m.tolist()}: {path} then reaches {largest_m:.3g} m far; "
             f"allowed: {LENGTHS_M[0]:g} to {LENGTHS_M[1]:g} m"
         )
     metres = (unit_m * vertices).astype(np.float32)

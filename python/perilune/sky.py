@@ -74,6 +74,12 @@ def irradiance(vmag: F64 | float, temperature_k: F64 | float, sun: Sun) -> F64:
     return np.asarray(strength * color / parts)
 
 
+def magnitude_arcsec2(radiance_w_m2_sr: float) -> float:
+    """Surface brightness (V) that shows as a grey of a radiance under the default Sun."""
+    zero = float(irradiance(0.0, SUN_K, Sun())[1]) / _ARCSEC2_SR
+    return float(-2.5 * np.log10(radiance_w_m2_sr / zero))
+
+
 def directions(table: StarTable, years: float) -> F64:
     """(n, 3) unit vectors, ICRF, so many Julian years after the catalogue's.
 

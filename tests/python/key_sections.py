@@ -322,6 +322,9 @@ THINGS = [
         AT_CRAFT,
         CRAFT,
         {"gm_km3_s2": 1.0},
+    Section(
+        Spacecraft, AT_CRAFT, CRAFT, {"classes": {"origin": "made"}}, {"labels.levels": ["origin"]}
+    ),
         {
             "spacecraft.t": CRAFT
             | {"orbit": {"around": "s", "semi_major_axis_km": 500.0, "mean_anomaly_deg": 0.0}},

@@ -11,18 +11,26 @@ from perilune.config.attitude import BodyRotation
 from perilune.config.clouds import Clouds
 from perilune.config.errors import fail
 from perilune.config.ground import NightLights, Ocean, Relief
+from perilune.config.labels import Classes
 from perilune.config.materials import DriverSection
 from perilune.config.orbit import Orbit
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.shape import Shape, named
-from perilune.config.types import FileName, Positive, Rgb, StaticFinite, Strict, triple
+from perilune.config.types import FileName, Latitudes, Positive, Rgb, StaticFinite, Strict, triple
 
 # In kilometres what the core's floats hold, 1e-9 to 1e18 m.
 _Radius = Annotated[float, Field(strict=True, ge=1e-12, le=1e15)]
 _Radii = Annotated[tuple[_Radius, _Radius, _Radius], BeforeValidator(triple)]
 _Share = Annotated[float, Field(strict=True, ge=0.0, le=10.0)]
 _Albedo = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple)]
+
+
+_LATITUDES = {"earth": "geodetic"}
+"""kind -> what published maps count by. Those of the Earth are of WGS 84; of the other bodies the
+IAU's working group recommends planetocentric latitudes, as the maps of the USGS have them (Archinal
+et al. 2018), and some, as the Moon, are spheres in maps. Of giant planets maps of either sort are
+published."""
 
 
 class Body(Strict):
@@ -42,6 +50,10 @@ class Body(Strict):
     """Equirectangular PNG or JPEG; relative to this file, or data:... under PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
     """East longitude of the map's centre column."""
+    latitudes: Latitudes | None = None
+    """What latitude all maps of the body count by, `lon_lat_deg` of its material too. geodetic (or
+    planetographic): of the surface's normal; geocentric: of the line to the centre. On the Earth
+    they differ by up to 21 km. Default: geodetic of kind earth, geocentric of all others."""
     albedo: _Albedo | None = None
     """Linear factor on the map (default 1); without a map, the colour (table's Bond albedo)."""
     emission_w_m2_sr: Rgb = (0.0, 0.0, 0.0)
@@ -75,6 +87,19 @@ class Body(Strict):
     axes."""
     class_: str | None = Field(default=None, alias="class")
     """Class of object for the labels (default: kind, or the entry's name for an ellipsoid)."""
+    classes: Classes = Field(default_factory=dict)
+    """Level of `labels.levels` -> class there, of levels of your own."""
+
+    @property
+    def is_geodetic(self) -> bool:
+        """Whether its maps count by geodetic latitude."""
+        return (self.latitudes or _LATITUDES.get(self.kind, "geocentric")) == "geodetic"
+
+    @property
+    def has_geodetic_clouds(self) -> bool:
+        """Whether the map of its clouds does."""
+        own = None if self.clouds is None else self.clouds.latitudes
+        return self.is_geodetic if own is None else own == "geodetic"
 
     @property
     def has_parameter_maps(self) -> bool:

@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from perilune.config import oaisys, shipped
+from perilune.config import intrinsics, oaisys, shipped
 from perilune.config.errors import (
     ConfigError,
     ConfigWarning,
@@ -247,6 +247,8 @@ class Document:
                 f"{self.source}: {key}: {share:.0%} of its draws are clipped to {limit}; "
                 "`truncated: true` draws them between the limits"
             )
+        before = self.tree if self.given is None else self.given.tree
+        yield from intrinsics.doubts(self.tree, before, self.source)
 
     def _beside_choice(self, path: KeyPath) -> bool:
         """Whether another value of a choice in the same section may read a key."""

@@ -19,6 +19,7 @@ def _of_body(body: Body) -> dict[str, Any]:
     return {
         "kind": body.kind,
         "class": body.class_,
+        "classes": body.classes,
         "map_center_lon_deg": body.map_center_lon_deg,
         "orbit.kind": _orbit(body),
     }
@@ -35,6 +36,7 @@ def _of_craft(craft: Spacecraft) -> dict[str, Any]:
         "centre": craft.centre,
         "obj_id": craft.obj_id,
         "class": craft.class_,
+        "classes": craft.classes,
         "parts": craft.parts,
         "part_classes": craft.part_classes,
         "articulation": joints,

@@ -24,6 +24,7 @@ from perilune.config.bands import Spectrum
 from perilune.config.body import Body
 from perilune.config.camera import Camera
 from perilune.config.errors import fail, nearest
+from perilune.config.labels import Classes, Labels
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
 from perilune.config.motion import check_motion
 from perilune.config.orbit import Orbit
@@ -190,6 +191,8 @@ class Spacecraft(Strict):
     """BOP object id (default: 1, 2, ... in the order of this section)."""
     class_: str | None = Field(default=None, alias="class")
     """Class of object for the labels (default: the entry's name)."""
+    classes: Classes = Field(default_factory=dict)
+    """Level of `labels.levels` -> class there, of levels of your own."""
     parts: Parts = Parts()
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
     """Class of part -> patterns on part and material names; before those of `labels`."""
@@ -257,39 +260,11 @@ class Render(Strict):
         return self
 
 
-Level = Literal["kind", "object", "part"]
-
-
 def _whole(value: Any) -> Any:
     """A literal 1 would take 1.0, true and a driver's value too."""
     if type(value) is not int:
         fail("", "takes no driver" if isinstance(value, Drawn) else "must be a whole number")
     return value
-
-
-class Labels(Strict):
-    """What the levels of `semantic` mean; id 0 is the background at every level."""
-
-    levels: Annotated[tuple[Level, ...], Field(min_length=1)] = ("kind", "object", "part")
-    """kind of thing (body, spacecraft), class of object, class of part."""
-    part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
-    """Class of part -> shell patterns on part names, material names or `part/material`, in any
-    case; first match wins. `perilune parts CONFIG` lists the names."""
-    other_part: str = "other"
-    """Class of the parts of a spacecraft that no pattern matches."""
-    ids: dict[Level, dict[str, Annotated[Integer, Field(ge=1, le=65535)]]] = Field(
-        default_factory=dict
-    )
-    """Fixed ids of class names per level; the others are numbered in the order of the file."""
-
-    @model_validator(mode="after")
-    def _unique(self) -> Labels:
-        if len(set(self.levels)) != len(self.levels):
-            fail("levels", "a level occurs twice")
-        for level, names in self.ids.items():
-            if len(set(names.values())) != len(names):
-                fail(f"ids.{level}", "two names have the same id")
-        return self
 
 
 Correlation = Annotated[float, Field(strict=True, ge=-1.0, le=1.0), BeforeValidator(refuse_drawn)]
@@ -432,6 +407,14 @@ class Config(Strict):
         for name in self.volumes:
             if name in self.bodies or name in self.spacecraft:
                 fail(f"volumes.{name}", "a body or spacecraft has the same name")
+        return self
+
+    @model_validator(mode="after")
+    def _levels(self) -> Config:
+        stated = [(f"bodies.{name}.classes", row.classes) for name, row in self.bodies.items()]
+        crafts = self.spacecraft.items()
+        stated += [(f"spacecraft.{name}.classes", row.classes) for name, row in crafts]
+        self.labels.check(stated)
         return self
 
     @model_validator(mode="after")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field
 
-from perilune.config.types import FileName, Positive, Strict, refuse_drawn
+from perilune.config.types import FileName, Positive, Strict, refuse_drawn, triple
 
 
 class Shape(Strict):
@@ -20,8 +20,16 @@ class Shape(Strict):
     file: FileName
     """.obj; .tab or .txt with vertices and plates as of the Planetary Data System; .gltf or .glb
     (y up there). Relative to this file, or data:... under PERILUNE_DATA."""
-    metres_per_unit: Annotated[Positive, BeforeValidator(refuse_drawn)] | None = None
-    """Default: 1000, as shapes are published in km; of glTF 1."""
+    metres_per_unit: (
+        Annotated[
+            tuple[Positive, Positive, Positive],
+            BeforeValidator(triple),
+            BeforeValidator(refuse_drawn),
+        ]
+        | None
+    ) = None
+    """A number, or one for each of the axes x, y, z. Default: 1000, as shapes are published in km;
+    of glTF 1."""
     smooth: Annotated[bool, Field(strict=True)] = True
     """Whether normals are interpolated between the facets' corners; false: facets are flat."""
 

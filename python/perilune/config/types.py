@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -96,6 +96,9 @@ def _module_function(value: str) -> str:
 
 FunctionName = Annotated[str, AfterValidator(_module_function)]
 """module:function of the user's."""
+
+
+Latitudes = Literal["geodetic", "geocentric"]
 
 
 class Strict(BaseModel):

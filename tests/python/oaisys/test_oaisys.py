@@ -54,7 +54,10 @@ def test_the_fourth_listing(tree):
     assert found["render"]["samples"] == 16
     assert found["render"]["max_bounces"] == 4
     assert found["render"]["channels"] == ["rgb", "depth", "semantic", "instance", "objects"]
-    assert found["labels"] == {"ids": {"object": {"earth": 10, "iss": 20}}}
+    assert found["labels"]["ids"] == {
+        "level_0": {"class_1": 1, "class_2": 2},
+        "object": {"earth": 10, "iss": 20},
+    }
 
 
 def test_orbit_params_inside_and_beside_are_the_same(tree, iss):
@@ -233,14 +236,14 @@ def test_passes(tree):
 
 
 def test_labels(tree, planet, iss):
-    iss["meshParams"]["passParams"]["semantic_label"]["labelIDVec"] = [[1, 10]]
+    iss["meshParams"]["passParams"]["semantic_label"]["labelIDVec"] = [[10]]
     found, _ = translated(tree)
     assert found["labels"]["ids"]["object"] == {"earth": 10}
     assert found["spacecraft"]["iss"]["class"] == "earth"
     iss["meshParams"]["passParams"]["semantic_label"]["labelIDVec"] = [[0]]
     found, told = translated(tree)
     assert found["labels"]["ids"]["object"] == {"earth": 10}
-    assert f"{MESHES}[1].meshParams.passParams.semantic_label.labelIDVec: not applied" in told
+    assert f"{MESHES}[1].meshParams.passParams.semantic_label.labelIDVec[0][0]: not applied" in told
     iss["meshParams"]["passParams"]["semantic_label"]["labelIDVec"] = [["x"]]
     assert "semantic_label.labelIDVec[0]: must be whole numbers" in failure(tree)
 
@@ -363,9 +366,9 @@ def test_what_has_no_counterpart_is_told_by_its_key(tree, planet, iss):
         "ASSET_SETUP.STAGES[0]: StageBlenderLandscape: terrain is not there yet",
         "ASSET_SETUP.MATERIALS[0]: MaterialTerrain",
         f"{MESHES}[2]: MeshMultipleRandom: scattered meshes",
-        "RENDER_POST_PROCESSING_EFFECTS_SETUP.POST_EFFECTS[0]: BloomEffect: not applied",
+        "RENDER_POST_PROCESSING_EFFECTS_SETUP.POST_EFFECTS[0]: BloomEffect: the glare of a lens",
         "RENDER_SETUP.GENERAL.renderEngine: has no counterpart",
-        f"{SENSOR}.depthOfField: not applied",
+        f"{SENSOR}.depthOfField.fStop: an aperture of",
     ):
         assert f"f.json: {path}" in told, path
 

@@ -15,13 +15,14 @@ from perilune import rotations
 
 
 def test_orbit_radius_left_out_is_three_radii(tree, general):
-    """The station's bounds, from its file, about its origin."""
+    """The station's farthest vertex, from its file, from its origin."""
     from perilune import _core
 
     del general["orbit_radius"]
     found, told = translated(tree)
-    bounds = _core.Model(str(FOLDER / "../../assets/models/station.glb")).bounds
-    radius = np.linalg.norm(np.abs(bounds).max(axis=0)) * 0.0000169332079 * EARTH_M
+    mesh = _core.Model(str(FOLDER / "../../assets/models/station.glb")).mesh()
+    reach = np.linalg.norm(mesh["positions"].astype(float), axis=1).max()
+    radius = reach * 0.0000169332079 * EARTH_M
     low, high = found["camera"]["trajectory"]["distance_m"]
     assert low == high == pytest.approx(3.0 * radius, rel=1e-12)
     assert "SENSOR_SETUP.GENERAL.orbit_radius: left out: 3 times the radius of iss" in told
@@ -246,7 +247,7 @@ def test_the_sun_of_the_sky(tree):
     azimuth = found["sun"]["direction"]["azimuth_deg"]
     assert azimuth == {"uniform": [30.0, 90.0], "interval": 3}
     where = "ENVIRONMENT_EFFECTS_SETUP.ENVIRONMENT_EFFECTS[0].environmentEffectsParams"
-    assert f"{where}.AirDensity: not applied" in told
+    assert f"{where}.AirDensity: its middle, 0.5, is applied" in told
     assert f"{where}.SunStrength: not applied" in told
     document = cfg.load(found, base=FOLDER)
     first, third, fourth = (document.at(k)[0].sun.direction for k in (0, 2, 3))

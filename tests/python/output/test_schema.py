@@ -76,7 +76,7 @@ BAD = [
     ("spacecraft.smallsat.model", None),
     ("render.channels", ["rgb", "dept"]),
     ("render.force_on", ["shadows"]),
-    ("labels.ids", {"kinds": {"a": 1}}),
+    ("labels.levels", ["2 kinds"]),
     ("drivers.strength", DRIVER),
     ("drivers.groups", {"g": {"jitter_strength": DRIVER}}),
     ("drivers.groups", {"g": {"members": [1], "correlation": [[1]]}}),

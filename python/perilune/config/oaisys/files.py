@@ -10,11 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from perilune import _core
+from perilune import _core, shape_files
 from perilune.config.oaisys.node import Node
 
 _GLTF = (".glb", ".gltf")
+_SHAPES = (".obj", ".tab", ".txt")
 _MAPS = (".jpg", ".jpeg", ".png")
+_PICTURES = (*_MAPS, ".webp")
 _DATA = "data:"
 
 
@@ -27,7 +29,9 @@ class ModelFile:
     found: str | None
     """As our configuration takes it; None: there is no such glTF file."""
     swapped: bool
-    """Whether it stands for another file."""
+    """Whether it, or the shape, stands for another file."""
+    shape: str | None
+    """The file of a body's shape, for our configuration, where there is one and no glTF file."""
     map: str | None
     """A picture of the same name beside it, for our configuration."""
     base: Path
@@ -40,7 +44,8 @@ class ModelFile:
     def missing(self) -> str:
         """What is said when there is no glTF file."""
         stem = str(_located(self.text, self.base).with_suffix(""))
-        return f"no such file: {' or '.join(stem + ending for ending in _GLTF)} (glTF is read)"
+        endings = " or ".join(stem + ending for ending in (*_GLTF, *_SHAPES[:1]))
+        return f"no such file: {endings} (.blend files are not read)"
 
 
 def _located(text: str, base: Path) -> Path:
@@ -64,12 +69,19 @@ def model(params: Node, key: str, base: Path) -> ModelFile:
     if not Path(text).name:
         params.fail(key, f"must name a file, not {text!r}")
     suffix = Path(text).suffix.lower()
-    found = _beside(text, base, (suffix,)) if suffix in _GLTF else _beside(text, base, _GLTF)
-    return ModelFile(text, found, found is not None and suffix not in _GLTF, _map(text, base), base)
+    shape = _beside(text, base, (suffix,)) if suffix in _SHAPES else None
+    found = _beside(text, base, (suffix,)) if suffix in _GLTF else None
+    if found is None and shape is None and suffix not in _GLTF:
+        found = _beside(text, base, _GLTF)
+        shape = None if found is not None else _beside(text, base, _SHAPES[:1])
+    swapped = (found or shape) is not None and suffix not in (*_GLTF, *_SHAPES)
+    return ModelFile(text, found, swapped, shape, _beside(text, base, _MAPS), base)
 
 
-def _map(text: str, base: Path) -> str | None:
-    return _beside(text, base, _MAPS)
+def picture(text: str, base: Path) -> str | None:
+    """The picture that a path names, or one of the same name in a format that is read."""
+    suffix = Path(text).suffix.lower()
+    return _beside(text, base, (suffix, *_PICTURES) if suffix in _PICTURES else _PICTURES)
 
 
 def first_frame(text: str, base: Path) -> int:
@@ -96,11 +108,19 @@ def has_graphs(file: ModelFile) -> bool:
 
 
 def reach(file: ModelFile, params: Node) -> float:
-    """Distance from a model's origin to the farthest corner of its bounds, its own units."""
+    """Distance from a model's origin to its farthest vertex, its own units."""
     assert file.found is not None  # the caller has told of missing files
-    path = _located(file.found, file.base)
     try:
-        bounds = _core.Model(str(path)).bounds
+        positions = _core.Model(str(_located(file.found, file.base))).mesh()["positions"]
     except (ValueError, OSError) as error:
         params.fail("meshFilePath", str(error))
-    return float(np.linalg.norm(np.abs(bounds).max(axis=0)))
+    return float(np.linalg.norm(positions.astype(np.float64), axis=1).max())
+
+
+def semi_axes(text: str, file: ModelFile, params: Node) -> list[float]:
+    """How far a closed shape reaches along x, y and z from its origin, its own units."""
+    try:
+        vertices, _ = shape_files.read(_located(text, file.base))
+    except (ValueError, OSError) as error:
+        params.fail("meshFilePath", str(error))
+    return [float(reach) for reach in np.abs(vertices).max(axis=0)]

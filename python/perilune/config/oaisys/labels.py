@@ -23,32 +23,58 @@ def _levels(node: Node) -> list[int]:
     return list(row)
 
 
+def _class_of(entry: dict[str, Any], name: str, number: int, ids: dict[str, int]) -> str:
+    """The class of object with an id: that of the first mesh with it."""
+    same = next((other for other, value in ids.items() if value == number), None)
+    if same is not None:
+        return same
+    own = str(entry["class"])
+    return name if ids.get(own, number) != number else own
+
+
+def _level(depth: int) -> str:
+    return f"level_{depth}"
+
+
 def read(meshes: list[tuple[str, Node]], scene: Scene) -> dict[str, Any]:
-    """The finest level becomes the id of the mesh's class; equal ids make one class."""
-    ids: dict[str, int] = {}
+    """Ids become classes; equal ids of a level make one.
+
+    With one level it is that of objects. With more, `semantic` has them in the order of the file,
+    coarsest first, the finest as the level `object`; then `part` and `kind`.
+    """
+    rows: list[tuple[str, Node, list[int]]] = []
     for name, params in meshes:
         passes = params.child("passParams")
         for key in ("rgb", "instance_label"):
             passes.child(key)
         label = passes.child("semantic_label")
         levels = _levels(label)
-        if not levels:
-            continue
+        if levels:
+            rows.append((name, label, levels))
+    depth = max((len(levels) for _, _, levels in rows), default=0)
+    coarse = [_level(k) for k in range(depth - 1)]
+    ids: dict[str, dict[str, int]] = {name: {} for name in (*coarse, "object")}
+    for name, label, levels in rows:
         where = label.where("labelIDVec")
-        if len(levels) > 1:
-            text = f"only the finest of its levels is applied, {levels[-1]}, as the class's id"
+        if len(levels) < depth:
+            text = f"has {len(levels)} of {depth} levels; the last stands for the finer ones"
             scene.notes.warn(where, text)
         entry = scene.tree[scene.things[name].section][name]
-        number = levels[-1]
-        if not 1 <= number <= _LARGEST:
-            text = f"not applied: an id is 1 to {_LARGEST} (0 is the background), not {number}"
-            scene.notes.warn(where, text)
-            continue
-        same = next((other for other, value in ids.items() if value == number), None)
-        if same is not None:
-            entry["class"] = same
-        elif ids.get(entry["class"], number) != number:
-            entry["class"] = name
-        ids[entry["class"]] = number
-        label.comes("labels.ids.object", "labelIDVec")
-    return {"ids": {"object": ids}} if ids else {}
+        for k, level in enumerate(ids):
+            number = levels[min(k, len(levels) - 1)]
+            if not 1 <= number <= _LARGEST:
+                place = f"{where}[0][{k}]"
+                text = f"not applied: an id is 1 to {_LARGEST} (0 is the background), not {number}"
+                scene.notes.warn(place, text)
+            elif level == "object":
+                entry["class"] = _class_of(entry, name, number, ids[level])
+                ids[level][entry["class"]] = number
+                label.comes("labels.ids.object", "labelIDVec")
+            else:
+                entry.setdefault("classes", {})[level] = f"class_{number}"
+                ids[level][f"class_{number}"] = number
+    found: dict[str, Any] = {"ids": {level: row for level, row in ids.items() if row}}
+    shown = [level for level in coarse if ids[level]]
+    if shown:
+        found["levels"] = [*shown, "object", "part", "kind"]
+    return found if found["ids"] else {}

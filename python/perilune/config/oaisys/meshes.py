@@ -1,9 +1,10 @@
-"""ASSET_SETUP.MESHES: each mesh becomes a body (an ellipsoid) or a spacecraft (a model).
+"""ASSET_SETUP.MESHES: each mesh becomes a body or a spacecraft (a model).
 
-A mesh whose file is there as glTF is a spacecraft, whatever it shows. Of the others, one whose
-file, instance or entry is named like a body of the table is that body, and one that something
-orbits is an ellipsoid with the Earth's gravity. A body has the radii `scale`, in scene units, and
-the picture beside its file as map.
+A mesh whose file is there as glTF is a spacecraft, whatever it shows, but for a planet that is
+scaled by axis: that is a body of its shape, and so is every .obj. Of the others, one whose file,
+instance or entry is named like a body of the table is that body, and one that something orbits is
+an ellipsoid with the Earth's gravity. An ellipsoid has the radii `scale`, in scene units; a body
+has the picture beside its file as map, and may have air, clouds and the like by our keys.
 """
 
 from __future__ import annotations
@@ -12,12 +13,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from perilune.config.oaisys import drivers, files, labels, orbits
+from perilune.config.oaisys import drivers, files, labels, orbits, planets
 from perilune.config.oaisys.node import Node
 from perilune.config.oaisys.scene import ORIGIN, Scene, Thing, clean_name
 from perilune.config.oaisys.units import known_body, metres_per_unit
 
-_SURFACE_GRAVITY = 9.8e-3  # km/s2, of bodies that nobody knows
 _ORIGIN_KM = 1e-12
 """Radius of the speck at the origin of a scene without a body there: a nanometre."""
 _STANDS = "the mesh stands still at its position, as its file has it"
@@ -36,7 +36,7 @@ _ASTEROID = {
 """Keys of MeshAsteroid that are not applied, and why."""
 
 
-class _Mesh:
+class Mesh:
     """An entry while it is read: its nodes, and what its file is."""
 
     def __init__(self, entry: Node, scene: Scene, taken: list[str]) -> None:
@@ -69,11 +69,24 @@ class _Mesh:
         return None
 
     @property
+    def is_shape(self) -> bool:
+        """Whether it is a body of the shape of its file."""
+        if self.file.found is None:
+            return self.file.shape is not None
+        return self.is_planet and len(set(self.scale)) > 1
+
+    @property
+    def is_planet(self) -> bool:
+        """Whether it is a body of the table, or something orbits it."""
+        return self.table is not None or self.is_parent
+
+    @property
     def is_body(self) -> bool:
-        return self.file.found is None and (self.table is not None or self.is_parent)
+        """Whether it becomes a body of ours: an ellipsoid or a shape."""
+        return self.is_shape or (self.file.found is None and self.is_planet)
 
 
-def _pose(mesh: _Mesh, ours: str) -> dict[str, Any]:
+def _pose(mesh: Mesh, ours: str) -> dict[str, Any]:
     """rotation_deg and its spin: the same keys as ours."""
     params = mesh.params
     turn: dict[str, Any] = {"rotation_deg": params.numbers("rotation_deg", 3, [0.0, 0.0, 0.0])}
@@ -94,7 +107,7 @@ def _pose(mesh: _Mesh, ours: str) -> dict[str, Any]:
     return turn
 
 
-def _place(mesh: _Mesh, scene: Scene, root: str, ours: str) -> dict[str, Any]:
+def _place(mesh: Mesh, scene: Scene, root: str, ours: str) -> dict[str, Any]:
     """A fixed position, scene units from the scene's origin."""
     place = scene.lengths_m(mesh.position)
     mesh.params.comes(f"{ours}.orbit", "position")
@@ -103,29 +116,13 @@ def _place(mesh: _Mesh, scene: Scene, root: str, ours: str) -> dict[str, Any]:
     return {"around": root, "position_km": [value / 1e3 for value in place]}
 
 
-def _body(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
-    radii_km = [value / 1e3 for value in scene.lengths_m(mesh.scale)]
-    ours = f"bodies.{mesh.name}"
-    entry: dict[str, Any] = {"kind": mesh.table or "ellipsoid", "radii_km": radii_km}
-    entry["class"] = mesh.instance
-    mesh.params.comes(ours, "meshFilePath")
-    mesh.params.comes(f"{ours}.radii_km", "scale")
-    told = f"an ellipsoid of radii {radii_km[0]:g}, {radii_km[1]:g}, {radii_km[2]:g} km"
-    if mesh.table is None:
-        entry["gm_km3_s2"] = _SURFACE_GRAVITY * radii_km[0] ** 2
-        entry["albedo"] = 0.3
-    else:
-        told += f" with the constants of {mesh.table}"
-    if mesh.file.map is not None:
-        entry["color_map"], entry["albedo"] = mesh.file.map, 1.0
-        told += f" and the map {mesh.file.map}"
-    text = f"no {mesh.file.text} in glTF; {mesh.alias} is {told}"
-    mesh.params.notes.warn(mesh.params.where("meshFilePath"), text)
-    entry["rotation"] = _pose(mesh, f"{ours}.rotation")
+def _body(mesh: Mesh, scene: Scene) -> dict[str, Any]:
+    entry = planets.read(mesh, scene)
+    entry["rotation"] = _pose(mesh, f"bodies.{mesh.name}.rotation")
     return entry
 
 
-def _spacecraft(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
+def _spacecraft(mesh: Mesh, scene: Scene) -> dict[str, Any]:
     params, ours = mesh.params, f"spacecraft.{mesh.name}"
     if mesh.file.found is None:
         params.fail("meshFilePath", mesh.file.missing())
@@ -133,8 +130,11 @@ def _spacecraft(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
         text = f"read from {mesh.file.found}, as .blend files cannot be"
         params.notes.warn(params.where("meshFilePath"), text)
     if len(set(mesh.scale)) > 1:
-        text = f"not applied per axis: the model is scaled by the first, {mesh.scale[0]:g}"
+        text = f"the model of a spacecraft is scaled evenly, by the first: {mesh.scale[0]:g}"
         params.notes.warn(params.where("scale"), text)
+    for owner in (params, mesh.entry):
+        for key in planets.OURS:
+            owner.ignore(key, "not applied: only a body has it, and this is a model in glTF")
     params.comes(ours, "meshFilePath")
     params.comes(f"{ours}.metres_per_unit", "scale")
     return {
@@ -146,11 +146,11 @@ def _spacecraft(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
     }
 
 
-def _radii_m(mesh: _Mesh, entry: dict[str, Any]) -> tuple[float, float, float]:
+def _radii_m(mesh: Mesh, entry: dict[str, Any]) -> tuple[float, float, float]:
     if mesh.is_body:
         first, second, third = (value * 1e3 for value in entry["radii_km"])
         return first, second, third
-    # Of the model about its origin; read when an orbit or a camera needs it.
+    # To its farthest vertex, as our orbits count it; read when an orbit or a camera needs it.
     reach = files.reach(mesh.file, mesh.params) * float(entry["metres_per_unit"])
     return reach, reach, reach
 
@@ -170,14 +170,14 @@ _KINDS: dict[str, Callable[[Node], None] | None] = {
 """type -> what leaves it out; None: it is read."""
 
 
-def _read_all(section: Node, scene: Scene) -> list[_Mesh]:
-    meshes: list[_Mesh] = []
+def _read_all(section: Node, scene: Scene) -> list[Mesh]:
+    meshes: list[Mesh] = []
     for entry in section.children("MESHES"):
         leave = _KINDS[entry.choice("type", _KINDS)]
         if leave is not None:
             leave(entry)
             continue
-        meshes.append(_Mesh(entry, scene, [mesh.name for mesh in meshes] + [ORIGIN]))
+        meshes.append(Mesh(entry, scene, [mesh.name for mesh in meshes] + [ORIGIN]))
     if not meshes:
         section.fail("MESHES", "holds no mesh that can be shown")
     parents = {mesh.orbit.text("parent") for mesh in meshes if mesh.orbit is not None}
@@ -186,17 +186,17 @@ def _read_all(section: Node, scene: Scene) -> list[_Mesh]:
     return meshes
 
 
-def _unit_m(root: Node, meshes: list[_Mesh]) -> float:
+def _unit_m(root: Node, meshes: list[Mesh]) -> float:
     """A planet comes before its moons, which are orbited too, and before what nothing orbits."""
     bodies = sorted(
-        (mesh for mesh in meshes if mesh.is_body),
+        (mesh for mesh in meshes if mesh.is_body or mesh.is_parent),
         key=lambda mesh: (not mesh.is_parent, mesh.orbit is not None),
     )
     moving = any(mesh.orbit is not None for mesh in meshes)
     return metres_per_unit(root, [mesh.table for mesh in bodies], moving)
 
 
-def _entry(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
+def _entry(mesh: Mesh, scene: Scene) -> dict[str, Any]:
     """Our entry of a mesh without its orbit; the scene gets to know the thing."""
     if mesh.kind == "MeshAsteroid":
         for key, why in _ASTEROID.items():
@@ -210,7 +210,7 @@ def _entry(mesh: _Mesh, scene: Scene) -> dict[str, Any]:
         aliases=(mesh.alias, mesh.instance),
         node=mesh.entry,
         section=section,
-        table=mesh.table if mesh.is_body else None,
+        table=mesh.table if mesh.is_body or mesh.is_parent else None,
         rotation_deg=entry["rotation" if mesh.is_body else "attitude"]["rotation_deg"],
         radii_m=partial(_radii_m, mesh, entry),
     )
@@ -242,7 +242,7 @@ def read(root: Node, section: Node, scene: Scene) -> None:
     scene.tree["labels"] = labels.read([(mesh.name, mesh.params) for mesh in meshes], scene)
 
 
-def _rests_at_origin(mesh: _Mesh) -> bool:
+def _rests_at_origin(mesh: Mesh) -> bool:
     return mesh.is_body and mesh.orbit is None and not any(mesh.position)
 
 

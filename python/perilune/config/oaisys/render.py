@@ -1,4 +1,4 @@
-"""RENDER_SETUP: passes become channels; RENDER_POST_PROCESSING_EFFECTS_SETUP is told of."""
+"""RENDER_SETUP: passes become channels. RENDER_POST_PROCESSING_EFFECTS_SETUP: bloom is a lens's."""
 
 from __future__ import annotations
 
@@ -53,7 +53,48 @@ def read(section: Node, effects: Node, scene: Scene) -> None:
     order = ("rgb", "depth", "semantic", "instance")
     render["channels"] = [name for name in order if name in found or not found] + ["objects"]
     scene.tree["render"] = render
-    effects.child("GENERAL")
+    effects.child("GENERAL").get("renderPasses")
     for entry in effects.children("POST_EFFECTS"):
         kind = entry.text("type", "effect")
-        entry.leave(f"{kind}: not applied: there are no effects after rendering yet")
+        if kind == "BloomEffect" and "sensor" not in scene.tree["camera"]:
+            _bloom(entry, scene)
+        elif kind == "CombineEffect":
+            entry.skip()  # it puts passes together, which channels are
+        else:
+            entry.leave(f"{kind}: has no counterpart here; it is not applied")
+
+
+_ELECTRONS = 1e7
+"""That a pixel holds: so many that nobody sees their noise."""
+_WINGS = 0.03
+"""Part of the light that Blender's strongest mix spreads: as much as the worst lenses do."""
+
+
+def _bloom(entry: Node, scene: Scene) -> None:
+    """The wings of a point spread, on a sensor without noise: the channel sensor_rgb."""
+    mix = entry.number("mix", 0.0)
+    size = entry.number("size", 8.0)
+    if not -1.0 <= mix <= 1.0:
+        entry.fail("mix", f"must be from -1 to 1, not {mix:g}")
+    if not 0.0 <= size <= 16.0:
+        entry.fail("size", f"must be from 0 to 16, not {size:g}")
+    entry.get("quality")
+    entry.ignore("threshold", "not applied: a lens spreads all light, not the brightest alone")
+    point_spread: dict[str, Any] = {"core": "point"}
+    if mix > -1.0:
+        point_spread |= {"wings": 0.5 * _WINGS * (1.0 + mix), "wing_radius_px": 2.0 ** (size - 7.0)}
+    quiet = ("prnu", "dark_current_e_s", "read_noise_e", "vignetting")
+    scene.tree["camera"]["sensor"] = {
+        **dict.fromkeys(quiet, 0.0),
+        "full_well_e": _ELECTRONS,
+        "gain_e_dn": _ELECTRONS / 4000.0,
+        "exposure": {"max_ms": 1e12},
+        "point_spread": point_spread,
+    }
+    for ours, theirs in (("wings", "mix"), ("wing_radius_px", "size")):
+        entry.comes(f"camera.sensor.point_spread.{ours}", theirs)
+    channels = scene.tree["render"]["channels"]
+    if "rgb" in channels:
+        channels.insert(channels.index("rgb") + 1, "sensor_rgb")
+    text = "BloomEffect: the glare of a lens, in the channel sensor_rgb, which exposes itself; rgb "
+    entry.notes.warn(entry.path, text + "is clean")

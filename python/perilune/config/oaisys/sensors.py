@@ -57,6 +57,28 @@ def _optics(params: Node, ours: str) -> dict[str, Any]:
     return {"width": int(width), "height": int(height), "K": params.numbers("KMatrix", 9)}
 
 
+_SENSOR_MM = 36.0
+"""Width of Blender's sensor, which says what focal length a K is of."""
+
+
+def _focus(params: Node, scene: Scene, focal_widths: float, ours: str) -> dict[str, Any]:
+    """A round aperture. focal_widths: the focal length in widths of the sensor."""
+    section = params.child("depthOfField")
+    for key in ("blades", "rotationDeg", "ratio"):
+        section.ignore(key, "not applied: the aperture is a disc")
+    distance, stop = section.number("distance", 10.0), section.number("fStop", 2.8)
+    for key, value in (("distance", distance), ("fStop", stop)):
+        if not value > 0.0:
+            section.fail(key, f"must be positive, not {value:g}")
+    aperture_mm = focal_widths * _SENSOR_MM / stop
+    section.comes(f"{ours}.lens")
+    section.comes(f"{ours}.lens.focus_distance_m", "distance")
+    section.comes(f"{ours}.lens.aperture_mm", "fStop")
+    text = f"an aperture of {aperture_mm:.3g} mm, before a sensor {_SENSOR_MM:g} mm wide"
+    section.notes.warn(section.where("fStop"), text)
+    return {"focus_distance_m": scene.metres_per_unit * distance, "aperture_mm": aperture_mm}
+
+
 def _sensor(entry: Node, scene: Scene, taken: dict[str, Any]) -> tuple[str, dict[str, Any]]:
     entry.choice("type", ("SensorCameraRGBD",))
     params = entry.child("sensorParams")
@@ -68,7 +90,8 @@ def _sensor(entry: Node, scene: Scene, taken: dict[str, Any]) -> tuple[str, dict
     params.comes(f"{ours}.transformation", "transformation")
     params.comes(f"{ours}.trigger_interval", "triggerInterval")
     _passes(params, scene)
-    params.ignore("depthOfField", "not applied: say camera.lens.focus_distance_m and aperture_mm")
+    if params.has("depthOfField"):
+        found["lens"] = _focus(params, scene, found["K"][0] / found["width"], ours)
     return name, found
 
 
@@ -85,10 +108,15 @@ def read(section: Node, scene: Scene) -> None:
     if not sensors:
         section.fail("SENSORS", "needs a sensor at least")
     name, first = next(iter(sensors.items()))
-    for key in ("width", "height", "K"):
-        scene.notes.origins[f"camera.{key}"] = scene.notes.origins[f"sensors.{name}.{key}"]
-    optics = {key: first[key] for key in ("width", "height", "K")}
-    scene.tree["camera"] = {**optics, "trajectory": movement.read(general, scene)}
     plain = first["transformation"] == _IDENTITY and first["trigger_interval"] == 1
-    if len(sensors) > 1 or not plain:
+    alone = plain and len(sensors) == 1
+    keys = ("width", "height", "K", *(("lens",) if alone and "lens" in first else ()))
+    ours = {f"sensors.{name}.{key}": f"camera.{key}" for key in keys}
+    for path, source in list(scene.notes.origins.items()):
+        for own, base in ours.items():
+            if path == own or path.startswith(f"{own}."):
+                scene.notes.origins[base + path.removeprefix(own)] = source
+    optics = {key: first[key] for key in keys}
+    scene.tree["camera"] = {**optics, "trajectory": movement.read(general, scene)}
+    if not alone:
         scene.tree["sensors"] = sensors
