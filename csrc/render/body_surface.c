@@ -7,6 +7,11 @@
 #include "shade/body_map.h"
 #include "shade/reflectance.h"
 
+/* What a body's maps count by. */
+static double oblate_of(const pl_shot_body *body) {
+  return body->body->geodetic ? pl_body_map_oblate(body->state->radii_m) : 0.0;
+}
+
 static pl_body_place place_of(const pl_shot_body *body, const pl_vertex *vertex,
                               const pl_beam *beam) {
   pl_vec3f across, along;
@@ -16,6 +21,7 @@ static pl_body_place place_of(const pl_shot_body *body, const pl_vertex *vertex,
       .across = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(across)),
       .along = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(along)),
       .center_lon_rad = body->body->map_center_lon_rad,
+      .oblate = oblate_of(body),
   };
 }
 
@@ -87,6 +93,7 @@ static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_d
       .across = place.across,
       .along = place.along,
       .map_center_lon_rad = body->body->map_center_lon_rad,
+      .map_oblate = place.oblate,
       .body_map = body->body->map,
       .body_albedo = body->state->albedo,
       .body_emission = body->state->emission,

@@ -2,6 +2,7 @@
  * level rays have in it. */
 #include "geom/ellipsoid.h"
 #include "render/veil_kinds.h"
+#include "shade/body_map.h"
 #include "shade/clouds.h"
 
 typedef struct cloud_item {
@@ -22,11 +23,14 @@ static cloud_item item_of(const pl_snapshot *shot, uint32_t index, int detail) {
   const pl_clouds *clouds = &body->state->clouds;
   const pl_vec3 r = body->state->radii_m;
   const double h = clouds->altitude_m;
+  const pl_vec3 shell = {r.x + h, r.y + h, r.z + h};
+  pl_cloud_cover cover = pl_cloud_cover_make(clouds, body->body->cloud_map, detail);
+  cover.oblate = body->body->geodetic_clouds ? pl_body_map_oblate(shell) : 0.0;
   return (cloud_item){
       .clouds = clouds,
-      .cover = pl_cloud_cover_make(clouds, body->body->cloud_map, detail),
+      .cover = cover,
       .body = index,
-      .radii_m = {r.x + h, r.y + h, r.z + h},
+      .radii_m = shell,
       .reach_m = body->radius_m + h,
   };
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "geom/ellipsoid.h"
+#include "shade/body_map.h"
 
 /* The map at the vertex. */
 static void read_map(const pl_shot_body *body, const pl_beam *beam, bool maps,
@@ -18,7 +19,8 @@ static void read_map(const pl_shot_body *body, const pl_beam *beam, bool maps,
   const double cosine = fabs(pl_vec3_dot(beam->direction, pl_vec3f_to_double(vertex->ng)));
   const double width = (double)beam->width_m + (double)beam->spread * vertex->t;
   double lon, lat;
-  pl_ellipsoid_lon_lat(local, &lon, &lat);
+  const double oblate = body->body->geodetic ? pl_body_map_oblate(body->state->radii_m) : 0.0;
+  pl_ellipsoid_lon_lat(pl_body_map_stretch(local, oblate), &lon, &lat);
   /* A circle as large as the pixel's ellipse on the ground. */
   pl_grid_sample(map, lon, lat, width / (body->radius_m * sqrt(fmax(cosine, 0.02))), (float *)out);
 }

@@ -60,10 +60,12 @@ typedef struct pl_body {
                                 body axes; NULL for none */
   const pl_texture *map;     /* borrowed, NULL for none */
   double map_center_lon_rad; /* longitude of the map's centre column */
+  bool geodetic;             /* maps count by geodetic latitude, not by planetocentric */
   const pl_reflectance *reflectance; /* row of the table */
   const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel a cell */
   const pl_air *air;                 /* borrowed, NULL for none */
   const pl_texture *cloud_map;       /* borrowed, NULL for none: cover of its clouds */
+  bool geodetic_clouds;              /* the same of that map */
   const pl_rings *rings;             /* borrowed, NULL for none: in the plane of x and y */
   pl_ground ground;                  /* of a body without a graph; open water on Lambert's law */
   int32_t instance_id, part_id;

@@ -30,21 +30,32 @@ static pl_body_place part_of(const pl_body_place *place, int i) {
   const pl_vec3 across = pl_vec3_scale(place->across, part);
   const pl_vec3 along = pl_vec3_scale(place->along, part);
   return (pl_body_place){pl_vec3_madd(pl_vec3_madd(place->point, s, across), t, along), across,
-                         along, place->center_lon_rad};
+                         along, place->center_lon_rad, 0.0};
 }
 
-int pl_body_map_split(const pl_body_place *place, pl_filter filter,
+/* The place as the map has it; of most maps that is itself. */
+static pl_body_place stretched(const pl_body_place *place) {
+  const double oblate = place->oblate;
+  return oblate == 0.0 ? *place
+                       : (pl_body_place){pl_body_map_stretch(place->point, oblate),
+                                         pl_body_map_stretch(place->across, oblate),
+                                         pl_body_map_stretch(place->along, oblate),
+                                         place->center_lon_rad, 0.0};
+}
+
+int pl_body_map_split(const pl_body_place *given, pl_filter filter,
                       pl_body_place parts[PL_BODY_MAP_PARTS]) {
   float a[2], b[2];
-  const pl_body_spot spot = pl_body_spot_of(place->point);
-  pl_body_map_step(&spot, place->across, a);
-  pl_body_map_step(&spot, place->along, b);
+  const pl_body_place place = stretched(given);
+  const pl_body_spot spot = pl_body_spot_of(place.point);
+  pl_body_map_step(&spot, place.across, a);
+  pl_body_map_step(&spot, place.along, b);
   if (!is_polar(a, b, filter)) {
-    parts[0] = *place;
+    parts[0] = place;
     return 1;
   }
   for (int i = 0; i < PL_BODY_MAP_PARTS; i++)
-    parts[i] = part_of(place, i);
+    parts[i] = part_of(&place, i);
   return PL_BODY_MAP_PARTS;
 }
 
@@ -72,12 +83,13 @@ static void read_polar(const pl_texture *map, const pl_body_place *place, pl_fil
 typedef void read_fn(const pl_texture *texture, float u, float v, const float a[2],
                      const float b[2], pl_filter filter, float out[4]);
 
-static inline void read_map(const pl_texture *map, const pl_body_place *place, pl_filter filter,
+static inline void read_map(const pl_texture *map, const pl_body_place *given, pl_filter filter,
                             read_fn *read, float out[4]) {
   float uv[2], a[2], b[2];
-  pl_body_map_uv(place->point, place->center_lon_rad, place->across, place->along, uv, a, b);
+  const pl_body_place place = stretched(given);
+  pl_body_map_uv(place.point, place.center_lon_rad, place.across, place.along, uv, a, b);
   if (is_polar(a, b, filter))
-    read_polar(map, place, filter, out);
+    read_polar(map, &place, filter, out);
   else
     read(map, uv[0], uv[1], a, b, filter, out);
 }

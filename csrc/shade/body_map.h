@@ -45,7 +45,8 @@ static inline void pl_body_map_step(const pl_body_spot *s, pl_vec3 step, float o
 /* Coordinates in an equirectangular map whose centre column is at longitude `center_lon_rad`: u
  * eastwards, 0..1, v from the north pole to the south pole. `across`, `along`: extent of the
  * footprint on the surface, body axes, metres; a, b: the same in the map. They come of derivatives,
- * so the date line is no seam. Latitude is planetocentric. */
+ * so the date line is no seam. Latitude is planetocentric; geodetic of what pl_body_map_stretch
+ * has stretched. */
 static inline void pl_body_map_uv(pl_vec3 point, double center_lon_rad, pl_vec3 across,
                                   pl_vec3 along, float uv[2], float a[2], float b[2]) {
   const pl_body_spot spot = pl_body_spot_of(point);
@@ -57,14 +58,27 @@ static inline void pl_body_map_uv(pl_vec3 point, double center_lon_rad, pl_vec3 
   uv[1] = (float)(0.5 - lat / PL_PI);
 }
 
-/* A point of a body with its footprint, body axes, metres, and the longitude of a map's centre. */
+/* What pl_body_map_stretch takes: the square of the equator's radius over that of the poles, less
+ * 1. Of three axes the equator's is the mean that keeps its area. */
+static inline double pl_body_map_oblate(pl_vec3 radii_m) {
+  return radii_m.x * radii_m.y / (radii_m.z * radii_m.z) - 1.0;
+}
+/* On the surface of a spheroid the tangent of the geodetic latitude is that of the planetocentric
+ * one times the square of the ratio of its radii: stretched by that along its axis, the surface has
+ * the one for the other, and footprints go along. */
+static inline pl_vec3 pl_body_map_stretch(pl_vec3 v, double oblate) {
+  return (pl_vec3){v.x, v.y, v.z + oblate * v.z};
+}
+
+/* A point of a body with its footprint, body axes, metres, and what its maps count by. */
 typedef struct pl_body_place {
   pl_vec3 point, across, along;
-  double center_lon_rad;
+  double center_lon_rad; /* longitude of the map's centre */
+  double oblate;         /* pl_body_map_oblate of maps by geodetic latitude; else 0 */
 } pl_body_place;
 
 /* The parts that a footprint is read in: itself, or on a pole sixteen of a quarter of the width
- * (but with PL_FILTER_NONE). Returns their number. */
+ * (but with PL_FILTER_NONE). They are stretched already. Returns their number. */
 enum { PL_BODY_MAP_PARTS = 16 };
 int pl_body_map_split(const pl_body_place *place, pl_filter filter,
                       pl_body_place parts[PL_BODY_MAP_PARTS]);

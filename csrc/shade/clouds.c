@@ -122,7 +122,7 @@ float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 acro
   const pl_clouds *clouds = cover->clouds;
   float mean = clouds->coverage;
   pl_body_place place = {turn_back(cover, point), turn_back(cover, across), turn_back(cover, along),
-                         0.0};
+                         0.0, cover->oblate};
   const double area = pl_vec3_norm(pl_vec3_cross(across, along));
   const float width = (float)(2.0 * sqrt(area / PL_PI) / clouds->size_m);
   pl_vec3 cell = pl_vec3_scale(place.point, 1.0 / clouds->size_m);

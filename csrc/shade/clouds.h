@@ -40,6 +40,7 @@ typedef struct pl_cloud_cover {
   float variance;              /* of the whole noise */
   float scale;                 /* of the octaves that are looked up, in the whole */
   float sine, cosine;          /* of the turn */
+  double oblate;               /* of the map, as of pl_body_place; 0 unless it is set */
   float amplitudes[16], total; /* of the octaves, and their sum */
 } pl_cloud_cover;
 pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *map, int detail);

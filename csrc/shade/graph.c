@@ -209,7 +209,10 @@ void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary) {
 
 /* Of a body; a footprint is never wider than the whole map. */
 static void body_uv(const pl_graph_point *point, float uv[2], float a[2], float b[2]) {
-  pl_body_map_uv(point->place, point->map_center_lon_rad, point->across, point->along, uv, a, b);
+  const double oblate = point->map_oblate;
+  pl_body_map_uv(pl_body_map_stretch(point->place, oblate), point->map_center_lon_rad,
+                 pl_body_map_stretch(point->across, oblate),
+                 pl_body_map_stretch(point->along, oblate), uv, a, b);
   a[0] = pl_maxf(-1.0f, pl_minf(a[0], 1.0f));
   b[0] = pl_maxf(-1.0f, pl_minf(b[0], 1.0f));
 }

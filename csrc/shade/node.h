@@ -54,6 +54,7 @@ typedef struct pl_graph_point {
   pl_vec3 place;              /* `object` in double */
   pl_vec3 across, along;      /* extent of the footprint on the surface, body axes, m */
   double map_center_lon_rad;
+  double map_oblate;                        /* as of pl_body_place */
   const pl_texture *body_map;               /* its own surface: NULL for none */
   const float *body_albedo, *body_emission; /* three each, see pl_body_state */
 } pl_graph_point;

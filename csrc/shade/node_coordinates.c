@@ -100,8 +100,9 @@ static const pl_constant_row coordinates_constants[] = {
      "along ICRF axes; uv, uv1: the model's texture coordinates, zeros where it has none, or those "
      "of a body's equirectangular map (u east, v south, 0..1); box: metres along two of the "
      "model's axes, those that the surface faces least; face: metres in the plane of the triangle, "
-     "for flat panels that lie aslant; lon_lat_deg: east longitude -180..180 and planetocentric "
-     "latitude on a body, zeros elsewhere"}};
+     "for flat panels that lie aslant; lon_lat_deg: east longitude -180..180 and latitude on a "
+     "body "
+     "(as its `latitudes` says), zeros elsewhere"}};
 static const pl_socket coordinates_outputs[] = {
     {"vector", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "The coordinates"}};
 

@@ -19,7 +19,8 @@ static void read(const pl_node_call *call, const pl_texture *texture, float out[
     return;
   }
   if (!given && p->body != NULL) {
-    const pl_body_place place = {p->place, p->across, p->along, p->map_center_lon_rad};
+    const pl_body_place place = {p->place, p->across, p->along, p->map_center_lon_rad,
+                                 p->map_oblate};
     pl_body_map_sample(texture, &place, p->filter, out);
     return;
   }

@@ -300,13 +300,16 @@ class Scene:
         self, *, name: str, map: Map | None, map_center_lon_rad: float, reflectance: str,
         instance_id: int, part_id: int, class_ids: NDArray[np.uint16], regolith_map: Grid | None,
         air: Air | None, shape: Model | None = None, rings: Rings | None = None, cloud_map: Map |
-        None = None, ground: Ground | None = None
+        None = None, ground: Ground | None = None, geodetic: bool = False,
+        geodetic_clouds: bool = False
     ) -> int:
         """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
         (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians
         and filling factor of each band, for the photometric reflectances; its w counts where there
         is no map. cloud_map: cover of the clouds that requests give it, about longitude 0; red.
-        ground: not of a body with a graph; water only with reflectance lambert."""
+        ground: not of a body with a graph; water only with reflectance lambert. geodetic: maps
+        count by geodetic latitude instead of by planetocentric; geodetic_clouds: so does
+        cloud_map."""
     def add_object(
         self, *, name: str, model: Model, offset: F64, obj_id: int, instance_id: int, part_ids:
         NDArray[np.int32], class_ids: NDArray[np.uint16], triangle_part: NDArray[np.uint32] | None =

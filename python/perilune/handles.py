@@ -378,6 +378,8 @@ class Handles:
                 _air_key(body),
                 body.rings,
                 body.clouds.map if body.clouds else None,
+                body.is_geodetic,
+                body.has_geodetic_clouds,
                 ground.files(body),
             )
             for body in config.bodies.values()
@@ -444,6 +446,8 @@ class Handles:
                 rings=self._rings(name, config),
                 cloud_map=self._cloud_map(name, body),
                 ground=ground.of_body(body, partial(self._map, name)),
+                geodetic=body.is_geodetic,
+                geodetic_clouds=body.has_geodetic_clouds,
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, name, body, part_classes[name])[0],

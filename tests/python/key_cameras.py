@@ -303,6 +303,7 @@ CAMERAS = [
             "interval": 5,
             "lon_deg": 20.0,
             "lat_deg": 20.0,
+            "latitudes": "geodetic",
             "distance_noise_m": 1e5,
             "off_nadir_deg": 20.0,
             "azimuth_deg": 20.0,

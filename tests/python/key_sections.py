@@ -181,6 +181,11 @@ THINGS = [
         },
         {"materials.m": LAMBERT},
     ),
+    Section(Body, AT_BODY, {**BODY, "color_map": MAP}, {"latitudes": "geodetic"}),
+    Section(
+        Body, AT_BODY, BODY, {"classes": {"origin": "found"}}, {"labels.levels": ["origin"]}
+    ),
+    Section(Clouds, (*AT_BODY, "clouds"), {"map": MAP}, {"latitudes": "geodetic"}),
     Section(
         Shape,
         (*AT_BODY, "shape"),
@@ -318,13 +323,13 @@ THINGS = [
         {"materials.m": LAMBERT},
     ),
     Section(
+        Spacecraft, AT_CRAFT, CRAFT, {"classes": {"origin": "made"}}, {"labels.levels": ["origin"]}
+    ),
+    Section(
         Spacecraft,
         AT_CRAFT,
         CRAFT,
         {"gm_km3_s2": 1.0},
-    Section(
-        Spacecraft, AT_CRAFT, CRAFT, {"classes": {"origin": "made"}}, {"labels.levels": ["origin"]}
-    ),
         {
             "spacecraft.t": CRAFT
             | {"orbit": {"around": "s", "semi_major_axis_km": 500.0, "mean_anomaly_deg": 0.0}},

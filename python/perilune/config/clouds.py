@@ -6,7 +6,16 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from perilune.config.types import FileName, Finite, Fraction, Integer, StaticFinite, Strict, triple
+from perilune.config.types import (
+    FileName,
+    Finite,
+    Fraction,
+    Integer,
+    Latitudes,
+    StaticFinite,
+    Strict,
+    triple,
+)
 
 _Length = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=1e-9, le=1e12)]
 _Depth = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1e6)]
@@ -59,6 +68,8 @@ class Clouds(Strict):
     PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
     """East longitude of the map's centre column at the start, before `longitude_deg`."""
+    latitudes: Latitudes | None = None
+    """What latitude the map counts by, as of the body, and by default the body's."""
     altitude_km: _Length = 8.0
     """Of the shell, over the surface."""
     thickness_km: _Length = 2.0
@@ -80,7 +91,7 @@ class Clouds(Strict):
     @model_validator(mode="after")
     def _something_turns(self) -> Clouds:
         if self.map is None:
-            self._only_with("a map", "map_center_lon_deg")
+            self._only_with("a map", "map_center_lon_deg", "latitudes")
             if self.noise is None:
                 self._only_with("a map or noise", "longitude_deg", "rotation_deg_h")
         return self

@@ -32,7 +32,8 @@ def plot_ground_track(
     place: Any = 111,
     title: str | None = None,
 ) -> Any:
-    """Planetocentric latitude and east longitude under spacecraft, as the colour map has them.
+    """East longitude and latitude under spacecraft, as the body's maps count them: of the point
+    below them along its normal (`latitudes: geodetic`), or on the line to the body's centre.
 
     frames: indices; each is a marker, and frames on one orbit are joined by the track between them,
     followed in time; frames whose orbits differ (drivers, new scenes) are not joined. body: default
@@ -83,11 +84,29 @@ def _is_under(sim: Simulation, name: str, ground: str) -> bool:
 
 
 def sub_point_deg(world: World, name: str, body: str, t_s: float) -> tuple[float, float]:
-    """East longitude in [-180, 180] and latitude of the point of a body under a spacecraft."""
+    """East longitude in [-180, 180] and latitude of the point of a body under a spacecraft, as the
+    body's maps count them."""
     poses = world.system.states(np.array([t_s])).poses
     from_center = poses[name][0, :3] - poses[body][0, :3]
     x, y, z = rotations.rotate(rotations.conjugate(poses[body][0, 3:]), from_center).tolist()
-    return math.degrees(math.atan2(y, x)), math.degrees(math.atan2(z, math.hypot(x, y)))
+    lat = math.atan2(z, math.hypot(x, y))
+    if world.config.bodies[body].is_geodetic:
+        lat = _geodetic_rad(math.hypot(x, y), z, world.body_radii_m[body])
+    return math.degrees(math.atan2(y, x)), math.degrees(lat)
+
+
+def _geodetic_rad(rho: float, z: float, radii_m: F64) -> float:
+    """Latitude of the normal of a spheroid that runs through a point off its axis by rho, over z.
+
+    Iterates the point on the spheroid whose normal does (Bowring's first guess comes of the
+    point's own direction); a few steps reach the last digit outside of the body."""
+    equator, pole = math.sqrt(float(radii_m[0] * radii_m[1])), float(radii_m[2])
+    e2 = 1.0 - (pole / equator) ** 2
+    lat = math.atan2(z, rho * (1.0 - e2))
+    for _ in range(20):
+        across = equator / math.sqrt(1.0 - e2 * math.sin(lat) ** 2)
+        lat = math.atan2(z + e2 * across * math.sin(lat), rho)
+    return lat
 
 
 def wrapped(lon_deg: F64, lat_deg: F64) -> list[F64]:

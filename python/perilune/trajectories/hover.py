@@ -24,6 +24,15 @@ def surface(radii_m: F64, normal: F64) -> F64:
     return np.asarray(radii_m**2 * normal / np.linalg.norm(radii_m * normal))
 
 
+def _foot(radii_m: F64, direction: F64, geodetic: bool) -> tuple[F64, F64]:
+    """The point of an ellipsoid at a longitude and latitude, and its normal, body axes."""
+    if geodetic:
+        return surface(radii_m, direction), direction
+    point = direction / np.linalg.norm(direction / radii_m)
+    gradient = point / radii_m**2
+    return point, gradient / np.linalg.norm(gradient)
+
+
 def hover(world: World) -> F64:
     """The place and the view turn with the body."""
     spec = world.camera.trajectory
@@ -37,17 +46,19 @@ def hover(world: World) -> F64:
     height = uniform(rng, spec.height_m) + distance_noise_m(world, spec.distance_noise_m)
     lean = math.radians(uniform(rng, spec.off_nadir_deg))
     azimuth = math.radians(uniform(rng, spec.azimuth_deg))
-    normal = np.array(
+    direction = np.array(
         [math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)]
     )
-    north = np.array(
-        [-math.sin(lat) * math.cos(lon), -math.sin(lat) * math.sin(lon), math.cos(lat)]
-    )
+    body = world.config.bodies[spec.target]
+    geodetic = body.is_geodetic if spec.latitudes is None else spec.latitudes == "geodetic"
+    ground, normal = _foot(world.body_radii_m[spec.target], direction, geodetic)
     east = np.array([-math.sin(lon), math.cos(lon), 0.0])
+    east -= (east @ normal) * normal  # none, but of three axes
+    east /= np.linalg.norm(east)
+    north = np.cross(normal, east)
     towards = math.cos(azimuth) * north + math.sin(azimuth) * east
     forward = math.sin(lean) * towards - math.cos(lean) * normal
     up = math.cos(lean) * towards + math.sin(lean) * normal
-    ground = surface(world.body_radii_m[spec.target], normal)
     shape = world.shapes.get(spec.target)
     if shape is not None:  # the heights count from it, where the vertical meets it
         height += shape.surface_m(normal, ground) or 0.0

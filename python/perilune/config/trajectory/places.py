@@ -12,6 +12,7 @@ from perilune.config.types import (
     AngleRange,
     Direction,
     FiniteRange,
+    Latitudes,
     NonNegative,
     PositiveRange,
     Vec3,
@@ -124,9 +125,13 @@ class Hover(Pointing, Redrawn):
     target: str
     """Name of a body."""
     lon_deg: FiniteRange = (-180.0, 180.0)
-    """East longitude of the surface's normal: a number, or [smallest, largest], drawn uniformly."""
+    """East longitude of the point: a number, or [smallest, largest], drawn uniformly."""
     lat_deg: FiniteRange = (-90.0, 90.0)
-    """Latitude of the surface's normal (geodetic), drawn uniformly in its sine."""
+    """Latitude of the point, drawn uniformly in its sine."""
+    latitudes: Latitudes | None = None
+    """geodetic: lon_deg and lat_deg are of the surface's normal; geocentric: of the line from the
+    body's centre. Default: what the body's maps count by, so that the camera hovers over what they
+    have there."""
     height_m: PositiveRange
     """Over the point, along the normal: a number, or [smallest, largest], drawn uniformly."""
     distance_noise_m: NonNegative = 0.0
