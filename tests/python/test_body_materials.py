@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import erfa
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -54,11 +55,12 @@ def opened(
 
 
 def lon_lat_deg(sim: perilune.Simulation, position: F64) -> tuple[F64, F64]:
-    """Of points in the root frame, on the Earth."""
+    """Geodetic, of points in the root frame on the Earth."""
     turn = rotations.conjugate(sim.world(0).poses["earth"][0, 3:])
     p = np.array([rotations.rotate(turn, row) for row in position.reshape(-1, 3)])
-    lat = np.degrees(np.arcsin(p[:, 2] / np.linalg.norm(p, axis=1)))
-    return np.degrees(np.arctan2(p[:, 1], p[:, 0])), lat
+    equator, _, pole = sim.world(0).body_radii_m["earth"]
+    lon, lat, _ = erfa.gc2gde(equator, 1.0 - pole / equator, p)
+    return np.degrees(lon), np.degrees(lat)
 
 
 def test_a_graph_of_one_colour_is_a_body_of_that_albedo() -> None:
