@@ -53,6 +53,8 @@ class Looks:
         self._partitions = partitions
         self._images = ImageFiles(document.path)
         self._graphs: dict[tuple[str, str, bool], Graph] = {}
+        self._hooked = {row.path[1] for row in document.drivers if materials.is_drawn(row)}
+        self._drawn: dict[tuple[str, str, bool, str], Graph] = {}
         self._triangles: dict[tuple[Any, ...], NDArray[np.int32]] = {}
         self._ideal: Look | None = None
         self._ideal = self.of(document.config)
@@ -72,7 +74,7 @@ class Looks:
                 if config.spacecraft[name].materials
             }
             bodies = {
-                name: self._on_body(name, body.material, body.material_mode)
+                name: self._on_body(name, body.material, body.material_mode, config)
                 for name, body in config.bodies.items()
                 if body.material is not None
             }
@@ -98,18 +100,19 @@ class Looks:
         uses = config.spacecraft[name].materials
         names = tuple(use.use for use in uses)
         graphs = tuple(
-            self._graph(name, use.use, use.mode, f"spacecraft.{name}.materials[{k}].use")
+            self._graph(name, use.use, use.mode, f"spacecraft.{name}.materials[{k}].use", config)
             for k, use in enumerate(uses)
         )
         return Placed(names, graphs, self._of_patterns(name, uses))
 
-    def _on_body(self, name: str, use: str, mode: str) -> Placed:
-        graph = self._graph(name, use, mode, f"bodies.{name}.material")
+    def _on_body(self, name: str, use: str, mode: str, config: Config) -> Placed:
+        graph = self._graph(name, use, mode, f"bodies.{name}.material", config)
         return Placed((use,), (graph,), np.empty(0, dtype=np.int32))
 
-    def _graph(self, owner: str, name: str, mode: str, key: str) -> Graph:
-        """Compiled with what the ideal configuration's drivers may vary."""
-        config = self._document.config
+    def _graph(self, owner: str, name: str, mode: str, key: str, now: Config) -> Graph:
+        """With what the ideal configuration's drivers may vary; a hook's is as drawn now."""
+        hooked = name in self._hooked
+        config = now if hooked else self._document.config
         if name not in config.materials:
             raise ValueError(f"{key}: no entry named '{name}'{nearest(name, config.materials)}")
         wrap = mode == "wrap"
@@ -118,7 +121,12 @@ class Looks:
             material = materials.applied(config, name, owner)
             return materials.build(name, material, wrap, self._images)
 
-        return _kept(self._graphs, (owner, name, wrap), make)
+        if not hooked:
+            return _kept(self._graphs, (owner, name, wrap), make)
+        found = _kept(self._drawn, (owner, name, wrap, repr(config.materials[name])), make)
+        if len(self._drawn) > _PATTERNS * max(len(self._models), 1):
+            del self._drawn[next(iter(self._drawn))]
+        return found
 
     def _of_patterns(self, craft: str, uses: tuple[MaterialUse, ...]) -> NDArray[np.int32]:
         patterns = tuple((use.material, use.part, use.component, use.box) for use in uses)

@@ -88,8 +88,9 @@ class Hooked:
             },
             params=self.params,
         )
-        if hasattr(value, "tolist"):
-            value = value.tolist()
+        value = _plain(value)
+        if isinstance(self.ideal, Mapping) and not isinstance(value, Mapping):
+            raise DriverError(key, f"'{self.function}' must return a section, not {value!r}")
         if self.low is None or self.high is None:
             return value
         if (self.count is not None) != isinstance(value, (list, tuple)):
@@ -97,6 +98,15 @@ class Hooked:
             raise DriverError(key, f"'{self.function}' must return {like}, not {value!r}")
         returned = numbers(f"{key} ('{self.function}' returned)", value, self.count)
         return shaped(clip(np.array(returned), self.low, self.high), self.count)
+
+
+def _plain(value: Any) -> Any:
+    """Without NumPy's types, as files hold it."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def parse(name: str, raw: Mapping[str, Any]) -> Hooked:

@@ -1,6 +1,6 @@
 """Material graphs: built from the configuration, put on triangles, and checked."""
 
-from perilune.materials.check import check, is_choice, users
+from perilune.materials.check import check, is_choice, is_drawn, users
 from perilune.materials.drivers import applied
 from perilune.materials.graph import Graph, build, values
 from perilune.materials.images import Image, ImageFiles, Images, images_in
@@ -17,6 +17,7 @@ __all__ = [
     "check",
     "images_in",
     "is_choice",
+    "is_drawn",
     "parameters",
     "triangles",
     "users",

@@ -39,6 +39,11 @@ def is_choice(path: KeyPath) -> bool:
     return uses or (one and path[2:3] in (("material",), ("material_mode",)))
 
 
+def is_drawn(row: Found) -> bool:
+    """Whether a function of the user's gives a whole entry of `materials`."""
+    return row.path[:1] == ("materials",) and len(row.path) == 2 and row.kind.name == "hook"
+
+
 def _is_of_graphs(path: KeyPath) -> bool:
     key = path[2:3] if path[0] in ("spacecraft", "bodies", "volumes") else path[:1]
     return key in (("materials",), ("material_drivers",))
@@ -92,8 +97,13 @@ def check(
     yield from _missing(config)
     yield from drivers.check_values(config, users(config, found))
     yield from drivers.check_use(config, users(config, found))
+    drawn = {row.path for row in found if is_drawn(row)}
+    for name, volume in config.volumes.items():
+        if ("materials", volume.material) in drawn:
+            text = f"'{volume.material}' is drawn by a hook, which volumes do not take"
+            yield f"volumes.{name}.material: {text}"
     for path in (row.path for row in found):
-        if not _is_of_graphs(path) or is_choice(path) or _is_in_section(path):
+        if not _is_of_graphs(path) or is_choice(path) or _is_in_section(path) or path in drawn:
             continue
         if path[:5] not in varies:
             text = "takes no driver: in a graph numbers of inputs alone vary from frame to frame"

@@ -150,3 +150,45 @@ def test_driver_hooks_are_held(scene_file):
     assert camera_hooks.CALLS == [0, 4, 8]
     later = opened(scene_file, **changes).frame(6, ["depth"])
     assert later.meta["drivers"]["camera.fov_deg"] == 34.0  # in any order
+
+
+GREY = {
+    "materials.paint": {
+        "hook": f"{HOOKS}:grey",
+        "ideal": {"nodes": {"skin": {"type": "principled", "base_color": [0.5] * 3}}},
+    },
+    "spacecraft.sat.materials": [{"material": "*", "use": "paint"}],
+}
+
+
+def test_reflectance_of_a_hook(scene_file):
+    """A graph of any structure, drawn once a scene; the same in any order, recorded, replayed."""
+    changes = {**GREY, "time.frames_per_scene": 2}
+    sim = opened(scene_file, **changes)
+    samples = [sim.frame(index, ["rgb"]) for index in range(8)]
+    drawn = [sample.meta["drivers"]["materials.paint"] for sample in samples]
+    assert drawn[0] == drawn[1] != drawn[2] == drawn[3]
+    assert {len(graph["nodes"]) for graph in drawn} == {1, 3}
+    again = opened(scene_file, **changes)
+    for index in (6, 1, 7, 0):
+        assert (again.frame(index, ["rgb"])["rgb"] == samples[index]["rgb"]).all()
+    without = opened(scene_file, **{**changes, "drivers.strength": 0.0})
+    plain = {"materials.paint": GREY["materials.paint"]["ideal"]}
+    ideal = opened(scene_file, **{**changes, **plain})
+    assert (without.frame(3, ["rgb"])["rgb"] == ideal.frame(3, ["rgb"])["rgb"]).all()
+    assert (samples[3]["rgb"] != ideal.frame(3, ["rgb"])["rgb"]).any()
+    small = {"camera.width": 48, "camera.height": 32, "render.samples": 2}
+    replayed = perilune.open(scene_file, overrides={**small, **changes}, replay=samples[5].meta)
+    assert (replayed.frame(5, ["rgb"])["rgb"] == samples[5]["rgb"]).all()
+
+
+def test_faulty_reflectance_of_a_hook(scene_file):
+    bad = {**GREY["materials.paint"], "hook": f"{HOOKS}:broken"}
+    sim = opened(scene_file, **{**GREY, "materials.paint": bad})
+    with pytest.raises(ConfigError, match=r"materials\.paint\.nodes\.skin\.base_colour: unknown"):
+        sim.frame(0, ["rgb"])
+    with pytest.raises(ConfigError, match=r"materials\.paint\.hook: 'math:gcd' must return a sec"):
+        opened(scene_file, **{**GREY, "materials.paint": {**bad, "hook": "math:gcd"}})
+    fog = {"shape": "ellipsoid", "parent": "sat", "radii_m": [5, 5, 5], "material": "paint"}
+    with pytest.raises(ConfigError, match=r"volumes\.fog\.material: 'paint' is drawn by a hook"):
+        opened(scene_file, **{**GREY, "volumes.fog": fog})
