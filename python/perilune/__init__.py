@@ -14,7 +14,17 @@ from perilune.simulation import Simulation, open  # noqa: A004 (perilune.open is
 if TYPE_CHECKING:
     from perilune.writers import write_bop
 
-__all__ = ["Dataset", "Driver", "Sample", "Simulation", "Stream", "collate", "look_at", "open", "write_bop"]
+__all__ = [
+    "Dataset",
+    "Driver",
+    "Sample",
+    "Simulation",
+    "Stream",
+    "collate",
+    "look_at",
+    "open",
+    "write_bop",
+]
 
 try:
     __version__ = version("perilune")

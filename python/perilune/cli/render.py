@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import sys
 import time
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 
 from perilune.cli.command import INTERRUPTED, OK, Command
 from perilune.cli.options import (
     add_config,
     add_frames,
     add_threads,
-    one_of,
     open_simulation,
     shard,
     whole_number,
 )
 from perilune.cli.progress import Bar
-from perilune.writers import WRITERS
+from perilune.writers import WRITERS, Writer, find, plugins
+
+
+def _writer(name: str) -> Writer:
+    try:
+        return find(name)
+    except ValueError as error:
+        raise ArgumentTypeError(str(error)) from None
 
 
 def _configure(parser: ArgumentParser) -> None:
@@ -27,10 +33,10 @@ def _configure(parser: ArgumentParser) -> None:
     formats = "; ".join(f"{row.name}: {row.doc}" for row in WRITERS.values())
     parser.add_argument(
         "--format",
-        type=one_of("format", WRITERS),
+        type=_writer,
         default=next(iter(WRITERS)),
         metavar="NAME",
-        help=f"{formats} (default: %(default)s)",
+        help=f"{formats}; or one that is installed, or module:function (default: %(default)s)",
     )
     parser.add_argument(
         "--chunk-size",
@@ -59,7 +65,8 @@ def _run(args: Namespace) -> int:
     start = time.perf_counter()
     with Bar() as bar:
         try:
-            report = WRITERS[args.format].write(
+            report = plugins.write(
+                args.format,
                 sim,
                 args.frames,
                 args.out,

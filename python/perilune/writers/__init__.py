@@ -1,10 +1,27 @@
-"""Writers of datasets to disk. A new format is its own file and one line of the table below."""
+"""Writers of datasets to disk. A new format is its own file and one line of the table below.
 
+Formats of others are registered in code (`register`), installed as entry points of the group
+`perilune.writers`, or named as `module:function` where a format is asked for.
+"""
+
+from typing import Any
+
+from perilune.writers import plugins
 from perilune.writers.bop import write_bop
 from perilune.writers.merge import merge_bop
-from perilune.writers.table import Progress, Writer, WriteReport
+from perilune.writers.table import Progress, WriteFunction, Writer, WriteReport
 
-__all__ = ["WRITERS", "Progress", "WriteReport", "Writer", "merge_bop", "write_bop"]
+__all__ = [
+    "WRITERS",
+    "Progress",
+    "WriteFunction",
+    "WriteReport",
+    "Writer",
+    "find",
+    "merge_bop",
+    "register",
+    "write_bop",
+]
 
 WRITERS: dict[str, Writer] = {
     row.name: row
@@ -17,3 +34,21 @@ WRITERS: dict[str, Writer] = {
     )
 }
 """Every format that `perilune render --format` writes."""
+
+
+def register(name: str, write: Any, doc: str = "") -> None:
+    """Adds a format to those that `find` and `perilune render --format` know in this process.
+
+    write: a function like `write_bop` (see WriteFunction), or a class whose instances are called
+    so. It gets those of the options chunk_size, threads, split, shard and progress that it has
+    arguments for, and returns a WriteReport. doc: one line (default: its docstring's first).
+    ValueError for a name that is there already.
+    """
+    plugins.register(WRITERS, name, write, doc)
+
+
+def find(name: str) -> Writer:
+    """The writer of a format: of the table, registered, installed, or `module:function`.
+
+    ValueError for one that is not there."""
+    return plugins.find(WRITERS, name)
