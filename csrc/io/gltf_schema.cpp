@@ -34,6 +34,13 @@ public:
     if (json *value = need(key, required))
       check_integer(*value, at(key), low, high);
   }
+  /* Of an integer that was found good. */
+  void multiple(const char *key, int of) {
+    const json *value = find(key);
+    if (value != nullptr && value->get<int64_t>() % of != 0)
+      fail(PL_E_FORMAT, "%s: %lld is no multiple of %d", at(key).c_str(), value->get<long long>(),
+           of);
+  }
   void index(const char *key, size_t count, const char *of, bool required = false) {
     if (json *value = need(key, required))
       check_index(*value, at(key), count, of);
@@ -202,6 +209,7 @@ void check_data(json &document, const Counts &n) {
     o.integer("byteOffset", 0, MAX_INTEGER);
     o.integer("byteLength", 1, MAX_INTEGER, true);
     o.integer("byteStride", 4, 252);
+    o.multiple("byteStride", 4);
     check_meshopt(o, n);
   });
   each(document, "accessors", [&](Object o) {

@@ -15,6 +15,9 @@ def _check(samples: Sequence[Sample]) -> None:
     """ValueError for what does not stack."""
     if not samples:
         raise ValueError("collate: no samples")
+    for k, sample in enumerate(samples):
+        if not isinstance(sample, Sample):
+            raise TypeError(f"collate: samples[{k}]: must be a perilune.Sample, not {sample!r:.60}")
     first = samples[0]
     for sample in samples:
         if set(sample) != set(first) or sample.has_objects != first.has_objects:

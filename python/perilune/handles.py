@@ -24,6 +24,7 @@ from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.config.shape import Shape
 from perilune.labels import Taxonomy, object_class, taxonomy
 from perilune.looks import Look, Looks
+from perilune.model_files import read_model
 from perilune.parts import Partition, partition
 from perilune.pool import Pool
 from perilune.remarks import Remarks
@@ -194,13 +195,18 @@ class Handles:
         for name, craft in config.spacecraft.items():
             path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
             if path not in files:
-                files[path] = _core.Model(path)
+                try:
+                    files[path] = read_model(path)
+                except ValueError as error:
+                    where = f"{self.document.source}:\n  spacecraft.{name}.model"
+                    raise ConfigError(f"{where}: {error}") from error
             model = files[path]
             self._tell(f"spacecraft.{name}.model", path, model.warnings)
             bounds = model.bounds
             offset = bounds.mean(axis=0) if craft.centre == "bounds" else np.zeros(3)
             if not float((bounds[1] - bounds[0]).max()) > 0.0:
-                raise ValueError(f"spacecraft.{name}.model: {path}: has no extent")
+                where = f"{self.document.source}:\n  spacecraft.{name}.model"
+                raise ConfigError(f"{where}: {path}: has no extent")
             scale = metres_per_unit(craft, model)
             _check_length(f"{self.document.source}:\n  spacecraft.{name}", scale, bounds)
             result[name] = ObjectModel(
@@ -354,7 +360,10 @@ class Handles:
         key = f"bodies.{name}.photometry.maps"
         paths = tuple(self.document.path(text, key) for text in given.maps)
         if paths not in self.assets.regolith_maps:
-            self.assets.regolith_maps[paths] = photometry.load_map(paths)
+            try:
+                self.assets.regolith_maps[paths] = photometry.load_map(paths)
+            except ValueError as error:
+                raise ConfigError(f"{self.document.source}:\n  {key}: {error}") from error
         return self.assets.regolith_maps[paths]
 
     @property

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from perilune import _core, bodies, files, spectra
 from perilune.bands import sun_curve
 from perilune.config.bands import Spectrum
+from perilune.config.errors import ConfigError
 from perilune.config.schema import Config, Sun
 from perilune.config.sky import Background, Stars
 from perilune.motion import Kept
@@ -148,7 +149,10 @@ class Skies:
         key = (file, years, sun.wavelengths_um, sun.spectrum, spectrum, limit)
 
         def make() -> _core.Stars:
-            table = self._tables.get(file, lambda: read_stars(path))
+            try:
+                table = self._tables.get(file, lambda: read_stars(path))
+            except ValueError as error:
+                raise ConfigError(f"sky.stars.catalogue: {error}") from error
             kept = table.vmag <= limit
             light = irradiance(table.vmag, table.temperature_k, sun)
             places = directions(table, years)

@@ -382,7 +382,7 @@ def test_paths(scene, tmp_path, monkeypatch):
         document.path("data:a.glb", "k")
     monkeypatch.setenv("PERILUNE_DATA", str(tmp_path))
     assert document.path("data:a.glb", "k") == tmp_path / "a.glb"
-    with pytest.raises(FileNotFoundError, match=r"no such file: .*c\.glb \(PERILUNE_DATA is"):
+    with pytest.raises(FileNotFoundError, match=r"no such file: .*c\.glb; did you mean .a\.glb."):
         document.path("data:c.glb", "k")
 
 

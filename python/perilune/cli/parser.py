@@ -6,6 +6,7 @@ import re
 import sys
 from argparse import Action, ArgumentError, ArgumentParser, Namespace
 from collections.abc import Sequence
+from itertools import takewhile
 from typing import Any, NoReturn
 
 from perilune.config.errors import nearest
@@ -30,9 +31,9 @@ class Parser(ArgumentParser):
         self, args: Sequence[str] | None = None, namespace: Namespace | None = None
     ) -> tuple[Namespace, list[str]]:
         given = list(sys.argv[1:] if args is None else args)
-        if self._subparsers is None:  # before what is required is missed
-            for argument in given:
-                self._check_option(argument)
+        own = given if self._subparsers is None else takewhile(lambda a: a.startswith("-"), given)
+        for argument in own:  # before what is required is missed
+            self._check_option(argument)
         found, rest = super().parse_known_args(joined(given), namespace)
         if rest:
             self._refuse(rest[0], found)

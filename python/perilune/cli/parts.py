@@ -16,10 +16,11 @@ from perilune.cli.options import add_config, open_simulation, whole_number
 from perilune.config.errors import nearest
 from perilune.config.parts import Parts
 from perilune.labels import part_class
+from perilune.model_files import FOREIGN, SUFFIXES, read_model
 from perilune.parts import PartEntry, PartExtent, Partition, extents, partition
 from perilune.remarks import ModelWarning
 
-_MODELS = (".glb", ".gltf")
+_MODELS = (*SUFFIXES, *FOREIGN)
 _COLUMNS = ("part", "material", "triangles", "min", "max", "class")
 _NODE_COLUMNS = ("node", "below", "triangles", "animations")
 _RIGHT = {"triangles"}
@@ -96,7 +97,7 @@ def _node_rows(model: _core.Model) -> list[dict[str, Any]]:
 
 
 def _of_model(args: Namespace) -> dict[str, list[dict[str, Any]]]:
-    model = _core.Model(args.config)
+    model = read_model(args.config)
     for line in model.warnings:
         warnings.warn(f"{args.config}: {line}", ModelWarning, stacklevel=2)
     if args.nodes:

@@ -112,11 +112,17 @@ def parse_json(text: str, source: str) -> Any:
 
 
 _MODEL = "a model, not a configuration; one names it: spacecraft: {NAME: {model: FILE, ...}}"
-_OTHER_FILES = dict.fromkeys((".glb", ".gltf", ".obj", ".stl", ".blend", ".fbx", ".usdz"), _MODEL)
+_PICTURE = "a picture, not a configuration"
+_OTHER_FILES = {
+    **dict.fromkeys((".glb", ".gltf", ".obj", ".stl", ".blend", ".fbx", ".usdz"), _MODEL),
+    **dict.fromkeys((".png", ".jpg", ".jpeg", ".tif", ".tiff"), _PICTURE),
+}
 
 
 def read_tree(path: Path) -> dict[str, Any]:
     """The tree of a .yaml, .yml or .json file; parsed once as long as the file stays as it is."""
+    if what := _OTHER_FILES.get(path.suffix.lower()):
+        raise ConfigError(f"{path}: {what}")
     try:
         return plain_tree(_parsed(path, stamp(path)), str(path))
     except FileNotFoundError:
@@ -132,9 +138,7 @@ def _parsed(path: Path, _: Stamp) -> Any:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        what = _OTHER_FILES.get(path.suffix.lower(), "")
-        text = what or f"not UTF-8 text: {error}"
-        raise ConfigError(f"{path}: {text}") from None
+        raise ConfigError(f"{path}: not UTF-8 text: {error}") from None
     parse = parse_json if path.suffix.lower() == ".json" else parse_yaml
     return parse(text, str(path))
 

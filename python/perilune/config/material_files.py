@@ -35,7 +35,10 @@ def include(tree: Tree, base: Path, source: str) -> dict[str, str]:
         if not isinstance(text, str):
             raise ConfigError(f"{source}:\n  {key}: must be the path of a file, not {text!r}")
         path_of_file = resolve(text, base, f"{source}: {key}")
-        held = read_tree(path_of_file)
+        try:
+            held = read_tree(path_of_file)
+        except ConfigError as error:
+            raise ConfigError(f"{source}:\n  {key}: {error}") from None
         if _KEY in held:
             raise ConfigError(f"{text}:\n  {_KEY}: a file of a material names no other file")
         move_images(held, os.path.relpath(path_of_file.parent, base))

@@ -77,6 +77,11 @@ def apply_overrides(tree: dict[str, Any], overrides: Mapping[str, Any]) -> None:
     `camera.K.4` or `camera.K[4]`. A key must name something the schema knows; the validation that
     follows sees to that, and `without_unread` to what only the mode before an override reads.
     """
+    names: dict[tuple[str, ...], str] = {}
+    for key in overrides:
+        other = names.setdefault(tuple(_parts(key)), key)
+        if other != key:
+            raise ConfigError(f"override {key}: is another name of {other}; give one of the two")
     for key, value in overrides.items():
         node: Any = tree
         parts = _parts(key)

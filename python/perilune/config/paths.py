@@ -3,10 +3,31 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
+from difflib import get_close_matches
+from pathlib import Path, PurePath
 
 DATA_VARIABLE = "PERILUNE_DATA"
 DATA_PREFIX = "data:"
+
+
+_SHOWN = 8
+
+
+def _near(path: Path) -> str:
+    """`; did you mean ...` of what lies where the path ends to be right."""
+    if path.is_dir():
+        return ", but a folder"
+    parent, name = path.parent, path.name
+    while not parent.is_dir() and parent != parent.parent:
+        parent, name = parent.parent, parent.name
+    there = sorted(entry.name for entry in parent.iterdir() if not entry.name.startswith("."))
+    stems = {PurePath(entry).stem: entry for entry in there}
+    close = get_close_matches(name, there, n=1, cutoff=0.6)
+    close = close or get_close_matches(PurePath(name).stem, stems, n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean '{stems.get(close[0], close[0])}'? (in {parent})"
+    shown = ", ".join(there[:_SHOWN]) + (", ..." if len(there) > _SHOWN else "")
+    return f"; {parent} holds {shown or 'nothing'}"
 
 
 def resolve(text: str, base: Path, where: str) -> Path:
@@ -17,7 +38,7 @@ def resolve(text: str, base: Path, where: str) -> Path:
     if not text.startswith(DATA_PREFIX):
         path = base / text
         if not path.is_file():
-            raise FileNotFoundError(f"{where}: no such file: {path}")
+            raise FileNotFoundError(f"{where}: no such file: {path}{_near(path)}")
         return path
     root = os.environ.get(DATA_VARIABLE)
     how = (
@@ -28,7 +49,8 @@ def resolve(text: str, base: Path, where: str) -> Path:
         raise FileNotFoundError(f"{where}: '{text}' needs the sample data; {how}")
     path = Path(root) / text.removeprefix(DATA_PREFIX).lstrip("/")
     if not path.is_file():
-        raise FileNotFoundError(
-            f"{where}: '{text}': no such file: {path} ({DATA_VARIABLE} is {root}); {how}"
-        )
+        if not Path(root).is_dir():
+            wrong = f"{DATA_VARIABLE} is no folder: {root}"
+            raise FileNotFoundError(f"{where}: '{text}': {wrong}; {how}")
+        raise FileNotFoundError(f"{where}: '{text}': no such file: {path}{_near(path)}")
     return path

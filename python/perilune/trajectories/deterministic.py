@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import files, rotations
-from perilune.config.errors import nearest
+from perilune.config.errors import ConfigError, nearest
 from perilune.config.trajectory import Deterministic
 from perilune.trajectories.linear import between
 from perilune.trajectories.view import axes, camera_turn, finished, origin, refuse
@@ -151,7 +151,10 @@ def deterministic(world: World) -> F64:
     """The file's poses, in the root frame or relative to a target."""
     spec = world.camera.trajectory
     assert isinstance(spec, Deterministic)
-    rows = read(spec.file)
+    try:
+        rows = read(spec.file)
+    except ValueError as error:
+        raise ConfigError(f"camera.trajectory.file: {error}") from error
     keys = _keys(world, spec, rows)
 
     def view(when: int) -> tuple[F64, F64]:

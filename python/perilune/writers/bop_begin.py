@@ -21,7 +21,7 @@ _SHOWN = 60
 def check_simulation(sim: Any) -> None:
     """TypeError for what is no simulation, such as the path of a configuration."""
     if not hasattr(sim, "document"):  # what stands for a simulation, as a proxy, is one
-        given = f"'{sim}'" if isinstance(sim, (str, Path)) else type(sim).__name__
+        given = f"'{sim}'" if isinstance(sim, (str, Path)) else f"{sim!r:.60}"
         raise TypeError(
             f"sim: must be a perilune.Simulation, as perilune.open('scene.yaml') gives, not {given}"
         )
@@ -90,6 +90,10 @@ def changed_keys(root: Path, tree: Mapping[str, Any]) -> str:
 
 
 def _changes(old: Any, new: Any, path: tuple[str | int, ...]) -> Iterator[str]:
+    if isinstance(old, dict) and new is _ABSENT:
+        new = {}
+    if isinstance(new, dict) and old is _ABSENT:
+        old = {}
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys((*old, *new)):
             if (*path, key) != ("seed",):

@@ -1,0 +1,41 @@
+"""Reads the models of spacecraft, and says of other formats what to do with them."""
+
+from __future__ import annotations
+
+from pathlib import PurePath
+
+from perilune import _core
+
+SUFFIXES = (".glb", ".gltf")
+FOREIGN: dict[str, str] = {
+    ".obj": "Wavefront OBJ",
+    ".stl": "STL",
+    ".blend": "a file of Blender",
+    ".fbx": "FBX",
+    ".dae": "COLLADA",
+    ".3ds": "3D Studio",
+    ".ply": "PLY",
+    ".usd": "USD",
+    ".usda": "USD",
+    ".usdc": "USD",
+    ".usdz": "USD",
+    ".step": "STEP",
+    ".stp": "STEP",
+}
+"""Suffix -> format, of models that are not read."""
+
+
+def foreign(path: str) -> str:
+    """What is wrong with the name of a model; empty for one of ours, or without a known suffix."""
+    kind = FOREIGN.get(PurePath(path).suffix.lower())
+    if kind is None:
+        return ""
+    ours = f"models are glTF 2.0 ({', '.join(SUFFIXES)})"
+    return f"{kind}, which is not read; {ours}: Blender's File > Export > glTF 2.0 makes one"
+
+
+def read_model(path: str) -> _core.Model:
+    """A model; ValueError for another format, or one that is damaged, by its file."""
+    if wrong := foreign(path):
+        raise ValueError(f"{path}: {wrong}")
+    return _core.Model(path)
