@@ -141,7 +141,7 @@ CAMERA: list[tuple[Any, ...]] = [
     (WAY + ".clearance_m", -1, "0"),
     (WAY, {"kind": "hover", "target": "sat", "height_m": 1e5}, "camera.trajectory"),
     (WAY, {"kind": "hook", "function": "poses"}, "module:function"),
-    (WAY, {"kind": "hook"}, "function", "required"),
+    (WAY, {"kind": "hook"}, "camera.trajectory.hook", "required"),
     (WAY, {"kind": "linear", "target": "sat"}, "camera.trajectory", "required"),
     (WAY, {"kind": "deterministic", "file": "no.csv"}, "no such file"),
     ("sensors", {"left": {"widht": 3}}, "sensors.left.widht", "did you mean 'width'"),
