@@ -22,7 +22,7 @@ from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.config.shape import Shape
-from perilune.labels import Taxonomy, object_class, taxonomy
+from perilune.labels import Taxonomy, object_class, taxonomy, unmatched
 from perilune.looks import Look, Looks
 from perilune.model_files import read_model
 from perilune.parts import Partition, partition
@@ -260,7 +260,16 @@ class Handles:
     def taxonomy(self) -> Taxonomy:
         """Names and ids of all labels."""
         parts = {name: cut.entries for name, cut in self.partitions.items()}
-        return taxonomy(self.document.config, parts)
+        found = taxonomy(self.document.config, parts)
+        for key, text in self.unmatched():
+            where = origin(key, self.document.origins)
+            self._remarks.tell_of_key(f"{self.document.source}: {where}", text)
+        return found
+
+    def unmatched(self) -> list[tuple[str, str]]:
+        """(key path, what is wrong) of patterns of `part_classes` that fit no part."""
+        parts = {name: cut.entries for name, cut in self.partitions.items()}
+        return list(unmatched(self.document.config, parts))
 
     def scales(self, config: Config) -> dict[str, float]:
         """Metres per model unit of each spacecraft in a frame."""

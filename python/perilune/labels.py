@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -79,18 +79,48 @@ def object_class(name: str, entry: Body | Spacecraft) -> str:
     return entry.kind if isinstance(entry, Body) and entry.kind != "ellipsoid" else name
 
 
+def _texts(part: PartEntry) -> list[str]:
+    """What patterns of classes are compared with."""
+    names = (part.name, part.base, part.material, f"{part.base}/{part.material}")
+    return [name.lower() for name in names]
+
+
+def _fits(pattern: str, part: PartEntry) -> bool:
+    return any(fnmatchcase(text, pattern.lower()) for text in _texts(part))
+
+
 def part_class(config: Config, craft: Spacecraft, part: PartEntry) -> str:
     """The first class with a pattern that fits one of the part's names, in any case.
 
     Compared are the name with and without its number, the material, and name/material.
     """
-    names = (part.name, part.base, part.material, f"{part.base}/{part.material}")
-    texts = [name.lower() for name in names]
     for table in (craft.part_classes, config.labels.part_classes):
         for class_name, patterns in table.items():
-            if any(fnmatchcase(text, pattern.lower()) for pattern in patterns for text in texts):
+            if any(_fits(pattern, part) for pattern in patterns):
                 return class_name
     return config.labels.other_part
+
+
+def unmatched(
+    config: Config, parts: Mapping[str, Sequence[PartEntry]]
+) -> Iterator[tuple[str, str]]:
+    """(key path, what is wrong) of patterns of `part_classes` that fit no part.
+
+    Of the table in `labels`, which configurations may share, classes none of whose patterns fits a
+    part of any spacecraft. parts: of each spacecraft's model.
+    """
+    for name, craft in config.spacecraft.items():
+        known = list(dict.fromkeys(text for part in parts[name] for text in (part.base, part.name)))
+        for class_name, patterns in craft.part_classes.items():
+            for pattern in patterns:
+                if not any(_fits(pattern, part) for part in parts[name]):
+                    key = f"spacecraft.{name}.part_classes.{class_name}"
+                    yield key, f"'{pattern}' fits no part{nearest(pattern, known)}"
+    every = [part for name in config.spacecraft for part in parts[name]]
+    for class_name, patterns in config.labels.part_classes.items():
+        if not any(_fits(pattern, part) for part in every for pattern in patterns):
+            told = ", ".join(f"'{pattern}'" for pattern in patterns)
+            yield f"labels.part_classes.{class_name}", f"no part of any spacecraft fits {told}"
 
 
 def _numbered(level: str, names: Iterable[str], fixed: Mapping[str, int]) -> dict[str, int]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 
+from perilune.config.errors import ConfigWarning
 from perilune.workers import torch_worker
 
 
@@ -21,6 +22,13 @@ class Remarks:
 
     def __init__(self) -> None:
         self._told: set[tuple[str, str]] = set()
+
+    def tell_of_key(self, where: str, text: str) -> None:
+        """Warns of a key of the configuration, unless that has been done. where: file and key."""
+        if (where, text) not in self._told:
+            self._told.add((where, text))
+            if torch_worker()[0] == 0:
+                warnings.warn(f"{where}: {text}", ConfigWarning, stacklevel=2)
 
     def tell(self, where: str, path: str, lines: Iterable[str]) -> None:
         """Warns of each line about a file, unless that has been done.

@@ -40,6 +40,7 @@ from perilune.shapes import BodyShape
 from perilune.sky import seen
 from perilune.sunlight import LightCurve, light_curve
 from perilune.timeline import Timeline
+from perilune.unseen import Unseen
 from perilune.world import World
 from perilune.world import build as build_world
 
@@ -108,6 +109,7 @@ class Simulation:
         self._epoch = bodies.date_from_utc(document.config.time.utc_fields())
         self._drawn: Kept[Any] = Kept(64)
         self._remarks = Remarks()
+        self._unseen = Unseen()
         self._store = store or _Store()
         self._handles: Handles | None = None
         self._pid = 0
@@ -193,6 +195,10 @@ class Simulation:
         handles = self._mine()
         rigs = [handles.rigs[name] for name in names if name in handles.rigs]
         return articulation.moving_above(handles.models[names[0]].model, rigs)
+
+    def unmatched_part_classes(self) -> list[tuple[str, str]]:
+        """(key path, what is wrong) of patterns of `part_classes` that fit no part."""
+        return self._mine().unmatched()
 
     def _mine(self) -> Handles:
         """This process's handles."""
@@ -383,6 +389,10 @@ class Simulation:
         if "bands" in arrays or ("raw" in arrays and bands.has_planes(scene.config.camera)):
             meta["bands"] = bands.described(scene.config.camera, scene.config.sun)
         objects = arrays.pop(OBJECTS, None)
+        unseen = self._unseen.look(scene.config, objects)
+        if unseen is not None:
+            where = f"{self._document.source}: camera.trajectory.target"
+            self._remarks.tell_of_key(where, unseen)
         label = camera_label(request, scene.sensor, not undistorted)
         stars = seen(result["stars"])
         return Sample(arrays, objects, label, meta, result["plan"], stars)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from perilune.check.colour import ColourCheck
 from perilune.check.findings import Report
+from perilune.check.intent import check_intent
 from perilune.check.records import Source
 from perilune.check.remade_image import RemadeScene
 from perilune.check.reopened import Remake, compare_root, open_remake
@@ -72,6 +73,7 @@ def compare_with_config(
         own = Report(report.folder)
         compare_root(own, remake, Path(name))
         _compare_frames(own, remake, folders, rerender, step)
+        check_intent(own, remake.sim, folders)
     if remake.changed and own.total:
         told = f"{own.total} differences from what is made of them are not told"
         report.note(f"files of the configuration are no longer those that {_OF_FILES}: {told}")
