@@ -135,6 +135,8 @@ pl_status pl_shape_create(const char *name, const float *positions, size_t verti
   return PL_OK;
 }
 
+void pl_shape_make_one_sided(pl_model *model) { model->materials[0].double_sided = false; }
+
 double pl_shape_winding(const pl_model *model, pl_vec3 point) {
   double sum = 0.0;
   point = pl_model_mesh_point(model, point);

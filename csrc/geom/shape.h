@@ -12,6 +12,9 @@
 pl_status pl_shape_create(const char *name, const float *positions, size_t vertices,
                           const uint32_t *indices, size_t triangles, pl_model **out);
 
+/* Lets rays from behind pass the triangles of a shape. */
+void pl_shape_make_one_sided(pl_model *model);
+
 /* How often the surface goes around a point, counter-clockwise seen from outside: of a closed mesh
  * 1 inside and 0 outside, a half on a face, and between these for one with holes. The sum of the
  * solid angles of all triangles (van Oosterom and Strackee 1983, IEEE Trans. Biomed. Eng. 30, 125,

@@ -63,7 +63,8 @@ static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
 static PyObject *model_of_mesh(PyObject *self, PyObject *args) {
   const npy_intp rows[2] = {-1, 3};
   PyObject *name, *positions, *indices;
-  if (!PyArg_ParseTuple(args, "UOO:of_mesh", &name, &positions, &indices))
+  int one_sided = 0;
+  if (!PyArg_ParseTuple(args, "UOO|p:of_mesh", &name, &positions, &indices, &one_sided))
     return NULL;
   const char *text = PyUnicode_AsUTF8AndSize(name, NULL);
   PyArrayObject *p = text != NULL ? pl_py_array(positions, "positions", NPY_FLOAT, 2, rows) : NULL;
@@ -76,6 +77,8 @@ static PyObject *model_of_mesh(PyObject *self, PyObject *args) {
         pl_shape_create(text, PyArray_DATA(p), (size_t)PyArray_DIM(p, 0), PyArray_DATA(i),
                         (size_t)PyArray_DIM(i, 0), &out->model);
     out->path = Py_NewRef(name);
+    if (status == PL_OK && one_sided)
+      pl_shape_make_one_sided(out->model);
     if (status != PL_OK) {
       Py_DECREF(out);
       out = (model_object *)pl_py_raise(status);

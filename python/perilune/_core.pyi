@@ -79,10 +79,16 @@ class Model:
         presence (T,) u8: 0 where alpha leaves nothing of a triangle, 1 a part, 2 all of it."""
     @classmethod
     def of_mesh(
-        cls, name: str, positions: NDArray[np.float32], indices: NDArray[np.uint32], /
+        cls,
+        name: str,
+        positions: NDArray[np.float32],
+        indices: NDArray[np.uint32],
+        one_sided: bool = False,
+        /,
     ) -> Self:
         """The shape of a body: positions (V, 3), indices (T, 3), counter-clockwise seen from
-        outside; its path is the name. ValueError for corners that are not there."""
+        outside; its path is the name. one_sided: rays from behind pass its triangles. ValueError
+        for corners that are not there."""
     def winding(self, points: F64, /) -> F64:
         """How often the surface goes around points (n, 3): of a closed mesh 1 inside, 0 outside."""
     def components(self) -> NDArray[np.uint32]:

@@ -8,9 +8,10 @@ from pathlib import Path
 from pydantic import TypeAdapter
 
 from perilune.check.findings import Finding, Report
-from perilune.check.models import check_models
-from perilune.check.records import Camera, PartInfo, Source, read_json
+from perilune.check.models import check_shapes
+from perilune.check.records import Camera, Source, read_json
 from perilune.check.remake import compare_with_config
+from perilune.check.retrace import Tracer
 from perilune.check.scene import check_scene
 from perilune.writers.bop_card import CARD_FILE, SOURCE_FILE
 from perilune.writers.bop_config import CONFIG_FILE
@@ -89,9 +90,7 @@ def check_bop(
         raise FileNotFoundError(f"{folder}: no such folder")
     source = read_json(report, report.folder / SOURCE_FILE, TypeAdapter(Source))
     camera = read_json(report, report.folder / "camera.json", TypeAdapter(Camera))
-    meshes = check_models(report)
-    if (report.folder / PARTS).exists():
-        check_models(report, PARTS, PartInfo)
+    shapes = check_shapes(report)
     if source is None or camera is None:
         return report
     _check_layout(report, source.split)
@@ -106,8 +105,9 @@ def check_bop(
         if progress is not None:
             progress(min(done, total), total)
 
+    tracer = Tracer(shapes, (camera.width, camera.height))
     for path in folders:
-        check_scene(report, path, source, meshes, (camera.width, camera.height), step)
+        check_scene(report, path, source, tracer, step)
     if not report.findings:
         _check_summary(report, source)
     if not alone:

@@ -16,6 +16,8 @@ from perilune.check.models import rotation_fault
 from perilune.check.ply import Mesh
 from perilune.check.png import GREY8, GREY16, RGB8, Kind, PngError, read_png
 from perilune.check.records import Annotation, Info, Pose, PoseRow, SceneCamera
+from perilune.check.retrace import Tracer
+from perilune.check.retraced import RetracedImage
 from perilune.writers.bop_files import (
     CAMERA_FILE,
     COCO_FILE,
@@ -67,7 +69,9 @@ class ImageCheck:
         labels: ImageLabels,
         meshes: Mapping[int, Mesh | None],
         size: tuple[int, int],
+        tracer: Tracer,
     ) -> None:
+        self.tracer = tracer
         self.report = report
         self.scene = scene
         self.im_id = im_id
@@ -85,6 +89,8 @@ class ImageCheck:
         taken = np.zeros((self.size[1], self.size[0]), dtype=bool)
         annotated = np.zeros_like(taken)
         annotations = iter(self.labels.annotations)
+        whole: list[Mask] = []
+        seen: list[Mask] = []
         for gt_id, (pose, info) in enumerate(
             zip(self.labels.poses, self.labels.infos, strict=True)
         ):
@@ -102,6 +108,8 @@ class ImageCheck:
             self._need(twice == 0, visible_path, f"{twice} pixels are another instance's too")
             taken |= visible
             annotated |= visible
+            whole.append(mask)
+            seen.append(visible)
             self._info(gt_id, info, mask, visible, depth)
             self._annotation(gt_id, entry, pose, info, mask, visible)
             self._projection(gt_id, pose, info, mask)
@@ -110,6 +118,22 @@ class ImageCheck:
         self._need(next(annotations, None) is None, self._file(COCO_FILE), "too many annotations")
         if depth is not None:
             self._depth_scale(depth, annotated)
+        if seen and len(seen) == len(self.labels.poses):
+            self._retrace(whole, seen, depth)
+
+    def _retrace(self, masks: list[Mask], seen: list[Mask], depth: NDArray[Any] | None) -> None:
+        """Rays against the models must meet what the labels say."""
+        poses, scale = self.labels.poses, self.labels.camera.depth_scale
+        why = self.tracer.shapes.why_not(poses)
+        if why is not None:
+            self.report.note(f"models were not traced in some images for comparison: {why}")
+            return
+        depth_mm = None if depth is None else depth.astype(np.float64) * scale
+        image = RetracedImage(self._need_plain, self.scene, self.im_id, poses, self.labels.infos)
+        try:
+            image.compare(self.tracer, self.K, masks, seen, depth_mm, scale)
+        except (ValueError, np.linalg.LinAlgError) as error:
+            self._need(False, self._file(GT_FILE), f"models cannot be traced: {error}")
 
     # Where and what: every fault of a JSON file names the image and the instance.
 
@@ -119,6 +143,9 @@ class ImageCheck:
     def _need(self, holds: bool, path: Path, reason: str) -> None:
         named = path.suffix == ".png"
         self.report.need(holds, path, reason if named else f"image {self.im_id}: {reason}")
+
+    def _need_plain(self, holds: bool, path: Path, reason: str) -> None:
+        self.report.need(holds, path, reason)
 
     def _png(self, path: Path, kind: Kind, pixels: bool = True) -> NDArray[Any] | None:
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 from perilune.check.findings import Report
 from perilune.check.ply import Mesh, PlyError, read_ply
 from perilune.check.records import ModelInfo, PartInfo, by_id, read_json
+from perilune.check.retrace import Shapes
+from perilune.writers.bop_models import MODELS, PARTS
 from perilune.writers.diameter import diameter
 
 F64 = NDArray[np.float64]
@@ -74,11 +77,26 @@ def _check_info(report: Report, path: Path, key: str, info: ModelInfo, mesh: Mes
         report.need(unit, path, f"{key}.symmetries_continuous[{k}].axis is not of unit length")
 
 
-def check_models(
-    report: Report, name: str = "models", kind: type[ModelInfo] = ModelInfo
-) -> dict[int, Mesh | None]:
-    """Checks a folder of models; returns the mesh of every model it lists, None for one that is of
-    no use."""
+def check_shapes(report: Report) -> Shapes:
+    """Checks all models, and the parts of them that move; returns what rays meet of them."""
+    infos, meshes = _check_models(report, MODELS, ModelInfo)
+    parts: dict[int, list[tuple[PartInfo, Mesh]]] = {}
+    if (report.folder / PARTS).exists():
+        entries, pieces = _check_models(report, PARTS, PartInfo)
+        for number, mesh in pieces.items():
+            if mesh is not None:
+                parts.setdefault(entries[number].obj_id, []).append((entries[number], mesh))
+    return Shapes(meshes, infos, parts)
+
+
+Kind = TypeVar("Kind", bound=ModelInfo)
+
+
+def _check_models(
+    report: Report, name: str, kind: type[Kind]
+) -> tuple[dict[int, Kind], dict[int, Mesh | None]]:
+    """Checks a folder of models; returns the entry and the mesh of every model it lists, None for a
+    mesh that is of no use."""
     folder = report.folder / name
     infos = read_json(report, folder / "models_info.json", by_id(kind)) or {}
     meshes: dict[int, Mesh | None] = dict.fromkeys(map(int, infos))
@@ -99,4 +117,4 @@ def check_models(
         if _check_mesh(report, path, mesh):
             _check_info(report, folder / "models_info.json", key, infos[key], mesh)
             meshes[int(key)] = mesh
-    return meshes
+    return {int(key): info for key, info in infos.items()}, meshes

@@ -10,7 +10,6 @@ from pydantic import TypeAdapter
 from perilune.check.beside import fault
 from perilune.check.findings import Report
 from perilune.check.image import ImageCheck, ImageLabels
-from perilune.check.ply import Mesh
 from perilune.check.records import (
     Annotation,
     Coco,
@@ -21,6 +20,7 @@ from perilune.check.records import (
     by_id,
     read_json,
 )
+from perilune.check.retrace import Tracer
 from perilune.timeline import Timeline
 from perilune.writers.bop_files import (
     CAMERA_FILE,
@@ -118,11 +118,11 @@ def check_scene(
     report: Report,
     folder: Path,
     source: Source,
-    meshes: Mapping[int, Mesh | None],
-    size: tuple[int, int],
+    tracer: Tracer,
     step: Step,
 ) -> None:
-    """All checks of a scene. step: called after each image."""
+    """All checks of a scene. tracer: of the models. step: called after each image."""
+    meshes, size = tracer.shapes.meshes, tracer.size
     report.scenes += 1
     if (folder / PARTIAL).exists():
         report.add(folder, "is not finished: the same `perilune render` command continues it")
@@ -151,7 +151,7 @@ def check_scene(
         labels = ImageLabels(camera, poses[key], infos[key], listed[key])
         counts = f"image {key}: {len(infos[key])} entries, {GT_FILE} has {len(poses[key])}"
         if report.need(len(infos[key]) == len(poses[key]), folder / INFO_FILE, counts):
-            ImageCheck(report, scene, int(key), labels, meshes, size).run()
+            ImageCheck(report, scene, int(key), labels, meshes, size, tracer).run()
         for name, channel in source.channels.items():
             path = scene.channel(int(key), name)
             if wrong := fault(path, channel, size):

@@ -513,3 +513,41 @@ PLANTED = {
     **SHAPES,
     **ROOT,
 }
+
+NEED_THE_CONFIGURATION = {
+    # Where the camera is in the world, and which frame it is of, says nothing else.
+    "camera turned",
+    "camera turned slightly",
+    "camera moved",
+    "camera moved a metre",
+    "camera to world",
+    "camera's place for t",
+    "camera of OpenGL",
+    "t_w2c in m",
+    "camera of another image",
+    "a frame",
+    "nominal fx",
+    "nominal cx",
+    "nominal depth scale",
+    # Less than a pixel can show, or of what no pixel shows.
+    "cx by 1e-6 pixels",
+    "moved by a micrometre",
+    "hidden instance moved",
+    "hidden instance turned",
+    "instances reordered",
+    "articulation of one that has none",
+    # Depth of bodies, which no model holds.
+    "garbage off the objects",
+    "all far off the objects",
+    "one pixel off the objects",
+    # What rays do not ask of a model.
+    "model of doubled faces",
+    "model shifted slightly",
+    "normals flipped",
+    "normals of one axis",
+    "colours lost",
+    "diameter",
+    "a symmetry that is none",
+    "half a turn as a symmetry",
+}
+"""Faults that the check misses where it cannot open the configuration, or is told not to."""

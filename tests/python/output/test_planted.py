@@ -9,7 +9,16 @@ import pytest
 from tests.python.output.conftest import write_probe
 from tests.python.output.faults import read
 from tests.python.output.planted import gamma, noisy, picture, with_tile
-from tests.python.output.planted_table import PLANTED
+from tests.python.output.planted_table import (
+    CAMERAS,
+    DEPTHS,
+    INFOS,
+    MASKS,
+    NEED_THE_CONFIGURATION,
+    PLANTED,
+    POSES,
+    SHAPES,
+)
 
 import perilune
 from perilune.check import check_bop
@@ -111,3 +120,18 @@ def test_what_cannot_be_compared_is_said(small_scene, tmp_path):
     report = check_bop(tmp_path / "away")
     assert report.findings == []
     assert "no longer those that files_sha256" in str(report.notes)
+
+
+def test_rays_against_the_models_find_faults_without_a_configuration(good, tmp_path):
+    """All but these of the faults of cameras, poses, masks, depth and models."""
+    assert check_bop(good, alone=True).findings == []
+    tables = {**CAMERAS, **POSES, **INFOS, **MASKS, **DEPTHS, **SHAPES}
+    missed = set()
+    for name, (mutate, _, _) in tables.items():
+        root = tmp_path / "crowd"
+        shutil.copytree(good, root)
+        mutate(root)
+        if not check_bop(root, alone=True).findings:
+            missed.add(name)
+        shutil.rmtree(root)
+    assert missed == NEED_THE_CONFIGURATION
