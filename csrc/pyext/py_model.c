@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "geom/components.h"
+#include "geom/crease.h"
 #include "geom/shape.h"
 #include "geom/texture.h"
 #include "io/gltf.h"
@@ -35,11 +36,23 @@ const pl_model *pl_py_model_of(PyObject *object) {
   return ((model_object *)object)->model;
 }
 
+static pl_status load(const char *path, double crease_rad, pl_model **out) {
+  size_t split;
+  PL_TRY(pl_gltf_load(path, out));
+  return pl_model_crease(*out, crease_rad, &split); /* the object owns the model already */
+}
+
 static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"path", NULL};
+  static char *names[] = {"path", "crease_angle_rad", NULL};
   PyObject *path, *bytes = NULL;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "U:Model", names, &path) ||
-      !PyUnicode_FSConverter(path, &bytes))
+  double crease_rad = PL_PI;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "U|d:Model", names, &path, &crease_rad))
+    return NULL;
+  if (!(crease_rad >= 0.0)) {
+    PyErr_SetString(PyExc_ValueError, "crease_angle_rad must not be negative");
+    return NULL;
+  }
+  if (!PyUnicode_FSConverter(path, &bytes))
     return NULL;
   model_object *self = (model_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
   if (self == NULL) {
@@ -48,7 +61,7 @@ static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   }
   pl_status status;
   const char *name = PyBytes_AsString(bytes);
-  Py_BEGIN_ALLOW_THREADS status = pl_gltf_load(name, &self->model);
+  Py_BEGIN_ALLOW_THREADS status = load(name, crease_rad, &self->model);
   Py_END_ALLOW_THREADS Py_DECREF(bytes);
   if (status != PL_OK) {
     Py_DECREF(self);
@@ -384,7 +397,8 @@ static PyMethodDef model_methods[] = {
 };
 
 static PyType_Slot model_slots[] = {
-    {Py_tp_doc, "Model(path)\n--\n\nA spacecraft model read from .gltf or .glb; immutable."},
+    {Py_tp_doc, "Model(path, crease_angle_rad=pi)\n--\n\nA spacecraft model read from .gltf or "
+                ".glb; immutable."},
     {Py_tp_new, (void *)model_new},
     {Py_tp_dealloc, (void *)model_dealloc},
     {Py_tp_getset, model_getset},

@@ -46,7 +46,9 @@ bbox_obj -1s, px_count_all and px_count_valid -1, visib_fract nan."""
 class Model:
     """A model read from .gltf or .glb; immutable, in the file's units, turned to z-up."""
 
-    def __new__(cls, path: str) -> Self: ...
+    def __new__(cls, path: str, crease_angle_rad: float = ...) -> Self:
+        """crease_angle_rad (default: pi, none): normals that the file has for faces that meet over
+        edges of more than that are split, each side gets its own; a line of `warnings` tells."""
     @property
     def path(self) -> str: ...
     @property

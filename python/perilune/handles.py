@@ -113,7 +113,7 @@ def _obj_ids(config: Config) -> dict[str, int]:
     for name, number in stated.items():
         other = first.setdefault(number, name)
         a, b = config.spacecraft[name], config.spacecraft[other]
-        same = ("model", "size_m", "metres_per_unit", "centre")
+        same = ("model", "size_m", "metres_per_unit", "centre", "crease_angle_deg")
         if any(getattr(a, key) != getattr(b, key) for key in same):
             raise ConfigError(
                 f"spacecraft.{name}.obj_id = {number}: {other} has it too, but another model or "
@@ -152,7 +152,7 @@ class Assets:
     def __init__(self, document: Document) -> None:
         self.lock = FrameLock()
         self.pool = Pool()
-        self.models: dict[str, _core.Model] = {}
+        self.models: dict[tuple[str, float], _core.Model] = {}
         self.files: dict[tuple[Any, ...], _core.Map] = {}
         self.regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
@@ -194,13 +194,14 @@ class Handles:
         result: dict[str, ObjectModel] = {}
         for name, craft in config.spacecraft.items():
             path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
-            if path not in files:
+            key = (path, craft.crease_angle_deg)
+            if key not in files:
                 try:
-                    files[path] = read_model(path)
+                    files[key] = read_model(path, math.radians(craft.crease_angle_deg))
                 except ValueError as error:
                     where = f"{self.document.source}:\n  spacecraft.{name}.model"
                     raise ConfigError(f"{where}: {error}") from error
-            model = files[path]
+            model = files[key]
             self._tell(f"spacecraft.{name}.model", path, model.warnings)
             bounds = model.bounds
             offset = bounds.mean(axis=0) if craft.centre == "bounds" else np.zeros(3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import PurePath
 
 from perilune import _core
@@ -34,8 +35,10 @@ def foreign(path: str) -> str:
     return f"{kind}, which is not read; {ours}: Blender's File > Export > glTF 2.0 makes one"
 
 
-def read_model(path: str) -> _core.Model:
-    """A model; ValueError for another format, or one that is damaged, by its file."""
+def read_model(path: str, crease_angle_rad: float = math.pi) -> _core.Model:
+    """A model; ValueError for another format, or one that is damaged, by its file.
+
+    crease_angle_rad: see _core.Model; pi keeps the file's normals."""
     if wrong := foreign(path):
         raise ValueError(f"{path}: {wrong}")
-    return _core.Model(path)
+    return _core.Model(path, crease_angle_rad)

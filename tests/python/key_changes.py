@@ -68,6 +68,7 @@ KEYS = {
     ("Body", "class"): rule("names"),
     ("Shape", "smooth"): LIGHT,
     ("Spacecraft", "centre"): PLACED,
+    ("Spacecraft", "crease_angle_deg"): LIGHT,
     ("Spacecraft", "attitude"): PLACED,
     ("Spacecraft", "parts"): rule("ids names"),
     ("Spacecraft", "part_classes"): rule("ids names"),

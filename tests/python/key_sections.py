@@ -336,6 +336,7 @@ THINGS = [
         },
     ),
     Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "graphs.glb"}, {"model_graphs": False}),
+    Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "melted.glb"}, {"crease_angle_deg": 180.0}),
     Section(Inertial, (*AT_CRAFT, "attitude"), {"pointing": "inertial"}, SPIN),
     Section(
         Circular,

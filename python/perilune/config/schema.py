@@ -183,6 +183,10 @@ class Spacecraft(Strict):
     metres_per_unit: Positive | None = None
     centre: Literal["bounds", "origin"] = "bounds"
     """What flies on the orbit: the bounding box's centre, or the file's origin."""
+    crease_angle_deg: Annotated[StaticNonNegative, Field(le=180)] = 65.0
+    """Edges that are shaded sharp: where the file has one normal for faces that meet at more than
+    this angle, and it leans from one of them by more than half of it, each side gets its own. 180:
+    the file's normals as they are."""
     orbit: Orbit
     gm_km3_s2: Positive | None = None
     """Gravitational parameter, for a model that is orbited: an asteroid, a moonlet."""
