@@ -1,11 +1,9 @@
 """Time scales, and where the bodies and the Sun are at a date (pyerfa), ICRF axes, metres.
 
-Geometric positions: light time and aberration are left out (the Sun's direction moves by at most
-0.006 deg). Accuracy against JPL's ephemerides, from the notes of the ERFA routines: Earth 5 km over
-1900-2100 (epv00); Moon 10 km or so (moon98); planets as seen from the Sun over 1800-2050 (plan94):
-7 arcsec (Mercury, Venus), 26 (Mars), 90 (Jupiter to Uranus), 11 (Neptune). Phobos and Europa stand
-over their own prime meridian, as their rotation is locked: good to their libration and
-eccentricity, 2 deg.
+Seconds are those of TT, as of TAI and UTC and of clocks; dates are TDB, the ephemerides' time, from
+which TT differs by up to 1.7 ms. Geometric positions: light time and aberration are left out (the
+Sun's direction moves by at most 0.006 deg). See `accuracy` for how good they are. Phobos and Europa
+stand over their own prime meridian, as their rotation is locked.
 """
 
 from __future__ import annotations
@@ -13,6 +11,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import erfa
@@ -40,7 +39,12 @@ class Date:
     fraction: float
 
     def after(self, seconds: float) -> Date:
-        """The date `seconds` of TDB later."""
+        """The date so many seconds of TT later."""
+        later = self._after_tdb(seconds)
+        gained = _tdb_minus_tt(later.day, later.fraction) - _tdb_minus_tt(self.day, self.fraction)
+        return later._after_tdb(gained)
+
+    def _after_tdb(self, seconds: float) -> Date:
         days, rest = divmod(self.fraction + seconds / _DAY_S, 1.0)
         return Date(self.day + days, rest)
 
@@ -63,9 +67,17 @@ def date_from_utc(fields: tuple[int, int, int, int, int, float]) -> Date:
         tt = erfa.taitt(*erfa.utctai(*erfa.dtf2d("UTC", *fields)))
     day, fraction = erfa.tttdb(*tt, _tdb_minus_tt(*tt))
     whole = np.floor(day)
-    return Date(float(whole), 0.0).after((float(day - whole) + float(fraction)) * _DAY_S)
+    return Date(float(whole), 0.0)._after_tdb((float(day - whole) + float(fraction)) * _DAY_S)
 
 
+def tdb_s(epoch: Date, t_s: NDArray[Any]) -> F64:
+    """Seconds of TDB (n,) after an epoch, of seconds of TT after it."""
+    times = np.asarray(t_s, dtype=np.float64)
+    then = erfa.dtdb(epoch.day, epoch.fraction + times / _DAY_S, 0.0, 0.0, 0.0, 0.0)
+    return np.asarray(times + (then - _tdb_minus_tt(epoch.day, epoch.fraction)))
+
+
+@lru_cache(maxsize=4096)
 def _tdb_minus_tt(day: float, fraction: float) -> float:
     """Seconds, at the geocentre (Fairhead and Bretagnon 1990), where UT1 does not matter."""
     return float(erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0))
@@ -112,6 +124,29 @@ _HELIOCENTRIC: dict[str, Callable[[Date], F64]] = {
     **{name: _planet(name) for name in _PLANETS if name},
     **{name: _synchronous(name) for name in _SYNCHRONOUS_M},
 }
+
+
+_SERIES = {
+    "earth": "5 km (ERFA epv00, 1900 to 2100)",
+    "moon": "10 km from the Earth (ERFA moon98)",
+    "mercury": "2 100 km (ERFA plan94, 1800 to 2100)",
+    "venus": "4 000 km (ERFA plan94, 1800 to 2100)",
+    "mars": "31 000 km (ERFA plan94, 1800 to 2100; 8 000 km is usual)",
+    "jupiter": "310 000 km (ERFA plan94, 1800 to 2100; 70 000 km is usual)",
+    "saturn": "670 000 km (ERFA plan94, 1800 to 2100; 200 000 km is usual)",
+    "uranus": "1 400 000 km (ERFA plan94, 1800 to 2100; 560 000 km is usual)",
+    "neptune": "350 000 km (ERFA plan94, 1800 to 2100; 160 000 km is usual)",
+    "phobos": "2 degrees of its orbit, beside its planet's error (locked to its planet)",
+    "europa": "2 degrees of its orbit, beside its planet's error (locked to its planet)",
+}
+"""By which places are off at most. Of planets the largest differences in longitude, latitude and
+distance from the Sun of plan94 against DE200 (its note 5), put together; usual is the root of the
+mean square over 1960 to 2025."""
+
+
+def accuracy(name: str) -> str:
+    """How good the place of a body is, in words."""
+    return "the origin" if name == "sun" else f"series, within {_SERIES[name]}"
 
 
 def has_ephemeris(name: str) -> bool:

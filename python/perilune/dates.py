@@ -46,7 +46,7 @@ def _fields(text: str) -> tuple[int, int, int, int, int, float]:
 
 
 def seconds_of(texts: Sequence[str], scale: str, epoch: Date) -> F64:
-    """Seconds of TDB from `epoch` to each date. ValueError for a text that is no date, or a scale
+    """Seconds of TT from `epoch` to each date. ValueError for a text that is no date, or a scale
     that is none of SCALES."""
     if scale not in SCALES:
         raise ValueError(f"no time system '{scale}'{nearest(scale, SCALES)}")
@@ -67,17 +67,23 @@ def seconds_of(texts: Sequence[str], scale: str, epoch: Date) -> F64:
             day, part = erfa.taitt(day, part)
         elif scale == "GPS":
             day, part = erfa.taitt(day, part + _GPS_BEHIND_TAI_S / _DAY_S)
-        if scale != "TDB":
-            day, part = erfa.tttdb(day, part, erfa.dtdb(day, part, 0.0, 0.0, 0.0, 0.0))
-    return np.asarray(((day - epoch.day) + (part - epoch.fraction)) * _DAY_S)
+        elif scale == "TDB":
+            day, part = erfa.tdbtt(day, part, erfa.dtdb(day, part, 0.0, 0.0, 0.0, 0.0))
+    start = _tt_of_epoch(epoch)
+    return np.asarray(((day - start[0]) + (part - start[1])) * _DAY_S)
+
+
+def _tt_of_epoch(epoch: Date) -> tuple[float, float]:
+    shift = erfa.dtdb(epoch.day, epoch.fraction, 0.0, 0.0, 0.0, 0.0)
+    day, fraction = erfa.tdbtt(epoch.day, epoch.fraction, shift)
+    return float(day), float(fraction)
 
 
 def tt_of(epoch: Date, t_s: F64) -> tuple[F64, F64]:
-    """JD(TT) as two parts of the times t_s seconds of TDB after an epoch."""
-    fraction = epoch.fraction + np.asarray(t_s) / _DAY_S
-    day = np.full_like(fraction, epoch.day)
-    shift = erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0)
-    return erfa.tdbtt(day, fraction, shift)  # type: ignore[no-any-return]
+    """JD(TT) as two parts of the times t_s seconds after an epoch."""
+    day, fraction = _tt_of_epoch(epoch)
+    later = fraction + np.asarray(t_s) / _DAY_S
+    return np.full_like(later, day), later
 
 
 def utc_of(epoch: Date, t_s: F64) -> tuple[F64, F64]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, bodies, gravity_field, rotations
+from perilune.almanac import Almanac
 from perilune.bodies import Date
 from perilune.config.errors import nearest
 from perilune.config.orbit import Forces, Harmonics
@@ -56,6 +57,8 @@ class Centre:
     turning: dict[str, Any] | None
     """How it turns, as forces of the core take it: {"body"} or {"q", "rate_rad_s"}; see
     turning_of."""
+    places: Almanac = Almanac()  # noqa: RUF009 (immutable)
+    """Of the bodies that pull, and of the Sun."""
 
 
 def turning_of(table: str, epoch: Date) -> dict[str, Any]:
@@ -75,13 +78,15 @@ def turning_of(table: str, epoch: Date) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=32)
-def _table(name: str, origin: str, epoch: Date, reach_s: float) -> dict[str, Any]:
+def _table(
+    places: Almanac, stamps: tuple[Stamp, ...], name: str, origin: str, epoch: Date, reach_s: float
+) -> dict[str, Any]:
     """Places of a body about another on a grid that the epoch alone fixes, so that what lies
     between two of them does not depend on how far the table reaches."""
     cell = min(_CELL_S.get(name, _DAY_S), _CELL_S.get(origin, _DAY_S))
     half = min(math.ceil(reach_s / cell), _CELLS_MOST) + _TABLE_DEGREE
     times = np.arange(-half, half + 1) * cell
-    states = np.stack([bodies.relative_state(name, origin, epoch.after(t)) for t in times])
+    states = np.stack([places.relative_state(name, origin, epoch.after(t)) for t in times])
     times.flags.writeable = states.flags.writeable = False
     return {"kind": "table", "t_s": times, "states": states, "degree": _TABLE_DEGREE}
 
@@ -96,7 +101,8 @@ def _motion(name: str, centre: Centre, epoch: Date, reach_s: float) -> dict[str,
         raise ValueError(f"third_bodies: no ephemeris of '{name}'{nearest(name, names)}")
     if name == centre.table:
         raise ValueError(f"third_bodies: {name} is what is orbited")
-    return _table(name, centre.table, epoch, reach_s)
+    stamps = tuple(stamp(path) for path in centre.places.kernels)
+    return _table(centre.places, stamps, name, centre.table, epoch, reach_s)
 
 
 def _turning(centre: Centre, what: str) -> dict[str, Any]:

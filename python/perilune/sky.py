@@ -11,7 +11,8 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, bodies, files, spectra
+from perilune import _core, files, spectra
+from perilune.almanac import almanac
 from perilune.bands import sun_curve
 from perilune.config.bands import Spectrum
 from perilune.config.errors import ConfigError
@@ -96,13 +97,27 @@ def directions(table: StarTable, years: float) -> F64:
     return np.asarray(moved / np.linalg.norm(moved, axis=-1, keepdims=True))
 
 
+_MOTION_RAD = np.radians(0.01 / 3600.0)
+"""By which proper motion may leave the fastest star beside its place in a frame."""
+
+
+def years_since(table: StarTable, years: float) -> float:
+    """Julian years after the epoch, in steps within which no star moves by more than twice the
+    above: frames of a step share one catalogue. 0 at the epoch."""
+    fastest = float(np.hypot(*table.motion_rad_yr.T).max(initial=0.0))
+    if fastest == 0.0:
+        return 0.0
+    step = 2.0 * _MOTION_RAD / fastest
+    return float(round(years / step) * step)
+
+
 def camera_velocity_m_s(world: World) -> F64:
     """(3,): of the camera about the Sun, ICRF axes, as `sky.stars.aberration` says."""
     config, velocity = world.config, np.zeros(3)
     if config.sun.direction is None:
         root = ephemeris_name(config, config.root)
         assert root is not None  # the root always has one
-        velocity = bodies.relative_state(root, "sun", world.date)[3:]
+        velocity = almanac(config).relative_state(root, "sun", world.date)[3:]
     trajectory = config.camera.trajectory
     # What the camera moves with; a random box may have a target that it only looks at.
     key = "around" if hasattr(trajectory, "around") else "target"
@@ -135,13 +150,21 @@ class Skies:
         """path: the file that a text of the configuration means, its key for errors."""
         self._path = path
         self._tables: Kept[StarTable] = Kept(2)
-        self._stars: Kept[_core.Stars] = Kept(2)
+        self._stars: Kept[_core.Stars] = Kept(4)
         self._maps: Kept[_core.Map] = Kept(4)
+
+    def _table(self, path: Path) -> StarTable:
+        try:
+            return self._tables.get((path, files.stamp(path)), lambda: read_stars(path))
+        except ValueError as error:
+            raise ConfigError(f"sky.stars.catalogue: {error}") from error
 
     def _catalogue(self, given: Stars, world: World) -> _core.Stars:
         path = self._path(given.catalogue, "sky.stars.catalogue")
         epoch = world.epoch.day + world.epoch.fraction
+        table = self._table(path)
         years = (epoch - _J2000) / _YEAR_DAYS + 2000.0 - given.catalogue_year
+        years += years_since(table, world.t_s / 86400.0 / _YEAR_DAYS)
         sun = world.config.sun
         spectrum = None if sun.spectrum is None else files.stamp(Path(sun.spectrum.file))
         limit = np.inf if given.limit_magnitude is None else given.limit_magnitude
@@ -149,10 +172,6 @@ class Skies:
         key = (file, years, sun.wavelengths_um, sun.spectrum, spectrum, limit)
 
         def make() -> _core.Stars:
-            try:
-                table = self._tables.get(file, lambda: read_stars(path))
-            except ValueError as error:
-                raise ConfigError(f"sky.stars.catalogue: {error}") from error
             kept = table.vmag <= limit
             light = irradiance(table.vmag, table.temperature_k, sun)
             places = directions(table, years)

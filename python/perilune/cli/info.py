@@ -14,6 +14,7 @@ import numpy as np
 
 import perilune
 from perilune import _core
+from perilune.almanac import sources
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_overrides, open_simulation
 from perilune.config.paths import DATA_VARIABLE
@@ -93,13 +94,19 @@ def _run(args: Namespace) -> int:
     if args.config is None and (args.overrides or args.seed is not None):
         raise ValueError("--set and --seed go with a CONFIG")
     facts: dict[str, Any] = _facts()
-    models = [] if args.config is None else _models(open_simulation(args))
+    found: dict[str, Any] = {}
+    if args.config is not None:
+        sim = open_simulation(args)
+        found = {"models": _models(sim), "places": sources(sim.config)}
     if args.json:
-        print(json.dumps(facts if args.config is None else {**facts, "models": models}, indent=2))
+        print(json.dumps({**facts, **found}, indent=2))
         return OK
     width = max(len(name) for name in facts)
     lines = [f"{name.ljust(width)}  {value}" for name, value in facts.items()]
-    print("\n".join(lines + _lines(models)))
+    if args.config is not None:
+        lines += _lines(found["models"])
+        lines += [f"{key}: its place is from {text}" for key, text in found["places"].items()]
+    print("\n".join(lines))
     return OK
 
 

@@ -8,6 +8,7 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Any
 
+from perilune.almanac import sources
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, add_frame, open_simulation
 
@@ -64,8 +65,12 @@ def _table(rows: Sequence[Any]) -> str:
 
 
 def _run(args: Namespace) -> int:
-    rows = open_simulation(args).plan(args.frame)
+    sim = open_simulation(args)
+    rows = sim.plan(args.frame)
     print(json.dumps(_json_rows(rows), indent=2) if args.json else _table(rows))
+    for key, text in sources(sim.config).items():
+        if key != "sun" and not args.json and text.startswith("series"):
+            print(f"{key}: its place is from {text}")
     return OK
 
 

@@ -23,6 +23,7 @@ from perilune.config.attitude import Attitude, Inertial
 from perilune.config.bands import Spectrum
 from perilune.config.body import Body
 from perilune.config.camera import Camera
+from perilune.config.ephemeris import Ephemeris
 from perilune.config.errors import fail, nearest
 from perilune.config.labels import Classes, Labels
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
@@ -56,8 +57,9 @@ _YEARS = (1960, 2100)  # UTC exists since 1960; the ephemeris of the Earth holds
 
 
 class Time(Strict):
-    """Step k lies step_s * k seconds after the epoch. Each step is a frame, or with `sensors` one
-    frame of each sensor that is triggered."""
+    """Step k lies step_s * k seconds after the epoch: of TT, as long as those of UTC, TAI and every
+    clock, so that a leap second between makes the dates of UTC one less. Each step is a frame, or
+    with `sensors` one frame of each sensor that is triggered."""
 
     epoch: str
     """UTC, ISO 8601: 2026-03-20T12:00:00Z."""
@@ -354,6 +356,7 @@ class Config(Strict):
     sun: Sun = Sun()
     sky: Sky | None = None
     """Black without it."""
+    ephemeris: Ephemeris = Ephemeris()
     bodies: Annotated[dict[str, Body], Field(min_length=1)]
     """Name -> a planet, moon or other body."""
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)

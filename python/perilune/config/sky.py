@@ -22,7 +22,8 @@ class Stars(Strict):
     limit_magnitude: Annotated[Finite, Field(ge=-30.0, le=60.0)] | None = None
     """Fainter stars are not read."""
     catalogue_year: Annotated[Finite, Field(ge=1800.0, le=2200.0)] = 2000.0
-    """Julian year that the file's places are of: proper motions bring them to time.epoch."""
+    """Julian year that the file's places are of: proper motions bring them to the time of each
+    frame, to 0.01 arcseconds."""
     aberration: Annotated[bool, Field(strict=True)] = True
     """Places as a moving camera sees them, up to 26 arcseconds off: it moves with the root body
     about the Sun (not where `sun.direction` is given), and with its trajectory's target."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, bodies, rotations
+from perilune.almanac import almanac
 from perilune.config.attitude import Spin
 from perilune.config.body import Body
 from perilune.config.motion import sections
@@ -54,7 +55,8 @@ def hill_radius_m(setting: Setting, name: str) -> float:
         parent = None if table is None else _core.BODIES[table]["parent"]
         if table is None or parent is None:
             return math.inf
-        distance = float(np.linalg.norm(bodies.relative_m(table, parent, setting.epoch)))
+        from_parent = almanac(setting.config).relative_m(table, parent, setting.epoch)
+        distance = float(np.linalg.norm(from_parent))
         gm = float(_core.BODIES[parent]["gm_m3_s2"])
     if gm is None or distance is None:
         return math.inf
@@ -133,7 +135,7 @@ def _noon_deg(setting: Setting, parent: Parent, axes: F64) -> float:
     own = parent.table or ephemeris_name(setting.config, setting.config.root)
     if own is None or not bodies.has_ephemeris(own):
         return 0.0
-    return _angle_deg(axes, bodies.relative_m("sun", own, date))
+    return _angle_deg(axes, almanac(setting.config).relative_m("sun", own, date))
 
 
 def centre_of(place: Place, of_date: bool) -> Centre:

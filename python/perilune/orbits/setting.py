@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, bodies
+from perilune.almanac import almanac
 from perilune.bodies import Date
 from perilune.config.body import Body
 from perilune.config.motion import sections
@@ -122,4 +123,4 @@ def sun_position_m(config: Config, date: Date) -> F64:
         return np.array(config.sun.direction) * (config.sun.distance_au * bodies.AU_M)
     origin = ephemeris_name(config, config.root)
     assert origin is not None  # the root always has one
-    return bodies.relative_m("sun", origin, date)
+    return almanac(config).relative_m("sun", origin, date)

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import bodies, rotations
+from perilune import rotations
+from perilune.almanac import almanac
 from perilune.bodies import Date
 from perilune.config.body import Body
 from perilune.config.motion import sections
@@ -37,10 +38,10 @@ def _ephemeris(setting: Setting, name: str) -> Motion:
         raise ValueError(
             f"it stands where the root body is (the ephemeris of {own}); give an orbit"
         )
-    epoch = setting.epoch
+    epoch, places = setting.epoch, almanac(config)
 
     def path(t_s: F64) -> F64:
-        return np.stack([bodies.relative_state(own, origin, epoch.after(t)) for t in t_s])
+        return np.stack([places.relative_state(own, origin, epoch.after(t)) for t in t_s])
 
     return path
 
@@ -51,9 +52,10 @@ def _sun(setting: Setting) -> Motion:
         return {"kind": "fixed", "position_m": sun_position_m(config, epoch)}
     origin = ephemeris_name(config, config.root)
     assert origin is not None  # the root always has one
+    places = almanac(config)
 
     def path(t_s: F64) -> F64:
-        return np.stack([bodies.relative_state("sun", origin, epoch.after(t)) for t in t_s])
+        return np.stack([places.relative_state("sun", origin, epoch.after(t)) for t in t_s])
 
     return path
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import forces
+from perilune.almanac import almanac
 from perilune.config.attitude import Spin
 from perilune.config.body import Body
 from perilune.config.motion import sections
@@ -51,7 +52,12 @@ def numerical(orbit: Numerical, place: Place) -> Motion:
     """From the elements or the state as osculating at the epoch."""
     parent = place.parent
     centre = forces.Centre(
-        parent.name, parent.table, parent.gm_m3_s2, parent.radii_m, _turning(place)
+        parent.name,
+        parent.table,
+        parent.gm_m3_s2,
+        parent.radii_m,
+        _turning(place),
+        almanac(place.setting.config),
     )
 
     def file(text: str, key: str) -> Path:
