@@ -22,6 +22,7 @@ from tests.python.output.planted_table import (
 
 import perilune
 from perilune.check import check_bop
+from perilune.writers import merge_bop
 
 
 @pytest.fixture(scope="module")
@@ -135,3 +136,36 @@ def test_rays_against_the_models_find_faults_without_a_configuration(good, tmp_p
             missed.add(name)
         shutil.rmtree(root)
     assert missed == NEED_THE_CONFIGURATION
+
+
+LENS = {"model": "brown_conrady", "k1": -0.1, "k2": 0.02, "labels": "undistorted"}
+SENSORS = {
+    "sensors": {"left": {}, "right": {"transformation": [0.5, 0, 0, 1, 0, 0, 0], "focal_px": 140}}
+}
+UNTOUCHED = {
+    "lens": {"camera.lens": LENS},
+    "blur": {"camera.exposure_time_s": 0.5},
+    "out of focus": {"camera.lens": {"focus_distance_m": 3.0, "aperture_mm": 50.0}},
+    "sensors": {**SENSORS, "camera.sensor": {}, "render.channels": ["sensor_rgb", "raw"]},
+    "large": {"camera.width": 300, "camera.height": 20},
+    "one pixel": {"camera.width": 1, "camera.height": 1},
+    "narrow": {"camera.fov_deg": 0.05, "camera.trajectory.distance_m": [5e3, 9e3]},
+}
+
+
+@pytest.mark.parametrize("name", UNTOUCHED)
+def test_untouched_sets_have_no_finding(small_scene, pair, tmp_path, name):
+    sim = perilune.open(small_scene, overrides={**pair, "render.samples": 8, **UNTOUCHED[name]})
+    report = checked(sim, tmp_path / "out", split="val", chunk_size=2)
+    assert report.findings == []
+    assert any("made again" in note for note in report.notes)
+
+
+def test_merged_shards_have_no_finding(small_scene, pair, tmp_path):
+    sim = perilune.open(small_scene, overrides=pair)
+    for k in range(2):
+        perilune.write_bop(sim, range(5), tmp_path / f"{k}", chunk_size=2, shard=(k, 2))
+    merge_bop([tmp_path / "0", tmp_path / "1"], tmp_path / "out")
+    report = check_bop(tmp_path / "out")
+    assert report.findings == []
+    assert (report.scenes, report.images) == (3, 5)
