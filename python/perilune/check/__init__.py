@@ -22,8 +22,9 @@ from perilune.writers.bop_finish import (
     closing_texts,
     summary,
 )
-from perilune.writers.bop_models import MODELS, PARTS
+from perilune.writers.bop_models import FOLDERS, PARTS
 from perilune.writers.bop_shards import NOTES
+from perilune.writers.lock import LOCK_FILE, writing_process
 
 __all__ = ["RERENDERED", "Finding", "Report", "check_bop"]
 
@@ -47,10 +48,20 @@ def _scenes(report: Report, split: Path) -> list[Path]:
     return folders
 
 
+def _of_lock(folder: Path) -> str:
+    pid = writing_process(folder)
+    if pid is None:
+        return "is left of a run that was stopped: the same command finishes it"
+    return f"{f'process {pid}' if pid else 'another process'} is writing to the dataset"
+
+
 def _check_layout(report: Report, split: str) -> None:
-    known = {*_ROOT_FILES, MODELS, PARTS, split, LOCALISATION, DETECTION, NOTES}
+    known = {*_ROOT_FILES, *FOLDERS, split, LOCALISATION, DETECTION, NOTES}
     for path in sorted(report.folder.iterdir()):
-        report.need(path.name in known, path, "is not part of the dataset")
+        if path.name == LOCK_FILE:
+            report.add(path, _of_lock(report.folder))
+        else:
+            report.need(path.name in known, path, "is not part of the dataset")
     if (report.folder / NOTES).exists():
         report.add(report.folder / NOTES, "shards are not merged: run `perilune merge` on them")
 

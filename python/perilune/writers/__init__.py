@@ -8,11 +8,13 @@ from typing import Any
 
 from perilune.writers import plugins
 from perilune.writers.bop import write_bop
+from perilune.writers.lock import FolderInUseError
 from perilune.writers.merge import merge_bop
 from perilune.writers.table import Progress, WriteFunction, Writer, WriteReport
 
 __all__ = [
     "WRITERS",
+    "FolderInUseError",
     "Progress",
     "WriteFunction",
     "WriteReport",

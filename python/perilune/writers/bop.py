@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import logging
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -29,11 +30,12 @@ from perilune.writers.bop_files import (
     encode_depth,
     json_text,
     make_folder,
+    write_other_text,
     write_text,
 )
 from perilune.writers.bop_finish import finish, reopen
 from perilune.writers.bop_labels import CocoHeader, Mask, annotation, info_entry
-from perilune.writers.bop_models import MODELS, MODELS_INFO, BopModel, write_models
+from perilune.writers.bop_models import BopModel, complete_models
 from perilune.writers.bop_shards import Note, Shard, check_frames, shard_chunks
 from perilune.writers.bop_source import (
     bop_models,
@@ -43,6 +45,7 @@ from perilune.writers.bop_source import (
     nominal_camera,
     refuse_unfit,
 )
+from perilune.writers.lock import locked
 from perilune.writers.queue import WriteQueue
 from perilune.writers.table import Progress, WriteReport
 
@@ -191,14 +194,17 @@ class Job:
     beside: Mapping[str, ChannelFiles]
     """Channels that are written beside BOP."""
     threads: int | None
-    total: int
     progress: Progress | None
+    total: int = 0
     written: int = 0
     kept: int = 0
+    images_of: dict[int, dict[int, int]] = field(default_factory=dict)
+    """Scene id -> image id -> frame index of all that is to be there."""
+    _good: dict[int, set[int]] = field(default_factory=dict)
+    """Of each scene the images that are."""
 
-    def advance(self, written: int = 0, kept: int = 0) -> None:
+    def advance(self, written: int = 0) -> None:
         self.written += written
-        self.kept += kept
         if self.progress is not None:
             self.progress(self.written + self.kept, self.total)
 
@@ -217,12 +223,28 @@ class Job:
         names = list(self.sim.config.spacecraft)
         return write_image(folder, im_id, sample, names, self.origins_m, self.pictures, self.beside)
 
-    def write_chunk(self, scene_id: int, images: Mapping[int, int]) -> None:
-        """Writes the images (image id -> frame index) of one scene that are not there yet."""
-        folder = self.folder(scene_id)
-        records = folder.finished()
+    def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
+        """Looks which images (scene id -> image id -> frame index) are there, and whole.
+
+        Images of these scenes that nobody asks for now, but whose files are damaged, are made again
+        too: they could not be told from good ones."""
+        for scene_id, asked in images_of.items():
+            folder = self.folder(scene_id)
+            good = set(folder.finished())
+            images = dict(asked)
+            for im_id in sorted(set(folder.listed()) - good - set(images)):
+                _log.warning("%s: image %d is damaged and made again", folder.folder, im_id)
+                images[im_id] = scene_id * chunk_size + im_id
+            self.images_of[scene_id], self._good[scene_id] = images, good
+            self.total += len(images)
+            self.kept += len(good & set(images))
+
+    def write_chunk(self, scene_id: int) -> None:
+        """Writes the images of one scene that are not there yet, and its JSON files."""
+        folder, images = self.folder(scene_id), self.images_of[scene_id]
+        records = folder.finished(self._good[scene_id])
         missing = [im_id for im_id in images if im_id not in records]
-        if missing or folder.listed() != records:
+        if missing or not folder.is_complete() or folder.listed() != records:
             folder.prepare()
             self._render(folder, {im_id: images[im_id] for im_id in missing}, records)
             folder.complete(records, self.header)
@@ -275,7 +297,9 @@ def _check_same_source(path: Path, info: dict[str, Any], sim: Simulation) -> boo
     return True
 
 
-def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> dict[int, BopModel]:
+def _write_source(
+    sim: Simulation, root: Path, chunk_size: int, split: str, begin: Callable[[], object] | None
+) -> dict[int, BopModel]:
     """What the dataset says of its simulation as a whole; refuses a folder of another one."""
     refuse_unfit(sim)
     models = bop_models(sim)
@@ -287,12 +311,13 @@ def _write_source(sim: Simulation, root: Path, chunk_size: int, split: str) -> d
         )
     info = dataset_info(sim, chunk_size, split)
     make_folder(root)  # when nothing but the disk can fail any more
+    if begin is not None:
+        begin()
     if not _check_same_source(root / SOURCE_FILE, info, sim):
         write_text(root / SOURCE_FILE, json_text(info))
-    write_text(root / CONFIG_FILE, config_text(config_entry(sim)))
-    write_text(root / "camera.json", json_text(camera_entry(sim)))
-    if not (root / MODELS / MODELS_INFO).exists():
-        write_models(root, models)
+    write_other_text(root / CONFIG_FILE, config_text(config_entry(sim)))
+    write_other_text(root / "camera.json", json_text(camera_entry(sim)))
+    complete_models(root, models)
     return models
 
 
@@ -302,18 +327,19 @@ def open_job(
     chunk_size: int,
     split: str,
     threads: int | None = None,
-    total: int = 0,
     progress: Progress | None = None,
+    begin: Callable[[], object] | None = None,
 ) -> Job:
     """Writes all files that are no scene's, and tells how those of the scenes are made.
 
-    total: the images that are to be written; progress is told of them."""
-    models = _write_source(sim, root, chunk_size, split)
+    progress: told of the images that are written. begin: called when the folder is there, before
+    anything is written to it."""
+    models = _write_source(sim, root, chunk_size, split, begin)
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
     size = nominal_camera(sim)
     header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
     shown, beside = pictures(sim), channel_files(sim)
-    return Job(sim, root / split, origins_m, header, shown, beside, threads, total, progress)
+    return Job(sim, root / split, origins_m, header, shown, beside, threads, progress)
 
 
 def write_bop(
@@ -351,9 +377,13 @@ def write_bop(
 
     frames: a range, or indices that rise as evenly as those of one.
 
-    Raises OSError if a file cannot be written (finished frames stay valid), ValueError if the
-    folder belongs to another configuration, seed or chunk size, or holds other things than a
-    dataset.
+    A call that is stopped at any moment, by ctrl-C, a kill or a power cut, is continued by the same
+    call; files that it left damaged are made again. While it runs no other may write to the same
+    scenes.
+
+    Raises OSError if a file cannot be written (finished frames stay valid) or another process
+    writes to the folder (perilune.writers.FolderInUseError), ValueError if the folder belongs to
+    another configuration, seed or chunk size, or holds other things than a dataset.
     """
     check_simulation(sim)
     frames = as_range(frames)
@@ -361,21 +391,24 @@ def write_bop(
     _check_split(split)
     root = check_folder(out)
     images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
-    total = sum(len(images) for images in images_of.values())
-    job = open_job(sim, root, chunk_size, split, threads, total, progress)
-    kept = sum(
-        im_id in done
-        for scene_id, images in images_of.items()
-        for done in [job.folder(scene_id).finished()]
-        for im_id in images
-    )
-    if shard is not None:
-        Note(frames, shard).write(root)
-    if kept < total or shard is not None:
-        reopen(root)
-    job.advance(kept=kept)
-    for scene_id, images in images_of.items():
-        job.write_chunk(scene_id, images)
-    if shard is None:
-        finish(root)
+    with ExitStack() as held:
+        job = open_job(
+            sim,
+            root,
+            chunk_size,
+            split,
+            threads,
+            progress,
+            begin=lambda: held.enter_context(locked(root, None if shard is None else images_of)),
+        )
+        job.find(images_of, chunk_size)
+        if shard is not None:
+            Note(frames, shard).write(root)
+        if job.kept < job.total or shard is not None:
+            reopen(root)
+        job.advance()
+        for scene_id in images_of:
+            job.write_chunk(scene_id)
+        if shard is None:
+            finish(root)
     return WriteReport(root, job.written, job.kept)

@@ -46,11 +46,12 @@ class ChannelFiles:
         return {"components": self.components, "dtype": self.dtype, "file": self.suffix}
 
     def write(self, path: Path, array: Array) -> None:
-        """Writes a sample's channel; the file is whole or not there."""
+        """Writes a sample's channel; the file is whole or not there. The note of the image brings
+        it to the disk."""
         if self.suffix == NPY:
             file = io.BytesIO()
             np.lib.format.write_array(file, np.ascontiguousarray(array), version=(1, 0))
-            write_bytes(path, [file.getbuffer()])
+            write_bytes(path, [file.getbuffer()], sync=False)
         else:
             _core.png_write(str(path), self.picture(array), PNG_LEVEL)
 

@@ -6,10 +6,11 @@ in paths and without padding in JSON, 16-bit depth with a scale an image.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.writers.bop_labels import CocoHeader
+from perilune.writers.whole import is_whole
 
 MM_PER_M = 1000.0
 LARGEST_DEPTH = 65534
@@ -33,6 +35,8 @@ SCENE_FILES = (CAMERA_FILE, GT_FILE, INFO_FILE, COCO_FILE)
 RGB_FOLDER = "rgb"
 PNG_LEVEL = 6
 LABEL_FOLDERS = ("depth", "mask", "mask_visib")
+TEMPORARY = ".tmp"
+"""Suffix of files that are being written."""
 PARTIAL = ".partial"
 """Hidden folder of a scene that is being written."""
 
@@ -51,31 +55,66 @@ def make_folder(folder: str | Path) -> None:
         raise OSError(error.errno, f"cannot be written to: {reason}", str(path)) from error
 
 
-def write_text(path: Path, text: str) -> None:
-    """Writes a text file through a temporary file and a rename: it is whole or not there."""
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    try:
-        with open(temporary, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, path)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from error
+def write_bytes(path: Path, parts: Iterable[bytes | memoryview], sync: bool = True) -> None:
+    """Writes a file through a temporary one and a rename: it is whole or not there.
 
-
-def write_bytes(path: Path, parts: Iterable[bytes | memoryview]) -> None:
-    """The same for bytes."""
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    sync: its content is on the disk before it gets its name, whatever happens to the power."""
+    temporary = path.with_name(f"{path.name}.{os.getpid()}{TEMPORARY}")
     try:
         with open(temporary, "wb") as file:
             for part in parts:
                 file.write(part)
+            file.flush()
+            if sync:
+                os.fsync(file.fileno())
         os.replace(temporary, path)
     except OSError as error:
         temporary.unlink(missing_ok=True)
         raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from error
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def write_text(path: Path, text: str, sync: bool = True) -> None:
+    """The same for text."""
+    write_bytes(path, [text.encode("utf-8")], sync)
+
+
+def write_other_text(path: Path, text: str) -> None:
+    """The same, unless the file holds that very text already."""
+    try:
+        if path.read_bytes() == text.encode("utf-8"):
+            return
+    except FileNotFoundError:
+        pass
+    write_text(path, text)
+
+
+def sync_folder(folder: Path) -> None:
+    """Brings the names of a folder's files to the disk."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno != errno.EINVAL:  # some network disks have nothing to bring
+            raise
+    finally:
+        os.close(descriptor)
+
+
+def sync_files(paths: Iterable[Path]) -> None:
+    """Brings the content of files that are written to the disk."""
+    for path in paths:
+        with open(path, "rb") as file:
+            os.fsync(file.fileno())
+
+
+def remove_temporary(folder: Path) -> None:
+    """Removes what killed runs have left half written. Only who holds the folder's lock may."""
+    for name in _names(folder):
+        if name.endswith(TEMPORARY):
+            (folder / name).unlink(missing_ok=True)
 
 
 def json_text(value: Any) -> str:
@@ -179,10 +218,8 @@ class SceneFolder:
         for name in (*self.image_folders, PARTIAL):
             directory = self.folder / name
             directory.mkdir(parents=True, exist_ok=True)
-            for leftover in directory.glob("*.tmp"):
-                leftover.unlink(missing_ok=True)
-        for leftover in self.folder.glob("*.tmp"):
-            leftover.unlink(missing_ok=True)
+            remove_temporary(directory)
+        remove_temporary(self.folder)
 
     @property
     def image_folders(self) -> tuple[str, ...]:
@@ -225,21 +262,23 @@ class SceneFolder:
         except (KeyError, TypeError, ValueError, AttributeError):
             return {}
 
-    def finished(self) -> dict[int, Record]:
-        """Images that need not be rendered again."""
+    def finished(self, known: Collection[int] | None = None) -> dict[int, Record]:
+        """Images that need not be rendered again: named, and with all their files whole.
+
+        known: those of which this has been found out before; their files are not read again."""
         records = self.listed()
         for path in sorted(self._partial.glob("*.json")):
             record = Record.from_json(load_object(path))
             if record is not None:
                 records[int(path.stem)] = record
-        present = {
-            f"{name}/{entry}" for name in self.image_folders for entry in _names(self.folder / name)
-        }
         return {
             im_id: record
             for im_id, record in records.items()
-            if self.files_of(im_id, len(record.gt)) <= present
+            if (im_id in known if known is not None else self._is_whole(im_id, record))
         }
+
+    def _is_whole(self, im_id: int, record: Record) -> bool:
+        return all(is_whole(self.folder / name) for name in self.files_of(im_id, len(record.gt)))
 
     def files_of(self, im_id: int, instances: int) -> set[str]:
         """The image files of one image, relative to the folder."""
@@ -251,17 +290,26 @@ class SceneFolder:
 
     def is_complete(self) -> bool:
         """True when nothing of the scene is still being written."""
-        return not self._partial.exists() and all(
+        return not (self._partial.exists() or self._has_temporary()) and all(
             (self.folder / name).is_file() for name in SCENE_FILES
         )
 
+    def _has_temporary(self) -> bool:
+        """Whether a killed run has left something half written."""
+        folders = [self.folder, *(self.folder / name for name in self.image_folders)]
+        return any(name.endswith(TEMPORARY) for folder in folders for name in _names(folder))
+
     def keep(self, im_id: int, record: Record) -> None:
-        """Notes that the files of an image are complete."""
+        """Notes that the files of an image are complete, once they are on the disk."""
+        sync_files(self.folder / name for name in sorted(self.files_of(im_id, len(record.gt))))
         text = json.dumps(vars(record), sort_keys=True, allow_nan=False)
-        write_text(self._partial / f"{im_id:06d}.json", text)
+        # The note itself may be lost with the power: then the image is made again.
+        write_text(self._partial / f"{im_id:06d}.json", text, sync=False)
 
     def complete(self, records: Mapping[int, Record], header: CocoHeader) -> None:
-        """Writes the scene's JSON files, the last step; then the records are not needed."""
+        """Writes the scene's JSON files, the last step; then the records are not needed.
+
+        Called again, it finishes what a stop has left of this."""
         tables: dict[str, dict[int, Any]] = {
             CAMERA_FILE: {im_id: record.camera for im_id, record in records.items()},
             GT_FILE: {im_id: record.gt for im_id, record in records.items()},
@@ -271,6 +319,8 @@ class SceneFolder:
             write_text(self.folder / name, json_by_id(table))
         coco = header.file({im_id: record.annotations for im_id, record in records.items()})
         write_text(self.folder / COCO_FILE, json_sections(coco))
+        for name in ("", *self.image_folders):
+            sync_folder(self.folder / name)
         shutil.rmtree(self._partial)
 
 

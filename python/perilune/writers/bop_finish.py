@@ -9,13 +9,21 @@ from pathlib import Path
 from typing import Any
 
 from perilune.writers.bop_card import CARD_FILE, SOURCE_FILE, ObjectRow, Summary, card
-from perilune.writers.bop_files import GT_FILE, INFO_FILE, SceneFolder, json_rows, write_text
+from perilune.writers.bop_files import (
+    GT_FILE,
+    INFO_FILE,
+    SceneFolder,
+    json_rows,
+    remove_temporary,
+    write_other_text,
+)
 from perilune.writers.bop_labels import LEAST_VISIBLE
-from perilune.writers.bop_models import MODELS, MODELS_INFO, PARTS
+from perilune.writers.bop_models import FOLDERS, MODELS, MODELS_INFO, PARTS
 from perilune.writers.bop_shards import NOTES
 
 LOCALISATION = "test_targets_bop19.json"
 DETECTION = "test_targets_bop24.json"
+_OLD_NOTES = ".shards"
 
 
 def scene_folders(split: Path) -> dict[int, Path]:
@@ -92,11 +100,17 @@ def closing_texts(root: Path, found: Summary) -> dict[str, str]:
 
 
 def finish(root: Path) -> Summary:
-    """Writes the targets, then the card."""
+    """Writes the targets, then the card. Only who holds the whole folder may."""
+    for folder in (root, *(root / name for name in FOLDERS)):
+        remove_temporary(folder)
     found = summary(root / _read(root / SOURCE_FILE)["split"])
     for name, text in closing_texts(root, found).items():
-        write_text(root / name, text)
-    shutil.rmtree(root / NOTES, ignore_errors=True)
+        write_other_text(root / name, text)
+    # A part of the notes would stand for missing shards: they go at once.
+    shutil.rmtree(root / _OLD_NOTES, ignore_errors=True)
+    if (root / NOTES).exists():
+        (root / NOTES).rename(root / _OLD_NOTES)
+        shutil.rmtree(root / _OLD_NOTES)
     return found
 
 

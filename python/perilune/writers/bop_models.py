@@ -10,14 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune.writers.bop_files import MM_PER_M, json_by_id, write_bytes, write_text
+from perilune.writers.bop_files import (
+    MM_PER_M,
+    json_by_id,
+    load_object,
+    write_bytes,
+    write_text,
+)
 from perilune.writers.diameter import diameter
+from perilune.writers.whole import is_whole
 
 F64 = NDArray[np.float64]
 
 MODELS = "models"
 PARTS = "models_parts"
 """Folder of the parts that move, of articulated objects."""
+FOLDERS = (MODELS, PARTS)
 MODELS_INFO = "models_info.json"
 
 _VERTEX = np.dtype(
@@ -212,27 +220,56 @@ def model_info(model: BopModel) -> dict[str, Any]:
     return info
 
 
-def _write_folder(folder: Path, models: Mapping[int, BopModel], infos: Mapping[int, Any]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    for number in sorted(models):
-        write_bytes(folder / f"obj_{number:06d}.ply", ply_bytes(models[number]))
-    write_text(folder / MODELS_INFO, json_by_id(infos))
+Folders = dict[str, tuple[dict[int, BopModel], dict[int, dict[str, Any]]]]
+"""Folder -> number -> model, and keys of it in models_info.json beyond those of all models."""
 
 
-def write_models(root: Path, models: Mapping[int, BopModel]) -> None:
-    """The PLY of every model, and models_info.json last; parts that move likewise, before them.
-
-    Parts are numbered through all objects. They lie in the frame of their object's model at rest;
-    a part moves by the first of its `nodes` that the `articulation` of an instance names.
-    """
+def _folders(models: Mapping[int, BopModel]) -> Folders:
+    """What is written where. Parts that move are numbered through all objects."""
     pieces: dict[int, BopModel] = {}
-    infos: dict[int, Any] = {}
+    extra: dict[int, dict[str, Any]] = {}
     for obj_id in sorted(models):
         for chain, piece in models[obj_id].pieces():
             number = len(pieces) + 1
-            pieces[number] = piece
-            infos[number] = {**model_info(piece), "obj_id": obj_id, "nodes": list(chain)}
-    if pieces:
-        _write_folder(root / PARTS, pieces, infos)
-    whole = {obj_id: model_info(model) for obj_id, model in models.items()}
-    _write_folder(root / MODELS, models, whole)
+            pieces[number], extra[number] = piece, {"obj_id": obj_id, "nodes": list(chain)}
+    return {MODELS: (dict(models), {}), **({PARTS: (pieces, extra)} if pieces else {})}
+
+
+def _ply(folder: Path, number: int) -> Path:
+    return folder / f"obj_{number:06d}.ply"
+
+
+def _is_there(folder: Path, models: Mapping[int, BopModel]) -> bool:
+    """Whether a folder is complete; ValueError if its models are not those of the simulation."""
+    told = load_object(folder / MODELS_INFO)
+    if not is_whole(folder / MODELS_INFO) or set(told) != {str(number) for number in models}:
+        return False
+    good = True
+    for number, model in models.items():
+        path = _ply(folder, number)
+        if not is_whole(path):
+            good = False
+        elif path.read_bytes() != b"".join(ply_bytes(model)):
+            raise ValueError(
+                f"{path}: is not the model of this configuration, as this version of Perilune "
+                "writes it; use another folder, so that all frames are of one model"
+            )
+    return good
+
+
+def complete_models(root: Path, models: Mapping[int, BopModel]) -> None:
+    """Writes the folders of models that are not there, or damaged: each PLY, then models_info.json.
+
+    ValueError for a folder with other models. Parts that move lie in the frame of their object's
+    model at rest; a part moves by the first of its `nodes` that the `articulation` of an instance
+    names.
+    """
+    for name, (rows, extra) in _folders(models).items():
+        folder = root / name
+        if _is_there(folder, rows):
+            continue
+        folder.mkdir(parents=True, exist_ok=True)
+        for number, model in sorted(rows.items()):
+            write_bytes(_ply(folder, number), ply_bytes(model))
+        infos = {k: {**model_info(row), **extra.get(k, {})} for k, row in rows.items()}
+        write_text(folder / MODELS_INFO, json_by_id(infos))

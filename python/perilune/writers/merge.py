@@ -12,9 +12,20 @@ from typing import Any
 
 from perilune.writers.bop_card import CARD_FILE, SOURCE_FILE
 from perilune.writers.bop_config import CONFIG_FILE
-from perilune.writers.bop_files import CAMERA_FILE, SceneFolder, load_object, make_folder
+from perilune.writers.bop_files import (
+    CAMERA_FILE,
+    SceneFolder,
+    load_object,
+    make_folder,
+    sync_files,
+    sync_folder,
+    write_bytes,
+)
 from perilune.writers.bop_finish import finish, reopen, scene_folders
+from perilune.writers.bop_models import FOLDERS
 from perilune.writers.bop_shards import Note, chunks, read_notes, shard_chunks
+from perilune.writers.lock import in_use, locked, writing_process
+from perilune.writers.whole import is_whole
 
 _log = logging.getLogger(__name__)
 
@@ -63,6 +74,10 @@ def _check_shared_files(folders: Sequence[Path]) -> None:
         for name in ("camera.json", "models/models_info.json"):
             if (folder / name).read_bytes() != (folders[0] / name).read_bytes():
                 raise ValueError(f"{folder / name}: differs from that of {folders[0]}")
+    for folder in folders:
+        for path in sorted(path for name in FOLDERS for path in (folder / name).glob("*.ply")):
+            if not is_whole(path):
+                raise ValueError(f"{path}: is damaged; run the command of its shard again")
 
 
 def _found_scenes(folders: Sequence[Path], split: str) -> dict[int, Path]:
@@ -135,6 +150,7 @@ def _copy(source: str, target: str) -> None:
         os.link(source, target)
     except OSError:
         shutil.copyfile(source, target)
+        sync_files([Path(target)])
 
 
 def _copy_folder(source: Path, target: Path, stage: Path) -> None:
@@ -145,18 +161,21 @@ def _copy_folder(source: Path, target: Path, stage: Path) -> None:
     shutil.copytree(source, stage, copy_function=_copy)
     target.parent.mkdir(parents=True, exist_ok=True)
     stage.rename(target)
+    sync_folder(target.parent)
 
 
 def _gather(first: Path, scenes: Iterable[tuple[int, Path]], root: Path, split: str) -> None:
     """Brings the scenes, and what all shards share, into one folder."""
-    make_folder(root)
     if (root / SOURCE_FILE).is_file():
         _check_one_source([first, root])  # an earlier merge, interrupted or of fewer frames
     reopen(root)
+    shutil.rmtree(root / _STAGE, ignore_errors=True)
     for name in (SOURCE_FILE, CONFIG_FILE, "camera.json"):
         if not (root / name).exists():
-            shutil.copyfile(first / name, root / name)
-    _copy_folder(first / "models", root / "models", root / _STAGE)
+            write_bytes(root / name, [(first / name).read_bytes()])
+    for name in FOLDERS:
+        if (first / name).exists():
+            _copy_folder(first / name, root / name, root / _STAGE)
     for scene_id, path in scenes:
         _copy_folder(path, root / split / f"{scene_id:06d}", root / _STAGE)
 
@@ -174,6 +193,9 @@ def merge_bop(folders: Sequence[str | Path], out: str | Path | None = None) -> M
     if out is None and len(roots) != 1:
         raise ValueError(f"{len(roots)} folders to merge: --out must say where to")
     source = _check_one_source(roots)
+    for root in roots:
+        if (pid := writing_process(root)) is not None:
+            raise in_use(root, pid)
     _check_shared_files(roots)
     split, chunk_size = str(source["split"]), int(source["chunk_size"])
     notes = [note for root in roots for note in read_notes(root)]
@@ -184,7 +206,9 @@ def merge_bop(folders: Sequence[str | Path], out: str | Path | None = None) -> M
     found = _found_scenes(roots, split)
     _check_complete(roots, notes, found, chunk_size)
     target = roots[0] if out is None else Path(out)
-    if target not in roots or len(roots) > 1:
-        _gather(roots[0], sorted(found.items()), target, split)
-    summary = finish(target)
+    make_folder(target)
+    with locked(target):
+        if target not in roots or len(roots) > 1:
+            _gather(roots[0], sorted(found.items()), target, split)
+        summary = finish(target)
     return MergeReport(target, summary.scenes, summary.images)
