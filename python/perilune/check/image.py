@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,10 @@ F64 = NDArray[np.float64]
 _FRACTION = 1e-9
 _PIXELS = 0.02
 """How far a pixel's centre may lie outside the projected model: rounding of single precision."""
+_ROW_PIXELS = 0.1
+"""The same where poses are stated of some rows of a rolling shutter."""
+_BETWEEN = 7
+"""Places between two of these rows that are looked at."""
 _DEPTH = 2e-6
 """Relative error of depth in single precision, and of what it was computed from."""
 _SURFACE = 1e-5
@@ -286,6 +291,16 @@ class ImageCheck:
             points.append(mesh.outline @ motion[:3, :3].T + motion[:3, 3])
         return np.concatenate(points)
 
+    def _between_rows(self, mesh: Mesh, pose: Pose) -> list[F64]:
+        """Points of the model between rows that are stated: what turns leaves the hull of both."""
+        placed = []
+        for first, last in pairwise(pose.rows or ()):
+            places = np.linspace(first.row, last.row, _BETWEEN + 2)[1:-1]
+            outlines = [self._outline(mesh, at) for at in (first, last)]
+            for R, t in zip(*rows.at_rows(pose, places), strict=True):
+                placed += [R @ outline.T + t[:, None] for outline in outlines]
+        return placed
+
     def _projection(self, gt_id: int, pose: Pose, info: Info, mask: Mask) -> None:
         """The convex hull of the model's projection must hold the mask and bbox_obj."""
         mesh = self.meshes.get(pose.obj_id)
@@ -296,6 +311,8 @@ class ImageCheck:
         for at in rows.stated(pose):
             R, t = rows.matrices(at)
             placed.append(R @ self._outline(mesh, at).T + t[:, None])
+        placed += self._between_rows(mesh, pose)
+        slack = _ROW_PIXELS if pose.rows else _PIXELS
         points = self.K @ np.concatenate(placed, axis=1)
         if points[2].min() <= 0.0:
             behind = points[2].max() <= 0.0 and bool(mask.any())
@@ -304,7 +321,7 @@ class ImageCheck:
         pixels = points[:2] / points[2]
         if info.bbox_obj != NO_BOX:
             x, y, w, h = info.bbox_obj
-            low, high = pixels.min(axis=1) - _PIXELS, pixels.max(axis=1) + _PIXELS
+            low, high = pixels.min(axis=1) - slack, pixels.max(axis=1) + slack
             inside = low[0] <= x and low[1] <= y and x + w <= high[0] and y + h <= high[1]
             self._need(inside, path, f"{who}: bbox_obj is not inside the projected model")
         lines, columns = np.nonzero(mask)
@@ -318,7 +335,7 @@ class ImageCheck:
             float((model.min(axis=1) - seen.min(axis=1)).max()),
         )
         reason = f"{who}: mask/ reaches {over:.3g} pixels beyond the projected model"
-        self._need(over <= _PIXELS, path, reason)
+        self._need(over <= slack, path, reason)
 
     def _surface(self, gt_id: int, pose: Pose, visible: Mask, depth: NDArray[Any]) -> None:
         """Depth at visible pixels, taken into the model's frame, must lie in the model's box."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, rotations
+from perilune.check import rows
 from perilune.check.ply import Mesh
 from perilune.check.records import ModelInfo, PartInfo, Pose
 from perilune.request import object_dtype
@@ -18,6 +19,9 @@ F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _M_PER_MM = 1e-3
+_CAMERA = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+_SUN_M = [0.0, 0.0, -1.5e11]
+"""Behind the camera; labels ask for no light."""
 _KEPT = 16
 """Scenes that are kept; most datasets need one."""
 
@@ -58,8 +62,8 @@ class Shapes:
         """Why the poses cannot be traced."""
         if any(self.meshes.get(pose.obj_id) is None for pose in poses):
             return "a model is of no use"
-        if any(pose.rows for pose in poses):
-            return "poses change from row to row"
+        if any(pose.rows and pose.articulation for pose in poses):
+            return "parts move from row to row"
         if any(pose.articulation and pose.obj_id not in self.parts for pose in poses):
             return "parts move, but models_parts/ has none of the object"
         return None
@@ -104,7 +108,10 @@ class Tracer:
             "masks": np.empty((count, height, width), dtype=np.uint8),
             "objects": np.empty(count, dtype=object_dtype()),
         }
-        self._renderer(poses, cut).render(_request(K, self.size, poses), out, 1)
+        request = _request(K, self.size, poses)
+        if any(pose.rows for pose in poses):
+            request["motion"] = _rolling(poses, height)
+        self._renderer(poses, cut).render(request, out, 1)
         depth_mm = out["depth"].astype(np.float64) / _M_PER_MM
         return Traced(out["masks"] != 0, out["instance"] - 1, depth_mm, out["objects"])
 
@@ -141,27 +148,45 @@ class Tracer:
         return renderer
 
 
+def _rolling(poses: Sequence[Pose], height: int) -> dict[str, Any]:
+    """Keys at every row, and between rows where there is an even number of them."""
+    places = np.linspace(0.0, height - 1.0, height if height % 2 else 2 * height - 1)
+    objects = np.empty((len(poses), len(places), 7))
+    for k, pose in enumerate(poses):
+        R, t = rows.at_rows(pose, places)
+        objects[k, :, :3] = _M_PER_MM * t
+        objects[k, :, 3:] = [rotations.from_matrix(matrix) for matrix in R]
+    return {
+        "times": (0.0, 1.0, False),
+        "camera": np.tile(_CAMERA, (len(places), 1)),
+        "objects": objects,
+        "bodies": np.empty((0, len(places), 7)),
+        "sun": np.tile(_SUN_M, (len(places), 1)),
+        "movers": np.empty((len(places), 0, 3, 4)),
+    }
+
+
 def _request(K: F64, size: tuple[int, int], poses: Sequence[Pose]) -> _core.FrameRequest:
     """Of a pinhole at the origin, in whose axes the poses are."""
     objects = np.empty((len(poses), 2, 7))
     for k, pose in enumerate(poses):
         objects[k, :, :3] = np.multiply(pose.cam_t_m2c, _M_PER_MM)
         objects[k, :, 3:] = rotations.from_matrix(np.reshape(pose.cam_R_m2c, (3, 3)))
-    none, camera = np.empty((0, 3)), np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (2, 1))
+    none = np.empty((0, 3))
     return {
         "seed": 0,
         "index": 0,
         "width": size[0],
         "height": size[1],
         "K": K,
-        "camera_pose": camera,
+        "camera_pose": np.tile(_CAMERA, (2, 1)),
         "object_poses": objects,
         "object_scale": np.full(len(poses), _M_PER_MM),
         "body_poses": np.empty((0, 2, 7)),
         "body_radii": none,
         "body_albedo": none,
         "body_emission": none,
-        "sun_position": np.array([0.0, 0.0, -1.5e11]),
+        "sun_position": np.array(_SUN_M),
         "sun_radius": 7e8,
         "sun_irradiance": 1361.0,
         "quality": {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,8 +35,8 @@ def fault(pose: Pose, height: int) -> str | None:
     return None
 
 
-def at_rows(pose: Pose, rows: NDArray[np.int64]) -> tuple[F64, F64]:
-    """R (n, 3, 3) and t (n, 3), mm, of each of the image's rows (n,)."""
+def at_rows(pose: Pose, rows: NDArray[Any]) -> tuple[F64, F64]:
+    """R (n, 3, 3) and t (n, 3), mm, of each of the image's rows (n,), or of places between."""
     if not pose.rows:
         R, t = matrices(pose)
         return np.broadcast_to(R, (len(rows), 3, 3)), np.broadcast_to(t, (len(rows), 3))

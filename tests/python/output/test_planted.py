@@ -147,6 +147,12 @@ UNTOUCHED = {
     "blur": {"camera.exposure_time_s": 0.5},
     "out of focus": {"camera.lens": {"focus_distance_m": 3.0, "aperture_mm": 50.0}},
     "sensors": {**SENSORS, "camera.sensor": {}, "render.channels": ["sensor_rgb", "raw"]},
+    "rolling": {
+        "camera.line_time_us": 20000.0,
+        "camera.exposure_time_s": 0.1,
+        "spacecraft.probe.attitude": {"spin_rate_deg_s": 40.0},
+        "render.tolerance_dn": 0.0,
+    },
     "large": {"camera.width": 300, "camera.height": 20},
     "one pixel": {"camera.width": 1, "camera.height": 1},
     "narrow": {"camera.fov_deg": 0.05, "camera.trajectory.distance_m": [5e3, 9e3]},
@@ -159,6 +165,8 @@ def test_untouched_sets_have_no_finding(small_scene, pair, tmp_path, name):
     report = checked(sim, tmp_path / "out", split="val", chunk_size=2)
     assert report.findings == []
     assert any("made again" in note for note in report.notes)
+    alone = check_bop(tmp_path / "out", alone=True)
+    assert (alone.findings, alone.notes) == ([], [])
 
 
 def test_merged_shards_have_no_finding(small_scene, pair, tmp_path):
