@@ -64,6 +64,40 @@ static void test_footprints_are_differences(void **state) {
   assert_true(worst < 1e-4);
 }
 
+/* Stretched, a place has the latitude of the ellipsoid's normal, and its footprint goes along. */
+static void test_geodetic_latitudes(void **state) {
+  (void)state;
+  test_random random = {6, 0};
+  double worst = 0.0, worst_step = 0.0;
+  for (int i = 0; i < 2000; i++) {
+    const double pole = random_range(&random, 0.5, 1.5);
+    const pl_vec3 radii = {1e6, 1e6, pole * 1e6};
+    const double oblate = pl_body_map_oblate(radii);
+    const double lon = random_range(&random, -3.0, 3.0), t = random_range(&random, -1.5, 1.5);
+    float uv[2], a[2], b[2];
+    double lat[2];
+    pl_vec3 p[2];
+    for (int k = 0; k < 2; k++) { /* two places on a meridian, 40 m apart or so */
+      const double at = t + 4e-5 * (k - 0.5);
+      p[k] =
+          (pl_vec3){radii.x * cos(at) * cos(lon), radii.y * cos(at) * sin(lon), radii.z * sin(at)};
+      const pl_vec3 n = pl_ellipsoid_normal(radii, p[k]);
+      lat[k] = asin(n.z);
+    }
+    const pl_vec3 middle = pl_vec3_scale(pl_vec3_add(p[0], p[1]), 0.5);
+    const pl_vec3 step = pl_vec3_sub(p[1], p[0]);
+    pl_body_map_uv(pl_body_map_stretch(middle, oblate), 0.0, (pl_vec3){0.0, 0.0, 0.0},
+                   pl_body_map_stretch(step, oblate), uv, a, b);
+    worst = fmax(worst, fabs(0.5 - (double)uv[1] - 0.5 * (lat[0] + lat[1]) / PL_PI));
+    const double expected = -(lat[1] - lat[0]) / PL_PI;
+    worst_step = fmax(worst_step, fabs((double)b[1] - expected) / fabs(expected));
+    assert_true(fabs((double)uv[0] - 0.5 - lon / (2.0 * PL_PI)) < 1e-6);
+  }
+  print_message("worst error of geodetic latitudes: %.2g turns, of footprints: %.2g\n", worst,
+                worst_step);
+  assert_true(worst < 1e-6 && worst_step < 1e-4);
+}
+
 static void test_poles_are_finite(void **state) {
   (void)state;
   float uv[2], a[2], b[2];
@@ -183,6 +217,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_places),
       cmocka_unit_test(test_footprints_are_differences),
+      cmocka_unit_test(test_geodetic_latitudes),
       cmocka_unit_test(test_poles_are_finite),
       cmocka_unit_test(test_coordinates),
       cmocka_unit_test(test_coordinates_at_a_pole),

@@ -21,9 +21,9 @@ from perilune.orbits.place import Motion, Place
 F64 = NDArray[np.float64]
 
 _DEGREE = 7
-_BEYOND_S = 0.01
-"""Steps count TDB, files mostly UTC: of a year the two differ by 3 ms, by which a last step may lie
-beyond a table's last line; there it goes on straight."""
+_BEYOND_S = 1e-5
+"""Dates of files are rounded: by so much a last step may lie beyond a table's last line; there it
+goes on straight."""
 _CSV = (".csv", ".tsv")
 
 
