@@ -12,9 +12,11 @@ static int parse_floats(PyObject *from, pl_clouds *out) {
     const char *key;
     float *value;
   } members[] = {
-      {"opacity", &out->opacity},   {"depth", &out->depth},     {"coverage", &out->coverage},
-      {"softness", &out->softness}, {"octaves", &out->octaves}, {"roughness", &out->roughness},
+      {"opacity", &out->opacity},   {"depth", &out->depth},
+      {"coverage", &out->coverage}, {"softness", &out->softness},
+      {"octaves", &out->octaves},   {"roughness", &out->roughness},
       {"warp", &out->warp},         {"phase", &out->phase},
+      {"relief_m", &out->relief_m}, {"depth_spread", &out->depth_spread},
   };
   for (size_t i = 0; i < sizeof members / sizeof members[0]; i++) {
     double value;

@@ -101,6 +101,30 @@ typedef struct passage {
 /* Veils of a pixel whose air is even are so far from each other, in parts of the way to them. */
 static const double VEIL_STEP = 0.002;
 
+/* Pixels of a block whose veils are so far from each other share an integral: along all of the ray
+ * each has its own light, with which that up to the veil changes. */
+static const double BLOCK_STEP = 0.02;
+
+static pl_air_block *block_of(pl_air_tile *tile, uint32_t pixel) {
+  const uint32_t x = pixel % PL_TILE_SIDE / PL_AIR_BLOCK, y = pixel / PL_TILE_SIDE / PL_AIR_BLOCK;
+  return &tile->blocks[y * (PL_TILE_SIDE / PL_AIR_BLOCK) + x];
+}
+
+static float ratio(float a, float b) { return b > 0.0f ? a / b : 1.0f; }
+
+static pl_vec3f ratios(pl_vec3f a, pl_vec3f b) {
+  return pl_vec3f_make(ratio(a.x, b.x), ratio(a.y, b.y), ratio(a.z, b.z));
+}
+
+/* Half of the air, about, is before a veil: its depth changes by half as much. */
+static pl_air_light light_of_block(const pl_air_block *block, const pl_air_light *whole) {
+  const pl_vec3f dims = ratios(whole->transmitted, block->whole.transmitted);
+  const pl_vec3f half = pl_vec3f_make(sqrtf(dims.x), sqrtf(dims.y), sqrtf(dims.z));
+  const pl_vec3f glows = ratios(whole->scattered, block->whole.scattered);
+  return (pl_air_light){.scattered = pl_vec3f_mul(block->to_veil.scattered, glows),
+                        .transmitted = pl_vec3f_mul(block->to_veil.transmitted, half)};
+}
+
 /* Light along a ray up to a veil. In pixels whose air is known samples share it. */
 static bool light_to_veil(const pl_air_view *view, const passage *p, double t, double norm,
                           pl_air_tile *tile, uint32_t pixel, pl_air_light *out) {
@@ -110,10 +134,17 @@ static bool light_to_veil(const pl_air_view *view, const passage *p, double t, d
     *out = tile->to_veil[pixel];
     return true;
   }
-  ray.end = fmin(ray.end, t * norm);
-  if (!pl_air_meets(p->item->air, &ray))
-    return false;
-  *out = pl_air_scatter(p->item->air, &ray, &p->item->sun, &view->rule, view->multiple);
+  pl_air_block *block = p->known ? block_of(tile, pixel) : NULL;
+  if (block != NULL && fabs(block->t - t) < BLOCK_STEP * t) {
+    *out = light_of_block(block, &p->light);
+  } else {
+    ray.end = fmin(ray.end, t * norm);
+    if (!pl_air_meets(p->item->air, &ray))
+      return false;
+    *out = pl_air_scatter(p->item->air, &ray, &p->item->sun, &view->rule, view->multiple);
+    if (block != NULL)
+      *block = (pl_air_block){.t = t, .to_veil = *out, .whole = p->light};
+  }
   if (p->known && tile->veil_t[pixel] == 0.0) {
     tile->veil_t[pixel] = t;
     tile->to_veil[pixel] = *out;
@@ -137,6 +168,17 @@ static pl_vec3f scatter_between(const pl_air_view *view, const passage *p, const
     left = pl_vec3f_mul(left, list->items[k].passed);
   }
   return pl_vec3f_add(sum, pl_vec3f_mul(left, pl_vec3f_sub(p->light.scattered, before)));
+}
+
+/* Adds what veils send through the airs before them; returns what they let through. */
+static pl_vec3f add_veils(const pl_veil_list *list, const pl_vec3f *way, pl_vec3f *sum) {
+  pl_vec3f left = {1.0f, 1.0f, 1.0f};
+  for (size_t k = 0; k < list->count; k++) {
+    const pl_vec3f radiance = pl_vec3f_mul(way[k], list->items[k].radiance);
+    *sum = pl_vec3f_add(*sum, pl_vec3f_mul(left, radiance));
+    left = pl_vec3f_mul(left, list->items[k].passed);
+  }
+  return left;
 }
 
 /* Along the ray of path i through the air of out->item to its hit; false if there is none. The ray
@@ -183,13 +225,7 @@ void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_
       *sink = pl_vec3f_madd(*sink, p.item->irradiance, pl_vec3f_mul(through, light));
     through = pl_vec3f_mul(through, p.light.transmitted);
   }
-  pl_vec3f left = {1.0f, 1.0f, 1.0f};
-  for (size_t k = 0; k < list->count; k++) {
-    const pl_vec3f radiance = pl_vec3f_mul(way[k], list->items[k].radiance);
-    *sink = pl_vec3f_add(*sink, pl_vec3f_mul(left, radiance));
-    left = pl_vec3f_mul(left, list->items[k].passed);
-  }
-  path->throughput = pl_vec3f_mul(through, left);
+  path->throughput = pl_vec3f_mul(through, add_veils(list, way, sink));
 }
 
 void pl_air_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {
@@ -251,9 +287,19 @@ pl_vec3f pl_air_sky_reflected(const pl_air_view *view, const pl_snapshot *shot,
   return (pl_vec3f){0.0f, 0.0f, 0.0f};
 }
 
+static pl_vec3f dimmed_sky(const pl_path_context *context, const pl_vertex *vertex, float width_m,
+                           pl_vec3f sky) {
+  const pl_veils *veils = context->settings->veils;
+  if (veils == NULL || !(pl_vec3f_max(sky) > 0.0f))
+    return sky;
+  return pl_vec3f_mul(
+      sky, pl_veils_before_sky(veils, context->shot, vertex->position, vertex->ng, width_m));
+}
+
 /* The pixel's own values where they are known, or the vertex's. */
 pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
-                             const pl_vertex *vertex, pl_vec3f direct, const pl_tile_buffers *b) {
+                             const pl_vertex *vertex, pl_vec3f direct, float width_m,
+                             const pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
   const pl_snapshot *shot = context->shot;
   const pl_vec3f toward =
@@ -261,42 +307,59 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
   const pl_vec3f wo = pl_surface_to_local(
       &vertex->surface, pl_vec3_to_float(pl_vec3_scale(pl_vec3_unit(vertex->position), -1.0)));
   if (b->air.known[pixel] != PL_AIR_GROUND || b->air.item == NULL ||
-      vertex->thing != shot->object_count + b->air.item->body)
+      vertex->thing != shot->object_count + b->air.item->body) {
+    const pl_vec3f sky = pl_air_sky_reflected(view, shot, vertex, wo);
     return pl_vec3f_add(
         pl_vec3f_mul(direct, pl_air_toward_sun(view, shot, vertex->position, toward)),
-        pl_air_sky_reflected(view, shot, vertex, wo));
+        dimmed_sky(context, vertex, width_m, sky));
+  }
   const pl_air_pixel *air = &b->air.pixels[pixel];
-  pl_vec3f light = pl_vec3f_mul(direct, air->sunlight);
-  if (view->skylight)
-    light = pl_vec3f_madd(light, b->air.item->irradiance,
-                          reflect_sky(&vertex->surface, wo, air->skylight));
-  return light;
+  const pl_vec3f light = pl_vec3f_mul(direct, air->sunlight);
+  if (!view->skylight)
+    return light;
+  const pl_vec3f sky =
+      pl_vec3f_scale(reflect_sky(&vertex->surface, wo, air->skylight), b->air.item->irradiance);
+  return pl_vec3f_add(light, dimmed_sky(context, vertex, width_m, sky));
+}
+
+/* From the camera through the air of out->item to a pixel's point; false if there is none. */
+static bool find_seen(const pl_path_context *context, const pl_vertex *point, bool pieces,
+                      const pl_air_pixel *pixel, passage *out) {
+  const pl_air_view *view = context->settings->air;
+  const bool ground = point->thing == context->shot->object_count + out->item->body;
+  if (out->known)
+    out->light = pixel->light;
+  if (out->known && !pieces)
+    return true;
+  if (!pl_air_item_ray(out->item, context->shot, (pl_vec3){0.0, 0.0, 0.0},
+                       pl_vec3_unit(point->position), ground ? INFINITY : point->t, &out->ray))
+    return false;
+  if (!out->known)
+    out->light =
+        pl_air_scatter(out->item->air, &out->ray, &out->item->sun, &view->rule, view->multiple);
+  return true;
 }
 
 pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f radiance,
-                     const pl_tile_buffers *b) {
+                     const pl_veil_list *list, pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
   const pl_vertex *point = &b->points[pixel];
-  if (b->air.item != NULL && b->air.known[pixel] == PL_AIR_GROUND &&
-      point->thing == context->shot->object_count + b->air.item->body) {
-    const pl_air_light *light = &b->air.pixels[pixel].light;
-    return pl_vec3f_madd(pl_vec3f_mul(radiance, light->transmitted), b->air.item->irradiance,
-                         light->scattered);
-  }
-  pl_vec3f sum = {0.0f, 0.0f, 0.0f}, left = {1.0f, 1.0f, 1.0f};
-  for (size_t k = 0; k < view->count; k++) {
-    const pl_air_item *item = &view->items[k];
-    pl_air_ray ray;
-    const bool ground = point->thing == context->shot->object_count + item->body;
-    if (!pl_air_item_ray(item, context->shot, (pl_vec3){0.0, 0.0, 0.0},
-                         pl_vec3_unit(point->position), ground ? INFINITY : point->t, &ray))
+  const bool known = b->air.item != NULL && b->air.known[pixel] == PL_AIR_GROUND &&
+                     point->thing == context->shot->object_count + b->air.item->body;
+  pl_vec3f sum = {0.0f, 0.0f, 0.0f}, through = {1.0f, 1.0f, 1.0f};
+  pl_vec3f way[PL_VEIL_CROSSINGS];
+  for (size_t k = 0; k < list->count; k++)
+    way[k] = through;
+  for (size_t n = 0; n < (known ? 1 : view->count); n++) {
+    passage p = {.item = known ? b->air.item : &view->items[n], .known = known};
+    if (!find_seen(context, point, list->count > 0, &b->air.pixels[pixel], &p))
       continue;
-    const pl_air_light light =
-        pl_air_scatter(item->air, &ray, &item->sun, &view->rule, view->multiple);
-    sum = pl_vec3f_madd(sum, item->irradiance, pl_vec3f_mul(left, light.scattered));
-    left = pl_vec3f_mul(left, light.transmitted);
+    const pl_vec3f light = scatter_between(view, &p, list, way, &b->air, pixel);
+    sum = pl_vec3f_madd(sum, p.item->irradiance, pl_vec3f_mul(through, light));
+    through = pl_vec3f_mul(through, p.light.transmitted);
   }
-  return pl_vec3f_add(sum, pl_vec3f_mul(left, radiance));
+  const pl_vec3f left = add_veils(list, way, &sum);
+  return pl_vec3f_add(sum, pl_vec3f_mul(pl_vec3f_mul(through, left), radiance));
 }
 
 bool pl_air_alone(const pl_path_context *context, uint32_t pixel, pl_vec3f behind,

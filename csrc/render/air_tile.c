@@ -242,8 +242,10 @@ static const pl_air_item *only_item(const pl_path_context *context, bool *any) {
 
 void pl_air_prepare(const pl_path_context *context, pl_tile_buffers *b) {
   memset(b->air.known, 0, sizeof b->air.known);
-  if (context->veils)
+  if (context->veils) {
     memset(b->air.veil_t, 0, sizeof b->air.veil_t);
+    memset(b->air.blocks, 0, sizeof b->air.blocks);
+  }
   b->air.item = only_item(context, &b->air.any);
   if (b->air.item == NULL || !context->sharp || !(context->settings->noise_dn > 0.0f))
     return;

@@ -104,7 +104,8 @@ static bool lands(const pl_shot_body *body, const meeting *m) {
 typedef struct place {
   pl_vec3 point, normal; /* body axes */
   float mu;              /* cosine to the normal, of a layer that is round */
-  float cover;
+  float cover, depth;
+  pl_vec3f slope; /* of the tops */
 } place;
 
 static float mu_of(const cloud_item *item, double cosine) {
@@ -112,7 +113,7 @@ static float mu_of(const cloud_item *item, double cosine) {
   return (float)fmin(1.0, sqrt(cosine * cosine + fmin(bent, 1.0)));
 }
 
-static void find_place(const cloud_item *item, const meeting *m, double t, float width_m,
+static void find_place(const cloud_item *item, const meeting *m, double t, float width_m, bool tops,
                        place *out) {
   out->point = pl_vec3_madd(m->origin, t, m->direction);
   out->normal = pl_ellipsoid_normal(item->radii_m, out->point);
@@ -124,20 +125,35 @@ static void find_place(const cloud_item *item, const meeting *m, double t, float
                                                                   : (pl_vec3){1.0, 0.0, 0.0});
   across = pl_vec3_scale(pl_vec3_unit(across), (double)width_m);
   const pl_vec3 along = pl_vec3_scale(pl_vec3_cross(across, out->normal), 1.0 / fmax(cosine, 0.02));
-  out->cover = pl_cloud_cover_at(&item->cover, out->point, across, along);
+  const pl_cloud_place seen = pl_cloud_place_at(&item->cover, out->point, across, along, tops);
+  out->cover = seen.cover;
+  out->depth = seen.depth;
+  out->slope = seen.slope;
 }
 
 /* Light that comes through a covered place: over the ground all that is not sent back, since what
  * is scattered on the way was as much elsewhere; of other things what comes straight. What the
  * ground sends up and clouds send back is left out. */
-static float through(const cloud_item *item, const place *at, bool ground) {
-  const float depth = item->clouds->depth;
-  return ground ? 1.0f - pl_cloud_reflected(depth, at->mu) : pl_cloud_straight(depth, at->mu);
+static float through(const place *at, bool ground) {
+  return ground ? 1.0f - pl_cloud_reflected(at->depth, at->mu)
+                : pl_cloud_straight(at->depth, at->mu);
 }
 
-static pl_vec3f passed_at(const cloud_item *item, const place *at, bool ground) {
-  const float left = 1.0f - at->cover * (1.0f - through(item, at, ground));
+static pl_vec3f passed_at(const place *at, bool ground) {
+  const float left = 1.0f - at->cover * (1.0f - through(at, ground));
   return (pl_vec3f){left, left, left};
+}
+
+/* By which part more of the sun's light meets tops that are turned to it, or less. As much of one
+ * as of the other, so that the mean over the slopes stays: what shades and lights each other. */
+static const float TILT_MAX = 0.8f;
+static float tilt_of(const pl_shot_body *body, const place *at, const pl_sun_view *sun,
+                     float height) {
+  const pl_vec3 toward = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(sun->direction));
+  const pl_vec3 flat = pl_vec3_madd(toward, -pl_vec3_dot(toward, at->normal), at->normal);
+  const float rise = pl_vec3f_dot(at->slope, pl_vec3_to_float(flat));
+  const float most = TILT_MAX * height;
+  return -pl_maxf(-most, pl_minf(rise, most)) / pl_maxf(height, 1e-6f);
 }
 
 /* Sunlight that the place sends to where the ray came from: Lambert's, like that of a layer in
@@ -151,10 +167,12 @@ static pl_vec3f radiance_at(const cloud_item *item, const pl_veils *veils, const
   const pl_vec3 normal = pl_mat3_mul_vec(body->rotation, at->normal);
   const double height = pl_vec3_dot(normal, pl_vec3f_to_double(sun.direction));
   const bool same_side = (height > 0.0) == (pl_vec3_dot(m->direction, at->normal) < 0.0);
-  const float mu = mu_of(item, height), depth = item->clouds->depth;
+  const float mu = mu_of(item, height), depth = at->depth;
   float part = pl_cloud_reflected(depth, mu);
   if (!same_side)
     part = pl_maxf(0.0f, 1.0f - part - pl_cloud_straight(depth, mu));
+  else if (item->clouds->relief_m > 0.0f)
+    part *= 1.0f + tilt_of(body, at, &sun, (float)fabs(height));
   part *= at->cover * (float)fabs(height) / PL_PI_F;
   if (!(part > 0.0f))
     return (pl_vec3f){0.0f, 0.0f, 0.0f};
@@ -174,10 +192,10 @@ static void cross_item(const cloud_item *item, const pl_veils *veils, const pl_s
       continue;
     place at;
     const float width_m = pl_beam_width(ray->beam, m.t[i]);
-    find_place(item, &m, m.t[i], width_m, &at);
+    find_place(item, &m, m.t[i], width_m, !ray->dark, &at);
     if (!(at.cover > 0.0f))
       continue;
-    pl_veil_crossing crossing = {.t = m.t[i], .passed = passed_at(item, &at, ground && i == 0)};
+    pl_veil_crossing crossing = {.t = m.t[i], .passed = passed_at(&at, ground && i == 0)};
     if (!ray->dark && ray->from_body != item->body)
       crossing.radiance = radiance_at(item, veils, shot, &m, &at, width_m);
     pl_veil_list_add(out, &crossing);
@@ -210,8 +228,8 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
         continue;
       place at;
       const float disc_m = 2.0f * sun->sin_radius * (float)m.t[k];
-      find_place(item, &m, m.t[k], width_m + disc_m, &at);
-      out = pl_vec3f_mul(out, passed_at(item, &at, below));
+      find_place(item, &m, m.t[k], width_m + disc_m, false, &at);
+      out = pl_vec3f_mul(out, passed_at(&at, below));
     }
   }
   return out;
@@ -224,4 +242,5 @@ const pl_veil_kind pl_veil_clouds = {
     .cross = cross,
     .toward_sun = toward_sun,
     .before_sky = true,
+    .filtered = true,
 };

@@ -83,6 +83,7 @@ typedef struct pl_path_context {
   bool quick;             /* and do so over many, for few samples */
   bool bodies, sun, air;  /* whether any body, the sun or air may be in this tile's cone */
   bool veils;             /* likewise */
+  bool rough_veils;       /* likewise, that are not filtered */
 } pl_path_context;
 
 /* Fills settled_thing, settled and the list of active pixels; pixels that need no samples get their

@@ -83,7 +83,7 @@ static pl_tile tile_of(const job *job, size_t item) {
 
 /* What the tile's cone can meet. */
 typedef struct content {
-  bool meshes, bodies, sun, air, veils;
+  bool meshes, bodies, sun, air, veils, rough_veils;
   pl_vec3 axis; /* of the cone */
   double half_angle_rad;
 } content;
@@ -101,6 +101,8 @@ static content tile_content(const job *job, pl_tile tile) {
       pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, out.axis, out.half_angle_rad);
   out.air = pl_air_in_cone(job->settings->air, shot, out.axis, out.half_angle_rad);
   out.veils = pl_veils_in_cone(job->settings->veils, shot, out.axis, out.half_angle_rad);
+  out.rough_veils =
+      pl_veils_rough_in_cone(job->settings->veils, shot, out.axis, out.half_angle_rad);
   for (size_t i = 0; i < shot->body_count && !out.bodies; i++)
     out.bodies = shot->bodies[i].shape == NULL && /* its mesh is among the meshes */
                  pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, out.axis,
@@ -205,6 +207,7 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
       .sun = content->sun,
       .air = content->air,
       .veils = content->veils,
+      .rough_veils = content->rough_veils,
   };
 }
 

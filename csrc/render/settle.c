@@ -140,7 +140,7 @@ static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *ve
 /* Whether bodies of this kind can be settled in the tile at all. */
 static bool may_settle(const pl_path_context *context, const pl_shot_body *body) {
   const pl_render_settings *settings = context->settings;
-  if ((body->dot && !settings->see_dots) || !context->sharp || context->veils)
+  if ((body->dot && !settings->see_dots) || !context->sharp || context->rough_veils)
     return false;
   if (!is_plain(body->body) && !body->body->reflectance->photometric)
     return false;
@@ -179,10 +179,20 @@ static pl_vec3f seen_light(const pl_path_context *context, uint32_t pixel, const
     light = pl_vec3f_mul(light, pl_veils_toward_sun(settings->veils, context->shot,
                                                     vertex->position, sun, (float)footprint_m));
   if (settings->air != NULL)
-    light = pl_air_ground_light(context, pixel, vertex, light, b);
+    light = pl_air_ground_light(context, pixel, vertex, light, (float)footprint_m, b);
   if (settings->emission)
     light = pl_vec3f_add(light, vertex->surface.emission);
-  return settings->air != NULL ? pl_air_seen(context, pixel, light, b) : light;
+  pl_veil_list list;
+  list.count = 0;
+  if (context->veils) {
+    const pl_beam beam = {.direction = pl_vec3f_to_double(toward),
+                          .spread = (float)context->pixel_rad};
+    const pl_veil_ray ray = {
+        .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NOTHING};
+    pl_veils_cross(settings->veils, context->shot, &ray, &list);
+  }
+  return settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
+                               : pl_veils_seen(&list, light);
 }
 
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
@@ -214,6 +224,8 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   if (!is_even(&vertex.surface, &sun, pl_vec3f_dot(sun.direction, vertex.ng)))
     return false;
   b->lit[pixel] = is_lit_by_others(context, &vertex);
+  if (b->lit[pixel] && context->veils) /* that light would be seen through them */
+    return false;
   if (b->lit[pixel])
     b->settled_surface[pixel] = vertex.surface;
   b->settled[pixel] = seen_light(context, pixel, &vertex, &sun, toward, footprint_m, b);

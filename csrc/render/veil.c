@@ -42,12 +42,23 @@ pl_status pl_veils_build(const pl_snapshot *shot, const int *values, const pl_ai
   return PL_OK;
 }
 
-bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
-                      double half_angle) {
+static bool in_cone(const pl_veils *veils, bool filtered, const pl_snapshot *shot, pl_vec3 axis,
+                    double half_angle) {
   for (size_t k = 0; veils != NULL && k < pl_veil_kind_count; k++)
-    if (veils->own[k] != NULL && pl_veil_kinds[k]->in_cone(veils->own[k], shot, axis, half_angle))
+    if (veils->own[k] != NULL && (filtered || !pl_veil_kinds[k]->filtered) &&
+        pl_veil_kinds[k]->in_cone(veils->own[k], shot, axis, half_angle))
       return true;
   return false;
+}
+
+bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
+                      double half_angle) {
+  return in_cone(veils, true, shot, axis, half_angle);
+}
+
+bool pl_veils_rough_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
+                            double half_angle) {
+  return in_cone(veils, false, shot, axis, half_angle);
 }
 
 bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel) {
@@ -167,6 +178,12 @@ static void pass(pl_path *path, const pl_veil_list *list, pl_vec3f *sink) {
     *sink = pl_vec3f_add(*sink, pl_vec3f_mul(path->throughput, list->items[i].radiance));
     path->throughput = pl_vec3f_mul(path->throughput, list->items[i].passed);
   }
+}
+
+pl_vec3f pl_veils_seen(const pl_veil_list *list, pl_vec3f radiance) {
+  for (size_t i = list->count; i-- > 0;)
+    radiance = pl_vec3f_add(list->items[i].radiance, pl_vec3f_mul(list->items[i].passed, radiance));
+  return radiance;
 }
 
 void pl_veils_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {

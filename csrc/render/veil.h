@@ -61,6 +61,7 @@ typedef struct pl_veil_kind {
   pl_vec3f (*toward_sun)(const pl_veils *veils, const void *own, const pl_snapshot *shot,
                          pl_vec3 point, const pl_sun_view *sun, float width_m);
   bool before_sky; /* it lies between a ground and its sky, which is dimmed as the sun is */
+  bool filtered;   /* one crossing of a beam says what all of it sees, but at outlines */
   /* Whether a few samples of a pixel may miss what its whole beam from the camera sees. May be
    * NULL: never. */
   bool (*thin)(const void *own, const pl_snapshot *shot, const pl_beam *pixel);
@@ -76,6 +77,9 @@ pl_status pl_veils_build(const pl_snapshot *shot, const int *values, const struc
 /* Whether any may be in a cone of rays from the camera; `veils` may be NULL. */
 bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
                       double half_angle);
+/* The same, but for the kinds that are filtered. */
+bool pl_veils_rough_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
+                            double half_angle);
 /* Whether few samples may miss veils that the beam of a pixel sees. */
 bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel);
 /* Whether a ray sees what a body carries: a dot's veils are in its own picture alone. */
@@ -100,6 +104,8 @@ pl_vec3f pl_veils_before_sky(const pl_veils *veils, const pl_snapshot *shot, pl_
 pl_vec3f pl_veils_sunlight(const pl_veils *veils, const pl_veil_kind *kind, const pl_snapshot *shot,
                            pl_vec3 point, const pl_sun_view *sun, float width_m);
 
+/* What is seen of a radiance through veils, without air. */
+pl_vec3f pl_veils_seen(const pl_veil_list *list, pl_vec3f radiance);
 /* Along the rays of a wave, whose hits are known: adds to the samples and dims what follows. Takes
  * the place of pl_air_apply. */
 void pl_veils_apply(const struct pl_path_context *context, int bounce, size_t count,

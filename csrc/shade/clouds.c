@@ -20,6 +20,7 @@ bool pl_clouds_valid(const pl_clouds *c) {
   return good && within((double)c->coverage, 0.0, 1.0) && within((double)c->softness, 1e-3, 1e3) &&
          (c->octaves == 0.0f || within((double)c->octaves, 1.0, PL_FRACTAL_OCTAVES)) &&
          within((double)c->roughness, 0.0, 1.0) && within(c->size_m, 1e-6, 1e15) &&
+         within((double)c->depth_spread, 0.0, 5.0) && within((double)c->relief_m, 0.0, 1e15) &&
          within((double)c->warp, -10.0, 10.0) && within((double)c->phase, -1e6, 1e6);
 }
 
@@ -90,26 +91,62 @@ static pl_vec3 bend(const pl_clouds *clouds, pl_vec3 cell, float width) {
   return (pl_vec3){moved[0], moved[1], moved[2]};
 }
 
-/* What the noise makes of a cover of `mean`, over a footprint `width` cells across. */
-static float noise_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell, float width) {
+static float normal_density(float x) { return expf(-0.5f * x * x) / sqrtf(2.0f * PL_PI_F); }
+
+/* What the noise makes of a place. */
+typedef struct broken {
+  float cover;
+  float excess;      /* of the noise where there are clouds, over its mean there; over its spread */
+  pl_vec3f gradient; /* of what is seen of the noise, per cell */
+} broken;
+
+/* By how much the noise is above its mean where there are clouds: what is seen of it, and what is
+ * hidden by what it takes to be covered. `spread` is that of what is hidden and the soft edges,
+ * `lost` the variance of the first, `at` how far the place is over the threshold. */
+static float excess_of(const pl_cloud_cover *cover, float mean, float value, float lost,
+                       float spread, float at) {
+  if (!(mean < 1.0f))
+    return value / cover->spread;
+  const float covered = pl_maxf(0.5f * erfcf(-at * (float)SQRT_HALF), 1e-4f);
+  const float hidden = lost / spread * normal_density(at) / covered;
+  const float usual = cover->variance / cover->spread * normal_density(normal_place(mean)) / mean;
+  return (value + hidden - usual) / cover->spread;
+}
+
+/* Of a cover of `mean`, over a footprint `width` cells across. */
+static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell, float width,
+                          bool tops) {
   const pl_clouds *clouds = cover->clouds;
   const pl_fractal noise = {.octaves = pl_minf((float)cover->detail, clouds->octaves),
                             .roughness = clouds->roughness,
                             .lacunarity = 2.0f,
                             .seed = clouds->seed};
-  float lost = 0.0f, value = 0.0f, frequency = 1.0f;
+  float lost = 0.0f, frequency = 1.0f;
   for (int i = 0; i < PL_FRACTAL_OCTAVES && (float)i < clouds->octaves; i++) {
     const float kept = i < cover->detail ? pl_noise_fade(width * frequency) : 0.0f;
     const float amplitude = cover->amplitudes[i] / cover->total;
     lost += amplitude * amplitude * (1.0f - kept * kept);
     frequency *= 2.0f;
   }
-  if (cover->detail > 0)
-    value = cover->scale * pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&noise, cell, width);
+  pl_fractal_value seen = {.value = 0.0f};
+  if (cover->detail > 0 && tops)
+    seen = pl_fractal_gradient(&noise, cell, width);
+  else if (cover->detail > 0)
+    seen.value = pl_fractal_rows[PL_FRACTAL_FBM].evaluate(&noise, cell, width);
+  const float value = cover->scale * seen.value;
+  broken out = {.cover = 1.0f, .gradient = pl_vec3f_scale(seen.gradient, cover->scale)};
+  lost *= (float)PL_NOISE_VARIANCE;
   const float edge = clouds->softness * clouds->softness * cover->variance;
-  const float spread = sqrtf(edge + lost * (float)PL_NOISE_VARIANCE);
-  const float threshold = -cover->spread * normal_place(mean);
-  return 0.5f * erfcf((threshold - value) / (spread * (float)(2.0 * SQRT_HALF)));
+  const float spread = sqrtf(edge + lost);
+  float at = 0.0f; /* over the threshold */
+  if (mean < 1.0f) {
+    const float threshold = -cover->spread * normal_place(mean);
+    at = (value - threshold) / spread;
+    out.cover = 0.5f * erfcf((threshold - value) / (spread * (float)(2.0 * SQRT_HALF)));
+  }
+  if (clouds->depth_spread > 0.0f)
+    out.excess = excess_of(cover, mean, value, lost, spread, at);
+  return out;
 }
 
 /* From body axes to the shell's. */
@@ -118,7 +155,16 @@ static pl_vec3 turn_back(const pl_cloud_cover *cover, pl_vec3 v) {
   return (pl_vec3){c * v.x + s * v.y, c * v.y - s * v.x, v.z};
 }
 
-float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along) {
+/* From a gradient per cell to a slope in body axes. */
+static pl_vec3f slope_of(const pl_cloud_cover *cover, pl_vec3f gradient) {
+  const float c = cover->cosine, s = cover->sine;
+  const float scale = cover->clouds->relief_m / (cover->spread * (float)cover->clouds->size_m);
+  return pl_vec3f_make(scale * (c * gradient.x - s * gradient.y),
+                       scale * (s * gradient.x + c * gradient.y), scale * gradient.z);
+}
+
+pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
+                                 pl_vec3 along, bool tops) {
   const pl_clouds *clouds = cover->clouds;
   float mean = clouds->coverage;
   pl_body_place place = {turn_back(cover, point), turn_back(cover, across), turn_back(cover, along),
@@ -136,9 +182,23 @@ float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 acro
     pl_body_map_sample(cover->map, &place, PL_FILTER_FINEST, value);
     mean *= value[0];
   }
-  if (pl_clouds_noisy(clouds) && mean > 0.0f && mean < 1.0f)
-    mean = noise_cover(cover, mean, cell, width * (1.0f + fabsf(clouds->warp)));
-  return clouds->opacity * mean;
+  pl_cloud_place out = {.cover = mean, .depth = clouds->depth};
+  const bool uneven = pl_clouds_uneven(clouds);
+  if (pl_clouds_noisy(clouds) && mean > 0.0f && (mean < 1.0f || uneven)) {
+    tops = tops && clouds->relief_m > 0.0f;
+    const broken b = break_cover(cover, mean, cell, width * (1.0f + fabsf(clouds->warp)), tops);
+    out.cover = b.cover;
+    if (clouds->depth_spread > 0.0f)
+      out.depth *= expf(clouds->depth_spread * b.excess);
+    if (tops)
+      out.slope = slope_of(cover, b.gradient);
+  }
+  out.cover *= clouds->opacity;
+  return out;
+}
+
+float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along) {
+  return pl_cloud_place_at(cover, point, across, along, false).cover;
 }
 
 double pl_clouds_detail_error(const pl_clouds *clouds, int detail, double width_m) {

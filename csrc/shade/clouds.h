@@ -23,6 +23,8 @@ typedef struct pl_clouds {
   float roughness;    /* amplitude of an octave by the one before, 0..1 */
   double size_m;      /* of the largest clouds: cells of the first octave */
   float warp;         /* by which map and noise are bent, over size_m */
+  float depth_spread; /* of the depth within the noise: standard deviation of its logarithm */
+  float relief_m;     /* of the tops: standard deviation; soft clouds have less of both */
   float phase;        /* moves what bends them, cells: clouds change their shape with it */
   uint32_t seed;
 } pl_clouds;
@@ -30,6 +32,10 @@ typedef struct pl_clouds {
 /* Whether all is finite and in range. */
 bool pl_clouds_valid(const pl_clouds *clouds);
 static inline bool pl_clouds_noisy(const pl_clouds *clouds) { return clouds->octaves > 0.0f; }
+/* Whether what is covered is not the same everywhere. */
+static inline bool pl_clouds_uneven(const pl_clouds *clouds) {
+  return pl_clouds_noisy(clouds) && (clouds->depth_spread > 0.0f || clouds->relief_m > 0.0f);
+}
 
 /* Made once a frame of the above. */
 typedef struct pl_cloud_cover {
@@ -45,9 +51,21 @@ typedef struct pl_cloud_cover {
 } pl_cloud_cover;
 pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *map, int detail);
 
-/* Mean cover, 0..1, of a footprint of extents `across` and `along` about a point of the shell, body
- * axes, m. The noise counts as normally distributed where the footprint or `detail` hides octaves:
- * then the mean stays what it is at any distance. */
+/* What a footprint sees of the shell. */
+typedef struct pl_cloud_place {
+  float cover;    /* mean, 0..1 */
+  float depth;    /* optical, of what is covered */
+  pl_vec3f slope; /* of its tops: how their height grows along body axes */
+} pl_cloud_place;
+
+/* Of a footprint of extents `across` and `along` about a point of the shell, body axes, m. Where
+ * the noise is high, clouds are deeper and their tops higher, about the same median depth and mean
+ * slope of 0 everywhere; `tops`: whether the slope is wanted (the depths of cloud fields are nearly
+ * log-normal: Barker, Wielicki and Parker 1996, Journal of the Atmospheric Sciences 53, 2304). */
+pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across,
+                                 pl_vec3 along, bool tops);
+/* The mean cover alone. The noise counts as normally distributed where the footprint or `detail`
+ * hides octaves: then the mean stays what it is at any distance. */
 float pl_cloud_cover_at(const pl_cloud_cover *cover, pl_vec3 point, pl_vec3 across, pl_vec3 along);
 
 /* Most by which the cover changes when only so many octaves are looked up, for footprints of

@@ -40,12 +40,16 @@ static double footprint_m(const pl_view *view, const pl_view_thing *body) {
          (1.0 + view->corner_tangent * view->corner_tangent);
 }
 
+/* So much brighter than level ones are tops that are turned to the sun (render/cloud_veil.c). */
+static const double TILTED = 1.8;
+
 /* What changes with a change of the cover: at most the brightest that a cloud can be is added, or
  * so much of what is behind or below taken, once on the way of the sun's light and twice on that of
  * the ray. */
 static double changed_dn(const pl_view *view, const pl_view_thing *body, double cover,
                          double share) {
-  const double bright = share * cover * pl_view_light(body);
+  const double tilted = body->clouds->relief_m > 0.0f ? TILTED : 1.0;
+  const double bright = share * cover * tilted * pl_view_light(body);
   const double dimmed = pl_view_dn_dimming(fmin(1.0, 3.0 * cover));
   const double sky = pl_view_sky_dn(view, cover * pl_view_sky_max(view));
   if (share < 1.0)
@@ -60,8 +64,10 @@ static double bound_dn(const pl_view *view, int value) {
     const double share = share_of(view, body);
     if (!(share > 0.0))
       continue;
-    const double error =
+    double error =
         value == 0 ? 1.0 : pl_clouds_detail_error(body->clouds, value, footprint_m(view, body));
+    if (error > 0.0 && pl_clouds_uneven(body->clouds))
+      error = 1.0; /* depths and slopes have no such bound */
     const double cover = (double)body->clouds->opacity * error;
     if (cover > 0.0)
       sum += changed_dn(view, body, cover, share);

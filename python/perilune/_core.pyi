@@ -370,6 +370,8 @@ class CloudSettings(TypedDict):
     size_m: float
     warp: float
     phase: float
+    depth_spread: float
+    relief_m: float
     seed: int
 
 class FrameRequest(TypedDict):

@@ -38,6 +38,8 @@ def settings(given: Clouds, t_s: float) -> _core.CloudSettings:
         "size_m": 1e3 * noise.size_km,
         "warp": noise.warp,
         "phase": noise.phase,
+        "depth_spread": noise.depth_spread if given.noise is not None else 0.0,
+        "relief_m": 1e3 * noise.relief_km if given.noise is not None else 0.0,
         "seed": noise.seed,
     }
 

@@ -160,6 +160,46 @@ def test_noise_covers_what_is_asked(
     assert np.mean(parts) == pytest.approx(coverage, abs=5.0 * error + 0.005)
 
 
+@pytest.mark.parametrize("mean", [0.1, 0.4, 0.9])
+def test_uneven_clouds_are_as_bright_as_even_ones(mean: float, tmp_path) -> None:
+    """Depths and slopes that vary change no mean, whether a pixel shows them or hides them."""
+    path = cloud_worlds.write_map(tmp_path / "even.png", np.full((8, 16), mean))
+    for fov_deg, away in ((60.0, 1.5), (30.0, 1.05)):
+        asked = air_worlds.request(
+            [[EARTH_M] * 3], [away * EARTH_M, 0, 0], [-1, 0, 0], [1, 0.6, 0], albedo=0.0,
+            tolerance_dn=0.0, samples=4, size=(64, 48), fov_deg=fov_deg,
+        )  # fmt: skip
+        pictures = []
+        for depth_spread, relief_km in ((0.0, 0.0), (0.7, 0.0), (0.0, 0.5), (0.7, 0.5)):
+            noise = CloudNoise(
+                size_km=20.0, softness=0.3, depth_spread=depth_spread, relief_km=relief_km
+            )
+            given = Clouds(map=path, noise=noise)
+            pictures.append(cloud_worlds.render(given, asked)["radiance"][..., 0])
+        for uneven in pictures[1:]:
+            assert uneven.mean() == pytest.approx(pictures[0].mean(), rel=0.03)
+    for uneven in pictures[1:]:  # and seen from near they are not the same
+        assert np.abs(uneven - pictures[0]).mean() > 0.03 * pictures[0].mean()
+
+
+def test_pixels_under_clouds_that_are_worked_out_at_once() -> None:
+    """One lookup a pixel over the middle of a body, against sixty-four: the same mean, and what is
+    off is what patterns as fine as a pixel are."""
+    noise = CloudNoise(size_km=300.0, octaves=8.0, roughness=0.7, softness=0.5)
+    sun = [1.0, 0.5, 0.3]
+    air = _core.Air(atmospheres.settings(Atmosphere(preset="earth"), (0.61, 0.55, 0.46)), EARTH_M)
+    pictures = []
+    for samples, tolerance_dn in ((8, 1.0), (64, 0.0)):
+        asked = air_worlds.request(
+            [[EARTH_M] * 3], [1.3 * EARTH_M, 0, 0], [-1, 0, 0], sun, albedo=0.3,
+            tolerance_dn=tolerance_dn, samples=samples, size=(48, 48), fov_deg=30.0,
+        )  # fmt: skip
+        pictures.append(cloud_worlds.render(Clouds(noise=noise), asked, air=air)["radiance"])
+    quick, fine = (picture.astype(float) for picture in pictures)
+    assert quick.mean() == pytest.approx(fine.mean(), rel=0.01)
+    assert np.sqrt(np.mean((quick - fine) ** 2)) < 0.06 * fine.mean()
+
+
 def test_noise_breaks_a_map_and_keeps_its_mean(tmp_path) -> None:
     path = cloud_worlds.write_map(tmp_path / "even.png", np.full((8, 16), 0.3))
     plain = Clouds(map=path)

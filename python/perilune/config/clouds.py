@@ -23,6 +23,8 @@ _Octaves = Annotated[float, Field(strict=True, ge=1.0, le=16.0)]
 _Softness = Annotated[float, Field(strict=True, ge=0.01, le=100.0)]
 _Warp = Annotated[float, Field(strict=True, ge=-10.0, le=10.0)]
 _Phase = Annotated[float, Field(strict=True, ge=-1e6, le=1e6)]
+_Spread = Annotated[float, Field(strict=True, ge=0.0, le=5.0)]
+_Relief = Annotated[float, Field(strict=True, ge=0.0, le=1e6)]
 _Shares = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
 
 
@@ -44,6 +46,12 @@ class CloudNoise(Strict):
     """By which clouds are bent, over size_km: about 0.3 makes swirls."""
     phase: _Phase = 0.0
     """Changes how they are bent: clouds flow from one shape to the next with it."""
+    depth_spread: _Spread = 0.7
+    """How uneven the clouds are: standard deviation of the logarithm of their optical depth. 0 is
+    a sheet; cloud fields have 0.3 (stratus) to 1.2 (cumulus). Softness makes it less."""
+    relief_km: _Relief = 0.3
+    """How uneven their tops are: standard deviation of their height. Slopes towards the sun are
+    brighter, those away from it darker. Softness makes it less."""
     seed: Annotated[Integer, Field(ge=0, lt=2**32)] = 0
     """Another seed, another pattern."""
 
