@@ -22,7 +22,7 @@ F64 = NDArray[np.float64]
 MAP = str(report.ROOT / "assets/maps/earth_like.jpg")
 ROWS = ("relief", "glint", "night_lights")
 VIEWS = ("nadir", "whole", "limb")
-CENTER_DEG = 25.0
+CENTER_DEG = 15.5
 """Longitude of the map's middle: a coast lies below the views."""
 
 

@@ -1,6 +1,6 @@
 """Rebuilds the files of assets/ from their scripts: python assets/scripts/build.py [NAME ...].
 
-Needs NumPy; the map of the Earth-like body needs Pillow as well.
+Needs NumPy; the maps of the Earth-like body need Pillow as well.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ BUILDERS: dict[str, Callable[[Path], None]] = {
     "models/station.glb": lambda path: station.build().save(path),
     "models/test_object.glb": lambda path: test_object.build().save(path),
     "maps/earth_like.jpg": earth_like.save,
+    "maps/earth_like_clouds.jpg": earth_like.save_clouds,
 }
 
 

@@ -23,31 +23,46 @@ GRADIENTS = np.array(
 )
 
 
-def lattice_hash(x: U32, y: U32, z: U32, seed: int) -> U32:
-    """32 mixed bits of a lattice point; the finaliser is MurmurHash3's (Appleby, 2011)."""
+def mixed(h: U32) -> U32:
+    """The finaliser of MurmurHash3 (Appleby, 2011)."""
     with np.errstate(over="ignore"):
-        h = x * np.uint32(0x9E3779B1) ^ y * np.uint32(0x85EBCA77) ^ z * np.uint32(0xC2B2AE3D)
-        h ^= np.uint32((seed * 0x27D4EB2F) & 0xFFFFFFFF)
         h = (h ^ (h >> np.uint32(16))) * np.uint32(0x85EBCA6B)
         h = (h ^ (h >> np.uint32(13))) * np.uint32(0xC2B2AE35)
         return h ^ (h >> np.uint32(16))
 
 
+def axis_hashes(x: U32, y: U32, z: U32, seed: int) -> tuple[U32, U32, U32]:
+    """What the axes of lattice points add to their hash."""
+    with np.errstate(over="ignore"):
+        start = np.uint32((seed * 0x27D4EB2F) & 0xFFFFFFFF)
+        x = x * np.uint32(0x9E3779B1) ^ start
+        return x, y * np.uint32(0x85EBCA77), z * np.uint32(0xC2B2AE3D)
+
+
+def lattice_hash(x: U32, y: U32, z: U32, seed: int) -> U32:
+    """32 mixed bits of a lattice point."""
+    a, b, c = axis_hashes(x, y, z, seed)
+    return mixed(a ^ b ^ c)
+
+
 def gradient_noise(points: F64, seed: int) -> F64:
     """Perlin's improved noise, about -1..1, zero on the lattice; points (n, 3)."""
-    cell = np.floor(points)
-    frac = (points - cell).astype(np.float32)
+    cell = np.floor(points.T)
+    frac = np.ascontiguousarray((points.T - cell).astype(np.float32))
     base = cell.astype(np.int64).astype(np.uint32)
     fade = frac * frac * frac * (frac * (frac * 6 - 15) + 10)
+    hashes = [axis_hashes(*(base + np.uint32(k)), seed) for k in (0, 1)]
+    weights = (1 - fade, fade)
     total = np.zeros(len(points), np.float32)
     for dx in (0, 1):
         for dy in (0, 1):
             for dz in (0, 1):
-                corner = np.array([dx, dy, dz], np.uint32)
-                h = lattice_hash(*(base + corner).T, seed) & np.uint32(15)
-                weight = np.prod(np.where(corner == 1, fade, 1 - fade), axis=1)
-                offset = frac - corner.astype(np.float32)
-                total += weight * np.einsum("ij,ij->i", GRADIENTS[h], offset)
+                h = mixed(hashes[dx][0] ^ hashes[dy][1] ^ hashes[dz][2]) & np.uint32(15)
+                weight = weights[dx][0] * weights[dy][1] * weights[dz][2]
+                offset = frac - np.array([[dx], [dy], [dz]], np.float32)
+                # One of the three parts is 0 and the others +-1: exact in any order.
+                parts = [GRADIENTS[:, k][h] * offset[k] for k in range(3)]
+                total += weight * (parts[0] + parts[1] + parts[2])
     return total.astype(float)
 
 

@@ -129,7 +129,7 @@ def test_settled_ground_is_as_sampled_ground(sun: tuple[float, float, float]) ->
         "ocean": True,
         "water": _core.Map(str(MAP), water=True),
     }
-    world = globe(ground, center_lon_rad=0.44, map_path=str(MAP))
+    world = globe(ground, center_lon_rad=0.19, map_path=str(MAP))
     asked = air_worlds.request(
         [[6.4e6] * 3], [1e7, 0.0, 0.0], [-1.0, 0.0, 0.0], sun, size=(48, 36), fov_deg=10.0,
         albedo=0.8, tolerance_dn=0.0, samples=256, force_off=("soft_sun",),
@@ -139,7 +139,7 @@ def test_settled_ground_is_as_sampled_ground(sun: tuple[float, float, float]) ->
     asked["focus"] = (1e-7, math.inf)
     asked["quality"]["force_on"] = ["depth_of_field"]
     sampled = air_worlds.render(world, asked)["rgb"].astype(float)
-    assert sampled.std() > 10.0
+    assert sampled.std() > 7.0
     assert 0.0 < np.mean(np.abs(settled - sampled)) < 1.0
     # At coasts land and water of a texel are told apart by the mask's mean.
     assert abs(np.mean(settled - sampled)) < 0.3
