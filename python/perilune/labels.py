@@ -57,6 +57,11 @@ class Taxonomy:
             raise ValueError(f"no labels called '{channel}'{nearest(level, allowed)}")
         return {0: BACKGROUND, **{id_: name for name, id_ in self.classes[level].items()}}
 
+    def _repr_html_(self) -> str:
+        from perilune.display import taxonomy_html
+
+        return taxonomy_html(self)
+
     @property
     def channel_names(self) -> dict[str, dict[int, str]]:
         """`names` of instance, part, semantic/0, semantic/1 ..."""

@@ -1,9 +1,10 @@
-"""Samples and plots as pictures in Jupyter: `%load_ext perilune.notebook`, or `show(sample)`.
+"""Sheets of samples in Jupyter: `show(sample)`, and for older notebooks an extension.
 
-After that a cell that ends in `sim[12]`, `sim.plot_orbits(frames=range(10))`,
-`sim.plot_trajectory(frames=range(10))` or `sim.ground_track(frames=range(100))` shows its picture,
-without matplotlib's own machinery for notebooks (plots need the extra `plot`). A graph of a
-material, `sim.graph("foil")`, shows itself.
+Samples, their objects and plans, simulations, configurations, labels, graphs and plots show
+themselves: a cell ends in `sim[12]`, `sim`, `sim.plan(12)`, `sim.taxonomy`, `sim.config.camera` or
+`sim.plot_orbits()`, and nothing is loaded (see perilune.display; plots need the extra `plot`).
+`show(sample)` is the sheet with every channel in one picture, as `perilune preview` draws it; after
+`%load_ext perilune.notebook` samples have it beside their tables, for what shows no HTML.
 
 Nothing of Jupyter is imported: a notebook asks an object for `_repr_png_`, and hands its shell to
 `load_ipython_extension`.

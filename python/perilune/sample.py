@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.shown import Plan, object_rows
 
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
@@ -63,7 +64,7 @@ class Sample(Mapping[str, Array]):
         stars: Array | None = None,
     ) -> None:
         self._channels = dict(channels)
-        self._objects = objects
+        self._objects = None if objects is None else object_rows(objects)
         self.camera = camera
         self.meta = dict(meta)
         """seed, index, step, scene, sensor, time_utc, drivers (key path -> value), scene_drivers
@@ -77,7 +78,7 @@ class Sample(Mapping[str, Array]):
         m, in the rest pose to where it is, "joints": one {"angle_deg"} or {"translation_m"} for
         each of the node's joints}; rows (of a rolling shutter): poses of some rows, see
         perilune.rows.row_poses; those of `camera` and `objects` are of the middle of the frame."""
-        self.plan = plan
+        self.plan = Plan(plan)
         self.stars = np.empty(0, STAR) if stars is None else stars
         """Stars that the colours show, one row each, the brightest first: number and magnitude of
         the catalogue, u and v, the pixel position of the centre. With the lens's distortion. Empty
@@ -110,6 +111,11 @@ class Sample(Mapping[str, Array]):
 
     def __len__(self) -> int:
         return len(self._channels)
+
+    def _repr_html_(self) -> str:
+        from perilune.display import sample_html
+
+        return sample_html(self)
 
     def __repr__(self) -> str:
         arrays = ", ".join(f"{k}: {v.dtype} {v.shape}" for k, v in self._channels.items())

@@ -37,6 +37,7 @@ from perilune.request import arrays_of, camera_label, request_of
 from perilune.rows import row_poses
 from perilune.sample import Sample
 from perilune.shapes import BodyShape
+from perilune.shown import Plan
 from perilune.sky import seen
 from perilune.sunlight import LightCurve, light_curve
 from perilune.timeline import Timeline
@@ -142,6 +143,11 @@ class Simulation:
         made = Simulation(document, self._trajectory, self._orbits, self._store)
         made._remarks = self._remarks  # models are read once, and told of once
         return made
+
+    def _repr_html_(self) -> str:
+        from perilune.display import simulation_html
+
+        return simulation_html(self)
 
     def __repr__(self) -> str:
         cameras = self.config.cameras.items()
@@ -331,7 +337,7 @@ class Simulation:
             renderer = handles.renderer_of(scene.config)
             return renderer.measure_rays(request, repeats)
 
-    def plan(self, index: int) -> list[_core.PlanRow]:
+    def plan(self, index: int) -> Plan:
         """The effects kept and dropped in a frame, with reasons; nothing is rendered.
 
         Those of the sensor where render.channels has one of its channels."""
@@ -343,7 +349,7 @@ class Simulation:
         with handles.lock:
             if metered is not None:
                 _expose(request, handles.renderer_of(metered[0]).plan(metered[1]))
-            return handles.renderer_of(scene.config).plan(request)["plan"]
+            return Plan(handles.renderer_of(scene.config).plan(request)["plan"])
 
     def __getitem__(self, index: int) -> Sample:
         return self.frame(index)

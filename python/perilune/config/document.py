@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,13 +13,13 @@ from pydantic import ValidationError
 from perilune.config import intrinsics, oaisys, shipped
 from perilune.config.errors import (
     ConfigError,
-    ConfigWarning,
     from_validation,
     named,
     nearest,
     origin,
     shown,
     unread,
+    warn,
 )
 from perilune.config.fixed import fixed
 from perilune.config.instances import spread
@@ -118,7 +117,7 @@ class Document:
             told = set(self.doubts())
             for line in made.doubts():
                 if line not in told:
-                    warnings.warn(line, ConfigWarning, stacklevel=4)
+                    warn(line)
         return made
 
     @property
@@ -347,5 +346,5 @@ def load(
     changes = (replay or {}).get("overrides") or {}
     document = _made(given, plain_tree(changes, "replay: overrides"))
     for line in document.doubts():
-        warnings.warn(line, ConfigWarning, stacklevel=3)
+        warn(line)
     return document

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NoReturn
 
@@ -23,6 +25,7 @@ __all__ = [
     "origin",
     "shown",
     "unread",
+    "warn",
 ]
 
 _OWN, _UNREAD = "perilune", "perilune_unread"
@@ -38,6 +41,14 @@ class ConfigError(ValueError):
 
 class ConfigWarning(UserWarning):
     """What a configuration asks for, and hardly means; the text names the file and the key."""
+
+
+def warn(text: str) -> None:
+    """A ConfigWarning at the place outside the package that has asked for what it is about."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back and str(frame.f_globals.get("__name__", "")).startswith("perilune."):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, ConfigWarning, stacklevel=level)
 
 
 def fail(path: str, text: str) -> NoReturn:

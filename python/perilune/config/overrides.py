@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from perilune.config.errors import ConfigError, ConfigWarning, nearest
+from perilune.config.errors import ConfigError, nearest, warn
 from perilune.config.loader import parse_yaml
 from perilune.config.sections import keys_of, sections_at
 from perilune.drivers import KeyPath, without
 from perilune.drivers.tree import kind_of
 
-_CALLER = 5
-"""Frames from a warning here to the place that opens a configuration."""
 _INDEX = re.compile(r"\[(\d+)\]")
 
 
@@ -111,15 +108,13 @@ def _warn_of_lost(old: Any, new: Any, parts: list[str], key: str) -> None:
     """A mapping replaces a section as a whole, where one may mean to change some of its keys."""
     if not isinstance(old, Mapping) or not isinstance(new, Mapping):
         return
-    if kind_of(old) is not None or kind_of(new) is not None or not sections_at(parts):
+    # Of a section that has kinds, one is given instead of another.
+    if kind_of(old) is not None or kind_of(new) is not None or len(sections_at(parts)) != 1:
         return
-    tags = ("kind", "pointing", "model", "shape", "file")
     lost = [name for name in old if name not in new]
-    if lost and not any(tag in new for tag in tags):
+    if lost and "file" not in new:
         one = next(iter(new), "KEY")
-        warnings.warn(
+        warn(
             f"override {key}: replaces the section as a whole, without its {', '.join(lost)}; "
-            f"'{key}.{one}' changes one key",
-            ConfigWarning,
-            stacklevel=_CALLER,
+            f"'{key}.{one}' changes one key"
         )

@@ -126,6 +126,11 @@ class Strict(BaseModel):
             fail(old, f"was the name of `{new}`, which stands here too; give one of them")
         return {(new if key == old else key): value for key, value in data.items()}
 
+    def _repr_html_(self) -> str:
+        from perilune.display import configuration_html
+
+        return configuration_html(self)
+
     def _only_with(self, needed: str, *keys: str) -> None:
         """Refuses keys that do nothing without something else. needed: what it is."""
         for key in keys:

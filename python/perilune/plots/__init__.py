@@ -1,8 +1,8 @@
 """Plots of where things are (orbits, camera paths, ground tracks), and of the sunlight there.
 
 Needs matplotlib (extra `plot`).
-Each function returns a matplotlib Figure and shows nothing: call `figure.savefig(...)`, or let a
-notebook show it (`%load_ext perilune.notebook`).
+Each function returns a matplotlib Figure and opens no window: call `figure.savefig(...)`, or end a
+notebook's cell with it.
 """
 
 from __future__ import annotations

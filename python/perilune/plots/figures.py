@@ -24,12 +24,14 @@ _MAP_WIDTH = 720
 def new_figure(width_in: float, height_in: float) -> Any:
     """An empty figure of matplotlib; ImportError that says what to install without it."""
     try:
-        from matplotlib.figure import Figure
+        import matplotlib.figure  # noqa: F401 (what may be missing)
+
+        from perilune.plots.picture import Picture
     except ImportError:
         raise ImportError(
             "plots need matplotlib, which is not installed: pip install 'perilune[plot]'"
         ) from None
-    return Figure(figsize=(width_in, height_in), layout="constrained")
+    return Picture(figsize=(width_in, height_in), layout="constrained")
 
 
 @lru_cache(maxsize=8)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune import _core
 from perilune.config.references import MASKS
 from perilune.preview import canvas, colors
 from perilune.preview.font import ADVANCE, GLYPH_HEIGHT, text_width
@@ -117,6 +118,20 @@ def _panels(sample: Sample, names: Names, units: Mapping[str, str]) -> list[Pane
             continue
         found += channel_panels(name, values, context)
     return found
+
+
+def panels_of(
+    sample: Sample, box: tuple[int, int], names: Names | None = None
+) -> list[Panel]:
+    """All panels of a sample, the picture first. box: height and width that the picture with boxes
+    and axes will be shown in."""
+    units = {channel["name"]: channel["unit"] for channel in _core.CHANNELS}
+    found: list[Panel] = []
+    if "rgb" in sample:
+        found = channel_panels("rgb", sample["rgb"], Context(None, None, names or {}, units))
+        if sample.has_objects:
+            found.append(_overlay_panel(sample, box))
+    return found + _panels(sample, names or {}, units)
 
 
 def draw_sheet(sample: Sample, title: str, names: Names, units: Mapping[str, str]) -> U8:

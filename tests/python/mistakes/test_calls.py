@@ -191,8 +191,10 @@ def test_it_is_told_by_its_argument(scene, sim, tmp_path, call, needed):
 
 
 def test_a_section_that_is_replaced_is_told(scene):
-    with pytest.warns(UserWarning, match=r"override render: replaces .* 'render\.samples' changes"):
+    replaced = r"override render: replaces .* 'render\.samples' changes"
+    with pytest.warns(UserWarning, match=replaced) as told:
         perilune.open(scene, overrides={"render": {"samples": 4}})
+    assert told[0].filename == __file__
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         perilune.open(scene, overrides={"spacecraft": {}, "camera.trajectory.target": "earth"})
