@@ -108,11 +108,13 @@ class Document:
 
         known: these were checked before; the drivers' limits are then not tried again.
         """
-        assert self.given is not None  # `load` has made it
+        given = self.given
+        if given is None:  # not from `load`; its tree has all that was changed before
+            given = Given(self.tree, self.base, self.source, self.origins, {}, self._replay)
         together = joined(self.changes, plain_tree(changes, "overrides"))
         # Strengths and intervals do not move the limits, which were tried when it was opened.
         settings = all(key.startswith("drivers.") for key in changes)
-        made = _made(self.given, together, known or settings)
+        made = _made(given, together, known or settings)
         if not known:
             told = set(self.doubts())
             for line in made.doubts():

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 
 from perilune.config.errors import fail, fail_unread
 from perilune.config.types import (
@@ -26,6 +26,7 @@ from perilune.config.types import (
     PositiveVec3,
     Strict,
     Vec3,
+    hook_or_function,
 )
 
 _SIZES = ("altitude_km", "semi_major_axis_km", "periapsis_km")
@@ -310,6 +311,8 @@ class Database(Drawn):
 
 class Hook(Drawn):
     """An orbit that a function of the user's draws, once a scene."""
+
+    model_config = ConfigDict(json_schema_extra=hook_or_function)
 
     kind: Literal["hook"]
     hook: FunctionName

@@ -364,7 +364,8 @@ class Config(Strict):
     volumes: Annotated[dict[str, Volume], Field(max_length=16)] = Field(default_factory=dict)
     """Dust, gas and light within bounds."""
     materials: dict[str, Material] = Field(default_factory=dict)
-    """Graphs of nodes that the spacecraft's `materials` put on their models."""
+    """Graphs of nodes that the spacecraft's `materials` put on their models. A hook with its
+    `ideal` may stand for a whole entry, and draws graphs of any structure."""
     material_drivers: MaterialDrivers | None = None
     """Values of nodes of all graphs that neither the materials' nor the spacecraft's drivers
     give."""

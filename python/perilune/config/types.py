@@ -95,6 +95,15 @@ def _module_function(value: str) -> str:
 
 
 FunctionName = Annotated[str, AfterValidator(_module_function)]
+
+
+def hook_or_function(schema: dict[str, Any]) -> None:
+    """For the JSON Schema of a section with a `hook`: the name that this key had before."""
+    keys, required = schema["properties"], schema["required"]
+    older = {"type": "string", "deprecated": True, "description": "What `hook` was called before."}
+    schema["properties"] = {**keys, "function": older}
+    schema["required"] = [key for key in required if key != "hook"]
+    schema["oneOf"] = [{"required": ["hook"]}, {"required": ["function"]}]
 """module:function of the user's."""
 
 

@@ -13,8 +13,9 @@ from torch.utils import data
 import perilune
 import perilune.torch as with_torch
 from perilune.check import check_bop
-from perilune.config import ConfigError
+from perilune.config import ConfigError, Document
 from perilune.config.overrides import joined
+from perilune.simulation import Simulation
 
 HALF = {"drivers.strength": 0.5}
 
@@ -80,6 +81,14 @@ def test_what_is_shared(driven):
     assert made.config.drivers.strength == 0.5
     other = driven.with_overrides({"spacecraft.sat.part_classes": {"bus": ["bus*"]}})
     assert other._mine().renderer_of(other.config) is not driven._mine().renderer_of(driven.config)
+
+
+def test_of_a_document_alone(driven):
+    """As the check of a dataset opens one: without the file that it is from."""
+    document = driven.document
+    again = Simulation(Document(document.tree, document.base, document.source))
+    one, other = (sim.with_overrides(HALF).frame(2, ["rgb"]) for sim in (again, driven))
+    assert same(one, other)
 
 
 def test_replay(driven, scene_file):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import jsonschema
 import numpy as np
 import pytest
 from tests.python.training import camera_hooks
 
 import perilune
 from perilune import rotations
+from perilune.cli.json_schema import config_schema
 from perilune.config import ConfigError
+from perilune.config.loader import read_tree
 
 HOOKS = "tests.python.training.camera_hooks"
 
@@ -132,6 +135,11 @@ def test_one_word_for_functions(scene_file):
     ]
     assert sims[0].config.camera == sims[1].config.camera
     assert (sims[0].camera_poses(2) == sims[1].camera_poses(2)).all()
+    tree = read_tree(scene_file)
+    for key in ("hook", "function"):
+        tree["camera"]["trajectory"] = {"kind": "hook", key: "m:f"}
+        tree["spacecraft"]["sat"]["orbit"] = {"kind": "hook", "around": "earth", key: "m:f"}
+        jsonschema.validate(tree, config_schema())
     both = {"kind": "hook", "hook": f"{HOOKS}:riding", "function": f"{HOOKS}:still"}
     with pytest.raises(ConfigError, match=r"trajectory\.function.*was the name of `hook`"):
         opened(scene_file, both)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from perilune.config.errors import fail
 from perilune.config.trajectory.common import CameraAxes, Frame, Pointing
@@ -16,6 +16,7 @@ from perilune.config.types import (
     Positive,
     Strict,
     Vec3,
+    hook_or_function,
 )
 
 
@@ -62,6 +63,8 @@ class Deterministic(Pointing):
 
 class Hook(Strict):
     """A function of the user's, called as function(world, **params) with a perilune.world.World."""
+
+    model_config = ConfigDict(json_schema_extra=hook_or_function)
 
     kind: Literal["hook"]
     hook: FunctionName
