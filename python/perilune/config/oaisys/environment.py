@@ -61,7 +61,9 @@ def _air(params: Node, scene: Scene) -> None:
     base = atmospheres.settings(Atmosphere(preset=preset), SRGB_UM)  # type: ignore[arg-type]
     for key, factor in factors.items():
         ours, core = _AIR[key]
-        if factor != 1.0 and any(base[core]):  # type: ignore[literal-required]
+        if not any(base[core]):  # type: ignore[literal-required]
+            params.ignore(key, f"not applied: the air of {preset} has none of it")
+        elif factor != 1.0:
             air[ours] = [factor * 1e3 * value for value in base[core]]  # type: ignore[literal-required]
         params.comes(f"bodies.{planet.name}.atmosphere.{ours}", key)
     scene.tree["bodies"][planet.name]["atmosphere"] = air
@@ -83,16 +85,18 @@ def _hdri(row: Node, scene: Scene) -> str | None:
     return found
 
 
-def _picture(entry: Node, scene: Scene) -> None:
+def _picture(entry: Node, scene: Scene, interval: int) -> None:
     """A picture behind everything, as bright as Blender shows it: 1 is a white wall in sunlight."""
     from perilune.sky import magnitude_arcsec2
 
     params = entry.child("environmentEffectsParams")
     owner = params if params.has("HDRIList") else entry
+    local = params.choice("stepIntervalOption", ("GLOBAL", "LOCAL"), "GLOBAL") == "LOCAL"
+    own = params.whole("stepInterval", 1, smallest=1)
+    interval = own if local else interval
+    entry.get("stepInterval")  # OAISYS reads the one of environmentEffectsParams
     for other in (entry, params):
         other.get("selectionOption")
-        other.ignore("stepInterval", "not applied: the picture is drawn once a scene")
-        other.get("stepIntervalOption")
         other.ignore("passParams", "the background has class id 0 at every level")
     rows = owner.children("HDRIList")
     found = [(row, _hdri(row, scene)) for row in rows]
@@ -112,8 +116,10 @@ def _picture(entry: Node, scene: Scene) -> None:
     pictures = [picture for _, picture in kept]
     scene.tree["sky"] = {
         "background": {
-            "map": pictures[0] if len(pictures) == 1 else {"choice": pictures},
-            "white_mag_arcsec2": varying((magnitudes[0], magnitudes[1])),
+            "map": pictures[0]
+            if len(pictures) == 1
+            else {"choice": pictures, "interval": interval},
+            "white_mag_arcsec2": varying((magnitudes[0], magnitudes[1]), interval),
         }
     }
     kept[0][0].comes("sky.background.map", "filePath")
@@ -166,6 +172,6 @@ def read(section: Node, scene: Scene) -> None:
         elif kind == "EnvLightBlenderSky":
             entry.leave("not applied: there is one Sun, that of the first sky")
         elif kind == "EnvHDRI":
-            _picture(entry, scene)
+            _picture(entry, scene, interval)
         else:
             entry.leave(f"{kind}: has no counterpart here; it is not applied")

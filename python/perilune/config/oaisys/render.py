@@ -96,5 +96,8 @@ def _bloom(entry: Node, scene: Scene) -> None:
     channels = scene.tree["render"]["channels"]
     if "rgb" in channels:
         channels.insert(channels.index("rgb") + 1, "sensor_rgb")
-    text = "BloomEffect: the glare of a lens, in the channel sensor_rgb, which exposes itself; rgb "
-    entry.notes.warn(entry.path, text + "is clean")
+    entry.notes.warn(
+        entry.path,
+        "BloomEffect: the glare of a lens, in the channel sensor_rgb, which exposes itself and has "
+        "a mosaic of colour filters; rgb is clean",
+    )
