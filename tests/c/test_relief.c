@@ -51,7 +51,7 @@ static pl_body_place place_at(pl_vec3 d, double width) {
   const pl_vec3 seed = fabs(d.x) < 0.7 ? (pl_vec3){1, 0, 0} : (pl_vec3){0, 1, 0};
   const pl_vec3 t = pl_vec3_unit(pl_vec3_cross(d, seed));
   return (pl_body_place){pl_vec3_scale(d, RADIUS), pl_vec3_scale(t, width),
-                         pl_vec3_scale(pl_vec3_cross(d, t), width), 0.0};
+                         pl_vec3_scale(pl_vec3_cross(d, t), width), 0.0, 0.0};
 }
 
 /* Everywhere, a third at the poles and a third at the date line. */
