@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,8 +18,20 @@ from perilune.check.scene import Step
 from perilune.writers.bop_card import SOURCE_FILE
 from perilune.writers.bop_files import CAMERA_FILE, load_object
 
+_MEMORY = "/dev/shm"
+_ROOM = 2 << 30
+"""Bytes that must be free there: for models, and one image at a time."""
 _OF_FILES = f"files_sha256 in {SOURCE_FILE} names"
 _SAME = "what is there now makes the very same dataset"
+
+
+def _scratch() -> str | None:
+    """A folder in memory, where files are written without waiting for a disk; None: any other."""
+    try:
+        roomy = shutil.disk_usage(_MEMORY).free >= _ROOM
+    except OSError:
+        return None
+    return _MEMORY if roomy and os.access(_MEMORY, os.W_OK) else None
 
 
 def _indices(folders: list[Path], chunk_size: int) -> dict[Path, dict[int, int]]:
@@ -66,7 +80,7 @@ def compare_with_config(
     step: Step,
 ) -> None:
     """Makes the dataset again from its configuration, and compares."""
-    with tempfile.TemporaryDirectory(prefix="perilune-check-") as name:
+    with tempfile.TemporaryDirectory(prefix="perilune-check-", dir=_scratch()) as name:
         remake = open_remake(report, source, Path(name), base)
         if remake is None:
             return

@@ -107,11 +107,14 @@ def _compared(report: Report, folder: Path) -> tuple[Tolerance, list[str]]:
             report.add(path, f"{where} {what}")
     for key in sorted(set(found) - set(made)):
         report.add(path, f"{key} does not belong there")
-    same = found.get("versions") == made["versions"]
+    stated = found.get("versions")
+    told = isinstance(stated, dict) and set(stated) == set(made["versions"])
+    report.need(told, path, f"versions must be those of {', '.join(made['versions'])}")
+    same = stated == made["versions"]
     if not same:
         report.note(
             f"labels made again may differ in {OTHER_BUILD.few} pixels and one in a thousand, and "
-            f"{OTHER_BUILD.relative:g} of numbers: the dataset was made by {found.get('versions')}"
+            f"{OTHER_BUILD.relative:g} of numbers: the dataset was made by {stated}"
         )
     return EXACT if same else OTHER_BUILD, _changed_files(report, found, made)
 
