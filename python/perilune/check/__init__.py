@@ -22,7 +22,7 @@ from perilune.writers.bop_finish import (
     closing_texts,
     summary,
 )
-from perilune.writers.bop_models import FOLDERS, PARTS
+from perilune.writers.bop_models import FOLDERS
 from perilune.writers.bop_shards import NOTES
 from perilune.writers.lock import LOCK_FILE, writing_process
 
