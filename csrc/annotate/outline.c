@@ -7,9 +7,9 @@ enum { STEP = 16 };
 static const pl_rect nowhere = {0, 0, -1, -1};
 
 /* Room for rounding between a box projected in double and a mesh traced in float: a pixel, and what
- * the float directions of a long lens add. */
+ * the directions of a long lens add. */
 static double margin_px(const pl_camera *camera) {
-  return 1.0 + 4e-7 * fmax(camera->fx, camera->fy);
+  return 1.0 + 1e-14 * fmax(camera->fx, camera->fy);
 }
 
 /* nan, of a model without extent, is `low`. */

@@ -33,7 +33,7 @@ typedef struct search {
 
 /* Pixels of a tile that only a ray can decide. */
 typedef struct doubts {
-  pl_vec3f directions[TILE_PIXELS];
+  pl_vec3 directions[TILE_PIXELS];
   int16_t x[TILE_PIXELS], y[TILE_PIXELS]; /* from the tile's corner */
   bool hits[TILE_PIXELS];
   size_t count;
@@ -84,7 +84,7 @@ static void look(const search *search, const int tile[4], int x, int y, bool pos
   const pl_vec3 direction = pl_snapshot_ray(shot, u, v);
   if (pl_vec3_dot(direction, direction) == 0.0)
     return; /* outside of the image, where the lens sees nothing */
-  doubts->directions[doubts->count] = pl_vec3_to_float(direction);
+  doubts->directions[doubts->count] = direction;
   doubts->x[doubts->count] = (int16_t)x;
   doubts->y[doubts->count++] = (int16_t)y;
 }

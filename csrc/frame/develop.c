@@ -24,8 +24,9 @@ static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
   for (int i = 0; i < SUN_RAYS; i++) {
     const float u[2] = {((float)(i % SUN_SIDE) + 0.5f) / SUN_SIDE,
                         ((float)(i / SUN_SIDE) + 0.5f) / SUN_SIDE};
-    rays[i] = (pl_ray){
-        .t_max = sun->distance_m, .direction = pl_sun_sample(sun, u), .skip_body = PL_NOTHING};
+    rays[i] = (pl_ray){.t_max = sun->distance_m,
+                       .direction = pl_vec3_unit(pl_vec3f_to_double(pl_sun_sample(sun, u))),
+                       .skip_body = PL_NOTHING};
   }
   pl_tracer_occluded(tracer, rays, hidden, SUN_RAYS, true);
   for (int i = 0; i < SUN_RAYS; i++)

@@ -18,10 +18,9 @@ static void gather_primary(const pl_snapshot *shot, const pl_reach *reach, rays 
       for (int y = y0; y < y0 + PL_TILE_SIDE && y < h; y++)
         for (int x = x0; x < x0 + PL_TILE_SIDE && x < w; x++)
           if (pl_reach_pixel(reach, x, y))
-            out->items[out->count++] =
-                (pl_ray){.t_max = INFINITY,
-                         .direction = pl_vec3_to_float(pl_snapshot_ray(shot, x, y)),
-                         .skip_body = PL_NOTHING};
+            out->items[out->count++] = (pl_ray){.t_max = INFINITY,
+                                                .direction = pl_snapshot_ray(shot, x, y),
+                                                .skip_body = PL_NOTHING};
 }
 
 /* One ray to the sun from every sunlit side of a mesh that a primary ray hits. */
@@ -33,7 +32,7 @@ static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, cons
     pl_tracer_closest(tracer, &primary->items[i], &hit, 1, true, true);
     if (hit.thing >= shot->object_count)
       continue;
-    const pl_beam beam = {.direction = pl_vec3f_to_double(primary->items[i].direction)};
+    const pl_beam beam = {.direction = primary->items[i].direction};
     pl_vertex_locate(shot, &beam, &hit, false, &vertex);
     pl_vertex_orient(shot, &beam, &vertex);
     const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);

@@ -79,9 +79,8 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
   if (rays == NULL || hidden == NULL || sky->seen == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for %zu stars", count);
   for (size_t i = 0; i < count; i++)
-    rays[i] = (pl_ray){.t_max = INFINITY,
-                       .direction = pl_vec3_to_float(sky->field.stars[i].direction),
-                       .skip_body = PL_NOTHING};
+    rays[i] = (pl_ray){
+        .t_max = INFINITY, .direction = sky->field.stars[i].direction, .skip_body = PL_NOTHING};
   pl_tracer_occluded(tracer, rays, hidden, count, false);
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
   for (size_t i = 0; i < count; i++) {
@@ -89,10 +88,10 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
     double pixel[2];
     /* Again: the plan may have left out the lens's distortion. */
     const pl_vec3 view = pl_mat3_mul_vec_t(shot->camera_to_root, star->direction);
-    if (hidden[i] || pl_sun_covers(&sun, rays[i].direction) ||
+    if (hidden[i] || pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
         !pl_camera_project(&shot->camera, view, pixel))
       continue;
-    const pl_vec3f passed = passed_of(shot, settings, rays[i].direction);
+    const pl_vec3f passed = passed_of(shot, settings, pl_vec3_to_float(star->direction));
     sky->seen[sky->seen_count++] = (pl_seen_star){star->star, pixel[0], pixel[1], passed};
   }
   return PL_OK;

@@ -7,6 +7,7 @@
 #include "math/color.h"
 #include "math/sampling.h"
 #include "scene/graph_point.h"
+#include "scene/shot_frame.h"
 #include "shade/material_surface.h"
 
 /* An emission map's mean counts as at least this part of its factor, so that a bright spot on a
@@ -44,15 +45,10 @@ static float luminance_of(const pl_shot_object *shot, uint32_t triangle, pl_deta
                  MEAN_MIN * factor_of(object, triangle));
 }
 
-static pl_vec3f to_view(const float m[12], const float *p) {
-  return pl_vec3f_make(m[0] * p[0] + m[3] * p[1] + m[6] * p[2] + m[9],
-                       m[1] * p[0] + m[4] * p[1] + m[7] * p[2] + m[10],
-                       m[2] * p[0] + m[5] * p[1] + m[8] * p[2] + m[11]);
-}
-
 typedef struct corners {
-  pl_vec3f a, edge1, edge2; /* m, view axes */
-  pl_vec3f normal;          /* outwards; its length is twice the area */
+  pl_vec3 a; /* m, view axes */
+  pl_vec3f edge1, edge2;
+  pl_vec3f normal; /* outwards; its length is twice the area */
 } corners;
 
 static corners corners_of(const pl_shot_object *object, uint32_t triangle) {
@@ -60,10 +56,11 @@ static corners corners_of(const pl_shot_object *object, uint32_t triangle) {
   const uint32_t *index = model->indices + 3 * (size_t)triangle;
   const pl_shot_piece *piece = pl_shot_piece_of(object, triangle);
   const float *m = piece != NULL ? piece->to_view : object->to_view;
+  const float *first = model->positions + 3 * (size_t)index[0];
   corners out;
-  out.a = to_view(m, model->positions + 3 * (size_t)index[0]);
-  out.edge1 = pl_vec3f_sub(to_view(m, model->positions + 3 * (size_t)index[1]), out.a);
-  out.edge2 = pl_vec3f_sub(to_view(m, model->positions + 3 * (size_t)index[2]), out.a);
+  out.a = pl_shot_corner(object, piece, first);
+  out.edge1 = pl_shot_edge(m, first, model->positions + 3 * (size_t)index[1]);
+  out.edge2 = pl_shot_edge(m, first, model->positions + 3 * (size_t)index[2]);
   out.normal = pl_vec3f_cross(out.edge1, out.edge2);
   if (piece != NULL) /* what is not there emits nothing */
     out.normal = pl_vec3f_scale(out.normal, piece->present ? piece->side : 0.0f);
@@ -249,17 +246,18 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   const corners c = corners_of(object, triangle);
   /* Evenly over the triangle (Shirley and Chiu 1997, by the square root of one number). */
   const float root = sqrtf(along), v = root * u[1], w = 1.0f - root;
-  const pl_vec3f at = pl_vec3f_madd(pl_vec3f_madd(c.a, v, c.edge1), w, c.edge2);
-  const pl_vec3 way = pl_vec3_sub(pl_vec3f_to_double(at), point);
+  const pl_vec3f off = pl_vec3f_madd(pl_vec3f_scale(c.edge1, v), w, c.edge2);
+  const pl_vec3 at = pl_vec3_add(c.a, pl_vec3f_to_double(off));
+  const pl_vec3 way = pl_vec3_sub(at, point);
   const double distance = pl_vec3_norm(way);
   out->direction = pl_vec3_to_float(pl_vec3_unit(way));
   const float facing = -pl_vec3f_dot(out->direction, pl_vec3f_unit(c.normal));
   const pl_material *material = pl_material_of(model, triangle);
   const float cosine = material->double_sided ? fabsf(facing) : facing;
-  /* Float coordinates are off by a few ulp at both ends. */
-  const float largest = pl_maxf(fabsf(at.x), pl_maxf(fabsf(at.y), fabsf(at.z)));
-  out->distance_m = (float)distance * 0.9999f - 0x1p-18f * largest;
-  if (!(cosine > 1e-6f) || !(out->distance_m > 0.0f))
+  /* Meshes are off by a few ulp of their own size. */
+  out->distance_m =
+      distance - fmin(1e-4 * distance, 1e-4 * item->radius_m) - 0x1p-18 * item->radius_m;
+  if (!(cosine > 1e-6f) || !(out->distance_m > 0.0))
     return false;
   out->pdf = (float)mesh_pdf(item, list->luminances[chosen], distance, (double)cosine);
   if (object->object->body >= 0) {
@@ -304,7 +302,7 @@ static bool sample_body(const pl_emitters *list, const pl_emitter *item, pl_vec3
   if (!pl_ellipsoid_intersect(body->state->radii_m, local, ray, 0.0, &t))
     return false;
   out->radiance = body_emission(body);
-  out->distance_m = (float)t * 0.99999f;
+  out->distance_m = t * 0.99999;
   out->pdf = pl_cone_pdf(cone);
   return true;
 }

@@ -36,7 +36,7 @@ typedef struct pl_emitters {
 typedef struct pl_emitter_sample {
   uint32_t thing;     /* whose light it is */
   pl_vec3f direction; /* unit */
-  float distance_m;   /* to stay below: short of the surface by more than rounding */
+  double distance_m;  /* to stay below: short of the surface by more than rounding */
   float pdf;          /* per solid angle */
   pl_vec3f radiance;  /* arriving, if nothing is between */
 } pl_emitter_sample;

@@ -75,6 +75,13 @@ static inline pl_vec3f pl_vec3f_unit(pl_vec3f a) {
   const float n = pl_vec3f_norm(a);
   return n > 0.0f ? pl_vec3f_scale(a, 1.0f / n) : a;
 }
+/* The unit vector across two others, however short or long they are; zero if there is none. */
+static inline pl_vec3f pl_vec3f_across(pl_vec3f a, pl_vec3f b) {
+  const float m = pl_maxf(pl_maxf(fabsf(a.x), pl_maxf(fabsf(a.y), fabsf(a.z))),
+                          pl_maxf(fabsf(b.x), pl_maxf(fabsf(b.y), fabsf(b.z))));
+  const float by = m > 0.0f ? 1.0f / m : 0.0f;
+  return pl_vec3f_unit(pl_vec3f_cross(pl_vec3f_scale(a, by), pl_vec3f_scale(b, by)));
+}
 static inline float pl_vec3f_max(pl_vec3f a) { return pl_maxf(a.x, pl_maxf(a.y, a.z)); }
 
 static inline pl_vec3f pl_vec3_to_float(pl_vec3 a) {

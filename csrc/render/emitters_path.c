@@ -40,7 +40,7 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   float u[2];
   pl_emitter_sample drawn;
   pl_sample_2d(index, b->seeds[path->pixel], FIRST_DIMENSION + (uint32_t)bounce, u);
-  if (!pl_emitters_sample(context->settings->emitters, pl_vec3f_to_double(ray.origin), u, &drawn) ||
+  if (!pl_emitters_sample(context->settings->emitters, ray.origin, u, &drawn) ||
       !pl_surface_admits(s, drawn.direction))
     return queued;
   /* A body is drawn by a sphere about it, from inside of which it would light itself. */
@@ -55,7 +55,7 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
     return queued;
   if (pl_vec3f_dot(drawn.direction, s->ng) < 0.0f) /* passes from behind, starts there */
     ray = pl_vertex_ray(vertex, context->shot, drawn.direction, 0.0f);
-  ray.direction = drawn.direction;
+  ray.direction = pl_vec3_unit(pl_vec3f_to_double(drawn.direction));
   ray.t_max = drawn.distance_m;
   b->shadow_rays[queued] = ray;
   b->pending[queued] = (pl_pending){light, path->pixel, path->shared};

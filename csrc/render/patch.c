@@ -10,32 +10,36 @@ static pl_vec3f facet_normal(const pl_shot_object *object, uint32_t triangle) {
   const float *a = model->positions + 3 * (size_t)corner[0];
   const pl_shot_piece *piece = pl_shot_piece_of(object, triangle);
   const float *to_view = piece != NULL ? piece->to_view : object->to_view;
-  return pl_vec3f_unit(
-      pl_vec3f_cross(pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[1]),
-                     pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2])));
+  return pl_vec3f_across(pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[1]),
+                         pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2]));
 }
 
-static pl_vec3f body_normal(const pl_shot_body *body, pl_vec3f point) {
-  const pl_vec3 local =
-      pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(pl_vec3f_to_double(point), body->center));
+/* `point`: from the body's centre. */
+static pl_vec3f body_normal(const pl_shot_body *body, pl_vec3 point) {
+  const pl_vec3 local = pl_mat3_mul_vec_t(body->rotation, point);
   return pl_vec3_to_float(
       pl_mat3_mul_vec(body->rotation, pl_ellipsoid_normal(body->state->radii_m, local)));
 }
 
-static pl_spot spot_at(const pl_snapshot *shot, const pl_hit *hit, pl_vec3f direction) {
-  pl_spot spot = {.thing = hit->thing, .point = pl_vec3f_scale(direction, hit->t)};
+static pl_spot spot_at(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 direction) {
+  const pl_vec3 point = pl_vec3_scale(direction, hit->t);
+  pl_spot spot = {.thing = hit->thing, .range_m = (float)hit->t};
   if (hit->thing < shot->object_count) {
     const pl_shot_object *object = &shot->objects[hit->thing];
+    spot.point = pl_vec3_to_float(pl_vec3_sub(point, object->center));
     spot.part = pl_object_part(object->object, hit->triangle);
     spot.normal = facet_normal(object, hit->triangle);
   } else {
-    spot.normal = body_normal(&shot->bodies[hit->thing - shot->object_count], spot.point);
+    const pl_shot_body *body = &shot->bodies[hit->thing - shot->object_count];
+    const pl_vec3 from_center = pl_vec3_sub(point, body->center);
+    spot.point = pl_vec3_to_float(from_center);
+    spot.normal = body_normal(body, from_center);
   }
   return spot;
 }
 
 uint32_t pl_patch_meet(pl_pixel_patches *patches, const pl_snapshot *shot, const pl_hit *hit,
-                       pl_vec3f direction, float spread) {
+                       pl_vec3 direction, float spread) {
   for (uint32_t i = 0; i < patches->count; i++) {
     pl_patch *patch = &patches->patch[i];
     if (patch->triangle == hit->triangle && patch->spot.thing == hit->thing)

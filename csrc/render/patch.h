@@ -15,7 +15,8 @@ enum { PL_PATCHES = 4, PL_PATCH_NONE = PL_PATCHES };
 /* Where a patch is. */
 typedef struct pl_spot {
   uint32_t thing, part;
-  pl_vec3f point, normal; /* camera-relative, m */
+  pl_vec3f point, normal; /* root axes; the point from the middle of the thing, m */
+  float range_m;          /* from the camera */
 } pl_spot;
 
 typedef struct pl_patch {
@@ -38,12 +39,12 @@ typedef struct pl_pixel_patches {
 /* Which patch the camera's ray meets: one is added where none fits, and counted as seen.
  * PL_PATCH_NONE if there is no room. `spread` of the pixel's cone. */
 uint32_t pl_patch_meet(pl_pixel_patches *patches, const pl_snapshot *shot, const pl_hit *hit,
-                       pl_vec3f direction, float spread);
+                       pl_vec3 direction, float spread);
 
 /* How far a smooth surface may leave the plane of a patch, m. */
 static inline float pl_spot_depth(const pl_spot *spot, float spread) {
   const float plane_widths = 1.0f; /* of the pixel */
-  return plane_widths * spread * pl_vec3f_norm(spot->point);
+  return plane_widths * spread * spot->range_m;
 }
 
 /* Whether two patches may be of one smooth surface: their normals differ by less than 18 degrees.

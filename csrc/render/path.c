@@ -56,9 +56,9 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
     };
     if (context->shot->camera.aperture_m > 0.0)
       pl_focus_beam(context->shot, index, b->seeds[pixel], &b->paths[i].beam);
-    b->rays[i] = (pl_ray){.origin = pl_vec3_to_float(b->paths[i].beam.origin),
+    b->rays[i] = (pl_ray){.origin = b->paths[i].beam.origin,
                           .t_max = INFINITY,
-                          .direction = pl_vec3_to_float(b->paths[i].beam.direction),
+                          .direction = b->paths[i].beam.direction,
                           .skip_body = context->bodies ? PL_NOTHING : PL_EVERY_BODY};
   }
   return b->active_count;
@@ -225,8 +225,8 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.fine_pdf));
   const float lobe_opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.lobe_pdf));
   *next = (pl_path){
-      .beam = {.origin = pl_vec3f_to_double(ray->origin),
-               .direction = pl_vec3_unit(pl_vec3f_to_double(drawn.direction)),
+      .beam = {.origin = ray->origin,
+               .direction = ray->direction,
                .width_m = width,
                .spread = pl_maxf(path->beam.spread, pl_minf(opening, SPREAD_MAX))},
       .throughput = pl_vec3f_mul(path->throughput, drawn.weight),

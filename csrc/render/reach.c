@@ -15,9 +15,9 @@ typedef struct area {
 /* Rays leave through any place of a pixel, and a little beyond: pl_path_subpixel goes to 0.542 with
  * three samples. */
 static const double MARGIN_PX = 0.55;
-/* Rays and transforms are in single precision: hits are off by less than this part of the lengths
- * that are added up there, some sixteen roundings. */
-static const double ROUNDING = 1e-6;
+/* Meshes are traced in single precision: hits are off by less than this part of the lengths that
+ * are added up there, some sixteen roundings; on the way to them, in double, by less than that. */
+static const double ROUNDING = 1e-6, ROUNDING_AWAY = 1e-15;
 
 /* Boxes that touch so many pixels need no closer look; nor do those with so few triangles where
  * none is paid for. */
@@ -43,9 +43,9 @@ typedef struct placed {
   const pl_cover *cover;
   pl_mat3 linear;
   pl_vec3 origin;
-  double length_m; /* that is added up on the way */
-  double rounding; /* px m: over w it is added to the margin */
-  double rays;     /* that a pixel gets */
+  double rounding_m; /* of hits */
+  double rounding;   /* px m: over w it is added to the margin */
+  double rays;       /* that a pixel gets */
 } placed;
 
 typedef struct job {
@@ -97,14 +97,14 @@ static void view_of(const placed *at, pl_mat3 *linear, pl_vec3 *origin) {
   *origin = pl_mat3_mul_vec_t(at->shot->camera_to_root, place);
 }
 
-/* Metres that are added up, at most, on the way from the model to the camera. */
-static double length_of(const pl_mat3 *linear, pl_vec3 origin, const pl_box *whole) {
+/* How far hits may be off. */
+static double rounding_of(const pl_mat3 *linear, pl_vec3 origin, const pl_box *whole) {
   const pl_mat3 columns = pl_mat3_transpose(*linear);
-  double length = pl_vec3_norm(origin);
+  double length = 0.0;
   for (int i = 0; i < 3; i++)
     length += pl_vec3_norm(columns.row[i]) *
               fmax(fabs((double)whole->low[i]), fabs((double)whole->high[i]));
-  return length;
+  return ROUNDING * length + ROUNDING_AWAY * pl_vec3_norm(origin);
 }
 
 static placed place(const pl_snapshot *shot, const pl_shot_object *object,
@@ -118,8 +118,8 @@ static placed place(const pl_snapshot *shot, const pl_shot_object *object,
   pl_mat3 view;
   pl_vec3 origin;
   view_of(&at, &view, &origin);
-  at.length_m = length_of(&view, origin, &at.cover->boxes[0]);
-  at.rounding = 2.0 * ROUNDING * at.length_m * (fmax(camera->fx, camera->fy) + fabs(camera->skew));
+  at.rounding_m = rounding_of(&view, origin, &at.cover->boxes[0]);
+  at.rounding = 2.0 * at.rounding_m * (fmax(camera->fx, camera->fy) + fabs(camera->skew));
   const pl_vec3 x = pl_vec3_scale(view.row[0], camera->fx);
   at.linear.row[0] = pl_vec3_madd(x, camera->skew, view.row[1]);
   at.linear.row[1] = pl_vec3_scale(view.row[1], camera->fy);
@@ -147,7 +147,7 @@ static void project_box(const placed *at, const pl_box *box, extent *out) {
   const double deep = reach_of(rows[2], half);
   const double near_m = c.z - deep;
   *out = (extent){1.0, 1.0, -1.0, -1.0};
-  if (c.z + deep < -ROUNDING * at->length_m)
+  if (c.z + deep < -at->rounding_m)
     return; /* no ray leaves to the back */
   *out = (extent){-INFINITY, -INFINITY, INFINITY, INFINITY};
   if (!(near_m > 0.0))
@@ -290,7 +290,7 @@ static double project_triangle(const placed *at, uint32_t triangle, double p[3][
     nearest = lesser(nearest, seen.z);
     farthest = greater(farthest, seen.z);
   }
-  if (farthest < -ROUNDING * at->length_m)
+  if (farthest < -at->rounding_m)
     return 0.0;
   return nearest > 0.0 ? 1.0 / nearest : INFINITY;
 }

@@ -125,37 +125,78 @@ static void draw_seeds(const job *job, pl_tile tile, uint32_t *seeds) {
   }
 }
 
-/* Pixels of the tile that may see a mesh; returns how many. */
-static size_t list_mesh_pixels(const job *job, pl_tile tile, uint32_t *pixels) {
+/* Packets of rays are of the image's own tiles, of which bands of rows may leave a tile only a
+ * part: a place of such a whole tile may be beside this one. */
+typedef struct place {
+  int x, y; /* from the tile's corner */
+} place;
+
+static place place_of(pl_tile tile, uint32_t nth) {
+  const uint32_t pixel = pl_tile_pixel(nth);
+  const int cut = (int)((uint32_t)tile.y0 % PL_TILE_SIDE);
+  return (place){(int)(pixel % PL_TILE_SIDE), (int)(pixel / PL_TILE_SIDE) - cut};
+}
+
+static bool is_inside(pl_tile tile, place at) {
+  return at.x < tile.width && at.y >= 0 && at.y < tile.height;
+}
+
+/* Whether one of the pixels of the packet that begins at a place may see a mesh. */
+static bool packet_may_see(const job *job, pl_tile tile, place at) {
+  enum { WIDE = 4, HIGH = 2 };
+  _Static_assert(WIDE * HIGH == PL_TRACER_PACKET, "a block of the Z-order curve");
+  const int x1 = at.x + WIDE < tile.width ? at.x + WIDE : tile.width;
+  const int y1 = at.y + HIGH < tile.height ? at.y + HIGH : tile.height;
+  for (int y = at.y > 0 ? at.y : 0; y < y1; y++)
+    for (int x = at.x; x < x1; x++)
+      if (pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y))
+        return true;
+  return false;
+}
+
+/* Places in whose packet a pixel may see a mesh; returns how many. A packet has the same rays
+ * whatever else is known of the frame, as rounding depends on them: those of all its places. So
+ * labels are the same with and without colour, at any number of samples, and in bands of rows. */
+static size_t list_mesh_places(const job *job, pl_tile tile, uint32_t *places) {
   size_t count = 0;
-  for (uint32_t i = 0; i < PL_TILE_PIXELS; i++) {
-    const uint32_t pixel = pl_tile_pixel(i);
-    if (pl_tile_has(tile, pixel) &&
-        pl_reach_pixel(&job->scratch->reach, tile.x0 + (int)(pixel % PL_TILE_SIDE),
-                       tile.y0 + (int)(pixel / PL_TILE_SIDE)))
-      pixels[count++] = pixel;
-  }
+  for (uint32_t i = 0; i < PL_TILE_PIXELS; i += PL_TRACER_PACKET)
+    if (packet_may_see(job, tile, place_of(tile, i)))
+      for (uint32_t k = i; k < i + PL_TRACER_PACKET; k++)
+        places[count++] = k;
   return count;
 }
 
-static pl_vec3 direction_at(const pl_tile_buffers *b, uint32_t pixel) {
-  return (pl_vec3){b->directions[0][pixel], b->directions[1][pixel], b->directions[2][pixel]};
+/* Of a place that the lens has no ray for, one that meets nothing. */
+static pl_vec3 centre_direction(const job *job, pl_tile tile, place at, const pl_tile_buffers *b) {
+  const int pixel = at.y * PL_TILE_SIDE + at.x;
+  if (is_inside(tile, at))
+    return (pl_vec3){b->directions[0][pixel], b->directions[1][pixel], b->directions[2][pixel]};
+  return pl_snapshot_ray(job->shot, tile.x0 + at.x, tile.y0 + at.y);
 }
 
-/* What pixels see of meshes, the first `count` of `active`, before the bodies that they meet. */
-static void fill_mesh_points(const job *job, size_t count, pl_tile_buffers *b) {
+static pl_ray centre_ray(const job *job, pl_tile tile, place at, const pl_tile_buffers *b) {
+  const pl_vec3 direction = centre_direction(job, tile, at, b);
+  if (pl_vec3_dot(direction, direction) > 0.0)
+    return (pl_ray){.t_max = INFINITY, .direction = direction, .skip_body = PL_EVERY_BODY};
+  return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_BODY};
+}
+
+/* What pixels see of meshes, at the first `count` places of `active`, before the bodies that they
+ * meet. */
+static void fill_mesh_points(const job *job, pl_tile tile, size_t count, pl_tile_buffers *b) {
   for (size_t i = 0; i < count; i++)
-    b->rays[i] = (pl_ray){.t_max = INFINITY,
-                          .direction = pl_vec3_to_float(direction_at(b, b->active[i])),
-                          .skip_body = PL_EVERY_BODY};
+    b->rays[i] = centre_ray(job, tile, place_of(tile, b->active[i]), b);
   pl_tracer_closest(job->tracer, b->rays, b->hits, count, true, true);
   for (size_t i = 0; i < count; i++) {
-    const uint32_t pixel = b->active[i];
-    pl_vertex *point = &b->points[pixel];
+    const place at = place_of(tile, b->active[i]);
+    const int pixel = at.y * PL_TILE_SIDE + at.x;
     const pl_hit *hit = &b->hits[i];
-    if (hit->thing == PL_NOTHING || (point->thing != PL_NOTHING && point->t < hit->t))
+    if (hit->thing == PL_NOTHING || !is_inside(tile, at))
       continue;
-    const pl_beam beam = {.direction = direction_at(b, pixel), .spread = (float)job->pixel_rad};
+    pl_vertex *point = &b->points[pixel];
+    if (point->thing != PL_NOTHING && point->t < hit->t)
+      continue;
+    const pl_beam beam = {.direction = b->rays[i].direction, .spread = (float)job->pixel_rad};
     b->center_hits[pixel] = *hit;
     pl_vertex_locate(job->shot, &beam, hit, true, point);
     pl_vertex_orient(job->shot, &beam, point);
@@ -179,7 +220,7 @@ static void fill_body_points(const job *job, pl_tile tile, const content *conten
 static void fill_points(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
   fill_body_points(job, tile, content, b);
   if (content->meshes)
-    fill_mesh_points(job, list_mesh_pixels(job, tile, b->active), b);
+    fill_mesh_points(job, tile, list_mesh_places(job, tile, b->active), b);
 }
 
 /* A few samples of a blurred outline may all miss it: then nothing says that more are needed. */

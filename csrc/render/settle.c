@@ -258,8 +258,7 @@ static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b
   const pl_vec3 direction = pl_snapshot_ray(context->shot, tile.x0 + x, tile.y0 + y);
   if (pl_vec3_norm(direction) == 0.0)
     return PL_EVERY_BODY;
-  const pl_ray ray = {
-      .t_max = INFINITY, .direction = pl_vec3_to_float(direction), .skip_body = PL_NOTHING};
+  const pl_ray ray = {.t_max = INFINITY, .direction = direction, .skip_body = PL_NOTHING};
   pl_tracer_closest(context->tracer, &ray, &hit, 1, false, false);
   return hit.thing;
 }

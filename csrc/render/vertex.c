@@ -6,16 +6,6 @@
 #include "render/body_surface.h"
 #include "scene/shot_frame.h"
 
-/* `piece`: the triangle's, or NULL. */
-static pl_vec3 corner_of(const pl_shot_object *object, const pl_shot_piece *piece, uint32_t index) {
-  const float *p = object->object->model->positions + 3 * (size_t)index;
-  if (piece != NULL)
-    return pl_vec3_add(piece->origin, pl_mat3_mul_vec(piece->linear, (pl_vec3){p[0], p[1], p[2]}));
-  const pl_vec3 local = pl_vec3_scale(
-      pl_vec3_sub((pl_vec3){p[0], p[1], p[2]}, object->object->offset), object->scale);
-  return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
-}
-
 static void set_weights(pl_vertex *vertex, double u, double v) {
   vertex->w[1] = pl_minf(pl_maxf((float)u, 0.0f), 1.0f);
   vertex->w[2] = pl_minf(pl_maxf((float)v, 0.0f), 1.0f - vertex->w[1]);
@@ -32,7 +22,7 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
   const float *to_view = piece != NULL ? piece->to_view : object->to_view;
   out->edge1 = pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[1]);
   out->edge2 = pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2]);
-  out->ng = pl_vec3f_unit(pl_vec3f_cross(out->edge1, out->edge2));
+  out->ng = pl_vec3f_across(out->edge1, out->edge2);
   if (piece != NULL)
     out->ng = pl_vec3f_scale(out->ng, piece->side);
   out->t = hit->t;
@@ -46,9 +36,12 @@ static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const
                         pl_vertex *out) {
   const uint32_t *corner = object->object->model->indices + 3 * (size_t)hit->triangle;
   const pl_shot_piece *piece = pl_shot_piece_of(object, hit->triangle);
-  const pl_vec3 a = corner_of(object, piece, corner[0]);
-  const pl_vec3 e1 = pl_vec3_sub(corner_of(object, piece, corner[1]), a);
-  const pl_vec3 e2 = pl_vec3_sub(corner_of(object, piece, corner[2]), a);
+  const float *positions = object->object->model->positions;
+  const pl_vec3 a = pl_shot_corner(object, piece, positions + 3 * (size_t)corner[0]);
+  const pl_vec3 e1 =
+      pl_vec3_sub(pl_shot_corner(object, piece, positions + 3 * (size_t)corner[1]), a);
+  const pl_vec3 e2 =
+      pl_vec3_sub(pl_shot_corner(object, piece, positions + 3 * (size_t)corner[2]), a);
   const pl_vec3 normal = pl_vec3_cross(e1, e2);
   const pl_vec3 from = pl_vec3_sub(beam->origin, a);
   const double facing = pl_vec3_dot(normal, beam->direction);
@@ -56,7 +49,7 @@ static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const
   if (!(fabs(facing) > 1e-9 * sqrt(area2)))
     return;
   const double t = -pl_vec3_dot(normal, from) / facing;
-  if (!(fabs(t - out->t) <= 1e-3 * fabs(out->t) + 1e-3))
+  if (!(fabs(t - out->t) <= 1e-3 * object->radius_m))
     return;
   const pl_vec3 p = pl_vec3_madd(from, t, beam->direction);
   out->t = t;
@@ -273,21 +266,23 @@ static pl_vec3f lift(const pl_shot_object *object, const pl_vertex *vertex) {
   return out;
 }
 
+/* How far rays start off a mesh, of its radius: some sixteen roundings of its coordinates. */
+static const double CLEARANCE = 0x1p-20;
+
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,
-                     float t_max) {
+                     double t_max) {
   const bool on_body = vertex->thing >= shot->object_count;
   const float side = pl_vec3f_dot(direction, vertex->surface.ng) < 0.0f ? -1.0f : 1.0f;
-  const pl_vec3f p = pl_vec3_to_float(vertex->position);
-  const float largest = pl_maxf(fabsf(p.x), pl_maxf(fabsf(p.y), fabsf(p.z)));
-  const float offset = on_body ? 0.0f : side * (0x1p-19f * largest + 1e-6f);
-  pl_vec3f origin = pl_vec3f_madd(p, offset, vertex->surface.ng);
+  const double offset =
+      on_body ? 0.0 : (double)side * CLEARANCE * shot->objects[vertex->thing].radius_m;
+  pl_vec3 origin = pl_vec3_madd(vertex->position, offset, pl_vec3f_to_double(vertex->surface.ng));
   const bool outwards = on_shape(shot, vertex->thing) && side > 0.0f;
   if (outwards)
-    origin = pl_vec3f_add(origin, lift(&shot->objects[vertex->thing], vertex));
+    origin = pl_vec3_add(origin, pl_vec3f_to_double(lift(&shot->objects[vertex->thing], vertex)));
   return (pl_ray){
       .origin = origin,
       .t_max = t_max,
-      .direction = direction,
+      .direction = pl_vec3_unit(pl_vec3f_to_double(direction)),
       .skip_body = on_body ? vertex->thing - (uint32_t)shot->object_count : PL_NOTHING,
       .from_thing = vertex->thing,
       .from_triangle = on_body ? 0 : vertex->triangle + 1,

@@ -50,10 +50,10 @@ void pl_vertex_footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f 
 /* Turns the layers of a shaded vertex, whose row is layered, to the viewer's side too. */
 void pl_vertex_face_layers(pl_vertex *vertex);
 
-/* Start of a secondary ray from the vertex towards `direction`: off the surface by a few ulp of the
- * coordinates, for the neighbours in its plane; the triangle itself cannot be hit again. On shapes
- * of bodies from the smooth surface of their normals. */
+/* Start of a secondary ray from the vertex towards `direction`: off the surface by a millionth of
+ * the object's radius, for the neighbours in its plane; the triangle itself cannot be hit again. On
+ * shapes of bodies from the smooth surface of their normals. */
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,
-                     float t_max);
+                     double t_max);
 
 #endif

@@ -16,7 +16,7 @@ pl_graph_point pl_shot_graph_point(const pl_shot_object *object, uint32_t triang
       .edge1 = pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[1]),
       .edge2 = pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2]),
   };
-  pl_vec3f ng = pl_vec3f_unit(pl_vec3f_cross(at.edge1, at.edge2));
+  pl_vec3f ng = pl_vec3f_across(at.edge1, at.edge2);
   if (piece != NULL)
     ng = pl_vec3f_scale(ng, piece->side);
   pl_surface s;

@@ -25,10 +25,8 @@ pl_pose pl_motion_middle(const pl_motion *motion) {
   };
 }
 
-/* Lengths beyond which squares of float coordinates overflow, and so do Embree's (its rays end at
- * 1.8e18). A model may be that many of its own units away, too: rays are turned into them. */
+/* Lengths beyond which squares of float coordinates overflow. */
 #define REACH_M 1e18
-#define REACH_UNITS 1e17
 /* Objects and bodies smaller than this have no float box. */
 #define SIZE_MIN_M 1e-9
 /* Largest radiometric quantity: sums over lights and samples stay finite in float. */
@@ -160,8 +158,7 @@ static pl_status check_movers(const pl_object *object, const pl_object_state *st
   return PL_OK;
 }
 
-static pl_status check_object(const pl_object *object, const pl_object_state *state,
-                              pl_vec3 camera) {
+static pl_status check_object(const pl_object *object, const pl_object_state *state) {
   PL_TRY(check_motion("object", object->name, &state->motion));
   const float *low = object->model->bounds_min, *high = object->model->bounds_max;
   double units = 0.0;
@@ -173,12 +170,6 @@ static pl_status check_object(const pl_object *object, const pl_object_state *st
   if (!(size_m >= SIZE_MIN_M && size_m <= REACH_M))
     return pl_fail(PL_E_RANGE, "object '%s': is %.3g m long, must be %g..%g", object->name, size_m,
                    SIZE_MIN_M, REACH_M);
-  const pl_pose pose = pl_motion_middle(&state->motion);
-  const double distance =
-      pl_vec3_norm(pl_vec3_sub(pose.t, camera)) / (state->scale * object->model->unit);
-  if (!(distance <= REACH_UNITS))
-    return pl_fail(PL_E_RANGE, "object '%s': is %.3g of its model's units away, must be at most %g",
-                   object->name, distance, REACH_UNITS);
   PL_TRY(check_parameters("object", object->name, pl_object_parameter_count(object),
                           state->parameters));
   return check_movers(object, state);
@@ -211,7 +202,7 @@ pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placemen
     PL_TRY(check_body(&scene->bodies[i], &placement->bodies[i]));
   for (size_t i = 0; i < scene->object_count; i++) {
     const pl_object_state state = pl_placement_object(placement, &scene->objects[i], i);
-    PL_TRY(check_object(&scene->objects[i], &state, camera));
+    PL_TRY(check_object(&scene->objects[i], &state));
     if (scene->objects[i].body >= 0)
       PL_TRY(check_outside(&scene->objects[i], &state, camera));
   }

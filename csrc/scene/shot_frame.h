@@ -14,6 +14,16 @@ static inline pl_vec3f pl_shot_edge(const float m[12], const float *from, const 
                        m[2] * x + m[5] * y + m[8] * z);
 }
 
+/* A point of the mesh where it is, camera-relative, m. `piece`: its triangle's, or NULL. */
+static inline pl_vec3 pl_shot_corner(const pl_shot_object *object, const pl_shot_piece *piece,
+                                     const float *p) {
+  if (piece != NULL)
+    return pl_vec3_add(piece->origin, pl_mat3_mul_vec(piece->linear, (pl_vec3){p[0], p[1], p[2]}));
+  const pl_vec3 local = pl_vec3_scale(
+      pl_vec3_sub((pl_vec3){p[0], p[1], p[2]}, object->object->offset), object->scale);
+  return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
+}
+
 /* `tangent` need not be across n; zero, or along n: any frame about n. */
 static inline void pl_surface_set_frame(pl_surface *surface, pl_vec3f n, pl_vec3f tangent,
                                         float handedness) {

@@ -1,5 +1,7 @@
-/* Building and moving Embree scenes. */
+/* Building Embree scenes and placing instances of them. */
 #include "trace/accelerator.h"
+
+#include <stdlib.h>
 
 #include "base/memory.h"
 #include "scene/graph_point.h"
@@ -103,107 +105,184 @@ pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model,
   return PL_OK;
 }
 
-static void remove_instance(pl_tracer *tracer, size_t index) {
-  pl_instance *instance = &tracer->instances[index];
-  if (instance->model == NULL)
-    return;
-  rtcDetachGeometry(tracer->top, (unsigned)index);
-  rtcReleaseGeometry(instance->geometry);
-  *instance = (pl_instance){0};
+size_t pl_accelerator_count(const pl_shot_object *object) {
+  return object->pieces != NULL ? object->piece_count : 1;
 }
 
-static pl_status place_instance(pl_tracer *tracer, size_t index, const pl_model *model,
-                                const float to_view[12], double radius_m) {
-  pl_instance *instance = &tracer->instances[index];
-  if (instance->model != model) {
-    const pl_model_accelerator *kept = NULL;
-    remove_instance(tracer, index);
-    PL_TRY(pl_accelerator_of_model(tracer, model, &kept));
-    instance->geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
-    instance->model = model;
-    instance->coincident = kept->coincident;
-    rtcSetGeometryInstancedScene(instance->geometry, kept->scene);
-    rtcAttachGeometryByID(tracer->top, instance->geometry, (unsigned)index);
-  }
-  instance->radius_m = radius_m;
-  rtcSetGeometryTransform(instance->geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, to_view);
-  rtcCommitGeometry(instance->geometry);
-  tracer->has_meshes = true;
-  tracer->has_coincident |= instance->coincident != NULL;
+static pl_status open_instance(pl_tracer *tracer, const pl_shot_object *object, uint32_t index,
+                               const pl_model *model, pl_instance *out) {
+  const pl_model_accelerator *kept = NULL;
+  PL_TRY(pl_accelerator_of_model(tracer, model, &kept));
+  *out = (pl_instance){.model = model,
+                       .scene = kept->scene,
+                       .coincident = kept->coincident,
+                       .object = index,
+                       .size_m = object->radius_m,
+                       .cuts = pl_object_cuts(object->object)};
   return PL_OK;
 }
 
+static void place_whole(const pl_shot_object *object, pl_instance *out) {
+  pl_mat3 linear = object->rotation;
+  for (int i = 0; i < 3; i++)
+    linear.row[i] = pl_vec3_scale(linear.row[i], object->scale);
+  const pl_vec3 shift = pl_mat3_mul_vec(linear, object->object->offset);
+  pl_instance_place(out, &linear, pl_vec3_sub(object->position, shift), object->center,
+                    object->radius_m);
+}
+
+/* In the sphere about the corners of its own box. */
+static void place_piece(const pl_shot_piece *piece, pl_instance *out) {
+  const float *low = piece->model->bounds_min, *high = piece->model->bounds_max;
+  const pl_vec3 half = {0.5 * ((double)high[0] - low[0]), 0.5 * ((double)high[1] - low[1]),
+                        0.5 * ((double)high[2] - low[2])};
+  const pl_vec3 middle = {low[0] + half.x, low[1] + half.y, low[2] + half.z};
+  double radius_m = 0.0;
+  for (int k = 0; k < 4; k++) { /* the others are opposite */
+    const pl_vec3 corner = {half.x, k & 1 ? half.y : -half.y, k & 2 ? half.z : -half.z};
+    radius_m = fmax(radius_m, pl_vec3_norm(pl_mat3_mul_vec(piece->linear, corner)));
+  }
+  pl_instance_place(out, &piece->linear, piece->origin,
+                    pl_vec3_add(piece->origin, pl_mat3_mul_vec(piece->linear, middle)),
+                    radius_m * (1.0 + 1e-6));
+}
+
+pl_status pl_accelerator_place(pl_tracer *tracer, const pl_shot_object *object, uint32_t index,
+                               pl_instance *out, size_t *count) {
+  *count = 0;
+  if (object->pieces == NULL) {
+    PL_TRY(open_instance(tracer, object, index, object->object->model, out));
+    place_whole(object, &out[(*count)++]);
+    return PL_OK;
+  }
+  for (size_t k = 0; k < object->piece_count; k++) {
+    const pl_shot_piece *piece = &object->pieces[k];
+    if (!piece->present)
+      continue;
+    PL_TRY(open_instance(tracer, object, index, piece->model, &out[*count]));
+    out[*count].first = (uint32_t)object->object->cut->first[k];
+    place_piece(piece, &out[(*count)++]);
+  }
+  return PL_OK;
+}
+
+/* --- the tree of spheres ---------------------------------------------------------------------- */
+
+/* So few spheres are tried one by one: a sphere about them would be one more. */
+enum { SPHERES_IN_LINE = 4 };
+
+/* The sphere about the box of some; each is in it with its own radius. */
+static pl_sphere sphere_about(const pl_sphere *spheres, size_t count) {
+  pl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+  for (size_t i = 0; i < count; i++) {
+    const pl_vec3 c = spheres[i].center;
+    const double r = spheres[i].radius_m;
+    low = (pl_vec3){fmin(low.x, c.x - r), fmin(low.y, c.y - r), fmin(low.z, c.z - r)};
+    high = (pl_vec3){fmax(high.x, c.x + r), fmax(high.y, c.y + r), fmax(high.z, c.z + r)};
+  }
+  pl_sphere out = {.center = pl_vec3_scale(pl_vec3_add(low, high), 0.5), .instance = PL_NOTHING};
+  for (size_t i = 0; i < count; i++) {
+    const double away = pl_vec3_norm(pl_vec3_sub(spheres[i].center, out.center));
+    out.radius_m = fmax(out.radius_m, away + spheres[i].radius_m);
+  }
+  out.radius_m *= 1.0 + 1e-9;
+  return out;
+}
+
+static int order(double a, double b, const pl_sphere *x, const pl_sphere *y) {
+  if (a < b || a > b)
+    return a < b ? -1 : 1;
+  return x->instance < y->instance ? -1 : x->instance > y->instance;
+}
+
+static int by_x(const void *a, const void *b) {
+  const pl_sphere *s = a, *t = b;
+  return order(s->center.x, t->center.x, s, t);
+}
+
+static int by_y(const void *a, const void *b) {
+  const pl_sphere *s = a, *t = b;
+  return order(s->center.y, t->center.y, s, t);
+}
+
+static int by_z(const void *a, const void *b) {
+  const pl_sphere *s = a, *t = b;
+  return order(s->center.z, t->center.z, s, t);
+}
+
+/* Sorts along the axis on which their centres lie farthest apart. */
+static void sort_spheres(pl_sphere *spheres, size_t count) {
+  pl_vec3 low = spheres[0].center, high = low;
+  for (size_t i = 1; i < count; i++) {
+    const pl_vec3 c = spheres[i].center;
+    low = (pl_vec3){fmin(low.x, c.x), fmin(low.y, c.y), fmin(low.z, c.z)};
+    high = (pl_vec3){fmax(high.x, c.x), fmax(high.y, c.y), fmax(high.z, c.z)};
+  }
+  const pl_vec3 wide = pl_vec3_sub(high, low);
+  const bool on_x = wide.x >= wide.y && wide.x >= wide.z;
+  qsort(spheres, count, sizeof *spheres, on_x ? by_x : wide.y >= wide.z ? by_y : by_z);
+}
+
+/* Appends the tree of some spheres, which are sorted on the way, to the tracer's. */
+static void add_tree(pl_tracer *tracer, pl_sphere *spheres, size_t count) {
+  const size_t own = tracer->sphere_count;
+  if (count <= SPHERES_IN_LINE) {
+    for (size_t i = 0; i < count; i++) {
+      pl_sphere *leaf = &tracer->spheres[tracer->sphere_count++];
+      *leaf = spheres[i];
+      leaf->after = (uint32_t)tracer->sphere_count;
+    }
+    return;
+  }
+  tracer->spheres[tracer->sphere_count++] = sphere_about(spheres, count);
+  sort_spheres(spheres, count);
+  add_tree(tracer, spheres, count / 2);
+  add_tree(tracer, spheres + count / 2, count - count / 2);
+  tracer->spheres[own].after = (uint32_t)tracer->sphere_count;
+}
+
+static void build_tree(pl_tracer *tracer) {
+  pl_sphere *leaves = tracer->spheres + 2 * tracer->instance_room;
+  for (size_t i = 0; i < tracer->instance_count; i++)
+    leaves[i] = (pl_sphere){.center = tracer->instances[i].center,
+                            .radius_m = tracer->instances[i].radius_m,
+                            .instance = (uint32_t)i};
+  tracer->sphere_count = 0;
+  add_tree(tracer, leaves, tracer->instance_count);
+}
+
+/* --- a frame ---------------------------------------------------------------------------------- */
+
 static pl_status grow(pl_tracer *tracer, size_t count) {
-  if (count <= tracer->instance_count)
+  if (count <= tracer->instance_room)
     return PL_OK;
   pl_instance *instances = pl_realloc(tracer->instances, count, sizeof *instances);
   if (instances != NULL)
     tracer->instances = instances;
-  pl_piece_owner *owners = pl_realloc(tracer->owners, count, sizeof *owners);
-  if (owners != NULL)
-    tracer->owners = owners;
-  if (instances == NULL || owners == NULL)
+  /* A tree has fewer inner spheres than leaves; behind it the leaves are sorted. */
+  pl_sphere *spheres = pl_realloc(tracer->spheres, 3 * count, sizeof *spheres);
+  if (spheres != NULL)
+    tracer->spheres = spheres;
+  if (instances == NULL || spheres == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for instances");
-  for (size_t i = tracer->instance_count; i < count; i++)
-    instances[i] = (pl_instance){0};
-  tracer->instance_count = count;
+  tracer->instance_room = count;
   return PL_OK;
-}
-
-/* Piece 0 takes the object's own instance, the others those from `next` on. */
-static pl_status place_pieces(pl_tracer *tracer, size_t index, const pl_shot_object *object,
-                              size_t next) {
-  for (size_t k = 0; k < object->piece_count; k++) {
-    const pl_shot_piece *piece = &object->pieces[k];
-    const size_t at = k == 0 ? index : next + k - 1;
-    tracer->owners[at] = (pl_piece_owner){(uint32_t)index, (uint32_t)object->object->cut->first[k]};
-    if (object->kept && piece->present)
-      PL_TRY(place_instance(tracer, at, piece->model, piece->to_view, object->radius_m));
-    else
-      remove_instance(tracer, at);
-  }
-  return PL_OK;
-}
-
-/* Instances of objects that have later ones within their spheres: only there may faces of two
- * objects lie in one place. */
-static void find_overlaps(pl_tracer *tracer, const pl_snapshot *shot) {
-  for (size_t i = 0; i < shot->object_count; i++) {
-    const pl_shot_object *a = &shot->objects[i];
-    bool overlapped = false;
-    for (size_t j = i + 1; a->kept && !overlapped && j < shot->object_count; j++) {
-      const pl_shot_object *b = &shot->objects[j];
-      const double reach = (1.0 + 1e-6) * (a->radius_m + b->radius_m);
-      overlapped = b->kept && pl_vec3_norm(pl_vec3_sub(a->center, b->center)) <= reach;
-    }
-    tracer->instances[i].overlapped = overlapped;
-    tracer->has_coincident |= overlapped;
-  }
 }
 
 pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) {
-  size_t used = snapshot->object_count;
+  size_t most = 0;
+  tracer->instance_count = tracer->sphere_count = 0;
   for (size_t i = 0; i < snapshot->object_count; i++)
-    used += pl_object_mover_count(snapshot->objects[i].object);
-  PL_TRY(grow(tracer, used));
-  for (size_t i = used; i < tracer->instance_count; i++)
-    remove_instance(tracer, i);
-  tracer->has_meshes = tracer->has_cuts = tracer->has_coincident = false;
-  tracer->has_pieces = used > snapshot->object_count;
-  tracer->object_count = used = snapshot->object_count;
+    most += pl_accelerator_count(&snapshot->objects[i]);
+  PL_TRY(grow(tracer, most));
   for (size_t i = 0; i < snapshot->object_count; i++) {
-    const pl_shot_object *object = &snapshot->objects[i];
-    tracer->has_cuts |= object->kept && pl_object_cuts(object->object);
-    if (object->pieces != NULL) {
-      PL_TRY(place_pieces(tracer, i, object, used));
-      used += pl_object_mover_count(object->object);
-    } else if (object->kept) {
-      PL_TRY(place_instance(tracer, i, object->object->model, object->to_view, object->radius_m));
-    } else {
-      remove_instance(tracer, i);
-    }
+    size_t count;
+    if (!snapshot->objects[i].kept)
+      continue;
+    PL_TRY(pl_accelerator_place(tracer, &snapshot->objects[i], (uint32_t)i,
+                                tracer->instances + tracer->instance_count, &count));
+    tracer->instance_count += count;
   }
-  find_overlaps(tracer, snapshot);
-  rtcCommitScene(tracer->top);
-  return pl_accelerator_check(tracer, "placing instances");
+  build_tree(tracer);
+  return PL_OK;
 }

@@ -1,9 +1,8 @@
-/* Embree scenes: one per model, kept, and one of instances, moved every frame. */
+/* Embree scenes of models, kept, and the instances of a frame in a tree of spheres. */
 #ifndef PL_TRACE_ACCELERATOR_H
 #define PL_TRACE_ACCELERATOR_H
 
-#include "trace/embree.h"
-#include "trace/tracer.h"
+#include "trace/instance.h"
 
 typedef struct pl_model_accelerator {
   const pl_model *model; /* borrowed; the key */
@@ -11,50 +10,35 @@ typedef struct pl_model_accelerator {
   uint8_t *coincident;   /* owned; see trace/coincident.h */
 } pl_model_accelerator;
 
-typedef struct pl_instance {
-  const pl_model *model;     /* what `geometry` instances now; NULL when absent */
-  RTCGeometry geometry;      /* owned; attached under its own index while present */
-  const uint8_t *coincident; /* of the model; NULL for none */
-  double radius_m;           /* of the object */
-  bool overlapped;           /* the sphere of a later object reaches into the object's */
-} pl_instance;
-
-/* Whose triangles an instance beyond those of the objects holds. */
-typedef struct pl_piece_owner {
-  uint32_t object, first; /* first: triangle of the object's model */
-} pl_piece_owner;
+/* A sphere about one instance, or about all spheres up to `after`. */
+typedef struct pl_sphere {
+  pl_vec3 center; /* camera-relative, m */
+  double radius_m;
+  uint32_t after;    /* index of the first sphere that is not inside this one */
+  uint32_t instance; /* PL_NOTHING: of several */
+} pl_sphere;
 
 struct pl_tracer {
   RTCDevice device;
-  RTCScene top;                 /* instances: of objects by index, then of their moving pieces */
   pl_model_accelerator *models; /* owned */
   size_t model_count;
-  pl_instance *instances; /* owned, one per object, then one per moving piece */
-  size_t instance_count;
-  pl_piece_owner *owners;      /* owned, `instance_count`: of instances from object_count on */
-  size_t object_count;         /* of the snapshot */
-  bool has_pieces;             /* there are instances of moving pieces */
+  pl_instance *instances; /* owned: those of the snapshot that are present */
+  size_t instance_count, instance_room;
+  pl_sphere *spheres; /* owned; a tree: each is followed by all that is in it */
+  size_t sphere_count;
   const pl_snapshot *snapshot; /* borrowed */
-  bool has_meshes;             /* the top scene holds an instance */
-  bool has_coincident;         /* faces of models, or of two objects, may lie in one place */
-  bool has_cuts;               /* graphs may cut holes into some of them */
 };
-
-/* Hits of moving pieces, named as Embree does, become those of their objects. */
-static inline void pl_tracer_name_owner(const pl_tracer *tracer, uint32_t *thing,
-                                        uint32_t *triangle) {
-  if (*thing < tracer->object_count)
-    return;
-  const pl_piece_owner owner = tracer->owners[*thing];
-  *thing = owner.object;
-  *triangle += owner.first;
-}
 
 /* PL_E_DEVICE with Embree's error if there is one pending. */
 pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing);
 /* The model's own accelerator, built when first asked for and kept; valid until the next call. */
 pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model,
                                   const pl_model_accelerator **out);
+/* Instances of an object: itself or its pieces. */
+size_t pl_accelerator_count(const pl_shot_object *object);
+/* Fills those that are present; *count says how many. `index`: of the object. */
+pl_status pl_accelerator_place(pl_tracer *tracer, const pl_shot_object *object, uint32_t index,
+                               pl_instance *out, size_t *count);
 pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot);
 
 #endif

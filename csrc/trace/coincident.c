@@ -11,10 +11,8 @@
 static const double NORMAL_STEP = 1e-3, DISTANCE_STEP = 1e-5, SHIFT = 0.3819660113;
 /* Parts of a plane that are told apart; of more, all count as overlapping. */
 enum { PARTS_MAX = 32 };
-/* Surfaces so near along a ray, over its length and the object's size, are one: faces that lie in
- * one plane of a model, where rounding of the plane counts too, and any of two objects, each of
- * which rounds by a few units in the last place. */
-static const float WITHIN_MODEL = 0x1p-18f, WITHIN_OBJECTS = 0x1p-20f;
+/* Surfaces so near along a ray, over its length in mesh units and 1, are one. */
+static const float WITHIN = 0x1p-18f;
 
 typedef struct face {
   uint64_t plane;
@@ -167,97 +165,47 @@ pl_status pl_coincident_find(const pl_model *model, uint8_t **out) {
 /* --- hits ------------------------------------------------------------------------------------- */
 
 typedef struct search {
-  const pl_tracer *tracer;
+  const uint8_t *marks;
   pl_candidate_fn counts;
   const void *context;
-  float from, to;  /* distances between which surfaces of two objects are one */
-  uint32_t first;  /* object that was hit */
-  uint32_t object; /* of the best */
-  pl_hit *best;    /* names an instance */
+  pl_mesh_hit *best;
 } search;
-
-/* Of the same object later triangles of coincident planes, of two objects the later one. Where two
- * triangles of a later object are met, as on their edge, the nearer. */
-static bool is_better(const search *search, uint32_t instance, uint32_t object, uint32_t triangle,
-                      float t) {
-  const pl_hit *best = search->best;
-  if (instance == best->thing) {
-    const uint8_t *marks = search->tracer->instances[instance].coincident;
-    if (marks != NULL && marks[triangle] != 0 && marks[best->triangle] != 0)
-      return triangle > best->triangle;
-  }
-  if (object == search->first || t < search->from || t > search->to)
-    return false;
-  return object > search->object || (object == search->object && t < best->t);
-}
 
 /* Looks at every candidate and takes none, so that Embree shows them all. */
 static void look(const struct RTCFilterFunctionNArguments *arguments) {
-  const void *user = ((const pl_embree_query *)(const void *)arguments->context)->user;
-  search *search = (void *)(uintptr_t)user;
+  const search *search = ((const pl_embree_query *)(const void *)arguments->context)->user;
   const unsigned n = arguments->N;
   for (unsigned i = 0; i < n; i++) {
+    const uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
     if (arguments->valid[i] == 0)
       continue;
     arguments->valid[i] = 0;
-    const uint32_t instance = pl_embree_hit_instance(arguments->hit, n, i);
-    const uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
-    const float t = pl_embree_ray_far(arguments->ray, n, i);
-    uint32_t object = instance, whole = triangle;
-    pl_tracer_name_owner(search->tracer, &object, &whole);
-    if (!is_better(search, instance, object, triangle, t) ||
+    if (triangle <= search->best->triangle || search->marks[triangle] == 0 ||
         !search->counts(search->context, arguments, i))
       continue;
-    search->object = object;
-    *search->best = (pl_hit){instance, triangle, t, pl_embree_hit_u(arguments->hit, n, i),
-                             pl_embree_hit_v(arguments->hit, n, i)};
+    search->best->triangle = triangle;
+    search->best->u = pl_embree_hit_u(arguments->hit, n, i);
+    search->best->v = pl_embree_hit_v(arguments->hit, n, i);
+    search->best->t = pl_embree_ray_far(arguments->ray, n, i);
   }
 }
 
-/* Whether a later object may have a surface where the ray meets this one's. */
-static bool meets_later(const pl_tracer *tracer, uint32_t object, const pl_ray *ray, float t,
-                        float within) {
-  const pl_snapshot *shot = tracer->snapshot;
-  const pl_vec3f p = pl_vec3f_madd(ray->origin, t, ray->direction);
-  for (size_t k = object + 1; k < shot->object_count; k++) {
-    const pl_shot_object *later = &shot->objects[k];
-    if (later->kept && pl_vec3_norm(pl_vec3_sub(pl_vec3f_to_double(p), later->center)) <=
-                           later->radius_m + (double)within)
-      return true;
-  }
-  return false;
-}
-
-void pl_coincident_settle(const pl_tracer *tracer, const pl_ray *ray, pl_candidate_fn counts,
-                          const void *context, pl_hit *hit) {
-  const pl_instance *instance = &tracer->instances[hit->thing];
-  uint32_t object = hit->thing, triangle = hit->triangle;
-  pl_tracer_name_owner(tracer, &object, &triangle);
-  const float size = (float)instance->radius_m;
-  const float between = WITHIN_OBJECTS * (hit->t + size);
-  const bool marked = instance->coincident != NULL && instance->coincident[hit->triangle] != 0;
-  if (!marked &&
-      !(tracer->instances[object].overlapped && meets_later(tracer, object, ray, hit->t, between)))
+void pl_coincident_settle(const pl_instance *instance, const pl_lone_approach *at,
+                          pl_candidate_fn counts, const void *context, pl_mesh_hit *hit) {
+  if (instance->coincident[hit->triangle] == 0)
     return;
-  const float within = marked ? WITHIN_MODEL * (hit->t + size) : between;
-  struct RTCRayHit query = {.ray = {.org_x = ray->origin.x,
-                                    .org_y = ray->origin.y,
-                                    .org_z = ray->origin.z,
-                                    .dir_x = ray->direction.x,
-                                    .dir_y = ray->direction.y,
-                                    .dir_z = ray->direction.z,
+  const float within = WITHIN * (hit->t + 1.0f);
+  struct RTCRayHit query = {.ray = {.org_x = at->origin.x,
+                                    .org_y = at->origin.y,
+                                    .org_z = at->origin.z,
+                                    .dir_x = at->direction.x,
+                                    .dir_y = at->direction.y,
+                                    .dir_z = at->direction.z,
                                     .tnear = pl_maxf(hit->t - within, 0.0f),
                                     .tfar = hit->t + within,
                                     .mask = UINT32_MAX}};
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  search search = {.tracer = tracer,
-                   .counts = counts,
-                   .context = context,
-                   .from = hit->t - between,
-                   .to = hit->t + between,
-                   .first = object,
-                   .object = object,
-                   .best = hit};
+  const search search = {instance->coincident, counts, context, hit};
   pl_embree_query way = {.filter = look, .user = &search};
-  pl_embree_intersect1(tracer->top, &way, &query);
+  pl_embree_intersect1(instance->scene, &way, &query);
 }

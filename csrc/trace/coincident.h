@@ -1,5 +1,4 @@
-/* Faces in one place, as of a decal on a hull: the later one is hit, of one model or of two
- * objects. */
+/* Faces of a model in one place, as of a decal on a hull: the later face is the one that is hit. */
 #ifndef PL_TRACE_COINCIDENT_H
 #define PL_TRACE_COINCIDENT_H
 
@@ -9,14 +8,19 @@
  * where none does. Free with pl_free. */
 pl_status pl_coincident_find(const pl_model *model, uint8_t **out);
 
+/* A hit on an instance, in its own triangles and units. */
+typedef struct pl_mesh_hit {
+  uint32_t triangle;
+  float t, u, v; /* t: from where the ray came to it */
+} pl_mesh_hit;
+
 /* Whether candidate `i` of a query counts for its rays, which the context tells. */
 typedef bool (*pl_candidate_fn)(const void *context,
                                 const struct RTCFilterFunctionNArguments *arguments, unsigned i);
 
-/* Replaces a hit by one within rounding of it along the ray: on a later object, or on the last such
- * triangle of its instance. Only candidates that count, holes of graphs do not. `hit` names the
- * instance, as Embree does. */
-void pl_coincident_settle(const pl_tracer *tracer, const pl_ray *ray, pl_candidate_fn counts,
-                          const void *context, pl_hit *hit);
+/* Replaces a hit on such a triangle by the last of its instance's within rounding of it along the
+ * ray, which came to it as `at` says. Only candidates that count: holes of graphs do not. */
+void pl_coincident_settle(const pl_instance *instance, const pl_lone_approach *at,
+                          pl_candidate_fn counts, const void *context, pl_mesh_hit *hit);
 
 #endif

@@ -25,9 +25,6 @@ static inline int pl_embree_from_behind(const struct RTCRayN *ray, const struct 
 static inline unsigned pl_embree_hit_triangle(const struct RTCHitN *hit, unsigned n, unsigned i) {
   return ((const unsigned *)hit)[5 * n + i];
 }
-static inline unsigned pl_embree_hit_instance(const struct RTCHitN *hit, unsigned n, unsigned i) {
-  return ((const unsigned *)hit)[7 * n + i];
-}
 /* Distance of a candidate hit. */
 static inline float pl_embree_ray_far(const struct RTCRayN *ray, unsigned n, unsigned i) {
   return ((const float *)ray)[8 * n + i];

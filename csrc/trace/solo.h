@@ -14,8 +14,8 @@ void pl_solo_destroy(pl_solo *solo); /* NULL is allowed */
 pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object);
 
 /* hits[i] is whether the ray from the camera along the unit direction i (root axes) meets the
- * object. Thread-safe. Directions go as packets of neighbours, through the same instance transform
- * and the same filters as in pl_tracer_closest. */
-void pl_solo_cast(const pl_solo *solo, const pl_vec3f *directions, bool *hits, size_t count);
+ * object. Thread-safe. Directions go as packets of neighbours, by the same ways to the object and
+ * with the same filters as in pl_tracer_closest. */
+void pl_solo_cast(const pl_solo *solo, const pl_vec3 *directions, bool *hits, size_t count);
 
 #endif

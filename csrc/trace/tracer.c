@@ -1,4 +1,4 @@
-/* Casting rays: meshes first, then the few bodies, nearest wins. */
+/* Casting rays: at each mesh that they come near to, then at the few bodies; the nearest wins. */
 #include "trace/tracer.h"
 
 #include <stdio.h>
@@ -9,8 +9,6 @@
 #include "scene/shot_frame.h"
 #include "trace/accelerator.h"
 #include "trace/coincident.h"
-
-enum { PACKET = 8 };
 
 #define PL_TEXT_OF(x) #x
 #define PL_TEXT(x) PL_TEXT_OF(x)
@@ -29,10 +27,7 @@ pl_status pl_tracer_create(pl_tracer **out) {
     pl_free(tracer);
     return pl_fail(PL_E_DEVICE, "Embree cannot open a device (error %d)", error);
   }
-  tracer->top = rtcNewScene(tracer->device);
-  rtcSetSceneFlags(tracer->top,
-                   RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC | PL_EMBREE_QUERY_FILTERS);
-  const pl_status status = pl_accelerator_check(tracer, "opening a scene");
+  const pl_status status = pl_accelerator_check(tracer, "opening a device");
   if (status != PL_OK)
     pl_tracer_destroy(tracer);
   else
@@ -48,16 +43,11 @@ static void free_model(pl_model_accelerator *model) {
 void pl_tracer_destroy(pl_tracer *tracer) {
   if (tracer == NULL)
     return;
-  for (size_t i = 0; i < tracer->instance_count; i++)
-    if (tracer->instances[i].model != NULL)
-      rtcReleaseGeometry(tracer->instances[i].geometry);
-  if (tracer->top != NULL)
-    rtcReleaseScene(tracer->top);
   for (size_t i = 0; i < tracer->model_count; i++)
     free_model(&tracer->models[i]);
   rtcReleaseDevice(tracer->device);
   pl_free(tracer->instances);
-  pl_free(tracer->owners);
+  pl_free(tracer->spheres);
   pl_free(tracer->models);
   pl_free(tracer);
 }
@@ -69,80 +59,107 @@ pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot) {
   return PL_OK;
 }
 
-/* The rays of a query: what its filter needs to know. */
-typedef struct origins {
+/* What a query's filter needs to know: the rays, in metres, and where they are now. */
+typedef struct visit {
   const pl_tracer *tracer;
+  const pl_instance *instance;
   const pl_ray *rays; /* by the number that each has in the query */
-} origins;
+  const double *start_m, *per_metre;
+} visit;
 
 /* Whether ray `i`, which leaves the mesh that it meets, passes that here: it comes out of the
  * facet, or would of the smooth surface of the normals. */
-static bool is_left(const origins *origins, const struct RTCFilterFunctionNArguments *arguments,
+static bool is_left(const visit *visit, const struct RTCFilterFunctionNArguments *arguments,
                     unsigned i, uint32_t triangle) {
-  const unsigned n = arguments->N;
-  const pl_ray *ray = &origins->rays[pl_embree_ray_id(arguments->ray, n, i)];
-  if (!(pl_embree_ray_far(arguments->ray, n, i) < ray->leaves))
+  const unsigned n = arguments->N, id = pl_embree_ray_id(arguments->ray, n, i);
+  const pl_ray *ray = &visit->rays[id];
+  const double far = (double)pl_embree_ray_far(arguments->ray, n, i);
+  if (!(visit->start_m[id] + far / visit->per_metre[id] < (double)ray->leaves))
     return false;
   if (pl_embree_from_behind(arguments->ray, arguments->hit, n, i))
     return true;
-  const pl_shot_object *object = &origins->tracer->snapshot->objects[ray->from_thing];
+  const pl_shot_object *object = &visit->tracer->snapshot->objects[ray->from_thing];
   const pl_model *model = object->object->model;
   const float u = pl_embree_hit_u(arguments->hit, n, i), v = pl_embree_hit_v(arguments->hit, n, i);
   const float w[3] = {1.0f - u - v, u, v};
   const pl_vec3f normal = pl_shot_mix3(model->normals, 3, model->indices + 3 * (size_t)triangle, w);
-  return pl_vec3f_dot(pl_shot_rotate(&object->rotation, normal), ray->direction) > 0.0f;
+  return pl_vec3f_dot(pl_shot_rotate(&object->rotation, normal), pl_vec3_to_float(ray->direction)) >
+         0.0f;
 }
 
 /* Whether ray `i` meets what it can. Not the triangle that it starts on: however far the origin is
- * put off the surface, rounding in large coordinates, or in those of a scaled instance, can put it
- * behind again. Nor where a graph leaves no surface. */
+ * put off the surface, rounding in the units of a long mesh can put it behind again. Nor where a
+ * graph leaves no surface. */
 static bool counts(const void *context, const struct RTCFilterFunctionNArguments *arguments,
                    unsigned i) {
-  const origins *origins = context;
-  const pl_tracer *tracer = origins->tracer;
+  const visit *visit = context;
+  const pl_instance *instance = visit->instance;
   const unsigned n = arguments->N;
-  const pl_ray *ray = &origins->rays[pl_embree_ray_id(arguments->ray, n, i)];
-  uint32_t thing = pl_embree_hit_instance(arguments->hit, n, i);
-  uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
-  pl_tracer_name_owner(tracer, &thing, &triangle);
-  if (thing == ray->from_thing &&
-      (triangle + 1 == ray->from_triangle || is_left(origins, arguments, i, triangle)))
+  const pl_ray *ray = &visit->rays[pl_embree_ray_id(arguments->ray, n, i)];
+  const uint32_t triangle = instance->first + pl_embree_hit_triangle(arguments->hit, n, i);
+  if (instance->object == ray->from_thing &&
+      (triangle + 1 == ray->from_triangle || is_left(visit, arguments, i, triangle)))
     return false;
-  return !tracer->has_cuts ||
-         pl_shot_is_there(&tracer->snapshot->objects[thing], triangle,
+  return !instance->cuts ||
+         pl_shot_is_there(&visit->tracer->snapshot->objects[instance->object], triangle,
                           pl_embree_hit_u(arguments->hit, n, i),
-                          pl_embree_hit_v(arguments->hit, n, i), ray->direction);
+                          pl_embree_hit_v(arguments->hit, n, i), pl_vec3_to_float(ray->direction));
 }
 
 static void sort_out(const struct RTCFilterFunctionNArguments *arguments) {
-  const origins *origins = ((const pl_embree_query *)(const void *)arguments->context)->user;
+  const visit *visit = ((const pl_embree_query *)(const void *)arguments->context)->user;
   for (unsigned i = 0; i < arguments->N; i++)
-    if (arguments->valid[i] != 0 && !counts(origins, arguments, i))
+    if (arguments->valid[i] != 0 && !counts(visit, arguments, i))
       arguments->valid[i] = 0;
 }
 
 /* A query over `count` rays; without a filter where there are no holes and no ray starts on a
- * triangle. */
-static pl_embree_query query_of(const origins *origins, size_t count) {
-  pl_embree_query query = {.user = origins, .filter = origins->tracer->has_cuts ? sort_out : NULL};
+ * triangle of what it meets. */
+static pl_embree_query query_of(const visit *visit, size_t count) {
+  pl_embree_query query = {.user = visit, .filter = visit->instance->cuts ? sort_out : NULL};
   for (size_t i = 0; i < count; i++)
-    if (origins->rays[i].from_triangle != 0)
+    if (visit->rays[i].from_triangle != 0 && visit->rays[i].from_thing == visit->instance->object)
       query.filter = sort_out;
   return query;
 }
 
-static void fill_ray8(struct RTCRay8 *packet, const pl_ray *rays, size_t count, int *valid) {
-  for (size_t i = 0; i < PACKET; i++) {
-    const pl_ray *ray = &rays[i < count ? i : 0];
-    valid[i] = i < count ? -1 : 0;
-    packet->org_x[i] = ray->origin.x;
-    packet->org_y[i] = ray->origin.y;
-    packet->org_z[i] = ray->origin.z;
-    packet->dir_x[i] = ray->direction.x;
-    packet->dir_y[i] = ray->direction.y;
-    packet->dir_z[i] = ray->direction.z;
-    packet->tnear[i] = 0.0f;
-    packet->tfar[i] = ray->t_max;
+/* Faces of two objects within this part of their sizes along a ray are in one place. */
+#define ONE_PLACE 0x1p-19
+/* A ray that starts on an object may start on a face of another in the same place, too: it cannot
+ * meet what is so near, mesh units. */
+static const float TOUCHING = 0x1p-20f;
+
+/* How far a hit on an instance may be to count before the best so far, m: on a later object that is
+ * in the same place it may even be a little farther. */
+static double limit_of(const pl_tracer *tracer, const pl_instance *instance, const pl_hit *best,
+                       double t_max) {
+  if (best->thing == PL_NOTHING)
+    return t_max;
+  const bool same = best->thing == instance->object;
+  const double size = instance->size_m + tracer->snapshot->objects[best->thing].radius_m;
+  const bool later = same ? instance->first > best->triangle : instance->object > best->thing;
+  return best->t + (later ? size : -size) * (same ? 0.5 * ONE_PLACE : ONE_PLACE);
+}
+
+static float near_of(const pl_ray *ray, const pl_instance *instance, double start_m) {
+  const bool touches =
+      start_m == 0.0 && ray->from_triangle != 0 && ray->from_thing != instance->object;
+  return touches ? TOUCHING : 0.0f;
+}
+
+static void fill_ray8(struct RTCRay8 *packet, const pl_approach *at, const pl_entry *entry,
+                      const double *limit_m, const pl_ray *rays, size_t count,
+                      const pl_instance *instance) {
+  for (size_t i = 0; i < PL_PACKET; i++) {
+    const double way_m = limit_m[i] - entry->start_m[i];
+    packet->org_x[i] = at->origin[0][i];
+    packet->org_y[i] = at->origin[1][i];
+    packet->org_z[i] = at->origin[2][i];
+    packet->dir_x[i] = at->direction[0][i];
+    packet->dir_y[i] = at->direction[1][i];
+    packet->dir_z[i] = at->direction[2][i];
+    packet->tnear[i] = near_of(&rays[i < count ? i : 0], instance, entry->start_m[i]);
+    packet->tfar[i] = (float)(way_m * at->per_metre[i]);
     packet->time[i] = 0.0f;
     packet->mask[i] = UINT32_MAX;
     packet->id[i] = (unsigned)(i < count ? i : 0);
@@ -150,55 +167,112 @@ static void fill_ray8(struct RTCRay8 *packet, const pl_ray *rays, size_t count, 
   }
 }
 
-static void closest_packet(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits,
-                           size_t count) {
-  struct RTCRayHit8 packet;
-  _Alignas(32) int valid[PACKET];
-  fill_ray8(&packet.ray, rays, count, valid);
-  for (int i = 0; i < PACKET; i++)
-    packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-  const origins origins = {tracer, rays};
-  pl_embree_query query = query_of(&origins, count);
-  pl_embree_intersect8(valid, tracer->top, &query, &packet);
+/* Makes a hit on an instance the ray's, if it is. `hit->t`: from where the ray came to it. */
+static void take(const pl_tracer *tracer, const pl_instance *instance, const pl_ray *ray,
+                 const pl_lone_approach *at, double limit_m, pl_mesh_hit *hit, pl_hit *best) {
+  if (instance->coincident != NULL) {
+    const visit visit = {tracer, instance, ray, &at->start_m, &at->per_metre};
+    pl_coincident_settle(instance, at, counts, &visit, hit);
+  }
+  const double t = at->start_m + (double)hit->t / at->per_metre;
+  if (t <= limit_m)
+    *best = (pl_hit){.thing = instance->object,
+                     .triangle = instance->first + hit->triangle,
+                     .u = hit->u,
+                     .v = hit->v,
+                     .t = t};
+}
+
+static void closest_packet_in(const pl_tracer *tracer, const pl_instance *instance,
+                              const pl_ray *rays, pl_hit *hits, size_t count, pl_packet *packet,
+                              const pl_entry *entry) {
+  struct RTCRayHit8 query;
+  pl_approach at;
+  double limit_m[PL_PACKET];
+  pl_packet_approach(packet, instance, entry, &at);
+  for (size_t i = 0; i < PL_PACKET; i++)
+    limit_m[i] = i < count ? limit_of(tracer, instance, &hits[i], rays[i].t_max) : -1.0;
+  fill_ray8(&query.ray, &at, entry, limit_m, rays, count, instance);
+  for (int i = 0; i < PL_PACKET; i++)
+    query.hit.geomID[i] = query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  const visit visit = {tracer, instance, rays, entry->start_m, at.per_metre};
+  pl_embree_query way = query_of(&visit, count);
+  pl_embree_intersect8(entry->valid, instance->scene, &way, &query);
   for (size_t i = 0; i < count; i++) {
-    if (packet.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
+    if (entry->valid[i] == 0 || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
       continue;
-    hits[i] = (pl_hit){packet.hit.instID[0][i], packet.hit.primID[i], packet.ray.tfar[i],
-                       packet.hit.u[i], packet.hit.v[i]};
+    const pl_lone_approach lone = {
+        {at.origin[0][i], at.origin[1][i], at.origin[2][i]},
+        {at.direction[0][i], at.direction[1][i], at.direction[2][i]},
+        entry->start_m[i],
+        at.per_metre[i],
+    };
+    pl_mesh_hit hit = {query.hit.primID[i], query.ray.tfar[i], query.hit.u[i], query.hit.v[i]};
+    take(tracer, instance, &rays[i], &lone, limit_m[i], &hit, &hits[i]);
+    packet->limit[i] = hits[i].t;
   }
 }
 
-static struct RTCRay single_ray(const pl_ray *ray) {
+static void closest_packet(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits,
+                           size_t count) {
+  pl_packet packet;
+  pl_entry entry;
+  pl_packet_fill(&packet, rays, count);
+  for (size_t k = 0; k < tracer->sphere_count;) {
+    const pl_sphere *sphere = &tracer->spheres[k];
+    const bool entered = pl_packet_enter(&packet, sphere->center, sphere->radius_m, &entry);
+    if (entered && sphere->instance != PL_NOTHING)
+      closest_packet_in(tracer, &tracer->instances[sphere->instance], rays, hits, count, &packet,
+                        &entry);
+    k = entered ? k + 1 : sphere->after;
+  }
+}
+
+static struct RTCRay single_ray(const pl_lone_approach *at, float near, double limit_m) {
   return (struct RTCRay){
-      .org_x = ray->origin.x,
-      .org_y = ray->origin.y,
-      .org_z = ray->origin.z,
-      .dir_x = ray->direction.x,
-      .dir_y = ray->direction.y,
-      .dir_z = ray->direction.z,
-      .tnear = 0.0f,
-      .tfar = ray->t_max,
+      .org_x = at->origin.x,
+      .org_y = at->origin.y,
+      .org_z = at->origin.z,
+      .dir_x = at->direction.x,
+      .dir_y = at->direction.y,
+      .dir_z = at->direction.z,
+      .tnear = near,
+      .tfar = (float)((limit_m - at->start_m) * at->per_metre),
       .mask = UINT32_MAX,
   };
 }
 
-static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *hit) {
-  struct RTCRayHit query = {.ray = single_ray(ray)};
+static void closest_single_in(const pl_tracer *tracer, const pl_instance *instance,
+                              const pl_ray *ray, double start_m, pl_hit *best) {
+  const pl_lone_approach at = pl_ray_approach(ray, instance, start_m);
+  const double limit_m = limit_of(tracer, instance, best, ray->t_max);
+  struct RTCRayHit query = {.ray = single_ray(&at, near_of(ray, instance, start_m), limit_m)};
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  const origins origins = {tracer, ray};
-  pl_embree_query way = query_of(&origins, 1);
-  pl_embree_intersect1(tracer->top, &way, &query);
+  const visit visit = {tracer, instance, ray, &at.start_m, &at.per_metre};
+  pl_embree_query way = query_of(&visit, 1);
+  pl_embree_intersect1(instance->scene, &way, &query);
+  pl_mesh_hit hit = {query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
   if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-    *hit =
-        (pl_hit){query.hit.instID[0], query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
+    take(tracer, instance, ray, &at, limit_m, &hit, best);
 }
 
-/* Distance to a body, or infinity. The bounding sphere is tried first, with room for the rounding
- * of a direction that is unit in float. */
+static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *hit) {
+  for (size_t k = 0; k < tracer->sphere_count;) {
+    const pl_sphere *sphere = &tracer->spheres[k];
+    const double limit_m = hit->thing != PL_NOTHING ? hit->t : ray->t_max;
+    double start_m;
+    const bool entered = pl_ray_enter(ray, limit_m, sphere->center, sphere->radius_m, &start_m);
+    if (entered && sphere->instance != PL_NOTHING)
+      closest_single_in(tracer, &tracer->instances[sphere->instance], ray, start_m, hit);
+    k = entered ? k + 1 : sphere->after;
+  }
+}
+
+/* Distance to a body, or infinity. The bounding sphere is tried first, with room for rounding. */
 static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
   if (body->shape != NULL)
     return INFINITY;
-  const pl_vec3 o = pl_vec3f_to_double(ray->origin), d = pl_vec3f_to_double(ray->direction);
+  const pl_vec3 o = ray->origin, d = ray->direction;
   const pl_vec3 to_center = pl_vec3_sub(body->center, o);
   const double along = pl_vec3_dot(to_center, d), square = pl_vec3_dot(to_center, to_center);
   const double reach = body->radius_m * body->radius_m * (1.0 + 1e-6) + 1e-6 * square;
@@ -219,65 +293,79 @@ static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit
     const double t = body_distance(&shot->bodies[b], ray);
     const double limit = hit->thing != PL_NOTHING ? hit->t : ray->t_max;
     if (t < limit)
-      *hit = (pl_hit){.thing = (uint32_t)(shot->object_count + b), .t = (float)t};
+      *hit = (pl_hit){.thing = (uint32_t)(shot->object_count + b), .t = t};
   }
-}
-
-/* Of coincident faces the last is hit, whatever rounding says. */
-static void settle_coincident(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits,
-                              size_t count) {
-  for (size_t i = 0; i < count; i++) {
-    const origins origins = {tracer, &rays[i]};
-    if (hits[i].thing != PL_NOTHING)
-      pl_coincident_settle(tracer, &rays[i], counts, &origins, &hits[i]);
-  }
-}
-
-/* Hits of moving pieces become hits of their objects. */
-static void name_owners(const pl_tracer *tracer, pl_hit *hits, size_t count) {
-  for (size_t i = 0; i < count; i++)
-    if (hits[i].thing != PL_NOTHING)
-      pl_tracer_name_owner(tracer, &hits[i].thing, &hits[i].triangle);
 }
 
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
                        bool coherent, bool meshes) {
-  meshes = meshes && tracer->has_meshes;
+  meshes = meshes && tracer->instance_count > 0;
   for (size_t i = 0; i < count; i++)
     hits[i].thing = PL_NOTHING;
   if (meshes && coherent)
-    for (size_t i = 0; i < count; i += PACKET)
-      closest_packet(tracer, rays + i, hits + i, count - i < PACKET ? count - i : PACKET);
+    for (size_t i = 0; i < count; i += PL_PACKET)
+      closest_packet(tracer, rays + i, hits + i, count - i < PL_PACKET ? count - i : PL_PACKET);
   else if (meshes)
     for (size_t i = 0; i < count; i++)
       if (!rays[i].no_meshes)
         closest_single(tracer, &rays[i], &hits[i]);
-  if (meshes && tracer->has_coincident)
-    settle_coincident(tracer, rays, hits, count);
-  if (meshes && tracer->has_pieces)
-    name_owners(tracer, hits, count);
   for (size_t i = 0; i < count; i++)
     closest_body(tracer->snapshot, &rays[i], &hits[i]);
 }
 
+static void occluded_packet_in(const pl_tracer *tracer, const pl_instance *instance,
+                               const pl_ray *rays, bool *occluded, size_t count, pl_packet *packet,
+                               const pl_entry *entry) {
+  struct RTCRay8 query;
+  pl_approach at;
+  pl_packet_approach(packet, instance, entry, &at);
+  fill_ray8(&query, &at, entry, packet->limit, rays, count, instance);
+  const visit visit = {tracer, instance, rays, entry->start_m, at.per_metre};
+  pl_embree_query way = query_of(&visit, count);
+  pl_embree_occluded8(entry->valid, instance->scene, &way, &query);
+  for (size_t i = 0; i < count; i++)
+    if (entry->valid[i] != 0 && query.tfar[i] < 0.0f) { /* Embree sets -inf on a hit */
+      occluded[i] = true;
+      packet->limit[i] = -1.0;
+    }
+}
+
 static void occluded_packet(const pl_tracer *tracer, const pl_ray *rays, bool *occluded,
                             size_t count) {
-  struct RTCRay8 packet;
-  _Alignas(32) int valid[PACKET];
-  fill_ray8(&packet, rays, count, valid);
-  const origins origins = {tracer, rays};
-  pl_embree_query query = query_of(&origins, count);
-  pl_embree_occluded8(valid, tracer->top, &query, &packet);
-  for (size_t i = 0; i < count; i++)
-    occluded[i] = packet.tfar[i] < 0.0f; /* Embree sets -inf on a hit */
+  pl_packet packet;
+  pl_entry entry;
+  pl_packet_fill(&packet, rays, count);
+  for (size_t k = 0; k < tracer->sphere_count;) {
+    const pl_sphere *sphere = &tracer->spheres[k];
+    const bool entered = pl_packet_enter(&packet, sphere->center, sphere->radius_m, &entry);
+    if (entered && sphere->instance != PL_NOTHING)
+      occluded_packet_in(tracer, &tracer->instances[sphere->instance], rays, occluded, count,
+                         &packet, &entry);
+    k = entered ? k + 1 : sphere->after;
+  }
+}
+
+static bool occluded_single_in(const pl_tracer *tracer, const pl_instance *instance,
+                               const pl_ray *ray, double start_m) {
+  const pl_lone_approach at = pl_ray_approach(ray, instance, start_m);
+  struct RTCRay query = single_ray(&at, near_of(ray, instance, start_m), ray->t_max);
+  const visit visit = {tracer, instance, ray, &at.start_m, &at.per_metre};
+  pl_embree_query way = query_of(&visit, 1);
+  pl_embree_occluded1(instance->scene, &way, &query);
+  return query.tfar < 0.0f;
 }
 
 static bool occluded_single(const pl_tracer *tracer, const pl_ray *ray) {
-  struct RTCRay query = single_ray(ray);
-  const origins origins = {tracer, ray};
-  pl_embree_query way = query_of(&origins, 1);
-  pl_embree_occluded1(tracer->top, &way, &query);
-  return query.tfar < 0.0f;
+  for (size_t k = 0; k < tracer->sphere_count;) {
+    const pl_sphere *sphere = &tracer->spheres[k];
+    double start_m;
+    const bool entered = pl_ray_enter(ray, ray->t_max, sphere->center, sphere->radius_m, &start_m);
+    if (entered && sphere->instance != PL_NOTHING &&
+        occluded_single_in(tracer, &tracer->instances[sphere->instance], ray, start_m))
+      return true;
+    k = entered ? k + 1 : sphere->after;
+  }
+  return false;
 }
 
 static bool occluded_by_body(const pl_snapshot *shot, const pl_ray *ray) {
@@ -293,10 +381,11 @@ void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occlu
                         bool coherent) {
   for (size_t i = 0; i < count; i++)
     occluded[i] = false;
-  if (tracer->has_meshes && coherent)
-    for (size_t i = 0; i < count; i += PACKET)
-      occluded_packet(tracer, rays + i, occluded + i, count - i < PACKET ? count - i : PACKET);
-  else if (tracer->has_meshes)
+  if (tracer->instance_count > 0 && coherent)
+    for (size_t i = 0; i < count; i += PL_PACKET)
+      occluded_packet(tracer, rays + i, occluded + i,
+                      count - i < PL_PACKET ? count - i : PL_PACKET);
+  else if (tracer->instance_count > 0)
     for (size_t i = 0; i < count; i++)
       occluded[i] = occluded_single(tracer, &rays[i]);
   for (size_t i = 0; i < count; i++)

@@ -11,13 +11,14 @@
 
 /* Things are numbered objects first, then bodies. */
 #define PL_NOTHING UINT32_MAX
+enum { PL_TRACER_PACKET = 8 };
 /* For pl_ray.skip_body: no body can be hit at all. */
 #define PL_EVERY_BODY (UINT32_MAX - 1)
 
 typedef struct pl_ray {
-  pl_vec3f origin;    /* camera-relative, root axes, m */
-  float t_max;        /* m */
-  pl_vec3f direction; /* unit */
+  pl_vec3 origin;    /* camera-relative, root axes, m */
+  pl_vec3 direction; /* unit */
+  double t_max;      /* m */
   uint32_t
       skip_body; /* index of a body that cannot be hit (its own convex surface), or PL_NOTHING */
   /* The triangle that the ray starts on and so cannot hit: of an object, counted from 1; 0: none.
@@ -32,8 +33,8 @@ typedef struct pl_ray {
 typedef struct pl_hit {
   uint32_t thing;    /* object index; object_count + body index; or PL_NOTHING */
   uint32_t triangle; /* of the object's model */
-  float t;           /* m along the unit direction */
   float u, v;        /* barycentric weights of corners 1 and 2 */
+  double t;          /* m along the unit direction */
 } pl_hit;
 
 typedef struct pl_tracer pl_tracer;
@@ -46,9 +47,13 @@ void pl_tracer_destroy(pl_tracer *tracer);
  * only instances move. The snapshot is borrowed until the next call. */
 pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot);
 
-/* Thread-safe. `coherent` rays (neighbours with similar directions) go as packets. The choice is
- * part of the result's definition: it must not depend on threads. `meshes` false skips meshes: the
- * caller knows that these rays can meet none. */
+/* Thread-safe. `coherent` rays (neighbours with similar directions) go as packets of
+ * PL_TRACER_PACKET in their order. The choice, and what is in a packet, are part of the result's
+ * definition: rounding depends on them. They must not depend on threads. `meshes` false skips
+ * meshes: the caller knows that these rays can meet none.
+ *
+ * Where faces of two objects lie in one place, but for rounding, the later object's is hit: hulls
+ * and what is stuck on them do not speckle. */
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
                        bool coherent, bool meshes);
 /* occluded[i] is true if anything lies on ray i before t_max. */

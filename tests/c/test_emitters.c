@@ -310,20 +310,20 @@ static void test_density_of_draws(void **state) {
     drawn++;
     assert_true(fabsf(pl_vec3f_norm(sample.direction) - 1.0f) < 1e-5f);
     assert_true(pl_luminance(sample.radiance) > 0.0f && sample.pdf > 0.0f);
-    const pl_ray ray = {.origin = pl_vec3_to_float(point),
-                        .direction = sample.direction,
+    const pl_ray ray = {.origin = point,
+                        .direction = pl_vec3f_to_double(sample.direction),
                         .t_max = INFINITY,
                         .skip_body = PL_NOTHING};
     pl_hit hit;
     pl_tracer_closest(tracer, &ray, &hit, 1, false, true);
-    if (hit.thing == PL_NOTHING || fabsf(hit.t - sample.distance_m) > 2e-3f * hit.t)
+    if (hit.thing == PL_NOTHING || fabs(hit.t - sample.distance_m) > 2e-3 * hit.t)
       continue; /* grazed past, or something else is nearer */
     float cosine = 0.0f;
     if (hit.thing == 0)
       cosine = fabsf(sample.direction.z);
     if (hit.thing == 1) { /* a face of an upright cube */
       const pl_vec3f d = sample.direction;
-      const pl_vec3f p = pl_vec3f_madd(ray.origin, hit.t, d);
+      const pl_vec3f p = pl_vec3_to_float(pl_vec3_madd(ray.origin, hit.t, ray.direction));
       const float x = fabsf(p.x - 3.0f), y = fabsf(p.y - 1.0f), z = fabsf(p.z - 12.0f);
       cosine = x >= y && x >= z ? fabsf(d.x) : y >= z ? fabsf(d.y) : fabsf(d.z);
       if (x + y + z - fmaxf(x, fmaxf(y, z)) - fminf(x, fminf(y, z)) > 0.23f)
@@ -331,7 +331,7 @@ static void test_density_of_draws(void **state) {
     }
     if (hit.thing == 1 && cosine < 0.05f)
       continue;
-    const pl_emitter_hit at = {hit.thing, hit.triangle, (double)hit.t, cosine};
+    const pl_emitter_hit at = {hit.thing, hit.triangle, hit.t, cosine};
     const float pdf = pl_emitters_pdf(&list, point, &at);
     if (fabsf(pdf - sample.pdf) > 5e-3f * pdf)
       fail_msg("thing %u: drawn with %g, told %g", hit.thing, (double)sample.pdf, (double)pdf);

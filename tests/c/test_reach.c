@@ -72,9 +72,9 @@ static bool meets(const world *w, test_random *random, int x, int y) {
   if (w->shot.camera.aperture_m > 0.0)
     pl_focus_beam(&w->shot, (uint32_t)random_below(random, 64),
                   (uint32_t)random_below(random, 1 << 30), &beam);
-  const pl_ray ray = {.origin = pl_vec3_to_float(beam.origin),
+  const pl_ray ray = {.origin = beam.origin,
                       .t_max = INFINITY,
-                      .direction = pl_vec3_to_float(beam.direction),
+                      .direction = beam.direction,
                       .skip_body = PL_EVERY_BODY};
   pl_tracer_closest(w->tracer, &ray, &hit, 1, false, true);
   return hit.thing != PL_NOTHING;

@@ -323,7 +323,7 @@ static void bench_init(bench *b, const stage *s) {
   for (int y = 0; y < HEIGHT; y++)
     for (int x = 0; x < WIDTH; x++) {
       const pl_ray ray = {.t_max = INFINITY,
-                          .direction = pl_vec3_to_float(pl_snapshot_ray(&b->shot, x, y)),
+                          .direction = pl_snapshot_ray(&b->shot, x, y),
                           .skip_body = PL_NOTHING};
       pl_hit hit;
       pl_vertex point = {0};
@@ -360,7 +360,7 @@ static pl_silhouette cast_all(bench *b, size_t index, uint8_t *mask) {
   assert_int_equal(pl_solo_set(b->solo, &b->shot.objects[index]), PL_OK);
   for (int y = -HEIGHT; y < 2 * HEIGHT; y++)
     for (int x = -WIDTH; x < 2 * WIDTH; x++) {
-      const pl_vec3f direction = pl_vec3_to_float(pl_snapshot_ray(&b->shot, x, y));
+      const pl_vec3 direction = pl_snapshot_ray(&b->shot, x, y);
       bool hit;
       pl_solo_cast(b->solo, &direction, &hit, 1);
       if (!hit)

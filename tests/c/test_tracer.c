@@ -104,8 +104,8 @@ static void offer_body(truth *best, const pl_shot_body *body, uint32_t thing, pl
 
 static truth brute_force(const pl_snapshot *shot, const pl_ray *ray) {
   truth best = {.thing = PL_NOTHING, .t = INFINITY, .next = INFINITY};
-  const pl_vec3 o = pl_vec3f_to_double(ray->origin), d = pl_vec3f_to_double(ray->direction);
-  const double t_max = (double)ray->t_max;
+  const pl_vec3 o = ray->origin, d = ray->direction;
+  const double t_max = ray->t_max;
   for (uint32_t i = 0; i < shot->object_count; i++)
     for (uint32_t k = 0;
          shot->objects[i].kept && k < shot->objects[i].object->model->triangle_count; k++)
@@ -125,9 +125,9 @@ static void random_rays(test_random *random, pl_ray *rays) {
     const pl_vec3 target = pl_vec3_scale(random_direction(random), random_range(random, 0.0, 3.0));
     const bool limited = random_unit(random) < 0.3;
     rays[i] = (pl_ray){
-        .origin = pl_vec3_to_float((pl_vec3){o.x, o.y, o.z + 8.0}),
-        .direction = pl_vec3_to_float(pl_vec3_unit(pl_vec3_sub(target, o))),
-        .t_max = limited ? (float)random_range(random, 0.1, 6.0) : INFINITY,
+        .origin = {o.x, o.y, o.z + 8.0},
+        .direction = pl_vec3_unit(pl_vec3_sub(target, o)),
+        .t_max = limited ? random_range(random, 0.1, 6.0) : INFINITY,
         .skip_body = random_unit(random) < 0.2 ? 0 : PL_NOTHING,
     };
   }
@@ -310,7 +310,7 @@ static void test_cut_out(void **state) {
   stage_add_object(&w.stage, model, (pl_vec3){0, 0, 5}, PL_QUAT_IDENTITY, 1.0);
   world_set(&w);
   for (int i = 0; i < 2; i++) {
-    const pl_ray ray = {.origin = {i == 0 ? -0.8f : 0.8f, 0.3f, 0},
+    const pl_ray ray = {.origin = {i == 0 ? -0.8 : 0.8, 0.3, 0},
                         .direction = {0, 0, 1},
                         .t_max = INFINITY,
                         .skip_body = PL_NOTHING};
@@ -337,7 +337,7 @@ static void test_single_sided(void **state) {
   stage_add_object(&w.stage, model, (pl_vec3){0, 0, 5}, PL_QUAT_IDENTITY, 1.0);
   world_set(&w);
   for (int front = 0; front < 2; front++) {
-    const pl_ray ray = {.origin = {0.3f, 0.2f, front ? 10 : 0},
+    const pl_ray ray = {.origin = {0.3, 0.2, front ? 10 : 0},
                         .direction = {0, 0, front ? -1 : 1},
                         .t_max = INFINITY,
                         .skip_body = PL_NOTHING};
@@ -367,7 +367,7 @@ static void test_leaving(void **state) {
     const bool front = i & 1, far = i & 2, own = i & 4, turned = i & 16;
     for (int v = 0; v < 4; v++)
       model->normals[3 * v + 2] = turned ? -1.0f : 1.0f;
-    const pl_ray ray = {.origin = {0.3f, 0.2f, front ? 10 : 0},
+    const pl_ray ray = {.origin = {0.3, 0.2, front ? 10 : 0},
                         .direction = {0, 0, front ? -1 : 1},
                         .t_max = INFINITY,
                         .skip_body = PL_NOTHING,
