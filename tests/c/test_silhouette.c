@@ -322,9 +322,8 @@ static void bench_init(bench *b, const stage *s) {
     b->extents[i] = PL_EXTENT_NONE;
   for (int y = 0; y < HEIGHT; y++)
     for (int x = 0; x < WIDTH; x++) {
-      const pl_ray ray = {.t_max = INFINITY,
-                          .direction = pl_snapshot_ray(&b->shot, x, y),
-                          .skip_body = PL_NOTHING};
+      const pl_ray ray = {
+          .t_max = INFINITY, .direction = pl_snapshot_ray(&b->shot, x, y), .skip_body = PL_NOTHING};
       pl_hit hit;
       pl_vertex point = {0};
       const int pixel[4] = {x, y, 1, 1};

@@ -51,9 +51,8 @@ static size_t count_self_hits(const pl_snapshot *shot, const pl_tracer *tracer, 
           shot->objects[0].position,
           pl_mat3_mul_vec(shot->objects[0].rotation, pl_vec3_scale(p, shot->objects[0].scale)));
       const pl_beam beam = {.direction = pl_vec3_unit(p)};
-      const pl_ray first = {.t_max = INFINITY,
-                            .direction = beam.direction,
-                            .skip_body = PL_NOTHING};
+      const pl_ray first = {
+          .t_max = INFINITY, .direction = beam.direction, .skip_body = PL_NOTHING};
       pl_hit hit;
       pl_vertex vertex;
       pl_tracer_closest(tracer, &first, &hit, 1, false, true);
