@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import warnings
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -113,6 +115,18 @@ def test_it_goes_along_in_a_correlated_group():
     assert distance(rows[:, 0], stats.truncnorm(-0.5, 0.5, 40.0, 20.0).cdf) < 2.7
     expected = 6.0 / math.pi * math.asin(0.9 / 2.0)  # Spearman's, of a Gaussian copula
     assert abs(stats.spearmanr(rows).statistic - expected) < 0.02
+
+
+def test_the_same_bits_in_any_process_and_order(repo_dir):
+    """As a worker draws them that gets the simulation pickled, and begins elsewhere."""
+    driver = {**NORMAL, "jitter_variance": 400.0, "truncated": True}
+    sim = perilune.open(repo_dir / "tests/python/scene.yaml", overrides={FOV: driver})
+    steps = list(range(40))
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as workers:
+        found = list(workers.map(sim.config_at, reversed(steps)))
+    drawn = [values[FOV] for _, values in reversed(found)]
+    assert drawn == [sim.config_at(step)[1][FOV] for step in steps]
+    assert len(set(drawn)) == len(steps)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from typing import Any
 from perilune.config.errors import ConfigError, nearest, warn
 from perilune.config.loader import parse_yaml
 from perilune.config.sections import keys_of, sections_at
-from perilune.drivers import KeyPath, without
+from perilune.drivers import KeyPath, path_text, without
 from perilune.drivers.tree import kind_of
 
 _INDEX = re.compile(r"\[(\d+)\]")
@@ -64,7 +64,13 @@ def joined(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any
         parts = _parts(key)
         return any(parts[: len(other)] == other for other in later)
 
-    return {**{key: value for key, value in first.items() if not hidden(key)}, **second}
+    together = {**{key: value for key, value in first.items() if not hidden(key)}, **second}
+    return {_key_path(key): value for key, value in together.items()}
+
+
+def _key_path(key: str) -> str:
+    """`camera.K.4` as errors and drivers write it, `camera.K[4]`: metadata know one name."""
+    return path_text(tuple(int(part) if part.isdecimal() else part for part in _parts(key)))
 
 
 def apply_overrides(tree: dict[str, Any], overrides: Mapping[str, Any]) -> None:

@@ -200,6 +200,15 @@ def test_a_section_that_is_replaced_is_told(scene):
         perilune.open(scene, overrides={"spacecraft": {}, "camera.trajectory.target": "earth"})
 
 
+def test_a_key_has_one_name_in_metadata(sim):
+    """However it was written; as the metadata of drivers have it."""
+    driver = {"uniform": [19.0, 20.0]}
+    key = "camera.trajectory.distance_m[1]"
+    for name in ("camera.trajectory.distance_m.1", key):
+        meta = sim.with_overrides({name: driver}).frame(0, channels=["depth"]).meta
+        assert list(meta["overrides"]) == list(meta["drivers"]) == [key]
+
+
 def test_dates_without_quotes_are_dates(scene):
     """As yaml.safe_load reads them."""
     tree = read_tree(scene)
