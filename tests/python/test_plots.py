@@ -221,3 +221,15 @@ def test_notebooks_show_figures(opened):
     assert shown.startswith(b"\x89PNG")
     notebook.unload_ipython_extension(Shell)
     assert not formatter
+
+
+@pytest.mark.parametrize("frames", [range(8), [3]])
+def test_light_curve_of_the_demo_is_seen(repo_dir, frames):
+    """In full sunlight all the way: a level line, well inside the axes, and points of few frames."""
+    sim = perilune.open(repo_dir / "configs" / "demo.yaml")
+    axes = sim.plot_light_curve(["smallsat", "camera"], frames=frames).axes[0]
+    low, high = axes.get_ylim()
+    for line in axes.get_lines():
+        assert low < line.get_ydata().min()
+        assert line.get_ydata().max() < 0.95 * high
+        assert line.get_marker() == "o"

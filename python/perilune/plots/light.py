@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from perilune.sunlight import LightCurve
 
 _HOUR_S, _MINUTE_S = 3600.0, 60.0
+_HEADROOM = 1.08
+_POINTS = 60
 
 
 def plot_light_curve(
@@ -43,12 +45,18 @@ def plot_light_curve(
     for number, curve in enumerate(curves):
         color = PALETTE[number % len(PALETTE)]
         t = (curve.t_s - first) / unit_s
-        axes.plot(t, curve.irradiance_w_m2[:, 1], color=color, label=curve.name)
+        # Curves that agree lie on each other: later ones are dashed. Few frames are shown as points,
+        # since a line of one has no length.
+        style = {"linestyle": "--" if number else "-", "marker": "o" if len(t) <= _POINTS else ""}
+        light = curve.irradiance_w_m2[:, 1]
+        axes.plot(t, light, color=color, label=curve.name, markersize=3.0, **style)
     _shade(axes, curves[0], unit_s)
     begin = sim.system(listed[0]).setting.epoch.after(float(first)).utc()
     axes.set_xlabel(f"{unit} after {begin}")
     axes.set_ylabel("irradiance (W/m$^2$)")
-    axes.set_ylim(bottom=0.0)
+    # Full sunlight is a level line: the limits of its own range would hide it under the frame.
+    most = max(float(curve.irradiance_w_m2[:, 1].max()) for curve in curves)
+    axes.set_ylim(0.0, _HEADROOM * most if most > 0.0 else 1.0)
     axes.set_title(title if title is not None else "Sunlight")
     if legend:
         axes.legend(loc="best", fontsize=8)
