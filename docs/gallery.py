@@ -358,7 +358,7 @@ def main() -> None:
     parser.add_argument("what", nargs="*", help=f"{', '.join(SHEETS)} (default: all), cells")
     parser.add_argument("--bodies", default=",".join(GROUNDS), help="of cells: such as earth,mars")
     parser.add_argument("--craft", default=",".join(CRAFT), help="of cells: such as iss,lro")
-    parser.add_argument("--width", type=int, default=180, help="of a cell, pixels")
+    parser.add_argument("--width", type=int, default=300, help="of a cell, pixels")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--out", type=Path, default=IMAGES)
     options = parser.parse_args()

@@ -66,11 +66,11 @@ FRAMES, BETWEEN = 3, 12
 TO_SUN = np.array([1.0, 0.0, 0.15]) / math.hypot(1.0, 0.15)  # as in the configuration
 
 
-def save(figure: Figure, name: str, colors: int = 256) -> None:
-    """As a PNG of few colours, which is a third of the size."""
+def save(figure: Figure, name: str) -> None:
+    """As a PNG of all its colours: skies and shades have no steps."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=100)
-    image = Image.open(buffer).convert("RGB").quantize(colors)
+    image = Image.open(buffer).convert("RGB")
     IMAGES.mkdir(exist_ok=True)
     image.save(IMAGES / name, optimize=True)
 
@@ -251,7 +251,7 @@ def light_curve() -> None:
     right = axes.twinx()
     right.plot(time_s, even, color="0.4", linestyle="--")
     right.set_ylabel("fraction of an even disc")
-    save(figure, "light_curve.png", 64)
+    save(figure, "light_curve.png")
 
 
 def glare() -> None:

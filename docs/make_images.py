@@ -11,14 +11,14 @@ from perilune import _core
 from perilune.preview.colors import colored_ids
 
 ROOT = Path(__file__).resolve().parent.parent
-FRAMES = (0, 2, 5)
+FRAMES = (3, 0, 2)
 
 
 def strip(index: int) -> np.ndarray:
     """One frame as seen, with its normals and its parts: (H, 3 W, 3)."""
     sim = perilune.open(
         ROOT / "configs" / "demo.yaml",
-        overrides={"camera.width": 480, "camera.height": 320, "render.samples": 64},
+        overrides={"camera.width": 640, "camera.height": 480, "render.samples": 48},
     )
     sample = sim.frame(index, channels=["rgb", "normal", "part"])
     hit = sample["part"] > 0
