@@ -225,7 +225,7 @@ def test_notebooks_show_figures(opened):
 
 @pytest.mark.parametrize("frames", [range(8), [3]])
 def test_light_curve_of_the_demo_is_seen(repo_dir, frames):
-    """In full sunlight all the way: a level line, well inside the axes, and points of few frames."""
+    """In full sunlight: a level line, well inside the axes, and points of few frames."""
     sim = perilune.open(repo_dir / "configs" / "demo.yaml")
     axes = sim.plot_light_curve(["smallsat", "camera"], frames=frames).axes[0]
     low, high = axes.get_ylim()

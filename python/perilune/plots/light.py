@@ -45,8 +45,8 @@ def plot_light_curve(
     for number, curve in enumerate(curves):
         color = PALETTE[number % len(PALETTE)]
         t = (curve.t_s - first) / unit_s
-        # Curves that agree lie on each other: later ones are dashed. Few frames are shown as points,
-        # since a line of one has no length.
+        # Curves that agree lie on each other: later ones are dashed. Few frames are points, too:
+        # a line of one has no length.
         style = {"linestyle": "--" if number else "-", "marker": "o" if len(t) <= _POINTS else ""}
         light = curve.irradiance_w_m2[:, 1]
         axes.plot(t, light, color=color, label=curve.name, markersize=3.0, **style)
