@@ -155,7 +155,10 @@ GOOD = [
 @pytest.mark.parametrize(("path", "value"), GOOD)
 def test_what_the_loader_takes_the_schema_takes(validator, repo_dir, path, value):
     demo = repo_dir / "configs" / "demo.yaml"
-    tree = changed(read_tree(demo), path, value)
+    plain = read_tree(demo)
+    for key in ("ocean", "atmosphere", "clouds"):  # which not every shape and reflectance has
+        del plain["bodies"]["planet"][key]
+    tree = changed(plain, path, value)
     load(tree, base=demo.parent)
     assert [error.message for error in validator.iter_errors(tree)] == []
 
