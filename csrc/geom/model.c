@@ -12,7 +12,8 @@ void pl_model_destroy(pl_model *model) {
     pl_free(model->parts[i].name);
   for (size_t i = 0; model->materials != NULL && i < model->material_count; i++)
     pl_free(model->materials[i].name);
-  for (size_t i = 0; model->textures != NULL && i < model->texture_count; i++)
+  for (size_t i = 0;
+       model->textures != NULL && !model->borrows_textures && i < model->texture_count; i++)
     pl_texture_destroy(model->textures[i]);
   for (size_t i = 0; model->animations != NULL && i < model->animation_count; i++)
     pl_animation_clear(&model->animations[i]);

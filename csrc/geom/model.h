@@ -126,7 +126,8 @@ typedef struct pl_model {
   size_t part_count, material_count, texture_count;
   pl_part *parts;         /* material of a triangle: parts[triangle_part[t]].material */
   pl_material *materials; /* at least one */
-  pl_texture **textures;  /* owned */
+  pl_texture **textures;  /* owned, unless they are another model's, which is kept as long */
+  bool borrows_textures;
 
   pl_nodes nodes;           /* what placed the parts */
   pl_animation *animations; /* owned; moving nodes of the scene, with at least one track */

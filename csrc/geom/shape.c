@@ -135,7 +135,132 @@ pl_status pl_shape_create(const char *name, const float *positions, size_t verti
   return PL_OK;
 }
 
-void pl_shape_make_one_sided(pl_model *model) { model->materials[0].double_sided = false; }
+void pl_shape_make_one_sided(pl_model *model) {
+  for (size_t i = 0; i < model->material_count; i++)
+    model->materials[i].double_sided = false;
+}
+
+/* --- materials of the file -------------------------------------------------------------------- */
+
+static pl_status check_source(const pl_model *shape, const pl_model *source,
+                              const uint32_t *corners, const uint32_t *faces) {
+  for (size_t t = 0; t < shape->triangle_count; t++) {
+    bool there = faces[t] < source->triangle_count;
+    for (size_t k = 0; k < 3; k++)
+      there = there && corners[3 * t + k] < source->vertex_count;
+    if (!there)
+      return pl_fail(PL_E_RANGE, "shape: triangle %zu is made of none of its model", t);
+  }
+  return PL_OK;
+}
+
+/* An array of `width` numbers for each corner: of vertex from[corner]. */
+static pl_status spread(const float *values, const uint32_t *from, size_t corners, size_t width,
+                        float **out) {
+  void *memory;
+  *out = NULL;
+  if (values == NULL)
+    return PL_OK;
+  /* Embree reads vertices by four numbers. */
+  PL_TRY(pl_alloc_or_fail(corners * width + 1, sizeof(float), "a shape", &memory));
+  for (size_t i = 0; i < corners; i++)
+    memcpy((float *)memory + i * width, values + (size_t)from[i] * width, width * sizeof(float));
+  *out = memory;
+  return PL_OK;
+}
+
+/* Whether the shape's triangle runs against the source's: its bitangents do then, too. */
+static bool is_turned(const pl_model *source, const uint32_t *corners, uint32_t face) {
+  const uint32_t *index = source->indices + 3 * (size_t)face;
+  for (size_t k = 0; k < 3; k++)
+    if (index[k] == corners[0])
+      return index[(k + 1) % 3] != corners[1];
+  return false;
+}
+
+/* A vertex for each corner, as texture coordinates may differ between the faces of one. */
+static pl_status take_vertices(pl_model *shape, const pl_model *source, const uint32_t *corners,
+                               const uint32_t *faces) {
+  const size_t count = 3 * shape->triangle_count;
+  float *positions, *normals;
+  PL_TRY(spread(shape->positions, shape->indices, count, 3, &positions));
+  pl_free(shape->positions);
+  shape->positions = positions;
+  PL_TRY(spread(shape->normals, shape->indices, count, 3, &normals));
+  pl_free(shape->normals);
+  shape->normals = normals;
+  shape->vertex_count = count;
+  for (uint32_t i = 0; i < count; i++)
+    shape->indices[i] = i;
+  PL_TRY(spread(source->uvs[0], corners, count, 2, &shape->uvs[0]));
+  PL_TRY(spread(source->uvs[1], corners, count, 2, &shape->uvs[1]));
+  PL_TRY(spread(source->colors, corners, count, 4, &shape->colors));
+  PL_TRY(spread(source->tangents, corners, count, 4, &shape->tangents));
+  for (size_t t = 0; shape->tangents != NULL && t < shape->triangle_count; t++)
+    for (size_t k = 0; k < 3 && is_turned(source, corners + 3 * t, faces[t]); k++)
+      shape->tangents[4 * (3 * t + k) + 3] *= -1.0f;
+  return PL_OK;
+}
+
+static void make_opaque(pl_material *material) {
+  material->double_sided = true;
+  material->alpha_mode = PL_ALPHA_OPAQUE;
+  material->emissive_map = PL_NO_TEXTURE;
+  memset(material->emissive, 0, sizeof material->emissive);
+  material->layers.transmission = 0.0f;
+  material->layers.transmission_map = PL_NO_TEXTURE;
+  material->layers.solid = false;
+}
+
+/* A part for each material, so that triangles find theirs. */
+static pl_status take_parts(pl_model *shape, const pl_model *source, const uint32_t *faces) {
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(source->material_count, sizeof(pl_part), "a shape", &memory));
+  pl_part *parts = memory;
+  bool named = true;
+  for (size_t i = 0; i < source->material_count; i++) {
+    parts[i] = (pl_part){.name = pl_strdup(shape->parts[0].name), .material = (int)i};
+    named = named && parts[i].name != NULL;
+  }
+  pl_free(shape->parts[0].name);
+  pl_free(shape->parts);
+  shape->parts = parts;
+  shape->part_count = source->material_count;
+  for (size_t t = 0; t < shape->triangle_count; t++)
+    shape->triangle_part[t] = (uint32_t)source->parts[source->triangle_part[faces[t]]].material;
+  return named ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for a shape");
+}
+
+static pl_status take_materials(pl_model *shape, const pl_model *source) {
+  void *materials, *textures;
+  PL_TRY(pl_alloc_or_fail(source->texture_count, sizeof(pl_texture *), "a shape", &textures));
+  shape->textures = textures;
+  shape->texture_count = source->texture_count;
+  shape->borrows_textures = true;
+  for (size_t i = 0; i < source->texture_count; i++)
+    shape->textures[i] = source->textures[i];
+  PL_TRY(pl_alloc_or_fail(source->material_count, sizeof(pl_material), "a shape", &materials));
+  pl_free(shape->materials[0].name);
+  pl_free(shape->materials);
+  shape->materials = materials;
+  shape->material_count = source->material_count;
+  bool named = true;
+  for (size_t i = 0; i < source->material_count; i++) {
+    shape->materials[i] = source->materials[i];
+    shape->materials[i].name = pl_strdup(source->materials[i].name);
+    named = named && shape->materials[i].name != NULL;
+    make_opaque(&shape->materials[i]);
+  }
+  return named ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for a shape");
+}
+
+pl_status pl_shape_dress(pl_model *shape, const pl_model *source, const uint32_t *corners,
+                         const uint32_t *faces) {
+  PL_TRY(check_source(shape, source, corners, faces));
+  PL_TRY(take_vertices(shape, source, corners, faces));
+  PL_TRY(take_parts(shape, source, faces));
+  return take_materials(shape, source);
+}
 
 double pl_shape_winding(const pl_model *model, pl_vec3 point) {
   double sum = 0.0;

@@ -12,6 +12,14 @@
 pl_status pl_shape_create(const char *name, const float *positions, size_t vertices,
                           const uint32_t *indices, size_t triangles, pl_model **out);
 
+/* Gives a shape the materials and texture coordinates of the model that it was made of: `corners`
+ * [triangles][3] are the source's vertices at the shape's corners, `faces` [triangles] its
+ * triangles. Textures are borrowed from the source. A body is opaque, shines by its own light alone
+ * and is seen from outside: opacity, emission and transmission are left out. PL_E_RANGE for corners
+ * and faces that are not there. */
+pl_status pl_shape_dress(pl_model *shape, const pl_model *source, const uint32_t *corners,
+                         const uint32_t *faces);
+
 /* Lets rays from behind pass the triangles of a shape. */
 void pl_shape_make_one_sided(pl_model *model);
 

@@ -17,6 +17,7 @@
 typedef struct model_object {
   PyObject_HEAD pl_model *model; /* owned */
   PyObject *path;                /* str */
+  PyObject *source;              /* Model whose textures it borrows, or NULL */
 } model_object;
 
 static void model_dealloc(PyObject *self) {
@@ -24,6 +25,7 @@ static void model_dealloc(PyObject *self) {
   PyTypeObject *type = Py_TYPE(self);
   pl_model_destroy(model->model);
   Py_XDECREF(model->path);
+  Py_XDECREF(model->source);
   ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
   Py_DECREF(type);
 }
@@ -72,33 +74,61 @@ static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   return (PyObject *)self;
 }
 
+/* What of_mesh takes, and the arrays made of it (new references, or NULL). */
+typedef struct mesh_arguments {
+  PyObject *name, *positions, *indices, *source, *corners, *faces; /* the last three: or None */
+  int one_sided;
+  PyArrayObject *arrays[4]; /* positions, indices, corners, faces */
+} mesh_arguments;
+
+static int mesh_arrays(mesh_arguments *in) {
+  const npy_intp rows[2] = {-1, 3};
+  in->arrays[0] = pl_py_array(in->positions, "positions", NPY_FLOAT, 2, rows);
+  if (in->arrays[0] != NULL)
+    in->arrays[1] = pl_py_array(in->indices, "indices", NPY_UINT32, 2, rows);
+  if (in->arrays[1] == NULL || in->source == Py_None)
+    return in->arrays[1] != NULL ? 0 : -1;
+  const npy_intp shape[2] = {PyArray_DIM(in->arrays[1], 0), 3};
+  in->arrays[2] = pl_py_array(in->corners, "corners", NPY_UINT32, 2, shape);
+  if (in->arrays[2] != NULL)
+    in->arrays[3] = pl_py_array(in->faces, "faces", NPY_UINT32, 1, shape);
+  return in->arrays[3] != NULL ? 0 : -1;
+}
+
+static int fill_mesh(model_object *self, const mesh_arguments *in, const pl_model *source) {
+  const char *name = PyUnicode_AsUTF8AndSize(in->name, NULL);
+  if (name == NULL)
+    return -1;
+  pl_status status = pl_shape_create(
+      name, PyArray_DATA(in->arrays[0]), (size_t)PyArray_DIM(in->arrays[0], 0),
+      PyArray_DATA(in->arrays[1]), (size_t)PyArray_DIM(in->arrays[1], 0), &self->model);
+  self->path = Py_NewRef(in->name);
+  if (status == PL_OK && source != NULL) {
+    self->source = Py_NewRef(in->source);
+    status = pl_shape_dress(self->model, source, PyArray_DATA(in->arrays[2]),
+                            PyArray_DATA(in->arrays[3]));
+  }
+  if (status == PL_OK && in->one_sided)
+    pl_shape_make_one_sided(self->model);
+  return status == PL_OK ? 0 : (pl_py_raise(status), -1);
+}
+
 /* A model of the type `self` that a mesh makes. */
 static PyObject *model_of_mesh(PyObject *self, PyObject *args) {
-  const npy_intp rows[2] = {-1, 3};
-  PyObject *name, *positions, *indices;
-  int one_sided = 0;
-  if (!PyArg_ParseTuple(args, "UOO|p:of_mesh", &name, &positions, &indices, &one_sided))
+  mesh_arguments in = {.source = Py_None, .corners = Py_None, .faces = Py_None};
+  const pl_model *source = NULL;
+  if (!PyArg_ParseTuple(args, "UOO|pOOO:of_mesh", &in.name, &in.positions, &in.indices,
+                        &in.one_sided, &in.source, &in.corners, &in.faces) ||
+      (in.source != Py_None && (source = pl_py_model_of(in.source)) == NULL))
     return NULL;
-  const char *text = PyUnicode_AsUTF8AndSize(name, NULL);
-  PyArrayObject *p = text != NULL ? pl_py_array(positions, "positions", NPY_FLOAT, 2, rows) : NULL;
-  PyArrayObject *i = p != NULL ? pl_py_array(indices, "indices", NPY_UINT32, 2, rows) : NULL;
   PyTypeObject *type = (PyTypeObject *)self;
-  model_object *out =
-      i != NULL ? (model_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0) : NULL;
-  if (out != NULL) {
-    const pl_status status =
-        pl_shape_create(text, PyArray_DATA(p), (size_t)PyArray_DIM(p, 0), PyArray_DATA(i),
-                        (size_t)PyArray_DIM(i, 0), &out->model);
-    out->path = Py_NewRef(name);
-    if (status == PL_OK && one_sided)
-      pl_shape_make_one_sided(out->model);
-    if (status != PL_OK) {
-      Py_DECREF(out);
-      out = (model_object *)pl_py_raise(status);
-    }
-  }
-  Py_XDECREF((PyObject *)p);
-  Py_XDECREF((PyObject *)i);
+  model_object *out = NULL;
+  if (mesh_arrays(&in) == 0)
+    out = (model_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  if (out != NULL && fill_mesh(out, &in, source) < 0)
+    Py_CLEAR(out);
+  for (int i = 0; i < 4; i++)
+    Py_XDECREF((PyObject *)in.arrays[i]);
   return (PyObject *)out;
 }
 

@@ -137,23 +137,35 @@ static int copy_classes(PyObject *classes, int count, uint16_t *out) {
 }
 
 static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"name",        "map",          "map_center_lon_rad",
-                          "reflectance", "instance_id",  "part_id",
-                          "class_ids",   "regolith_map", "air",
-                          "shape",       "rings",        "cloud_map",
-                          "ground",      "geodetic",     "geodetic_clouds",
+  static char *names[] = {"name",
+                          "map",
+                          "map_center_lon_rad",
+                          "reflectance",
+                          "instance_id",
+                          "part_id",
+                          "class_ids",
+                          "regolith_map",
+                          "air",
+                          "shape",
+                          "rings",
+                          "cloud_map",
+                          "ground",
+                          "geodetic",
+                          "geodetic_clouds",
+                          "dressed",
                           NULL};
   PyObject *classes, *ground = Py_None;
   body_arguments in = {.shape = Py_None, .rings = Py_None, .cloud_map = Py_None};
   const char *name, *reflectance;
-  int geodetic = 0, geodetic_clouds = 0;
+  int geodetic = 0, geodetic_clouds = 0, dressed = 0;
   pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOOpp:add_body", names, &name,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOOppp:add_body", names, &name,
                                    &in.map, &body.map_center_lon_rad, &reflectance,
                                    &body.instance_id, &body.part_id, &classes, &in.regolith,
                                    &in.air, &in.shape, &in.rings, &in.cloud_map, &ground, &geodetic,
-                                   &geodetic_clouds))
+                                   &geodetic_clouds, &dressed))
     return NULL;
+  body.dressed = dressed != 0 && in.shape != Py_None;
   body.geodetic = geodetic != 0;
   body.geodetic_clouds = geodetic_clouds != 0;
   body.name = (char *)(uintptr_t)name; /* copied by the scene */

@@ -38,12 +38,30 @@ static void body_color(const pl_shot_body *body, const pl_body_place *place, pl_
     pl_texture_mean(body->body->map, out);
 }
 
+/* The surface of the materials that the shape's file has, with their frame. */
+static void dressed_surface(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
+                            pl_vertex *vertex) {
+  pl_triangle_point point = {.triangle = vertex->triangle,
+                             .w = {vertex->w[0], vertex->w[1], vertex->w[2]},
+                             .edge1 = vertex->edge1,
+                             .edge2 = vertex->edge2};
+  const float *light = body->state->emission;
+  pl_vertex_footprint(vertex, beam, &point.footprint_a, &point.footprint_b);
+  pl_shot_frame(body->shape, vertex->triangle, vertex->w, vertex->ng, &vertex->surface);
+  pl_material_surface(body->shape->object->model, &point, detail, &vertex->surface);
+  vertex->surface.emission = pl_vec3f_make(light[0], light[1], light[2]);
+}
+
 /* The body's own surface, but for its frame. */
 static void own_surface(const pl_shot_body *body, const pl_beam *beam, const pl_body_place *place,
                         pl_detail detail, pl_vertex *vertex) {
   const pl_body_state *state = body->state;
   pl_surface *surface = &vertex->surface;
   float map[4];
+  if (body->body->dressed) {
+    dressed_surface(body, beam, detail, vertex);
+    return;
+  }
   body_color(body, place, detail, map);
   surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
                                  pl_minf(map[1] * state->albedo[1], 1.0f),

@@ -55,12 +55,13 @@ typedef struct pl_object {
 
 /* An ellipsoid with an equirectangular map. Its frame: x at longitude 0, z at the north pole. */
 typedef struct pl_body {
-  char *name;                /* owned */
-  const pl_model *shape;     /* borrowed: its surface instead of the ellipsoid's, in metres and
-                                body axes; NULL for none */
-  const pl_texture *map;     /* borrowed, NULL for none */
-  double map_center_lon_rad; /* longitude of the map's centre column */
-  bool geodetic;             /* maps count by geodetic latitude, not by planetocentric */
+  char *name;            /* owned */
+  const pl_model *shape; /* borrowed: its surface instead of the ellipsoid's, in metres and
+                            body axes; NULL for none */
+  bool dressed;          /* its surface is of the shape's own materials, not of the keys below */
+  const pl_texture *map; /* borrowed, NULL for none */
+  double map_center_lon_rad;         /* longitude of the map's centre column */
+  bool geodetic;                     /* maps count by geodetic latitude, not by planetocentric */
   const pl_reflectance *reflectance; /* row of the table */
   const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel a cell */
   const pl_air *air;                 /* borrowed, NULL for none */

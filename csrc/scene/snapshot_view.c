@@ -171,9 +171,22 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
 
 /* The shape of a body: the body's surface on a mesh. What is known of a map on an ellipsoid is not
  * of one that is anywhere; other laws never stand for its own. */
+/* Materials of a shape's file, beside what its graph gives. */
+static void add_materials(const pl_model_summary *summary, pl_view_thing *thing) {
+  thing->textured |= summary->textured;
+  thing->pictured |= summary->pictured;
+  thing->bumped |= summary->bumped;
+  thing->diffuse &= summary->diffuse;
+  thing->albedo_max = fmax(thing->albedo_max, summary->albedo_max);
+  thing->ggx_alpha_min = fmin(thing->ggx_alpha_min, summary->ggx_alpha_min);
+  thing->coat_max = fmax(thing->coat_max, summary->coat_max);
+}
+
 static pl_view_thing shape_thing(const pl_snapshot *shot, const pl_shot_object *object) {
   const pl_shot_body *body = &shot->bodies[object->object->body];
   pl_view_thing thing = body_thing(shot, body);
+  if (body->body->dressed && (body->body->graph == NULL || pl_graph_uses_own(body->body->graph)))
+    add_materials(&object->object->model_summary, &thing);
   thing.is_body = false;
   thing.in_frame = object->in_frame;
   thing.radius_m = object->radius_m;

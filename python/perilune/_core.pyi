@@ -86,11 +86,16 @@ class Model:
         positions: NDArray[np.float32],
         indices: NDArray[np.uint32],
         one_sided: bool = False,
+        source: Model | None = None,
+        corners: NDArray[np.uint32] | None = None,
+        faces: NDArray[np.uint32] | None = None,
         /,
     ) -> Self:
         """The shape of a body: positions (V, 3), indices (T, 3), counter-clockwise seen from
-        outside; its path is the name. one_sided: rays from behind pass its triangles. ValueError
-        for corners that are not there."""
+        outside; its path is the name. one_sided: rays from behind pass its triangles. source: the
+        model whose materials and texture coordinates it gets, but for opacity and emission; corners
+        (T, 3) are its vertices there, faces (T,) its triangles. ValueError for corners that are not
+        there."""
     def winding(self, points: F64, /) -> F64:
         """How often the surface goes around points (n, 3): of a closed mesh 1 inside, 0 outside."""
     def components(self) -> NDArray[np.uint32]:
@@ -309,7 +314,7 @@ class Scene:
         instance_id: int, part_id: int, class_ids: NDArray[np.uint16], regolith_map: Grid | None,
         air: Air | None, shape: Model | None = None, rings: Rings | None = None, cloud_map: Map |
         None = None, ground: Ground | None = None, geodetic: bool = False,
-        geodetic_clouds: bool = False
+        geodetic_clouds: bool = False, dressed: bool = False
     ) -> int:
         """An ellipsoid, or a shape in metres and body axes instead; returns its index. class_ids:
         (levels,). regolith_map: 27 channels, w, b, c, B_C0, h_C, B_S0, h_S, roughness in radians
@@ -317,7 +322,8 @@ class Scene:
         is no map. cloud_map: cover of the clouds that requests give it, about longitude 0; red.
         ground: not of a body with a graph; water only with reflectance lambert. geodetic: maps
         count by geodetic latitude instead of by planetocentric; geodetic_clouds: so does
-        cloud_map."""
+        cloud_map. dressed: its surface is of the shape's own materials instead of map, albedo and
+        reflectance."""
     def add_object(
         self, *, name: str, model: Model, offset: F64, obj_id: int, instance_id: int, part_ids:
         NDArray[np.int32], class_ids: NDArray[np.uint16], triangle_part: NDArray[np.uint32] | None =

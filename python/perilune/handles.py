@@ -329,6 +329,12 @@ class Handles:
                 shape = self.assets.shapes[name, body.shape]
                 self._tell(f"bodies.{name}.shape.file", str(path), shape.warnings)
             found[name] = self.assets.shapes[name, body.shape]
+            if body.kind == "ellipsoid" and body.may_be_dressed and found[name].color is None:
+                where = f"{self.document.source}:\n  bodies.{name}.albedo"
+                raise ConfigError(
+                    f"{where}: required for kind: ellipsoid without a color_map: the shape's file "
+                    "has no materials"
+                )
         return found
 
     def _air(self, name: str, config: Config) -> _core.Air | None:
@@ -467,6 +473,7 @@ class Handles:
                 ground=ground.of_body(body, partial(self._map, name)),
                 geodetic=body.is_geodetic,
                 geodetic_clouds=body.has_geodetic_clouds,
+                dressed=body.may_be_dressed and name in meshes and meshes[name].color is not None,
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, name, body, part_classes[name])[0],

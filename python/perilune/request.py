@@ -27,11 +27,14 @@ F64 = NDArray[np.float64]
 Array = NDArray[Any]
 
 
-def _albedos(config: Config) -> F64:
+def _albedos(scene: World) -> F64:
     rows = []
-    for body in config.bodies.values():
+    for name, body in scene.config.bodies.items():
+        shape = scene.shapes.get(name)
         if body.albedo is not None:
             rows.append(body.albedo)
+        elif body.may_be_dressed and shape is not None and shape.color is not None:
+            rows.append(shape.color)  # to what is lit by it; its own surface is the file's
         elif body.color_map is not None or body.is_replaced or body.has_parameter_maps:
             rows.append((1.0, 1.0, 1.0))
         else:
@@ -73,7 +76,7 @@ def request_of(
         "body_poses": _stacked([scene.poses[name] for name in config.bodies], (2, 7)),
         "motion": _motion(config, keys),
         "body_radii": _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
-        "body_albedo": _albedos(config),
+        "body_albedo": _albedos(scene),
         "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
         "body_regolith": photometry.regolith(config),
         "body_clouds": clouds.rows(config, scene.t_s + 0.5 * scene.window_s),

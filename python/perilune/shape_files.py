@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,33 +23,77 @@ _WELD = 1e-7
 """Vertices this near by, in parts of the size, are one: poles are often written many times."""
 
 
+class Skin(NamedTuple):
+    """The model that a shape was made of, for its materials."""
+
+    model: _core.Model
+    corners: NDArray[np.uint32]
+    """(T, 3): its vertices at the corners of the shape's triangles."""
+    faces: NDArray[np.uint32]
+    """(T,): its triangles."""
+
+    @property
+    def color(self) -> tuple[float, float, float]:
+        """Mean linear base colour by area, for light that is not traced."""
+        mesh = self.model.mesh()
+        points = mesh["positions"].astype(np.float64)[mesh["indices"][self.faces]]
+        normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+        area = np.linalg.norm(normals, axis=1)
+        encoded = mesh["triangle_color"][self.faces] / 255.0
+        linear = np.where(
+            encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4
+        )  # IEC 61966-2-1
+        red, green, blue = (area @ linear / area.sum()).tolist()
+        return red, green, blue
+
+
 def read(path: Path, remarks: list[str] | None = None) -> Mesh:
     """A closed mesh, wound outwards, each place one vertex; ValueError that names the file.
 
     remarks: what is repaired or left out is appended there."""
+    return read_dressed(path, remarks)[0]
+
+
+def read_dressed(path: Path, remarks: list[str] | None = None) -> tuple[Mesh, Skin | None]:
+    """The same, and the materials of a glTF file that has some."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise ValueError(f"{path}: no kind of shape file{nearest(path.suffix, _READERS)}")
     try:
         told = [] if remarks is None else remarks
-        return _closed(*reader(path, told), told)
+        model, vertices, triangles = reader(path, told)
+        mesh, kept = _closed(vertices, triangles, told)
+        return mesh, None if model is None else _skin(model, kept)
     except ValueError as error:
         text = str(error)
         raise ValueError(text if text.startswith(str(path)) else f"{path}: {text}") from None
 
 
-def _read_gltf(path: Path, remarks: list[str]) -> Mesh:
+def _skin(model: _core.Model, kept: Kept) -> Skin | None:
+    """None for a file without materials: what glTF says of such is a bare metal."""
+    if model.materials == ("default",):
+        return None
+    corners = model.mesh()["indices"][kept.faces]
+    return Skin(
+        model,
+        np.ascontiguousarray(corners[:, ::-1] if kept.turned else corners, dtype=np.uint32),
+        kept.faces.astype(np.uint32),
+    )
+
+
+def _read_gltf(path: Path, remarks: list[str]) -> tuple[_core.Model | None, F64, Indices]:
     model = _core.Model(str(path))
     remarks += model.warnings
     mesh = model.mesh()
-    return mesh["positions"].astype(np.float64), mesh["indices"].astype(np.int64)
+    return model, mesh["positions"].astype(np.float64), mesh["indices"].astype(np.int64)
 
 
-def _read_text(path: Path, _: list[str]) -> Mesh:
+def _read_text(path: Path, _: list[str]) -> tuple[_core.Model | None, F64, Indices]:
     """By the first word: `v x y z` and `f i j k` lines, or a table of numbers."""
     text = files.text(path)
     words = text.split(maxsplit=1)
-    return _table(text) if words and _number(words[0]) is not None else _lines(text)
+    is_table = bool(words) and _number(words[0]) is not None
+    return None, *(_table(text) if is_table else _lines(text))
 
 
 def _number(word: str) -> float | None:
@@ -122,12 +166,20 @@ def _table(text: str) -> Mesh:
     return vertices, plates.astype(np.int64) - 1
 
 
-def _welded(vertices: F64, triangles: Indices, size: float) -> Mesh:
+class Kept(NamedTuple):
+    """Which of the file's faces are in a closed mesh, and whether they are turned."""
+
+    faces: Indices
+    turned: bool
+
+
+def _welded(vertices: F64, triangles: Indices, size: float) -> tuple[F64, Indices, Indices]:
     cells = np.round(vertices / (_WELD * size))
     _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     triangles = place.reshape(-1)[triangles]
     a, b, c = triangles.T
-    return vertices[first], triangles[(a != b) & (b != c) & (c != a)]
+    kept = np.flatnonzero((a != b) & (b != c) & (c != a))
+    return vertices[first], triangles[kept], kept
 
 
 def _edges(triangles: Indices, count: int) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -136,7 +188,7 @@ def _edges(triangles: Indices, count: int) -> tuple[NDArray[Any], NDArray[Any]]:
     return a * count + b, b * count + a
 
 
-def _closed(vertices: F64, triangles: Indices, remarks: list[str]) -> Mesh:
+def _closed(vertices: F64, triangles: Indices, remarks: list[str]) -> tuple[Mesh, Kept]:
     if not triangles.size:
         raise ValueError("has no faces")
     finite = np.isfinite(vertices).all(axis=1)
@@ -145,7 +197,7 @@ def _closed(vertices: F64, triangles: Indices, remarks: list[str]) -> Mesh:
     size = float(np.ptp(vertices[triangles.ravel()], axis=0).max())
     if not size > 0.0:
         raise ValueError("has no extent")
-    vertices, triangles = _welded(vertices, triangles, size)
+    vertices, triangles, kept = _welded(vertices, triangles, size)
     along, against = _edges(triangles, len(vertices))
     twice = len(along) - len(np.unique(along))
     if twice:
@@ -161,10 +213,10 @@ def _closed(vertices: F64, triangles: Indices, remarks: list[str]) -> Mesh:
     if volume < 0.0:
         remarks.append("faces are wound inwards, and turned")
         triangles = triangles[:, ::-1]
-    return vertices, triangles
+    return (vertices, triangles), Kept(kept, volume < 0.0)
 
 
-_READERS: dict[str, Callable[[Path, list[str]], Mesh]] = {
+_READERS: dict[str, Callable[[Path, list[str]], tuple[_core.Model | None, F64, Indices]]] = {
     ".obj": _read_text,
     ".tab": _read_text,
     ".txt": _read_text,

@@ -22,6 +22,8 @@ class BodyShape:
     model: _core.Model
     warnings: tuple[str, ...] = ()
     """What the reader of its file left out or repaired."""
+    color: tuple[float, float, float] | None = None
+    """Mean linear colour of the file's materials; None where it has none."""
 
     @cached_property
     def corners(self) -> F64:
@@ -103,7 +105,7 @@ def load(name: str, given: Shape, path: Path) -> BodyShape:
     """The shape of the body `name`; ValueError that names key, below the section, and file."""
     try:
         remarks: list[str] = []
-        vertices, triangles = shape_files.read(path, remarks)
+        (vertices, triangles), skin = shape_files.read_dressed(path, remarks)
     except ValueError as error:
         raise ValueError(f"file: {error}") from error
     standard_m = 1.0 if path.suffix.lower() in (".gltf", ".glb") else 1e3
@@ -118,5 +120,8 @@ def load(name: str, given: Shape, path: Path) -> BodyShape:
             f"allowed: {LENGTHS_M[0]:g} to {LENGTHS_M[1]:g} m"
         )
     metres = (unit_m * vertices).astype(np.float32)
-    model = _core.Model.of_mesh(name, metres, triangles.astype(np.uint32))
-    return BodyShape(model, tuple(remarks))
+    indices = triangles.astype(np.uint32)
+    if skin is None:
+        return BodyShape(_core.Model.of_mesh(name, metres, indices), tuple(remarks))
+    model = _core.Model.of_mesh(name, metres, indices, False, *skin)
+    return BodyShape(model, tuple(remarks), skin.color)

@@ -102,6 +102,19 @@ class Body(Strict):
         return self.is_geodetic if own is None else own == "geodetic"
 
     @property
+    def may_be_dressed(self) -> bool:
+        """Whether the materials of its shape's file, if it has any, are its surface."""
+        return (
+            self.shape is not None
+            and self.shape.file.lower().endswith((".gltf", ".glb"))
+            and self.albedo is None
+            and self.color_map is None
+            and self.photometry is None
+            and self.reflectance == "lambert"
+            and not self.is_replaced
+        )
+
+    @property
     def has_parameter_maps(self) -> bool:
         """Whether the albedo is that of the photometry's maps."""
         return self.photometry is not None and bool(self.photometry.maps)
@@ -112,7 +125,8 @@ class Body(Strict):
             for key in ("radii_km", "gm_km3_s2"):
                 if getattr(self, key) is None:
                     fail(key, "required for kind: ellipsoid")
-            if self.albedo is None and self.color_map is None and not self.is_replaced:
+            bare = self.albedo is None and self.color_map is None and not self.is_replaced
+            if bare and not self.may_be_dressed:
                 fail("albedo", "required for kind: ellipsoid without a color_map")
         elif self.ephemeris is not None:
             fail("ephemeris", f"only for kind: ellipsoid; {self.kind} has its own")

@@ -14,7 +14,10 @@ class Shape(Strict):
 
     What else the body has (place, rotation, maps by longitude and latitude, photometry, material,
     labels) stays; `radii_km` is then what altitudes, eclipses of `light_curve` and hooks count
-    from. Materials, colours and uvs of the file are not used.
+    from. Materials of a glTF file are the body's surface where it has no `albedo`, `color_map`,
+    `photometry`, `reflectance` but lambert, or `material` that replaces it: base colour, roughness,
+    metalness, their textures, normal maps and coats; opacity and emission are not used. Materials
+    of other files are not.
     """
 
     file: FileName
