@@ -8,6 +8,7 @@
 #include "frame/effects.h"
 #include "io/image_file.h"
 #include "io/png_write.h"
+#include "io/simplify.h"
 #include "orbit/propagator.h"
 #include "orbit/turn.h"
 #include "pyext/py_camera.h"
@@ -82,6 +83,36 @@ static PyObject *png_write(PyObject *module, PyObject *args, PyObject *kwargs) {
   Py_RETURN_NONE;
 }
 
+static PyObject *simplify(PyObject *module, PyObject *args) {
+  const npy_intp rows[2] = {-1, 3};
+  PyObject *py_positions, *py_indices;
+  Py_ssize_t target;
+  double error;
+  (void)module;
+  if (!PyArg_ParseTuple(args, "OOnd:simplify", &py_positions, &py_indices, &target, &error))
+    return NULL;
+  if (target < 0)
+    return PyErr_Format(PyExc_ValueError, "simplify: target = %zd; must be 0 or more", target);
+  PyArrayObject *p = pl_py_array(py_positions, "positions", NPY_FLOAT, 2, rows);
+  PyArrayObject *i = p != NULL ? pl_py_array(py_indices, "indices", NPY_UINT32, 2, rows) : NULL;
+  npy_intp shape[2] = {i != NULL ? PyArray_DIM(i, 0) : 0, 3};
+  PyObject *out = i != NULL ? PyArray_SimpleNew(2, shape, NPY_UINT32) : NULL;
+  pl_status status = PL_OK;
+  size_t count = 0;
+  if (out != NULL) {
+    Py_BEGIN_ALLOW_THREADS status =
+        pl_simplify(PyArray_DATA(p), (size_t)PyArray_DIM(p, 0), PyArray_DATA(i), (size_t)shape[0],
+                    (size_t)target, (float)error, PyArray_DATA((PyArrayObject *)out), &count);
+    Py_END_ALLOW_THREADS
+  }
+  Py_XDECREF((PyObject *)p);
+  Py_XDECREF((PyObject *)i);
+  PyObject *kept =
+      out != NULL && status == PL_OK ? PySequence_GetSlice(out, 0, (Py_ssize_t)count) : NULL;
+  Py_XDECREF(out);
+  return status == PL_OK ? kept : pl_py_raise(status);
+}
+
 static const char *instruction_set(void) {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx512f"))
@@ -118,6 +149,7 @@ static PyMethodDef functions[] = {
     {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
     {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},
+    {"simplify", simplify, METH_VARARGS, "Indices of a mesh with fewer triangles."},
     {"sunlight", (PyCFunction)(void (*)(void))pl_py_sunlight, METH_VARARGS | METH_KEYWORDS,
      "The fraction of the sun's light that bodies let through."},
     {"version", version, METH_NOARGS, "Versions of what the core was built with."},

@@ -586,6 +586,13 @@ def band_gather(sun: F64 | None, responses: Sequence[F64], step_um: float) -> Ba
 def png_write(path: str, array: NDArray[Any], level: int = 6) -> None:
     """Writes uint8 (H,W), (H,W,3), (H,W,4) or uint16 (H,W); atomic (temporary file and rename)."""
 
+def simplify(
+    positions: NDArray[np.float32], indices: NDArray[np.uint32], target: int, error: float, /
+) -> NDArray[np.uint32]:
+    """Indices (n, 3) of a mesh with `target` triangles, or as few as there can be without moving its
+    surface by more than `error` of its extent. positions (V, 3), which stay; indices (T, 3).
+    ValueError for indices that are no vertex's, and positions that are not finite."""
+
 def gltf_graphs(path: str, /) -> str:
     """JSON: [{index, name}] of a glTF file's materials, with `graph` of those that are used and
     have `extras.perilune_graph`; [] when there is none or the file cannot be opened. ValueError for

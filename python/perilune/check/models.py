@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from perilune.check.findings import Report
 from perilune.check.ply import Mesh, PlyError, read_ply
-from perilune.check.records import ModelInfo, PartInfo, by_id, read_json
+from perilune.check.records import EvalInfo, ModelInfo, PartInfo, by_id, read_json
 from perilune.check.retrace import Shapes
-from perilune.writers.bop_models import MODELS, PARTS
+from perilune.writers.bop_models import EVAL, MODELS, PARTS
 from perilune.writers.diameter import diameter
 
 F64 = NDArray[np.float64]
@@ -62,7 +62,7 @@ def _check_info(report: Report, path: Path, key: str, info: ModelInfo, mesh: Mes
     report.need(cut, path, f"{key}.faces_cut_in_part exceeds the model's {len(mesh.faces)} faces")
     centre = float(np.abs(low + high).max()) / 2.0
     report.need(
-        isinstance(info, PartInfo) or centre <= _CENTRE * longest,
+        isinstance(info, (PartInfo, EvalInfo)) or centre <= _CENTRE * longest,
         path,
         f"{key}: the model's box is centred {centre:g} mm from the origin",
     )
@@ -80,6 +80,8 @@ def _check_info(report: Report, path: Path, key: str, info: ModelInfo, mesh: Mes
 def check_shapes(report: Report) -> Shapes:
     """Checks all models, and the parts of them that move; returns what rays meet of them."""
     infos, meshes = _check_models(report, MODELS, ModelInfo)
+    if (report.folder / EVAL).exists():
+        _check_models(report, EVAL, EvalInfo)
     parts: dict[int, list[tuple[PartInfo, Mesh]]] = {}
     if (report.folder / PARTS).exists():
         entries, pieces = _check_models(report, PARTS, PartInfo)

@@ -198,6 +198,11 @@ class ModelInfo(_Exact):
     """Triangles of which alpha leaves nothing, and which are no faces."""
 
 
+class EvalInfo(ModelInfo):
+    """An entry of models_info.json of the evaluation models; their surface is only nearly the same,
+    so that their box need not be about the origin."""
+
+
 class PartInfo(ModelInfo):
     """An entry of models_info.json of the parts that move."""
 

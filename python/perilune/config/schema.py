@@ -167,11 +167,24 @@ class ContinuousSymmetry(Strict):
     offset_m: StaticVec3 = (0.0, 0.0, 0.0)
 
 
+class DiscreteSymmetry(Strict):
+    """A rotation about a point that leaves the model as it is."""
+
+    rotation_deg: StaticVec3
+    """Roll, pitch, yaw."""
+    offset_m: StaticVec3 = (0.0, 0.0, 0.0)
+    """The point, in the model's frame: any of the axis."""
+
+
 class Symmetries(Strict):
-    """Symmetries of a model, about its frame's origin; written to BOP as stated, never guessed."""
+    """Symmetries of a model in its frame; written to BOP as stated, never guessed, once the model
+    turned by them is near itself: within a tenth of its diameter, or 15 mm, as BOP has it."""
 
     discrete_deg: tuple[StaticVec3, ...] = ()
-    """Rotations (roll, pitch, yaw) that leave the model as it is; every one but the identity."""
+    """Rotations (roll, pitch, yaw) about the frame's origin that leave the model as it is; with
+    those of `discrete` every one but the identity."""
+    discrete: tuple[DiscreteSymmetry, ...] = ()
+    """The same about other points."""
     continuous: tuple[ContinuousSymmetry, ...] = ()
 
 

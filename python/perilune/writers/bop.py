@@ -35,7 +35,8 @@ from perilune.writers.bop_files import (
 )
 from perilune.writers.bop_finish import finish, reopen
 from perilune.writers.bop_labels import CocoHeader, Mask, annotation, info_entry
-from perilune.writers.bop_models import BopModel, complete_models
+from perilune.writers.bop_model_files import complete_models
+from perilune.writers.bop_models import BopModel
 from perilune.writers.bop_shards import Note, Shard, check_frames, shard_chunks
 from perilune.writers.bop_source import (
     bop_models,

@@ -4,28 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune.writers.bop_files import (
-    MM_PER_M,
-    json_by_id,
-    load_object,
-    write_bytes,
-    write_text,
-)
+from perilune.writers.bop_files import MM_PER_M
 from perilune.writers.diameter import diameter
-from perilune.writers.whole import is_whole
 
 F64 = NDArray[np.float64]
 
 MODELS = "models"
 PARTS = "models_parts"
 """Folder of the parts that move, of articulated objects."""
-FOLDERS = (MODELS, PARTS)
+EVAL = "models_eval"
+"""Folder of the models that pose errors are evaluated with."""
+FOLDERS = (MODELS, PARTS, EVAL)
 MODELS_INFO = "models_info.json"
 
 _VERTEX = np.dtype(
@@ -61,7 +55,7 @@ class BopModel:
     vertices: NDArray[Any]  # of _VERTEX, mm
     faces: NDArray[np.int32]  # (F, 3)
     center_m: F64  # (3,), the origin in the object's frame, metres
-    symmetries_discrete: Sequence[F64]  # (3, 3) each, about the object frame's origin
+    symmetries_discrete: Sequence[tuple[F64, F64]]  # rotation (3, 3), about a point (3,), m, there
     symmetries_continuous: Sequence[tuple[F64, F64]]  # axis, offset in the object's frame (m)
     counts: Mapping[str, int]
     """Keys of models_info.json beyond BOP's: how many faces are not what they look like."""
@@ -133,7 +127,7 @@ def bop_model(
     surfaces: Surfaces,
     offset: F64,
     metres_per_unit: float,
-    symmetries_discrete: Sequence[F64] = (),
+    symmetries_discrete: Sequence[tuple[F64, F64]] = (),
     symmetries_continuous: Sequence[tuple[F64, F64]] = (),
 ) -> BopModel:
     """Turns a mesh in model units into a BOP model.
@@ -185,15 +179,20 @@ def ply_bytes(model: BopModel) -> Iterable[bytes]:
     return ["\n".join(lines).encode("ascii") + b"\n", model.vertices.tobytes(), faces.tobytes()]
 
 
+def about_origin(model: BopModel, rotation: F64, point_m: F64) -> F64:
+    """(4, 4), mm: a rotation about a point of the object's frame, in the BOP model's frame."""
+    point_mm = (np.asarray(point_m, dtype=np.float64) - model.center_m) * MM_PER_M
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    matrix[:3, 3] = point_mm - rotation @ point_mm
+    return matrix
+
+
 def _discrete(model: BopModel) -> list[list[float]]:
-    """4x4 matrices about the box's centre: x -> R (x + c) - c for a rotation about c's origin."""
-    matrices = []
-    for rotation in model.symmetries_discrete:
-        matrix = np.eye(4)
-        matrix[:3, :3] = rotation
-        matrix[:3, 3] = (rotation @ model.center_m - model.center_m) * MM_PER_M
-        matrices.append([float(value) for value in matrix.ravel()])
-    return matrices
+    return [
+        [float(value) for value in about_origin(model, rotation, point_m).ravel()]
+        for rotation, point_m in model.symmetries_discrete
+    ]
 
 
 def _continuous(model: BopModel) -> list[dict[str, list[float]]]:
@@ -218,58 +217,3 @@ def model_info(model: BopModel) -> dict[str, Any]:
     if model.symmetries_continuous:
         info["symmetries_continuous"] = _continuous(model)
     return info
-
-
-Folders = dict[str, tuple[dict[int, BopModel], dict[int, dict[str, Any]]]]
-"""Folder -> number -> model, and keys of it in models_info.json beyond those of all models."""
-
-
-def _folders(models: Mapping[int, BopModel]) -> Folders:
-    """What is written where. Parts that move are numbered through all objects."""
-    pieces: dict[int, BopModel] = {}
-    extra: dict[int, dict[str, Any]] = {}
-    for obj_id in sorted(models):
-        for chain, piece in models[obj_id].pieces():
-            number = len(pieces) + 1
-            pieces[number], extra[number] = piece, {"obj_id": obj_id, "nodes": list(chain)}
-    return {MODELS: (dict(models), {}), **({PARTS: (pieces, extra)} if pieces else {})}
-
-
-def _ply(folder: Path, number: int) -> Path:
-    return folder / f"obj_{number:06d}.ply"
-
-
-def _is_there(folder: Path, models: Mapping[int, BopModel]) -> bool:
-    """Whether a folder is complete; ValueError if its models are not those of the simulation."""
-    told = load_object(folder / MODELS_INFO)
-    if not is_whole(folder / MODELS_INFO) or set(told) != {str(number) for number in models}:
-        return False
-    good = True
-    for number, model in models.items():
-        path = _ply(folder, number)
-        if not is_whole(path):
-            good = False
-        elif path.read_bytes() != b"".join(ply_bytes(model)):
-            raise ValueError(
-                f"{path}: is not the model of this configuration, as this version of Perilune "
-                "writes it; use another folder, so that all frames are of one model"
-            )
-    return good
-
-
-def complete_models(root: Path, models: Mapping[int, BopModel]) -> None:
-    """Writes the folders of models that are not there, or damaged: each PLY, then models_info.json.
-
-    ValueError for a folder with other models. Parts that move lie in the frame of their object's
-    model at rest; a part moves by the first of its `nodes` that the `articulation` of an instance
-    names.
-    """
-    for name, (rows, extra) in _folders(models).items():
-        folder = root / name
-        if _is_there(folder, rows):
-            continue
-        folder.mkdir(parents=True, exist_ok=True)
-        for number, model in sorted(rows.items()):
-            write_bytes(_ply(folder, number), ply_bytes(model))
-        infos = {k: {**model_info(row), **extra.get(k, {})} for k, row in rows.items()}
-        write_text(folder / MODELS_INFO, json_by_id(infos))

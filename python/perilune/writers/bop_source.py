@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import perilune
-from perilune import _core, rotations
+from perilune import _core
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
 from perilune.config.file_names import file_names
@@ -25,6 +25,7 @@ from perilune.simulation import Simulation
 from perilune.writers.bop_channels import channel_files, label_names, pictures
 from perilune.writers.bop_files import RGB_FOLDER
 from perilune.writers.bop_models import BopModel, Surfaces, bop_model
+from perilune.writers.bop_symmetry import check_symmetries, turns
 
 F64 = NDArray[np.float64]
 
@@ -82,16 +83,6 @@ def refuse_unfit(sim: Simulation) -> None:
         )
 
 
-def _discrete(symmetries: Symmetries) -> list[F64]:
-    return [
-        rotations.to_matrix(rotations.from_rpy_deg(angles)) for angles in symmetries.discrete_deg
-    ]
-
-
-def _continuous(symmetries: Symmetries) -> list[tuple[F64, F64]]:
-    return [(np.array(line.axis), np.array(line.offset_m)) for line in symmetries.continuous]
-
-
 def _surfaces(sim: Simulation, names: Sequence[str]) -> Surfaces:
     """Of the model that some spacecraft share, each with its own materials and moving parts."""
     model = sim.models[names[0]].model
@@ -107,23 +98,41 @@ def _surfaces(sim: Simulation, names: Sequence[str]) -> Surfaces:
     return Surfaces(double_sided, presence, nodes, of_part[model.mesh()["triangle_part"]])
 
 
+def _symmetries(sim: Simulation, names: Sequence[str]) -> tuple[str, Symmetries]:
+    """Key and value of the symmetries of spacecraft that share a model: those that one of them
+    states; ConfigError if two state different ones."""
+    stated = {name: sim.models[name].symmetries for name in names}
+    told = [name for name, value in stated.items() if value != Symmetries()] or names[:1]
+    for name in told[1:]:
+        if stated[name] != stated[told[0]]:
+            raise ConfigError(
+                f"{sim.document.source}: spacecraft.{name}.symmetries: differ from those of "
+                f"{told[0]}, which has the same obj_id, {sim.models[name].obj_id}; one id stands "
+                "for one model: state them the same, or of one of the two alone"
+            )
+    return f"spacecraft.{told[0]}.symmetries", stated[told[0]]
+
+
 def bop_models(sim: Simulation) -> dict[int, BopModel]:
-    """Object id -> model; spacecraft that share an id share a model."""
+    """Object id -> model; spacecraft that share an id share a model.
+
+    ConfigError for symmetries that a model does not have."""
     crafts: dict[int, list[str]] = {}
     for name, row in sim.models.items():
         crafts.setdefault(row.obj_id, []).append(name)
     models: dict[int, BopModel] = {}
     for obj_id, names in crafts.items():
         row = sim.models[names[0]]
+        key, symmetries = _symmetries(sim, names)
         models[obj_id] = bop_model(
             obj_id,
             row.model.mesh(),
             _surfaces(sim, names),
             row.offset,
             row.metres_per_unit,
-            _discrete(row.symmetries),
-            _continuous(row.symmetries),
+            *turns(symmetries),
         )
+        check_symmetries(models[obj_id], symmetries, f"{sim.document.source}: {key}")
     return models
 
 

@@ -94,6 +94,7 @@ def test_layout_is_exactly_the_formats(dataset):
     expected = {"camera.json", "config.json", "dataset_info.json", "dataset_info.md"}
     expected |= {"models/models_info.json"}
     expected.add("models/obj_000005.ply")
+    expected |= {"models_eval/models_info.json", "models_eval/obj_000005.ply"}
     for scene, images in ((0, 4), (1, 2)):
         folder = f"train/{scene:06d}"
         expected |= {f"{folder}/scene_{k}.json" for k in ("camera", "gt", "gt_info", "gt_coco")}
@@ -241,27 +242,6 @@ def test_models_info_agrees_with_brute_force(dataset):
     keys = {"diameter", *(f"{a}_{b}" for a in ("min", "size") for b in "xyz")}
     assert set(info) == keys | {"faces_one_sided"}
     assert info["faces_one_sided"] == 24
-
-
-def test_symmetries_are_those_of_the_configuration(small_scene, tmp_path):
-    stated = {
-        "discrete_deg": [[0.0, 0.0, 180.0]],
-        "continuous": [{"axis": [0.0, 0.0, 2.0], "offset_m": [0.5, 0.0, 0.0]}],
-    }
-    changes = {"spacecraft.probe.symmetries": stated, "spacecraft.probe.centre": "origin"}
-    sim = perilune.open(small_scene, overrides=changes)
-    perilune.write_bop(sim, range(1), tmp_path / "probe", threads=1)
-    info = read_json(tmp_path / "probe" / "models" / "models_info.json")["1"]
-    # The box's centre lies at (3.5, -0.75, 0.5) units from the file's origin; one unit is 0.8 m.
-    center_mm = 800.0 * np.array([3.5, -0.75, 0.5])
-    matrix = np.reshape(info["symmetries_discrete"][0], (4, 4))
-    # A turn about the object's z axis: a point p about the box stands at p + c in the object.
-    for point in np.array([[1.0, 2.0, 3.0], [-50.0, 20.0, 0.0]]):
-        turned = (point + center_mm) * [-1, -1, 1] - center_mm
-        np.testing.assert_allclose(matrix[:3, :3] @ point + matrix[:3, 3], turned, atol=1e-3)
-    (line,) = info["symmetries_continuous"]
-    np.testing.assert_allclose(line["axis"], [0.0, 0.0, 1.0], atol=1e-15)
-    np.testing.assert_allclose(line["offset"], [500.0, 0.0, 0.0] - center_mm, atol=1e-3)
 
 
 def test_same_bytes_again_in_parts_and_with_other_threads(sim, dataset, tmp_path):
