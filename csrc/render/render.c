@@ -137,6 +137,18 @@ static place place_of(pl_tile tile, uint32_t nth) {
   return (place){(int)(pixel % PL_TILE_SIDE), (int)(pixel / PL_TILE_SIDE) - cut};
 }
 
+/* Place `nth` of the packet that begins at one, in one number, and back. */
+static uint32_t pack_place(place first, uint32_t nth) {
+  const uint32_t pixel = pl_tile_pixel(nth);
+  const uint32_t x = (uint32_t)first.x + pixel % PL_TILE_SIDE;
+  const uint32_t y = (uint32_t)(first.y + PL_TILE_SIDE) + pixel / PL_TILE_SIDE;
+  return y * PL_TILE_SIDE + x;
+}
+
+static place unpack_place(uint32_t packed) {
+  return (place){(int)(packed % PL_TILE_SIDE), (int)(packed / PL_TILE_SIDE) - PL_TILE_SIDE};
+}
+
 static bool is_inside(pl_tile tile, place at) {
   return at.x < tile.width && at.y >= 0 && at.y < tile.height;
 }
@@ -159,10 +171,13 @@ static bool packet_may_see(const job *job, pl_tile tile, place at) {
  * labels are the same with and without colour, at any number of samples, and in bands of rows. */
 static size_t list_mesh_places(const job *job, pl_tile tile, uint32_t *places) {
   size_t count = 0;
-  for (uint32_t i = 0; i < PL_TILE_PIXELS; i += PL_TRACER_PACKET)
-    if (packet_may_see(job, tile, place_of(tile, i)))
-      for (uint32_t k = i; k < i + PL_TRACER_PACKET; k++)
-        places[count++] = k;
+  for (uint32_t i = 0; i < PL_TILE_PIXELS; i += PL_TRACER_PACKET) {
+    const place first = place_of(tile, i);
+    if (!packet_may_see(job, tile, first))
+      continue;
+    for (uint32_t k = 0; k < PL_TRACER_PACKET; k++)
+      places[count++] = pack_place(first, k);
+  }
   return count;
 }
 
@@ -185,10 +200,10 @@ static pl_ray centre_ray(const job *job, pl_tile tile, place at, const pl_tile_b
  * meet. */
 static void fill_mesh_points(const job *job, pl_tile tile, size_t count, pl_tile_buffers *b) {
   for (size_t i = 0; i < count; i++)
-    b->rays[i] = centre_ray(job, tile, place_of(tile, b->active[i]), b);
+    b->rays[i] = centre_ray(job, tile, unpack_place(b->active[i]), b);
   pl_tracer_closest(job->tracer, b->rays, b->hits, count, true, true);
   for (size_t i = 0; i < count; i++) {
-    const place at = place_of(tile, b->active[i]);
+    const place at = unpack_place(b->active[i]);
     const int pixel = at.y * PL_TILE_SIDE + at.x;
     const pl_hit *hit = &b->hits[i];
     if (hit->thing == PL_NOTHING || !is_inside(tile, at))
