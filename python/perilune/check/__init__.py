@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import TypeAdapter
 
 from perilune.check.findings import Finding, Report
+from perilune.check.looks import LooksCheck
 from perilune.check.models import check_shapes
 from perilune.check.records import Camera, Source, read_json
 from perilune.check.remake import compare_with_config
@@ -121,7 +122,9 @@ def check_bop(
         check_scene(report, path, source, tracer, step)
     if not report.findings:
         _check_summary(report, source)
-    if not alone:
-        where = None if base is None else Path(base)
-        compare_with_config(report, source, folders, rerender, where, step)
+    where = None if base is None else Path(base)
+    if alone or not compare_with_config(report, source, folders, rerender, where, step):
+        looks = LooksCheck(report)
+        for path in folders:
+            looks.scene(path)
     return report

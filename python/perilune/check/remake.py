@@ -78,12 +78,12 @@ def compare_with_config(
     rerender: int | None,
     base: Path | None,
     step: Step,
-) -> None:
-    """Makes the dataset again from its configuration, and compares."""
+) -> bool:
+    """Makes the dataset again from its configuration, and compares. False: it cannot be made."""
     with tempfile.TemporaryDirectory(prefix="perilune-check-", dir=_scratch()) as name:
         remake = open_remake(report, source, Path(name), base)
         if remake is None:
-            return
+            return False
         own = Report(report.folder)
         compare_root(own, remake, Path(name))
         _compare_frames(own, remake, folders, rerender, step)
@@ -91,7 +91,8 @@ def compare_with_config(
     if remake.changed and own.total:
         told = f"{own.total} differences from what is made of them are not told"
         report.note(f"files of the configuration are no longer those that {_OF_FILES}: {told}")
-        return
+        return False
     for name in remake.changed:
         report.add(report.folder / SOURCE_FILE, f"files_sha256.{name} is not of the file: {_SAME}")
     report.join(own)
+    return True

@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 import pytest
 from tests.python.output.conftest import write_probe
-from tests.python.output.faults import read
+from tests.python.output.faults import read, write
 from tests.python.output.planted import gamma, noisy, picture, with_tile
 from tests.python.output.planted_table import (
     CAMERAS,
@@ -22,6 +22,8 @@ from tests.python.output.planted_table import (
 
 import perilune
 from perilune.check import check_bop
+from perilune.check.findings import Report
+from perilune.check.looks import LooksCheck
 from perilune.writers import merge_bop
 
 
@@ -177,3 +179,49 @@ def test_merged_shards_have_no_finding(small_scene, pair, tmp_path):
     report = check_bop(tmp_path / "out")
     assert report.findings == []
     assert (report.scenes, report.images) == (3, 5)
+
+
+def boxed(size, column):
+    """A picture of a bright box on a dark field, and its mask."""
+    mask = np.zeros(size, dtype=bool)
+    mask[10:30, column : column + 16] = True
+    return np.where(mask[..., None], 200, 20).repeat(3, axis=2).astype(np.uint8), mask
+
+
+def test_pictures_of_other_images_are_told_without_a_configuration(good, tmp_path):
+    root = tmp_path / "looks"
+    for k, column in enumerate((5, 40)):
+        image, mask = boxed((64, 80), column)
+        for folder, array in (("rgb", image), ("mask_visib", mask.astype(np.uint8) * 255)):
+            path = root / f"test/000000/{folder}" / f"{k:06d}{'_000000' * (folder != 'rgb')}.png"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write(path, array)
+    (root / "test/000000/scene_gt.json").write_text('{"0": [{"x": 1}], "1": [{"x": 2}]}')
+
+    def told():
+        report = Report(root)
+        LooksCheck(report).scene(root / "test/000000")
+        return [(f.file[-10:], f.reason) for f in report.findings]
+
+    assert told() == []
+    picture("rgb", lambda c: c[:, ::-1], image=0)(root)
+    assert told() == [
+        (
+            "000000.png",
+            "edges are not those of the masks, but they would be if it were mirrored left to right",
+        )
+    ]
+    shutil.copy(root / "test/000000/rgb/000001.png", root / "test/000000/rgb/000000.png")
+    assert told() == [
+        (
+            "000001.png",
+            "is the same picture as test/000000/rgb/000000.png, where the poses are others",
+        ),
+        ("000000.png", "edges are not those of the masks, but of those of image 000001"),
+    ]
+
+    copied = tmp_path / "crowd"
+    shutil.copytree(good, copied)
+    rgb = copied / "test/000000/rgb"
+    shutil.copy(rgb / "000001.png", rgb / "000002.png")
+    assert "is the same picture as" in str(check_bop(copied, alone=True).findings)
