@@ -130,7 +130,7 @@ def _describe(
     if error["type"] == "int_type" and key == name:
         why = "it fixes a count, an identity or the shape of an array"
         return f"{shown_key}: takes no driver ({why})"
-    at = origin(name, origins) + driven[name] + key[len(name) :]
+    at = origin(name + driven[name] + key[len(name) :], origins)
     drawn = "" if driven[name] else " (drawn by its driver)"
     return f"{at}{mark}: {text}{drawn}"
 
