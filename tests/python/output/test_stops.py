@@ -52,7 +52,7 @@ def truth(sim, tmp_path_factory):
 
 
 STEP = int(os.environ.get("PERILUNE_STOP_STEP", "0"))
-"""Operations from one stop to the next; 1 for all, as script/soak asks."""
+"""Operations from one stop to the next, in place of each test's own; 1 for all."""
 
 
 def every_stop(root, step, kill, begin, task, end):
