@@ -411,7 +411,7 @@ def test_every_physical_key_has_its_unit():
         "vignetting_profile",  # degrees, and parts of the light
         "hot_pixels", "dead_pixels", "intensity", "quality",
         "window", "saturated", "gains", "lag_frames",  # of automatic exposure
-        "vignetting", "drain", "wings", "wing_beta",
+        "vignetting", "drain", "wings", "wing_beta", "depth_spread",
         "prnu", "dark_nonuniform",  # relative deviations
         "jitter_strength", "step_interval", "correlation", "first_frame",
         "drivers",  # of the inputs of nodes, which say their units
