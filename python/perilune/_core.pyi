@@ -60,21 +60,19 @@ class Model:
         """(2, 3): smallest and largest coordinates, model units, z-up."""
     @property
     def parts(self) -> tuple[dict[str, Any], ...]:
-        """{"name", "material", "node": index in the file} of each part: one primitive of one
-        node. Names need not be unique."""
+        """{"name", "material", "node": index} of each part: a primitive of a node of the file."""
     @property
     def nodes(self) -> tuple[dict[str, Any], ...]:
         """{"name", "parent": index or -1} of each node of the file, by its index there."""
     @property
     def animations(self) -> tuple[dict[str, Any], ...]:
-        """{"name", "duration_s", "nodes": indices} of each animation that moves nodes of the
-        scene; those that are broken are left out, with a warning."""
+        """{"name", "duration_s", "nodes": indices} of those that move nodes of the scene."""
     @property
     def materials(self) -> tuple[str, ...]: ...
     @property
     def warnings(self) -> tuple[str, ...]: ...
     def mesh(self) -> dict[str, NDArray[Any]]:
-        """Copies: positions (V,3) f64, in the file's units, normals (V,3) f32, uv (V,2) f32 or absent,
+        """Copies: positions (V,3) f64, file's units, normals (V,3) f32, uv (V,2) f32 or absent,
         indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
     def surfaces(self) -> dict[str, NDArray[Any]]:
         """What rays meet of the triangles, by the materials of the file: double_sided (T,) bool, and
@@ -94,8 +92,7 @@ class Model:
         """The shape of a body: positions (V, 3), indices (T, 3), counter-clockwise seen from
         outside; its path is the name. one_sided: rays from behind pass its triangles. source: the
         model whose materials and texture coordinates it gets, but for opacity and emission; corners
-        (T, 3) are its vertices there, faces (T,) its triangles. ValueError for corners that are not
-        there."""
+        (T, 3) are its vertices there, faces (T,) its triangles. ValueError: no such corners."""
     def winding(self, points: F64, /) -> F64:
         """How often the surface goes around points (n, 3): of a closed mesh 1 inside, 0 outside."""
     def components(self) -> NDArray[np.uint32]:
@@ -231,8 +228,8 @@ class Rings:
     ) -> tuple[F64, F64]:
         """(n, 3) radiance, 1/sr, that the rings send to points (n, 3), m, of a sun of irradiance 1
         in the unit direction `sun`, and (n,) part of the light from behind that passes: means over
-        cones about unit directions (n, 3), width_m wide at the points and growing by `spread` a
-        metre. The body's shadow is left out."""
+        cones about unit directions (n, 3), width_m wide at the points and wider by `spread` a metre;
+        the body's shadow is left out."""
 
 class Socket(TypedDict):
     name: str
@@ -321,9 +318,8 @@ class Scene:
         and filling factor of each band, for the photometric reflectances; its w counts where there
         is no map. cloud_map: cover of the clouds that requests give it, about longitude 0; red.
         ground: not of a body with a graph; water only with reflectance lambert. geodetic: maps
-        count by geodetic latitude instead of by planetocentric; geodetic_clouds: so does
-        cloud_map. dressed: its surface is of the shape's own materials instead of map, albedo and
-        reflectance."""
+        count by geodetic latitude, not planetocentric; geodetic_clouds: so does cloud_map.
+        dressed: the shape's own materials instead of map, albedo and reflectance."""
     def add_object(
         self, *, name: str, model: Model, offset: F64, obj_id: int, instance_id: int, part_ids:
         NDArray[np.int32], class_ids: NDArray[np.uint16], triangle_part: NDArray[np.uint32] | None =
@@ -549,8 +545,7 @@ def project(K: F64, lens: tuple[str, F64] | None, points: F64) -> F64:
     """(N, 2): pixels of (N, 3) points in camera axes; nan where there is no image."""
 
 def png_grey(data: bytes, name: str, /) -> NDArray[np.uint16]:
-    """(H, W): a grey PNG of n bits, times 65535 / (2^n - 1), without its alpha. ValueError that
-    starts with `name` for what is none."""
+    """(H, W): a grey PNG of n bits, times 65535 / (2^n - 1), no alpha. ValueError with `name`."""
 
 def cloud_cover(settings: CloudSettings, points: F64, width_m: float, detail: int) -> F64:
     """The part (n,) that clouds without a map cover of footprints of a width about points (n, 3),
