@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,12 @@ from perilune.check.findings import Report
 from perilune.simulation import Simulation
 from perilune.unseen import target_of
 from perilune.writers.bop_config import CONFIG_FILE
-from perilune.writers.bop_files import GT_FILE, INFO_FILE, load_object
+from perilune.writers.bop_files import CAMERA_FILE, GT_FILE, INFO_FILE, MM_PER_M, load_object
+
+_FAR_OFF = 100.0
+"""Sizes of a target by which a camera that looks beside it does not mean it, as a star tracker."""
+_PIXELS = 1.0
+"""Of a target that an image can show for certain."""
 
 
 def _seen(folders: Sequence[Path]) -> Iterator[tuple[int, bool]]:
@@ -31,5 +37,28 @@ def check_intent(report: Report, sim: Simulation, folders: Sequence[Path]) -> No
     if target is None:
         return
     obj_id = sim.models[target].obj_id
-    if not any(visible for found, visible in _seen(folders) if found == obj_id):
-        report.add(path, f"camera.trajectory.target: '{target}' is visible in no image")
+    if any(visible for found, visible in _seen(folders) if found == obj_id):
+        return
+    text = f"camera.trajectory.target: '{target}' is visible in no image"
+    size_m = 2.0 * sim.models[target].radius_m
+    offset_m = math.hypot(*getattr(sim.config.camera.trajectory, "aim_offset_m", (0.0,)))
+    if offset_m > _FAR_OFF * size_m or _smallest_px(folders, obj_id, size_m) < _PIXELS:
+        report.note(
+            f"{text}: the camera looks far beside it, or it is smaller than a pixel in some"
+        )
+    else:
+        report.add(path, text)
+
+
+def _smallest_px(folders: Sequence[Path], obj_id: int, size_m: float) -> float:
+    """Size of an object in the image in which it is farthest; inf where it is in none."""
+    sizes = [float("inf")]
+    for folder in folders:
+        cameras = load_object(folder / CAMERA_FILE)
+        for im_id, rows in load_object(folder / GT_FILE).items():
+            focal_px = cameras[im_id]["cam_K"][0] if im_id in cameras else 0.0
+            for row in rows:
+                if row["obj_id"] == obj_id:
+                    away_mm = max(math.hypot(*row["cam_t_m2c"]), 1e-9)
+                    sizes.append(focal_px * MM_PER_M * size_m / away_mm)
+    return min(sizes)
