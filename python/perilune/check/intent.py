@@ -15,8 +15,8 @@ from perilune.writers.bop_files import CAMERA_FILE, GT_FILE, INFO_FILE, MM_PER_M
 
 _FAR_OFF = 100.0
 """Sizes of a target by which a camera that looks beside it does not mean it, as a star tracker."""
-_PIXELS = 1.0
-"""Of a target that an image can show for certain."""
+_PIXELS = 4.0
+"""Of the sphere about a target that an image shows for certain: thin things miss the centres."""
 
 
 def _seen(folders: Sequence[Path]) -> Iterator[tuple[int, bool]]:
@@ -43,9 +43,7 @@ def check_intent(report: Report, sim: Simulation, folders: Sequence[Path]) -> No
     size_m = 2.0 * sim.models[target].radius_m
     offset_m = math.hypot(*getattr(sim.config.camera.trajectory, "aim_offset_m", (0.0,)))
     if offset_m > _FAR_OFF * size_m or _smallest_px(folders, obj_id, size_m) < _PIXELS:
-        report.note(
-            f"{text}: the camera looks far beside it, or it is smaller than a pixel in some"
-        )
+        report.note(f"{text}: the camera looks far beside it, or it is too small in some")
     else:
         report.add(path, text)
 
