@@ -276,28 +276,41 @@ def nozzle(
     return lathe(np.concatenate([top, outside, inside[::-1], plug]), sides)
 
 
+SHARP_BEND_DEG = 60.0
+
+
 def tube(path: ArrayLike, radius: float, sides: int = 8) -> Mesh:
-    """A round bar along a polyline with mitred corners and flat ends."""
+    """A round bar along a polyline with mitred corners and flat ends.
+
+    Corners of more than SHARP_BEND_DEG are hard edges, others are shaded smoothly.
+    """
     points = np.asarray(path, dtype=float)
     forward = _unit(np.diff(points, axis=0))
     across = z_to(forward[0])[:, 0]
     angle = np.linspace(0, 2 * np.pi, sides + 1)
     angle[-1] = 0.0
-    rings, sides_n = [], []
+    runs: list[list[tuple[F64, F64]]] = [[]]  # rings and their normals, between hard edges
     for i, point in enumerate(points):
         before, after = forward[max(i - 1, 0)], forward[min(i, len(forward) - 1)]
-        if i > 0:  # parallel transport keeps the section from twisting
+        spoke = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), np.cross(before, across))
+        if before @ after < np.cos(np.radians(SHARP_BEND_DEG)):
+            tangent = _unit(before + after)
+            slide = -(spoke @ tangent) / (before @ tangent)
+            runs[-1].append((point + radius * (spoke + np.outer(slide, before)), spoke))
+            runs.append([])
+            # Parallel transport keeps the section from twisting: the least rotation about the bend.
+            across = across - (before + after) * (across @ after) / (1.0 + before @ after)
+        elif i > 0:  # the same for small bends, to first order
             across = across - after * (across @ after)
         across = across / np.linalg.norm(across)
-        up = np.cross(after, across)
-        spoke = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), up)
+        spoke = np.outer(np.cos(angle), across) + np.outer(np.sin(angle), np.cross(after, across))
         tangent = _unit(before + after)
         # Slide each spoke along the bar onto the mitre plane.
         slide = -(spoke @ tangent) / (after @ tangent)
-        rings.append(point + radius * (spoke + np.outer(slide, after)))
-        sides_n.append(spoke)
-    wall = _tube_wall(np.array(rings), np.array(sides_n))
-    return merge(wall, _cap(rings[0], -forward[0]), _cap(rings[-1], forward[-1]))
+        runs[-1].append((point + radius * (spoke + np.outer(slide, after)), spoke))
+    walls = [_tube_wall(*(np.array(part) for part in zip(*run, strict=True))) for run in runs]
+    first, last = runs[0][0][0], runs[-1][-1][0]
+    return merge(*walls, _cap(first, -forward[0]), _cap(last, forward[-1]))
 
 
 def _tube_wall(rings: F64, normals: F64) -> Mesh:
