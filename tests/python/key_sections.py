@@ -236,6 +236,8 @@ THINGS = [
             "softness": 0.1,
             "warp": 0.5,
             "phase": 2.0,
+            "depth_spread": 0.0,
+            "relief_km": 2.0,
             "seed": 5,
         },
     ),
