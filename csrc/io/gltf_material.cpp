@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <tuple>
+#include <vector>
 
 #include "base/memory.h"
 #include "io/image_file.h"
@@ -74,6 +75,12 @@ pl_wrap wrap_of(int gl) {
                                                        : PL_WRAP_REPEAT;
 }
 
+/* A map of normals, to be taken back where its image shows no normals. */
+struct NormalUse {
+  std::string what;
+  pl_texture_slot *slot;
+};
+
 class MaterialBuilder {
 public:
   MaterialBuilder(const Asset &asset, pl_model *model, Warnings &warnings)
@@ -85,13 +92,62 @@ public:
 private:
   template <typename Info>
   pl_texture_slot slot(const Info &info, bool srgb, const std::string &what);
+  void note_normals(const std::string &what, pl_texture_slot *slot);
+  void check_normals(int texture, const pl_image &image);
   float unit(double value, const std::string &what);
 
   const Asset &asset_;
   pl_model *model_;
   Warnings &warnings_;
   std::map<TextureKey, int> textures_;
+  std::vector<NormalUse> normals_;
 };
+
+/* RMS of the lengths of an image's vectors about 1, which those of a map of normals have. */
+double length_error(const pl_image &image) {
+  const size_t channels = static_cast<size_t>(image.channels);
+  const size_t texels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+  double sum = 0.0;
+  for (size_t i = 0; i < texels; i++) {
+    double length2 = 0.0;
+    for (size_t c = 0; c < 3; c++) {
+      const double x = image.texels[i * channels + (channels < 3 ? 0 : c)] / 127.5 - 1.0;
+      length2 += x * x;
+    }
+    const double error = std::sqrt(length2) - 1.0;
+    sum += error * error;
+  }
+  return std::sqrt(sum / static_cast<double>(texels));
+}
+
+void MaterialBuilder::note_normals(const std::string &what, pl_texture_slot *slot) {
+  if (slot->texture >= 0)
+    normals_.push_back({what, slot});
+}
+
+/* Published maps of normals, quantised and compressed, err by 0.02 to 0.05. Colour pictures that
+ * stand where normals should, by 0.4 and more: read as normals they tilt the surface by some 50
+ * degrees, each texel in another direction, which looks like pepper at any number of samples. */
+void MaterialBuilder::check_normals(int texture, const pl_image &image) {
+  static const double ERROR_MAX = 0.3;
+  static const int64_t TEXELS_MIN = 64; /* fewer are no picture, but a colour or a few */
+  if (static_cast<int64_t>(image.width) * image.height < TEXELS_MIN)
+    return;
+  bool measured = false;
+  double error = 0.0;
+  for (NormalUse &use : normals_) {
+    if (use.slot->texture != texture)
+      continue;
+    error = measured ? error : length_error(image);
+    measured = true;
+    if (!(error > ERROR_MAX))
+      return;
+    warnings_.add("%s: a picture, not a map of normals, is left out: the lengths of its vectors "
+                  "are off by %.2g (rms; normals have length 1)",
+                  use.what.c_str(), error);
+    *use.slot = NO_TEXTURE;
+  }
+}
 
 template <typename Info>
 pl_texture_slot MaterialBuilder::slot(const Info &info, bool srgb, const std::string &what) {
@@ -171,8 +227,10 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
   out->metallic_roughness_map =
       slot(pbr.metallicRoughnessTexture, false, name + ": metallicRoughnessTexture");
   const pl_texture_slot normals = slot(in.normalTexture, false, name + ": normalTexture");
-  if (model_->tangents != nullptr) /* else the mesh has no coordinates, as has been warned */
+  if (model_->tangents != nullptr) { /* else the mesh has no coordinates, as has been warned */
     out->normal_map = normals;
+    note_normals(name + ": normalTexture", &out->normal_map);
+  }
   if (in.occlusionTexture.index >= 0)
     warnings_.add("occlusion maps are not read: what they approximate is traced");
   out->emissive_map = slot(in.emissiveTexture, true, name + ": emissiveTexture");
@@ -182,8 +240,10 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
     if (bends && model_->tangents == nullptr)
       continue;
     out->layers.*map.slot = found;
-    if (bends)
+    if (bends) {
       out->layers.coat_normal_scale = static_cast<float>(map.info.scale);
+      note_normals(name + ": " + map.name, &out->layers.coat_normal_map);
+    }
   }
 }
 
@@ -209,6 +269,8 @@ void MaterialBuilder::decode_textures() {
       fail(PL_E_RANGE, "%s: the model's images have more than %llu texels", ref.name.c_str(),
            static_cast<unsigned long long>(limit));
     }
+    if (!key.srgb)
+      check_normals(entry.second, image);
     check(pl_texture_create(&image, key.srgb, key.wrap_u, key.wrap_v,
                             &model_->textures[entry.second]));
   }
