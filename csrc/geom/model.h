@@ -93,7 +93,7 @@ typedef struct pl_material {
   float alpha_cutoff;  /* for PL_ALPHA_MASK */
   pl_alpha_mode alpha_mode;
   bool double_sided;
-  bool unlit;   /* KHR_materials_unlit: taken as a Lambert surface of the base colour */
+  bool lambert; /* a Lambert surface of the base colour, with none of the other factors */
   bool layered; /* `layers` counts: the surface is shaded as the row `principled` */
   pl_texture_slot base_color_map;         /* sRGB */
   pl_texture_slot metallic_roughness_map; /* linear: G roughness, B metallic */

@@ -70,7 +70,7 @@ static pl_material plain(char *name) {
                        .roughness = 1.0f,
                        .normal_scale = 1.0f,
                        .double_sided = true,
-                       .unlit = true,
+                       .lambert = true,
                        .base_color_map = PL_NO_TEXTURE,
                        .metallic_roughness_map = PL_NO_TEXTURE,
                        .normal_map = PL_NO_TEXTURE,

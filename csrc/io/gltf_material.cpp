@@ -217,7 +217,12 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
                     : in.alphaMode == "BLEND" ? PL_ALPHA_BLEND
                                               : PL_ALPHA_OPAQUE;
   out->double_sided = in.doubleSided;
-  out->unlit = in.extensions.count("KHR_materials_unlit") != 0;
+  /* An unlit surface would shine by night: its colour is a paint. */
+  if (used && in.extensions.count("KHR_materials_unlit") != 0)
+    warnings_.add(
+        "%s: KHR_materials_unlit is not followed: the surface is lit, by its metallic and "
+        "roughness factors",
+        name.c_str());
   read_layers(in, name, model_->unit, out, warnings_);
   out->base_color_map = out->metallic_roughness_map = out->normal_map = out->emissive_map =
       NO_TEXTURE;

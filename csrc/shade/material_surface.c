@@ -156,14 +156,14 @@ void pl_material_surface(const pl_model *model, const pl_triangle_point *point, 
   surface->alpha = roughness * roughness;
   surface->metallic = mr[2] * material->metallic;
   surface->reflectance =
-      material->unlit ? &pl_reflectance_lambert : &pl_reflectance_metallic_roughness;
+      material->lambert ? &pl_reflectance_lambert : &pl_reflectance_metallic_roughness;
   const bool bends = detail.maps && detail.bumps && model->tangents != NULL;
   pl_vec3f coat_normal = {0.0f, 0.0f, 0.0f};
   if (material->layered && bends && material->layers.coat > 0.0f)
     coat_normal = coat_normal_of(model, point, material, detail, surface);
   if (bends && material->normal_map.texture >= 0)
     bend_normal(model, point, material, detail, surface);
-  if (material->layered && !material->unlit)
+  if (material->layered && !material->lambert)
     pl_material_layers_surface(model, point, detail, coat_normal, surface);
 }
 
@@ -206,15 +206,15 @@ pl_model_summary pl_model_summarise(const pl_model *model) {
     const pl_material *m = &model->materials[i];
     for (int k = 0; k < 3; k++) {
       /* The specular lobe over a diffuse base reflects at most everything. */
-      out.albedo_max = fmax(out.albedo_max, m->unlit ? m->base_color[k] : 1.0);
+      out.albedo_max = fmax(out.albedo_max, m->lambert ? m->base_color[k] : 1.0);
       out.emission_max = fmax(out.emission_max, m->emissive[k]);
     }
     const double roughness = m->metallic_roughness_map.texture >= 0 ? 0.0 : m->roughness;
-    out.diffuse &= m->unlit;
+    out.diffuse &= m->lambert;
     out.bumped |= m->normal_map.texture >= 0 && model->tangents != NULL;
-    if (!m->unlit)
+    if (!m->lambert)
       out.ggx_alpha_min = fmin(out.ggx_alpha_min, roughness * roughness);
-    if (m->layered && !m->unlit)
+    if (m->layered && !m->lambert)
       summarise_layers(&m->layers, &out);
     out.textured |= m->base_color_map.texture >= 0 || m->normal_map.texture >= 0 ||
                     m->metallic_roughness_map.texture >= 0 || m->emissive_map.texture >= 0;

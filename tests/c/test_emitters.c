@@ -20,7 +20,7 @@ static void dark_stage(stage *s, double focal_px) {
 static pl_model *lamp_create(double half) {
   pl_model *model = square_create(half);
   pl_material *m = &model->materials[0];
-  m->unlit = true;
+  m->lambert = true;
   m->double_sided = false;
   for (int k = 0; k < 3; k++) {
     m->base_color[k] = 0.0f;
@@ -32,7 +32,7 @@ static pl_model *lamp_create(double half) {
 /* Lambert ground of albedo 0.5. */
 static pl_model *ground_create(double half) {
   pl_model *model = square_create(half);
-  model->materials[0].unlit = true;
+  model->materials[0].lambert = true;
   return model;
 }
 

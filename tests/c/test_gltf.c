@@ -325,7 +325,8 @@ static void materials_are_read(void **state) {
   vector_near(m->emissive, 2, 1, 0);
   assert_true(m->base_color[3] == 0.4f && m->metallic == 0.5f && m->roughness == 0.6f);
   assert_true(m->alpha_mode == PL_ALPHA_MASK && m->alpha_cutoff == 0.7f);
-  assert_true(m->double_sided && m->unlit);
+  assert_true(m->double_sided && !m->lambert);
+  assert_non_null(strstr(model->warnings, "materials[0]: KHR_materials_unlit is not followed"));
   assert_int_equal(model->material_count, 1);
   /* one image in two roles: colours are decoded, factors are not */
   assert_int_equal(model->texture_count, 2);

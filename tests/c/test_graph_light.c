@@ -20,7 +20,7 @@ static void room_init(room *r, pl_model *lamp, const pl_graph *graph, const pl_v
   const int32_t glowing[4] = {0, 0, -1, -1};
   r->lamp = lamp;
   r->ground = square_create(40.0);
-  r->ground->materials[0].unlit = lamp->materials[0].unlit = true;
+  r->ground->materials[0].lambert = lamp->materials[0].lambert = true;
   for (int k = 0; k < 3; k++)
     lamp->materials[0].base_color[k] = 0.0f;
   stage_init(&r->stage, SIDE, SIDE, 20.0);
@@ -240,7 +240,7 @@ static void test_glowing_bodies(void **state) {
   for (int i = 0; i < 2; i++) {
     pl_model *ground = square_create(100.0);
     room r = {.ground = ground};
-    ground->materials[0].unlit = true;
+    ground->materials[0].lambert = true;
     stage_init(&r.stage, SIDE, SIDE, 60.0);
     r.stage.placement.sun.irradiance_au = 0.0;
     stage_add_object(&r.stage, ground, (pl_vec3){0, 0, 30.0}, PL_QUAT_IDENTITY, 1.0);

@@ -292,7 +292,7 @@ static void test_eclipse(void **state) {
 static void test_tolerance_is_kept(void **state) {
   (void)state;
   pl_model *model = cube_create(0.5);
-  model->materials[0].unlit = true; /* Lambert: no noise but the sun's disc */
+  model->materials[0].lambert = true; /* Lambert: no noise but the sun's disc */
   uint8_t pictures[2][48 * 40 * 3];
   for (int exact = 0; exact < 2; exact++) {
     stage s;

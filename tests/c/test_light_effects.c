@@ -17,7 +17,7 @@ typedef struct world {
 
 static void paint(pl_model *model, test_random *random) {
   pl_material *m = &model->materials[0];
-  m->unlit = random_unit(random) < 0.7; /* Lambert */
+  m->lambert = random_unit(random) < 0.7; /* Lambert */
   m->roughness = (float)random_range(random, 0.3, 1.0);
   m->metallic = (float)random_unit(random);
 }

@@ -155,7 +155,7 @@ static void check_penumbra(const shadow_case *c, const pl_model *ground) {
 static void test_penumbra(void **state) {
   (void)state;
   pl_model *ground = square_create(300.0);
-  ground->materials[0].unlit = true; /* Lambert */
+  ground->materials[0].lambert = true; /* Lambert */
   const uint64_t all = all_effects();
   const shadow_case cases[] = {
       {"umbra on a mesh", 8.0, 1000.0, false, 0, false},

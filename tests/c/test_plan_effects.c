@@ -14,7 +14,7 @@ static void paint(pl_model *model, test_random *random) {
   pl_material *m = &model->materials[0];
   for (int k = 0; k < 3; k++)
     m->base_color[k] = (float)random_range(random, 0.05, 0.9);
-  m->unlit = random_unit(random) < 0.6; /* Lambert */
+  m->lambert = random_unit(random) < 0.6; /* Lambert */
   m->roughness = (float)random_range(random, 0.2, 1.0);
   m->metallic = (float)random_unit(random);
   if (random_unit(random) < 0.2)

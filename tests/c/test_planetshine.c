@@ -86,7 +86,7 @@ static double rendered(const world *w, const char *off) {
   film f;
   pl_renderer *renderer;
   pl_model *plate = square_create(HALF);
-  plate->materials[0].unlit = true;
+  plate->materials[0].lambert = true;
   for (int k = 0; k < 3; k++)
     plate->materials[0].base_color[k] = (float)ALBEDO;
   stage_init(&s, WIDTH, HEIGHT, 40.0);

@@ -49,7 +49,7 @@ static pl_model *sphere_create(void) {
       memcpy(model->indices + 6 * (y * AROUND + x), corners, sizeof corners);
     }
   pl_model_measure(model);
-  model->materials[0].unlit = true; /* Lambert */
+  model->materials[0].lambert = true; /* Lambert */
   model->materials[0].base_color[0] = model->materials[0].base_color[1] =
       model->materials[0].base_color[2] = 1.0f;
   return model;

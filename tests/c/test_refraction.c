@@ -29,7 +29,7 @@ static pl_model *box_create(double half_x, double half_y, double half_z) {
 
 /* What shines: black but for its light. */
 static void make_lamp(pl_model *model) {
-  model->materials[0].unlit = true; /* Lambert */
+  model->materials[0].lambert = true; /* Lambert */
   for (int k = 0; k < 3; k++) {
     model->materials[0].base_color[k] = 0.0f;
     model->materials[0].emissive[k] = (float)GLOW;

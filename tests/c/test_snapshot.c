@@ -124,7 +124,7 @@ static void test_culling_keeps_what_matters(void **state) {
   (void)state;
   test_random random = {.seed = 53};
   pl_model *model = cube_create(0.5);
-  model->materials[0].unlit = true; /* Lambert: no mirrors, which would keep everything */
+  model->materials[0].lambert = true; /* Lambert: no mirrors, which would keep everything */
   int needed = 0, dropped = 0;
   pl_arena arena;
   pl_arena_init(&arena);
@@ -178,7 +178,7 @@ static void test_culling_keeps_what_matters(void **state) {
 static void test_culling_keeps_black_screens(void **state) {
   (void)state;
   pl_model *seen = cube_create(0.5), *screen = square_create(3.0);
-  seen->materials[0].unlit = screen->materials[0].unlit = true;
+  seen->materials[0].lambert = screen->materials[0].lambert = true;
   for (int k = 0; k < 3; k++)
     screen->materials[0].base_color[k] = 0.0f;
   stage s;

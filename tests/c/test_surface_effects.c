@@ -38,7 +38,7 @@ static pl_model *mapped_square(test_random *random) {
   model->texture_count = 2;
   model->textures[0] = speckle(random, 32, random_unit(random), true);
   model->textures[1] = speckle(random, 32, random_unit(random), false);
-  m->unlit = random_unit(random) < 0.5;
+  m->lambert = random_unit(random) < 0.5;
   m->roughness = (float)random_range(random, 0.2, 1.0);
   if (random_unit(random) < 0.7)
     m->base_color_map.texture = 0;

@@ -110,7 +110,7 @@ def gltf_of(shapes: list[Shape], path: Path) -> Path:
         "materials": [],
         "accessors": [],
         "bufferViews": [],
-        "extensionsUsed": ["KHR_materials_unlit", "KHR_materials_emissive_strength"],
+        "extensionsUsed": ["KHR_materials_specular", "KHR_materials_emissive_strength"],
     }
     blob = b""
     for i, shape in enumerate(shapes):
@@ -154,7 +154,8 @@ def gltf_material(shape: Shape) -> dict:
         "doubleSided": shape.radiance is None,
     }
     if shape.roughness is None:
-        material["extensions"] = {"KHR_materials_unlit": {}}  # Lambert
+        material["pbrMetallicRoughness"]["metallicFactor"] = 0.0
+        material["extensions"] = {"KHR_materials_specular": {"specularFactor": 0.0}}  # Lambert
     if shape.radiance is not None:
         strength = max(shape.radiance)
         material["emissiveFactor"] = [v / strength for v in shape.radiance]

@@ -126,6 +126,11 @@ CASES = {
         {},
         "materials[0]: metallicFactor: 3 is clamped to 0..1",
     ),
+    "unlit": (
+        put(*MATERIAL, "KHR_materials_unlit", {}),
+        {},
+        "materials[0]: KHR_materials_unlit is not followed: the surface is lit",
+    ),
     "morph targets": (
         put("meshes", 0, "primitives", 0, "targets", [{"POSITION": 0}]),
         {},
