@@ -57,7 +57,7 @@ def request(view: str, width: int, row: str | None) -> dict[str, Any]:
     if row == "night_lights":
         asked["sun_position"] = -asked["sun_position"]
         asked["exposure"] = {**asked["exposure"], "white_radiance": 1e-3}
-    asked["body_ground"] = np.array([[8e3, 1.0, 7.0, *[0.02] * 3, *[1e-3] * 3]])
+    asked["body_ground"] = np.array([[8e3, 1.0, 7.0, *[0.02] * 3, *[1e-3] * 3, math.nan]])
     return dict(asked)
 
 

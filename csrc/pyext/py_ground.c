@@ -39,7 +39,7 @@ int pl_py_ground_parse(PyObject *dict, PyObject *kept, pl_ground *out) {
 }
 
 int pl_py_ground_states(PyObject *request, size_t count, pl_body_state *out) {
-  enum { ROW = 9 };
+  enum { ROW = 10 };
   const npy_intp shape[2] = {(npy_intp)count, ROW};
   PyObject *given = Py_XNewRef(PyDict_GetItemString(request, "body_ground"));
   for (size_t i = 0; i < count; i++)
@@ -60,6 +60,7 @@ int pl_py_ground_states(PyObject *request, size_t count, pl_body_state *out) {
       ground->water[k] = (float)row[3 + k];
       ground->lights[k] = (float)row[6 + k];
     }
+    ground->towns_m = (float)row[9];
   }
   Py_DECREF((PyObject *)array);
   return 0;

@@ -2,6 +2,7 @@
 #include "render/ground.h"
 
 #include "scene/shot_frame.h"
+#include "shade/towns.h"
 #include "shade/water.h"
 
 static void read_map(const pl_texture *map, const pl_body_place *place, pl_detail detail,
@@ -50,6 +51,26 @@ void pl_ground_flood(const pl_shot_body *body, const pl_body_place *place, pl_de
 /* Sine of 6 deg. */
 static const float TWILIGHT = 0.10452846f;
 
+/* Cells of texels that are a large part of the body would be no towns. */
+static const double TOWNS_PER_RADIUS = 100.0;
+
+/* What the towns make of a map's brightness, at the footprint's longer side: a slanting view must
+ * not flicker. */
+static float towns_at(const pl_shot_body *body, const pl_body_place *place, float share) {
+  const float asked_m = body->state->ground.towns_m;
+  double size_m = (double)asked_m;
+  if (!(share > 0.0f) || asked_m == 0.0f)
+    return 1.0f;
+  if (isnan(asked_m)) {
+    const double radius_m = body->state->radii_m.x;
+    int width, height, channels;
+    pl_texture_size(body->body->ground.lights, &width, &height, &channels);
+    size_m = fmin(2.0 * PL_PI * radius_m / width, radius_m / TOWNS_PER_RADIUS);
+  }
+  const double side_m = fmax(pl_vec3_norm(place->across), pl_vec3_norm(place->along));
+  return pl_towns_factor(place->point, size_m, (float)side_m, share);
+}
+
 void pl_ground_light(const pl_shot_body *body, const pl_shot_sun *sun, const pl_body_place *place,
                      pl_detail detail, pl_vertex *vertex) {
   const float *white = body->state->ground.lights;
@@ -58,8 +79,11 @@ void pl_ground_light(const pl_shot_body *body, const pl_shot_sun *sun, const pl_
   if (!(below > 0.0f))
     return;
   float map[4];
-  const float x = pl_minf(below, 1.0f), lit = x * x * (3.0f - 2.0f * x);
+  const float x = pl_minf(below, 1.0f);
+  float lit = x * x * (3.0f - 2.0f * x);
   read_map(body->body->ground.lights, place, detail, map);
+  if (detail.maps)
+    lit *= towns_at(body, place, pl_maxf(map[0], pl_maxf(map[1], map[2])));
   vertex->surface.emission = pl_vec3f_add(
       vertex->surface.emission,
       pl_vec3f_make(lit * map[0] * white[0], lit * map[1] * white[1], lit * map[2] * white[2]));

@@ -95,7 +95,8 @@ static pl_status check_parameters(const char *what, const char *name, size_t cou
 
 static pl_status check_ground(const char *name, const pl_ground_state *ground) {
   bool valid = fabsf(ground->height_m) <= 1e9f && fabsf(ground->steepness) <= 1e3f &&
-               ground->wind_m_s >= 0.0f && ground->wind_m_s <= 1e3f;
+               ground->wind_m_s >= 0.0f && ground->wind_m_s <= 1e3f &&
+               (isnan(ground->towns_m) || (ground->towns_m >= 0.0f && ground->towns_m <= 1e12f));
   for (int k = 0; k < 3; k++)
     valid = valid && ground->lights[k] >= 0.0f && ground->lights[k] <= (float)RADIOMETRY_MAX &&
             (isnan(ground->water[k]) || (ground->water[k] >= 0.0f && ground->water[k] <= 1.0f));
@@ -103,7 +104,8 @@ static pl_status check_ground(const char *name, const pl_ground_state *ground) {
     return pl_fail(
         PL_E_RANGE,
         "body '%s': relief must be at most 1e9 m and 1e3 times as steep as its map, wind "
-        "0..1e3 m/s, the albedo of water 0..1, lights 0..%g W m-2 sr-1",
+        "0..1e3 m/s, the albedo of water 0..1, lights 0..%g W m-2 sr-1 in "
+        "cells of at most 1e12 m",
         name, RADIOMETRY_MAX);
   return PL_OK;
 }

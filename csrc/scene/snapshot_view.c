@@ -2,6 +2,7 @@
 #include "scene/snapshot.h"
 
 #include "scene/volumes.h"
+#include "shade/towns.h"
 #include "shade/water.h"
 
 double pl_shot_irradiance_max(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
@@ -129,7 +130,8 @@ static void add_ground(const pl_ground *ground, const pl_ground_state *state,
   if (ground->lights == NULL)
     return;
   const float *lights = state->lights;
-  thing->lights_max = fmax(lights[0], fmax(lights[1], lights[2]));
+  const double peak = state->towns_m == 0.0f ? 1.0 : (double)PL_TOWNS_PEAK;
+  thing->lights_max = peak * fmax(lights[0], fmax(lights[1], lights[2]));
   thing->emission_max += thing->lights_max;
 }
 

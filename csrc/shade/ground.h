@@ -26,6 +26,7 @@ typedef struct pl_ground_state {
   float wind_m_s;  /* over the water, 12.5 m above it */
   float water[3];  /* albedo of the water below its surface; NAN: the colour map's */
   float lights[3]; /* radiance of the lights where their map is white, W m-2 sr-1 */
+  float towns_m;   /* what breaks their map up: cells; 0: nothing; NAN: a texel of the map */
 } pl_ground_state;
 
 static inline bool pl_ground_has_relief(const pl_ground *ground) {

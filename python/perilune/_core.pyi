@@ -405,9 +405,10 @@ class FrameRequest(TypedDict):
     # instead of 2002, 1 for the coherent surge's shape of 2012 instead of 2002.
     body_regolith: NotRequired[F64]
     body_clouds: NotRequired[Sequence[CloudSettings | None]]  # one a body; None: no clouds
-    # (bodies, 9), of the ground: height of white over black in m, factor on the slopes of normals,
+    # (bodies, 10), of the ground: height of white over black in m, factor on the slopes of normals,
     # wind over the water in m/s, albedo of water (3; nan: the map's), radiance of the lights where
-    # their map is white (3) in W m-2 sr-1.
+    # their map is white (3) in W m-2 sr-1, cells in m that break that map up (0: it is as it is; nan:
+    # a texel of it).
     body_ground: NotRequired[F64]
     sun_position: F64  # (3,), m, root frame
     sun_radius: float  # m

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.config import Config
 from perilune.config.body import Body
+from perilune.config.ground import NightLights
 
 F64 = NDArray[np.float64]
 LoadMap = Callable[..., _core.Map | None]
@@ -46,8 +47,14 @@ def of_body(body: Body, load: LoadMap) -> _core.Ground | None:
     return ground or None
 
 
+def _towns_m(lights: NightLights | None) -> float:
+    if lights is None:
+        return 0.0
+    return np.nan if lights.detail_km is None else 1e3 * lights.detail_km
+
+
 def numbers(config: Config) -> F64:
-    """(bodies, 9): the request's body_ground."""
+    """(bodies, 10): the request's body_ground."""
     rows = []
     for body in config.bodies.values():
         relief, ocean, lights = body.relief, body.ocean, body.night_lights
@@ -58,6 +65,7 @@ def numbers(config: Config) -> F64:
                 ocean.wind_m_s if ocean else 0.0,
                 *(ocean.albedo if ocean and ocean.albedo else (np.nan,) * 3),
                 *(lights.radiance_w_m2_sr if lights else (0.0,) * 3),
+                _towns_m(lights),
             )
         )
     return np.array(rows, dtype=np.float64)

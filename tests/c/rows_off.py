@@ -30,7 +30,7 @@ ROWS = {
     "clouds": ("cloud_veil.c", "clouds.c", "pl_veils_apply", "pl_veils_toward_sun"),
     "relief": ("relief.c",),
     "glint": ("water.c",),
-    "night_lights": ("pl_ground_light",),
+    "night_lights": ("pl_ground_light", "towns.c"),
     "distortion": ("lens.c", "lens_models.c"),
     "vignetting": ("vignetting.c", "shading.c"),
     "point_spread": ("point_spread.c", "psf.c", "convolve.c", "fft.c"),

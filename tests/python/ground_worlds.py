@@ -59,9 +59,11 @@ def numbers(
     wind_m_s: float = 7.0,
     water: float = 0.0,
     lights: float = 0.0,
+    towns_m: float = 0.0,
 ) -> F64:
     """A request's body_ground."""
-    return np.array([[height_m, steepness, wind_m_s, *([water] * 3), *([lights] * 3)]])
+    row = [height_m, steepness, wind_m_s, *([water] * 3), *([lights] * 3), towns_m]
+    return np.array([row])
 
 
 def seen(

@@ -118,7 +118,7 @@ class World:
             "body_poses": np.stack([[moon, moon]]), "body_radii": np.full((1, 3), 300.0),
             "body_albedo": np.full((1, 3), 0.3), "body_emission": np.zeros((1, 3)),
             "body_clouds": [None],
-            "body_ground": np.array([[0.0, 0.0, 0.0, *[math.nan] * 3, 0.0, 0.0, 0.0]]),
+            "body_ground": np.array([[0.0, 0.0, 0.0, *[math.nan] * 3, 0.0, 0.0, 0.0, 0.0]]),
             "sun_position": np.array([1.5e11, 0.0, -1.5e11]), "sun_radius": 7e8,
             "sun_irradiance": 1361.0, "sun_wavelengths": np.array([0.6, 0.5, 0.4]),
             "quality": {"samples": 2, "max_bounces": 1, "texture_filter": 1, "volume_steps": 4,

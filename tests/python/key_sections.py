@@ -205,7 +205,7 @@ THINGS = [
         NightLights,
         (*AT_BODY, "night_lights"),
         {"map": MAP, "radiance_w_m2_sr": 30.0},
-        {"black": 0.3},
+        {"black": 0.3, "detail_km": 2000.0},
     ),
     Section(
         Clouds,

@@ -168,6 +168,37 @@ def test_lights_go_out_with_their_rows(tmp_path: Path, row: str) -> None:
     assert frame["radiance"].max() == 0.0
 
 
+def town_view(towns_m: float, height_m: float, threads: int = 1) -> Any:
+    """Radiance straight down on a globe that is white by night."""
+    _, frame = seen(
+        globe({"lights": _core.Map(str(MAP))}), numbers(lights=0.02, towns_m=towns_m),
+        [[RADIUS] * 3], [RADIUS + height_m, 0.0, 0.0], [-1.0, 0.0, 0.0], [-1.0, 0.0, 0.0],
+        size=(96, 96), fov_deg=10.0, albedo=0.0, white=0.05, threads=threads,
+    )  # fmt: skip
+    return frame["radiance"].astype(float)
+
+
+@pytest.mark.parametrize("towns_m", [1e4, math.nan])
+def test_lights_have_towns_below_a_texel(towns_m: float) -> None:
+    """A texel of the map is 12 km, a pixel 0.2 km: between pixels a texel hardly changes."""
+    plain, towns = town_view(0.0, 1e5), town_view(towns_m, 1e5)
+    steps = [np.abs(np.diff(a[..., 0], axis=1)).mean() / a[..., 0].mean() for a in (plain, towns)]
+    assert steps[0] < 0.05
+    assert steps[1] > 0.15
+    assert np.median(towns) < 0.5 * towns.mean()
+    assert np.array_equal(towns, town_view(towns_m, 1e5, threads=3))
+
+
+def test_towns_keep_the_light_of_far_views() -> None:
+    """Pixels of 5 km: where they hide the towns, the same bits as of the map; where they show them,
+    the light of 500 km is within 1 % of the map's."""
+    plain, towns = town_view(0.0, 3e6), town_view(1.5e3, 3e6)
+    assert np.array_equal(plain, towns)
+    plain, towns = town_view(0.0, 3e6), town_view(5e3, 3e6)
+    assert not np.array_equal(plain, towns)
+    assert towns.mean() == pytest.approx(plain.mean(), rel=0.01)
+
+
 def test_black_takes_dim_ground_from_lights(tmp_path: Path) -> None:
     """Linear 0.02 of the map is dark, white stays white, between them it is a line."""
     encoded = np.array([[0.01, 0.02, 0.3, 1.0]])

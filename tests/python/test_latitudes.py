@@ -121,7 +121,8 @@ def test_all_maps_of_a_body_do(scene, tmp_path, part):
         scene["materials"] = {"m": {"nodes": nodes}}
         body["material"] = "m"
     elif part == "night_lights":
-        body |= {"albedo": 0.0, "night_lights": {"map": file, "radiance_w_m2_sr": [1.0, 1.0, 1.0]}}
+        lights = {"map": file, "radiance_w_m2_sr": 1.0, "detail_km": 0.0}
+        body |= {"albedo": 0.0, "night_lights": lights}
         scene["sun"]["direction"] = [-1.0, 0.0, -1.0]
     else:
         body |= {"albedo": 0.0, "clouds": {"map": file, "altitude_km": 1e-3, "thickness_km": 1e-3}}

@@ -59,12 +59,21 @@ class Ocean(Strict):
 
 
 class NightLights(Strict):
-    """Cities and the like. They come on from sunset to the end of civil twilight, 6 deg later."""
+    """Cities and the like. They come on from sunset to the end of civil twilight, 6 deg later.
+
+    The texels of published maps are wider than towns: a random pattern, the same in every frame,
+    breaks their light up into towns and gaps. It keeps the map's mean, so that far views are as
+    bright as the map."""
 
     map: FileName
     """Equirectangular PNG or JPEG, sRGB."""
     radiance_w_m2_sr: Rgb = (1e-3, 1e-3, 1e-3)
     """Where the map is white. Centres of large cities are 1e-3 (100 nW cm-2 sr-1 in VIIRS's
     day/night band; Roman et al. 2018), the brightest places ten times that."""
+    detail_km: Annotated[float, Field(strict=True, ge=0.0, le=1e9)] | None = None
+    """Size of the largest towns with the gaps between them; there are smaller ones, down to a ninth
+    of it. 0: no towns, the map as it is. Default: a texel of the map at the equator (20 km of a map
+    of the Earth 2048 wide), at most a hundredth of the radius. No place is more than 60 times as
+    bright as its map."""
     black: _Black = 0.0
     """Linear value of the map, 0..1, up to which there is no light: many maps have dim ground."""
