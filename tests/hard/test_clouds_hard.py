@@ -72,7 +72,7 @@ def test_scaled_worlds_look_the_same(radius_m: float) -> None:
     for r in (radius_m, EARTH_M):
         k = r / EARTH_M
         row = clouds.settings(Clouds(noise=CloudNoise(warp=0.2)), 0.0)
-        for key in ("altitude_m", "thickness_m", "size_m"):
+        for key in ("altitude_m", "thickness_m", "size_m", "relief_m"):
             row[key] *= k  # type: ignore[literal-required]
         asked = air_worlds.request(
             [[r] * 3], [2.0 * r, 0, 0], [-1, 0.1, 0], [1, 0.7, 0.6], tolerance_dn=0.0, samples=4,

@@ -54,9 +54,9 @@ def demo(root):
     tree["render"] |= {"samples": 4, "max_bounces": 2}
     for craft in tree["spacecraft"].values():
         craft["model"] = str((root / "configs" / craft["model"]).resolve())
-    for body in tree["bodies"].values():
-        if "color_map" in body:
-            body["color_map"] = str((root / "configs" / body["color_map"]).resolve())
+    planet = tree["bodies"]["planet"]
+    for section, key in ((planet, "color_map"), (planet["clouds"], "map")):
+        section[key] = str((root / "configs" / section[key]).resolve())
     for material in tree["materials"].values():
         material["file"] = str((root / "configs" / material["file"]).resolve())
     return tree

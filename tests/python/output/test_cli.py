@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -212,14 +213,20 @@ def test_ctrl_c_leaves_a_folder_that_continues(small_scene, tmp_path):
         assert {key: done[key] for key in fresh} == fresh
 
 
+LIMIT = 4000
+"""Bytes: less than a picture. Models are larger, and written before."""
+
+
 def limit_file_size():
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (LIMIT, LIMIT))
 
 
 def test_full_disk_is_a_message_and_leaves_no_half_file(small_scene, tmp_path):
     """A limit on file size stands for the full disk: write fails in the middle of a PNG."""
     out = tmp_path / "set"
     words = ["--frames", "0:3", "--set", "camera.width=640", "--set", "camera.height=480"]
+    assert render(small_scene, out, *words)[0] == 0
+    shutil.rmtree(out / "train")
     code, _, err = render(small_scene, out, *words, preexec_fn=limit_file_size)
     assert code == 1
     assert "Traceback" not in err
@@ -227,7 +234,7 @@ def test_full_disk_is_a_message_and_leaves_no_half_file(small_scene, tmp_path):
     assert not list(out.rglob("*.tmp"))
     assert not list(out.rglob("scene_gt.json"))
     assert render(small_scene, out, *words)[0] == 0
-    assert max(path.stat().st_size for path in out.rglob("*.png")) > 4000
+    assert max(path.stat().st_size for path in out.rglob("*.png")) > LIMIT
 
 
 def test_reader_that_leaves_is_no_error(small_scene):

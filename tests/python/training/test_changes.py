@@ -133,7 +133,7 @@ def test_joined():
     first = {"a.b": 1, "a": {"c": 2}, "d": None, "e[0]": 1}
     assert joined(first, {"a": None}) == {"d": None, "e[0]": 1, "a": None}
     assert list(joined(first, {"a.b": 3})) == ["a", "d", "e[0]", "a.b"]
-    assert joined(first, {"e.0": 5}) == {"a.b": 1, "a": {"c": 2}, "d": None, "e.0": 5}
+    assert joined(first, {"e.0": 5}) == {"a.b": 1, "a": {"c": 2}, "d": None, "e[0]": 5}
 
 
 def test_set_of_a_stream(driven):
