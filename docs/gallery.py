@@ -213,9 +213,9 @@ CRAFT = {
     ),
     "voyager": Craft(
         model("voyager_phobos", "voyager", attitude=level(180.0, 10.0, 30.0)),
-        22.0,
+        29.0,
         58.0,
-        lift_m=-1.5,
+        lift_m=0.0,
     ),
 }
 
