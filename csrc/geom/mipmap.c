@@ -1,4 +1,5 @@
-/* Building mip pyramids: exact box filter in linear light, stored in 8 bits.
+/* Building mip pyramids: exact box filter in linear light, stored in 8 bits, or as the numbers that
+ * came in.
  *
  * Level k+1 has floor(side / 2) texels a side (at least 1), as in OpenGL. Where a side is odd a
  * texel of level k+1 covers 2 + 1/n texels of level k; all that it covers are averaged by the
@@ -119,8 +120,8 @@ static void average(const builder *b, const source *from, span xs, span ys, floa
   memcpy(out, sum, (size_t)n * sizeof *out);
 }
 
-/* Fills one level and its unrounded copy `linear`, which may be the array read from: a texel is
- * written only after all at or behind its place have been read. */
+/* Fills one level (texels NULL: of numbers) and its unrounded copy `linear`, which may be the array
+ * read from: a texel is written only after all at or behind its place have been read. */
 static void build_level(const builder *b, const source *from, int width, int height,
                         uint8_t *texels, float *linear) {
   const int n = b->pyramid->channels;
@@ -133,6 +134,8 @@ static void build_level(const builder *b, const source *from, int width, int hei
       average(b, from, span_of(x, from->width, width), ys, value);
       for (int c = 0; c < n; c++) {
         linear[next + (size_t)c] = value[c];
+        if (texels == NULL)
+          continue;
         const bool alpha = pl_mip_is_alpha(c, n);
         texels[next + (size_t)c] = encode_carrying(
             alpha ? &b->alpha : &b->color,
@@ -147,7 +150,7 @@ static size_t lay_out(pl_mip_pyramid *p, int width, int height) {
   size_t texels = 0;
   p->level_count = 0;
   for (;;) {
-    p->levels[p->level_count++] = (pl_mip_level){width, height, NULL};
+    p->levels[p->level_count++] = (pl_mip_level){.width = width, .height = height};
     if (p->level_count > 1)
       texels += (size_t)width * (size_t)height;
     if (width == 1 && height == 1)
@@ -187,12 +190,16 @@ static pl_status allocate_and_fill(pl_mip_pyramid *p, bool srgb, size_t smaller)
   return PL_OK;
 }
 
+static bool has_sides(int width, int height) {
+  return width >= 1 && height >= 1 && width <= 65536 && height <= 65536;
+}
+
 pl_status pl_mip_build(pl_image *image, bool srgb, pl_mip_pyramid *out) {
   const pl_image taken = *image;
   *image = (pl_image){0};
   *out = (pl_mip_pyramid){.channels = taken.channels, .base = taken.texels};
-  if (taken.texels == NULL || taken.channels < 1 || taken.channels > 4 || taken.width < 1 ||
-      taken.height < 1 || taken.width > 65536 || taken.height > 65536) {
+  if (taken.texels == NULL || taken.channels < 1 || taken.channels > 4 ||
+      !has_sides(taken.width, taken.height)) {
     pl_mip_clear(out);
     return pl_fail(PL_E_ARGUMENT, "texture from an image of %d x %d texels, %d channels",
                    taken.width, taken.height, taken.channels);
@@ -210,8 +217,33 @@ pl_status pl_mip_build(pl_image *image, bool srgb, pl_mip_pyramid *out) {
   return status;
 }
 
+pl_status pl_mip_build_numbers(const float *numbers, int width, int height, pl_mip_pyramid *out) {
+  *out = (pl_mip_pyramid){.channels = 1};
+  if (numbers == NULL || !has_sides(width, height))
+    return pl_fail(PL_E_ARGUMENT, "texture from numbers of %d x %d", width, height);
+  const size_t first = (size_t)width * (size_t)height, all = first + lay_out(out, width, height);
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(all, sizeof(float), "the mip levels of a map of numbers", &memory));
+  out->numbers = memory;
+  out->bytes = all * sizeof(float);
+  memcpy(out->numbers, numbers, first * sizeof(float));
+  out->levels[0].numbers = out->numbers;
+  const builder b = {.pyramid = out};
+  float *next = out->numbers + first;
+  for (int k = 1; k < out->level_count; k++) {
+    const pl_mip_level *above = &out->levels[k - 1];
+    const source from = {above->width, above->height, NULL, above->numbers};
+    pl_mip_level *level = &out->levels[k];
+    build_level(&b, &from, level->width, level->height, NULL, next);
+    level->numbers = next;
+    next += (size_t)level->width * (size_t)level->height;
+  }
+  return PL_OK;
+}
+
 void pl_mip_clear(pl_mip_pyramid *pyramid) {
   pl_free(pyramid->base);
   pl_free(pyramid->smaller);
+  pl_free(pyramid->numbers);
   *pyramid = (pl_mip_pyramid){0};
 }

@@ -65,6 +65,26 @@ static void measure_channel(pl_texture *texture, int c) {
   }
 }
 
+/* The same of a pyramid of numbers, whose levels are read one by one. */
+static void measure_numbers(pl_texture *texture) {
+  const pl_mip_level *levels = texture->mips.levels;
+  const size_t texels = (size_t)levels[0].width * (size_t)levels[0].height;
+  double sum = 0.0;
+  for (size_t i = 0; i < texels; i++)
+    sum += (double)levels[0].numbers[i];
+  texture->last[0] = (float)(sum / (double)texels);
+  float low = texture->last[0], high = low;
+  for (int k = texture->mips.level_count - 2; k >= 0; k--) {
+    const size_t count = (size_t)levels[k].width * (size_t)levels[k].height;
+    for (size_t i = 0; i < count; i++) {
+      low = pl_minf(low, levels[k].numbers[i]);
+      high = pl_maxf(high, levels[k].numbers[i]);
+    }
+    texture->ranges[k] = high - low;
+  }
+  expand(texture->last, texture->mips.channels, texture->mean);
+}
+
 static void measure(pl_texture *texture) {
   for (int c = 0; c < texture->mips.channels; c++)
     measure_channel(texture, c);
@@ -92,6 +112,24 @@ pl_status pl_texture_create(pl_image *image, bool srgb, pl_wrap wrap_u, pl_wrap 
     texture->table[c] = pl_mip_is_alpha(c, texture->mips.channels) ? texture->mips.alpha_table
                                                                    : texture->mips.color_table;
   measure(texture);
+  *out = texture;
+  return PL_OK;
+}
+
+pl_status pl_texture_of_numbers(const float *numbers, int width, int height, pl_wrap wrap_u,
+                                pl_wrap wrap_v, pl_texture **out) {
+  *out = NULL;
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_texture), "a texture", &memory));
+  pl_texture *texture = memory;
+  const pl_status status = pl_mip_build_numbers(numbers, width, height, &texture->mips);
+  if (status != PL_OK) {
+    pl_free(texture);
+    return status;
+  }
+  texture->wrap_u = wrap_u;
+  texture->wrap_v = wrap_v;
+  measure_numbers(texture);
   *out = texture;
   return PL_OK;
 }
@@ -139,19 +177,25 @@ static inline void add_last(const pl_texture *texture, float weight, float sum[4
     sum[c] += weight * texture->last[c];
 }
 
-/* The four texels about a place, and their weights. */
+/* The four texels about a place, as places in their level, and their weights. */
 typedef struct quad {
-  const uint8_t *texel[4];
+  size_t at[4];
   float weight[4];
 } quad;
 
-static inline void add_quad(const pl_texture *texture, const quad *q, size_t channels,
-                            float sum[4]) {
+static inline void add_quad(const pl_texture *texture, const uint8_t *texels, const quad *q,
+                            size_t channels, float sum[4]) {
   for (size_t c = 0; c < channels; c++) {
     const float *table = texture->table[c];
-    sum[c] += q->weight[0] * table[q->texel[0][c]] + q->weight[1] * table[q->texel[1][c]] +
-              q->weight[2] * table[q->texel[2][c]] + q->weight[3] * table[q->texel[3][c]];
+    sum[c] +=
+        q->weight[0] * table[texels[q->at[0] + c]] + q->weight[1] * table[texels[q->at[1] + c]] +
+        q->weight[2] * table[texels[q->at[2] + c]] + q->weight[3] * table[texels[q->at[3] + c]];
   }
+}
+
+static inline void add_numbers(const float *numbers, const quad *q, float sum[4]) {
+  sum[0] += q->weight[0] * numbers[q->at[0]] + q->weight[1] * numbers[q->at[1]] +
+            q->weight[2] * numbers[q->at[2]] + q->weight[3] * numbers[q->at[3]];
 }
 
 /* Adds `weight` times the bilinear value at (u, v) of one level to sum, in stored channels. */
@@ -167,18 +211,19 @@ static inline void add_bilinear(const pl_texture *texture, int level_index, floa
   const float fx = neighbours(u, level->width, texture->wrap_u, &x0, &x1);
   const float fy = neighbours(v, level->height, texture->wrap_v, &y0, &y1);
   const size_t row = (size_t)level->width * n;
-  const uint8_t *top = level->texels + (size_t)y0 * row;
-  const uint8_t *bottom = level->texels + (size_t)y1 * row;
+  const size_t top = (size_t)y0 * row, bottom = (size_t)y1 * row;
   const size_t left = (size_t)x0 * n, right = (size_t)x1 * n;
   const float low = weight * (1.0f - fy), high = weight * fy;
   const quad q = {{top + left, top + right, bottom + left, bottom + right},
                   {low * (1.0f - fx), low * fx, high * (1.0f - fx), high * fx}};
   if (n == 3)
-    add_quad(texture, &q, 3, sum);
+    add_quad(texture, level->texels, &q, 3, sum);
+  else if (level->numbers != NULL)
+    add_numbers(level->numbers, &q, sum);
   else if (n == 1)
-    add_quad(texture, &q, 1, sum);
+    add_quad(texture, level->texels, &q, 1, sum);
   else
-    add_quad(texture, &q, n, sum);
+    add_quad(texture, level->texels, &q, n, sum);
 }
 
 /* Adds the nearest texel of one level. */
@@ -193,9 +238,13 @@ static void add_nearest(const pl_texture *texture, int level_index, float u, flo
   }
   const int x = neighbours(u, level->width, texture->wrap_u, &x0, &x1) < 0.5f ? x0 : x1;
   const int y = neighbours(v, level->height, texture->wrap_v, &y0, &y1) < 0.5f ? y0 : y1;
-  const uint8_t *texel = level->texels + ((size_t)y * (size_t)level->width + (size_t)x) * n;
+  const size_t at = ((size_t)y * (size_t)level->width + (size_t)x) * n;
+  if (level->numbers != NULL) {
+    sum[0] += level->numbers[at];
+    return;
+  }
   for (size_t c = 0; c < n; c++)
-    sum[c] += texture->table[c][texel[c]];
+    sum[c] += texture->table[c][level->texels[at + c]];
 }
 
 /* How a footprint is read: `taps` lookups at `level` (+ `blend` of the next), spread along

@@ -36,6 +36,10 @@ typedef struct pl_texture pl_texture;
  * sRGB-encoded and come out linear; alpha is always linear. */
 pl_status pl_texture_create(pl_image *image, bool srgb, pl_wrap wrap_u, pl_wrap wrap_v,
                             pl_texture **out);
+/* A texture of one channel of finite numbers of any range, which 8 bits do not cut (heights); rows
+ * from the top, copied. */
+pl_status pl_texture_of_numbers(const float *numbers, int width, int height, pl_wrap wrap_u,
+                                pl_wrap wrap_v, pl_texture **out);
 void pl_texture_destroy(pl_texture *texture);
 
 /* The filtered value at (u, v), v downwards (glTF): RGBA, linear; grey spreads to RGB, missing

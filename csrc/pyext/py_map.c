@@ -1,6 +1,9 @@
 /* The type Map: a filtered image texture. */
 #include "pyext/py_types.h"
 
+#include <math.h>
+#include <string.h>
+
 #include "geom/image_levels.h"
 #include "geom/texture.h"
 #include "io/image_file.h"
@@ -31,18 +34,84 @@ typedef struct map_options {
   pl_wrap wrap_u, wrap_v;
 } map_options;
 
+/* Takes over the image. */
+static pl_status filter(pl_image *image, const map_options *options, pl_texture **out) {
+  if (options->black > 0.0f)
+    pl_image_raise_black(image, options->black);
+  const pl_status status = options->water ? pl_image_to_water(image) : PL_OK;
+  if (status != PL_OK) {
+    pl_image_clear(image);
+    return status;
+  }
+  return pl_texture_create(image, options->srgb && !options->water, options->wrap_u,
+                           options->wrap_v, out);
+}
+
 static pl_status load(const char *path, const map_options *options, pl_texture **out) {
   pl_image image;
   PL_TRY(pl_image_load(path, &image));
-  if (options->black > 0.0f)
-    pl_image_raise_black(&image, options->black);
-  const pl_status status = options->water ? pl_image_to_water(&image) : PL_OK;
-  if (status != PL_OK) {
-    pl_image_clear(&image);
-    return status;
+  return filter(&image, options, out);
+}
+
+static pl_status of_texels(PyArrayObject *array, const map_options *options, pl_texture **out) {
+  const npy_intp *shape = PyArray_DIMS(array);
+  pl_image image;
+  PL_TRY(pl_image_init((int)shape[1], (int)shape[0], (int)shape[2], &image));
+  memcpy(image.texels, PyArray_DATA(array), (size_t)(shape[0] * shape[1] * shape[2]));
+  return filter(&image, options, out);
+}
+
+static pl_status of_numbers(PyArrayObject *array, const map_options *options, pl_texture **out) {
+  const npy_intp *shape = PyArray_DIMS(array);
+  const float *numbers = PyArray_DATA(array);
+  if (options->black > 0.0f || options->water)
+    return pl_fail(PL_E_ARGUMENT, "black and water are of maps of 8 bits");
+  for (npy_intp i = 0; i < shape[0] * shape[1]; i++)
+    if (!isfinite(numbers[i]))
+      return pl_fail(PL_E_RANGE, "the numbers of a map must be finite");
+  return pl_texture_of_numbers(numbers, (int)shape[1], (int)shape[0], options->wrap_u,
+                               options->wrap_v, out);
+}
+
+/* The most texels a side of an array; beyond, its size does not fit. */
+enum { MAX_SIDE = 65536 };
+
+/* From an array of uint8 texels or of float32 numbers; -1 with an exception. */
+static int from_array(PyObject *object, const map_options *options, pl_texture **out) {
+  const bool texels = PyArray_TYPE((PyArrayObject *)object) == NPY_UINT8;
+  const npy_intp any[3] = {-1, -1, -1};
+  PyArrayObject *array = texels ? pl_py_array(object, "texels", NPY_UINT8, 3, any)
+                                : pl_py_array(object, "numbers", NPY_FLOAT, 2, any);
+  if (array == NULL)
+    return -1;
+  pl_status status = PL_OK;
+  for (int k = 0; k < PyArray_NDIM(array) && status == PL_OK; k++)
+    if (PyArray_DIM(array, k) < 1 || PyArray_DIM(array, k) > MAX_SIDE)
+      status = pl_fail(PL_E_RANGE, "the sides of a map must be in 1..%d", MAX_SIDE);
+  if (status == PL_OK) {
+    Py_BEGIN_ALLOW_THREADS status =
+        texels ? of_texels(array, options, out) : of_numbers(array, options, out);
+    Py_END_ALLOW_THREADS
   }
-  return pl_texture_create(&image, options->srgb && !options->water, options->wrap_u,
-                           options->wrap_v, out);
+  Py_DECREF((PyObject *)array);
+  if (status == PL_OK)
+    return 0;
+  pl_py_raise(status);
+  return -1;
+}
+
+static int from_file(PyObject *object, const map_options *options, pl_texture **out) {
+  PyObject *bytes = NULL;
+  if (!PyUnicode_FSConverter(object, &bytes))
+    return -1;
+  pl_status status;
+  const char *path = PyBytes_AsString(bytes);
+  Py_BEGIN_ALLOW_THREADS status = load(path, options, out);
+  Py_END_ALLOW_THREADS Py_DECREF(bytes);
+  if (status == PL_OK)
+    return 0;
+  pl_py_raise(status);
+  return -1;
 }
 
 /* For PyArg_Parse: a wrap mode by its name. */
@@ -59,30 +128,23 @@ static int convert_wrap(PyObject *object, void *out) {
 }
 
 static PyObject *map_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"path", "srgb", "wrap_u", "wrap_v", "black", "water", NULL};
-  PyObject *bytes = NULL;
+  static char *names[] = {"source", "srgb", "wrap_u", "wrap_v", "black", "water", NULL};
+  PyObject *source;
   map_options options = {.srgb = 1, .wrap_u = PL_WRAP_REPEAT, .wrap_v = PL_WRAP_CLAMP};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O&|pO&O&fp:Map", names, PyUnicode_FSConverter,
-                                   &bytes, &options.srgb, convert_wrap, &options.wrap_u,
-                                   convert_wrap, &options.wrap_v, &options.black, &options.water))
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|pO&O&fp:Map", names, &source, &options.srgb,
+                                   convert_wrap, &options.wrap_u, convert_wrap, &options.wrap_v,
+                                   &options.black, &options.water))
     return NULL;
   if (!(options.black >= 0.0f && options.black < 1.0f)) {
     PyErr_SetString(PyExc_ValueError, "black must be at least 0 and below 1");
-    Py_DECREF(bytes);
     return NULL;
   }
   map_object *self = (map_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
-  if (self == NULL) {
-    Py_DECREF(bytes);
+  if (self == NULL)
     return NULL;
-  }
-  pl_status status;
-  const char *path = PyBytes_AsString(bytes);
-  Py_BEGIN_ALLOW_THREADS status = load(path, &options, &self->texture);
-  Py_END_ALLOW_THREADS Py_DECREF(bytes);
-  if (status != PL_OK) {
+  if ((PyArray_Check(source) ? from_array : from_file)(source, &options, &self->texture) != 0) {
     Py_DECREF(self);
-    return pl_py_raise(status);
+    return NULL;
   }
   return (PyObject *)self;
 }
@@ -151,9 +213,9 @@ static PyGetSetDef map_getset[] = {
 };
 
 static PyType_Slot map_slots[] = {
-    {Py_tp_doc, "Map(path, srgb=True, wrap_u='repeat', wrap_v='clamp', black=0.0, "
+    {Py_tp_doc, "Map(source, srgb=True, wrap_u='repeat', wrap_v='clamp', black=0.0, "
                 "water=False)\n--\n\nA filtered image "
-                "texture; PNG, JPEG or WebP."},
+                "texture: a PNG, JPEG or WebP file, uint8 texels or float32 numbers."},
     {Py_tp_new, (void *)map_new},
     {Py_tp_dealloc, (void *)map_dealloc},
     {Py_tp_getset, map_getset},

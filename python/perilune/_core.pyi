@@ -145,13 +145,13 @@ class Stars:
 
 @final
 class Map:
-    """A filtered image texture from a PNG, JPEG or WebP file; as it is by default the
-    equirectangular map of a body. Wrap modes: "repeat" | "clamp" | "mirror". black: what is darker
-    (linear, 0..1) becomes 0, the rest is stretched. water: a mask of where its colours are blue."""
+    """A filtered texture from a PNG, JPEG or WebP file, uint8 texels (H, W, channels) or float32
+    numbers (H, W), which stay floats. Wrap modes: "repeat" | "clamp" | "mirror". black: what is
+    darker (linear) becomes 0, the rest is stretched. water: a mask of where colours are blue."""
 
     def __new__(
-        cls, path: str, srgb: bool = True, wrap_u: str = "repeat", wrap_v: str = "clamp", black:
-        float = 0.0, water: bool = False
+        cls, source: str | NDArray[np.uint8] | NDArray[np.float32], srgb: bool = True, wrap_u:
+        str = "repeat", wrap_v: str = "clamp", black: float = 0.0, water: bool = False
     ) -> Self: ...
     @property
     def size(self) -> tuple[int, int]:

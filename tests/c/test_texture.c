@@ -334,6 +334,57 @@ static void failed_allocations_are_reported(void **state) {
   }
 }
 
+/* Numbers of any size come out as they are, their levels are means, and nothing is cut. */
+static void numbers_stay_as_they_are(void **state) {
+  (void)state;
+  enum { WIDTH = 37, HEIGHT = 21 };
+  test_random random = {9};
+  float numbers[WIDTH * HEIGHT], out[4];
+  double sum = 0.0;
+  for (int i = 0; i < WIDTH * HEIGHT; i++) {
+    numbers[i] = (float)random_range(&random, -9000.0, 11000.0);
+    sum += (double)numbers[i];
+  }
+  pl_texture *texture;
+  assert_int_equal(
+      pl_texture_of_numbers(numbers, WIDTH, HEIGHT, PL_WRAP_REPEAT, PL_WRAP_CLAMP, &texture),
+      PL_OK);
+  for (int y = 0; y < HEIGHT; y++)
+    for (int x = 0; x < WIDTH; x++) {
+      const float u = ((float)x + 0.5f) / WIDTH, v = ((float)y + 0.5f) / HEIGHT;
+      pl_texture_sample(texture, u, v, NOTHING, NOTHING, PL_FILTER_NONE, out);
+      assert_true(out[0] == numbers[y * WIDTH + x] && out[2] == out[0] && out[3] == 1.0f);
+      pl_texture_sample(texture, u, v, NOTHING, NOTHING, PL_FILTER_FINEST, out);
+      assert_near(out[0], numbers[y * WIDTH + x], 0.2);
+    }
+  pl_texture_sample(texture, 0.5f, 0.5f, ALL_U, ALL_V, PL_FILTER_TRILINEAR, out);
+  assert_near(out[0], sum / (WIDTH * HEIGHT), 0.01);
+  int levels;
+  const float *ranges = pl_texture_ranges(texture, &levels);
+  assert_int_equal(levels, 6);
+  assert_true(ranges[0] > 19000.0f && ranges[1] < ranges[0] && ranges[5] == 0.0f);
+  assert_true(pl_texture_bytes(texture) >= 4 * WIDTH * HEIGHT);
+  pl_texture_destroy(texture);
+}
+
+static void numbers_without_sides_or_memory_are_refused(void **state) {
+  (void)state;
+  const float numbers[6] = {1, 2, 3, 4, 5, 6};
+  pl_texture *texture;
+  assert_int_equal(pl_texture_of_numbers(numbers, 0, 2, PL_WRAP_REPEAT, PL_WRAP_CLAMP, &texture),
+                   PL_E_ARGUMENT);
+  assert_null(texture);
+  pl_status status = PL_E_MEMORY;
+  for (int allowed = 0; status != PL_OK; allowed++) {
+    int left = allowed;
+    pl_memory_hook(allocate_within, &left);
+    status = pl_texture_of_numbers(numbers, 3, 2, PL_WRAP_REPEAT, PL_WRAP_CLAMP, &texture);
+    pl_memory_hook(NULL, NULL);
+    assert_true(status == PL_OK || (status == PL_E_MEMORY && texture == NULL && allowed < 3));
+  }
+  pl_texture_destroy(texture);
+}
+
 static void an_empty_image_is_refused(void **state) {
   (void)state;
   pl_image image = {0};
@@ -358,6 +409,8 @@ int main(void) {
       cmocka_unit_test(anything_gives_a_defined_value),
       cmocka_unit_test(levels_take_a_third_more),
       cmocka_unit_test(failed_allocations_are_reported),
+      cmocka_unit_test(numbers_stay_as_they_are),
+      cmocka_unit_test(numbers_without_sides_or_memory_are_refused),
       cmocka_unit_test(an_empty_image_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
