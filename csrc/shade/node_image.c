@@ -45,7 +45,7 @@ static const char *const sets[] = {"uv", "uv1", NULL};
 
 /* The texture is made by the three choices after the file. */
 static const pl_constant_row constants[] = {
-    [IMAGE_FILE] = {"file", PL_IMAGE, NAN, 0, 0, NULL, 0, "PNG, JPEG or WebP"},
+    [IMAGE_FILE] = {"file", PL_IMAGE, NAN, 0, 0, NULL, 0, "PNG, JPEG, WebP or TIFF"},
     [COLOR_SPACE] = {"color_space", PL_CHOICE, 0, 0, 0, spaces, 0,
                      "srgb: a picture. linear: data, as roughness, heights and normals; alpha "
                      "always is"},

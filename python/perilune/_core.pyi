@@ -145,9 +145,8 @@ class Stars:
 
 @final
 class Map:
-    """A filtered texture from a PNG, JPEG or WebP file, uint8 texels (H, W, channels) or float32
-    numbers (H, W), which stay floats. Wrap modes: "repeat" | "clamp" | "mirror". black: what is
-    darker (linear) becomes 0, the rest is stretched. water: a mask of where colours are blue."""
+    """A filtered texture: a PNG, JPEG or WebP file, uint8 (H, W, channels) or float32 (H, W). Wrap:
+    "repeat" | "clamp" | "mirror". black: linear, becomes 0. water: a mask of where it is blue."""
 
     def __new__(
         cls, source: str | NDArray[np.uint8] | NDArray[np.float32], srgb: bool = True, wrap_u:

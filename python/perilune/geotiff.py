@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _BYTES_MAX = 1 << 32
 """Of the numbers of a file, unpacked: what its header claims is not believed beyond this."""
 _PROJECTED, _GEOGRAPHIC = 1, 2
+_EQUIRECTANGULAR, _USER_DEFINED = 17, 32767
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,9 @@ def _degrees_per_unit(keys: Mapping[str, Any]) -> float:
     model = int(keys["GTModelTypeGeoKey"])
     if model == _GEOGRAPHIC:
         return 1.0
-    if model != _PROJECTED or "GeogSemiMajorAxisGeoKey" not in keys:
+    projection = int(keys.get("ProjCoordTransGeoKey", _EQUIRECTANGULAR))
+    straight = projection in (_EQUIRECTANGULAR, _USER_DEFINED)
+    if model != _PROJECTED or not straight or "GeogSemiMajorAxisGeoKey" not in keys:
         raise ValueError("neither a geographic nor an equirectangular grid of a stated radius")
     return math.degrees(1.0 / float(keys["GeogSemiMajorAxisGeoKey"]))
 
@@ -77,7 +80,16 @@ def _raster(page: TiffPage) -> Raster:
     values = np.atleast_3d(page.asarray())
     if page.axes == "SYX":
         values = np.moveaxis(values, 0, -1)
+    return Raster(values, *place(page))
+
+
+def place(page: TiffPage) -> tuple[float, float, tuple[float, float]]:
+    """West and north edge, and a cell's steps in longitude and latitude, of a page with GeoTIFF
+    keys, degrees; ValueError where they say none."""
+    keys = page.geotiff_tags or {}
+    if missing := {"GTModelTypeGeoKey", "ModelTiepoint", "ModelPixelScale"} - set(keys):
+        raise ValueError(f"GeoTIFF keys without {', '.join(sorted(missing))}")
     column, row, _, x, y = keys["ModelTiepoint"][:5]
     unit = _degrees_per_unit(keys)
     step = float(keys["ModelPixelScale"][0]) * unit, float(keys["ModelPixelScale"][1]) * unit
-    return Raster(values, x * unit - column * step[0], y * unit + row * step[1], step)
+    return x * unit - column * step[0], y * unit + row * step[1], step

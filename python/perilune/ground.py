@@ -11,18 +11,24 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.config import Config
 from perilune.config.body import Body
-from perilune.config.ground import NightLights
+from perilune.config.ground import NightLights, Relief
+from perilune.maps import HeightKey
 
 F64 = NDArray[np.float64]
 LoadMap = Callable[..., _core.Map | None]
-"""Takes a path of the configuration, the key that it stands under, and options of _core.Map."""
+"""Takes a path of the configuration, the key that it stands under, and options of _core.Map;
+`heights`: the key that says how high the map is, for one of heights."""
+
+
+def _heights(relief: Relief) -> tuple[str | None, HeightKey]:
+    return relief.height_map, "height_m" if relief.height_unit_m is None else "height_unit_m"
 
 
 def files(body: Body) -> tuple[Any, ...]:
     """All that a scene keeps of a body's ground."""
     relief, ocean, lights = body.relief, body.ocean, body.night_lights
     return (
-        relief and (relief.height_map, relief.normal_map, relief.normal_green),
+        relief and (*_heights(relief), relief.normal_map, relief.normal_green),
         ocean and (ocean.map or body.color_map,),
         lights and (lights.map, lights.black),
     )
@@ -33,7 +39,8 @@ def of_body(body: Body, load: LoadMap) -> _core.Ground | None:
     relief, ocean, lights = body.relief, body.ocean, body.night_lights
     ground: _core.Ground = {}
     if relief is not None:
-        ground["heights"] = load(relief.height_map, "relief.height_map", srgb=False)
+        file, key = _heights(relief)
+        ground["heights"] = load(file, "relief.height_map", heights=key, srgb=False)
         ground["normals"] = load(relief.normal_map, "relief.normal_map", srgb=False)
         ground["south"] = relief.normal_green == "south"
     if ocean is not None:
@@ -60,7 +67,7 @@ def numbers(config: Config) -> F64:
         relief, ocean, lights = body.relief, body.ocean, body.night_lights
         rows.append(
             (
-                relief.height_m or 0.0 if relief else 0.0,
+                (relief.height_m or relief.height_unit_m or 0.0) if relief else 0.0,
                 relief.normal_strength if relief else 0.0,
                 ocean.wind_m_s if ocean else 0.0,
                 *(ocean.albedo if ocean and ocean.albedo else (np.nan,) * 3),

@@ -13,7 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, articulation, atmospheres, ground, orbits, photometry, rings, shapes
+from perilune import (
+    _core,
+    articulation,
+    atmospheres,
+    ground,
+    maps,
+    orbits,
+    photometry,
+    rings,
+    shapes,
+)
 from perilune.config.body import Body
 from perilune.config.document import Document
 from perilune.config.errors import ConfigError, origin
@@ -294,24 +304,40 @@ class Handles:
             for name, rig in self.rigs.items()
         }
 
-    def _map(self, name: str, text: str | None, key: str, **options: Any) -> _core.Map | None:
-        """A map of a body; each file is read once for each set of options of _core.Map."""
+    def _map(
+        self,
+        name: str,
+        center_lon_deg: float | None,
+        text: str | None,
+        key: str,
+        heights: maps.HeightKey | None = None,
+        **options: Any,
+    ) -> _core.Map | None:
+        """A map of a body; each file is read once for each way of reading it and set of options of
+        _core.Map. center_lon_deg: None for what is no map of the whole body."""
         if text is None:
             return None
-        path = str(self.document.path(text, f"bodies.{name}.{key}"))
-        read = path, *sorted(options.items())
+        path = self.document.path(text, f"bodies.{name}.{key}")
+        read = path, center_lon_deg, heights, *sorted(options.items())
         if read not in self.assets.files:
             try:
-                self.assets.files[read] = _core.Map(path, **options)
+                file = (
+                    maps.picture(path, center_lon_deg)
+                    if heights is None
+                    else maps.heights(path, heights, center_lon_deg)
+                )
+                self.assets.files[read] = _core.Map(file.source, **options)
             except ValueError as error:
                 where = f"{self.document.source}: bodies.{name}.{key}"
                 raise ConfigError(f"{where}: {error}") from error
+            self._tell(f"bodies.{name}.{key}", str(path), file.remarks)
         return self.assets.files[read]
 
     def _cloud_map(self, name: str, body: Body) -> _core.Map | None:
         if body.clouds is None:
             return None
-        return self._map(name, body.clouds.map, "clouds.map", srgb=False)
+        given = body.clouds
+        return self._map(name, given.map_center_lon_deg, given.map, "clouds.map", srgb=False)
 
     def shapes_of(self, config: Config) -> dict[str, shapes.BodyShape]:
         """Body entry -> its shape, of those that have one; each file is read once."""
@@ -359,7 +385,7 @@ class Handles:
         if given not in self.assets.ring_systems:
             columns = None
             if given.color_map is not None:
-                read = self._map(name, given.color_map, "rings.color_map")
+                read = self._map(name, None, given.color_map, "rings.color_map")
                 columns = read.columns() if read is not None else None
             try:
                 self.assets.ring_systems[given] = rings.rings_of(given, columns)
@@ -462,7 +488,7 @@ class Handles:
         for name, body in config.bodies.items():
             scene.add_body(
                 name=name,
-                map=self._map(name, body.color_map, "color_map"),
+                map=self._map(name, body.map_center_lon_deg, body.color_map, "color_map"),
                 map_center_lon_rad=math.radians(body.map_center_lon_deg),
                 reflectance=body.reflectance,
                 regolith_map=self._regolith_map(name, body.photometry),
@@ -470,7 +496,7 @@ class Handles:
                 shape=meshes[name].model if name in meshes else None,
                 rings=self._rings(name, config),
                 cloud_map=self._cloud_map(name, body),
-                ground=ground.of_body(body, partial(self._map, name)),
+                ground=ground.of_body(body, partial(self._map, name, body.map_center_lon_deg)),
                 geodetic=body.is_geodetic,
                 geodetic_clouds=body.has_geodetic_clouds,
                 dressed=body.may_be_dressed and name in meshes and meshes[name].color is not None,

@@ -11,7 +11,7 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, files, spectra
+from perilune import _core, files, maps, spectra
 from perilune.almanac import almanac
 from perilune.bands import sun_curve
 from perilune.config.bands import Spectrum
@@ -179,14 +179,21 @@ class Skies:
 
         return self._stars.get(key, make)
 
+    def _picture(self, path: Path, key: str, wrap: str) -> _core.Map:
+        def make() -> _core.Map:
+            try:
+                return _core.Map(maps.told_picture(path, key), True, wrap, "clamp")
+            except ValueError as error:
+                raise ConfigError(f"{key}: {error}") from error
+
+        return self._maps.get((path, files.stamp(path), wrap), make)
+
     def _backdrop(self, given: Background, config: Config) -> dict[str, Any]:
         key, text = ("map", given.map) if given.image is None else ("image", given.image)
         assert text is not None  # the schema asks for one
         path = self._path(text, f"sky.background.{key}")
         wrap = "repeat" if key == "map" else "clamp"
-        picture = self._maps.get(
-            (path, files.stamp(path), wrap), lambda: _core.Map(str(path), True, wrap, "clamp")
-        )
+        picture = self._picture(path, f"sky.background.{key}", wrap)
         if key == "map":
             white = irradiance(given.white_mag_arcsec2, SUN_K, config.sun) / _ARCSEC2_SR
         else:

@@ -85,6 +85,7 @@ BODY = base()["bodies"]["b"]
 CRAFT = base()["spacecraft"]["s"]
 AT_BODY, AT_CRAFT = ("bodies", "b"), ("spacecraft", "s")
 MAP = "map.png"
+GREY_MAP = "grey.png"
 LAMBERT = {"nodes": {"skin": {"type": "lambert", "base_color": 0.7}}}
 FOG = {"nodes": {"fog": {"type": "lambert", "base_color": 0.7, "alpha": 0.5}}}
 RINGLET = {
@@ -197,6 +198,12 @@ THINGS = [
         (*AT_BODY, "relief"),
         {"height_map": MAP, "height_m": 1e5},
         {"normal_map": MAP, "normal_green": "south", "normal_strength": 2.0},
+    ),
+    Section(
+        Relief,
+        (*AT_BODY, "relief"),
+        {"height_map": GREY_MAP, "height_unit_m": 1e3},
+        {},
     ),
     Section(
         Ocean, (*AT_BODY, "ocean"), {"map": MAP}, {"wind_m_s": 2.0, "albedo": 0.1}

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from tests.python import key_changes
 from tests.python.key_cameras import CAMERAS
-from tests.python.key_sections import LAMBERT, MAP, THINGS, Section, Tree, base, put
+from tests.python.key_sections import GREY_MAP, LAMBERT, MAP, THINGS, Section, Tree, base, put
 from tests.python.model_files import melted_box, with_graphs
 
 import perilune
@@ -95,6 +95,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("keys")
     rng = np.random.default_rng(1)
     _core.png_write(str(path / MAP), rng.integers(0, 256, (8, 16, 4), np.uint8))
+    _core.png_write(str(path / GREY_MAP), np.arange(128, dtype=np.uint8).reshape(8, 16))
     melted_box(path / "melted.glb")
     with_graphs(path / "graphs.glb", mli_gold=LAMBERT, panel_back=LAMBERT, solar_cell=LAMBERT)
     np.save(path / "kernel.npy", rng.random((5, 5)) + 0.1)

@@ -245,8 +245,11 @@ def test_wind_may_be_driven() -> None:
     ("key", "value", "said"),
     [
         ("relief", {}, "height_map: give height_map, normal_map or both"),
-        ("relief", {"height_map": "a.png"}, "height_map and height_m go together"),
-        ("relief", {"normal_map": "a.png", "height_m": 1.0}, "height_map and height_m go together"),
+        ("relief", {"height_map": "a.png"}, "relief.height_m: height_map needs height_m (white"),
+        ("relief", {"height_map": "a.png", "height_m": 1.0, "height_unit_m": 1.0},
+         "relief: give only one of height_m, height_unit_m"),
+        ("relief", {"normal_map": "a.png", "height_m": 1.0}, "height_m: does nothing without"),
+        ("relief", {"normal_map": "a.png", "height_unit_m": 1.0}, "height_unit_m: does nothing"),
         ("relief", {"normal_map": "a.png", "normal_gren": "south"}, "normal_green"),
         ("relief", {"normal_map": "missing.png"}, "bodies.earth.relief.normal_map"),
         ("ocean", {"wind_m_s": -1.0}, "bodies.earth.ocean.wind_m_s"),

@@ -47,7 +47,8 @@ class Body(Strict):
     shape: Annotated[Shape, BeforeValidator(named)] | None = None
     """A mesh instead of the ellipsoid: a file, or a mapping with one."""
     color_map: FileName | None = None
-    """Equirectangular PNG or JPEG; relative to this file, or data:... under PERILUNE_DATA."""
+    """Equirectangular PNG, JPEG, WebP or TIFF; relative to this file, or data:... under
+    PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
     """East longitude of the map's centre column."""
     latitudes: Latitudes | None = None

@@ -71,8 +71,8 @@ class Clouds(Strict):
     """
 
     map: FileName | None = None
-    """Equirectangular PNG or JPEG of the cover: the part of each place that has clouds, white for
-    all, as the file's numbers are (red); relative to this file, or data:... under
+    """Equirectangular PNG, JPEG, WebP or TIFF of the cover: the part of each place that has clouds,
+    white for all, as the file's numbers are (red); relative to this file, or data:... under
     PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
     """East longitude of the map's centre column at the start, before `longitude_deg`."""

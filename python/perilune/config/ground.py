@@ -18,14 +18,20 @@ class Relief(Strict):
     """Slopes of the ground, from a height map, a normal map or both, whose slopes are then added.
 
     They bend the normal alone: outlines stay smooth, and mountains cast no shadows. Maps are
-    equirectangular, PNG or JPEG of 8 bits, relative to this file, or data:... under PERILUNE_DATA,
-    with the body's map_center_lon_deg in their middle."""
+    equirectangular, PNG, JPEG, WebP or TIFF, relative to this file, or data:... under
+    PERILUNE_DATA, with the body's map_center_lon_deg in their middle."""
 
     height_map: FileName | None = None
-    """Grey (of colours, red): black is low. Its 255 steps are terraces where texels are many: where
-    height_m / 255 is not small against what a texel rises, a normal map shows less of them."""
+    """Grey PNG or TIFF of 16 bits, or TIFF of floats, whose levels are all kept; of 8 bits (of
+    colours, red) the 255 steps are terraces where one of them is not small against what a texel
+    rises. With it, give height_m or height_unit_m. Numbers that a TIFF marks as missing are filled
+    from those around them, with a warning."""
     height_m: _Height | None = None
-    """Of white over black; required with height_map."""
+    """Of white over black: of the largest number of so many bits over 0. Files of int16 or floats
+    have no white: give height_unit_m."""
+    height_unit_m: _Height | None = None
+    """In the place of height_m: of one of the file's numbers (grey PNG and TIFF), as 1 of a TIFF in
+    metres, or 0.5 of LOLA's in half metres. What number is the mean radius makes no difference."""
     normal_map: FileName | None = None
     """Red grows with a normal's lean eastwards, green north- or southwards, blue upwards."""
     normal_green: Literal["north", "south"] = "north"
@@ -37,8 +43,11 @@ class Relief(Strict):
     def _complete(self) -> Relief:
         if self.height_map is None and self.normal_map is None:
             fail("height_map", "give height_map, normal_map or both")
-        if (self.height_map is None) != (self.height_m is None):
-            fail("height_m", "height_map and height_m go together")
+        self._exactly_one("height_m", "height_unit_m", optional=True)
+        if self.height_map is None:
+            self._only_with("a height_map", "height_m", "height_unit_m")
+        elif self.height_m is None and self.height_unit_m is None:
+            fail("height_m", "height_map needs height_m (white over black) or height_unit_m (of 1)")
         if self.normal_map is None:
             self._only_with("a normal_map", "normal_green", "normal_strength")
         return self
@@ -49,7 +58,7 @@ class Ocean(Strict):
     Munk (1954). No foam."""
 
     map: FileName | None = None
-    """Where it is: white is water. PNG or JPEG as other maps, linear. Without it, water is where
+    """Where it is: white is water. A picture as other maps, linear. Without it, water is where
     the color_map is blue: where linear blue is more than 1.5 (fully: 2.5) times linear red."""
     wind_m_s: Annotated[float, Field(strict=True, ge=0.0, le=100.0)] = 7.0
     """12.5 m above the water; the mean over the oceans is about 7. Measured up to 14."""
@@ -66,7 +75,7 @@ class NightLights(Strict):
     bright as the map."""
 
     map: FileName
-    """Equirectangular PNG or JPEG, sRGB."""
+    """Equirectangular PNG, JPEG, WebP or TIFF, sRGB."""
     radiance_w_m2_sr: Rgb = (1e-3, 1e-3, 1e-3)
     """Where the map is white. Centres of large cities are 1e-3 (100 nW cm-2 sr-1 in VIIRS's
     day/night band; Roman et al. 2018), the brightest places ten times that."""

@@ -56,8 +56,8 @@ class Rings(Strict):
     """From the body's centre."""
     outer_radius_km: _Radius | None = None
     color_map: FileName | None = None
-    """PNG or WebP; columns from the inner to the outer radius. Alpha is the part of the light that
-    the rings hold back along their normal, the colour (sRGB) the albedo of single scattering.
+    """PNG, WebP or TIFF; columns from the inner to the outer radius. Alpha is the part of the light
+    that the rings hold back along their normal, the colour (sRGB) the albedo of single scattering.
     Relative to this file, or data:... under PERILUNE_DATA; 1 to 16384 columns."""
     optical_depth: _Depth | None = None
     """Along the normal; with a map a factor on its own (default 1)."""

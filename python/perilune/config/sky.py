@@ -33,7 +33,7 @@ class Background(Strict):
     """A picture behind everything: a map of the sky, or an image that fills the frame."""
 
     map: FileName | None = None
-    """Equirectangular PNG, JPEG or WebP of the sky; north up."""
+    """Equirectangular PNG, JPEG, WebP or TIFF of the sky; north up."""
     frame: Literal["icrf", "galactic", "ecliptic"] = "icrf"
     """map: its axes; ecliptic is that of J2000."""
     center_lon_deg: Finite = 0.0
@@ -44,7 +44,7 @@ class Background(Strict):
     """map: surface brightness (V) of its white; values in between are linear after sRGB decoding.
     With the default the Milky Way of NASA's Deep Star Map 2020 has 21 on average."""
     image: FileName | None = None
-    """PNG, JPEG or WebP; a driver with a choice takes one of several."""
+    """PNG, JPEG, WebP or TIFF; a driver with a choice takes one of several."""
     fit: Literal["cover", "stretch"] = "cover"
     """image: cut to the frame's shape, or stretched to it."""
     brightness: NonNegative = 1.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from perilune import _core
+from perilune import _core, maps
 from perilune.config.materials import Material
 
 _KIND = "image"
@@ -62,7 +62,7 @@ class ImageFiles:
         at = (str(self._path(image.file, image.key)), *how)
         if at not in self._maps:
             try:
-                self._maps[at] = _core.Map(*at)
+                self._maps[at] = _core.Map(maps.told_picture(Path(at[0]), image.key), *how)
             except (OSError, ValueError) as error:
                 raise ValueError(f"{image.key}: {error}") from None
         return self._maps[at]
