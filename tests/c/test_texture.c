@@ -338,7 +338,7 @@ static void failed_allocations_are_reported(void **state) {
 static void numbers_stay_as_they_are(void **state) {
   (void)state;
   enum { WIDTH = 37, HEIGHT = 21 };
-  test_random random = {9};
+  test_random random = {.seed = 9};
   float numbers[WIDTH * HEIGHT], out[4];
   double sum = 0.0;
   for (int i = 0; i < WIDTH * HEIGHT; i++) {

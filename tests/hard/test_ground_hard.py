@@ -147,7 +147,7 @@ def test_scaled_globes_look_the_same(tmp_path: Path, radius_m: float) -> None:
     ground = waves(tmp_path)
     frames = []
     for radius in (RADIUS, radius_m):
-        given = GIVEN * [radius / RADIUS, 1, 1, 1, 1, 1, 1, 1, 1]
+        given = GIVEN * [radius / RADIUS, 1, 1, 1, 1, 1, 1, 1, 1, radius / RADIUS]
         _, frame = seen(
             globe(ground), given, [[radius] * 3], [2.5 * radius, 0.0, 0.4 * radius],
             [-1.0, 0.0, -0.16], [0.3, 1.0, 0.2], size=(32, 24), tolerance_dn=0.0, samples=4,
