@@ -145,8 +145,8 @@ static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp,
   const size_t sea = stage_add_body(s, (pl_vec3){0, 20.0, 60.0}, (pl_vec3){15.0, 15.0, 15.0}, 0.3f);
   s->scene.bodies[sea].ground =
       (pl_ground){.heights = map, .ocean = true, .water = map, .lights = map};
-  s->bodies[sea].ground =
-      (pl_ground_state){.height_m = 1.0f, .wind_m_s = 7.0f, .lights = {200.0f, 100.0f, 50.0f}};
+  s->bodies[sea].ground = (pl_ground_state){
+      .height_m = 1.0f, .wind_m_s = 7.0f, .lights = {200.0f, 100.0f, 50.0f}, .towns_m = 10.0f};
 }
 
 /* Thin ones about the moon. */
