@@ -39,7 +39,8 @@ static pl_affine parent_global(const pl_model *model, int node) {
   pl_affine out = PL_AFFINE_IDENTITY;
   for (int i = model->nodes.items[node].parent; i >= 0; i = model->nodes.items[i].parent)
     out = pl_affine_compose(&model->nodes.items[i].local, &out);
-  return out;
+  const pl_affine base = pl_nodes_base(&model->nodes);
+  return pl_affine_compose(&base, &out);
 }
 
 pl_status pl_node_frame_find(const pl_model *model, int node, pl_node_frame *out) {

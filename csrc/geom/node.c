@@ -20,12 +20,23 @@ pl_affine pl_trs_affine(const pl_trs *trs) {
   return out;
 }
 
+pl_affine pl_nodes_base(const pl_nodes *nodes) {
+  pl_affine out = PL_AFFINE_IDENTITY;
+  if (nodes->stretched) {
+    out.m.row[0].x = nodes->stretch.x;
+    out.m.row[1].y = nodes->stretch.y;
+    out.m.row[2].z = nodes->stretch.z;
+  }
+  return out;
+}
+
 void pl_nodes_globals(const pl_nodes *nodes, const pl_affine *locals, pl_affine *globals) {
+  const pl_affine base = pl_nodes_base(nodes);
   for (size_t i = 0; i < nodes->count; i++)
     globals[i] = PL_AFFINE_IDENTITY;
   for (size_t k = 0; k < nodes->order_count; k++) {
     const int i = nodes->order[k], parent = nodes->items[i].parent;
     const pl_affine *local = locals != NULL ? &locals[i] : &nodes->items[i].local;
-    globals[i] = parent >= 0 ? pl_affine_compose(&globals[parent], local) : *local;
+    globals[i] = pl_affine_compose(parent >= 0 ? &globals[parent] : &base, local);
   }
 }

@@ -32,7 +32,9 @@ typedef struct pl_node {
 
 /* All nodes of a file by the file's indices; nodes outside its scene are in no order. */
 typedef struct pl_nodes {
-  pl_node *items; /* owned */
+  bool stretched;  /* the model is, along its axes: root nodes are below a node of this scale */
+  pl_vec3 stretch; /* counts where `stretched` is set */
+  pl_node *items;  /* owned */
   size_t count;
   int *order; /* owned: the scene's nodes, parents before children */
   size_t order_count;
@@ -40,6 +42,8 @@ typedef struct pl_nodes {
 
 void pl_nodes_clear(pl_nodes *nodes);
 pl_affine pl_trs_affine(const pl_trs *trs);
+/* What root nodes are placed by: the identity, or the stretch. */
+pl_affine pl_nodes_base(const pl_nodes *nodes);
 /* Node to root, of the scene's nodes; others become the identity. `locals`: one a node, or NULL for
  * the rest pose. */
 void pl_nodes_globals(const pl_nodes *nodes, const pl_affine *locals, pl_affine *globals);

@@ -2,6 +2,7 @@
 #include "io/gltf.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -93,9 +94,9 @@ void append(Flat &flat, const Piece &piece) {
 /* Walks the scene, which says how large it is, and flattens it. */
 class Walker {
 public:
-  Walker(const Asset &asset, Warnings &warnings)
-      : asset_(asset), warnings_(warnings), used_(asset.model.materials.size() + 1, false),
-        placed_(asset.model.nodes.size()) {}
+  Walker(const Asset &asset, const Affine &base, Warnings &warnings)
+      : asset_(asset), base_(base), warnings_(warnings),
+        used_(asset.model.materials.size() + 1, false), placed_(asset.model.nodes.size()) {}
 
   void walk_scene();
   const Extent &extent() const { return extent_; }
@@ -119,6 +120,7 @@ private:
   void add_mesh(const Use &use, const pl_model &model);
 
   const Asset &asset_;
+  const Affine base_; /* of the root nodes */
   Warnings &warnings_;
   std::vector<bool> used_;
   std::vector<Placed> placed_; /* by node */
@@ -157,11 +159,11 @@ void Walker::walk_scene() {
   if (asset_.model.nodes.empty() && !asset_.model.meshes.empty()) {
     warnings_.add("there are no nodes: every mesh is placed once, as it is");
     for (size_t i = 0; i < asset_.model.meshes.size(); i++)
-      find_mesh(static_cast<int>(i), -1, Affine());
+      find_mesh(static_cast<int>(i), -1, base_);
     return;
   }
   for (const int root : roots())
-    walk_node(root, -1, Affine());
+    walk_node(root, -1, base_);
   const std::vector<tinygltf::Node> &nodes = asset_.model.nodes;
   size_t outside = 0;
   for (size_t i = 0; i < nodes.size(); i++)
@@ -291,11 +293,20 @@ void fill_arrays(Flat &flat, pl_model *model) {
   }
 }
 
-ModelPtr load(const std::string &path) {
+/* The model's axes (x, y, z) are the file's (x, z, y), but for signs. */
+Affine stretched(const double *stretch) {
+  Affine out;
+  if (stretch != nullptr)
+    for (size_t i = 0; i < 3; i++)
+      out.m[i][i] = stretch[std::array<size_t, 3>{0, 2, 1}[i]];
+  return out;
+}
+
+ModelPtr load(const std::string &path, const double *stretch) {
   Warnings warnings;
   nlohmann::json animations;
   const Asset asset = parse_asset(path, animations, warnings);
-  Walker walker(asset, warnings);
+  Walker walker(asset, stretched(stretch), warnings);
   walker.walk_scene();
   void *memory;
   if (pl_alloc_or_fail(1, sizeof(pl_model), "a model", &memory) != PL_OK)
@@ -312,6 +323,9 @@ ModelPtr load(const std::string &path) {
     refuse_empty(tally);
   fill_arrays(walker.flat(), model.get());
   build_nodes(asset, walker.placed(), walker.order(), model.get());
+  model->nodes.stretched = stretch != nullptr;
+  if (stretch != nullptr)
+    model->nodes.stretch = {stretch[0], stretch[1], stretch[2]};
   build_animations(asset, animations, walker.placed(), model.get(), warnings);
   build_materials(asset, walker.used_materials(), model.get(), warnings);
   pl_model_measure(model.get());
@@ -323,10 +337,10 @@ ModelPtr load(const std::string &path) {
 
 } // namespace pl_gltf
 
-extern "C" pl_status pl_gltf_load(const char *path, pl_model **out) {
+extern "C" pl_status pl_gltf_load(const char *path, const double stretch[3], pl_model **out) {
   *out = nullptr;
   try {
-    *out = pl_gltf::load(path).release();
+    *out = pl_gltf::load(path, stretch).release();
     return PL_OK;
   } catch (const pl_gltf::Fault &fault) {
     return pl_fail(fault.status, "%s: %s", path, fault.text.c_str());

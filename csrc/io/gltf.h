@@ -10,8 +10,10 @@ extern "C" {
 #endif
 
 /* Loads the default scene (or, when none is named, the first; or all root nodes) of a file,
- * flattened. Errors name the file and the fault. The caller destroys *out. */
-pl_status pl_gltf_load(const char *path, pl_model **out);
+ * flattened. `stretch`: factors along the model's axes, positive, as if all root nodes were below a
+ * node of that scale; NULL for none. Errors name the file and the fault. The caller destroys
+ * *out. */
+pl_status pl_gltf_load(const char *path, const double stretch[3], pl_model **out);
 
 /* JSON text of an array with {"index", "name"} of each of the file's materials, named as
  * pl_gltf_load names them, and `graph` of those that are used and have `extras.perilune_graph`: as

@@ -38,23 +38,48 @@ const pl_model *pl_py_model_of(PyObject *object) {
   return ((model_object *)object)->model;
 }
 
-static pl_status load(const char *path, double crease_rad, pl_model **out) {
+/* How a file is read. */
+typedef struct reading {
+  double crease_rad;
+  bool stretched;
+  double stretch[3];
+} reading;
+
+static pl_status load(const char *path, const reading *how, pl_model **out) {
   size_t split;
-  PL_TRY(pl_gltf_load(path, out));
-  return pl_model_crease(*out, crease_rad, &split); /* the object owns the model already */
+  PL_TRY(pl_gltf_load(path, how->stretched ? how->stretch : NULL, out));
+  return pl_model_crease(*out, how->crease_rad, &split); /* the object owns the model already */
+}
+
+static int parse_reading(PyObject *stretch, reading *how) {
+  if (!(how->crease_rad >= 0.0)) {
+    PyErr_SetString(PyExc_ValueError, "crease_angle_rad must not be negative");
+    return -1;
+  }
+  how->stretched = stretch != Py_None;
+  if (!how->stretched)
+    return 0;
+  const npy_intp shape[1] = {3};
+  PyArrayObject *array = pl_py_array(stretch, "stretch", NPY_DOUBLE, 1, shape);
+  if (array == NULL)
+    return -1;
+  memcpy(how->stretch, PyArray_DATA(array), sizeof how->stretch);
+  Py_DECREF(array);
+  for (int i = 0; i < 3; i++)
+    if (!(how->stretch[i] > 0.0) || !isfinite(how->stretch[i])) {
+      PyErr_SetString(PyExc_ValueError, "stretch must be positive and finite");
+      return -1;
+    }
+  return 0;
 }
 
 static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"path", "crease_angle_rad", NULL};
-  PyObject *path, *bytes = NULL;
-  double crease_rad = PL_PI;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "U|d:Model", names, &path, &crease_rad))
-    return NULL;
-  if (!(crease_rad >= 0.0)) {
-    PyErr_SetString(PyExc_ValueError, "crease_angle_rad must not be negative");
-    return NULL;
-  }
-  if (!PyUnicode_FSConverter(path, &bytes))
+  static char *names[] = {"path", "crease_angle_rad", "stretch", NULL};
+  PyObject *path, *stretch = Py_None, *bytes = NULL;
+  reading how = {.crease_rad = PL_PI};
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "U|dO:Model", names, &path, &how.crease_rad,
+                                   &stretch) ||
+      parse_reading(stretch, &how) < 0 || !PyUnicode_FSConverter(path, &bytes))
     return NULL;
   model_object *self = (model_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
   if (self == NULL) {
@@ -63,7 +88,7 @@ static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   }
   pl_status status;
   const char *name = PyBytes_AsString(bytes);
-  Py_BEGIN_ALLOW_THREADS status = load(name, crease_rad, &self->model);
+  Py_BEGIN_ALLOW_THREADS status = load(name, &how, &self->model);
   Py_END_ALLOW_THREADS Py_DECREF(bytes);
   if (status != PL_OK) {
     Py_DECREF(self);
@@ -179,6 +204,18 @@ static PyObject *get_bounds(PyObject *self, void *closure) {
   const pl_vec3 a = pl_model_point(m, low), b = pl_model_point(m, high);
   const double bounds[6] = {a.x, a.y, a.z, b.x, b.y, b.z};
   memcpy(out, bounds, sizeof bounds);
+  return array;
+}
+
+static PyObject *get_stretch(PyObject *self, void *closure) {
+  (void)closure;
+  npy_intp shape[1] = {3};
+  PyObject *array = PyArray_SimpleNew(1, shape, NPY_DOUBLE);
+  if (array == NULL)
+    return NULL;
+  const pl_affine base = pl_nodes_base(&of(self)->nodes);
+  const double factors[3] = {base.m.row[0].x, base.m.row[1].y, base.m.row[2].z};
+  memcpy(PyArray_DATA((PyArrayObject *)array), factors, sizeof factors);
   return array;
 }
 
@@ -409,6 +446,7 @@ static PyGetSetDef model_getset[] = {
     {"triangle_count", get_triangle_count, NULL, NULL, NULL},
     {"vertex_count", get_vertex_count, NULL, NULL, NULL},
     {"bounds", get_bounds, NULL, "(2, 3) smallest and largest coordinates, model units.", NULL},
+    {"stretch", get_stretch, NULL, "(3,) factors along its axes by which it is stretched.", NULL},
     {"parts", get_parts, NULL, "Name and material of each part.", NULL},
     {"nodes", get_nodes, NULL, "Name and parent of each node.", NULL},
     {"animations", get_animations, NULL, "Name, duration and nodes of each animation.", NULL},
@@ -427,8 +465,9 @@ static PyMethodDef model_methods[] = {
 };
 
 static PyType_Slot model_slots[] = {
-    {Py_tp_doc, "Model(path, crease_angle_rad=pi)\n--\n\nA spacecraft model read from .gltf or "
-                ".glb; immutable."},
+    {Py_tp_doc,
+     "Model(path, crease_angle_rad=pi, stretch=None)\n--\n\nA spacecraft model read from "
+     ".gltf or .glb; immutable."},
     {Py_tp_new, (void *)model_new},
     {Py_tp_dealloc, (void *)model_dealloc},
     {Py_tp_getset, model_getset},

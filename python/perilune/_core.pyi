@@ -44,11 +44,14 @@ bbox_obj -1s, px_count_all and px_count_valid -1, visib_fract nan."""
 
 @final
 class Model:
-    """A model read from .gltf or .glb; immutable, in the file's units, turned to z-up."""
+    """A model read from .gltf or .glb; immutable, turned to z-up. Model units are the file's times
+    the stretch."""
 
-    def __new__(cls, path: str, crease_angle_rad: float = ...) -> Self:
+    def __new__(cls, path: str, crease_angle_rad: float = ..., stretch: F64 | None = None) -> Self:
         """crease_angle_rad (default: pi, none): normals that the file has for faces that meet over
-        edges of more than that are split, each side gets its own; a line of `warnings` tells."""
+        edges of more than that are split, each side gets its own; a line of `warnings` tells.
+        stretch: (3,) positive factors along the model's axes, as if all root nodes were below a
+        node of that scale."""
     @property
     def path(self) -> str: ...
     @property
@@ -58,6 +61,9 @@ class Model:
     @property
     def bounds(self) -> F64:
         """(2, 3): smallest and largest coordinates, model units, z-up."""
+    @property
+    def stretch(self) -> F64:
+        """(3,): factors along its axes by which it was stretched; 1, 1, 1: as in the file."""
     @property
     def parts(self) -> tuple[dict[str, Any], ...]:
         """{"name", "material", "node": index} of each part: a primitive of a node of the file."""
@@ -72,7 +78,7 @@ class Model:
     @property
     def warnings(self) -> tuple[str, ...]: ...
     def mesh(self) -> dict[str, NDArray[Any]]:
-        """Copies: positions (V,3) f64, file's units, normals (V,3) f32, uv (V,2) f32 or absent,
+        """Copies: positions (V,3) f64, model units, normals (V,3) f32, uv (V,2) f32 or absent,
         indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
     def surfaces(self) -> dict[str, NDArray[Any]]:
         """What rays meet of the triangles, by the materials of the file: double_sided (T,) bool, and

@@ -92,7 +92,10 @@ class ObjectModel:
 
 
 def metres_per_unit(craft: Spacecraft, model: _core.Model) -> float:
-    """Scale of a spacecraft's model, as stated or from its size."""
+    """Scale of a spacecraft's model, as stated or from its size; of one that is stretched, of what
+    the reader makes of it."""
+    if isinstance(craft.metres_per_unit, tuple):
+        return max(craft.metres_per_unit)
     if craft.metres_per_unit is not None:
         return craft.metres_per_unit
     assert craft.size_m is not None  # the schema asks for one of the two
@@ -162,7 +165,7 @@ class Assets:
     def __init__(self, document: Document) -> None:
         self.lock = FrameLock()
         self.pool = Pool()
-        self.models: dict[tuple[str, float], _core.Model] = {}
+        self.models: dict[tuple[Any, ...], _core.Model] = {}
         self.files: dict[tuple[Any, ...], _core.Map] = {}
         self.regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
@@ -204,10 +207,11 @@ class Handles:
         result: dict[str, ObjectModel] = {}
         for name, craft in config.spacecraft.items():
             path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
-            key = (path, craft.crease_angle_deg)
+            key = (path, craft.crease_angle_deg, craft.stretch)
             if key not in files:
                 try:
-                    files[key] = read_model(path, math.radians(craft.crease_angle_deg))
+                    angle_rad = math.radians(craft.crease_angle_deg)
+                    files[key] = read_model(path, angle_rad, craft.stretch)
                 except ValueError as error:
                     where = f"{self.document.source}:\n  spacecraft.{name}.model"
                     raise ConfigError(f"{where}: {error}") from error

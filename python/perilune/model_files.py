@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import PurePath
 
+import numpy as np
+
 from perilune import _core
 
 SUFFIXES = (".glb", ".gltf")
@@ -35,10 +37,16 @@ def foreign(path: str) -> str:
     return f"{kind}, which is not read; {ours}: Blender's File > Export > glTF 2.0 makes one"
 
 
-def read_model(path: str, crease_angle_rad: float = math.pi) -> _core.Model:
+def read_model(
+    path: str,
+    crease_angle_rad: float = math.pi,
+    stretch: tuple[float, float, float] = (1.0, 1.0, 1.0),
+) -> _core.Model:
     """A model; ValueError for another format, or one that is damaged, by its file.
 
-    crease_angle_rad: see _core.Model; pi keeps the file's normals."""
+    crease_angle_rad, stretch: see _core.Model; pi keeps the file's normals."""
     if wrong := foreign(path):
         raise ValueError(f"{path}: {wrong}")
-    return _core.Model(path, crease_angle_rad)
+    if stretch == (1.0, 1.0, 1.0):
+        return _core.Model(path, crease_angle_rad)
+    return _core.Model(path, crease_angle_rad, np.array(stretch))

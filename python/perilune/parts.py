@@ -114,7 +114,7 @@ def inside_box(
     model: _core.Model, mesh: dict[str, NDArray[Any]], box: PartBox, key: str
 ) -> NDArray[np.bool_]:
     """(T,): which triangles have their centroid in a box; ConfigError with `key` for none."""
-    centroids = mesh["positions"].astype(np.float64)[mesh["indices"]].mean(axis=1)
+    centroids = (mesh["positions"] / model.stretch)[mesh["indices"]].mean(axis=1)
     inside: NDArray[np.bool_] = ((centroids >= box.min) & (centroids <= box.max)).all(axis=1)
     if not inside.any():
         raise ConfigError(f"{key}: no triangle is in it ({_extent_text(model)})")
@@ -144,7 +144,7 @@ def _with_boxes(
 
 
 def _extent_text(model: _core.Model) -> str:
-    low, high = model.bounds
+    low, high = model.bounds / model.stretch
     return (
         f"none has its centroid there; the model spans {np.round(low, 4).tolist()} to "
         f"{np.round(high, 4).tolist()}"
@@ -171,7 +171,7 @@ class PartExtent:
 
     triangles: int
     low: F64
-    """(3,), model units."""
+    """(3,), the file's units."""
     high: F64
 
 
@@ -179,7 +179,7 @@ def extents(model: _core.Model, cut: Partition) -> list[PartExtent]:
     """Triangles and bounding box of every part, in their order."""
     mesh = model.mesh()
     part = mesh["triangle_part"] if cut.triangle_part is None else cut.triangle_part
-    corners = mesh["positions"][mesh["indices"]].astype(np.float64)
+    corners = (mesh["positions"] / model.stretch)[mesh["indices"]]
     low = np.full((len(cut.entries), 3), np.inf)
     high = np.full((len(cut.entries), 3), -np.inf)
     np.minimum.at(low, part, corners.min(axis=1))

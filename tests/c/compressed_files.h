@@ -89,7 +89,7 @@ static inline void spoil(const char *name, int times, uint64_t seed, int loaded[
           (unsigned char)random_below(&random, 256);
     pl_model *model;
     const char *path = write_compressed(&file);
-    const bool fine = pl_gltf_load(path, &model) == PL_OK;
+    const bool fine = pl_gltf_load(path, NULL, &model) == PL_OK;
     pl_model_destroy(model);
     if (fine)
       pl_model_destroy(load_file(path));

@@ -58,7 +58,7 @@ static inline void in_model_units(pl_model *model) {
 /* Loads a file that must be good, into model units. */
 static inline pl_model *load_file(const char *path) {
   pl_model *model;
-  if (pl_gltf_load(path, &model) != PL_OK)
+  if (pl_gltf_load(path, NULL, &model) != PL_OK)
     fail_msg("%s", pl_error_text());
   in_model_units(model);
   for (size_t i = 0; i < 3 * model->triangle_count; i++)
@@ -85,7 +85,7 @@ static inline pl_model *load_nodes(const char *nodes) {
 /* A file that must be refused with a status and a text that names file and fault. */
 static inline void refuse_file(const char *path, pl_status expected, const char *fault) {
   pl_model *model = (pl_model *)1;
-  const pl_status status = pl_gltf_load(path, &model);
+  const pl_status status = pl_gltf_load(path, NULL, &model);
   if (status != expected || strstr(pl_error_text(), fault) == NULL ||
       strstr(pl_error_text(), path) == NULL)
     fail_msg("%s: %s (expected %s, \"%s\")", pl_status_name(status),

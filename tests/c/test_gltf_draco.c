@@ -114,7 +114,7 @@ static void failed_allocations_are_reported(void **state) {
     allowance budget = {allowed};
     pl_memory_hook(allocate_allowed, &budget);
     pl_model *model;
-    const pl_status status = pl_gltf_load(path, &model);
+    const pl_status status = pl_gltf_load(path, NULL, &model);
     pl_memory_hook(NULL, NULL);
     if (status == PL_OK) {
       assert_true(allowed > 5);

@@ -206,8 +206,8 @@ static void versions_are_checked(void **state) {
   refuse_text("{\"asset\":", PL_E_FORMAT, "broken JSON");
   refuse_text("{\"asset\":{\"version\":\"2.0\"}}", PL_E_FORMAT, "no triangle");
   pl_model *model;
-  assert_int_equal(pl_gltf_load(in_folder("gone.gltf"), &model), PL_E_IO);
-  assert_int_equal(pl_gltf_load(test_folder, &model), PL_E_IO);
+  assert_int_equal(pl_gltf_load(in_folder("gone.gltf"), NULL, &model), PL_E_IO);
+  assert_int_equal(pl_gltf_load(test_folder, NULL, &model), PL_E_IO);
 }
 
 static void broken_images_are_named(void **state) {
@@ -269,7 +269,7 @@ static void containers_are_checked(void **state) {
   warned(model, "bytes after the end");
   pl_model_destroy(model);
   for (size_t cut = 0; cut < size; cut++)
-    if (pl_gltf_load(write_file("model.glb", glb, cut), &model) == PL_OK)
+    if (pl_gltf_load(write_file("model.glb", glb, cut), NULL, &model) == PL_OK)
       fail_msg("cut at %zu of %zu bytes it still loads", cut, size);
 }
 
@@ -290,7 +290,7 @@ static void noise_never_crashes(void **state) {
     }
     pl_model *model;
     const char *path = write_file("model.glb", broken, size);
-    if (pl_gltf_load(path, &model) == PL_OK) {
+    if (pl_gltf_load(path, NULL, &model) == PL_OK) {
       pl_model_destroy(model);
       pl_model_destroy(load_file(path));
       loaded++;
@@ -309,7 +309,7 @@ static void failed_allocations_are_reported(void **state) {
     allowance budget = {allowed};
     pl_memory_hook(allocate_allowed, &budget);
     pl_model *model;
-    const pl_status status = pl_gltf_load(path, &model);
+    const pl_status status = pl_gltf_load(path, NULL, &model);
     pl_memory_hook(NULL, NULL);
     if (status == PL_OK) {
       assert_true(allowed > 10);

@@ -250,7 +250,7 @@ static void test_bad_numbers(void **state) {
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
     pl_model *model;
     write_square();
-    assert_int_equal(pl_gltf_load(write_text("model.gltf", bad[i]), &model), PL_E_FORMAT);
+    assert_int_equal(pl_gltf_load(write_text("model.gltf", bad[i]), NULL, &model), PL_E_FORMAT);
   }
 }
 

@@ -41,6 +41,34 @@ static void nodes_are_kept_in_the_models_axes(void **state) {
   pl_model_destroy(model);
 }
 
+/* As if the roots were below a node of that scale, in the model's axes. */
+static void a_stretched_model_has_stretched_nodes(void **state) {
+  (void)state;
+  char path[512];
+  pl_model *plain = load_nodes("{\"children\":[1],\"translation\":[1,2,3]},"
+                               "{\"mesh\":0,\"rotation\":[0,0.6,0,0.8]}");
+  snprintf(path, sizeof path, "%s", in_folder("model.gltf"));
+  pl_model *model = NULL;
+  assert_int_equal(pl_gltf_load(path, (const double[3]){2, 3, 4}, &model), PL_OK);
+  pl_affine from[2], to[2];
+  pl_nodes_globals(&plain->nodes, NULL, from);
+  pl_nodes_globals(&model->nodes, NULL, to);
+  near(model->nodes.items[0].trs.t.x, 1); /* what the file says of a node stays */
+  near(to[0].t.x, 2);
+  near(to[0].t.y, -9);
+  near(to[0].t.z, 8);
+  for (size_t v = 0; v < 4; v++) {
+    const float *p = plain->positions + 3 * v, *q = model->positions + 3 * v;
+    const pl_vec3 a = pl_model_point(plain, (pl_vec3){p[0], p[1], p[2]});
+    const pl_vec3 b = pl_model_point(model, (pl_vec3){q[0], q[1], q[2]});
+    near(b.x, 2 * a.x);
+    near(b.y, 3 * a.y);
+    near(b.z, 4 * a.z);
+  }
+  pl_model_destroy(model);
+  pl_model_destroy(plain);
+}
+
 /* Times 1 and 3, and two values of 4 numbers, after the square. */
 #define ANIMATED(channels, samplers, more)                                                         \
   ASSET "\"buffers\":[{\"byteLength\":88,\"uri\":\"square.bin\"},"                                 \
@@ -136,6 +164,7 @@ static void times_must_grow(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       in_own_folder(nodes_are_kept_in_the_models_axes),
+      in_own_folder(a_stretched_model_has_stretched_nodes),
       in_own_folder(animations_are_read_in_the_models_axes),
       in_own_folder(broken_animations_are_left_out),
       in_own_folder(times_must_grow),

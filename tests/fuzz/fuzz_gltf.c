@@ -60,7 +60,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char path[64];
     snprintf(path, sizeof path, "/proc/self/fd/%d", file);
     pl_model *model;
-    if (pl_gltf_load(path, &model) == PL_OK) {
+    if (pl_gltf_load(path, NULL, &model) == PL_OK) {
       check_model(model);
       check_motion(model);
       pl_model_destroy(model);

@@ -24,6 +24,13 @@ def changed_glb(path: Path, change: Callable[[dict[str, Any]], None]) -> Path:
     return path
 
 
+def under(tree: dict[str, Any], **placing: list[float]) -> None:
+    """Puts a node above all roots of a file."""
+    scene = tree["scenes"][tree.get("scene", 0)]
+    tree["nodes"].append({"name": "above", "children": scene["nodes"], **placing})
+    scene["nodes"] = [len(tree["nodes"]) - 1]
+
+
 def melted_box(path: Path) -> Path:
     """A GLB of a box of side 2 with a vertex a corner: its normals are the means of three faces."""
     corners = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.python.model_files import changed_glb
+from tests.python.model_files import changed_glb, under
 
 import perilune
 from perilune import _core
@@ -17,13 +17,6 @@ from perilune.config.loader import read_tree
 
 CHANNELS = ["rgb", "depth", "normal", "part", "object_coords"]
 SIZE_M = 4.0
-
-
-def under(tree: dict[str, Any], **placing: list[float]) -> None:
-    """Puts a node above all roots of a file."""
-    scene = tree["scenes"][tree.get("scene", 0)]
-    tree["nodes"].append({"name": "above", "children": scene["nodes"], **placing})
-    scene["nodes"] = [len(tree["nodes"]) - 1]
 
 
 def rendered(repo_dir: Path, model: Path, **craft: Any) -> perilune.Sample:

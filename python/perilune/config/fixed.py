@@ -33,6 +33,8 @@ def _of_craft(craft: Spacecraft) -> dict[str, Any]:
     play = craft.animation
     return {
         "model": craft.model,
+        "metres_per_unit": craft.stretch,
+        "crease_angle_deg": craft.crease_angle_deg,
         "centre": craft.centre,
         "obj_id": craft.obj_id,
         "class": craft.class_,

@@ -14,7 +14,7 @@ class PartBox(Strict):
     """A box along the model's axes; a triangle belongs to it when its centroid is inside."""
 
     min: StaticVec3
-    """Model units, z up, as `perilune parts` lists them."""
+    """The file's units, z up, as `perilune parts` lists them."""
     max: StaticVec3
 
     @model_validator(mode="after")

@@ -40,6 +40,7 @@ from perilune.config.types import (
     Integer,
     NonNegative,
     Positive,
+    PositiveByAxis,
     StaticNonNegative,
     StaticVec3,
     Strict,
@@ -195,7 +196,10 @@ class Spacecraft(Strict):
     """.glb or .gltf; relative to this file, or data:... under PERILUNE_DATA."""
     size_m: Annotated[Positive, Field(ge=1e-9, le=1e18)] | None = None
     """Longest side of the bounding box."""
-    metres_per_unit: Positive | None = None
+    metres_per_unit: PositiveByAxis | None = None
+    """A number, or one for each of the model's axes x, y, z (z up), which stretches it: as if the
+    file's root nodes were below a node of that scale. Boxes of `parts` and `materials` stay in the
+    file's units; all other lengths are of the stretched model."""
     centre: Literal["bounds", "origin"] = "bounds"
     """What flies on the orbit: the bounding box's centre, or the file's origin."""
     crease_angle_deg: Annotated[StaticNonNegative, Field(le=180)] = 65.0
@@ -233,6 +237,15 @@ class Spacecraft(Strict):
     def _one_scale(self) -> Spacecraft:
         self._exactly_one("size_m", "metres_per_unit")
         return self
+
+    @property
+    def stretch(self) -> tuple[float, float, float]:
+        """Factors along the model's axes by which it is read; the largest is 1."""
+        given = self.metres_per_unit
+        if not isinstance(given, tuple):
+            return (1.0, 1.0, 1.0)
+        x, y, z = given
+        return (x / max(given), y / max(given), z / max(given))
 
 
 TextureFilter = Literal[

@@ -6,7 +6,16 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
 
 from perilune.config.errors import fail, fail_unread, nearest
 from perilune.drivers import Drawn
@@ -60,6 +69,12 @@ Positive = Annotated[
     float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=_HUGE), AfterValidator(_not_tiny)
 ]
 NonNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=_HUGE)]
+PositiveByAxis = Annotated[
+    Annotated[Positive, Tag("even")]
+    | Annotated[tuple[Positive, Positive, Positive], BeforeValidator(refuse_drawn), Tag("by axis")],
+    Discriminator(lambda value: "by axis" if isinstance(value, (list, tuple)) else "even"),
+]
+"""A number, or one for each of the axes x, y, z, which take no driver."""
 Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 Inclination = Annotated[float, Field(strict=True, ge=0.0, le=180.0)]
 Integer = Annotated[int, Field(strict=True)]

@@ -11,6 +11,7 @@ from PIL import Image
 from tests.python.oaisys.oaisys_files import EARTH_M, FOLDER, SENSOR, failure, translated
 
 import perilune
+from perilune import _core
 
 MESHES = "ASSET_SETUP.MESHES"
 ENVIRONMENT = "ENVIRONMENT_EFFECTS_SETUP.ENVIRONMENT_EFFECTS"
@@ -114,6 +115,25 @@ def test_a_planet_in_gltf_scaled_by_axis_is_a_body(tree, planet, tmp_path):
     low, high = sim.shapes["planet"].model.bounds
     assert high[2] == pytest.approx(0.9 * EARTH_M, rel=1e-6)
     assert (high - low)[2] / (high - low)[0] == pytest.approx(0.9, rel=1e-6)
+
+
+def test_a_spacecraft_scaled_by_axis_is_stretched(tree, planet, iss):
+    """Along the model's axes, z up, which are Blender's."""
+    iss["meshParams"]["scale"] = [1e-6, 3e-6, 2e-6]
+    found, told = translated(tree)
+    by_axis = found["spacecraft"]["iss"]["metres_per_unit"]
+    assert by_axis == pytest.approx([1e-6 * EARTH_M, 3e-6 * EARTH_M, 2e-6 * EARTH_M])
+    assert "meshParams.scale" not in told
+    sim = opened(tree)
+    row = sim.models["iss"]
+    mesh = _core.Model(row.model.path).mesh()["positions"]
+    low, high = mesh.min(axis=0) * by_axis, mesh.max(axis=0) * by_axis
+    assert row.metres_per_unit * row.model.bounds == pytest.approx(np.array([low, high]), rel=1e-6)
+    reach_m = np.linalg.norm(mesh * by_axis, axis=1).max()
+    assert row.radius_m == pytest.approx(reach_m, rel=1e-6)
+    for wrong in (0.0, -3e-6):  # a mirrored craft is a model of its own
+        iss["meshParams"]["scale"] = [1e-6, wrong, 1e-6]
+        assert f"{MESHES}[1].meshParams.scale: must be positive" in failure(tree)
 
 
 @pytest.mark.parametrize("name", ["rock.obj", "rock.blend"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -107,14 +108,15 @@ def has_graphs(file: ModelFile) -> bool:
         return False
 
 
-def reach(file: ModelFile, params: Node) -> float:
-    """Distance from a model's origin to its farthest vertex, its own units."""
+def reach(file: ModelFile, params: Node, scale: float | Sequence[float]) -> float:
+    """Distance from a model's origin to its farthest vertex, once it is scaled: evenly, or by
+    axis."""
     assert file.found is not None  # the caller has told of missing files
     try:
         positions = _core.Model(str(_located(file.found, file.base))).mesh()["positions"]
     except (ValueError, OSError) as error:
         params.fail("meshFilePath", str(error))
-    return float(np.linalg.norm(positions.astype(np.float64), axis=1).max())
+    return float(np.linalg.norm(positions * np.asarray(scale), axis=1).max())
 
 
 def semi_axes(text: str, file: ModelFile, params: Node) -> list[float]:

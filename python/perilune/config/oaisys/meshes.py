@@ -122,6 +122,12 @@ def _body(mesh: Mesh, scene: Scene) -> dict[str, Any]:
     return entry
 
 
+def _metres_per_unit(mesh: Mesh, scene: Scene) -> float | list[float]:
+    """Blender's axes, which OAISYS scales along, are ours: z is up."""
+    by_axis = scene.lengths_m(mesh.scale)
+    return by_axis if len(set(by_axis)) > 1 else by_axis[0]
+
+
 def _spacecraft(mesh: Mesh, scene: Scene) -> dict[str, Any]:
     params, ours = mesh.params, f"spacecraft.{mesh.name}"
     if mesh.file.found is None:
@@ -129,9 +135,6 @@ def _spacecraft(mesh: Mesh, scene: Scene) -> dict[str, Any]:
     if mesh.file.swapped:
         text = f"read from {mesh.file.found}, as .blend files cannot be"
         params.notes.warn(params.where("meshFilePath"), text)
-    if len(set(mesh.scale)) > 1:
-        text = f"the model of a spacecraft is scaled evenly, by the first: {mesh.scale[0]:g}"
-        params.notes.warn(params.where("scale"), text)
     for owner in (params, mesh.entry):
         for key in planets.OURS:
             owner.ignore(key, "not applied: only a body has it, and this is a model in glTF")
@@ -139,7 +142,7 @@ def _spacecraft(mesh: Mesh, scene: Scene) -> dict[str, Any]:
     params.comes(f"{ours}.metres_per_unit", "scale")
     return {
         "model": mesh.file.found,
-        "metres_per_unit": scene.metres_per_unit * mesh.scale[0],
+        "metres_per_unit": _metres_per_unit(mesh, scene),
         "centre": "origin",
         "class": mesh.instance,
         "attitude": _pose(mesh, f"{ours}.attitude"),
@@ -151,7 +154,7 @@ def _radii_m(mesh: Mesh, entry: dict[str, Any]) -> tuple[float, float, float]:
         first, second, third = (value * 1e3 for value in entry["radii_km"])
         return first, second, third
     # To its farthest vertex, as our orbits count it; read when an orbit or a camera needs it.
-    reach = files.reach(mesh.file, mesh.params) * float(entry["metres_per_unit"])
+    reach = files.reach(mesh.file, mesh.params, entry["metres_per_unit"])
     return reach, reach, reach
 
 
