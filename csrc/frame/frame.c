@@ -196,8 +196,9 @@ static pl_render_settings settings_of(const pl_frame_request *request,
   const pl_plan *plan = &result->plan;
   const int samples = pl_plan_value(plan, "antialiasing");
   /* Asked for by name, or at a tolerance of nothing: so many samples in every pixel. */
-  const bool all_samples = request->wish.tolerance_dn == 0.0 ||
-                           (request->wish.force_on >> pl_effect_find("antialiasing") & 1u) != 0;
+  const bool exact = request->wish.tolerance_dn == 0.0;
+  const bool all_samples =
+      exact || (request->wish.force_on >> pl_effect_find("antialiasing") & 1u) != 0;
   return (pl_render_settings){
       .seed = request->seed,
       .frame = request->index,
@@ -216,6 +217,8 @@ static pl_render_settings settings_of(const pl_frame_request *request,
                  .glint = pl_plan_value(plan, "glint") > 0,
                  .lights = pl_plan_value(plan, "night_lights") > 0,
                  .filter = (pl_filter)pl_plan_value(plan, "texture_filter")},
+      .roughening = exact ? 0.0f : 1.0f,
+      .lobe_footprint = exact ? 0.0f : 1.0f,
       .laws_down = PL_VIEW_LAWS - 1 - pl_plan_value(plan, "regolith"),
       .clear_coat = pl_plan_value(plan, "clear_coat") > 0,
       .transmission = pl_plan_value(plan, "transmission") > 0,

@@ -15,11 +15,10 @@
 #include "shade/reflectance.h"
 
 enum { ROULETTE_AFTER = 3 };
-/* After a bounce, surfaces count as at least so rough: twice the opening of the lobe that was drawn
- * from, and no more than the cap. The caustics that no sampler here finds become as broad as the
- * lobe that looks at them, and free of fireflies. Energy is kept; the bias falls under the row
- * `bounces` (Kaplanyan and Dachsbacher 2013, path-space regularisation). */
-static const float REGULAR_FACTOR = 2.0f, REGULAR_CAP = 0.5f;
+/* Path regularisation (Kaplanyan and Dachsbacher 2013), where settings want it: caustics that no
+ * sampler here finds become about as broad as the lobe that looks at them, and free of fireflies.
+ * Energy is kept. No surface is roughened to more than this. */
+static const float REGULAR_CAP = 0.5f;
 /* A way of drawing whose density is below this part of another's is none to be weighed against it:
  * by the power heuristic it would get its square. */
 static const float RIVAL_MIN = 0.01f;
@@ -223,16 +222,17 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   const float width = pl_beam_width(&path->beam, vertex->t);
   /* The solid angle that one draw of density pdf stands for is about 1/pdf. */
   const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.fine_pdf));
+  const float widen = context->settings->lobe_footprint, roughen = context->settings->roughening;
   const float lobe_opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.lobe_pdf));
   *next = (pl_path){
       .beam = {.origin = ray->origin,
                .direction = ray->direction,
                .width_m = width,
-               .spread = pl_maxf(path->beam.spread, pl_minf(opening, SPREAD_MAX))},
+               .spread = pl_maxf(path->beam.spread, pl_minf(widen * opening, SPREAD_MAX))},
       .throughput = pl_vec3f_mul(path->throughput, drawn.weight),
       .pdf = drawn.pdf,
       .lobe_pdf = drawn.lobe_pdf,
-      .alpha_min = pl_maxf(path->alpha_min, pl_minf(0.5f * REGULAR_FACTOR * lobe_opening, cap)),
+      .alpha_min = pl_maxf(path->alpha_min, pl_minf(roughen * lobe_opening, cap)),
       .pixel = path->pixel,
       .shared = path->shared,
   };
