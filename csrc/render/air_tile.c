@@ -80,6 +80,11 @@ static void parabolas(float x, float out[3]) {
   out[2] = x * (2.0f * x - 1.0f);
 }
 
+/* Parabolas swing below what ends in nothing. */
+static pl_vec3f not_negative(pl_vec3f v) {
+  return pl_vec3f_make(pl_maxf(v.x, 0.0f), pl_maxf(v.y, 0.0f), pl_maxf(v.z, 0.0f));
+}
+
 /* At a place of the square, 0..1. */
 static pl_air_pixel mix(const pl_air_corner *const nodes[NODES], float u, float v) {
   float across[3], down[3];
@@ -88,10 +93,10 @@ static pl_air_pixel mix(const pl_air_corner *const nodes[NODES], float u, float 
   parabolas(v, down);
   for (int i = 0; i < NODES; i++)
     add_weighted(&nodes[i]->air, across[i % 3] * down[i / 3], &sum);
-  /* Parabolas swing below what ends in nothing. */
-  sum.light.scattered =
-      pl_vec3f_make(pl_maxf(sum.light.scattered.x, 0.0f), pl_maxf(sum.light.scattered.y, 0.0f),
-                    pl_maxf(sum.light.scattered.z, 0.0f));
+  sum.light.scattered = not_negative(sum.light.scattered);
+  sum.light.transmitted = not_negative(sum.light.transmitted);
+  sum.sunlight = not_negative(sum.sunlight);
+  sum.skylight = not_negative(sum.skylight);
   return sum;
 }
 
