@@ -18,6 +18,13 @@ static pl_status check_bands(const char *name, const double values[3], double lo
   return PL_OK;
 }
 
+/* Of an upper layer, if there is one. */
+static pl_status check_upper(const char *name, double from_m, double height_m, double low,
+                             double high) {
+  PL_TRY(check_number("where the upper height begins", from_m, 0.0, high));
+  return from_m > 0.0 ? check_number(name, height_m, low, high) : PL_OK;
+}
+
 static pl_status check(const pl_air_settings *s, double radius_m) {
   const double dense = 1e6, short_m = 1e-6, long_m = 1e15, peaked = 0.98;
   PL_TRY(check_number("the body's radius", radius_m, 1e-3, long_m));
@@ -29,6 +36,10 @@ static pl_status check(const pl_air_settings *s, double radius_m) {
   PL_TRY(check_bands("ground albedo", s->ground_albedo, 0.0, 1.0));
   PL_TRY(check_number("rayleigh scale height", s->rayleigh_height_m, short_m, long_m));
   PL_TRY(check_number("mie scale height", s->mie_height_m, short_m, long_m));
+  PL_TRY(check_upper("rayleigh upper height", s->rayleigh_upper_from_m, s->rayleigh_upper_height_m,
+                     short_m, long_m));
+  PL_TRY(
+      check_upper("mie upper height", s->mie_upper_from_m, s->mie_upper_height_m, short_m, long_m));
   PL_TRY(check_number("ozone centre", s->ozone_center_m, 0.0, long_m));
   PL_TRY(check_number("ozone width", s->ozone_width_m, short_m, long_m));
   PL_TRY(check_number("top", s->top_m, short_m, long_m));
@@ -39,10 +50,33 @@ static pl_status check(const pl_air_settings *s, double radius_m) {
   return PL_OK;
 }
 
+/* The corner of the two layers is rounded over so many of their mean scale heights. */
+static const double ROUND = 0.5;
+
+static double hyperbola(const pl_air_layers *layers, double height_m) {
+  const double x = height_m - layers->bend_m;
+  return x + sqrt(x * x + layers->round_m * layers->round_m);
+}
+
+static pl_air_layers layers_of(const pl_air_settings *s, double scale_m, double from_m,
+                               double upper_m) {
+  pl_air_layers out = {.scale_m = {scale_m, scale_m}, .bend_m = from_m, .lower = -1.0 / scale_m};
+  if (from_m > 0.0) {
+    out.bent = true;
+    out.scale_m[1] = upper_m;
+    out.upper = 0.5 * (1.0 / scale_m - 1.0 / upper_m);
+    out.round_m = ROUND * 0.5 * (scale_m + upper_m);
+    out.offset_m = hyperbola(&out, 0.0);
+  }
+  out.rest = pl_air_layers_density(&out, s->top_m);
+  return out;
+}
+
 static void set_optics(pl_air *air) {
   const pl_air_settings *s = &air->settings;
-  air->per_scale[0] = -1.0 / s->rayleigh_height_m;
-  air->per_scale[1] = -1.0 / s->mie_height_m;
+  air->layers[0] =
+      layers_of(s, s->rayleigh_height_m, s->rayleigh_upper_from_m, s->rayleigh_upper_height_m);
+  air->layers[1] = layers_of(s, s->mie_height_m, s->mie_upper_from_m, s->mie_upper_height_m);
   for (int k = 0; k < 3; k++) {
     air->scattering[0][k] = (float)s->rayleigh_scattering[k];
     air->scattering[1][k] = (float)s->mie_scattering[k];
@@ -81,12 +115,26 @@ double pl_air_reach_m(const pl_air *air, double largest_m) {
   return largest_m * (1.0 + air->settings.top_m / air->radius_m);
 }
 
+float pl_air_layers_density(const pl_air_layers *layers, double height_m) {
+  double exponent = height_m * layers->lower;
+  if (layers->bent)
+    exponent += layers->upper * (hyperbola(layers, height_m) - layers->offset_m);
+  return expf((float)exponent);
+}
+
+double pl_air_layers_ratio(const pl_air_layers *layers, double height_m, double other_m) {
+  double exponent = (other_m - height_m) * layers->lower;
+  if (layers->bent)
+    exponent += layers->upper * (hyperbola(layers, other_m) - hyperbola(layers, height_m));
+  return exp(exponent);
+}
+
 void pl_air_density(const pl_air *air, double height_m, float out[PL_AIR_PARTS]) {
   const pl_air_settings *s = &air->settings;
   const bool inside = height_m <= s->top_m;
   const double off = fabs(height_m - s->ozone_center_m) / s->ozone_width_m;
-  out[0] = inside ? expf((float)(height_m * air->per_scale[0])) : 0.0f;
-  out[1] = inside ? expf((float)(height_m * air->per_scale[1])) : 0.0f;
+  for (int part = 0; part < 2; part++)
+    out[part] = inside ? pl_air_layers_density(&air->layers[part], height_m) : 0.0f;
   out[2] = inside && off < 1.0 ? (float)(1.0 - off) : 0.0f;
 }
 

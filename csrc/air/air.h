@@ -8,13 +8,16 @@
 #include "math/vec.h"
 
 /* What an atmosphere is made of; values of three for the colour bands. Heights are above the
- * surface. Densities are cut off at the top. */
+ * surface. Densities are cut off at the top. Gas and haze thin out by e over one scale height up to
+ * a height, and over another one above it: as the troposphere and what lies above do. */
 typedef struct pl_air_settings {
   double rayleigh_scattering[3]; /* at the surface, 1/m */
-  double rayleigh_height_m;      /* density falls by e over it */
-  double mie_scattering[3];      /* at the surface, 1/m */
-  double mie_extinction[3];      /* scattering and absorption, 1/m */
-  double mie_height_m;
+  double rayleigh_height_m;      /* scale height */
+  double rayleigh_upper_from_m;  /* above this, the upper one; 0: there is none */
+  double rayleigh_upper_height_m;
+  double mie_scattering[3];                                  /* at the surface, 1/m */
+  double mie_extinction[3];                                  /* scattering and absorption, 1/m */
+  double mie_height_m, mie_upper_from_m, mie_upper_height_m; /* as of Rayleigh */
   double mie_g[3];            /* mean cosine of the scattering angle, of Cornette and Shanks */
   double ozone_absorption[3]; /* in the middle of its layer, 1/m */
   double ozone_center_m;      /* the density falls linearly from here to 0 */

@@ -28,7 +28,7 @@ static double residual_dn(const pl_view *view, const pl_view_thing *body, int st
   const pl_air_reach reach = pl_air_reach_of(body->air);
   const double bright = share * body->irradiance / view->white_radiance;
   const double long_exposure = pow(fmax(1.0, bright * PL_AIR_DARK / KNEE), PL_AIR_POWER);
-  const double error = pl_air_step_error(reach.depth, steps) * long_exposure;
+  const double error = pl_air_step_error(&reach, steps) * long_exposure;
   return fmin(SLOPE * pow(bright, 1.0 - PL_AIR_POWER) * error,
               pl_view_dn(view, share * body->irradiance * (reach.scattered + reach.several)));
 }

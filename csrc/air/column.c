@@ -43,10 +43,12 @@ static double height_along(const pl_air *air, double height_m, double mu, double
   return height_m + rise / (sqrt(r * r + rise) + r);
 }
 
-/* Of an exponential density that is 1 at the height itself. */
-static double integrate_exponential(const pl_air *air, const pl_air_rule *rule, double scale_m,
-                                    double height_m, double mu, double top_m) {
-  const double length = reach(air, height_m, mu, top_m);
+/* Of a density of layers over that at the height itself. */
+static double integrate_layers(const pl_air *air, const pl_air_rule *rule, int part,
+                               double height_m, double mu) {
+  const pl_air_layers *layers = &air->layers[part];
+  const double length = reach(air, height_m, mu, air->columns[part].top_m);
+  const double scale_m = layers->scale_m[height_m > layers->bend_m];
   const double s2 = 8.0 * scale_m / (PL_PI * (air->radius_m + height_m));
   const double scale = fmin(4.0 * scale_m / (mu + sqrt(mu * mu + s2)), 1e3 * length);
   const double all = -expm1(-length / scale);
@@ -54,7 +56,7 @@ static double integrate_exponential(const pl_air *air, const pl_air_rule *rule, 
   for (int i = 0; i < rule->count; i++) {
     const double left = 1.0 - rule->place[i] * all;
     const double at = height_along(air, height_m, mu, -scale * log(left));
-    sum += rule->weight[i] * exp(-(at - height_m) / scale_m) / left;
+    sum += rule->weight[i] * pl_air_layers_ratio(layers, height_m, at) / left;
   }
   return sum * scale * all;
 }
@@ -80,10 +82,6 @@ static double integrate_tent(const pl_air *air, const pl_air_rule *rule, double 
   return sum;
 }
 
-static double scale_of(const pl_air *air, int part) {
-  return part == 0 ? air->settings.rayleigh_height_m : air->settings.mie_height_m;
-}
-
 /* Of the tent of width 1 about 0, from x upwards. */
 static double tent_above(double x) {
   if (x >= 0.0)
@@ -91,12 +89,13 @@ static double tent_above(double x) {
   return x <= -1.0 ? 1.0 : 1.0 - 0.5 * (1.0 + x) * (1.0 + x);
 }
 
-/* Straight up, over the density at the height where that is exponential. */
+/* Straight up, over the density at the height where that is exponential, and straight. */
 static double vertical(const pl_air *air, int part, double height_m) {
   const pl_air_settings *s = &air->settings;
   const double top_m = air->columns[part].top_m;
   if (part < 2)
-    return -scale_of(air, part) * expm1(-fmax(0.0, top_m - height_m) / scale_of(air, part));
+    return -air->layers[part].scale_m[0] *
+           expm1(-fmax(0.0, top_m - height_m) / air->layers[part].scale_m[0]);
   const double x = (height_m - s->ozone_center_m) / s->ozone_width_m;
   return s->ozone_width_m * fmax(0.0, tent_above(x) - air->columns[part].above);
 }
@@ -106,19 +105,20 @@ static void build_column(pl_air *air, const pl_air_rule *rule, int part) {
   for (int i = 0; i < PL_AIR_HEIGHTS; i++) {
     /* At the very top all columns are 0; what counts is their ratio just below. */
     const double h = fmin(height_at(air, column, i), column->top_m * (1.0 - 1e-6));
-    const double up = vertical(air, part, h);
+    const bool bent = part < 2 && air->layers[part].bent;
+    const double up = bent ? integrate_layers(air, rule, part, h, 1.0) : vertical(air, part, h);
     double masses[PL_AIR_COSINES], s = 0.0;
     for (int k = 0; k < PL_AIR_COSINES; k++) {
       const double mu = k == 0 ? 0.0 : cosine_at(s, k);
-      const double along =
-          part < 2 ? integrate_exponential(air, rule, scale_of(air, part), h, mu, column->top_m)
-                   : integrate_tent(air, rule, h, mu, column->top_m);
+      const double along = part < 2 ? integrate_layers(air, rule, part, h, mu)
+                                    : integrate_tent(air, rule, h, mu, column->top_m);
       masses[k] = along / up;
       if (k == 0)
         s = 2.0 / masses[0];
       column->ratio[i][k] = (float)(masses[k] * 0.5 * (mu + sqrt(mu * mu + s * s)));
     }
     column->grazing[i] = (float)s;
+    column->up[i] = (float)up;
   }
 }
 
@@ -128,8 +128,6 @@ void pl_air_build_columns(pl_air *air) {
   for (int part = 0; part < PL_AIR_PARTS; part++) {
     const double layer_m = s->ozone_center_m + s->ozone_width_m;
     air->columns[part].top_m = part < 2 ? s->top_m : fmin(s->top_m, layer_m);
-    if (part < 2)
-      air->rest[part] = expf((float)(-s->top_m / scale_of(air, part)));
     pl_air_column *column = &air->columns[part];
     column->bend = bend_of(air, column);
     column->per_height = 1.0 / column->top_m;
@@ -138,6 +136,16 @@ void pl_air_build_columns(pl_air *air) {
     if (air->present[part])
       build_column(air, &rule, part);
   }
+}
+
+/* The column straight up from a place between nodes i and i + 1. */
+static float up_from(const pl_air *air, int part, const pl_air_place *place, int i) {
+  const float *up = air->columns[part].up + i;
+  if (part == 2)
+    return (float)vertical(air, part, place->height_m);
+  if (air->layers[part].bent)
+    return place->density[part] * (up[0] + (place->node[part] - (float)i) * (up[1] - up[0]));
+  return (float)air->layers[part].scale_m[0] * (place->density[part] - air->layers[part].rest);
 }
 
 pl_air_place pl_air_place_of(const pl_air *air, double squared_r_less_1) {
@@ -153,8 +161,7 @@ pl_air_place pl_air_place_of(const pl_air *air, double squared_r_less_1) {
     const int i = node < PL_AIR_HEIGHTS - 2 ? (int)node : PL_AIR_HEIGHTS - 2;
     const float *s = column->grazing + i;
     place.grazing[part] = s[0] + (node - (float)i) * (s[1] - s[0]);
-    place.up[part] = part < 2 ? (float)scale_of(air, part) * (place.density[part] - air->rest[part])
-                              : (float)vertical(air, part, place.height_m);
+    place.up[part] = up_from(air, part, &place, i);
   }
   return place;
 }

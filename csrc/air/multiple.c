@@ -1,13 +1,19 @@
-/* Light that is scattered more than once, after Hillaire (2020), A Scalable and Production Ready
- * Sky and Atmosphere Rendering Technique, section 5.5: from the second scattering on light counts
- * as coming evenly from all sides and as being the same all around, so that its orders are a
- * geometric series, 1/(1 - f). And the irradiance of the sky on the ground. */
+/* Light that is scattered more than once. Its mean over all directions, by height and by the sun's,
+ * is worked out order by order: light scattered once by its phase functions, and from then on
+ * evenly to all sides, with what the ground sends back. After Hillaire (2020), A Scalable and
+ * Production Ready Sky and Atmosphere Rendering Technique, section 5.5, whose orders are a
+ * geometric series throughout; here that is but the end of it. And the irradiance of the sky on the
+ * ground. */
 #include <math.h>
+#include <string.h>
 
 #include "air/table.h"
 
 /* Directions and nodes of the integrals: zenith angles, azimuths of half a turn, steps. */
-enum { ZENITHS = 6, AZIMUTHS = 3, STEPS = 6, SKY_ZENITHS = 8, SKY_AZIMUTHS = 6, SKY_STEPS = 8 };
+enum { ZENITHS = 6, FIRST_AZIMUTHS = 6, AZIMUTHS = 2, STEPS = 6 };
+enum { SKY_ZENITHS = 8, SKY_AZIMUTHS = 6, SKY_STEPS = 8 };
+/* Orders that are worked out before the series. */
+enum { ORDERS = 4 };
 /* Sines of the sun's height in the tables begin where no light counts any more, and are dense about
  * the horizon, within this. */
 static const double LOWEST = -0.3, BEND = 0.1;
@@ -22,6 +28,19 @@ static double sine_at(int node, int count) {
 static float node_of(double sine, int count) {
   const double low = bent(LOWEST);
   return (float)((bent(fmin(sine, 1.0)) - low) / (bent(1.0) - low) * (count - 1));
+}
+
+static pl_vec3f mix(pl_vec3f a, pl_vec3f b, float t) {
+  return pl_vec3f_madd(pl_vec3f_scale(a, 1.0f - t), t, b);
+}
+
+/* Of a table by the sun's sine. */
+static pl_vec3f from_sines(const pl_vec3f *table, int count, double sine) {
+  if (sine <= LOWEST)
+    return (pl_vec3f){0.0f, 0.0f, 0.0f};
+  const float x = node_of(sine, count);
+  const int k = x < count - 2 ? (int)x : count - 2;
+  return mix(table[k], table[k + 1], x - (float)k);
 }
 
 /* A sun on a round body, at height `sine` over a point on the z axis. */
@@ -41,42 +60,64 @@ static pl_air_ray ray_at(const pl_air *air, double height_m, double mu, double a
   return ray;
 }
 
-/* Radiance of the sunlit ground where a ray ends on it. */
-static pl_vec3f ground(const pl_air *air, const pl_air_ray *ray, const pl_air_sun *sun) {
+/* Where a ray ends on the ground; false if it does not. */
+static bool meet_ground(const pl_air_ray *ray, pl_vec3 *point) {
   const double along = pl_vec3_dot(ray->origin, ray->direction);
   const pl_vec3 lowest = pl_vec3_madd(ray->origin, -along, ray->direction);
   const double low = pl_vec3_dot(lowest, lowest) - 1.0;
   if (along >= 0.0 || low >= 0.0)
-    return (pl_vec3f){0.0f, 0.0f, 0.0f};
-  const pl_vec3 point = pl_vec3_madd(lowest, -sqrt(-low), ray->direction);
-  const double *a = air->settings.ground_albedo;
-  const double height = fmax(0.0, pl_vec3_dot(point, sun->direction)) / PL_PI;
-  const pl_vec3f albedo =
-      pl_vec3f_make((float)(a[0] * height), (float)(a[1] * height), (float)(a[2] * height));
-  return pl_vec3f_mul(albedo, pl_air_sunlight(air, sun, point));
+    return false;
+  *point = pl_vec3_madd(lowest, -sqrt(-low), ray->direction);
+  return true;
 }
 
-static pl_vec3f several_at(const pl_air *air, double height_m, double sun_sine) {
-  const pl_air_rule zeniths = pl_air_rule_make(ZENITHS), steps = pl_air_rule_make(STEPS);
+typedef pl_vec3f order_table[PL_AIR_MULTIPLE_HEIGHTS][PL_AIR_MULTIPLE_SINES];
+
+/* One order of scattering: irradiance of the ground from the order before (NULL: from the sun), by
+ * its sine, and the rule of the rays. What the air scatters is taken from air->several. */
+typedef struct order {
+  const pl_air *air;
+  const pl_vec3f *ground;
+  int azimuths;
+  pl_air_rule zeniths, steps;
+} order;
+
+/* Radiance of the ground where a ray ends on it. */
+static pl_vec3f ground(const order *o, const pl_air_ray *ray, const pl_air_sun *sun) {
+  pl_vec3 point;
+  pl_vec3f light;
+  if (!meet_ground(ray, &point))
+    return (pl_vec3f){0.0f, 0.0f, 0.0f};
+  const double *a = o->air->settings.ground_albedo, sine = pl_vec3_dot(point, sun->direction);
+  if (o->ground == NULL)
+    light = pl_vec3f_scale(pl_air_sunlight(o->air, sun, point), (float)fmax(0.0, sine));
+  else
+    light = from_sines(o->ground, PL_AIR_MULTIPLE_SINES, sine);
+  return pl_vec3f_scale(pl_vec3f_mul(light, pl_vec3f_make((float)a[0], (float)a[1], (float)a[2])),
+                        1.0f / PL_PI_F);
+}
+
+/* Mean radiance at a height over all directions, and irradiance from above. */
+static pl_vec3f gather(const order *o, double height_m, double sun_sine, pl_vec3f *from_above) {
   const pl_air_sun sun = sun_at(sun_sine);
-  pl_vec3f second = {0.0f, 0.0f, 0.0f}, kept = {0.0f, 0.0f, 0.0f};
+  const pl_air_mode mode = o->ground == NULL ? PL_AIR_ONCE : PL_AIR_AGAIN;
+  pl_vec3f mean = {0.0f, 0.0f, 0.0f};
+  *from_above = mean;
   for (int half = 0; half < 2; half++) /* below and above the horizontal */
     for (int i = 0; i < ZENITHS; i++)
-      for (int k = 0; k < AZIMUTHS; k++) {
-        const double mu = half == 0 ? -zeniths.place[i] : zeniths.place[i];
-        const float weight = (float)(0.5 * zeniths.weight[i] / AZIMUTHS);
-        const double azimuth = PL_PI * (k + 0.5) / AZIMUTHS;
-        const pl_air_ray ray = ray_at(air, height_m, mu, azimuth, &sun);
-        const pl_air_light light = pl_air_scatter_by(air, &ray, &sun, &steps, PL_AIR_EVENLY);
-        const pl_air_light own = pl_air_scatter_by(air, &ray, &sun, &steps, PL_AIR_FROM_ALL_SIDES);
-        const pl_vec3f below = pl_vec3f_mul(light.transmitted, ground(air, &ray, &sun));
-        second = pl_vec3f_madd(second, weight, pl_vec3f_add(light.scattered, below));
-        kept = pl_vec3f_madd(kept, weight, own.scattered);
+      for (int k = 0; k < o->azimuths; k++) {
+        const double mu = half == 0 ? -o->zeniths.place[i] : o->zeniths.place[i];
+        const float weight = (float)(0.5 * o->zeniths.weight[i] / o->azimuths);
+        const double azimuth = PL_PI * (k + 0.5) / o->azimuths;
+        const pl_air_ray ray = ray_at(o->air, height_m, mu, azimuth, &sun);
+        const pl_air_light light = pl_air_scatter_by(o->air, &ray, &sun, &o->steps, mode);
+        const pl_vec3f below = pl_vec3f_mul(light.transmitted, ground(o, &ray, &sun));
+        mean = pl_vec3f_madd(mean, weight, pl_vec3f_add(light.scattered, below));
+        if (half == 1)
+          *from_above =
+              pl_vec3f_madd(*from_above, 4.0f * PL_PI_F * weight * (float)mu, light.scattered);
       }
-  const float most = 0.999f; /* of air that absorbs nothing and fills space */
-  return pl_vec3f_make(second.x / (1.0f - pl_minf(kept.x, most)),
-                       second.y / (1.0f - pl_minf(kept.y, most)),
-                       second.z / (1.0f - pl_minf(kept.z, most)));
+  return mean;
 }
 
 /* Heights are dense at the surface, by a square law, up to where the air is thin. */
@@ -85,14 +126,49 @@ static double height_of(const pl_air *air, int node) {
   return v * v * air->settings.top_m;
 }
 
-void pl_air_build_multiple(pl_air *air) {
+static void work_out(const order *o, order_table out, pl_vec3f irradiance[PL_AIR_MULTIPLE_SINES]) {
+  pl_vec3f above;
   for (int i = 0; i < PL_AIR_MULTIPLE_HEIGHTS; i++)
     for (int k = 0; k < PL_AIR_MULTIPLE_SINES; k++)
-      air->several[i][k] = several_at(air, height_of(air, i), sine_at(k, PL_AIR_MULTIPLE_SINES));
+      out[i][k] = gather(o, height_of(o->air, i), sine_at(k, PL_AIR_MULTIPLE_SINES),
+                         i == 0 ? &irradiance[k] : &above);
 }
 
-static pl_vec3f mix(pl_vec3f a, pl_vec3f b, float t) {
-  return pl_vec3f_madd(pl_vec3f_scale(a, 1.0f - t), t, b);
+/* All that follows an order, when each is to the next as the one before was to it. */
+static float rest_of(float last, float before) {
+  const float most = 0.98f; /* of air that absorbs nothing and fills space */
+  const float ratio = before > 0.0f ? pl_minf(last / before, most) : 0.0f;
+  return last * ratio / (1.0f - ratio);
+}
+
+static pl_vec3f all_orders(pl_vec3f sum, pl_vec3f last, pl_vec3f before) {
+  return pl_vec3f_add(sum, pl_vec3f_make(rest_of(last.x, before.x), rest_of(last.y, before.y),
+                                         rest_of(last.z, before.z)));
+}
+
+static void add_order(order_table sum, order_table now) {
+  for (int i = 0; i < PL_AIR_MULTIPLE_HEIGHTS; i++)
+    for (int k = 0; k < PL_AIR_MULTIPLE_SINES; k++)
+      sum[i][k] = pl_vec3f_add(sum[i][k], now[i][k]);
+}
+
+void pl_air_build_multiple(pl_air *air) {
+  order_table sum = {0}, now, before;
+  pl_vec3f irradiance[2][PL_AIR_MULTIPLE_SINES];
+  order o = {.air = air, .azimuths = FIRST_AZIMUTHS};
+  o.zeniths = pl_air_rule_make(ZENITHS);
+  o.steps = pl_air_rule_make(STEPS);
+  for (int n = 0; n < ORDERS; n++) {
+    memcpy(before, air->several, sizeof before);
+    work_out(&o, now, irradiance[n % 2]);
+    add_order(sum, now);
+    memcpy(air->several, now, sizeof now);
+    o.ground = irradiance[n % 2];
+    o.azimuths = AZIMUTHS;
+  }
+  for (int i = 0; i < PL_AIR_MULTIPLE_HEIGHTS; i++)
+    for (int k = 0; k < PL_AIR_MULTIPLE_SINES; k++)
+      air->several[i][k] = all_orders(sum[i][k], now[i][k], before[i][k]);
 }
 
 pl_vec3f pl_air_several(const pl_air *air, const pl_air_place *place, double sun_sine) {
@@ -132,10 +208,5 @@ void pl_air_build_sky(pl_air *air) {
 }
 
 pl_vec3f pl_air_skylight(const pl_air *air, double sun_sine, bool multiple) {
-  if (sun_sine <= LOWEST)
-    return (pl_vec3f){0.0f, 0.0f, 0.0f};
-  const pl_vec3f *sky = air->sky[multiple];
-  const float x = node_of(sun_sine, PL_AIR_SKY);
-  const int k = x < PL_AIR_SKY - 2 ? (int)x : PL_AIR_SKY - 2;
-  return mix(sky[k], sky[k + 1], x - (float)k);
+  return from_sines(air->sky[multiple], PL_AIR_SKY, sun_sine);
 }

@@ -35,7 +35,9 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_multiple_scattering = {
     .name = "multiple_scattering",
-    .doc = "Light that air scatters more than once, after Hillaire (2020); off: once",
+    .doc = "Light that air scatters more than once, evenly from the second time on (docs/air.md "
+           "has how "
+           "far off that is); off: once",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

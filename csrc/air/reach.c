@@ -43,6 +43,7 @@ void pl_air_build_reach(pl_air *air) {
   out.several = largest * -expm1(-depths[0] - depths[1]);
   for (int k = 0; k < PL_AIR_SKY; k++)
     out.sky = fmax(out.sky, (double)pl_vec3f_max(air->sky[1][k]));
+  pl_air_measure_steps(air, out.depth, out.steps_off);
   air->reach = out;
 }
 
@@ -55,24 +56,4 @@ double pl_air_share(const pl_view *view, const pl_view_thing *body) {
     return 1.0;
   return pl_view_shell_share(
       view, body, body->radius_m * (1.0 + body->air->settings.top_m / body->air->radius_m));
-}
-
-/* Envelopes of what tests/c/test_air_steps.c measures, in classes of depth. */
-static const struct {
-  int steps;
-  double off[PL_AIR_CLASSES];
-} steps_off[] = {
-    {1, {2.5, 5.0, 20.0}},        {2, {0.6, 1.0, 6.0}},        {3, {0.15, 0.35, 2.0}},
-    {4, {0.1, 0.15, 0.8}},        {5, {0.05, 0.08, 0.5}},      {6, {0.026, 0.045, 0.5}},
-    {8, {0.008, 0.033, 0.5}},     {10, {0.0042, 0.02, 0.35}},  {12, {0.0034, 0.017, 0.25}},
-    {14, {0.002, 0.014, 0.2}},    {16, {0.0018, 0.012, 0.15}}, {24, {0.0008, 0.007, 0.06}},
-    {32, {0.00045, 0.0045, 0.03}}};
-
-int pl_air_class(double depth) { return depth > 40.0 ? 2 : depth > 30.0 ? 1 : 0; }
-
-double pl_air_step_error(double depth, int steps) {
-  size_t i = 0;
-  while (i + 1 < sizeof steps_off / sizeof steps_off[0] && steps_off[i + 1].steps <= steps)
-    i++;
-  return steps_off[i].off[pl_air_class(depth)];
 }

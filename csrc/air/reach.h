@@ -5,24 +5,24 @@
 #include "air/air.h"
 #include "plan/view.h"
 
+/* What the integral along a ray is off by with so many steps: so many times the light, under a sun
+ * of irradiance 1, to the power of PL_AIR_POWER, where displays encode it by its 2.4th root; what
+ * is darker than PL_AIR_DARK counts as that. */
+#define PL_AIR_POWER (1.4 / 2.4)
+#define PL_AIR_DARK 1e-4
+enum { PL_AIR_RULES = 13 };
+
 /* Upper bounds over all bands, for a sun of irradiance 1. */
 typedef struct pl_air_reach {
   double depth;     /* optical, of the longest way through the air, past the limb */
   double scattered; /* radiance of what is scattered once, 1/sr */
   double several;   /* and of what is scattered again */
   double sky;       /* irradiance of the ground */
+  double steps_off[PL_AIR_RULES];
 } pl_air_reach;
 pl_air_reach pl_air_reach_of(const pl_air *air);
 
-/* What the integral along a ray is off by with so many steps: so many times the light, under a sun
- * of irradiance 1, to the power of PL_AIR_POWER, where displays encode it by its 2.4th root; what
- * is darker than PL_AIR_DARK counts as that. It grows with the depth of the longest way, by class.
- */
-#define PL_AIR_POWER (1.4 / 2.4)
-#define PL_AIR_DARK 1e-4
-enum { PL_AIR_CLASSES = 3 };
-int pl_air_class(double depth);
-double pl_air_step_error(double depth, int steps);
+double pl_air_step_error(const pl_air_reach *reach, int steps);
 
 /* How a body's air gets into a frame: it is seen itself (1), or only by the light that it sends to
  * things in the frame or keeps from them (less; 0: not at all). */

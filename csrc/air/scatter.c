@@ -101,12 +101,11 @@ static pl_vec3f depth_of(const chord *c, double x) {
 }
 
 static void set_phases(chord *c) {
-  const float even = 1.0f / (4.0f * PL_PI_F), cosine = c->ray->sun_cosine;
-  const bool evenly = c->mode == PL_AIR_EVENLY;
+  const float cosine = c->ray->sun_cosine;
   for (int k = 0; k < 3; k++) {
     const float g = (float)c->air->settings.mie_g[k];
-    c->phases[0][k] = evenly ? even : pl_air_rayleigh_phase(cosine);
-    c->phases[1][k] = evenly ? even : pl_air_mie_phase(cosine, g);
+    c->phases[0][k] = pl_air_rayleigh_phase(cosine);
+    c->phases[1][k] = pl_air_mie_phase(cosine, g);
   }
 }
 
@@ -122,20 +121,24 @@ static pl_vec3f sent_on(const chord *c, const float density[PL_AIR_PARTS], bool 
   return pl_vec3f_make(sent[0], sent[1], sent[2]);
 }
 
+/* Of the sun's light, which stands under the cosine mu. */
+static pl_vec3f sunlit(const chord *c, const pl_air_place *place, double mu, pl_vec3f depth) {
+  float part;
+  const pl_vec3f toward = pl_air_depth_sun(c->air, c->sun, place, mu, &part);
+  if (!(part > 0.0f))
+    return (pl_vec3f){0.0f, 0.0f, 0.0f};
+  const pl_vec3f dimmed = pl_air_dimmed(pl_vec3f_add(depth, toward));
+  return pl_vec3f_scale(pl_vec3f_mul(sent_on(c, place->density, true), dimmed), part);
+}
+
 /* What a metre of air at x sends along the ray, dimmed by `depth` on its way. */
 static pl_vec3f source(const chord *c, const pl_air_place *place, double x, pl_vec3f depth) {
-  float part;
   const float *density = place->density;
   pl_vec3f light = {0.0f, 0.0f, 0.0f};
-  if (c->mode == PL_AIR_FROM_ALL_SIDES)
-    return pl_vec3f_mul(sent_on(c, density, false), pl_air_dimmed(depth));
   const double mu = fmax(-1.0, fmin(1.0, (c->sun0 + x * c->sun1) / place->r));
-  const pl_vec3f toward = pl_air_depth_sun(c->air, c->sun, place, mu, &part);
-  if (part > 0.0f) {
-    const pl_vec3f dimmed = pl_air_dimmed(pl_vec3f_add(depth, toward));
-    light = pl_vec3f_scale(pl_vec3f_mul(sent_on(c, density, true), dimmed), part);
-  }
-  if (c->mode != PL_AIR_SEVERAL)
+  if (c->mode != PL_AIR_AGAIN)
+    light = sunlit(c, place, mu, depth);
+  if (c->mode == PL_AIR_ONCE)
     return light;
   const pl_vec3f around = pl_vec3f_mul(pl_air_several(c->air, place, mu), pl_air_dimmed(depth));
   return pl_vec3f_add(light, pl_vec3f_mul(sent_on(c, density, false), around));

@@ -20,8 +20,23 @@ typedef struct pl_air_column {
   double per_height, bend; /* of the nodes in height */
   double above;            /* of ozone: part of its layer that is above the top */
   float grazing[PL_AIR_HEIGHTS];
+  float up[PL_AIR_HEIGHTS]; /* of a bent density: straight up, over the density there */
   float ratio[PL_AIR_HEIGHTS][PL_AIR_COSINES];
 } pl_air_column;
+
+/* A density that thins out by e over scale_m[0] at the surface and over scale_m[1] far above
+ * bend_m: its logarithm is a hyperbola, round over `round_m`, so that integrals along rays meet no
+ * corner. Straight where there is one scale height. */
+typedef struct pl_air_layers {
+  bool bent;
+  double scale_m[2], bend_m, round_m;
+  double lower, upper; /* minus one over the first; half of what the second's differs by */
+  double offset_m;     /* of the hyperbola at the surface */
+  float rest;          /* density at the top */
+} pl_air_layers;
+float pl_air_layers_density(const pl_air_layers *layers, double height_m);
+/* Of the density at another height over that at a first one. */
+double pl_air_layers_ratio(const pl_air_layers *layers, double height_m, double other_m);
 
 struct pl_air {
   pl_air_settings settings;
@@ -29,8 +44,7 @@ struct pl_air {
   float extinction[PL_AIR_PARTS][3];
   float scattering[2][3];     /* Rayleigh, Mie */
   bool present[PL_AIR_PARTS]; /* with any extinction */
-  float rest[2];              /* density at the top */
-  double per_scale[2];        /* -1 over the scale heights */
+  pl_air_layers layers[2];    /* of Rayleigh, Mie */
   pl_air_column columns[PL_AIR_PARTS];
   pl_vec3f sky[2][PL_AIR_SKY]; /* irradiance by the sine of the sun's height; with multiple */
   /* Mean radiance, over the sphere, of light scattered several times. */
@@ -64,14 +78,9 @@ pl_vec3f pl_air_dimmed(pl_vec3f depth); /* exp(-depth) */
  * disc that is above the horizon, 0..1. With none the depth is not set. */
 pl_vec3f pl_air_depth_sun(const pl_air *air, const pl_air_sun *sun, const pl_air_place *place,
                           double mu, float *part);
-/* What is scattered: sunlight by its phase functions; that and light scattered before; sunlight,
- * evenly to all sides; light of radiance 1 from all sides. */
-typedef enum pl_air_mode {
-  PL_AIR_ONCE,
-  PL_AIR_SEVERAL,
-  PL_AIR_EVENLY,
-  PL_AIR_FROM_ALL_SIDES
-} pl_air_mode;
+/* What is scattered: sunlight by its phase functions; that and light scattered before, evenly to
+ * all sides; or such light alone. */
+typedef enum pl_air_mode { PL_AIR_ONCE, PL_AIR_SEVERAL, PL_AIR_AGAIN } pl_air_mode;
 pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const pl_air_sun *sun,
                                const pl_air_rule *rule, pl_air_mode mode);
 
@@ -80,6 +89,8 @@ void pl_air_build_multiple(pl_air *air);
 void pl_air_build_sky(pl_air *air);
 /* Fills air->reach, of all the rest. */
 void pl_air_build_reach(pl_air *air);
+/* What so many steps along a ray are off by: see pl_air_step_error. depth: of the longest way. */
+void pl_air_measure_steps(const pl_air *air, double depth, double off[PL_AIR_RULES]);
 /* Mean radiance at a place of light that was scattered before. */
 pl_vec3f pl_air_several(const pl_air *air, const pl_air_place *place, double sun_sine);
 

@@ -27,6 +27,7 @@ const pl_air *pl_py_air_of(PyObject *object) {
 static int parse_settings(PyObject *from, pl_air_settings *out) {
   const char *where = "Air";
   int multiple = 0;
+  double rayleigh_upper[2], mie_upper[2];
   const struct {
     const char *key;
     double *value;
@@ -34,9 +35,11 @@ static int parse_settings(PyObject *from, pl_air_settings *out) {
   } members[] = {
       {"rayleigh_scattering", out->rayleigh_scattering, 3},
       {"rayleigh_height_m", &out->rayleigh_height_m, 1},
+      {"rayleigh_upper_m", rayleigh_upper, 2},
       {"mie_scattering", out->mie_scattering, 3},
       {"mie_extinction", out->mie_extinction, 3},
       {"mie_height_m", &out->mie_height_m, 1},
+      {"mie_upper_m", mie_upper, 2},
       {"mie_g", out->mie_g, 3},
       {"ozone_absorption", out->ozone_absorption, 3},
       {"ozone_center_m", &out->ozone_center_m, 1},
@@ -47,11 +50,16 @@ static int parse_settings(PyObject *from, pl_air_settings *out) {
   for (size_t i = 0; i < sizeof members / sizeof members[0]; i++)
     if (members[i].count == 1
             ? pl_py_member_double(from, members[i].key, where, members[i].value) < 0
-            : pl_py_member_doubles(from, members[i].key, where, 3, members[i].value) < 0)
+            : pl_py_member_doubles(from, members[i].key, where, members[i].count,
+                                   members[i].value) < 0)
       return -1;
   if (pl_py_member_bool(from, "multiple", where, &multiple) < 0)
     return -1;
   out->multiple = multiple != 0;
+  out->rayleigh_upper_from_m = rayleigh_upper[0];
+  out->rayleigh_upper_height_m = rayleigh_upper[1];
+  out->mie_upper_from_m = mie_upper[0];
+  out->mie_upper_height_m = mie_upper[1];
   return 0;
 }
 

@@ -182,12 +182,13 @@ class Grid:
 
 class AirSettings(TypedDict):
     """Of three colour bands where there are three; heights above the surface."""
-
     rayleigh_scattering: Sequence[float]  # at the surface, 1/m
-    rayleigh_height_m: float
+    rayleigh_height_m: float  # scale height
+    rayleigh_upper_m: Sequence[float]  # above the first, the scale height is the second; 0, 0: none
     mie_scattering: Sequence[float]
     mie_extinction: Sequence[float]
     mie_height_m: float
+    mie_upper_m: Sequence[float]
     mie_g: Sequence[float]
     ozone_absorption: Sequence[float]  # in the middle of the layer, 1/m
     ozone_center_m: float
@@ -198,8 +199,7 @@ class AirSettings(TypedDict):
 
 @final
 class Air:
-    """An atmosphere, with its tables. The methods are for a round body with its centre at the
-    origin; points lie outside its surface, directions are unit vectors."""
+    """An atmosphere about a round body at the origin; points lie outside it, directions are unit."""
 
     def __new__(cls, settings: AirSettings, radius_m: float) -> Self:
         """radius_m: of the body, the geometric mean of its semi-axes."""
@@ -210,9 +210,9 @@ class Air:
         self, points: F64, directions: F64, sun: tuple[float, float, float], sun_radius_rad: float,
         end_m: float, steps: int, multiple: bool
     ) -> tuple[F64, F64]:
-        """(n, 3) radiance, 1/sr, that arrives at points of light scattered along the ways in
-        directions up to end_m or the ground, under a sun of irradiance 1; (n, 3) part of the light
-        from the end that arrives. sun: unit direction to it. steps: 1..64."""
+        """(n, 3) radiance, 1/sr, of light scattered to points along directions up to end_m or the
+        ground, under a sun of irradiance 1 towards `sun`; (n, 3) part of the light from the end that
+        arrives. steps: 1..64."""
     def skylight(self, sun_sine: float, multiple: bool) -> tuple[float, float, float]:
         """Irradiance of the sky on flat ground, of a sun of irradiance 1 with its height's sine."""
 
@@ -221,8 +221,8 @@ class Rings:
     """Flat rings about a body, in its axes: z is their normal, the origin its centre."""
 
     def __new__(
-        cls, edges_m: F64, depth: F64, albedo: F64, exponent: float, dust_share: float, dust_g:
-        float
+        cls, edges_m: F64, depth: F64, albedo: F64, exponent: float, dust_share: float,
+        dust_g: float
     ) -> Self:
         """edges_m: (n + 1,) rising radii; between them depth (n,) along the normal and albedo
         (n, 3), n up to 16384. exponent: of the particles' phase function; dust_share: of the light

@@ -16,6 +16,12 @@ static inline pl_air_settings random_air(test_random *random, double radius_m, d
       .ozone_width_m = 2.0 * height_m,
       .top_m = height_m * random_range(random, 8.0, 14.0),
   };
+  if (random_unit(random) < 0.5) { /* with layers above */
+    s.rayleigh_upper_from_m = height_m * random_range(random, 0.5, 4.0);
+    s.rayleigh_upper_height_m = height_m * random_range(random, 0.5, 1.5);
+    s.mie_upper_from_m = s.mie_height_m * random_range(random, 1.0, 5.0);
+    s.mie_upper_height_m = s.mie_height_m * random_range(random, 0.5, 3.0);
+  }
   const double gas = random_scale(random, low, high), haze = random_scale(random, low, high);
   const double share = random_range(random, 0.5, 1.0), g = random_range(random, -0.3, 0.8);
   for (int k = 0; k < 3; k++) {
