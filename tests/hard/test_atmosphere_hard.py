@@ -20,11 +20,15 @@ UM = (0.68, 0.55, 0.44)
 EARTH_M = 6371e3
 
 
+HEIGHTS = ("rayleigh_height_m", "mie_height_m", "ozone_center_m", "ozone_width_m", "top_m")
+
+
 def air_of(radius_m: float, scale: float = 1.0, **changes) -> _core.Air:
     """The Earth's air, its heights times `scale` and its densities over it; scattered once."""
     settings = dict(theory.earth())
-    for key in ("rayleigh_height_m", "mie_height_m", "ozone_center_m", "ozone_width_m", "top_m"):
+    for key in HEIGHTS:
         settings[key] *= scale
+    settings["rayleigh_upper_m"] = tuple(scale * value for value in settings["rayleigh_upper_m"])
     for key in ("rayleigh_scattering", "mie_scattering", "mie_extinction", "ozone_absorption"):
         settings[key] = tuple(value / scale for value in settings[key])
     return _core.Air(settings | changes, radius_m)
@@ -138,7 +142,8 @@ def test_night_is_dark() -> None:
 @pytest.mark.parametrize("height_m", [1.0, 1e6])
 def test_scale_heights_of_a_metre_and_of_a_thousand_kilometres(height_m: float) -> None:
     settings = theory.earth(
-        rayleigh_height_m=height_m, mie_height_m=height_m, ozone_absorption=(0.0, 0.0, 0.0),
+        rayleigh_height_m=height_m, mie_height_m=height_m, rayleigh_upper_m=(0.0, 0.0),
+        ozone_absorption=(0.0, 0.0, 0.0),
         rayleigh_scattering=tuple(x / height_m for x in (0.05, 0.1, 0.25)),
         mie_scattering=(0.0, 0.0, 0.0), mie_extinction=(0.02 / height_m,) * 3,
         top_m=10.0 * height_m,

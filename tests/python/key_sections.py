@@ -268,6 +268,30 @@ THINGS = [
     Section(
         Atmosphere,
         (*AT_BODY, "atmosphere"),
+        {"preset": "earth", "rayleigh_upper_height_km": 6.0},
+        {"rayleigh_upper_from_km": 20.0},
+    ),
+    Section(
+        Atmosphere,
+        (*AT_BODY, "atmosphere"),
+        {"preset": "earth", "rayleigh_upper_from_km": 6.0},
+        {"rayleigh_upper_height_km": 20.0},
+    ),
+    Section(
+        Atmosphere,
+        (*AT_BODY, "atmosphere"),
+        {"preset": "earth", "mie_upper_height_km": 6.0},
+        {"mie_upper_from_km": 20.0},
+    ),
+    Section(
+        Atmosphere,
+        (*AT_BODY, "atmosphere"),
+        {"preset": "earth", "mie_upper_from_km": 6.0},
+        {"mie_upper_height_km": 20.0},
+    ),
+    Section(
+        Atmosphere,
+        (*AT_BODY, "atmosphere"),
         {"rayleigh_per_km": 0.01},
         {"top_km": 50.0, "ground_albedo": 0.9, "multiple_scattering": False},
     ),

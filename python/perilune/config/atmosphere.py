@@ -19,8 +19,13 @@ _Share = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 
 
 _PARTS = {
-    "rayleigh_per_km": ("rayleigh_height_km",),
-    "mie_scattering_per_km": ("mie_extinction_per_km", "mie_height_km", "mie_g"),
+    "rayleigh_per_km": (
+        "rayleigh_height_km", "rayleigh_upper_from_km", "rayleigh_upper_height_km",
+    ),
+    "mie_scattering_per_km": (
+        "mie_extinction_per_km", "mie_height_km", "mie_upper_from_km", "mie_upper_height_km",
+        "mie_g",
+    ),
     "ozone_per_km": ("ozone_center_km", "ozone_width_km"),
 }
 """What there may be -> the keys that say how it is."""
@@ -44,15 +49,26 @@ class Atmosphere(Strict):
     rayleigh_per_km: _Bands | None = None
     """Scattering by gas at the surface."""
     rayleigh_height_km: _Height | None = None
-    """Over which the gas thins out by e."""
+    """Scale height: over it the gas thins out by e."""
+    rayleigh_upper_from_km: _Height | None = None
+    """Above it the gas has the next scale height, as above a tropopause. Default: the preset's, but
+    none where rayleigh_height_km is given."""
+    rayleigh_upper_height_km: _Height | None = None
+    """Scale height there; given together with rayleigh_upper_from_km."""
     mie_scattering_per_km: _Bands | None = None
     """Scattering by haze or dust at the surface."""
     mie_extinction_per_km: _Bands | None = None
     """Scattering and absorption; the default is the scattering over the preset's share of it."""
     mie_height_km: _Height | None = None
-    """Over which the haze thins out by e."""
+    """Scale height of the haze."""
+    mie_upper_from_km: _Height | None = None
+    """Above it the haze has the next scale height. Default: the preset's, but none where
+    mie_height_km is given."""
+    mie_upper_height_km: _Height | None = None
+    """Scale height there; given together with mie_upper_from_km."""
     mie_g: Annotated[tuple[_G, _G, _G], BeforeValidator(triple), _Fixed] | None = None
-    """Mean cosine of the angle of scattering; 0 is even, 1 all forward."""
+    """Parameter of Cornette and Shanks's law: 0 is nearly even, 1 all forward. The mean cosine of
+    the angle of scattering is 3 g (4 + g^2) / (5 (2 + g^2))."""
     ozone_per_km: _Bands | None = None
     """Absorption in the middle of the ozone layer."""
     ozone_center_km: _Height | None = None
@@ -66,7 +82,8 @@ class Atmosphere(Strict):
     ) = None
     """Of the surface where it lights the air, with multiple_scattering."""
     multiple_scattering: Annotated[bool, Field(strict=True)] = True
-    """Light that is scattered more than once counts, about (Hillaire 2020)."""
+    """Light that is scattered more than once counts, from the second time on as if evenly to all
+    sides: docs/air.md has how far off that is."""
 
     @model_validator(mode="after")
     def _something(self) -> Atmosphere:
@@ -78,6 +95,16 @@ class Atmosphere(Strict):
             fail("preset", f"none: there is no air without one of {', '.join(_PARTS)}")
         if not self.multiple_scattering:
             self._only_with("multiple_scattering", "ground_albedo")
+        return self
+
+    @model_validator(mode="after")
+    def _layers(self) -> Atmosphere:
+        for part in ("rayleigh", "mie"):
+            keys = (f"{part}_upper_from_km", f"{part}_upper_height_km")
+            given = [key for key in keys if getattr(self, key) is not None]
+            if len(given) == 1:
+                missing = next(key for key in keys if key not in given)
+                fail(given[0], f"needs {missing}: the upper layer is said by both")
         return self
 
     @model_validator(mode="after")

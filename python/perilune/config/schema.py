@@ -135,7 +135,8 @@ class Sun(Strict):
     band_wavelengths_um: tuple[_Micrometres, _Micrometres, _Micrometres] | None = None
     """Of the colours red, green, blue: by these the disc darkens towards its edge (Neckel 2005) and
     atmospheres scatter. Default: 0.612, 0.549, 0.465, those of sRGB; but in images the disc darkens
-    by what the camera's `bands` see of each colour."""
+    by what the camera's `bands` see of each colour, and presets of atmospheres are means over all
+    that adds to each colour of sRGB."""
     direction: (
         Annotated[
             Annotated[Direction, Tag("vector")] | Annotated[Angles, Tag("angles")],

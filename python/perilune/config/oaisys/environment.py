@@ -43,7 +43,6 @@ def _air(params: Node, scene: Scene) -> None:
     # They see the whole schema, which is not there yet when this file is read.
     from perilune import atmospheres
     from perilune.config.atmosphere import Atmosphere
-    from perilune.config.schema import SRGB_UM
 
     given = [key for key in _AIR if params.has(key)]
     bodies = (thing for thing in scene.things.values() if thing.section == "bodies")
@@ -58,7 +57,7 @@ def _air(params: Node, scene: Scene) -> None:
         return
     preset = planet.table if planet.table in _PRESETS else "earth"
     air: dict[str, Any] = {"preset": preset}
-    base = atmospheres.settings(Atmosphere(preset=preset), SRGB_UM)  # type: ignore[arg-type]
+    base = atmospheres.settings(Atmosphere(preset=preset))  # type: ignore[arg-type]
     for key, factor in factors.items():
         ours, core = _AIR[key]
         if not any(base[core]):  # type: ignore[literal-required]
