@@ -30,6 +30,7 @@ const pl_effect *const pl_effects[] = {
     &pl_effect_bounces,
     &pl_effect_body_bounces,
     &pl_effect_planetshine,
+    &pl_effect_caustics,
     &pl_effect_surface_maps,
     &pl_effect_bump_detail,
     &pl_effect_relief,

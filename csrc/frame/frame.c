@@ -254,6 +254,8 @@ static pl_status render_output(pl_renderer *renderer, const pl_frame_request *re
   PL_TRY(pl_frame_air(&renderer->arena, shot, &result->plan, &air, &settings));
   PL_TRY(pl_frame_veils(&renderer->arena, shot, &result->plan, &veils, &settings));
   PL_TRY(pl_frame_planetshine(&renderer->arena, shot, &result->plan, &shine, &settings));
+  pl_caustics caustics;
+  pl_frame_caustics(renderer, shot, &result->plan, &caustics, &settings);
   if (wants_colour(request) && !pl_moving(request, &result->plan))
     PL_TRY(pl_dots_render(renderer, shot, &settings, &renderer->arena, request->cancel, sky));
   if (wants_colour(request))

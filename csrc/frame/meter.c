@@ -122,6 +122,15 @@ pl_status pl_frame_planetshine(pl_arena *arena, const pl_snapshot *shot, const p
   return PL_OK;
 }
 
+void pl_frame_caustics(const pl_renderer *renderer, const pl_snapshot *shot, const pl_plan *plan,
+                       pl_caustics *caustics, pl_render_settings *settings) {
+  settings->caustics = NULL;
+  if (settings->samples == 0 || pl_plan_value(plan, "caustics") == 0 || settings->bounces == 0)
+    return;
+  pl_caustics_build(shot, renderer->tracer, settings->detail, caustics);
+  settings->caustics = caustics->count > 0 ? caustics : NULL;
+}
+
 pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_snapshot *shot, double fallback, double *white_radiance,
                          pl_sensor *sensor) {

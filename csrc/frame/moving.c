@@ -92,6 +92,7 @@ static pl_status render_at(pl_renderer *renderer, const pl_frame_request *reques
   instant instant;
   pl_emitters lights;
   pl_planetshine shine;
+  pl_caustics caustics;
   pl_air_view air;
   pl_veils veils;
   pl_frame_sky sky = {0};
@@ -117,6 +118,7 @@ static pl_status render_at(pl_renderer *renderer, const pl_frame_request *reques
     PL_TRY(pl_frame_air(arena, &instant.shot, plan, &air, &settings));
     PL_TRY(pl_frame_veils(arena, &instant.shot, plan, &veils, &settings));
     PL_TRY(pl_frame_planetshine(arena, &instant.shot, plan, &shine, &settings));
+    pl_frame_caustics(renderer, &instant.shot, plan, &caustics, &settings);
     PL_TRY(pl_dots_render(renderer, &instant.shot, &settings, arena, request->cancel, &sky));
     PL_TRY(pl_frame_sky_place(plan, &instant.shot, renderer->tracer, &settings, arena, &sky));
     settings.backdrop = sky.backdrop.kind != PL_BACKDROP_NONE ? &sky.backdrop : NULL;

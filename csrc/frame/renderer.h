@@ -39,6 +39,10 @@ pl_status pl_frame_veils(pl_arena *arena, const pl_snapshot *shot, const pl_plan
 pl_status pl_frame_planetshine(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
                                pl_planetshine *shine, pl_render_settings *settings);
 
+/* Lists what mirrors the sun onto others where the plan wants it; the tracer is set. */
+void pl_frame_caustics(const pl_renderer *renderer, const pl_snapshot *shot, const pl_plan *plan,
+                       pl_caustics *caustics, pl_render_settings *settings);
+
 /* Exposures that are automatic, measured on the same frame, small, by direct light only: sets
  * *white_radiance where the request's is, and the exposure time of `sensor` (NULL: none) where its
  * is. `fallback` is the radiance of a sunlit white surface. */

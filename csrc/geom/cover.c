@@ -125,5 +125,6 @@ pl_status pl_cover_init(const pl_model *model, pl_cover *out) {
 void pl_cover_clear(pl_cover *cover) {
   pl_free(cover->boxes);
   pl_free(cover->triangles);
+  pl_facets_clear(&cover->facets);
   *cover = (pl_cover){0};
 }

@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "base/status.h"
+#include "geom/facets.h"
 #include "geom/model.h"
 
 /* Boxes around one, at most. */
@@ -24,6 +25,7 @@ typedef struct pl_cover {
   pl_box *boxes;
   size_t count;        /* 0 for an empty mesh */
   uint32_t *triangles; /* owned: indices of the model's, each once */
+  pl_facets facets;    /* owned: its flat places, of what may mirror; none until they are wanted */
 } pl_cover;
 
 /* Splits the triangles at the middle of their centroids' longest extent until few are left, or the

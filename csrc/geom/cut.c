@@ -112,6 +112,7 @@ static pl_status fill(pl_cut *cut, const int *nodes) {
     piece->triangle_count = cut->first[k + 1] - cut->first[k];
     measure(piece);
     PL_TRY(pl_cover_init(piece, &cut->covers[k]));
+    PL_TRY(pl_facets_init(piece, &cut->covers[k].facets));
   }
   return PL_OK;
 }

@@ -160,8 +160,9 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, draw.toward);
   /* Lobes that are wide against the sun find it so seldom that its weight is 1. */
-  const bool rivals =
-      onward != NULL && draw.pdf > 0.0f && RIVAL_MIN * draw.pdf < pl_surface_pdf_most(s, wo);
+  const bool rivals = onward != NULL && draw.pdf > 0.0f &&
+                      (RIVAL_MIN * draw.pdf < pl_surface_pdf_most(s, wo) ||
+                       (onward->share > 0.0f && onward->mirrored > 0.0f));
   const float weight =
       rivals ? pl_power_heuristic(draw.pdf, pl_shine_pdf(onward, s, wo, wi, draw.toward)) : 1.0f;
   const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));
@@ -203,6 +204,11 @@ static bool roulette(pl_path *next, int bounce, float u) {
 /* Whether what paths from a thing find on meshes goes unnoticed. */
 static bool far_from_meshes(const pl_snapshot *shot, uint32_t thing) {
   return thing >= shot->object_count && !shot->bodies[thing - shot->object_count].near_meshes;
+}
+
+/* What may mirror the sun onto a vertex. */
+static const pl_caustics *caustics_at(const pl_path_context *context, const pl_vertex *vertex) {
+  return far_from_meshes(context->shot, vertex->thing) ? NULL : context->settings->caustics;
 }
 
 /* Draws where the path goes on from the vertex; `cap`: the most that it is regularised by. */
@@ -333,7 +339,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   const pl_way first = onward && bounce == 0 ? pl_path_way(context, s, wo, &path, b) : PL_WAY_DRAWN;
   onward = onward && first != PL_WAY_NONE;
   if (onward)
-    pl_shine_at(context->settings->shine, vertex, wo, &shine);
+    pl_shine_at(context->settings->shine, caustics_at(context, vertex), vertex, wo, &shine);
   const pl_shine *way = onward ? &shine : NULL;
   *queued = shade_sun(context, &path, vertex, u.sun, wo, way, *queued, b);
   if (context->settings->air != NULL)
@@ -373,7 +379,7 @@ static void follow_settled(const pl_path_context *context, size_t i, size_t *kep
   const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0));
   const pl_vec3f wo = pl_surface_to_local(&vertex.surface, view);
   pl_shine shine;
-  pl_shine_at(context->settings->shine, &vertex, wo, &shine);
+  pl_shine_at(context->settings->shine, caustics_at(context, &vertex), &vertex, wo, &shine);
   if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, REGULAR_CAP, *kept,
              b) &&
       pl_path_follow(context, &vertex, &b->paths[*kept], b))

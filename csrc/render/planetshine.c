@@ -23,6 +23,9 @@ static const float WIDE_SR = 1.5f;
 /* Of all paths so many are to meet bodies at least: weak light is noise that is seen, too. */
 static const float WANTED_MIN = 0.1f;
 
+/* Mirrors of the sun get this share of draws at most. */
+static const float MIRRORS_MAX = 0.8f;
+
 /* A thing so small for the distance of a body sees it in one direction: draws to it are those of
  * the thing's centre, and what parallax hides of it is left to the lobe. */
 static const double PARALLAX_MAX = 0.003;
@@ -188,18 +191,17 @@ static void list_bodies(const pl_planetshine *p, const pl_shine_sky *sky, const 
   }
 }
 
-void pl_shine_at(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo, pl_shine *out) {
+/* Sets the share of bodies; returns a guess of the light that the surface sends on of theirs. */
+static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo,
+                          pl_shine *out) {
   const pl_surface *s = &vertex->surface;
   const float color = pl_luminance(s->color);
   sums sums = {0.0f, 0.0f, 0.0f, 0.0f};
-  out->share = 0.0f;
-  if (p == NULL || p->skies[vertex->thing].count == 0 ||
-      (s->reflectance->layered && s->lobes.inside))
-    return;
   const pl_shine_sky *sky = &p->skies[vertex->thing];
   list_bodies(p, sky, vertex, wo, out, &sums);
+  const float all = sums.light + sums.wide;
   if (!(sums.light > 0.0f) || !(sums.met < 1.0f))
-    return;
+    return all;
   /* Of all paths so many are to meet bodies, of which the lobe's own draws find some. */
   const float other = (sky->other + sums.gloss) * color + sums.wide;
   const float part = sums.light / (sums.light + other);
@@ -209,10 +211,40 @@ void pl_shine_at(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo, 
   const float most = 1.0f - (on_body ? LOBE_MIN_ON_BODIES : LOBE_MIN);
   const float share = pl_minf((wanted - sums.met) / (1.0f - sums.met), most);
   if (!(share > SHARE_MIN))
-    return;
+    return all;
   out->share = share;
   for (int i = 0; i < out->count; i++)
     out->chance[i] /= sums.light;
+  return all;
+}
+
+/* Takes the share of mirrors from what bodies and the lobe have; `known`: light of bodies. */
+static void share_mirrors(const pl_caustics *caustics, const pl_vertex *vertex, pl_vec3f wo,
+                          float known, pl_shine *out) {
+  const float light = pl_caustics_at(caustics, vertex, wo, &out->mirrors);
+  const float color = pl_luminance(vertex->surface.color);
+  if (!(light > 0.0f))
+    return;
+  const float part = light / (light + known + BY_MESHES * color * caustics->sun / PL_PI_F);
+  const float share = pl_minf(part, MIRRORS_MAX);
+  if (!(share > SHARE_MIN))
+    return;
+  out->share = share + (1.0f - share) * out->share;
+  out->mirrored = share / out->share;
+}
+
+void pl_shine_at(const pl_planetshine *p, const pl_caustics *caustics, const pl_vertex *vertex,
+                 pl_vec3f wo, pl_shine *out) {
+  const pl_surface *s = &vertex->surface;
+  float known = 0.0f;
+  out->share = out->mirrored = 0.0f;
+  out->count = 0;
+  if (s->reflectance->layered && s->lobes.inside)
+    return;
+  if (p != NULL && p->skies[vertex->thing].count > 0)
+    known = share_bodies(p, vertex, wo, out);
+  if (caustics != NULL)
+    share_mirrors(caustics, vertex, wo, known, out);
 }
 
 /* A draw to a body stands for all that is lit; but so many times finer is what it sees, or the map
@@ -225,12 +257,15 @@ static void set_densities(const pl_shine *shine, float bodies, pl_shine_draw *ou
   out->fine_pdf = lobe + FINER * shine->share * bodies;
 }
 
-/* Density of drawing to the bodies; `drawn`: one whose own density is known, or -1. */
+/* Density of drawing to bodies and mirrors; `drawn`: a body whose own density is known, or -1. */
 static float bodies_pdf(const pl_shine *shine, pl_vec3f direction, int drawn, float known) {
   float sum = 0.0f;
-  for (int i = 0; i < shine->count; i++)
+  for (int i = 0; i < shine->count && shine->mirrored < 1.0f; i++)
     sum += shine->chance[i] * (i == drawn ? known : pl_lune_pdf(&shine->lunes[i], direction));
-  return sum;
+  if (!(shine->mirrored > 0.0f))
+    return sum;
+  return (1.0f - shine->mirrored) * sum +
+         shine->mirrored * pl_caustics_pdf(&shine->mirrors, direction);
 }
 
 float pl_shine_pdf(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, pl_vec3f wi,
@@ -251,14 +286,27 @@ static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], floa
   return out->wi.z > 0.0f ? side > 0.0f : out->wi.z < 0.0f && side < 0.0f;
 }
 
-/* `choice` in [0, 1) among the bodies. */
-static bool sample_body(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, const float u[2],
-                        float choice, pl_shine_draw *out) {
+/* A direction to one of the bodies, or mirrors (-1), by `choice` in [0, 1); a body's own density.
+ */
+static bool sample_target(const pl_shine *shine, const float u[2], float choice, int *body,
+                          pl_vec3f *direction, float *known) {
+  *body = -1;
+  if (choice < shine->mirrored)
+    return pl_caustics_sample(&shine->mirrors, u, choice / shine->mirrored, direction);
+  if (shine->mirrored > 0.0f)
+    choice = (choice - shine->mirrored) / (1.0f - shine->mirrored);
   int at = 0;
-  float known;
   while (at + 1 < shine->count && choice >= shine->chance[at])
     choice -= shine->chance[at++];
-  if (!pl_lune_sample(&shine->lunes[at], u, &out->direction, &known) ||
+  *body = at;
+  return pl_lune_sample(&shine->lunes[at], u, direction, known);
+}
+
+static bool sample_set(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, const float u[2],
+                       float choice, pl_shine_draw *out) {
+  int at;
+  float known = 0.0f;
+  if (!sample_target(shine, u, choice, &at, &out->direction, &known) ||
       !pl_surface_admits(s, out->direction))
     return false;
   out->wi = pl_surface_to_local(s, out->direction);
@@ -277,7 +325,7 @@ bool pl_shine_sample(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, co
   if (!(share > 0.0f))
     return sample_lobe(s, wo, u, choice, out);
   if (choice < share)
-    return sample_body(shine, s, wo, u, choice / share, out);
+    return sample_set(shine, s, wo, u, choice / share, out);
   if (!sample_lobe(s, wo, u, pl_minf((choice - share) / (1.0f - share), 0x1.fffffep-1f), out))
     return false;
   set_densities(shine, bodies_pdf(shine, out->direction, -1, 0.0f), out);

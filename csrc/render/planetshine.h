@@ -8,7 +8,7 @@
 #define PL_RENDER_PLANETSHINE_H
 
 #include "light/lune.h"
-#include "render/vertex.h"
+#include "render/caustics.h"
 
 /* Bodies that paths from one thing are drawn to: the brightest, as it sees them. */
 enum { PL_SHINE_LIGHTS = 4 };
@@ -46,16 +46,20 @@ pl_status pl_planetshine_build(const pl_snapshot *shot, float white_radiance, pl
 /* Whether what a path finds on `thing` is planetshine, from the thing that it comes from. */
 bool pl_shine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t from);
 
-/* The bodies in the sky of one shaded vertex. */
+/* The bodies in the sky of one shaded vertex, and what mirrors the sun onto it. */
 typedef struct pl_shine {
-  float share; /* of draws that go to bodies, 0..1; the rest is not valid at 0 */
+  float share;    /* of draws that go to bodies and mirrors, 0..1; the rest is not valid at 0 */
+  float mirrored; /* part of those that go to mirrors, 0..1; `mirrors` is not valid at 0 */
+  pl_caustic_draws mirrors;
   int count;
   pl_lune lunes[PL_SHINE_LIGHTS];
   float chance[PL_SHINE_LIGHTS]; /* of each, together 1 */
 } pl_shine;
 
-/* `wo` in the surface's frame. `shine` NULL: share is 0. */
-void pl_shine_at(const pl_planetshine *shine, const pl_vertex *vertex, pl_vec3f wo, pl_shine *out);
+/* `wo` in the surface's frame. `shine` NULL: no bodies are drawn to; `caustics` NULL: no mirrors.
+ */
+void pl_shine_at(const pl_planetshine *shine, const pl_caustics *caustics, const pl_vertex *vertex,
+                 pl_vec3f wo, pl_shine *out);
 
 /* Where a path goes on, world axes. */
 typedef struct pl_shine_draw {

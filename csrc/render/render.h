@@ -41,6 +41,8 @@ typedef struct pl_render_settings {
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   const pl_air_view *air;      /* borrowed; NULL: none */
   const pl_veils *veils;       /* borrowed; NULL: none */
+  const pl_caustics
+      *caustics; /* borrowed; NULL: what mirrors the sun onto others is met by chance */
   const pl_planetshine *shine; /* borrowed; NULL: bodies that light others are met by chance */
   bool emitters_on_bodies;     /* or else on meshes alone */
   const pl_backdrop *backdrop; /* borrowed: what the camera sees behind everything; NULL: black */

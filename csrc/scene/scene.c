@@ -62,7 +62,7 @@ static pl_status check_parts(const char *name, const pl_model *model, const pl_p
 }
 
 /* The cover of a model, made when it is asked for first. */
-static pl_status find_cover(pl_scene *scene, const pl_model *model, const pl_cover **out) {
+static pl_status find_cover(pl_scene *scene, const pl_model *model, pl_cover **out) {
   void *memory;
   for (size_t i = 0; i < scene->cover_count; i++)
     if (scene->covers[i]->model == model) {
@@ -122,7 +122,11 @@ static pl_status add_object(pl_scene *scene, const char *name, const pl_model *m
     object_clear(&object);
     return pl_fail(PL_E_MEMORY, "out of memory for object '%s'", name);
   }
-  const pl_status status = find_cover(scene, model, &object.cover);
+  pl_cover *cover = NULL;
+  pl_status status = find_cover(scene, model, &cover);
+  if (status == PL_OK && body < 0 && cover->facets.count == 0)
+    status = pl_facets_init(model, &cover->facets);
+  object.cover = cover;
   if (status != PL_OK) {
     object_clear(&object);
     return status;

@@ -1,0 +1,321 @@
+/* Halving by the largest cost. */
+#include "geom/facets.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "math/sampling.h"
+
+/* Directions of a rectangle's side that are tried: the edges of the largest facet, and some more.
+ */
+enum { EDGES = 3, TURNS = 8 };
+/* Of materials that are rough a group is worth this part of a shiny one: a graph may stand for the
+ * material. Roughness and metalness from which on one counts as shiny. */
+static const float ROUGH_COST = 0.02f, SHINY_ROUGHNESS = 0.45f;
+/* Unfilled parts of a rectangle cost as much as so much spread of normals. */
+static const float UNFILLED_COST = 0.02f;
+/* A group that costs less, of its area, is left whole. */
+static const float COST_MIN = 1e-5f;
+/* Groups of less spread are halved by place, and their rectangles are the smallest. */
+static const float SPREAD_FLAT = 0.005f;
+
+typedef struct facet {
+  pl_vec3f corner[3];
+  pl_vec3f normal; /* twice its area long */
+} facet;
+
+static facet facet_of(const pl_model *model, uint32_t triangle) {
+  facet f;
+  for (size_t k = 0; k < 3; k++) {
+    const float *p = model->positions + 3 * (size_t)model->indices[3 * (size_t)triangle + k];
+    f.corner[k] = pl_vec3f_make(p[0], p[1], p[2]);
+  }
+  f.normal = pl_vec3f_cross(pl_vec3f_sub(f.corner[1], f.corner[0]),
+                            pl_vec3f_sub(f.corner[2], f.corner[0]));
+  return f;
+}
+
+static pl_vec3f centroid(const facet *f) {
+  return pl_vec3f_scale(pl_vec3f_add(pl_vec3f_add(f->corner[0], f->corner[1]), f->corner[2]),
+                        1.0f / 3.0f);
+}
+
+/* Normal of a corner on the facet's side. */
+static pl_vec3f corner_normal(const pl_model *model, uint32_t triangle, size_t k, const facet *f) {
+  const float *n = model->normals + 3 * (size_t)model->indices[3 * (size_t)triangle + k];
+  const pl_vec3f v = pl_vec3f_make(n[0], n[1], n[2]);
+  return pl_vec3f_dot(v, f->normal) < 0.0f ? pl_vec3f_scale(v, -1.0f) : v;
+}
+
+/* A group while it is halved. */
+typedef struct group {
+  pl_facet_group out;
+  size_t first, count; /* of its triangles in the order */
+  float weight, cost;
+  float variance[3]; /* of the normals, along each axis */
+} group;
+
+/* Sum of normals by area, and of their products with themselves. */
+static void measure_normals(const pl_model *model, const uint32_t *order, group *g) {
+  double sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, area = 0.0;
+  float largest = -1.0f;
+  for (size_t i = 0; i < g->count; i++) {
+    const facet f = facet_of(model, order[i]);
+    const float size = 0.5f * pl_vec3f_norm(f.normal);
+    if (size > largest) {
+      largest = size;
+      g->out.triangle = order[i];
+    }
+    area += (double)size;
+    for (size_t k = 0; k < 3; k++) {
+      const pl_vec3f n = corner_normal(model, order[i], k, &f);
+      const float v[3] = {n.x, n.y, n.z};
+      for (int axis = 0; axis < 3; axis++) {
+        sum[axis] += (double)(size / 3.0f * v[axis]);
+        square[axis] += (double)(size / 3.0f * v[axis] * v[axis]);
+      }
+    }
+  }
+  g->out.area = (float)area;
+  const pl_vec3 mean = {sum[0], sum[1], sum[2]};
+  const double length = pl_vec3_norm(mean);
+  g->out.normal = length > 1e-6 * area ? pl_vec3_to_float(pl_vec3_scale(mean, 1.0 / length))
+                                       : pl_vec3f_make(0.0f, 0.0f, 1.0f);
+  for (int axis = 0; axis < 3 && area > 0.0; axis++)
+    g->variance[axis] =
+        (float)fmax(square[axis] / area - (sum[axis] / area) * (sum[axis] / area), 0.0);
+}
+
+typedef struct extent {
+  float low, high;
+} extent;
+
+static extent extent_along(const pl_model *model, const uint32_t *order, const group *g,
+                           pl_vec3f axis) {
+  extent e = {INFINITY, -INFINITY};
+  for (size_t i = 0; i < g->count; i++) {
+    const facet f = facet_of(model, order[i]);
+    for (size_t k = 0; k < 3; k++) {
+      const float x = pl_vec3f_dot(f.corner[k], axis);
+      e.low = pl_minf(e.low, x);
+      e.high = pl_maxf(e.high, x);
+    }
+  }
+  return e;
+}
+
+/* Takes the rectangle with a side along `along`, if it is the smallest so far. */
+static void try_rectangle(const pl_model *model, const uint32_t *order, pl_vec3f along,
+                          float *smallest, group *g) {
+  const pl_vec3f n = g->out.normal;
+  pl_vec3f x = pl_vec3f_madd(along, -pl_vec3f_dot(along, n), n);
+  if (!(pl_vec3f_dot(x, x) > 1e-6f * pl_vec3f_dot(along, along)))
+    return;
+  x = pl_vec3f_unit(x);
+  const pl_vec3f y = pl_vec3f_cross(n, x);
+  const extent a = extent_along(model, order, g, x), b = extent_along(model, order, g, y);
+  const float size = (a.high - a.low) * (b.high - b.low);
+  if (!(size < 0.999f * *smallest))
+    return;
+  *smallest = size;
+  const extent c = extent_along(model, order, g, n);
+  g->out.half[0] = pl_vec3f_scale(x, 0.5f * (a.high - a.low));
+  g->out.half[1] = pl_vec3f_scale(y, 0.5f * (b.high - b.low));
+  g->out.center = pl_vec3f_madd(
+      pl_vec3f_madd(pl_vec3f_scale(x, 0.5f * (a.low + a.high)), 0.5f * (b.low + b.high), y),
+      0.5f * (c.low + c.high), n);
+}
+
+static void measure_rectangle(const pl_model *model, const uint32_t *order, group *g) {
+  const pl_basis basis = pl_basis_make(g->out.normal);
+  const facet f = facet_of(model, g->out.triangle);
+  float smallest = INFINITY;
+  g->out.spread = g->variance[0] + g->variance[1] + g->variance[2];
+  const bool flat = g->out.spread < SPREAD_FLAT;
+  for (size_t k = 0; k < (flat ? EDGES : 1); k++)
+    try_rectangle(model, order, pl_vec3f_sub(f.corner[(k + 1) % 3], f.corner[k]), &smallest, g);
+  for (int k = 0; k < (flat ? TURNS : 1); k++) {
+    const float turn = 0.5f * PL_PI_F * (float)k / TURNS;
+    const pl_vec3f along = pl_vec3f_madd(pl_vec3f_scale(basis.t, cosf(turn)), sinf(turn), basis.b);
+    try_rectangle(model, order, along, &smallest, g);
+  }
+}
+
+static void measure(const pl_model *model, const uint32_t *order, group *g) {
+  measure_normals(model, order + g->first, g);
+  measure_rectangle(model, order + g->first, g);
+  const float size = 4.0f * pl_vec3f_norm(g->out.half[0]) * pl_vec3f_norm(g->out.half[1]);
+  const float unfilled = size > 0.0f ? pl_maxf(1.0f - g->out.area / size, 0.0f) : 0.0f;
+  const float each = g->out.spread + UNFILLED_COST * unfilled * unfilled;
+  g->cost = each > COST_MIN && g->count > 1 ? g->weight * g->out.area * each : 0.0f;
+}
+
+/* What a facet is halved by: a component of its normal, or of its place. */
+typedef struct criterion {
+  bool by_normal;
+  int axis;
+  float middle;
+} criterion;
+
+static float value_of(const pl_model *model, uint32_t triangle, const criterion *c) {
+  const facet f = facet_of(model, triangle);
+  pl_vec3f v = c->by_normal ? f.normal : centroid(&f);
+  if (c->by_normal) {
+    const float length = pl_vec3f_norm(f.normal);
+    v = length > 0.0f ? pl_vec3f_scale(v, 1.0f / length) : v;
+  }
+  return c->axis == 0 ? v.x : c->axis == 1 ? v.y : v.z;
+}
+
+/* The middle of the range along an axis, and its length. */
+static float spread_along(const pl_model *model, const uint32_t *order, const group *g,
+                          criterion *c) {
+  float low = INFINITY, high = -INFINITY;
+  for (size_t i = 0; i < g->count; i++) {
+    const float x = value_of(model, order[i], c);
+    low = pl_minf(low, x);
+    high = pl_maxf(high, x);
+  }
+  c->middle = 0.5f * (low + high);
+  return high - low;
+}
+
+/* The longest range of components of normals, or of places. */
+static float longest(const pl_model *model, const uint32_t *order, const group *g, bool by_normal,
+                     criterion *best) {
+  float length = -1.0f;
+  for (int axis = 0; axis < 3; axis++) {
+    criterion c = {.by_normal = by_normal, .axis = axis};
+    const float own = spread_along(model, order, g, &c);
+    if (!(own > length))
+      continue;
+    length = own;
+    *best = c;
+  }
+  return length;
+}
+
+static criterion choose(const pl_model *model, const uint32_t *order, const group *g) {
+  criterion best = {0};
+  const bool by_normal = g->out.spread > SPREAD_FLAT;
+  if (!(longest(model, order, g, by_normal, &best) > 1e-6f))
+    longest(model, order, g, !by_normal, &best);
+  return best;
+}
+
+/* Moves the facets below the middle to the front; returns how many there are. */
+static size_t partition(const pl_model *model, uint32_t *order, size_t count, const criterion *c) {
+  size_t front = 0;
+  for (size_t i = 0; i < count; i++) {
+    if (!(value_of(model, order[i], c) < c->middle))
+      continue;
+    const uint32_t swap = order[front];
+    order[front++] = order[i];
+    order[i] = swap;
+  }
+  return front;
+}
+
+typedef struct groups {
+  const pl_model *model;
+  uint32_t *order;
+  group items[PL_FACET_GROUPS];
+  size_t count;
+} groups;
+
+static void halve(groups *all, size_t at) {
+  group *old = &all->items[at];
+  uint32_t *order = all->order + old->first;
+  const criterion c = choose(all->model, order, old);
+  const size_t front = partition(all->model, order, old->count, &c);
+  if (front == 0 || front == old->count) {
+    old->cost = 0.0f;
+    return;
+  }
+  group *added = &all->items[all->count++];
+  *added = (group){.first = old->first + front, .count = old->count - front, .weight = old->weight};
+  old->count = front;
+  measure(all->model, all->order, old);
+  measure(all->model, all->order, added);
+}
+
+static int material_of(const pl_model *model, uint32_t triangle) {
+  return model->parts[model->triangle_part[triangle]].material;
+}
+
+static bool is_shiny(const pl_material *m) {
+  return !m->lambert &&
+         (m->roughness < SHINY_ROUGHNESS ||
+          (m->layered && m->layers.coat > 0.0f && m->layers.coat_roughness < SHINY_ROUGHNESS));
+}
+
+/* A group of each material, those of the last ones together if there are too many. */
+static void add_materials(groups *all) {
+  const pl_model *model = all->model;
+  size_t used = 0;
+  for (size_t m = 0; m < model->material_count && used < model->triangle_count; m++) {
+    const bool last = all->count + 1 == PL_FACET_GROUPS;
+    group g = {.first = used, .weight = is_shiny(&model->materials[m]) ? 1.0f : ROUGH_COST};
+    for (uint32_t t = 0; t < model->triangle_count; t++) {
+      const int own = material_of(model, t);
+      if (own == (int)m || (last && own > (int)m))
+        all->order[used++] = t;
+    }
+    g.count = used - g.first;
+    if (g.count == 0)
+      continue;
+    measure(model, all->order, &g);
+    all->items[all->count++] = g;
+  }
+}
+
+static void split(groups *all) {
+  while (all->count < PL_FACET_GROUPS) {
+    size_t worst = 0;
+    for (size_t i = 1; i < all->count; i++)
+      if (all->items[i].cost > all->items[worst].cost)
+        worst = i;
+    if (!(all->items[worst].cost > 0.0f))
+      return;
+    halve(all, worst);
+  }
+}
+
+/* By insertion, largest first. */
+static void keep(const groups *all, pl_facets *out) {
+  for (size_t i = 0; i < all->count; i++) {
+    size_t at = out->count++;
+    for (; at > 0 && out->groups[at - 1].area < all->items[i].out.area; at--)
+      out->groups[at] = out->groups[at - 1];
+    out->groups[at] = all->items[i].out;
+  }
+}
+
+pl_status pl_facets_init(const pl_model *model, pl_facets *out) {
+  void *order, *memory;
+  *out = (pl_facets){0};
+  if (model->triangle_count == 0)
+    return PL_OK;
+  PL_TRY(pl_alloc_or_fail(model->triangle_count, sizeof(uint32_t), "the facets of a mesh", &order));
+  groups *all = NULL;
+  pl_status status = pl_alloc_or_fail(1, sizeof(groups), "the facets of a mesh", (void **)&all);
+  if (status == PL_OK)
+    status =
+        pl_alloc_or_fail(PL_FACET_GROUPS, sizeof(pl_facet_group), "the facets of a mesh", &memory);
+  if (status == PL_OK) {
+    *all = (groups){.model = model, .order = order};
+    add_materials(all);
+    split(all);
+    out->groups = memory;
+    keep(all, out);
+  }
+  pl_free(all);
+  pl_free(order);
+  return status;
+}
+
+void pl_facets_clear(pl_facets *facets) {
+  pl_free(facets->groups);
+  *facets = (pl_facets){0};
+}

@@ -1,0 +1,304 @@
+/* Which surfaces mirror the sun onto others in a frame. */
+#include "light/sun.h"
+#include "math/color.h"
+#include "render/caustics.h"
+#include "scene/shot_frame.h"
+#include "shade/ggx.h"
+#include "shade/reflectance.h"
+
+/* Lobes wider than this find the sun often enough. By measurement. */
+static const float ALPHA_MAX = 0.15f;
+/* Curved mirrors show the sun in a place that depends on the point: their lobes would be too wide
+ * to find it. By the squared slope of normals over that of the lobe. */
+static const float SPREAD_MAX = 2.0f;
+/* The least part of the sun's light that a mirror sends on. */
+static const float LIGHT_MIN = 0.01f;
+/* Mirrors that the sun only grazes, by the cosine. */
+static const float COSINE_MIN = 0.02f;
+/* What stands higher over a mirror's plane than this part of its size may get its light; less is
+ * the mirror itself. */
+static const float HEIGHT_MIN = 0.02f;
+/* The beam of a mirror is so many alphas wider than the mirror; as far as it is this many times as
+ * wide as that. */
+static const float BEAM_ALPHAS = 4.0f, FAR = 8.0f;
+/* Boxes of a cover that are looked at, by their number. */
+enum { BOXES = 255 };
+/* Points of a mirror, a side, of which is asked whether they lie in the sun. */
+enum { SIDE = 4 };
+
+/* --- the rectangle ---------------------------------------------------------------------------- */
+
+/* Where a group of facets of an object, or of a piece of one, is. */
+static void place(const pl_shot_object *object, const pl_shot_piece *piece,
+                  const pl_facet_group *group, pl_caustic_mirror *out) {
+  const float *m = piece != NULL ? piece->to_view : object->to_view;
+  const float zero[3] = {0.0f, 0.0f, 0.0f};
+  const float center[3] = {group->center.x, group->center.y, group->center.z};
+  const float sides[2][3] = {{group->half[0].x, group->half[0].y, group->half[0].z},
+                             {group->half[1].x, group->half[1].y, group->half[1].z}};
+  const pl_vec3f a = pl_shot_edge(m, zero, sides[0]), b = pl_shot_edge(m, zero, sides[1]);
+  const pl_mat3 *turn = piece != NULL ? &piece->normal : &object->rotation;
+  const pl_vec3f up = pl_shot_rotate(turn, group->normal);
+  out->center = pl_shot_corner(object, piece, center);
+  out->basis.n = pl_vec3f_across(a, b);
+  if (pl_vec3f_dot(out->basis.n, up) < 0.0f)
+    out->basis.n = pl_vec3f_scale(out->basis.n, -1.0f);
+  out->basis.t = pl_vec3f_unit(a);
+  out->basis.b = pl_vec3f_cross(out->basis.n, out->basis.t);
+  out->half[0] = pl_vec3f_norm(a);
+  out->half[1] = fabsf(pl_vec3f_dot(b, out->basis.b));
+  out->area = 4.0f * out->half[0] * out->half[1];
+}
+
+static void turn_over(pl_basis *basis) {
+  basis->n = pl_vec3f_scale(basis->n, -1.0f);
+  basis->b = pl_vec3f_scale(basis->b, -1.0f);
+}
+
+/* --- its lobe --------------------------------------------------------------------------------- */
+
+/* The middle of the group's largest facet as a ray from the sun sees it, with all of the mirror in
+ * its footprint. `triangle`: of the object's model. */
+static bool shade(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, pl_detail detail,
+                  const pl_caustic_mirror *m, pl_vertex *out) {
+  const pl_shot_object *object = &shot->objects[thing];
+  const pl_model *model = object->object->model;
+  const pl_shot_piece *piece = pl_shot_piece_of(object, triangle);
+  const uint32_t *corner = model->indices + 3 * (size_t)triangle;
+  pl_vec3 middle = {0.0, 0.0, 0.0};
+  for (size_t k = 0; k < 3; k++)
+    middle = pl_vec3_add(middle,
+                         pl_shot_corner(object, piece, model->positions + 3 * (size_t)corner[k]));
+  middle = pl_vec3_scale(middle, 1.0 / 3.0);
+  const pl_vec3 sun = pl_vec3f_to_double(m->sun);
+  const double size = (double)(m->half[0] + m->half[1]);
+  const pl_beam beam = {.origin = pl_vec3_madd(middle, size, sun),
+                        .direction = pl_vec3_scale(pl_vec3_unit(sun), -1.0),
+                        .width_m = 2.0f * pl_minf(m->half[0], m->half[1])};
+  const pl_hit hit = {
+      .thing = thing, .triangle = triangle, .u = 1.0f / 3.0f, .v = 1.0f / 3.0f, .t = size};
+  pl_vertex_locate(shot, &beam, &hit, false, out);
+  pl_vertex_shade(shot, &beam, detail, out);
+  return pl_vec3f_dot(out->surface.n, m->sun) > COSINE_MIN;
+}
+
+/* Density of drawing mirror directions over the density of microfacets. */
+static float peak_of(float alpha, pl_vec3f sun) {
+  return 1.0f / (4.0f * sun.z * (1.0f + pl_ggx_lambda(alpha, sun)));
+}
+
+/* Sets alpha and light by what a surface sends on in the direction of a mirror; false if that is
+ * little, or goes wide. Of a coat and its base the sharper counts that mirrors. */
+static bool set_lobe(const pl_surface *s, float spread, float irradiance, float sin_sun,
+                     pl_caustic_mirror *m) {
+  const pl_vec3f wo = pl_surface_to_local(s, m->sun), wi = {-wo.x, -wo.y, wo.z};
+  const bool coated = s->reflectance->layered && s->lobes.coat > 0.0f;
+  const float sharp = coated ? pl_minf(s->alpha, s->lobes.coat_alpha) : s->alpha;
+  const float broad = coated ? pl_maxf(s->alpha, s->lobes.coat_alpha) : s->alpha;
+  const float value = pl_luminance(s->reflectance->evaluate(s, wo, wi));
+  float alpha = pl_ggx_alpha(sharp);
+  const pl_vec3f top = {0.0f, 0.0f, 1.0f};
+  float light = value / (peak_of(alpha, wo) * pl_ggx_density(alpha, alpha, top));
+  if (!(light > LIGHT_MIN)) {
+    alpha = pl_ggx_alpha(broad);
+    light = value / (peak_of(alpha, wo) * pl_ggx_density(alpha, alpha, top));
+  }
+  /* A slope's square is twice its component's; half an angle of the sun's tilts a facet as much. */
+  const float disc = 0.35f * sin_sun;
+  const float sharpness = alpha * alpha + disc * disc;
+  m->alpha = sqrtf(sharpness + spread);
+  m->light = pl_minf(light, 1.0f) * irradiance;
+  return light > LIGHT_MIN && m->alpha < ALPHA_MAX && spread < SPREAD_MAX * sharpness;
+}
+
+/* --- what it lights --------------------------------------------------------------------------- */
+
+/* Whether the mirror's beam may meet what is between two heights over its plane and within `radius`
+ * of a line across them through `from` (from the mirror's centre). */
+static bool meets(const pl_caustic_mirror *m, pl_vec3f from, float radius) {
+  const float size = m->half[0] + m->half[1];
+  const float height = pl_vec3f_dot(from, m->basis.n);
+  if (height + radius < HEIGHT_MIN * size)
+    return false;
+  /* The nearest that the thing comes to the mirror's plane, and where the beam started. */
+  const float way = pl_maxf(height, 0.0f) / m->local.z;
+  const pl_vec3f at = pl_vec3f_madd(from, way, m->image);
+  const float blur = BEAM_ALPHAS * m->alpha * (way + radius) / m->local.z;
+  const float room = blur + radius / m->local.z;
+  return m->alpha * way < FAR * size && fabsf(pl_vec3f_dot(at, m->basis.t)) < m->half[0] + room &&
+         fabsf(pl_vec3f_dot(at, m->basis.b)) < m->half[1] + room;
+}
+
+static bool lights_cover(const pl_caustic_mirror *m, const pl_shot_object *object,
+                         const pl_shot_piece *piece, const pl_cover *cover) {
+  const float *to_view = piece != NULL ? piece->to_view : object->to_view;
+  /* Leaves, and boxes whose halves are not looked at: those of more than so many triangles. */
+  const uint32_t fine = cover->count > 0 ? cover->boxes[0].count / (BOXES / 4) : 0;
+  for (size_t i = 0; i < cover->count;) {
+    const pl_box *box = &cover->boxes[i];
+    const float middle[3] = {0.5f * (box->low[0] + box->high[0]),
+                             0.5f * (box->low[1] + box->high[1]),
+                             0.5f * (box->low[2] + box->high[2])};
+    const pl_vec3f half = pl_shot_edge(to_view, middle, box->high);
+    const pl_vec3f other =
+        pl_shot_edge(to_view, middle, (const float[3]){box->low[0], box->high[1], box->high[2]});
+    const float radius = pl_maxf(pl_vec3f_norm(half), pl_vec3f_norm(other));
+    const pl_vec3f from =
+        pl_vec3_to_float(pl_vec3_sub(pl_shot_corner(object, piece, middle), m->center));
+    if (!meets(m, from, radius)) {
+      i = box->after;
+      continue;
+    }
+    if (box->after == i + 1 || box->count <= fine)
+      return true;
+    i++;
+  }
+  return false;
+}
+
+static bool lights_object(const pl_caustic_mirror *m, const pl_shot_object *object) {
+  const pl_vec3f from = pl_vec3_to_float(pl_vec3_sub(object->center, m->center));
+  if (!object->kept || !meets(m, from, (float)object->radius_m))
+    return false;
+  if (object->pieces == NULL)
+    return lights_cover(m, object, NULL, object->object->cover);
+  for (size_t k = 0; k < object->piece_count; k++)
+    if (object->pieces[k].present &&
+        lights_cover(m, object, &object->pieces[k], object->pieces[k].cover))
+      return true;
+  return false;
+}
+
+/* A body counts where its surface is near. */
+static bool lights_body(const pl_caustic_mirror *m, const pl_shot_body *body) {
+  const double height = pl_vec3_norm(pl_vec3_sub(body->center, m->center)) - body->radius_m;
+  const pl_vec3 down = pl_vec3_unit(pl_vec3_sub(body->center, m->center));
+  return body->shape == NULL && body->near_meshes &&
+         (double)m->alpha * height < (double)(FAR * (m->half[0] + m->half[1])) &&
+         pl_vec3f_dot(pl_vec3_to_float(down), m->image) < 0.0f;
+}
+
+static bool lights_anything(const pl_snapshot *shot, const pl_caustic_mirror *m) {
+  for (size_t i = 0; i < shot->object_count; i++)
+    if (lights_object(m, &shot->objects[i]))
+      return true;
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (lights_body(m, &shot->bodies[i]))
+      return true;
+  return false;
+}
+
+/* The part of the mirror that lies in the sun. */
+static float lit_part(const pl_tracer *tracer, const pl_caustic_mirror *m) {
+  pl_ray rays[SIDE * SIDE];
+  bool occluded[SIDE * SIDE];
+  int lit = 0;
+  const float lift = 1e-3f * (m->half[0] + m->half[1]);
+  for (int i = 0; i < SIDE * SIDE; i++) {
+    const float x = m->half[0] * (((float)(i % SIDE) + 0.5f) * (2.0f / SIDE) - 1.0f);
+    const float y = m->half[1] * (((float)(i / SIDE) + 0.5f) * (2.0f / SIDE) - 1.0f);
+    const pl_vec3f off = pl_vec3f_madd(pl_vec3f_madd(pl_vec3f_scale(m->basis.t, x), y, m->basis.b),
+                                       lift, m->basis.n);
+    rays[i] = (pl_ray){.origin = pl_vec3_add(m->center, pl_vec3f_to_double(off)),
+                       .direction = pl_vec3_unit(pl_vec3f_to_double(m->sun)),
+                       .t_max = INFINITY,
+                       .skip_body = PL_NOTHING,
+                       .from_thing = PL_NOTHING};
+  }
+  pl_tracer_occluded(tracer, rays, occluded, SIDE * SIDE, false);
+  for (int i = 0; i < SIDE * SIDE; i++)
+    lit += !occluded[i];
+  return (float)lit / (SIDE * SIDE);
+}
+
+/* --- the table -------------------------------------------------------------------------------- */
+
+static float power_of(const pl_caustic_mirror *m) { return m->light * m->area * m->local.z; }
+
+/* Keeps those that send on most. */
+static void insert(const pl_caustic_mirror *m, pl_caustics *out) {
+  size_t at = out->count;
+  if (at == PL_CAUSTIC_MIRRORS) {
+    if (!(power_of(m) > power_of(&out->mirrors[--at])))
+      return;
+  } else {
+    out->count++;
+  }
+  for (; at > 0 && power_of(m) > power_of(&out->mirrors[at - 1]); at--)
+    out->mirrors[at] = out->mirrors[at - 1];
+  out->mirrors[at] = *m;
+}
+
+typedef struct builder {
+  const pl_snapshot *shot;
+  const pl_tracer *tracer;
+  pl_detail detail;
+  pl_caustics *out;
+} builder;
+
+/* Sets all of a mirror; false if it is none. `triangle`: of the object's model. */
+static bool set_mirror(const builder *b, uint32_t triangle, const pl_shot_piece *piece,
+                       const pl_facet_group *group, pl_caustic_mirror *m) {
+  const pl_shot_object *object = &b->shot->objects[m->thing];
+  pl_vertex vertex;
+  if (!(group->spread < ALPHA_MAX * ALPHA_MAX))
+    return false;
+  place(object, piece, group, m);
+  const pl_sun_view sun = pl_sun_view_at(&b->shot->sun, m->center);
+  m->sun = sun.direction;
+  if (pl_vec3f_dot(m->basis.n, m->sun) < 0.0f) {
+    if (!pl_material_of(object->object->model, triangle)->double_sided)
+      return false;
+    turn_over(&m->basis);
+  }
+  m->local = pl_basis_to_local(&m->basis, m->sun);
+  if (!(m->area > 0.0f) || !(m->local.z > COSINE_MIN))
+    return false;
+  m->image = pl_vec3f_madd(m->sun, -2.0f * m->local.z, m->basis.n);
+  if (!shade(b->shot, m->thing, triangle, b->detail, m, &vertex))
+    return false;
+  const float extent = sun.irradiance;
+  if (!set_lobe(&vertex.surface, group->spread, extent, sun.sin_radius, m))
+    return false;
+  m->peak = peak_of(m->alpha, m->local);
+  if (!lights_anything(b->shot, m))
+    return false;
+  m->light *= lit_part(b->tracer, m);
+  return m->light > 0.0f;
+}
+
+static void add_groups(const builder *b, uint32_t thing, const pl_shot_piece *piece, uint32_t first,
+                       const pl_cover *cover) {
+  for (size_t i = 0; i < cover->facets.count; i++) {
+    const pl_facet_group *group = &cover->facets.groups[i];
+    pl_caustic_mirror mirror = {.thing = thing};
+    if (set_mirror(b, first + group->triangle, piece, group, &mirror))
+      insert(&mirror, b->out);
+  }
+}
+
+static void add_object(const builder *b, uint32_t thing) {
+  const pl_shot_object *object = &b->shot->objects[thing];
+  if (object->pieces == NULL) {
+    add_groups(b, thing, NULL, 0, object->object->cover);
+    return;
+  }
+  for (size_t k = 0; k < object->piece_count; k++)
+    if (object->pieces[k].present)
+      add_groups(b, thing, &object->pieces[k], (uint32_t)object->object->cut->first[k],
+                 object->pieces[k].cover);
+}
+
+void pl_caustics_build(const pl_snapshot *shot, const pl_tracer *tracer, pl_detail detail,
+                       pl_caustics *out) {
+  const builder b = {.shot = shot, .tracer = tracer, .detail = detail, .out = out};
+  out->count = 0;
+  out->sun = (float)pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
+  for (size_t i = 0; i < shot->craft_count; i++) {
+    const pl_shot_object *object = &shot->objects[i];
+    const pl_model_summary *summary = &object->object->summary;
+    if (object->kept && !object->dark &&
+        (summary->ggx_alpha_min < (double)ALPHA_MAX || summary->coat_max > 0.0))
+      add_object(&b, (uint32_t)i);
+  }
+}

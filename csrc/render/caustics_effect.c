@@ -1,0 +1,58 @@
+/* The effect row `caustics`: sunlight that mirrors throw onto other surfaces. */
+#include <math.h>
+#include <stddef.h>
+
+#include "render/effects.h"
+
+/* Surfaces that are rougher, or are none of a mesh, are not in the table (caustic_table.c). */
+static const double ALPHA_MAX = 0.15;
+static const double PI = 3.14159265358979323846;
+
+static bool mirrors(const pl_view_thing *thing) {
+  return !thing->is_world && (thing->ggx_alpha_min < ALPHA_MAX || thing->coat_max > 0.0);
+}
+
+static const char *absent(const pl_view *view) {
+  if (view->max_bounces == 0)
+    return "max_bounces is 0";
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (mirrors(&view->things[i]))
+      return NULL;
+  return "no mesh is smooth enough to mirror the sun";
+}
+
+/* What is left to chance without the row: all light of the sun by way of mirrors. A thing sees at
+ * most the sun's own radiance in them, in the part of its sky that they fill. */
+static double bound_dn(const pl_view *view, int value) {
+  double radiance = 0.0;
+  if (value > 0)
+    return 0.0;
+  for (size_t i = 0; i < view->thing_count; i++) {
+    const pl_view_thing *seen = &view->things[i];
+    for (size_t k = 0; seen->in_frame && k < view->thing_count; k++) {
+      const pl_view_thing *source = &view->things[k];
+      if (!mirrors(source))
+        continue;
+      if (source == seen)
+        return pl_view_dn(view, view->white_radiance); /* its parts onto each other */
+      const double disc = PI * view->sun_radius_rad * view->sun_radius_rad;
+      radiance = fmax(radiance, pl_view_transfer(seen, source) * source->irradiance / disc);
+    }
+  }
+  return pl_view_dn(view, radiance * pl_view_series(view, view->max_bounces));
+}
+
+static double cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 2e-5 * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_caustics = {
+    .name = "caustics",
+    .doc = "Sunlight that flat mirror-like parts throw onto others, drawn on purpose; off: it is "
+           "met by chance, as noise",
+    .absent = absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = cost_ms,
+};
