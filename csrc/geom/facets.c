@@ -10,6 +10,8 @@
 /* Directions of a rectangle's side that are tried: the edges of the largest facet, and some more.
  */
 enum { EDGES = 3, TURNS = 8 };
+/* Parts of a range in which gaps are looked for. */
+enum { BINS = 64 };
 /* Of materials that are rough a group is worth this part of a shiny one: a graph may stand for the
  * material. Roughness and metalness from which on one counts as shiny. */
 static const float ROUGH_COST = 0.02f, SHINY_ROUGHNESS = 0.45f;
@@ -151,47 +153,73 @@ static void measure(const pl_model *model, const uint32_t *order, group *g) {
   g->cost = each > COST_MIN && g->count > 1 ? g->weight * g->out.area * each : 0.0f;
 }
 
-/* What a facet is halved by: a component of its normal, or of its place. */
+/* What a facet is halved by: its normal, or its place, along an axis. */
 typedef struct criterion {
   bool by_normal;
-  int axis;
+  pl_vec3f axis;
   float middle;
 } criterion;
 
-static float value_of(const pl_model *model, uint32_t triangle, const criterion *c) {
-  const facet f = facet_of(model, triangle);
-  pl_vec3f v = c->by_normal ? f.normal : centroid(&f);
-  if (c->by_normal) {
-    const float length = pl_vec3f_norm(f.normal);
-    v = length > 0.0f ? pl_vec3f_scale(v, 1.0f / length) : v;
-  }
-  return c->axis == 0 ? v.x : c->axis == 1 ? v.y : v.z;
+static float value_of(const facet *f, const criterion *c) {
+  const float length = pl_vec3f_norm(f->normal);
+  if (c->by_normal)
+    return length > 0.0f ? pl_vec3f_dot(f->normal, c->axis) / length : 0.0f;
+  return pl_vec3f_dot(centroid(f), c->axis);
 }
 
-/* The middle of the range along an axis, and its length. */
-static float spread_along(const pl_model *model, const uint32_t *order, const group *g,
-                          criterion *c) {
-  float low = INFINITY, high = -INFINITY;
+static extent range_of(const pl_model *model, const uint32_t *order, const group *g,
+                       const criterion *c) {
+  extent e = {INFINITY, -INFINITY};
   for (size_t i = 0; i < g->count; i++) {
-    const float x = value_of(model, order[i], c);
-    low = pl_minf(low, x);
-    high = pl_maxf(high, x);
+    const facet f = facet_of(model, order[i]);
+    const float x = value_of(&f, c);
+    e.low = pl_minf(e.low, x);
+    e.high = pl_maxf(e.high, x);
   }
-  c->middle = 0.5f * (low + high);
-  return high - low;
+  return e;
 }
 
-/* The longest range of components of normals, or of places. */
+/* The middle of the widest gap between values, by bins: panels are not cut, but what is between
+ * them. Of values everywhere the middle of all. */
+static float gap_of(const pl_model *model, const uint32_t *order, const group *g,
+                    const criterion *c, extent e) {
+  bool used[BINS] = {false};
+  const float scale = BINS / (e.high - e.low);
+  int widest = 0, from = 0;
+  float middle = 0.5f * (e.low + e.high);
+  for (size_t i = 0; i < g->count; i++) {
+    const facet f = facet_of(model, order[i]);
+    const int bin = (int)((value_of(&f, c) - e.low) * scale);
+    used[bin < BINS ? bin : BINS - 1] = true;
+  }
+  for (int i = 0; i < BINS; i++) {
+    if (!used[i])
+      continue;
+    if (i - from > widest + 1) {
+      widest = i - from;
+      middle = e.low + 0.5f * (float)(from + 1 + i) / scale;
+    }
+    from = i;
+  }
+  return middle;
+}
+
+/* The longest range of normals, or of places along the rectangle's sides and its normal. */
 static float longest(const pl_model *model, const uint32_t *order, const group *g, bool by_normal,
                      criterion *best) {
+  const pl_basis own = pl_basis_make(g->out.normal);
+  const bool sides = !by_normal && pl_vec3f_norm(g->out.half[0]) > 0.0f;
+  const pl_vec3f x = sides ? pl_vec3f_unit(g->out.half[0]) : own.t;
+  const pl_vec3f axes[3] = {x, pl_vec3f_cross(own.n, x), own.n};
   float length = -1.0f;
   for (int axis = 0; axis < 3; axis++) {
-    criterion c = {.by_normal = by_normal, .axis = axis};
-    const float own = spread_along(model, order, g, &c);
-    if (!(own > length))
+    criterion c = {.by_normal = by_normal, .axis = axes[axis]};
+    const extent e = range_of(model, order, g, &c);
+    if (!(e.high - e.low > length))
       continue;
-    length = own;
+    length = e.high - e.low;
     *best = c;
+    best->middle = length > 0.0f ? gap_of(model, order, g, &c, e) : e.low;
   }
   return length;
 }
@@ -208,7 +236,8 @@ static criterion choose(const pl_model *model, const uint32_t *order, const grou
 static size_t partition(const pl_model *model, uint32_t *order, size_t count, const criterion *c) {
   size_t front = 0;
   for (size_t i = 0; i < count; i++) {
-    if (!(value_of(model, order[i], c) < c->middle))
+    const facet f = facet_of(model, order[i]);
+    if (!(value_of(&f, c) < c->middle))
       continue;
     const uint32_t swap = order[front];
     order[front++] = order[i];

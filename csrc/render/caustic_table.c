@@ -21,8 +21,8 @@ static const float HEIGHT_MIN = 0.02f;
 /* The beam of a mirror is so many alphas wider than the mirror; as far as it is this many times as
  * wide as that. */
 static const float BEAM_ALPHAS = 4.0f, FAR = 8.0f;
-/* Boxes of a cover that are looked at, by their number. */
-enum { BOXES = 255 };
+/* Boxes of a cover that hold a smaller part of its triangles are not looked into. */
+enum { BOXES = 64 };
 /* Points of a mirror, a side, of which is asked whether they lie in the sun. */
 enum { SIDE = 4 };
 
@@ -113,39 +113,60 @@ static bool set_lobe(const pl_surface *s, float spread, float irradiance, float 
 
 /* --- what it lights --------------------------------------------------------------------------- */
 
-/* Whether the mirror's beam may meet what is between two heights over its plane and within `radius`
- * of a line across them through `from` (from the mirror's centre). */
-static bool meets(const pl_caustic_mirror *m, pl_vec3f from, float radius) {
+/* A box about what may be lit: its middle from the mirror's centre, and its half axes. */
+typedef struct receiver {
+  pl_vec3f from, half[3];
+} receiver;
+
+/* Half of the box's width along an axis. */
+static float width_along(const receiver *r, pl_vec3f axis) {
+  return fabsf(pl_vec3f_dot(r->half[0], axis)) + fabsf(pl_vec3f_dot(r->half[1], axis)) +
+         fabsf(pl_vec3f_dot(r->half[2], axis));
+}
+
+/* Whether a box lies within the beam along a side of the mirror. Points go back along the beam to
+ * the mirror's plane, which is linear in them. */
+static bool lies_within(const pl_caustic_mirror *m, const receiver *r, pl_vec3f side, float half) {
+  const float lean = pl_vec3f_dot(m->image, side) / m->local.z;
+  const pl_vec3f axis = pl_vec3f_madd(side, lean, m->basis.n);
+  return fabsf(pl_vec3f_dot(r->from, axis)) < half + width_along(r, axis);
+}
+
+static bool meets(const pl_caustic_mirror *m, const receiver *r) {
   const float size = m->half[0] + m->half[1];
-  const float height = pl_vec3f_dot(from, m->basis.n);
-  if (height + radius < HEIGHT_MIN * size)
+  const float height = pl_vec3f_dot(r->from, m->basis.n), room = width_along(r, m->basis.n);
+  if (height + room < HEIGHT_MIN * size)
     return false;
-  /* The nearest that the thing comes to the mirror's plane, and where the beam started. */
-  const float way = pl_maxf(height, 0.0f) / m->local.z;
-  const pl_vec3f at = pl_vec3f_madd(from, way, m->image);
-  const float blur = BEAM_ALPHAS * m->alpha * (way + radius) / m->local.z;
-  const float room = blur + radius / m->local.z;
-  return m->alpha * way < FAR * size && fabsf(pl_vec3f_dot(at, m->basis.t)) < m->half[0] + room &&
-         fabsf(pl_vec3f_dot(at, m->basis.b)) < m->half[1] + room;
+  const float nearest = pl_maxf(height - room, 0.0f) / m->local.z;
+  const float blur = BEAM_ALPHAS * m->alpha * (height + room) / (m->local.z * m->local.z);
+  return m->alpha * nearest < FAR * size && lies_within(m, r, m->basis.t, m->half[0] + blur) &&
+         lies_within(m, r, m->basis.b, m->half[1] + blur);
+}
+
+static receiver box_receiver(const pl_caustic_mirror *m, const pl_shot_object *object,
+                             const pl_shot_piece *piece, const pl_box *box) {
+  const float *to_view = piece != NULL ? piece->to_view : object->to_view;
+  receiver out;
+  float middle[3], end[3];
+  for (int axis = 0; axis < 3; axis++)
+    middle[axis] = 0.5f * (box->low[axis] + box->high[axis]);
+  for (int axis = 0; axis < 3; axis++) {
+    for (int k = 0; k < 3; k++)
+      end[k] = k == axis ? box->high[k] : middle[k];
+    out.half[axis] = pl_shot_edge(to_view, middle, end);
+  }
+  out.from = pl_vec3_to_float(pl_vec3_sub(pl_shot_corner(object, piece, middle), m->center));
+  return out;
 }
 
 static bool lights_cover(const pl_caustic_mirror *m, const pl_shot_object *object,
                          const pl_shot_piece *piece, const pl_cover *cover) {
-  const float *to_view = piece != NULL ? piece->to_view : object->to_view;
-  /* Leaves, and boxes whose halves are not looked at: those of more than so many triangles. */
-  const uint32_t fine = cover->count > 0 ? cover->boxes[0].count / (BOXES / 4) : 0;
+  /* Boxes of no more triangles are not looked into. */
+  const uint32_t fine = cover->count > 0 ? cover->boxes[0].count / BOXES : 0;
   for (size_t i = 0; i < cover->count;) {
     const pl_box *box = &cover->boxes[i];
-    const float middle[3] = {0.5f * (box->low[0] + box->high[0]),
-                             0.5f * (box->low[1] + box->high[1]),
-                             0.5f * (box->low[2] + box->high[2])};
-    const pl_vec3f half = pl_shot_edge(to_view, middle, box->high);
-    const pl_vec3f other =
-        pl_shot_edge(to_view, middle, (const float[3]){box->low[0], box->high[1], box->high[2]});
-    const float radius = pl_maxf(pl_vec3f_norm(half), pl_vec3f_norm(other));
-    const pl_vec3f from =
-        pl_vec3_to_float(pl_vec3_sub(pl_shot_corner(object, piece, middle), m->center));
-    if (!meets(m, from, radius)) {
+    const receiver r = box_receiver(m, object, piece, box);
+    if (!meets(m, &r)) {
       i = box->after;
       continue;
     }
@@ -157,8 +178,11 @@ static bool lights_cover(const pl_caustic_mirror *m, const pl_shot_object *objec
 }
 
 static bool lights_object(const pl_caustic_mirror *m, const pl_shot_object *object) {
-  const pl_vec3f from = pl_vec3_to_float(pl_vec3_sub(object->center, m->center));
-  if (!object->kept || !meets(m, from, (float)object->radius_m))
+  const float radius = (float)object->radius_m;
+  const receiver ball = {
+      .from = pl_vec3_to_float(pl_vec3_sub(object->center, m->center)),
+      .half = {{radius, 0.0f, 0.0f}, {0.0f, radius, 0.0f}, {0.0f, 0.0f, radius}}};
+  if (!object->kept || !meets(m, &ball))
     return false;
   if (object->pieces == NULL)
     return lights_cover(m, object, NULL, object->object->cover);

@@ -24,6 +24,7 @@ ROWS = {
     "limb_darkening": ("limb.c",),
     "emitters": ("emitters.c",),
     "planetshine": ("pl_planetshine_build", "lune.c"),
+    "caustics": ("caustic_table.c", "caustics.c"),
     "regolith": ("hapke.c", "hapke_rough.c"),
     "volumes": ("volume.c", "volume_march.c", "volume_columns.c", "volume_veil.c"),
     "rings": ("ring_veil.c", "average.c", "pl_rings_cut", "pl_rings_scatter"),

@@ -258,7 +258,7 @@ static void test_noise(void **state) {
                                   .reflectance = &pl_reflectance_lambert,
                                   .ng = pl_vec3_to_float(FACING)};
     pl_surface_set_frame(&vertex.surface, pl_vec3_to_float(FACING), (pl_vec3f){1, 0, 0}, 1.0f);
-    pl_shine_at(&planetshine, &vertex, (pl_vec3f){0, 0, 1}, &shine);
+    pl_shine_at(&planetshine, NULL, &vertex, (pl_vec3f){0, 0, 1}, &shine);
     const moments drawn = draw_light(&w, &shine, &vertex.surface);
     const moments chance = draw_light(&w, &none, &vertex.surface);
     const double gain =

@@ -25,6 +25,7 @@ static const row_off rows[] = {
     {.name = "limb_darkening"},
     {.name = "emitters"},
     {.name = "planetshine"},
+    {.name = "caustics"},
     {.name = "regolith", .with = {"emitters", "body_bounces"}},
     {.name = "volumes"},
     {.name = "rings"},
@@ -124,7 +125,7 @@ static pl_texture *speckle(void) {
 /* A lamp and its ground before a moon with Hapke's soil; a planet beside that shines on them, and a
  * world with water and lights. */
 static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp,
-                      const pl_texture *map) {
+                      const pl_model *mirror, const pl_texture *map) {
   static const double bent[8] = {0.1, 0.02};
   stage_init(s, WIDTH, HEIGHT, 40.0);
   s->placement.sun = (pl_sun){.position_m = {0.05 * AU, 0.02 * AU, -0.08 * AU},
@@ -134,6 +135,9 @@ static void set_scene(stage *s, const pl_model *ground, const pl_model *lamp,
   assert_int_equal(pl_lens_init(&pl_lens_models[0], bent, &s->placement.camera.lens), PL_OK);
   stage_add_object(s, ground, (pl_vec3){-4.0, 0, 12.0}, PL_QUAT_IDENTITY, 1.0);
   stage_add_object(s, lamp, (pl_vec3){-4.0, 0.5, 10.0}, PL_QUAT_IDENTITY, 1.0);
+  /* Throws sunlight onto the ground: its normal is between the sun and that. */
+  const pl_vec3 tilt = pl_vec3_unit((pl_vec3){-0.66, 0.52, 0});
+  stage_add_object(s, mirror, (pl_vec3){-4.0, -2.0, 8.0}, pl_quat_axis_angle(tilt, 1.5), 1.0);
   stage_add_body(s, (pl_vec3){-40.0, 0, 0.0}, (pl_vec3){15.0, 15.0, 15.0}, 0.9f);
   const size_t moon = stage_add_body(s, (pl_vec3){6.0, 0, 40.0}, (pl_vec3){15.0, 15.0, 15.0}, 0.3f);
   s->scene.bodies[moon].reflectance = &pl_reflectance_hapke;
@@ -207,11 +211,14 @@ static void test_rows_that_are_off(void **state) {
   static uint8_t rgb[2][3 * WIDTH * HEIGHT];
   stage s;
   pl_renderer *renderer;
-  pl_model *ground = square_create(3.0), *lamp = square_create(0.5);
+  pl_model *ground = square_create(3.0), *lamp = square_create(0.5), *mirror = square_create(1.0);
   for (int k = 0; k < 3; k++)
     lamp->materials[0].emissive[k] = 200.0f;
+  mirror->materials[0].metallic = 1.0f;
+  mirror->materials[0].roughness = 0.1f;
+  mirror->materials[0].double_sided = true;
   pl_texture *map = speckle();
-  set_scene(&s, ground, lamp, map);
+  set_scene(&s, ground, lamp, mirror, map);
   pl_graph *graph = fog_create();
   const pl_volume fog = fog_of(graph);
   s.placement.volumes = &fog;
@@ -238,6 +245,7 @@ static void test_rows_that_are_off(void **state) {
   pl_graph_destroy(graph);
   pl_model_destroy(ground);
   pl_model_destroy(lamp);
+  pl_model_destroy(mirror);
   pl_texture_destroy(map);
   pl_rings_destroy(rings);
 }
