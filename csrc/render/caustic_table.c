@@ -6,11 +6,13 @@
 #include "shade/ggx.h"
 #include "shade/reflectance.h"
 
-/* Lobes wider than this find the sun often enough. By measurement. */
-static const float ALPHA_MAX = 0.15f;
+static const float ALPHA_MAX = (float)PL_CAUSTIC_ALPHA_MAX;
 /* Curved mirrors show the sun in a place that depends on the point: their lobes would be too wide
  * to find it. By the squared slope of normals over that of the lobe. */
 static const float SPREAD_MAX = 2.0f;
+/* Where flat mirrors send on less than this part of what all mirrors do, the light of bent ones is
+ * the noise that is seen, and the table not worth its while. */
+static const float LISTED_MIN = 0.2f;
 /* The least part of the sun's light that a mirror sends on. */
 static const float LIGHT_MIN = 0.01f;
 /* Mirrors that the sun only grazes, by the cosine. */
@@ -105,10 +107,9 @@ static bool set_lobe(const pl_surface *s, float spread, float irradiance, float 
   }
   /* A slope's square is twice its component's; half an angle of the sun's tilts a facet as much. */
   const float disc = 0.35f * sin_sun;
-  const float sharpness = alpha * alpha + disc * disc;
-  m->alpha = sqrtf(sharpness + spread);
+  m->alpha = sqrtf(alpha * alpha + disc * disc + spread);
   m->light = pl_minf(light, 1.0f) * irradiance;
-  return light > LIGHT_MIN && m->alpha < ALPHA_MAX && spread < SPREAD_MAX * sharpness;
+  return light > LIGHT_MIN && alpha < ALPHA_MAX;
 }
 
 /* --- what it lights --------------------------------------------------------------------------- */
@@ -237,6 +238,11 @@ static float lit_part(const pl_tracer *tracer, const pl_caustic_mirror *m) {
 
 /* --- the table -------------------------------------------------------------------------------- */
 
+/* Whether the spread of normals adds little to the lobe. */
+static bool is_flat(const pl_caustic_mirror *m, float spread) {
+  return spread < SPREAD_MAX * (m->alpha * m->alpha - spread);
+}
+
 static float power_of(const pl_caustic_mirror *m) { return m->light * m->area * m->local.z; }
 
 /* Keeps those that send on most. */
@@ -258,50 +264,60 @@ typedef struct builder {
   const pl_tracer *tracer;
   pl_detail detail;
   pl_caustics *out;
+  float listed, bent; /* power of flat mirrors, and of such as are too bent */
 } builder;
 
-/* Sets all of a mirror; false if it is none. `triangle`: of the object's model. */
-static bool set_mirror(const builder *b, uint32_t triangle, const pl_shot_piece *piece,
-                       const pl_facet_group *group, pl_caustic_mirror *m) {
+/* Sets the rectangle on the side of the sun, and the sun. False if it does not light it. */
+static bool face_sun(const builder *b, uint32_t triangle, const pl_sun_view *sun,
+                     pl_caustic_mirror *m) {
   const pl_shot_object *object = &b->shot->objects[m->thing];
-  pl_vertex vertex;
-  if (!(group->spread < ALPHA_MAX * ALPHA_MAX))
-    return false;
-  place(object, piece, group, m);
-  const pl_sun_view sun = pl_sun_view_at(&b->shot->sun, m->center);
-  m->sun = sun.direction;
+  m->sun = sun->direction;
   if (pl_vec3f_dot(m->basis.n, m->sun) < 0.0f) {
     if (!pl_material_of(object->object->model, triangle)->double_sided)
       return false;
     turn_over(&m->basis);
   }
   m->local = pl_basis_to_local(&m->basis, m->sun);
-  if (!(m->area > 0.0f) || !(m->local.z > COSINE_MIN))
-    return false;
   m->image = pl_vec3f_madd(m->sun, -2.0f * m->local.z, m->basis.n);
-  if (!shade(b->shot, m->thing, triangle, b->detail, m, &vertex))
-    return false;
-  const float extent = sun.irradiance;
-  if (!set_lobe(&vertex.surface, group->spread, extent, sun.sin_radius, m))
-    return false;
-  m->peak = peak_of(m->alpha, m->local);
-  if (!lights_anything(b->shot, m))
-    return false;
-  m->light *= lit_part(b->tracer, m);
-  return m->light > 0.0f;
+  return m->area > 0.0f && m->local.z > COSINE_MIN;
 }
 
-static void add_groups(const builder *b, uint32_t thing, const pl_shot_piece *piece, uint32_t first,
+/* `triangle`: of the object's model. */
+static void add_group(builder *b, uint32_t thing, uint32_t triangle, const pl_shot_piece *piece,
+                      const pl_facet_group *group) {
+  pl_caustic_mirror m = {.thing = thing};
+  pl_vertex vertex;
+  place(&b->shot->objects[thing], piece, group, &m);
+  const pl_sun_view sun = pl_sun_view_at(&b->shot->sun, m.center);
+  if (!face_sun(b, triangle, &sun, &m) ||
+      !shade(b->shot, thing, triangle, b->detail, &m, &vertex) ||
+      !set_lobe(&vertex.surface, group->spread, sun.irradiance, sun.sin_radius, &m))
+    return;
+  const float sides = 4.0f * pl_vec3f_norm(group->half[0]) * pl_vec3f_norm(group->half[1]);
+  const float filled = sides > 0.0f ? pl_minf(group->area / sides, 1.0f) : 0.0f;
+  m.peak = peak_of(m.alpha, m.local);
+  if (m.alpha >= ALPHA_MAX || !is_flat(&m, group->spread)) {
+    b->bent += filled * power_of(&m);
+    return;
+  }
+  if (!lights_anything(b->shot, &m))
+    return;
+  m.light *= lit_part(b->tracer, &m);
+  if (!(m.light > 0.0f))
+    return;
+  b->listed += filled * power_of(&m);
+  insert(&m, b->out);
+}
+
+static void add_groups(builder *b, uint32_t thing, const pl_shot_piece *piece, uint32_t first,
                        const pl_cover *cover) {
   for (size_t i = 0; i < cover->facets.count; i++) {
     const pl_facet_group *group = &cover->facets.groups[i];
-    pl_caustic_mirror mirror = {.thing = thing};
-    if (set_mirror(b, first + group->triangle, piece, group, &mirror))
-      insert(&mirror, b->out);
+    add_group(b, thing, first + group->triangle, piece, group);
   }
 }
 
-static void add_object(const builder *b, uint32_t thing) {
+static void add_object(builder *b, uint32_t thing) {
   const pl_shot_object *object = &b->shot->objects[thing];
   if (object->pieces == NULL) {
     add_groups(b, thing, NULL, 0, object->object->cover);
@@ -315,14 +331,16 @@ static void add_object(const builder *b, uint32_t thing) {
 
 void pl_caustics_build(const pl_snapshot *shot, const pl_tracer *tracer, pl_detail detail,
                        pl_caustics *out) {
-  const builder b = {.shot = shot, .tracer = tracer, .detail = detail, .out = out};
+  builder b = {.shot = shot, .tracer = tracer, .detail = detail, .out = out};
   out->count = 0;
   out->sun = (float)pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
   for (size_t i = 0; i < shot->craft_count; i++) {
     const pl_shot_object *object = &shot->objects[i];
     const pl_model_summary *summary = &object->object->summary;
     if (object->kept && !object->dark &&
-        (summary->ggx_alpha_min < (double)ALPHA_MAX || summary->coat_max > 0.0))
+        (summary->ggx_alpha_min < PL_CAUSTIC_ALPHA_MAX || summary->coat_max > 0.0))
       add_object(&b, (uint32_t)i);
   }
+  if (b.listed < LISTED_MIN * (b.listed + b.bent))
+    out->count = 0;
 }

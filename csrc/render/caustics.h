@@ -16,6 +16,9 @@
 /* Mirrors of a frame, and those of them that are drawn to from one point. */
 enum { PL_CAUSTIC_MIRRORS = 24, PL_CAUSTIC_DRAWS = 6 };
 
+/* Rougher lobes find the sun often enough by chance; by measurement (benchmarks/caustics.py). */
+#define PL_CAUSTIC_ALPHA_MAX 0.15
+
 /* A rectangle about facets that mirror the sun. */
 typedef struct pl_caustic_mirror {
   uint32_t thing;

@@ -2,14 +2,13 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "render/caustics.h"
 #include "render/effects.h"
 
-/* Surfaces that are rougher, or are none of a mesh, are not in the table (caustic_table.c). */
-static const double ALPHA_MAX = 0.15;
 static const double PI = 3.14159265358979323846;
 
 static bool mirrors(const pl_view_thing *thing) {
-  return !thing->is_world && (thing->ggx_alpha_min < ALPHA_MAX || thing->coat_max > 0.0);
+  return !thing->is_world && (thing->ggx_alpha_min < PL_CAUSTIC_ALPHA_MAX || thing->coat_max > 0.0);
 }
 
 static const char *absent(const pl_view *view) {
