@@ -11,7 +11,9 @@
 /* Cosines below this, a ten-thousandth of the sun's radius, count as this. */
 #define PL_GGX_COSINE_MIN 1e-6f
 
-/* Reflectance of dielectrics at normal incidence: index 1.5 (glTF 2.0, B.2.3). */
+/* Dielectrics, where nothing else is given, and their reflectance at normal incidence (glTF 2.0,
+ * B.2.3). */
+#define PL_DIELECTRIC_INDEX 1.5f
 #define PL_DIELECTRIC_F0 0.04f
 
 static inline float pl_ggx_alpha(float alpha) {

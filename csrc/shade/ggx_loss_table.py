@@ -33,9 +33,10 @@ def smith_lambda(alpha: float, cosine: np.ndarray) -> np.ndarray:
     return 0.5 * (np.sqrt(1.0 + tan2) - 1.0)
 
 
-def directional_albedo(cosine: float, alpha: float) -> float:
-    """Light reflected by white single-scattering GGX towards a direction, of a white sky's."""
-    step = (np.arange(GRID) + 0.5) / GRID
+def reflections(cosine: float, alpha: float, grid: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of the visible normals: cosines to the view, and shares of the light that single-scattering
+    GGX would reflect towards the view if it were white."""
+    step = (np.arange(grid) + 0.5) / grid
     rim, turn = np.meshgrid(1.0 - step, step)
     radius = np.sqrt(1.0 - rim**3)
     weight = 3.0 * rim**2
@@ -51,10 +52,16 @@ def directional_albedo(cosine: float, alpha: float) -> float:
     normal = x[..., None] * across + y[..., None] * along + z[..., None] * stretched
     normal *= [alpha, alpha, 1.0]
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-    out = 2.0 * (normal @ view) * normal[..., 2] - view[2]
+    half = normal @ view
+    out = 2.0 * half * normal[..., 2] - view[2]
     here, there = smith_lambda(alpha, np.array(cosine)), smith_lambda(alpha, out)
     seen = np.where(out > 0.0, (1.0 + here) / (1.0 + here + there), 0.0)
-    return float((seen * weight).sum() / weight.sum())
+    return half, seen * weight / weight.sum()
+
+
+def directional_albedo(cosine: float, alpha: float) -> float:
+    """Light reflected by white single-scattering GGX towards a direction, of a white sky's."""
+    return float(reflections(cosine, alpha, GRID)[1].sum())
 
 
 def table() -> np.ndarray:

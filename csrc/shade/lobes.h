@@ -11,6 +11,7 @@
 typedef struct pl_lobes {
   pl_vec3f f0;      /* reflectance of the dielectric at normal incidence, 0..1 */
   float f90;        /* at grazing incidence, 0..1 */
+  float index;      /* between them it rises as Fresnel's of this index, >= 1 */
   float anisotropy; /* 0..1: alpha along t grows from `alpha` to 1 with its square */
   float coat;       /* weight of the clear coat, 0..1 */
   float coat_alpha; /* GGX alpha of the coat */
@@ -33,10 +34,10 @@ static inline pl_vec3f pl_lobes_passed(const pl_lobes *lobes, float length) {
 /* ior 1.5, full weight, white; all else off. */
 pl_lobes pl_lobes_plain(void);
 
-/* Sets f0 and f90 from the index of refraction against vacuum (>= 0; 0 counts as infinite, as
- * KHR_materials_ior has it), the weight 0..1 of the mirrored light and its tint. Below F0 = 0.02
- * f90 falls with f0, so that ior 1 mirrors nothing: Schlick's formula alone would mirror everything
- * at the horizon. */
+/* Sets f0, f90 and index from the index of refraction against vacuum (>= 0; 0 counts as infinite,
+ * as KHR_materials_ior has it), the weight 0..1 of the mirrored light and its tint at normal
+ * incidence.
+ */
 void pl_lobes_set_dielectric(pl_lobes *lobes, float ior, float weight, pl_vec3f tint);
 
 #endif

@@ -1,47 +1,56 @@
-/* The metallic-roughness surface of glTF 2.0, appendix B: a GGX microfacet lobe over a diffuse
- * base, mixed by metalness. Light that the lobe loses between microfacets comes back as a second,
- * broad lobe (Kulla and Conty, "Revisiting Physically Based Shading at Imageworks", 2017). */
+/* The metallic-roughness surface of glTF 2.0, appendix B: a metal and a dielectric, mixed by
+ * metalness. Both have a GGX microfacet lobe; the dielectric's is over a diffuse base, which gets
+ * what the lobe leaves of an even sky (ggx_fresnel.h). Light that a metal's lobe loses between
+ * microfacets comes back as a second, broad lobe (Kulla and Conty, "Revisiting Physically Based
+ * Shading at Imageworks", 2017); what a dielectric's loses goes to the base. */
 #include "shade/ggx.h"
+#include "shade/ggx_fresnel.h"
 #include "shade/ggx_loss.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
-static pl_vec3f f0_of(const pl_surface *s) {
-  const float m = s->metallic, d = PL_DIELECTRIC_F0 * (1.0f - m);
-  return pl_vec3f_make(d + m * s->color.x, d + m * s->color.y, d + m * s->color.z);
+/* Schlick's formula for the metal, Fresnel's for the dielectric. */
+static pl_vec3f fresnel(const pl_surface *s, float cosine) {
+  const float m = s->metallic;
+  const float d = m < 1.0f ? (1.0f - m) * pl_fresnel(cosine, PL_DIELECTRIC_INDEX) : 0.0f;
+  if (!(m > 0.0f))
+    return pl_vec3f_make(d, d, d);
+  const pl_vec3f metal = pl_schlick(s->color, 1.0f, cosine);
+  return pl_vec3f_make(d + m * metal.x, d + m * metal.y, d + m * metal.z);
 }
-
-static pl_vec3f fresnel(pl_vec3f f0, float cosine) { return pl_schlick(f0, 1.0f, cosine); }
 
 /* What evaluating, drawing and densities share for one outgoing direction. */
 typedef struct view {
-  pl_vec3f f0;
   float alpha, lambda; /* of the outgoing direction */
   float roughness;
   float loss, loss_mean; /* of metals; 0 otherwise */
+  pl_ggx_glass glass;    /* where not all is metal */
+  float entering;        /* what the dielectric's lobe leaves to the base, seen from here */
   float chance;          /* of drawing the specular lobe */
 } view;
 
-/* Multiply reflected light times cos(wi). Zero where the lobe is so sharp that it loses nothing,
- * and for dielectrics, which return less than 0.005 of the light so: most surfaces are spared the
- * cost.
- */
-static pl_vec3f multiple(const view *v, float cos_i) {
+/* Light that a metal reflects several times, times cos(wi). Zero where the lobe is so sharp that it
+ * loses nothing. */
+static pl_vec3f multiple(const view *v, const pl_surface *s, float cos_i) {
   const float lost = v->loss > 0.0f ? v->loss * pl_ggx_loss(v->roughness, cos_i) : 0.0f;
   if (!(lost > 0.0f))
     return pl_vec3f_make(0.0f, 0.0f, 0.0f);
-  const float scale = lost * cos_i / (PL_PI_F * v->loss_mean);
-  return pl_vec3f_make(scale * pl_ggx_returned(v->f0.x, v->loss_mean),
-                       scale * pl_ggx_returned(v->f0.y, v->loss_mean),
-                       scale * pl_ggx_returned(v->f0.z, v->loss_mean));
+  const float scale = s->metallic * lost * cos_i / (PL_PI_F * v->loss_mean);
+  return pl_vec3f_make(scale * pl_ggx_returned(s->color.x, v->loss_mean),
+                       scale * pl_ggx_returned(s->color.y, v->loss_mean),
+                       scale * pl_ggx_returned(s->color.z, v->loss_mean));
 }
 
 /* Chance of drawing the specular lobe: its share of the reflected light, kept off 0 and 1 where
  * there is a diffuse base. The rest, base and multiple reflections, is drawn by the cosine. */
 static float specular_chance(const view *v, const pl_surface *s, pl_vec3f wo) {
-  const float specular = pl_vec3f_max(fresnel(v->f0, wo.z));
-  const float base = (1.0f - s->metallic) * pl_vec3f_max(s->color);
-  const float broad = base + v->loss * pl_ggx_returned(pl_vec3f_max(v->f0), v->loss_mean);
+  const float m = s->metallic, color = pl_vec3f_max(s->color), base = (1.0f - m) * color;
+  float specular = m < 1.0f ? (1.0f - m) * (1.0f - v->entering) : 0.0f;
+  float broad = base * v->entering;
+  if (m > 0.0f) {
+    specular += m * (1.0f - v->loss) * pl_vec3f_max(pl_schlick(s->color, 1.0f, wo.z));
+    broad += m * v->loss * pl_ggx_returned(color, v->loss_mean);
+  }
   if (!(broad > 0.0f))
     return 1.0f;
   const float chance = specular / (specular + broad);
@@ -49,38 +58,42 @@ static float specular_chance(const view *v, const pl_surface *s, pl_vec3f wo) {
 }
 
 static view view_of(const pl_surface *s, pl_vec3f wo) {
-  view v = {.f0 = f0_of(s), .alpha = pl_ggx_alpha(s->alpha)};
+  view v = {.alpha = pl_ggx_alpha(s->alpha)};
   v.lambda = pl_ggx_lambda(v.alpha, wo);
+  v.roughness = sqrtf(v.alpha);
   if (s->metallic > 0.0f) {
-    v.roughness = sqrtf(v.alpha);
     v.loss = pl_ggx_loss(v.roughness, wo.z);
     v.loss_mean = pl_ggx_loss_mean(v.roughness);
+  }
+  if (s->metallic < 1.0f) {
+    v.glass = pl_ggx_glass_of(v.roughness);
+    v.entering = 1.0f - pl_ggx_glass_albedo(&v.glass, wo.z);
   }
   v.chance = specular_chance(&v, s, wo);
   return v;
 }
 
-/* The share of light that enters the base and leaves it again: what the coat would mirror at the
- * more grazing of the two directions is missing. glTF's sample implementation has 1 - F(wo.h), with
+/* The base's part of white Lambert's light. glTF's sample implementation has 1 - F(wo.h), with
  * which a smooth white dielectric reflects up to twice the light that it gets. */
-static pl_vec3f base_share(pl_vec3f f0, pl_vec3f wo, pl_vec3f wi) {
-  const pl_vec3f f = fresnel(f0, pl_minf(wo.z, wi.z));
-  return pl_vec3f_make(1.0f - f.x, 1.0f - f.y, 1.0f - f.z);
+static float base_share(const view *v, const pl_surface *s, float cos_i) {
+  if (!(s->metallic < 1.0f))
+    return 0.0f;
+  const float in = 1.0f - pl_ggx_glass_albedo(&v->glass, cos_i);
+  return (1.0f - s->metallic) * pl_ggx_base_share(v->entering, in, 1.0f - v->glass.mean);
 }
 
 /* BRDF times cos(wi); h is the half vector. Both directions are over the horizon. */
 static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
-  const pl_vec3f base = base_share(v->f0, wo, wi);
-  const pl_vec3f f = fresnel(v->f0, pl_vec3f_dot(wo, h));
+  const pl_vec3f f = fresnel(s, pl_vec3f_dot(wo, h));
   /* Height-correlated Smith (Heitz 2014, eq. 99); cos(wi) cancels one of the two cosines. */
   const float g = 1.0f / (1.0f + v->lambda + pl_ggx_lambda(v->alpha, wi));
   const float specular =
       pl_ggx_density(v->alpha, v->alpha, h) * g / (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN));
-  const float diffuse = (1.0f - s->metallic) * wi.z / PL_PI_F;
-  const pl_vec3f again = multiple(v, wi.z);
-  return pl_vec3f_make(f.x * specular + again.x + base.x * diffuse * s->color.x,
-                       f.y * specular + again.y + base.y * diffuse * s->color.y,
-                       f.z * specular + again.z + base.z * diffuse * s->color.z);
+  const float base = base_share(v, s, wi.z) * wi.z / PL_PI_F;
+  const pl_vec3f again = multiple(v, s, wi.z);
+  return pl_vec3f_make(f.x * specular + again.x + base * s->color.x,
+                       f.y * specular + again.y + base * s->color.y,
+                       f.z * specular + again.z + base * s->color.z);
 }
 
 /* Density of wi: from visible normals (Heitz 2018, eq. 17), or by the cosine. */
@@ -159,8 +172,8 @@ static void summarise(const pl_surface_inputs *in, pl_model_summary *summary) {
 
 const pl_reflectance pl_reflectance_metallic_roughness = {
     .name = "metallic_roughness",
-    .doc = "glTF 2.0 metallic-roughness: GGX (Smith, Schlick, multiple reflection) over a diffuse "
-           "base",
+    .doc = "glTF 2.0 metallic-roughness: GGX (Smith, Fresnel, multiple reflection) over a diffuse "
+           "base, with no light lost",
     .evaluate = evaluate,
     .pdf = pdf,
     .pdf_most = pdf_most,

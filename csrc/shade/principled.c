@@ -2,14 +2,13 @@
  * specular tint, light that passes thin walls or the boundaries of solids, and a clear coat on top.
  */
 #include "shade/ggx.h"
+#include "shade/ggx_fresnel.h"
 #include "shade/ggx_loss.h"
 #include "shade/ggx_loss_xy.h"
 #include "shade/principled_inputs.h"
 #include "shade/reflectance.h"
 #include "shade/refraction.h"
 
-/* Coats have index 1.5 (KHR_materials_clearcoat). */
-static const float COAT_F0 = 0.04f;
 /* The least chance of a lobe that is there, as a part of all. */
 static const float CHANCE_MIN = 0.1f;
 
@@ -27,11 +26,15 @@ typedef struct view {
   lobe base, coat;
   bool coat_bent; /* the coat has a normal of its own */
   pl_basis coat_basis;
-  pl_vec3f f0;
-  float f90;
   float eta; /* of the solid: index behind the surface over that before it; 0: a thin wall */
   float coat_weight, diffuse, through; /* of the light; the latter two of what the base lets in */
-  float loss, loss_mean;               /* of the base's lobe, where light is given back; or 0 */
+  pl_ggx_glass coat_table;
+  float coat_out;               /* of even light from above, what passes the coat */
+  pl_ggx_dielectric base_table; /* of even lobes, and for wo of others */
+  pl_ggx_albedo base_out;       /* of the base's lobe towards wo */
+  pl_vec3f f0;                  /* of the dielectric */
+  float f90, index;
+  float loss, loss_mean; /* of the base's lobe, where light is given back; or 0 */
   float chance[CHOICES];
 } view;
 
@@ -75,18 +78,30 @@ static void set_coat_basis(view *v, const pl_surface *s, pl_vec3f wo) {
         cosine < least ? pl_vec3f_unit(pl_vec3f_madd(n, least - cosine, wo)) : pl_vec3f_unit(n));
 }
 
+/* Coats have index 1.5 (KHR_materials_clearcoat). */
 static float coat_fresnel(const view *v, float cosine) {
-  return v->coat_weight * pl_schlick(pl_vec3f_make(COAT_F0, COAT_F0, COAT_F0), 1.0f, cosine).x;
+  return v->coat_weight > 0.0f ? v->coat_weight * pl_fresnel(cosine, PL_DIELECTRIC_INDEX) : 0.0f;
 }
 
-/* What the base mirrors at a cosine. A solid's part follows Fresnel, that all is mirrored where no
- * light can leave; otherwise Schlick is near enough. */
+/* What the dielectric mirrors at a cosine: of a solid all where no light can leave. */
+static pl_vec3f dielectric_of(const view *v, float cosine) {
+  if (v->eta > 0.0f) {
+    const float f = pl_fresnel(cosine, v->eta);
+    return pl_vec3f_make(f, f, f);
+  }
+  const float rise = pl_fresnel_rise(cosine, v->index);
+  return pl_vec3f_make(pl_maxf(v->f0.x + (v->f90 - v->f0.x) * rise, 0.0f),
+                       pl_maxf(v->f0.y + (v->f90 - v->f0.y) * rise, 0.0f),
+                       pl_maxf(v->f0.z + (v->f90 - v->f0.z) * rise, 0.0f));
+}
+
+/* What the base mirrors: as much of the metal's, by Schlick's formula, as the surface is metal. */
 static pl_vec3f mirror_of(const view *v, const pl_surface *s, float cosine) {
-  if (!(v->eta > 0.0f))
-    return pl_schlick(v->f0, v->f90, cosine);
-  const pl_vec3f metal = pl_vec3f_scale(pl_schlick(s->color, 1.0f, cosine), s->metallic);
-  const float f = (1.0f - s->metallic) * pl_fresnel(cosine, v->eta);
-  return pl_vec3f_make(metal.x + f, metal.y + f, metal.z + f);
+  const float m = s->metallic;
+  if (!(m > 0.0f))
+    return dielectric_of(v, cosine);
+  const pl_vec3f metal = pl_vec3f_scale(pl_schlick(s->color, 1.0f, cosine), m);
+  return m < 1.0f ? pl_vec3f_madd(metal, 1.0f - m, dielectric_of(v, cosine)) : metal;
 }
 
 /* The ratio of indices at the surface of a solid. One like vacuum has no surface: 0. */
@@ -96,18 +111,94 @@ static float eta_of(const pl_lobes *l) {
   return l->inside ? 1.0f / l->ior : l->ior;
 }
 
+/* --- what enters the layers ---------------------------------------------------------------------
+ */
+
+/* A stretched lobe is taken to reflect `rise` as an even one that is as wide along the direction.
+ * That is too much where facets turn aside: the base is then darker, across the lobes of an
+ * anisotropy of 0.6 at 85 degrees by up to 0.04 of the light, of 1 by up to 0.25; nowhere is it
+ * brighter by more than 0.005. */
+static pl_ggx_dielectric along(const lobe *l, float x2, float y2, float index) {
+  const float alpha2 = (l->ax * l->ax * x2 + l->ay * l->ay * y2) / (x2 + y2);
+  return pl_ggx_dielectric_of(sqrtf(sqrtf(alpha2)), index);
+}
+
+static pl_ggx_dielectric table_of(const lobe *l, pl_vec3f w, float index) {
+  return l->ax > l->ay ? along(l, w.x * w.x + 1e-12f, w.y * w.y + 1e-12f, index)
+                       : pl_ggx_dielectric_of(sqrtf(l->ay), index);
+}
+
+/* `d`: of the lobe and w. */
+static pl_ggx_albedo albedo_of(const lobe *l, const pl_ggx_dielectric *d, pl_vec3f w) {
+  return (pl_ggx_albedo){1.0f - loss_towards(l, w), pl_ggx_rise(d, w.z)};
+}
+
+enum { TURNS = 4 }; /* azimuths of a quadrant that means of stretched lobes are taken over */
+
+/* Mean of the albedos over the hemisphere, and the deviation of `rise`. */
+static pl_ggx_albedo mean_of(const view *v, float *deviation) {
+  const lobe *l = &v->base;
+  pl_ggx_albedo mean = {1.0f - loss_mean(l), 0.0f};
+  *deviation = v->base_table.deviation;
+  if (!(l->ax > l->ay))
+    return v->base_table.mean;
+  *deviation = 0.0f;
+  for (int i = 0; i < TURNS; i++) {
+    const float sine = sinf(((float)i + 0.5f) * (0.5f * PL_PI_F / TURNS));
+    const pl_ggx_dielectric d = along(l, 1.0f - sine * sine, sine * sine, v->index);
+    mean.rise += d.mean.rise / TURNS;
+    *deviation += d.deviation / TURNS;
+  }
+  return mean;
+}
+
+static float passes_coat(const view *v, pl_vec3f w) {
+  return 1.0f - v->coat_weight * pl_ggx_glass_albedo(&v->coat_table, fabsf(of_coat(v, w).z));
+}
+
+/* Sets what the view has of the coat and of the dielectric, if there are any. Boundaries of solids
+ * seen from inside have no table. */
+static void set_layers(view *v, const pl_surface *s, pl_vec3f wo) {
+  v->f0 = s->lobes.f0;
+  v->f90 = s->lobes.f90;
+  v->index = s->lobes.index;
+  v->coat_out = 1.0f;
+  if (v->eta > 0.0f) {
+    const float f = pl_fresnel(1.0f, v->eta);
+    v->f0 = pl_vec3f_make(f, f, f);
+    v->f90 = 1.0f;
+    v->index = v->eta;
+  }
+  if (v->coat_weight > 0.0f) {
+    v->coat_table = pl_ggx_glass_of(sqrtf(v->coat.ax));
+    v->coat_out = passes_coat(v, wo);
+  }
+  if (v->diffuse > 0.0f || v->through > 0.0f) {
+    v->base_table = table_of(&v->base, wo, v->index);
+    v->base_out = albedo_of(&v->base, &v->base_table, wo);
+  }
+}
+
+/* Light that the dielectric's lobe mirrors towards wo. Solids are judged as if they were smooth. */
+static float mirrored_part(const view *v, const pl_surface *s, float cosine) {
+  if (v->eta > 0.0f && (s->lobes.inside || !(v->diffuse > 0.0f)))
+    return pl_fresnel(cosine, v->eta);
+  const float f0 = pl_vec3f_max(v->f0);
+  return f0 * v->base_out.all + (v->f90 - f0) * v->base_out.rise;
+}
+
 /* Chances by the light that each lobe sends on, as seen from wo. */
 static void set_chances(view *v, const pl_surface *s, pl_vec3f wo) {
+  const float m = s->metallic, color = pl_vec3f_max(s->color), under = v->coat_out;
+  const float mirror = m < 1.0f ? mirrored_part(v, s, wo.z) : 0.0f;
+  const float metal = m > 0.0f ? m * pl_vec3f_max(pl_schlick(s->color, 1.0f, wo.z)) : 0.0f;
+  const bool mirrors = v->eta > 0.0f || m > 0.0f || pl_maxf(pl_vec3f_max(v->f0), v->f90) > 0.0f;
+  const float again = m * pl_ggx_returned(color, v->loss_mean);
   float *c = v->chance, sum = 0.0f;
-  const float under = 1.0f - coat_fresnel(v, of_coat(v, wo).z), color = pl_vec3f_max(s->color);
-  const float mirror = pl_vec3f_max(mirror_of(v, s, wo.z));
-  const bool mirrors = v->eta > 0.0f || pl_maxf(pl_vec3f_max(v->f0), v->f90) > 0.0f;
-  const float again =
-      s->metallic > 0.0f ? pl_ggx_returned(pl_vec3f_max(v->f0), v->loss_mean) : 0.0f;
   c[COAT] = 1.0f - under;
-  c[MIRROR] = under * mirror;
-  c[BROAD] = under * (v->diffuse * color + v->loss * again);
-  c[THROUGH] = under * v->through * color * (1.0f - mirror);
+  c[MIRROR] = under * ((1.0f - m) * mirror + metal * (1.0f - v->loss));
+  c[BROAD] = under * (v->diffuse * color * (1.0f - mirror) + v->loss * again);
+  c[THROUGH] = under * v->through * color * pl_maxf(1.0f - mirror - v->loss, 0.0f);
   c[THROUGH_BROAD] = v->eta > 0.0f ? 0.0f : under * v->through * color * v->loss;
   for (int i = 0; i < CHOICES; i++)
     sum += c[i];
@@ -131,9 +222,6 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
       .base = lobe_of(ax, ay, wo),
       .eta = eta_of(lobes),
       .coat_weight = lobes->inside ? 0.0f : lobes->coat,
-      .f0 = {d * lobes->f0.x + m * s->color.x, d * lobes->f0.y + m * s->color.y,
-             d * lobes->f0.z + m * s->color.z},
-      .f90 = d * lobes->f90 + m,
       .diffuse = d * (1.0f - lobes->transmission),
       .through = d * lobes->transmission,
   };
@@ -145,6 +233,7 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
     v.loss = loss_towards(&v.base, wo);
     v.loss_mean = loss_mean(&v.base);
   }
+  set_layers(&v, s, wo);
   set_chances(&v, s, wo);
   return v;
 }
@@ -156,39 +245,82 @@ static float again_of(const view *v, pl_vec3f wi) {
   return lost > 0.0f ? lost * fabsf(wi.z) / (PL_PI_F * v->loss_mean) : 0.0f;
 }
 
-/* One band above the surface, without the coat. `let_in`: the mirror's reflectance at the more
- * grazing direction, which the diffuse base misses (see metallic_roughness.c). */
-static float band(const view *v, float f0, float f, float let_in, float color, float mirror,
-                  float again, float diffuse) {
-  return f * mirror + again * pl_ggx_returned(f0, v->loss_mean) + (1.0f - let_in) * diffuse * color;
+/* Light that passes the coat towards both directions: of sharp lobes, and of a Lambert base. */
+typedef struct under_coat {
+  float sharp, out, in, mean, deviation;
+} under_coat;
+
+static under_coat under_coat_of(const view *v, pl_vec3f wi) {
+  const float weight = v->coat_weight;
+  if (!(weight > 0.0f))
+    return (under_coat){1.0f, 1.0f, 1.0f, 1.0f, 0.0f};
+  const float in = passes_coat(v, wi);
+  return (under_coat){pl_minf(v->coat_out, in), v->coat_out, in, 1.0f - weight * v->coat_table.mean,
+                      weight * v->coat_table.deviation};
+}
+
+/* Directional albedos of the base's lobe towards wo and wi, and their mean. */
+typedef struct base_albedo {
+  pl_ggx_albedo out, in, mean;
+  float deviation;
+} base_albedo;
+
+/* The Lambert base's part of the light in a band, without the coat. Both layers keep grazing light
+ * out: the mean of their product is at most that of the means and of the deviations. */
+static float let_in(const under_coat *c, const base_albedo *a, float f0, float f90) {
+  const float out = pl_ggx_entering(a->out, f0, f90), in = pl_ggx_entering(a->in, f0, f90);
+  const float scatter = fabsf(f90 - f0) * a->deviation + f0 * sqrtf(1.0f - a->mean.all);
+  const float mean = pl_ggx_entering(a->mean, f0, f90) * c->mean + scatter * c->deviation;
+  return pl_ggx_base_share(c->out * out, c->in * in, mean);
+}
+
+static pl_vec3f base_share(const view *v, const pl_surface *s, const under_coat *c, pl_vec3f wo,
+                           pl_vec3f wi) {
+  if (v->eta > 0.0f && s->lobes.inside) {
+    /* No table: what it mirrors at the more grazing direction is missing. */
+    const float f = 1.0f - pl_fresnel(pl_minf(wo.z, wi.z), v->eta);
+    return pl_vec3f_make(f, f, f);
+  }
+  const bool even = !(v->base.ax > v->base.ay);
+  const pl_ggx_dielectric d = even ? v->base_table : table_of(&v->base, wi, v->index);
+  base_albedo a = {.out = v->base_out, .in = albedo_of(&v->base, &d, wi)};
+  a.mean = mean_of(v, &a.deviation);
+  return pl_vec3f_make(let_in(c, &a, v->f0.x, v->f90), let_in(c, &a, v->f0.y, v->f90),
+                       let_in(c, &a, v->f0.z, v->f90));
+}
+
+/* One band of the base: what it mirrors, mirrors again and scatters. */
+static float band(const view *v, float color, float mirrored, float again, float diffuse) {
+  return mirrored + again * pl_ggx_returned(color, v->loss_mean) + diffuse * color;
 }
 
 static pl_vec3f above(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
-  const float grazing = pl_minf(wo.z, wi.z), mirror = mirrored(&v->base, wo, wi, h);
+  const under_coat c = under_coat_of(v, wi);
+  const float mirror = c.sharp * mirrored(&v->base, wo, wi, h);
   const pl_vec3f f = mirror_of(v, s, pl_vec3f_dot(wo, h));
-  const pl_vec3f let_in = mirror_of(v, s, grazing);
-  const float again = s->metallic > 0.0f ? again_of(v, wi) : 0.0f;
-  const float diffuse = v->diffuse * wi.z / PL_PI_F;
+  const float again = s->metallic > 0.0f
+                          ? s->metallic * pl_ggx_base_share(c.out, c.in, c.mean) * again_of(v, wi)
+                          : 0.0f;
+  const float lambert = v->diffuse * wi.z / PL_PI_F;
+  const pl_vec3f share = lambert > 0.0f ? base_share(v, s, &c, wo, wi) : (pl_vec3f){0};
   const pl_vec3f base = {
-      band(v, v->f0.x, f.x, let_in.x, s->color.x, mirror, again, diffuse),
-      band(v, v->f0.y, f.y, let_in.y, s->color.y, mirror, again, diffuse),
-      band(v, v->f0.z, f.z, let_in.z, s->color.z, mirror, again, diffuse),
+      band(v, s->color.x, f.x * mirror, again, share.x * lambert),
+      band(v, s->color.y, f.y * mirror, again, share.y * lambert),
+      band(v, s->color.z, f.z * mirror, again, share.z * lambert),
   };
-  if (!(v->coat_weight > 0.0f))
-    return base;
   const pl_vec3f out = of_coat(v, wo), in = of_coat(v, wi);
-  const float coat = in.z > 0.0f ? coat_fresnel(v, pl_vec3f_dot(wo, h)) *
-                                       mirrored(&v->coat, out, in, of_coat(v, h))
-                                 : 0.0f;
-  const float under = 1.0f - coat_fresnel(v, pl_minf(out.z, in.z));
-  return pl_vec3f_make(coat + under * base.x, coat + under * base.y, coat + under * base.z);
+  if (!(v->coat_weight > 0.0f) || !(in.z > 0.0f))
+    return base;
+  const float coat =
+      coat_fresnel(v, pl_vec3f_dot(wo, h)) * mirrored(&v->coat, out, in, of_coat(v, h));
+  return pl_vec3f_make(coat + base.x, coat + base.y, coat + base.z);
 }
 
 /* What passes: the mirror lobe turned over with the light that is not mirrored; `wi` is turned over
  * too. A thin wall sends light straight on, blurred by its roughness. */
 static pl_vec3f below(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
-  const pl_vec3f f = pl_schlick(v->f0, v->f90, pl_vec3f_dot(wo, h));
-  const float under = 1.0f - coat_fresnel(v, pl_minf(of_coat(v, wo).z, fabsf(of_coat(v, wi).z)));
+  const pl_vec3f f = dielectric_of(v, pl_vec3f_dot(wo, h));
+  const float under = under_coat_of(v, wi).sharp;
   const float mirror = mirrored(&v->base, wo, wi, h), again = again_of(v, wi);
   const float scale = under * v->through;
   return pl_vec3f_make(scale * s->color.x * ((1.0f - f.x) * mirror + again),
@@ -214,8 +346,8 @@ static pl_vec3f refracted(const view *v, const pl_surface *s, pl_vec3f wo, pl_ve
   const float change = refracting(v, wo, wi, &h);
   if (!(change > 0.0f))
     return pl_vec3f_make(0.0f, 0.0f, 0.0f);
-  const float out = pl_vec3f_dot(wo, h), coat = of_coat(v, wo).z;
-  const float passed = (1.0f - pl_fresnel(out, v->eta)) * (1.0f - coat_fresnel(v, coat));
+  const float out = pl_vec3f_dot(wo, h);
+  const float passed = (1.0f - pl_fresnel(out, v->eta)) * v->coat_out;
   const float scale = 4.0f * out * change * mirrored(&v->base, wo, wi, h) * passed * v->through;
   return pl_vec3f_scale(s->color, scale);
 }

@@ -39,7 +39,7 @@ static bool near(float a, float b, float relative) {
   return fabsf(a - b) <= relative * fmaxf(fabsf(a), fabsf(b)) + 1e-12f;
 }
 
-/* With plain lobes it is the metallic-roughness surface, but for rounding. */
+/* With plain lobes it is the metallic-roughness surface, but for what their tables are off. */
 static void test_plain_is_metallic_roughness(void **state) {
   (void)state;
   test_random random = {.seed = 41};
@@ -51,7 +51,8 @@ static void test_plain_is_metallic_roughness(void **state) {
         tilted((float)random_range(&random, 0.01, 1), (float)random_range(&random, -3, 3));
     const pl_vec3f a = row->evaluate(&s, wo, wi);
     const pl_vec3f b = pl_reflectance_metallic_roughness.evaluate(&s, wo, wi);
-    assert_true(near(a.x, b.x, 1e-4f) && near(a.y, b.y, 1e-4f) && near(a.z, b.z, 1e-4f));
+    const float off = pl_vec3f_norm(pl_vec3f_sub(a, b));
+    assert_true(off <= 1e-3f * pl_vec3f_norm(b) + 1e-3f);
   }
 }
 
@@ -85,14 +86,23 @@ static void test_index(void **state) {
   assert_true(lobes.f0.z == 0.0f && lobes.f90 == 0.5f);
 }
 
-/* A smooth clear wall: Schlick's part is mirrored, the rest goes straight on. */
+/* Fresnel's formula in the form of sines and tangents, for glass of 1.5 from outside or inside. */
+static double fresnel(double angle, bool inside) {
+  const double sine = sin(angle) * (inside ? 1.5 : 1.0 / 1.5), t = asin(fmin(sine, 1.0));
+  if (angle < 1e-6)
+    return 0.04;
+  const double across = sin(angle - t) / sin(angle + t), along = tan(angle - t) / tan(angle + t);
+  return sine < 1.0 ? 0.5 * (across * across + along * along) : 1.0;
+}
+
+/* A smooth clear wall: Fresnel's part is mirrored, the rest goes straight on. */
 static void test_smooth_wall(void **state) {
   (void)state;
   for (int degrees = 0; degrees <= 80; degrees += 10) {
     pl_surface s = plain(0.0f, 0.0f);
     s.lobes.transmission = 1.0f;
     const float cosine = cosf((float)degrees * PL_PI_F / 180.0f);
-    const double mirrored = 0.04 + 0.96 * pow(1.0 - (double)cosine, 5.0);
+    const double mirrored = fresnel(degrees * PL_PI / 180.0, false);
     double energy[2];
     furnace(&s, tilted(cosine, 0.4f), energy);
     assert_true(fabs(energy[0] - mirrored) < 2e-3 && fabs(energy[1] - 1.0 + mirrored) < 2e-3);
@@ -106,17 +116,23 @@ static void test_smooth_wall(void **state) {
 }
 
 /* Largest and least excess of light that white sends on, for views up to 85 deg. */
-static void extremes_of(float anisotropy, float metallic, float transmission, double out[2]) {
+typedef struct layers {
+  float anisotropy, metallic, transmission, coat, index;
+} layers;
+static void extremes_of(const layers *l, double out[2]) {
   const float to_rad = PL_PI_F / 180.0f;
   out[0] = -1.0;
   out[1] = 1.0;
   for (int r = 2; r <= 10; r += 2)
     for (int degrees = 0; degrees <= 85; degrees += 17)
-      for (int turn = 0; turn <= 90; turn += 45) {
+      for (int turn = 0; turn <= (l->anisotropy > 0.0f ? 90 : 0); turn += 45) {
         const float roughness = 0.1f * (float)r;
-        pl_surface s = plain(roughness * roughness, metallic);
-        s.lobes.anisotropy = anisotropy;
-        s.lobes.transmission = transmission;
+        pl_surface s = plain(roughness * roughness, l->metallic);
+        pl_lobes_set_dielectric(&s.lobes, l->index, 1.0f, pl_vec3f_make(1.0f, 1.0f, 1.0f));
+        s.lobes.anisotropy = l->anisotropy;
+        s.lobes.transmission = l->transmission;
+        s.lobes.coat = l->coat;
+        s.lobes.coat_alpha = 0.09f;
         double energy[2];
         furnace(&s, tilted(cosf((float)degrees * to_rad), (float)turn * to_rad), energy);
         out[0] = fmax(out[0], energy[0] + energy[1] - 1.0);
@@ -131,11 +147,46 @@ static void test_white_furnace(void **state) {
   for (int i = 0; i < 6; i++)
     for (int wall = 0; wall < 2; wall++) {
       double off[2];
-      extremes_of(strength[i], wall ? 0.0f : 1.0f, wall ? 1.0f : 0.0f, off);
+      const layers l = {strength[i], wall ? 0.0f : 1.0f, wall ? 1.0f : 0.0f, 0.0f, 1.5f};
+      extremes_of(&l, off);
       print_message("anisotropy %g, %s: %.4f to %.4f\n", (double)strength[i],
                     wall ? "wall" : "metal", off[1], off[0]);
       assert_true(off[0] < 0.01 && off[1] > -0.01);
     }
+}
+
+/* Nor do white dielectrics lose light, whatever their index, nor half a metal, nor walls that pass
+ * half of it: what the boundary does not reflect comes back from the base. Below coats up to 0.01
+ * is lost of light from a Lambert base, 0.06 of what metals mirror broadly; at an anisotropy of
+ * 0.6, see principled.c. */
+static void test_white_furnace_of_dielectrics(void **state) {
+  (void)state;
+  static const struct {
+    layers layers;
+    double lost;
+  } cases[] = {
+      {{.index = 1.5f}, 0.006},
+      {{.index = 1.02f}, 0.006},
+      {{.index = 1.33f}, 0.006},
+      {{.index = 2.5f}, 0.006},
+      {{.index = 20.0f}, 0.006},
+      {{.index = 0.7f}, 0.006},
+      {{.metallic = 0.5f, .index = 1.5f}, 0.006},
+      {{.transmission = 0.5f, .index = 1.5f}, 0.006},
+      {{.anisotropy = 0.6f, .index = 1.5f}, 0.045},
+      {{.coat = 1.0f, .index = 1.5f}, 0.01},
+      {{.coat = 0.5f, .index = 2.0f}, 0.01},
+      {{.coat = 1.0f, .metallic = 1.0f, .index = 1.5f}, 0.06},
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    const layers *l = &cases[i].layers;
+    double off[2];
+    extremes_of(l, off);
+    print_message("index %g, metallic %g, transmission %g, coat %g, anisotropy %g: %.4f to %.4f\n",
+                  (double)l->index, (double)l->metallic, (double)l->transmission, (double)l->coat,
+                  (double)l->anisotropy, off[1], off[0]);
+    assert_true(off[0] < 0.01 && off[1] > -cases[i].lost);
+  }
 }
 
 /* Smith's Lambda of the lobe below, for what Mitsuba's product of two maskings lacks of ours. */
@@ -184,7 +235,7 @@ static void test_anisotropy_has_a_direction(void **state) {
   assert_true(along > 20.0f * across);
 }
 
-/* A smooth coat over black: Schlick with F0 = 0.04, and nothing else. */
+/* A smooth coat over black: Fresnel's part of the light, and nothing else. */
 static void test_coat_over_black(void **state) {
   (void)state;
   pl_surface s = plain(0.5f, 1.0f);
@@ -197,7 +248,7 @@ static void test_coat_over_black(void **state) {
   for (int i = 1; i <= 10; i++) {
     double energy[2];
     furnace(&s, tilted(0.1f * (float)i, 0.4f), energy);
-    const double expected = 0.8 * (0.04 + 0.96 * pow(1.0 - 0.1 * i, 5.0));
+    const double expected = 0.8 * fresnel(acos(0.1 * i), false);
     assert_true(fabs(energy[0] - expected) < 3e-3 && energy[1] == 0.0);
   }
 }
@@ -221,15 +272,14 @@ static void test_coat_has_its_own_normal(void **state) {
   assert_true(near(row->evaluate(&s, up, up).x, peak, 1e-5f));
   s.lobes.coat_normal = tilted(cosf(15.0f * to_rad), 0.0f);
   assert_true(row->evaluate(&s, up, up).x < 1e-4f * peak);
-  assert_true(near(row->evaluate(&s, up, aside).x * cosf(15.0f * to_rad), peak, 1e-3f));
+  assert_true(near(row->evaluate(&s, up, aside).x * cosf(15.0f * to_rad), peak, 3e-3f));
   double energy[2];
   furnace(&s, up, energy);
   assert_true(fabs(energy[0] - 0.04) < 1e-3);
 }
 
 /* A smooth boundary: Fresnel's part is mirrored, the rest goes on by Snell's law, from either side;
- * beyond the critical angle all is mirrored. Fresnel's formula in the form of sines and tangents.
- */
+ * beyond the critical angle all is mirrored. */
 static void test_smooth_boundary(void **state) {
   (void)state;
   for (int inside = 0; inside < 2; inside++)
@@ -239,9 +289,7 @@ static void test_smooth_boundary(void **state) {
       s.lobes.ior = 1.5f;
       s.lobes.inside = inside;
       const double i = degrees * PL_PI / 180.0, sine = sin(i) * (inside ? 1.5 : 1.0 / 1.5);
-      const double t = asin(fmin(sine, 1.0));
-      const double across = sin(i - t) / sin(i + t), along = tan(i - t) / tan(i + t);
-      const double mirrored = sine < 1.0 ? 0.5 * (across * across + along * along) : 1.0;
+      const double t = asin(fmin(sine, 1.0)), mirrored = fresnel(i, inside != 0);
       const pl_vec3f wo = tilted((float)cos(i), 0.4f);
       const float u[2] = {0.3f, 0.6f};
       pl_vec3f wi, weight;
@@ -265,6 +313,7 @@ int main(void) {
       cmocka_unit_test(test_index),
       cmocka_unit_test(test_smooth_wall),
       cmocka_unit_test(test_white_furnace),
+      cmocka_unit_test(test_white_furnace_of_dielectrics),
       cmocka_unit_test(test_same_as_mitsuba),
       cmocka_unit_test(test_anisotropy_has_a_direction),
       cmocka_unit_test(test_coat_over_black),

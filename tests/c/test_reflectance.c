@@ -42,8 +42,8 @@ static void furnace(const pl_reflectance *model, const pl_surface *surface, pl_v
   }
 }
 
-/* A white surface returns all light: within 0.005 for views up to 85 deg from the normal. The
- * integral without sampling is looked at where lobes are broad. */
+/* A white surface, metal, dielectric or half of each, returns all light: within 0.005 for views up
+ * to 85 deg from the normal. The integral without sampling is looked at where lobes are broad. */
 static void test_white_furnace(void **state) {
   (void)state;
   double worst = 0.0, worst_flat = 0.0;
@@ -53,6 +53,13 @@ static void test_white_furnace(void **state) {
       const pl_surface metal = white(roughness * roughness, 1.0f);
       const pl_vec3f wo = tilted(cosf((float)degrees * PL_PI_F / 180.0f), 0.4f);
       double energy[2];
+      for (int half = 0; half < 2 && degrees % 10 == 5; half++) {
+        const pl_surface paint = white(roughness * roughness, half ? 0.5f : 0.0f);
+        furnace(&pl_reflectance_metallic_roughness, &paint, wo, energy);
+        if (fabs(energy[0] - 1.0) > 0.005)
+          fail_msg("roughness %g, metallic %g at %d deg reflects %.4f", (double)roughness,
+                   (double)paint.metallic, degrees, energy[0]);
+      }
       furnace(&pl_reflectance_metallic_roughness, &metal, wo, energy);
       if (fabs(energy[0] - 1.0) > 0.005)
         fail_msg("roughness %g at %d deg reflects %.4f", (double)roughness, degrees, energy[0]);
@@ -65,6 +72,43 @@ static void test_white_furnace(void **state) {
   print_message("white GGX furnace: off by at most %.4f sampled, %.4f integrated\n", worst,
                 worst_flat);
   assert_true(worst_flat < 0.005);
+}
+
+/* Albedos under a white sky at 0, 40, 60 and 70 degrees, of Cycles 4.5.15's Principled of
+ * index 1.5: a ball of 720 by 360 facets, by 512 samples a pixel, which are good to 0.002. */
+static void test_same_albedo_as_cycles(void **state) {
+  (void)state;
+  static const struct {
+    float color, roughness;
+    double albedo[4];
+  } cycles[] = {
+      {0.0f, 0.1f, {0.040, 0.046, 0.090, 0.173}}, {0.0f, 0.3f, {0.040, 0.046, 0.087, 0.153}},
+      {0.0f, 0.5f, {0.037, 0.043, 0.068, 0.097}}, {0.0f, 0.7f, {0.029, 0.033, 0.046, 0.060}},
+      {0.0f, 1.0f, {0.014, 0.017, 0.025, 0.033}}, {0.2f, 0.1f, {0.232, 0.237, 0.272, 0.339}},
+      {0.2f, 0.3f, {0.232, 0.237, 0.270, 0.323}}, {0.2f, 0.5f, {0.230, 0.235, 0.254, 0.277}},
+      {0.2f, 0.7f, {0.223, 0.227, 0.236, 0.248}}, {0.2f, 1.0f, {0.211, 0.214, 0.220, 0.226}},
+      {0.8f, 0.1f, {0.808, 0.809, 0.818, 0.834}}, {0.8f, 0.3f, {0.808, 0.809, 0.818, 0.831}},
+      {0.8f, 0.5f, {0.807, 0.808, 0.812, 0.816}}, {0.8f, 0.7f, {0.806, 0.806, 0.808, 0.810}},
+      {0.8f, 1.0f, {0.804, 0.804, 0.805, 0.806}},
+  };
+  static const float degrees[] = {0.0f, 40.0f, 60.0f, 70.0f};
+  double worst = 0.0;
+  for (size_t i = 0; i < COUNT(cycles); i++) {
+    pl_surface paint = white(cycles[i].roughness * cycles[i].roughness, 0.0f);
+    const float c = cycles[i].color;
+    paint.color = pl_vec3f_make(c, c, c);
+    for (size_t k = 0; k < COUNT(degrees); k++) {
+      double energy[2];
+      furnace(&pl_reflectance_metallic_roughness, &paint,
+              tilted(cosf(degrees[k] * PL_PI_F / 180.0f), 0.4f), energy);
+      const double off = fabs(energy[0] - cycles[i].albedo[k]);
+      if (off > 0.005)
+        fail_msg("colour %g, roughness %g at %g deg: %.4f, not %.3f", (double)c,
+                 (double)cycles[i].roughness, (double)degrees[k], energy[0], cycles[i].albedo[k]);
+      worst = fmax(worst, off);
+    }
+  }
+  print_message("albedos of Cycles: off by at most %.4f\n", worst);
 }
 
 /* Multiple reflection deepens a metal's colour: each hit takes its part. */
@@ -266,6 +310,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_lambert_energy_is_albedo),
       cmocka_unit_test(test_white_furnace),
+      cmocka_unit_test(test_same_albedo_as_cycles),
       cmocka_unit_test(test_rough_metal_is_more_saturated),
       cmocka_unit_test(test_smooth_metal_is_a_mirror),
       cmocka_unit_test(test_reciprocity),
