@@ -4,8 +4,10 @@
 #include <math.h>
 
 static const double PI = 3.14159265358979323846;
-/* Surfaces count as at least this rough where they light others: paths that have left a diffuse
- * surface see them so (render/path.c, path-space regularisation). */
+/* Surfaces count as at least this rough where they light others. An assumption, not a bound: a flat
+ * mirror throws the sun as a spot as bright as sunlight until it is wider than the mirror, some 200
+ * of its sizes away, and beyond that as (200 sizes / distance)^2. Who wants to see such spots on
+ * what is dark must ask for a tolerance of 0, or force the rows on. */
 static const double LIGHT_ALPHA_MIN = 0.3;
 /* Slack of the shadow test for rounding at the scale of the solar system. */
 static const double SLACK = 1e-9;

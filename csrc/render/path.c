@@ -15,15 +15,9 @@
 #include "shade/reflectance.h"
 
 enum { ROULETTE_AFTER = 3 };
-/* Path regularisation (Kaplanyan and Dachsbacher 2013), where settings want it: caustics that no
- * sampler here finds become about as broad as the lobe that looks at them, and free of fireflies.
- * Energy is kept. No surface is roughened to more than this. */
-static const float REGULAR_CAP = 0.5f;
 /* A way of drawing whose density is below this part of another's is none to be weighed against it:
  * by the power heuristic it would get its square. */
 static const float RIVAL_MIN = 0.01f;
-/* A cone that stands for a diffuse bounce opens no wider than this. */
-static const float SPREAD_MAX = 0.5f;
 
 void pl_path_subpixel(uint32_t index, int samples, double offset[2]) {
   const uint32_t half = UINT32_C(1) << 31;
@@ -211,10 +205,11 @@ static const pl_caustics *caustics_at(const pl_path_context *context, const pl_v
   return far_from_meshes(context->shot, vertex->thing) ? NULL : context->settings->caustics;
 }
 
-/* Draws where the path goes on from the vertex; `cap`: the most that it is regularised by. */
+/* Draws where the path goes on from the vertex. Its cone opens as the camera's does: whatever is
+ * met is seen as it is, not as the mean over the lobe that one draw stands for. */
 static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                    int bounce, const float u[2], const float choice[2], pl_vec3f wo,
-                   const pl_shine *shine, float cap, size_t kept, pl_tile_buffers *b) {
+                   const pl_shine *shine, size_t kept, pl_tile_buffers *b) {
   pl_path *next = &b->paths[kept];
   pl_ray *ray = &b->rays[kept];
   pl_shine_draw drawn;
@@ -225,20 +220,14 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   }
   *ray = pl_vertex_ray(vertex, context->shot, drawn.direction, INFINITY);
   ray->no_meshes = far_from_meshes(context->shot, vertex->thing);
-  const float width = pl_beam_width(&path->beam, vertex->t);
-  /* The solid angle that one draw of density pdf stands for is about 1/pdf. */
-  const float opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.fine_pdf));
-  const float widen = context->settings->lobe_footprint, roughen = context->settings->roughening;
-  const float lobe_opening = 2.0f * sqrtf(1.0f / (PL_PI_F * drawn.lobe_pdf));
   *next = (pl_path){
       .beam = {.origin = ray->origin,
                .direction = ray->direction,
-               .width_m = width,
-               .spread = pl_maxf(path->beam.spread, pl_minf(widen * opening, SPREAD_MAX))},
+               .width_m = pl_beam_width(&path->beam, vertex->t),
+               .spread = path->beam.spread},
       .throughput = pl_vec3f_mul(path->throughput, drawn.weight),
       .pdf = drawn.pdf,
       .lobe_pdf = drawn.lobe_pdf,
-      .alpha_min = pl_maxf(path->alpha_min, pl_minf(roughen * lobe_opening, cap)),
       .pixel = path->pixel,
       .shared = path->shared,
   };
@@ -270,9 +259,8 @@ static vertex_draws draws_of(const pl_tile_buffers *b, size_t i) {
                         {b->draws[4][i], b->draws[5][i]}};
 }
 
-/* Leaves out the lobes that the plan does; the coat is regularised as the base is. */
-static void set_lobes(const pl_render_settings *settings, float alpha_min, pl_surface *s) {
-  s->lobes.coat_alpha = pl_maxf(s->lobes.coat_alpha, alpha_min);
+/* Leaves out the lobes that the plan does. */
+static void set_lobes(const pl_render_settings *settings, pl_surface *s) {
   if (!settings->clear_coat)
     s->lobes.coat = 0.0f;
   if (!settings->transmission)
@@ -280,13 +268,10 @@ static void set_lobes(const pl_render_settings *settings, float alpha_min, pl_su
 }
 
 /* The path met the boundary of a solid, if it is one: it may come through it, whose extinction is
- * by the length of the mesh's units. Boundaries hand on no more than their own roughness: light
- * that goes to and fro between them would see them rougher at every turn. */
-static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path, float *cap) {
+ * by the length of the mesh's units. */
+static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path) {
   pl_lobes *lobes = &vertex->surface.lobes;
   pl_vertex_face_layers(vertex);
-  if (lobes->ior > 0.0f)
-    *cap = pl_minf(vertex->surface.alpha, REGULAR_CAP);
   if (!lobes->inside)
     return;
   const double units = vertex->t / shot->objects[vertex->thing].scale;
@@ -316,16 +301,14 @@ static void see_emission(const pl_path_context *context, const pl_path *path, co
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
   pl_path path = b->paths[i];
-  float cap = REGULAR_CAP;
   const vertex_draws u = draws_of(b, i);
   pl_vertex_shade(context->shot, &path.beam, context->settings->detail, vertex);
   if (bounce == 0)
     pl_laws_apply(context->shot, context->settings, vertex);
   pl_surface *s = &vertex->surface;
-  s->alpha = pl_maxf(s->alpha, path.alpha_min);
   if (s->reflectance->layered) {
-    set_lobes(context->settings, path.alpha_min, s);
-    meet_solid(context->shot, vertex, &path, &cap);
+    set_lobes(context->settings, s);
+    meet_solid(context->shot, vertex, &path);
   }
   if (pl_vec3f_max(s->emission) > 0.0f)
     see_emission(context, &path, &b->rays[i], vertex, b);
@@ -348,8 +331,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
   path.shared = path.shared || first == PL_WAY_SHARED; /* from here on: what is above is its own */
-  if (onward &&
-      extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, cap, *kept, b) &&
+  if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, *kept, b) &&
       (bounce > 0 || pl_path_follow(context, vertex, &b->paths[*kept], b)))
     ++*kept;
 }
@@ -380,8 +362,7 @@ static void follow_settled(const pl_path_context *context, size_t i, size_t *kep
   const pl_vec3f wo = pl_surface_to_local(&vertex.surface, view);
   pl_shine shine;
   pl_shine_at(context->settings->shine, caustics_at(context, &vertex), &vertex, wo, &shine);
-  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, REGULAR_CAP, *kept,
-             b) &&
+  if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, *kept, b) &&
       pl_path_follow(context, &vertex, &b->paths[*kept], b))
     ++*kept;
 }

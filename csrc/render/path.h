@@ -13,7 +13,6 @@ typedef struct pl_path {
   pl_vec3f throughput;
   float pdf;       /* density with which the ray's direction was drawn; infinite for the camera's */
   float lobe_pdf;  /* likewise, by the lobe of the surface alone; not of the camera's */
-  float alpha_min; /* surfaces count as at least this rough (path regularisation) */
   uint32_t pixel;  /* index in the tile */
   bool shared;     /* what it brings is shared with other pixels, see share.c */
 } pl_path;

@@ -247,14 +247,8 @@ void pl_shine_at(const pl_planetshine *p, const pl_caustics *caustics, const pl_
     share_mirrors(caustics, vertex, wo, known, out);
 }
 
-/* A draw to a body stands for all that is lit; but so many times finer is what it sees, or the map
- * of a body's far side would be in it. */
-static const float FINER = 16.0f;
-
-static void set_densities(const pl_shine *shine, float bodies, pl_shine_draw *out) {
-  const float lobe = (1.0f - shine->share) * out->lobe_pdf;
-  out->pdf = lobe + shine->share * bodies;
-  out->fine_pdf = lobe + FINER * shine->share * bodies;
+static float density(const pl_shine *shine, float lobe, float bodies) {
+  return (1.0f - shine->share) * lobe + shine->share * bodies;
 }
 
 /* Density of drawing to bodies and mirrors; `drawn`: a body whose own density is known, or -1. */
@@ -273,14 +267,14 @@ float pl_shine_pdf(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, pl_v
   const float lobe = s->reflectance->pdf(s, wo, wi);
   if (!(shine->share > 0.0f))
     return lobe;
-  return (1.0f - shine->share) * lobe + shine->share * bodies_pdf(shine, direction, -1, 0.0f);
+  return density(shine, lobe, bodies_pdf(shine, direction, -1, 0.0f));
 }
 
 static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], float choice,
                         pl_shine_draw *out) {
   if (!s->reflectance->sample(s, wo, u, choice, &out->wi, &out->weight, &out->lobe_pdf))
     return false;
-  out->pdf = out->fine_pdf = out->lobe_pdf;
+  out->pdf = out->lobe_pdf;
   out->direction = pl_vec3f_unit(pl_surface_to_world(s, out->wi));
   const float side = pl_vec3f_dot(out->direction, s->ng);
   return out->wi.z > 0.0f ? side > 0.0f : out->wi.z < 0.0f && side < 0.0f;
@@ -313,7 +307,7 @@ static bool sample_set(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, 
   out->lobe_pdf = s->reflectance->pdf(s, wo, out->wi);
   if (!(out->lobe_pdf > 0.0f))
     return false;
-  set_densities(shine, bodies_pdf(shine, out->direction, at, known), out);
+  out->pdf = density(shine, out->lobe_pdf, bodies_pdf(shine, out->direction, at, known));
   out->weight = pl_vec3f_scale(s->reflectance->evaluate(s, wo, out->wi), 1.0f / out->pdf);
   return true;
 }
@@ -328,7 +322,7 @@ bool pl_shine_sample(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, co
     return sample_set(shine, s, wo, u, choice / share, out);
   if (!sample_lobe(s, wo, u, pl_minf((choice - share) / (1.0f - share), 0x1.fffffep-1f), out))
     return false;
-  set_densities(shine, bodies_pdf(shine, out->direction, -1, 0.0f), out);
+  out->pdf = density(shine, out->lobe_pdf, bodies_pdf(shine, out->direction, -1, 0.0f));
   out->weight = pl_vec3f_scale(out->weight, out->lobe_pdf / out->pdf);
   return true;
 }

@@ -65,7 +65,6 @@ void pl_shine_at(const pl_planetshine *shine, const pl_caustics *caustics, const
 typedef struct pl_shine_draw {
   pl_vec3f direction, wi, weight; /* weight: reflected over pdf */
   float pdf, lobe_pdf;            /* of both ways of drawing, and of the surface's alone; 1/sr */
-  float fine_pdf;                 /* of which so much is to be seen: 1 over a solid angle, 1/sr */
   bool set;                       /* of one that ends: the body is below the horizon there */
 } pl_shine_draw;
 

@@ -32,11 +32,8 @@ typedef struct pl_render_settings {
   bool planetshine;     /* what bodies reflect lights other things */
   const pl_limb *limb;  /* of the sun's disc, with soft_sun; NULL: of even brightness */
   bool soft_sun, cast_shadows, clear_coat, transmission;
-  bool emission;    /* what emits is seen to */
-  pl_detail detail; /* of surfaces */
-  /* After a bounce surfaces count as at least so rough, of the opening of the lobe that was drawn
-   * from, and footprints open by so much of it. 0: as they are. */
-  float roughening, lobe_footprint;
+  bool emission;               /* what emits is seen to */
+  pl_detail detail;            /* of surfaces */
   int laws_down;               /* steps down from Hapke's law to cheaper ones, see laws.h */
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   const pl_air_view *air;      /* borrowed; NULL: none */

@@ -1,5 +1,5 @@
-/* Paths against integrals: light that metal hands on to metal, at a tolerance of nothing, is that
- * of the surfaces as they are. */
+/* Paths against integrals: what is met after a bounce is seen as it is, neither rougher nor
+ * blurred, at any tolerance. */
 #include "harness.h"
 
 #include "frames.h"
@@ -22,12 +22,32 @@ static pl_model *wall_create(float roughness) {
   return model;
 }
 
-/* Mean radiance of the metal wall z = 10, seen straight on; x = 1 is another, and both are wide.
- * The sun is no wider than a point. */
-static double shoot(double tolerance_dn, int samples) {
-  stage s;
+/* Mean radiance of the stage, which is cleared. */
+static double shoot(stage *s, double tolerance_dn, int samples) {
   film f;
   pl_renderer *renderer;
+  film_init(&f, s);
+  pl_frame_request request = request_all(s, &f);
+  request.samples = samples;
+  request.max_bounces = 1;
+  request.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn,
+                                .force_on = effect_bit("antialiasing") | effect_bit("bounces"),
+                                .force_off = effect_bit("soft_sun")};
+  assert_int_equal(pl_renderer_create(&s->scene, &renderer), PL_OK);
+  render(renderer, &request);
+  double sum = 0.0;
+  for (size_t i = 0; i < PIXELS; i++)
+    sum += (double)f.radiance[3 * i] / PIXELS;
+  pl_renderer_destroy(renderer);
+  film_clear(&f);
+  stage_clear(s);
+  return sum;
+}
+
+/* The metal wall z = 10, seen straight on; x = 1 is another, and both are wide. The sun is no wider
+ * than a point. */
+static double shoot_corner(double tolerance_dn, int samples) {
+  stage s;
   stage_init(&s, SIDE, SIDE, 5000.0);
   s.placement.sun.position_m = pl_vec3_scale(SUN, AU);
   pl_model *seen = wall_create(SEEN), *beside = wall_create(BESIDE);
@@ -36,24 +56,10 @@ static double shoot(double tolerance_dn, int samples) {
                    pl_quat_axis_angle((pl_vec3){1, 0, 0}, PL_PI), half);
   stage_add_object(&s, beside, (pl_vec3){1, 0, 10.0 - half},
                    pl_quat_axis_angle((pl_vec3){0, 1, 0}, -0.5 * PL_PI), half);
-  film_init(&f, &s);
-  pl_frame_request request = request_all(&s, &f);
-  request.samples = samples;
-  request.max_bounces = 1;
-  request.wish = (pl_plan_wish){.tolerance_dn = tolerance_dn,
-                                .force_on = effect_bit("antialiasing") | effect_bit("bounces"),
-                                .force_off = effect_bit("soft_sun")};
-  assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
-  render(renderer, &request);
-  double sum = 0.0;
-  for (size_t i = 0; i < PIXELS; i++)
-    sum += (double)f.radiance[3 * i] / PIXELS;
-  pl_renderer_destroy(renderer);
-  film_clear(&f);
-  stage_clear(&s);
+  const double found = shoot(&s, tolerance_dn, samples);
   pl_model_destroy(seen);
   pl_model_destroy(beside);
-  return sum;
+  return found;
 }
 
 static double reflect(float roughness, pl_vec3f wo, pl_vec3f wi) {
@@ -86,14 +92,89 @@ static double integral(void) {
 
 static void test_metal_lights_metal(void **state) {
   (void)state;
-  const double truth = integral(), found = shoot(0.0, 4096);
-  print_message("radiance %.3f, by quadrature %.3f W m-2 sr-1\n", found, truth);
-  assert_true(fabs(found / truth - 1.0) < 0.01);
+  const double truth = integral();
+  for (int i = 0; i < 2; i++) {
+    const double found = shoot_corner(i, 4096);
+    print_message("tolerance %d: radiance %.3f, by quadrature %.3f W m-2 sr-1\n", i, found, truth);
+    assert_true(fabs(found / truth - 1.0) < 0.01);
+  }
+}
+
+/* A wall behind the camera, |x| <= HALF, which shines where x is at least `edge`: by a picture,
+ * whose texels are 2 HALF / TEXELS wide. */
+enum { TEXELS = 512, EDGE = 10 };
+static const double HALF = 128.0, BEHIND = 30.0;
+static pl_model *picture_create(int edge) {
+  pl_model *model = square_create(1.0);
+  pl_image image;
+  assert_int_equal(pl_image_init(TEXELS, 1, 1, &image), PL_OK);
+  for (int i = 0; i < TEXELS; i++)
+    image.texels[i] = i >= TEXELS / 2 + edge * TEXELS / (int)(2 * HALF) ? 255 : 0;
+  model->uvs[0] = pl_alloc(2 * model->vertex_count, sizeof(float));
+  model->textures = pl_alloc(1, sizeof *model->textures);
+  assert_true(model->uvs[0] && model->textures);
+  for (size_t v = 0; v < model->vertex_count; v++) {
+    model->uvs[0][2 * v] = 0.5f + 0.5f * model->positions[3 * v];
+    model->uvs[0][2 * v + 1] = 0.5f;
+  }
+  assert_int_equal(
+      pl_texture_create(&image, false, PL_WRAP_CLAMP, PL_WRAP_CLAMP, &model->textures[0]), PL_OK);
+  model->texture_count = 1;
+  for (int k = 0; k < 3; k++) {
+    model->materials[0].base_color[k] = 0.0f;
+    model->materials[0].emissive[k] = 1.0f;
+  }
+  model->materials[0].emissive_map = (pl_texture_slot){.transform = PL_UV_IDENTITY};
+  return model;
+}
+
+/* Seen in a small glossy wall straight ahead. */
+static double shoot_picture(double tolerance_dn, int edge) {
+  stage s;
+  stage_init(&s, SIDE, SIDE, 5000.0);
+  s.placement.sun.position_m = (pl_vec3){0.0, AU, 0.0}; /* lights neither */
+  pl_model *seen = wall_create(SEEN), *picture = picture_create(edge);
+  stage_add_object(&s, seen, (pl_vec3){0, 0, 10}, pl_quat_axis_angle((pl_vec3){1, 0, 0}, PL_PI),
+                   0.01);
+  stage_add_object(&s, picture, (pl_vec3){0, 0, 10.0 - BEHIND}, PL_QUAT_IDENTITY, HALF);
+  const double found = shoot(&s, tolerance_dn, 4096);
+  pl_model_destroy(seen);
+  pl_model_destroy(picture);
+  return found;
+}
+
+/* The part of the light of a picture that shines all over, by the midpoint rule. */
+static double part_beyond(int edge) {
+  enum { STEPS = 1024 };
+  const pl_vec3f view = {0.0f, 0.0f, 1.0f};
+  double all = 0.0, beyond = 0.0;
+  for (int i = 0; i < STEPS; i++)
+    for (int j = 0; j < STEPS; j++) {
+      const double x = HALF * ((2 * i + 1.0) / STEPS - 1.0);
+      const double y = HALF * ((2 * j + 1.0) / STEPS - 1.0);
+      const double r2 = x * x + y * y + BEHIND * BEHIND, r = sqrt(r2);
+      const pl_vec3f d = {(float)(x / r), (float)(y / r), (float)(BEHIND / r)};
+      const double light = reflect(SEEN, view, d) * BEHIND / (r * r2); /* by area */
+      all += light;
+      beyond += x > edge ? light : 0.0;
+    }
+  return beyond / all;
+}
+
+static void test_a_picture_is_not_blurred(void **state) {
+  (void)state;
+  const double truth = part_beyond(EDGE);
+  for (int i = 0; i < 2; i++) {
+    const double found = shoot_picture(i, EDGE) / shoot_picture(i, -(int)HALF);
+    print_message("tolerance %d: %.4f of the light, by quadrature %.4f\n", i, found, truth);
+    assert_true(fabs(found / truth - 1.0) < 0.01);
+  }
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_metal_lights_metal),
+      cmocka_unit_test(test_a_picture_is_not_blurred),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
