@@ -28,7 +28,11 @@ def named_files() -> set[str]:
     """What configurations, documents and benchmarks name after `data:`, whole or in part."""
     sources = [p for f in ("configs", "docs", "benchmarks") for p in (ROOT / f).rglob("*")]
     texts = [p.read_text() for p in sources if p.suffix in (".yaml", ".json", ".py")]
-    found = {name for text in texts for name in re.findall(r"data:([\w./-]+/[\w.-]*)", text)}
+    found = {
+        name
+        for text in texts
+        for name in re.findall(r"data:(?!application/)([\w./-]+/[\w.-]*)", text)
+    }
     return {name.rstrip(".") for name in found}
 
 
