@@ -1,4 +1,4 @@
-/* Halving by the largest cost. */
+/* Taking flat places, then halving by the largest cost. */
 #include "geom/facets.h"
 
 #include <math.h>
@@ -10,15 +10,23 @@
 /* Directions of a rectangle's side that are tried: the edges of the largest facet, and some more.
  */
 enum { EDGES = 3, TURNS = 8 };
+/* Flat places are taken first: at most so many of a material, of at least this part of its area, of
+ * facets within 1.8 degrees. They are looked for in so many cells along the faces of a cube; odd,
+ * so that its axes are in the middle of one. In what follows they count for more than curved
+ * places. */
+enum { FLATS = 8, ROUGH_FLATS = 2, CELLS = 17 };
+static const float FLAT_PART = 0.02f, FLAT_COSINE = 0.9995f, FLAT_WEIGHT = 10.0f;
 /* Parts of a range in which gaps are looked for. */
 enum { BINS = 64 };
 /* Of materials that are rough a group is worth this part of a shiny one: a graph may stand for the
  * material. Roughness and metalness from which on one counts as shiny. */
 static const float ROUGH_COST = 0.02f, SHINY_ROUGHNESS = 0.45f;
 /* Unfilled parts of a rectangle cost as much as so much spread of normals. */
-static const float UNFILLED_COST = 0.02f;
+static const float UNFILLED_COST = 0.2f;
 /* A group that costs less, of its area, is left whole. */
 static const float COST_MIN = 1e-5f;
+/* Groups that are thicker, over their size, are halved across. */
+static const float THICK = 0.1f;
 /* Groups of less spread are halved by place, and their rectangles are the smallest. */
 static const float SPREAD_FLAT = 0.005f;
 
@@ -55,6 +63,7 @@ typedef struct group {
   pl_facet_group out;
   size_t first, count; /* of its triangles in the order */
   float weight, cost;
+  float thickness;   /* along its normal */
   float variance[3]; /* of the normals, along each axis */
 } group;
 
@@ -122,6 +131,7 @@ static void try_rectangle(const pl_model *model, const uint32_t *order, pl_vec3f
     return;
   *smallest = size;
   const extent c = extent_along(model, order, g, n);
+  g->thickness = c.high - c.low;
   g->out.half[0] = pl_vec3f_scale(x, 0.5f * (a.high - a.low));
   g->out.half[1] = pl_vec3f_scale(y, 0.5f * (b.high - b.low));
   g->out.center = pl_vec3f_madd(
@@ -144,12 +154,19 @@ static void measure_rectangle(const pl_model *model, const uint32_t *order, grou
   }
 }
 
+/* Over the size of the rectangle. */
+static float thickness_of(const group *g) {
+  return g->thickness /
+         pl_maxf(pl_vec3f_norm(g->out.half[0]) + pl_vec3f_norm(g->out.half[1]), 1e-30f);
+}
+
 static void measure(const pl_model *model, const uint32_t *order, group *g) {
   measure_normals(model, order + g->first, g);
   measure_rectangle(model, order + g->first, g);
   const float size = 4.0f * pl_vec3f_norm(g->out.half[0]) * pl_vec3f_norm(g->out.half[1]);
   const float unfilled = size > 0.0f ? pl_maxf(1.0f - g->out.area / size, 0.0f) : 0.0f;
-  const float each = g->out.spread + UNFILLED_COST * unfilled * unfilled;
+  const float thick = pl_minf(thickness_of(g), 1.0f);
+  const float each = g->out.spread + UNFILLED_COST * (unfilled * unfilled + thick * thick);
   g->cost = each > COST_MIN && g->count > 1 ? g->weight * g->out.area * each : 0.0f;
 }
 
@@ -212,7 +229,8 @@ static float longest(const pl_model *model, const uint32_t *order, const group *
   const pl_vec3f x = sides ? pl_vec3f_unit(g->out.half[0]) : own.t;
   const pl_vec3f axes[3] = {x, pl_vec3f_cross(own.n, x), own.n};
   float length = -1.0f;
-  for (int axis = 0; axis < 3; axis++) {
+  const bool layers = !by_normal && thickness_of(g) > THICK;
+  for (int axis = layers ? 2 : 0; axis < 3; axis++) {
     criterion c = {.by_normal = by_normal, .axis = axes[axis]};
     const extent e = range_of(model, order, g, &c);
     if (!(e.high - e.low > length))
@@ -251,6 +269,7 @@ typedef struct groups {
   uint32_t *order;
   group items[PL_FACET_GROUPS];
   size_t count;
+  float area[6 * CELLS * CELLS]; /* of facets by their direction */
 } groups;
 
 static void halve(groups *all, size_t at) {
@@ -279,24 +298,104 @@ static bool is_shiny(const pl_material *m) {
           (m->layered && m->layers.coat > 0.0f && m->layers.coat_roughness < SHINY_ROUGHNESS));
 }
 
-/* A group of each material, those of the last ones together if there are too many. */
-static void add_materials(groups *all) {
-  const pl_model *model = all->model;
-  size_t used = 0;
-  for (size_t m = 0; m < model->material_count && used < model->triangle_count; m++) {
-    const bool last = all->count + 1 == PL_FACET_GROUPS;
-    group g = {.first = used, .weight = is_shiny(&model->materials[m]) ? 1.0f : ROUGH_COST};
-    for (uint32_t t = 0; t < model->triangle_count; t++) {
-      const int own = material_of(model, t);
-      if (own == (int)m || (last && own > (int)m))
-        all->order[used++] = t;
-    }
-    g.count = used - g.first;
-    if (g.count == 0)
+/* A place on a sphere of directions: a face of the cube about it, and a cell of that. */
+static int cell_of(pl_vec3f n) {
+  const float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
+  const int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+  const float major = axis == 0 ? n.x : axis == 1 ? n.y : n.z;
+  const float u = (axis == 0 ? n.y : n.x) / fabsf(major),
+              v = (axis == 2 ? n.y : n.z) / fabsf(major);
+  const int column = (int)(0.499f * (u + 1.0f) * CELLS), row = (int)(0.499f * (v + 1.0f) * CELLS);
+  return ((2 * axis + (major < 0.0f)) * CELLS + row) * CELLS + column;
+}
+
+/* The direction that most of a group's area looks in; false if it is too little. */
+static bool main_direction(groups *all, const group *g, float total, pl_vec3f *out) {
+  float *area = all->area;
+  for (int i = 0; i < 6 * CELLS * CELLS; i++)
+    area[i] = 0.0f;
+  int most = 0;
+  for (size_t i = 0; i < g->count; i++) {
+    const facet f = facet_of(all->model, all->order[g->first + i]);
+    const float size = pl_vec3f_norm(f.normal);
+    if (!(size > 0.0f))
       continue;
-    measure(model, all->order, &g);
-    all->items[all->count++] = g;
+    const int cell = cell_of(f.normal);
+    area[cell] += 0.5f * size;
+    most = area[cell] > area[most] ? cell : most;
   }
+  pl_vec3f sum = {0.0f, 0.0f, 0.0f};
+  for (size_t i = 0; i < g->count; i++) {
+    const facet f = facet_of(all->model, all->order[g->first + i]);
+    if (pl_vec3f_norm(f.normal) > 0.0f && cell_of(f.normal) == most)
+      sum = pl_vec3f_add(sum, f.normal);
+  }
+  *out = pl_vec3f_unit(sum);
+  return area[most] > FLAT_PART * total;
+}
+
+/* Makes groups of a material's facets that look in the same direction, as long as they are large;
+ * what is left of `g` is the rest. */
+static void take_flats(groups *all, group *g) {
+  const int most = g->weight < 1.0f ? ROUGH_FLATS : FLATS;
+  measure_normals(all->model, all->order + g->first, g);
+  const float total = g->out.area;
+  pl_vec3f direction;
+  for (int k = 0; k < most && g->count > 0 && all->count + 2 < PL_FACET_GROUPS; k++) {
+    if (!main_direction(all, g, total, &direction))
+      return;
+    uint32_t *order = all->order + g->first;
+    size_t front = 0;
+    for (size_t i = 0; i < g->count; i++) {
+      const facet f = facet_of(all->model, order[i]);
+      if (!(pl_vec3f_dot(f.normal, direction) > FLAT_COSINE * pl_vec3f_norm(f.normal)))
+        continue;
+      const uint32_t swap = order[front];
+      order[front++] = order[i];
+      order[i] = swap;
+    }
+    if (front == 0)
+      return;
+    group *flat = &all->items[all->count++];
+    *flat = (group){.first = g->first, .count = front, .weight = FLAT_WEIGHT * g->weight};
+    measure(all->model, all->order, flat);
+    g->first += front;
+    g->count -= front;
+  }
+}
+
+/* Sorts the facets by material; `start`: of each, and one more. */
+static void sort(const pl_model *model, size_t *start, uint32_t *order) {
+  const size_t count = model->material_count;
+  for (size_t m = 0; m <= count; m++)
+    start[m] = 0;
+  for (uint32_t t = 0; t < model->triangle_count; t++)
+    start[material_of(model, t) + 1]++;
+  for (size_t m = 0; m < count; m++)
+    start[m + 1] += start[m];
+  for (uint32_t t = 0; t < model->triangle_count; t++)
+    order[start[material_of(model, t)]++] = t;
+  for (size_t m = count; m > 0; m--) /* each has become the first of the next */
+    start[m] = start[m - 1];
+  start[0] = 0;
+}
+
+/* Groups of each material, shiny ones first, as long as there is room. */
+static void add_materials(groups *all, const size_t *start) {
+  const pl_model *model = all->model;
+  for (int shiny = 1; shiny >= 0; shiny--)
+    for (size_t m = 0; m < model->material_count; m++) {
+      group g = {
+          .first = start[m], .count = start[m + 1] - start[m], .weight = shiny ? 1.0f : ROUGH_COST};
+      if (g.count == 0 || is_shiny(&model->materials[m]) != (shiny == 1) ||
+          all->count == PL_FACET_GROUPS)
+        continue;
+      take_flats(all, &g);
+      if (g.count == 0)
+        continue;
+      measure(model, all->order, &g);
+      all->items[all->count++] = g;
+    }
 }
 
 static void split(groups *all) {
@@ -321,26 +420,42 @@ static void keep(const groups *all, pl_facets *out) {
   }
 }
 
+/* What is needed while groups are made. */
+typedef struct scratch {
+  groups *all;
+  size_t *start;
+  uint32_t *order;
+  pl_facet_group *kept; /* handed on */
+} scratch;
+
+static pl_status allocate(const pl_model *model, scratch *s) {
+  s->all = pl_alloc(1, sizeof *s->all);
+  s->start = pl_alloc(model->material_count + 1, sizeof *s->start);
+  s->order = pl_alloc(model->triangle_count, sizeof *s->order);
+  s->kept = pl_alloc(PL_FACET_GROUPS, sizeof *s->kept);
+  if (s->all != NULL && s->start != NULL && s->order != NULL && s->kept != NULL)
+    return PL_OK;
+  pl_free(s->kept);
+  return pl_fail(PL_E_MEMORY, "out of memory for the flat places of a mesh");
+}
+
 pl_status pl_facets_init(const pl_model *model, pl_facets *out) {
-  void *order, *memory;
+  scratch s;
   *out = (pl_facets){0};
   if (model->triangle_count == 0)
     return PL_OK;
-  PL_TRY(pl_alloc_or_fail(model->triangle_count, sizeof(uint32_t), "the facets of a mesh", &order));
-  groups *all = NULL;
-  pl_status status = pl_alloc_or_fail(1, sizeof(groups), "the facets of a mesh", (void **)&all);
-  if (status == PL_OK)
-    status =
-        pl_alloc_or_fail(PL_FACET_GROUPS, sizeof(pl_facet_group), "the facets of a mesh", &memory);
+  const pl_status status = allocate(model, &s);
   if (status == PL_OK) {
-    *all = (groups){.model = model, .order = order};
-    add_materials(all);
-    split(all);
-    out->groups = memory;
-    keep(all, out);
+    *s.all = (groups){.model = model, .order = s.order};
+    sort(model, s.start, s.order);
+    add_materials(s.all, s.start);
+    split(s.all);
+    out->groups = s.kept;
+    keep(s.all, out);
   }
-  pl_free(all);
-  pl_free(order);
+  pl_free(s.all);
+  pl_free(s.start);
+  pl_free(s.order);
   return status;
 }
 

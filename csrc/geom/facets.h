@@ -2,8 +2,9 @@
  * wants to know where a mesh may mirror light reads them; a curved place is a group whose normals
  * are spread.
  *
- * The mesh is halved again and again where a group is least like its rectangle: by its normals, or
- * by place where it fills its rectangle badly. Groups are of one material each. */
+ * Directions that much of the area looks in make a group each; then the mesh is halved again and
+ * again where a group is least like its rectangle: by its normals, or by place where it fills its
+ * rectangle badly. Groups are of one material each. */
 #ifndef PL_GEOM_FACETS_H
 #define PL_GEOM_FACETS_H
 
@@ -13,7 +14,7 @@
 #include "geom/model.h"
 
 /* Groups of a mesh, at most. */
-enum { PL_FACET_GROUPS = 48 };
+enum { PL_FACET_GROUPS = 96 };
 
 typedef struct pl_facet_group {
   pl_vec3f center;   /* of the rectangle, mesh units */
