@@ -3,6 +3,7 @@
 #include "harness.h"
 
 #include "frames.h"
+#include "jointed.h"
 #include "math/sampler.h"
 #include "render/caustics.h"
 #include "scene/shot_frame.h"
@@ -213,6 +214,37 @@ static void test_table(void **state) {
   }
 }
 
+/* A mirror that moves on its craft throws its light where it has turned to. */
+static void test_moving_part(void **state) {
+  (void)state;
+  static const cube_node nodes[2] = {
+      {.parent = -1, .trs = {{0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}}, .empty = true},
+      {.parent = 0, .trs = {{0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}}}};
+  static const int moving[1] = {1};
+  const pl_quat tilt = pl_quat_axis_angle((pl_vec3){0, 1, 0}, 0.6);
+  const pl_quat back = pl_quat_axis_angle((pl_vec3){0, 1, 0}, -0.6);
+  for (int turned = 0; turned < 2; turned++) {
+    world w;
+    world_init(&w, 0.1f);
+    w.screen = jointed_create(nodes, 2, MIRROR_HALF);
+    pl_free(w.screen->materials[0].name);
+    w.screen->materials[0] = w.mirror->materials[0];
+    w.screen->materials[0].name = pl_strdup("mirror");
+    pl_affine motion = PL_AFFINE_IDENTITY;
+    if (turned)
+      motion.m = pl_mat3_from_quat(back);
+    const pl_vec3 below = pl_vec3_madd(MIRROR, -MIRROR_HALF, (pl_vec3){0, 0, 1});
+    stage_add_object(&w.s, w.screen, below, tilt, 1.0);
+    assert_int_equal(pl_scene_articulate(&w.s.scene, 1, moving, 1), PL_OK);
+    w.s.objects[1].movers = &motion;
+    assert_int_equal(count_mirrors(&w), turned);
+    const found table = rendered(&w, 256, true, 1, NULL);
+    print_message("moving part: %.4f of the sun\n", table.mean);
+    assert_true(turned ? fabs(table.mean - 0.8) < 0.01 : table.mean < 0.01);
+    world_clear(&w);
+  }
+}
+
 /* --- draws ------------------------------------------------------------------------------------ */
 
 /* Draws from points beside and within the beam: the mean of a function over its density is its
@@ -271,6 +303,7 @@ int main(void) {
       cmocka_unit_test(test_second_sun),    cmocka_unit_test(test_converges),
       cmocka_unit_test(test_hidden_mirror), cmocka_unit_test(test_same_bits),
       cmocka_unit_test(test_table),         cmocka_unit_test(test_density),
+      cmocka_unit_test(test_moving_part),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
