@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "math/sampler.h"
 #include "pyext/py_read.h"
 #include "shade/presence.h"
 
@@ -186,6 +187,26 @@ static void put_surface(const pl_surface *s, double *out) {
   memcpy(out, row, sizeof row);
 }
 
+/* The surface at a point of the object's axes, seen from above. */
+static pl_surface surface_at(const pl_graph *graph, pl_vec3f at, double radius,
+                             const float *parameters) {
+  const pl_vec3f x = {1.0f, 0.0f, 0.0f}, y = {0.0f, 1.0f, 0.0f}, z = {0.0f, 0.0f, 1.0f};
+  const pl_graph_point point = {.object = at,
+                                .world = at,
+                                .t = x,
+                                .b = y,
+                                .n = z,
+                                .ng = z,
+                                .view = z,
+                                .radius = (float)radius,
+                                .filter = PL_FILTER_FINEST,
+                                .bumps = true,
+                                .scale = 1.0f};
+  pl_surface surface = {.t = x, .b = y, .n = z, .ng = z, .alpha = 1.0f};
+  pl_graph_surface(graph, &point, parameters, &surface);
+  return surface;
+}
+
 static PyObject *graph_evaluate(PyObject *object, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"points", "radius", "parameters", NULL};
   const pl_graph *graph = ((graph_object *)object)->graph;
@@ -206,20 +227,7 @@ static PyObject *graph_evaluate(PyObject *object, PyObject *args, PyObject *kwar
   for (npy_intp i = 0; out != NULL && i < PyArray_DIM(in, 0); i++) {
     const double *p = (const double *)PyArray_DATA(in) + 3 * i;
     const pl_vec3f at = pl_vec3f_make((float)p[0], (float)p[1], (float)p[2]);
-    const pl_vec3f x = {1.0f, 0.0f, 0.0f}, y = {0.0f, 1.0f, 0.0f}, z = {0.0f, 0.0f, 1.0f};
-    const pl_graph_point point = {.object = at,
-                                  .world = at,
-                                  .t = x,
-                                  .b = y,
-                                  .n = z,
-                                  .ng = z,
-                                  .view = z,
-                                  .radius = (float)radius,
-                                  .filter = PL_FILTER_FINEST,
-                                  .bumps = true,
-                                  .scale = 1.0f};
-    pl_surface surface = {.t = x, .b = y, .n = z, .ng = z, .alpha = 1.0f};
-    pl_graph_surface(graph, &point, PyArray_DATA(values), &surface);
+    const pl_surface surface = surface_at(graph, at, radius, PyArray_DATA(values));
     put_surface(&surface, (double *)PyArray_DATA((PyArrayObject *)out) + 8 * i);
   }
   Py_XDECREF((PyObject *)in);
@@ -227,7 +235,54 @@ static PyObject *graph_evaluate(PyObject *object, PyObject *args, PyObject *kwar
   return out;
 }
 
+/* Light of an even sky that the surface sends towards `wo`, by the draws of its model. */
+static void put_albedo(const pl_surface *s, pl_vec3f wo, uint32_t draws, double out[3]) {
+  out[0] = out[1] = out[2] = 0.0;
+  for (uint32_t i = 0; wo.z > 0.0f && i < draws; i++) {
+    float u[2], choice[2], pdf;
+    pl_vec3f wi, weight;
+    pl_sample_2d(i, 0, 0, u);
+    pl_sample_2d(i, 0, 1, choice);
+    if (!s->reflectance->sample(s, wo, u, choice[0], &wi, &weight, &pdf))
+      continue;
+    out[0] += (double)weight.x / draws;
+    out[1] += (double)weight.y / draws;
+    out[2] += (double)weight.z / draws;
+  }
+}
+
+static PyObject *graph_albedo(PyObject *object, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"towards", "draws", "parameters", NULL};
+  const pl_graph *graph = ((graph_object *)object)->graph;
+  const npy_intp directions[2] = {-1, 3};
+  const npy_intp shape[2] = {(npy_intp)pl_graph_parameter_count(graph), 4};
+  PyObject *py_towards, *py_parameters;
+  unsigned int draws;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OIO:albedo", names, &py_towards, &draws,
+                                   &py_parameters))
+    return NULL;
+  PyArrayObject *in = pl_py_array(py_towards, "towards", NPY_DOUBLE, 2, directions);
+  PyArrayObject *values =
+      in != NULL ? pl_py_array(py_parameters, "parameters", NPY_FLOAT, 2, shape) : NULL;
+  PyObject *out = NULL;
+  if (values != NULL) {
+    const npy_intp rows[2] = {PyArray_DIM(in, 0), 3};
+    out = PyArray_SimpleNew(2, rows, NPY_DOUBLE);
+  }
+  for (npy_intp i = 0; out != NULL && i < PyArray_DIM(in, 0); i++) {
+    const double *w = (const double *)PyArray_DATA(in) + 3 * i;
+    const pl_surface s = surface_at(graph, (pl_vec3f){0}, 0.0, PyArray_DATA(values));
+    put_albedo(&s, pl_vec3f_make((float)w[0], (float)w[1], (float)w[2]), draws,
+               (double *)PyArray_DATA((PyArrayObject *)out) + 3 * i);
+  }
+  Py_XDECREF((PyObject *)in);
+  Py_XDECREF((PyObject *)values);
+  return out;
+}
+
 static PyMethodDef graph_methods[] = {
+    {"albedo", (PyCFunction)(void (*)(void))graph_albedo, METH_VARARGS | METH_KEYWORDS,
+     "Light of an even sky that the surface sends towards directions."},
     {"evaluate", (PyCFunction)(void (*)(void))graph_evaluate, METH_VARARGS | METH_KEYWORDS,
      "The surface at points of the object's axes."},
     {NULL, NULL, 0, NULL},

@@ -46,7 +46,6 @@ bbox_obj -1s, px_count_all and px_count_valid -1, visib_fract nan."""
 class Model:
     """A model read from .gltf or .glb; immutable, turned to z-up. Model units are the file's times
     the stretch."""
-
     def __new__(cls, path: str, crease_angle_rad: float = ..., stretch: F64 | None = None) -> Self:
         """crease_angle_rad (default: pi, none): normals that the file has for faces that meet over
         edges of more than that are split, each side gets its own; a line of `warnings` tells.
@@ -117,7 +116,6 @@ class Articulation:
     all is in the model's axes. All joints are given at rest and travel with what is above them.
     animations: (n,) indices into Model.animations, played together. ValueError names the node that
     cannot move, or that two animations move in the same way."""
-
     def __new__(
         cls, model: Model, joints: Sequence[Mapping[str, Any]], animations: NDArray[np.int32]
     ) -> Self: ...
@@ -141,7 +139,6 @@ class Articulation:
 class Stars:
     """A catalogue of stars: unit directions (n, 3) in root axes for an observer at rest, irradiance
     of the bands (n, 3), W m-2, magnitudes and numbers (n,) for labels."""
-
     def __new__(
         cls, directions: F64, light: F64, magnitudes: F64, numbers: NDArray[np.int64]
     ) -> Self: ...
@@ -153,7 +150,6 @@ class Stars:
 class Map:
     """A filtered texture: a PNG, JPEG or WebP file, uint8 (H, W, channels) or float32 (H, W). Wrap:
     "repeat" | "clamp" | "mirror". black: linear, becomes 0. water: a mask of where it is blue."""
-
     def __new__(
         cls, source: str | NDArray[np.uint8] | NDArray[np.float32], srgb: bool = True, wrap_u:
         str = "repeat", wrap_v: str = "clamp", black: float = 0.0, water: bool = False
@@ -170,7 +166,6 @@ class Map:
 @final
 class Grid:
     """Numbers over a whole body, filtered by the footprint of a ray."""
-
     def __new__(
         cls, values: NDArray[np.float32], west_rad: float, north_rad: float, south_rad: float
     ) -> Self:
@@ -200,7 +195,6 @@ class AirSettings(TypedDict):
 @final
 class Air:
     """An atmosphere about a round body at the origin; points lie outside it, directions are unit."""
-
     def __new__(cls, settings: AirSettings, radius_m: float) -> Self:
         """radius_m: of the body, the geometric mean of its semi-axes."""
     def transmittance(self, points: F64, directions: F64) -> F64:
@@ -219,7 +213,6 @@ class Air:
 @final
 class Rings:
     """Flat rings about a body, in its axes: z is their normal, the origin its centre."""
-
     def __new__(
         cls, edges_m: F64, depth: F64, albedo: F64, exponent: float, dust_share: float,
         dust_g: float
@@ -279,7 +272,6 @@ class Graph:
     frame gives). A constant is (number or index of the choice, numbers float32 or None, Map or
     None). surface: index of the node that is the surface. wrap: inputs of it that are unset stay
     the model's material's. ValueError starts with `node.key`."""
-
     def __new__(
         cls, nodes: tuple[tuple[Any, ...], ...], surface: int, parameters: int, wrap: bool
     ) -> Self: ...
@@ -291,11 +283,13 @@ class Graph:
     @property
     def presence(self) -> int:
         """What its alpha leaves of a surface, in any frame: 0 nothing, 1 perhaps a part, 2 all."""
-    def evaluate(
-        self, points: F64, radius: float, parameters: NDArray[np.float32]
-    ) -> F64:
+    def evaluate(self, points: F64, radius: float, parameters: NDArray[np.float32]) -> F64:
         """(n, 8): colour (3), metalness, GGX alpha, emission (3) of the surface at points (n, 3) in
         object axes, m, with footprints of this radius, m. parameters: (count, 4)."""
+    def albedo(self, towards: F64, draws: int, parameters: NDArray[np.float32]) -> F64:
+        """(n, 3): what the surface at the object's origin sends towards unit directions (n, 3), of
+        its axes with z the normal, of an even sky's light: the directional albedo, by as many draws
+        of its model; 0 from below."""
 
 class Ground(TypedDict, total=False):
     heights: Map | None  # black to white: body_ground's height
@@ -308,7 +302,6 @@ class Ground(TypedDict, total=False):
 @final
 class Scene:
     """What does not change from frame to frame: models, maps, label ids."""
-
     def __new__(cls, levels: int) -> Self:
         """levels: number of semantic levels, 1..8."""
     def add_body(
@@ -453,7 +446,6 @@ class FrameResult(TypedDict):
 @final
 class Renderer:
     """Renders frames of one scene; keeps its accelerators and buffers between frames."""
-
     def __new__(cls, scene: Scene) -> Self: ...
     def render(
         self, request: FrameRequest, out: Mapping[str, NDArray[Any]], threads: int = 1
@@ -508,10 +500,7 @@ class Propagator:
      the point mass of gm always acts; a force's "motion" is the name of one of the motions, which
      are propagators about the same centre (of the Sun, say).
     Errors (ValueError) start with the kind."""
-
-    def __new__(
-        cls, spec: Mapping[str, Any], tdb_day: float, tdb_fraction: float
-    ) -> Self: ...
+    def __new__(cls, spec: Mapping[str, Any], tdb_day: float, tdb_fraction: float) -> Self: ...
     @property
     def kind(self) -> str:
         """Name of its kind, as in PROPAGATORS."""
@@ -533,7 +522,6 @@ class Tree:
        and "omega_rad_s": (3,) in the principal axes at the epoch, and takes "start": (4,), those
        axes to ICRF at the epoch; "table" needs "t_s": (n,), "quats": (n, 4); "given" needs "slot".
     Errors (ValueError) name the node; a cycle of parents is printed."""
-
     def __new__(
         cls, nodes: Sequence[Mapping[str, Any]], tdb_day: float, tdb_fraction: float
     ) -> Self: ...
