@@ -214,7 +214,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   pl_ray *ray = &b->rays[kept];
   pl_shine_draw drawn;
   if (!pl_shine_sample(shine, &vertex->surface, wo, u, choice[0], &drawn)) {
-    if (bounce == 0 && drawn.set)
+    if (bounce == 0 && drawn.set && !(shine->mirrored > 0.0f))
       pl_path_lose(context, vertex, path, b);
     return false;
   }
@@ -297,6 +297,27 @@ static void see_emission(const pl_path_context *context, const pl_path *path, co
       pl_vec3f_scale(pl_vec3f_mul(path->throughput, vertex->surface.emission), weight));
 }
 
+/* Whether the path goes on, how, and what it is drawn to. Light of mirrors has edges, which pools
+ * would blur, and is drawn well: it is the pixel's `own`. */
+static bool look_on(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
+                    int bounce, pl_vec3f wo, pl_shine *shine, pl_way *way, bool *own,
+                    pl_tile_buffers *b) {
+  *way = PL_WAY_DRAWN;
+  *own = bounce > 0;
+  if (!goes_on(context, vertex->thing, bounce))
+    return false;
+  const pl_caustics *caustics = caustics_at(context, vertex);
+  if (caustics != NULL) {
+    pl_shine_at(context->settings->shine, caustics, vertex, wo, shine);
+    *own = *own || shine->mirrored > 0.0f;
+  }
+  if (!*own)
+    *way = pl_path_way(context, &vertex->surface, wo, path, b);
+  if (*way != PL_WAY_NONE && caustics == NULL)
+    pl_shine_at(context->settings->shine, NULL, vertex, wo, shine);
+  return *way != PL_WAY_NONE;
+}
+
 /* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
@@ -318,11 +339,9 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
   pl_shine shine;
-  bool onward = goes_on(context, vertex->thing, bounce);
-  const pl_way first = onward && bounce == 0 ? pl_path_way(context, s, wo, &path, b) : PL_WAY_DRAWN;
-  onward = onward && first != PL_WAY_NONE;
-  if (onward)
-    pl_shine_at(context->settings->shine, caustics_at(context, vertex), vertex, wo, &shine);
+  bool own;
+  pl_way first;
+  const bool onward = look_on(context, &path, vertex, bounce, wo, &shine, &first, &own, b);
   const pl_shine *way = onward ? &shine : NULL;
   *queued = shade_sun(context, &path, vertex, u.sun, wo, way, *queued, b);
   if (context->settings->air != NULL)
@@ -332,7 +351,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
   path.shared = path.shared || first == PL_WAY_SHARED; /* from here on: what is above is its own */
   if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, *kept, b) &&
-      (bounce > 0 || pl_path_follow(context, vertex, &b->paths[*kept], b)))
+      (own || pl_path_follow(context, vertex, &b->paths[*kept], b)))
     ++*kept;
 }
 
@@ -361,7 +380,7 @@ static void follow_settled(const pl_path_context *context, size_t i, size_t *kep
   const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0));
   const pl_vec3f wo = pl_surface_to_local(&vertex.surface, view);
   pl_shine shine;
-  pl_shine_at(context->settings->shine, caustics_at(context, &vertex), &vertex, wo, &shine);
+  pl_shine_at(context->settings->shine, NULL, &vertex, wo, &shine);
   if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, *kept, b) &&
       pl_path_follow(context, &vertex, &b->paths[*kept], b))
     ++*kept;

@@ -20,12 +20,14 @@ static const double PLATE_HALF = 0.05, MIRROR_HALF = 3.0, ALBEDO = 0.5;
 typedef struct world {
   stage s;
   pl_model *plate, *mirror, *screen;
+  double tolerance_dn;
 } world;
 
 static void world_init(world *w, float roughness) {
   w->plate = square_create(PLATE_HALF);
   w->mirror = square_create(MIRROR_HALF);
   w->screen = NULL;
+  w->tolerance_dn = 0.0;
   w->plate->materials[0].lambert = true;
   for (int k = 0; k < 3; k++) {
     w->plate->materials[0].base_color[k] = (float)ALBEDO;
@@ -62,7 +64,8 @@ static found rendered(const world *w, int samples, bool table, int threads, film
   request.samples = samples;
   request.max_bounces = 1;
   request.threads = threads;
-  request.wish = (pl_plan_wish){.force_off = table ? 0 : effect_bit("caustics")};
+  request.wish = (pl_plan_wish){.tolerance_dn = w->tolerance_dn,
+                                .force_off = table ? 0 : effect_bit("caustics")};
   assert_int_equal(pl_renderer_create(&w->s.scene, &renderer), PL_OK);
   render(renderer, &request);
   found out = {0.0, 0.0};
@@ -149,6 +152,35 @@ static void test_hidden_mirror(void **state) {
       assert_true(table.mean > 0.1 && table.mean < 0.7);
     world_clear(&w);
   }
+}
+
+/* Edges of the light stay sharp where pixels pool what they find: at a tolerance errors fall on. */
+static void test_edges(void **state) {
+  (void)state;
+  world w;
+  film exact, film;
+  double square = 0.0;
+  world_init(&w, 0.1f);
+  world_add_mirror(&w, PL_QUAT_IDENTITY);
+  w.screen = square_create(1.0);
+  w.screen->materials[0].lambert = true;
+  for (int k = 0; k < 3; k++)
+    w.screen->materials[0].base_color[k] = 0.0f;
+  /* Its shadow's edge crosses the plate. */
+  const pl_vec3 near = pl_vec3_madd(PLATE, 0.02, (pl_vec3){0.6, 0, -0.8});
+  stage_add_object(&w.s, w.screen, pl_vec3_add(near, (pl_vec3){1.0, 0, 0}), PL_QUAT_IDENTITY, 1.0);
+  const found whole = rendered(&w, 4096, true, 1, &exact);
+  w.tolerance_dn = 1.0;
+  rendered(&w, 256, true, 1, &film);
+  for (int i = 0; i < 3 * PIXELS; i++)
+    square += pow((double)(film.radiance[i] - exact.radiance[i]), 2.0) / (3 * PIXELS);
+  const double error = sqrt(square) * PL_PI / ALBEDO / SOLAR;
+  print_message("edge: %.3f +- %.3f of the sun, off by %.4f\n", whole.mean, whole.deviation, error);
+  assert_true(whole.deviation > 0.2);
+  assert_true(error < 0.03);
+  film_clear(&exact);
+  film_clear(&film);
+  world_clear(&w);
 }
 
 static void test_same_bits(void **state) {
@@ -303,7 +335,7 @@ int main(void) {
       cmocka_unit_test(test_second_sun),    cmocka_unit_test(test_converges),
       cmocka_unit_test(test_hidden_mirror), cmocka_unit_test(test_same_bits),
       cmocka_unit_test(test_table),         cmocka_unit_test(test_density),
-      cmocka_unit_test(test_moving_part),
+      cmocka_unit_test(test_edges),         cmocka_unit_test(test_moving_part),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
