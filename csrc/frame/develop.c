@@ -19,7 +19,7 @@ enum { SUN_SIDE = 8, SUN_RAYS = SUN_SIDE * SUN_SIDE };
  * nothing. */
 static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
   pl_ray rays[SUN_RAYS];
-  bool hidden[SUN_RAYS];
+  pl_hit hits[SUN_RAYS];
   int seen = 0;
   for (int i = 0; i < SUN_RAYS; i++) {
     const float u[2] = {((float)(i % SUN_SIDE) + 0.5f) / SUN_SIDE,
@@ -28,9 +28,9 @@ static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
                        .direction = pl_vec3_unit(pl_vec3f_to_double(pl_sun_sample(sun, u))),
                        .skip_body = PL_NOTHING};
   }
-  pl_tracer_occluded(tracer, rays, hidden, SUN_RAYS, true);
+  pl_tracer_closest(tracer, rays, hits, SUN_RAYS, true, true); /* as the camera sees */
   for (int i = 0; i < SUN_RAYS; i++)
-    seen += !hidden[i];
+    seen += hits[i].thing == PL_NOTHING;
   return (double)seen / SUN_RAYS;
 }
 

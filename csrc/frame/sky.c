@@ -74,21 +74,21 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
                            const pl_render_settings *settings, size_t count, pl_arena *arena,
                            pl_frame_sky *sky) {
   pl_ray *rays = pl_arena_alloc(arena, count, sizeof *rays);
-  bool *hidden = pl_arena_alloc(arena, count, sizeof *hidden);
+  pl_hit *hits = pl_arena_alloc(arena, count, sizeof *hits);
   sky->seen = pl_arena_alloc(arena, count, sizeof *sky->seen);
-  if (rays == NULL || hidden == NULL || sky->seen == NULL)
+  if (rays == NULL || hits == NULL || sky->seen == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for %zu stars", count);
   for (size_t i = 0; i < count; i++)
     rays[i] = (pl_ray){
         .t_max = INFINITY, .direction = sky->field.stars[i].direction, .skip_body = PL_NOTHING};
-  pl_tracer_occluded(tracer, rays, hidden, count, false);
+  pl_tracer_closest(tracer, rays, hits, count, false, true); /* as the camera sees */
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
   for (size_t i = 0; i < count; i++) {
     const pl_field_star *star = &sky->field.stars[i];
     double pixel[2];
     /* Again: the plan may have left out the lens's distortion. */
     const pl_vec3 view = pl_mat3_mul_vec_t(shot->camera_to_root, star->direction);
-    if (hidden[i] || pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
+    if (hits[i].thing != PL_NOTHING || pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
         !pl_camera_project(&shot->camera, view, pixel))
       continue;
     const pl_vec3f passed = passed_of(shot, settings, pl_vec3_to_float(star->direction));

@@ -11,6 +11,7 @@ void pl_cut_destroy(pl_cut *cut) {
     return;
   pl_free(cut->whole.indices);
   pl_free(cut->whole.triangle_part);
+  pl_free(cut->whole.backed);
   for (size_t k = 0; cut->covers != NULL && k < cut->count; k++)
     pl_cover_clear(&cut->covers[k]);
   pl_free(cut->covers);
@@ -39,6 +40,10 @@ static pl_status allocate(pl_cut *cut, size_t triangles) {
   for (int i = 0; i < 7; i++)
     if (memory[i] == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for the pieces of a model");
+  if (cut->model->backed == NULL)
+    return PL_OK;
+  PL_TRY(pl_alloc_or_fail(triangles, 1, "the pieces of a model", &memory[0]));
+  cut->whole.backed = memory[0];
   return PL_OK;
 }
 
@@ -76,6 +81,8 @@ static void sort_triangles(pl_cut *cut, const size_t *node_piece) {
     const size_t from = cut->original[t];
     memcpy(cut->whole.indices + 3 * t, model->indices + 3 * from, 3 * sizeof(uint32_t));
     cut->whole.triangle_part[t] = model->triangle_part[from];
+    if (model->backed != NULL)
+      cut->whole.backed[t] = model->backed[from];
   }
 }
 
@@ -94,6 +101,7 @@ static void measure(pl_model *piece) {
 static pl_status fill(pl_cut *cut, const int *nodes) {
   void *node_piece;
   uint32_t *indices = cut->whole.indices, *parts = cut->whole.triangle_part;
+  uint8_t *backed = cut->whole.backed;
   for (size_t k = 1; k < cut->count; k++)
     cut->nodes[k - 1] = nodes[k - 1];
   PL_TRY(pl_alloc_or_fail(cut->model->nodes.count, sizeof(size_t), "the pieces of a model",
@@ -104,11 +112,13 @@ static pl_status fill(pl_cut *cut, const int *nodes) {
   cut->whole = *cut->model;
   cut->whole.indices = indices;
   cut->whole.triangle_part = parts;
+  cut->whole.backed = backed;
   for (size_t k = 0; k < cut->count; k++) {
     pl_model *piece = &cut->pieces[k];
     *piece = cut->whole;
     piece->indices = indices + 3 * cut->first[k];
     piece->triangle_part = parts + cut->first[k];
+    piece->backed = backed != NULL ? backed + cut->first[k] : NULL;
     piece->triangle_count = cut->first[k + 1] - cut->first[k];
     measure(piece);
     PL_TRY(pl_cover_init(piece, &cut->covers[k]));

@@ -18,11 +18,11 @@ void pl_model_destroy(pl_model *model) {
   for (size_t i = 0; model->animations != NULL && i < model->animation_count; i++)
     pl_animation_clear(&model->animations[i]);
   pl_nodes_clear(&model->nodes);
-  void *const owned[] = {model->positions, model->normals,          model->tangents,
-                         model->uvs[0],    model->uvs[1],           model->colors,
-                         model->indices,   model->triangle_part,    model->parts,
-                         model->materials, (void *)model->textures, model->animations,
-                         model->warnings};
+  void *const owned[] = {model->positions,  model->normals,       model->tangents,
+                         model->uvs[0],     model->uvs[1],        model->colors,
+                         model->indices,    model->triangle_part, model->parts,
+                         model->backed,     model->materials,     (void *)model->textures,
+                         model->animations, model->warnings};
   for (size_t i = 0; i < sizeof owned / sizeof owned[0]; i++)
     pl_free(owned[i]);
   pl_free(model);

@@ -92,9 +92,10 @@ typedef struct pl_material {
   float normal_scale;  /* factor on x and y of the normal map */
   float alpha_cutoff;  /* for PL_ALPHA_MASK */
   pl_alpha_mode alpha_mode;
-  bool double_sided;
-  bool lambert; /* a Lambert surface of the base colour, with none of the other factors */
-  bool layered; /* `layers` counts: the surface is shaded as the row `principled` */
+  bool double_sided; /* rays meet the backs of its faces, too */
+  bool dark_behind;  /* emits from the fronts of its faces alone, though rays meet their backs */
+  bool lambert;      /* a Lambert surface of the base colour, with none of the other factors */
+  bool layered;      /* `layers` counts: the surface is shaded as the row `principled` */
   pl_texture_slot base_color_map;         /* sRGB */
   pl_texture_slot metallic_roughness_map; /* linear: G roughness, B metallic */
   pl_texture_slot normal_map;             /* linear */
@@ -122,6 +123,8 @@ typedef struct pl_model {
   float *colors;     /* linear RGBA per vertex or NULL */
   uint32_t *indices; /* 3 per triangle, counter-clockwise seen from outside */
   uint32_t *triangle_part; /* per triangle, index into parts */
+  uint8_t *backed; /* per triangle: another face hides its back (trace/backing.h); or NULL */
+  float hair;      /* mesh units: so far apart are sheets back to back, at most */
 
   size_t part_count, material_count, texture_count;
   pl_part *parts;         /* material of a triangle: parts[triangle_part[t]].material */

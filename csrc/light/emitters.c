@@ -252,8 +252,9 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   const double distance = pl_vec3_norm(way);
   out->direction = pl_vec3_to_float(pl_vec3_unit(way));
   const float facing = -pl_vec3f_dot(out->direction, pl_vec3f_unit(c.normal));
-  const pl_material *material = pl_material_of(model, triangle);
-  const float cosine = material->double_sided ? fabsf(facing) : facing;
+  const bool both =
+      pl_back_is_there(model, triangle) && !pl_material_of(model, triangle)->dark_behind;
+  const float cosine = both ? fabsf(facing) : facing;
   /* Meshes are off by a few ulp of their own size. */
   out->distance_m =
       distance - fmin(1e-4 * distance, 1e-4 * item->radius_m) - 0x1p-18 * item->radius_m;

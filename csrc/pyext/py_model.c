@@ -13,6 +13,7 @@
 #include "math/color.h"
 #include "shade/material_surface.h"
 #include "shade/presence.h"
+#include "trace/backing.h"
 
 typedef struct model_object {
   PyObject_HEAD pl_model *model; /* owned */
@@ -43,12 +44,31 @@ typedef struct reading {
   double crease_rad;
   bool stretched;
   double stretch[3];
+  PyObject *sides; /* borrowed: a function of a material's name and sides; None: as they are */
 } reading;
 
 static pl_status load(const char *path, const reading *how, pl_model **out) {
   size_t split;
   PL_TRY(pl_gltf_load(path, how->stretched ? how->stretch : NULL, out));
   return pl_model_crease(*out, how->crease_rad, &split); /* the object owns the model already */
+}
+
+/* Asks for the sides of each material. Those of solids that light goes through stay two. */
+static int set_sides(PyObject *sides, pl_model *model) {
+  for (size_t i = 0; i < model->material_count; i++) {
+    pl_material *material = &model->materials[i];
+    PyObject *answer = PyObject_CallFunction(sides, "sO", material->name,
+                                             material->double_sided ? Py_True : Py_False);
+    const int both = answer != NULL ? PyObject_IsTrue(answer) : -1;
+    Py_XDECREF(answer);
+    if (both < 0)
+      return -1;
+    if (material->layers.solid && material->layers.transmission > 0.0f)
+      continue;
+    material->dark_behind = both != 0 && !material->double_sided;
+    material->double_sided = both != 0;
+  }
+  return 0;
 }
 
 static int parse_reading(PyObject *stretch, reading *how) {
@@ -74,11 +94,11 @@ static int parse_reading(PyObject *stretch, reading *how) {
 }
 
 static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"path", "crease_angle_rad", "stretch", NULL};
+  static char *names[] = {"path", "crease_angle_rad", "stretch", "sides", NULL};
   PyObject *path, *stretch = Py_None, *bytes = NULL;
-  reading how = {.crease_rad = PL_PI};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "U|dO:Model", names, &path, &how.crease_rad,
-                                   &stretch) ||
+  reading how = {.crease_rad = PL_PI, .sides = Py_None};
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "U|dOO:Model", names, &path, &how.crease_rad,
+                                   &stretch, &how.sides) ||
       parse_reading(stretch, &how) < 0 || !PyUnicode_FSConverter(path, &bytes))
     return NULL;
   model_object *self = (model_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
@@ -90,9 +110,15 @@ static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   const char *name = PyBytes_AsString(bytes);
   Py_BEGIN_ALLOW_THREADS status = load(name, &how, &self->model);
   Py_END_ALLOW_THREADS Py_DECREF(bytes);
-  if (status != PL_OK) {
+  const bool answered =
+      status != PL_OK || how.sides == Py_None || set_sides(how.sides, self->model) == 0;
+  if (status == PL_OK && answered) {
+    Py_BEGIN_ALLOW_THREADS status = pl_backing_find(self->model);
+    Py_END_ALLOW_THREADS
+  }
+  if (!answered || status != PL_OK) {
     Py_DECREF(self);
-    return pl_py_raise(status);
+    return answered ? pl_py_raise(status) : NULL;
   }
   Py_INCREF(path);
   self->path = path;
@@ -407,7 +433,7 @@ static PyObject *model_surfaces(PyObject *self, PyObject *unused) {
   }
   npy_bool *double_sided = PyArray_DATA((PyArrayObject *)sides);
   for (size_t t = 0; t < m->triangle_count; t++)
-    double_sided[t] = pl_material_of(m, (uint32_t)t)->double_sided;
+    double_sided[t] = pl_back_is_there(m, (uint32_t)t);
   uint8_t *out = PyArray_DATA((PyArrayObject *)presence);
   Py_BEGIN_ALLOW_THREADS pl_presence_find(m, out);
   Py_END_ALLOW_THREADS return dict;
@@ -465,9 +491,9 @@ static PyMethodDef model_methods[] = {
 };
 
 static PyType_Slot model_slots[] = {
-    {Py_tp_doc,
-     "Model(path, crease_angle_rad=pi, stretch=None)\n--\n\nA spacecraft model read from "
-     ".gltf or .glb; immutable."},
+    {Py_tp_doc, "Model(path, crease_angle_rad=pi, stretch=None, sides=None)\n--\n\nA spacecraft "
+                "model read from "
+                ".gltf or .glb; immutable."},
     {Py_tp_new, (void *)model_new},
     {Py_tp_dealloc, (void *)model_dealloc},
     {Py_tp_getset, model_getset},

@@ -273,7 +273,7 @@ static bool face_sun(const builder *b, uint32_t triangle, const pl_sun_view *sun
   const pl_shot_object *object = &b->shot->objects[m->thing];
   m->sun = sun->direction;
   if (pl_vec3f_dot(m->basis.n, m->sun) < 0.0f) {
-    if (!pl_material_of(object->object->model, triangle)->double_sided)
+    if (!pl_back_is_there(object->object->model, triangle))
       return false;
     turn_over(&m->basis);
   }

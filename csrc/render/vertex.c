@@ -159,6 +159,12 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
   pl_graph_surface(graph->graph, &point, own != NULL ? own + graph->first_parameter : NULL, s);
 }
 
+/* The back of what shines by its front. */
+static bool is_dark(const pl_shot_object *object, const pl_beam *beam, const pl_vertex *vertex) {
+  return pl_material_of(object->object->model, vertex->triangle)->dark_behind &&
+         pl_vec3_dot(pl_vec3f_to_double(vertex->ng), beam->direction) > 0.0;
+}
+
 static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_detail detail,
                        pl_vertex *vertex) {
   pl_shot_frame(object, vertex->triangle, vertex->w, vertex->ng, &vertex->surface);
@@ -173,6 +179,8 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_det
     pl_material_surface(object->object->model, &point, detail, &vertex->surface);
   if (graph != NULL)
     shade_graph(object, graph, &point, detail, beam, vertex);
+  if (is_dark(object, beam, vertex))
+    vertex->surface.emission = (pl_vec3f){0.0f, 0.0f, 0.0f};
 }
 
 /* An interpolated normal can lean away from the viewer, who sees the surface all the same; it is

@@ -94,6 +94,11 @@ const pl_material *pl_material_of(const pl_model *model, uint32_t triangle) {
   return &model->materials[model->parts[model->triangle_part[triangle]].material];
 }
 
+bool pl_back_is_there(const pl_model *model, uint32_t triangle) {
+  return pl_material_of(model, triangle)->double_sided &&
+         (model->backed == NULL || model->backed[triangle] == 0);
+}
+
 static pl_vec3f emission_of(const pl_model *model, const pl_triangle_point *point,
                             const pl_material *material, pl_detail detail, image_place *last) {
   float map[4];

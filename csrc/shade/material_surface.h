@@ -71,6 +71,9 @@ pl_vec3f pl_material_emission(const pl_model *model, const pl_triangle_point *po
 float pl_material_opacity(const pl_model *model, const pl_triangle_point *point);
 /* Material of a triangle; borrowed. */
 const pl_material *pl_material_of(const pl_model *model, uint32_t triangle);
+/* Whether rays meet the back of a triangle: not of a single-sided material (glTF 2.0, 3.9.6), nor
+ * where another face covers it. */
+bool pl_back_is_there(const pl_model *model, uint32_t triangle);
 
 /* Bounds for the plan: largest reflectance, smallest GGX alpha, largest emission, any texture, the
  * heaviest coat, the clearest wall. */

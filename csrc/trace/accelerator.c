@@ -16,16 +16,18 @@ pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing) {
   return pl_fail(PL_E_DEVICE, "Embree error %d while %s", (int)error, doing);
 }
 
-/* Whether the surface is there for ray `i`. The back of a single-sided material is not (glTF 2.0,
- * 3.9.6): published models put two such sheets back to back, a hair apart in either order, and rely
- * on it. Light passes where sight does, so that neither sheet shades the other. Below an opacity of
- * one half there is no surface either. */
-static bool is_there(const struct RTCFilterFunctionNArguments *arguments, unsigned i) {
+/* Whether the surface is there for ray `i`, which looks along itself or, towards a light, is looked
+ * along from its end: one that the light sees casts a shadow, and of two sheets back to back the
+ * one that is lit is not shaded by the other, in either order. Below an opacity of one half there
+ * is no surface. */
+static bool is_there(const struct RTCFilterFunctionNArguments *arguments, unsigned i,
+                     bool to_light) {
   const pl_model *model = arguments->geometryUserPtr;
   const unsigned n = arguments->N;
   const uint32_t triangle = pl_embree_hit_triangle(arguments->hit, n, i);
   const pl_material *material = pl_material_of(model, triangle);
-  if (!material->double_sided && pl_embree_from_behind(arguments->ray, arguments->hit, n, i))
+  if ((pl_embree_from_behind(arguments->ray, arguments->hit, n, i) != 0) != to_light &&
+      !pl_back_is_there(model, triangle))
     return false;
   if (material->alpha_mode == PL_ALPHA_OPAQUE)
     return true;
@@ -35,23 +37,35 @@ static bool is_there(const struct RTCFilterFunctionNArguments *arguments, unsign
   return pl_material_opacity(model, &point) >= 0.5f;
 }
 
-static void presence_filter(const struct RTCFilterFunctionNArguments *arguments) {
+static void sight_filter(const struct RTCFilterFunctionNArguments *arguments) {
   for (unsigned i = 0; i < arguments->N; i++)
-    if (arguments->valid[i] != 0 && !is_there(arguments, i))
+    if (arguments->valid[i] != 0 && !is_there(arguments, i, false))
       arguments->valid[i] = 0;
 }
 
-/* Models that are opaque and double-sided throughout are traced without a filter. */
-static void set_filter(RTCGeometry geometry, const pl_model *model) {
-  bool always_there = true;
+static void light_filter(const struct RTCFilterFunctionNArguments *arguments) {
+  for (unsigned i = 0; i < arguments->N; i++)
+    if (arguments->valid[i] != 0 && !is_there(arguments, i, true))
+      arguments->valid[i] = 0;
+}
+
+static bool is_one_way(const pl_model *model) {
+  bool one_way = model->backed != NULL;
   for (size_t i = 0; i < model->material_count; i++)
-    always_there &=
-        model->materials[i].double_sided && model->materials[i].alpha_mode == PL_ALPHA_OPAQUE;
+    one_way |= !model->materials[i].double_sided;
+  return one_way;
+}
+
+/* Models that are opaque and have all their backs are traced without a filter. */
+static void set_filter(RTCGeometry geometry, const pl_model *model) {
+  bool always_there = !is_one_way(model);
+  for (size_t i = 0; i < model->material_count; i++)
+    always_there &= model->materials[i].alpha_mode == PL_ALPHA_OPAQUE;
   if (always_there)
     return;
   rtcSetGeometryUserData(geometry, (void *)(uintptr_t)model);
-  rtcSetGeometryIntersectFilterFunction(geometry, presence_filter);
-  rtcSetGeometryOccludedFilterFunction(geometry, presence_filter);
+  rtcSetGeometryIntersectFilterFunction(geometry, sight_filter);
+  rtcSetGeometryOccludedFilterFunction(geometry, light_filter);
 }
 
 static void share_buffers(RTCGeometry geometry, const pl_model *model) {
@@ -93,7 +107,7 @@ pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model,
     return pl_fail(PL_E_MEMORY, "out of memory for accelerators");
   tracer->models = grown;
   pl_model_accelerator *made = &tracer->models[tracer->model_count];
-  *made = (pl_model_accelerator){.model = model};
+  *made = (pl_model_accelerator){.model = model, .one_way = is_one_way(model)};
   PL_TRY(pl_coincident_find(model, &made->coincident));
   const pl_status status = build_model(tracer, model, &made->scene);
   if (status != PL_OK) {
@@ -118,7 +132,8 @@ static pl_status open_instance(pl_tracer *tracer, const pl_shot_object *object, 
                        .coincident = kept->coincident,
                        .object = index,
                        .size_m = object->radius_m,
-                       .cuts = pl_object_cuts(object->object)};
+                       .cuts = pl_object_cuts(object->object),
+                       .one_way = kept->one_way};
   return PL_OK;
 }
 

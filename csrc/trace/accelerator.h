@@ -8,6 +8,7 @@ typedef struct pl_model_accelerator {
   const pl_model *model; /* borrowed; the key */
   RTCScene scene;        /* owned */
   uint8_t *coincident;   /* owned; see trace/coincident.h */
+  bool one_way;          /* some of its backs are not there */
 } pl_model_accelerator;
 
 /* A sphere about one instance, or about all spheres up to `after`. */

@@ -5,6 +5,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "shade/material_surface.h"
 
 /* Steps of a plane's normal and, over the model's extent, of its distance: faces within rounding of
  * each other rarely part on one. */
@@ -165,11 +166,25 @@ pl_status pl_coincident_find(const pl_model *model, uint8_t **out) {
 /* --- hits ------------------------------------------------------------------------------------- */
 
 typedef struct search {
+  const pl_model *model;
   const uint8_t *marks;
   pl_candidate_fn counts;
   const void *context;
   pl_mesh_hit *best;
+  bool *looks; /* whether the best looks at the ray */
 } search;
+
+/* Whether a triangle that the ray meets from behind counts as one that looks at it: those that a
+ * file has double-sided do. */
+static bool has_two_faces(const pl_model *model, uint32_t triangle) {
+  const pl_material *material = pl_material_of(model, triangle);
+  return material->double_sided && !material->dark_behind;
+}
+
+/* Whether a hit is a better one than the best so far: looks at the ray, or is later. */
+static bool is_better(const search *search, uint32_t triangle, bool looks) {
+  return looks != *search->looks ? looks : triangle > search->best->triangle;
+}
 
 /* Looks at every candidate and takes none, so that Embree shows them all. */
 static void look(const struct RTCFilterFunctionNArguments *arguments) {
@@ -180,14 +195,25 @@ static void look(const struct RTCFilterFunctionNArguments *arguments) {
     if (arguments->valid[i] == 0)
       continue;
     arguments->valid[i] = 0;
-    if (triangle <= search->best->triangle || search->marks[triangle] == 0 ||
+    const bool looks = !pl_embree_from_behind(arguments->ray, arguments->hit, n, i) ||
+                       has_two_faces(search->model, triangle);
+    if (!is_better(search, triangle, looks) || search->marks[triangle] == 0 ||
         !search->counts(search->context, arguments, i))
       continue;
+    *search->looks = looks;
     search->best->triangle = triangle;
     search->best->u = pl_embree_hit_u(arguments->hit, n, i);
     search->best->v = pl_embree_hit_v(arguments->hit, n, i);
     search->best->t = pl_embree_ray_far(arguments->ray, n, i);
   }
+}
+
+static bool looks_at(const pl_model *model, uint32_t triangle, pl_vec3f direction) {
+  const pl_vec3 a = point_of(corner(model, triangle, 0));
+  const pl_vec3 e1 = pl_vec3_sub(point_of(corner(model, triangle, 1)), a);
+  const pl_vec3 e2 = pl_vec3_sub(point_of(corner(model, triangle, 2)), a);
+  return has_two_faces(model, triangle) ||
+         pl_vec3_dot(pl_vec3_cross(e1, e2), pl_vec3f_to_double(direction)) <= 0.0;
 }
 
 void pl_coincident_settle(const pl_instance *instance, const pl_lone_approach *at,
@@ -205,7 +231,8 @@ void pl_coincident_settle(const pl_instance *instance, const pl_lone_approach *a
                                     .tfar = hit->t + within,
                                     .mask = UINT32_MAX}};
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  const search search = {instance->coincident, counts, context, hit};
+  bool looks = looks_at(instance->model, hit->triangle, at->direction);
+  const search search = {instance->model, instance->coincident, counts, context, hit, &looks};
   pl_embree_query way = {.filter = look, .user = &search};
   pl_embree_intersect1(instance->scene, &way, &query);
 }

@@ -1,4 +1,5 @@
-/* Faces of a model in one place, as of a decal on a hull: the later face is the one that is hit. */
+/* Faces of a model in one place, as of a decal on a hull: the later face is the one that is hit, or
+ * where a file has them single-sided the one that looks at the ray. */
 #ifndef PL_TRACE_COINCIDENT_H
 #define PL_TRACE_COINCIDENT_H
 
@@ -18,8 +19,9 @@ typedef struct pl_mesh_hit {
 typedef bool (*pl_candidate_fn)(const void *context,
                                 const struct RTCFilterFunctionNArguments *arguments, unsigned i);
 
-/* Replaces a hit on such a triangle by the last of its instance's within rounding of it along the
- * ray, which came to it as `at` says. Only candidates that count: holes of graphs do not. */
+/* Replaces a hit on such a triangle by the last of those of its instance that look at the ray, or
+ * if none does by the last, within rounding of it along the ray, which came to it as `at` says.
+ * Only candidates that count: holes of graphs do not. */
 void pl_coincident_settle(const pl_instance *instance, const pl_lone_approach *at,
                           pl_candidate_fn counts, const void *context, pl_mesh_hit *hit);
 

@@ -8,6 +8,8 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <math.h>
+
 /* Fields of a candidate hit in a filter function: arrays of N in the order Ng.x, Ng.y, Ng.z, u, v,
  * primID (the accessors of rtcore_ray.h exist in C++ alone). */
 static inline float pl_embree_hit_u(const struct RTCHitN *hit, unsigned n, unsigned i) {
@@ -28,6 +30,14 @@ static inline unsigned pl_embree_hit_triangle(const struct RTCHitN *hit, unsigne
 /* Distance of a candidate hit. */
 static inline float pl_embree_ray_far(const struct RTCRayN *ray, unsigned n, unsigned i) {
   return ((const float *)ray)[8 * n + i];
+}
+/* How high a ray starts above the plane of the triangle that it meets, in the ray's units. */
+static inline float pl_embree_height(const struct RTCRayN *ray, const struct RTCHitN *hit,
+                                     unsigned n, unsigned i) {
+  const float *d = (const float *)ray + 4 * n + i, *ng = (const float *)hit + i;
+  const float along = d[0] * ng[0] + d[n] * ng[n] + d[2 * n] * ng[2 * n];
+  const float square = ng[0] * ng[0] + ng[n] * ng[n] + ng[2 * n] * ng[2 * n];
+  return pl_embree_ray_far(ray, n, i) * fabsf(along) / sqrtf(square);
 }
 /* The number that the caller gave the ray. */
 static inline unsigned pl_embree_ray_id(const struct RTCRayN *ray, unsigned n, unsigned i) {

@@ -23,6 +23,7 @@ typedef struct pl_instance {
   pl_vec3 mesh_center;       /* of the sphere, mesh units */
   pl_mat3 to_mesh;           /* root axes, m, to mesh units */
   bool cuts;                 /* graphs may cut holes into it */
+  bool one_way;              /* some of its backs are not there */
 } pl_instance;
 
 /* Where the mesh with these triangles is: a point p of it at linear p + origin, m. `center` and

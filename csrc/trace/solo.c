@@ -62,29 +62,46 @@ static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
   }
 }
 
+/* Whether valid rays meet anything. Where backs are not there the nearest is looked for: Embree's
+ * test of occlusion is for rays towards lights. */
+static void meet(const pl_instance *instance, const int32_t *valid, pl_embree_query *way,
+                 struct RTCRayHit8 *query, bool met[PL_PACKET]) {
+  for (int i = 0; i < PL_PACKET; i++)
+    query->hit.geomID[i] = query->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  if (instance->one_way)
+    pl_embree_intersect8(valid, instance->scene, way, query);
+  else
+    pl_embree_occluded8(valid, instance->scene, way, &query->ray);
+  for (int i = 0; i < PL_PACKET; i++) /* Embree sets -inf on an occlusion */
+    met[i] = instance->one_way ? query->hit.geomID[i] != RTC_INVALID_GEOMETRY_ID
+                               : query->ray.tfar[i] < 0.0f;
+}
+
 static void cast_at(const pl_solo *solo, const pl_instance *instance, const pl_vec3 *directions,
                     bool *hits, size_t count, pl_packet *packet, const pl_entry *entry) {
-  struct RTCRay8 query;
+  struct RTCRayHit8 query;
+  struct RTCRay8 *ray = &query.ray;
+  bool met[PL_PACKET];
   pl_approach at;
   pl_packet_approach(packet, instance, entry, &at);
   for (size_t i = 0; i < PL_PACKET; i++) {
-    query.org_x[i] = at.origin[0][i];
-    query.org_y[i] = at.origin[1][i];
-    query.org_z[i] = at.origin[2][i];
-    query.dir_x[i] = at.direction[0][i];
-    query.dir_y[i] = at.direction[1][i];
-    query.dir_z[i] = at.direction[2][i];
-    query.tnear[i] = query.time[i] = 0.0f;
-    query.tfar[i] = INFINITY;
-    query.mask[i] = UINT32_MAX;
-    query.id[i] = (unsigned)(i < count ? i : 0);
-    query.flags[i] = 0;
+    ray->org_x[i] = at.origin[0][i];
+    ray->org_y[i] = at.origin[1][i];
+    ray->org_z[i] = at.origin[2][i];
+    ray->dir_x[i] = at.direction[0][i];
+    ray->dir_y[i] = at.direction[1][i];
+    ray->dir_z[i] = at.direction[2][i];
+    ray->tnear[i] = ray->time[i] = 0.0f;
+    ray->tfar[i] = INFINITY;
+    ray->mask[i] = UINT32_MAX;
+    ray->id[i] = (unsigned)(i < count ? i : 0);
+    ray->flags[i] = 0;
   }
   const looks looks = {solo->object, instance, directions};
   pl_embree_query way = {.user = &looks, .filter = pass_holes};
-  pl_embree_occluded8(entry->valid, instance->scene, solo->object != NULL ? &way : NULL, &query);
+  meet(instance, entry->valid, solo->object != NULL ? &way : NULL, &query, met);
   for (size_t i = 0; i < count; i++)
-    if (entry->valid[i] != 0 && query.tfar[i] < 0.0f) { /* Embree sets -inf on a hit */
+    if (entry->valid[i] != 0 && met[i]) {
       hits[i] = true;
       packet->limit[i] = -1.0;
     }

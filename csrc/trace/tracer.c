@@ -87,6 +87,19 @@ static bool is_left(const visit *visit, const struct RTCFilterFunctionNArguments
          0.0f;
 }
 
+/* Whether ray `i` starts on one of two sheets back to back, and meets the other: rounding may have
+ * put that before it, a hair away. */
+static bool is_between(const pl_instance *instance, const pl_ray *ray,
+                       const struct RTCFilterFunctionNArguments *arguments, unsigned i,
+                       uint32_t triangle) {
+  const pl_model *model = instance->model;
+  const uint32_t from = ray->from_triangle - 1 - instance->first; /* beyond all: of another piece */
+  if (model->backed == NULL || model->backed[triangle] == 0 || from >= model->triangle_count ||
+      model->backed[from] == 0)
+    return false;
+  return pl_embree_height(arguments->ray, arguments->hit, arguments->N, i) <= model->hair;
+}
+
 /* Whether ray `i` meets what it can. Not the triangle that it starts on: however far the origin is
  * put off the surface, rounding in the units of a long mesh can put it behind again. Nor where a
  * graph leaves no surface. */
@@ -98,7 +111,8 @@ static bool counts(const void *context, const struct RTCFilterFunctionNArguments
   const pl_ray *ray = &visit->rays[pl_embree_ray_id(arguments->ray, n, i)];
   const uint32_t triangle = instance->first + pl_embree_hit_triangle(arguments->hit, n, i);
   if (instance->object == ray->from_thing &&
-      (triangle + 1 == ray->from_triangle || is_left(visit, arguments, i, triangle)))
+      (triangle + 1 == ray->from_triangle || is_left(visit, arguments, i, triangle) ||
+       is_between(instance, ray, arguments, i, triangle - instance->first)))
     return false;
   return !instance->cuts ||
          pl_shot_is_there(&visit->tracer->snapshot->objects[instance->object], triangle,

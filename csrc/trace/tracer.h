@@ -52,11 +52,13 @@ pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot);
  * definition: rounding depends on them. They must not depend on threads. `meshes` false skips
  * meshes: the caller knows that these rays can meet none.
  *
+ * The backs of single-sided materials, and of sheets that others back, are not there.
  * Where faces of two objects lie in one place, but for rounding, the later object's is hit: hulls
  * and what is stuck on them do not speckle. */
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
                        bool coherent, bool meshes);
-/* occluded[i] is true if anything lies on ray i before t_max. */
+/* occluded[i] is true if anything lies on ray i before t_max, where a light is: faces are there
+ * that the light sees. */
 void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occluded, size_t count,
                         bool coherent);
 

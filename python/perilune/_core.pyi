@@ -8,7 +8,7 @@ Errors of the core are raised as `ValueError` (bad argument, range, format, unsu
 `OSError` (files), `MemoryError`, `KeyboardInterrupt` (cancelled) or `RuntimeError` (device).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NotRequired, Self, TypedDict, final
 
 import numpy as np
@@ -46,11 +46,19 @@ bbox_obj -1s, px_count_all and px_count_valid -1, visib_fract nan."""
 class Model:
     """A model read from .gltf or .glb; immutable, turned to z-up. Model units are the file's times
     the stretch."""
-    def __new__(cls, path: str, crease_angle_rad: float = ..., stretch: F64 | None = None) -> Self:
+    def __new__(
+        cls,
+        path: str,
+        crease_angle_rad: float = ...,
+        stretch: F64 | None = None,
+        sides: Callable[[str, bool], bool] | None = None,
+    ) -> Self:
         """crease_angle_rad (default: pi, none): normals that the file has for faces that meet over
         edges of more than that are split, each side gets its own; a line of `warnings` tells.
         stretch: (3,) positive factors along the model's axes, as if all root nodes were below a
-        node of that scale."""
+        node of that scale. sides: asked of each material by its name, and whether the file has it
+        double-sided: whether rays meet the backs of its faces; those of solids that light goes
+        through they do."""
     @property
     def path(self) -> str: ...
     @property
@@ -80,7 +88,7 @@ class Model:
         """Copies: positions (V,3) f64, model units, normals (V,3) f32, uv (V,2) f32 or absent,
         indices (T,3) u32, triangle_part (T,) u32, triangle_color (T,3) u8 (mean sRGB)."""
     def surfaces(self) -> dict[str, NDArray[Any]]:
-        """What rays meet of the triangles, by the materials of the file: double_sided (T,) bool, and
+        """What rays meet of the triangles: double_sided (T,) bool, whether their backs are met, and
         presence (T,) u8: 0 where alpha leaves nothing of a triangle, 1 a part, 2 all of it."""
     @classmethod
     def of_mesh(

@@ -17,6 +17,7 @@ from perilune import (
     _core,
     articulation,
     atmospheres,
+    faces,
     ground,
     maps,
     orbits,
@@ -126,7 +127,7 @@ def _obj_ids(config: Config) -> dict[str, int]:
     for name, number in stated.items():
         other = first.setdefault(number, name)
         a, b = config.spacecraft[name], config.spacecraft[other]
-        same = ("model", "size_m", "metres_per_unit", "centre", "crease_angle_deg")
+        same = ("model", "size_m", "metres_per_unit", "centre", "crease_angle_deg", "faces")
         if any(getattr(a, key) != getattr(b, key) for key in same):
             raise ConfigError(
                 f"spacecraft.{name}.obj_id = {number}: {other} has it too, but another model or "
@@ -207,16 +208,18 @@ class Handles:
         result: dict[str, ObjectModel] = {}
         for name, craft in config.spacecraft.items():
             path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
-            key = (path, craft.crease_angle_deg, craft.stretch)
+            key = (path, craft.crease_angle_deg, craft.stretch, repr(craft.faces))
             if key not in files:
                 try:
                     angle_rad = math.radians(craft.crease_angle_deg)
-                    files[key] = read_model(path, angle_rad, craft.stretch)
+                    files[key] = read_model(path, angle_rad, craft.stretch, craft.faces)
                 except ValueError as error:
                     where = f"{self.document.source}:\n  spacecraft.{name}.model"
                     raise ConfigError(f"{where}: {error}") from error
             model = files[key]
             self._tell(f"spacecraft.{name}.model", path, model.warnings)
+            for pattern, text in faces.unmatched(craft.faces, model.materials):
+                self._tell_of_key(f"spacecraft.{name}.faces.{pattern}", text)
             bounds = model.bounds
             offset = bounds.mean(axis=0) if craft.centre == "bounds" else np.zeros(3)
             if not float((bounds[1] - bounds[0]).max()) > 0.0:
@@ -239,6 +242,10 @@ class Handles:
     def _tell(self, key: str, path: str, lines: tuple[str, ...]) -> None:
         where = origin(key, self.document.origins)
         self._remarks.tell(f"{self.document.source}: {where}", path, lines)
+
+    def _tell_of_key(self, key: str, text: str) -> None:
+        where = origin(key, self.document.origins)
+        self._remarks.tell_of_key(f"{self.document.source}: {where}", text)
 
     @cached_property
     def partitions(self) -> Mapping[str, Partition]:
@@ -277,8 +284,7 @@ class Handles:
         parts = {name: cut.entries for name, cut in self.partitions.items()}
         found = taxonomy(self.document.config, parts)
         for key, text in self.unmatched():
-            where = origin(key, self.document.origins)
-            self._remarks.tell_of_key(f"{self.document.source}: {where}", text)
+            self._tell_of_key(key, text)
         return found
 
     def unmatched(self) -> list[tuple[str, str]]:

@@ -8,6 +8,8 @@ from pathlib import PurePath
 import numpy as np
 
 from perilune import _core
+from perilune.config.faces import DEFAULT, Faces
+from perilune.faces import sides
 
 SUFFIXES = (".glb", ".gltf")
 FOREIGN: dict[str, str] = {
@@ -41,12 +43,12 @@ def read_model(
     path: str,
     crease_angle_rad: float = math.pi,
     stretch: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    faces: Faces = DEFAULT,
 ) -> _core.Model:
     """A model; ValueError for another format, or one that is damaged, by its file.
 
-    crease_angle_rad, stretch: see _core.Model; pi keeps the file's normals."""
+    crease_angle_rad, stretch: see _core.Model; pi keeps the file's normals. faces: as the key."""
     if wrong := foreign(path):
         raise ValueError(f"{path}: {wrong}")
-    if stretch == (1.0, 1.0, 1.0):
-        return _core.Model(path, crease_angle_rad)
-    return _core.Model(path, crease_angle_rad, np.array(stretch))
+    factors = None if stretch == (1.0, 1.0, 1.0) else np.array(stretch)
+    return _core.Model(path, crease_angle_rad, factors, sides(faces))

@@ -176,7 +176,7 @@ def test_camera_inside_a_mesh(tree, base, tmp_path, double_sided):
     path = write_glb(tmp_path / "cube.glb", *cube(0.5))
     if not double_sided:
         path.write_bytes(path.read_bytes().replace(b'"doubleSided": true', b'"doubleSided":false'))
-    tree["spacecraft"]["sat"] |= {"model": str(path), "size_m": 2.0}
+    tree["spacecraft"]["sat"] |= {"model": str(path), "size_m": 2.0, "faces": "as_stated"}
     sim = perilune.open(tree, base=base, trajectory=lambda w: pose(w.poses["sat"].mean(axis=0)[:3]))
     sample = sim.frame(0, channels=LABELS)
     inside = sample["instance"] == sim.taxonomy.instances["sat"]

@@ -69,6 +69,7 @@ KEYS = {
     ("Shape", "smooth"): LIGHT,
     ("Spacecraft", "centre"): PLACED,
     ("Spacecraft", "crease_angle_deg"): LIGHT,
+    ("Spacecraft", "faces"): PLACED,
     ("Spacecraft", "attitude"): PLACED,
     ("Spacecraft", "parts"): rule("ids names"),
     ("Spacecraft", "part_classes"): rule("ids names"),

@@ -370,6 +370,7 @@ THINGS = [
     ),
     Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "graphs.glb"}, {"model_graphs": False}),
     Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "melted.glb"}, {"crease_angle_deg": 180.0}),
+    Section(Spacecraft, AT_CRAFT, CRAFT | {"model": "sheet.gltf"}, {"faces": "as_stated"}),
     Section(Inertial, (*AT_CRAFT, "attitude"), {"pointing": "inertial"}, SPIN),
     Section(
         Circular,

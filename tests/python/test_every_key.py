@@ -15,6 +15,7 @@ from tests.python import key_changes
 from tests.python.key_cameras import CAMERAS
 from tests.python.key_sections import GREY_MAP, LAMBERT, MAP, THINGS, Section, Tree, base, put
 from tests.python.model_files import melted_box, with_graphs
+from tests.python.output.retrace import write_sheets
 
 import perilune
 from perilune import _core
@@ -97,6 +98,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     _core.png_write(str(path / MAP), rng.integers(0, 256, (8, 16, 4), np.uint8))
     _core.png_write(str(path / GREY_MAP), np.arange(128, dtype=np.uint8).reshape(8, 16))
     melted_box(path / "melted.glb")
+    write_sheets(path / "sheet.gltf", away={"place": [0, 0, 0]}, here={"place": [2, 0, 0]})
     with_graphs(path / "graphs.glb", mli_gold=LAMBERT, panel_back=LAMBERT, solar_cell=LAMBERT)
     np.save(path / "kernel.npy", rng.random((5, 5)) + 0.1)
     wavelengths = np.linspace(300.0, 1100.0, 9)

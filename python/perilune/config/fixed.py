@@ -35,6 +35,7 @@ def _of_craft(craft: Spacecraft) -> dict[str, Any]:
         "model": craft.model,
         "metres_per_unit": craft.stretch,
         "crease_angle_deg": craft.crease_angle_deg,
+        "faces": craft.faces,
         "centre": craft.centre,
         "obj_id": craft.obj_id,
         "class": craft.class_,

@@ -25,6 +25,7 @@ from perilune.config.body import Body
 from perilune.config.camera import Camera
 from perilune.config.ephemeris import Ephemeris
 from perilune.config.errors import fail, nearest
+from perilune.config.faces import DEFAULT, Faces
 from perilune.config.labels import Classes, Labels
 from perilune.config.materials import DriverSection, Material, MaterialDrivers, MaterialUse
 from perilune.config.motion import check_motion
@@ -207,6 +208,13 @@ class Spacecraft(Strict):
     """Edges that are shaded sharp: where the file has one normal for faces that meet at more than
     this angle, and it leans from one of them by more than half of it, each side gets its own. 180:
     the file's normals as they are."""
+    faces: Faces = DEFAULT
+    """From which sides faces are there, for sight, light, labels and written models alike.
+    double_sided: from both, as things are. as_stated: the backs of what the file has single-sided
+    are not, as glTF has it. single_sided: no backs are. A mapping: shell pattern on the names of
+    materials, in any case -> one of these; the first that fits, double_sided where none does. Of
+    sheets back to back, within a ten-thousandth of the model, the one that looks at the viewer is
+    seen in any case; solids that light goes through keep both sides."""
     orbit: Orbit
     gm_km3_s2: Positive | None = None
     """Gravitational parameter, for a model that is orbited: an asteroid, a moonlet."""

@@ -25,10 +25,11 @@ _ROLLING = (
     "without `rows` in an image had nothing that moved."
 )
 _MODELS = (
-    "Models are what is rendered, at rest. Double-sided triangles are there once from each side: "
-    "a renderer that culls back faces sees the same; without culling, the backs of one-sided "
-    "faces are drawn, which no image here shows. Triangles of which their material's alpha leaves "
-    "nothing are left out. Faces that alpha cuts in part, the last of a file, are there whole."
+    "Models are what is rendered, at rest. Triangles that are seen from both sides are there once "
+    "for each: a renderer that culls back faces sees the same; without culling, backs are drawn "
+    "that no image here shows, as those of closed hulls. Triangles of which their material's alpha "
+    "leaves nothing are left out. Faces that alpha cuts in part, the last of a file, are there "
+    "whole."
 )
 _PARTS = (
     "`models_parts/` holds the parts that move, in the frame of their object's model at rest. In "

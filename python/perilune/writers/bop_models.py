@@ -35,7 +35,7 @@ _PLY_TYPE = {"f4": "float", "u1": "uchar"}
 class Surfaces:
     """What rays meet of a model's triangles, and what they hang on."""
 
-    double_sided: NDArray[np.bool_]  # (T,)
+    double_sided: NDArray[np.bool_]  # (T,), whose backs can be seen from outside
     presence: NDArray[np.uint8]  # (T,), 0: nothing of it, 1: perhaps a part, 2: all
     nodes: Sequence[tuple[str, ...]] = ()
     """Chains of moving nodes, the nearest first."""

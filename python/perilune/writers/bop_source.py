@@ -23,6 +23,7 @@ from perilune.imaging import intrinsics
 from perilune.materials import images_in
 from perilune.simulation import Simulation
 from perilune.writers.bop_channels import channel_files, label_names, pictures
+from perilune.writers.bop_closed import closed
 from perilune.writers.bop_files import RGB_FOLDER
 from perilune.writers.bop_models import BopModel, Surfaces, bop_model
 from perilune.writers.bop_symmetry import check_symmetries, turns
@@ -90,6 +91,8 @@ def _surfaces(sim: Simulation, names: Sequence[str]) -> Surfaces:
     low, high = np.minimum.reduce(rows), np.maximum.reduce(rows)
     presence = np.where(low == high, low, np.uint8(1))
     double_sided = model.surfaces()["double_sided"]
+    if double_sided.any():
+        double_sided &= ~closed(model, presence)
     chains = sim.moving_nodes(names)
     if not any(chains):
         return Surfaces(double_sided, presence)

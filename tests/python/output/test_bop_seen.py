@@ -54,7 +54,7 @@ def test_sides_and_holes_are_those_that_are_rendered(small_scene, tmp_path):
         clear_vertices={"place": [0, 6, 0], "alpha": 0.1, "material": {"alphaMode": "MASK"}},
     )
     out = tmp_path / "out"
-    perilune.write_bop(scene(small_scene, model), FRAMES, out, threads=1)
+    perilune.write_bop(scene(small_scene, model, faces="as_stated"), FRAMES, out, threads=1)
     pixels, wrong = retraced(out)
     assert pixels > 500
     assert wrong == 0
@@ -76,7 +76,7 @@ def test_faces_that_alpha_cuts_in_part_are_the_last_and_counted(small_scene, tmp
         whole={"place": [0, 3, 0]},
     )
     out = tmp_path / "out"
-    perilune.write_bop(scene(small_scene, model), range(1), out, threads=1)
+    perilune.write_bop(scene(small_scene, model, faces="as_stated"), range(1), out, threads=1)
     row = info_of(out)["1"]
     assert row["faces_cut_in_part"] == 4  # either triangle, from both sides
     faces = read_faces(out / "models" / "obj_000001.ply")
@@ -94,6 +94,7 @@ def test_a_graph_that_leaves_nothing_takes_triangles_away(small_scene, tmp_path)
             "materials": {"gone": graph},
             "spacecraft.probe.model": str(model),
             "spacecraft.probe.materials": [{"material": "b", "use": "gone"}],
+            "spacecraft.probe.faces": "as_stated",
         },
     )
     perilune.write_bop(sim, range(1), tmp_path / "out", threads=1)
