@@ -92,6 +92,25 @@ def test_the_limb_towards_and_away_from_the_sun(
         assert (np.abs(all_of_it / air - 1.0) < off + 3.0 * truth.noise / air).all()
 
 
+# The same air by SASKTRAN2 2026.10.1 (University of Saskatchewan; Zawada et al. 2015, AMT 8, 2609):
+# spherical, successive orders, the sun 60 degrees from the zenith of the lowest point and aside,
+# the eye at 400 km, ground of albedo 0.1; its grid has steps of 1 km. 1/sr in red, green and blue.
+SASKTRAN = {
+    5e3: (0.035117, 0.049967, 0.087403),
+    20e3: (0.0078773, 0.017474, 0.059398),
+    35e3: (0.0015086, 0.0031078, 0.0090198),
+}
+
+
+@pytest.mark.parametrize("tangent_m", SASKTRAN)
+def test_the_earths_limb_is_that_of_a_published_model(tangent_m: float) -> None:
+    _, all_of_it, truth = limb("earth", tangent_m, 60.0, 90.0, 4000)
+    published = np.array(SASKTRAN[tangent_m])
+    noise = 3.0 * truth.noise / truth.total
+    assert (np.abs(truth.total / published - 1.0) < 0.005 + noise).all()
+    assert (np.abs(all_of_it / published - 1.0) < 0.025).all()
+
+
 def test_several_orders_matter_at_the_limb() -> None:
     """Oikarinen et al. (1999), JGR 104, 31261: the part of light scattered several times rises to
     tens of per cent in the visible, and falls as the sun sinks and with the ground's albedo."""
