@@ -11,7 +11,8 @@ from PIL import Image
 from tests.python.oaisys.oaisys_files import EARTH_M, FOLDER, SENSOR, failure, translated
 
 import perilune
-from perilune import _core
+from perilune import _core, atmospheres
+from perilune.config.atmosphere import Atmosphere
 
 MESHES = "ASSET_SETUP.MESHES"
 ENVIRONMENT = "ENVIRONMENT_EFFECTS_SETUP.ENVIRONMENT_EFFECTS"
@@ -192,7 +193,8 @@ def test_air(tree, planet):
     air = found["bodies"]["planet"]["atmosphere"]
     assert air["preset"] == "earth"
     assert "rayleigh_per_km" not in air
-    assert air["mie_scattering_per_km"] == pytest.approx([0.001998] * 3)
+    haze = atmospheres.settings(Atmosphere(preset="earth"))["mie_scattering"]
+    assert air["mie_scattering_per_km"] == pytest.approx([500.0 * value for value in haze])
     assert air["ozone_per_km"] == [0.0] * 3
     params = f"{ENVIRONMENT}[0].environmentEffectsParams"
     assert f"{params}.DustDensity: its middle, 0.5, is applied" in told
