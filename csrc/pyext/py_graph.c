@@ -189,7 +189,7 @@ static void put_surface(const pl_surface *s, double *out) {
 
 /* The surface at a point of the object's axes, seen from above. */
 static pl_surface surface_at(const pl_graph *graph, pl_vec3f at, double radius,
-                             const float *parameters) {
+                             const pl_value *parameters) {
   const pl_vec3f x = {1.0f, 0.0f, 0.0f}, y = {0.0f, 1.0f, 0.0f}, z = {0.0f, 0.0f, 1.0f};
   const pl_graph_point point = {.object = at,
                                 .world = at,
