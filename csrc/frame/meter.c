@@ -117,7 +117,7 @@ pl_status pl_frame_planetshine(pl_arena *arena, const pl_snapshot *shot, const p
   settings->shine = NULL;
   if (pl_plan_value(plan, "planetshine") == 0 || shot->body_count == 0)
     return PL_OK;
-  PL_TRY(pl_planetshine_build(shot, settings->white_radiance, arena, shine));
+  PL_TRY(pl_planetshine_build(shot, settings, arena, shine));
   settings->shine = shine->any ? shine : NULL;
   return PL_OK;
 }

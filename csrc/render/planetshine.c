@@ -2,6 +2,7 @@
 #include "render/planetshine.h"
 
 #include "math/color.h"
+#include "render/render.h"
 #include "shade/reflectance.h"
 
 /* The least radiance of a white surface, of what is shown as white, for which a body is drawn. */
@@ -17,7 +18,7 @@ static const float GLOSS = 0.02f;
 /* Paths are drawn by the lobe in any case, with this chance at least: meshes light each other. And
  * by it alone where bodies would get so few that finding them is not worth the while. */
 static const float LOBE_MIN = 0.4f, LOBE_MIN_ON_BODIES = 0.1f, SHARE_MIN = 0.04f;
-/* Bodies whose lit part is wider than this, sr, are found by the lobe's own draws as well, which
+/* Bodies whose light is wider than this, sr, are found by the lobe's own draws as well, which
  * lie where the light counts. By measurement. */
 static const float WIDE_SR = 1.5f;
 /* Of all paths so many are to meet bodies at least: weak light is noise that is seen, too. */
@@ -26,9 +27,16 @@ static const float WANTED_MIN = 0.1f;
 /* Mirrors of the sun get this share of draws at most. */
 static const float MIRRORS_MAX = 0.8f;
 
-/* A thing so small for the distance of a body sees it in one direction: draws to it are those of
- * the thing's centre, and what parallax hides of it is left to the lobe. */
+/* A thing so small for the distance of a body, and for its size, sees it in one direction: draws to
+ * it are those of the thing's centre, and what parallax hides of it is left to the lobe. */
 static const double PARALLAX_MAX = 0.003;
+
+/* Things so near to each other for the distance of a body share a look at it; and so many looks are
+ * made in a frame: others go by the nearest. */
+static const double LIKE = 0.05;
+enum { LOOKS = 64 };
+/* The least colour that stands for a body with clouds or air. */
+static const float VEILED = 0.3f;
 
 static float mean_color(const pl_shot_body *body) {
   const pl_body_state *state = body->state;
@@ -39,88 +47,154 @@ static float mean_color(const pl_shot_body *body) {
     pl_texture_mean(body->body->map, map);
   const pl_vec3f color = {map[0] * state->albedo[0], map[1] * state->albedo[1],
                           map[2] * state->albedo[2]};
-  return pl_minf(pl_luminance(color), 1.0f) * (body->body->reflectance->photometric ? SOIL : 1.0f);
+  const bool veiled = body->body->air != NULL || state->clouds.altitude_m > 0.0;
+  const float own = pl_minf(pl_luminance(color), 1.0f);
+  return pl_maxf(own * (body->body->reflectance->photometric ? SOIL : 1.0f),
+                 veiled ? VEILED : 0.0f);
 }
 
-/* Keeps the brightest, in falling order; the rest is other light. */
-static void insert(pl_shine_sky *sky, float light[PL_SHINE_LIGHTS], uint32_t body, float found) {
-  int at = sky->count;
+/* The bodies in one sky that look the brightest, in falling order; the rest is other light. */
+typedef struct ranking {
+  uint32_t body[PL_SHINE_LIGHTS];
+  float light[PL_SHINE_LIGHTS];
+  int count;
+  float other;
+} ranking;
+
+static void insert(ranking *r, uint32_t body, float found) {
+  int at = r->count;
   if (at == PL_SHINE_LIGHTS) {
     at--;
-    sky->other += pl_minf(found, light[at]);
-    if (!(found > light[at]))
+    r->other += pl_minf(found, r->light[at]);
+    if (!(found > r->light[at]))
       return;
   } else {
-    sky->count++;
+    r->count++;
   }
-  for (; at > 0 && found > light[at - 1]; at--) {
-    light[at] = light[at - 1];
-    sky->body[at] = sky->body[at - 1];
+  for (; at > 0 && found > r->light[at - 1]; at--) {
+    r->light[at] = r->light[at - 1];
+    r->body[at] = r->body[at - 1];
   }
-  light[at] = found;
-  sky->body[at] = body;
+  r->light[at] = found;
+  r->body[at] = body;
 }
 
-/* `own`: the body that the thing is, or -1. */
-static void fill_sky(const pl_planetshine *p, pl_vec3 center, double radius_m, int own,
-                     float white_radiance, pl_shine_sky *sky) {
-  float light[PL_SHINE_LIGHTS];
+/* A thing whose sky is filled. */
+typedef struct place {
+  pl_vec3 center;
+  double radius_m;
+  int own; /* the body that it is, or -1 */
+} place;
+
+static ranking rank_bodies(const pl_planetshine *p, const place *at) {
+  ranking out = {.count = 0};
   for (size_t i = 0; i < p->shot->body_count; i++) {
     const pl_shot_body *body = &p->shot->bodies[i];
-    const double gap = pl_vec3_norm(pl_vec3_sub(body->center, center)) - radius_m;
+    const double gap = pl_vec3_norm(pl_vec3_sub(body->center, at->center)) - at->radius_m;
     const double sine = body->radius_m / fmax(gap, body->radius_m);
     const float found = p->radiance[i] * (float)(sine * sine);
-    if ((int)i != own && found > INVISIBLE * white_radiance)
-      insert(sky, light, (uint32_t)i, found);
+    if ((int)i != at->own && found > INVISIBLE * p->white)
+      insert(&out, (uint32_t)i, found);
   }
+  return out;
 }
 
-static void look_at(const pl_planetshine *p, uint32_t body, pl_vec3 point, pl_shine_light *out) {
-  static const float middle[2] = {0.5f, 0.5f};
-  out->seen = pl_lune_make(&p->shot->bodies[body], p->suns[body], point, &out->lune) &&
-              pl_lune_sample(&out->lune, middle, &out->middle, &out->pdf);
+/* A look at a body from about there that is made already; the nearest one, once all are made. */
+static const pl_body_look *find_look(const pl_planetshine *p, uint32_t body, pl_vec3 point,
+                                     double gap_m) {
+  const pl_body_look *out = NULL;
+  double least = p->look_count < LOOKS ? LIKE * gap_m : INFINITY;
+  for (size_t i = 0; i < p->look_count; i++) {
+    const double apart = pl_vec3_norm(pl_vec3_sub(p->looks[i].point, point));
+    if (p->looks[i].body == body && apart < least) {
+      least = apart;
+      out = &p->looks[i];
+    }
+  }
+  return out;
 }
 
-static void fill_lights(const pl_planetshine *p, pl_vec3 center, double radius_m,
-                        pl_shine_sky *sky) {
+/* What a thing sees of a body: from its centre, or of bodies from below the other. */
+static const pl_body_look *look_from(pl_planetshine *p, const pl_render_settings *settings,
+                                     const place *at, uint32_t body) {
+  const pl_vec3 to = pl_vec3_sub(p->shot->bodies[body].center, at->center);
+  const double apart = pl_vec3_norm(to), gap = apart - p->shot->bodies[body].radius_m;
+  pl_vec3 point = at->center;
+  if (at->own >= 0 && gap > at->radius_m)
+    point = pl_vec3_madd(point, at->radius_m / apart, to);
+  const pl_body_look *like = find_look(p, body, point, gap);
+  if (like != NULL || p->look_count == LOOKS)
+    return like;
+  pl_body_look *look = &p->looks[p->look_count];
+  if (!pl_body_look_make(p->shot, settings, body, p->suns[body], point, look))
+    return NULL;
+  p->look_count++;
+  return look;
+}
+
+static void look_at(const pl_planetshine *p, const pl_body_look *look, pl_vec3 point,
+                    pl_shine_light *out) {
+  double even;
+  out->seen =
+      pl_body_disc_make(&p->shot->bodies[look->body], p->suns[look->body], point, &out->disc);
+  if (!out->seen)
+    return;
+  const float larger = (float)(out->disc.most / look->most);
+  out->table = &look->table;
+  out->middle = pl_vec3_to_float(pl_disc_direction(&out->disc, look->part, look->turn_rad, &even));
+  out->irradiance = larger * look->irradiance;
+  out->wide_sr = larger * look->wide_sr;
+}
+
+static void fill_sky(pl_planetshine *p, const pl_render_settings *settings, const place *at,
+                     pl_shine_sky *sky) {
+  const ranking ranking = rank_bodies(p, at);
   sky->far = true;
-  for (int i = 0; i < sky->count; i++) {
-    const pl_shot_body *body = &p->shot->bodies[sky->body[i]];
-    const double gap = pl_vec3_norm(pl_vec3_sub(body->center, center)) - body->radius_m;
-    sky->far = sky->far && radius_m < PARALLAX_MAX * gap;
-    look_at(p, sky->body[i], center, &sky->lights[i]);
+  sky->other += ranking.other;
+  for (int i = 0; i < ranking.count; i++) {
+    const pl_body_look *look = look_from(p, settings, at, ranking.body[i]);
+    if (look == NULL || !(look->irradiance > INVISIBLE * PL_PI_F * p->white))
+      continue;
+    const pl_shot_body *body = &p->shot->bodies[look->body];
+    const double gap = pl_vec3_norm(pl_vec3_sub(body->center, at->center)) - body->radius_m;
+    sky->far = sky->far && at->radius_m < PARALLAX_MAX * fmin(gap, body->radius_m);
+    look_at(p, look, at->center, &sky->lights[sky->count]);
+    sky->look[sky->count++] = look;
   }
+  p->any = p->any || sky->count > 0;
 }
 
-static void fill_skies(pl_planetshine *p, float white_radiance) {
+static void fill_skies(pl_planetshine *p, const pl_render_settings *settings) {
   const pl_snapshot *shot = p->shot;
   for (size_t i = 0; i < shot->object_count; i++) {
     const pl_shot_object *object = &shot->objects[i];
-    pl_shine_sky *sky = &p->skies[i];
     const double sun = object->dark ? 0.0 : pl_shot_sun_irradiance(&shot->sun, object->center);
-    *sky = (pl_shine_sky){.other = BY_MESHES * (float)sun / PL_PI_F};
-    fill_sky(p, object->center, object->radius_m, object->object->body, white_radiance, sky);
-    fill_lights(p, object->center, object->radius_m, sky);
-    p->any = p->any || sky->count > 0;
+    const place at = {object->center, object->radius_m, object->object->body};
+    p->skies[i] = (pl_shine_sky){.other = BY_MESHES * (float)sun / PL_PI_F};
+    if (object->kept)
+      fill_sky(p, settings, &at, &p->skies[i]);
   }
   for (size_t i = 0; i < shot->body_count; i++) {
+    const place at = {shot->bodies[i].center, shot->bodies[i].radius_m, (int)i};
     pl_shine_sky *sky = &p->skies[shot->object_count + i];
     *sky = (pl_shine_sky){.other = 0.0f};
-    fill_sky(p, shot->bodies[i].center, shot->bodies[i].radius_m, (int)i, white_radiance, sky);
-    p->any = p->any || sky->count > 0;
+    if (shot->bodies[i].bounced)
+      fill_sky(p, settings, &at, sky);
   }
 }
 
-pl_status pl_planetshine_build(const pl_snapshot *shot, float white_radiance, pl_arena *arena,
-                               pl_planetshine *out) {
+pl_status pl_planetshine_build(const pl_snapshot *shot, const pl_render_settings *settings,
+                               pl_arena *arena, pl_planetshine *out) {
   const size_t things = shot->object_count + shot->body_count;
   *out = (pl_planetshine){
       .shot = shot,
+      .white = settings->white_radiance,
       .suns = pl_arena_alloc(arena, shot->body_count, sizeof *out->suns),
       .radiance = pl_arena_alloc(arena, shot->body_count, sizeof *out->radiance),
+      .looks = pl_arena_alloc(arena, LOOKS, sizeof *out->looks),
       .skies = pl_arena_alloc(arena, things, sizeof *out->skies),
   };
-  if (out->suns == NULL || out->radiance == NULL || out->skies == NULL)
+  if (out->suns == NULL || out->radiance == NULL || out->looks == NULL || out->skies == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu bodies", shot->body_count);
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
@@ -128,7 +202,7 @@ pl_status pl_planetshine_build(const pl_snapshot *shot, float white_radiance, pl
     out->suns[i] = pl_vec3_sub(shot->sun.position, body->center);
     out->radiance[i] = mean_color(body) * sun / PL_PI_F;
   }
-  fill_skies(out, white_radiance);
+  fill_skies(out, settings);
   return PL_OK;
 }
 
@@ -144,19 +218,18 @@ typedef struct guess {
   float white; /* what a white diffuse surface that faces the body would send on */
 } guess;
 
-static guess guess_at(const pl_shine_light *light, const pl_surface *s, pl_vec3f wo,
-                      float radiance) {
+static guess guess_at(const pl_shine_light *light, const pl_surface *s, pl_vec3f wo) {
   pl_vec3f direction = light->middle;
-  guess out = {.white = radiance / (light->pdf * PL_PI_F)};
+  guess out = {.white = light->irradiance / PL_PI_F};
   if (!pl_surface_admits(s, direction)) {
-    direction = pl_vec3f_unit(pl_vec3f_madd(direction, (float)(1.0 / light->lune.d), s->ng));
+    const double most = light->disc.most;
+    direction = pl_vec3f_unit(pl_vec3f_madd(direction, (float)sqrt(most * (2.0 - most)), s->ng));
     if (!pl_surface_admits(s, direction))
       return out;
   }
   const pl_vec3f wi = pl_surface_to_local(s, direction);
-  const float reflected = pl_luminance(s->reflectance->evaluate(s, wo, wi));
-  out.light = radiance * reflected / light->pdf;
-  out.met = pl_minf(s->reflectance->pdf(s, wo, wi) / light->pdf, 1.0f);
+  out.light = light->irradiance * pl_luminance(s->reflectance->evaluate(s, wo, wi));
+  out.met = pl_minf(s->reflectance->pdf(s, wo, wi) * light->wide_sr, 1.0f);
   return out;
 }
 
@@ -169,23 +242,22 @@ static void list_bodies(const pl_planetshine *p, const pl_shine_sky *sky, const 
                         pl_vec3f wo, pl_shine *out, sums *sums) {
   out->count = 0;
   for (int i = 0; i < sky->count; i++) {
-    const uint32_t body = sky->body[i];
-    const float radiance = p->radiance[body];
     pl_shine_light own;
     const pl_shine_light *light = sky->far ? &sky->lights[i] : &own;
     if (!sky->far)
-      look_at(p, body, vertex->position, &own);
+      look_at(p, sky->look[i], vertex->position, &own);
     if (!light->seen)
       continue;
-    const guess found = guess_at(light, &vertex->surface, wo, radiance);
-    if (found.white * PL_PI_F > WIDE_SR * radiance) {
+    const guess found = guess_at(light, &vertex->surface, wo);
+    if (light->wide_sr > WIDE_SR) {
       sums->wide += found.light;
       continue;
     }
     sums->gloss += GLOSS * found.white;
     if (!(found.light > 0.0f))
       continue;
-    out->lunes[out->count] = light->lune;
+    out->disc[out->count] = light->disc;
+    out->table[out->count] = light->table;
     sums->light += out->chance[out->count++] = found.light;
     sums->met += found.met;
   }
@@ -204,7 +276,7 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
     return all;
   /* Of all paths so many are to meet bodies, of which the lobe's own draws find some. */
   const float other = (sky->other + sums.gloss) * color + sums.wide;
-  const float part = sums.light / (sums.light + other);
+  const float part = sums.light / (sums.light + pl_minf(other, p->white));
   const bool least = sums.light > sums.gloss * color && !(sums.wide > 0.0f);
   const float wanted = least ? pl_maxf(part, WANTED_MIN) : part;
   const bool on_body = vertex->thing >= p->shot->object_count;
@@ -255,7 +327,8 @@ static float density(const pl_shine *shine, float lobe, float bodies) {
 static float bodies_pdf(const pl_shine *shine, pl_vec3f direction, int drawn, float known) {
   float sum = 0.0f;
   for (int i = 0; i < shine->count && shine->mirrored < 1.0f; i++)
-    sum += shine->chance[i] * (i == drawn ? known : pl_lune_pdf(&shine->lunes[i], direction));
+    sum += shine->chance[i] *
+           (i == drawn ? known : pl_disc_pdf(&shine->disc[i], shine->table[i], direction));
   if (!(shine->mirrored > 0.0f))
     return sum;
   return (1.0f - shine->mirrored) * sum +
@@ -293,7 +366,8 @@ static bool sample_target(const pl_shine *shine, const float u[2], float choice,
   while (at + 1 < shine->count && choice >= shine->chance[at])
     choice -= shine->chance[at++];
   *body = at;
-  return pl_lune_sample(&shine->lunes[at], u, direction, known);
+  *direction = pl_disc_sample(&shine->disc[at], shine->table[at], u, known);
+  return true;
 }
 
 static bool sample_set(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, const float u[2],

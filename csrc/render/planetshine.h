@@ -1,29 +1,32 @@
 /* Planetshine: light that bodies reflect onto other things. A path that goes on from a surface is
- * drawn by the surface's lobe, or towards the sunlit parts of the bodies in its sky (light/lune.h),
- * and weighted by the density of both together (Veach 1997, the balance heuristic of one sample):
- * no ray more is cast. What it meets there is shaded as anything else, so that the light is that of
- * the body's own reflectance, map, air and shadows; a bad guess of it makes noise, never an error.
+ * drawn by the surface's lobe, or towards the bodies in its sky, as bright as each part of them
+ * looks (render/body_look.h), and weighted by the density of both together (Veach 1997, the balance
+ * heuristic of one sample): no ray more is cast. What it meets there is shaded as anything else, so
+ * that the light is that of the body's own reflectance, map, air and shadows; a bad guess of it
+ * makes noise, never an error.
  */
 #ifndef PL_RENDER_PLANETSHINE_H
 #define PL_RENDER_PLANETSHINE_H
 
-#include "light/lune.h"
+#include "render/body_look.h"
 #include "render/caustics.h"
+#include "render/vertex.h"
 
 /* Bodies that paths from one thing are drawn to: the brightest, as it sees them. */
 enum { PL_SHINE_LIGHTS = 4 };
 
-/* The lit part of a body as one point sees it. */
+/* A body as one point sees it. */
 typedef struct pl_shine_light {
   bool seen; /* the rest is not valid without */
-  pl_lune lune;
-  pl_vec3f middle; /* of the lit part: a unit direction, and the density of its draw */
-  float pdf;
+  pl_body_disc disc;
+  const pl_disc_table *table;
+  pl_vec3f middle;           /* of its light: a unit direction */
+  float irradiance, wide_sr; /* as in pl_body_look */
 } pl_shine_light;
 
 /* What is known of a thing's sky beforehand. */
 typedef struct pl_shine_sky {
-  uint32_t body[PL_SHINE_LIGHTS];
+  const pl_body_look *look[PL_SHINE_LIGHTS];
   int count;
   bool far; /* from all of the thing the sky looks as from its centre: `lights` are valid */
   pl_shine_light lights[PL_SHINE_LIGHTS];
@@ -33,15 +36,19 @@ typedef struct pl_shine_sky {
 /* Read-only once built; shared by all workers. */
 typedef struct pl_planetshine {
   const pl_snapshot *shot; /* borrowed */
+  float white;             /* radiance beyond which noise is not seen, W m-2 sr-1 */
   pl_vec3 *suns;           /* of each body: the direction of the sun, root axes */
   float *radiance;         /* of each body where the sun is overhead, a guess, W m-2 sr-1 */
-  pl_shine_sky *skies;     /* of each thing */
-  bool any;                /* something is to be drawn from anywhere */
+  pl_body_look *looks;     /* things that see a body alike share one */
+  size_t look_count;
+  pl_shine_sky *skies; /* of each thing */
+  bool any;            /* something is to be drawn from anywhere */
 } pl_planetshine;
 
-/* Memory comes from `arena`. Bodies whose light is far below `white_radiance` are met by chance. */
-pl_status pl_planetshine_build(const pl_snapshot *shot, float white_radiance, pl_arena *arena,
-                               pl_planetshine *out);
+/* Memory comes from `arena`. Bodies whose light is far below what is white are met by chance. Reads
+ * of the settings what pl_body_look_make does, and their white_radiance. */
+pl_status pl_planetshine_build(const pl_snapshot *shot, const struct pl_render_settings *settings,
+                               pl_arena *arena, pl_planetshine *out);
 
 /* Whether what a path finds on `thing` is planetshine, from the thing that it comes from. */
 bool pl_shine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t from);
@@ -52,7 +59,8 @@ typedef struct pl_shine {
   float mirrored; /* part of those that go to mirrors, 0..1; `mirrors` is not valid at 0 */
   pl_caustic_draws mirrors;
   int count;
-  pl_lune lunes[PL_SHINE_LIGHTS];
+  pl_body_disc disc[PL_SHINE_LIGHTS];
+  const pl_disc_table *table[PL_SHINE_LIGHTS];
   float chance[PL_SHINE_LIGHTS]; /* of each, together 1 */
 } pl_shine;
 

@@ -235,14 +235,15 @@ static void test_noise(void **state) {
   (void)state;
   static const struct noise_case {
     double distance, phase, least; /* radii, degrees; ratio of the variances */
-  } cases[] = {
-      {1.06, 60, 0.99}, {2.0, 60, 4.0}, {6.6, 60, 10.0}, {60.0, 0, 250.0}, {60.0, 90, 500.0}};
+  } cases[] = {{1.06, 60, 0.99}, {2.0, 0, 5.0},    {2.0, 60, 7.0},   {6.6, 60, 30.0},
+               {6.6, 120, 40.0}, {60.0, 0, 300.0}, {60.0, 90, 700.0}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     stage s;
     pl_arena arena;
     pl_snapshot shot;
     pl_planetshine planetshine;
     pl_shine shine, none = {.share = 0.0f};
+    const pl_render_settings settings = {.white_radiance = 1.0f, .detail = PL_DETAIL_FULL};
     pl_model *plate = square_create(HALF);
     world w = {.count = 1, .sun = aside(180.0 - cases[i].phase)};
     w.balls[0] = (ball){pl_vec3_madd(PLATE, 1e6 * cases[i].distance, FACING), 1e6, 0.3};
@@ -252,7 +253,7 @@ static void test_noise(void **state) {
     stage_add_body(&s, w.balls[0].center, (pl_vec3){1e6, 1e6, 1e6}, 0.3f);
     pl_arena_init(&arena);
     assert_int_equal(pl_snapshot_build(&s.scene, &s.placement, &arena, &shot), PL_OK);
-    assert_int_equal(pl_planetshine_build(&shot, 1.0f, &arena, &planetshine), PL_OK);
+    assert_int_equal(pl_planetshine_build(&shot, &settings, &arena, &planetshine), PL_OK);
     pl_vertex vertex = {.thing = 0, .position = PLATE};
     vertex.surface = (pl_surface){.color = {0.5f, 0.5f, 0.5f},
                                   .reflectance = &pl_reflectance_lambert,

@@ -14,6 +14,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "python"))
 import air_worlds
 import test_planetshine as theory
 
+from perilune import _core, atmospheres
+from perilune.config.atmosphere import Atmosphere
+
 
 def middle(asked, world) -> np.ndarray:
     """(3,): mean radiance about the middle of the image."""
@@ -95,3 +98,78 @@ def test_more_bodies_than_are_drawn_to():
         expected += 0.5 / math.pi * one * (-to[0] / away)
     seen = air_worlds.render(world, asked)["radiance"]  # all within 6 degrees of the middle
     assert seen.mean(dtype=np.float64) == pytest.approx(expected, rel=0.03)
+
+
+def lit(radii_m, away_m, phase_deg, *, white, air=None, samples=64, seed=1):
+    """(H, W): the night of a ball of 100 km, a body of these radii in its zenith."""
+    angle = math.radians(phase_deg)
+    place = (away_m, 0.0, 0.0)
+    asked = air_worlds.request(
+        [radii_m, [1e5] * 3],
+        (away_m - 2.5e5 if away_m - 2.5e5 > max(radii_m) else away_m - 1.2e5, 0.0, 0.0),
+        (1.0, 0.0, 0.0),
+        (math.cos(angle), math.sin(angle), 0.0),
+        centers_m=[(0.0, 0.0, 0.0), place],
+        size=(24, 18),
+        fov_deg=20.0,
+        white=white,
+        tolerance_dn=0.0,
+        samples=samples,
+    )
+    asked["quality"]["max_bounces"] = 1
+    asked["seed"] = seed
+    world = air_worlds.scene([air, None])
+    return air_worlds.render(world, asked)["radiance"].astype(np.float64).mean(axis=2)
+
+
+BY_CHANCE = 1e12
+"""An exposure for which no body is bright enough to be drawn to."""
+
+
+def earth_air():
+    return _core.Air(atmospheres.settings(Atmosphere(preset="earth"), (0.612, 0.549, 0.465)), 6.4e6)
+
+
+@pytest.mark.parametrize(
+    ("radii_m", "away_m", "phase_deg", "air"),
+    [
+        ([6.4e6] * 3, 6.4e6 + 3e5, 40.0, False),  # fills nearly half the sky
+        ([6.4e6, 6.0e6, 4.5e6], 1.3e7, 60.0, False),  # oblate, and not round
+        ([6.4e6] * 3, 1.1e7, 130.0, True),  # a crescent, and twilight beyond it
+        ([6.4e6] * 3, 4.2e7, 174.0, True),  # a ring of air alone
+    ],
+)
+def test_draws_agree_with_chance(radii_m, away_m, phase_deg, air):
+    """Welch's test of means over pixels and seeds: drawing to bodies moves nothing."""
+    one, other = (
+        np.array([lit(radii_m, away_m, phase_deg, white=white, samples=samples, seed=seed,
+                      air=earth_air() if air else None) for seed in range(1, 6)])
+        for white, samples in ((1e-6, 16), (BY_CHANCE, 64))
+    )  # fmt: skip
+    means, others = one.mean(axis=(1, 2)), other.mean(axis=(1, 2))
+    assert means.min() > 0.0
+    spread = math.sqrt((means.var(ddof=1) + others.var(ddof=1)) / 5)
+    assert abs(means.mean() - others.mean()) < 5.0 * spread + 1e-3 * means.mean()
+
+
+def test_twilight_is_drawn_to():
+    """A ring of air, of which 16 samples by chance find next to nothing."""
+    drawn, chance = (
+        np.array([lit([6.4e6] * 3, 4.2e7, 174.0, white=white, samples=16, seed=seed,
+                      air=earth_air()) for seed in (1, 2)])
+        for white in (1e-6, BY_CHANCE)
+    )  # fmt: skip
+    seen = drawn[0] > 0.0
+    noise = np.abs(drawn[0] - drawn[1])[seen].mean() / drawn[0][seen].mean()
+    assert noise < 0.6
+    assert (chance[0] > 0.0).mean() < 0.5 * seen.mean()
+
+
+def test_a_body_that_is_a_point_lights():
+    """A radius of a ten-thousandth of the distance: as the phase law says, far below white."""
+    radius, away, phase = 4.2e3, 4.2e7, 50.0
+    seen = lit([radius] * 3, away, phase, white=1e-9)
+    phase_rad = math.radians(phase)
+    expected = 0.3 / math.pi * theory.light_of_sphere(0.3, radius, phase_rad, away - 1e5)
+    middle_px = seen[8:10, 11:13].mean()
+    assert middle_px == pytest.approx(expected, rel=0.05)
