@@ -12,6 +12,7 @@
 #include "frame/renderer.h"
 #include "render/laws.h"
 #include "scene/shutter.h"
+#include "sensor/stage.h"
 
 static const char *const stage_names[PL_STAGE_COUNT] = {"snapshot", "meter", "plan",  "realise",
                                                         "render",   "label", "sensor"};
@@ -128,6 +129,25 @@ static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   return fmax(irradiance / PL_PI, 1e-30);
 }
 
+/* Whether the picture by the display's exposure counts: it is asked for, or what has no exposure of
+ * its own; or nothing is, as where a plan alone is wanted. */
+static bool shows_display(const pl_frame_request *request) {
+  return request->rgb != NULL || request->radiance != NULL || request->bands != NULL ||
+         !pl_frame_wants_sensor(request);
+}
+
+/* What the pictures that are asked for show as white: of one its own; of two the least, and the
+ * other one. */
+static void find_whites(const pl_frame_request *request, pl_view *view, double whites[2]) {
+  const double display = view->display_white = view->white_radiance;
+  const double sensor = view->sensor != NULL ? pl_sensor_white_radiance(view) : INFINITY;
+  const bool both = shows_display(request), developed = isfinite(sensor) && sensor > 0.0;
+  whites[1] = both && developed ? fmax(display, sensor) : 0.0;
+  if (developed)
+    view->white_radiance = both ? fmin(display, sensor) : sensor;
+  whites[0] = view->white_radiance;
+}
+
 /* Automatic exposures of the display and of the sensor (NULL: none), if `metered`. */
 static pl_status expose(pl_renderer *renderer, const pl_frame_request *request, bool metered,
                         const pl_snapshot *shot, pl_view *view, pl_sensor *sensor) {
@@ -168,6 +188,7 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
   result->exposure_s = developed ? sensor->exposure_s : NAN;
   result->gain = developed ? sensor->gain : NAN;
   result->white_radiance = request->exposure.automatic && !metered ? NAN : view.white_radiance;
+  find_whites(request, &view, result->whites);
   PL_TRY(pl_frame_sky_view(request->sky, shot, &request->wish, &renderer->arena, &view, sky));
   lap(result, PL_STAGE_METER, &start);
   if (metered)
@@ -221,7 +242,8 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .clear_coat = pl_plan_value(plan, "clear_coat") > 0,
       .transmission = pl_plan_value(plan, "transmission") > 0,
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
-      .white_radiance = (float)result->white_radiance,
+      .white_radiance = (float)result->whites[0],
+      .white_other = (float)result->whites[1],
   };
 }
 

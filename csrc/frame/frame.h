@@ -57,8 +57,10 @@ const char *pl_stage_name(pl_stage stage);
 typedef struct pl_frame_result {
   pl_plan plan;
   double white_radiance; /* W m-2 sr-1 shown as 255; NaN if it was not measured */
-  double exposure_s;     /* of the sensor; NaN without one */
-  double gain;           /* likewise: electrons a digital number */
+  double whites[2];  /* that samples serve: the least of a picture that is asked for, and another
+                      * picture's or 0 */
+  double exposure_s; /* of the sensor; NaN without one */
+  double gain;       /* likewise: electrons a digital number */
   /* Stars that the colours show, the brightest first: those that the plan keeps, less the hidden.
    * Valid until the renderer's next frame. */
   const pl_seen_star *stars;

@@ -41,6 +41,7 @@ static pl_status stop(pl_renderer *renderer, const pl_frame_request *request, do
   PL_TRY(pl_snapshot_view(&out->shot, arena, &out->view));
   pl_frame_view_wants(request, &out->view);
   out->view.white_radiance = middle->white_radiance;
+  out->view.display_white = middle->display_white;
   out->view.sensor = middle->sensor;
   out->view.blur_px = middle->blur_px;
   out->view.skew_px = middle->skew_px;
@@ -99,6 +100,7 @@ static pl_status render_at(pl_renderer *renderer, const pl_frame_request *reques
   pl_arena *arena = &renderer->instants;
   const bool colour = settings.samples > 0;
   const pl_view middle = {.white_radiance = (double)settings.white_radiance,
+                          .display_white = (double)output->white_radiance,
                           .sensor = output->sensor};
   const double u = time_s / pl_shutter_window_s(&request->placement);
   settings.air = NULL;

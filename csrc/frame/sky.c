@@ -44,7 +44,7 @@ pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl
   out->backdrop = sky->backdrop;
   if (sky->backdrop.texture != NULL) {
     for (int band = 0; band < 3; band++)
-      out->backdrop.white[band] *= sky->by_display ? (float)view->white_radiance : 1.0f;
+      out->backdrop.white[band] *= sky->by_display ? (float)view->display_white : 1.0f;
     view->sky.has_background = true;
     view->sky.background_max = pl_backdrop_max(&out->backdrop);
   }

@@ -86,7 +86,9 @@ typedef struct pl_view {
   int width, height;        /* pixels */
   double pixel_rad;         /* angle of one pixel on the axis */
   double corner_tangent;    /* of the largest angle to the axis in the image, without a lens */
-  double white_radiance;    /* W m-2 sr-1 encoded as 255 */
+  double white_radiance;    /* W m-2 sr-1 encoded as 255 in the picture asked for; of several, the
+                             * least */
+  double display_white;     /* of the display's */
   double sun_radius_rad;    /* angular radius of the sun at the camera */
   double sun_position_m[3]; /* camera-relative, root axes */
   double sun_radius_m;

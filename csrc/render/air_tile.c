@@ -110,14 +110,13 @@ static pl_vec3f white_ground(const pl_air_pixel *air) {
 
 static float encode(float value) { return pl_srgb_encode(pl_minf(pl_maxf(value, 0.0f), 1.0f)); }
 
-/* Digital numbers between what the corners say of the middle and what is there. */
-static float off_dn(const pl_render_settings *settings, float irradiance, const pl_air_pixel *said,
-                    const pl_air_pixel *is) {
+/* Digital numbers between what the corners say of the middle and what is there, where `white` is
+ * the irradiance over what is shown as white. */
+static float off_under(float white, const pl_air_pixel *said, const pl_air_pixel *is) {
   const pl_vec3f a = white_ground(said), b = white_ground(is);
   const float gray[2][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}};
   const pl_vec3f s = said->light.scattered, t = is->light.scattered;
   const float haze[2][3] = {{s.x, s.y, s.z}, {t.x, t.y, t.z}};
-  const float white = irradiance / settings->white_radiance;
   float worst = 0.0f;
   for (int k = 0; k < 3; k++) {
     const float level = haze[1][k] + DARK * gray[1][k];
@@ -129,6 +128,13 @@ static float off_dn(const pl_render_settings *settings, float irradiance, const 
       worst = pl_maxf(worst, shown - encode(white * (level - error)));
   }
   return 255.0f * worst;
+}
+
+static float off_dn(const pl_render_settings *settings, float irradiance, const pl_air_pixel *said,
+                    const pl_air_pixel *is) {
+  const float other = settings->white_other;
+  const float worst = off_under(irradiance / settings->white_radiance, said, is);
+  return other > 0.0f ? pl_maxf(worst, off_under(irradiance / other, said, is)) : worst;
 }
 
 /* Whether nothing but the black of space can be behind the square's air. */

@@ -110,12 +110,17 @@ static pl_vec3f light_of(pl_vec3f shared, pl_vec3f weight) {
 
 /* The standard error with which a level is quiet. Downwards too: what lies beyond white may be in
  * error by all that it is. */
-static float quiet_error(const pl_render_settings *settings, float level) {
-  const float white = settings->white_radiance, limit = QUIET * settings->noise_dn / 255.0f;
+static float quiet_under(float white, float limit, float level) {
   const float shown = pl_srgb_encode(pl_minf(level / white, 1.0f));
   const float up = shown + limit < 1.0f ? white * pl_srgb_decode(shown + limit) - level : INFINITY;
   const float down = shown > limit ? level - white * pl_srgb_decode(shown - limit) : INFINITY;
   return pl_minf(up, down);
+}
+
+static float quiet_error(const pl_render_settings *settings, float level) {
+  const float limit = QUIET * settings->noise_dn / 255.0f, other = settings->white_other;
+  const float found = quiet_under(settings->white_radiance, limit, level);
+  return other > 0.0f ? pl_minf(found, quiet_under(other, limit, level)) : found;
 }
 
 /* Rings count less and less up to the first that does not: no edges of squares are to be seen. */

@@ -82,10 +82,15 @@ static void measure(const pl_path_context *context, const pl_tile_buffers *b, mo
     }
 }
 
-float pl_path_error_dn(const pl_render_settings *settings, float mean, float error) {
-  const float low = pl_minf(mean / settings->white_radiance, 1.0f);
-  const float high = pl_minf((mean + error) / settings->white_radiance, 1.0f);
+static float error_dn(float white, float mean, float error) {
+  const float low = pl_minf(mean / white, 1.0f), high = pl_minf((mean + error) / white, 1.0f);
   return 255.0f * (pl_srgb_encode(high) - pl_srgb_encode(low));
+}
+
+float pl_path_error_dn(const pl_render_settings *settings, float mean, float error) {
+  const float found = error_dn(settings->white_radiance, mean, error),
+              other = settings->white_other;
+  return other > 0.0f ? pl_maxf(found, error_dn(other, mean, error)) : found;
 }
 
 static float sum9(const float *values, size_t k) {

@@ -50,7 +50,9 @@ typedef struct pl_render_settings {
   const pl_slice *slice;       /* borrowed; NULL: all samples are of this instant. Else radiance is
                                 * the part of it that this instant's samples give, and points are
                                 * not filled */
-  float white_radiance;        /* what noise_dn refers to, W m-2 sr-1 encoded as 255 */
+  /* What noise_dn refers to, W m-2 sr-1 encoded as 255: the least of the pictures that are asked
+   * for, and of another one, whose lights that are brighter count; 0: there is none. */
+  float white_radiance, white_other;
 } pl_render_settings;
 
 /* A finished tile. Arrays have PL_TILE_SIDE pixels a row; valid until the callback returns. A pixel

@@ -1,0 +1,85 @@
+"""Samples serve the picture that is asked for; of several, the one that shows noise the most."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+
+import perilune
+from perilune.config.loader import read_tree
+
+QUIET = {"read_noise_e": 0.0, "prnu": 0.0, "dark_current_e_s": 0.0, "mosaic": "mono", "bits": 16,
+         "gain_e_dn": 0.5, "vignetting": 0.0, "point_spread": {"core": "point"},
+         "full_well_e": 30000.0, "exposure": {"mode": "auto"}}  # fmt: skip
+NOISELESS = ["shot_noise", "read_noise", "dark_current", "fixed_pattern", "defects", "smear"]
+BLIND, NORMAL = 2e5, 300.0
+"""Radiances shown as white: by a display to which all is black, and by one as usual."""
+
+
+@pytest.fixture(scope="module")
+def tree(request):
+    """The satellite close up, its gloss and inner reflections noisy."""
+    root = request.config.rootpath
+    tree = read_tree(root / "tests/python/scene.yaml")
+    tree["spacecraft"]["sat"]["model"] = str(root / "assets/models/smallsat.glb")
+    tree["camera"] |= {"width": 64, "height": 48, "sensor": QUIET}
+    tree["render"] |= {"samples": 32, "max_bounces": 2}
+    return tree
+
+
+def frame(tree, channels, white, tolerance=1.0, samples=32):
+    tree = copy.deepcopy(tree)
+    tree["camera"]["exposure"] = {"mode": "fixed", "white_radiance_w_m2_sr": white}
+    tree["render"] |= {"tolerance_dn": tolerance, "samples": samples, "force_off": NOISELESS}
+    return perilune.open(tree).frame(0, channels)
+
+
+def shown(raw):
+    """Of 255, encoded; white is the full well."""
+    x = np.clip((raw.astype(np.float64) - 64.0) * 0.5 / 30000.0, 0.0, 1.0)
+    high = 1.055 * np.maximum(x, 1e-9) ** (1 / 2.4) - 0.055
+    return 255.0 * np.where(x <= 0.0031308, 12.92 * x, high)
+
+
+def rms(a, b):
+    return float(np.sqrt(np.mean((a.astype(np.float64) - b.astype(np.float64)) ** 2)))
+
+
+@pytest.fixture(scope="module")
+def exact(tree):
+    return frame(tree, ["raw", "rgb"], NORMAL, tolerance=0.0, samples=256)
+
+
+def test_a_sensor_is_served_whatever_the_display_shows(tree, exact):
+    """The display's exposure is no matter of a picture that is the sensor's alone."""
+    noise = [rms(shown(frame(tree, ["raw"], white)["raw"]), shown(exact["raw"]))
+             for white in (NORMAL, BLIND)]  # fmt: skip
+    np.testing.assert_array_equal(
+        frame(tree, ["raw"], NORMAL)["raw"], frame(tree, ["raw"], BLIND)["raw"]
+    )
+    assert noise[0] == noise[1] < 3.0
+
+
+def test_a_display_is_served_alone(tree):
+    """As if there were no sensor."""
+    bare = copy.deepcopy(tree)
+    del bare["camera"]["sensor"]
+    bare["render"]["force_off"] = []
+    alone = frame(tree, ["rgb"], NORMAL)["rgb"]
+    bare["camera"]["exposure"] = {"mode": "fixed", "white_radiance_w_m2_sr": NORMAL}
+    bare["render"]["tolerance_dn"] = 1.0
+    np.testing.assert_array_equal(perilune.open(bare).frame(0, ["rgb"])["rgb"], alone)
+
+
+@pytest.mark.parametrize("white", [BLIND, NORMAL, 3.0])
+def test_both_are_served(tree, exact, white):
+    """Each is no noisier than alone, but for luck."""
+    both = frame(tree, ["raw", "rgb"], white)
+    sensor = rms(shown(both["raw"]), shown(exact["raw"]))
+    alone = rms(shown(frame(tree, ["raw"], white)["raw"]), shown(exact["raw"]))
+    assert sensor < 1.1 * alone + 0.05
+    reference = frame(tree, ["rgb"], white, tolerance=0.0, samples=256)["rgb"]
+    display = rms(both["rgb"], reference)
+    assert display < 1.1 * rms(frame(tree, ["rgb"], white)["rgb"], reference) + 0.05
