@@ -94,6 +94,8 @@ static pl_status check_request(const pl_frame_request *request) {
     return pl_fail(PL_E_RANGE, "exposure: white_radiance must be finite and positive");
   if (e->automatic && !(e->percentile >= 0.0 && e->percentile <= 100.0 && e->key > 0.0))
     return pl_fail(PL_E_RANGE, "exposure: percentile must be in 0..100 and key positive");
+  if (!(e->least_white >= 0.0 && isfinite(e->least_white)))
+    return pl_fail(PL_E_RANGE, "exposure: min_white_radiance must be finite and at least 0");
   if (pl_frame_wants_sensor(request) && request->sensor == NULL)
     return pl_fail(PL_E_ARGUMENT, "a channel of the sensor is asked for, but there is no sensor");
   if (request->bands != NULL && request->band_count < 1)

@@ -10,18 +10,51 @@ static uint8_t code_of(float encoded) {
   return (uint8_t)(255.0f * pl_minf(pl_maxf(encoded, 0.0f), 1.0f) + 0.5f);
 }
 
-void pl_image_raise_black(pl_image *image, float black) {
-  uint8_t table[256];
-  for (int c = 0; c < 256; c++) {
-    const float over = pl_srgb_decode((float)c / 255.0f) - black;
-    table[c] = over > 0.0f ? code_of(pl_srgb_encode(over / (1.0f - black))) : 0;
+/* Part of the body's area that may be brighter than the ground. */
+static const double LIT = 0.05;
+
+/* Area of the texels of each code in a channel, over the whole. */
+static void measure_codes(const pl_image *image, int channel, double area[256]) {
+  double sum = 0.0;
+  for (int c = 0; c < 256; c++)
+    area[c] = 0.0;
+  for (int y = 0; y < image->height; y++) {
+    const double wide = sin(PL_PI * (y + 0.5) / image->height); /* of the row */
+    const uint8_t *row = &image->texels[(size_t)y * (size_t)image->width * (size_t)image->channels];
+    for (int x = 0; x < image->width; x++)
+      area[row[x * image->channels + channel]] += wide;
+    sum += wide * image->width;
   }
-  const int channels = image->channels, colors = channels < 3 ? 1 : 3;
+  for (int c = 0; c < 256; c++)
+    area[c] /= sum;
+}
+
+static int color_count(const pl_image *image) { return image->channels < 3 ? 1 : 3; }
+
+void pl_image_find_black(const pl_image *image, float black[3]) {
+  double area[256];
+  for (int k = 0; k < color_count(image); k++) {
+    int code = 255;
+    measure_codes(image, k, area);
+    for (double brighter = 0.0; code > 0 && brighter + area[code] <= LIT; code--)
+      brighter += area[code];
+    black[k] = pl_minf(pl_srgb_decode((float)code / 255.0f), PL_BLACK_MOST);
+  }
+}
+
+void pl_image_raise_black(pl_image *image, const float black[3]) {
+  uint8_t table[3][256];
+  const int channels = image->channels, colors = color_count(image);
+  for (int k = 0; k < colors; k++)
+    for (int c = 0; c < 256; c++) {
+      const float over = pl_srgb_decode((float)c / 255.0f) - black[k];
+      table[k][c] = over > 0.0f ? code_of(pl_srgb_encode(over / (1.0f - black[k]))) : 0;
+    }
   const size_t texels = (size_t)image->width * (size_t)image->height;
   for (size_t i = 0; i < texels; i++)
     for (int k = 0; k < colors; k++) {
       uint8_t *texel = &image->texels[i * (size_t)channels + (size_t)k];
-      *texel = table[*texel];
+      *texel = table[k][*texel];
     }
 }
 

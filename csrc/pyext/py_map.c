@@ -30,14 +30,17 @@ const pl_texture *pl_py_map_of(PyObject *object) {
 /* What a map is read as, and what is done to its texels before. */
 typedef struct map_options {
   int srgb, water;
-  float black;
+  float black; /* NAN: as bright as the map's dark ground is */
   pl_wrap wrap_u, wrap_v;
 } map_options;
 
 /* Takes over the image. */
 static pl_status filter(pl_image *image, const map_options *options, pl_texture **out) {
-  if (options->black > 0.0f)
-    pl_image_raise_black(image, options->black);
+  float black[3] = {options->black, options->black, options->black};
+  if (isnan(options->black))
+    pl_image_find_black(image, black);
+  if (options->black != 0.0f)
+    pl_image_raise_black(image, black);
   const pl_status status = options->water ? pl_image_to_water(image) : PL_OK;
   if (status != PL_OK) {
     pl_image_clear(image);
@@ -64,7 +67,7 @@ static pl_status of_texels(PyArrayObject *array, const map_options *options, pl_
 static pl_status of_numbers(PyArrayObject *array, const map_options *options, pl_texture **out) {
   const npy_intp *shape = PyArray_DIMS(array);
   const float *numbers = PyArray_DATA(array);
-  if (options->black > 0.0f || options->water)
+  if (options->black != 0.0f || options->water)
     return pl_fail(PL_E_ARGUMENT, "black and water are of maps of 8 bits");
   for (npy_intp i = 0; i < shape[0] * shape[1]; i++)
     if (!isfinite(numbers[i]))
@@ -127,18 +130,27 @@ static int convert_wrap(PyObject *object, void *out) {
   return 0;
 }
 
+/* None: NAN. */
+static int convert_black(PyObject *object, void *out) {
+  const double black = object == Py_None ? NAN : PyFloat_AsDouble(object);
+  if (PyErr_Occurred())
+    return 0;
+  if (object != Py_None && !(black >= 0.0 && black < 1.0)) {
+    PyErr_SetString(PyExc_ValueError, "black must be at least 0 and below 1, or None");
+    return 0;
+  }
+  *(float *)out = (float)black;
+  return 1;
+}
+
 static PyObject *map_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"source", "srgb", "wrap_u", "wrap_v", "black", "water", NULL};
   PyObject *source;
   map_options options = {.srgb = 1, .wrap_u = PL_WRAP_REPEAT, .wrap_v = PL_WRAP_CLAMP};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|pO&O&fp:Map", names, &source, &options.srgb,
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|pO&O&O&p:Map", names, &source, &options.srgb,
                                    convert_wrap, &options.wrap_u, convert_wrap, &options.wrap_v,
-                                   &options.black, &options.water))
+                                   convert_black, &options.black, &options.water))
     return NULL;
-  if (!(options.black >= 0.0f && options.black < 1.0f)) {
-    PyErr_SetString(PyExc_ValueError, "black must be at least 0 and below 1");
-    return NULL;
-  }
   map_object *self = (map_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
   if (self == NULL)
     return NULL;

@@ -316,6 +316,19 @@ static int parse_mode(PyObject *exposure, pl_exposure *out) {
   return known ? 0 : -1;
 }
 
+/* The key may be absent: then 0. */
+static int parse_least_white(PyObject *exposure, pl_exposure *out) {
+  PyObject *value = PyMapping_GetItemString(exposure, "min_white_radiance");
+  out->least_white = 0.0;
+  if (value == NULL && !PyErr_ExceptionMatches(PyExc_KeyError))
+    return -1;
+  PyErr_Clear();
+  if (value == NULL)
+    return 0;
+  Py_DECREF(value);
+  return get_double(exposure, "min_white_radiance", &out->least_white);
+}
+
 static int parse_exposure(PyObject *dict, pl_exposure *out) {
   PyObject *exposure = section(dict, "exposure");
   if (exposure == NULL)
@@ -323,7 +336,8 @@ static int parse_exposure(PyObject *dict, pl_exposure *out) {
   const int failed = parse_mode(exposure, out) < 0 ||
                      get_double(exposure, "white_radiance", &out->white_radiance) < 0 ||
                      get_double(exposure, "percentile", &out->percentile) < 0 ||
-                     get_double(exposure, "key", &out->key) < 0;
+                     get_double(exposure, "key", &out->key) < 0 ||
+                     parse_least_white(exposure, out) < 0;
   Py_DECREF(exposure);
   return failed ? -1 : 0;
 }

@@ -25,5 +25,6 @@ double pl_exposure_meter(const pl_exposure *exposure, float *luminances, size_t 
     return fallback;
   const double place = exposure->percentile / 100.0 * (double)(count - 1 - first);
   const double metered = luminances[first + (size_t)(place + 0.5)];
-  return metered > 0.0 ? metered / exposure->key : fallback;
+  const double least = fmin(exposure->least_white, fallback);
+  return metered > 0.0 ? fmax(metered / exposure->key, least) : fallback;
 }

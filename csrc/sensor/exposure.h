@@ -12,6 +12,7 @@ typedef struct pl_exposure {
   double white_radiance; /* fixed: W m-2 sr-1 encoded as 255 */
   double percentile;     /* automatic: this percentile of the lit pixels, 0..100 ... */
   double key;            /* ... is shown at this fraction of white, linear */
+  double least_white;    /* automatic: white is no darker, unless a sunlit white surface is */
 } pl_exposure;
 
 /* The white radiance that an automatic exposure chooses for metered luminances (sorted in place).

@@ -157,10 +157,12 @@ class Stars:
 @final
 class Map:
     """A filtered texture: a PNG, JPEG or WebP file, uint8 (H, W, channels) or float32 (H, W). Wrap:
-    "repeat" | "clamp" | "mirror". black: linear, becomes 0. water: a mask of where it is blue."""
+    "repeat" | "clamp" | "mirror". black: linear, becomes 0; None: what all but a twentieth of
+    the body's area is at most, by channel, up to 0.02. water: a mask of where it is blue."""
+
     def __new__(
         cls, source: str | NDArray[np.uint8] | NDArray[np.float32], srgb: bool = True, wrap_u:
-        str = "repeat", wrap_v: str = "clamp", black: float = 0.0, water: bool = False
+        str = "repeat", wrap_v: str = "clamp", black: float | None = 0.0, water: bool = False
     ) -> Self: ...
     @property
     def size(self) -> tuple[int, int]:
@@ -361,6 +363,8 @@ class Exposure(TypedDict):
     white_radiance: float  # W m-2 sr-1 shown as 255 (fixed)
     percentile: float  # auto: this percentile of the lit pixels ...
     key: float  # auto: ... is shown at this fraction of white (linear)
+    # auto: white is this at least, or a sunlit white surface; default 0, W m-2 sr-1
+    min_white_radiance: NotRequired[float]
 
 class CloudSettings(TypedDict):
     """See perilune.config.clouds."""

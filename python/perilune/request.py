@@ -111,6 +111,7 @@ def _exposure(exposure: Exposure) -> _core.Exposure:
         "white_radiance": exposure.white_radiance_w_m2_sr or 1.0,  # unused in mode auto
         "percentile": exposure.percentile,
         "key": exposure.key,
+        "min_white_radiance": exposure.min_white_radiance_w_m2_sr,
     }
 
 

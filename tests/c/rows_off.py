@@ -23,12 +23,8 @@ ROWS = {
     "soft_sun": ("pl_sun_sample", "pl_limb_sample"),
     "limb_darkening": ("limb.c",),
     "emitters": ("emitters.c",),
-<<<<<<< HEAD
     "planetshine": ("pl_planetshine_build", "body_look.c"),
     "caustics": ("caustic_table.c", "caustics.c"),
-=======
-    "planetshine": ("pl_planetshine_build", "body_look.c"),
->>>>>>> a95c48e (Draw light of bodies by how bright each part of their discs looks)
     "regolith": ("hapke.c", "hapke_rough.c"),
     "volumes": ("volume.c", "volume_march.c", "volume_columns.c", "volume_veil.c"),
     "rings": ("ring_veil.c", "average.c", "pl_rings_cut", "pl_rings_scatter"),

@@ -12,6 +12,7 @@ import pytest
 
 import perilune
 from perilune import _core
+from perilune.config.loader import read_tree
 from perilune.config.errors import ConfigError
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -208,6 +209,44 @@ def test_black_takes_dim_ground_from_lights(tmp_path: Path) -> None:
     assert _core.Map(path, black=0.02).mean[0] == pytest.approx(expected, abs=2e-3)
     with pytest.raises(ValueError, match="black"):
         _core.Map(path, black=1.0)
+
+
+def test_dim_ground_is_found(tmp_path: Path) -> None:
+    """A map of dark blue with a town of a fiftieth of its area: the ground is black, the town warm.
+    Of one that is lit all over, no more than 0.02 is taken."""
+    texels = np.full((50, 50, 3), (4, 6, 21), np.uint8)
+    texels[25] = (120, 90, 60)
+    before, after = (_core.Map(texels, black=black).mean[:3] for black in (0.0, None))
+    town = _core.Map(texels[25:26], black=0.0).mean[:3] / 50.0
+    assert np.all(after <= town)
+    assert np.all(after > 0.8 * (town - 0.02 / 50.0))
+    assert before[2] > 2.0 * after[2]
+    lit = np.full((8, 8, 3), 128, np.uint8)
+    plain, dimmed = (_core.Map(lit, black=black).mean[0] for black in (0.0, None))
+    assert dimmed == pytest.approx((plain - 0.02) / 0.98, abs=4e-3)
+
+
+def test_deep_night_is_dark(data_dir: Path) -> None:
+    """An ocean by night under automatic exposure: it was a blue day, of 102, 118 and 179 DN."""
+    night = {"map": str(data_dir / "planets/solarsystemscope/2k_earth_nightmap.jpg")}
+    tree = read_tree(SCENE)
+    tree["spacecraft"] = {}
+    tree["bodies"] = {"earth": {"kind": "earth", "albedo": 0.3, "night_lights": night}}
+    tree["sun"] = {"direction": [1.0, 0.0, 0.0]}
+    tree["camera"] |= {"exposure": {"mode": "auto"}, "trajectory": {
+        "kind": "orbit_object", "target": "earth", "distance_m": 7e6,
+        "sun_angle_deg": [160.0, 179.0],
+    }}  # fmt: skip
+    frames = {}
+    for black in (0.0, None):
+        for least in (0.0, 1e-4):
+            tree["bodies"]["earth"]["night_lights"]["black"] = black
+            tree["camera"]["exposure"]["min_white_radiance_w_m2_sr"] = least
+            sample = perilune.open(tree).frame(0, ["rgb"])
+            frames[black, least] = np.median(sample["rgb"].reshape(-1, 3), axis=0)
+            assert sample.meta["white_radiance"] >= least
+    assert frames[None, 1e-4].max() <= 2
+    assert frames[None, 0.0].max() <= 2
 
 
 EARTH: dict[str, Any] = {

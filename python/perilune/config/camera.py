@@ -22,6 +22,10 @@ class Exposure(Strict):
     """auto: this percentile of the lit pixels ..."""
     key: Annotated[Fraction, Field(gt=0.0)] = 0.8
     """... is shown at this fraction of white (linear)."""
+    min_white_radiance_w_m2_sr: NonNegative = 1e-4
+    """auto: the darkest radiance that may be shown as white, or a sunlit white surface's where that
+    is darker still: what is darker stays dark, as in a photograph. 1e-4 is f/1.4, half a second and
+    ISO 50000, with which cities are taken from orbit; 0: no limit."""
     white_radiance_w_m2_sr: Positive | None = None
     """fixed: the radiance shown as white."""
 
@@ -32,7 +36,7 @@ class Exposure(Strict):
         if self.mode == "auto" and self.white_radiance_w_m2_sr is not None:
             self._only_with("mode: fixed", "white_radiance_w_m2_sr")
         if self.mode == "fixed":
-            self._only_with("mode: auto", "percentile", "key")
+            self._only_with("mode: auto", "percentile", "key", "min_white_radiance_w_m2_sr")
         return self
 
 

@@ -84,5 +84,8 @@ class NightLights(Strict):
     of it. 0: no towns, the map as it is. Default: a texel of the map at the equator (20 km of a map
     of the Earth 2048 wide), at most a hundredth of the radius. No place is more than 60 times as
     bright as its map."""
-    black: _Black = 0.0
-    """Linear value of the map, 0..1, up to which there is no light: many maps have dim ground."""
+    black: _Black | None = None
+    """Linear value of the map, 0..1, up to which there is no light: 0 takes the map as it is.
+    Default: by band what all but a twentieth of the body's area is at most, up to 0.02, since many
+    maps show seas and land that are not lit in dark blue. It assumes that no more is lit; where all
+    of a body is, 0.02 is taken off all of it."""
