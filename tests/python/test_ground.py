@@ -12,8 +12,8 @@ import pytest
 
 import perilune
 from perilune import _core
-from perilune.config.loader import read_tree
 from perilune.config.errors import ConfigError
+from perilune.config.loader import read_tree
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import air_worlds
@@ -218,7 +218,7 @@ def test_dim_ground_is_found(tmp_path: Path) -> None:
     texels[25] = (120, 90, 60)
     before, after = (_core.Map(texels, black=black).mean[:3] for black in (0.0, None))
     town = _core.Map(texels[25:26], black=0.0).mean[:3] / 50.0
-    assert np.all(after <= town)
+    assert np.all(after < 1.001 * town)
     assert np.all(after > 0.8 * (town - 0.02 / 50.0))
     assert before[2] > 2.0 * after[2]
     lit = np.full((8, 8, 3), 128, np.uint8)
