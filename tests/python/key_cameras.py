@@ -85,6 +85,7 @@ CAMERAS = [
             "mode": "fixed",
             "percentile": 50.0,
             "key": 0.4,
+            "min_white_radiance_w_m2_sr": 1e4,
             "white_radiance_w_m2_sr": 100.0,
         },
     ),
@@ -92,7 +93,7 @@ CAMERAS = [
         Exposure,
         (*AT_CAMERA, "exposure"),
         {"mode": "fixed", "white_radiance_w_m2_sr": 100.0},
-        {"percentile": 50.0, "key": 0.4},
+        {"percentile": 50.0, "key": 0.4, "min_white_radiance_w_m2_sr": 1e4},
     ),
     Section(
         Rectilinear,

@@ -33,7 +33,7 @@ SEEN = "light depth ids objects"
 LIGHT = rule("light")
 PLACED = rule("light depth", "ids objects")
 MOVES = rule("camera", SEEN)
-EXPOSED = rule("", "exposure sensor")
+EXPOSED = rule("", "exposure sensor light")  # samples serve the sensor's exposure: their noise
 LENS = rule("depth", SEEN + " sensor")
 FOCUS = rule("light", "sensor")
 
