@@ -174,6 +174,7 @@ static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size
   pl_veils own; /* what it carries itself is part of its picture */
   settings.samples = 1;
   settings.noise_dn = 0.0f;
+  settings.exact = false;
   settings.backdrop = NULL;
   settings.air = NULL;
   if (veils != NULL) {

@@ -34,6 +34,7 @@ typedef struct pl_render_settings {
   bool soft_sun, cast_shadows, clear_coat, transmission;
   bool emission;               /* what emits is seen to */
   pl_detail detail;            /* of surfaces */
+  bool exact;                  /* every pixel is sampled: no closed form stands for its mean */
   int laws_down;               /* steps down from Hapke's law to cheaper ones, see laws.h */
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   const pl_air_view *air;      /* borrowed; NULL: none */

@@ -140,7 +140,8 @@ static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *ve
 /* Whether bodies of this kind can be settled in the tile at all. */
 static bool may_settle(const pl_path_context *context, const pl_shot_body *body) {
   const pl_render_settings *settings = context->settings;
-  if ((body->dot && !settings->see_dots) || !context->sharp || context->rough_veils)
+  if ((body->dot && !settings->see_dots) || !context->sharp || context->rough_veils ||
+      settings->exact)
     return false;
   if (!is_plain(body->body) && !body->body->reflectance->photometric)
     return false;
@@ -355,7 +356,7 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
   const bool sky = is_sky(context, pixel, covered, b);
   const pl_vec3f nothing = {0.0f, 0.0f, 0.0f};
   const pl_vec3f behind = context->settings->backdrop != NULL ? b->backdrop[pixel] : nothing;
-  if (context->air && !context->veils &&
+  if (context->air && !context->veils && !context->settings->exact &&
       pl_air_alone(context, pixel, behind, &b->radiance[pixel], b)) {
     b->counts[pixel] = 1;
     return true;

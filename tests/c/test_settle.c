@@ -237,6 +237,36 @@ static void test_no_black_over_white(void **state) {
   free(found);
 }
 
+/* Pixels that two images do not share to the bit. */
+static int count_other(const float *a, const float *b) {
+  int other = 0;
+  for (size_t i = 0; i < COUNT; i += 3)
+    other += memcmp(a + i, b + i, 3 * sizeof *a) != 0;
+  return other;
+}
+
+/* At a tolerance of 0 all that a body covers is sampled: what is random differs from frame to
+ * frame. Above, most of it has one value. */
+static void test_reference_is_sampled(void **state) {
+  (void)state;
+  float *image[2][2];
+  for (int exact = 0; exact < 2; exact++)
+    for (int index = 0; index < 2; index++) {
+      const pl_plan_wish wish = {.tolerance_dn = exact ? 0.0 : 0.5};
+      image[exact][index] = shoot(arrange_globe, 1, WHITE, wish, 4, (uint64_t)index);
+    }
+  int lit = 0;
+  for (size_t i = 0; i < COUNT; i += 3)
+    lit += image[0][0][i] > 0.0f;
+  const int other[2] = {count_other(image[0][0], image[0][1]),
+                        count_other(image[1][0], image[1][1])};
+  print_message("of %d lit pixels %d are sampled, %d at a tolerance of 0\n", lit, other[0],
+                other[1]);
+  assert_true(other[0] < lit / 2 && other[1] > lit * 9 / 10);
+  for (int i = 0; i < 4; i++)
+    free(image[i / 2][i % 2]);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_arcs),
@@ -246,6 +276,7 @@ int main(void) {
       cmocka_unit_test(test_lit_by_another),
       cmocka_unit_test(test_lit_by_rings),
       cmocka_unit_test(test_no_black_over_white),
+      cmocka_unit_test(test_reference_is_sampled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -271,6 +271,10 @@ TextureFilter = Literal[
 class Render(Strict):
     """Quality and outputs of a frame."""
 
+    quality: Literal["adaptive", "reference"] = "adaptive"
+    """`reference`: a `tolerance_dn` of 0 and nothing in `force_off`. Nothing is left out, nothing
+    is shared between pixels or smoothed, every pixel gets all samples, and the image converges to
+    the light of the scene as they grow. See docs/convergence.md."""
     samples: Annotated[Integer, Field(ge=1, le=65536)] = 16
     """Colour samples a pixel. Pixels that are quiet to within three tolerances get fewer, outlines
     up to twice as many: about the error of so many in all, which they get at a tolerance of 0."""
@@ -283,7 +287,8 @@ class Render(Strict):
     to 64, of the table of the light that reaches its parts, and rays from surfaces take a quarter
     of them."""
     tolerance_dn: NonNegative = 1.0
-    """An effect that can change no pixel by more is left out; 0 keeps all that apply."""
+    """An effect that can change no pixel by more is left out; 0 keeps all that apply. 1 by default,
+    0 with `quality: reference`."""
     force_on: tuple[str, ...] = ()
     """Effects kept whatever their bound."""
     force_off: tuple[str, ...] = ()
@@ -292,6 +297,28 @@ class Render(Strict):
     """What a sample holds unless asked otherwise."""
     amodal: Annotated[bool, Field(strict=True)] = True
     """Whether object labels cover full silhouettes, with what is hidden or cut; costs rays."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _tolerance_of_reference(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and data.get("quality") == "reference":
+            return {"tolerance_dn": 0.0, **data}
+        return data
+
+    @model_validator(mode="after")
+    def _whole_reference(self) -> Render:
+        if self.quality == "reference" and self.tolerance_dn != 0.0:
+            fail(
+                "tolerance_dn",
+                f"is {self.tolerance_dn:g}, but quality: reference is a tolerance of 0: leave one "
+                "of them out",
+            )
+        if self.quality == "reference" and self.force_off:
+            fail(
+                "force_off",
+                f"leaves out {self.force_off[0]}, but quality: reference leaves out nothing",
+            )
+        return self
 
     @model_validator(mode="after")
     def _not_both(self) -> Render:
