@@ -11,10 +11,10 @@
 typedef struct pl_path {
   pl_beam beam;
   pl_vec3f throughput;
-  float pdf;       /* density with which the ray's direction was drawn; infinite for the camera's */
-  float lobe_pdf;  /* likewise, by the lobe of the surface alone; not of the camera's */
-  uint32_t pixel;  /* index in the tile */
-  bool shared;     /* what it brings is shared with other pixels, see share.c */
+  float pdf;      /* density with which the ray's direction was drawn; infinite for the camera's */
+  float lobe_pdf; /* likewise, by the lobe of the surface alone; not of the camera's */
+  uint32_t pixel; /* index in the tile */
+  bool shared;    /* what it brings is shared with other pixels, see share.c */
 } pl_path;
 
 /* Light that arrives if a shadow ray is free. */
