@@ -53,6 +53,7 @@ typedef struct pl_tile_buffers {
   pl_surface settled_surface[PL_TILE_PIXELS]; /* where lit: at the centre */
   pl_vec3f backdrop[PL_TILE_PIXELS]; /* with settings->backdrop: what is behind everything */
   bool single[PL_TILE_PIXELS];       /* one sample is enough */
+  uint8_t followed[PL_TILE_PIXELS];  /* paths of a row that are worth following, see prune.c */
   bool narrow[PL_TILE_PIXELS];       /* few samples may miss a body before what is there */
   pl_path paths[PL_TILE_PIXELS];
   pl_ray rays[PL_TILE_PIXELS];

@@ -25,6 +25,7 @@ typedef struct ring {
   pl_vec3f shared, weight;
   float square; /* sum of squared luminances */
   float count;  /* of paths */
+  float pixels, each, together, weight_square; /* as of cells */
 } ring;
 
 /* The cells of a tile and those around it. */
@@ -41,11 +42,18 @@ typedef struct pool {
   ring rings[REACH + 1];
 } pool;
 
+/* Variances of what paths bring for what they carry on, luminances: of one path's, times what that
+ * carries on, and of the true values of pixels. */
+typedef struct scatter {
+  float noise, truth;
+} scatter;
+
 /* What a pool says of its cell's patches. */
 typedef struct answer {
   bool known;
   pl_vec3f light; /* for what patches carry on */
   float enough;   /* paths: patches that have as many do not need it */
+  scatter scatter;
 } answer;
 
 /* The tile so many columns and rows from another; NULL: none that is lit. */
@@ -85,6 +93,10 @@ static void add_cell(const pool *pool, int k, ring *ring) {
     ring->weight = pl_vec3f_add(ring->weight, cell->weight);
     ring->square += cell->square;
     ring->count += cell->count;
+    ring->pixels += cell->pixels;
+    ring->each += cell->each;
+    ring->together += cell->together;
+    ring->weight_square += cell->weight_square;
   }
 }
 
@@ -166,6 +178,51 @@ static bool choose_span(const pool *pool, const pl_render_settings *settings,
   return false;
 }
 
+/* Sums over rings up to one, as one. */
+static ring sum_rings(const pool *pool, int most) {
+  ring sum = pool->rings[0];
+  for (int r = 1; r <= most; r++) {
+    const ring *ring = &pool->rings[r];
+    sum.shared = pl_vec3f_add(sum.shared, ring->shared);
+    sum.weight = pl_vec3f_add(sum.weight, ring->weight);
+    sum.count += ring->count;
+    sum.pixels += ring->pixels;
+    sum.each += ring->each;
+    sum.together += ring->together;
+    sum.weight_square += ring->weight_square;
+  }
+  return sum;
+}
+
+/* As if so many paths more had scattered as all do together: few that have found nothing are no
+ * proof that there is no noise. */
+static const float ASSUMED = 24.0f;
+
+/* Noise of paths about the means of their pixels. */
+static float noise_of(const ring *sum, float assumed, float scattered) {
+  const float within = pl_maxf(sum->each - sum->together, 0.0f);
+  const float freedom = pl_maxf(sum->count - sum->pixels, 0.0f);
+  return (within + assumed * scattered) / (freedom + assumed);
+}
+
+/* One-way analysis of variance, pixels as groups of unequal size (Searle, Casella and McCulloch
+ * 1992, Variance Components, 3.6): what their means differ by beyond the noise of their paths is
+ * true. The noise is more and more that about the pool's own cell, for it is less in dark corners. */
+static scatter scatter_of(const pool *pool, int most) {
+  const ring sum = sum_rings(pool, most);
+  const float light = pl_luminance(sum.shared), weight = pl_luminance(sum.weight);
+  scatter out = {0.0f, 0.0f};
+  const float groups = weight - ratio(sum.weight_square, weight);
+  if (!(groups > 0.0f) || !(sum.count > 1.0f))
+    return out;
+  const float mean = light * light / weight;
+  const float noise = noise_of(&sum, ASSUMED, pl_maxf(sum.each - mean, 0.0f) / (sum.count - 1.0f));
+  const float between = sum.together - mean;
+  out.truth = pl_maxf((between - (sum.pixels - 1.0f) * noise) / groups, 0.0f);
+  out.noise = noise_of(&pool->rings[0], ASSUMED, noise);
+  return out;
+}
+
 /* What paths bring for what they carry on, in the pool about cell `k`. */
 static answer ask(pool *pool, const pl_render_settings *settings, const pl_share_patch *patch,
                   int k) {
@@ -175,6 +232,7 @@ static answer ask(pool *pool, const pl_render_settings *settings, const pl_share
   const int reach = reach_of(settings->samples);
   for (int most = 1; most <= reach; most++) {
     add_ring(pool, k, most);
+    out.scatter = scatter_of(pool, most);
     if (choose_span(pool, settings, patch, most, &span, &out.enough))
       break;
   }
@@ -185,6 +243,18 @@ static answer ask(pool *pool, const pl_render_settings *settings, const pl_share
   }
   out.light = light_of(all, weight);
   return out;
+}
+
+/* A patch's own light counts by how much of what tells it from its pool's is true: with more
+ * samples it is less and less noise, so that in the end the pool counts for nothing (James and Stein
+ * 1961; Efron and Morris 1973). */
+static pl_vec3f blend(const answer *answer, const pl_share_patch *patch) {
+  const pl_vec3f own = light_of(patch->shared, patch->lit_weight);
+  if ((float)patch->lit >= answer->enough)
+    return own;
+  const float truth = answer->scatter.truth * pl_luminance(patch->lit_weight);
+  const float part = ratio(truth, truth + answer->scatter.noise);
+  return pl_vec3f_madd(pl_vec3f_scale(answer->light, 1.0f - part), part, own);
 }
 
 static void light_cell(const pl_share_tile *tile, int i, const window *window,
@@ -202,8 +272,7 @@ static void light_cell(const pl_share_tile *tile, int i, const window *window,
       pool pool = {.window = window, .like = spot, .depth_m = pl_spot_depth(spot, spread)};
       *answer = ask(&pool, settings, patch, k);
     }
-    const bool alone = (float)patch->lit >= answer->enough;
-    const pl_vec3f light = alone ? light_of(patch->shared, patch->lit_weight) : answer->light;
+    const pl_vec3f light = blend(answer, patch);
     radiance[patch->pixel] =
         pl_vec3f_add(radiance[patch->pixel], pl_vec3f_mul(patch->weight, light));
   }

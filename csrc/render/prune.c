@@ -7,6 +7,7 @@
  * outlines of high contrast cross a pixel. */
 #include "math/color.h"
 #include "render/path.h"
+#include "render/share.h"
 
 /* The scatter of a pixel's samples, digital numbers, for which `samples` are the right number. By
  * measurement, and fitted to two close views of spacecraft: there the frame's error is that of
@@ -20,9 +21,9 @@ static const float QUIET = 3.0f;
  * centre rays of a pixel and its neighbours meet different things. Outlines have slivers that few
  * samples miss. */
 enum { BODY_MIN = 2, MESH_MIN = 4, OUTLINE_MIN = 8 };
-/* A pixel that is itself so much noisier than its surroundings goes on by its own scatter; less
- * would let its luck decide, and darken what is lit by rare paths. */
-static const float OWN_NOISE = 1.41421356f;
+/* And at least this part of `samples`, on outlines that: whatever luck says of a pixel, with more
+ * samples it gets more. */
+enum { LEAST_PART = 16, OUTLINE_PART = 2 };
 
 /* Pixels whose light is pooled with a pixel's, as a rule; fewer, for what is left of the noise is
  * alike in neighbours, which makes it easier to see. */
@@ -34,6 +35,8 @@ enum { SIDE = PL_TILE_SIDE + 2 };
 typedef struct moments {
   float mean[SIDE * SIDE];     /* of the luminance */
   float variance[SIDE * SIDE]; /* of one sample's */
+  float shared[SIDE * SIDE];   /* the part of that which is of light that is shared */
+  float followed[SIDE * SIDE]; /* likewise, as if all paths were followed */
   float weight[SIDE * SIDE];   /* 1 in the tile, 0 on the border */
 } moments;
 
@@ -41,21 +44,34 @@ static size_t bordered(uint32_t pixel) {
   return (pixel / PL_TILE_SIDE + 1) * SIDE + pixel % PL_TILE_SIDE + 1;
 }
 
-/* Variance of the light that is shared, in one pixel's mean, after pooling with its neighbours. */
-static float shared_variance(const pl_patch *patch, float n) {
-  if (patch->lit < 2)
+/* Radiance that a path from a thing may find and has not: that of a white surface in the sun. In a
+ * body's umbra there is none but the bodies. */
+static float unseen_radiance(const pl_path_context *context, uint32_t thing) {
+  const pl_snapshot *shot = context->shot;
+  if (thing >= shot->object_count)
+    return 0.0f; /* what lights bodies is convex and drawn to, or too little to count */
+  return shot->objects[thing].dark ? 0.0f : context->suns[thing].irradiance / PL_PI_F;
+}
+
+/* Variance of the light that is shared, in one pixel's mean, after pooling with its neighbours;
+ * `unseen`: as if one path of all their pixels had found that. */
+static float shared_variance(const pl_patch *patch, float n, float unseen) {
+  if (patch->lit == 0)
     return 0.0f;
   const float lit = (float)patch->lit, mean = pl_luminance(patch->shared) / lit;
-  const float variance = pl_maxf(patch->lit_square / lit - mean * mean, 0.0f) / (lit - 1.0f);
+  const float carried = unseen * pl_luminance(patch->lit_weight) / lit;
+  float variance = carried * carried / (POOL * lit);
+  if (patch->lit > 1)
+    variance += pl_maxf(patch->lit_square / lit - mean * mean, 0.0f);
   const float part = (float)patch->wide / n;
-  return part * part * variance / POOL;
+  return part * part * variance / (POOL * pl_maxf(lit - 1.0f, 1.0f));
 }
 
 /* Light that is shared counts in a sample as what it is in the mean; its noise comes after. */
-static void measure_pixel(const pl_tile_buffers *b, uint32_t pixel, size_t k, moments *out) {
+static void measure_pixel(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel, size_t k, moments *out) {
   const pl_pixel_patches *patches = &b->patches[pixel];
   const float n = (float)b->counts[pixel];
-  float sum = pl_luminance(b->radiance[pixel]), square = b->square[pixel], shared = 0.0f;
+  float sum = pl_luminance(b->radiance[pixel]), square = b->square[pixel];
   for (uint32_t i = 0; i < patches->count; i++) {
     const pl_patch *patch = &patches->patch[i];
     const float seen = (float)patch->seen, own = pl_luminance(patch->own);
@@ -63,13 +79,17 @@ static void measure_pixel(const pl_tile_buffers *b, uint32_t pixel, size_t k, mo
     const float lit = each * pl_luminance(patch->shared);
     sum += own + seen * lit;
     square += patch->own_square + lit * (2.0f * own + seen * lit);
-    shared += shared_variance(patch, n);
+    const float shared =
+        n * shared_variance(patch, n, unseen_radiance(context, patch->spot.thing));
+    out->shared[k] += shared;
+    if (patch->wide > 0)
+      out->followed[k] += shared * (float)patch->lit / (float)patch->wide;
   }
   out->mean[k] = sum / n;
   out->weight[k] = 1.0f;
+  out->variance[k] = out->shared[k];
   if (n > 1.0f)
-    out->variance[k] =
-        pl_maxf(square / n - out->mean[k] * out->mean[k], 0.0f) * n / (n - 1.0f) + n * shared;
+    out->variance[k] += pl_maxf(square / n - out->mean[k] * out->mean[k], 0.0f) * n / (n - 1.0f);
 }
 
 static void measure(const pl_path_context *context, const pl_tile_buffers *b, moments *out) {
@@ -78,7 +98,7 @@ static void measure(const pl_path_context *context, const pl_tile_buffers *b, mo
     for (int x = 0; x < context->tile.width; x++) {
       const uint32_t pixel = (uint32_t)(y * PL_TILE_SIDE + x);
       const size_t k = bordered(pixel);
-      measure_pixel(b, pixel, k, out);
+      measure_pixel(context, b, pixel, k, out);
     }
 }
 
@@ -93,22 +113,22 @@ float pl_path_error_dn(const pl_render_settings *settings, float mean, float err
   return other > 0.0f ? pl_maxf(found, error_dn(other, mean, error)) : found;
 }
 
-static float sum9(const float *values, size_t k) {
-  float sum = 0.0f;
-  for (size_t row = k - SIDE; row <= k + SIDE; row += SIDE)
+/* Over the neighbours of a pixel. */
+static float sum8(const float *values, size_t k) {
+  float sum = values[k - 1] + values[k + 1];
+  for (size_t row = k - SIDE; row <= k + SIDE; row += 2 * SIDE)
     sum += values[row - 1] + values[row] + values[row + 1];
   return sum;
 }
 
-/* Standard error of a pixel's mean after n samples, digital numbers: of its surroundings, or its
- * own where that stands out. */
+/* Standard error of a pixel's mean after n samples, digital numbers: by its neighbours alone. Its
+ * own samples would end it where they are alike by luck, and go on where one is bright: what few
+ * paths find would be too dark in the mean. */
 static float standard_error_dn(const pl_render_settings *settings, const moments *moments, size_t k,
                                float n) {
-  const float count = sum9(moments->weight, k);
-  const float around = sqrtf(sum9(moments->variance, k) / (count * n));
-  const float own = sqrtf(moments->variance[k] / n) / OWN_NOISE;
-  return pl_maxf(pl_path_error_dn(settings, sum9(moments->mean, k) / count, around),
-                 pl_path_error_dn(settings, moments->mean[k], own));
+  const float count = sum8(moments->weight, k);
+  const float around = sqrtf(sum8(moments->variance, k) / (count * n));
+  return pl_path_error_dn(settings, sum8(moments->mean, k) / count, around);
 }
 
 static bool is_finished(const pl_render_settings *settings, const moments *moments, uint32_t pixel,
@@ -120,6 +140,16 @@ static bool is_finished(const pl_render_settings *settings, const moments *momen
   if (error > QUIET * settings->noise_dn && n < samples)
     return false;
   return n >= samples * error * sqrtf(n) / SCATTER_DN;
+}
+
+/* Of PL_SHARE_ROW paths so many are worth following: with the part f of them, of the cost of what
+ * leads there, an error falls the fastest where f^2 is the ratio of the two variances. */
+static uint8_t worth_following(const moments *moments, size_t k) {
+  const float shared = sum8(moments->followed, k);
+  const float own = sum8(moments->variance, k) - sum8(moments->shared, k);
+  return shared > 0.5f * own     ? PL_SHARE_ROW
+         : shared > 0.125f * own ? PL_SHARE_ROW / 2
+                                 : 0;
 }
 
 static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
@@ -152,14 +182,17 @@ void pl_path_drop_single(pl_tile_buffers *b) {
 void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
   moments moments;
   measure(context, b, &moments);
+  const int samples = context->settings->samples, least = samples / LEAST_PART;
+  const int outline = samples / OUTLINE_PART > OUTLINE_MIN ? samples / OUTLINE_PART : OUTLINE_MIN;
   size_t kept = 0, meshes = 0;
   for (size_t i = 0; i < b->active_count; i++) {
     const uint32_t pixel = b->active[i];
     const int n = b->counts[pixel];
-    const bool early = n < (i < b->active_meshes ? MESH_MIN : BODY_MIN) ||
-                       (n < OUTLINE_MIN && on_outline(context, b, pixel));
+    b->followed[pixel] = worth_following(&moments, bordered(pixel));
+    const bool early = n < least || n < (i < b->active_meshes ? MESH_MIN : BODY_MIN) ||
+                       (n < outline && on_outline(context, b, pixel));
     if (early || !is_finished(context->settings, &moments, pixel, (float)n) ||
-        (n < context->settings->samples && (b->narrow[pixel] || has_thin_veil(context, pixel))))
+        (n < samples && (b->narrow[pixel] || has_thin_veil(context, pixel))))
       b->active[kept++] = pixel;
     if (i + 1 == b->active_meshes)
       meshes = kept;

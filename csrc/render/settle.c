@@ -374,6 +374,7 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
 static void reset_pixel(uint32_t pixel, pl_tile_buffers *b) {
   b->counts[pixel] = 0;
   b->single[pixel] = false;
+  b->followed[pixel] = 0;
   b->square[pixel] = 0.0f;
   b->sample[pixel] = b->shared[pixel] = (pl_vec3f){0.0f, 0.0f, 0.0f};
   b->patches[pixel].count = 0;

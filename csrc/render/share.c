@@ -46,7 +46,7 @@ static bool is_lonely(const pl_path_context *context, const pl_tile_buffers *b, 
 static bool is_turn(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
                     const pl_patch *patch) {
   const int turn = b->counts[pixel] % PL_SHARE_ROW;
-  if (patch->lit == 0 || turn < FOLLOWED_QUICK)
+  if (patch->lit == 0 || turn < FOLLOWED_QUICK || turn < b->followed[pixel])
     return true;
   return turn < FOLLOWED &&
          (context->settings->samples > PL_SHARE_ROW || is_lonely(context, b, pixel, &patch->spot));
@@ -215,6 +215,17 @@ static pl_vec3f own_light(const pl_tile_buffers *b, uint32_t pixel) {
   return pl_vec3f_scale(sum, 1.0f / (float)b->counts[pixel]);
 }
 
+/* What tells the noise of paths from true differences between pixels, see pool.c. */
+static void add_scatter(const pl_patch *patch, pl_share_cell *cell) {
+  const float weight = pl_luminance(patch->lit_weight), light = pl_luminance(patch->shared);
+  if (!(weight > 0.0f))
+    return;
+  cell->pixels += 1.0f;
+  cell->each += patch->lit_square * (float)patch->lit / weight;
+  cell->together += light * light / weight;
+  cell->weight_square += weight * weight;
+}
+
 /* Adds a patch to the one of its cell that it fits, or makes one; returns which. */
 static uint32_t merge(const pl_patch *patch, float spread, pl_share_cell *cells, uint32_t *count) {
   uint32_t i = 0;
@@ -228,6 +239,7 @@ static uint32_t merge(const pl_patch *patch, float spread, pl_share_cell *cells,
   cell->weight = pl_vec3f_add(cell->weight, patch->lit_weight);
   cell->square += patch->lit_square;
   cell->count += (float)patch->lit;
+  add_scatter(patch, cell);
   return i;
 }
 

@@ -23,6 +23,10 @@ typedef struct pl_share_cell {
   pl_vec3f shared, weight; /* of its patches: sums over the paths that were followed */
   float square;            /* sum of their squared luminances */
   float count;             /* of these paths */
+  float pixels;            /* that have some */
+  /* Sums of what paths bring, squared, over what they carry on, luminances: of each path, and of
+   * all of a pixel together; and of what all of a pixel carry on, squared. */
+  float each, together, weight_square;
 } pl_share_cell;
 
 /* What is left of a pixel's patch. */
