@@ -53,6 +53,20 @@ static float unseen_radiance(const pl_path_context *context, uint32_t thing) {
   return shot->objects[thing].dark ? 0.0f : context->suns[thing].irradiance / PL_PI_F;
 }
 
+/* A mesh may show where none is seen yet: as if one of the samples of these pixels had met this part
+ * of white. */
+static const float UNSEEN_MESH = 0.3f, UNSEEN_POOL = 9.0f;
+
+static float unseen_mesh(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
+  const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
+  const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+  if (b->points[pixel].thing < context->shot->object_count || b->counts[pixel] == 0 ||
+      !pl_reach_pixel(context->reach, x, y))
+    return 0.0f;
+  const float step = UNSEEN_MESH * context->settings->white_radiance;
+  return step * step / (UNSEEN_POOL * (float)b->counts[pixel]);
+}
+
 /* Variance of the light that is shared, in one pixel's mean, after pooling with its neighbours;
  * `unseen`: as if one path of all their pixels had found that. */
 static float shared_variance(const pl_patch *patch, float n, float unseen) {
@@ -87,7 +101,7 @@ static void measure_pixel(const pl_path_context *context, const pl_tile_buffers 
   }
   out->mean[k] = sum / n;
   out->weight[k] = 1.0f;
-  out->variance[k] = out->shared[k];
+  out->variance[k] = out->shared[k] + unseen_mesh(context, b, pixel);
   if (n > 1.0f)
     out->variance[k] += pl_maxf(square / n - out->mean[k] * out->mean[k], 0.0f) * n / (n - 1.0f);
 }
