@@ -1,6 +1,7 @@
 /* Clouds: shells about bodies. A shell is an ellipsoid, and as thin as a sheet but for the way that
  * level rays have in it. */
 #include "geom/ellipsoid.h"
+#include "math/color.h"
 #include "render/veil_kinds.h"
 #include "shade/body_map.h"
 #include "shade/clouds.h"
@@ -104,7 +105,7 @@ static bool lands(const pl_shot_body *body, const meeting *m) {
 typedef struct place {
   pl_vec3 point, normal; /* body axes */
   float mu;              /* cosine to the normal, of a layer that is round */
-  float cover, depth;
+  float cover, depth, unsure;
   pl_vec3f slope; /* of the tops */
 } place;
 
@@ -128,6 +129,7 @@ static void find_place(const cloud_item *item, const meeting *m, double t, float
   const pl_cloud_place seen = pl_cloud_place_at(&item->cover, out->point, across, along, tops);
   out->cover = seen.cover;
   out->depth = seen.depth;
+  out->unsure = seen.unsure;
   out->slope = seen.slope;
 }
 
@@ -198,6 +200,7 @@ static void cross_item(const cloud_item *item, const pl_veils *veils, const pl_s
     pl_veil_crossing crossing = {.t = m.t[i], .passed = passed_at(&at, ground && i == 0)};
     if (!ray->dark && ray->from_body != item->body)
       crossing.radiance = radiance_at(item, veils, shot, &m, &at, width_m);
+    crossing.unsure = pl_luminance(crossing.radiance) / at.cover * at.unsure;
     pl_veil_list_add(out, &crossing);
   }
 }

@@ -23,8 +23,8 @@ static const float QUIET = 1.0f;
 /* What the paths of one surface bring, by the distance of their cell: squares about the pool's. */
 typedef struct ring {
   pl_vec3f shared, weight;
-  float square; /* sum of squared luminances */
-  float count;  /* of paths */
+  float square;                                /* sum of squared luminances */
+  float count;                                 /* of paths */
   float pixels, each, together, weight_square; /* as of cells */
 } ring;
 
@@ -207,7 +207,8 @@ static float noise_of(const ring *sum, float assumed, float scattered) {
 
 /* One-way analysis of variance, pixels as groups of unequal size (Searle, Casella and McCulloch
  * 1992, Variance Components, 3.6): what their means differ by beyond the noise of their paths is
- * true. The noise is more and more that about the pool's own cell, for it is less in dark corners. */
+ * true. The noise is more and more that about the pool's own cell, for it is less in dark corners.
+ */
 static scatter scatter_of(const pool *pool, int most) {
   const ring sum = sum_rings(pool, most);
   const float light = pl_luminance(sum.shared), weight = pl_luminance(sum.weight);
@@ -246,8 +247,8 @@ static answer ask(pool *pool, const pl_render_settings *settings, const pl_share
 }
 
 /* A patch's own light counts by how much of what tells it from its pool's is true: with more
- * samples it is less and less noise, so that in the end the pool counts for nothing (James and Stein
- * 1961; Efron and Morris 1973). */
+ * samples it is less and less noise, so that in the end the pool counts for nothing (James and
+ * Stein 1961; Efron and Morris 1973). */
 static pl_vec3f blend(const answer *answer, const pl_share_patch *patch) {
   const pl_vec3f own = light_of(patch->shared, patch->lit_weight);
   if ((float)patch->lit >= answer->enough)

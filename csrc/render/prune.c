@@ -53,8 +53,8 @@ static float unseen_radiance(const pl_path_context *context, uint32_t thing) {
   return shot->objects[thing].dark ? 0.0f : context->suns[thing].irradiance / PL_PI_F;
 }
 
-/* A mesh may show where none is seen yet: as if one of the samples of these pixels had met this part
- * of white. */
+/* A mesh may show where none is seen yet: as if one of the samples of these pixels had met this
+ * part of white. */
 static const float UNSEEN_MESH = 0.3f, UNSEEN_POOL = 9.0f;
 
 static float unseen_mesh(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
@@ -82,7 +82,8 @@ static float shared_variance(const pl_patch *patch, float n, float unseen) {
 }
 
 /* Light that is shared counts in a sample as what it is in the mean; its noise comes after. */
-static void measure_pixel(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel, size_t k, moments *out) {
+static void measure_pixel(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
+                          size_t k, moments *out) {
   const pl_pixel_patches *patches = &b->patches[pixel];
   const float n = (float)b->counts[pixel];
   float sum = pl_luminance(b->radiance[pixel]), square = b->square[pixel];
@@ -93,8 +94,7 @@ static void measure_pixel(const pl_path_context *context, const pl_tile_buffers 
     const float lit = each * pl_luminance(patch->shared);
     sum += own + seen * lit;
     square += patch->own_square + lit * (2.0f * own + seen * lit);
-    const float shared =
-        n * shared_variance(patch, n, unseen_radiance(context, patch->spot.thing));
+    const float shared = n * shared_variance(patch, n, unseen_radiance(context, patch->spot.thing));
     out->shared[k] += shared;
     if (patch->wide > 0)
       out->followed[k] += shared * (float)patch->lit / (float)patch->wide;
@@ -161,9 +161,7 @@ static bool is_finished(const pl_render_settings *settings, const moments *momen
 static uint8_t worth_following(const moments *moments, size_t k) {
   const float shared = sum8(moments->followed, k);
   const float own = sum8(moments->variance, k) - sum8(moments->shared, k);
-  return shared > 0.5f * own     ? PL_SHARE_ROW
-         : shared > 0.125f * own ? PL_SHARE_ROW / 2
-                                 : 0;
+  return shared > 0.5f * own ? PL_SHARE_ROW : shared > 0.125f * own ? PL_SHARE_ROW / 2 : 0;
 }
 
 static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {

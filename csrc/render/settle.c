@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "light/sun.h"
+#include "math/color.h"
 #include "render/laws.h"
 #include "render/path.h"
 #include "shade/water.h"
@@ -168,10 +169,19 @@ static bool spans_little(const pl_path_context *context, const pl_shot_body *bod
   return is_plain(body->body) || is_calm(body->body, toward, sun);
 }
 
-/* The settled light of a shaded point as the camera sees it. */
-static pl_vec3f seen_light(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
-                           const pl_sun_view *sun, pl_vec3f toward, double footprint_m,
-                           pl_tile_buffers *b) {
+/* Whether what a pixel sees of veils is known well enough without samples. */
+static bool is_sure(const pl_render_settings *settings, const pl_veil_list *list, pl_vec3f light) {
+  float unsure = 0.0f;
+  for (size_t i = 0; i < list->count; i++)
+    unsure += list->items[i].unsure;
+  return !(unsure > 0.0f) ||
+         pl_path_error_dn(settings, pl_luminance(light), unsure) <= settings->noise_dn;
+}
+
+/* The settled light of a shaded point as the camera sees it; false where that is not known. */
+static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
+                       const pl_sun_view *sun, pl_vec3f toward, double footprint_m,
+                       pl_tile_buffers *b) {
   const pl_render_settings *settings = context->settings;
   const float height = pl_vec3f_dot(sun->direction, vertex->ng);
   const float over = height > 0.0f ? pl_vec3f_dot(sun->direction, vertex->surface.n) : height;
@@ -192,8 +202,10 @@ static pl_vec3f seen_light(const pl_path_context *context, uint32_t pixel, const
         .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NOTHING};
     pl_veils_cross(settings->veils, context->shot, &ray, &list);
   }
-  return settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
-                               : pl_veils_seen(&list, light);
+  light = settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
+                                : pl_veils_seen(&list, light);
+  b->settled[pixel] = light;
+  return is_sure(settings, &list, light);
 }
 
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
@@ -229,8 +241,7 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
     return false;
   if (b->lit[pixel])
     b->settled_surface[pixel] = vertex.surface;
-  b->settled[pixel] = seen_light(context, pixel, &vertex, &sun, toward, footprint_m, b);
-  return true;
+  return seen_light(context, pixel, &vertex, &sun, toward, footprint_m, b);
 }
 
 /* A tile and a pixel more to each side. */

@@ -17,6 +17,7 @@ typedef struct pl_veil_crossing {
   pl_vec3f passed;   /* part of what comes from beyond that is let through, 0..1 */
   pl_vec3f radiance; /* what it adds: sunlight that it scatters, what it emits; without the air
                         between it and the ray's start, W m-2 sr-1 */
+  float unsure;      /* luminance by which what is seen may be off, since the beam hides detail */
 } pl_veil_crossing;
 
 /* Of one ray, by t. The farthest are left out where there are too many. */

@@ -95,7 +95,7 @@ static float normal_density(float x) { return expf(-0.5f * x * x) / sqrtf(2.0f *
 
 /* What the noise makes of a place. */
 typedef struct broken {
-  float cover;
+  float cover, unsure;
   float excess;      /* of the noise where there are clouds, over its mean there; over its spread */
   pl_vec3f gradient; /* of what is seen of the noise, per cell */
 } broken;
@@ -121,11 +121,14 @@ static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell,
                             .roughness = clouds->roughness,
                             .lacunarity = 2.0f,
                             .seed = clouds->seed};
-  float lost = 0.0f, frequency = 1.0f;
+  float lost = 0.0f, uneven = 0.0f, frequency = 1.0f;
   for (int i = 0; i < PL_FRACTAL_OCTAVES && (float)i < clouds->octaves; i++) {
     const float kept = i < cover->detail ? pl_noise_fade(width * frequency) : 0.0f;
     const float amplitude = cover->amplitudes[i] / cover->total;
-    lost += amplitude * amplitude * (1.0f - kept * kept);
+    const float hidden = amplitude * amplitude * (1.0f - kept * kept);
+    const float cells = pl_maxf(width * frequency, 1.0f); /* across: the mean evens out over them */
+    lost += hidden;
+    uneven += hidden / (cells * cells);
     frequency *= 2.0f;
   }
   pl_fractal_value seen = {.value = 0.0f};
@@ -143,6 +146,8 @@ static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell,
     const float threshold = -cover->spread * normal_place(mean);
     at = (value - threshold) / spread;
     out.cover = 0.5f * erfcf((threshold - value) / (spread * (float)(2.0 * SQRT_HALF)));
+    out.unsure = sqrtf(uneven * (float)PL_NOISE_VARIANCE) / spread *
+                 normal_density(pl_maxf(fabsf(at) - 1.0f, 0.0f));
   }
   if (clouds->depth_spread > 0.0f)
     out.excess = excess_of(cover, mean, value, lost, spread, at);
@@ -188,6 +193,7 @@ pl_cloud_place pl_cloud_place_at(const pl_cloud_cover *cover, pl_vec3 point, pl_
     tops = tops && clouds->relief_m > 0.0f;
     const broken b = break_cover(cover, mean, cell, width * (1.0f + fabsf(clouds->warp)), tops);
     out.cover = b.cover;
+    out.unsure = clouds->opacity * b.unsure;
     if (clouds->depth_spread > 0.0f)
       out.depth *= expf(clouds->depth_spread * b.excess);
     if (tops)

@@ -55,6 +55,7 @@ pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *ma
 typedef struct pl_cloud_place {
   float cover;    /* mean, 0..1 */
   float depth;    /* optical, of what is covered */
+  float unsure;   /* about what the cover may be off by, where the noise hides in the footprint */
   pl_vec3f slope; /* of its tops: how their height grows along body axes */
 } pl_cloud_place;
 
