@@ -203,6 +203,7 @@ static void test_lit_by_another(void **state) {
 
 static void test_lit_by_rings(void **state) {
   (void)state;
+  enum { FRAMES = 12 };
   const double white = 10.0, edges[2] = {10.0, 145.0}, depth = 0.5, albedo[3] = {1.0, 1.0, 1.0};
   const pl_rings_settings settings = {
       .count = 1, .edges_m = edges, .depth = &depth, .albedo = albedo};
@@ -210,17 +211,19 @@ static void test_lit_by_rings(void **state) {
   const pl_plan_wish even = {.tolerance_dn = 0.5, .force_on = effect_bit("antialiasing")};
   assert_int_equal(pl_rings_create(&settings, &rings), PL_OK);
   float *truth = shoot(arrange_rings, 1, white, even, 64, 0);
-  float *found = shoot(arrange_rings, 1, white, settled, 64, 0);
   double sums[2] = {0.0, 0.0};
-  for (int y = HEIGHT / 2 - 6; y < HEIGHT / 2 + 6; y++)
-    for (int x = WIDTH / 2 - 6; x < WIDTH / 2 + 6; x++) {
-      sums[0] += truth[3 * (y * WIDTH + x)] / 144.0;
-      sums[1] += found[3 * (y * WIDTH + x)] / 144.0;
-    }
+  for (uint64_t frame = 0; frame < FRAMES; frame++) { /* one path a pixel is noisy */
+    float *found = shoot(arrange_rings, 1, white, settled, 64, frame);
+    for (int y = HEIGHT / 2 - 6; y < HEIGHT / 2 + 6; y++)
+      for (int x = WIDTH / 2 - 6; x < WIDTH / 2 + 6; x++) {
+        sums[0] += truth[3 * (y * WIDTH + x)] / (144.0 * FRAMES);
+        sums[1] += found[3 * (y * WIDTH + x)] / (144.0 * FRAMES);
+      }
+    free(found);
+  }
   print_message("by rings: %.4f, not %.4f\n", sums[1], sums[0]);
-  assert_true(sums[0] > 0.01 * white && fabs(sums[1] / sums[0] - 1.0) < 0.1);
+  assert_true(sums[0] > 0.01 * white && fabs(sums[1] / sums[0] - 1.0) < 0.05);
   free(truth);
-  free(found);
   pl_rings_destroy(rings);
 }
 
