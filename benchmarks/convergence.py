@@ -187,7 +187,8 @@ def main() -> None:
     ]  # fmt: skip
     if options.figure:
         draw(results, samples, options.figure)
-    head = ["configuration", "tolerance", f"at {samples[0]}", "slope", f"at {samples[-1]}", "converges"]  # fmt: skip
+    first, last = f"at {samples[0]}", f"at {samples[-1]}"
+    head = ["configuration", "tolerance", first, "slope", last, "converges"]
     report.publish(
         options.json, {"samples": samples, "rms_dn": results}, [report.table(head, rows)]
     )

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "benchmarks"))
-import convergence
+import convergence  # noqa: E402
 
 CONFIGS = convergence.shipped()
 TOLERANCE_DN = 1.0
@@ -31,7 +31,7 @@ def params() -> list:
 
 @pytest.mark.parametrize("name", params())
 def test_errors_fall_with_samples(name):
-    scene = convergence.Scene(CONFIGS[name], (24, 18), 256)
+    scene = convergence.Scene(CONFIGS[name], (16, 12), 256)
     errors = scene.curve(SAMPLES, TOLERANCE_DN)
     if convergence.converges(SAMPLES, errors, TOLERANCE_DN):
         return
@@ -40,9 +40,9 @@ def test_errors_fall_with_samples(name):
     assert errors[-1] < 1.3 * even, (errors, even)
 
 
-def stands_dark(name, changes, samples=64):
+def stands_dark(name, changes, samples=128):
     """Error of a night side, that of all samples everywhere, and how much is wrongly black."""
-    scene = convergence.Scene(CONFIGS[name], (48, 36), 512, changes=changes)
+    scene = convergence.Scene(CONFIGS[name], (64, 48), 1024, changes=changes)
     reference = np.mean(scene.reference, axis=0).max(axis=-1)
     picture = scene.picture(samples, TOLERANCE_DN)
     lit = reference > 2.0
