@@ -141,6 +141,8 @@ static float sum8(const float *values, size_t k) {
 static float standard_error_dn(const pl_render_settings *settings, const moments *moments, size_t k,
                                float n) {
   const float count = sum8(moments->weight, k);
+  if (!(count > 0.0f))
+    return INFINITY; /* the one pixel of its tile: nobody says that it is quiet */
   const float around = sqrtf(sum8(moments->variance, k) / (count * n));
   return pl_path_error_dn(settings, sum8(moments->mean, k) / count, around);
 }
