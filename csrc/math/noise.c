@@ -72,3 +72,9 @@ float pl_noise_fade(float width) {
   const float rest = 1.0f - u * u;
   return rest * rest * rest;
 }
+
+/* Fitted to the same over squares, within 0.02; over discs it is within 0.05. */
+float pl_noise_missed(float width) {
+  const float w = pl_minf(width, 1e3f);
+  return 0.46f * w * w / (1.0f + 0.66f * w * w * w);
+}

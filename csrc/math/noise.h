@@ -31,6 +31,8 @@ pl_noise_value pl_noise_gradient(pl_vec3 point, uint32_t seed);
  * at 0, falling, exactly 0 from PL_NOISE_WIDEST on and for infinite widths; not a number counts as
  * infinite. */
 float pl_noise_fade(float width);
+/* What the faded noise misses of the mean over a footprint: rms, over the noise's deviation. */
+float pl_noise_missed(float width);
 #define PL_NOISE_WIDEST 3.0f
 
 #endif

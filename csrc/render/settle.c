@@ -178,6 +178,64 @@ static bool is_sure(const pl_render_settings *settings, const pl_veil_list *list
          pl_path_error_dn(settings, pl_luminance(light), unsure) <= settings->noise_dn;
 }
 
+/* Adds `part` of what one beam of a pixel meets to the mean over all; what hides in each is
+ * independent. False where beams meet different veils. */
+static bool add_beam(const pl_veil_list *one, float part, bool first, pl_veil_list *mean) {
+  if (first)
+    *mean = (pl_veil_list){.count = one->count};
+  if (one->count != mean->count)
+    return false;
+  for (size_t i = 0; i < one->count; i++) {
+    const pl_veil_crossing *from = &one->items[i];
+    pl_veil_crossing *to = &mean->items[i];
+    if (first)
+      to->t = from->t;
+    to->passed = pl_vec3f_madd(to->passed, part, from->passed);
+    to->radiance = pl_vec3f_madd(to->radiance, part, from->radiance);
+    to->unsure = hypotf(to->unsure, part * from->unsure);
+  }
+  return true;
+}
+
+/* What a pixel meets of veils in front of a vertex: the mean over parts x parts beams. */
+static bool cross_veils(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
+                        int parts, pl_veil_list *mean) {
+  const double x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
+  const double y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+  const float part = 1.0f / (float)(parts * parts);
+  for (int i = 0; i < parts * parts; i++) {
+    const double u = (i % parts + 0.5) / parts - 0.5, v = (i / parts + 0.5) / parts - 0.5;
+    const pl_beam beam = {.direction = pl_snapshot_ray(context->shot, x + u, y + v),
+                          .spread = (float)context->pixel_rad / (float)parts};
+    const pl_veil_ray ray = {
+        .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NOTHING};
+    pl_veil_list one;
+    pl_veils_cross(context->settings->veils, context->shot, &ray, &one);
+    if (!add_beam(&one, part, i == 0, mean))
+      return false;
+  }
+  return true;
+}
+
+/* What the camera sees of light from a point: through air and veils. Where a beam hides detail of
+ * clouds that matters, narrower ones look for it; false where they are not enough. */
+static bool see_through(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
+                        pl_vec3f light, pl_tile_buffers *b) {
+  enum { PARTS_MOST = 4 };
+  const pl_render_settings *settings = context->settings;
+  pl_veil_list list;
+  list.count = 0;
+  for (int parts = 1; parts <= PARTS_MOST; parts *= 2) {
+    if (context->veils && !cross_veils(context, pixel, vertex, parts, &list))
+      return false;
+    b->settled[pixel] = settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
+                                              : pl_veils_seen(&list, light);
+    if (is_sure(settings, &list, b->settled[pixel]))
+      return true;
+  }
+  return false;
+}
+
 /* The settled light of a shaded point as the camera sees it; false where that is not known. */
 static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
                        const pl_sun_view *sun, pl_vec3f toward, double footprint_m,
@@ -193,19 +251,7 @@ static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_
     light = pl_air_ground_light(context, pixel, vertex, light, (float)footprint_m, b);
   if (settings->emission)
     light = pl_vec3f_add(light, vertex->surface.emission);
-  pl_veil_list list;
-  list.count = 0;
-  if (context->veils) {
-    const pl_beam beam = {.direction = pl_vec3f_to_double(toward),
-                          .spread = (float)context->pixel_rad};
-    const pl_veil_ray ray = {
-        .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NOTHING};
-    pl_veils_cross(settings->veils, context->shot, &ray, &list);
-  }
-  light = settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
-                                : pl_veils_seen(&list, light);
-  b->settled[pixel] = light;
-  return is_sure(settings, &list, light);
+  return see_through(context, pixel, vertex, light, b);
 }
 
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.

@@ -125,10 +125,11 @@ static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell,
   for (int i = 0; i < PL_FRACTAL_OCTAVES && (float)i < clouds->octaves; i++) {
     const float kept = i < cover->detail ? pl_noise_fade(width * frequency) : 0.0f;
     const float amplitude = cover->amplitudes[i] / cover->total;
-    const float hidden = amplitude * amplitude * (1.0f - kept * kept);
-    const float cells = pl_maxf(width * frequency, 1.0f); /* across: the mean evens out over them */
-    lost += hidden;
-    uneven += hidden / (cells * cells);
+    lost += amplitude * amplitude * (1.0f - kept * kept);
+    if (i < cover->detail) { /* others no narrower look would find */
+      const float missed = amplitude * pl_noise_missed(width * frequency);
+      uneven += missed * missed;
+    }
     frequency *= 2.0f;
   }
   pl_fractal_value seen = {.value = 0.0f};
