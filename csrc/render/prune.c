@@ -176,13 +176,19 @@ static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b,
   return false;
 }
 
-/* Veils may be thinner than a pixel, as an outline's slivers are. */
+/* Veils may be thinner than a pixel, as an outline's slivers are; beside it they may lie on the
+ * edge between two. */
 static bool has_thin_veil(const pl_path_context *context, uint32_t pixel) {
+  static const int beside[5][2] = {{0, 0}, {0, -1}, {0, 1}, {-1, 0}, {1, 0}};
   const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-  const pl_beam beam = {.direction = pl_snapshot_ray(context->shot, x, y),
-                        .spread = (float)context->pixel_rad};
-  return context->veils && pl_veils_thin(context->settings->veils, context->shot, &beam);
+  for (int i = 0; context->veils && i < 5; i++) {
+    const pl_vec3 direction = pl_snapshot_ray(context->shot, x + beside[i][0], y + beside[i][1]);
+    const pl_beam beam = {.direction = direction, .spread = (float)context->pixel_rad};
+    if (pl_veils_thin(context->settings->veils, context->shot, &beam))
+      return true;
+  }
+  return false;
 }
 
 void pl_path_drop_single(pl_tile_buffers *b) {

@@ -47,11 +47,8 @@ class Model:
     """A model read from .gltf or .glb; immutable, turned to z-up. Model units are the file's times
     the stretch."""
     def __new__(
-        cls,
-        path: str,
-        crease_angle_rad: float = ...,
-        stretch: F64 | None = None,
-        sides: Callable[[str, bool], bool] | None = None,
+        cls, path: str, crease_angle_rad: float = ..., stretch: F64 | None = None,
+        sides: Callable[[str, bool], bool] | None = None
     ) -> Self:
         """crease_angle_rad (default: pi, none): normals that the file has for faces that meet over
         edges of more than that are split, each side gets its own; a line of `warnings` tells.
@@ -148,8 +145,7 @@ class Stars:
     """A catalogue of stars: unit directions (n, 3) in root axes for an observer at rest, irradiance
     of the bands (n, 3), W m-2, magnitudes and numbers (n,) for labels."""
     def __new__(
-        cls, directions: F64, light: F64, magnitudes: F64, numbers: NDArray[np.int64]
-    ) -> Self: ...
+        cls, directions: F64, light: F64, magnitudes: F64, numbers: NDArray[np.int64]) -> Self: ...
     @property
     def count(self) -> int:
         """Number of stars."""
@@ -337,8 +333,7 @@ class Scene:
         offset: (3,) model units; part_ids: (parts,); class_ids: (parts, levels); triangle_part:
         (T,) index into them, instead of the model's own parts."""
     def set_materials(
-        self, object: int, graphs: tuple[Graph, ...], triangle_graph: NDArray[np.int32]
-    ) -> None:
+        self, object: int, graphs: tuple[Graph, ...], triangle_graph: NDArray[np.int32]) -> None:
         """Puts graphs on an object's triangles (T,), -1: the model's material, in the place of
         those that are there. Also when a Renderer uses the scene, whose accelerators stay, but not
         while it renders (ValueError)."""
@@ -467,8 +462,7 @@ class Renderer:
         the full silhouette of each object inside the image, hidden parts too (the visible part is
         where "instance" is the object's). Releases the GIL; ctrl-C cancels."""
     def measure_rays(
-        self, request: FrameRequest, repeats: int, /
-    ) -> dict[str, tuple[int, float, float]]:
+        self, request: FrameRequest, repeats: int, /) -> dict[str, tuple[int, float, float]]:
         """For benchmarks: "primary" and "shadow" rays of a frame -> (rays, seconds in the tracer,
         seconds of Embree's packet call alone on the same rays), medians of `repeats`, 1..64."""
     def plan(self, request: FrameRequest) -> FrameResult:
@@ -535,11 +529,9 @@ class Tree:
        axes to ICRF at the epoch; "table" needs "t_s": (n,), "quats": (n, 4); "given" needs "slot".
     Errors (ValueError) name the node; a cycle of parents is printed."""
     def __new__(
-        cls, nodes: Sequence[Mapping[str, Any]], tdb_day: float, tdb_fraction: float
-    ) -> Self: ...
+        cls, nodes: Sequence[Mapping[str, Any]], tdb_day: float, tdb_fraction: float) -> Self: ...
     def states(
-        self, t_s: F64, given: F64 | None = None, given_q: F64 | None = None
-    ) -> tuple[F64, F64]:
+        self, t_s: F64, given: F64 | None = None, given_q: F64 | None = None) -> tuple[F64, F64]:
         """Poses (n, nodes, 7) to the root frame (ICRF axes) and velocities (n, nodes, 3), m/s in
         it, at seconds t_s (n,) after the epoch. given (n, slots, 6): states about the parent of
         nodes whose motion is given; given_q (n, slots, 4): axes of those whose rotation is."""

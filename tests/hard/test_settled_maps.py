@@ -51,7 +51,7 @@ WORLD: dict[str, Any] = {
             "azimuth_deg": 180.0,
         },
     },
-    "render": {"samples": 4, "tolerance_dn": 0.0, "max_bounces": 0, "channels": ["radiance"]},
+    "render": {"samples": 4, "tolerance_dn": 1e-3, "max_bounces": 0, "channels": ["radiance"]},
 }
 
 

@@ -402,6 +402,7 @@ def test_every_physical_key_has_its_unit():
         "version", "seed", "width", "height", "K", "eccentricity", "albedo", "samples",
         "max_bounces", "metres_per_unit", "obj_id", "percentile", "key", "strength", "interval",
         "direction", "spin_axis", "cone_axis", "up", "axis", "ids", "white_radiance_w_m2_sr",
+        "min_white_radiance_w_m2_sr",
         "emission_w_m2_sr", "min", "max", "merge_below",  # of parts: model units, triangles
         "frames_per_scene", "transformation", "trigger_interval", "positions", "rotations",
         "distance_scale", "normal", "side", "index", "speed",

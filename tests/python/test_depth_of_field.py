@@ -62,7 +62,7 @@ def test_is_the_mean_of_pinholes_over_the_lens(repo_dir):
         "attitude": {"rotation_deg": [20.0, 30.0, 40.0]},
     }
     scene["camera"]["exposure"]["white_radiance_w_m2_sr"] = 900.0
-    scene["render"] |= {"samples": 256, "max_bounces": 1}
+    scene["render"] |= {"samples": 1024, "max_bounces": 1}
     focus_m, radius_m = 8.0, 0.2
     scene["camera"]["lens"] = {"focus_distance_m": focus_m, "aperture_mm": 2e3 * radius_m}
     lens = opened(scene, repo_dir).frame(0, COLOUR)["radiance"]

@@ -21,7 +21,7 @@ WIDTH = 192
 def opened(repo_dir: Path, model: Path, size_m: float, distance_m: float, **more: Any):
     """The model alone before the camera, which it fills by two thirds."""
     scene = read_tree(repo_dir / "tests/python/scene.yaml")
-    scene["spacecraft"]["sat"] |= {"model": str(model), "size_m": size_m}
+    scene["spacecraft"]["sat"] |= {"model": str(model), "size_m": size_m, "faces": "as_stated"}
     scene["camera"] |= {
         "width": WIDTH,
         "height": WIDTH,
