@@ -169,13 +169,13 @@ static bool spans_little(const pl_path_context *context, const pl_shot_body *bod
   return is_plain(body->body) || is_calm(body->body, toward, sun);
 }
 
-/* Whether what a pixel sees of veils is known well enough without samples. */
-static bool is_sure(const pl_render_settings *settings, const pl_veil_list *list, pl_vec3f light) {
+/* By how many digital numbers what a pixel sees of veils may be off. */
+static float unsure_dn(const pl_render_settings *settings, const pl_veil_list *list,
+                       pl_vec3f light) {
   float unsure = 0.0f;
   for (size_t i = 0; i < list->count; i++)
     unsure += list->items[i].unsure;
-  return !(unsure > 0.0f) ||
-         pl_path_error_dn(settings, pl_luminance(light), unsure) <= settings->noise_dn;
+  return unsure > 0.0f ? pl_path_error_dn(settings, pl_luminance(light), unsure) : 0.0f;
 }
 
 /* Adds `part` of what one beam of a pixel meets to the mean over all; what hides in each is
@@ -217,21 +217,30 @@ static bool cross_veils(const pl_path_context *context, uint32_t pixel, const pl
   return true;
 }
 
+/* Tolerances, of the standard error that clouds finer than a pixel may leave: fewer than noise may
+ * (QUIET in prune.c). */
+static const float HIDDEN = 2.0f;
+
 /* What the camera sees of light from a point: through air and veils. Where a beam hides detail of
- * clouds that matters, narrower ones look for it; false where they are not enough. */
+ * clouds that matters, narrower ones look for it: what n x n of them miss falls as n^3. False where
+ * they are not enough. */
 static bool see_through(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
                         pl_vec3f light, pl_tile_buffers *b) {
   enum { PARTS_MOST = 4 };
   const pl_render_settings *settings = context->settings;
+  const float allowed = HIDDEN * settings->noise_dn;
   pl_veil_list list;
   list.count = 0;
-  for (int parts = 1; parts <= PARTS_MOST; parts *= 2) {
+  for (int parts = 1; parts <= PARTS_MOST;) {
     if (context->veils && !cross_veils(context, pixel, vertex, parts, &list))
       return false;
     b->settled[pixel] = settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
                                               : pl_veils_seen(&list, light);
-    if (is_sure(settings, &list, b->settled[pixel]))
+    const float off = unsure_dn(settings, &list, b->settled[pixel]);
+    if (!(off > allowed))
       return true;
+    const int wanted = (int)ceilf((float)parts * cbrtf(pl_minf(off / allowed, 1e3f)));
+    parts = parts < PARTS_MOST && wanted > PARTS_MOST ? PARTS_MOST : wanted;
   }
   return false;
 }
