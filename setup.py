@@ -16,7 +16,7 @@ from setuptools.command.build_py import build_py
 ROOT = Path(__file__).resolve().parent
 # Kept between builds, so that only what changed is compiled again.
 BUILD = Path(os.environ.get("PERILUNE_BUILD_DIR", ROOT / "build" / "extension"))
-# A wheel holds these below perilune/shipped (python/perilune/config/shipped.py looks there).
+# A wheel holds these below perilune/shipped (python/perilune/document/shipped.py looks there).
 SHIPPED = ("configs", "assets")
 
 

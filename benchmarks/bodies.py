@@ -21,7 +21,8 @@ import numpy as np
 import report
 from numpy.typing import NDArray
 
-from perilune import _core, atmospheres
+from perilune import _core
+from perilune.bodies import atmospheres
 from perilune.config.atmosphere import Atmosphere
 
 F64 = NDArray[np.float64]

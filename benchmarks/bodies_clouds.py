@@ -15,7 +15,8 @@ import numpy as np
 import report
 from numpy.typing import NDArray
 
-from perilune import _core, clouds
+from perilune import _core
+from perilune.bodies import clouds
 from perilune.config.clouds import CloudNoise, Clouds
 
 F64 = NDArray[np.float64]

@@ -18,7 +18,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from perilune import _core, atmospheres
+from perilune import _core
+from perilune.bodies import atmospheres
 from perilune.config.atmosphere import Atmosphere
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "python"))

@@ -27,12 +27,14 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from sgp4.api import WGS72, Satrec
 
-from perilune import _core, forces, rotations
-from perilune.bodies import date_from_utc
+from perilune import _core
+from perilune.base import rotations
 from perilune.config.orbit import Forces
-from perilune.dates import utc_of
-from perilune.ephemerides.frames import teme_to_icrf
-from perilune.gravity import ZONALS
+from perilune.orbits import forces
+from perilune.orbits.dates import utc_of
+from perilune.orbits.ephemerides.frames import teme_to_icrf
+from perilune.orbits.gravity import ZONALS
+from perilune.orbits.solar_system import date_from_utc
 
 F64 = NDArray[np.float64]
 Track = Callable[[F64], F64]

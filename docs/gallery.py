@@ -26,8 +26,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import perilune
-from perilune import _core, rotations
-from perilune.bodies import AU_M, date_from_utc, relative_m
+from perilune import _core
+from perilune.base import rotations
+from perilune.orbits.solar_system import AU_M, date_from_utc, relative_m
 
 F64 = NDArray[np.float64]
 ROOT = Path(__file__).resolve().parent.parent

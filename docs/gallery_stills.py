@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import yaml
 
-from perilune import _core, rotations
-from perilune.bodies import date_from_utc, relative_m
+from perilune import _core
+from perilune.base import rotations
+from perilune.orbits.solar_system import date_from_utc, relative_m
 
 Scene = dict[str, Any]
 ROOT = Path(__file__).resolve().parent.parent

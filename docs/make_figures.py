@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import perilune
-from perilune.plots import plot_light_curve, plot_orbits, plot_trajectory
+from perilune.show.plots import plot_light_curve, plot_orbits, plot_trajectory
 
 ROOT = Path(__file__).resolve().parent.parent
 DEMO = ROOT / "configs" / "demo.yaml"

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import perilune
-from perilune import shape_files
+from perilune.bodies import shape_files
 
 from . import models
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from perilune import rotations
+from perilune.base import rotations
 from perilune.world import World
 
 

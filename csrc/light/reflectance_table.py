@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import minimize
 
-from perilune.spectra import srgb_curves
+from perilune.base.spectra import srgb_curves
 
 FIRST_NM, LAST_NM, STEP_NM = 380, 730, 10
 SUN_K, SUN_BLANKETED = 5850.0, 0.7  # as in spectrum.c

@@ -42,7 +42,7 @@ int pl_py_motion_parse(PyObject *request, const pl_scene *scene, pl_py_states *s
 int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
 /* "volumes" of the request dictionary, which may be absent or None. */
 int pl_py_volumes_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
-/* What the sensor's filters see; see perilune.filters. */
+/* What the sensor's filters see; see perilune.camera.filters. */
 int pl_py_filters_parse(PyObject *sensor, pl_py_states *states, pl_sensor *out);
 /* "body_clouds", one a body, which may be absent. */
 int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out);

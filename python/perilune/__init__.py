@@ -5,14 +5,14 @@ from __future__ import annotations
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
-from perilune.cameras import look_at
+from perilune.camera.poses import look_at
 from perilune.dataset import Dataset, Stream, collate
 from perilune.drivers import Driver
 from perilune.sample import Sample
 from perilune.simulation import Simulation, open  # noqa: A004 (perilune.open is the interface)
 
 if TYPE_CHECKING:
-    from perilune.writers import write_bop
+    from perilune.export.writers import write_bop
 
 __all__ = [
     "Dataset",
@@ -35,7 +35,7 @@ except PackageNotFoundError:  # run from a source tree that is not installed
 def __getattr__(name: str) -> Any:
     """Writers are loaded when first asked for."""
     if name == "write_bop":
-        from perilune.writers import write_bop
+        from perilune.export.writers import write_bop
 
         return write_bop
     raise AttributeError(f"module 'perilune' has no attribute '{name}'")

@@ -421,9 +421,9 @@ class FrameRequest(TypedDict):
     sun_wavelengths: NotRequired[F64]  # (3,), um, of the bands: limb darkening
     quality: Quality
     exposure: Exposure
-    sky: NotRequired[Mapping[str, Any] | None]  # see perilune.sky.Skies.request
-    volumes: NotRequired[Sequence[Mapping[str, Any]] | None]  # see perilune.volumes.Volumes
-    sensor: NotRequired[Mapping[str, Any] | None]  # see perilune.imaging.sensor_of
+    sky: NotRequired[Mapping[str, Any] | None]  # see perilune.sky.skies.Skies.request
+    volumes: NotRequired[Sequence[Mapping[str, Any]] | None]  # see perilune.frame.volumes.Volumes
+    sensor: NotRequired[Mapping[str, Any] | None]  # see perilune.camera.imaging.sensor_of
     # (bands, 3): part of the sun's irradiance that each gathers of red, green and blue reflectances
     bands: NotRequired[F64]
     amodal: NotRequired[bool]  # whether objects get the labels of their full silhouettes (True)

@@ -9,14 +9,14 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from perilune.arguments import whole
-from perilune.batches import collate, tell_torch
-from perilune.ledger import Ledger
+from perilune.base.arguments import whole
+from perilune.base.workers import in_torch_worker, torch_worker
 from perilune.sample import Sample
-from perilune.schedule import Change, Schedule
 from perilune.simulation import ConfigSource, Simulation, default_threads
 from perilune.simulation import open as open_simulation
-from perilune.workers import in_torch_worker, torch_worker
+from perilune.training.batches import collate, tell_torch
+from perilune.training.ledger import Ledger
+from perilune.training.schedule import Change, Schedule
 
 __all__ = ["Dataset", "Stream", "collate"]
 
@@ -124,7 +124,7 @@ class _Frames:
 
 def _plain(changes: Mapping[str, Any] | None, dotted: Mapping[str, Any]) -> dict[str, Any]:
     """As JSON can hold it. ValueError for no change at all."""
-    from perilune.config.loader import plain_tree
+    from perilune.document.loader import plain_tree
 
     found = plain_tree({**(changes or {}), **dotted}, "set")
     if not found:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
-from perilune.shown import Plan, object_rows
+from perilune.frame.shown import Plan, object_rows
 
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
@@ -73,11 +73,11 @@ class Sample(Mapping[str, Array]):
         as 255; None where an automatic exposure was not measured: labels alone), timings_s;
         exposure_s and gain_e_dn (of the sensor, where one of its channels was asked for); bands
         (name, mean_um and sun_part of each, where they or planes were asked for;
-        perilune.bands.described);
+        perilune.camera.bands.described);
         articulation: spacecraft -> node -> {"motion": (4, 4), from a point of the object's frame,
         m, in the rest pose to where it is, "joints": one {"angle_deg"} or {"translation_m"} for
         each of the node's joints}; rows (of a rolling shutter): poses of some rows, see
-        perilune.rows.row_poses; those of `camera` and `objects` are of the middle of the frame."""
+        perilune.frame.rows; those of `camera` and `objects` are of the middle of the frame."""
         self.plan = Plan(plan)
         self.stars = np.empty(0, STAR) if stars is None else stars
         """Stars that the colours show, one row each, the brightest first: number and magnitude of
@@ -113,7 +113,7 @@ class Sample(Mapping[str, Array]):
         return len(self._channels)
 
     def _repr_html_(self) -> str:
-        from perilune.display import sample_html
+        from perilune.show.display import sample_html
 
         return sample_html(self)
 

@@ -11,42 +11,36 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import (
-    _core,
-    arguments,
-    articulation,
-    bands,
-    bodies,
-    labels,
-    materials,
-    passes,
-    shutter,
-    trajectories,
-)
-from perilune.config import Config, ConfigError, Document, load
+from perilune import _core, materials
+from perilune.base import arguments
+from perilune.base.hooks import Hook
+from perilune.base.timeline import Timeline
+from perilune.bodies.shapes import BodyShape
+from perilune.camera import bands, trajectories
+from perilune.camera.imaging import intrinsics
+from perilune.config import Config, ConfigError
 from perilune.config.errors import named, nearest
-from perilune.config.references import OBJECTS, OF_SENSOR, check_channels, check_references
-from perilune.handles import Assets, Handles, ObjectModel
-from perilune.hooks import Hook
-from perilune.imaging import intrinsics
-from perilune.motion import Kept
-from perilune.orbits import Setting, System
-from perilune.parts import Partition
-from perilune.remarks import Remarks
-from perilune.request import arrays_of, camera_label, request_of
-from perilune.rows import row_poses
+from perilune.document import Document, load
+from perilune.document.references import OBJECTS, OF_SENSOR, check_channels, check_references
+from perilune.frame import labels, passes, shutter
+from perilune.frame.handles import Assets, Handles, ObjectModel
+from perilune.frame.remarks import Remarks
+from perilune.frame.request import arrays_of, camera_label, request_of
+from perilune.frame.rows import row_poses
+from perilune.frame.shown import Plan
+from perilune.frame.unseen import Unseen
+from perilune.orbits import Setting, System, solar_system
+from perilune.orbits.motion import Kept
+from perilune.orbits.sunlight import LightCurve, light_curve
 from perilune.sample import Sample
-from perilune.shapes import BodyShape
-from perilune.shown import Plan
-from perilune.sky import seen
-from perilune.sunlight import LightCurve, light_curve
-from perilune.timeline import Timeline
-from perilune.unseen import Unseen
+from perilune.sky.skies import seen
+from perilune.spacecraft import articulation
+from perilune.spacecraft.parts import Partition
 from perilune.world import World
 from perilune.world import build as build_world
 
 if TYPE_CHECKING:
-    from perilune.graph_svg import GraphPicture
+    from perilune.show.graphs import GraphPicture
 
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
@@ -107,7 +101,7 @@ class Simulation:
         self._orbits = _hooks_of(orbits, document.config)
         if trajectory is not None:
             arguments.function("trajectory", trajectory, "of a perilune.world.World")
-        self._epoch = bodies.date_from_utc(document.config.time.utc_fields())
+        self._epoch = solar_system.date_from_utc(document.config.time.utc_fields())
         self._drawn: Kept[Any] = Kept(64)
         self._remarks = Remarks()
         self._unseen = Unseen()
@@ -145,7 +139,7 @@ class Simulation:
         return made
 
     def _repr_html_(self) -> str:
-        from perilune.display import simulation_html
+        from perilune.show.display import simulation_html
 
         return simulation_html(self)
 
@@ -277,7 +271,7 @@ class Simulation:
     def light_curve(self, name: str, frames: Iterable[int], **options: Any) -> LightCurve:
         """Eclipses and sunlight at a body, a spacecraft or the camera, frame by frame.
 
-        See perilune.sunlight.light_curve."""
+        See perilune.orbits.sunlight.light_curve."""
         return light_curve(self, name, frames, **options)
 
     def request(self, index: int) -> _core.FrameRequest:
@@ -428,26 +422,26 @@ class Simulation:
         return meta
 
     def plot_orbits(self, frames: Iterable[int] = (0,), **options: Any) -> Any:
-        """A matplotlib Figure of the orbits in some frames; see perilune.plots.plot_orbits."""
-        from perilune.plots import plot_orbits
+        """A matplotlib Figure of the orbits in some frames; see show/plots/orbits.py."""
+        from perilune.show.plots import plot_orbits
 
         return plot_orbits(self, frames, **options)
 
     def plot_trajectory(self, frames: Iterable[int], **options: Any) -> Any:
-        """A Figure of the camera's path about its target; see perilune.plots.plot_trajectory."""
-        from perilune.plots import plot_trajectory
+        """A Figure of the camera's path about its target; see show/plots/trajectory.py."""
+        from perilune.show.plots import plot_trajectory
 
         return plot_trajectory(self, frames, **options)
 
     def plot_light_curve(self, names: Iterable[str], frames: Iterable[int], **options: Any) -> Any:
-        """A Figure of the sunlight over time; see perilune.plots.plot_light_curve."""
-        from perilune.plots import plot_light_curve
+        """A Figure of the sunlight over time; see show/plots/light.py."""
+        from perilune.show.plots import plot_light_curve
 
         return plot_light_curve(self, names, frames, **options)
 
     def ground_track(self, frames: Iterable[int], **options: Any) -> Any:
-        """A Figure of the spacecraft's tracks on a body; see perilune.plots.plot_ground_track."""
-        from perilune.plots import plot_ground_track
+        """A Figure of the spacecraft's tracks on a body; see show/plots/ground.py."""
+        from perilune.show.plots import plot_ground_track
 
         return plot_ground_track(self, frames, **options)
 
@@ -458,7 +452,7 @@ class Simulation:
         notebook shows the result; `.svg` is its text, `.save(path)` writes it. ValueError for names
         that are not there.
         """
-        from perilune.graph_svg import draw
+        from perilune.show.graphs import draw
 
         return draw(self._document, name, on)
 

@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import orbits, rotations
-from perilune.bodies import Date
+from perilune import orbits
+from perilune.base import rotations
+from perilune.base.random import generator
+from perilune.base.timeline import Moment
+from perilune.bodies.shapes import BodyShape
 from perilune.config.camera import Camera
 from perilune.config.orbit import Circular
 from perilune.config.schema import Config
-from perilune.random import generator
-from perilune.shapes import BodyShape
-from perilune.timeline import Moment
+from perilune.orbits.solar_system import Date
 
 F64 = NDArray[np.float64]
 

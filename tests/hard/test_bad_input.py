@@ -24,7 +24,7 @@ from tests.hard.glb import cube, write_glb
 
 import perilune
 from perilune import _core
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 LABELS = ["depth", "range", "normal", "semantic", "part", "instance", "rgb", "objects"]
 

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from perilune import _core, clouds
+from perilune import _core
+from perilune.bodies import clouds
 from perilune.config.clouds import CloudNoise, Clouds
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "python"))

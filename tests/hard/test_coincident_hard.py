@@ -13,7 +13,7 @@ from tests.hard.test_decals import DECAL, HALF, sheet, write
 from tests.hard.test_surfaces_hard import HALVES, SQUARE, before_the_ball, leaning
 
 import perilune
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 HOLE = {"nodes": {"skin": {"type": "lambert", "alpha": 0.0}}}
 CHECKED = {

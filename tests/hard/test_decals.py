@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 import perilune
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 HALF, DECAL = 1.0, 0.6
 Mesh = tuple[NDArray[np.float32], NDArray[np.uint32]]

@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 from tests.python import moon
 
-from perilune import rotations
+from perilune.base import rotations
 
 F64 = NDArray[np.float64]
 

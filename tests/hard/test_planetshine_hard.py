@@ -14,7 +14,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "python"))
 import air_worlds
 import test_planetshine as theory
 
-from perilune import _core, atmospheres
+from perilune import _core
+from perilune.bodies import atmospheres
 from perilune.config.atmosphere import Atmosphere
 
 

@@ -21,8 +21,8 @@ import pytest
 import yaml
 
 import perilune
-from perilune.config.loader import read_tree
-from perilune.config.references import channel_names
+from perilune.document.loader import read_tree
+from perilune.document.references import channel_names
 
 FRAMES = range(10)
 JITTER = {"ideal": 40.0, "jitter_variance": 9.0, "clip_min": 30.0, "clip_max": 50.0}

@@ -9,10 +9,10 @@ import pytest
 from tests.python.camera_worlds import RADIUS_M, close, columns, offsets, worlds
 
 from perilune import config as cfg
-from perilune import trajectories
-from perilune.config.loader import read_tree
-from perilune.timeline import Timeline
-from perilune.trajectories.linear import between
+from perilune.base.timeline import Timeline
+from perilune.camera import trajectories
+from perilune.camera.trajectories.linear import between
+from perilune.document.loader import read_tree
 
 LAST = 2**31 - 1
 

@@ -10,7 +10,8 @@ import pytest
 from tests.python.shape_scenes import ball, scene, write_obj
 
 import perilune
-from perilune import rotations, shape_files
+from perilune.base import rotations
+from perilune.bodies import shape_files
 
 SAT = str(Path(__file__).resolve().parents[2] / "assets" / "models" / "smallsat.glb")
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])

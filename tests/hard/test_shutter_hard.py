@@ -9,8 +9,8 @@ import pytest
 from tests.python.optics_scenes import FORWARD, RIGHT, STANDS_M, at, ball, opened, row, tree
 
 import perilune
-from perilune import rotations
-from perilune.config.loader import read_tree
+from perilune.base import rotations
+from perilune.document.loader import read_tree
 
 COLOUR = ["radiance"]
 

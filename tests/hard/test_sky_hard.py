@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 
 
 def scene(radius_m: float = 1.0, **camera):

@@ -20,10 +20,11 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from perilune import _core, forces
-from perilune.bodies import Date, date_from_utc
+from perilune import _core
 from perilune.config.orbit import Forces
-from perilune.ephemerides import oem
+from perilune.orbits import forces
+from perilune.orbits.ephemerides import oem
+from perilune.orbits.solar_system import Date, date_from_utc
 
 EARTH = _core.BODIES["earth"]
 

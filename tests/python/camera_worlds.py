@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from perilune import bodies, rotations, trajectories, world
-from perilune import config as cfg
+from perilune import document as cfg
+from perilune import world
+from perilune.base import rotations
+from perilune.camera import trajectories
+from perilune.orbits import solar_system
 
 RADIUS_M = 4.0
 """Bounding sphere that is taken for every spacecraft."""
@@ -17,7 +20,7 @@ def worlds(scene, trajectory, frames, **overrides):
     """The worlds of some frames of the small scene with a trajectory."""
     scene["camera"]["trajectory"] = trajectory
     document = cfg.load(scene, overrides)
-    epoch = bodies.date_from_utc(document.config.time.utc_fields())
+    epoch = solar_system.date_from_utc(document.config.time.utc_fields())
     radii = dict.fromkeys(document.config.spacecraft, RADIUS_M)
     return [world.build(document.at(i)[0], {}, i, epoch, radii) for i in frames]
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from perilune import _core, clouds
+from perilune import _core
+from perilune.bodies import clouds
 from perilune.config.clouds import Clouds
 
 F64 = NDArray[np.float64]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 
 FORWARD = rotations.look_at(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
 STANDS_M = 5.0

@@ -12,12 +12,12 @@ import pytest
 
 import perilune
 from perilune import _core
-from perilune.articulation import Rig
-from perilune.check import check_bop
 from perilune.cli import main
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
-from perilune.writers import write_bop
+from perilune.document.loader import read_tree
+from perilune.export.check import check_bop
+from perilune.export.writers import write_bop
+from perilune.spacecraft.articulation import Rig
 
 PANEL_AXIS, CELLS = [0, 1, 0], [1, 0, 0]
 """Of the satellite's panels: the drive, and the outward normal of the solar cells."""

@@ -15,7 +15,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from perilune import _core, atmospheres, spectra
+from perilune import _core
+from perilune.base import spectra
+from perilune.bodies import atmospheres
 from perilune.config.atmosphere import Atmosphere
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import perilune
+from perilune.base.timeline import Timeline
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
-from perilune.timeline import Timeline
+from perilune.document.loader import read_tree
 
 QUIET = {"read_noise_e": 0.0, "prnu": 0.0, "dark_current_e_s": 0.0, "mosaic": "mono", "bits": 16,
          "gain_e_dn": 0.5, "vignetting": 0.0, "point_spread": {"core": "point"}}  # fmt: skip

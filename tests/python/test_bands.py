@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from scipy import constants, integrate
 
 import perilune
-from perilune import bands, spectra
+from perilune.base import spectra
+from perilune.camera import bands
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 SUN_K, BLANKETED, EDGE_UM = 5850.0, 0.7, 0.4
 

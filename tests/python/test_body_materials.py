@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 from perilune.config.errors import ConfigError
 
 SCENE = Path(__file__).parent / "scene.yaml"

@@ -13,8 +13,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from perilune import Simulation, _core, atmospheres, clouds
-from perilune import config as cfg
+from perilune import Simulation, _core
+from perilune import document as cfg
+from perilune.bodies import atmospheres, clouds
 from perilune.config.atmosphere import Atmosphere
 from perilune.config.clouds import CloudNoise, Clouds
 

@@ -11,7 +11,7 @@ from PIL import Image
 
 import perilune
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 
 @pytest.fixture(scope="module")

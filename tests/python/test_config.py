@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 import perilune
-from perilune import config as cfg
-from perilune.config import ConfigError, parse_override
-from perilune.config.loader import parse_json, parse_yaml, read_tree
+from perilune import document as cfg
+from perilune.config import Config, ConfigError
+from perilune.document import parse_override
+from perilune.document.loader import parse_json, parse_yaml, read_tree
 
 
 @pytest.fixture
@@ -426,7 +427,7 @@ def test_every_physical_key_has_its_unit():
         "color",
         "normal_strength", "radiance_w_m2_sr", "black", "wind_m_s",  # of the ground
     }  # fmt: skip
-    schema = cfg.Config.model_json_schema()
+    schema = Config.model_json_schema()
     found = 0
     for section in [schema, *schema["$defs"].values()]:
         for name, entry in section.get("properties", {}).items():

@@ -11,7 +11,7 @@ from tests.python.model_files import SATELLITE, melted_box
 import perilune
 from perilune import _core
 from perilune.config.errors import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 
 def opened(repo_dir, model, **craft):

@@ -13,7 +13,8 @@ import pytest
 from tests.python import shape_scenes
 
 import perilune
-from perilune import _core, shape_files
+from perilune import _core
+from perilune.bodies import shape_files
 from perilune.config.errors import ConfigError
 
 RED, BLUE = [0.4, 0.02, 0.02, 1.0], [0.02, 0.02, 0.4, 1.0]

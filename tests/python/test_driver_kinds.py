@@ -15,9 +15,9 @@ import pytest
 from scipy import stats
 
 import perilune
-from perilune import config as cfg
+from perilune import document as cfg
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 from perilune.drivers import Defaults, DriverError, Plan, factor, find
 
 COUNT = 4_000

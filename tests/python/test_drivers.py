@@ -11,11 +11,11 @@ import math
 import numpy as np
 import pytest
 
-from perilune import config as cfg
+from perilune import document as cfg
+from perilune.base.random import generator, stable_hash
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 from perilune.drivers import Defaults, Plan, find
-from perilune.random import generator, stable_hash
 
 COUNT = 20_000
 

@@ -13,9 +13,9 @@ import pytest
 from tests.python.output.retrace import Retrace, read_faces, write_sheets
 
 import perilune
-from perilune.check import check_bop
 from perilune.config.errors import ConfigError, ConfigWarning
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
+from perilune.export.check import check_bop
 
 CHANNELS = ["rgb", "radiance", "depth", "normal", "part", "instance"]
 BLANK = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0}}

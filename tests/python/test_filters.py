@@ -13,9 +13,11 @@ from hypothesis import strategies as st
 from scipy import constants
 
 import perilune
-from perilune import filters, preview, spectra
+from perilune.base import spectra
+from perilune.camera import filters
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
+from perilune.show import preview
 
 QUIET = {"prnu": 0.0, "vignetting": 0.0, "black_level_dn": 100.0, "exposure": {"mode": "fixed"}}
 NOISE = ["shot_noise", "read_noise", "dark_current"]

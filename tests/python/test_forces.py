@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from perilune import _core, bodies, forces, rotations
-from perilune.bodies import date_from_utc
+from perilune import _core
+from perilune.base import rotations
 from perilune.config.orbit import Forces
+from perilune.orbits import forces, solar_system
+from perilune.orbits.solar_system import date_from_utc
 from perilune.orbits.turns import earth
 
 EPOCH = date_from_utc((2024, 3, 20, 3, 6, 0.0))
@@ -64,7 +66,7 @@ def test_the_other_bodies_are_where_they_are() -> None:
         reach = float(spec["t_s"][-1]) * 0.99
         t = rng.uniform(-reach, reach, 50)
         got = _core.Propagator(spec, EPOCH.day, EPOCH.fraction).states(t)[:, :3]
-        expected = np.stack([bodies.relative_m(name, origin, EPOCH.after(x)) for x in t])
+        expected = np.stack([solar_system.relative_m(name, origin, EPOCH.after(x)) for x in t])
         apart = np.linalg.norm(got - expected, axis=1) / np.linalg.norm(expected, axis=1)
         assert apart.max() < 2e-7, (name, origin, apart.max())
 

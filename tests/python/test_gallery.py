@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 import perilune
 from perilune.cli import main
-from perilune.graph_svg import draw
-from perilune.graph_svg.boxes import Box, Link, Row
-from perilune.graph_svg.layout import HEADER, LINE, Picture, Placed, place, size_of
-from perilune.graph_svg.write import write
+from perilune.show.graphs import draw
+from perilune.show.graphs.boxes import Box, Link, Row
+from perilune.show.graphs.layout import HEADER, LINE, Picture, Placed, place, size_of
+from perilune.show.graphs.write import write
 
 SCENE = Path(__file__).parent / "scene.yaml"
 SVG = "{http://www.w3.org/2000/svg}"

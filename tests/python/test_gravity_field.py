@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from perilune import gravity_field
-from perilune.gravity import ZONALS
+from perilune.orbits import gravity_field
+from perilune.orbits.gravity import ZONALS
 
 HEAD = """prose above the head
 begin_of_head

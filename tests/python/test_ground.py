@@ -13,7 +13,7 @@ import pytest
 import perilune
 from perilune import _core
 from perilune.config.errors import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import air_worlds

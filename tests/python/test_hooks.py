@@ -7,7 +7,7 @@ import random
 import numpy as np
 import pytest
 
-from perilune import hooks
+from perilune.base import hooks
 
 
 def paper_sampler(body_radius_xyz=(6378.0, 6378.0, 6378.0)):

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import perilune
+from perilune.camera.imaging import sensor_of
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
 from perilune.config.sensor import ImageSensor
 from perilune.config.sensor_presets import PRESETS
-from perilune.imaging import sensor_of
+from perilune.document.loader import read_tree
 
 CLEAN = ["rgb", "radiance", "depth"]
 

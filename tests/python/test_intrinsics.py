@@ -7,9 +7,9 @@ import warnings
 import pytest
 from tests.python.oaisys.oaisys_files import FOLDER
 
-from perilune import config as cfg
+from perilune import document as cfg
 from perilune.config.errors import ConfigWarning
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 K = [500.0, 0.0, 320.0, 0.0, 500.0, 240.0, 0.0, 0.0, 1.0]
 

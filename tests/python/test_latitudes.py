@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 
 import perilune
-from perilune import config as cfg
+from perilune import document as cfg
+from perilune.camera.trajectories.hover import surface
 from perilune.config import ConfigError
-from perilune.plots.ground import sub_point_deg
-from perilune.trajectories.hover import surface
+from perilune.show.plots.ground import sub_point_deg
 
 A_M, F = 6378137.0, 1.0 / 298.257223563
 C_M = A_M * (1.0 - F)

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 import perilune
 from perilune import _core
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
-from perilune.writers import write_bop
+from perilune.document.loader import read_tree
+from perilune.export.writers import write_bop
 
 K = np.array([[900.0, 0.0, 310.0], [0.0, 880.0, 250.0], [0.0, 0.0, 1.0]])
 BROWN = np.array([-0.28, 0.09, 1e-3, -8e-4, -0.012, 0.01, -0.002, 1e-4])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 from perilune.config import ConfigError
 
 GHOST = {"scale": -0.5, "radius_deg": 2.0, "intensity": 1e-4}

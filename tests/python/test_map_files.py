@@ -13,9 +13,10 @@ import tifffile
 from numpy.typing import NDArray
 
 import perilune
-from perilune import _core, maps
+from perilune import _core
+from perilune.bodies import maps
+from perilune.bodies.gaps import filled
 from perilune.config.errors import ConfigError
-from perilune.gaps import filled
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import air_worlds

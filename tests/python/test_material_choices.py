@@ -13,7 +13,7 @@ import pytest
 
 import perilune
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 SCENE = Path(__file__).parent / "scene.yaml"
 FRAMES = 8

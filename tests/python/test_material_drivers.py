@@ -16,8 +16,9 @@ from scipy import stats
 
 import perilune
 from perilune import materials
-from perilune.config import ConfigError, load
-from perilune.config.loader import read_tree
+from perilune.config import ConfigError
+from perilune.document import load
+from perilune.document.loader import read_tree
 
 SCENE = Path(__file__).parent / "scene.yaml"
 SCALE = {"ideal": 1.0, "jitter_variance": 0.25, "clip_min": 0.2, "clip_max": 4.0}

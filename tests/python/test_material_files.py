@@ -12,8 +12,8 @@ import yaml
 
 import perilune
 from perilune.config.errors import ConfigError
-from perilune.config.loader import read_tree
-from perilune.config.material_files import merged
+from perilune.document.loader import read_tree
+from perilune.document.material_files import merged
 
 SCENE = Path(__file__).parent / "scene.yaml"
 DRIVER = {"ideal": 0.5, "jitter_variance": 0.1, "clip_min": 0.2, "clip_max": 0.9}

@@ -9,8 +9,9 @@ import threading
 import numpy as np
 import pytest
 
-from perilune import _core, motion
-from perilune.bodies import Date
+from perilune import _core
+from perilune.orbits import motion
+from perilune.orbits.solar_system import Date
 
 EPOCH = Date(2461000.0, 0.25)
 STILL = {"kind": "fixed", "position_m": np.zeros(3)}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 
 def opened(repo_dir, model, camera, **craft):

@@ -11,10 +11,10 @@ import perilune
 from perilune import _core
 from perilune.cli import main
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
 from perilune.config.parts import Parts
-from perilune.labels import BACKGROUND
-from perilune.parts import extents, partition, unique_names
+from perilune.document.loader import read_tree
+from perilune.frame.labels import BACKGROUND
+from perilune.spacecraft.parts import extents, partition, unique_names
 
 
 @pytest.fixture(scope="module")

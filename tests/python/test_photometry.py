@@ -12,7 +12,8 @@ import pytest
 from tests.python import moon
 
 import perilune
-from perilune import _core, geotiff, photometry
+from perilune import _core
+from perilune.bodies import geotiff, photometry
 from perilune.config.errors import ConfigError
 
 # Kieffer and Stone, AJ 129, 2887, 2005, table 4: coefficients a, b and d at two wavelengths, and p.

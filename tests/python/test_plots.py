@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune.plots import ground, tracks
-from perilune.plots.scene3d import Scene3D
+from perilune.show.plots import ground, tracks
+from perilune.show.plots.scene3d import Scene3D
 
 EQUATOR = {"time.step_s": 300.0, "spacecraft.sat.orbit.inclination_deg": 0.0}
 
@@ -73,7 +73,7 @@ def test_orbits_drawn_by_scene_are_told_apart(opened):
 
 
 def test_frusta_project_to_the_corners_of_the_image(opened):
-    from perilune.plots.trajectory import _frustum
+    from perilune.show.plots.trajectory import _frustum
 
     request = opened().request(0)
     lines = _frustum(np.zeros(3), np.eye(3), request, 5.0)
@@ -203,7 +203,7 @@ def shown_by_itself(figure):
 
 def test_notebooks_show_figures(opened):
     """Types may be named by text, as IPython documents for `for_type`."""
-    from perilune import notebook
+    from perilune.show import notebook
 
     class Formatter(dict):
         for_type = dict.__setitem__

@@ -11,7 +11,7 @@ import pytest
 
 import perilune
 from perilune import _core
-from perilune.pool import Pool
+from perilune.frame.pool import Pool
 
 SHAPE, TYPE = (300, 200), np.dtype(np.float64)
 

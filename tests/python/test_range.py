@@ -12,7 +12,7 @@ import pytest
 from tests.python.ray_caster import cast, triangles_of
 
 import perilune
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 LABELS = ["depth", "normal", "position", "object_coords", "semantic", "part", "instance"]
 WIDTH = 192

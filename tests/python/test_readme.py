@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from perilune import _core
-from perilune.trajectories import TRAJECTORIES
+from perilune.camera.trajectories import TRAJECTORIES
 
 ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "README.md").read_text()

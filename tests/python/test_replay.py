@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune.check import check_bop
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
+from perilune.export.check import check_bop
 
 CHANNELS = ["rgb", "depth", "objects"]
 NORMAL = {"ideal": 40.0, "jitter_variance": 4.0, "clip_min": 30.0, "clip_max": 50.0}

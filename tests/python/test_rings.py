@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from perilune import _core, rings
+from perilune import _core
+from perilune.bodies import rings
 from perilune.config.rings import Rings
 
 F64 = NDArray[np.float64]

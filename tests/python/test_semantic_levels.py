@@ -7,7 +7,7 @@ import pytest
 
 import perilune
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 
 @pytest.fixture

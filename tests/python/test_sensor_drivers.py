@@ -11,10 +11,10 @@ import pytest
 
 import perilune
 from perilune import _core
+from perilune.camera.imaging import sensor_of
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
 from perilune.config.sensor import ImageSensor
-from perilune.imaging import sensor_of
+from perilune.document.loader import read_tree
 
 COUNTS = {"bits", "serial", "lag_frames"}
 """Keys that fix a count or an identity."""

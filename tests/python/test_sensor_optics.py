@@ -12,10 +12,10 @@ from PIL import Image
 from scipy import ndimage, signal
 
 import perilune
-from perilune import measured
+from perilune.camera import measured
+from perilune.camera.imaging import f_number, sensor_of
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
-from perilune.imaging import f_number, sensor_of
+from perilune.document.loader import read_tree
 
 QUIET = {"read_noise_e": 0.0, "prnu": 0.0, "dark_current_e_s": 0.0, "mosaic": "mono", "bits": 16,
          "gain_e_dn": 0.5, "exposure": {"mode": "fixed"},

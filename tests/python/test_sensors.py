@@ -12,11 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import perilune
-from perilune import dataset, rotations, trajectories
+from perilune import dataset
+from perilune.base import rotations
+from perilune.camera import trajectories
 from perilune.config import ConfigError
 from perilune.config.camera import Camera
-from perilune.config.loader import read_tree
 from perilune.config.sensors import Sensor
+from perilune.document.loader import read_tree
 
 BASELINE_M = 0.8
 STEREO = {"left": {}, "right": {"transformation": {"position_m": [BASELINE_M, 0, 0]}}}

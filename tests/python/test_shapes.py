@@ -10,7 +10,8 @@ import pytest
 from tests.python.shape_scenes import ball, scene, write_obj
 
 import perilune
-from perilune import _core, shape_files, shapes
+from perilune import _core
+from perilune.bodies import shape_files, shapes
 from perilune.config.errors import ConfigError
 from perilune.config.shape import Shape
 

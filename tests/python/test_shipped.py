@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 import perilune
-from perilune import geotiff, measured
-from perilune.config import shipped
+from perilune.bodies import geotiff
+from perilune.camera import measured
+from perilune.document import shipped
 
 
 @pytest.fixture

@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import _core, rotations, shutter, simulation
+from perilune import _core, simulation
+from perilune.base import rotations
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
+from perilune.frame import shutter
 
 ALL = [channel["name"] for channel in _core.CHANNELS] + ["masks", "objects"]
 SMALL = {"camera.width": 64, "camera.height": 48, "render.samples": 2, "render.max_bounces": 1}

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import _core, rotations, sky
+from perilune import _core
+from perilune.base import rotations
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
 from perilune.config.schema import Sun
 from perilune.config.sky import Background
-from perilune.star_files import read_stars, temperature_k
+from perilune.document.loader import read_tree
+from perilune.sky import skies
+from perilune.sky.star_files import read_stars, temperature_k
 
 HEADER = "number,ra_deg,dec_deg,vmag,bv,pm_ra_mas_yr,pm_dec_mas_yr\n"
 ORION = (83.8, -1.2)
@@ -147,7 +149,7 @@ def test_places_are_erfas_and_opencvs(opened, tree):
     request.update(sun_irradiance=1.0)
     renderer = simulation._mine().renderer
     out = {"rgb": np.empty((256, 512, 3), np.uint8)}
-    stars = sky.seen(renderer.render(request, out, 1)["stars"])
+    stars = skies.seen(renderer.render(request, out, 1)["stars"])
     assert len(stars) > 50
     world = simulation.world(0)
     jd = world.epoch.day + world.epoch.fraction
@@ -167,7 +169,7 @@ def test_places_are_erfas_and_opencvs(opened, tree):
         assert np.hypot(*(pixel[0][0, 0] - [star["u"], star["v"]])) < 0.0005
     # The test sees aberration: it moves stars by a hundred times that.
     still = opened(rows, catalogue_year=1991.25, aberration=False).request(0)
-    places = sky.seen(renderer.render(still, out, 1)["stars"])
+    places = skies.seen(renderer.render(still, out, 1)["stars"])
     both = set(places["number"]) & set(stars["number"])
     shift = [
         abs(stars["u"][stars["number"] == n] - places["u"][places["number"] == n])[0] for n in both
@@ -277,7 +279,7 @@ def test_electrons_of_a_star(opened, tree):
 
 def test_colours():
     """Cool stars are red, hot ones blue, by Planck's ratios; V is what it was."""
-    light = sky.irradiance(np.zeros(3), np.array([3500.0, 5772.0, 20000.0]), Sun())
+    light = skies.irradiance(np.zeros(3), np.array([3500.0, 5772.0, 20000.0]), Sun())
     ratio = light / light[1]
     c2, um = 14387.76877, np.array([0.612, 0.549, 0.465])
     black = np.expm1(c2 / (um * 5772.0)) / np.expm1(c2 / (um * 3500.0))
@@ -351,15 +353,15 @@ def test_missing_files_are_named(tree, repo_dir):
 
 def test_axes_of_maps():
     """Galactic centre and pole (Hipparcos catalogue, volume 1, section 1.5.3), obliquity."""
-    galactic = sky.map_axes(Background(map="m", frame="galactic", east="right"))
+    galactic = skies.map_axes(Background(map="m", frame="galactic", east="right"))
     assert galactic @ unit(266.40499, -28.93617) == pytest.approx([1, 0, 0], abs=1e-6)
     assert galactic @ unit(192.85948, 27.12825) == pytest.approx([0, 0, 1], abs=1e-6)
     assert np.linalg.det(galactic) == pytest.approx(1.0)
-    ecliptic = sky.map_axes(Background(map="m", frame="ecliptic", east="left"))
+    ecliptic = skies.map_axes(Background(map="m", frame="ecliptic", east="left"))
     tilt = math.radians(23.4392911)
     assert ecliptic @ [0, -math.sin(tilt), math.cos(tilt)] == pytest.approx([0, 0, 1], abs=1e-6)
     assert np.linalg.det(ecliptic) == pytest.approx(-1.0)
-    turned = sky.map_axes(Background(map="m", center_lon_deg=90.0))
+    turned = skies.map_axes(Background(map="m", center_lon_deg=90.0))
     assert turned @ unit(90.0, 0.0) == pytest.approx([1, 0, 0], abs=1e-12)
     assert turned @ unit(100.0, 0.0) == pytest.approx(  # to the left of the centre
         [math.cos(math.radians(10)), -math.sin(math.radians(10)), 0], abs=1e-12
@@ -384,7 +386,7 @@ def test_the_map_in_the_data_lies_on_the_catalogue(data_dir, tree, repo_dir):
         x, y = round(u), round(v)
         assert image[y - 2 : y + 3, x - 2 : x + 3].max() > 20 * np.median(image)
     # The dark sky between the stars of Orion: 20 to 24 magnitudes a square arcsecond.
-    dark = sky.irradiance(np.array([20.0, 24.0]), 5772.0, Sun())[:, 1] / sky._ARCSEC2_SR
+    dark = skies.irradiance(np.array([20.0, 24.0]), 5772.0, Sun())[:, 1] / skies._ARCSEC2_SR
     assert dark[1] < np.median(sample["radiance"][..., 1]) < dark[0]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 
 RADIUS_M, ALBEDO, SUN = 1.7374e6, 0.3, np.array([0.5, 0.3, -1.0]) / math.sqrt(1.34)
 SIZE, FOCAL = 32, 1000.0

@@ -15,9 +15,9 @@ from tests.python.model_files import changed_glb, melted_box, under
 
 import perilune
 from perilune import _core
-from perilune.check import check_bop
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
+from perilune.export.check import check_bop
 
 CHANNELS = ["rgb", "depth", "normal", "part", "object_coords", "objects"]
 BY_AXIS = (0.5, 1.5, 1.0)

@@ -19,7 +19,7 @@ from tests.hard.glb import write_glb
 
 import perilune
 from perilune import _core
-from perilune.bodies import date_from_utc
+from perilune.orbits.solar_system import date_from_utc
 
 F64 = NDArray[np.float64]
 AU = 149597870700.0

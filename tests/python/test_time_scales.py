@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import bodies
-from perilune.bodies import Date, date_from_utc
 from perilune.cli import main
 from perilune.config import ConfigError
-from perilune.dates import seconds_of, tt_of, utc_of
-from perilune.sky import directions, years_since
-from perilune.star_files import read_stars
+from perilune.orbits import solar_system
+from perilune.orbits.dates import seconds_of, tt_of, utc_of
+from perilune.orbits.solar_system import Date, date_from_utc
+from perilune.sky.skies import directions, years_since
+from perilune.sky.star_files import read_stars
 
 spiceypy = pytest.importorskip("spiceypy")
 
@@ -168,7 +168,7 @@ def of_kernel(tree, kernel):
 def test_kernels_place_bodies_and_the_sun(kernel):
     sim = perilune.open(of_kernel(base(), kernel))
     world = sim.world(5)
-    later = bodies.tdb_s(EPOCH, np.array([5 * HOUR]))[0]
+    later = solar_system.tdb_s(EPOCH, np.array([5 * HOUR]))[0]
     at = {number: place + later * velocity for number, (place, velocity) in PLACES.items()}
     assert np.abs(world.position_m("jupiter") - (at[5] - at[399])).max() < 1.0
     assert np.abs(world.position_m("moon") - (at[301] - at[399])).max() < 0.01
@@ -198,7 +198,7 @@ def test_a_moon_without_a_kernel_keeps_its_series(kernel):
     tree["bodies"]["europa"] = {"kind": "europa"}
     world = perilune.open(tree).world(0)
     from_planet = world.position_m("europa") - world.position_m("jupiter")
-    expected = bodies.relative_m("europa", "jupiter", EPOCH)
+    expected = solar_system.relative_m("europa", "jupiter", EPOCH)
     assert np.abs(from_planet - expected).max() < 1.0
 
 

@@ -6,10 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from perilune import bodies, world
-from perilune import config as cfg
-from perilune.config.loader import read_tree
-from perilune.timeline import Moment, Timeline
+from perilune import document as cfg
+from perilune import world
+from perilune.base.timeline import Moment, Timeline
+from perilune.config import ConfigError
+from perilune.document.loader import read_tree
+from perilune.orbits import solar_system
 
 INTERVALS = st.lists(st.integers(1, 9), min_size=1, max_size=5)
 
@@ -92,7 +94,7 @@ def test_drivers_are_drawn_once_a_scene_unless_they_say_otherwise(scene):
 def test_draws_of_a_world(scene):
     scene["time"]["frames_per_scene"] = 3
     document = cfg.load(scene)
-    epoch = bodies.date_from_utc(document.config.time.utc_fields())
+    epoch = solar_system.date_from_utc(document.config.time.utc_fields())
     worlds = [world.build(document.config, {}, i, epoch, {"sat": 1.0}) for i in range(6)]
     assert [(w.index, w.step, w.scene, w.sensor) for w in worlds][4] == (4, 4, 1, None)
     assert [w.t_s for w in worlds] == [60.0 * k for k in range(6)]
@@ -104,5 +106,5 @@ def test_draws_of_a_world(scene):
 @pytest.mark.parametrize("value", [0, -1, 2.0, True])
 def test_frames_per_scene_must_count(scene, value):
     scene["time"]["frames_per_scene"] = value
-    with pytest.raises(cfg.ConfigError, match=r"time\.frames_per_scene"):
+    with pytest.raises(ConfigError, match=r"time\.frames_per_scene"):
         cfg.load(scene)

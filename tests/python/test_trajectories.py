@@ -7,10 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from perilune import bodies, rotations, trajectories, world
-from perilune import config as cfg
-from perilune.config.loader import read_tree
-from perilune.config.references import check_references
+from perilune import document as cfg
+from perilune import world
+from perilune.base import rotations
+from perilune.camera import trajectories
+from perilune.document.loader import read_tree
+from perilune.document.references import check_references
+from perilune.orbits import solar_system
 
 RADIUS_M = 4.0
 FRAMES = range(60)
@@ -27,7 +30,7 @@ def worlds(scene, trajectory=None, frames=FRAMES, **overrides):
     scene["camera"]["trajectory"] |= trajectory or {}
     document = cfg.load(scene, overrides)
     check_references(document.config, "scene")
-    epoch = bodies.date_from_utc(document.config.time.utc_fields())
+    epoch = solar_system.date_from_utc(document.config.time.utc_fields())
     radii = dict.fromkeys(document.config.spacecraft, RADIUS_M)
     return [world.build(document.config, {}, i, epoch, radii) for i in frames]
 

@@ -10,8 +10,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from tests.python.camera_worlds import RADIUS_M, columns, offsets, worlds
 
-from perilune import rotations, trajectories
-from perilune.config.loader import read_tree
+from perilune.base import rotations
+from perilune.camera import trajectories
+from perilune.document.loader import read_tree
 
 
 @pytest.fixture

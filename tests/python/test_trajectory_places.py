@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from tests.python.camera_worlds import RADIUS_M, close, columns, offsets, orbit_axes, worlds
 
-from perilune import config as cfg
-from perilune import trajectories
-from perilune.config.loader import read_tree
-from perilune.trajectories.hover import surface
+from perilune import document as cfg
+from perilune.camera import trajectories
+from perilune.camera.trajectories.hover import surface
+from perilune.config import ConfigError
+from perilune.document.loader import read_tree
 
 
 @pytest.fixture
@@ -165,7 +166,7 @@ def test_random_box_looks_at_things_and_points(scene):
 def test_random_box_faults(scene, changes, text):
     box = {"kind": "random_box", "min_m": [1, 2, 3], "max_m": [1, 2, 4]}
     scene["camera"]["trajectory"] = {**box, **changes}
-    with pytest.raises(cfg.ConfigError, match=text):
+    with pytest.raises(ConfigError, match=text):
         cfg.load(scene)
 
 

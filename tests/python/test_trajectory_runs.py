@@ -12,11 +12,13 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 from tests.python.camera_worlds import RADIUS_M, close, columns, offsets, orbit_axes, worlds
 
-from perilune import _core, trajectories
-from perilune import config as cfg
-from perilune.config.loader import read_tree
+from perilune import _core
+from perilune import document as cfg
+from perilune.camera import trajectories
+from perilune.camera.trajectories.relative import clohessy_wiltshire, ellipse_state
+from perilune.config import ConfigError
 from perilune.config.trajectory.runs import RelativeEllipse
-from perilune.trajectories.relative import clohessy_wiltshire, ellipse_state
+from perilune.document.loader import read_tree
 
 
 @pytest.fixture
@@ -116,7 +118,7 @@ def test_linear_from_pose_to_pose(scene):
 )
 def test_linear_faults(scene, changes, text):
     scene["camera"]["trajectory"] = {**LINEAR, **changes}
-    with pytest.raises(cfg.ConfigError, match=text):
+    with pytest.raises(ConfigError, match=text):
         cfg.load(scene)
 
 
@@ -127,7 +129,7 @@ def test_a_scene_is_the_default_of_positions(scene):
 
 def test_time_must_pass_for_a_duration(scene):
     scene["camera"]["trajectory"] = {**LINEAR, "duration_s": 10.0}
-    with pytest.raises(cfg.ConfigError, match=r"duration_s: counts time, which stands"):
+    with pytest.raises(ConfigError, match=r"duration_s: counts time, which stands"):
         cfg.load(scene, {"time.step_s": 0.0})
 
 
@@ -191,7 +193,7 @@ def test_noise_of_the_distance(scene):
         assert (np.abs(distances - 50) <= 5 + 1e-8).all()
         # Uniform: standard deviation 5 / sqrt 3, its relative error below 5 sqrt(0.8 / 4 / 200).
         assert abs(distances.std() / (5 / math.sqrt(3)) - 1) < 5 * math.sqrt(0.2 / 200)
-        with pytest.raises(cfg.ConfigError, match="distance_noise_m"):
+        with pytest.raises(ConfigError, match="distance_noise_m"):
             worlds(scene, {**trajectory, "distance_noise_m": 50.0}, [0])
 
 
@@ -205,7 +207,7 @@ def test_flyby(scene):
     pose = trajectories.camera_poses(worlds(scene, trajectory, [0])[0])[0]
     assert close(columns(pose)[:, 2], [-0.6, 0.8, 0.0], 1e-9)
     scene["camera"]["trajectory"] = {**trajectory, "side": [0, -2, 0]}
-    with pytest.raises(cfg.ConfigError, match=r"side: must not be along"):
+    with pytest.raises(ConfigError, match=r"side: must not be along"):
         cfg.load(scene)
 
 
@@ -241,7 +243,7 @@ def test_centred_on_a_spacecraft(scene):
     found = offsets(worlds(scene, landing, range(3)))
     assert close(found, [[0, 0, -20], [0, 0, -8], [0, 0, -5]], 1e-8)
     scene["camera"]["trajectory"] = {**landing, "landing": False}
-    with pytest.raises(cfg.ConfigError, match="final_distance_m"):
+    with pytest.raises(ConfigError, match="final_distance_m"):
         cfg.load(scene)
 
 

@@ -12,9 +12,11 @@ import pytest
 from scipy import stats
 
 import perilune
-from perilune import config as cfg
+from perilune import document as cfg
+from perilune.config import ConfigError
 from perilune.config.errors import ConfigWarning
-from perilune.config.loader import read_tree
+from perilune.document import oaisys
+from perilune.document.loader import read_tree
 from perilune.drivers import Defaults, Plan, find
 from perilune.drivers.truncated import truncated_normal
 
@@ -140,7 +142,7 @@ def test_the_same_bits_in_any_process_and_order(repo_dir):
     ],
 )
 def test_mistakes(scene, raw, expected):
-    with pytest.raises(cfg.ConfigError) as error:
+    with pytest.raises(ConfigError) as error:
         cfg.load(scene, {FOV: raw})
     for text in expected:
         assert text in str(error.value)
@@ -166,5 +168,5 @@ def test_no_file_of_ours_piles_up(repo_dir):
         for path in sorted((repo_dir / "configs").rglob("*.*")):
             if path.suffix in (".yaml", ".json"):
                 with warnings.catch_warnings():
-                    warnings.simplefilter("ignore", cfg.oaisys.OaisysWarning)
+                    warnings.simplefilter("ignore", oaisys.OaisysWarning)
                     cfg.load(path)

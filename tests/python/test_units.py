@@ -13,7 +13,7 @@ from tests.python.model_files import changed_glb, under
 
 import perilune
 from perilune import _core
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 CHANNELS = ["rgb", "depth", "normal", "part", "object_coords"]
 SIZE_M = 4.0

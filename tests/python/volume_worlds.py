@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 
 AWAY_M = 1000.0
 """Of the middle of the scene above the rock, along z."""

@@ -7,9 +7,9 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from dataclasses import asdict
 from typing import Any
 
-from perilune.check import RERENDERED, Report, check_bop
 from perilune.cli.command import FAILED, OK, Command
 from perilune.cli.progress import Bar
+from perilune.export.check import RERENDERED, Report, check_bop
 
 _ALL = "all"
 

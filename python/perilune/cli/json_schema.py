@@ -14,8 +14,8 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaMode, JsonSchemaV
 from pydantic_core import PydanticCustomError, core_schema
 
 from perilune import _core
-from perilune.config.references import channel_names
 from perilune.config.schema import Config
+from perilune.document.references import channel_names
 from perilune.drivers import Drawn
 
 _VARIES = "x-perilune-varies"

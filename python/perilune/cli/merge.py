@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 
 from perilune.cli.command import OK, Command
-from perilune.writers.merge import merge_bop
+from perilune.export.writers.merge import merge_bop
 
 
 def _configure(parser: ArgumentParser) -> None:

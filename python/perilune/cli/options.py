@@ -6,8 +6,8 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterable
 
 import perilune
-from perilune.config import parse_override
 from perilune.config.errors import nearest
+from perilune.document import parse_override
 from perilune.simulation import Simulation, default_threads
 
 LAST_FRAME = 2**31 - 1

@@ -19,9 +19,9 @@ from perilune.cli.options import add_config, add_frames, open_simulation
 from perilune.config import Config, ConfigError
 from perilune.config.errors import nearest
 from perilune.config.motion import sections
-from perilune.ephemerides import oem
+from perilune.orbits.ephemerides import oem
+from perilune.orbits.sunlight import LightCurve
 from perilune.simulation import Simulation
-from perilune.sunlight import LightCurve
 
 F64 = NDArray[np.float64]
 

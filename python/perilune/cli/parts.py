@@ -15,10 +15,10 @@ from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, open_simulation, whole_number
 from perilune.config.errors import nearest
 from perilune.config.parts import Parts
-from perilune.labels import part_class
-from perilune.model_files import FOREIGN, SUFFIXES, read_model
-from perilune.parts import PartEntry, PartExtent, Partition, extents, partition
-from perilune.remarks import ModelWarning
+from perilune.frame.labels import part_class
+from perilune.frame.remarks import ModelWarning
+from perilune.spacecraft.model_files import FOREIGN, SUFFIXES, read_model
+from perilune.spacecraft.parts import PartEntry, PartExtent, Partition, extents, partition
 
 _MODELS = (*SUFFIXES, *FOREIGN)
 _COLUMNS = ("part", "material", "triangles", "min", "max", "class")

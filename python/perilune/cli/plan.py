@@ -8,9 +8,9 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Any
 
-from perilune.almanac import sources
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, add_frame, open_simulation
+from perilune.orbits.almanac import sources
 
 _COLUMNS = ("effect", "on", "bound", "cost", "reason")
 _RIGHT = {"bound", "cost"}

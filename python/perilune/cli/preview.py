@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from perilune import preview
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, add_frame, add_threads, open_simulation
+from perilune.show import preview
 
 
 def _configure(parser: ArgumentParser) -> None:

@@ -16,7 +16,7 @@ from perilune.cli.options import (
     whole_number,
 )
 from perilune.cli.progress import Bar
-from perilune.writers import WRITERS, Writer, find, plugins
+from perilune.export.writers import WRITERS, Writer, find, plugins
 
 
 def _writer(name: str) -> Writer:

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from perilune.cli.command import OK, Command
-from perilune.writers.statistics import QUANTILES, bop_statistics
+from perilune.export.stats import QUANTILES, bop_statistics
 
 
 def _configure(parser: ArgumentParser) -> None:

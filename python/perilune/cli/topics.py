@@ -10,7 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import perilune
-from perilune import drivers, hooks, labels
+from perilune import drivers
+from perilune.base import hooks
+from perilune.frame import labels
 from perilune.sample import CameraLabel
 
 _POSES = """A pose is seven numbers, x, y, z, qw, qx, qy, qz: p_root = R(q) p_own + (x, y, z).

@@ -1,8 +1,6 @@
-"""The configuration: schema, loader, overrides."""
+"""The schema of the configuration, and the errors of its files."""
 
-from perilune.config.document import Document, load
 from perilune.config.errors import ConfigError
-from perilune.config.overrides import parse_override
 from perilune.config.schema import Config
 
-__all__ = ["Config", "ConfigError", "Document", "load", "parse_override"]
+__all__ = ["Config", "ConfigError"]

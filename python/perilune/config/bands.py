@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from perilune import spectra
+from perilune.base import spectra
 from perilune.config.errors import fail
 from perilune.config.types import FileName, Strict
 

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from perilune.config.names import nearest
+from perilune.base.names import nearest
 from perilune.config.wording import shown, wording
 from perilune.drivers import KeyPath, path_text
 

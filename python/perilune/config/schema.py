@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from perilune.base.timeline import Timeline
 from perilune.config import utc
 from perilune.config.articulation import Animation, Joint
 from perilune.config.attitude import Attitude, Inertial
@@ -49,7 +50,6 @@ from perilune.config.types import (
 )
 from perilune.config.volumes import Volume
 from perilune.drivers import Drawn, Group, factor
-from perilune.timeline import Timeline
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 _EPOCH = re.compile(

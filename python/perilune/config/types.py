@@ -151,7 +151,7 @@ class Strict(BaseModel):
         return {(new if key == old else key): value for key, value in data.items()}
 
     def _repr_html_(self) -> str:
-        from perilune.display import configuration_html
+        from perilune.show.display import configuration_html
 
         return configuration_html(self)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic_core import ErrorDetails
 
-from perilune.config.names import nearest
+from perilune.base.names import nearest
 from perilune.drivers import KINDS
 
 _SHOWN = 60

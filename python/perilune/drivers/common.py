@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune.random import generator
+from perilune.base.random import generator
 
 F64 = NDArray[np.float64]
 KeyPath = tuple[str | int, ...]

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from perilune import hooks
+from perilune.base import hooks
 from perilune.drivers.common import DriverError, Kind, Source, clip, numbers, shaped, size
 from perilune.drivers.normal import check_ideal, need
 

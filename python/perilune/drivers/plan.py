@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from perilune.base.random import generator
 from perilune.drivers.common import F64, DriverError, KeyPath, Source
 from perilune.drivers.hook import Hooked
 from perilune.drivers.log_normal import LogNormal
 from perilune.drivers.normal import Normal
 from perilune.drivers.tree import Found
-from perilune.random import generator
 
 _SYMMETRIC = 1e-12
 """Difference of two elements of a correlation matrix that rounding explains."""

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from perilune import _core, maps
+from perilune import _core
+from perilune.bodies import maps
 from perilune.config.materials import Material
 
 _KIND = "image"

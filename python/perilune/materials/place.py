@@ -15,7 +15,7 @@ from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
 from perilune.materials.drivers import applied
 from perilune.materials.graph import F64, Graph, values
-from perilune.parts import Partition, components, inside_box
+from perilune.spacecraft.parts import Partition, components, inside_box
 
 
 @dataclass(frozen=True)

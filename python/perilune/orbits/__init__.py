@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from perilune.motion import States
+from perilune.orbits.motion import States
 from perilune.orbits.setting import (
     Parent,
     Setting,

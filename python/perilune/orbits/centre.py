@@ -8,15 +8,17 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, bodies, rotations
-from perilune.almanac import almanac
+from perilune import _core
+from perilune.base import rotations
 from perilune.config.attitude import Spin
 from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.orbit import Elements
-from perilune.gravity import ZONALS
-from perilune.orbit_database import Centre
+from perilune.orbits import solar_system
+from perilune.orbits.almanac import almanac
+from perilune.orbits.gravity import ZONALS
 from perilune.orbits.kinds.elements import default_frame, periapsis_m
+from perilune.orbits.orbit_classes import Centre
 from perilune.orbits.place import Place
 from perilune.orbits.setting import KM, Parent, Setting, ephemeris_name, parent_of
 from perilune.orbits.turns import earth, spin_of
@@ -133,7 +135,7 @@ def _noon_deg(setting: Setting, parent: Parent, axes: F64) -> float:
         of_date = np.array([math.cos(mean), math.sin(mean), 0.0])
         return _angle_deg(axes, erfa.pmat06(date.day, date.fraction).T @ of_date)
     own = parent.table or ephemeris_name(setting.config, setting.config.root)
-    if own is None or not bodies.has_ephemeris(own):
+    if own is None or not solar_system.has_ephemeris(own):
         return 0.0
     return _angle_deg(axes, almanac(setting.config).relative_m("sun", own, date))
 

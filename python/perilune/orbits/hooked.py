@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import hooks, rotations
+from perilune.base import hooks, rotations
 from perilune.config.orbit import Drawn, Elements
 from perilune.config.orbit import Hook as HookOrbit
 from perilune.orbits.drawn import run_through, start_rev

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune.bodies import Date
+from perilune.base.random import generator
 from perilune.orbits.setting import Parent, Setting, parent_of
-from perilune.random import generator
+from perilune.orbits.solar_system import Date
 
 F64 = NDArray[np.float64]
 Motion = Mapping[str, Any] | Callable[[F64], F64]

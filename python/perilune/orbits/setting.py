@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, bodies
-from perilune.almanac import almanac
-from perilune.bodies import Date
+from perilune import _core
+from perilune.base.hooks import Hook
 from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.schema import Config
-from perilune.hooks import Hook
-from perilune.motion import Kept
+from perilune.orbits import solar_system
+from perilune.orbits.almanac import almanac
+from perilune.orbits.motion import Kept
+from perilune.orbits.solar_system import Date
 
 F64 = NDArray[np.float64]
 
@@ -120,7 +121,7 @@ def parent_of(setting: Setting, name: str) -> Parent:
 def sun_position_m(config: Config, date: Date) -> F64:
     """The Sun's centre in the root frame."""
     if config.sun.direction is not None:
-        return np.array(config.sun.direction) * (config.sun.distance_au * bodies.AU_M)
+        return np.array(config.sun.direction) * (config.sun.distance_au * solar_system.AU_M)
     origin = ephemeris_name(config, config.root)
     assert origin is not None  # the root always has one
     return almanac(config).relative_m("sun", origin, date)

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import rotations
-from perilune.almanac import almanac
-from perilune.bodies import Date
+from perilune.base import rotations
 from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.orbit import Hook
-from perilune.motion import Kept, States, evaluate, propagator
 from perilune.orbits import hooked, paths
+from perilune.orbits.almanac import almanac
+from perilune.orbits.motion import Kept, States, evaluate, propagator
 from perilune.orbits.place import Motion, Place
 from perilune.orbits.setting import KM, Setting, ephemeris_name, parent_of, radii_m, sun_position_m
+from perilune.orbits.solar_system import Date
 from perilune.orbits.turns import SUN, body_turn, craft_turn
 
 F64 = NDArray[np.float64]

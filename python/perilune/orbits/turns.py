@@ -13,8 +13,8 @@ import erfa
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import rotations
-from perilune.bodies import Date
+from perilune.base import rotations
+from perilune.base.files import Stamp, stamp
 from perilune.config.attitude import (
     AttitudeTable,
     Lvlh,
@@ -24,10 +24,10 @@ from perilune.config.attitude import (
     Tumble,
 )
 from perilune.config.body import Body
-from perilune.dates import tt_of, utc_of
-from perilune.ephemerides import csv_table
-from perilune.files import Stamp, stamp
+from perilune.orbits.dates import tt_of, utc_of
+from perilune.orbits.ephemerides import csv_table
 from perilune.orbits.setting import Setting, table_name
+from perilune.orbits.solar_system import Date
 
 F64 = NDArray[np.float64]
 Turn = Mapping[str, Any]

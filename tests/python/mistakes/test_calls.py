@@ -11,7 +11,7 @@ import pytest
 from tests.python.mistakes.rule import fault
 
 import perilune
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 opened = perilune.open
 META = {"index": 0, "drivers": {}}

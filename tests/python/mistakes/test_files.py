@@ -11,7 +11,7 @@ from tests.python.model_files import SATELLITE, changed_glb
 
 import perilune
 from perilune import cli
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 # Configurations: (file name, what it holds, what the message must hold beside the name)
 CONFIGURATIONS = [

@@ -10,7 +10,7 @@ from tests.python.mistakes.keys import KEYS
 from tests.python.mistakes.rule import fault
 
 import perilune
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 SCENE = "tests/python/scene.yaml"
 

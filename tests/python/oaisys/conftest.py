@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.python.oaisys.oaisys_files import FOLDER
 
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 
 @pytest.fixture

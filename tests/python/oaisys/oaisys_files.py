@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from perilune import config as cfg
-from perilune.config import ConfigError, oaisys
-from perilune.config.oaisys import OaisysWarning
+from perilune import document as cfg
+from perilune.config import ConfigError
+from perilune.document import oaisys
+from perilune.document.oaisys import OaisysWarning
 
 FOLDER = Path(__file__).resolve().parents[3] / "configs" / "oaisys"
 EARTH_M = 6.378e6

@@ -14,8 +14,9 @@ from tests.python.model_files import with_graphs
 from tests.python.oaisys.oaisys_files import EARTH_M, FOLDER, SENSOR, failure, translated
 
 import perilune
-from perilune import config as cfg
-from perilune.config import ConfigError, oaisys
+from perilune import document as cfg
+from perilune.config import ConfigError
+from perilune.document import oaisys
 
 MESHES = "ASSET_SETUP.MESHES"
 

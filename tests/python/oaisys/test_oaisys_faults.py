@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from perilune import config as cfg
+from perilune import document as cfg
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 FOLDER = Path(__file__).resolve().parents[3] / "configs" / "oaisys"
 ABSURD = (None, True, -1, 1e300, "", "x", [], [1], [["x"]], {"x": 1})

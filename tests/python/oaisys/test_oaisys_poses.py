@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 
 FOLDER = Path(__file__).resolve().parents[3] / "configs" / "oaisys"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.json"))

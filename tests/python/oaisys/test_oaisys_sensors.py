@@ -10,8 +10,8 @@ import pytest
 from tests.python.oaisys.oaisys_files import EARTH_M, FOLDER, SENSOR, failure, translated
 
 import perilune
-from perilune import config as cfg
-from perilune import rotations
+from perilune import document as cfg
+from perilune.base import rotations
 
 
 def test_orbit_radius_left_out_is_three_radii(tree, general):

@@ -11,7 +11,8 @@ from PIL import Image
 from tests.python.oaisys.oaisys_files import EARTH_M, FOLDER, SENSOR, failure, translated
 
 import perilune
-from perilune import _core, atmospheres
+from perilune import _core
+from perilune.bodies import atmospheres
 from perilune.config.atmosphere import Atmosphere
 
 MESHES = "ASSET_SETUP.MESHES"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 
 @pytest.fixture

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from perilune import orbit_database as db
-from perilune.gravity import ZONALS
-from perilune.random import generator
+from perilune.base.random import generator
+from perilune.orbits import orbit_classes as db
+from perilune.orbits.gravity import ZONALS
 
 DAY = 86400.0
 EARTH = db.Centre(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.python.orbit.scenes import equator_m, opened, refused, state
 
-from perilune import rotations
+from perilune.base import rotations
 
 # --- drawn orbits -------------------------------------------------------------------------------
 

@@ -8,9 +8,9 @@ import erfa
 import numpy as np
 import pytest
 
-from perilune import dates
-from perilune.bodies import date_from_utc
-from perilune.ephemerides import csv_table, frames, oem, tle
+from perilune.orbits import dates
+from perilune.orbits.ephemerides import csv_table, frames, oem, tle
+from perilune.orbits.solar_system import date_from_utc
 
 EPOCH = date_from_utc((2026, 3, 20, 12, 0, 0.0))
 ISS = (
@@ -297,7 +297,7 @@ def kernel(tmp_path):
 
 
 def test_spice(kernel):
-    from perilune.ephemerides.spice import Spice
+    from perilune.orbits.ephemerides.spice import Spice
 
     t_s = np.array([0.0, 100.0, 333.0])
     states = Spice((kernel,), "-999", "EARTH").states(EPOCH, t_s)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from tests.python.orbit.scenes import equator_m, opened, refused, state
 
-from perilune import dates
-from perilune.ephemerides import tle
+from perilune.orbits import dates
+from perilune.orbits.ephemerides import tle
 
 ISS = [
     "1 25544U 98067A   26162.96453450  .00008067  00000+0  15344-3 0  9993",
@@ -236,7 +236,7 @@ def test_sun_synchronous_node_follows_the_sun(scene, repo_dir):
 @pytest.mark.parametrize("name", ["GEO_60s", "LEO_60s", "MEO_60s"])
 def test_oem_between_its_lines(data_dir, scene, repo_dir, tmp_path, name):
     """Every second line left out and asked for: to 1 mm, and velocities to 1e-5 m/s; degree 9."""
-    from perilune.ephemerides import oem
+    from perilune.orbits.ephemerides import oem
 
     path = data_dir / f"orbits/oem/{name}.oem"
     (segment,) = oem.parse(path)

@@ -9,7 +9,7 @@ import pytest
 
 import perilune
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 LOW = {"altitude_km": 500.0, "inclination_deg": 51.6, "raan_deg": 40.0, "true_anomaly_deg": 10.0}
 DAY_S = 86400.0

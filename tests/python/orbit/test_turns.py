@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from tests.python.orbit.scenes import opened, refused, state
 
-from perilune import bodies, dates, rotations
-from perilune.ephemerides import csv_table
+from perilune.base import rotations
+from perilune.orbits import dates, solar_system
+from perilune.orbits.ephemerides import csv_table
 
 # --- rotations ----------------------------------------------------------------------------------
 
@@ -112,7 +113,7 @@ def test_attitude_tables_are_read_once(scene, repo_dir, tmp_path, monkeypatch):
 def test_date_of_a_moment_is_kept(scene, repo_dir):
     """The setting's epoch is the configuration's."""
     sim = opened(scene, repo_dir)
-    assert sim.system(0).setting.epoch == bodies.date_from_utc((2026, 3, 20, 12, 0, 0.0))
+    assert sim.system(0).setting.epoch == solar_system.date_from_utc((2026, 3, 20, 12, 0, 0.0))
 
 
 def test_tumble_keeps_its_momentum(scene, repo_dir):

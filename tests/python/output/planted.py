@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image
 from tests.python.output.faults import S0, S1, edit, json_fault, read, write
 
-from perilune.writers.bop_labels import NO_BOX, annotation, extent
+from perilune.export.writers.bop_labels import NO_BOX, annotation, extent
 
 CAMERA, GT, INFO, COCO = (
     f"{S0}/scene_{name}.json" for name in ("camera", "gt", "gt_info", "gt_coco")

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from perilune import _core
-from perilune.writers import queue
+from perilune.export.writers import queue
 
 EVENTS = {
     "open": (0,),

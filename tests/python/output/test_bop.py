@@ -19,8 +19,8 @@ from perilune.config import ConfigError
 from perilune.config.file_names import _file_keys
 from perilune.config.schema import Config
 from perilune.config.types import Strict
-from perilune.writers import bop_files, bop_source
-from perilune.writers.bop import LABELS
+from perilune.export.writers import bop_files, bop_source
+from perilune.export.writers.bop import LABELS
 
 FRAMES = range(6)
 CHANNELS = ("rgb", *LABELS)

@@ -11,8 +11,8 @@ from PIL import Image
 
 import perilune
 from perilune import _core
-from perilune.check import check_bop
 from perilune.cli import main
+from perilune.export.check import check_bop
 
 PICTURES = {"rgb", "sensor_rgb", "raw"}
 NAMES = [row["name"] for row in _core.CHANNELS if row["name"] not in {"depth", *PICTURES}]

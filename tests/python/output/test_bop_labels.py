@@ -18,7 +18,7 @@ from tests.python.output.silhouettes import silhouettes
 
 import perilune
 from perilune.config import ConfigError
-from perilune.writers import bop_labels
+from perilune.export.writers import bop_labels
 
 FRAMES = range(12)
 CHUNK = 5

@@ -10,8 +10,8 @@ import pytest
 
 import perilune
 from perilune import _core
-from perilune.check import check_bop
 from perilune.config import ConfigError
+from perilune.export.check import check_bop
 
 from .retrace import read_faces, write_sheets
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 
 
 def places_m(folder, index, obj_id):

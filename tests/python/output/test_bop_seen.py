@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 import perilune
-from perilune.check import check_bop
+from perilune.export.check import check_bop
 
 from .retrace import Retrace, read_faces, write_sheets
 

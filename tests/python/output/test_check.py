@@ -11,7 +11,7 @@ import pytest
 from tests.python.output.faults import FAULTS, IMAGE
 
 import perilune
-from perilune.check import check_bop
+from perilune.export.check import check_bop
 
 CHUNK = 3
 FRAMES = range(6)

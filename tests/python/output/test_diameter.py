@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from perilune.writers.diameter import diameter
+from perilune.export.writers.diameter import diameter
 
 
 def brute_force(points):

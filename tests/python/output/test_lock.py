@@ -10,15 +10,15 @@ import time
 import pytest
 
 import perilune
-from perilune.check import check_bop
 from perilune.cli import main
-from perilune.writers import FolderInUseError, merge_bop
-from perilune.writers.lock import LOCK_FILE, locked, writing_process
+from perilune.export.check import check_bop
+from perilune.export.writers import FolderInUseError, merge_bop
+from perilune.export.writers.lock import LOCK_FILE, locked, writing_process
 
 HOLD = """
 import sys, time
 from pathlib import Path
-from perilune.writers.lock import locked
+from perilune.export.writers.lock import locked
 scenes = None if sys.argv[2] == "all" else [int(k) for k in sys.argv[2].split(",")]
 with locked(Path(sys.argv[1]), scenes):
     print("held", flush=True)
@@ -105,7 +105,7 @@ def test_locks_keep_many_processes_apart(tmp_path):
     add = """
 import sys, time
 from pathlib import Path
-from perilune.writers.lock import FolderInUseError, locked
+from perilune.export.writers.lock import FolderInUseError, locked
 root = Path(sys.argv[1])
 for _ in range(5):
     while True:

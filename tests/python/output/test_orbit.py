@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import perilune
-from perilune import _core, bodies, dates
+from perilune import _core
 from perilune.cli.orbit import COLUMNS, SUNLIGHT_COLUMNS, states
-from perilune.ephemerides import oem
+from perilune.orbits import dates, solar_system
+from perilune.orbits.ephemerides import oem
 from perilune.orbits.kinds.elements import two_body
 from perilune.orbits.place import Place
 
@@ -42,7 +43,7 @@ def test_table_is_the_tree(small_scene, pair, tmp_path):
     assert tuple(head) == COLUMNS
     sim = perilune.open(small_scene, overrides={"spacecraft.probe.orbit.raan_deg": raan})
     assert [[row[0], row[2]] for row in rows] == [[k, n] for k in "25" for n in ("planet", "probe")]
-    epoch = bodies.date_from_utc(sim.config.time.utc_fields())
+    epoch = solar_system.date_from_utc(sim.config.time.utc_fields())
     # Steps count TDB: its drift against UTC shows in the last digits, and is kept.
     times = dates.seconds_of([row[1] for row in rows], "UTC", epoch)
     np.testing.assert_allclose(times, [120.0, 120.0, 300.0, 300.0], rtol=0, atol=1e-9)
@@ -114,9 +115,9 @@ def test_velocity_of_a_planet_by_the_ephemeris(repo_dir):
     found = {s.name: (s.pose[:3], s.velocity_m_s) for s in states(sim, 0)}
     assert np.linalg.norm(found["earth"][1]) == 0.0
     assert 960.0 < np.linalg.norm(found["moon"][1]) < 1080.0
-    epoch = bodies.date_from_utc(sim.config.time.utc_fields())
-    later = bodies.relative_m("moon", "earth", epoch.after(30.0))
-    earlier = bodies.relative_m("moon", "earth", epoch.after(-30.0))
+    epoch = solar_system.date_from_utc(sim.config.time.utc_fields())
+    later = solar_system.relative_m("moon", "earth", epoch.after(30.0))
+    earlier = solar_system.relative_m("moon", "earth", epoch.after(-30.0))
     # moon98 differentiates a shorter series than it sums: 3e-6 of the speed
     np.testing.assert_allclose(found["moon"][1], (later - earlier) / 60.0, rtol=0, atol=5e-3)
 

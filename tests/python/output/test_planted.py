@@ -21,10 +21,10 @@ from tests.python.output.planted_table import (
 )
 
 import perilune
-from perilune.check import check_bop
-from perilune.check.findings import Report
-from perilune.check.looks import LooksCheck
-from perilune.writers import merge_bop
+from perilune.export.check import check_bop
+from perilune.export.check.findings import Report
+from perilune.export.check.looks import LooksCheck
+from perilune.export.writers import merge_bop
 
 
 @pytest.fixture(scope="module")

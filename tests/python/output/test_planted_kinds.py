@@ -11,7 +11,7 @@ from tests.python.output.planted import copied, moved, swapped, turn, turned, wi
 from tests.python.output.retrace import write_sheets
 
 import perilune
-from perilune.check import check_bop
+from perilune.export.check import check_bop
 
 S = "val/000000"
 GT, CAMERA = f"{S}/scene_gt.json", f"{S}/scene_camera.json"

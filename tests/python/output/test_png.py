@@ -12,7 +12,7 @@ from hypothesis.extra import numpy as npst
 from PIL import Image
 
 from perilune import _core
-from perilune.check.png import GREY8, GREY16, RGB8, PngError, read_png
+from perilune.export.check.png import GREY8, GREY16, RGB8, PngError, read_png
 
 
 @given(

@@ -9,10 +9,11 @@ import pytest
 from PIL import Image
 
 import perilune
-from perilune import _core, notebook, preview
-from perilune.preview import canvas, colors, font, overlay, panels, sheet
-from perilune.request import object_dtype
+from perilune import _core
+from perilune.frame.request import object_dtype
 from perilune.sample import CameraLabel, Sample
+from perilune.show import notebook, preview
+from perilune.show.preview import canvas, colors, font, overlay, panels, sheet
 
 
 def make_sample(width=64, height=48, empty=False, channels=None):

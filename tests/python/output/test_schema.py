@@ -11,8 +11,9 @@ import jsonschema
 import pytest
 
 import perilune
-from perilune.config import ConfigError, load
-from perilune.config.loader import read_tree
+from perilune.config import ConfigError
+from perilune.document import load
+from perilune.document.loader import read_tree
 
 
 @pytest.fixture(scope="module")

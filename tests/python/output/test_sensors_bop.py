@@ -10,10 +10,10 @@ import pytest
 from PIL import Image
 
 import perilune
-from perilune.check import check_bop
 from perilune.cli import main
 from perilune.config import ConfigError
-from perilune.writers.statistics import bop_statistics
+from perilune.export.check import check_bop
+from perilune.export.stats import bop_statistics
 
 BASELINE_M = 0.5
 SENSORS = {
@@ -87,7 +87,7 @@ def test_shards_of_sensors_merge(sim, dataset, tmp_path):
     for k in range(2):
         folder = tmp_path / f"part{k}"
         perilune.write_bop(sim, range(8), folder, chunk_size=3, threads=1, shard=(k, 2))
-    perilune.writers.merge_bop([tmp_path / "part0", tmp_path / "part1"], tmp_path / "whole")
+    perilune.export.writers.merge_bop([tmp_path / "part0", tmp_path / "part1"], tmp_path / "whole")
     for path in dataset.rglob("*"):
         if path.is_file():
             assert (tmp_path / "whole" / path.relative_to(dataset)).read_bytes() == (
@@ -122,7 +122,7 @@ def test_a_table_of_poses_is_a_file_of_the_dataset(small_scene, tmp_path):
 
 def test_preview_names_the_sensor(sim, small_scene, tmp_path):
     sample = sim.frame(1, channels=["rgb"])
-    assert perilune.preview.frame_title(sample).startswith("frame 1 right | ")
+    assert perilune.show.preview.frame_title(sample).startswith("frame 1 right | ")
     overrides = ["--set", "sensors={left: {}, right: {fov_deg: 20}}"]
     args = ["preview", str(small_scene), "--frame", "1", "--out", str(tmp_path / "s.png")]
     assert main([*args, *overrides]) == 0

@@ -10,9 +10,9 @@ import sys
 import pytest
 
 import perilune
-from perilune.check import check_bop
-from perilune.writers import merge_bop
-from perilune.writers.bop_shards import chunks, shard_chunks
+from perilune.export.check import check_bop
+from perilune.export.writers import merge_bop
+from perilune.export.writers.bop_shards import chunks, shard_chunks
 
 FRAMES = range(1, 12, 2)  # images 1, 3, 5 of scene 0, then 1, 3, 5 of scene 1
 CHUNK = 6

@@ -8,9 +8,9 @@ import shutil
 import pytest
 
 import perilune
-from perilune.check import check_bop
-from perilune.writers import merge_bop
-from perilune.writers.bop import LABELS
+from perilune.export.check import check_bop
+from perilune.export.writers import merge_bop
+from perilune.export.writers.bop import LABELS
 
 from .stops import Canned, run_until, tree_bytes
 
@@ -99,7 +99,7 @@ def test_a_merge_goes_on_from_any_operation(
         def copy(source, copied):
             shutil.copyfile(source, copied)
 
-        monkeypatch.setattr("perilune.writers.merge._copy", copy)
+        monkeypatch.setattr("perilune.export.writers.merge._copy", copy)
 
     def begin():
         shutil.rmtree(target, ignore_errors=True)

@@ -12,9 +12,10 @@ from torch.utils import data
 
 import perilune
 import perilune.torch as with_torch
-from perilune.check import check_bop
-from perilune.config import ConfigError, Document
-from perilune.config.overrides import joined
+from perilune.config import ConfigError
+from perilune.document import Document
+from perilune.document.overrides import joined
+from perilune.export.check import check_bop
 from perilune.simulation import Simulation
 
 HALF = {"drivers.strength": 0.5}

@@ -7,8 +7,8 @@ import warnings
 import pytest
 
 import perilune
-from perilune.check import check_bop
 from perilune.config.errors import ConfigWarning
+from perilune.export.check import check_bop
 
 SMALL = {"camera.width": 32, "camera.height": 24, "render.samples": 1}
 CLASSES = {"bus": ["bus*"], "panel": ["pannel*", "bus_fr*"]}

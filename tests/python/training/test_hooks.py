@@ -8,10 +8,10 @@ import pytest
 from tests.python.training import camera_hooks
 
 import perilune
-from perilune import rotations
+from perilune.base import rotations
 from perilune.cli.json_schema import config_schema
 from perilune.config import ConfigError
-from perilune.config.loader import read_tree
+from perilune.document.loader import read_tree
 
 HOOKS = "tests.python.training.camera_hooks"
 

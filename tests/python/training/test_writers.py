@@ -9,8 +9,8 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from perilune import writers
-from perilune.writers import WriteReport, plugins
+from perilune.export import writers
+from perilune.export.writers import WriteReport, plugins
 
 MODULE = '''
 import json

@@ -1,7 +1,7 @@
 """The section `camera.trajectory` of the schema: how the camera moves.
 
 To add a kind: its section in a file of this folder, its line in `Trajectory`; its function and its
-line in perilune.trajectories.
+line in perilune.camera.trajectories.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import rotations
+from perilune.base import rotations
 from perilune.config.orbit import Circular
 from perilune.orbits.place import Motion, Place
 

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import orbit_database, rotations
+from perilune.base import rotations
 from perilune.config.orbit import Database, Drawn
+from perilune.orbits import orbit_classes
 from perilune.orbits.centre import centre_of, equator, frame_of
 from perilune.orbits.drawn import run_through, start_rev
 from perilune.orbits.kinds.circular import path
@@ -19,7 +20,7 @@ F64 = NDArray[np.float64]
 
 
 def _ranges(orbit: Database) -> dict[str, tuple[float, float]]:
-    found = {key: getattr(orbit, key) for key in orbit_database.KEYS}
+    found = {key: getattr(orbit, key) for key in orbit_classes.KEYS}
     return {key: value for key, value in found.items() if value is not None}
 
 
@@ -39,10 +40,10 @@ def _circle(orbit: Drawn, place: Place, elements: dict[str, Any], of_date: bool)
 
 def database(orbit: Database, place: Place) -> Motion:
     """A draw of the class; with propagator circular, a circle of the same size and plane."""
-    row = orbit_database.CLASSES[orbit.class_]
+    row = orbit_classes.CLASSES[orbit.class_]
     if orbit.propagator == "circular" and not row.round:
         raise ValueError(f"propagator: circular cannot run through an orbit of class {row.name}")
-    elements = orbit_database.draw(
+    elements = orbit_classes.draw(
         orbit.class_, centre_of(place, row.of_date), _ranges(orbit), place.scene_random
     )
     if orbit.propagator == "circular":

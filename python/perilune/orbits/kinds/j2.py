@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from perilune.config.orbit import J2
-from perilune.gravity import ZONALS
+from perilune.orbits.gravity import ZONALS
 from perilune.orbits.kinds.elements import two_body
 from perilune.orbits.place import Motion, Place
 

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import forces
-from perilune.almanac import almanac
 from perilune.config.attitude import Spin
 from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.orbit import Numerical
-from perilune.motion import propagator
+from perilune.orbits import forces
+from perilune.orbits.almanac import almanac
 from perilune.orbits.kinds.elements import two_body
+from perilune.orbits.motion import propagator
 from perilune.orbits.place import Motion, Place
 from perilune.orbits.turns import spin_of
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.config import orbit as section
-from perilune.ephemerides.spice import Spice
+from perilune.orbits.ephemerides.spice import Spice
 from perilune.orbits.place import Motion, Place
 
 F64 = NDArray[np.float64]

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune.bodies import Date
+from perilune.base.files import Stamp, stamp
 from perilune.config.orbit import Table
-from perilune.ephemerides import csv_table, oem
-from perilune.files import Stamp, stamp
-from perilune.motion import propagator
+from perilune.orbits.ephemerides import csv_table, oem
+from perilune.orbits.motion import propagator
 from perilune.orbits.place import Motion, Place
+from perilune.orbits.solar_system import Date
 
 F64 = NDArray[np.float64]
 

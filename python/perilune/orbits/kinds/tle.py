@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from perilune.base.files import Stamp, stamp
 from perilune.config.orbit import Tle
-from perilune.ephemerides.tle import ElementSet, Sgp4, parse, read
-from perilune.files import Stamp, stamp
+from perilune.orbits.ephemerides.tle import ElementSet, Sgp4, parse, read
 from perilune.orbits.place import Motion, Place
 
 F64 = NDArray[np.float64]

@@ -1,0 +1,1 @@
+"""What knows of no configuration: files, hooks, random numbers, rotations, spectra, HTML."""

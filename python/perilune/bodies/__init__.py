@@ -1,0 +1,1 @@
+"""Planets, moons and asteroids: shapes, maps, air, clouds, rings, grounds, photometry."""

@@ -1,0 +1,1 @@
+"""Cameras: lens, bands, filters, image sensor, and the trajectories that place them."""

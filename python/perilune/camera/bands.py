@@ -1,0 +1,124 @@
+"""Bands of cameras: from the configuration to the small matrices that the core applies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.base import files, spectra
+from perilune.config.bands import UM_PER_UNIT, Band, Bands, Spectrum
+from perilune.config.camera import Camera
+from perilune.config.schema import SRGB_UM, Config, Sun
+
+F64 = NDArray[np.float64]
+
+MONOCHROME_UM = (0.4, 0.9)
+"""The preset `monochrome`: what silicon without filters sees well."""
+
+
+def stamps(bands: Bands, spectrum: Spectrum | None) -> tuple[files.Stamp, ...]:
+    """Of all files: what is kept of them ends when they change."""
+    names = [] if isinstance(bands, str) else [band.file for band in bands]
+    names.append(spectrum.file if spectrum is not None else None)
+    return tuple(files.stamp(Path(name)) for name in names if name is not None)
+
+
+def sun_curve(spectrum: Spectrum | None) -> F64 | None:
+    """The sun's spectrum; None for the core's own."""
+    if spectrum is None:
+        return None
+    return spectra.read(Path(spectrum.file), UM_PER_UNIT[spectrum.wavelength_unit])
+
+
+def curve_of(band: Band) -> F64:
+    """The response of a band."""
+    if band.file is not None:
+        return spectra.read(Path(band.file), UM_PER_UNIT[band.wavelength_unit])
+    center_um, width_um = band.center_um, band.width_um
+    assert center_um is not None  # the schema has checked it
+    assert width_um is not None
+    if band.shape == "gaussian":
+        return spectra.gaussian(center_um, width_um)
+    return spectra.box(center_um - 0.5 * width_um, center_um + 0.5 * width_um)
+
+
+def curves(bands: Bands) -> Sequence[F64]:
+    """The responses of bands."""
+    if bands == "srgb":
+        return spectra.srgb_curves()
+    if bands == "monochrome":
+        return (spectra.box(*MONOCHROME_UM),)
+    return [curve_of(band) for band in bands]
+
+
+def count(camera: Camera) -> int:
+    """Number of a camera's bands."""
+    return {"srgb": 3, "monochrome": 1}[b] if isinstance(b := camera.bands, str) else len(b)
+
+
+def has_planes(camera: Camera) -> bool:
+    """Whether its sensor makes an image through each of the bands."""
+    return camera.sensor is not None and camera.sensor.mosaic == "planes"
+
+
+@lru_cache(maxsize=64)
+def _gathered(
+    bands: Bands, spectrum: Spectrum | None, stamps: tuple[files.Stamp, ...]
+) -> tuple[_core.BandLight, ...]:
+    sun = sun_curve(spectrum)
+    return tuple(spectra.gather(sun, curve) for curve in curves(bands))
+
+
+def gathered(camera: Camera, sun: Sun) -> tuple[_core.BandLight, ...]:
+    """What each band of a camera gathers of sunlight; ValueError for one beyond the spectrum."""
+    return _gathered(camera.bands, sun.spectrum, stamps(camera.bands, sun.spectrum))
+
+
+def matrix(camera: Camera, sun: Sun) -> F64:
+    """(bands, 3): part of the sun's irradiance that each band gathers of red, green and blue."""
+    return np.array([band["part"] for band in gathered(camera, sun)])
+
+
+def described(camera: Camera, sun: Sun) -> list[dict[str, str | float]]:
+    """Of each band its name, the mean wavelength of sunlight in it, um, and the part of the sun's
+    irradiance that it gathers: a white surface facing the sun has part * irradiance / pi."""
+    if isinstance(camera.bands, str):
+        names = {"srgb": ["red", "green", "blue"]}.get(camera.bands, [camera.bands])
+    else:
+        names = [band.name for band in camera.bands]
+    return [
+        {"name": name, "mean_um": light["mean_um"], "sun_part": sum(light["part"])}
+        for name, light in zip(names, gathered(camera, sun), strict=True)
+    ]
+
+
+def wavelengths_um(camera: Camera, sun: Sun) -> tuple[float, float, float]:
+    """At which the sun's disc darkens towards its edge, in red, green and blue: the mean of what
+    the camera's bands see of each; of all that they see, for a colour of which that is nothing."""
+    if sun.band_wavelengths_um is not None or camera.bands == "srgb":
+        return sun.wavelengths_um
+    lights = gathered(camera, sun)
+    parts = np.array([light["part"] for light in lights]).sum(axis=0)
+    moments = np.array([light["moment_um"] for light in lights]).sum(axis=0)
+    every = moments.sum() / parts.sum() if parts.sum() > 0.0 else SRGB_UM[1]
+    some = parts > 1e-6 * parts.sum()
+    red, green, blue = np.where(some, moments / np.where(some, parts, 1.0), every).tolist()
+    return red, green, blue
+
+
+def check(config: Config) -> Iterator[tuple[str, str]]:
+    """Key and complaint of each band that cannot be used with the sun's spectrum."""
+    sun = sun_curve(config.sun.spectrum)
+    for name, camera in config.cameras.items():
+        key = config.place(name, "bands")
+        for i, curve in enumerate(curves(camera.bands)):
+            where = key if isinstance(camera.bands, str) else f"{key}[{i}]"
+            try:
+                spectra.gather(sun, curve)
+            except ValueError as error:
+                yield where, str(error)

@@ -1,0 +1,96 @@
+"""Camera poses: one file a kind of trajectory, and the user's hooks.
+
+A trajectory takes the world of a frame and returns camera-to-root poses (2, 7), at the opening and
+the closing of the shutter. What it draws is keyed by the step, by `interval` steps or by the run it
+is in, never by the frame, so that all sensors of a step have one platform. To add a kind: its
+section in perilune.config.trajectory, its file here, its line in TRAJECTORIES.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune.base import rotations
+from perilune.camera.trajectories.centred_target import centred_target
+from perilune.camera.trajectories.deterministic import deterministic
+from perilune.camera.trajectories.fixed import fixed
+from perilune.camera.trajectories.flyby import flyby
+from perilune.camera.trajectories.hook import called, hook
+from perilune.camera.trajectories.hover import hover
+from perilune.camera.trajectories.linear import linear
+from perilune.camera.trajectories.orbit_object import orbit_object
+from perilune.camera.trajectories.random_box import random_box
+from perilune.camera.trajectories.relative import relative
+from perilune.camera.trajectories.spiral import spiral
+from perilune.camera.trajectories.view import refuse, unclear
+from perilune.config.sensors import Mounting, Sensor
+from perilune.world import World
+
+F64 = NDArray[np.float64]
+Trajectory = Callable[[World], F64]
+
+TRAJECTORIES: dict[str, Trajectory] = {
+    "orbit_object": orbit_object,
+    "fixed": fixed,
+    "random_box": random_box,
+    "hover": hover,
+    "linear": linear,
+    "spiral": spiral,
+    "flyby": flyby,
+    "centred_target": centred_target,
+    "relative": relative,
+    "deterministic": deterministic,
+    "hook": hook,
+}
+
+
+def platform_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
+    """Poses (2, 7) of the platform: the user's callable if there is one, else as configured."""
+    if own is not None:
+        target = getattr(world.camera.trajectory, "target", None)
+        return called(world, own, "trajectory", {}, target)
+    return TRAJECTORIES[world.camera.trajectory.kind](world)
+
+
+def mounted(platform: F64, sensor: Sensor) -> F64:
+    """A sensor's poses (2, 7) on the platform's."""
+    place = sensor.transformation
+    if isinstance(place, Mounting):
+        offset, q = np.array(place.position_m), rotations.from_rpy_deg(place.rotation_deg)
+    else:
+        offset, q = np.array(place[:3]), np.array(place[3:])
+    return np.stack(
+        [
+            np.concatenate(
+                [
+                    pose[:3] + rotations.rotate(pose[3:], offset),
+                    rotations.multiply(pose[3:], q),
+                ]
+            )
+            for pose in platform
+        ]
+    )
+
+
+def camera_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
+    """Poses (2, 7) of the camera that takes the frame: the platform's, or a sensor's on it.
+
+    A sensor off the platform may come nearer than `clearance_m`, but into nothing that the platform
+    keeps clear of.
+    """
+    poses = platform_poses(world, own)
+    if world.sensor is not None:
+        poses = mounted(poses, world.config.sensors[world.sensor])
+    kept = getattr(world.camera.trajectory, "clearance_m", None) is not None
+    clearance_m = 0.0 if kept and own is None and world.sensor is not None else None
+    for when in range(2):
+        fault = unclear(world, poses[when, :3], clearance_m, when)
+        if fault is not None and world.sensor is not None:
+            raise ValueError(f"sensors.{world.sensor}: frame {world.index}: {fault}")
+        if fault is not None:
+            refuse(world, fault)
+    return poses

@@ -1,0 +1,146 @@
+"""orbit_object: random places around a moving target within stated limits."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune.base import rotations
+from perilune.camera.trajectories.view import distance_noise_m, noisy, refuse, unclear
+from perilune.config.trajectory import OrbitObject
+from perilune.world import World
+
+F64 = NDArray[np.float64]
+
+_TRIES = 2000
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class _Band:
+    """Directions whose angle to a unit axis lies between two limits."""
+
+    axis: F64
+    low_rad: float
+    high_rad: float
+
+    @property
+    def solid_angle(self) -> float:
+        return 2.0 * math.pi * (math.cos(self.low_rad) - math.cos(self.high_rad))
+
+    def sample(self, rng: np.random.Generator) -> F64:
+        """Uniform over the band; a band of no width is a circle."""
+        u, v = rng.random(2)
+        low, high = math.cos(self.low_rad), math.cos(self.high_rad)
+        z = low + (high - low) * u
+        radius, angle = math.sqrt(max(0.0, 1.0 - z * z)), 2.0 * math.pi * v
+        x_axis = rotations.cross(self.axis, np.eye(3)[int(np.argmin(np.abs(self.axis)))])
+        x_axis /= np.linalg.norm(x_axis)
+        y_axis = rotations.cross(self.axis, x_axis)
+        sides = math.cos(angle) * x_axis + math.sin(angle) * y_axis
+        return np.asarray(radius * sides + z * self.axis)
+
+    def holds(self, direction: F64) -> bool:
+        angle = rotations.angle_rad(self.axis, direction)
+        return self.low_rad - 1e-9 <= angle <= self.high_rad + 1e-9
+
+
+def _unit(v: F64) -> F64:
+    return np.asarray(v / np.linalg.norm(v))
+
+
+def _bands(world: World, spec: OrbitObject) -> dict[str, _Band]:
+    """The limits on the direction target -> camera, by the key that sets them."""
+    target = world.position_m(spec.target)
+    bands = {"any direction": _Band(_UP, 0.0, math.pi)}
+    if spec.sun_angle_deg is not None:
+        low, high = (math.radians(angle) for angle in spec.sun_angle_deg)
+        bands["sun_angle_deg"] = _Band(_unit(world.sun_position_m - target), low, high)
+    if spec.cone_angle_deg is not None:
+        low, high = (math.radians(angle) for angle in spec.cone_angle_deg)
+        axis = rotations.rotate(world.poses[spec.target][0, 3:], np.array(spec.cone_axis))
+        bands["cone_angle_deg"] = _Band(_unit(axis), low, high)
+    if spec.background is not None:
+        to_body = world.position_m(spec.background) - target
+        distance = float(np.linalg.norm(to_body))
+        radius = world.radius_m(spec.background)
+        half = math.asin(radius / distance) if radius < distance else math.pi
+        bands["background"] = _Band(_unit(-to_body) if distance > 0.0 else _UP, 0.0, half)
+    return bands
+
+
+def _fault(world: World, spec: OrbitObject, direction: F64, camera: F64, shift: F64) -> str | None:
+    """Why a camera cannot be there; None when it can."""
+    target = world.position_m(spec.target)
+    if spec.background is not None and world.hit_m(spec.background, target, -direction) is None:
+        return f"{spec.background} is not behind the target"
+    for when, place in enumerate((camera, camera + shift)):
+        fault = unclear(world, place, spec.clearance_m, when)
+        if fault is not None:
+            return fault
+    length = float(np.linalg.norm(target - camera))
+    for name in world.body_radii_m:
+        if name != spec.target:
+            hit = world.hit_m(name, camera, -direction)
+            if hit is not None and hit < length:
+                return f"{name} hides the target"
+    return None
+
+
+def _no_pose(world: World, spec: OrbitObject, faults: Counter[str]) -> NoReturn:
+    why = "; ".join(f"{count} times: {fault}" for fault, count in faults.most_common())
+    text = f"no camera pose in {_TRIES} tries ({why})"
+    bands = _bands(world, spec)
+    if "background" in bands and "sun_angle_deg" in bands:
+        behind, sun = bands["background"], bands["sun_angle_deg"]
+        middle = rotations.angle_rad(behind.axis, sun.axis)
+        low = math.degrees(max(0.0, middle - behind.high_rad))
+        high = math.degrees(min(math.pi, middle + behind.high_rad))
+        text += (
+            f". With {spec.background} behind the target, sun angles of {low:.1f} to {high:.1f} "
+            "deg are possible in this frame"
+        )
+    refuse(world, text)
+
+
+def _place(world: World, spec: OrbitObject) -> F64:
+    """From the target to the camera: directions from the narrowest limit until all are met."""
+    bands = _bands(world, spec)
+    narrowest = min(bands, key=lambda key: bands[key].solid_angle)
+    others = {key: band for key, band in bands.items() if key not in (narrowest, "background")}
+    rng = world.random("camera.place", spec.interval)
+    noise = distance_noise_m(world, spec.distance_noise_m)
+    target = world.poses[spec.target]
+    shift = target[1, :3] - target[0, :3]
+    low, high = spec.distance_m
+    faults: Counter[str] = Counter()
+    for _ in range(_TRIES):
+        direction = bands[narrowest].sample(rng)
+        distance = low + (high - low) * float(rng.random()) + noise
+        missed = next((key for key, band in others.items() if not band.holds(direction)), None)
+        fault = f"{missed} is not met" if missed else None
+        if fault is None:
+            camera = target[0, :3] + distance * direction
+            fault = _fault(world, spec, direction, camera, shift)
+        if fault is None:
+            return distance * direction
+        faults[fault] += 1
+    _no_pose(world, spec, faults)
+
+
+def orbit_object(world: World) -> F64:
+    """Random places around a target within the stated limits, looking at it.
+
+    The camera keeps its place relative to the target's centre, and its axes in the root frame,
+    while the shutter is open.
+    """
+    spec = world.camera.trajectory
+    assert isinstance(spec, OrbitObject)
+    offset = _place(world.shared, spec)
+    q = noisy(world, spec, rotations.look_at(-offset, _UP))
+    return np.stack([np.concatenate([pose[:3] + offset, q]) for pose in world.poses[spec.target]])

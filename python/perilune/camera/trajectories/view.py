@@ -1,0 +1,149 @@
+"""What the kinds of trajectory share: axes at a target, looking at it, noise, clearance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune.base import rotations
+from perilune.config.trajectory import Aimed, Pointing
+from perilune.config.trajectory.common import CameraAxes, Frame
+from perilune.world import World
+
+F64 = NDArray[np.float64]
+
+IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+_FROM_OPENGL = np.array([0.0, 1.0, 0.0, 0.0])
+"""Half a turn about x: a camera with y up, z backward has its axes after it."""
+
+
+def refuse(world: World, text: str) -> NoReturn:
+    """The error of a trajectory that cannot be followed in this frame."""
+    raise ValueError(f"camera.trajectory: frame {world.index}: {text}")
+
+
+def orbit_axes(world: World, name: str, frame: Frame, when: int) -> F64:
+    """Columns are the axes rsw or lvlh of a thing's orbit, in the root frame."""
+    position, velocity = world.orbital_state(name, when)
+    normal = rotations.cross(position, velocity)
+    size = float(np.linalg.norm(normal))
+    if not size > 1e-12 * float(np.linalg.norm(position) * np.linalg.norm(velocity)):
+        refuse(world, f"frame: {frame}: {name} moves in no plane, it stands or falls straight")
+    outward, normal = position / np.linalg.norm(position), normal / size
+    forward = rotations.cross(normal, outward)
+    columns = (outward, forward, normal) if frame == "rsw" else (forward, -normal, -outward)
+    return np.column_stack(columns)
+
+
+def axes(world: World, name: str | None, frame: Frame, when: int) -> F64:
+    """Quaternion from the axes of `frame` at a thing to the root's; None is the root frame."""
+    if name is None or frame == "icrf":
+        return IDENTITY
+    if frame == "target":
+        return np.asarray(world.poses[name][when, 3:])
+    return rotations.from_matrix(orbit_axes(world, name, frame, when))
+
+
+def origin(world: World, name: str | None, when: int) -> F64:
+    """Centre of a thing, or of the root frame."""
+    return np.zeros(3) if name is None else np.asarray(world.poses[name][when, :3])
+
+
+def camera_turn(q: F64, camera_axes: CameraAxes) -> F64:
+    """A stated rotation as one of a camera with x right, y down, z forward."""
+    return rotations.multiply(q, _FROM_OPENGL) if camera_axes == "opengl" else q
+
+
+def look(world: World, place: F64, aim: F64, up: F64) -> F64:
+    """Looking from a place at a point, in any axes; the two must not coincide."""
+    forward = aim - place
+    if not float(np.linalg.norm(forward)) > 0.0:
+        refuse(world, "the camera is at the point that it looks at")
+    return rotations.look_at(forward, up)
+
+
+def noisy(world: World, spec: Pointing, q: F64) -> F64:
+    """A view with the step's aim jitter, roll and pointing noise; the same all exposure long."""
+    rng = world.random("camera.aim")
+    low, high = spec.roll_deg
+    roll = math.radians(low + (high - low) * float(rng.random()))
+    right, down = math.radians(spec.aim_jitter_deg) * rng.standard_normal(2)
+    for axis, angle in (((0, 1, 0), right), ((1, 0, 0), down), ((0, 0, 1), roll)):
+        q = rotations.multiply(q, rotations.axis_angle(axis, float(angle)))
+    if spec.pointing_noise_deg > 0.0:
+        deviation = math.radians(spec.pointing_noise_deg)
+        error = deviation * world.random("camera.pointing").standard_normal(3)
+        angle = float(np.linalg.norm(error))
+        q = rotations.multiply(q, rotations.axis_angle(error / angle, angle))
+    return q
+
+
+def unclear(world: World, place: F64, clearance_m: float | None, when: int) -> str | None:
+    """Why a camera cannot be at a place, as to what it would cut into; None when it can."""
+    body = world.inside(place, 0.0, when)
+    if body is not None:
+        return f"the camera is inside {body}"
+    if clearance_m is None:
+        return None
+    body = world.inside(place, clearance_m, when)
+    if body is not None:
+        return f"the camera is within clearance_m of {body}"
+    for name, radius in world.craft_radius_m.items():
+        distance = float(np.linalg.norm(place - world.poses[name][when, :3]))
+        if distance <= radius + clearance_m:
+            return (
+                f"the camera is within clearance_m of {name} "
+                f"(bounding sphere of radius {radius:.4g} m)"
+            )
+    return None
+
+
+def finished(world: World, spec: Pointing, views: Callable[[int], tuple[F64, F64]]) -> F64:
+    """Poses (2, 7) of places and views at opening (0) and closing (1), with the step's noise.
+
+    Refuses a place that is not clear, with the distance that it has.
+    """
+    poses = []
+    for when in range(2):
+        place, q = views(when)
+        fault = unclear(world, place, spec.clearance_m, when)
+        if fault is not None:
+            target = getattr(spec, "target", None)
+            told = ""
+            if target is not None:
+                distance = float(np.linalg.norm(place - world.poses[target][when, :3]))
+                told = f"; it is {distance:.6g} m from the centre of {target}"
+            limit = spec.clearance_m
+            refuse(world, f"{fault}{told} (clearance_m: {'null' if limit is None else limit})")
+        poses.append(np.concatenate([place, noisy(world, spec, q)]))
+    return np.stack(poses)
+
+
+def aimed(world: World, spec: Aimed, place_of: Callable[[int], F64]) -> F64:
+    """Poses (2, 7) at places given in the axes of the target, looking at it."""
+
+    def view(when: int) -> tuple[F64, F64]:
+        q = axes(world, spec.target, spec.frame, when)
+        place = place_of(when)
+        turn = look(world, place, np.array(spec.aim_offset_m), np.array(spec.up))
+        where = origin(world, spec.target, when) + rotations.rotate(q, place)
+        return where, rotations.multiply(q, turn)
+
+    return finished(world, spec, view)
+
+
+def distance_noise_m(world: World, noise_m: float) -> float:
+    """The step's noise of a distance, uniform within plus and minus `noise_m`."""
+    if noise_m == 0.0:
+        return 0.0
+    return float(world.random("camera.distance").uniform(-noise_m, noise_m))
+
+
+def uniform(rng: np.random.Generator, limits: tuple[float, float]) -> float:
+    """Uniform between two limits."""
+    low, high = limits
+    return low + (high - low) * float(rng.random())

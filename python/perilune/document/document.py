@@ -1,0 +1,352 @@
+"""A configuration as loaded: its tree, the folder its paths refer to, its drivers, its values."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from perilune.base.hooks import HookError
+from perilune.config.errors import (
+    ConfigError,
+    from_validation,
+    named,
+    nearest,
+    origin,
+    shown,
+    unread,
+    warn,
+)
+from perilune.config.schema import Config
+from perilune.document import intrinsics, oaisys, shipped
+from perilune.document.fixed import fixed
+from perilune.document.instances import spread
+from perilune.document.loader import plain_tree, read_tree
+from perilune.document.material_files import include
+from perilune.document.model_graphs import include_models
+from perilune.document.overrides import apply_overrides, joined, without_unread
+from perilune.document.paths import resolve
+from perilune.document.references import check_references
+from perilune.drivers import (
+    Defaults,
+    DriverError,
+    Found,
+    KeyPath,
+    Plan,
+    find,
+    names,
+    substitute,
+    without,
+)
+from perilune.drivers.choice import KIND as CHOICE
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a document was made from: other changes of the same configuration begin with it."""
+
+    tree: Mapping[str, Any]
+    """As written, or translated from an OAISYS file; without overrides, without included files."""
+    base: Path
+    source: str
+    origins: Mapping[str, str]
+    overrides: Mapping[str, Any]
+    """Of perilune.open."""
+    replay: Mapping[str, Any] | None
+
+
+class Document:
+    """The configuration of a simulation; pickles as its tree and validates again when loaded."""
+
+    given: Given | None = None
+    changes: Mapping[str, Any]
+    """Key path -> value: what was changed since the configuration was opened."""
+
+    def __init__(
+        self,
+        tree: Mapping[str, Any],
+        base: Path,
+        source: str,
+        origins: Mapping[str, str] | None = None,
+        replay: Mapping[str, Any] | None = None,
+        *,
+        limits_known: bool = False,
+    ) -> None:
+        """origins: key path -> key path in the file, of one that was translated or included; for
+        errors.
+        replay: the metadata of a frame whose drivers' values are taken instead of new ones.
+        limits_known: the drivers' limits were found valid before, in the same tree."""
+        self.changes = {}
+        self.tree = plain_tree(tree, source)
+        self.base = base
+        self.source = source
+        self.origins = dict(origins or {})
+        try:
+            self._plan = Plan(tuple(find(self.tree)))
+            for driver in self.drivers:
+                if driver.path[0] == "drivers":
+                    raise DriverError(driver.name, "takes no driver: it sets those of others")
+            self.config = self._validate(self._plan.ideals, self._plan.ideal_keys)
+            self._plan = self._grouped()
+        except (DriverError, HookError) as error:
+            raise ConfigError(f"{source}: {named(str(error), self.origins)}") from None
+        if not limits_known:
+            self._check_clips()
+        self._replay = dict(replay) if replay is not None else None
+        self._recorded = self._records(self._replay) if self._replay is not None else {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        arguments = (self.tree, self.base, self.source, self.origins, self._replay)
+        return _unpickled, (arguments, self.given, self.changes)
+
+    def changed(self, changes: Mapping[str, Any], known: bool = False) -> Document:
+        """The same configuration with other values at some key paths, as overrides are given.
+
+        known: these were checked before; the drivers' limits are then not tried again.
+        """
+        given = self.given
+        if given is None:  # not from `load`; its tree has all that was changed before
+            given = Given(self.tree, self.base, self.source, self.origins, {}, self._replay)
+        together = joined(self.changes, plain_tree(changes, "overrides"))
+        # Strengths and intervals do not move the limits, which were tried when it was opened.
+        settings = all(key.startswith("drivers.") for key in changes)
+        made = _made(given, together, known or settings)
+        if not known:
+            told = set(self.doubts())
+            for line in made.doubts():
+                if line not in told:
+                    warn(line)
+        return made
+
+    @property
+    def replay(self) -> Mapping[str, Any] | None:
+        """The metadata of the frame whose drivers' values are taken instead of new ones."""
+        return self._replay
+
+    @property
+    def drivers(self) -> tuple[Found, ...]:
+        """What is driven, in the order of the tree."""
+        return self._plan.drivers
+
+    def at(self, frame: int) -> tuple[Config, dict[str, Any]]:
+        """The configuration of a frame, and the values its drivers have there, by key path.
+
+        All frames of one step have the same.
+        """
+        if not self.drivers:
+            return self.config, {}
+        values = self._values(self.config.timeline.at(frame).step)
+        return self._validate(values), self._by_name(values)
+
+    def scene_values(self, frame: int) -> dict[str, Any]:
+        """Values of the drivers at the first step of a frame's scene that are others at the frame.
+
+        Orbits that are drawn once a scene depend on them.
+        """
+        step = self.config.timeline.at(frame).step
+        first = self._first_step(step)
+        if not self.drivers or first == step:
+            return {}
+        now, then = self._by_name(self._values(step)), self._by_name(self._values(first))
+        return {name: value for name, value in then.items() if value != now[name]}
+
+    def _first_step(self, step: int) -> int:
+        """The step of the first frame of a step's scene."""
+        per_scene = self.config.time.frames_per_scene
+        timeline = self.config.timeline
+        return timeline.at(timeline.frames_before(step // per_scene * per_scene)).step
+
+    def _values(self, step: int) -> dict[KeyPath, Any]:
+        try:
+            values = self._plan.values(self.config.seed, step)
+        except (DriverError, HookError) as error:
+            raise ConfigError(f"{self.source}: {error}") from None
+        return {**values, **self._recorded.get(step, {})}
+
+    def _records(self, meta: Mapping[str, Any]) -> dict[int, dict[KeyPath, Any]]:
+        """Step -> the values that the metadata of a frame hold."""
+        paths = {driver.name: driver.path for driver in self.drivers}
+        for key in ("index", "drivers"):
+            if key not in meta:
+                raise ConfigError(f"replay: the metadata of a sample have a key '{key}'")
+            if key == "drivers" and not isinstance(meta[key], Mapping):
+                raise ConfigError(f"replay: drivers: must be a mapping, not {shown(meta[key])}")
+        index, now = meta["index"], meta["drivers"]
+        if type(index) is not int or not 0 <= index < 2**31:
+            raise ConfigError(f"replay: index: must be that of a frame, not {index!r}")
+        then = {**now, **meta.get("scene_drivers", {})}
+        for name in then:
+            if name not in paths:
+                raise ConfigError(f"replay: no driver '{name}'{nearest(name, paths)}")
+        for name in paths:
+            if name not in now:
+                raise ConfigError(f"replay: no value of the driver {name}")
+        step = self.config.timeline.at(index).step
+        first = self._first_step(step)
+        rows = {
+            at: {paths[name]: value for name, value in row.items()}
+            for at, row in ((first, then), (step, now))
+        }
+        for values in rows.values():
+            self._validate(values)
+        return rows
+
+    def _by_name(self, values: Mapping[KeyPath, Any]) -> dict[str, Any]:
+        return {driver.name: values[driver.path] for driver in self.drivers}
+
+    def _grouped(self) -> Plan:
+        """The drivers with their groups, defaults and functions."""
+        section = self.config.drivers
+        members = [
+            (member, f"drivers.groups.{name}.members[{k}]")
+            for name, group in section.groups.items()
+            for k, member in enumerate(group.members or ())
+        ]
+        keys = set(names(self.tree)) if members else set()
+        for member, key in members:
+            if member not in keys:  # one with a plain value is no error: it may be an override
+                known = [driver.name for driver in self.drivers]
+                raise DriverError(key, f"no key '{member}'{nearest(member, known)}")
+        interval = section.interval or self.config.time.frames_per_scene
+        plan = Plan(
+            self.drivers,
+            {name: group.resolved(name) for name, group in section.groups.items()},
+            Defaults(section.strength, interval),
+        )
+        plan.check()
+        return plan.loaded(self.path)
+
+    def path(self, text: str, key: str) -> Path:
+        """The file that a path of the configuration means; `key` names it in errors."""
+        return resolve(text, self.base, f"{self.source}: {origin(key, self.origins)}")
+
+    def _validate(
+        self, values: Mapping[KeyPath, Any], parts: Mapping[str, str] | None = None
+    ) -> Config:
+        """parts: key path of each driver -> its key that the value is from; default: it drew it."""
+        tree = substitute(self.tree, values)
+        while True:
+            try:
+                return Config.model_validate(tree, context={"path": self.path})
+            except ValidationError as error:
+                idle = unread(error, tree)
+                if not idle or not all(self._beside_choice(path) for path in idle):
+                    driven = parts or {driver.name: "" for driver in self.drivers}
+                    raise from_validation(error, tree, self.source, driven, self.origins) from None
+                for path in idle:
+                    tree = without(tree, path)
+
+    def doubts(self) -> Iterator[str]:
+        """What is allowed and hardly meant, one line each."""
+        for driver, limit, share in self._plan.piled():
+            key = origin(driver.name, self.origins)
+            yield (
+                f"{self.source}: {key}: {share:.0%} of its draws are clipped to {limit}; "
+                "`truncated: true` draws them between the limits"
+            )
+        before = self.tree if self.given is None else self.given.tree
+        yield from intrinsics.doubts(self.tree, before, self.source)
+
+    def _beside_choice(self, path: KeyPath) -> bool:
+        """Whether another value of a choice in the same section may read a key."""
+        return any(
+            driver.kind is CHOICE and driver.path[:-1] == path[:-1] and driver.path != path
+            for driver in self.drivers
+        )
+
+    def choices(self, chosen: Callable[[KeyPath], bool]) -> Iterator[Config]:
+        """The configuration with each limit of the drivers at some key paths, one at a time.
+
+        Of a choice these are all its values."""
+        for driver in self.drivers:
+            if chosen(driver.path):
+                for limit in driver.distribution.limits.values():
+                    yield self._validate({**self._plan.ideals, driver.path: limit})
+
+    def _check_clips(self) -> None:
+        """Each driver's limits must be valid values, so that no later frame fails on them."""
+        ideals, ideal_keys = self._plan.ideals, self._plan.ideal_keys
+        fixed_by_scene = fixed(self.config)
+        for driver in self.drivers:
+            for part, limit in driver.distribution.limits.items():
+                if limit == driver.ideal:
+                    continue
+                config = self._validate(
+                    {**ideals, driver.path: limit}, {**ideal_keys, driver.name: part}
+                )
+                check_references(config, self.source, self.drivers, self.origins, self.config)
+                for key, value in fixed(config).items():
+                    if fixed_by_scene.get(key) != value:
+                        raise ConfigError(
+                            f"{self.source}: {driver.name}: takes no driver: it changes {key}, "
+                            "which is fixed when the scene is built"
+                        )
+
+
+def _unpickled(
+    arguments: tuple[Any, ...], given: Given | None, changes: Mapping[str, Any]
+) -> Document:
+    document = Document(*arguments, limits_known=True)
+    document.given, document.changes = given, changes
+    return document
+
+
+def _made(given: Given, changes: Mapping[str, Any], limits_known: bool = False) -> Document:
+    """With the overrides of perilune.open, then with the changes since."""
+    tree, base, source = plain_tree(given.tree, given.source), given.base, given.source
+    for overrides in (given.overrides, changes):
+        apply_overrides(tree, plain_tree(overrides, "overrides"))
+    origins = {**given.origins, **include(tree, base, source)}
+    origins |= include_models(tree, base, source)
+    spread(tree)
+    while True:
+        try:
+            document = Document(
+                tree, base, source, origins, given.replay, limits_known=limits_known
+            )
+        except ConfigError as error:
+            fewer = without_unread(tree, error.unread, [*given.overrides, *changes])
+            if not error.unread or fewer is None:
+                raise
+            tree = fewer
+        else:
+            document.given, document.changes = given, dict(changes)
+            return document
+
+
+def load(
+    config: str | os.PathLike[str] | Mapping[str, Any],
+    overrides: Mapping[str, Any] | None = None,
+    base: Path | None = None,
+    replay: Mapping[str, Any] | None = None,
+) -> Document:
+    """Loads a YAML or JSON file, or takes a mapping (paths relative to `base`, default: here).
+
+    One with the sections of an OAISYS file is translated first; overrides are of our keys. Where
+    one changes a mode, what only the mode before reads is left out. replay: see perilune.open;
+    what was changed when that frame was made, is changed again.
+    """
+    if isinstance(config, Mapping):
+        source = "configuration"
+        tree = plain_tree(config, source)
+        base = base or Path.cwd()
+    else:
+        path = shipped.configuration(Path(config))
+        source = str(config)
+        tree = read_tree(path)
+        base = base or path.resolve().parent
+        tree.setdefault("name", path.stem)
+    origins: dict[str, str] = {}
+    if oaisys.is_oaisys(tree):
+        translation = oaisys.translate(tree, base, source)
+        tree, origins = translation.tree, dict(translation.origins)
+    given = Given(tree, base, source, origins, plain_tree(overrides or {}, "overrides"), replay)
+    changes = (replay or {}).get("overrides") or {}
+    document = _made(given, plain_tree(changes, "replay: overrides"))
+    for line in document.doubts():
+        warn(line)
+    return document

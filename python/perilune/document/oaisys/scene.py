@@ -1,0 +1,78 @@
+"""What the sections of a file share while it is translated: units, names, sizes, our tree."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from perilune.config.errors import nearest
+from perilune.document.oaisys.node import Node, Notes
+
+ORIGIN = "origin"
+"""Our entry at the scene's origin where no mesh of the file is a body that rests there."""
+
+
+@dataclass
+class Thing:
+    """A mesh of the file, as a body or a spacecraft of ours."""
+
+    name: str
+    """Of our entry."""
+    aliases: tuple[str, ...]
+    """`name` and `meshInstanceName` of the file."""
+    node: Node
+    """Its entry of the file."""
+    section: str
+    """`bodies` or `spacecraft`."""
+    table: str | None
+    """The entry of the core's table of bodies that it is."""
+    rotation_deg: list[float]
+    """Roll, pitch, yaw at the epoch."""
+    radii_m: Callable[[], tuple[float, float, float]]
+    """Semi-axes of a body; of a mesh its bounding radius about its origin, three times. Reads the
+    model, so it is asked for only when it is needed."""
+
+
+@dataclass
+class Scene:
+    """The state of one translation."""
+
+    base: Path
+    """The folder of relative paths."""
+    notes: Notes
+    metres_per_unit: float
+    tree: dict[str, Any] = field(default_factory=dict)
+    things: dict[str, Thing] = field(default_factory=dict)
+    """Our name -> thing, in the order of the file."""
+    steps: int = 1
+    """Of a batch."""
+    passes: set[str] = field(default_factory=set)
+    """Render passes that sensors ask for."""
+
+    def find(self, node: Node, key: str) -> Thing:
+        """The thing that a key names: by `name`, then by `meshInstanceName`."""
+        wanted = node.text(key)
+        for position in (0, 1):
+            for thing in self.things.values():
+                if thing.aliases[position] == wanted:
+                    return thing
+        known = dict.fromkeys(alias for thing in self.things.values() for alias in thing.aliases)
+        node.fail(key, f"no mesh named '{wanted}'{nearest(wanted, known)}")
+
+    def lengths_m(self, units: list[float]) -> list[float]:
+        """From scene units."""
+        return [self.metres_per_unit * value for value in units]
+
+
+def clean_name(text: str, taken: Any) -> str:
+    """A name that our configuration takes, unlike those taken."""
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", text) or "mesh"
+    if not re.match(r"[A-Za-z_]", name):
+        name = f"_{name}"
+    candidate, number = name, 2
+    while candidate in taken:
+        candidate, number = f"{name}_{number}", number + 1
+    return candidate

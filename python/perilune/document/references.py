@@ -1,0 +1,87 @@
+"""Checks the names a configuration takes from the core's tables: bodies, reflectances, effects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from perilune import _core, materials
+from perilune.bodies import photometry
+from perilune.camera import bands, filters, imaging
+from perilune.config.errors import ConfigError, named, nearest
+from perilune.config.schema import Config
+from perilune.drivers import Found
+
+OBJECTS = "objects"
+"""The name under which a sample's object labels are asked for, beside the pixel channels."""
+MASKS = "masks"
+"""Likewise of the full silhouettes, one image per spacecraft."""
+OF_SENSOR = ("raw", "sensor_rgb")
+"""Channels that only cameras with a section `sensor` have."""
+
+
+def channel_names() -> list[str]:
+    """Everything that can be asked for in `channels`."""
+    return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS, MASKS]
+
+
+def pixel_channels(config: Config) -> list[str]:
+    """The pixel channels that all cameras of a configuration have."""
+    names = [channel["name"] for channel in _core.CHANNELS]
+    if any(camera.sensor is None for camera in config.cameras.values()):
+        names = [name for name in names if name not in OF_SENSOR]
+    if any(bands.has_planes(camera) for camera in config.cameras.values()):
+        names = [name for name in names if name != "sensor_rgb"]
+    return names
+
+
+def check_channels(channels: Iterable[str], config: Config, where: str) -> None:
+    """ConfigError for a channel that does not exist, or that a camera does not have."""
+    known = channel_names()
+    for name in channels:
+        if name not in known:
+            raise ConfigError(f"{where}: no channel '{name}'{nearest(name, known)}")
+        for camera_name, camera in config.cameras.items():
+            key = "camera" if camera_name is None else f"sensors.{camera_name}"
+            if name in OF_SENSOR and camera.sensor is None:
+                raise ConfigError(f"{where}: '{name}' needs the section {key}.sensor")
+            if name == "sensor_rgb" and bands.has_planes(camera):
+                raise ConfigError(f"{where}: '{name}': none where {key}.sensor.mosaic is planes")
+
+
+def check_references(
+    config: Config,
+    source: str,
+    drivers: Sequence[Found] = (),
+    origins: Mapping[str, str] | None = None,
+    checked: Config | None = None,
+) -> None:
+    """ConfigError naming the key, the nearest name and all that are allowed.
+
+    drivers: all that the configuration has. origins: key path -> key path in another file that it
+    is from. checked: the same configuration with other values of drivers, already checked.
+    """
+
+    def known(path: str, name: str | None, allowed: list[str]) -> None:
+        if name is not None and name not in allowed:
+            raise ConfigError(f"{source}:\n  {path}: no '{name}'{nearest(name, allowed)}")
+
+    bodies = [name for name in _core.BODIES if name != "sun"]
+    reflectances = [row["name"] for row in _core.REFLECTANCES]
+    effects = [row["name"] for row in _core.EFFECTS]
+    for name, body in config.bodies.items():
+        known(f"bodies.{name}.kind", body.kind, [*bodies, "ellipsoid"])
+        known(f"bodies.{name}.ephemeris", body.ephemeris, bodies)
+        known(f"bodies.{name}.reflectance", body.reflectance, reflectances)
+    for name, craft in config.spacecraft.items():
+        others = ["sun", *config.bodies, *(other for other in config.spacecraft if other != name)]
+        for i, joint in enumerate(craft.articulation):
+            known(f"spacecraft.{name}.articulation[{i}].towards", joint.towards, others)
+    for table in (photometry, bands, filters, imaging):
+        for key, complaint in table.check(config):
+            raise ConfigError(f"{source}:\n  {key}: {complaint}")
+    for problem in materials.check(config, drivers, checked):
+        raise ConfigError(f"{source}:\n  {named(problem, origins or {})}")
+    for key, names in (("on", config.render.force_on), ("off", config.render.force_off)):
+        for name in names:
+            known(f"render.force_{key}", name, effects)
+    check_channels(config.render.channels, config, f"{source}:\n  render.channels")

@@ -1,0 +1,1 @@
+"""Data sets: writing, checking and counting them."""

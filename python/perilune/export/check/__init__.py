@@ -1,0 +1,125 @@
+"""Checks a written dataset against itself: files, labels, images, models, targets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from pydantic import TypeAdapter
+
+from perilune.export.check.findings import Finding, Report
+from perilune.export.check.looks import LooksCheck
+from perilune.export.check.models import check_shapes
+from perilune.export.check.records import Camera, Source, read_json
+from perilune.export.check.remake import compare_with_config
+from perilune.export.check.retrace import Tracer
+from perilune.export.check.scene import check_scene
+from perilune.export.writers.bop_card import CARD_FILE, SOURCE_FILE
+from perilune.export.writers.bop_config import CONFIG_FILE
+from perilune.export.writers.bop_files import RGB_FOLDER
+from perilune.export.writers.bop_finish import DETECTION, LOCALISATION, closing_texts, summary
+from perilune.export.writers.bop_models import FOLDERS
+from perilune.export.writers.bop_shards import NOTES
+from perilune.export.writers.lock import LOCK_FILE, writing_process
+
+__all__ = ["RERENDERED", "Finding", "Report", "check_bop"]
+
+RERENDERED = 8
+"""Images that are rendered in full for a comparison of colour, if nothing else is said."""
+
+_ROOT_FILES = {"camera.json", CONFIG_FILE, SOURCE_FILE, CARD_FILE}
+
+
+def _scenes(report: Report, split: Path) -> list[Path]:
+    """The scene folders; readers take every name in a split's folder for a number."""
+    if not split.is_dir():
+        report.add(split, "is missing")
+        return []
+    folders = []
+    for path in sorted(split.iterdir()):
+        named = path.is_dir() and len(path.name) == 6 and path.name.isdecimal()
+        if report.need(named, path, "is no scene folder (six digits)"):
+            folders.append(path)
+    report.need(bool(folders), split, "holds no scene")
+    return folders
+
+
+def _of_lock(folder: Path) -> str:
+    pid = writing_process(folder)
+    if pid is None:
+        return "is left of a run that was stopped: the same command finishes it"
+    return f"{f'process {pid}' if pid else 'another process'} is writing to the dataset"
+
+
+def _check_layout(report: Report, split: str) -> None:
+    known = {*_ROOT_FILES, *FOLDERS, split, LOCALISATION, DETECTION, NOTES}
+    for path in sorted(report.folder.iterdir()):
+        if path.name == LOCK_FILE:
+            report.add(path, _of_lock(report.folder))
+        else:
+            report.need(path.name in known, path, "is not part of the dataset")
+    if (report.folder / NOTES).exists():
+        report.add(report.folder / NOTES, "shards are not merged: run `perilune merge` on them")
+
+
+def _check_summary(report: Report, source: Source) -> None:
+    """Card and targets must be those of the scenes; asked only when the scenes are good."""
+    root = report.folder
+    found = summary(root / source.split)
+    texts = closing_texts(root, found)
+    for name, text in texts.items():
+        path = root / name
+        if not path.is_file():
+            report.add(path, "is missing: the dataset is not finished")
+        elif path.read_text(encoding="utf-8") != text:
+            report.add(path, "does not agree with the scenes")
+    for name in sorted({LOCALISATION, DETECTION} - set(texts)):
+        report.need(not (root / name).exists(), root / name, "only a test split has targets")
+
+
+def check_bop(
+    folder: str | Path,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    rerender: int | None = RERENDERED,
+    base: str | Path | None = None,
+    alone: bool = False,
+) -> Report:
+    """Checks a BOP dataset that `write_bop` has written.
+
+    progress: (images done, images). rerender: how many images are rendered in full for a comparison
+    of colour; None: all. base: the folder that relative paths of the configuration refer to, where
+    it is no longer the one that the dataset names. alone: checks the dataset against itself alone,
+    without its configuration.
+    """
+    report = Report(Path(folder))
+    if not report.folder.is_dir():
+        raise FileNotFoundError(f"{folder}: no such folder")
+    source = read_json(report, report.folder / SOURCE_FILE, TypeAdapter(Source))
+    camera = read_json(report, report.folder / "camera.json", TypeAdapter(Camera))
+    shapes = check_shapes(report)
+    if source is None or camera is None:
+        return report
+    _check_layout(report, source.split)
+    folders = _scenes(report, report.folder / source.split)
+    total = sum(len(list((path / RGB_FOLDER).glob("*.png"))) for path in folders)
+    total *= 1 if alone else 2
+    done = 0
+
+    def step() -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(min(done, total), total)
+
+    tracer = Tracer(shapes, (camera.width, camera.height))
+    for path in folders:
+        check_scene(report, path, source, tracer, step)
+    if not report.findings:
+        _check_summary(report, source)
+    where = None if base is None else Path(base)
+    if alone or not compare_with_config(report, source, folders, rerender, where, step):
+        looks = LooksCheck(report)
+        for path in folders:
+            looks.scene(path)
+    return report

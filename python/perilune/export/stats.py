@@ -1,0 +1,77 @@
+"""Distributions over the labels of a written BOP dataset, object by object."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from perilune.export.writers.bop_card import SOURCE_FILE
+from perilune.export.writers.bop_files import CAMERA_FILE, MM_PER_M, load_object
+from perilune.export.writers.bop_finish import Instances, images_of, scene_folders
+
+QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)
+
+_Columns = dict[str, list[float]]
+
+
+def _measure(instances: Instances, objects: dict[int, _Columns]) -> None:
+    for gt, info in instances:
+        t_m = np.array(gt["cam_t_m2c"]) / MM_PER_M
+        off_axis = np.degrees(np.arctan2(np.hypot(t_m[0], t_m[1]), t_m[2]))
+        width, height = info["bbox_visib"][2:]
+        seen = info["px_count_visib"] > 0
+        values = {
+            "distance_m": float(np.linalg.norm(t_m)),
+            "off_axis_deg": float(off_axis),
+            "visib_fract": info["visib_fract"],
+            "visible_px": info["px_count_visib"],
+            "box_width_px": width + 1 if seen else 0,
+            "box_height_px": height + 1 if seen else 0,
+        }
+        columns = objects.setdefault(gt["obj_id"], {name: [] for name in values})
+        for name, value in values.items():
+            columns[name].append(value)
+
+
+def _distribution(values: list[float]) -> dict[str, float]:
+    levels = np.quantile(values, QUANTILES)
+    named = {f"q{round(100 * q)}": float(v) for q, v in zip(QUANTILES, levels, strict=True)}
+    return {**named, "mean": float(np.mean(values))}
+
+
+def bop_statistics(folder: str | Path) -> dict[str, Any]:
+    """Counts, and quantiles of each quantity by object id; scenes must be complete.
+
+    Where there are sensors, `sensors` says how many images each has taken.
+    """
+    root = Path(folder)
+    try:
+        split = json.loads((root / SOURCE_FILE).read_text(encoding="utf-8"))["split"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise ValueError(f"{root / SOURCE_FILE}: cannot be read ({error})") from error
+    scenes, images = scene_folders(root / split), 0
+    objects: dict[int, _Columns] = {}
+    sensors: dict[str, int] = {}
+    for scene in scenes.values():
+        for camera in load_object(scene / CAMERA_FILE).values():
+            if "sensor" in camera:
+                sensors[camera["sensor"]] = sensors.get(camera["sensor"], 0) + 1
+        for _, instances in images_of(scene):
+            images += 1
+            _measure(instances, objects)
+    rows: dict[str, Any] = {}
+    for obj_id, columns in sorted(objects.items()):
+        count = len(columns["visible_px"])
+        distributions = {name: _distribution(values) for name, values in columns.items()}
+        rows[str(obj_id)] = {"instances": count, **distributions}
+    instances = sum(row["instances"] for row in rows.values())
+    return {
+        "scenes": len(scenes),
+        "images": images,
+        "instances": instances,
+        "objects": rows,
+        **({"sensors": sensors} if sensors else {}),
+    }

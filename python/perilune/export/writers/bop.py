@@ -1,0 +1,415 @@
+"""Writes frames of a simulation as a BOP dataset: resumable, repeatable to the byte."""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.export.writers.bop_begin import as_range, changed_keys, check_folder, check_simulation
+from perilune.export.writers.bop_card import SOURCE_FILE
+from perilune.export.writers.bop_channels import ChannelFiles, channel_files, pictures
+from perilune.export.writers.bop_config import CONFIG_FILE, config_entry, config_text
+from perilune.export.writers.bop_files import (
+    MM_PER_M,
+    PNG_LEVEL,
+    Record,
+    SceneFolder,
+    depth_scale_mm,
+    encode_depth,
+    json_text,
+    make_folder,
+    write_other_text,
+    write_text,
+)
+from perilune.export.writers.bop_finish import finish, reopen
+from perilune.export.writers.bop_labels import CocoHeader, Mask, annotation, info_entry
+from perilune.export.writers.bop_model_files import complete_models
+from perilune.export.writers.bop_models import BopModel
+from perilune.export.writers.bop_shards import Note, Shard, check_frames, shard_chunks
+from perilune.export.writers.bop_source import (
+    bop_models,
+    camera_entry,
+    dataset_info,
+    dataset_name,
+    nominal_camera,
+    refuse_unfit,
+)
+from perilune.export.writers.lock import locked
+from perilune.export.writers.queue import WriteQueue
+from perilune.export.writers.table import Progress, WriteReport
+from perilune.sample import Sample
+from perilune.simulation import Simulation
+
+F64 = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
+
+LABELS = ("depth", "instance", "objects", "masks")
+"""What is rendered for a frame beside its pictures."""
+DEFAULT_CHUNK = 1000
+_SPLIT = re.compile(r"[a-z0-9]+(_[a-z0-9]+)?")
+_MASK_ON = np.uint8(255)
+
+
+def _motion_entry(motion: F64, origin_m: F64) -> list[float]:
+    """A motion in the object's frame (4, 4), m, as one in the BOP model's, mm, row by row."""
+    moved = motion.copy()
+    moved[:3, 3] = MM_PER_M * (motion[:3, :3] @ origin_m + motion[:3, 3] - origin_m)
+    return [float(value) for value in moved.ravel()]
+
+
+def _placed(R_m2c: F64, t_m2c: F64, origin_m: F64, moving: Mapping[str, F64]) -> dict[str, Any]:
+    """Keys of a pose. origin_m: of the BOP model in the object's frame. moving: node -> motion."""
+    rotation = np.asarray(R_m2c, dtype=np.float64)
+    moved = {name: _motion_entry(motion, origin_m) for name, motion in moving.items()}
+    return {
+        **({"articulation": moved} if moved else {}),
+        "cam_R_m2c": rotation.ravel().tolist(),
+        "cam_t_m2c": ((t_m2c + rotation @ origin_m) * MM_PER_M).tolist(),
+    }
+
+
+def pose_entry(
+    row: Any,
+    origins_m: Mapping[int, F64],
+    moving: Mapping[str, Any] | None = None,
+    rows: Sequence[tuple[int, Mapping[str, Any]]] = (),
+) -> dict[str, Any]:
+    """One entry of scene_gt.json, from an object's label.
+
+    moving: of an articulated object, as in Sample.meta. rows: of a rolling shutter, as in
+    Sample.meta, of this object: row -> its pose. Readers pass over the keys `articulation` and
+    `rows`.
+    """
+    origin_m = origins_m[int(row["obj_id"])]
+    motions = {name: node["motion"] for name, node in (moving or {}).items()}
+    by_row = [
+        {
+            "row": number,
+            **_placed(at["R_m2c"], at["t_m2c"], origin_m, at.get("articulation", {})),
+        }
+        for number, at in rows
+    ]
+    return {
+        **_placed(row["R_m2c"], row["t_m2c"], origin_m, motions),
+        **({"rows": by_row} if by_row else {}),
+        "obj_id": int(row["obj_id"]),
+    }
+
+
+def _world_to_camera(R_w2c: F64, t_w2c: F64) -> dict[str, Any]:
+    return {
+        "cam_R_w2c": np.asarray(R_w2c, dtype=np.float64).ravel().tolist(),
+        "cam_t_w2c": (np.asarray(t_w2c) * MM_PER_M).tolist(),
+    }
+
+
+def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
+    """One entry of scene_camera.json; readers pass over the keys that BOP does not know.
+
+    `frame` is what perilune.open(config, seed, replay=...) needs to make the image again.
+    """
+    sensor = sample.camera.sensor
+    keys = ("drivers", "scene_drivers", "overrides")
+    drawn = {key: sample.meta[key] for key in keys if sample.meta[key]}
+    rows = [
+        {"row": at["row"], **_world_to_camera(at["R_w2c"], at["t_w2c"])}
+        for at in sample.meta.get("rows", ())
+    ]
+    return {
+        **({} if sensor is None else {"sensor": sensor}),
+        **({"frame": {"index": sample.meta["index"], "drivers": {}, **drawn}} if drawn else {}),
+        "cam_K": np.asarray(sample.camera.K, dtype=np.float64).ravel().tolist(),
+        **_world_to_camera(sample.camera.R_w2c, sample.camera.t_w2c),
+        **({"rows": rows} if rows else {}),
+        "depth_scale": scale_mm,
+    }
+
+
+def _write_mask(path: Path, mask: Mask) -> None:
+    _core.png_write(str(path), np.where(mask, _MASK_ON, np.uint8(0)), PNG_LEVEL)
+
+
+def write_image(
+    folder: SceneFolder,
+    im_id: int,
+    sample: Sample,
+    names: Sequence[str],
+    origins_m: Mapping[int, F64],
+    pictures: Mapping[str, str],
+    channels: Mapping[str, ChannelFiles],
+) -> Record:
+    """Writes the files of one frame into its scene folder, the record of it last.
+
+    names: of the spacecraft, in the order of the sample's objects. pictures: folder -> channel.
+    channels: what is written beside BOP.
+    """
+    depth_m, instance = sample["depth"], sample["instance"]
+    annotated = np.isin(instance, sample.objects["instance_id"])
+    # Where no object is seen, depth is that of all that is.
+    measured_m = depth_m[annotated] if annotated.any() else depth_m
+    scale_mm = depth_scale_mm(float(measured_m.max(initial=0.0)) * MM_PER_M)
+    depth = encode_depth(depth_m, scale_mm)
+    for name, channel in pictures.items():
+        _core.png_write(str(folder.picture(im_id, name)), sample[channel], PNG_LEVEL)
+    for name, files in channels.items():
+        files.write(folder.channel(im_id, name), sample[name])
+    _core.png_write(str(folder.depth(im_id)), depth, PNG_LEVEL)
+    record = Record(camera_record(sample, scale_mm), [], [], [])
+    moving = sample.meta["articulation"]
+    for gt_id, (name, row) in enumerate(zip(names, sample.objects, strict=True)):
+        mask, visible = sample["masks"][gt_id] != 0, instance == row["instance_id"]
+        _write_mask(folder.mask(im_id, gt_id), mask)
+        _write_mask(folder.mask_visib(im_id, gt_id), visible)
+        info = info_entry(row, mask, depth > 0)
+        rows = [(at["row"], at["objects"][name]) for at in sample.meta.get("rows", ())]
+        record.gt.append(pose_entry(row, origins_m, moving.get(name), rows))
+        record.gt_info.append(info)
+        if info["px_count_visib"] > 0:
+            obj_id, fraction = int(row["obj_id"]), info["visib_fract"]
+            record.annotations.append(annotation(im_id, obj_id, mask, visible, fraction))
+    folder.keep(im_id, record)
+    return record
+
+
+@dataclass
+class Job:
+    """One call of write_bop: what is written where, and how far it is."""
+
+    sim: Simulation
+    split_folder: Path
+    origins_m: Mapping[int, F64]
+    header: CocoHeader
+    pictures: Mapping[str, str]
+    """Folder -> channel."""
+    beside: Mapping[str, ChannelFiles]
+    """Channels that are written beside BOP."""
+    threads: int | None
+    progress: Progress | None
+    total: int = 0
+    written: int = 0
+    kept: int = 0
+    images_of: dict[int, dict[int, int]] = field(default_factory=dict)
+    """Scene id -> image id -> frame index of all that is to be there."""
+    _good: dict[int, set[int]] = field(default_factory=dict)
+    """Of each scene the images that are."""
+
+    def advance(self, written: int = 0) -> None:
+        self.written += written
+        if self.progress is not None:
+            self.progress(self.written + self.kept, self.total)
+
+    def folder(self, scene_id: int) -> SceneFolder:
+        """Of a scene."""
+        beside = {name: files.suffix for name, files in self.beside.items()}
+        return SceneFolder(self.split_folder / f"{scene_id:06d}", self.pictures, beside)
+
+    @property
+    def channels(self) -> list[str]:
+        """What is rendered for a frame."""
+        return list(dict.fromkeys((*self.pictures.values(), *LABELS, *self.beside)))
+
+    def write_image(self, folder: SceneFolder, im_id: int, sample: Sample) -> Record:
+        """Writes the files of one frame into its scene folder, the record of it last."""
+        names = list(self.sim.config.spacecraft)
+        return write_image(folder, im_id, sample, names, self.origins_m, self.pictures, self.beside)
+
+    def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
+        """Looks which images (scene id -> image id -> frame index) are there, and whole.
+
+        Images of these scenes that nobody asks for now, but whose files are damaged, are made again
+        too: they could not be told from good ones."""
+        for scene_id, asked in images_of.items():
+            folder = self.folder(scene_id)
+            good = set(folder.finished())
+            images = dict(asked)
+            for im_id in sorted(set(folder.listed()) - good - set(images)):
+                _log.warning("%s: image %d is damaged and made again", folder.folder, im_id)
+                images[im_id] = scene_id * chunk_size + im_id
+            self.images_of[scene_id], self._good[scene_id] = images, good
+            self.total += len(images)
+            self.kept += len(good & set(images))
+
+    def write_chunk(self, scene_id: int) -> None:
+        """Writes the images of one scene that are not there yet, and its JSON files."""
+        folder, images = self.folder(scene_id), self.images_of[scene_id]
+        records = folder.finished(self._good[scene_id])
+        missing = [im_id for im_id in images if im_id not in records]
+        if missing or not folder.is_complete() or folder.listed() != records:
+            folder.prepare()
+            self._render(folder, {im_id: images[im_id] for im_id in missing}, records)
+            folder.complete(records, self.header)
+
+    def _render(
+        self, folder: SceneFolder, images: Mapping[int, int], records: dict[int, Record]
+    ) -> None:
+        with WriteQueue() as queue:
+            for im_id, index in images.items():
+                sample = self.sim.frame(index, channels=self.channels, threads=self.threads)
+
+                def task(im_id: int = im_id, sample: Sample = sample) -> None:
+                    records[im_id] = self.write_image(folder, im_id, sample)
+
+                self.advance(written=queue.put(task))
+            self.advance(written=queue.drain())
+
+
+def _check_split(split: str) -> None:
+    if not _SPLIT.fullmatch(split):
+        raise ValueError(
+            f"split: {split!r} must be lower-case letters and digits, with one '_' before a type"
+        )
+
+
+def _check_same_source(path: Path, info: dict[str, Any], sim: Simulation) -> bool:
+    """True if the folder belongs to this very source, False if it is new; otherwise an error."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return False
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(
+            f"{path}: is not JSON ({error}); remove it or use another folder"
+        ) from error
+    for key in sorted({*info, *found} - {"versions"}):
+        if found.get(key) != info.get(key):
+            changed = changed_keys(path.parent, sim.document.tree)
+            if changed and key not in ("chunk_size", "seed", "split"):
+                raise ValueError(
+                    f"{path.parent}: holds a dataset of another configuration: {changed}; use "
+                    "another folder, or remove this one"
+                )
+            raise ValueError(
+                f"{path.parent}: holds a dataset with another {key} ({found.get(key)!r}, here "
+                f"{info.get(key)!r}); use another folder, or remove this one"
+            )
+    if found.get("versions") != info.get("versions"):
+        _log.warning("%s: was begun with other versions: %s", path.parent, found.get("versions"))
+    return True
+
+
+def _write_source(
+    sim: Simulation, root: Path, chunk_size: int, split: str, begin: Callable[[], object] | None
+) -> dict[int, BopModel]:
+    """What the dataset says of its simulation as a whole; refuses a folder of another one."""
+    refuse_unfit(sim)
+    models = bop_models(sim)
+    if not models:
+        _log.warning(
+            "%s: spacecraft: there is none, so the dataset has no model, pose, mask or annotation; "
+            "depth is that of the bodies",
+            sim.document.source,
+        )
+    info = dataset_info(sim, chunk_size, split)
+    make_folder(root)  # when nothing but the disk can fail any more
+    if begin is not None:
+        begin()
+    if not _check_same_source(root / SOURCE_FILE, info, sim):
+        write_text(root / SOURCE_FILE, json_text(info))
+    write_other_text(root / CONFIG_FILE, config_text(config_entry(sim)))
+    write_other_text(root / "camera.json", json_text(camera_entry(sim)))
+    complete_models(root, models)
+    return models
+
+
+def open_job(
+    sim: Simulation,
+    root: Path,
+    chunk_size: int,
+    split: str,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    begin: Callable[[], object] | None = None,
+) -> Job:
+    """Writes all files that are no scene's, and tells how those of the scenes are made.
+
+    progress: told of the images that are written. begin: called when the folder is there, before
+    anything is written to it."""
+    models = _write_source(sim, root, chunk_size, split, begin)
+    origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
+    size = nominal_camera(sim)
+    header = CocoHeader(dataset_name(sim), split, tuple(models), size.width, size.height)
+    shown, beside = pictures(sim), channel_files(sim)
+    return Job(sim, root / split, origins_m, header, shown, beside, threads, progress)
+
+
+def write_bop(
+    sim: Simulation,
+    frames: range | Sequence[int],
+    out: str | Path,
+    *,
+    chunk_size: int = DEFAULT_CHUNK,
+    threads: int | None = None,
+    split: str = "train",
+    shard: Shard | None = None,
+    progress: Progress | None = None,
+) -> WriteReport:
+    """Writes `frames` as a BOP dataset: images, depth, masks, poses, COCO annotations, models.
+
+    Frame i is image i % chunk_size of scene i // chunk_size, whatever sensor takes it; of several
+    sensors, scene_camera.json names each image's, and all have one size, as BOP knows one size a
+    split. Sensors of other sizes go into datasets of their own: {"sensors.NAME": None} among the
+    overrides takes a sensor away without moving the others. What an earlier call has finished is
+    kept, so an interrupted or extended dataset is continued by calling this again; the same call
+    gives the same bytes. Images are PNG, hence the split is named `train`: the BOP toolkit looks
+    for JPEG in `train_pbr`. The toolkit also wants the folder's own name without `_` and `-`.
+    A split named `test` gets the files of targets.
+
+    shard = (k, n): only the k-th of n runs of whole chunks, k from 0; the shards may go to one
+    folder or to several, and `merge_bop` makes the dataset of them.
+
+    `rgb/` holds the channel `sensor_rgb` where render.channels has this and no `rgb`; where it has
+    both, `sensor_rgb` has a folder of its own, and so has `raw` (16 bit).
+
+    Depth is stored for all surfaces up to the farthest annotated one, beyond which it may be 0; in
+    images without an annotated surface for all that is seen. Further channels that the
+    configuration states in render.channels have a folder each, see bop_channels.py.
+    Of a rolling shutter, `rows` gives the poses row by row.
+
+    frames: a range, or indices that rise as evenly as those of one.
+
+    A call that is stopped at any moment, by ctrl-C, a kill or a power cut, is continued by the same
+    call; files that it left damaged are made again. While it runs no other may write to the same
+    scenes.
+
+    Raises OSError if a file cannot be written (finished frames stay valid) or another process
+    writes to the folder (perilune.writers.FolderInUseError), ValueError if the folder belongs to
+    another configuration, seed or chunk size, or holds other things than a dataset.
+    """
+    check_simulation(sim)
+    frames = as_range(frames)
+    check_frames(frames, chunk_size, shard or (0, 1))
+    _check_split(split)
+    root = check_folder(out)
+    images_of = shard_chunks(frames, chunk_size, shard or (0, 1))
+    with ExitStack() as held:
+        job = open_job(
+            sim,
+            root,
+            chunk_size,
+            split,
+            threads,
+            progress,
+            begin=lambda: held.enter_context(locked(root, None if shard is None else images_of)),
+        )
+        job.find(images_of, chunk_size)
+        if shard is not None:
+            Note(frames, shard).write(root)
+        if job.kept < job.total or shard is not None:
+            reopen(root)
+        job.advance()
+        for scene_id in images_of:
+            job.write_chunk(scene_id)
+        if shard is None:
+            finish(root)
+    return WriteReport(root, job.written, job.kept)

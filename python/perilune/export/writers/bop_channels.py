@@ -1,0 +1,139 @@
+"""Channels beside BOP: a folder each in every scene, what its files hold, and names of the ids.
+
+Integers of up to three layers are PNG, with the ids as values: 8 bit where all fit, else 16 bit.
+Two or three layers are red, green and blue, 8 bit; blue is 0 where there are two. All else is NPY,
+the array of the sample as it is.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.camera import bands
+from perilune.document.references import MASKS, OBJECTS, OF_SENSOR
+from perilune.export.writers.bop_files import PNG_LEVEL, RGB_FOLDER, write_bytes
+from perilune.frame.request import channel_layout
+from perilune.simulation import Simulation
+
+Array = NDArray[Any]
+
+PNG, NPY = "png", "npy"
+_LARGEST_8, _LARGEST_16 = 255, 65535
+_OF_BOP = {"rgb", "depth", OBJECTS, MASKS}
+"""What a BOP dataset holds whatever is asked."""
+
+
+@dataclass(frozen=True)
+class ChannelFiles:
+    """How a channel is written."""
+
+    suffix: str
+    """png or npy."""
+    dtype: str
+    """Of the values in the file, as NumPy names it."""
+    components: int | None
+    """Values a pixel, 0: a plain image; None: another number for each sensor."""
+
+    def entry(self) -> dict[str, Any]:
+        """As dataset_info.json has it."""
+        return {"components": self.components, "dtype": self.dtype, "file": self.suffix}
+
+    def write(self, path: Path, array: Array) -> None:
+        """Writes a sample's channel; the file is whole or not there. The note of the image brings
+        it to the disk."""
+        if self.suffix == NPY:
+            file = io.BytesIO()
+            np.lib.format.write_array(file, np.ascontiguousarray(array), version=(1, 0))
+            write_bytes(path, [file.getbuffer()], sync=False)
+        else:
+            _core.png_write(str(path), self.picture(array), PNG_LEVEL)
+
+    def picture(self, array: Array) -> Array:
+        """The pixels of the PNG of a sample's channel."""
+        values = array.astype(self.dtype)
+        layers = values.shape[2] if values.ndim == 3 else 0
+        if layers == 1:
+            return np.ascontiguousarray(values[:, :, 0])
+        if layers == 2:
+            return np.concatenate([values, np.zeros_like(values[:, :, :1])], axis=2)
+        return values
+
+
+def pictures(sim: Simulation) -> dict[str, str]:
+    """Folder -> channel of the images that are no labels, by the configuration's channels.
+
+    `rgb`, from which all are trained, holds what the user asks for: `sensor_rgb` if that is asked
+    for and `rgb` is not. What else there is of the sensor has a folder by its own name.
+    """
+    asked = sim.config.render.channels
+    main = "sensor_rgb" if "sensor_rgb" in asked and RGB_FOLDER not in asked else RGB_FOLDER
+    others = [name for name in OF_SENSOR if name in asked and name != main]
+    shown = {RGB_FOLDER: main} | {name: name for name in others}
+    return {folder: name for folder, name in shown.items() if name != "raw" or not _planes(sim)}
+
+
+def channel_files(sim: Simulation) -> dict[str, ChannelFiles]:
+    """Channel, which is also its folder -> how it is written beside BOP, in the core's order.
+
+    Those that render.channels states, and that neither BOP itself nor `pictures` holds; none where
+    the configuration leaves render.channels at its default.
+    """
+    render = sim.config.render
+    if "channels" not in render.model_fields_set:
+        return {}
+    held = _OF_BOP | set(pictures(sim).values())
+    names = [row["name"] for row in _core.CHANNELS]
+    return {
+        name: _files_of(sim, name) for name in names if name in render.channels and name not in held
+    }
+
+
+def label_names(sim: Simulation, channels: Iterable[str]) -> dict[str, Any]:
+    """What the ids of written channels mean: {"instance": {"0": "background", ..}, "part": ..,
+    "semantic": [{"level": "kind", "names": {..}}, ..]}."""
+
+    def names_of(channel: str) -> dict[str, str]:
+        return {str(number): name for number, name in sim.taxonomy.names(channel).items()}
+
+    found: dict[str, Any] = {}
+    for channel in channels:
+        if channel == "semantic":
+            levels = sim.taxonomy.levels
+            found[channel] = [{"level": level, "names": names_of(level)} for level in levels]
+        elif channel in ("instance", "part"):
+            found[channel] = names_of(channel)
+    return found
+
+
+def _planes(sim: Simulation) -> bool:
+    return any(bands.has_planes(camera) for camera in sim.config.cameras.values())
+
+
+def _largest_id(sim: Simulation, name: str) -> int:
+    taxonomy = sim.taxonomy
+    channels = taxonomy.levels if name == "semantic" else (name,)
+    return max(max(taxonomy.names(channel)) for channel in channels)
+
+
+def _files_of(sim: Simulation, name: str) -> ChannelFiles:
+    config = sim.config
+    counts = set()
+    for camera in config.cameras.values():
+        shape, dtype = channel_layout(config.model_copy(update={"camera": camera}), name)
+        counts.add(shape[2] if len(shape) == 3 else 0)
+    components = counts.pop() if len(counts) == 1 else None
+    if dtype.kind in "iu" and name not in OF_SENSOR and components in range(4):
+        largest = _largest_id(sim, name)
+        if largest <= _LARGEST_8:
+            return ChannelFiles(PNG, "uint8", 0 if components == 1 else 3 if components else 0)
+        if largest <= _LARGEST_16 and components in (0, 1):
+            return ChannelFiles(PNG, "uint16", 0)
+    return ChannelFiles(NPY, dtype.name, components)

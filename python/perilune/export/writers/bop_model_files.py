@@ -1,0 +1,96 @@
+"""The folders of models of a BOP dataset: what is in which, written where it is not there yet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from perilune.export.writers.bop_eval import evaluation_model
+from perilune.export.writers.bop_files import json_by_id, load_object, write_bytes, write_text
+from perilune.export.writers.bop_models import (
+    EVAL,
+    MODELS,
+    MODELS_INFO,
+    PARTS,
+    BopModel,
+    model_info,
+    ply_bytes,
+)
+from perilune.export.writers.whole import is_whole
+
+Models = Mapping[int, BopModel]
+
+
+@dataclass(frozen=True)
+class _Folder:
+    """What a folder holds."""
+
+    name: str
+    numbers: tuple[int, ...]
+    make: Callable[[], Models]
+    extra: Mapping[int, dict[str, Any]]
+    """Keys in models_info.json beyond those of all models."""
+    exact: bool
+    """Whether models that are there are compared: poses are of their frame."""
+
+
+def _folders(models: Models) -> list[_Folder]:
+    """All that are needed. Parts that move are numbered through all objects."""
+    pieces: dict[int, BopModel] = {}
+    extra: dict[int, dict[str, Any]] = {}
+    for obj_id in sorted(models):
+        for chain, piece in models[obj_id].pieces():
+            number = len(pieces) + 1
+            pieces[number], extra[number] = piece, {"obj_id": obj_id, "nodes": list(chain)}
+
+    def coarse() -> Models:
+        return {obj_id: evaluation_model(model) for obj_id, model in models.items()}
+
+    found = [_Folder(MODELS, tuple(models), lambda: models, {}, True)]
+    if pieces:
+        found.insert(0, _Folder(PARTS, tuple(pieces), lambda: pieces, extra, True))
+    if models:
+        found.insert(0, _Folder(EVAL, tuple(models), coarse, {}, False))
+    return found
+
+
+def _ply(folder: Path, number: int) -> Path:
+    return folder / f"obj_{number:06d}.ply"
+
+
+def _is_there(root: Path, wanted: _Folder) -> bool:
+    """Whether a folder is complete; ValueError if its models are not those of the simulation."""
+    folder = root / wanted.name
+    told = load_object(folder / MODELS_INFO)
+    whole = is_whole(folder / MODELS_INFO) and set(told) == set(map(str, wanted.numbers))
+    for number in wanted.numbers if whole else ():
+        path = _ply(folder, number)
+        if not is_whole(path):
+            whole = False
+        elif wanted.exact and path.read_bytes() != b"".join(ply_bytes(wanted.make()[number])):
+            raise ValueError(
+                f"{path}: is not the model of this configuration, as this version of Perilune "
+                "writes it; use another folder, so that all frames are of one model"
+            )
+    return whole
+
+
+def complete_models(root: Path, models: Models) -> None:
+    """Writes the folders of models that are not there, or damaged: each PLY, then models_info.json.
+
+    ValueError for a folder with other models. Parts that move lie in the frame of their object's
+    model at rest; a part moves by the first of its `nodes` that the `articulation` of an instance
+    names. Evaluation models have the frame of the models.
+    """
+    for wanted in _folders(models):
+        if _is_there(root, wanted):
+            continue
+        folder = root / wanted.name
+        folder.mkdir(parents=True, exist_ok=True)
+        rows = wanted.make()
+        for number, model in sorted(rows.items()):
+            write_bytes(_ply(folder, number), ply_bytes(model))
+        infos = {k: {**model_info(row), **wanted.extra.get(k, {})} for k, row in rows.items()}
+        write_text(folder / MODELS_INFO, json_by_id(infos))

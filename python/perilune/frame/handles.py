@@ -1,0 +1,539 @@
+"""What one process holds of the core for a configuration: models, maps, scene, renderer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from threading import RLock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core, orbits
+from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
+from perilune.config.body import Body
+from perilune.config.errors import ConfigError, origin
+from perilune.config.photometry import Photometry
+from perilune.config.rings import Rings
+from perilune.config.schema import Config, Spacecraft, Symmetries
+from perilune.config.shape import Shape
+from perilune.document.document import Document
+from perilune.document.fixed import fixed
+from perilune.frame.labels import Taxonomy, object_class, taxonomy, unmatched
+from perilune.frame.looks import Look, Looks
+from perilune.frame.pool import Pool
+from perilune.frame.remarks import Remarks
+from perilune.frame.volumes import Volumes
+from perilune.sky.skies import Skies
+from perilune.spacecraft import articulation, faces
+from perilune.spacecraft.model_files import read_model
+from perilune.spacecraft.parts import Partition, partition
+from perilune.world import World
+
+F64 = NDArray[np.float64]
+
+_STAGES = 4
+"""Scenes and renderers that are kept, and airs."""
+
+
+def _make_room(kept: dict[Any, Any]) -> None:
+    """What was made first goes where there would be too many."""
+    if len(kept) >= _STAGES:
+        del kept[next(iter(kept))]
+
+
+def _air_key(body: Body) -> tuple[Any, ...]:
+    """What the tables of a body's air depend on, of all that may differ from frame to frame."""
+    return (body.atmosphere, body.atmosphere and tuple(orbits.radii_m(body)))
+
+
+@dataclass
+class _Stage:
+    """A scene, its renderer, and the graphs that are on it."""
+
+    scene: _core.Scene
+    renderer: _core.Renderer
+    look: Look = Look({}, {})  # noqa: RUF009 (immutable)
+
+
+@dataclass(frozen=True)
+class ObjectModel:
+    """The model of a spacecraft: p_object = metres_per_unit * (p_model - offset)."""
+
+    name: str
+    """The spacecraft's entry."""
+    obj_id: int
+    class_name: str
+    model: _core.Model
+    offset: F64
+    """Model units."""
+    metres_per_unit: float
+    """Of the configuration's ideal values; a driver on the size changes it per frame."""
+    reach_units: float
+    """Radius of the least sphere about the object's origin that holds the model, model units."""
+    symmetries: Symmetries
+
+    @property
+    def radius_m(self) -> float:
+        """Likewise in metres, at the ideal size."""
+        return self.metres_per_unit * self.reach_units
+
+
+def metres_per_unit(craft: Spacecraft, model: _core.Model) -> float:
+    """Scale of a spacecraft's model, as stated or from its size; of one that is stretched, of what
+    the reader makes of it."""
+    if isinstance(craft.metres_per_unit, tuple):
+        return max(craft.metres_per_unit)
+    if craft.metres_per_unit is not None:
+        return craft.metres_per_unit
+    assert craft.size_m is not None  # the schema asks for one of the two
+    low, high = model.bounds
+    return craft.size_m / float((high - low).max())
+
+
+def _check_length(where: str, scale: float, bounds: F64) -> None:
+    """ConfigError for a model longer or shorter than the core takes; size_m is in range already."""
+    length_m = scale * float((bounds[1] - bounds[0]).max())
+    low, high = shapes.LENGTHS_M
+    if not low * (1.0 - 1e-12) <= length_m <= high * (1.0 + 1e-12):
+        text = f"{scale:g}: the model is then {length_m:.3g} m long; allowed: {low:g} to {high:g} m"
+        raise ConfigError(f"{where}.metres_per_unit: {text}")
+
+
+def reach_units(model: _core.Model, offset: F64) -> float:
+    """Distance from the offset to the farthest vertex, model units. (The farthest corner of the box
+    would be 1.73 times as far on a ball.)"""
+    from_offset = model.mesh()["positions"].astype(np.float64) - offset
+    return math.sqrt(float(np.einsum("ij,ij->i", from_offset, from_offset).max()))
+
+
+def _obj_ids(config: Config) -> dict[str, int]:
+    """As stated; the others get the smallest free numbers from 1, in order."""
+    stated = {n: c.obj_id for n, c in config.spacecraft.items() if c.obj_id is not None}
+    first: dict[int, str] = {}
+    for name, number in stated.items():
+        other = first.setdefault(number, name)
+        a, b = config.spacecraft[name], config.spacecraft[other]
+        same = ("model", "size_m", "metres_per_unit", "centre", "crease_angle_deg", "faces")
+        if any(getattr(a, key) != getattr(b, key) for key in same):
+            raise ConfigError(
+                f"spacecraft.{name}.obj_id = {number}: {other} has it too, but another model or "
+                "size; one id stands for one model"
+            )
+    used = set(stated.values())
+    free = (number for number in range(1, len(used) + len(config.spacecraft) + 1))
+    unused = (number for number in free if number not in used)
+    return {name: stated[name] if name in stated else next(unused) for name in config.spacecraft}
+
+
+class FrameLock:
+    """Lets one frame through at a time: other threads wait, but what runs in the middle of a frame
+    in its own thread (a signal's handler, a finalizer) would wait for ever, and is refused."""
+
+    def __init__(self) -> None:
+        self._lock = RLock()
+        self._busy = False
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+        if self._busy:
+            self._lock.release()
+            raise RuntimeError("a frame of this simulation is being rendered around this call")
+        self._busy = True
+
+    def __exit__(self, *_: object) -> None:
+        self._busy = False
+        self._lock.release()
+
+
+class Assets:
+    """What was read and built in a process, for a configuration and all that `with_overrides`
+    makes of it. `lock` guards the renderers, which render a frame at a time."""
+
+    def __init__(self, document: Document) -> None:
+        self.lock = FrameLock()
+        self.pool = Pool()
+        self.models: dict[tuple[Any, ...], _core.Model] = {}
+        self.files: dict[tuple[Any, ...], _core.Map] = {}
+        self.regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
+        self.skies = Skies(document.path)
+        self.shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
+        self.airs: dict[tuple[Any, ...], _core.Air | None] = {}
+        self.ring_systems: dict[Rings, _core.Rings] = {}
+        self.stages: dict[tuple[Any, ...], _Stage] = {}
+
+
+_NOT_BUILT = ("version", "name", "description", "seed", "time.", "render.channels", "drivers")
+"""Of what is fixed, keys that scenes are not built from."""
+
+
+def _built_from(config: Config) -> str:
+    """What a scene is built from, of all that no driver may change; equal texts, equal scenes."""
+    rows = fixed(config)
+    return repr({key: row for key, row in rows.items() if not key.startswith(_NOT_BUILT)})
+
+
+class Handles:
+    """Built lazily, once a process and configuration."""
+
+    def __init__(self, document: Document, remarks: Remarks, assets: Assets) -> None:
+        """remarks: what readers of models say goes there. assets: shared with other configurations
+        that were made of the same one."""
+        self.document = document
+        self._remarks = remarks
+        self.assets = assets
+        self.lock, self.pool, self.skies = self.assets.lock, self.assets.pool, self.assets.skies
+        self.volumes = Volumes(document)
+        self._built_from = _built_from(document.config)
+
+    @cached_property
+    def models(self) -> Mapping[str, ObjectModel]:
+        """Spacecraft entry -> its model, in the order of the configuration."""
+        config = self.document.config
+        ids = _obj_ids(config)
+        files = self.assets.models
+        result: dict[str, ObjectModel] = {}
+        for name, craft in config.spacecraft.items():
+            path = str(self.document.path(craft.model, f"spacecraft.{name}.model"))
+            key = (path, craft.crease_angle_deg, craft.stretch, repr(craft.faces))
+            if key not in files:
+                try:
+                    angle_rad = math.radians(craft.crease_angle_deg)
+                    files[key] = read_model(path, angle_rad, craft.stretch, craft.faces)
+                except ValueError as error:
+                    where = f"{self.document.source}:\n  spacecraft.{name}.model"
+                    raise ConfigError(f"{where}: {error}") from error
+            model = files[key]
+            self._tell(f"spacecraft.{name}.model", path, model.warnings)
+            for pattern, text in faces.unmatched(craft.faces, model.materials):
+                self._tell_of_key(f"spacecraft.{name}.faces.{pattern}", text)
+            bounds = model.bounds
+            offset = bounds.mean(axis=0) if craft.centre == "bounds" else np.zeros(3)
+            if not float((bounds[1] - bounds[0]).max()) > 0.0:
+                where = f"{self.document.source}:\n  spacecraft.{name}.model"
+                raise ConfigError(f"{where}: {path}: has no extent")
+            scale = metres_per_unit(craft, model)
+            _check_length(f"{self.document.source}:\n  spacecraft.{name}", scale, bounds)
+            result[name] = ObjectModel(
+                name=name,
+                obj_id=ids[name],
+                class_name=object_class(name, craft),
+                model=model,
+                offset=offset,
+                metres_per_unit=scale,
+                reach_units=reach_units(model, offset),
+                symmetries=craft.symmetries,
+            )
+        return result
+
+    def _tell(self, key: str, path: str, lines: tuple[str, ...]) -> None:
+        where = origin(key, self.document.origins)
+        self._remarks.tell(f"{self.document.source}: {where}", path, lines)
+
+    def _tell_of_key(self, key: str, text: str) -> None:
+        where = origin(key, self.document.origins)
+        self._remarks.tell_of_key(f"{self.document.source}: {where}", text)
+
+    @cached_property
+    def partitions(self) -> Mapping[str, Partition]:
+        """Spacecraft entry -> how its model is cut into parts."""
+        crafts, source = self.document.config.spacecraft, self.document.source
+        return {
+            name: partition(row.model, crafts[name].parts, f"{source}:\n  spacecraft.{name}.parts")
+            for name, row in self.models.items()
+        }
+
+    @cached_property
+    def rigs(self) -> Mapping[str, articulation.Rig]:
+        """Spacecraft entry -> what moves on it, of those that have such parts."""
+        crafts, source = self.document.config.spacecraft, self.document.source
+        rigs = {
+            name: articulation.rig(
+                row.model,
+                crafts[name],
+                row.offset,
+                row.metres_per_unit,
+                f"{source}:\n  spacecraft.{name}",
+            )
+            for name, row in self.models.items()
+        }
+        return {name: rig for name, rig in rigs.items() if rig is not None}
+
+    @cached_property
+    def looks(self) -> Looks:
+        """Which graphs are on what."""
+        models = {name: row.model for name, row in self.models.items()}
+        return Looks(self.document, models, self.partitions)
+
+    @cached_property
+    def taxonomy(self) -> Taxonomy:
+        """Names and ids of all labels."""
+        parts = {name: cut.entries for name, cut in self.partitions.items()}
+        found = taxonomy(self.document.config, parts)
+        for key, text in self.unmatched():
+            self._tell_of_key(key, text)
+        return found
+
+    def unmatched(self) -> list[tuple[str, str]]:
+        """(key path, what is wrong) of patterns of `part_classes` that fit no part."""
+        parts = {name: cut.entries for name, cut in self.partitions.items()}
+        return list(unmatched(self.document.config, parts))
+
+    def scales(self, config: Config) -> dict[str, float]:
+        """Metres per model unit of each spacecraft in a frame."""
+        crafts = config.spacecraft
+        return {name: metres_per_unit(crafts[name], row.model) for name, row in self.models.items()}
+
+    def radii_m(self, config: Config) -> dict[str, float]:
+        """Bounding radius about the origin of each spacecraft, wherever its parts move."""
+        radii_m = {}
+        for name, scale in self.scales(config).items():
+            row, rig = self.models[name], self.rigs.get(name)
+            reach = row.reach_units if rig is None else rig.reach_units
+            radii_m[name] = scale * reach + articulation.slides_m(config.spacecraft[name])
+        return radii_m
+
+    def posed(self, scene: World) -> dict[str, articulation.Posed]:
+        """Spacecraft entry -> where its moving parts are in a frame, of those that have some."""
+        scales = self.scales(scene.config)
+        return {
+            name: articulation.posed(rig, scene, name, scales[name])
+            for name, rig in self.rigs.items()
+        }
+
+    def _map(
+        self,
+        name: str,
+        center_lon_deg: float | None,
+        text: str | None,
+        key: str,
+        heights: maps.HeightKey | None = None,
+        **options: Any,
+    ) -> _core.Map | None:
+        """A map of a body; each file is read once for each way of reading it and set of options of
+        _core.Map. center_lon_deg: None for what is no map of the whole body."""
+        if text is None:
+            return None
+        path = self.document.path(text, f"bodies.{name}.{key}")
+        read = path, center_lon_deg, heights, *sorted(options.items())
+        if read not in self.assets.files:
+            try:
+                file = (
+                    maps.picture(path, center_lon_deg)
+                    if heights is None
+                    else maps.heights(path, heights, center_lon_deg)
+                )
+                self.assets.files[read] = _core.Map(file.source, **options)
+            except ValueError as error:
+                where = f"{self.document.source}: bodies.{name}.{key}"
+                raise ConfigError(f"{where}: {error}") from error
+            self._tell(f"bodies.{name}.{key}", str(path), file.remarks)
+        return self.assets.files[read]
+
+    def _cloud_map(self, name: str, body: Body) -> _core.Map | None:
+        if body.clouds is None:
+            return None
+        given = body.clouds
+        return self._map(name, given.map_center_lon_deg, given.map, "clouds.map", srgb=False)
+
+    def shapes_of(self, config: Config) -> dict[str, shapes.BodyShape]:
+        """Body entry -> its shape, of those that have one; each file is read once."""
+        found: dict[str, shapes.BodyShape] = {}
+        for name, body in config.bodies.items():
+            if body.shape is None:
+                continue
+            if (name, body.shape) not in self.assets.shapes:
+                key = f"bodies.{name}.shape"
+                path = self.document.path(body.shape.file, f"{key}.file")
+                try:
+                    self.assets.shapes[name, body.shape] = shapes.load(name, body.shape, path)
+                except ValueError as error:
+                    raise ConfigError(f"{self.document.source}:\n  {key}.{error}") from error
+                shape = self.assets.shapes[name, body.shape]
+                self._tell(f"bodies.{name}.shape.file", str(path), shape.warnings)
+            found[name] = self.assets.shapes[name, body.shape]
+            if body.kind == "ellipsoid" and body.may_be_dressed and found[name].color is None:
+                where = f"{self.document.source}:\n  bodies.{name}.albedo"
+                raise ConfigError(
+                    f"{where}: required for kind: ellipsoid without a color_map: the shape's file "
+                    "has no materials"
+                )
+        return found
+
+    def _air(self, name: str, config: Config) -> _core.Air | None:
+        """The atmosphere of a body; its tables are made once for each air and radii."""
+        body = config.bodies[name]
+        key = _air_key(body)
+        if key not in self.assets.airs:
+            _make_room(self.assets.airs)
+            try:
+                self.assets.airs[key] = atmospheres.air_of(config, body)
+            except ValueError as error:
+                raise ConfigError(
+                    f"{self.document.source}:\n  bodies.{name}.atmosphere: {error}"
+                ) from error
+        return self.assets.airs[key]
+
+    def _rings(self, name: str, config: Config) -> _core.Rings | None:
+        """The rings of a body; their tables are made once for each that choices give."""
+        given = config.bodies[name].rings
+        if given is None:
+            return None
+        if given not in self.assets.ring_systems:
+            columns = None
+            if given.color_map is not None:
+                read = self._map(name, None, given.color_map, "rings.color_map")
+                columns = read.columns() if read is not None else None
+            try:
+                self.assets.ring_systems[given] = rings.rings_of(given, columns)
+            except ValueError as error:
+                raise ConfigError(
+                    f"{self.document.source}:\n  bodies.{name}.rings: {error}"
+                ) from error
+        return self.assets.ring_systems[given]
+
+    def _regolith_map(self, name: str, given: Photometry | None) -> _core.Grid | None:
+        """The parameter map of a body; each set of files is read once."""
+        if given is None or not given.maps:
+            return None
+        key = f"bodies.{name}.photometry.maps"
+        paths = tuple(self.document.path(text, key) for text in given.maps)
+        if paths not in self.assets.regolith_maps:
+            try:
+                self.assets.regolith_maps[paths] = photometry.load_map(paths)
+            except ValueError as error:
+                raise ConfigError(f"{self.document.source}:\n  {key}: {error}") from error
+        return self.assets.regolith_maps[paths]
+
+    @property
+    def renderer(self) -> _core.Renderer:
+        """The core's renderer of the ideal configuration's scene."""
+        return self.renderer_of(self.document.config)
+
+    def renderer_of(self, config: Config) -> _core.Renderer:
+        """The core's renderer, with a frame's graphs on its scene.
+
+        A scene is made for each combination of maps, shapes, reflectances, air and rings that
+        choices give the bodies.
+        Graphs change on the scene itself, whose accelerators stay.
+        """
+        key: tuple[Any, ...] = tuple(
+            (
+                body.color_map,
+                body.shape,
+                body.reflectance,
+                body.photometry.maps if body.photometry else (),
+                _air_key(body),
+                body.rings,
+                body.clouds.map if body.clouds else None,
+                body.is_geodetic,
+                body.has_geodetic_clouds,
+                ground.files(body),
+            )
+            for body in config.bodies.values()
+        )
+        key = (self._built_from, *key)
+        if key not in self.assets.stages:
+            _make_room(self.assets.stages)
+            self.assets.stages[key] = self._stage(config)
+        stage = self.assets.stages[key]
+        try:
+            self._dress(stage, self.looks.of(config))
+        except Exception:
+            del self.assets.stages[key]  # who knows what is on it
+            raise
+        return stage.renderer
+
+    def _dress(self, stage: _Stage, look: Look) -> None:
+        """Puts the graphs of a frame on a scene, where they are not there already."""
+        for index, name in enumerate(self.models):
+            placed, there = look.crafts.get(name), stage.look.crafts.get(name)
+            if placed is not None and (there is None or not placed.is_like(there)):
+                cores = tuple(graph.core for graph in placed.graphs)
+                stage.scene.set_materials(index, cores, placed.triangle_graph)
+            elif placed is None and there is not None:
+                stage.scene.set_materials(index, (), self.looks.bare(name))
+        for index, name in enumerate(self.document.config.bodies):
+            placed, there = look.bodies.get(name), stage.look.bodies.get(name)
+            if placed is not None and (there is None or not placed.is_like(there)):
+                stage.scene.set_body_graph(index, placed.graphs[0].core)
+            elif placed is None and there is not None:
+                stage.scene.set_body_graph(index, None)
+        stage.look = look
+
+    def _stage(self, config: Config) -> _Stage:
+        """A scene without graphs."""
+        scene = _core.Scene(len(self.taxonomy.levels))
+        part_ids: dict[str, list[int]] = {}
+        part_classes: dict[str, list[str]] = {}
+        for part in self.taxonomy.parts:
+            part_ids.setdefault(part.owner, []).append(part.id)
+            part_classes.setdefault(part.owner, []).append(part.class_name)
+        self._add_bodies(scene, config, part_ids, part_classes)
+        self._add_crafts(scene, part_ids, part_classes)
+        return _Stage(scene, _core.Renderer(scene))
+
+    def _add_bodies(
+        self,
+        scene: _core.Scene,
+        config: Config,
+        part_ids: Mapping[str, Sequence[int]],
+        part_classes: Mapping[str, Sequence[str]],
+    ) -> None:
+        """part_ids, part_classes: of the parts of each entry."""
+        labels, meshes = self.taxonomy, self.shapes_of(config)
+        for name, body in config.bodies.items():
+            scene.add_body(
+                name=name,
+                map=self._map(name, body.map_center_lon_deg, body.color_map, "color_map"),
+                map_center_lon_rad=math.radians(body.map_center_lon_deg),
+                reflectance=body.reflectance,
+                regolith_map=self._regolith_map(name, body.photometry),
+                air=self._air(name, config),
+                shape=meshes[name].model if name in meshes else None,
+                rings=self._rings(name, config),
+                cloud_map=self._cloud_map(name, body),
+                ground=ground.of_body(body, partial(self._map, name, body.map_center_lon_deg)),
+                geodetic=body.is_geodetic,
+                geodetic_clouds=body.has_geodetic_clouds,
+                dressed=body.may_be_dressed and name in meshes and meshes[name].color is not None,
+                instance_id=labels.instances[name],
+                part_id=part_ids[name][0],
+                class_ids=_class_ids(labels, name, body, part_classes[name])[0],
+            )
+
+    def _add_crafts(
+        self,
+        scene: _core.Scene,
+        part_ids: Mapping[str, Sequence[int]],
+        part_classes: Mapping[str, Sequence[str]],
+    ) -> None:
+        labels = self.taxonomy
+        for name, row in self.models.items():
+            index = scene.add_object(
+                name=name,
+                model=row.model,
+                offset=row.offset,
+                obj_id=row.obj_id,
+                instance_id=labels.instances[name],
+                part_ids=np.array(part_ids[name], dtype=np.int32),
+                class_ids=_class_ids(
+                    labels, name, self.document.config.spacecraft[name], part_classes[name]
+                ),
+                triangle_part=self.partitions[name].triangle_part,
+            )
+            if name in self.rigs:
+                nodes = np.array(self.rigs[name].core.nodes, dtype=np.int32)
+                scene.articulate(index, nodes)
+
+
+def _class_ids(
+    labels: Taxonomy, name: str, entry: Body | Spacecraft, parts: Sequence[str]
+) -> NDArray[np.uint16]:
+    kind = "body" if isinstance(entry, Body) else "spacecraft"
+    known = {**entry.classes, "kind": kind, "object": object_class(name, entry)}
+    return labels.class_ids(*({**known, "part": part} for part in parts))

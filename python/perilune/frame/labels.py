@@ -1,0 +1,174 @@
+"""Names and ids of the labels: semantic classes at each level, instances, parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune.config.body import Body
+from perilune.config.errors import ConfigError, nearest
+from perilune.config.schema import Config, Spacecraft
+from perilune.spacecraft.parts import PartEntry
+
+BACKGROUND = "background"
+_SURFACE = "surface"
+_IDS_MAX = 65535
+
+
+@dataclass(frozen=True)
+class Part:
+    """One part of an instance, as the channel `part` numbers it."""
+
+    id: int
+    owner: str
+    """Name of the spacecraft or body."""
+    name: str
+    """Unique among the owner's parts."""
+    material: str
+    class_name: str
+
+
+@dataclass(frozen=True)
+class Taxonomy:
+    """All labels of a configuration. Id 0 is the background everywhere."""
+
+    levels: tuple[str, ...]
+    classes: Mapping[str, Mapping[str, int]]
+    """Level -> class name -> id, for all levels, shown in `semantic` or not."""
+    instances: Mapping[str, int]
+    """Entry name -> id in the channel `instance`."""
+    parts: tuple[Part, ...]
+
+    def names(self, channel: str) -> dict[int, str]:
+        """Id -> name of `instance`, `part`, or a level of `semantic` (its name or number)."""
+        if channel == "instance":
+            return {0: BACKGROUND, **{id_: name for name, id_ in self.instances.items()}}
+        if channel == "part":
+            return {0: BACKGROUND, **{part.id: f"{part.owner}/{part.name}" for part in self.parts}}
+        level = channel.removeprefix("semantic/")
+        if level.isdecimal() and int(level) < len(self.levels):
+            level = self.levels[int(level)]
+        if level not in self.classes:
+            allowed = ["instance", "part", *self.levels]
+            raise ValueError(f"no labels called '{channel}'{nearest(level, allowed)}")
+        return {0: BACKGROUND, **{id_: name for name, id_ in self.classes[level].items()}}
+
+    def _repr_html_(self) -> str:
+        from perilune.show.display import taxonomy_html
+
+        return taxonomy_html(self)
+
+    @property
+    def channel_names(self) -> dict[str, dict[int, str]]:
+        """`names` of instance, part, semantic/0, semantic/1 ..."""
+        channels = ["instance", "part", *(f"semantic/{k}" for k in range(len(self.levels)))]
+        return {channel: self.names(channel) for channel in channels}
+
+    def class_ids(self, *names: Mapping[str, str]) -> NDArray[np.uint16]:
+        """(n, levels): ids of things given by their class name at each level; 0 without one."""
+        rows = [
+            [self.classes[level][name[level]] if level in name else 0 for level in self.levels]
+            for name in names
+        ]
+        return np.array(rows, dtype=np.uint16).reshape(len(names), len(self.levels))
+
+
+def object_class(name: str, entry: Body | Spacecraft) -> str:
+    """Class of object of an entry: as stated, else the body's kind, else the entry's name."""
+    if entry.class_ is not None:
+        return entry.class_
+    return entry.kind if isinstance(entry, Body) and entry.kind != "ellipsoid" else name
+
+
+def _texts(part: PartEntry) -> list[str]:
+    """What patterns of classes are compared with."""
+    names = (part.name, part.base, part.material, f"{part.base}/{part.material}")
+    return [name.lower() for name in names]
+
+
+def _fits(pattern: str, part: PartEntry) -> bool:
+    return any(fnmatchcase(text, pattern.lower()) for text in _texts(part))
+
+
+def part_class(config: Config, craft: Spacecraft, part: PartEntry) -> str:
+    """The first class with a pattern that fits one of the part's names, in any case.
+
+    Compared are the name with and without its number, the material, and name/material.
+    """
+    for table in (craft.part_classes, config.labels.part_classes):
+        for class_name, patterns in table.items():
+            if any(_fits(pattern, part) for pattern in patterns):
+                return class_name
+    return config.labels.other_part
+
+
+def unmatched(
+    config: Config, parts: Mapping[str, Sequence[PartEntry]]
+) -> Iterator[tuple[str, str]]:
+    """(key path, what is wrong) of patterns of `part_classes` that fit no part.
+
+    Of the table in `labels`, which configurations may share, classes none of whose patterns fits a
+    part of any spacecraft. parts: of each spacecraft's model.
+    """
+    for name, craft in config.spacecraft.items():
+        known = list(dict.fromkeys(text for part in parts[name] for text in (part.base, part.name)))
+        for class_name, patterns in craft.part_classes.items():
+            for pattern in patterns:
+                if not any(_fits(pattern, part) for part in parts[name]):
+                    key = f"spacecraft.{name}.part_classes.{class_name}"
+                    yield key, f"'{pattern}' fits no part{nearest(pattern, known)}"
+    every = [part for name in config.spacecraft for part in parts[name]]
+    for class_name, patterns in config.labels.part_classes.items():
+        if not any(_fits(pattern, part) for part in every for pattern in patterns):
+            told = ", ".join(f"'{pattern}'" for pattern in patterns)
+            yield f"labels.part_classes.{class_name}", f"no part of any spacecraft fits {told}"
+
+
+def _numbered(level: str, names: Iterable[str], fixed: Mapping[str, int]) -> dict[str, int]:
+    """Ids of class names: the fixed ones, and the smallest free numbers in order."""
+    known = list(dict.fromkeys(names))
+    for name in fixed:
+        if name not in known:
+            raise ConfigError(f"labels.ids.{level}: no class named '{name}'{nearest(name, known)}")
+    ids: dict[str, int] = {}
+    free = (number for number in range(1, _IDS_MAX + 1) if number not in set(fixed.values()))
+    for name in known:
+        ids[name] = fixed[name] if name in fixed else next(free)
+    return ids
+
+
+def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxonomy:
+    """Numbers everything; `parts` are those of each spacecraft's model.
+
+    Class ids follow from the configuration alone; part ids also from the models.
+    """
+    tables = [config.labels.part_classes, *(c.part_classes for c in config.spacecraft.values())]
+    names = {
+        "kind": ["body", "spacecraft"],
+        "object": [
+            *(object_class(name, body) for name, body in config.bodies.items()),
+            *(object_class(name, craft) for name, craft in config.spacecraft.items()),
+        ],
+        "part": [_SURFACE, *(name for table in tables for name in table), config.labels.other_part],
+    }
+    own = [body.classes for body in config.bodies.values()]
+    own += [craft.classes for craft in config.spacecraft.values()]
+    for level in config.labels.levels:
+        if level not in names:
+            names[level] = [row[level] for row in own if level in row]
+    classes = {
+        level: _numbered(level, names[level], config.labels.ids.get(level, {})) for level in names
+    }
+    instances = {name: k for k, name in enumerate([*config.bodies, *config.spacecraft], start=1)}
+    rows: list[Part] = []
+    for name in config.bodies:
+        rows.append(Part(len(rows) + 1, name, _SURFACE, "", _SURFACE))
+    for name, craft in config.spacecraft.items():
+        for part in parts[name]:
+            label = part_class(config, craft, part)
+            rows.append(Part(len(rows) + 1, name, part.name, part.material, label))
+    return Taxonomy(config.labels.levels, classes, instances, tuple(rows))

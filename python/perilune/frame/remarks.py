@@ -1,0 +1,43 @@
+"""What readers of models repair, clamp or leave out, as warnings: once a model of a simulation.
+
+Copies of a simulation in other processes know what was told before they were made; of a
+DataLoader's workers only the first speaks.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
+
+from perilune.base.workers import torch_worker
+from perilune.config.errors import ConfigWarning
+
+
+class ModelWarning(UserWarning):
+    """Something of a model's file that is not read, or not as it stands there."""
+
+
+class Remarks:
+    """The warnings of one simulation."""
+
+    def __init__(self) -> None:
+        self._told: set[tuple[str, str]] = set()
+
+    def tell_of_key(self, where: str, text: str) -> None:
+        """Warns of a key of the configuration, unless that has been done. where: file and key."""
+        if (where, text) not in self._told:
+            self._told.add((where, text))
+            if torch_worker()[0] == 0:
+                warnings.warn(f"{where}: {text}", ConfigWarning, stacklevel=2)
+
+    def tell(self, where: str, path: str, lines: Iterable[str]) -> None:
+        """Warns of each line about a file, unless that has been done.
+
+        where: the configuration's file and the key of the object that uses the model.
+        """
+        for line in lines:
+            if (path, line) in self._told:
+                continue
+            self._told.add((path, line))
+            if torch_worker()[0] == 0:
+                warnings.warn(f"{where}: {path}: {line}", ModelWarning, stacklevel=2)

@@ -1,0 +1,203 @@
+"""From the world of a frame to what the core is asked, and the arrays that it fills."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.base import rotations
+from perilune.bodies import clouds, ground, photometry
+from perilune.camera import bands
+from perilune.camera.imaging import intrinsics, sensor_of
+from perilune.camera.optics import focus_of, lens_of
+from perilune.config import Config
+from perilune.config.camera import Exposure
+from perilune.config.errors import nearest
+from perilune.config.schema import Render, TextureFilter
+from perilune.document.references import MASKS, OBJECTS
+from perilune.frame.pool import Pool
+from perilune.frame.shutter import Keys
+from perilune.sample import CameraLabel
+from perilune.world import World
+
+F64 = NDArray[np.float64]
+Array = NDArray[Any]
+
+
+def _albedos(scene: World) -> F64:
+    rows = []
+    for name, body in scene.config.bodies.items():
+        shape = scene.shapes.get(name)
+        if body.albedo is not None:
+            rows.append(body.albedo)
+        elif body.may_be_dressed and shape is not None and shape.color is not None:
+            rows.append(shape.color)  # to what is lit by it; its own surface is the file's
+        elif body.color_map is not None or body.is_replaced or body.has_parameter_maps:
+            rows.append((1.0, 1.0, 1.0))
+        else:
+            rows.append((float(_core.BODIES[body.kind]["bond_albedo"]),) * 3)
+    return np.array(rows, dtype=np.float64)
+
+
+def request_of(
+    scene: World,
+    camera_poses: F64,
+    scales: Mapping[str, float],
+    movers: F64,
+    keys: Keys | None,
+    path: Callable[[str, str], Path],
+) -> _core.FrameRequest:
+    """What the core is asked to render.
+
+    camera_poses: (2, 7), camera to root, at opening and closing. scales: metres per model unit of
+    each spacecraft. movers: (nodes, 3, 4), the motions of all moving nodes in the middle of the
+    exposure. keys: what moves meanwhile.
+    path: gives the file that a path in the configuration means, and takes the key for errors.
+    """
+    config = scene.config
+    K = intrinsics(config.camera)
+    where = config.place(scene.sensor, "sensor")
+    sensor = sensor_of(config.camera, path, config.sun.spectrum, where)
+    return {
+        "seed": config.seed,
+        "index": scene.index,
+        "width": config.camera.width,
+        "height": config.camera.height,
+        "K": K,
+        "lens": lens_of(config.camera),
+        "focus": focus_of(config.camera, K, sensor),
+        "camera_pose": camera_poses,
+        "object_poses": _stacked([scene.poses[name] for name in config.spacecraft], (2, 7)),
+        "object_movers": movers,
+        "object_scale": np.array([scales[name] for name in config.spacecraft], dtype=np.float64),
+        "body_poses": _stacked([scene.poses[name] for name in config.bodies], (2, 7)),
+        "motion": _motion(config, keys),
+        "body_radii": _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
+        "body_albedo": _albedos(scene),
+        "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
+        "body_regolith": photometry.regolith(config),
+        "body_clouds": clouds.rows(config, scene.t_s + 0.5 * scene.window_s),
+        "body_ground": ground.numbers(config),
+        "sun_position": scene.sun_position_m,
+        "sun_radius": config.sun.radius_km * 1e3,
+        "sun_irradiance": config.sun.irradiance_w_m2,
+        "sun_wavelengths": np.array(bands.wavelengths_um(config.camera, config.sun)),
+        "quality": _quality(config.render),
+        "exposure": _exposure(config.camera.exposure),
+        "sensor": sensor,
+        "bands": bands.matrix(config.camera, config.sun),
+        "amodal": config.render.amodal,
+    }
+
+
+def _quality(render: Render) -> _core.Quality:
+    return {
+        "samples": render.samples,
+        "max_bounces": render.max_bounces,
+        "volume_steps": render.volume_steps,
+        "texture_filter": 1 + get_args(TextureFilter).index(render.texture_filter),
+        "tolerance_dn": render.tolerance_dn,
+        "force_on": list(render.force_on),
+        "force_off": list(render.force_off),
+    }
+
+
+def _exposure(exposure: Exposure) -> _core.Exposure:
+    return {
+        "mode": exposure.mode,
+        "white_radiance": exposure.white_radiance_w_m2_sr or 1.0,  # unused in mode auto
+        "percentile": exposure.percentile,
+        "key": exposure.key,
+        "min_white_radiance": exposure.min_white_radiance_w_m2_sr,
+    }
+
+
+def _motion(config: Config, keys: Keys | None) -> dict[str, Any] | None:
+    """All that moves while the shutter is open, as the core takes it; None in no time at all."""
+    if keys is None:
+        return None
+    camera, shape = config.camera, (keys.count, 7)
+    return {
+        "times": (camera.exposure_time_s, 1e-6 * camera.line_time_us, keys.held),
+        "camera": keys.camera,
+        "objects": _stacked([keys.things[name] for name in config.spacecraft], shape),
+        "bodies": _stacked([keys.things[name] for name in config.bodies], shape),
+        "sun": keys.sun_m,
+        "movers": keys.movers,
+    }
+
+
+def _stacked(rows: list[F64], shape: tuple[int, ...]) -> F64:
+    return np.stack(rows) if rows else np.empty((0, *shape))
+
+
+@lru_cache(maxsize=1)
+def object_dtype() -> np.dtype[Any]:
+    """The type of a row of `Sample.objects`."""
+    return np.dtype(list(_core.OBJECT_LABEL))
+
+
+def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
+    """Shape and type of a channel's array."""
+    if name == OBJECTS:
+        return (len(config.spacecraft),), object_dtype()
+    if name == MASKS:
+        size = (config.camera.height, config.camera.width)
+        return (len(config.spacecraft), *size), np.dtype(np.uint8)
+    channel = next(row for row in _core.CHANNELS if row["name"] == name)
+    count = channel["components"]
+    if name == "raw" and bands.has_planes(config.camera):
+        count = bands.count(config.camera)
+    if count < 0:
+        count = bands.count(config.camera) if name == "bands" else len(config.labels.levels)
+    tail = () if count == 0 else (count,)
+    return (config.camera.height, config.camera.width, *tail), np.dtype(channel["dtype"])
+
+
+def arrays_of(
+    config: Config, names: Sequence[str], out: Mapping[str, Array], pool: Pool
+) -> dict[str, Array]:
+    """An array for each channel: that of `out` if there is one, else one of the pool.
+
+    ValueError for one of `out` of another shape or type.
+    """
+    arrays: dict[str, Array] = {}
+    for name, value in out.items():
+        if name not in names:
+            near = nearest(name, names)
+            raise ValueError(f"out: '{name}' is not among the channels asked for{near}")
+        if not isinstance(value, np.ndarray):
+            raise TypeError(f"out['{name}']: must be a NumPy array, not {type(value).__name__}")
+    for name in names:
+        shape, dtype = channel_layout(config, name)
+        given = out.get(name)
+        if given is None:
+            arrays[name] = pool.take(name, shape, dtype)
+        elif given.shape != shape or given.dtype != dtype or not given.flags.c_contiguous:
+            raise ValueError(
+                f"out['{name}']: must be a C-contiguous {dtype} array of shape {shape}, "
+                f"not {given.dtype} {given.shape}"
+            )
+        else:
+            arrays[name] = given
+    return arrays
+
+
+def camera_label(request: _core.FrameRequest, sensor: str | None, bent: bool) -> CameraLabel:
+    """The camera in the middle of the exposure. bent: the labels have the lens's distortion."""
+    opening, closing = request["camera_pose"]
+    center, q = 0.5 * (opening[:3] + closing[:3]), rotations.middle(opening[3:], closing[3:])
+    motion = request["motion"]
+    if motion is not None:
+        middle = motion["camera"][len(motion["camera"]) // 2]
+        center, q = middle[:3], middle[3:]
+    R_w2c = rotations.to_matrix(q).T
+    size = request["width"], request["height"]
+    lens = request["lens"] if bent else None
+    return CameraLabel(request["K"], *size, R_w2c, -R_w2c @ center, sensor, lens)

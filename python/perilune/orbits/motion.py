@@ -1,0 +1,183 @@
+"""Trees of moving things: propagators and trees of the core, kept while their numbers stay.
+
+A node is {'name', 'parent': index or -1, 'motion', 'rotation'} as `_core.Tree` takes it, but that
+its motion may also be the specification of a propagator, or a function: t_s (n,) -> (n, 6) states
+about the parent (m, m/s, ICRF axes), for what is computed in Python; and the frame of its rotation
+a function: t_s (n,) -> (n, 4) axes to ICRF.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import threading
+import weakref
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.orbits.solar_system import Date
+
+F64 = NDArray[np.float64]
+Node = Mapping[str, Any]
+Path = Callable[[F64], F64]
+T = TypeVar("T")
+
+_KINDS = frozenset(str(row["name"]) for row in _core.PROPAGATORS)
+
+
+@dataclass(frozen=True)
+class States:
+    """Where things are at n times, in the root frame (ICRF axes)."""
+
+    poses: Mapping[str, F64]
+    """Name -> (n, 7), metres, to root."""
+    velocities_m_s: Mapping[str, F64]
+    """Name -> (n, 3)."""
+
+
+_all_kept: weakref.WeakSet[Kept[Any]] = weakref.WeakSet()
+_orphans: list[Any] = []
+"""What a parent process kept: a fork may have caught a lock while it was held, or a propagator
+while it was integrating, so a child neither uses nor destroys them."""
+
+
+def _leave_to_parent() -> None:
+    _orphans.extend(kept.leave() for kept in _all_kept)
+
+
+os.register_at_fork(after_in_child=_leave_to_parent)
+
+
+class Kept(Generic[T]):
+    """The last `size` things that were made, by what they were made from."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._things: OrderedDict[Hashable, T] = OrderedDict()
+        self._lock = threading.Lock()
+        _all_kept.add(self)
+
+    def leave(self) -> OrderedDict[Hashable, T]:
+        """Begins anew; returns what was kept."""
+        left, self._things, self._lock = self._things, OrderedDict(), threading.Lock()
+        return left
+
+    def get(self, key: Hashable, make: Callable[[], T]) -> T:
+        """The thing of a key, made when it is not there."""
+        with self._lock:
+            if key in self._things:
+                self._things.move_to_end(key)
+                return self._things[key]
+        thing = make()
+        with self._lock:
+            thing = self._things.setdefault(key, thing)
+            while len(self._things) > self._size:
+                self._things.popitem(last=False)
+        return thing
+
+
+class _Digests:
+    """Digests of arrays that nobody can change, so that large tables are hashed once."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[weakref.ref[NDArray[Any]], bytes]] = {}
+
+    def of(self, array: NDArray[Any]) -> bytes:
+        """SHA-256 of the numbers of a read-only array that owns them."""
+        place = id(array)
+        found = self._known.get(place)
+        if found is not None and found[0]() is array:
+            return found[1]
+        digest = hashlib.sha256(array.tobytes()).digest()
+        forget = weakref.ref(array, lambda _: self._known.pop(place, None))
+        self._known[place] = (forget, digest)
+        return digest
+
+
+_LARGE = 1024  # bytes, from which on a digest is worth its bookkeeping
+_digests = _Digests()
+_propagators: Kept[_core.Propagator] = Kept(512)
+_trees: Kept[_core.Tree] = Kept(32)
+
+
+def _key(value: Any) -> Hashable:
+    """A specification as something that can be compared; the same for equal numbers alone."""
+    if isinstance(value, Mapping):
+        return tuple((name, _key(value[name])) for name in sorted(value))
+    if isinstance(value, np.ndarray):
+        if value.nbytes >= _LARGE and value.base is None and not value.flags.writeable:
+            return (value.shape, value.dtype.str, _digests.of(value))
+        return (value.shape, value.dtype.str, value.tobytes())
+    if isinstance(value, (list, tuple)):
+        return tuple(_key(item) for item in value)
+    if isinstance(value, float):
+        return value.hex()  # 0.0 is not -0.0, and nan equals itself
+    hash(value)  # a TypeError here is a mistake in what was specified
+    return (type(value), value)
+
+
+def propagator(spec: Mapping[str, Any], epoch: Date) -> _core.Propagator:
+    """The propagator of a specification; the same one as long as the numbers are the same."""
+    key = (_key(spec), epoch)
+    return _propagators.get(key, lambda: _core.Propagator(spec, epoch.day, epoch.fraction))
+
+
+@dataclass
+class _Given:
+    """Functions whose answers the core is given, with the nodes they belong to."""
+
+    paths: list[tuple[str, Path]]
+    axes: list[tuple[str, Path]]
+
+
+def _prepared(node: Node, epoch: Date, given: _Given) -> Node:
+    """A node as the core takes it; functions are collected in `given`."""
+    name, motion, rotation = str(node["name"]), node["motion"], node["rotation"]
+    if isinstance(motion, Mapping) and motion["kind"] in _KINDS:
+        try:
+            motion = propagator(motion, epoch)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+    elif callable(motion):
+        given.paths.append((name, motion))
+        motion = {"kind": "given", "slot": len(given.paths) - 1}
+    if callable(rotation["frame"]):
+        given.axes.append((name, rotation["frame"]))
+        rotation = {**rotation, "frame": "given", "slot": len(given.axes) - 1}
+    return {**node, "motion": motion, "rotation": rotation}
+
+
+def _answers(functions: Sequence[tuple[str, Path]], t_s: F64) -> F64 | None:
+    """(n, slots, ...) of all functions; ValueError names the node."""
+    answers = []
+    for name, function in functions:
+        try:
+            answers.append(function(t_s))
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+    return np.stack(answers, axis=1) if answers else None
+
+
+def evaluate(nodes: Sequence[Node], epoch: Date, t_s: F64) -> States:
+    """States of all nodes at seconds t_s (n,) after the epoch.
+
+    Errors of the core (ValueError) name the node.
+    """
+    given = _Given([], [])
+    ready = [_prepared(node, epoch, given) for node in nodes]
+    tree = _trees.get(
+        (_key(ready), epoch), lambda: _core.Tree(ready, epoch.day, epoch.fraction)
+    )
+    states, axes = _answers(given.paths, t_s), _answers(given.axes, t_s)
+    poses, velocities = tree.states(t_s, given=states, given_q=axes)
+    names = [str(node["name"]) for node in nodes]
+    return States(
+        {name: poses[:, k] for k, name in enumerate(names)},
+        {name: velocities[:, k] for k, name in enumerate(names)},
+    )

@@ -1,0 +1,183 @@
+"""Time scales, and where the bodies and the Sun are at a date (pyerfa), ICRF axes, metres.
+
+Seconds are those of TT, as of TAI and UTC and of clocks; dates are TDB, the ephemerides' time, from
+which TT differs by up to 1.7 ms. Geometric positions: light time and aberration are left out (the
+Sun's direction moves by at most 0.006 deg). See `accuracy` for how good they are. Phobos and Europa
+stand over their own prime meridian, as their rotation is locked.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import erfa
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.base import rotations
+from perilune.config.errors import nearest
+
+F64 = NDArray[np.float64]
+
+AU_M = 149597870700.0
+_DAY_S = 86400.0
+_PLANETS = ("mercury", "venus", "", "mars", "jupiter", "saturn", "uranus", "neptune")
+"""In plan94's order; the third there is the Earth-Moon barycentre, epv00 is better."""
+_SYNCHRONOUS_M = {"phobos": 9.376e6, "europa": 6.711e8}
+"""Distance from the planet of satellites that keep their x axis towards it (JPL mean elements)."""
+
+
+@dataclass(frozen=True)
+class Date:
+    """JD(TDB) as two doubles, day + fraction, so that a nanosecond is not lost."""
+
+    day: float
+    fraction: float
+
+    def after(self, seconds: float) -> Date:
+        """The date so many seconds of TT later."""
+        later = self._after_tdb(seconds)
+        gained = _tdb_minus_tt(later.day, later.fraction) - _tdb_minus_tt(self.day, self.fraction)
+        return later._after_tdb(gained)
+
+    def _after_tdb(self, seconds: float) -> Date:
+        days, rest = divmod(self.fraction + seconds / _DAY_S, 1.0)
+        return Date(self.day + days, rest)
+
+    def utc(self, digits: int = 3) -> str:
+        """ISO 8601 with so many digits of a second, 1 to 9."""
+        with warnings.catch_warnings():
+            # "Dubious year": leap seconds of the future are not known; none are assumed.
+            warnings.simplefilter("ignore", erfa.ErfaWarning)
+            tt = erfa.tdbtt(self.day, self.fraction, _tdb_minus_tt(self.day, self.fraction))
+            utc = erfa.taiutc(*erfa.tttai(*tt))
+            year, month, day, clock = erfa.d2dtf("UTC", digits, *utc)
+        hms = f"{clock['h']:02d}:{clock['m']:02d}:{clock['s']:02d}.{clock['f']:0{digits}d}"
+        return f"{year:04d}-{month:02d}-{day:02d}T{hms}Z"
+
+
+def date_from_utc(fields: tuple[int, int, int, int, int, float]) -> Date:
+    """JD(TDB) of year, month, day, hour, minute, second UTC; leap seconds (second 60) are known."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", erfa.ErfaWarning)
+        tt = erfa.taitt(*erfa.utctai(*erfa.dtf2d("UTC", *fields)))
+    day, fraction = erfa.tttdb(*tt, _tdb_minus_tt(*tt))
+    whole = np.floor(day)
+    return Date(float(whole), 0.0)._after_tdb((float(day - whole) + float(fraction)) * _DAY_S)
+
+
+def tdb_s(epoch: Date, t_s: NDArray[Any]) -> F64:
+    """Seconds of TDB (n,) after an epoch, of seconds of TT after it."""
+    times = np.asarray(t_s, dtype=np.float64)
+    then = erfa.dtdb(epoch.day, epoch.fraction + times / _DAY_S, 0.0, 0.0, 0.0, 0.0)
+    return np.asarray(times + (then - _tdb_minus_tt(epoch.day, epoch.fraction)))
+
+
+@lru_cache(maxsize=4096)
+def _tdb_minus_tt(day: float, fraction: float) -> float:
+    """Seconds, at the geocentre (Fairhead and Bretagnon 1990), where UT1 does not matter."""
+    return float(erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0))
+
+
+def _state(pv: NDArray[Any]) -> F64:
+    """ERFA's position and velocity, AU and AU a day, as (6,) m and m/s."""
+    return np.concatenate([pv["p"] * AU_M, pv["v"] * (AU_M / _DAY_S)])
+
+
+def _earth(date: Date) -> F64:
+    heliocentric, _ = erfa.epv00(date.day, date.fraction)
+    return _state(heliocentric)
+
+
+def _geocentric_moon(date: Date) -> F64:
+    return _state(erfa.moon98(date.day, date.fraction))
+
+
+def _planet(name: str) -> Callable[[Date], F64]:
+    number = _PLANETS.index(name) + 1
+    return lambda date: _state(erfa.plan94(date.day, date.fraction, number))
+
+
+def _synchronous(name: str) -> Callable[[Date], F64]:
+    def from_planet_m(date: Date) -> F64:
+        q = _core.body_orientation(name, date.day, np.array([date.fraction]))[0]
+        return -_SYNCHRONOUS_M[name] * rotations.rotate(q, np.array([1.0, 0.0, 0.0]))
+
+    def state(date: Date) -> F64:
+        # A difference over 2 s: the turn of 5e-4 rad leaves 1e-8 of the speed.
+        velocity = 0.5 * (from_planet_m(date.after(1.0)) - from_planet_m(date.after(-1.0)))
+        planet = _heliocentric(str(_core.BODIES[name]["parent"]), date)
+        from_planet: F64 = np.concatenate([from_planet_m(date), velocity])
+        return planet + from_planet
+
+    return state
+
+
+_HELIOCENTRIC: dict[str, Callable[[Date], F64]] = {
+    "sun": lambda date: np.zeros(6),
+    "earth": _earth,
+    "moon": lambda date: _earth(date) + _geocentric_moon(date),
+    **{name: _planet(name) for name in _PLANETS if name},
+    **{name: _synchronous(name) for name in _SYNCHRONOUS_M},
+}
+
+
+_SERIES = {
+    "earth": "5 km (ERFA epv00, 1900 to 2100)",
+    "moon": "10 km from the Earth (ERFA moon98)",
+    "mercury": "2 100 km (ERFA plan94, 1800 to 2100)",
+    "venus": "4 000 km (ERFA plan94, 1800 to 2100)",
+    "mars": "31 000 km (ERFA plan94, 1800 to 2100; 8 000 km is usual)",
+    "jupiter": "310 000 km (ERFA plan94, 1800 to 2100; 70 000 km is usual)",
+    "saturn": "670 000 km (ERFA plan94, 1800 to 2100; 200 000 km is usual)",
+    "uranus": "1 400 000 km (ERFA plan94, 1800 to 2100; 560 000 km is usual)",
+    "neptune": "350 000 km (ERFA plan94, 1800 to 2100; 160 000 km is usual)",
+    "phobos": "2 degrees of its orbit, beside its planet's error (locked to its planet)",
+    "europa": "2 degrees of its orbit, beside its planet's error (locked to its planet)",
+}
+"""By which places are off at most. Of planets the largest differences in longitude, latitude and
+distance from the Sun of plan94 against DE200 (its note 5), put together; usual is the root of the
+mean square over 1960 to 2025."""
+
+
+def accuracy(name: str) -> str:
+    """How good the place of a body is, in words."""
+    return "the origin" if name == "sun" else f"series, within {_SERIES[name]}"
+
+
+def has_ephemeris(name: str) -> bool:
+    """Whether the place of a body at a date is known."""
+    return name in _HELIOCENTRIC
+
+
+def _heliocentric(name: str, date: Date) -> F64:
+    if name not in _HELIOCENTRIC:
+        raise ValueError(f"no ephemeris of '{name}'{nearest(name, _HELIOCENTRIC)}")
+    return _HELIOCENTRIC[name](date)
+
+
+def heliocentric_m(name: str, date: Date) -> F64:
+    """Position from the Sun's centre."""
+    return _heliocentric(name, date)[:3]
+
+
+def relative_state(name: str, origin: str, date: Date) -> F64:
+    """Position and velocity (6,), m and m/s, of a body from another's centre, ICRF axes.
+
+    `sun` is one of the bodies.
+    """
+    if {name, origin} == {"moon", "earth"}:
+        # Straight from the theory, without the rounding of a heliocentric difference.
+        moon = _geocentric_moon(date)
+        return moon if name == "moon" else -moon
+    return _heliocentric(name, date) - _heliocentric(origin, date)
+
+
+def relative_m(name: str, origin: str, date: Date) -> F64:
+    """Position of a body from another's centre; `sun` is one of them."""
+    return relative_state(name, origin, date)[:3]

@@ -1,0 +1,121 @@
+"""A frame in a notebook: its pictures with names, shapes and units, its objects, its plan."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.base.html import flat, folded, heading, picture, swatch, table, whole
+from perilune.show.preview import canvas, png_bytes
+from perilune.show.preview.panels import Panel
+from perilune.show.preview.sheet import panels_of
+
+if TYPE_CHECKING:
+    from perilune.sample import Sample
+
+_WIDTH = 200
+_LARGE = 412
+_TALLEST = 1.4
+_SWATCHES = 6
+_OBJECT_COLUMNS = ("instance", "obj_id", "visible", "pixels", "box x y w h", "t_m2c, m")
+
+
+def _caption(panel: Panel, channel: str, values: NDArray[Any] | None) -> Iterator[str]:
+    if values is not None:
+        unit = next((row["unit"] for row in _core.CHANNELS if row["name"] == channel), "")
+        shape = " x ".join(map(str, values.shape))
+        yield f"{values.dtype} {shape}{f', {unit}' if unit not in ('', '1') else ''}"
+    if panel.bar is not None:
+        yield f"{panel.bar[0]} to {panel.bar[1]}"
+    elif panel.swatches:
+        shown = "".join(swatch(color.tolist(), name) for color, name in panel.swatches[:_SWATCHES])
+        more = len(panel.swatches) - _SWATCHES
+        yield shown + (f"+{more}" if more > 0 else "")
+    elif panel.text and values is None:
+        yield panel.text
+
+
+def _thumbnail(panel: Panel, channel: str, values: NDArray[Any] | None, width: int) -> str:
+    size = canvas.fitted(panel.image.shape, (round(width * _TALLEST), width))
+    image = canvas.resize(panel.image, *size)
+    lines = list(_caption(panel, channel, values))
+    return picture(png_bytes(np.ascontiguousarray(image)), panel.title, lines, size[1])
+
+
+def _channel(title: str, sample: Sample) -> str:
+    """The channel that a panel shows a part of."""
+    name = title.split("/")[0].split(" (")[0]
+    return name if name in sample else ""
+
+
+def sample_html(sample: Sample) -> str:
+    """Thumbnails of all channels, the objects, and what else is known of the frame."""
+    camera, meta = sample.camera, sample.meta
+    sensor = f", sensor {camera.sensor}" if camera.sensor is not None else ""
+    seed = f"seed {meta['seed']}" if "seed" in meta else ""
+    size = f"{camera.width} x {camera.height}"
+    dim = ", ".join(part for part in (str(meta.get("time_utc", "")), seed, size) if part)
+    parts = [heading(f"Frame {meta.get('index', '?')}{sensor}", dim)]
+    for panel in panels_of(sample, (_LARGE * 2, _LARGE)):
+        channel = _channel(panel.title, sample)
+        values = sample[channel] if channel else None
+        is_first = panel.title in ("rgb", "visible boxes and axes", "sensor_rgb")
+        parts.append(_thumbnail(panel, channel, values, _LARGE if is_first else _WIDTH))
+    if "masks" in sample:
+        masks = sample["masks"]
+        shape = " x ".join(map(str, masks.shape))
+        parts.append(heading("masks", f"{masks.dtype} {shape}, a silhouette an object"))
+    if sample.has_objects:
+        parts.append(folded(f"objects ({len(sample.objects)})", _objects(sample.objects), True))
+    drawn = list(meta.get("drivers", {}).items())
+    rest = {k: v for k, v in meta.items() if k not in ("drivers", "timings_s")}
+    kept = sum(bool(row["on"]) for row in sample.plan)
+    parts.append(folded(f"drivers ({len(drawn)})", table(("key", "value"), drawn)))
+    parts.append(folded("meta", table(("key", "value"), flat(rest))))
+    parts.append(folded(f"plan ({kept} on)", _plan(sample.plan)))
+    return whole(*parts)
+
+
+def _objects(rows: NDArray[Any]) -> str:
+    cells = [
+        (
+            int(row["instance_id"]),
+            int(row["obj_id"]),
+            f"{100.0 * float(row['visib_fract']):.1f} %",
+            int(row["px_count_visib"]),
+            row["bbox_visib"].tolist() if row["px_count_visib"] > 0 else None,
+            [round(float(value), 3) for value in row["t_m2c"]],
+        )
+        for row in rows
+    ]
+    return table(_OBJECT_COLUMNS, cells)
+
+
+def objects_html(rows: NDArray[Any]) -> str:
+    """The labels of the spacecraft of a frame."""
+    return whole(heading("Objects", "poses: t_m2c in the camera's axes, OpenCV"), _objects(rows))
+
+
+def _plan(rows: Sequence[Mapping[str, Any]]) -> str:
+    cells = [
+        (
+            row["name"],
+            "on" if row["on"] else "off",
+            f"{row['bound_dn']:.3g} DN" if math.isfinite(row["bound_dn"]) else "–",
+            f"{row['cost_ms']:.3g} ms" if math.isfinite(row["cost_ms"]) else "–",
+            row["reason"],
+        )
+        for row in sorted(rows, key=lambda row: not row["on"])
+    ]
+    return table(("effect", "", "bound", "cost", "reason"), cells, most=100)
+
+
+def plan_html(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The effects of a frame, those that are on first."""
+    kept = sum(bool(row["on"]) for row in rows)
+    return whole(heading("Plan", f"{kept} effects on, {len(rows) - kept} off"), _plan(rows))

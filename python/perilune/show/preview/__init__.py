@@ -1,0 +1,62 @@
+"""One picture of a frame with every channel, labelled: for looking, not for learning from."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.document.references import pixel_channels
+from perilune.sample import Sample
+from perilune.show.preview.panels import Names
+from perilune.show.preview.sheet import draw_sheet
+from perilune.simulation import Simulation
+
+__all__ = ["draw", "png_bytes", "render_sheet", "save"]
+
+
+def draw(sample: Sample, title: str = "", names: Names | None = None) -> NDArray[np.uint8]:
+    """The sheet of the channels that `sample` holds, (H, W, 3).
+
+    title: the heading; parts after " | " are set smaller. names: names of ids per channel
+    ("instance", "part", "semantic/0") for the legends; ids are shown where a name is missing.
+    """
+    units = {channel["name"]: channel["unit"] for channel in _core.CHANNELS}
+    return draw_sheet(sample, title or frame_title(sample), names or {}, units)
+
+
+def frame_title(sample: Sample, name: str = "frame") -> str:
+    """The heading of a sample: its frame, sensor, date, seed and size."""
+    camera, meta = sample.camera, sample.meta
+    sensor = f" {camera.sensor}" if camera.sensor is not None else ""
+    return (
+        f"{name} {meta['index']}{sensor} | {meta['time_utc']} | seed {meta['seed']} | "
+        f"{camera.width} x {camera.height}"
+    )
+
+
+def render_sheet(sim: Simulation, index: int, threads: int | None = None) -> NDArray[np.uint8]:
+    """Renders a frame with every channel there is, and draws its sheet."""
+    names = pixel_channels(sim.config)
+    sample = sim.frame(index, channels=[*names, "objects"], threads=threads)
+    return draw(sample, frame_title(sample, sim.config.name), sim.taxonomy.channel_names)
+
+
+def save(sheet: NDArray[np.uint8], path: str | Path) -> None:
+    """Writes a sheet as PNG; OSError if it cannot be written, and then nothing is there."""
+    if Path(path).suffix.lower() != ".png":
+        raise ValueError(f"{path}: a sheet is written as PNG; the name must end in .png")
+    _core.png_write(os.fspath(path), sheet)
+
+
+def png_bytes(sheet: NDArray[np.uint8]) -> bytes:
+    """A sheet as the bytes of a PNG file."""
+    # The core writes files only; sheets are small and rare enough for a detour.
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "sheet.png"
+        save(sheet, path)
+        return path.read_bytes()

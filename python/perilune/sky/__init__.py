@@ -1,0 +1,1 @@
+"""The sky: stars, catalogues, pictures of the background."""

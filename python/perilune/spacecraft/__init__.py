@@ -1,0 +1,1 @@
+"""Models of spacecraft: files, parts, faces, and nodes that move."""

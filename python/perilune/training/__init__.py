@@ -1,0 +1,1 @@
+"""What training loops need beside samples: batches, ledgers of streams, schedules."""
