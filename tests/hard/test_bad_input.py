@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from tests.hard.glb import cube, write_glb
+from tests.python.command_line import command
 
 import perilune
 from perilune import _core
@@ -53,7 +54,7 @@ def write_scene(tree, base, folder, **changes):
     return path
 
 
-def command(*words, **options):
+def process(*words, **options):
     return subprocess.run(
         [sys.executable, "-m", "perilune", *map(str, words)],
         capture_output=True, text=True, timeout=120, check=False, **options,
@@ -69,9 +70,9 @@ def refused(result, *texts):
     return result
 
 
-def render(scene, out, *more, **options):
+def render(scene, out, *more, run=command, **options):
     words = ("render", scene, "--frames", "0:3", "--out", out, "--threads", 1, *more)
-    return command(*words, **options)
+    return run(*words, **options)
 
 
 # --- files --------------------------------------------------------------------------------------
@@ -276,7 +277,7 @@ def test_full_disk(tree, base, tmp_path, limit):
     def limited():
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    result = render(scene, out, preexec_fn=limited)
+    result = render(scene, out, run=process, preexec_fn=limited)
     refused(result, out)
     whole(out)
     assert not list(out.rglob("scene_gt.json"))
@@ -301,21 +302,21 @@ def test_ctrl_c(tree, base, tmp_path, delay_s):
     """At any time: code 130, one message, whole files; the same command goes on."""
     scene, out = write_scene(tree, base, tmp_path), tmp_path / "set"
     words = ["render", str(scene), "--frames", "0:100000", "--out", str(out), "--threads", "2"]
-    process = subprocess.Popen(
+    running = subprocess.Popen(
         [sys.executable, "-m", "perilune", *words], stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:
         deadline = time.monotonic() + 60
         while time.monotonic() < deadline and not list(out.rglob("*.png")):
-            assert process.poll() is None, process.communicate()
+            assert running.poll() is None, running.communicate()
             time.sleep(0.005)
         time.sleep(delay_s)
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=60)
+        running.send_signal(signal.SIGINT)
+        _, err = running.communicate(timeout=60)
     finally:
-        process.kill()
-    assert process.returncode == 130, err
+        running.kill()
+    assert running.returncode == 130, err
     assert "Traceback" not in err
     assert "interrupted" in err
     whole(out)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 
 import pytest
+from tests.python import command_line
 from tests.python.output.faults import FAULTS, IMAGE
 
 import perilune
@@ -49,11 +48,7 @@ def test_fault_of_a_model_is_told_once(good, tmp_path):
 
 
 def command(*words):
-    done = subprocess.run(
-        [sys.executable, "-m", "perilune", "check", *map(str, words)],
-        capture_output=True,
-        text=True,
-    )
+    done = command_line.command("check", *words)
     assert "Traceback" not in done.stderr
     return done
 

@@ -11,6 +11,7 @@ import sys
 import time
 
 import pytest
+from tests.python.command_line import command
 
 import perilune
 from perilune.cli.options import frame_range
@@ -26,24 +27,45 @@ def start(*words, **options):
     )
 
 
-def run(*words, **options):
-    """(exit code, standard output, standard error)."""
+def shell(*words, **options):
+    """(exit code, standard output, standard error) of a process of its own."""
     process = start(*words, **options)
     out, err = process.communicate(timeout=120)
     return process.returncode, out, err
 
 
-def failed(*words, code=1, **options):
+def run(*words):
+    """(exit code, standard output, standard error) in this process."""
+    done = command(*words)
+    return done.returncode, done.stdout, done.stderr
+
+
+def failed(*words, code=1, run=run):
     """The message of a command that must fail, without traceback."""
-    found, out, err = run(*words, **options)
+    found, out, err = run(*words)
     assert found == code, err
     assert "Traceback" not in err
     assert out == ""
     return err
 
 
-def render(scene, out, *more, **options):
+def render(scene, out, *more, run=run, **options):
     return run("render", scene, "--out", out, "--threads", 1, *more, **options)
+
+
+def test_a_shell_gets_the_same_as_this_process(small_scene, tmp_path):
+    """Every other test here may ask in this process, where exit codes and texts are these."""
+    for words, code in (
+        (["plan", small_scene, "--json"], 0),
+        (["plan", "nothing.yaml"], 1),
+        (["plan", small_scene, "--set", "spacecraft.probe.model=none.glb"], 1),
+        (["rendr"], 2),
+    ):
+        assert shell(*words) == run(*words)
+        assert run(*words)[0] == code
+    code, text, _ = render(small_scene, tmp_path / "a", "--frames", "0:1", run=shell)
+    assert (code, text.split(",")[0]) == (0, f"{tmp_path / 'a'}: 1 frames written")
+    assert run("check", tmp_path / "a")[0] == 0
 
 
 def test_render_writes_and_continues(small_scene, tmp_path):
@@ -131,7 +153,7 @@ def test_missing_model_leaves_no_folder(small_scene, tmp_path):
 
 
 def test_debug_shows_the_traceback():
-    code, _, err = run("plan", "nothing.yaml", "--debug")
+    code, _, err = shell("plan", "nothing.yaml", "--debug")
     assert code == 1
     assert "Traceback" in err
 
@@ -227,7 +249,7 @@ def test_full_disk_is_a_message_and_leaves_no_half_file(small_scene, tmp_path):
     words = ["--frames", "0:3", "--set", "camera.width=640", "--set", "camera.height=480"]
     assert render(small_scene, out, *words)[0] == 0
     shutil.rmtree(out / "train")
-    code, _, err = render(small_scene, out, *words, preexec_fn=limit_file_size)
+    code, _, err = render(small_scene, out, *words, run=shell, preexec_fn=limit_file_size)
     assert code == 1
     assert "Traceback" not in err
     assert ".png: cannot be written" in err

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from tests.python import command_line
 
 import perilune
 from perilune import _core
@@ -24,11 +23,7 @@ WEIGHTS = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0
 
 
 def command(*words):
-    return subprocess.run(
-        [sys.executable, "-m", "perilune", "orbit", *map(str, words)],
-        capture_output=True,
-        text=True,
-    )
+    return command_line.command("orbit", *words)
 
 
 def test_table_is_the_tree(small_scene, pair, tmp_path):

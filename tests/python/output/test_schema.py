@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import copy
 import json
-import subprocess
-import sys
 
 import jsonschema
 import pytest
+from tests.python.command_line import command
 
 import perilune
 from perilune.config import ConfigError
@@ -18,12 +17,8 @@ from perilune.document.loader import read_tree
 
 @pytest.fixture(scope="module")
 def validator():
-    done = subprocess.run(
-        [sys.executable, "-m", "perilune", "schema", "--json"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = command("schema", "--json")
+    assert done.returncode == 0
     schema = json.loads(done.stdout)
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import shutil
-import subprocess
-import sys
 
 import pytest
+from tests.python.command_line import command
 
 import perilune
 from perilune.export.check import check_bop
@@ -194,23 +193,18 @@ def test_bad_shards_are_refused(sim, tmp_path, shard):
 
 
 def test_commands(small_scene, tmp_path):
-    def perilune_command(*words):
-        return subprocess.run(
-            [sys.executable, "-m", "perilune", *map(str, words)], capture_output=True, text=True
-        )
-
     words = ["--frames", "0:4", "--chunk-size", 2, "--threads", 1, "--split", "test"]
     folders = [tmp_path / "a", tmp_path / "b"]
     for k, folder in enumerate(folders):
-        done = perilune_command("render", small_scene, *words, "--shard", f"{k}/2", "--out", folder)
+        done = command("render", small_scene, *words, "--shard", f"{k}/2", "--out", folder)
         assert done.returncode == 0, done.stderr
-    done = perilune_command("merge", *folders, "--out", tmp_path / "set")
+    done = command("merge", *folders, "--out", tmp_path / "set")
     assert done.stdout == f"{tmp_path / 'set'}: 2 scenes, 4 images, complete\n", done.stderr
-    done = perilune_command("render", small_scene, *words, "--out", tmp_path / "whole")
+    done = command("render", small_scene, *words, "--out", tmp_path / "whole")
     assert tree_bytes(tmp_path / "set") == tree_bytes(tmp_path / "whole")
-    done = perilune_command("merge", folders[1])
+    done = command("merge", folders[1])
     assert done.returncode == 1
     assert "0/2 is missing" in done.stderr
-    done = perilune_command("render", small_scene, *words, "--shard", "2/2", "--out", "x")
+    done = command("render", small_scene, *words, "--shard", "2/2", "--out", "x")
     assert done.returncode == 2
     assert "0 <= K < N" in done.stderr

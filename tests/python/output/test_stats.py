@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from tests.python import command_line
 
 import perilune
 
@@ -21,11 +20,7 @@ def dataset(small_scene, crowd, tmp_path_factory):
 
 
 def command(*words):
-    return subprocess.run(
-        [sys.executable, "-m", "perilune", "stats", *map(str, words)],
-        capture_output=True,
-        text=True,
-    )
+    return command_line.command("stats", *words)
 
 
 def test_distributions_are_those_of_the_labels(dataset):

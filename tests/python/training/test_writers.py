@@ -8,6 +8,7 @@ import sys
 from importlib.metadata import EntryPoint
 
 import pytest
+from tests.python.command_line import command
 
 from perilune.export import writers
 from perilune.export.writers import WriteReport, plugins
@@ -38,19 +39,25 @@ THING = 3
 '''.replace("\\\\\\\\n", "\\\\n")
 
 
+def words(scene_file, *arguments):
+    size = ["--set", "camera.width=16", "--set", "camera.height=12"]
+    return ["render", str(scene_file), "--frames", "0:2", "--out", "set", *size, *arguments]
+
+
 def render(folder, scene_file, *arguments):
-    command = [sys.executable, "-m", "perilune", "render", str(scene_file), "--frames", "0:2"]
-    command += ["--out", "set", "--set", "camera.width=16", "--set", "camera.height=12", *arguments]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    """In a process of its own, which finds modules in its folder."""
+    line = [sys.executable, "-m", "perilune", *words(scene_file, *arguments)]
+    return subprocess.run(line, cwd=folder, capture_output=True, text=True)
 
 
-def test_on_the_command_line(scene_file, tmp_path):
+def test_on_the_command_line(scene_file, tmp_path, monkeypatch):
     (tmp_path / "lines.py").write_text(MODULE)
     done = render(tmp_path, scene_file, "--format", "lines:Lines")
     assert done.returncode == 0, done.stderr
     assert "2 frames written" in done.stdout
     rows = [json.loads(row) for row in (tmp_path / "set/frames.jsonl").read_text().splitlines()]
     assert [row["index"] for row in rows] == [0, 1]
+    monkeypatch.syspath_prepend(tmp_path)
     for arguments, text in (
         (["--format", "lines:Lines", "--shard", "0/2"], "--shard: the format 'lines:Lines' does"),
         (["--format", "lines:Line"], "no function 'Line' in lines; did you mean 'Lines'?"),
@@ -58,7 +65,7 @@ def test_on_the_command_line(scene_file, tmp_path):
         (["--format", "lines:forgets"], "must return a perilune.writers.WriteReport, not None"),
         (["--format", "bob"], "no format 'bob'; did you mean 'bop'?"),
     ):
-        done = render(tmp_path, scene_file, *arguments)
+        done = command(*words(scene_file, *arguments), cwd=tmp_path)
         assert done.returncode != 0
         assert text in done.stderr
         assert "Traceback" not in done.stderr
