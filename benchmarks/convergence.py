@@ -9,6 +9,9 @@ of samples in a pixel are one sequence whatever the seed, of which the reference
 `slope` is that of the error in logarithms from the first number of samples to the last, by least
 squares; `last` the error at the last. A curve converges if its slope is -0.4 or less, or if it ends
 below the tolerance.
+
+`--keep` makes a run one that can be ended and taken up again: what is measured is kept a
+configuration at a time, with how it was measured, and another run of the same measures goes on.
 """
 
 from __future__ import annotations
@@ -28,7 +31,7 @@ from perilune.simulation import Simulation
 
 CONFIGS = report.ROOT / "configs"
 NIGHT = report.ROOT / "tests" / "python" / "night_side.yaml"
-SAMPLES = (4, 8, 16, 32, 64, 128, 256, 512, 1024)
+SAMPLES = (4, 16, 64, 256, 1024)
 TOLERANCES = (0.0, 1.0)
 SLOPE = -0.4
 REFERENCE_SEEDS = (0x5EED, 0xFACADE)
@@ -158,27 +161,48 @@ def draw(results: Mapping[str, Mapping[str, list[float]]], samples: Sequence[int
     figure.savefig(to, dpi=110)
 
 
+class Kept:
+    """Curves of configurations by name, in a file if there is one."""
+
+    def __init__(self, path: str | None, measured: Mapping[str, Any]) -> None:
+        self._path = Path(path) if path else None
+        self._measured = json.loads(json.dumps(measured))
+        self.curves: dict[str, dict[str, list[float]]] = {}
+        if self._path is None or not self._path.exists():
+            return
+        stored = json.loads(self._path.read_text())
+        if stored["measured"] != self._measured:
+            raise SystemExit(f"{path}: measured with {stored['measured']}, not {self._measured}")
+        self.curves = stored["curves"]
+
+    def add(self, name: str, curves: dict[str, list[float]]) -> None:
+        self.curves[name] = curves
+        if self._path is not None:
+            text = json.dumps({"measured": self._measured, "curves": self.curves})
+            part = self._path.with_suffix(".part")
+            part.write_text(text)
+            part.replace(self._path)
+
+
 def main() -> None:
     parser = report.arguments(__doc__)
     parser.add_argument("--only", nargs="*", help="names of configurations; all without")
-    parser.add_argument("--width", type=int, default=96)
-    parser.add_argument("--reference", type=int, default=4096, help="samples, twice")
-    parser.add_argument("--most", type=int, default=SAMPLES[-1], help="samples of the last frame")
+    parser.add_argument("--width", type=int, default=40)
+    parser.add_argument("--reference", type=int, default=1024, help="samples, twice")
+    parser.add_argument("--samples", type=int, nargs="+", default=SAMPLES)
     parser.add_argument("--figure", help="file to draw the curves to; needs the extra `plot`")
     parser.add_argument("--keep", help="file of JSON that results are added to, and taken from")
     options = parser.parse_args()
-    samples = [count for count in SAMPLES if count <= options.most]
+    samples = list(options.samples)
     size = (options.width, options.width * 3 // 4)
-    kept = Path(options.keep) if options.keep else None
-    results = json.loads(kept.read_text()) if kept and kept.exists() else {}
+    kept = Kept(options.keep, {"samples": samples, "size": size, "reference": options.reference})
+    results = kept.curves
     for name, path in shipped().items():
         skipped = needs_data(path) and "PERILUNE_DATA" not in os.environ
         if name in results or skipped or (options.only and name not in options.only):
             continue
         scene = Scene(path, size, options.reference, options.threads)
-        results[name] = {f"{dn:g}": scene.curve(samples, dn) for dn in TOLERANCES}
-        if kept:
-            kept.write_text(json.dumps(results))
+        kept.add(name, {f"{dn:g}": scene.curve(samples, dn) for dn in TOLERANCES})
     rows = [
         [name, key, curve[0], slope(samples, curve), curve[-1],
          "yes" if converges(samples, curve, float(key)) else "NO"]

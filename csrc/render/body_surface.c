@@ -103,7 +103,6 @@ static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_d
       .view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)),
       .filter = detail.filter,
       .bumps = detail.bumps,
-      .pointwise = detail.pointwise,
       .radius = detail.maps ? (float)sqrt(area / PL_PI) : INFINITY,
       .random = body->body->random,
       .scale = 1.0f,

@@ -27,6 +27,10 @@ static const float BEAM_ALPHAS = 4.0f, FAR = 8.0f;
 enum { BOXES = 64 };
 /* Points of a mirror, a side, of which is asked whether they lie in the sun. */
 enum { SIDE = 4 };
+/* Points of a facet where bumps are looked at, and where they lie: the corners' weights follow the
+ * sequence of Roberts 2018, folded into the triangle. */
+enum { BUMPS = 12 };
+static const double STEP_U = 0.7548776662466927, STEP_V = 0.5698402909980532;
 
 /* --- the rectangle ---------------------------------------------------------------------------- */
 
@@ -59,29 +63,53 @@ static void turn_over(pl_basis *basis) {
 
 /* --- its lobe --------------------------------------------------------------------------------- */
 
-/* The middle of the group's largest facet as a ray from the sun sees it, with all of the mirror in
- * its footprint. `triangle`: of the object's model. */
-static bool shade(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, pl_detail detail,
-                  const pl_caustic_mirror *m, pl_vertex *out) {
+/* A point of the group's largest facet, by the weights of its second and third corner, as a ray
+ * from the sun sees it, with all of the mirror in its footprint. `triangle`: of the object's model.
+ */
+static bool shade(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, const double uv[2],
+                  pl_detail detail, const pl_caustic_mirror *m, pl_vertex *out) {
   const pl_shot_object *object = &shot->objects[thing];
   const pl_model *model = object->object->model;
   const pl_shot_piece *piece = pl_shot_piece_of(object, triangle);
   const uint32_t *corner = model->indices + 3 * (size_t)triangle;
-  pl_vec3 middle = {0.0, 0.0, 0.0};
+  const double weights[3] = {1.0 - uv[0] - uv[1], uv[0], uv[1]};
+  pl_vec3 at = {0.0, 0.0, 0.0};
   for (size_t k = 0; k < 3; k++)
-    middle = pl_vec3_add(middle,
-                         pl_shot_corner(object, piece, model->positions + 3 * (size_t)corner[k]));
-  middle = pl_vec3_scale(middle, 1.0 / 3.0);
+    at = pl_vec3_madd(at, weights[k],
+                      pl_shot_corner(object, piece, model->positions + 3 * (size_t)corner[k]));
   const pl_vec3 sun = pl_vec3f_to_double(m->sun);
   const double size = (double)(m->half[0] + m->half[1]);
-  const pl_beam beam = {.origin = pl_vec3_madd(middle, size, sun),
+  const pl_beam beam = {.origin = pl_vec3_madd(at, size, sun),
                         .direction = pl_vec3_scale(pl_vec3_unit(sun), -1.0),
                         .width_m = 2.0f * pl_minf(m->half[0], m->half[1])};
   const pl_hit hit = {
-      .thing = thing, .triangle = triangle, .u = 1.0f / 3.0f, .v = 1.0f / 3.0f, .t = size};
+      .thing = thing, .triangle = triangle, .u = (float)uv[0], .v = (float)uv[1], .t = size};
   pl_vertex_locate(shot, &beam, &hit, false, out);
   pl_vertex_shade(shot, &beam, detail, out);
   return pl_vec3f_dot(out->surface.n, m->sun) > COSINE_MIN;
+}
+
+/* Variance of the slopes that bumps of a graph give the facet: to its image of the sun they are a
+ * wider lobe. Of other surfaces 0. */
+static float bumpiness(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, pl_detail detail,
+                       const pl_caustic_mirror *m) {
+  const pl_shot_object *object = &shot->objects[thing];
+  float x = 0.0f, y = 0.0f, square = 0.0f;
+  if (pl_object_materials_at(object->object->materials, triangle) == NULL)
+    return 0.0f;
+  for (int i = 0; i < BUMPS; i++) {
+    const double u = fmod(0.5 + STEP_U * i, 1.0), v = fmod(0.5 + STEP_V * i, 1.0);
+    const bool beyond = u + v > 1.0;
+    const double uv[2] = {beyond ? 1.0 - u : u, beyond ? 1.0 - v : v};
+    pl_vertex vertex;
+    shade(shot, thing, triangle, uv, detail, m, &vertex);
+    const pl_vec3f n = pl_basis_to_local(&m->basis, vertex.surface.n);
+    const float along = n.x / pl_maxf(n.z, COSINE_MIN), aside = n.y / pl_maxf(n.z, COSINE_MIN);
+    x += along / BUMPS;
+    y += aside / BUMPS;
+    square += (along * along + aside * aside) / BUMPS;
+  }
+  return pl_maxf(square - x * x - y * y, 0.0f);
 }
 
 /* Density of drawing mirror directions over the density of microfacets. */
@@ -289,10 +317,13 @@ static void add_group(builder *b, uint32_t thing, uint32_t triangle, const pl_sh
   pl_vertex vertex;
   place(&b->shot->objects[thing], piece, group, &m);
   const pl_sun_view sun = pl_sun_view_at(&b->shot->sun, m.center);
+  const double middle[2] = {1.0 / 3.0, 1.0 / 3.0};
   if (!face_sun(b, triangle, &sun, &m) ||
-      !shade(b->shot, thing, triangle, b->detail, &m, &vertex) ||
+      !shade(b->shot, thing, triangle, middle, b->detail, &m, &vertex) ||
       !set_lobe(&vertex.surface, group->spread, sun.irradiance, sun.sin_radius, &m))
     return;
+  const float bumps = bumpiness(b->shot, thing, triangle, b->detail, &m);
+  m.alpha = sqrtf(m.alpha * m.alpha + bumps);
   const float sides = 4.0f * pl_vec3f_norm(group->half[0]) * pl_vec3f_norm(group->half[1]);
   const float filled = sides > 0.0f ? pl_minf(group->area / sides, 1.0f) : 0.0f;
   m.peak = peak_of(m.alpha, m.local);

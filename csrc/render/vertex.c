@@ -147,7 +147,6 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
       .view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)),
       .filter = detail.filter,
       .bumps = detail.bumps,
-      .pointwise = detail.pointwise,
       .radius = detail.maps ? sqrtf(area / PL_PI_F) : INFINITY,
       .random = object->object->materials->random,
       .model = object->object->model,

@@ -139,20 +139,6 @@ static void set_own(const pl_graph *graph, const pl_value *params, const pl_valu
   row->set(&in, surface);
 }
 
-/* A microfacet lobe over slopes that are not seen: variances add, and a lobe of alpha has that of
- * alpha^2 / 2 an axis (Beckmann's; Olano and Baker, "LEAN Mapping", I3D 2010). */
-static float wider(float alpha, float hidden_slopes) {
-  return pl_minf(sqrtf(alpha * alpha + hidden_slopes), 1.0f);
-}
-
-static void widen(float hidden_slopes, pl_surface *surface) {
-  if (!(hidden_slopes > 0.0f))
-    return;
-  surface->alpha = wider(surface->alpha, hidden_slopes);
-  if (surface->reflectance->layered)
-    surface->lobes.coat_alpha = wider(surface->lobes.coat_alpha, hidden_slopes);
-}
-
 void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const pl_value *params,
                       pl_surface *surface) {
   pl_value registers[PL_GRAPH_REGISTERS];
@@ -171,8 +157,6 @@ void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const 
   if (gives(graph, PL_SURFACE_NORMAL))
     bend(v[PL_SURFACE_NORMAL], surface);
   set_own(graph, params, registers, surface);
-  if (gives(graph, PL_SURFACE_NORMAL))
-    widen(v[PL_SURFACE_NORMAL][3], surface);
 }
 
 /* Whether an input of the surface is folded, and to what. */

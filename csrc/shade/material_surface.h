@@ -16,7 +16,6 @@ typedef struct pl_detail {
   bool glint;       /* of open water; otherwise it is as ground is */
   bool lights;      /* of the night on bodies; otherwise dark */
   pl_filter filter; /* of pictures */
-  bool pointwise;   /* bumps of graphs are those of a point: a footprint hides none */
   bool box;         /* colours of bodies are the only reads of their pixel: see pl_texture_box */
 } pl_detail;
 #define PL_DETAIL_FULL                                                                             \

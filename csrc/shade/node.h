@@ -44,7 +44,6 @@ typedef struct pl_graph_point {
   pl_vec3f view;         /* unit, towards the viewer, root axes */
   float radius;          /* of the footprint, m */
   pl_filter filter;      /* of images */
-  bool pointwise;        /* bumps are those of the point: the footprint hides none */
   bool bumps;            /* otherwise bumps and normal maps give n */
   float random;          /* of the object, 0..1 */
   const pl_model *model; /* NULL: no texture coordinates */

@@ -1,19 +1,17 @@
 /* The normal of a surface displaced by a height. */
 #include "shade/node_rows.h"
 
-/* Slopes by central differences over the footprint: what is finer has faded from the height. Near
- * a surface a step of STEP_MIN_M stays above the rounding of positions of a few metres. Blinn,
- * "Simulation of Wrinkled Surfaces", SIGGRAPH 1978: n - dh/dt t - dh/db b.
+/* Slopes at the point itself, by central differences over a small step. Near a surface a step of
+ * STEP_MIN_M stays above the rounding of positions of a few metres. Blinn, "Simulation of Wrinkled
+ * Surfaces", SIGGRAPH 1978: n - dh/dt t - dh/db b.
  *
- * Slopes that have faded still spread what is reflected: see `widen` in graph.c. What they were
- * at the point itself is taken for all of the footprint, so that the mean over hits is right. A
- * lobe that is wider loses nothing to facets that hide each other, a bent normal does: a filtered
- * bump is some hundredths brighter. Where it must not be, points ask for slopes as they are
- * (`pointwise`). */
+ * They are not filtered by the footprint: samples are their mean over the pixel. A lobe that is
+ * wider by the slopes that a footprint hides is no mean of bent normals: it is brighter, by up to
+ * several times where light comes at a grazing angle, and for folds finer than a sample's part of
+ * the pixel no number of samples would mend that. */
 static const float STEP_MIN_M = 1e-4f;
 /* On a body likewise, of the distance from its centre. */
 static const float BODY_STEP_MIN = 0x1p-18f;
-static const float HIDING = 4.0f; /* steps: a smaller footprint hides nothing */
 
 typedef struct slopes {
   float t, b;
@@ -23,10 +21,10 @@ static float least_step(const pl_graph_point *p) {
   return p->body != NULL ? BODY_STEP_MIN * pl_vec3f_norm(p->object) : STEP_MIN_M;
 }
 
-static slopes slopes_of(const pl_node_call *call, float radius, float factor) {
+static slopes slopes_of(const pl_node_call *call, float factor) {
   pl_graph_point p = *call->point;
-  p.radius = radius;
-  const float step = pl_maxf(radius, least_step(&p));
+  p.radius = 0.0f;
+  const float step = least_step(&p);
   float height[4];
   for (int i = 0; i < 4; i++) {
     const float side = i & 1 ? step : -step;
@@ -43,23 +41,14 @@ static slopes slopes_of(const pl_node_call *call, float radius, float factor) {
 static void bump(const pl_node_call *call) {
   const pl_graph_point *p = call->point;
   const float factor = call->in[1][0] * call->in[2][0];
-  if (!p->bumps || factor == 0.0f) {
+  if (!p->bumps || factor == 0.0f || !isfinite(p->radius)) {
     pl_value_vector(call->out[0], p->n, 0.0f);
     return;
   }
-  slopes seen = {0.0f, 0.0f};
-  const bool pointwise = p->pointwise && isfinite(p->radius);
-  if (isfinite(p->radius))
-    seen = slopes_of(call, pointwise ? 0.0f : p->radius, factor);
-  float hidden = 0.0f;
-  if (!pointwise && p->radius > HIDING * least_step(p)) {
-    const slopes all = slopes_of(call, 0.0f, factor);
-    hidden = (all.t - seen.t) * (all.t - seen.t) + (all.b - seen.b) * (all.b - seen.b);
-  }
+  const slopes seen = slopes_of(call, factor);
   const pl_vec3f n = pl_vec3f_madd(pl_vec3f_madd(p->n, -seen.t, p->t), -seen.b, p->b);
   const float length = pl_vec3f_norm(n);
-  pl_value_vector(call->out[0], isfinite(length) ? pl_vec3f_unit(n) : p->n,
-                  isfinite(hidden) ? hidden : 0.0f);
+  pl_value_vector(call->out[0], isfinite(length) ? pl_vec3f_unit(n) : p->n, 0.0f);
 }
 
 static const pl_socket inputs[] = {
@@ -72,8 +61,7 @@ static const pl_socket outputs[] = {
 
 const pl_node_kind pl_node_bump = {
     .name = "bump",
-    .doc = "The normal of the surface displaced by a height; slopes that the footprint hides make "
-           "the surface rougher",
+    .doc = "The normal of the surface displaced by a height, at the point itself",
     .inputs = inputs,
     .input_count = 3,
     .outputs = outputs,

@@ -6,8 +6,7 @@
 
 /* A value on a link: x, y, z, and where it is a position the radius of the footprint about it, in
  * its own units: a pattern smaller than that counts as its mean. An infinite radius is the mean of
- * everything. Where it is a normal, the square of the slopes about it that the footprint hides. A
- * scalar stands in x, y and z alike, so that it may be used as a vector. */
+ * everything. A scalar stands in x, y and z alike, so that it may be used as a vector. */
 typedef float pl_value[4];
 
 /* A scalar input takes a vector's mean, or a colour's luminance (Rec. 709). */

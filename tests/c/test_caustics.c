@@ -3,6 +3,7 @@
 #include "harness.h"
 
 #include "frames.h"
+#include "graphs.h"
 #include "jointed.h"
 #include "math/sampler.h"
 #include "render/caustics.h"
@@ -246,6 +247,43 @@ static void test_table(void **state) {
   }
 }
 
+static pl_graph *crumpled(float depth_m) {
+  test_graph g = {.count = 0};
+  pl_graph *graph;
+  const size_t where = graph_add(&g, "coordinates"), noise = graph_add(&g, "noise");
+  const size_t bump = graph_add(&g, "bump"), skin = graph_add(&g, "principled");
+  graph_link(&g, noise, "vector", where, 0);
+  graph_set(&g, noise, "scale", 20.0f, 20.0f, 20.0f);
+  graph_link(&g, bump, "height", noise, 0);
+  graph_set(&g, bump, "distance_m", depth_m, depth_m, depth_m);
+  graph_link(&g, skin, "normal", bump, 0);
+  graph_set(&g, skin, "metallic", 1.0f, 1.0f, 1.0f);
+  graph_set(&g, skin, "roughness", 0.1f, 0.1f, 0.1f);
+  assert_int_equal(graph_make(&g, &graph), PL_OK);
+  return graph;
+}
+
+/* Crumpled foil has no image of the sun to draw to, however smooth it is at each point. */
+static void test_bumps_count_as_roughness(void **state) {
+  (void)state;
+  static const int32_t everywhere[] = {0, 0};
+  static const struct bumps_case {
+    float depth_m;
+    size_t count;
+  } cases[] = {{1e-4f, 1}, {0.05f, 0}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    world w;
+    world_init(&w, 0.1f);
+    world_add_mirror(&w, PL_QUAT_IDENTITY);
+    pl_graph *graph = crumpled(cases[i].depth_m);
+    const pl_graph *all = graph;
+    assert_int_equal(pl_scene_set_materials(&w.s.scene, 1, &all, 1, everywhere), PL_OK);
+    assert_int_equal(count_mirrors(&w), cases[i].count);
+    world_clear(&w);
+    pl_graph_destroy(graph);
+  }
+}
+
 /* A mirror that moves on its craft throws its light where it has turned to. */
 static void test_moving_part(void **state) {
   (void)state;
@@ -334,8 +372,9 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_second_sun),    cmocka_unit_test(test_converges),
       cmocka_unit_test(test_hidden_mirror), cmocka_unit_test(test_same_bits),
-      cmocka_unit_test(test_table),         cmocka_unit_test(test_density),
-      cmocka_unit_test(test_edges),         cmocka_unit_test(test_moving_part),
+      cmocka_unit_test(test_table),         cmocka_unit_test(test_bumps_count_as_roughness),
+      cmocka_unit_test(test_density),       cmocka_unit_test(test_edges),
+      cmocka_unit_test(test_moving_part),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -198,39 +198,6 @@ static void test_bump(void **state) {
   assert_true(n[0] == 0.0 && n[1] == 0.0 && n[2] == 1.0);
 }
 
-/* Far away all slopes are hidden: their squares are those of the point itself, and the lobe's width
- * grows by them. */
-static void test_hidden_slopes(void **state) {
-  (void)state;
-  test_graph g = {0};
-  const size_t noise = add_pattern(&g, "noise", 3.0f), bump = graph_add(&g, "bump");
-  const size_t skin = graph_add(&g, "principled");
-  graph_link(&g, bump, "height", noise, 0);
-  graph_set(&g, bump, "distance_m", 0.1f, 0.1f, 0.1f);
-  graph_link(&g, skin, "normal", bump, 0);
-  graph_set(&g, skin, "roughness", 0.5f, 0.5f, 0.5f);
-  pl_graph *graph;
-  assert_int_equal(graph_make(&g, &graph), PL_OK);
-  const pl_fractal shape = {.octaves = 4.0f, .roughness = 0.5f, .lacunarity = 2.0f};
-  test_random random = {54, 0};
-  for (int i = 0; i < 100; i++) {
-    const float x = (float)random_range(&random, -2.0, 2.0);
-    pl_graph_point at = graph_point(x, 0.5f, 0.3f, i % 2 ? INFINITY : 50.0f);
-    const pl_vec3 cells = {3.0 * (double)x, 1.5, 3.0 * (double)0.3f};
-    const pl_fractal_value f = pl_fractal_gradient(&shape, cells, 0.0f);
-    const double slopes =
-        0.0225 * (double)(f.gradient.x * f.gradient.x + f.gradient.y * f.gradient.y);
-    pl_surface s = {.t = at.t, .b = at.b, .n = at.n, .ng = at.ng};
-    pl_graph_surface(graph, &at, NULL, &s);
-    assert_true(s.n.x == 0.0f && s.n.z == 1.0f);
-    assert_true(fabs((double)s.alpha - fmin(sqrt(0.0625 + slopes), 1.0)) < 2e-3);
-    at.radius = 1e-4f; /* near, nothing is hidden */
-    pl_graph_surface(graph, &at, NULL, &s);
-    assert_true(s.alpha == 0.25f);
-  }
-  pl_graph_destroy(graph);
-}
-
 /* A panel of two triangles in the plane of y and (sin a, 0, cos a), somewhere in the model. */
 static void test_coordinates_in_planes(void **state) {
   (void)state;
@@ -283,7 +250,6 @@ int main(void) {
       cmocka_unit_test(test_receding_patterns_stay_at_their_mean),
       cmocka_unit_test(test_odd_inputs),
       cmocka_unit_test(test_bump),
-      cmocka_unit_test(test_hidden_slopes),
       cmocka_unit_test(test_coordinates_in_planes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
