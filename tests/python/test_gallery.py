@@ -1,4 +1,4 @@
-"""The scenes of docs/gallery.py: each opens, is by day, and has its spacecraft before the body."""
+"""The scenes of docs/figures/gallery.py: each opens, is by day, and has its spacecraft in front."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.fixture(scope="module")
 def gallery() -> Any:
     """The script, whose own modules lie beside it."""
-    sys.path.insert(0, str(ROOT / "docs"))
+    sys.path.insert(0, str(ROOT / "docs" / "figures"))
     try:
         yield importlib.import_module("gallery")
     finally:
-        sys.path.remove(str(ROOT / "docs"))
+        sys.path.remove(str(ROOT / "docs" / "figures"))
 
 
 BODIES = ("earth", "mars", "mercury", "moon", "europa", "phobos")

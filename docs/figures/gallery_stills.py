@@ -15,7 +15,7 @@ from perilune.base import rotations
 from perilune.orbits.solar_system import date_from_utc, relative_m
 
 Scene = dict[str, Any]
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 MAPS = "data:planets/solarsystemscope/"
 EARTH_KM = 6378.1
 CLOUDS: Scene = {

@@ -1,4 +1,4 @@
-"""The Moon by Hapke's law: `python docs/make_figures.py moon`. Needs the sample data.
+"""The Moon by Hapke's law: `python docs/figures/make_figures.py moon`. Needs the sample data.
 
 Above, the Moon at five phase angles by Hapke's law and, at the same exposures, as a Lambert sphere
 of the same full brightness; below, straight down from 100 km with the Sun behind the camera: the

@@ -1,4 +1,4 @@
-"""What lens and shutter make of a satellite that turns: `python docs/make_figures.py shutter`.
+"""A turning satellite through lens and shutter: `python docs/figures/make_figures.py shutter`.
 
 As it is; blurred over half a second; by a rolling shutter, row by row from the top; by a lens of 30
 cm that focuses on its body.
@@ -11,7 +11,7 @@ from typing import Any
 
 import perilune
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 HEIGHT = 300
 
 

@@ -1,4 +1,6 @@
-"""Makes our counterparts of figures of the Space OAISYS paper: `python docs/make_figures.py`.
+"""Makes our counterparts of figures of the Space OAISYS paper.
+
+    python docs/figures/make_figures.py [NAME...]
 
 Figure 5: a satellite around a planet, and one around a moon around a planet. Figure 7: sampled
 orbits. Figure 13: camera trajectories, sketched, with frames taken along them. All from
@@ -28,7 +30,7 @@ from PIL import Image
 import perilune
 from perilune.show.plots import plot_light_curve, plot_orbits, plot_trajectory
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 DEMO = ROOT / "configs" / "demo.yaml"
 IMAGES = ROOT / "docs" / "images"
 STILL = {"drivers.strength": 0.0, "time.step_s": 60.0}
@@ -96,9 +98,7 @@ def figure_07() -> None:
         orbit = {"kind": "database", "class": name, "around": "planet"}
         sim = perilune.open(DEMO, overrides={"spacecraft.smallsat.orbit": orbit})
         title = f"{title}, eight draws"
-        plot_orbits(
-            sim, range(8), figure=figure, place=131 + column, title=title, legend=False
-        )
+        plot_orbits(sim, range(8), figure=figure, place=131 + column, title=title, legend=False)
     save(figure, "figure_07.png")
 
 

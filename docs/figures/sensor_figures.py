@@ -1,4 +1,4 @@
-"""What a sensor makes of hard light: `python docs/make_figures.py glare moon_sensor`.
+"""What a sensor makes of hard light: `python docs/figures/make_figures.py glare moon_sensor`.
 
 Foil under a hard sun, clean and through a lens that scatters; the Moon at five phase angles, each
 exposed by the camera itself; a solar panel that mirrors the sun into a CCD without anti-blooming.
@@ -13,7 +13,7 @@ import moon_figures
 
 import perilune
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 FOIL = ROOT / "configs" / "mli_randomised.yaml"
 Shown = list[tuple[str, Any]]
 

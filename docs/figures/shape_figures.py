@@ -1,4 +1,4 @@
-"""Bodies by their shapes: `python docs/make_figures.py shapes`. Needs PERILUNE_DATA.
+"""Bodies by their shapes: `python docs/figures/make_figures.py shapes`. Needs PERILUNE_DATA.
 
 Phobos from 30 km by configs/phobos.yaml, Eros and Itokawa in sunlight from the side, the planet and
 moon of configs/fictional.yaml. Craters, bumps and grain of Eros and Itokawa that are finer than the
@@ -14,7 +14,7 @@ from gallery_grounds import cratered
 
 import perilune
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 SIZE = (360, 270)
 EROS = {
     # Li et al. 2004 (Icarus 172, 415): w 0.33, one lobe of g -0.25, B0 1.4, h 0.01, roughness 28.

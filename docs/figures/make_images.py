@@ -1,4 +1,4 @@
-"""Makes the README's pictures of configs/demo.yaml and comet.yaml: `python docs/make_images.py`."""
+"""Makes the pictures of configs/demo.yaml and comet.yaml: `python docs/figures/make_images.py`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import perilune
 from perilune import _core
 from perilune.show.preview.colors import colored_ids
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 FRAMES = (3, 0, 2)
 
 

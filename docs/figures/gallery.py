@@ -1,8 +1,8 @@
 """Worlds, and seven spacecraft over six of them, after figures of the Space OAISYS paper:
 
-    python docs/gallery.py                 # gallery_*.png in docs/images, or those that are named
-    python docs/gallery.py 12 14 15 worlds
-    python docs/gallery.py cells --bodies mars,moon --craft iss --width 640 --out /tmp/look
+    python docs/figures/gallery.py                 # the gallery_*.png of docs/images, or some
+    python docs/figures/gallery.py 12 14 15 worlds
+    python docs/figures/gallery.py cells --bodies mars,moon --craft iss --width 640 --out /tmp/look
 
 Figures 14 and 15 are the spacecraft, 12 is clouds that a driver bends; `cells` writes single
 pictures of 14 and 15. Models, maps and surfaces are those of the files in configs/; here is where
@@ -31,7 +31,7 @@ from perilune.base import rotations
 from perilune.orbits.solar_system import AU_M, date_from_utc, relative_m
 
 F64 = NDArray[np.float64]
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
 MODELS = "data:spacecraft/plain/"
 ASPECT = 3, 4
