@@ -1,5 +1,5 @@
 /* The effect row `atmosphere`: light scattered and taken by air, in steps of the integral. */
-#include "air/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

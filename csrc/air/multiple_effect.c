@@ -1,5 +1,5 @@
 /* The effect row `multiple_scattering`: light that air scatters more than once. */
-#include "air/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

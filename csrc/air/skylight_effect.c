@@ -1,5 +1,5 @@
 /* The effect row `skylight`: light of its sky on a body's ground. */
-#include "air/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

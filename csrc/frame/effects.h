@@ -1,4 +1,4 @@
-/* The list of all effect rows. */
+/* The table of all effect rows. */
 #ifndef PL_FRAME_EFFECTS_H
 #define PL_FRAME_EFFECTS_H
 

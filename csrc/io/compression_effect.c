@@ -1,7 +1,7 @@
 /* The row `compression`: what JPEG changes in the sensor's picture. */
 #include <math.h>
 
-#include "io/effects.h"
+#include "plan/effects.h"
 #include "sensor/stage.h"
 
 /* ITU-T T.81, tables K.1 and K.2, by rows of frequency. */

@@ -1,5 +1,5 @@
 /* The effect row `emission`: what emits is seen to. */
-#include "light/effects.h"
+#include "plan/effects.h"
 
 /* Of a surface, and of all volumes before it. */
 static double seen(const pl_view *view) {

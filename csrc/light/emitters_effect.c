@@ -1,5 +1,5 @@
 /* The effect row `emitters`: emissive surfaces and bodies light others. */
-#include "light/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

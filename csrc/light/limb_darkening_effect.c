@@ -1,5 +1,5 @@
 /* The effect row `limb_darkening`: the sun's disc as it is, instead of one of even brightness. */
-#include "light/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* The effect row `soft_sun`: the sun as a disc instead of a point. */
-#include "light/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

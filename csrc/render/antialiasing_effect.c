@@ -1,5 +1,5 @@
 /* The effect row `antialiasing`: how many colour samples a pixel gets. */
-#include "render/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

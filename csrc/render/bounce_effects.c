@@ -1,5 +1,5 @@
 /* The effect rows `bounces` and `body_bounces`: light that arrives by way of other surfaces. */
-#include "render/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 #include <stddef.h>

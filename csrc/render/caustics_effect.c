@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 #include "render/caustics.h"
-#include "render/effects.h"
+#include "plan/effects.h"
 
 static const double PI = 3.14159265358979323846;
 

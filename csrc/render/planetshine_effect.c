@@ -1,5 +1,5 @@
 /* The effect row `planetshine`: bodies as lights of others. */
-#include "render/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 #include <stddef.h>

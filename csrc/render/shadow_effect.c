@@ -1,5 +1,5 @@
 /* The effect row `cast_shadows`. */
-#include "render/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* The effect row `volumes`: dust, gas and light within bounds, in so many steps along a ray. */
-#include "render/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

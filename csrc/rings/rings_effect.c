@@ -1,5 +1,5 @@
 /* The effect row `rings`: what rings add, hide and shade. */
-#include "rings/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 #include <stddef.h>

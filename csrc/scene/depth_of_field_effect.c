@@ -1,5 +1,5 @@
 /* The effect row `depth_of_field`: a lens of finite width. */
-#include "scene/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* The effect row `distortion`: rays bent by the lens. */
-#include "scene/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* The effect row `motion_blur`: the exposure as a mean of instants. */
-#include "scene/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* The effect row `rolling_shutter`: rows that see the world one after the other. */
-#include "scene/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 

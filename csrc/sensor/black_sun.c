@@ -3,7 +3,7 @@
  * pixel nothing is left: the sun is black. */
 #include <math.h>
 
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 static void subtract_row(pl_sensor_frame *frame, int y) {

@@ -3,7 +3,7 @@
  * takes from each excess, is lost. Charge is else conserved. */
 #include <math.h>
 
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 /* Moves what flows one way; `step` is +-1. */

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "sensor/draws.h"
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 static const double TWO_PI = 6.28318530717958647692;

@@ -1,7 +1,7 @@
 /* The stage `defects`: hot pixels, whose dark current is far from that of the others, and dead
  * ones, which see nothing. Which pixels they are is keyed by the unit. */
 #include "sensor/draws.h"
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 static void spoil_row(pl_sensor_frame *frame, int y) {

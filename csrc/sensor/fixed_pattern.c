@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "sensor/draws.h"
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 static void scale_row(pl_sensor_frame *frame, int y) {

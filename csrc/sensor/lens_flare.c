@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 static const double PI = 3.14159265358979323846;

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "sensor/convolve.h"
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/psf.h"
 #include "sensor/stages.h"
 

@@ -1,7 +1,7 @@
 /* The stage `read_noise`: normal noise of the amplifier, offsets of rows and columns, all new in
  * each frame, and an offset of each column that stays. */
 #include "sensor/draws.h"
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 /* A number of the frame or, with `fixed`, of the unit; nothing is drawn for a deviation of 0. */

@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "sensor/draws.h"
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 static void count_row(pl_sensor_frame *frame, int y) {

@@ -2,7 +2,7 @@
  * it shifts: each pixel gets the column's sum times the time of one shift over the exposure. */
 #include <math.h>
 
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 static void smear_column(pl_sensor_frame *frame, int x) {

@@ -4,28 +4,12 @@
 #include <math.h>
 
 #include "sensor/draws.h"
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
-const pl_sensor_stage pl_sensor_stages[] = {
-    {"filters", &pl_effect_filters, pl_stage_filters},
-    {"lens_flare", &pl_effect_lens_flare, pl_stage_lens_flare},
-    {"vignetting", &pl_effect_vignetting, pl_stage_vignetting},
-    {"point_spread", &pl_effect_point_spread, pl_stage_point_spread},
-    {"electrons", NULL, pl_stage_electrons},
-    {"fixed_pattern", &pl_effect_fixed_pattern, pl_stage_fixed_pattern},
-    {"smear", &pl_effect_smear, pl_stage_smear},
-    {"dark_current", &pl_effect_dark_current, pl_stage_dark_current},
-    {"defects", &pl_effect_defects, pl_stage_defects},
-    {"shot_noise", &pl_effect_shot_noise, pl_stage_shot_noise},
-    {"cosmic_rays", &pl_effect_cosmic_rays, pl_stage_cosmic_rays},
-    {"blooming", &pl_effect_blooming, pl_stage_blooming},
-    {"black_sun", &pl_effect_black_sun, pl_stage_black_sun},
-    {"full_well", NULL, pl_stage_full_well},
-    {"read_noise", &pl_effect_read_noise, pl_stage_read_noise},
-    {"digitise", NULL, pl_stage_digitise},
-    {"demosaic", NULL, pl_stage_demosaic},
-};
+#define PL_EFFECT(name) {#name, &pl_effect_##name, pl_stage_##name},
+#define PL_STEP(name) {#name, NULL, pl_stage_##name},
+const pl_sensor_stage pl_sensor_stages[] = {PL_SENSOR_STAGES(PL_EFFECT, PL_STEP)};
 const size_t pl_sensor_stage_count = sizeof pl_sensor_stages / sizeof pl_sensor_stages[0];
 
 pl_status pl_sensor_run(pl_sensor_frame *frame, const pl_plan *plan) {

@@ -1,25 +1,35 @@
-/* The stages' functions, one a file; see the table in stage.c. */
+/* The stages of a sensor in the order in which they run, one a file. */
 #ifndef PL_SENSOR_STAGES_H
 #define PL_SENSOR_STAGES_H
 
 #include "sensor/stage.h"
 
-pl_status pl_stage_filters(pl_sensor_frame *frame, int value);
-pl_status pl_stage_point_spread(pl_sensor_frame *frame, int value);
-pl_status pl_stage_vignetting(pl_sensor_frame *frame, int value);
-pl_status pl_stage_lens_flare(pl_sensor_frame *frame, int value);
-pl_status pl_stage_smear(pl_sensor_frame *frame, int value);
-pl_status pl_stage_defects(pl_sensor_frame *frame, int value);
-pl_status pl_stage_cosmic_rays(pl_sensor_frame *frame, int value);
-pl_status pl_stage_blooming(pl_sensor_frame *frame, int value);
-pl_status pl_stage_black_sun(pl_sensor_frame *frame, int value);
-pl_status pl_stage_electrons(pl_sensor_frame *frame, int value);
-pl_status pl_stage_fixed_pattern(pl_sensor_frame *frame, int value);
-pl_status pl_stage_dark_current(pl_sensor_frame *frame, int value);
-pl_status pl_stage_shot_noise(pl_sensor_frame *frame, int value);
-pl_status pl_stage_full_well(pl_sensor_frame *frame, int value);
-pl_status pl_stage_read_noise(pl_sensor_frame *frame, int value);
-pl_status pl_stage_digitise(pl_sensor_frame *frame, int value);
-pl_status pl_stage_demosaic(pl_sensor_frame *frame, int value);
+/* EFFECT: the plan may leave it out, by the row of the same name; STEP: always runs. To add one:
+ * its file, which has the function `pl_stage_NAME`, and its line here; an effect also has a line in
+ * plan/effects.h. */
+/* clang-format off */
+#define PL_SENSOR_STAGES(EFFECT, STEP) \
+  EFFECT(filters) \
+  EFFECT(lens_flare) \
+  EFFECT(vignetting) \
+  EFFECT(point_spread) \
+  STEP(electrons) \
+  EFFECT(fixed_pattern) \
+  EFFECT(smear) \
+  EFFECT(dark_current) \
+  EFFECT(defects) \
+  EFFECT(shot_noise) \
+  EFFECT(cosmic_rays) \
+  EFFECT(blooming) \
+  EFFECT(black_sun) \
+  STEP(full_well) \
+  EFFECT(read_noise) \
+  STEP(digitise) \
+  STEP(demosaic)
+/* clang-format on */
+
+#define PL_DECLARE(name) pl_status pl_stage_##name(pl_sensor_frame *frame, int value);
+PL_SENSOR_STAGES(PL_DECLARE, PL_DECLARE)
+#undef PL_DECLARE
 
 #endif

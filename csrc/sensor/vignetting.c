@@ -1,7 +1,7 @@
 /* The stage `vignetting`: less light off the axis; see shading.h. */
 #include <math.h>
 
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensor/stages.h"
 
 static void dim_row(pl_sensor_frame *frame, int y) {

@@ -1,7 +1,7 @@
 /* The effect rows `bump_detail` and `relief`: normals that maps and bumps bend. */
 #include <math.h>
 
-#include "shade/effects.h"
+#include "plan/effects.h"
 
 typedef bool (*bends_fn)(const pl_view_thing *thing);
 static bool is_bumped(const pl_view_thing *thing) { return thing->bumped; }

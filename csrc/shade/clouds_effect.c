@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "shade/clouds.h"
-#include "shade/effects.h"
+#include "plan/effects.h"
 
 /* How a body's clouds get into a frame: seen themselves (1), or only by the light that they send to
  * things in the frame or keep from them (less; 0: not at all). */

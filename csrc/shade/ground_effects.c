@@ -1,7 +1,7 @@
 /* The effect rows `glint` and `night_lights`: open water and lights of the night on bodies. */
 #include <math.h>
 
-#include "shade/effects.h"
+#include "plan/effects.h"
 
 /* Through the light that things with a part send onto things[i]; `light`: of one of them. */
 typedef double (*light_fn)(const pl_view_thing *thing);

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "shade/effects.h"
+#include "plan/effects.h"
 
 static double coat_of(const pl_view_thing *thing) { return thing->coat_max; }
 static double passing(const pl_view_thing *thing) { return thing->transmission_max; }

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#include "shade/effects.h"
+#include "plan/effects.h"
 
 static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)

@@ -1,5 +1,5 @@
 /* The effect row `surface_maps`: textures and maps instead of their means. */
-#include "shade/effects.h"
+#include "plan/effects.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 #include <math.h>
 
 #include "geom/texture.h"
-#include "shade/effects.h"
+#include "plan/effects.h"
 
 /* For rounding of footprints in single precision; on the poles they are read in quarters, and so
  * are those of settled pixels. */

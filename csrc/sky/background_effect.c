@@ -1,5 +1,5 @@
 /* The effect row `sky_background`. */
-#include "sky/effects.h"
+#include "plan/effects.h"
 
 static const char *absent(const pl_view *view) {
   return view->sky.has_background ? NULL : "there is no background";

@@ -1,5 +1,5 @@
 /* The effect row `stars`. */
-#include "sky/effects.h"
+#include "plan/effects.h"
 
 static const char *absent(const pl_view *view) {
   return view->sky.catalogued ? NULL : "there is no catalogue of stars";

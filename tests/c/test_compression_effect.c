@@ -1,7 +1,7 @@
 /* JPEG of random pictures: off by no more than the row says, grey stays grey, any size. */
 #include "harness.h"
 
-#include "io/effects.h"
+#include "plan/effects.h"
 #include "io/jpeg_write.h"
 #include "random.h"
 #include "sensors.h"

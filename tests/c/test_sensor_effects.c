@@ -10,7 +10,7 @@
 
 #include "differences.h"
 #include "random.h"
-#include "sensor/effects.h"
+#include "plan/effects.h"
 #include "sensors.h"
 
 enum { ROUNDS = 100 };

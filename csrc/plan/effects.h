@@ -1,0 +1,62 @@
+/* The names of all effects. Their rows live beside what they describe, in any folder above. */
+#ifndef PL_PLAN_EFFECTS_H
+#define PL_PLAN_EFFECTS_H
+
+#include "plan/effect.h"
+
+/* In the order in which plans list them. To add an effect: the file of its row, `pl_effect_NAME`,
+ * and its line here. */
+/* clang-format off */
+#define PL_EFFECTS(X) \
+  X(soft_sun) \
+  X(limb_darkening) \
+  X(cast_shadows) \
+  X(atmosphere) \
+  X(skylight) \
+  X(multiple_scattering) \
+  X(clouds) \
+  X(rings) \
+  X(volumes) \
+  X(emission) \
+  X(emitters) \
+  X(bounces) \
+  X(body_bounces) \
+  X(planetshine) \
+  X(caustics) \
+  X(surface_maps) \
+  X(bump_detail) \
+  X(relief) \
+  X(glint) \
+  X(night_lights) \
+  X(texture_filter) \
+  X(regolith) \
+  X(clear_coat) \
+  X(transmission) \
+  X(distortion) \
+  X(depth_of_field) \
+  X(motion_blur) \
+  X(rolling_shutter) \
+  X(antialiasing) \
+  X(sky_background) \
+  X(stars) \
+  X(filters) \
+  X(vignetting) \
+  X(lens_flare) \
+  X(point_spread) \
+  X(fixed_pattern) \
+  X(smear) \
+  X(dark_current) \
+  X(defects) \
+  X(shot_noise) \
+  X(cosmic_rays) \
+  X(blooming) \
+  X(black_sun) \
+  X(read_noise) \
+  X(compression)
+/* clang-format on */
+
+#define PL_DECLARE(name) extern const pl_effect pl_effect_##name;
+PL_EFFECTS(PL_DECLARE)
+#undef PL_DECLARE
+
+#endif
