@@ -176,16 +176,27 @@ static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b,
   return false;
 }
 
+/* Part of a pixel that a white thing in the sun must fill to be noticed before black. */
+static double faint_part(const pl_path_context *context) {
+  static const double BLACK_SLOPE = 12.92 * 255.0; /* of sRGB */
+  const pl_render_settings *s = context->settings;
+  const double sun = (double)context->camera_sun.irradiance;
+  const float white =
+      s->white_other > 0.0f ? pl_minf(s->white_radiance, s->white_other) : s->white_radiance;
+  return (double)s->noise_dn / BLACK_SLOPE * (double)white * PL_PI / fmax(sun, 1e-9);
+}
+
 /* Veils may be thinner than a pixel, as an outline's slivers are; beside it they may lie on the
  * edge between two. */
 static bool has_thin_veil(const pl_path_context *context, uint32_t pixel) {
   static const int beside[5][2] = {{0, 0}, {0, -1}, {0, 1}, {-1, 0}, {1, 0}};
   const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+  const double faint = faint_part(context);
   for (int i = 0; context->veils && i < 5; i++) {
     const pl_vec3 direction = pl_snapshot_ray(context->shot, x + beside[i][0], y + beside[i][1]);
     const pl_beam beam = {.direction = direction, .spread = (float)context->pixel_rad};
-    if (pl_veils_thin(context->settings->veils, context->shot, &beam))
+    if (pl_veils_thin(context->settings->veils, context->shot, &beam, faint))
       return true;
   }
   return false;

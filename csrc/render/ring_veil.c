@@ -142,15 +142,17 @@ static void cross(const pl_veils *veils, const void *own, const pl_snapshot *sho
 /* Opacities that differ by more are seen. */
 static const double ALIKE = 0.01;
 
-/* Sharp edges and lines are where the middle of a pixel is not as the whole. */
-static bool thin(const void *own, const pl_snapshot *shot, const pl_beam *pixel) {
+/* Sharp edges and lines are where the middle of a pixel is not as the whole. Where the middle meets
+ * nothing few samples may find nothing, and all that the beam meets counts. */
+static bool thin(const void *own, const pl_snapshot *shot, const pl_beam *pixel, double faint) {
   const ring_list *list = own;
   for (size_t i = 0; i < list->count; i++) {
     pl_rings_ray ray = ray_of(&shot->bodies[list->items[i].body], pixel->origin, pixel->direction);
     ray.end_m = INFINITY;
     const double middle = pl_rings_passed(list->items[i].rings, &ray);
     ray.spread = (double)pixel->spread;
-    if (fabs(pl_rings_passed(list->items[i].rings, &ray) - middle) > ALIKE)
+    const double whole = pl_rings_passed(list->items[i].rings, &ray);
+    if (fabs(whole - middle) > (middle < 1.0 ? ALIKE : fmin(faint, ALIKE)))
       return true;
   }
   return false;

@@ -61,10 +61,11 @@ bool pl_veils_rough_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_v
   return in_cone(veils, false, shot, axis, half_angle);
 }
 
-bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel) {
+bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel,
+                   double faint) {
   for (size_t k = 0; k < pl_veil_kind_count; k++)
     if (veils->own[k] != NULL && pl_veil_kinds[k]->thin != NULL &&
-        pl_veil_kinds[k]->thin(veils->own[k], shot, pixel))
+        pl_veil_kinds[k]->thin(veils->own[k], shot, pixel, faint))
       return true;
   return false;
 }

@@ -63,9 +63,10 @@ typedef struct pl_veil_kind {
                          pl_vec3 point, const pl_sun_view *sun, float width_m);
   bool before_sky; /* it lies between a ground and its sky, which is dimmed as the sun is */
   bool filtered;   /* one crossing of a beam says what all of it sees, but at outlines */
-  /* Whether a few samples of a pixel may miss what its whole beam from the camera sees. May be
-   * NULL: never. */
-  bool (*thin)(const void *own, const pl_snapshot *shot, const pl_beam *pixel);
+  /* Whether a few samples of a pixel may miss what its whole beam from the camera sees. `faint`:
+   * the part of the beam that a veil in full sun must fill to be noticed before black. May be NULL:
+   * never. */
+  bool (*thin)(const void *own, const pl_snapshot *shot, const pl_beam *pixel, double faint);
 } pl_veil_kind;
 /* The table. */
 extern const pl_veil_kind *const pl_veil_kinds[];
@@ -82,7 +83,8 @@ bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 ax
 bool pl_veils_rough_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
                             double half_angle);
 /* Whether few samples may miss veils that the beam of a pixel sees. */
-bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel);
+bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel,
+                   double faint);
 /* Whether a ray sees what a body carries: a dot's veils are in its own picture alone. */
 bool pl_veil_ray_sees(const pl_veils *veils, const pl_veil_ray *ray, const pl_snapshot *shot,
                       uint32_t body);
