@@ -35,8 +35,8 @@ static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
 }
 
 /* The sun as a source of ghosts. What falls on the aperture goes with the cosine of its angle. */
-static pl_flare_sun flare_sun(const pl_renderer *renderer, const pl_snapshot *shot,
-                              const pl_flare *flare) {
+static pl_flare_sun flare_sun(const pl_instant *instant, const pl_flare *flare) {
+  const pl_snapshot *shot = &instant->shot;
   const pl_camera *camera = &shot->camera;
   const pl_vec3 to_sun = pl_mat3_mul_vec_t(shot->camera_to_root, pl_vec3_unit(shot->sun.position));
   const double angle = acos(fmax(-1.0, fmin(1.0, to_sun.z)));
@@ -45,7 +45,7 @@ static pl_flare_sun flare_sun(const pl_renderer *renderer, const pl_snapshot *sh
   if (!(part > 0.0) || !pl_camera_project(camera, to_sun, out.place_px))
     return out;
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
-  out.light = part * sun.irradiance * camera->fx * camera->fy * sun_seen(renderer->tracer, &sun);
+  out.light = part * sun.irradiance * camera->fx * camera->fy * sun_seen(instant->tracer, &sun);
   out.radius_px = sun.sin_radius * fmax(camera->fx, camera->fy) / pow(to_sun.z, 2.0);
   out.on = out.light > 0.0;
   return out;
@@ -53,7 +53,7 @@ static pl_flare_sun flare_sun(const pl_renderer *renderer, const pl_snapshot *sh
 
 /* Runs one image through the stages; `raw` may be NULL. */
 static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
-                     const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
+                     const pl_instant *instant, const pl_sensor *sensor, const pl_plan *plan,
                      pl_vec3f *bands, uint16_t *raw, uint64_t index) {
   const pl_camera *camera = &request->placement.camera;
   const size_t pixels = (size_t)camera->width * (size_t)camera->height;
@@ -76,7 +76,7 @@ static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
       .encoder = &renderer->encoder,
   };
   if (pl_plan_value(plan, "lens_flare") > 0)
-    frame.sun = flare_sun(renderer, shot, &sensor->flare);
+    frame.sun = flare_sun(instant, &sensor->flare);
   if (frame.raw == NULL)
     frame.raw = pl_arena_alloc(&renderer->sensor_arena, pixels, sizeof *frame.raw);
   if (frame.electrons == NULL || frame.raw == NULL)
@@ -89,7 +89,7 @@ static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
 
 /* One image after the other, by the same light and pixels with noise of its own. */
 static pl_status run_planes(pl_renderer *renderer, const pl_frame_request *request,
-                            const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
+                            const pl_instant *instant, const pl_sensor *sensor, const pl_plan *plan,
                             const pl_vec3f *bands) {
   const pl_camera *camera = &request->placement.camera;
   const size_t pixels = (size_t)camera->width * (size_t)camera->height, count = sensor->plane_count;
@@ -101,7 +101,7 @@ static pl_status run_planes(pl_renderer *renderer, const pl_frame_request *reque
     const pl_sensor filtered = pl_sensor_of_plane(sensor, plane);
     memcpy(light, bands, pixels * sizeof *light);
     /* frames have indices below 2^31 */
-    PL_TRY(run(renderer, request, shot, &filtered, plan, light, raw,
+    PL_TRY(run(renderer, request, instant, &filtered, plan, light, raw,
                request->index + ((uint64_t)plane << 48)));
     for (size_t i = 0; i < pixels; i++)
       request->raw[i * count + plane] = raw[i];
@@ -110,9 +110,9 @@ static pl_status run_planes(pl_renderer *renderer, const pl_frame_request *reque
 }
 
 pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *request,
-                           const pl_snapshot *shot, const pl_sensor *sensor, const pl_plan *plan,
+                           const pl_instant *instant, const pl_sensor *sensor, const pl_plan *plan,
                            pl_vec3f *bands) {
   if (sensor->plane_count > 0)
-    return run_planes(renderer, request, shot, sensor, plan, bands);
-  return run(renderer, request, shot, sensor, plan, bands, request->raw, request->index);
+    return run_planes(renderer, request, instant, sensor, plan, bands);
+  return run(renderer, request, instant, sensor, plan, bands, request->raw, request->index);
 }

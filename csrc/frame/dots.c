@@ -57,19 +57,26 @@ static double diameter_px(const pl_snapshot *shot, const ball *ball) {
 static const double HIGH = 0.02;
 
 /* Not where depth of field blurs: these pictures are sharp. */
-void pl_dots_mark(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
-  for (size_t i = 0; i < shot->body_count; i++) {
-    pl_shot_body *body = &shot->bodies[i];
-    const ball ball = ball_of(shot, i);
-    const pl_view_thing *thing = &view->things[ball.thing];
-    const double size = ball.in_frame ? diameter_px(shot, &ball) : INFINITY;
-    const double covered = fmin(1.0, size * size);
-    body->dot = shot->camera.aperture_m == 0.0 && body->body->rings == NULL &&
-                body->state->clouds.altitude_m < HIGH * body->radius_m && size < DIAMETER_PX &&
-                pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
-    if (ball.thing < shot->object_count)
-      shot->objects[ball.thing].dot = body->dot;
-  }
+static bool is_dot(const pl_snapshot *shot, const pl_view *view, double tolerance_dn, size_t i) {
+  const pl_shot_body *body = &shot->bodies[i];
+  const ball ball = ball_of(shot, i);
+  const pl_view_thing *thing = &view->things[ball.thing];
+  const double size = ball.in_frame ? diameter_px(shot, &ball) : INFINITY;
+  const double covered = fmin(1.0, size * size);
+  return shot->camera.aperture_m == 0.0 && body->body->rings == NULL &&
+         body->state->clouds.altitude_m < HIGH * body->radius_m && size < DIAMETER_PX &&
+         pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
+}
+
+pl_status pl_dots_find(const pl_snapshot *shot, const pl_view *view, double tolerance_dn,
+                       pl_arena *arena, const bool **out) {
+  bool *dots = pl_arena_alloc(arena, shot->body_count, sizeof *dots);
+  if (dots == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for small bodies");
+  for (size_t i = 0; i < shot->body_count; i++)
+    dots[i] = is_dot(shot, view, tolerance_dn, i);
+  *out = dots;
+  return PL_OK;
 }
 
 /* The camera that looks at a body alone. */
@@ -162,9 +169,10 @@ static void spread(const gathering *g, const pl_snapshot *close, const pl_snapsh
   }
 }
 
-static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size_t body,
-                            pl_render_settings settings, pl_cancel *cancel, gathering *g,
-                            pl_frame_sky *sky) {
+static pl_status render_dot(const pl_instant *instant, size_t body, pl_render_scratch *scratch,
+                            pl_cancel *cancel, gathering *g, pl_frame_sky *sky) {
+  const pl_snapshot *shot = &instant->shot;
+  pl_render_settings settings = instant->settings;
   pl_snapshot close;
   const ball ball = ball_of(shot, body);
   aim(shot, &ball, &close);
@@ -186,8 +194,7 @@ static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size
   settings.see_dots = true;
   settings.row0 = settings.row1 = 0;
   settings.slice = NULL;
-  PL_TRY(pl_tracer_set(renderer->tracer, &close));
-  PL_TRY(pl_render(&close, renderer->tracer, &settings, renderer->scratch, gather_tile, g, cancel));
+  PL_TRY(pl_render(&close, instant->tracer, &settings, scratch, gather_tile, g, cancel));
   const size_t first = sky->dot_count;
   spread(g, &close, shot, sky);
   const pl_vec3 toward = pl_vec3_unit(ball.center), here = {0.0, 0.0, 0.0};
@@ -201,9 +208,9 @@ static pl_status render_dot(pl_renderer *renderer, const pl_snapshot *shot, size
   return PL_OK;
 }
 
-pl_status pl_dots_render(pl_renderer *renderer, const pl_snapshot *shot,
-                         const pl_render_settings *settings, pl_arena *arena, pl_cancel *cancel,
-                         pl_frame_sky *sky) {
+pl_status pl_dots_render(const pl_instant *instant, pl_render_scratch *scratch, pl_arena *arena,
+                         pl_cancel *cancel, pl_frame_sky *sky) {
+  const pl_snapshot *shot = &instant->shot;
   size_t count = 0;
   for (size_t i = 0; i < shot->body_count; i++)
     count += shot->bodies[i].dot;
@@ -215,6 +222,6 @@ pl_status pl_dots_render(pl_renderer *renderer, const pl_snapshot *shot,
     return pl_fail(PL_E_MEMORY, "out of memory for %zu small bodies", count);
   for (size_t i = 0; i < shot->body_count; i++)
     if (shot->bodies[i].dot)
-      PL_TRY(render_dot(renderer, shot, i, *settings, cancel, g, sky));
-  return pl_tracer_set(renderer->tracer, shot);
+      PL_TRY(render_dot(instant, i, scratch, cancel, g, sky));
+  return PL_OK;
 }

@@ -42,7 +42,7 @@ pl_status pl_renderer_create(const pl_scene *scene, pl_renderer **out) {
   pl_arena_init(&renderer->instants);
   pl_encoder_init(&renderer->encoder);
   pl_label_tools_init(&renderer->label_tools);
-  const pl_status status = pl_tracer_create(&renderer->tracer);
+  const pl_status status = pl_accelerators_create(&renderer->accelerators);
   if (status != PL_OK)
     pl_renderer_destroy(renderer);
   else
@@ -54,7 +54,7 @@ void pl_renderer_destroy(pl_renderer *renderer) {
   if (renderer == NULL)
     return;
   pl_label_tools_clear(&renderer->label_tools);
-  pl_tracer_destroy(renderer->tracer);
+  pl_accelerators_destroy(renderer->accelerators);
   pl_render_scratch_destroy(renderer->scratch);
   pl_arena_clear(&renderer->arena);
   pl_arena_clear(&renderer->sensor_arena);
@@ -108,20 +108,6 @@ static pl_status check_request(const pl_frame_request *request) {
 /* --- the frame
  * ----------------------------------------------------------------------------------*/
 
-void pl_frame_view_wants(const pl_frame_request *request, pl_view *view) {
-  view->samples = request->samples;
-  view->max_bounces = request->max_bounces;
-  view->texture_filter = request->texture_filter;
-  view->volume_steps = request->volume_steps;
-}
-
-void pl_frame_apply(const pl_plan *plan, pl_snapshot *shot) {
-  if (pl_plan_value(plan, "distortion") == 0)
-    shot->camera.lens = (pl_lens){0};
-  if (pl_plan_value(plan, "depth_of_field") == 0)
-    shot->camera.aperture_m = 0.0;
-}
-
 /* A white Lambert surface facing the sun at the brightest thing of the scene. */
 static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   double irradiance = pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
@@ -152,102 +138,67 @@ static void find_whites(const pl_frame_request *request, pl_view *view, double w
 
 /* Automatic exposures of the display and of the sensor (NULL: none), if `metered`. */
 static pl_status expose(pl_renderer *renderer, const pl_frame_request *request, bool metered,
-                        const pl_snapshot *shot, pl_view *view, pl_sensor *sensor) {
+                        pl_survey *survey, pl_sensor *sensor) {
   const bool automatic = request->exposure.automatic;
-  const double fallback = sunlit_white(shot, view);
-  view->white_radiance = automatic ? fallback : request->exposure.white_radiance;
+  const double fallback = sunlit_white(&survey->shot, &survey->view);
+  double white = automatic ? fallback : request->exposure.white_radiance;
   if (metered && (automatic || (sensor != NULL && sensor->auto_time.on)))
-    PL_TRY(pl_frame_meter(renderer, request, shot, fallback, &view->white_radiance, sensor));
-  view->sensor = sensor;
+    PL_TRY(pl_frame_meter(renderer, request, survey, fallback, &white, sensor));
+  survey->view.white_radiance = white;
+  survey->view.sensor = sensor;
+  return PL_OK;
+}
+
+/* What the frame is about to show, but for its exposure. */
+static pl_status survey_frame(pl_renderer *renderer, const pl_frame_request *request,
+                              pl_survey *out) {
+  const pl_sky *sky = request->sky;
+  PL_TRY(check_request(request));
+  PL_TRY(pl_placement_check(renderer->scene, &request->placement));
+  PL_TRY(ensure_scratch(renderer, request->threads));
+  pl_arena_reset(&renderer->arena);
+  PL_TRY(pl_survey_place(renderer->scene, request, &request->placement, &renderer->arena, out));
+  pl_shutter_measure(&request->placement, &out->shot,
+                     sky != NULL && (sky->stars != NULL || sky->backdrop.kind == PL_BACKDROP_MAP),
+                     &out->view);
   return PL_OK;
 }
 
 /* `metered`: automatic exposures are measured. They are not where labels alone are wanted, which no
  * effect changes. `sensor`: set to the request's with its exposure time, if `developed`. */
 static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request, bool metered,
-                            bool developed, pl_snapshot *shot, pl_sensor *sensor, pl_frame_sky *sky,
+                            bool developed, pl_survey *survey, pl_sensor *sensor,
                             pl_frame_result *result) {
+  pl_view *view = &survey->view;
   double start = now_s();
   *result = (pl_frame_result){0};
-  PL_TRY(check_request(request));
-  PL_TRY(pl_placement_check(renderer->scene, &request->placement));
-  PL_TRY(ensure_scratch(renderer, request->threads));
-  pl_arena_reset(&renderer->arena);
-  pl_view view;
-  PL_TRY(pl_snapshot_build(renderer->scene, &request->placement, &renderer->arena, shot));
-  PL_TRY(pl_snapshot_view(shot, &renderer->arena, &view));
+  PL_TRY(survey_frame(renderer, request, survey));
   lap(result, PL_STAGE_SNAPSHOT, &start);
-  pl_frame_view_wants(request, &view);
-  const pl_sky *sky_asked = request->sky;
-  pl_shutter_measure(&request->placement, shot,
-                     sky_asked != NULL &&
-                         (sky_asked->stars != NULL || sky_asked->backdrop.kind == PL_BACKDROP_MAP),
-                     &view);
   developed = developed && request->sensor != NULL;
   if (developed)
     *sensor = *request->sensor;
-  PL_TRY(expose(renderer, request, metered, shot, &view, developed ? sensor : NULL));
+  PL_TRY(expose(renderer, request, metered, survey, developed ? sensor : NULL));
   result->exposure_s = developed ? sensor->exposure_s : NAN;
   result->gain = developed ? sensor->gain : NAN;
-  result->white_radiance = request->exposure.automatic && !metered ? NAN : view.white_radiance;
-  find_whites(request, &view, result->whites);
-  PL_TRY(pl_frame_sky_view(request->sky, shot, &request->wish, &renderer->arena, &view, sky));
+  result->white_radiance = request->exposure.automatic && !metered ? NAN : view->white_radiance;
+  find_whites(request, view, result->whites);
+  PL_TRY(pl_frame_sky_view(request->sky, &survey->shot, &request->wish, &renderer->arena, view,
+                           &survey->sky));
   lap(result, PL_STAGE_METER, &start);
   if (metered)
-    PL_TRY(pl_laws_build(shot, &renderer->arena, &view));
-  PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &view, &request->wish, &result->plan));
+    PL_TRY(pl_laws_fit(&survey->shot, &renderer->arena, view));
+  PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, view, &request->wish, &result->plan));
   if (pl_moving(request, &result->plan))
-    PL_TRY(pl_moving_plan(renderer, request, &view, metered, &result->plan));
-  pl_snapshot_cull(shot, &view, request->wish.tolerance_dn);
-  pl_frame_apply(&result->plan, shot);
-  if (metered)
-    pl_dots_mark(shot, &view, request->wish.tolerance_dn);
+    PL_TRY(pl_moving_plan(renderer, request, view, metered, &result->plan));
   lap(result, PL_STAGE_PLAN, &start);
   return PL_OK;
 }
 
 pl_status pl_renderer_plan(pl_renderer *renderer, const pl_frame_request *request,
                            pl_frame_result *result) {
-  pl_snapshot shot;
+  pl_survey survey;
   pl_sensor sensor;
-  pl_frame_sky sky;
-  return plan_frame(renderer, request, true, true, &shot, &sensor, &sky, result);
-}
-
-static pl_render_settings settings_of(const pl_frame_request *request,
-                                      const pl_frame_result *result) {
-  const pl_plan *plan = &result->plan;
-  const int samples = pl_plan_value(plan, "antialiasing");
-  /* Asked for by name, or at a tolerance of nothing: so many samples in every pixel. */
-  const bool exact = request->wish.tolerance_dn == 0.0;
-  const bool all_samples =
-      exact || (request->wish.force_on >> pl_effect_find("antialiasing") & 1u) != 0;
-  return (pl_render_settings){
-      .seed = request->seed,
-      .frame = request->index,
-      .samples = !wants_colour(request) ? 0
-                 : samples > 0          ? samples
-                                        : 1,
-      .bounces = pl_plan_value(plan, "bounces"),
-      .body_bounces = pl_plan_value(plan, "body_bounces") > 0,
-      .planetshine = pl_plan_value(plan, "planetshine") > 0,
-      .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
-      .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
-      .emission = pl_plan_value(plan, "emission") > 0,
-      .detail = {.maps = pl_plan_value(plan, "surface_maps") > 0,
-                 .bumps = pl_plan_value(plan, "bump_detail") > 0,
-                 .relief = pl_plan_value(plan, "relief") > 0,
-                 .glint = pl_plan_value(plan, "glint") > 0,
-                 .lights = pl_plan_value(plan, "night_lights") > 0,
-                 .filter = (pl_filter)pl_plan_value(plan, "texture_filter")},
-      .exact = exact,
-      .laws_down = PL_VIEW_LAWS - 1 - pl_plan_value(plan, "regolith"),
-      .clear_coat = pl_plan_value(plan, "clear_coat") > 0,
-      .transmission = pl_plan_value(plan, "transmission") > 0,
-      .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
-      .white_radiance = (float)result->whites[0],
-      .white_other = (float)result->whites[1],
-  };
+  return plan_frame(renderer, request, true, true, &survey, &sensor, result);
 }
 
 static pl_status allocate_bands(pl_renderer *renderer, const pl_camera *camera, pl_vec3f **out) {
@@ -256,74 +207,75 @@ static pl_status allocate_bands(pl_renderer *renderer, const pl_camera *camera, 
   return *out != NULL ? PL_OK : pl_fail(PL_E_MEMORY, "out of memory for a sensor's image");
 }
 
-/* Gathers what lights the snapshot of `output`, and renders it. The tracer is set. */
-static pl_status render_output(pl_renderer *renderer, const pl_frame_request *request,
-                               pl_frame_result *result, pl_frame_sky *sky, pl_output *output) {
-  const pl_snapshot *shot = output->shot;
-  pl_render_settings settings = settings_of(request, result);
-  pl_limb limb;
-  /* The disc itself is seen where nothing is lit, too. */
-  if ((settings.soft_sun || shot->sun.in_frame) &&
-      pl_plan_value(&result->plan, "limb_darkening") > 0) {
-    limb = pl_limb_make(shot->sun.wavelengths_um);
-    settings.limb = &limb;
-  }
-  pl_emitters emitters;
-  const int emitters_value = wants_colour(request) ? pl_plan_value(&result->plan, "emitters") : 0;
-  pl_air_view air;
-  pl_planetshine shine;
-  PL_TRY(pl_frame_emitters(&renderer->arena, shot, emitters_value, &emitters, &settings));
-  pl_veils veils;
-  PL_TRY(pl_frame_air(&renderer->arena, shot, &result->plan, &air, &settings));
-  PL_TRY(pl_frame_veils(&renderer->arena, shot, &result->plan, &veils, &settings));
-  PL_TRY(pl_frame_planetshine(&renderer->arena, shot, &result->plan, &shine, &settings));
-  pl_caustics caustics;
-  pl_frame_caustics(renderer, shot, &result->plan, &caustics, &settings);
-  if (wants_colour(request) && !pl_moving(request, &result->plan))
-    PL_TRY(pl_dots_render(renderer, shot, &settings, &renderer->arena, request->cancel, sky));
-  if (wants_colour(request))
-    PL_TRY(pl_frame_sky_place(&result->plan, shot, renderer->tracer, &settings, &renderer->arena,
-                              sky));
+pl_status pl_frame_light_sky(pl_renderer *renderer, const pl_frame_request *request,
+                             const pl_plan *plan, const pl_instant *instant, bool dots,
+                             pl_arena *arena, pl_frame_sky *sky) {
+  if (instant->settings.samples == 0)
+    return PL_OK;
+  if (dots)
+    PL_TRY(pl_dots_render(instant, renderer->scratch, arena, request->cancel, sky));
+  return pl_frame_sky_place(plan, &instant->shot, instant->tracer, &instant->settings, arena, sky);
+}
+
+pl_status pl_frame_render(pl_renderer *renderer, const pl_frame_request *request,
+                          const pl_instant *instant, const pl_frame_sky *sky, pl_tile_fn done,
+                          void *context) {
+  pl_render_settings settings = instant->settings;
   settings.backdrop = sky->backdrop.kind != PL_BACKDROP_NONE ? &sky->backdrop : NULL;
-  result->stars = sky->seen;
-  result->star_count = sky->seen_count;
-  if (pl_moving(request, &result->plan))
-    return pl_moving_render(renderer, request, &result->plan, &settings, emitters_value, output);
-  return pl_render(shot, renderer->tracer, &settings, renderer->scratch, pl_output_tile, output,
+  return pl_render(&instant->shot, instant->tracer, &settings, renderer->scratch, done, context,
                    request->cancel);
+}
+
+/* Renders the middle, or the instants about it. */
+static pl_status render_frame(pl_renderer *renderer, const pl_frame_request *request,
+                              const pl_survey *survey, const pl_choice *choice,
+                              const pl_instant *instant, pl_frame_result *result,
+                              pl_output *output) {
+  const bool moves = pl_moving(request, &result->plan);
+  pl_frame_sky sky = survey->sky;
+  PL_TRY(pl_frame_light_sky(renderer, request, &result->plan, instant, !moves, &renderer->arena,
+                            &sky));
+  result->stars = sky.seen;
+  result->star_count = sky.seen_count;
+  output->sky = &sky;
+  if (!moves)
+    PL_TRY(pl_frame_render(renderer, request, instant, &sky, pl_output_tile, output));
+  else
+    PL_TRY(
+        pl_moving_render(renderer, request, &result->plan, &survey->view, choice, instant, output));
+  output->sky = NULL;
+  return PL_OK;
 }
 
 pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *request,
                             pl_frame_result *result) {
-  pl_snapshot shot;
+  pl_survey survey;
   pl_sensor sensor;
-  pl_frame_sky sky;
-  const bool develop = pl_frame_wants_sensor(request);
-  PL_TRY(
-      plan_frame(renderer, request, wants_colour(request), develop, &shot, &sensor, &sky, result));
+  const pl_instant *instant;
+  const bool develop = pl_frame_wants_sensor(request), colour = wants_colour(request);
+  PL_TRY(plan_frame(renderer, request, colour, develop, &survey, &sensor, result));
   double start = now_s();
+  const pl_choice choice = pl_choice_of_plan(request, result, colour);
+  PL_TRY(pl_realise(renderer->accelerators, &survey, &choice, &renderer->arena, &instant));
   pl_output output = {
       .request = request,
-      .shot = &shot,
+      .shot = &instant->shot,
       .encoder = &renderer->encoder,
       .white_radiance = (float)result->white_radiance,
       .colour = true,
-      .sky = &sky,
-      .sensor = develop ? &sensor : NULL,
   };
   if (develop)
-    PL_TRY(allocate_bands(renderer, &shot.camera, &output.bands));
-  PL_TRY(
-      pl_labels_prepare(request, &shot, &renderer->label_tools, &renderer->arena, &output.labels));
-  PL_TRY(pl_tracer_set(renderer->tracer, &shot));
+    PL_TRY(allocate_bands(renderer, &instant->shot.camera, &output.bands));
+  PL_TRY(pl_labels_prepare(request, &instant->shot, &renderer->label_tools, &renderer->arena,
+                           &output.labels));
   lap(result, PL_STAGE_REALISE, &start);
-  PL_TRY(render_output(renderer, request, result, &sky, &output));
+  PL_TRY(render_frame(renderer, request, &survey, &choice, instant, result, &output));
   lap(result, PL_STAGE_RENDER, &start);
-  PL_TRY(
-      pl_labels_finish(&output.labels, renderer->tracer, &renderer->label_tools, &renderer->arena));
+  PL_TRY(pl_labels_finish(&output.labels, renderer->accelerators, &renderer->label_tools,
+                          &renderer->arena));
   lap(result, PL_STAGE_LABEL, &start);
   if (develop)
-    PL_TRY(pl_frame_develop(renderer, request, &shot, &sensor, &result->plan, output.bands));
+    PL_TRY(pl_frame_develop(renderer, request, instant, &sensor, &result->plan, output.bands));
   lap(result, PL_STAGE_SENSOR, &start);
   return PL_OK;
 }

@@ -88,7 +88,7 @@ static pl_status label_object(const pl_labels *labels, const pl_silhouette_job *
   return labels->outlines != NULL ? find_silhouette(labels, job, index, &extent) : PL_OK;
 }
 
-pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_label_tools *tools,
+pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_label_tools *tools,
                            pl_arena *arena) {
   void *workers, *cells = NULL;
   const int threads = labels->request->threads;
@@ -98,7 +98,7 @@ pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_label_
   if (labels->seen != NULL)
     PL_TRY(take(arena, pl_silhouette_cells(&labels->shot->camera), 1, &cells));
   if (labels->seen != NULL && tools->solo == NULL)
-    PL_TRY(pl_solo_create(tracer, &tools->solo));
+    PL_TRY(pl_solo_create(kept, &tools->solo));
   const pl_silhouette_job job = {
       .shot = labels->shot,
       .seen = labels->seen,

@@ -22,7 +22,7 @@ typedef struct pl_label_tools {
   pl_cluster_cache clusters;
 } pl_label_tools;
 void pl_label_tools_init(pl_label_tools *tools);
-void pl_label_tools_clear(pl_label_tools *tools); /* before the tracer is destroyed */
+void pl_label_tools_clear(pl_label_tools *tools); /* before the accelerators are destroyed */
 
 /* All memory is the arena's. Touches nothing when neither objects nor masks are asked for. */
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
@@ -30,7 +30,7 @@ pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *
 /* Called on the workers. */
 void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int worker);
 /* Fills the request's objects and masks. */
-pl_status pl_labels_finish(const pl_labels *labels, pl_tracer *tracer, pl_label_tools *tools,
+pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_label_tools *tools,
                            pl_arena *arena);
 
 #endif

@@ -41,7 +41,7 @@ static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, cons
   }
 }
 
-static pl_status measure(const pl_snapshot *shot, pl_tracer *tracer, pl_reach *reach,
+static pl_status measure(const pl_snapshot *shot, pl_accelerators *kept, pl_reach *reach,
                          pl_arena *arena, int repeats, pl_ray_times *primary,
                          pl_ray_times *shadow) {
   const size_t pixels = (size_t)shot->camera.width * (size_t)shot->camera.height;
@@ -49,12 +49,13 @@ static pl_status measure(const pl_snapshot *shot, pl_tracer *tracer, pl_reach *r
   rays second = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
   if (first.items == NULL || second.items == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for rays");
-  PL_TRY(pl_tracer_set(tracer, shot));
+  const pl_tracer *tracer;
+  PL_TRY(pl_tracer_build(kept, shot, arena, &tracer));
   PL_TRY(pl_reach_update(reach, shot, 0, shot->camera.height, 1, 1));
   gather_primary(shot, reach, &first);
   gather_shadow(shot, tracer, &first, &second);
-  PL_TRY(pl_tracer_measure(tracer, first.items, first.count, false, repeats, primary));
-  return pl_tracer_measure(tracer, second.items, second.count, true, repeats, shadow);
+  PL_TRY(pl_tracer_measure(kept, tracer, first.items, first.count, false, repeats, primary));
+  return pl_tracer_measure(kept, tracer, second.items, second.count, true, repeats, shadow);
 }
 
 pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, int repeats,
@@ -62,16 +63,16 @@ pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, 
   pl_arena arena;
   pl_snapshot shot;
   pl_reach reach = {0};
-  pl_tracer *tracer = NULL;
+  pl_accelerators *kept = NULL;
   pl_arena_init(&arena);
   pl_status status = pl_placement_check(scene, placement);
   if (status == PL_OK)
     status = pl_snapshot_build(scene, placement, &arena, &shot);
   if (status == PL_OK)
-    status = pl_tracer_create(&tracer);
+    status = pl_accelerators_create(&kept);
   if (status == PL_OK)
-    status = measure(&shot, tracer, &reach, &arena, repeats, primary, shadow);
-  pl_tracer_destroy(tracer);
+    status = measure(&shot, kept, &reach, &arena, repeats, primary, shadow);
+  pl_accelerators_destroy(kept);
   pl_reach_clear(&reach);
   pl_arena_clear(&arena);
   return status;

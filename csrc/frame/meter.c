@@ -72,97 +72,27 @@ static void shrink_camera(pl_camera *camera) {
   camera->height = h;
 }
 
-pl_status pl_frame_emitters(pl_arena *arena, const pl_snapshot *shot, int wanted,
-                            pl_emitters *emitters, pl_render_settings *settings) {
-  if (wanted == 0)
-    return PL_OK;
-  PL_TRY(pl_emitters_build(shot, settings->detail, arena, emitters));
-  settings->emitters = emitters->count > 0 ? emitters : NULL;
-  settings->emitters_on_bodies = emitters->count > 0 && wanted > 1;
-  return PL_OK;
-}
-
-/* Steps of a quick look at the air: its error is of a few per cent. */
-enum { QUICK_STEPS = 6 };
-
-pl_status pl_frame_air(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
-                       pl_air_view *air, pl_render_settings *settings) {
-  const int steps = plan != NULL ? pl_plan_value(plan, "atmosphere") : QUICK_STEPS;
-  if (steps == 0)
-    return PL_OK;
-  PL_TRY(pl_air_view_build(shot, steps, arena, air));
-  air->skylight = plan == NULL || pl_plan_value(plan, "skylight") > 0;
-  air->multiple = plan == NULL || pl_plan_value(plan, "multiple_scattering") > 0;
-  settings->air = air->count > 0 ? air : NULL;
-  return PL_OK;
-}
-
-/* Value of the rows of veils for a quick look. */
-enum { QUICK_VEILS = 4 };
-
-pl_status pl_frame_veils(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
-                         pl_veils *veils, pl_render_settings *settings) {
-  int values[PL_VEIL_KINDS_MAX];
-  bool any;
-  for (size_t k = 0; k < pl_veil_kind_count; k++)
-    values[k] = plan != NULL ? pl_plan_value(plan, pl_veil_kinds[k]->name) : QUICK_VEILS;
-  PL_TRY(pl_veils_build(shot, values, settings->air, arena, veils, &any));
-  veils->emission = plan == NULL || pl_plan_value(plan, "emission") > 0;
-  settings->veils = any ? veils : NULL;
-  return PL_OK;
-}
-
-pl_status pl_frame_planetshine(pl_arena *arena, const pl_snapshot *shot, const pl_plan *plan,
-                               pl_planetshine *shine, pl_render_settings *settings) {
-  settings->shine = NULL;
-  if (pl_plan_value(plan, "planetshine") == 0 || shot->body_count == 0)
-    return PL_OK;
-  PL_TRY(pl_planetshine_build(shot, settings, arena, shine));
-  settings->shine = shine->any ? shine : NULL;
-  return PL_OK;
-}
-
-void pl_frame_caustics(const pl_renderer *renderer, const pl_snapshot *shot, const pl_plan *plan,
-                       pl_caustics *caustics, pl_render_settings *settings) {
-  settings->caustics = NULL;
-  if (settings->samples == 0 || pl_plan_value(plan, "caustics") == 0 || settings->bounces == 0)
-    return;
-  pl_caustics_build(shot, renderer->tracer, settings->detail, caustics);
-  settings->caustics = caustics->count > 0 ? caustics : NULL;
-}
-
 pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
-                         const pl_snapshot *shot, double fallback, double *white_radiance,
+                         const pl_survey *survey, double fallback, double *white_radiance,
                          pl_sensor *sensor) {
-  pl_snapshot small = *shot;
-  shrink_camera(&small.camera);
-  const size_t count = (size_t)small.camera.width * (size_t)small.camera.height;
+  pl_survey small = *survey;
+  shrink_camera(&small.shot.camera);
+  const pl_camera *camera = &small.shot.camera;
+  const size_t count = (size_t)camera->width * (size_t)camera->height;
   const bool exposes = sensor != NULL && sensor->auto_time.on;
   meter meter = {.luminances = pl_arena_alloc(&renderer->arena, count, sizeof(float)),
-                 .width = small.camera.width};
+                 .width = camera->width};
   if (meter.luminances == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for metering");
   if (exposes)
     PL_TRY(meter_sensor(&meter, sensor, count, &renderer->arena));
-  pl_render_settings settings = {.seed = request->seed,
-                                 .frame = request->index,
-                                 .samples = METER_SAMPLES,
-                                 .cast_shadows = true,
-                                 .emission = true,
-                                 .detail = PL_DETAIL_FULL,
-                                 .clear_coat = true};
-  pl_emitters emitters;
-  pl_air_view air;
-  pl_veils veils;
-  PL_TRY(pl_frame_air(&renderer->arena, &small, NULL, &air, &settings));
-  PL_TRY(pl_frame_veils(&renderer->arena, &small, NULL, &veils, &settings));
-  PL_TRY(pl_frame_emitters(&renderer->arena, &small, 2, &emitters, &settings));
-  PL_TRY(pl_tracer_set(renderer->tracer, &small));
-  PL_TRY(pl_render(&small, renderer->tracer, &settings, renderer->scratch, meter_tile, &meter,
-                   request->cancel));
+  const pl_choice choice = pl_choice_of_metering(request, METER_SAMPLES);
+  const pl_instant *instant;
+  PL_TRY(pl_realise(renderer->accelerators, &small, &choice, &renderer->arena, &instant));
+  PL_TRY(pl_frame_render(renderer, request, instant, &small.sky, meter_tile, &meter));
   if (exposes)
-    pl_sensor_expose(sensor, pl_sensor_meter(&sensor->auto_time, meter.signals, small.camera.width,
-                                             small.camera.height, meter.signals + count, fallback));
+    pl_sensor_expose(sensor, pl_sensor_meter(&sensor->auto_time, meter.signals, camera->width,
+                                             camera->height, meter.signals + count, fallback));
   if (request->exposure.automatic)
     *white_radiance = pl_exposure_meter(&request->exposure, meter.luminances, count, fallback);
   return PL_OK;

@@ -1,9 +1,7 @@
 /* Instants, one after the other. */
 #include "frame/moving.h"
 
-#include "frame/dots.h"
 #include "frame/effects.h"
-#include "render/laws.h"
 #include "scene/shutter.h"
 
 /* Instants whose views the plan looks at. */
@@ -24,38 +22,15 @@ bool pl_moving(const pl_frame_request *request, const pl_plan *plan) {
   return blurs(request, plan) || bands_of(request, plan) > 1;
 }
 
-/* The world at an instant. */
-typedef struct instant {
-  pl_placement placement; /* borrowed by shot */
-  pl_snapshot shot;
-  pl_view view;
-} instant;
-
-/* `u`: part of the frame's time. `middle`: tells the view what the user and the sensor want. */
-static pl_status stop(pl_renderer *renderer, const pl_frame_request *request, double u,
-                      const pl_view *middle, bool laws, instant *out) {
-  pl_arena *arena = &renderer->instants;
-  pl_arena_reset(arena);
-  PL_TRY(pl_placement_at(renderer->scene, &request->placement, u, arena, &out->placement));
-  PL_TRY(pl_snapshot_build(renderer->scene, &out->placement, arena, &out->shot));
-  PL_TRY(pl_snapshot_view(&out->shot, arena, &out->view));
-  pl_frame_view_wants(request, &out->view);
-  out->view.white_radiance = middle->white_radiance;
-  out->view.display_white = middle->display_white;
-  out->view.sensor = middle->sensor;
-  out->view.blur_px = middle->blur_px;
-  out->view.skew_px = middle->skew_px;
-  out->view.sky = middle->sky;
-  return laws ? pl_laws_build(&out->shot, arena, &out->view) : PL_OK;
-}
-
 pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_view *middle, bool colour, pl_plan *plan) {
-  instant instant;
+  pl_survey survey;
   pl_plan now;
   for (int i = 0; i < LOOKS; i++) {
-    PL_TRY(stop(renderer, request, (double)i / (LOOKS - 1), middle, colour, &instant));
-    PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &instant.view, &request->wish, &now));
+    pl_arena_reset(&renderer->instants);
+    PL_TRY(pl_survey_at(renderer->scene, request, (double)i / (LOOKS - 1), middle, colour,
+                        &renderer->instants, &survey));
+    PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &survey.view, &request->wish, &now));
     for (size_t k = 0; k < plan->count; k++) {
       pl_plan_row *row = &plan->rows[k];
       const double residual = fmax(row->residual_dn, now.rows[k].residual_dn);
@@ -86,66 +61,50 @@ static void add_stars(const pl_slice *slice, const pl_frame_sky *sky, const pl_c
   }
 }
 
-/* Turns the tracer to an instant and renders it. */
-static pl_status render_at(pl_renderer *renderer, const pl_frame_request *request,
-                           const pl_plan *plan, double time_s, int emitters,
-                           pl_render_settings settings, pl_tile_fn done, pl_output *output) {
-  instant instant;
-  pl_emitters lights;
-  pl_planetshine shine;
-  pl_caustics caustics;
-  pl_air_view air;
-  pl_veils veils;
-  pl_frame_sky sky = {0};
+/* What all instants of a frame share. */
+typedef struct exposure {
+  pl_renderer *renderer;
+  const pl_frame_request *request;
+  const pl_plan *plan;
+  const pl_view *middle;
+  pl_output *output;
+} exposure;
+
+/* Renders an instant. */
+static pl_status render_at(const exposure *e, double time_s, const pl_choice *choice,
+                           pl_tile_fn done) {
+  pl_renderer *renderer = e->renderer;
   pl_arena *arena = &renderer->instants;
-  const bool colour = settings.samples > 0;
-  const pl_view middle = {.white_radiance = (double)settings.white_radiance,
-                          .display_white = (double)output->white_radiance,
-                          .sensor = output->sensor};
+  const pl_frame_request *request = e->request;
   const double u = time_s / pl_shutter_window_s(&request->placement);
-  settings.air = NULL;
-  settings.veils = NULL;
-  settings.backdrop = NULL;
-  PL_TRY(stop(renderer, request, u, &middle, colour, &instant));
+  const bool colour = choice->colour;
+  pl_survey survey;
+  const pl_instant *instant;
+  pl_arena_reset(arena);
+  PL_TRY(pl_survey_at(renderer->scene, request, u, e->middle, colour, arena, &survey));
   if (colour)
-    PL_TRY(
-        pl_frame_sky_view(request->sky, &instant.shot, &request->wish, arena, &instant.view, &sky));
-  pl_snapshot_cull(&instant.shot, &instant.view, request->wish.tolerance_dn);
-  pl_frame_apply(plan, &instant.shot);
-  if (colour)
-    pl_dots_mark(&instant.shot, &instant.view, request->wish.tolerance_dn);
-  PL_TRY(pl_tracer_set(renderer->tracer, &instant.shot));
-  if (colour) {
-    PL_TRY(pl_frame_emitters(arena, &instant.shot, emitters, &lights, &settings));
-    PL_TRY(pl_frame_air(arena, &instant.shot, plan, &air, &settings));
-    PL_TRY(pl_frame_veils(arena, &instant.shot, plan, &veils, &settings));
-    PL_TRY(pl_frame_planetshine(arena, &instant.shot, plan, &shine, &settings));
-    pl_frame_caustics(renderer, &instant.shot, plan, &caustics, &settings);
-    PL_TRY(pl_dots_render(renderer, &instant.shot, &settings, arena, request->cancel, &sky));
-    PL_TRY(pl_frame_sky_place(plan, &instant.shot, renderer->tracer, &settings, arena, &sky));
-    settings.backdrop = sky.backdrop.kind != PL_BACKDROP_NONE ? &sky.backdrop : NULL;
-  }
-  output->shot = &instant.shot;
-  output->sky = &sky;
-  PL_TRY(pl_render(&instant.shot, renderer->tracer, &settings, renderer->scratch, done, output,
-                   request->cancel));
-  if (colour && settings.slice != NULL)
-    add_stars(settings.slice, &sky, &instant.shot.camera, output->film);
+    PL_TRY(pl_frame_sky_view(request->sky, &survey.shot, &request->wish, arena, &survey.view,
+                             &survey.sky));
+  PL_TRY(pl_realise(renderer->accelerators, &survey, choice, arena, &instant));
+  PL_TRY(pl_frame_light_sky(renderer, request, e->plan, instant, true, arena, &survey.sky));
+  e->output->shot = &instant->shot;
+  e->output->sky = &survey.sky;
+  PL_TRY(pl_frame_render(renderer, request, instant, &survey.sky, done, e->output));
+  if (colour && choice->settings.slice != NULL)
+    add_stars(choice->settings.slice, &survey.sky, &instant->shot.camera, e->output->film);
   return PL_OK;
 }
 
 /* Rows in bands, each in the middle of its exposure. */
-static pl_status render_bands(pl_renderer *renderer, const pl_frame_request *request,
-                              const pl_plan *plan, pl_render_settings settings, int emitters,
-                              pl_output *output) {
-  const pl_shutter *shutter = &request->placement.shutter;
-  const int height = request->placement.camera.height, bands = bands_of(request, plan);
+static pl_status render_bands(const exposure *e, pl_choice choice) {
+  const pl_shutter *shutter = &e->request->placement.shutter;
+  const int height = e->request->placement.camera.height, bands = bands_of(e->request, e->plan);
   for (int band = 0; band < bands; band++) {
-    settings.row0 = (int)((int64_t)band * height / bands);
-    settings.row1 = (int)((int64_t)(band + 1) * height / bands);
-    const double row = 0.5 * (settings.row0 + settings.row1 - 1);
+    choice.settings.row0 = (int)((int64_t)band * height / bands);
+    choice.settings.row1 = (int)((int64_t)(band + 1) * height / bands);
+    const double row = 0.5 * (choice.settings.row0 + choice.settings.row1 - 1);
     const double time_s = row * shutter->line_s + 0.5 * shutter->exposure_s;
-    PL_TRY(render_at(renderer, request, plan, time_s, emitters, settings, pl_output_tile, output));
+    PL_TRY(render_at(e, time_s, &choice, pl_output_tile));
   }
   return PL_OK;
 }
@@ -197,51 +156,53 @@ static pl_status add_tile(void *context, const pl_tile_result *result, int worke
   return PL_OK;
 }
 
-static pl_status render_blur(pl_renderer *renderer, const pl_frame_request *request,
-                             const pl_plan *plan, pl_render_settings settings, int emitters,
-                             pl_output *output) {
-  const pl_camera *camera = &request->placement.camera;
+static pl_status render_blur(const exposure *e, pl_choice choice) {
+  const pl_camera *camera = &e->request->placement.camera;
   const size_t width = (size_t)camera->width, pixels = width * (size_t)camera->height;
-  pl_slice slice = slices_of(request, plan);
-  output->film = pl_arena_alloc(&renderer->arena, pixels, sizeof *output->film);
+  pl_output *output = e->output;
+  pl_slice slice = slices_of(e->request, e->plan);
+  output->film = pl_arena_alloc(&e->renderer->arena, pixels, sizeof *output->film);
   if (output->film == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for an exposure");
   for (size_t i = 0; i < pixels; i++)
     output->film[i] = (pl_vec3f){0.0f, 0.0f, 0.0f};
-  settings.slice = &slice;
+  choice.settings.slice = &slice;
   for (slice.instant = 0; slice.instant < slice.count; slice.instant++) {
     const double time_s = slice.start_s + slice.span_s * (slice.instant + 0.5) / slice.count;
-    rows_of(&slice, camera->height, &settings);
-    PL_TRY(render_at(renderer, request, plan, time_s, emitters, settings, add_tile, output));
+    rows_of(&slice, camera->height, &choice.settings);
+    PL_TRY(render_at(e, time_s, &choice, add_tile));
   }
   for (size_t first = 0; first < pixels; first += width)
     pl_output_colour(output, first, output->film + first, width);
   return PL_OK;
 }
 
+/* The labels of the middle of each row's exposure. */
+static pl_status render_labels(const exposure *e, const pl_choice *choice,
+                               const pl_instant *middle) {
+  if (bands_of(e->request, e->plan) > 1)
+    return render_bands(e, pl_choice_of_labels(choice));
+  pl_render_settings settings = middle->settings;
+  settings.samples = 0;
+  settings.air = NULL;
+  settings.veils = NULL;
+  return pl_render(&middle->shot, middle->tracer, &settings, e->renderer->scratch, pl_output_tile,
+                   e->output, e->request->cancel);
+}
+
 pl_status pl_moving_render(pl_renderer *renderer, const pl_frame_request *request,
-                           const pl_plan *plan, const pl_render_settings *settings, int emitters,
-                           pl_output *output) {
-  const pl_snapshot *middle = output->shot;
-  pl_render_settings labels = *settings;
-  pl_status status = PL_OK;
+                           const pl_plan *plan, const pl_view *view, const pl_choice *choice,
+                           const pl_instant *instant, pl_output *output) {
+  const exposure e = {renderer, request, plan, view, output};
   if (!blurs(request, plan)) {
-    status = render_bands(renderer, request, plan, *settings, emitters, output);
+    PL_TRY(render_bands(&e, *choice));
   } else {
-    labels.samples = 0;
-    labels.backdrop = NULL;
-    labels.air = NULL;
-    labels.veils = NULL;
     output->colour = false;
-    if (bands_of(request, plan) > 1)
-      status = render_bands(renderer, request, plan, labels, 0, output);
-    else
-      status = pl_render(middle, renderer->tracer, &labels, renderer->scratch, pl_output_tile,
-                         output, request->cancel);
-    if (status == PL_OK && settings->samples > 0)
-      status = render_blur(renderer, request, plan, *settings, emitters, output);
+    PL_TRY(render_labels(&e, choice, instant));
+    if (choice->colour)
+      PL_TRY(render_blur(&e, *choice));
   }
-  output->shot = middle;
+  output->shot = &instant->shot;
   output->sky = NULL; /* an instant's */
-  return status == PL_OK ? pl_tracer_set(renderer->tracer, middle) : status;
+  return PL_OK;
 }

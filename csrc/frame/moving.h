@@ -19,10 +19,10 @@ bool pl_moving(const pl_frame_request *request, const pl_plan *plan);
 pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_view *middle, bool colour, pl_plan *plan);
 
-/* Renders a frame by what pl_renderer_frame has prepared; `emitters`: the value of that effect.
- * The tracer is set to the middle, before and after. */
+/* Renders a frame by what pl_renderer_frame has prepared. `view`, `instant`: of the middle;
+ * `choice`: what is made of every instant. */
 pl_status pl_moving_render(pl_renderer *renderer, const pl_frame_request *request,
-                           const pl_plan *plan, const pl_render_settings *settings, int emitters,
-                           pl_output *output);
+                           const pl_plan *plan, const pl_view *view, const pl_choice *choice,
+                           const pl_instant *instant, pl_output *output);
 
 #endif

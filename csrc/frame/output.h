@@ -14,7 +14,6 @@ typedef struct pl_output {
   bool colour;             /* tiles have colours */
   pl_vec3f *bands;         /* for the sensor; NULL: none */
   const pl_frame_sky *sky; /* its stars; NULL: none */
-  const pl_sensor *sensor; /* NULL: none */
   pl_vec3f *film;          /* what an exposure gathers, see moving.c */
   pl_labels labels;
 } pl_output;

@@ -37,8 +37,8 @@ typedef struct pl_frame_sky {
 /* Before the plan: fills view->sky. Exposures are known. */
 pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl_plan_wish *wish,
                             pl_arena *arena, pl_view *view, pl_frame_sky *out);
-/* After it, with the tracer set to `shot`: what the plan keeps, less the stars that are hidden. The
- * settings' air and veils dim stars. */
+/* After it: what the plan keeps, less the stars that are hidden in `tracer`. The settings' air and
+ * veils dim stars. */
 pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const pl_tracer *tracer,
                              const pl_render_settings *settings, pl_arena *arena,
                              pl_frame_sky *sky);

@@ -10,6 +10,7 @@ enum { PL_VIEW_LAWS = 6 };
 /* Points of a body that are seen, in every band: radiance by its own law, and how far it may be off
  * by the others; W m-2 sr-1. Arrays are borrowed. */
 typedef struct pl_view_laws {
+  float factor[PL_VIEW_LAWS - 1][3]; /* on the light, with which the others come nearest */
   size_t count;
   const float *exact;
   const float *off[PL_VIEW_LAWS - 1];

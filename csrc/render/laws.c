@@ -189,24 +189,23 @@ static float margin(const law_samples *s, size_t i, int law, const float factor[
   return fabsf(here) + change;
 }
 
-static pl_status summarise(const law_samples *s, pl_arena *arena, pl_law_colors **colors,
-                           pl_view_laws **laws) {
+static pl_status summarise(const law_samples *s, pl_arena *arena, pl_view_laws **laws) {
   size_t count = 0;
   for (size_t i = 0; i < ALL; i++)
     count += point_of(s, i)->seen ? VALUES : 0;
   float *values = pl_arena_alloc(arena, count * PL_VIEW_LAWS + 1, sizeof *values);
-  *colors = pl_arena_alloc(arena, 1, sizeof **colors);
   *laws = pl_arena_alloc(arena, 1, sizeof **laws);
-  if (values == NULL || *colors == NULL || *laws == NULL)
+  if (values == NULL || *laws == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for photometric laws");
   (*laws)->count = count;
   for (int law = 0; law < PL_VIEW_LAWS - 1; law++) {
     float *off = values + ((size_t)law + 1) * count;
+    float *factor = (*laws)->factor[law];
     (*laws)->off[law] = off;
-    fit(s, law, (*colors)->factor[law]);
+    fit(s, law, factor);
     for (size_t i = 0; i < ALL; i++)
       for (int k = 0; point_of(s, i)->seen && k < VALUES; k++)
-        *off++ = margin(s, i, law, (*colors)->factor[law], k);
+        *off++ = margin(s, i, law, factor, k);
   }
   (*laws)->exact = values;
   for (size_t i = 0; i < ALL; i++)
@@ -229,12 +228,18 @@ static bool is_covered(const law_samples *s) {
   return lit >= enough;
 }
 
-pl_status pl_laws_build(pl_snapshot *shot, pl_arena *arena, pl_view *view) {
+/* Whether other laws may stand for a body's own, where it is seen. */
+static bool has_others(const pl_shot_body *body) {
+  return body->in_frame && body->body->graph == NULL &&
+         !pl_ground_has_relief(&body->body->ground) &&
+         body->body->reflectance == &pl_reflectance_hapke;
+}
+
+pl_status pl_laws_fit(const pl_snapshot *shot, pl_arena *arena, pl_view *view) {
   pl_view_thing *things = NULL;
   for (size_t i = 0; i < shot->body_count; i++) {
-    pl_shot_body *body = &shot->bodies[i];
-    if (!body->in_frame || body->body->graph != NULL || pl_ground_has_relief(&body->body->ground) ||
-        body->body->reflectance != &pl_reflectance_hapke)
+    const pl_shot_body *body = &shot->bodies[i];
+    if (!has_others(body))
       continue;
     if (things == NULL && (things = pl_arena_alloc(arena, view->thing_count, sizeof *things)))
       memcpy(things, view->things, view->thing_count * sizeof *things);
@@ -248,10 +253,8 @@ pl_status pl_laws_build(pl_snapshot *shot, pl_arena *arena, pl_view *view) {
     take_samples(samples);
     if (!is_covered(samples))
       continue;
-    pl_law_colors *colors;
     pl_view_laws *laws;
-    PL_TRY(summarise(samples, arena, &colors, &laws));
-    body->laws = colors;
+    PL_TRY(summarise(samples, arena, &laws));
     things[samples->thing].laws = laws;
     view->things = things;
   }

@@ -143,14 +143,34 @@ static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_ang
 
 static pl_status place_objects(const pl_scene *scene, const pl_placement *placement,
                                pl_arena *arena, pl_vec3 axis, double half_angle, pl_snapshot *out) {
+  pl_shot_object *objects = pl_arena_alloc(arena, scene->object_count, sizeof *objects);
+  if (objects == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the snapshot");
   for (size_t i = 0; i < scene->object_count; i++) {
-    pl_shot_object *object = &out->objects[i];
+    pl_shot_object *object = &objects[i];
     const pl_object_state state = pl_placement_object(placement, &scene->objects[i], i);
     build_object(&scene->objects[i], &state, out->camera_position, object);
     if (scene->objects[i].cut != NULL)
       PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
     object->in_frame = pl_snapshot_sees(out, object->center, object->radius_m, axis, half_angle);
   }
+  out->objects = objects;
+  return PL_OK;
+}
+
+/* After the objects, of which some are shapes of bodies. */
+static pl_status place_bodies(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,
+                              pl_vec3 axis, double half_angle, pl_snapshot *out) {
+  pl_shot_body *bodies = pl_arena_alloc(arena, scene->body_count, sizeof *bodies);
+  if (bodies == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the snapshot");
+  for (size_t i = 0; i < scene->body_count; i++) {
+    PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], out->camera_position, &bodies[i]));
+    look_for_body(out, axis, half_angle, &bodies[i]);
+  }
+  for (size_t i = scene->craft_count; i < scene->object_count; i++)
+    bodies[scene->objects[i].body].shape = &out->objects[i];
+  out->bodies = bodies;
   return PL_OK;
 }
 
@@ -163,16 +183,12 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
       .camera = placement->camera,
       .camera_to_root = pl_mat3_from_quat(camera.q),
       .camera_position = camera.t,
-      .objects = pl_arena_alloc(arena, scene->object_count, sizeof(pl_shot_object)),
       .object_count = scene->object_count,
-      .bodies = pl_arena_alloc(arena, scene->body_count, sizeof(pl_shot_body)),
       .body_count = scene->body_count,
       .sun = {.position = pl_vec3_sub(placement->sun.position_m, camera.t),
               .radius_m = placement->sun.radius_m,
               .irradiance_au = placement->sun.irradiance_au},
   };
-  if (out->objects == NULL || out->bodies == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory for the snapshot");
   for (int band = 0; band < 3; band++)
     out->sun.wavelengths_um[band] = placement->sun.wavelengths_um[band];
   if (!(pl_vec3_norm(out->sun.position) > out->sun.radius_m))
@@ -183,12 +199,6 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
   pl_snapshot_cone(out, image, &axis, &half_angle);
   out->sun.in_frame = pl_snapshot_sees(out, out->sun.position, out->sun.radius_m, axis, half_angle);
   PL_TRY(place_objects(scene, placement, arena, axis, half_angle, out));
-  for (size_t i = 0; i < scene->body_count; i++) {
-    pl_shot_body *body = &out->bodies[i];
-    PL_TRY(build_body(&scene->bodies[i], &placement->bodies[i], camera.t, body));
-    look_for_body(out, axis, half_angle, body);
-  }
-  for (size_t i = scene->craft_count; i < scene->object_count; i++)
-    out->bodies[scene->objects[i].body].shape = &out->objects[i];
+  PL_TRY(place_bodies(scene, placement, arena, axis, half_angle, out));
   return pl_volumes_place(placement, arena, axis, half_angle, out);
 }

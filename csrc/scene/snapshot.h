@@ -1,5 +1,5 @@
-/* The frozen, camera-relative scene of one frame: what ray tracing and shading read. Axes are the
- * root's, the origin is the camera at mid-exposure. */
+/* The camera-relative scene of one instant: what ray tracing and shading read. Nothing changes it
+ * once it is made. Axes are the root's, the origin is the camera at mid-exposure. */
 #ifndef PL_SCENE_SNAPSHOT_H
 #define PL_SCENE_SNAPSHOT_H
 
@@ -32,18 +32,14 @@ typedef struct pl_shot_object {
   double radius_m;            /* of the bounding sphere */
   bool in_frame;              /* the sphere touches the frustum */
   bool kept;                  /* part of the accelerator; culled ones cannot touch the image */
-  bool eclipsed;              /* a body's shadow may fall on it; set by pl_snapshot_cull */
-  bool dark;                  /* it lies wholly in a body's umbra; set by pl_snapshot_cull */
+  bool eclipsed;              /* a body's shadow may fall on it; found by pl_snapshot_cull */
+  bool dark;                  /* it lies wholly in a body's umbra; found by pl_snapshot_cull */
   bool dot; /* as of bodies: of the shape of one, too small for the samples of pixels */
   /* Of an articulated object: every triangle is in one of these and placed by it, not by to_view;
    * pose and scale are still the object's. */
   const pl_shot_piece *pieces; /* in the order of the cut; NULL of others */
   size_t piece_count;
 } pl_shot_object;
-
-typedef struct pl_law_colors {
-  float factor[PL_VIEW_LAWS - 1][3];
-} pl_law_colors;
 
 typedef struct pl_shot_body {
   const pl_body *body;         /* borrowed */
@@ -59,13 +55,13 @@ typedef struct pl_shot_body {
   bool air_in_frame;           /* its air, if it has any, touches the frustum */
   bool clouds_in_frame;        /* likewise */
   bool rings_in_frame;         /* likewise */
-  bool dot;                    /* too small for the samples of pixels; set by pl_dots_mark */
-  bool shadowed;    /* something may cast a noticeable shadow on it; set by pl_snapshot_cull */
-  bool bounced;     /* others may noticeably light it by reflection; set by pl_snapshot_cull */
-  bool near_meshes; /* objects may, or hide what others send it; set by pl_snapshot_cull */
+  bool dot;                    /* too small for the samples of pixels; see pl_culling */
+  bool shadowed;    /* something may cast a noticeable shadow on it; found by pl_snapshot_cull */
+  bool bounced;     /* others may noticeably light it by reflection; found by pl_snapshot_cull */
+  bool near_meshes; /* objects may, or hide what others send it; found by pl_snapshot_cull */
   /* Factors on the light with which cheaper laws come nearest to its own where it is seen; NULL
-   * where they may not stand for it. Set by pl_laws_build. */
-  const pl_law_colors *laws;
+   * where they may not stand for it. Those of pl_culling's view. */
+  const pl_view_laws *laws;
 } pl_shot_body;
 
 typedef struct pl_shot_volume {
@@ -92,11 +88,11 @@ typedef struct pl_snapshot {
   pl_camera camera;        /* intrinsics; its motion is not used any more */
   pl_mat3 camera_to_root;  /* rotation at mid-exposure */
   pl_vec3 camera_position; /* root frame, m */
-  pl_shot_object *objects;
+  const pl_shot_object *objects;
   size_t object_count;
-  pl_shot_body *bodies;
+  const pl_shot_body *bodies;
   size_t body_count;
-  pl_shot_volume *volumes;
+  const pl_shot_volume *volumes;
   size_t volume_count;
   pl_shot_sun sun;
 } pl_snapshot;
@@ -120,10 +116,19 @@ pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement
  * user's ceilings are filled in by the caller. */
 pl_status pl_snapshot_view(const pl_snapshot *snapshot, pl_arena *arena, pl_view *out);
 
-/* Drops objects that can neither be seen nor, by shadow or reflection, change what is seen by more
- * than `tolerance_dn`, and marks the bodies that shadows of more than that may fall on. Until then
- * everything is kept and every body counts as shadowed. */
-void pl_snapshot_cull(pl_snapshot *snapshot, const pl_view *view, double tolerance_dn);
+/* What decides how much of a snapshot a frame needs. */
+typedef struct pl_culling {
+  const pl_view *view; /* of the snapshot */
+  double tolerance_dn;
+  const bool *dots; /* [body_count]: too small for the samples of pixels; NULL: none */
+} pl_culling;
+
+/* A snapshot without the objects that can neither be seen nor, by shadow or reflection, change what
+ * is seen by more than the tolerance; of its bodies it tells which ones shadows of more than that
+ * may fall on. In one that was only placed everything is kept and every body counts as shadowed.
+ * In `arena`; borrows what `placed` does, and its volumes. */
+pl_status pl_snapshot_cull(const pl_snapshot *placed, const pl_culling *culling, pl_arena *arena,
+                           pl_snapshot *out);
 
 /* Unit direction in root axes through pixel position (u, v); zero where the lens has no ray. */
 pl_vec3 pl_snapshot_ray(const pl_snapshot *snapshot, double u, double v);

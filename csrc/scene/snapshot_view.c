@@ -392,25 +392,63 @@ static bool is_dark(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   return false;
 }
 
-void pl_snapshot_cull(pl_snapshot *shot, const pl_view *view, double tolerance_dn) {
+/* What any thing is at the brightest, with what others send it, W m-2 sr-1. */
+static double brightest_of(const pl_view *view) {
   double brightest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
     brightest = fmax(brightest, pl_view_light(&view->things[i]));
   for (size_t i = 0; i < view->volume_count; i++)
     brightest += view->volumes[i].scattered + view->volumes[i].emitted;
-  brightest *= pl_view_series(view, view->max_bounces);
-  for (size_t i = 0; i < shot->object_count; i++) {
-    pl_shot_object *object = &shot->objects[i];
+  return brightest * pl_view_series(view, view->max_bounces);
+}
+
+static void cull_objects(const pl_snapshot *placed, const pl_culling *culling, double brightest,
+                         pl_shot_object *out) {
+  const pl_view *view = culling->view;
+  for (size_t i = 0; i < placed->object_count; i++) {
+    pl_shot_object *object = &out[i];
+    *object = placed->objects[i];
     object->eclipsed = is_eclipsed(view, &view->things[i]);
-    object->dark = object->eclipsed && is_dark(shot, object->center, object->radius_m);
-    object->kept = object->in_frame || matters(view, &view->things[i], brightest, tolerance_dn);
+    object->dark = object->eclipsed && is_dark(placed, object->center, object->radius_m);
+    object->kept =
+        object->in_frame || matters(view, &view->things[i], brightest, culling->tolerance_dn);
   }
+}
+
+/* `objects`: those that are culled, where shapes of bodies are. */
+static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, double brightest,
+                        pl_shot_object *objects, pl_shot_body *out) {
+  const pl_view *view = culling->view;
   const double series = pl_view_series(view, view->max_bounces);
-  for (size_t i = 0; i < shot->body_count; i++) {
-    const size_t thing = shot->object_count + i;
-    shot->bodies[i].shadowed = is_shadowed(view, &view->things[thing], tolerance_dn);
-    shot->bodies[i].bounced =
-        pl_view_dn(view, pl_view_received(view, thing) * series) > tolerance_dn;
-    shot->bodies[i].near_meshes = is_near_meshes(shot, view, thing, brightest, tolerance_dn);
+  for (size_t i = 0; i < placed->body_count; i++) {
+    const size_t thing = placed->object_count + i;
+    pl_shot_body *body = &out[i];
+    *body = placed->bodies[i];
+    body->shadowed = is_shadowed(view, &view->things[thing], culling->tolerance_dn);
+    body->bounced =
+        pl_view_dn(view, pl_view_received(view, thing) * series) > culling->tolerance_dn;
+    body->near_meshes = is_near_meshes(placed, view, thing, brightest, culling->tolerance_dn);
+    body->laws = view->things[thing].laws;
+    body->dot = culling->dots != NULL && culling->dots[i];
+    if (body->shape == NULL)
+      continue;
+    pl_shot_object *shape = objects + (body->shape - placed->objects);
+    shape->dot = body->dot;
+    body->shape = shape;
   }
+}
+
+pl_status pl_snapshot_cull(const pl_snapshot *placed, const pl_culling *culling, pl_arena *arena,
+                           pl_snapshot *out) {
+  const double brightest = brightest_of(culling->view);
+  pl_shot_object *objects = pl_arena_alloc(arena, placed->object_count, sizeof *objects);
+  pl_shot_body *bodies = pl_arena_alloc(arena, placed->body_count, sizeof *bodies);
+  if (objects == NULL || bodies == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the snapshot");
+  cull_objects(placed, culling, brightest, objects);
+  cull_bodies(placed, culling, brightest, objects, bodies);
+  *out = *placed;
+  out->objects = objects;
+  out->bodies = bodies;
+  return PL_OK;
 }

@@ -10,8 +10,8 @@ pl_status pl_volumes_place(const pl_placement *placement, pl_arena *arena, pl_ve
   out->volume_count = placement->volume_count;
   if (out->volume_count == 0)
     return PL_OK;
-  out->volumes = pl_arena_alloc(arena, out->volume_count, sizeof *out->volumes);
-  if (out->volumes == NULL)
+  pl_shot_volume *volumes = pl_arena_alloc(arena, out->volume_count, sizeof *volumes);
+  if (volumes == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for volumes");
   for (size_t i = 0; i < out->volume_count; i++) {
     const pl_volume *volume = &placement->volumes[i];
@@ -19,7 +19,7 @@ pl_status pl_volumes_place(const pl_placement *placement, pl_arena *arena, pl_ve
     const pl_shot_object *object = on_object ? &out->objects[volume->parent] : NULL;
     const pl_shot_body *body = on_object ? NULL : &out->bodies[volume->parent - out->craft_count];
     const pl_mat3 axes = on_object ? object->rotation : body->rotation;
-    pl_shot_volume *shot = &out->volumes[i];
+    pl_shot_volume *shot = &volumes[i];
     *shot = (pl_shot_volume){.volume = volume};
     shot->rotation = pl_mat3_mul(axes, pl_mat3_from_quat(volume->local.q));
     shot->origin = pl_vec3_add(on_object ? object->position : body->center,
@@ -29,6 +29,7 @@ pl_status pl_volumes_place(const pl_placement *placement, pl_arena *arena, pl_ve
     shot->center = pl_vec3_add(shot->origin, pl_mat3_mul_vec(shot->rotation, shot->ball.center));
     shot->in_frame = pl_snapshot_sees(out, shot->center, shot->radius_m, axis, half_angle);
   }
+  out->volumes = volumes;
   return PL_OK;
 }
 

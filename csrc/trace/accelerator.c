@@ -7,8 +7,41 @@
 #include "scene/graph_point.h"
 #include "trace/coincident.h"
 
-pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing) {
-  const enum RTCError error = rtcGetDeviceError(tracer->device);
+pl_status pl_accelerators_create(pl_accelerators **out) {
+  void *memory;
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_accelerators), "accelerators", &memory));
+  pl_accelerators *kept = memory;
+  kept->device = rtcNewDevice("threads=1,set_affinity=0");
+  if (kept->device == NULL) {
+    const int error = (int)rtcGetDeviceError(NULL);
+    pl_free(kept);
+    return pl_fail(PL_E_DEVICE, "Embree cannot open a device (error %d)", error);
+  }
+  const pl_status status = pl_accelerator_check(kept, "opening a device");
+  if (status != PL_OK)
+    pl_accelerators_destroy(kept);
+  else
+    *out = kept;
+  return status;
+}
+
+static void free_model(pl_model_accelerator *model) {
+  rtcReleaseScene(model->scene);
+  pl_free(model->coincident);
+}
+
+void pl_accelerators_destroy(pl_accelerators *kept) {
+  if (kept == NULL)
+    return;
+  for (size_t i = 0; i < kept->model_count; i++)
+    free_model(&kept->models[i]);
+  rtcReleaseDevice(kept->device);
+  pl_free(kept->models);
+  pl_free(kept);
+}
+
+pl_status pl_accelerator_check(const pl_accelerators *kept, const char *doing) {
+  const enum RTCError error = rtcGetDeviceError(kept->device);
   if (error == RTC_ERROR_NONE)
     return PL_OK;
   if (error == RTC_ERROR_OUT_OF_MEMORY)
@@ -75,9 +108,9 @@ static void share_buffers(RTCGeometry geometry, const pl_model *model) {
                              0, 3 * sizeof(uint32_t), model->triangle_count);
 }
 
-static pl_status build_model(pl_tracer *tracer, const pl_model *model, RTCScene *out) {
-  RTCScene scene = rtcNewScene(tracer->device);
-  RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+static pl_status build_model(pl_accelerators *kept, const pl_model *model, RTCScene *out) {
+  RTCScene scene = rtcNewScene(kept->device);
+  RTCGeometry geometry = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | PL_EMBREE_QUERY_FILTERS);
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
   share_buffers(geometry, model);
@@ -86,7 +119,7 @@ static pl_status build_model(pl_tracer *tracer, const pl_model *model, RTCScene 
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene);
-  const pl_status status = pl_accelerator_check(tracer, "building a model's accelerator");
+  const pl_status status = pl_accelerator_check(kept, "building a model's accelerator");
   if (status != PL_OK)
     rtcReleaseScene(scene);
   else
@@ -94,27 +127,27 @@ static pl_status build_model(pl_tracer *tracer, const pl_model *model, RTCScene 
   return status;
 }
 
-pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model,
+pl_status pl_accelerator_of_model(pl_accelerators *kept, const pl_model *model,
                                   const pl_model_accelerator **out) {
-  for (size_t i = 0; i < tracer->model_count; i++) {
-    if (tracer->models[i].model == model) {
-      *out = &tracer->models[i];
+  for (size_t i = 0; i < kept->model_count; i++) {
+    if (kept->models[i].model == model) {
+      *out = &kept->models[i];
       return PL_OK;
     }
   }
-  pl_model_accelerator *grown = pl_realloc(tracer->models, tracer->model_count + 1, sizeof *grown);
+  pl_model_accelerator *grown = pl_realloc(kept->models, kept->model_count + 1, sizeof *grown);
   if (grown == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for accelerators");
-  tracer->models = grown;
-  pl_model_accelerator *made = &tracer->models[tracer->model_count];
+  kept->models = grown;
+  pl_model_accelerator *made = &kept->models[kept->model_count];
   *made = (pl_model_accelerator){.model = model, .one_way = is_one_way(model)};
   PL_TRY(pl_coincident_find(model, &made->coincident));
-  const pl_status status = build_model(tracer, model, &made->scene);
+  const pl_status status = build_model(kept, model, &made->scene);
   if (status != PL_OK) {
     pl_free(made->coincident);
     return status;
   }
-  tracer->model_count++;
+  kept->model_count++;
   *out = made;
   return PL_OK;
 }
@@ -123,17 +156,17 @@ size_t pl_accelerator_count(const pl_shot_object *object) {
   return object->pieces != NULL ? object->piece_count : 1;
 }
 
-static pl_status open_instance(pl_tracer *tracer, const pl_shot_object *object, uint32_t index,
+static pl_status open_instance(pl_accelerators *kept, const pl_shot_object *object, uint32_t index,
                                const pl_model *model, pl_instance *out) {
-  const pl_model_accelerator *kept = NULL;
-  PL_TRY(pl_accelerator_of_model(tracer, model, &kept));
+  const pl_model_accelerator *own = NULL;
+  PL_TRY(pl_accelerator_of_model(kept, model, &own));
   *out = (pl_instance){.model = model,
-                       .scene = kept->scene,
-                       .coincident = kept->coincident,
+                       .scene = own->scene,
+                       .coincident = own->coincident,
                        .object = index,
                        .size_m = object->radius_m,
                        .cuts = pl_object_cuts(object->object),
-                       .one_way = kept->one_way};
+                       .one_way = own->one_way};
   return PL_OK;
 }
 
@@ -162,11 +195,11 @@ static void place_piece(const pl_shot_piece *piece, pl_instance *out) {
                     radius_m * (1.0 + 1e-6));
 }
 
-pl_status pl_accelerator_place(pl_tracer *tracer, const pl_shot_object *object, uint32_t index,
+pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *object, uint32_t index,
                                pl_instance *out, size_t *count) {
   *count = 0;
   if (object->pieces == NULL) {
-    PL_TRY(open_instance(tracer, object, index, object->object->model, out));
+    PL_TRY(open_instance(kept, object, index, object->object->model, out));
     place_whole(object, &out[(*count)++]);
     return PL_OK;
   }
@@ -174,7 +207,7 @@ pl_status pl_accelerator_place(pl_tracer *tracer, const pl_shot_object *object, 
     const pl_shot_piece *piece = &object->pieces[k];
     if (!piece->present)
       continue;
-    PL_TRY(open_instance(tracer, object, index, piece->model, &out[*count]));
+    PL_TRY(open_instance(kept, object, index, piece->model, &out[*count]));
     out[*count].first = (uint32_t)object->object->cut->first[k];
     place_piece(piece, &out[(*count)++]);
   }
@@ -256,48 +289,42 @@ static void add_tree(pl_tracer *tracer, pl_sphere *spheres, size_t count) {
   tracer->spheres[own].after = (uint32_t)tracer->sphere_count;
 }
 
-static void build_tree(pl_tracer *tracer) {
-  pl_sphere *leaves = tracer->spheres + 2 * tracer->instance_room;
+/* `leaves`: room for as many as there are instances. */
+static void build_tree(pl_sphere *leaves, pl_tracer *tracer) {
   for (size_t i = 0; i < tracer->instance_count; i++)
     leaves[i] = (pl_sphere){.center = tracer->instances[i].center,
                             .radius_m = tracer->instances[i].radius_m,
                             .instance = (uint32_t)i};
-  tracer->sphere_count = 0;
   add_tree(tracer, leaves, tracer->instance_count);
 }
 
-/* --- a frame ---------------------------------------------------------------------------------- */
-
-static pl_status grow(pl_tracer *tracer, size_t count) {
-  if (count <= tracer->instance_room)
-    return PL_OK;
-  pl_instance *instances = pl_realloc(tracer->instances, count, sizeof *instances);
-  if (instances != NULL)
-    tracer->instances = instances;
-  /* A tree has fewer inner spheres than leaves; behind it the leaves are sorted. */
-  pl_sphere *spheres = pl_realloc(tracer->spheres, 3 * count, sizeof *spheres);
-  if (spheres != NULL)
-    tracer->spheres = spheres;
-  if (instances == NULL || spheres == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory for instances");
-  tracer->instance_room = count;
-  return PL_OK;
-}
-
-pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot) {
-  size_t most = 0;
-  tracer->instance_count = tracer->sphere_count = 0;
-  for (size_t i = 0; i < snapshot->object_count; i++)
-    most += pl_accelerator_count(&snapshot->objects[i]);
-  PL_TRY(grow(tracer, most));
-  for (size_t i = 0; i < snapshot->object_count; i++) {
+static pl_status place_instances(pl_accelerators *kept, pl_tracer *tracer) {
+  const pl_snapshot *shot = tracer->snapshot;
+  for (size_t i = 0; i < shot->object_count; i++) {
     size_t count;
-    if (!snapshot->objects[i].kept)
+    if (!shot->objects[i].kept)
       continue;
-    PL_TRY(pl_accelerator_place(tracer, &snapshot->objects[i], (uint32_t)i,
+    PL_TRY(pl_accelerator_place(kept, &shot->objects[i], (uint32_t)i,
                                 tracer->instances + tracer->instance_count, &count));
     tracer->instance_count += count;
   }
-  build_tree(tracer);
+  return PL_OK;
+}
+
+pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *shot, pl_arena *arena,
+                          const pl_tracer **out) {
+  size_t most = 0;
+  for (size_t i = 0; i < shot->object_count; i++)
+    most += shot->objects[i].kept ? pl_accelerator_count(&shot->objects[i]) : 0;
+  pl_tracer *tracer = pl_arena_alloc(arena, 1, sizeof *tracer);
+  pl_instance *instances = pl_arena_alloc(arena, most, sizeof *instances);
+  /* A tree has fewer inner spheres than leaves; behind it the leaves are sorted. */
+  pl_sphere *spheres = pl_arena_alloc(arena, 3 * most, sizeof *spheres);
+  if (tracer == NULL || instances == NULL || spheres == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for instances");
+  *tracer = (pl_tracer){.instances = instances, .spheres = spheres, .snapshot = shot};
+  PL_TRY(place_instances(kept, tracer));
+  build_tree(spheres + 2 * most, tracer);
+  *out = tracer;
   return PL_OK;
 }

@@ -19,27 +19,29 @@ typedef struct pl_sphere {
   uint32_t instance; /* PL_NOTHING: of several */
 } pl_sphere;
 
-struct pl_tracer {
+struct pl_accelerators {
   RTCDevice device;
   pl_model_accelerator *models; /* owned */
   size_t model_count;
-  pl_instance *instances; /* owned: those of the snapshot that are present */
-  size_t instance_count, instance_room;
-  pl_sphere *spheres; /* owned; a tree: each is followed by all that is in it */
+};
+
+struct pl_tracer {
+  pl_instance *instances; /* those of the snapshot that are present */
+  size_t instance_count;
+  pl_sphere *spheres; /* a tree: each is followed by all that is in it */
   size_t sphere_count;
   const pl_snapshot *snapshot; /* borrowed */
 };
 
 /* PL_E_DEVICE with Embree's error if there is one pending. */
-pl_status pl_accelerator_check(const pl_tracer *tracer, const char *doing);
+pl_status pl_accelerator_check(const pl_accelerators *kept, const char *doing);
 /* The model's own accelerator, built when first asked for and kept; valid until the next call. */
-pl_status pl_accelerator_of_model(pl_tracer *tracer, const pl_model *model,
+pl_status pl_accelerator_of_model(pl_accelerators *kept, const pl_model *model,
                                   const pl_model_accelerator **out);
 /* Instances of an object: itself or its pieces. */
 size_t pl_accelerator_count(const pl_shot_object *object);
 /* Fills those that are present; *count says how many. `index`: of the object. */
-pl_status pl_accelerator_place(pl_tracer *tracer, const pl_shot_object *object, uint32_t index,
+pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *object, uint32_t index,
                                pl_instance *out, size_t *count);
-pl_status pl_accelerator_update(pl_tracer *tracer, const pl_snapshot *snapshot);
 
 #endif

@@ -47,8 +47,8 @@ static void pack(const pl_ray *rays, size_t count, struct RTCRayHit8 *packets) {
 }
 
 /* A scene of Embree's instances, as if there were no other way to place a mesh. */
-static RTCScene instances_of(const pl_tracer *tracer) {
-  RTCScene top = rtcNewScene(tracer->device);
+static RTCScene instances_of(const pl_accelerators *kept, const pl_tracer *tracer) {
+  RTCScene top = rtcNewScene(kept->device);
   rtcSetSceneFlags(top, RTC_SCENE_FLAG_ROBUST);
   for (size_t i = 0; i < tracer->instance_count; i++) {
     const pl_instance *at = &tracer->instances[i];
@@ -62,7 +62,7 @@ static RTCScene instances_of(const pl_tracer *tracer) {
       to_view[3 * k + 1] = (float)all[k].y;
       to_view[3 * k + 2] = (float)all[k].z;
     }
-    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_INSTANCE);
+    RTCGeometry geometry = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, at->scene);
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, to_view);
     rtcCommitGeometry(geometry);
@@ -100,8 +100,9 @@ static double time_ours(const pl_tracer *tracer, const pl_ray *rays, size_t coun
   return now_s() - start;
 }
 
-pl_status pl_tracer_measure(const pl_tracer *tracer, const pl_ray *rays, size_t count, bool shadow,
-                            int repeats, pl_ray_times *out) {
+pl_status pl_tracer_measure(const pl_accelerators *kept, const pl_tracer *tracer,
+                            const pl_ray *rays, size_t count, bool shadow, int repeats,
+                            pl_ray_times *out) {
   enum { BATCH = 1024 };
   double ours[REPEATS_MAX], raw[REPEATS_MAX];
   pl_hit hits[BATCH];
@@ -115,7 +116,7 @@ pl_status pl_tracer_measure(const pl_tracer *tracer, const pl_ray *rays, size_t 
   if (packets == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for %zu rays", count);
   pack(rays, count, packets);
-  RTCScene top = instances_of(tracer);
+  RTCScene top = instances_of(kept, tracer);
   for (int i = 0; i < repeats; i++) {
     raw[i] = time_raw(top, packets, count, shadow);
     ours[i] = time_ours(tracer, rays, count, shadow, hits, occluded);

@@ -12,7 +12,8 @@ typedef struct pl_ray_times {
 
 /* Casts the rays `repeats` times each way, alternating; one thread. `shadow`: occlusion, otherwise
  * closest hits. */
-pl_status pl_tracer_measure(const pl_tracer *tracer, const pl_ray *rays, size_t count, bool shadow,
-                            int repeats, pl_ray_times *out);
+pl_status pl_tracer_measure(const pl_accelerators *kept, const pl_tracer *tracer,
+                            const pl_ray *rays, size_t count, bool shadow, int repeats,
+                            pl_ray_times *out);
 
 #endif

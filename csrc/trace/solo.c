@@ -6,17 +6,17 @@
 #include "trace/accelerator.h"
 
 struct pl_solo {
-  pl_tracer *tracer;      /* borrowed */
+  pl_accelerators *kept;  /* borrowed */
   pl_instance *instances; /* owned; room for as many as any object has had */
   size_t room, count;
   const pl_shot_object *object; /* that is placed; NULL if nothing cuts holes into it */
 };
 
-pl_status pl_solo_create(pl_tracer *tracer, pl_solo **out) {
+pl_status pl_solo_create(pl_accelerators *kept, pl_solo **out) {
   void *memory;
   PL_TRY(pl_alloc_or_fail(1, sizeof(pl_solo), "a tracer of single objects", &memory));
   pl_solo *solo = memory;
-  *solo = (pl_solo){.tracer = tracer};
+  *solo = (pl_solo){.kept = kept};
   *out = solo;
   return PL_OK;
 }
@@ -38,7 +38,7 @@ pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
     solo->room = count;
   }
   solo->object = pl_object_cuts(object->object) ? object : NULL;
-  return pl_accelerator_place(solo->tracer, object, 0, solo->instances, &solo->count);
+  return pl_accelerator_place(solo->kept, object, 0, solo->instances, &solo->count);
 }
 
 typedef struct looks {

@@ -6,8 +6,8 @@
 
 typedef struct pl_solo pl_solo;
 
-/* Borrows the tracer and shares its accelerators of models; to be destroyed before it. */
-pl_status pl_solo_create(pl_tracer *tracer, pl_solo **out);
+/* Borrows the accelerators of models; to be destroyed before them. */
+pl_status pl_solo_create(pl_accelerators *kept, pl_solo **out);
 void pl_solo_destroy(pl_solo *solo); /* NULL is allowed */
 
 /* Makes `object` the one that is tested; whether it is kept in its snapshot does not matter. */

@@ -1,9 +1,6 @@
 /* Casting rays: at each mesh that they come near to, then at the few bodies; the nearest wins. */
 #include "trace/tracer.h"
 
-#include <stdio.h>
-
-#include "base/memory.h"
 #include "geom/ellipsoid.h"
 #include "scene/graph_point.h"
 #include "scene/shot_frame.h"
@@ -15,48 +12,6 @@
 
 const char *pl_tracer_version(void) {
   return PL_TEXT(RTC_VERSION_MAJOR) "." PL_TEXT(RTC_VERSION_MINOR) "." PL_TEXT(RTC_VERSION_PATCH);
-}
-
-pl_status pl_tracer_create(pl_tracer **out) {
-  pl_tracer *tracer = pl_alloc(1, sizeof *tracer);
-  if (tracer == NULL)
-    return pl_fail(PL_E_MEMORY, "out of memory for a tracer");
-  tracer->device = rtcNewDevice("threads=1,set_affinity=0");
-  if (tracer->device == NULL) {
-    const int error = (int)rtcGetDeviceError(NULL);
-    pl_free(tracer);
-    return pl_fail(PL_E_DEVICE, "Embree cannot open a device (error %d)", error);
-  }
-  const pl_status status = pl_accelerator_check(tracer, "opening a device");
-  if (status != PL_OK)
-    pl_tracer_destroy(tracer);
-  else
-    *out = tracer;
-  return status;
-}
-
-static void free_model(pl_model_accelerator *model) {
-  rtcReleaseScene(model->scene);
-  pl_free(model->coincident);
-}
-
-void pl_tracer_destroy(pl_tracer *tracer) {
-  if (tracer == NULL)
-    return;
-  for (size_t i = 0; i < tracer->model_count; i++)
-    free_model(&tracer->models[i]);
-  rtcReleaseDevice(tracer->device);
-  pl_free(tracer->instances);
-  pl_free(tracer->spheres);
-  pl_free(tracer->models);
-  pl_free(tracer);
-}
-
-pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot) {
-  tracer->snapshot = NULL;
-  PL_TRY(pl_accelerator_update(tracer, snapshot));
-  tracer->snapshot = snapshot;
-  return PL_OK;
 }
 
 /* What a query's filter needs to know: the rays, in metres, and where they are now. */

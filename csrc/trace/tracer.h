@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/status.h"
+#include "base/memory.h"
 #include "scene/snapshot.h"
 
 /* Things are numbered objects first, then bodies. */
@@ -37,15 +37,18 @@ typedef struct pl_hit {
   double t;          /* m along the unit direction */
 } pl_hit;
 
-typedef struct pl_tracer pl_tracer;
-
+/* The accelerators of models: each is built when first asked for, and kept. */
+typedef struct pl_accelerators pl_accelerators;
 /* Opens an Embree device of one build thread, so that accelerators are the same everywhere. */
-pl_status pl_tracer_create(pl_tracer **out);
-void pl_tracer_destroy(pl_tracer *tracer);
+pl_status pl_accelerators_create(pl_accelerators **out);
+void pl_accelerators_destroy(pl_accelerators *kept); /* NULL is allowed */
 
-/* Makes `snapshot` the one that rays are cast in. Accelerators of models are built once and kept;
- * only instances move. The snapshot is borrowed until the next call. */
-pl_status pl_tracer_set(pl_tracer *tracer, const pl_snapshot *snapshot);
+/* What rays of one snapshot are cast in. Does not change any more: several may be used side by
+ * side. */
+typedef struct pl_tracer pl_tracer;
+/* In `arena`. Borrows the snapshot and what is kept. */
+pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *snapshot, pl_arena *arena,
+                          const pl_tracer **out);
 
 /* Thread-safe. `coherent` rays (neighbours with similar directions) go as packets of
  * PL_TRACER_PACKET in their order. The choice, and what is in a packet, are part of the result's

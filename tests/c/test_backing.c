@@ -10,22 +10,23 @@ typedef struct world {
   stage stage;
   pl_arena arena;
   pl_snapshot shot;
-  pl_tracer *tracer;
+  pl_accelerators *kept;
+  const pl_tracer *tracer;
 } world;
 
 static void world_init(world *w) {
   stage_init(&w->stage, 64, 64, 64.0);
   pl_arena_init(&w->arena);
-  assert_int_equal(pl_tracer_create(&w->tracer), PL_OK);
+  assert_int_equal(pl_accelerators_create(&w->kept), PL_OK);
 }
 static void world_set(world *w) {
   pl_arena_reset(&w->arena);
   assert_int_equal(pl_snapshot_build(&w->stage.scene, &w->stage.placement, &w->arena, &w->shot),
                    PL_OK);
-  assert_int_equal(pl_tracer_set(w->tracer, &w->shot), PL_OK);
+  assert_int_equal(pl_tracer_build(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
 }
 static void world_clear(world *w) {
-  pl_tracer_destroy(w->tracer);
+  pl_accelerators_destroy(w->kept);
   pl_arena_clear(&w->arena);
   stage_clear(&w->stage);
 }

@@ -200,22 +200,23 @@ static void test_same_bits(void **state) {
 
 /* --- the table -------------------------------------------------------------------------------- */
 
-static void build(const world *w, pl_arena *arena, pl_tracer **tracer, pl_snapshot *shot,
+static void build(const world *w, pl_arena *arena, pl_accelerators **kept, pl_snapshot *shot,
                   pl_caustics *out) {
   pl_arena_init(arena);
   assert_int_equal(pl_snapshot_build(&w->s.scene, &w->s.placement, arena, shot), PL_OK);
-  assert_int_equal(pl_tracer_create(tracer), PL_OK);
-  assert_int_equal(pl_tracer_set(*tracer, shot), PL_OK);
-  pl_caustics_build(shot, *tracer, PL_DETAIL_FULL, out);
+  const pl_tracer *tracer;
+  assert_int_equal(pl_accelerators_create(kept), PL_OK);
+  assert_int_equal(pl_tracer_build(*kept, shot, arena, &tracer), PL_OK);
+  pl_caustics_build(shot, tracer, PL_DETAIL_FULL, out);
 }
 
 static size_t count_mirrors(const world *w) {
   pl_arena arena;
-  pl_tracer *tracer;
+  pl_accelerators *kept;
   pl_snapshot shot;
   pl_caustics caustics;
-  build(w, &arena, &tracer, &shot, &caustics);
-  pl_tracer_destroy(tracer);
+  build(w, &arena, &kept, &shot, &caustics);
+  pl_accelerators_destroy(kept);
   pl_arena_clear(&arena);
   return caustics.count;
 }
@@ -325,12 +326,12 @@ static void test_density(void **state) {
   static const pl_vec3 places[] = {{0, 0, 0}, {0.9, 0.2, -2}, {4.2, 0, 0}, {0, 0, 30}};
   world w;
   pl_arena arena;
-  pl_tracer *tracer;
+  pl_accelerators *kept;
   pl_snapshot shot;
   pl_caustics caustics;
   world_init(&w, 0.2f);
   world_add_mirror(&w, PL_QUAT_IDENTITY);
-  build(&w, &arena, &tracer, &shot, &caustics);
+  build(&w, &arena, &kept, &shot, &caustics);
   assert_int_equal(caustics.count, 1);
   const pl_caustic_mirror *m = &caustics.mirrors[0];
   for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
@@ -363,7 +364,7 @@ static void test_density(void **state) {
       assert_true(fabs(sum / DRAWS / solid_angle - 1.0) < 0.015 * wide + 0.005);
     }
   }
-  pl_tracer_destroy(tracer);
+  pl_accelerators_destroy(kept);
   pl_arena_clear(&arena);
   world_clear(&w);
 }

@@ -295,9 +295,10 @@ static void test_density_of_draws(void **state) {
   assert_int_equal(pl_snapshot_build(&s.scene, &s.placement, &arena, &shot), PL_OK);
   assert_int_equal(pl_emitters_build(&shot, PL_DETAIL_FULL, &arena, &list), PL_OK);
   assert_int_equal(list.count, 3);
-  pl_tracer *tracer;
-  assert_int_equal(pl_tracer_create(&tracer), PL_OK);
-  assert_int_equal(pl_tracer_set(tracer, &shot), PL_OK);
+  pl_accelerators *kept;
+  const pl_tracer *tracer;
+  assert_int_equal(pl_accelerators_create(&kept), PL_OK);
+  assert_int_equal(pl_tracer_build(kept, &shot, &arena, &tracer), PL_OK);
   int met[3] = {0}, drawn = 0;
   for (int i = 0; i < 20000; i++) {
     const pl_vec3 point = {random_range(&random, -2, 2), random_range(&random, -2, 2),
@@ -339,7 +340,7 @@ static void test_density_of_draws(void **state) {
   }
   print_message("seed 31: %d draws, met %d %d %d\n", drawn, met[0], met[1], met[2]);
   assert_true(met[0] > 1000 && met[1] > 50 && met[2] > 1000);
-  pl_tracer_destroy(tracer);
+  pl_accelerators_destroy(kept);
   pl_arena_clear(&arena);
   stage_clear(&s);
   pl_model_destroy(models[0]);

@@ -16,7 +16,8 @@ typedef struct world {
   stage stage;
   pl_arena arena;
   pl_snapshot shot;
-  pl_tracer *tracer;
+  pl_accelerators *kept;
+  const pl_tracer *tracer;
   pl_reach reach;
 } world;
 
@@ -24,20 +25,20 @@ static void world_init(world *w, double focal_px) {
   *w = (world){0};
   stage_init(&w->stage, WIDTH, HEIGHT, focal_px);
   pl_arena_init(&w->arena);
-  assert_int_equal(pl_tracer_create(&w->tracer), PL_OK);
+  assert_int_equal(pl_accelerators_create(&w->kept), PL_OK);
 }
 
 static void world_set(world *w, int rays) {
   pl_arena_reset(&w->arena);
   assert_int_equal(pl_snapshot_build(&w->stage.scene, &w->stage.placement, &w->arena, &w->shot),
                    PL_OK);
-  assert_int_equal(pl_tracer_set(w->tracer, &w->shot), PL_OK);
+  assert_int_equal(pl_tracer_build(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
   assert_int_equal(pl_reach_update(&w->reach, &w->shot, 0, HEIGHT, rays, 1), PL_OK);
 }
 
 static void world_clear(world *w) {
   pl_reach_clear(&w->reach);
-  pl_tracer_destroy(w->tracer);
+  pl_accelerators_destroy(w->kept);
   pl_arena_clear(&w->arena);
   stage_clear(&w->stage);
 }

@@ -301,7 +301,8 @@ static void test_against_each_object_alone(void **state) {
 typedef struct bench {
   pl_arena arena;
   pl_snapshot shot;
-  pl_tracer *tracer;
+  pl_accelerators *kept;
+  const pl_tracer *tracer;
   pl_solo *solo;
   pl_cluster_cache clusters;
   pl_seen seen[WIDTH * HEIGHT];
@@ -315,9 +316,9 @@ static void bench_init(bench *b, const stage *s) {
   memset(b, 0, sizeof *b);
   pl_arena_init(&b->arena);
   assert_int_equal(pl_snapshot_build(&s->scene, &s->placement, &b->arena, &b->shot), PL_OK);
-  assert_int_equal(pl_tracer_create(&b->tracer), PL_OK);
-  assert_int_equal(pl_tracer_set(b->tracer, &b->shot), PL_OK);
-  assert_int_equal(pl_solo_create(b->tracer, &b->solo), PL_OK);
+  assert_int_equal(pl_accelerators_create(&b->kept), PL_OK);
+  assert_int_equal(pl_tracer_build(b->kept, &b->shot, &b->arena, &b->tracer), PL_OK);
+  assert_int_equal(pl_solo_create(b->kept, &b->solo), PL_OK);
   for (size_t i = 0; i < STAGE_THINGS; i++)
     b->extents[i] = PL_EXTENT_NONE;
   for (int y = 0; y < HEIGHT; y++)
@@ -342,7 +343,7 @@ static void bench_init(bench *b, const stage *s) {
 static void bench_clear(bench *b) {
   pl_cluster_cache_clear(&b->clusters);
   pl_solo_destroy(b->solo);
-  pl_tracer_destroy(b->tracer);
+  pl_accelerators_destroy(b->kept);
   pl_arena_clear(&b->arena);
 }
 

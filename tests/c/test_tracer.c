@@ -15,22 +15,23 @@ typedef struct world {
   stage stage;
   pl_arena arena;
   pl_snapshot shot;
-  pl_tracer *tracer;
+  pl_accelerators *kept;
+  const pl_tracer *tracer;
 } world;
 
 static void world_init(world *w) {
   stage_init(&w->stage, 64, 64, 64.0);
   pl_arena_init(&w->arena);
-  assert_int_equal(pl_tracer_create(&w->tracer), PL_OK);
+  assert_int_equal(pl_accelerators_create(&w->kept), PL_OK);
 }
 static void world_set(world *w) {
   pl_arena_reset(&w->arena);
   assert_int_equal(pl_snapshot_build(&w->stage.scene, &w->stage.placement, &w->arena, &w->shot),
                    PL_OK);
-  assert_int_equal(pl_tracer_set(w->tracer, &w->shot), PL_OK);
+  assert_int_equal(pl_tracer_build(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
 }
 static void world_clear(world *w) {
-  pl_tracer_destroy(w->tracer);
+  pl_accelerators_destroy(w->kept);
   pl_arena_clear(&w->arena);
   stage_clear(&w->stage);
 }
@@ -194,9 +195,13 @@ static void test_random_scenes(void **state) {
       for (size_t i = 0; i < w.stage.scene.body_count; i++)
         w.stage.bodies[i].motion = still(nearby(&random), random_rotation(&random));
       world_set(&w);
-      for (size_t i = 0; i < 5; i++)
-        w.shot.objects[i].kept = random_unit(&random) < 0.8;
-      assert_int_equal(pl_tracer_set(w.tracer, &w.shot), PL_OK);
+      pl_shot_object objects[STAGE_THINGS];
+      for (size_t i = 0; i < w.shot.object_count; i++) {
+        objects[i] = w.shot.objects[i];
+        objects[i].kept = i >= 5 || random_unit(&random) < 0.8;
+      }
+      w.shot.objects = objects;
+      assert_int_equal(pl_tracer_build(w.kept, &w.shot, &w.arena, &w.tracer), PL_OK);
       for (int k = 0; k < 12; k++) {
         pl_ray rays[RAYS];
         random_rays(&random, rays);

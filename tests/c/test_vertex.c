@@ -94,7 +94,8 @@ static void test_own_triangle(void **state) {
     stage s;
     pl_arena arena;
     pl_snapshot shot;
-    pl_tracer *tracer;
+    pl_accelerators *kept;
+    const pl_tracer *tracer;
     test_random random = {.seed = 41};
     stage_init(&s, 64, 64, 64.0);
     const double scale = scales[i];
@@ -105,12 +106,12 @@ static void test_own_triangle(void **state) {
     middle = pl_mat3_mul_vec(pl_mat3_from_quat(turn), middle);
     stage_add_object(&s, model, pl_vec3_sub((pl_vec3){0, 0, 6e4 * scale}, middle), turn, scale);
     pl_arena_init(&arena);
-    assert_int_equal(pl_tracer_create(&tracer), PL_OK);
+    assert_int_equal(pl_accelerators_create(&kept), PL_OK);
     assert_int_equal(pl_snapshot_build(&s.scene, &s.placement, &arena, &shot), PL_OK);
-    assert_int_equal(pl_tracer_set(tracer, &shot), PL_OK);
+    assert_int_equal(pl_tracer_build(kept, &shot, &arena, &tracer), PL_OK);
     without += count_self_hits(&shot, tracer, false, &random);
     assert_int_equal(count_self_hits(&shot, tracer, true, &random), 0);
-    pl_tracer_destroy(tracer);
+    pl_accelerators_destroy(kept);
     pl_arena_clear(&arena);
     stage_clear(&s);
     pl_model_destroy(model);

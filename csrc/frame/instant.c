@@ -1,0 +1,184 @@
+/* From a survey, by a choice, to an instant. */
+#include "frame/instant.h"
+
+#include "frame/dots.h"
+#include "frame/effects.h"
+
+/* --- choices ---------------------------------------------------------------------------------- */
+
+static pl_render_settings settings_of(const pl_frame_request *request,
+                                      const pl_frame_result *result) {
+  const pl_plan *plan = &result->plan;
+  const int samples = pl_plan_value(plan, "antialiasing");
+  /* Asked for by name, or at a tolerance of nothing: so many samples in every pixel. */
+  const bool exact = request->wish.tolerance_dn == 0.0;
+  const bool all_samples =
+      exact || (request->wish.force_on >> pl_effect_find("antialiasing") & 1u) != 0;
+  return (pl_render_settings){
+      .seed = request->seed,
+      .frame = request->index,
+      .samples = samples > 0 ? samples : 1,
+      .bounces = pl_plan_value(plan, "bounces"),
+      .body_bounces = pl_plan_value(plan, "body_bounces") > 0,
+      .planetshine = pl_plan_value(plan, "planetshine") > 0,
+      .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
+      .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
+      .emission = pl_plan_value(plan, "emission") > 0,
+      .detail = {.maps = pl_plan_value(plan, "surface_maps") > 0,
+                 .bumps = pl_plan_value(plan, "bump_detail") > 0,
+                 .relief = pl_plan_value(plan, "relief") > 0,
+                 .glint = pl_plan_value(plan, "glint") > 0,
+                 .lights = pl_plan_value(plan, "night_lights") > 0,
+                 .filter = (pl_filter)pl_plan_value(plan, "texture_filter")},
+      .exact = exact,
+      .laws_down = PL_VIEW_LAWS - 1 - pl_plan_value(plan, "regolith"),
+      .clear_coat = pl_plan_value(plan, "clear_coat") > 0,
+      .transmission = pl_plan_value(plan, "transmission") > 0,
+      .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
+      .white_radiance = (float)result->whites[0],
+      .white_other = (float)result->whites[1],
+  };
+}
+
+pl_choice pl_choice_of_labels(const pl_choice *frame) {
+  pl_choice labels = *frame;
+  labels.colour = false;
+  labels.settings.samples = 0;
+  return labels;
+}
+
+pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_result *result,
+                            bool colour) {
+  const pl_plan *plan = &result->plan;
+  pl_choice out = {
+      .settings = settings_of(request, result),
+      .culls = true,
+      .tolerance_dn = request->wish.tolerance_dn,
+      .distortion = pl_plan_value(plan, "distortion") > 0,
+      .depth_of_field = pl_plan_value(plan, "depth_of_field") > 0,
+      .colour = true,
+      .dots = true,
+      .emitters = pl_plan_value(plan, "emitters"),
+      .air_steps = pl_plan_value(plan, "atmosphere"),
+      .skylight = pl_plan_value(plan, "skylight") > 0,
+      .multiple_scattering = pl_plan_value(plan, "multiple_scattering") > 0,
+      .planetshine = pl_plan_value(plan, "planetshine") > 0,
+      .caustics = pl_plan_value(plan, "caustics") > 0,
+      .limb_darkening = pl_plan_value(plan, "limb_darkening") > 0,
+  };
+  for (size_t k = 0; k < pl_veil_kind_count; k++)
+    out.veils[k] = pl_plan_value(plan, pl_veil_kinds[k]->name);
+  return colour ? out : pl_choice_of_labels(&out);
+}
+
+/* Metering: steps through air, with an error of a few per cent; veils and emitters by these values
+ * of their rows. */
+enum { QUICK_STEPS = 6, QUICK_VEILS = 4, QUICK_EMITTERS = 2 };
+
+pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples) {
+  pl_choice out = {
+      .settings = {.seed = request->seed,
+                   .frame = request->index,
+                   .samples = samples,
+                   .cast_shadows = true,
+                   .emission = true,
+                   .detail = PL_DETAIL_FULL,
+                   .clear_coat = true},
+      .distortion = true,
+      .depth_of_field = true,
+      .colour = true,
+      .emitters = QUICK_EMITTERS,
+      .air_steps = QUICK_STEPS,
+      .skylight = true,
+      .multiple_scattering = true,
+  };
+  for (size_t k = 0; k < pl_veil_kind_count; k++)
+    out.veils[k] = QUICK_VEILS;
+  return out;
+}
+
+/* --- realising -------------------------------------------------------------------------------- */
+
+static pl_status cull(const pl_survey *survey, const pl_choice *choice, pl_arena *arena,
+                      pl_snapshot *out) {
+  pl_snapshot placed = survey->shot;
+  pl_culling culling = {.view = &survey->view, .tolerance_dn = choice->tolerance_dn};
+  if (!choice->distortion)
+    placed.camera.lens = (pl_lens){0};
+  if (!choice->depth_of_field)
+    placed.camera.aperture_m = 0.0;
+  *out = placed;
+  if (choice->colour && choice->dots)
+    PL_TRY(pl_dots_find(&placed, culling.view, choice->tolerance_dn, arena, &culling.dots));
+  return choice->culls ? pl_snapshot_cull(&placed, &culling, arena, out) : PL_OK;
+}
+
+static pl_status add_air(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
+  if (choice->air_steps == 0)
+    return PL_OK;
+  PL_TRY(pl_air_view_build(&out->shot, choice->air_steps, arena, &out->air));
+  out->air.skylight = choice->skylight;
+  out->air.multiple = choice->multiple_scattering;
+  out->settings.air = out->air.count > 0 ? &out->air : NULL;
+  return PL_OK;
+}
+
+static pl_status add_veils(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
+  bool any;
+  PL_TRY(pl_veils_build(&out->shot, choice->veils, out->settings.air, arena, &out->veils, &any));
+  out->veils.emission = choice->settings.emission;
+  out->settings.veils = any ? &out->veils : NULL;
+  return PL_OK;
+}
+
+static pl_status add_emitters(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
+  if (choice->emitters == 0)
+    return PL_OK;
+  PL_TRY(pl_emitters_build(&out->shot, out->settings.detail, arena, &out->emitters));
+  out->settings.emitters = out->emitters.count > 0 ? &out->emitters : NULL;
+  out->settings.emitters_on_bodies = out->emitters.count > 0 && choice->emitters > 1;
+  return PL_OK;
+}
+
+static pl_status add_planetshine(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
+  if (!choice->planetshine || out->shot.body_count == 0)
+    return PL_OK;
+  PL_TRY(pl_planetshine_build(&out->shot, &out->settings, arena, &out->shine));
+  out->settings.shine = out->shine.any ? &out->shine : NULL;
+  return PL_OK;
+}
+
+static void add_caustics(const pl_choice *choice, pl_instant *out) {
+  if (!choice->caustics || choice->settings.bounces == 0)
+    return;
+  pl_caustics_build(&out->shot, out->tracer, out->settings.detail, &out->caustics);
+  out->settings.caustics = out->caustics.count > 0 ? &out->caustics : NULL;
+}
+
+/* The disc itself is seen where nothing is lit, too. */
+static void add_limb(const pl_choice *choice, pl_instant *out) {
+  if (!choice->limb_darkening || !(choice->settings.soft_sun || out->shot.sun.in_frame))
+    return;
+  out->limb = pl_limb_make(out->shot.sun.wavelengths_um);
+  out->settings.limb = &out->limb;
+}
+
+pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_choice *choice,
+                     pl_arena *arena, const pl_instant **out) {
+  pl_instant *made = pl_arena_alloc(arena, 1, sizeof *made);
+  if (made == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for an instant");
+  made->settings = choice->settings;
+  PL_TRY(cull(survey, choice, arena, &made->shot));
+  PL_TRY(pl_tracer_build(kept, &made->shot, arena, &made->tracer));
+  if (choice->colour) {
+    add_limb(choice, made);
+    PL_TRY(add_emitters(choice, arena, made));
+    PL_TRY(add_air(choice, arena, made));
+    PL_TRY(add_veils(choice, arena, made));
+    PL_TRY(add_planetshine(choice, arena, made));
+    add_caustics(choice, made);
+  }
+  *out = made;
+  return PL_OK;
+}
