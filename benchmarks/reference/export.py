@@ -17,6 +17,7 @@ from PIL import Image as Picture
 
 import perilune
 
+from . import sheets
 from .gltf import File
 from .palette import split
 from .scene import Array, Image, Input, Material, Mesh, Scene
@@ -58,6 +59,9 @@ def _check(sim: perilune.Simulation, config: Any) -> None:
         if body.reflectance != "lambert":
             wrong.append(f"bodies.{name}.reflectance: {body.reflectance}")
     wrong += [f"spacecraft.{n}.materials" for n, c in config.spacecraft.items() if c.materials]
+    wrong += [
+        f"spacecraft.{n}.faces" for n, c in config.spacecraft.items() if c.faces != "double_sided"
+    ]
     wrong += [key for key in ("volumes", "sky") if getattr(config, key, None)]
     if config.camera.lens is not None:
         wrong.append("camera.lens")
@@ -141,7 +145,8 @@ def _add_model(
 ) -> None:
     """A mesh for each material of the model and thing that moves."""
     core = model.model
-    mesh, file = core.mesh(), File(Path(core.path))
+    mesh = sheets.apart(core.mesh(), ~core.surfaces()["double_sided"])
+    file = File(Path(core.path))
     materials = file.parts()
     seen: Counter[int] = Counter()
     groups: dict[tuple[int, int], list[int]] = {}
