@@ -14,6 +14,7 @@ import json
 import os
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix, Quaternion, Vector
 
-from .scene import Array, Image, Input, Material, Mesh, Scene, load
+from .scene import WATER, Array, Image, Input, Material, Mesh, Scene, load
 
 # From the axes of OpenCV's camera (y down, z forward) to Blender's (y up, z backward).
 TURNED = np.array([1.0, -1.0, -1.0])
@@ -61,6 +62,11 @@ def material(given: Material) -> Any:
     if given.lambert:
         surface = tree.nodes.new("ShaderNodeBsdfDiffuse")
         connect(tree, given.color, surface.inputs["Color"])
+    elif given.waves is not None:
+        surface = tree.nodes.new("ShaderNodeBsdfGlass")
+        surface.distribution = "BECKMANN"
+        surface.inputs["Roughness"].default_value = given.waves**0.5  # its square is alpha
+        surface.inputs["IOR"].default_value = WATER
     else:
         surface = tree.nodes.new("ShaderNodeBsdfPrincipled")
         connect(tree, given.color, surface.inputs["Base Color"])
@@ -101,6 +107,13 @@ def add_mesh(given: Mesh, materials: list[Any]) -> None:
     bpy.context.scene.collection.objects.link(item)
     if len(mesh.polygons) != count:
         sys.exit(f"{given.name}: {count - len(mesh.polygons)} triangles were lost")
+
+
+def deep(given: Mesh, index: int) -> Mesh:
+    """A ball below water that keeps what enters."""
+    middle = 0.5 * (given.positions.min(0) + given.positions.max(0))
+    shrunk = middle + 0.99 * (given.positions - middle)
+    return replace(given, name=f"{given.name}.deep", positions=shrunk, material=index, uv=None)
 
 
 def add_sun(sun: dict[str, Any]) -> None:
@@ -173,14 +186,19 @@ def render(samples: int, seed: int, folder: Path) -> tuple[Array, float]:
 
 
 def place(scene: Scene, job: dict[str, Any]) -> None:
+    if scene.air:
+        sys.exit("air is not exported to Cycles")
     set_up(scene.max_bounces, job["threads"])
     if job["passes"]:
         layer = bpy.context.view_layer
         for name in ("z", "normal", "position", "object_index", "material_index", "uv"):
             setattr(layer, f"use_pass_{name}", True)
     materials = [material(row) for row in scene.materials]
+    materials.append(material(Material("black", (0.0, 0.0, 0.0), lambert=True)))
     for mesh in scene.meshes:
         add_mesh(mesh, materials)
+        if scene.materials[mesh.material].waves is not None:
+            add_mesh(deep(mesh, len(materials) - 1), materials)
     add_sun(scene.sun)
     add_camera(scene.camera)
 

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from .scene import Array, Image, Input, Material, Mesh, Scene
+from . import gas
+from .scene import WATER, Array, Image, Input, Material, Mesh, Scene
 
 
 def write_ply(path: Path, mesh: Mesh) -> str:
@@ -61,6 +62,15 @@ def bsdf(mitsuba: Any, material: Material) -> dict[str, Any]:
     if material.lambert:
         out = {"type": "diffuse", "reflectance": _rgb(mitsuba, material.color)}
         return {"type": "twosided", "bsdf": out}
+    if material.waves is not None:
+        return {
+            "type": "roughplastic",
+            "distribution": "beckmann",
+            "alpha": material.waves,
+            "int_ior": WATER,
+            "ext_ior": 1.0,
+            "diffuse_reflectance": {"type": "rgb", "value": 0.0},
+        }
     out = {
         "type": "principled",
         "base_color": _rgb(mitsuba, material.color),
@@ -126,6 +136,10 @@ def describe(mitsuba: Any, scene: Scene, samples: int, folder: Path) -> dict[str
         "sensor": _sensor(mitsuba, scene.camera, samples),
         "sun": sun_disc(mitsuba, scene.sun),
     }
+    if scene.air:
+        out["integrator"] = gas.integrator(scene.air)
+    for i, air in enumerate(scene.air):
+        out |= gas.described(mitsuba, air, i)
     for i, material in enumerate(scene.materials):
         out[f"material{i}"] = bsdf(mitsuba, material) | {"id": f"material{i}"}
     for i, mesh in enumerate(scene.meshes):

@@ -1,8 +1,9 @@
 """A frame of a simulation as plain data (`scene.Scene`), for other renderers.
 
 Models come as Perilune places and articulates them, bodies as ellipsoids or shapes whose maps are
-turned and stretched as their latitudes say. What is not described there (air, clouds, water, rings,
-volumes, material graphs, laws but Lambert's, lenses, skies) is an error that names it.
+turned and stretched as their latitudes say; gas about a ball and a sea that covers it are exported,
+too. What is not described there (haze, clouds, coasts, rings, volumes, material graphs, laws but
+Lambert's, lenses, skies) is an error that names it.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from PIL import Image as Picture
 
 import perilune
 
-from . import sheets
+from . import gas, sheets
 from .gltf import File
 from .palette import split
 from .scene import Array, Image, Input, Material, Mesh, Scene
@@ -54,8 +55,10 @@ def moved(points: Array, to: Array) -> Array:
 def _check(sim: perilune.Simulation, config: Any) -> None:
     wrong = []
     for name, body in config.bodies.items():
-        extras = ("atmosphere", "clouds", "ocean", "rings", "relief", "night_lights", "material")
+        extras = ("clouds", "rings", "relief", "night_lights", "material")
         wrong += [f"bodies.{name}.{key}" for key in extras if getattr(body, key, None) is not None]
+        if body.atmosphere is not None and (names := gas.unknown(body.atmosphere)):
+            wrong.append(f"bodies.{name}.atmosphere ({', '.join(names)})")
         if body.reflectance != "lambert":
             wrong.append(f"bodies.{name}.reflectance: {body.reflectance}")
     wrong += [f"spacecraft.{n}.materials" for n, c in config.spacecraft.items() if c.materials]
@@ -107,9 +110,14 @@ def export(sim: perilune.Simulation, frame: int, rows: int = ROWS) -> Scene:
         place = camera @ middle(request["body_poses"][index])
         albedo = tuple(float(v) for v in request["body_albedo"][index])
         path = body.color_map and sim.document.path(body.color_map, f"bodies.{name}.color_map")
-        scene.materials.append(Material(name, _map(path, albedo), lambert=True))
+        ground = Material(name, _map(path, albedo), lambert=True)
+        scene.materials.append(ground if body.ocean is None else _sea(sim, name, body))
         geodetic = body.is_geodetic
         radii = request["body_radii"][index]
+        if body.atmosphere is not None:
+            seen = np.array(albedo) if path is None and body.ocean is None else np.full(3, np.nan)
+            seen = np.zeros(3) if body.ocean is not None else seen
+            scene.air.append(gas.gas_of(body, radii, seen, place[:3, 3]))
         center = math.radians(body.map_center_lon_deg)
         if name in shapes:
             mesh = _shape(shapes[name].model.mesh(), geodetic and radii, center)
@@ -133,6 +141,18 @@ def _map(path: Path | None, albedo: tuple[float, ...]) -> Input:
     if path is None:
         return albedo
     return Image(np.asarray(Picture.open(path).convert("RGB")), True, albedo)
+
+
+def _sea(sim: perilune.Simulation, name: str, body: Any) -> Material:
+    """Water everywhere, black below: what others know as a rough boundary."""
+    ocean = body.ocean
+    path = sim.document.path(ocean.map, f"bodies.{name}.ocean.map") if ocean.map else None
+    if path is None or np.asarray(Picture.open(path).convert("L")).min() < 255:
+        raise ValueError(f"bodies.{name}.ocean.map: not exported: a sea with coasts")
+    if ocean.albedo is None or any(ocean.albedo):
+        raise ValueError(f"bodies.{name}.ocean.albedo: not exported: light from below the water")
+    alpha = math.sqrt(0.003 + 0.00512 * ocean.wind_m_s)  # Cox and Munk 1954
+    return Material(name, (0.0, 0.0, 0.0), waves=alpha)
 
 
 def _add_model(

@@ -42,6 +42,8 @@ def kind(material: Material) -> str:
     """In a word."""
     if material.lambert:
         return "Lambert"
+    if material.waves is not None:
+        return "water"
     if material.metallic == (0.0,):
         word = "dielectric"
     elif material.metallic == (1.0,):

@@ -54,6 +54,22 @@ class Material:
     normal: Image | None = None  # unit vectors of tangent space, 0..1
     lambert: bool = False
     double_sided: bool = True
+    waves: float | None = None  # of open water: Beckmann's alpha; its index is WATER, black below
+
+
+WATER = 1.34
+
+
+@dataclass
+class Gas:
+    """Air about a ball, scattering by Rayleigh's law, that thins out by e over `height_m`."""
+
+    centre: tuple[float, ...]  # camera axes, m
+    radius_m: float
+    top_m: float
+    height_m: float
+    scattering_per_m: tuple[float, ...]  # at the ground
+    orders: int | None  # how often light is scattered at most; None: any number of times
 
 
 @dataclass
@@ -74,6 +90,7 @@ class Scene:
     white_radiance: float
     materials: list[Material] = field(default_factory=list)
     meshes: list[Mesh] = field(default_factory=list)
+    air: list[Gas] = field(default_factory=list)
 
     def save(self, folder: Path) -> None:
         """Writes scene.json and arrays.npz."""
@@ -97,6 +114,7 @@ class Scene:
                 **vars(self),
                 "materials": [_fields(m) for m in self.materials],
                 "meshes": [vars(mesh) for mesh in self.meshes],
+                "air": [vars(gas) for gas in self.air],
             }
         )
         (folder / "scene.json").write_text(json.dumps(document, indent=1))
@@ -128,4 +146,5 @@ def load(folder: Path) -> Scene:
     document = get(json.loads((folder / "scene.json").read_text()))
     document["materials"] = [Material(**row) for row in document["materials"]]
     document["meshes"] = [Mesh(**row) for row in document["meshes"]]
+    document["air"] = [Gas(**row) for row in document["air"]]
     return Scene(**document)

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from PIL import Image as Picture
+
 import perilune
 from perilune.bodies import shape_files
 
@@ -92,6 +94,52 @@ def foil(folder: Path) -> dict[str, Any]:
     return {"spacecraft.object.model": str(models.write_glb(folder / "foil.glb", pieces))}
 
 
+def ball(albedo: float, position_km: list[float]) -> dict[str, Any]:
+    """A ball of 500 km from a place, the Sun aside; nothing else."""
+    config = alone()
+    del config["spacecraft"]
+    config["bodies"]["planet"] |= {"radii_km": 500.0, "albedo": albedo}
+    config["camera"]["trajectory"] = {
+        "kind": "fixed",
+        "target": "planet",
+        "position_m": [1e3 * v for v in position_km],
+    }
+    return config
+
+
+def air(multiple: bool) -> dict[str, Any]:
+    """Gas about a ball, as deep as the Earth's in each band and ten times as high for its ball;
+    light that is scattered once, in denser gas over black ground, or all."""
+    config = ball(0.3 if multiple else 0.0, [300.0, -900.0, -900.0])
+    config["bodies"]["planet"]["atmosphere"] = {
+        "rayleigh_per_km": [0.002, 0.004, 0.008] if multiple else [0.01, 0.014, 0.02],
+        "rayleigh_height_km": 25.0,
+        "top_km": 250.0,
+        "multiple_scattering": multiple,
+    }
+    if multiple:
+        config["bodies"]["planet"]["atmosphere"]["ground_albedo"] = 0.3
+    config["camera"] |= {"fov_deg": 60.0}
+    config["camera"]["exposure"]["white_radiance_w_m2_sr"] = 100.0
+    return config
+
+
+def sea(folder: Path) -> dict[str, Any]:
+    """A map that is water everywhere."""
+    path = folder / "white.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    Picture.new("L", (8, 4), 255).save(path)
+    return {"bodies.planet.ocean": {"map": str(path), "wind_m_s": 7.0, "albedo": 0.0}}
+
+
+def glint() -> dict[str, Any]:
+    """A ball of water, the Sun 100 degrees from the eye: its glint is near the limb."""
+    config = ball(0.0, [900.0, 900.0, -100.0])
+    config["camera"] |= {"fov_deg": 50.0}
+    config["camera"]["exposure"]["white_radiance_w_m2_sr"] = 150.0
+    return config
+
+
 FRAMES = {
     "iss": Frame("iss_leo.yaml", 1, {"bodies.earth.atmosphere": None}),
     "voyager": Frame("voyager_phobos.yaml", 1),
@@ -120,4 +168,7 @@ FRAMES = {
         fine_phobos,
     ),
     "foil": Frame(alone(), make=foil),
+    "air": Frame(air(multiple=True)),
+    "air_once": Frame(air(multiple=False)),
+    "glint": Frame(glint(), make=sea),
 }

@@ -78,6 +78,26 @@ def test_maps_lie_as_their_latitudes_say(latitudes: str, tmp_path: Path):
     assert misread > 3.0
 
 
+def test_sheets_back_to_back_are_no_stripes(tmp_path: Path):
+    """A bright and a dark one that rounding has left in the wrong order; each is seen from where it
+    looks. Seen by others as they are in the file, the dark one is before the bright one."""
+    sheets = [((0.0, 0.0, -5e-5), 1.0, (0.8, 0.8, 0.8)), ((0.0, 0.0, 5e-5), -1.0, (0.05, 0.1, 0.4))]
+    pieces = []
+    for centre, side, color in sheets:
+        corners = models.rectangle(centre, (side * 0.9, 0.0, 0.0), (0.0, 0.9, 0.0))
+        row = models.metal(color, 0.9)
+        row["pbrMetallicRoughness"]["metallicFactor"] = 0.0
+        row["extensions"] = {"KHR_materials_specular": {"specularFactor": 0.0}}
+        pieces.append((corners, None, {**row, "doubleSided": False}))
+    model = models.write_glb(tmp_path / "sheets.glb", pieces)
+    frame = scenes.Frame(scenes.alone(), 0, {"spacecraft.object.model": str(model)})
+    a, b, white = both(frame.open(WIDTH, tmp_path), (64, 64), tmp_path)
+    apart, ratio = compare.rms(a, b, white), a.mean() / b.mean()
+    print(f"sheets: {apart:.2f} DN, mean ratio {ratio:.4f}")
+    assert apart < 1.0
+    assert abs(ratio - 1.0) < 5e-3
+
+
 def depth(scene: Scene, folder: Path) -> np.ndarray:
     """(H, W) metres along the optical axis, of the pixels' centres by the mean of samples."""
     mitsuba.set_variant("scalar_rgb")
