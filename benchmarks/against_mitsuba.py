@@ -21,6 +21,9 @@ import report
 from reference import compare, engines, export, ours, pixels, scenes
 from reference.scene import Array
 
+ABSENT = "-"
+"""Where a renderer has no such frame: air is not exported to Cycles."""
+
 
 def pairs_of(images: dict[str, Array], white: float) -> dict[str, Array]:
     """Mean square differences (H, W) by names joined by "-"."""
@@ -58,7 +61,7 @@ def measure(name: str, options: Any, folder: Path) -> tuple[list[Any], list[list
     seeds = list(range(100, 100 + options.runs))
     images = {"Perilune": ours.render(sim, frame.index, options.own, seeds, threads)}
     for engine, word in (("cycles", "Cycles"), ("mitsuba", "Mitsuba")):
-        if engine == "mitsuba" or options.cycles:
+        if engine == "mitsuba" or (options.cycles and not scene.air):
             images[word] = engines.converged(
                 engine, scene, folder, options.samples, options.runs, threads, options.cycles
             )
@@ -67,10 +70,23 @@ def measure(name: str, options: Any, folder: Path) -> tuple[list[Any], list[list
         save_sheet(options.sheets / f"{name}.png", images, white)
     square = pairs_of(images, white)
     row: list[Any] = [name]
-    for pair, values in square.items():
+    for pair in wanted(options):
+        if pair not in square:
+            row += [ABSENT, ABSENT]
+            continue
         a, b = (images[word] for word in pair.split("-"))
-        row += [float(np.sqrt(max(0.0, values.mean()))), float(compare.differing(a, b).mean())]
-    return row, [[name, *r] for r in pixels.shares(scene, pixels.first_hits(scene, folder), square)]
+        apart = float(np.sqrt(max(0.0, square[pair].mean())))
+        row += [apart, float(compare.differing(a, b).mean())]
+    hits = pixels.first_hits(scene, folder)
+    empty = np.full(hits["owner"].shape, np.nan)
+    every = {pair: square.get(pair, empty) for pair in wanted(options)}
+    return row, [[name, *r] for r in pixels.shares(scene, hits, every)]
+
+
+def wanted(options: Any) -> list[str]:
+    """Pairs of names, in the order of the tables."""
+    words = ["Perilune", *(["Cycles"] if options.cycles else []), "Mitsuba"]
+    return [f"{a}-{b}" for i, a in enumerate(words) for b in words[i + 1 :]]
 
 
 def main() -> None:
@@ -87,8 +103,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.keep or Path(temporary)
         measured = [measure(name, options, folder / name) for name in options.frames]
-    words = ["Perilune", *(["Cycles"] if options.cycles else []), "Mitsuba"]
-    pairs = [f"{a}-{b}" for i, a in enumerate(words) for b in words[i + 1 :]]
+    pairs = wanted(options)
     head = ["frame", *[text for pair in pairs for text in (f"{pair}, DN", "blocks that differ")]]
     parts = ["frame", "what", "of pixels", *[t for pair in pairs for t in (f"{pair}, DN", "of it")]]
     rows, places = [row for row, _ in measured], [row for _, more in measured for row in more]

@@ -62,6 +62,8 @@ def classes(scene: Scene, hits: dict[str, Array]) -> Array:
     single += [False, False]
     behind = hits["back"] & np.array(single)[hits["owner"]] & (hits["owner"] >= 0)
     out[behind] = "back of single-sided"
+    if scene.air:
+        out[out == "sky"] = "air and sky"
     return np.asarray(out)
 
 
@@ -74,6 +76,9 @@ def shares(scene: Scene, hits: dict[str, Array], square: dict[str, Array]) -> li
         here = words == word
         row: list[Any] = [word, float(here.mean())]
         for values in square.values():
+            if np.isnan(values).any():  # not rendered
+                row += ["-", "-"]
+                continue
             row.append(float(np.sqrt(max(0.0, values[here].mean()))))
             row.append(float(values[here].sum() / max(values.sum(), 1e-12)))
         rows.append(row)
