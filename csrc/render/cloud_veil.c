@@ -114,6 +114,16 @@ static float mu_of(const cloud_item *item, double cosine) {
   return (float)fmin(1.0, sqrt(cosine * cosine + fmin(bent, 1.0)));
 }
 
+/* What a footprint about the place shows of the clouds. */
+static void cover_place(const cloud_item *item, pl_vec3 across, pl_vec3 along, bool tops,
+                        place *at) {
+  const pl_cloud_place seen = pl_cloud_place_at(&item->cover, at->point, across, along, tops);
+  at->cover = seen.cover;
+  at->depth = seen.depth;
+  at->unsure = seen.unsure;
+  at->slope = seen.slope;
+}
+
 static void find_place(const cloud_item *item, const meeting *m, double t, float width_m, bool tops,
                        place *out) {
   out->point = pl_vec3_madd(m->origin, t, m->direction);
@@ -126,11 +136,7 @@ static void find_place(const cloud_item *item, const meeting *m, double t, float
                                                                   : (pl_vec3){1.0, 0.0, 0.0});
   across = pl_vec3_scale(pl_vec3_unit(across), (double)width_m);
   const pl_vec3 along = pl_vec3_scale(pl_vec3_cross(across, out->normal), 1.0 / fmax(cosine, 0.02));
-  const pl_cloud_place seen = pl_cloud_place_at(&item->cover, out->point, across, along, tops);
-  out->cover = seen.cover;
-  out->depth = seen.depth;
-  out->unsure = seen.unsure;
-  out->slope = seen.slope;
+  cover_place(item, across, along, tops, out);
 }
 
 /* Light that comes through a covered place: over the ground all that is not sent back, since what
@@ -141,9 +147,8 @@ static float through(const place *at, bool ground) {
                 : pl_cloud_straight(at->depth, at->mu);
 }
 
-static pl_vec3f passed_at(const place *at, bool ground) {
-  const float left = 1.0f - at->cover * (1.0f - through(at, ground));
-  return (pl_vec3f){left, left, left};
+static float passed_at(const place *at, bool ground) {
+  return 1.0f - at->cover * (1.0f - through(at, ground));
 }
 
 /* By which part more of the sun's light meets tops that are turned to it, or less. As much of one
@@ -158,29 +163,103 @@ static float tilt_of(const pl_shot_body *body, const place *at, const pl_sun_vie
   return -pl_maxf(-most, pl_minf(rise, most)) / pl_maxf(height, 1e-6f);
 }
 
-/* Sunlight that the place sends to where the ray came from: Lambert's, like that of a layer in
- * which light has forgotten where it came from. */
-static pl_vec3f radiance_at(const cloud_item *item, const pl_veils *veils, const pl_snapshot *shot,
-                            const meeting *m, const place *at, float width_m) {
+/* How the sun stands over a place, seen from where the ray came from. */
+typedef struct lighting {
+  pl_vec3 point; /* camera-relative, root axes */
+  pl_sun_view sun;
+  float height, mu; /* cosines to the normal; the second of a layer that is round */
+  bool same_side;   /* of the shell, as the ray's start */
+} lighting;
+
+static lighting light_place(const cloud_item *item, const pl_snapshot *shot, const meeting *m,
+                            const place *at) {
   const pl_shot_body *body = &shot->bodies[item->body];
-  const pl_vec3 point = pl_vec3_add(
-      body->center, pl_mat3_mul_vec(body->rotation, at->point)); /* camera-relative, root axes */
-  const pl_sun_view sun = pl_sun_view_at(&shot->sun, point);
+  lighting out = {.point = pl_vec3_add(body->center, pl_mat3_mul_vec(body->rotation, at->point))};
+  out.sun = pl_sun_view_at(&shot->sun, out.point);
   const pl_vec3 normal = pl_mat3_mul_vec(body->rotation, at->normal);
-  const double height = pl_vec3_dot(normal, pl_vec3f_to_double(sun.direction));
-  const bool same_side = (height > 0.0) == (pl_vec3_dot(m->direction, at->normal) < 0.0);
-  const float mu = mu_of(item, height), depth = at->depth;
-  float part = pl_cloud_reflected(depth, mu);
-  if (!same_side)
-    part = pl_maxf(0.0f, 1.0f - part - pl_cloud_straight(depth, mu));
+  const double height = pl_vec3_dot(normal, pl_vec3f_to_double(out.sun.direction));
+  out.same_side = (height > 0.0) == (pl_vec3_dot(m->direction, at->normal) < 0.0);
+  out.height = (float)fabs(height);
+  out.mu = mu_of(item, height);
+  return out;
+}
+
+/* Part of the sunlight there that the place sends to where the ray came from, 1/sr: Lambert's, like
+ * that of a layer in which light has forgotten where it came from. */
+static float sent_by(const cloud_item *item, const pl_snapshot *shot, const lighting *from,
+                     const place *at) {
+  float part = pl_cloud_reflected(at->depth, from->mu);
+  if (!from->same_side)
+    part = pl_maxf(0.0f, 1.0f - part - pl_cloud_straight(at->depth, from->mu));
   else if (item->clouds->relief_m > 0.0f)
-    part *= 1.0f + tilt_of(body, at, &sun, (float)fabs(height));
-  part *= at->cover * (float)fabs(height) / PL_PI_F;
-  if (!(part > 0.0f))
-    return (pl_vec3f){0.0f, 0.0f, 0.0f};
-  const float *c = item->clouds->color;
-  const pl_vec3f light = pl_veils_sunlight(veils, &pl_veil_clouds, shot, point, &sun, width_m);
-  return pl_vec3f_scale(pl_vec3f_mul(light, pl_vec3f_make(c[0], c[1], c[2])), part);
+    part *= 1.0f + tilt_of(&shot->bodies[item->body], at, &from->sun, from->height);
+  return part * at->cover * from->height / PL_PI_F;
+}
+
+/* Means over what a ray sees of the shell in one crossing. */
+typedef struct means {
+  float cover, passed, sent, unsure;
+} means;
+
+static void add_place(const cloud_item *item, const pl_snapshot *shot, const lighting *from,
+                      const place *at, bool ground, float part, means *sum) {
+  sum->cover += part * at->cover;
+  sum->passed += part * passed_at(at, ground);
+  sum->unsure = hypotf(sum->unsure, part * at->unsure); /* what hides in each is independent */
+  if (from != NULL)
+    sum->sent += part * sent_by(item, shot, from, at);
+}
+
+/* The same over parts x parts places of the footprint; they lie in the plane about `at`. */
+static void look_closer(const cloud_item *item, const pl_snapshot *shot, const meeting *m, double t,
+                        const pl_veil_ray *ray, const lighting *from, bool ground, place at,
+                        means *sum) {
+  const pl_shot_body *body = &shot->bodies[item->body];
+  const double down = pl_vec3_dot(m->direction, at.normal);
+  const pl_vec3 middle = at.point;
+  const float part = 1.0f / (float)(ray->parts * ray->parts);
+  pl_vec3 side[2];
+  for (int k = 0; k < 2; k++) {
+    const pl_vec3 turn = pl_mat3_mul_vec_t(body->rotation, ray->pixel[k]);
+    const double off = pl_vec3_dot(turn, at.normal) / copysign(fmax(fabs(down), 0.02), down);
+    side[k] = pl_vec3_scale(pl_vec3_madd(turn, -off, m->direction), t / ray->parts);
+  }
+  for (int i = 0; i < ray->parts * ray->parts; i++) {
+    const double u = i % ray->parts - 0.5 * (ray->parts - 1);
+    const double v = i / ray->parts - 0.5 * (ray->parts - 1);
+    at.point = pl_vec3_madd(pl_vec3_madd(middle, u, side[0]), v, side[1]);
+    cover_place(item, side[0], side[1], from != NULL, &at);
+    add_place(item, shot, from, &at, ground, part, sum);
+  }
+}
+
+static void cross_at(const cloud_item *item, const pl_veils *veils, const pl_snapshot *shot,
+                     const pl_veil_ray *ray, const meeting *m, double t, bool ground,
+                     pl_veil_list *out) {
+  place at;
+  means mean = {0};
+  lighting from;
+  const bool lit = !ray->dark && ray->from_body != item->body;
+  const float width_m = pl_beam_width(ray->beam, t);
+  find_place(item, m, t, width_m, !ray->dark, &at);
+  if (!(at.cover > 0.0f))
+    return;
+  if (lit)
+    from = light_place(item, shot, m, &at);
+  if (ray->parts > 1)
+    look_closer(item, shot, m, t, ray, lit ? &from : NULL, ground, at, &mean);
+  else
+    add_place(item, shot, lit ? &from : NULL, &at, ground, 1.0f, &mean);
+  pl_veil_crossing crossing = {.t = t, .passed = {mean.passed, mean.passed, mean.passed}};
+  if (mean.sent > 0.0f) {
+    const float *c = item->clouds->color;
+    const pl_vec3f light =
+        pl_veils_sunlight(veils, &pl_veil_clouds, shot, from.point, &from.sun, width_m);
+    crossing.radiance =
+        pl_vec3f_scale(pl_vec3f_mul(light, pl_vec3f_make(c[0], c[1], c[2])), mean.sent);
+  }
+  crossing.unsure = mean.cover > 0.0f ? mean.unsure / mean.cover : 0.0f;
+  pl_veil_list_add(out, &crossing);
 }
 
 static void cross_item(const cloud_item *item, const pl_veils *veils, const pl_snapshot *shot,
@@ -189,20 +268,9 @@ static void cross_item(const cloud_item *item, const pl_veils *veils, const pl_s
   if (!meet(item, shot, ray->beam->origin, ray->beam->direction, &m))
     return;
   const bool ground = lands(&shot->bodies[item->body], &m);
-  for (int i = 0; i < 2; i++) {
-    if (!(m.t[i] > 0.0 && m.t[i] < ray->t_max))
-      continue;
-    place at;
-    const float width_m = pl_beam_width(ray->beam, m.t[i]);
-    find_place(item, &m, m.t[i], width_m, !ray->dark, &at);
-    if (!(at.cover > 0.0f))
-      continue;
-    pl_veil_crossing crossing = {.t = m.t[i], .passed = passed_at(&at, ground && i == 0)};
-    if (!ray->dark && ray->from_body != item->body)
-      crossing.radiance = radiance_at(item, veils, shot, &m, &at, width_m);
-    crossing.unsure = pl_luminance(crossing.radiance) / at.cover * at.unsure;
-    pl_veil_list_add(out, &crossing);
-  }
+  for (int i = 0; i < 2; i++)
+    if (m.t[i] > 0.0 && m.t[i] < ray->t_max)
+      cross_at(item, veils, shot, ray, &m, m.t[i], ground && i == 0, out);
 }
 
 static void cross(const pl_veils *veils, const void *own, const pl_snapshot *shot,
@@ -232,7 +300,7 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
       place at;
       const float disc_m = 2.0f * sun->sin_radius * (float)m.t[k];
       find_place(item, &m, m.t[k], width_m + disc_m, false, &at);
-      out = pl_vec3f_mul(out, passed_at(&at, below));
+      out = pl_vec3f_scale(out, passed_at(&at, below));
     }
   }
   return out;

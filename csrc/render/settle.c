@@ -169,57 +169,42 @@ static bool spans_little(const pl_path_context *context, const pl_shot_body *bod
   return is_plain(body->body) || is_calm(body->body, toward, sun);
 }
 
-/* By how many digital numbers what a pixel sees of veils may be off. */
-static float unsure_dn(const pl_render_settings *settings, const pl_veil_list *list,
-                       pl_vec3f light) {
+/* By how many digital numbers what a pixel sees may be off by what it hides of veils, before
+ * `light`: where they are, they add their own and keep some of that back. Air between the two is
+ * left out, which dims one as it adds to the other. */
+static float unsure_dn(const pl_render_settings *settings, const pl_veil_list *list, pl_vec3f light,
+                       pl_vec3f seen) {
   float unsure = 0.0f;
-  for (size_t i = 0; i < list->count; i++)
-    unsure += list->items[i].unsure;
-  return unsure > 0.0f ? pl_path_error_dn(settings, pl_luminance(light), unsure) : 0.0f;
-}
-
-/* Adds `part` of what one beam of a pixel meets to the mean over all; what hides in each is
- * independent. False where beams meet different veils. */
-static bool add_beam(const pl_veil_list *one, float part, bool first, pl_veil_list *mean) {
-  if (first)
-    *mean = (pl_veil_list){.count = one->count};
-  if (one->count != mean->count)
-    return false;
-  for (size_t i = 0; i < one->count; i++) {
-    const pl_veil_crossing *from = &one->items[i];
-    pl_veil_crossing *to = &mean->items[i];
-    if (first)
-      to->t = from->t;
-    to->passed = pl_vec3f_madd(to->passed, part, from->passed);
-    to->radiance = pl_vec3f_madd(to->radiance, part, from->radiance);
-    to->unsure = hypotf(to->unsure, part * from->unsure);
+  for (size_t i = 0; i < list->count; i++) {
+    const pl_veil_crossing *at = &list->items[i];
+    const float kept = pl_luminance(light) - pl_luminance(pl_vec3f_mul(light, at->passed));
+    unsure += at->unsure * fabsf(pl_luminance(at->radiance) - kept);
   }
-  return true;
+  return unsure > 0.0f ? pl_path_error_dn(settings, pl_luminance(seen), unsure) : 0.0f;
 }
 
-/* What a pixel meets of veils in front of a vertex: the mean over parts x parts beams. */
-static bool cross_veils(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
-                        int parts, pl_veil_list *mean) {
+/* What a pixel meets of veils in front of a vertex, seen in parts x parts places. */
+static void cross_veils(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
+                        int parts, pl_veil_list *out) {
+  const pl_snapshot *shot = context->shot;
   const double x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const double y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-  const float part = 1.0f / (float)(parts * parts);
-  for (int i = 0; i < parts * parts; i++) {
-    const double u = (i % parts + 0.5) / parts - 0.5, v = (i / parts + 0.5) / parts - 0.5;
-    const pl_beam beam = {.direction = pl_snapshot_ray(context->shot, x + u, y + v),
-                          .spread = (float)context->pixel_rad / (float)parts};
-    const pl_veil_ray ray = {
-        .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NOTHING};
-    pl_veil_list one;
-    pl_veils_cross(context->settings->veils, context->shot, &ray, &one);
-    if (!add_beam(&one, part, i == 0, mean))
-      return false;
+  const pl_beam beam = {.direction = pl_snapshot_ray(shot, x, y),
+                        .spread = (float)context->pixel_rad};
+  pl_veil_ray ray = {
+      .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NOTHING, .parts = parts};
+  if (parts > 1) {
+    ray.pixel[0] =
+        pl_vec3_sub(pl_snapshot_ray(shot, x + 0.5, y), pl_snapshot_ray(shot, x - 0.5, y));
+    ray.pixel[1] =
+        pl_vec3_sub(pl_snapshot_ray(shot, x, y + 0.5), pl_snapshot_ray(shot, x, y - 0.5));
   }
-  return true;
+  pl_veils_cross(context->settings->veils, shot, &ray, out);
 }
 
-/* Tolerances, of the standard error that clouds finer than a pixel may leave: fewer than noise may
+/* Tolerances, of the standard error that clouds finer than a pixel may leave: as many as noise may
  * (QUIET in prune.c). */
-static const float HIDDEN = 2.0f;
+static const float HIDDEN = 3.0f;
 
 /* What the camera sees of light from a point: through air and veils. Where a beam hides detail of
  * clouds that matters, narrower ones look for it: what n x n of them miss falls as n^3. False where
@@ -232,11 +217,11 @@ static bool see_through(const pl_path_context *context, uint32_t pixel, const pl
   pl_veil_list list;
   list.count = 0;
   for (int parts = 1; parts <= PARTS_MOST;) {
-    if (context->veils && !cross_veils(context, pixel, vertex, parts, &list))
-      return false;
+    if (context->veils)
+      cross_veils(context, pixel, vertex, parts, &list);
     b->settled[pixel] = settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
                                               : pl_veils_seen(&list, light);
-    const float off = unsure_dn(settings, &list, b->settled[pixel]);
+    const float off = unsure_dn(settings, &list, light, b->settled[pixel]);
     if (!(off > allowed))
       return true;
     const int wanted = (int)ceilf((float)parts * cbrtf(pl_minf(off / allowed, 1e3f)));

@@ -17,7 +17,8 @@ typedef struct pl_veil_crossing {
   pl_vec3f passed;   /* part of what comes from beyond that is let through, 0..1 */
   pl_vec3f radiance; /* what it adds: sunlight that it scatters, what it emits; without the air
                         between it and the ray's start, W m-2 sr-1 */
-  float unsure;      /* luminance by which what is seen may be off, since the beam hides detail */
+  float unsure;      /* part by which what it adds and keeps back may be off, since the beam hides
+                        detail: rms */
 } pl_veil_crossing;
 
 /* Of one ray, by t. The farthest are left out where there are too many. */
@@ -45,6 +46,10 @@ typedef struct pl_veil_ray {
   bool dark;          /* only what passes is wanted, no radiance */
   uint32_t from_body; /* body on whose surface it starts: what its veils send down is in the light
                          that pl_veils_toward_sun gives, and not wanted; PL_NOTHING */
+  /* A pixel's beam is looked at in parts x parts places of the pixel, where that shows more than a
+   * filter does; 0 or 1: as a whole. By how much the unit direction changes from side to side. */
+  int parts;
+  pl_vec3 pixel[2];
 } pl_veil_ray;
 
 typedef struct pl_veil_kind {
