@@ -23,6 +23,9 @@ typedef struct pl_air_reach {
 pl_air_reach pl_air_reach_of(const pl_air *air);
 
 double pl_air_step_error(const pl_air_reach *reach, int steps);
+/* What it is an upper bound of, for one ray: the largest error of a band over its light to the
+ * power PL_AIR_POWER. */
+double pl_air_off_by(pl_vec3f is, pl_vec3f exact);
 
 /* How a body's air gets into a frame: it is seen itself (1), or only by the light that it sends to
  * things in the frame or keeps from them (less; 0: not at all). */

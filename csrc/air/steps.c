@@ -21,7 +21,7 @@ static const double cosines[] = {-0.3, -0.06, -0.02, 0.0, 0.02, 0.1, 0.4, 1.0};
 static const double suns[] = {0.9, 0.4, 0.08, -0.06, -0.15};
 enum { AZIMUTHS = 3 };
 
-static double off_by(pl_vec3f is, pl_vec3f exact) {
+double pl_air_off_by(pl_vec3f is, pl_vec3f exact) {
   const float pairs[3][2] = {{is.x, exact.x}, {is.y, exact.y}, {is.z, exact.z}};
   double worst = 0.0;
   for (int k = 0; k < 3; k++) {
@@ -49,8 +49,8 @@ static void try_ray(const pl_air *air, const pl_air_rule rule[PL_AIR_RULES + 1],
     ray.sun_cosine = (float)pl_vec3_dot(ray.direction, sun.direction);
     const pl_vec3f exact = pl_air_scatter(air, &ray, &sun, &rule[PL_AIR_RULES], false).scattered;
     for (int k = 0; k < PL_AIR_RULES; k++) {
-      off[k] =
-          fmax(off[k], off_by(pl_air_scatter(air, &ray, &sun, &rule[k], false).scattered, exact));
+      off[k] = fmax(
+          off[k], pl_air_off_by(pl_air_scatter(air, &ray, &sun, &rule[k], false).scattered, exact));
     }
   }
 }

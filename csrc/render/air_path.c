@@ -287,15 +287,6 @@ pl_vec3f pl_air_sky_reflected(const pl_air_view *view, const pl_snapshot *shot,
   return (pl_vec3f){0.0f, 0.0f, 0.0f};
 }
 
-static pl_vec3f dimmed_sky(const pl_path_context *context, const pl_vertex *vertex, float width_m,
-                           pl_vec3f sky) {
-  const pl_veils *veils = context->settings->veils;
-  if (veils == NULL || !(pl_vec3f_max(sky) > 0.0f))
-    return sky;
-  return pl_vec3f_mul(
-      sky, pl_veils_before_sky(veils, context->shot, vertex->position, vertex->ng, width_m));
-}
-
 /* The pixel's own values where they are known, or the vertex's. */
 pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
                              const pl_vertex *vertex, pl_vec3f direct, float width_m,
@@ -311,7 +302,7 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
     const pl_vec3f sky = pl_air_sky_reflected(view, shot, vertex, wo);
     return pl_vec3f_add(
         pl_vec3f_mul(direct, pl_air_toward_sun(view, shot, vertex->position, toward)),
-        dimmed_sky(context, vertex, width_m, sky));
+        pl_veils_dim_sky(context->settings->veils, shot, vertex, width_m, sky));
   }
   const pl_air_pixel *air = &b->air.pixels[pixel];
   const pl_vec3f light = pl_vec3f_mul(direct, air->sunlight);
@@ -319,7 +310,8 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
     return light;
   const pl_vec3f sky =
       pl_vec3f_scale(reflect_sky(&vertex->surface, wo, air->skylight), b->air.item->irradiance);
-  return pl_vec3f_add(light, dimmed_sky(context, vertex, width_m, sky));
+  return pl_vec3f_add(light,
+                      pl_veils_dim_sky(context->settings->veils, shot, vertex, width_m, sky));
 }
 
 /* From the camera through the air of out->item to a pixel's point; false if there is none. */

@@ -53,8 +53,7 @@ static pl_vec3f ground_light(const pl_snapshot *shot, const pl_render_settings *
   if (settings->air == NULL)
     return out;
   const pl_vec3f sky = pl_air_sky_reflected(settings->air, shot, &vertex, wo);
-  return pl_vec3f_add(out, pl_vec3f_mul(sky, pl_veils_before_sky(veils, shot, vertex.position,
-                                                                 vertex.ng, width_m)));
+  return pl_vec3f_add(out, pl_veils_dim_sky(veils, shot, &vertex, width_m, sky));
 }
 
 /* Through the body's own air. */

@@ -283,10 +283,8 @@ static pl_vec3f sky_at(const pl_path_context *context, const pl_path *path, cons
                        pl_vec3f wo) {
   const pl_render_settings *s = context->settings;
   const pl_vec3f sky = pl_air_sky_reflected(s->air, context->shot, vertex, wo);
-  if (s->veils == NULL || !(pl_vec3f_max(sky) > 0.0f))
-    return sky;
-  return pl_vec3f_mul(sky, pl_veils_before_sky(s->veils, context->shot, vertex->position,
-                                               vertex->ng, pl_beam_width(&path->beam, vertex->t)));
+  return pl_veils_dim_sky(s->veils, context->shot, vertex, pl_beam_width(&path->beam, vertex->t),
+                          sky);
 }
 
 /* What the vertex emits, weighed against drawing it as a light. */

@@ -130,6 +130,13 @@ pl_vec3f pl_veils_before_sky(const pl_veils *veils, const pl_snapshot *shot, pl_
   return out;
 }
 
+pl_vec3f pl_veils_dim_sky(const pl_veils *veils, const pl_snapshot *shot, const pl_vertex *vertex,
+                          float width_m, pl_vec3f sky) {
+  if (veils == NULL || !(pl_vec3f_max(sky) > 0.0f))
+    return sky;
+  return pl_vec3f_mul(sky, pl_veils_before_sky(veils, shot, vertex->position, vertex->ng, width_m));
+}
+
 /* Part of a disc of radius `a` that another of radius `b` leaves, whose centre is `apart`. */
 static double disc_left(double a, double b, double apart) {
   if (apart >= a + b)

@@ -106,6 +106,9 @@ pl_vec3f pl_veils_toward_sun(const pl_veils *veils, const pl_snapshot *shot, pl_
 /* What of the light of the sky comes through to a point of the ground, whose normal is `up`. */
 pl_vec3f pl_veils_before_sky(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 point,
                              pl_vec3f up, float width_m);
+/* What comes through to a vertex of `sky`, the light of that; `veils` may be NULL: all. */
+pl_vec3f pl_veils_dim_sky(const pl_veils *veils, const pl_snapshot *shot, const pl_vertex *vertex,
+                          float width_m, pl_vec3f sky);
 /* The sun's irradiance on a surface at a point that faces it: with eclipses by bodies, the air
  * before it and the other kinds' veils; the things that are meshes cast no shadow there. `kind`:
  * that asks, whose own veils are left out. */

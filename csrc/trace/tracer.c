@@ -182,19 +182,40 @@ static void closest_packet_in(const pl_tracer *tracer, const pl_instance *instan
   }
 }
 
+/* The next instance that rays of a packet enter from sphere *k on, or NULL. */
+static const pl_instance *next_of_packet(const pl_tracer *tracer, const pl_packet *packet,
+                                         size_t *k, pl_entry *entry) {
+  while (*k < tracer->sphere_count) {
+    const pl_sphere *sphere = &tracer->spheres[*k];
+    const bool entered = pl_packet_enter(packet, sphere->center, sphere->radius_m, entry);
+    *k = entered ? *k + 1 : sphere->after;
+    if (entered && sphere->instance != PL_NOTHING)
+      return &tracer->instances[sphere->instance];
+  }
+  return NULL;
+}
+
 static void closest_packet(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits,
                            size_t count) {
   pl_packet packet;
   pl_entry entry;
+  const pl_instance *instance;
   pl_packet_fill(&packet, rays, count);
-  for (size_t k = 0; k < tracer->sphere_count;) {
-    const pl_sphere *sphere = &tracer->spheres[k];
-    const bool entered = pl_packet_enter(&packet, sphere->center, sphere->radius_m, &entry);
+  for (size_t k = 0; (instance = next_of_packet(tracer, &packet, &k, &entry)) != NULL;)
+    closest_packet_in(tracer, instance, rays, hits, count, &packet, &entry);
+}
+
+/* Likewise of one ray, up to a limit. */
+static const pl_instance *next_of_ray(const pl_tracer *tracer, const pl_ray *ray, double limit_m,
+                                      size_t *k, double *start_m) {
+  while (*k < tracer->sphere_count) {
+    const pl_sphere *sphere = &tracer->spheres[*k];
+    const bool entered = pl_ray_enter(ray, limit_m, sphere->center, sphere->radius_m, start_m);
+    *k = entered ? *k + 1 : sphere->after;
     if (entered && sphere->instance != PL_NOTHING)
-      closest_packet_in(tracer, &tracer->instances[sphere->instance], rays, hits, count, &packet,
-                        &entry);
-    k = entered ? k + 1 : sphere->after;
+      return &tracer->instances[sphere->instance];
   }
+  return NULL;
 }
 
 static struct RTCRay single_ray(const pl_lone_approach *at, float near, double limit_m) {
@@ -226,14 +247,12 @@ static void closest_single_in(const pl_tracer *tracer, const pl_instance *instan
 }
 
 static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *hit) {
-  for (size_t k = 0; k < tracer->sphere_count;) {
-    const pl_sphere *sphere = &tracer->spheres[k];
-    const double limit_m = hit->thing != PL_NOTHING ? hit->t : ray->t_max;
-    double start_m;
-    const bool entered = pl_ray_enter(ray, limit_m, sphere->center, sphere->radius_m, &start_m);
-    if (entered && sphere->instance != PL_NOTHING)
-      closest_single_in(tracer, &tracer->instances[sphere->instance], ray, start_m, hit);
-    k = entered ? k + 1 : sphere->after;
+  const pl_instance *instance;
+  double start_m;
+  double limit_m = ray->t_max;
+  for (size_t k = 0; (instance = next_of_ray(tracer, ray, limit_m, &k, &start_m)) != NULL;) {
+    closest_single_in(tracer, instance, ray, start_m, hit);
+    limit_m = hit->thing != PL_NOTHING ? hit->t : ray->t_max;
   }
 }
 
@@ -303,15 +322,10 @@ static void occluded_packet(const pl_tracer *tracer, const pl_ray *rays, bool *o
                             size_t count) {
   pl_packet packet;
   pl_entry entry;
+  const pl_instance *instance;
   pl_packet_fill(&packet, rays, count);
-  for (size_t k = 0; k < tracer->sphere_count;) {
-    const pl_sphere *sphere = &tracer->spheres[k];
-    const bool entered = pl_packet_enter(&packet, sphere->center, sphere->radius_m, &entry);
-    if (entered && sphere->instance != PL_NOTHING)
-      occluded_packet_in(tracer, &tracer->instances[sphere->instance], rays, occluded, count,
-                         &packet, &entry);
-    k = entered ? k + 1 : sphere->after;
-  }
+  for (size_t k = 0; (instance = next_of_packet(tracer, &packet, &k, &entry)) != NULL;)
+    occluded_packet_in(tracer, instance, rays, occluded, count, &packet, &entry);
 }
 
 static bool occluded_single_in(const pl_tracer *tracer, const pl_instance *instance,
@@ -325,15 +339,11 @@ static bool occluded_single_in(const pl_tracer *tracer, const pl_instance *insta
 }
 
 static bool occluded_single(const pl_tracer *tracer, const pl_ray *ray) {
-  for (size_t k = 0; k < tracer->sphere_count;) {
-    const pl_sphere *sphere = &tracer->spheres[k];
-    double start_m;
-    const bool entered = pl_ray_enter(ray, ray->t_max, sphere->center, sphere->radius_m, &start_m);
-    if (entered && sphere->instance != PL_NOTHING &&
-        occluded_single_in(tracer, &tracer->instances[sphere->instance], ray, start_m))
+  const pl_instance *instance;
+  double start_m;
+  for (size_t k = 0; (instance = next_of_ray(tracer, ray, ray->t_max, &k, &start_m)) != NULL;)
+    if (occluded_single_in(tracer, instance, ray, start_m))
       return true;
-    k = entered ? k + 1 : sphere->after;
-  }
   return false;
 }
 

@@ -28,19 +28,6 @@ static pl_air_ray random_ray(test_random *random, double top, const pl_air_sun *
   return ray;
 }
 
-/* Largest error of the bands over the light to the power by which displays encode it. */
-static double worst(const pl_air_light *found, const pl_air_light *exact) {
-  const pl_vec3f f = found->scattered, e = exact->scattered;
-  const float pairs[3][2] = {{f.x, e.x}, {f.y, e.y}, {f.z, e.z}};
-  double largest = 0.0;
-  for (int band = 0; band < 3; band++) {
-    const double is = (double)pairs[band][0], light = (double)pairs[band][1];
-    const double dark = fmax(fmin(is, light), PL_AIR_DARK);
-    largest = fmax(largest, fabs(is - light) / pow(dark, PL_AIR_POWER));
-  }
-  return largest;
-}
-
 enum { COUNT = 13 };
 static const int steps[COUNT] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 24, 32};
 
@@ -54,7 +41,7 @@ static void check_rays(const pl_air *air, test_random *random, double errors[COU
     for (int k = 0; k < COUNT; k++) {
       const pl_air_rule rule = pl_air_rule_make(steps[k]);
       const pl_air_light found = pl_air_scatter(air, &ray, &sun, &rule, false);
-      errors[k] = fmax(errors[k], worst(&found, &exact));
+      errors[k] = fmax(errors[k], pl_air_off_by(found.scattered, exact.scattered));
     }
   }
 }

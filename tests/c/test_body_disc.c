@@ -64,6 +64,12 @@ static void random_world(test_random *random, world *w) {
              pl_vec3_scale(random_direction(random), 1e-4 * size), random_direction(random));
 }
 
+static void random_disc(test_random *random, world *w, pl_body_disc *disc, pl_disc_table *table) {
+  random_world(random, w);
+  assert_true(pl_body_disc_make(&w->body, w->sun, w->point, disc));
+  random_table(random, disc, table);
+}
+
 /* What is drawn is on the body, with the density that is said again for the direction; what is
  * beside it has none. Near outlines and between cells rounding decides. */
 static void test_draws_are_on_the_disc(void **state) {
@@ -76,9 +82,7 @@ static void test_draws_are_on_the_disc(void **state) {
     world w;
     pl_body_disc disc;
     pl_disc_table table;
-    random_world(&random, &w);
-    assert_true(pl_body_disc_make(&w.body, w.sun, w.point, &disc));
-    random_table(&random, &disc, &table);
+    random_disc(&random, &w, &disc, &table);
     for (int k = 0; k < DRAWS; k++) {
       float u[2], pdf;
       pl_sample_2d((uint32_t)k, (uint32_t)i, 0, u);
@@ -110,9 +114,7 @@ static void test_density_is_one_in_all(void **state) {
     world w;
     pl_body_disc disc;
     pl_disc_table table;
-    random_world(&random, &w);
-    assert_true(pl_body_disc_make(&w.body, w.sun, w.point, &disc));
-    random_table(&random, &disc, &table);
+    random_disc(&random, &w, &disc, &table);
     const pl_vec3 to = pl_vec3_sub(w.body.center, w.point);
     const double sine = fmin(w.body.radius_m / pl_vec3_norm(to), 1.0);
     const float wide = (float)(1.0 - sqrt(1.0 - sine * sine));
