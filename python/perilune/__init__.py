@@ -1,18 +1,20 @@
-"""Perilune: annotated synthetic images of spacecraft, planets and the Moon's surface."""
+"""Perilune: annotated synthetic images of spacecraft, planets and the Moon's surface.
+
+Names and modules are loaded when they are first asked for."""
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError, version
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from perilune.camera.poses import look_at
-from perilune.dataset import Dataset, Stream, collate
-from perilune.drivers import Driver
-from perilune.sample import Sample
-from perilune.simulation import Simulation, open  # noqa: A004 (perilune.open is the interface)
-
 if TYPE_CHECKING:
-    from perilune.export.writers import write_bop
+    from perilune.base.version import VERSION as __version__  # noqa: N811
+    from perilune.camera.poses import look_at
+    from perilune.dataset import Dataset, Stream, collate
+    from perilune.drivers import Driver
+    from perilune.sample import Sample
+    from perilune.simulation import Simulation, open  # noqa: A004 (perilune.open is the interface)
+    from perilune.writers import write_bop
 
 __all__ = [
     "Dataset",
@@ -20,22 +22,46 @@ __all__ = [
     "Sample",
     "Simulation",
     "Stream",
+    "__version__",
     "collate",
     "look_at",
     "open",
     "write_bop",
 ]
 
-try:
-    __version__ = version("perilune")
-except PackageNotFoundError:  # run from a source tree that is not installed
-    __version__ = "0+unknown"
+_HOMES = {
+    "Dataset": "perilune.dataset",
+    "Driver": "perilune.drivers",
+    "Sample": "perilune.sample",
+    "Simulation": "perilune.simulation",
+    "Stream": "perilune.dataset",
+    "collate": "perilune.dataset",
+    "look_at": "perilune.camera.poses",
+    "open": "perilune.simulation",
+    "write_bop": "perilune.writers",
+}
+"""Name -> the module that defines it."""
 
 
 def __getattr__(name: str) -> Any:
-    """Writers are loaded when first asked for."""
-    if name == "write_bop":
-        from perilune.export.writers import write_bop
+    """A name of the table, or a module of the package."""
+    if name == "__version__":
+        found: Any = import_module("perilune.base.version").VERSION
+    elif name in _HOMES:
+        found = getattr(import_module(_HOMES[name]), name)
+    else:
+        path = f"perilune.{name}"
+        try:
+            found = import_module(path) if name == "_core" or name[0] != "_" else None
+        except ModuleNotFoundError as error:
+            if error.name != path:  # it is there; what it needs is not
+                raise
+            found = None
+        if found is None:
+            raise AttributeError(f"module 'perilune' has no attribute '{name}'")
+    globals()[name] = found
+    return found
 
-        return write_bop
-    raise AttributeError(f"module 'perilune' has no attribute '{name}'")
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -21,84 +21,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch.utils import data
 
 from perilune import dataset as plain
 from perilune.sample import Sample
 from perilune.simulation import ConfigSource, Simulation
+from perilune.training.tensors import Item, stacked, tensors
 
 __all__ = ["Dataset", "IterableDataset", "StreamLoader", "stacked", "tensors"]
 
-Item = dict[str, Any]
 Transform = Callable[[Item], Any]
-
-_CLASSES = ("semantic", "part", "instance")
-_PLANES_FIRST = ("masks",)
-
-
-def _channel(name: str, array: NDArray[Any], chw: bool) -> torch.Tensor:
-    if chw and array.ndim == 3 and name not in _PLANES_FIRST:
-        array = np.ascontiguousarray(array.transpose(2, 0, 1))
-    if name in _CLASSES:
-        array = array.astype(np.int64)
-    elif array.dtype == np.uint16:  # which torch can hardly do anything with
-        array = array.astype(np.int32)
-    return torch.from_numpy(array)
-
-
-def _objects(rows: NDArray[Any], count: int, dtype: torch.dtype) -> dict[str, torch.Tensor]:
-    """A mapping of tensors (count, ...); rows that are no objects are zero."""
-    found: dict[str, torch.Tensor] = {}
-    for name in rows.dtype.names or ():
-        field = rows[name]
-        kind = dtype if field.dtype.kind == "f" else torch.int64
-        table = torch.zeros((count, *field.shape[1:]), dtype=kind)
-        table[: len(rows)] = torch.from_numpy(np.ascontiguousarray(field)).to(kind)
-        found[name] = table
-    found["valid"] = torch.arange(count) < len(rows)
-    return found
-
-
-def tensors(
-    sample: Sample,
-    *,
-    chw: bool = True,
-    max_objects: int | None = None,
-    dtype: torch.dtype = torch.float32,
-) -> Item:
-    """A sample as the mapping of tensors that this module describes.
-
-    chw: images as (channels, height, width). max_objects: rows of the objects' tensors (default: as
-    many as there are spacecraft). dtype: of K and of what objects have in floating point; R_w2c and
-    t_w2c are always float64, as float32 is metres off at the distance of the Moon.
-    ValueError where there are more objects than that.
-    """
-    camera = sample.camera
-    item: Item = {name: _channel(name, array, chw) for name, array in sample.items()}
-    item["K"] = torch.tensor(camera.K, dtype=dtype)
-    item["R_w2c"] = torch.tensor(camera.R_w2c, dtype=torch.float64)
-    item["t_w2c"] = torch.tensor(camera.t_w2c, dtype=torch.float64)
-    item["index"] = torch.tensor(sample.meta["index"], dtype=torch.int64)
-    if camera.sensor is not None:
-        item["sensor"] = camera.sensor
-    if sample.has_objects:
-        count = len(sample.objects) if max_objects is None else max_objects
-        if len(sample.objects) > count:
-            text = f"frame {sample.meta['index']} has {len(sample.objects)} objects"
-            raise ValueError(f"max_objects = {max_objects}: {text}")
-        item["objects"] = _objects(sample.objects, count, dtype)
-    return item
-
-
-def stacked(samples: Sequence[Sample]) -> Item:
-    """A batch of samples: perilune.collate with tensors=True. Everything in full precision."""
-    most = max(len(s.objects) if s.has_objects else 0 for s in samples)
-    items = [tensors(s, chw=False, max_objects=most, dtype=torch.float64) for s in samples]
-    batch: Item = data.default_collate(items)
-    return batch
 
 
 class _AsTensors:

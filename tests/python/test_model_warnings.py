@@ -17,8 +17,8 @@ from tests.python.model_files import changed_glb
 import perilune
 from perilune import _core
 from perilune.cli import main
+from perilune.config.errors import ModelWarning
 from perilune.document.loader import read_tree
-from perilune.frame.remarks import ModelWarning
 
 POSITIONS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4")
 INDICES = np.array([0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3], "<u2")

@@ -126,7 +126,7 @@ def speckle(image):
     return np.sqrt(np.mean((image[1:-1, 1:-1] - near / 4) ** 2)) / image.mean()
 
 
-@pytest.mark.filterwarnings("ignore::perilune.frame.remarks.ModelWarning")
+@pytest.mark.filterwarnings("ignore::perilune.config.errors.ModelWarning")
 @pytest.mark.parametrize("samples", [16, 256])
 def test_a_picture_for_a_map_of_normals_leaves_no_pepper(tmp_path, samples):
     mapped = plate(tmp_path / "mapped.glb", picture())

@@ -17,7 +17,7 @@ from perilune import _core
 from perilune.base import tiff
 from perilune.bodies import geotiff
 from perilune.bodies.gaps import filled
-from perilune.frame.remarks import ModelWarning
+from perilune.config.errors import ModelWarning
 
 if TYPE_CHECKING:
     from tifffile import TiffPage

@@ -16,9 +16,9 @@ import perilune
 from perilune import _core
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_overrides, open_simulation
+from perilune.config.errors import ModelWarning
 from perilune.config.sensor_presets import PRESETS
 from perilune.document.paths import DATA_VARIABLE
-from perilune.frame.remarks import ModelWarning
 from perilune.orbits.almanac import sources
 from perilune.simulation import Simulation, default_threads
 

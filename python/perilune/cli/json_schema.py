@@ -14,6 +14,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaMode, JsonSchemaV
 from pydantic_core import PydanticCustomError, core_schema
 
 from perilune import _core
+from perilune.config.docs import described
 from perilune.config.schema import Config
 from perilune.document.references import channel_names
 from perilune.drivers import Drawn
@@ -123,6 +124,16 @@ class _Generator(GenerateJsonSchema):
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._fixed = 0
+
+    def model_schema(self, schema: core_schema.ModelSchema) -> JsonSchemaValue:
+        found = super().model_schema(schema)
+        section = schema["cls"]
+        texts = described(section)
+        for name, field in section.model_fields.items():
+            entry = found.get("properties", {}).get(field.alias or name)
+            if entry is not None and name in texts:
+                entry["description"] = texts[name]
+        return found
 
     def float_schema(self, schema: core_schema.FloatSchema) -> JsonSchemaValue:
         found = super().float_schema(schema)

@@ -13,10 +13,9 @@ import numpy as np
 from perilune import _core
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, open_simulation, whole_number
-from perilune.config.errors import nearest
+from perilune.config.errors import ModelWarning, nearest
 from perilune.config.parts import Parts
 from perilune.frame.labels import part_class
-from perilune.frame.remarks import ModelWarning
 from perilune.spacecraft.model_files import FOREIGN, SUFFIXES, read_model
 from perilune.spacecraft.parts import PartEntry, PartExtent, Partition, extents, partition
 

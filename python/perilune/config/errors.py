@@ -17,6 +17,7 @@ from perilune.drivers import KeyPath, path_text
 __all__ = [
     "ConfigError",
     "ConfigWarning",
+    "ModelWarning",
     "fail",
     "fail_unread",
     "from_validation",
@@ -41,6 +42,10 @@ class ConfigError(ValueError):
 
 class ConfigWarning(UserWarning):
     """What a configuration asks for, and hardly means; the text names the file and the key."""
+
+
+class ModelWarning(UserWarning):
+    """Something of a model's file that is not read, or not as it stands there."""
 
 
 def warn(text: str) -> None:

@@ -17,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from perilune.base.html import flat, folded, heading, table, whole
 from perilune.config.errors import fail, fail_unread, nearest
 from perilune.drivers import Drawn
 
@@ -119,6 +120,8 @@ def hook_or_function(schema: dict[str, Any]) -> None:
     schema["properties"] = {**keys, "function": older}
     schema["required"] = [key for key in required if key != "hook"]
     schema["oneOf"] = [{"required": ["hook"]}, {"required": ["function"]}]
+
+
 """module:function of the user's."""
 
 
@@ -128,7 +131,7 @@ Latitudes = Literal["geodetic", "geocentric"]
 class Strict(BaseModel):
     """Base of every section: extra keys are refused with the nearest name, values are frozen."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     @model_validator(mode="before")
     @classmethod
@@ -151,9 +154,17 @@ class Strict(BaseModel):
         return {(new if key == old else key): value for key, value in data.items()}
 
     def _repr_html_(self) -> str:
-        from perilune.show.display import configuration_html
-
-        return configuration_html(self)
+        """All keys of a section, those that are given in it before those that are left out."""
+        given = flat(self.model_dump(by_alias=True, exclude_unset=True, mode="json"))
+        names = {path for path, _ in given}
+        every = flat(self.model_dump(by_alias=True, exclude_none=True, mode="json"))
+        others = [(path, value) for path, value in every if path not in names]
+        defaults = table(("key", "value"), others, most=400)
+        return whole(
+            heading(type(self).__name__, (self.__doc__ or "").split("\n")[0]),
+            table(("key", "value"), given, most=400),
+            folded(f"defaults ({len(others)})", defaults),
+        )
 
     def _only_with(self, needed: str, *keys: str) -> None:
         """Refuses keys that do nothing without something else. needed: what it is."""

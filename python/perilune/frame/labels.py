@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, nearest
 from perilune.config.schema import Config, Spacecraft
+from perilune.frame.html import taxonomy_html
 from perilune.spacecraft.parts import PartEntry
 
 BACKGROUND = "background"
@@ -58,8 +59,6 @@ class Taxonomy:
         return {0: BACKGROUND, **{id_: name for name, id_ in self.classes[level].items()}}
 
     def _repr_html_(self) -> str:
-        from perilune.show.display import taxonomy_html
-
         return taxonomy_html(self)
 
     @property

@@ -10,11 +10,7 @@ import warnings
 from collections.abc import Iterable
 
 from perilune.base.workers import torch_worker
-from perilune.config.errors import ConfigWarning
-
-
-class ModelWarning(UserWarning):
-    """Something of a model's file that is not read, or not as it stands there."""
+from perilune.config.errors import ConfigWarning, ModelWarning
 
 
 class Remarks:

@@ -15,6 +15,7 @@ from perilune.base import rotations
 from perilune.bodies import clouds, ground, photometry
 from perilune.camera import bands
 from perilune.camera.imaging import intrinsics, sensor_of
+from perilune.camera.label import CameraLabel
 from perilune.camera.optics import focus_of, lens_of
 from perilune.config import Config
 from perilune.config.camera import Exposure
@@ -23,7 +24,6 @@ from perilune.config.schema import Render, TextureFilter
 from perilune.document.references import MASKS, OBJECTS
 from perilune.frame.pool import Pool
 from perilune.frame.shutter import Keys
-from perilune.sample import CameraLabel
 from perilune.world import World
 
 F64 = NDArray[np.float64]

@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from perilune import _core
+from perilune.frame.html import objects_html, plan_html
 
 
 class Plan(list["_core.PlanRow"]):
     """The effects of a frame, a row each: name, on, reason, bound_dn, cost_ms."""
 
     def _repr_html_(self) -> str:
-        from perilune.show.display import plan_html
-
         return plan_html(self)
 
 
@@ -25,8 +24,6 @@ class ObjectRows(np.ndarray[Any, np.dtype[Any]]):
         """None, of a single row or a field, leaves its text."""
         if self.dtype.names is None or self.ndim != 1 or "t_m2c" not in self.dtype.names:
             return None
-        from perilune.show.display import objects_html
-
         return objects_html(self)
 
 

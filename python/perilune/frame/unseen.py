@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+
 from perilune.config import Config
-from perilune.sample import Array
 
 FRAMES = 8
 """So many frames without the target, from the first on, are told of."""
@@ -22,7 +25,7 @@ class Unseen:
         self._frames = 0
         self._done = False
 
-    def look(self, config: Config, objects: Array | None) -> str | None:
+    def look(self, config: Config, objects: np.ndarray[Any, Any] | None) -> str | None:
         """What is to be told after a frame. objects: its labels, in the order of the spacecraft."""
         if self._done or objects is None:
             return None

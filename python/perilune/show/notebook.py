@@ -13,12 +13,15 @@ Nothing of Jupyter is imported: a notebook asks an object for `_repr_png_`, and 
 from __future__ import annotations
 
 import io
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from perilune.sample import Sample
 from perilune.show import preview
 from perilune.show.preview.panels import Names
 
+if TYPE_CHECKING:
+    from perilune.sample import Sample
+
+_SAMPLE = "perilune.sample.Sample"
 _FIGURE = "matplotlib.figure.Figure"
 
 
@@ -51,12 +54,12 @@ def _figure_png(figure: Any) -> bytes:
 def load_ipython_extension(shell: Any) -> None:
     """Makes samples show as their sheets, and matplotlib's figures as pictures."""
     formatter = shell.display_formatter.formatters["image/png"]
-    formatter.for_type(Sample, _sample_png)
+    formatter.for_type(_SAMPLE, _sample_png)
     formatter.for_type(_FIGURE, _figure_png)  # by name: matplotlib need not be there
 
 
 def unload_ipython_extension(shell: Any) -> None:
     """Undoes it."""
     formatter = shell.display_formatter.formatters["image/png"]
-    formatter.pop(Sample, None)
+    formatter.pop(_SAMPLE, None)
     formatter.pop(_FIGURE, None)

@@ -22,11 +22,13 @@ from perilune.config.sky import Background, Stars
 from perilune.orbits.almanac import almanac
 from perilune.orbits.motion import Kept
 from perilune.orbits.setting import ephemeris_name
-from perilune.sample import STAR
 from perilune.sky.star_files import SUN_K, StarTable, read_stars
 from perilune.world import World
 
 F64 = NDArray[np.float64]
+
+STAR = np.dtype([("number", np.int64), ("u", np.float64), ("v", np.float64), ("magnitude", "f4")])
+"""A row of `Sample.stars`."""
 FilePath = Callable[[str, str], Path]
 
 V_ZERO_W_M2_UM = 3.631e-8
@@ -93,9 +95,7 @@ def directions(table: StarTable, years: float) -> F64:
     place = np.stack([np.cos(dec) * np.cos(ra), np.cos(dec) * np.sin(ra), np.sin(dec)], axis=-1)
     east = np.stack([-np.sin(ra), np.cos(ra), np.zeros_like(ra)], axis=-1)
     north = np.stack([-np.sin(dec) * np.cos(ra), -np.sin(dec) * np.sin(ra), np.cos(dec)], axis=-1)
-    moved = place + years * (
-        table.motion_rad_yr[:, :1] * east + table.motion_rad_yr[:, 1:] * north
-    )
+    moved = place + years * (table.motion_rad_yr[:, :1] * east + table.motion_rad_yr[:, 1:] * north)
     return np.asarray(moved / np.linalg.norm(moved, axis=-1, keepdims=True))
 
 

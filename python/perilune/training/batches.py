@@ -48,9 +48,9 @@ def collate(samples: Sequence[Sample], tensors: bool = False) -> dict[str, Any]:
     _check(samples)
     first = samples[0]
     if tensors:
-        from perilune import torch as with_torch
+        from perilune.training.tensors import stacked
 
-        return with_torch.stacked(samples)
+        return stacked(samples)
     batch: dict[str, Any] = {name: np.stack([s[name] for s in samples]) for name in first}
     batch["K"] = np.stack([s.camera.K for s in samples])
     batch["R_w2c"] = np.stack([s.camera.R_w2c for s in samples])

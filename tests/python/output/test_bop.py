@@ -16,6 +16,7 @@ from PIL import Image
 import perilune
 from perilune import _core
 from perilune.config import ConfigError
+from perilune.config.docs import described
 from perilune.config.file_names import _file_keys
 from perilune.config.schema import Config
 from perilune.config.types import Strict
@@ -503,8 +504,8 @@ def test_all_keys_that_name_files_say_so():
     told = {
         (section.__name__, name)
         for section in _sections(Config, set())
-        for name, field in section.model_fields.items()
-        if re.search(r"elative to (this|its) file|under\s+PERILUNE_DATA", field.description or "")
+        for name, text in described(section).items()
+        if re.search(r"elative to (this|its) file|under\s+PERILUNE_DATA", text)
         and name not in _file_keys(section)
     }
     assert told == {("Material", "file")}

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import perilune
 from perilune import _core
+from perilune.base.version import VERSION
 from perilune.camera.imaging import intrinsics
 from perilune.config.camera import Camera
 from perilune.config.errors import ConfigError
@@ -219,5 +219,5 @@ def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]
         "files_sha256": _files(sim),
         "seed": sim.config.seed,
         "split": split,
-        "versions": {"perilune": perilune.__version__, **_core.version()},
+        "versions": {"perilune": VERSION, **_core.version()},
     }

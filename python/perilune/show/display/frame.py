@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.base.html import flat, folded, heading, picture, swatch, table, whole
+from perilune.frame.html import objects_table, plan_table
 from perilune.show.preview import canvas, png_bytes
 from perilune.show.preview.panels import Panel
 from perilune.show.preview.sheet import panels_of
@@ -22,7 +22,6 @@ _WIDTH = 200
 _LARGE = 412
 _TALLEST = 1.4
 _SWATCHES = 6
-_OBJECT_COLUMNS = ("instance", "obj_id", "visible", "pixels", "box x y w h", "t_m2c, m")
 
 
 def _caption(panel: Panel, channel: str, values: NDArray[Any] | None) -> Iterator[str]:
@@ -71,51 +70,13 @@ def sample_html(sample: Sample) -> str:
         shape = " x ".join(map(str, masks.shape))
         parts.append(heading("masks", f"{masks.dtype} {shape}, a silhouette an object"))
     if sample.has_objects:
-        parts.append(folded(f"objects ({len(sample.objects)})", _objects(sample.objects), True))
+        parts.append(
+            folded(f"objects ({len(sample.objects)})", objects_table(sample.objects), True)
+        )
     drawn = list(meta.get("drivers", {}).items())
     rest = {k: v for k, v in meta.items() if k not in ("drivers", "timings_s")}
     kept = sum(bool(row["on"]) for row in sample.plan)
     parts.append(folded(f"drivers ({len(drawn)})", table(("key", "value"), drawn)))
     parts.append(folded("meta", table(("key", "value"), flat(rest))))
-    parts.append(folded(f"plan ({kept} on)", _plan(sample.plan)))
+    parts.append(folded(f"plan ({kept} on)", plan_table(sample.plan)))
     return whole(*parts)
-
-
-def _objects(rows: NDArray[Any]) -> str:
-    cells = [
-        (
-            int(row["instance_id"]),
-            int(row["obj_id"]),
-            f"{100.0 * float(row['visib_fract']):.1f} %",
-            int(row["px_count_visib"]),
-            row["bbox_visib"].tolist() if row["px_count_visib"] > 0 else None,
-            [round(float(value), 3) for value in row["t_m2c"]],
-        )
-        for row in rows
-    ]
-    return table(_OBJECT_COLUMNS, cells)
-
-
-def objects_html(rows: NDArray[Any]) -> str:
-    """The labels of the spacecraft of a frame."""
-    return whole(heading("Objects", "poses: t_m2c in the camera's axes, OpenCV"), _objects(rows))
-
-
-def _plan(rows: Sequence[Mapping[str, Any]]) -> str:
-    cells = [
-        (
-            row["name"],
-            "on" if row["on"] else "off",
-            f"{row['bound_dn']:.3g} DN" if math.isfinite(row["bound_dn"]) else "–",
-            f"{row['cost_ms']:.3g} ms" if math.isfinite(row["cost_ms"]) else "–",
-            row["reason"],
-        )
-        for row in sorted(rows, key=lambda row: not row["on"])
-    ]
-    return table(("effect", "", "bound", "cost", "reason"), cells, most=100)
-
-
-def plan_html(rows: Sequence[Mapping[str, Any]]) -> str:
-    """The effects of a frame, those that are on first."""
-    kept = sum(bool(row["on"]) for row in rows)
-    return whole(heading("Plan", f"{kept} effects on, {len(rows) - kept} off"), _plan(rows))

@@ -1,4 +1,4 @@
-"""A simulation, its configuration and its labels in a notebook."""
+"""A simulation in a notebook."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 from perilune.base.html import flat, folded, heading, table, whole
 
 if TYPE_CHECKING:
-    from perilune.config.types import Strict
-    from perilune.frame.labels import Taxonomy
     from perilune.simulation import Simulation
 
 
@@ -48,33 +46,3 @@ def simulation_html(sim: Simulation) -> str:
         folded(f"drivers ({len(drivers)})", table(columns, drivers)),
         folded("configuration", table(("key", "value"), flat(document.tree), most=400)),
     )
-
-
-def configuration_html(section: Strict) -> str:
-    """All keys of a section, those that are given in it before those that are left out."""
-    given = flat(section.model_dump(by_alias=True, exclude_unset=True, mode="json"))
-    names = {path for path, _ in given}
-    every = flat(section.model_dump(by_alias=True, exclude_none=True, mode="json"))
-    others = [(path, value) for path, value in every if path not in names]
-    defaults = table(("key", "value"), others, most=400)
-    return whole(
-        heading(type(section).__name__, (section.__doc__ or "").split("\n")[0]),
-        table(("key", "value"), given, most=400),
-        folded(f"defaults ({len(others)})", defaults),
-    )
-
-
-def taxonomy_html(labels: Taxonomy) -> str:
-    """Names and ids, channel by channel; 0 is the background everywhere."""
-    parts = [heading("Taxonomy", "id 0 is the background everywhere")]
-    instances = [(id_, name) for name, id_ in labels.instances.items()]
-    parts += [heading("instance"), table(("id", "name"), instances)]
-    for level, classes in labels.classes.items():
-        shown = labels.levels.index(level) if level in labels.levels else None
-        where = "not shown" if shown is None else f"semantic[..., {shown}]"
-        rows = [(id_, name) for name, id_ in classes.items()]
-        parts += [heading(level, where), table(("id", "class"), rows)]
-    owned = [(p.id, p.owner, p.name, p.material, p.class_name) for p in labels.parts]
-    columns = ("id", "of", "part", "material", "class")
-    parts.append(folded(f"part ({len(owned)})", table(columns, owned, most=200)))
-    return whole(*parts)

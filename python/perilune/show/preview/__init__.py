@@ -5,16 +5,19 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.document.references import pixel_channels
-from perilune.sample import Sample
 from perilune.show.preview.panels import Names
 from perilune.show.preview.sheet import draw_sheet
-from perilune.simulation import Simulation
+
+if TYPE_CHECKING:
+    from perilune.sample import Sample
+    from perilune.simulation import Simulation
 
 __all__ = ["draw", "png_bytes", "render_sheet", "save"]
 

@@ -1,14 +1,19 @@
 """The rgb picture with the visible boxes and the objects' axes drawn over it."""
 
+from __future__ import annotations
+
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
-from perilune.sample import CameraLabel
+from perilune.camera.label import CameraLabel
 from perilune.show.preview import canvas, colors
+
+if TYPE_CHECKING:
+    pass
 
 U8 = NDArray[np.uint8]
 F64 = NDArray[np.float64]
@@ -33,9 +38,7 @@ def axes_px(R_m2c: F64, t_m2c: F64, bbox: NDArray[Any], camera: CameraLabel) -> 
     return _core.project(K, camera.lens, points.reshape(-1, 3)).reshape(3, _STEPS + 1, 2)
 
 
-def draw_objects(
-    picture: U8, objects: NDArray[Any], camera: CameraLabel, image_width: int
-) -> None:
+def draw_objects(picture: U8, objects: NDArray[Any], camera: CameraLabel, image_width: int) -> None:
     """Draws on a picture that shows an image `image_width` pixels wide."""
     scale = picture.shape[1] / image_width
 

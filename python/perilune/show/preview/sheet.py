@@ -1,18 +1,22 @@
 """The layout of the sheet: the picture first and large, then every other channel in a grid."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.document.references import MASKS
-from perilune.sample import Sample
 from perilune.show.preview import canvas, colors
 from perilune.show.preview.font import ADVANCE, GLYPH_HEIGHT, text_width
 from perilune.show.preview.overlay import draw_objects
 from perilune.show.preview.panels import Context, Names, Panel, channel_panels
+
+if TYPE_CHECKING:
+    from perilune.sample import Sample
 
 U8 = NDArray[np.uint8]
 
@@ -120,9 +124,7 @@ def _panels(sample: Sample, names: Names, units: Mapping[str, str]) -> list[Pane
     return found
 
 
-def panels_of(
-    sample: Sample, box: tuple[int, int], names: Names | None = None
-) -> list[Panel]:
+def panels_of(sample: Sample, box: tuple[int, int], names: Names | None = None) -> list[Panel]:
     """All panels of a sample, the picture first. box: height and width that the picture with boxes
     and axes will be shown in."""
     units = {channel["name"]: channel["unit"] for channel in _core.CHANNELS}

@@ -1,0 +1,76 @@
+"""Objects, plans and labels of frames as tables of a notebook."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from perilune.base.html import folded, heading, table, whole
+
+if TYPE_CHECKING:
+    from perilune.frame.labels import Taxonomy
+
+_OBJECT_COLUMNS = ("instance", "obj_id", "visible", "pixels", "box x y w h", "t_m2c, m")
+
+
+def objects_table(rows: NDArray[Any]) -> str:
+    """The labels of spacecraft, a row each."""
+    cells = [
+        (
+            int(row["instance_id"]),
+            int(row["obj_id"]),
+            f"{100.0 * float(row['visib_fract']):.1f} %",
+            int(row["px_count_visib"]),
+            row["bbox_visib"].tolist() if row["px_count_visib"] > 0 else None,
+            [round(float(value), 3) for value in row["t_m2c"]],
+        )
+        for row in rows
+    ]
+    return table(_OBJECT_COLUMNS, cells)
+
+
+def objects_html(rows: NDArray[Any]) -> str:
+    """The labels of the spacecraft of a frame."""
+    return whole(
+        heading("Objects", "poses: t_m2c in the camera's axes, OpenCV"), objects_table(rows)
+    )
+
+
+def plan_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The effects of a plan, those that are on first."""
+    cells = [
+        (
+            row["name"],
+            "on" if row["on"] else "off",
+            f"{row['bound_dn']:.3g} DN" if math.isfinite(row["bound_dn"]) else "–",
+            f"{row['cost_ms']:.3g} ms" if math.isfinite(row["cost_ms"]) else "–",
+            row["reason"],
+        )
+        for row in sorted(rows, key=lambda row: not row["on"])
+    ]
+    return table(("effect", "", "bound", "cost", "reason"), cells, most=100)
+
+
+def plan_html(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The effects of a frame, those that are on first."""
+    kept = sum(bool(row["on"]) for row in rows)
+    return whole(heading("Plan", f"{kept} effects on, {len(rows) - kept} off"), plan_table(rows))
+
+
+def taxonomy_html(labels: Taxonomy) -> str:
+    """Names and ids, channel by channel; 0 is the background everywhere."""
+    parts = [heading("Taxonomy", "id 0 is the background everywhere")]
+    instances = [(id_, name) for name, id_ in labels.instances.items()]
+    parts += [heading("instance"), table(("id", "name"), instances)]
+    for level, classes in labels.classes.items():
+        shown = labels.levels.index(level) if level in labels.levels else None
+        where = "not shown" if shown is None else f"semantic[..., {shown}]"
+        rows = [(id_, name) for name, id_ in classes.items()]
+        parts += [heading(level, where), table(("id", "class"), rows)]
+    owned = [(p.id, p.owner, p.name, p.material, p.class_name) for p in labels.parts]
+    columns = ("id", "of", "part", "material", "class")
+    parts.append(folded(f"part ({len(owned)})", table(columns, owned, most=200)))
+    return whole(*parts)

@@ -1,0 +1,60 @@
+"""What an import loads, and what it leaves until it is asked for."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import perilune
+
+HEAVY = {
+    *("torch", "torchdata", "matplotlib", "PIL", "scipy", "IPython", "ipywidgets", "cv2"),
+    *("tifffile", "sgp4", "spiceypy", "pandas", "tqdm", "pycocotools"),
+}
+"""Libraries that a frame of a common configuration needs none of."""
+
+
+def loaded(code: str) -> set[str]:
+    """Top names of the modules that a fresh process has after some code."""
+    code = f"{code}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    names: list[str] = json.loads(result.stdout)
+    return {name for name in names if name.startswith("perilune")} | {
+        name.split(".")[0] for name in names
+    }
+
+
+def test_import_alone_loads_nothing():
+    found = loaded("import perilune")
+    assert not found & {"numpy", "pydantic", "yaml", "erfa", *HEAVY}
+    assert {name for name in found if name.startswith("perilune.")} <= {"perilune._core"}
+
+
+def test_what_users_import_loads_no_extra():
+    names = "open, Dataset, Stream, collate, Driver, look_at, write_bop, writers, check"
+    found = loaded(f"from perilune import {names}")
+    assert not found & HEAVY
+    assert not {name for name in found if name.startswith(("perilune.show", "perilune.cli"))}
+
+
+def test_all_names_are_there():
+    for name in perilune.__all__:
+        assert getattr(perilune, name) is not None
+        assert name in dir(perilune)
+    assert perilune.writers.write_bop is perilune.write_bop
+    assert perilune.world.World.__module__ == "perilune.world"
+
+
+def test_a_name_that_is_not_there():
+    for name in ("opened", "numpy", "_cores"):
+        with pytest.raises(AttributeError, match=f"module 'perilune' has no attribute '{name}'"):
+            getattr(perilune, name)
+
+
+def test_a_module_whose_library_is_missing_says_so():
+    code = "import sys; sys.modules['torch'] = None\nimport perilune\nperilune.torch"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "ModuleNotFoundError: import of torch halted" in result.stderr
