@@ -144,6 +144,7 @@ static PyMethodDef functions[] = {
     {"band_gather", pl_py_band_gather, METH_VARARGS, "What a band gathers of sunlight."},
     {"allocations", allocations, METH_NOARGS, "Allocations made by the core so far."},
     {"cloud_cover", pl_py_cloud_cover, METH_VARARGS, "Parts of footprints that clouds cover."},
+    {"draws", pl_py_draws, METH_VARARGS, "Standard numbers of many streams of NumPy's Philox."},
     {"gltf_graphs", pl_py_gltf_graphs, METH_O, "Graphs in the extras of a file's materials."},
     {"png_grey", png_grey, METH_VARARGS, "Numbers of a grey PNG of any depth, as 16 bits."},
     {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,

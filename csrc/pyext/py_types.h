@@ -22,6 +22,8 @@ const pl_rings *pl_py_rings_of(PyObject *object);
 PyObject *pl_py_nodes(void);
 /* The function band_gather, as documented in the stub. */
 PyObject *pl_py_band_gather(PyObject *module, PyObject *args);
+/* The function draws, as documented in the stub. */
+PyObject *pl_py_draws(PyObject *module, PyObject *args);
 /* The function gltf_graphs, as documented in the stub. */
 PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path);
 /* The function sunlight, as documented in the stub. */

@@ -542,6 +542,13 @@ def philox(key: tuple[int, int], counter: tuple[int, int, int, int], count: int)
 def project(K: F64, lens: tuple[str, F64] | None, points: F64) -> F64:
     """(N, 2): pixels of (N, 3) points in camera axes; nan where there is no image."""
 
+def draws(
+    seed: int, keys: NDArray[np.uint64], frames: NDArray[np.uint64], normal: NDArray[np.bool_],
+    counts: NDArray[np.int64], /
+) -> F64:
+    """counts[i] numbers of each row i, one after the other: standard normals, or uniform in [0, 1),
+    as numpy.random.Generator(Philox(key=(seed, keys[i]), counter=(0, 0, 0, frames[i]))) gives."""
+
 def png_grey(data: bytes, name: str, /) -> NDArray[np.uint16]:
     """(H, W): a grey PNG of n bits, times 65535 / (2^n - 1), no alpha. ValueError with `name`."""
 

@@ -40,7 +40,7 @@ def driver(ideal=3.0, variance=4.0, low=-1e9, high=1e9, interval=None, strength=
 
 def draws(found, seed=1, strength=1.0, interval=1, count=COUNT, groups=None):
     plan = Plan((found,), groups or {}, Defaults(strength, interval))
-    return np.array([plan.draw(found, seed, step) for step in range(count)])
+    return np.array([plan.values(seed, step)[found.path] for step in range(count)])
 
 
 def normal_cdf(x):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 _FNV_OFFSET = 0xCBF29CE484222325
@@ -9,6 +11,7 @@ _FNV_PRIME = 0x100000001B3
 _MASK = (1 << 64) - 1
 
 
+@lru_cache(maxsize=4096)
 def stable_hash(text: str) -> int:
     """FNV-1a of the UTF-8 bytes, 64 bit (RFC 9923), as csrc/base/hash.h: the same everywhere."""
     value = _FNV_OFFSET

@@ -6,9 +6,10 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
+from pydantic_core import PydanticCustomError
 
 from perilune.base.hooks import HookError
 from perilune.config.errors import (
@@ -29,6 +30,7 @@ from perilune.document.loader import plain_tree, read_tree
 from perilune.document.material_files import include
 from perilune.document.model_graphs import include_models
 from perilune.document.overrides import apply_overrides, joined, without_unread
+from perilune.document.patch import Patch
 from perilune.document.paths import resolve
 from perilune.document.references import check_references
 from perilune.drivers import (
@@ -37,12 +39,36 @@ from perilune.drivers import (
     Found,
     KeyPath,
     Plan,
+    copied,
     find,
     names,
     substitute,
     without,
 )
 from perilune.drivers.choice import KIND as CHOICE
+
+_KEPT_STEPS = 4
+"""Steps whose configurations are kept: this one's, its scene's first, one that was metered."""
+_KEPT_PATCHES = 16
+"""Outcomes of all choices, likewise."""
+
+
+_T = TypeVar("_T")
+
+
+def _keep(kept: dict[Any, Any], most: int, key: Any, value: _T) -> _T:
+    """Puts a value among the last so many."""
+    while len(kept) >= most:
+        kept.pop(next(iter(kept)), None)
+    kept[key] = value
+    return value
+
+
+def _is_numbers(value: Any) -> bool:
+    """Whether a driver's value is a number, or a list of such."""
+    if isinstance(value, (list, tuple)):
+        return all(map(_is_numbers, value))
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 @dataclass(frozen=True)
@@ -96,6 +122,9 @@ class Document:
             raise ConfigError(f"{source}: {named(str(error), self.origins)}") from None
         if not limits_known:
             self._check_clips()
+        self._configs: dict[int, Config] = {}
+        self._drawn: dict[int, Mapping[KeyPath, Any]] = {}
+        self._patches: dict[str, Patch] = {}
         self._replay = dict(replay) if replay is not None else None
         self._recorded = self._records(self._replay) if self._replay is not None else {}
 
@@ -139,8 +168,31 @@ class Document:
         """
         if not self.drivers:
             return self.config, {}
-        values = self._values(self.config.timeline.at(frame).step)
-        return self._validate(values), self._by_name(values)
+        step = self.config.timeline.at(frame).step
+        values = self._values(step)
+        config = self._configs.get(step)
+        if config is None:
+            config = _keep(self._configs, _KEPT_STEPS, step, self._patched(values))
+        return config, self._by_name(values)
+
+    def _patched(self, values: Mapping[KeyPath, Any]) -> Config:
+        """The configuration with values of the drivers, which differ from others' by numbers."""
+        chosen = {path: value for path, value in values.items() if not _is_numbers(value)}
+        key = repr(chosen)
+        patch = self._patches.get(key)
+        if patch is not None:
+            try:
+                config = patch.config(values)
+            except (ValidationError, PydanticCustomError, ValueError):
+                config = None  # the words for what is wrong are those of the whole
+            if config is not None:
+                return config
+        config = self._validate(values)
+        if patch is None:
+            driven = [path for path in values if path not in chosen]
+            patch = Patch(config, substitute(self.tree, chosen), driven, self.path)
+            _keep(self._patches, _KEPT_PATCHES, key, patch)
+        return config
 
     def scene_values(self, frame: int) -> dict[str, Any]:
         """Values of the drivers at the first step of a frame's scene that are others at the frame.
@@ -160,12 +212,15 @@ class Document:
         timeline = self.config.timeline
         return timeline.at(timeline.frames_before(step // per_scene * per_scene)).step
 
-    def _values(self, step: int) -> dict[KeyPath, Any]:
+    def _values(self, step: int) -> Mapping[KeyPath, Any]:
+        found = self._drawn.get(step)
+        if found is not None:
+            return found
         try:
             values = self._plan.values(self.config.seed, step)
         except (DriverError, HookError) as error:
             raise ConfigError(f"{self.source}: {error}") from None
-        return {**values, **self._recorded.get(step, {})}
+        return _keep(self._drawn, _KEPT_STEPS, step, {**values, **self._recorded.get(step, {})})
 
     def _records(self, meta: Mapping[str, Any]) -> dict[int, dict[KeyPath, Any]]:
         """Step -> the values that the metadata of a frame hold."""
@@ -196,7 +251,7 @@ class Document:
         return rows
 
     def _by_name(self, values: Mapping[KeyPath, Any]) -> dict[str, Any]:
-        return {driver.name: values[driver.path] for driver in self.drivers}
+        return {driver.name: copied(values[driver.path]) for driver in self.drivers}
 
     def _grouped(self) -> Plan:
         """The drivers with their groups, defaults and functions."""

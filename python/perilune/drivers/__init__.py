@@ -21,7 +21,7 @@ drivers, and the same for all sensors of a step. Without an interval, a value is
 
 from perilune.drivers.common import Drawn, DriverError, KeyPath, path_text
 from perilune.drivers.mapping import Driver
-from perilune.drivers.plan import Defaults, Group, Plan, factor
+from perilune.drivers.plan import Defaults, Group, Plan, copied, factor
 from perilune.drivers.tree import KINDS, Found, find, names, substitute, without
 
 __all__ = [
@@ -34,6 +34,7 @@ __all__ = [
     "Group",
     "KeyPath",
     "Plan",
+    "copied",
     "factor",
     "find",
     "names",

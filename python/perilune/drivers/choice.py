@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from perilune.drivers.common import DriverError, Kind, Source, number
+from perilune.drivers.common import DriverError, Kind, Need, Source, number
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,10 @@ class Choice:
         """See Distribution."""
         return ".choice[0]"
 
+    def needs(self, strength: float) -> Need | None:
+        """See Distribution."""
+        return Need(False, 1) if min(strength, 1.0) != 0.0 and len(self.values) > 1 else None
+
     def draw(self, source: Source, strength: float) -> Any:
         """One of the values; a copy."""
         share = min(strength, 1.0)
@@ -47,7 +51,7 @@ class Choice:
             return self.ideal
         # [0, 1 - share) stands for the ideal, the rest is divided by the weights. The same order
         # as that of the values, so that correlated choices go along with correlated numbers.
-        place = (float(source.uniforms(1)[0]) - (1.0 - share)) / share
+        place = (source.uniforms(1)[0] - (1.0 - share)) / share
         if place < 0.0:
             return self.ideal
         # `place` is 1 at most, so the value found has a weight above 0.

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-
-from perilune.base.random import generator
 
 F64 = NDArray[np.float64]
 KeyPath = tuple[str | int, ...]
@@ -75,9 +73,11 @@ def shaped(values: tuple[float, ...], count: int | None) -> Any:
     return values[0] if count is None else list(values)
 
 
-def clip(values: F64, low: tuple[float, ...], high: tuple[float, ...]) -> tuple[float, ...]:
+def clip(
+    values: Sequence[float], low: tuple[float, ...], high: tuple[float, ...]
+) -> tuple[float, ...]:
     """Each value within its limits."""
-    rows = zip(values.tolist(), low, high, strict=True)
+    rows = zip(values, low, high, strict=True)
     return tuple(min(max(value, least), most) for value, least, most in rows)
 
 
@@ -92,27 +92,29 @@ class Source:
     """The first one that the draw is for."""
     epoch: int
     """Counts the draws: the step divided by the interval."""
-    correlated: Callable[[int], F64] | None = None
-    """Standard normals, as many as asked for, that the driver's group correlates."""
+    drawn: Sequence[float] = ()
+    """What the distribution needs: standard normals, or numbers uniform in [0, 1)."""
+    correlates: bool = False
+    """Whether these are normals that the driver's group correlates, whatever is needed."""
 
-    def _generator(self) -> np.random.Generator:
-        return generator(self.seed, f"driver:{self.name}", self.epoch)
-
-    def normals(self, count: int, jointly: bool = False) -> F64:
+    def normals(self, count: int, jointly: bool = False) -> list[float]:
         """(count,) of mean 0 and variance 1; independent of each other, or all the same."""
-        own = 1 if jointly else count
-        if self.correlated is not None:
-            found = self.correlated(own)
-        else:
-            found = self._generator().standard_normal(own)
-        return np.broadcast_to(found, (count,))
+        return list(self.drawn) * (count if jointly else 1)
 
-    def uniforms(self, count: int, jointly: bool = False) -> F64:
+    def uniforms(self, count: int, jointly: bool = False) -> list[float]:
         """(count,) in [0, 1]; in a correlated group those of its normals (a Gaussian copula)."""
-        if self.correlated is not None:
-            found = self.normals(count, jointly)
-            return np.array([0.5 * math.erfc(-x / math.sqrt(2.0)) for x in found.tolist()])
-        return np.broadcast_to(self._generator().random(1 if jointly else count), (count,))
+        found = self.normals(count, jointly)
+        if self.correlates:
+            return [0.5 * math.erfc(-x / math.sqrt(2.0)) for x in found]
+        return found
+
+
+class Need(NamedTuple):
+    """Standard numbers for one draw."""
+
+    normal: bool
+    """Normals; else uniform ones."""
+    numbers: int
 
 
 class Distribution(Protocol):
@@ -130,6 +132,9 @@ class Distribution(Protocol):
     @property
     def ideal_key(self) -> str:
         """Which key of the driver says the ideal, likewise."""
+
+    def needs(self, strength: float) -> Need | None:
+        """What a draw takes of the source; None where nothing varies, or a hook draws."""
 
     def draw(self, source: Source, strength: float) -> Any:
         """A value; the ideal, to the bit, at a strength of 0."""

@@ -15,8 +15,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from perilune.base import hooks
 from perilune.drivers.common import DriverError, Kind, Source, clip, numbers, shaped, size
 from perilune.drivers.normal import check_ideal, need
@@ -59,6 +57,9 @@ class Hooked:
         function = hooks.load(self.function, key, find)
         return Hooked(**{**self.__dict__, "loaded": function})
 
+    def needs(self, strength: float) -> None:
+        """Nothing: the function has a generator of its own."""
+
     def draw(self, source: Source, strength: float) -> Any:
         """What the function returns, clipped; DriverError if it is not like the ideal."""
         if strength == 0.0:
@@ -97,7 +98,7 @@ class Hooked:
             like = "one number" if self.count is None else f"{self.count} numbers"
             raise DriverError(key, f"'{self.function}' must return {like}, not {value!r}")
         returned = numbers(f"{key} ('{self.function}' returned)", value, self.count)
-        return shaped(clip(np.array(returned), self.low, self.high), self.count)
+        return shaped(clip(returned, self.low, self.high), self.count)
 
 
 def _plain(value: Any) -> Any:

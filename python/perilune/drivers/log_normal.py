@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from perilune.drivers.common import (
-    F64,
     DriverError,
     Kind,
+    Need,
     Source,
     clip,
     joint,
@@ -26,7 +26,7 @@ from perilune.drivers.common import (
     shaped,
     size,
 )
-from perilune.drivers.normal import check_ideal, check_variance, in_deviations, need
+from perilune.drivers.normal import check_ideal, check_variance, in_deviations, need, need_of
 
 KEYS = ("median", "log_variance", "clip_min", "clip_max")
 
@@ -58,19 +58,23 @@ class LogNormal:
         """See Distribution."""
         return ".median"
 
+    def needs(self, strength: float) -> Need | None:
+        """See Distribution."""
+        return need_of(self.variances, strength, self.jointly)
+
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""
         return self.at(strength, lambda: source.normals(len(self.medians), self.jointly))
 
-    def at(self, strength: float, normals: Callable[[], F64]) -> Any:
+    def at(self, strength: float, normals: Callable[[], list[float]]) -> Any:
         """As that of the normal distribution."""
-        deviations = np.sqrt(np.array(self.variances) * strength)
-        if not deviations.any():
+        deviations = [math.sqrt(variance * strength) for variance in self.variances]
+        if not any(deviations):
             return self.ideal
-        jitter = deviations * normals()
+        jitter = [by * normal for by, normal in zip(deviations, normals(), strict=True)]
         with np.errstate(over="ignore"):  # infinity is clipped
             values = np.array(self.medians) * np.exp(jitter)
-        return shaped(clip(values, self.low, self.high), self.count)
+        return shaped(clip(values.tolist(), self.low, self.high), self.count)
 
     def standard_limits(self, strength: float) -> list[tuple[float, float]]:
         """Both clips of each number, in standard deviations of its logarithm from the median's."""

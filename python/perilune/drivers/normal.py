@@ -13,12 +13,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from perilune.drivers.common import (
-    F64,
     DriverError,
     Kind,
+    Need,
     Source,
     clip,
     joint,
@@ -57,18 +55,22 @@ class Normal:
         """See Distribution."""
         return ".ideal"
 
+    def needs(self, strength: float) -> Need | None:
+        """See Distribution."""
+        return need_of(self.variances, strength, self.jointly)
+
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""
         return self.at(strength, lambda: source.normals(len(self.means), self.jointly))
 
-    def at(self, strength: float, normals: Callable[[], F64]) -> Any:
+    def at(self, strength: float, normals: Callable[[], list[float]]) -> Any:
         """The value of standard normals, which are asked for only where something varies."""
-        deviations = np.sqrt(np.array(self.variances) * strength)
-        if not deviations.any():
+        deviations = [math.sqrt(variance * strength) for variance in self.variances]
+        if not any(deviations):
             return self.ideal
-        jitter = deviations * normals()
-        means = np.array(self.means)
-        values = np.where(deviations == 0.0, means, means + jitter)  # -0 + 0 is not -0
+        rows = zip(self.means, deviations, normals(), strict=True)
+        # -0 + 0 is not -0
+        values = [mean + by * jitter if by != 0.0 else mean for mean, by, jitter in rows]
         return shaped(clip(values, self.low, self.high), self.count)
 
     def standard_limits(self, strength: float) -> list[tuple[float, float]]:
@@ -82,6 +84,13 @@ class Normal:
                 (in_deviations(low - mean, variance), in_deviations(high - mean, variance))
             )
         return found
+
+
+def need_of(variances: tuple[float, ...], strength: float, jointly: bool) -> Need | None:
+    """Normals, where anything varies."""
+    if not any(math.sqrt(variance * strength) for variance in variances):
+        return None
+    return Need(True, 1 if jointly else len(variances))
 
 
 def in_deviations(distance: float, variance: float) -> float:

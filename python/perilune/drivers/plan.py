@@ -8,16 +8,19 @@ the order of keys, of workers and of other drivers.
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from perilune.base.random import generator
+from perilune import _core
+from perilune.base.random import stable_hash
 from perilune.drivers.common import F64, DriverError, KeyPath, Source
 from perilune.drivers.hook import Hooked
 from perilune.drivers.log_normal import LogNormal
@@ -69,24 +72,32 @@ class Group:
         """Whether its drivers' draws depend on each other."""
         return self.shared or self.factor is not None
 
-    def normals(self, seed: int, epoch: int, member: str) -> Callable[[int], F64] | None:
-        """Draws of a member: value k of each goes with value k of the others."""
-        if not self.correlates:
-            return None
+    @property
+    def width(self) -> int:
+        """Independent normals for one of a member: value k of each goes with value k of others."""
+        return 1 if self.factor is None else len(self.members)
 
-        def draw(count: int) -> F64:
-            rng = generator(seed, f"driver-group:{self.name}", epoch)
-            if self.factor is None:
-                return rng.standard_normal(count)
-            free = rng.standard_normal((count, len(self.members)))
-            row = self.factor[self.members.index(member)]
-            # Summed in a fixed order: BLAS may round otherwise on another machine.
-            total = np.zeros(count)
-            for k, weight in enumerate(row.tolist()):
-                total += weight * free[:, k]
-            return total
+    def normals(self, free: Sequence[float], member: str) -> list[float]:
+        """A member's, of independent ones, `width` for each; all members get the same of these."""
+        if self.factor is None:
+            return list(free)
+        row = self.factor[self.members.index(member)].tolist()
+        found = []
+        for first in range(0, len(free), self.width):
+            total = 0.0  # in a fixed order: BLAS may round otherwise on another machine
+            for weight, value in zip(row, free[first : first + self.width], strict=True):
+                total += weight * value
+            found.append(total)
+        return found
 
-        return draw
+
+_ALONE = Group()
+_NEVER: tuple[Any, Any] = (None, None)
+
+
+def copied(value: Any) -> Any:
+    """What a driver drew, for others to change."""
+    return value if isinstance(value, (float, int, str)) else copy.deepcopy(value)
 
 
 @dataclass(frozen=True)
@@ -104,6 +115,8 @@ class Plan:
     drivers: tuple[Found, ...] = ()
     groups: Mapping[str, Group] = field(default_factory=dict)
     defaults: Defaults = Defaults()
+    kept: dict[KeyPath, tuple[Any, Any]] = field(default_factory=dict, compare=False, repr=False)
+    """Of each driver: for what it drew last, and the value."""
 
     def check(self) -> None:
         """DriverError for a driver that does not fit the group it names."""
@@ -151,11 +164,11 @@ class Plan:
             else row
             for row in self.drivers
         )
-        return replace(self, drivers=rows)
+        return replace(self, drivers=rows, kept={})
 
     def settings(self, driver: Found, step: int) -> tuple[float, int, int]:
         """Of the draw of a driver at a step: strength, number, and the first step it is for."""
-        group = self.groups[driver.group] if driver.group is not None else Group()
+        group = self._group(driver)
         strengths = (driver.strength, group.strength, driver.section.strength)
         # Drivers of different sections go together in a correlated group.
         around = None if group.correlates else driver.section.interval
@@ -182,14 +195,41 @@ class Plan:
                     if max(shares, default=0.0) > PILED:
                         yield driver, name, max(shares)
 
-    def draw(self, driver: Found, seed: int, step: int) -> Any:
-        """The value of one driver at a step."""
-        strength, epoch, first = self.settings(driver, step)
-        group = self.groups[driver.group] if driver.group is not None else Group()
-        normals = group.normals(seed, epoch, driver.name)
-        source = Source(driver.name, seed, first, epoch, normals)
-        return driver.distribution.draw(source, strength)
-
     def values(self, seed: int, step: int) -> dict[KeyPath, Any]:
         """Path -> value at a step."""
-        return {driver.path: self.draw(driver, seed, step) for driver in self.drivers}
+        rows = [(driver, *self.settings(driver, step)) for driver in self.drivers]
+        new = [row for row in rows if self.kept.get(row[0].path, _NEVER)[0] != (seed, *row[1:])]
+        for row, drawn in zip(new, self._standard(seed, new), strict=True):
+            driver, strength, epoch, first = row
+            group = self._group(driver)
+            if group.correlates:
+                drawn = group.normals(drawn, driver.name)
+            source = Source(driver.name, seed, first, epoch, drawn, group.correlates)
+            value = driver.distribution.draw(source, strength)
+            self.kept[driver.path] = (seed, strength, epoch, first), value
+        return {driver.path: self.kept[driver.path][1] for driver in self.drivers}
+
+    def _group(self, driver: Found) -> Group:
+        return self.groups[driver.group] if driver.group is not None else _ALONE
+
+    def _standard(
+        self, seed: int, rows: Sequence[tuple[Found, float, int, int]]
+    ) -> list[list[float]]:
+        """The standard numbers that drivers need, all drawn in one call of the core."""
+        keys, frames, normal, counts = [], [], [], []
+        for driver, strength, epoch, _ in rows:
+            need, group = driver.distribution.needs(strength), self._group(driver)
+            own = f"driver-group:{group.name}" if group.correlates else f"driver:{driver.name}"
+            keys.append(stable_hash(own))
+            frames.append(epoch)
+            normal.append(need is not None and (need.normal or group.correlates))
+            counts.append(0 if need is None else need.numbers * group.width)
+        numbers = _core.draws(
+            seed,
+            np.array(keys, dtype=np.uint64),
+            np.array(frames, dtype=np.uint64),
+            np.array(normal, dtype=np.bool_),
+            np.array(counts, dtype=np.int64),
+        ).tolist()
+        ends = list(accumulate(counts, initial=0))
+        return [numbers[begin:end] for begin, end in pairwise(ends)]

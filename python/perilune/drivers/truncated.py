@@ -13,10 +13,8 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
 
-import numpy as np
-
 from perilune.drivers import log_normal, normal
-from perilune.drivers.common import F64, DriverError, Kind, Source
+from perilune.drivers.common import DriverError, Kind, Need, Source
 from perilune.drivers.log_normal import LogNormal
 from perilune.drivers.normal import Normal
 
@@ -63,14 +61,18 @@ class Truncated:
         """See Distribution."""
         return self.free.ideal_key
 
+    def needs(self, strength: float) -> Need | None:
+        """See Distribution."""
+        need = self.free.needs(strength)
+        return need and need._replace(normal=False)
+
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""
         limits = self.free.standard_limits(strength)
 
-        def normals() -> F64:
-            uniforms = source.uniforms(len(limits), self.free.jointly).tolist()
-            rows = zip(limits, uniforms, strict=True)
-            return np.array([truncated_normal(*limit, uniform) for limit, uniform in rows])
+        def normals() -> list[float]:
+            rows = zip(limits, source.uniforms(len(limits), self.free.jointly), strict=True)
+            return [truncated_normal(*limit, uniform) for limit, uniform in rows]
 
         return self.free.at(strength, normals)
 

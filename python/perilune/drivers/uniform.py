@@ -11,9 +11,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from perilune.drivers.common import DriverError, Kind, Source, clip, joint, numbers, shaped, size
+from perilune.drivers.common import (
+    DriverError,
+    Kind,
+    Need,
+    Source,
+    clip,
+    joint,
+    numbers,
+    shaped,
+    size,
+)
 
 
 @dataclass(frozen=True)
@@ -42,15 +50,27 @@ class Uniform:
         """See Distribution."""
         return ".uniform"
 
+    def _deviations(self, strength: float) -> list[float]:
+        widths = [high - low for low, high in zip(self.low, self.high, strict=True)]
+        return [math.sqrt(width * width / 12.0 * strength) for width in widths]
+
+    def needs(self, strength: float) -> Need | None:
+        """See Distribution."""
+        varies = any(self._deviations(strength))
+        return Need(False, 1 if self.jointly else len(self.low)) if varies else None
+
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""
-        low, high = np.array(self.low), np.array(self.high)
-        deviations = np.sqrt((high - low) ** 2 / 12.0 * strength)
-        if not deviations.any():
+        deviations = self._deviations(strength)
+        if not any(deviations):
             return self.ideal
-        # Of mean 0 and variance 1.
-        unit = math.sqrt(12.0) * (source.uniforms(len(low), self.jointly) - 0.5)
-        values = 0.5 * (low + high) + deviations * unit
+        uniforms = source.uniforms(len(self.low), self.jointly)
+        rows = zip(self.low, self.high, deviations, uniforms, strict=True)
+        # Its last factor has mean 0 and variance 1.
+        values = [
+            0.5 * (low + high) + by * (math.sqrt(12.0) * (uniform - 0.5))
+            for low, high, by, uniform in rows
+        ]
         return shaped(clip(values, self.low, self.high), self.count)
 
 

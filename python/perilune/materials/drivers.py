@@ -25,8 +25,25 @@ class Node:
     input: str
 
 
+_crawled: dict[int, tuple[Mapping[str, Any], list[Node]]] = {}
+"""Identity of a graph's nodes -> these, and what was found in them: frames share what no driver
+stands in."""
+_KEPT = 64
+
+
 def crawl(material: Material) -> list[Node]:
     """All such nodes of a graph, in its order."""
+    kept = _crawled.get(id(material.nodes))
+    if kept is not None and kept[0] is material.nodes:
+        return kept[1]
+    while len(_crawled) >= _KEPT:
+        _crawled.pop(next(iter(_crawled)), None)
+    rows = _crawl(material)
+    _crawled[id(material.nodes)] = material.nodes, rows
+    return rows
+
+
+def _crawl(material: Material) -> list[Node]:
     rows = []
     for node, raw in material.nodes.items():
         name, kind = driver_name(node), raw.get("type")

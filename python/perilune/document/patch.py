@@ -1,0 +1,201 @@
+"""The configuration of a step from one that is validated: only driven keys are validated again.
+
+A configuration is a tree of frozen sections. With the same choices, that of another step differs in
+some keys alone. These keys are validated by the types of their fields, sections are copied with the
+new values, and the checks that pydantic runs after a section's keys (`mode="after"`) run on every
+section that is copied, up to the whole: what is refused, and what comes out, is the same as if the
+whole tree were validated. A section that does more, before its keys or for one of them, is
+validated as a whole.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+from types import SimpleNamespace
+from typing import Annotated, Any, TypeAlias
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    PlainValidator,
+    TypeAdapter,
+    WrapValidator,
+)
+
+from perilune.config.schema import Config
+from perilune.drivers import KeyPath, substitute
+
+_FUNCTIONS = (AfterValidator, BeforeValidator, PlainValidator, WrapValidator)
+_OF_ALL = "_known_keys"
+"""The one check before a section's keys that drivers cannot change the outcome of."""
+
+_Check: TypeAlias = Callable[[Any, SimpleNamespace], Any]
+
+
+@lru_cache(maxsize=4096)
+def _adapter(section: type[BaseModel], name: str) -> TypeAdapter[Any]:
+    """Validates one field of a section."""
+    info = section.model_fields[name]
+    kind: Any = Annotated[info.annotation, info]
+    return TypeAdapter(kind)
+
+
+@lru_cache(maxsize=1024)
+def _checks(section: type[BaseModel]) -> tuple[_Check, ...]:
+    """What runs after the keys of a section, in order."""
+    found: list[_Check] = []
+    for row in section.__pydantic_decorators__.model_validators.values():
+        if row.info.mode == "after":
+            takes_info = len(inspect.signature(row.func).parameters) > 1
+            function: Any = row.func
+            found.append(function if takes_info else partial(_without_info, function))
+    return tuple(found)
+
+
+def _without_info(check: Callable[[Any], Any], section: Any, _: SimpleNamespace) -> Any:
+    return check(section)
+
+
+@lru_cache(maxsize=1024)
+def _is_plain(section: type[BaseModel]) -> bool:
+    """Whether nothing but the types of its fields and `_checks` makes a section."""
+    rows = section.__pydantic_decorators__
+    before = [name for name, row in rows.model_validators.items() if row.info.mode != "after"]
+    return before in ([], [_OF_ALL]) and not rows.root_validators and not rows.validators
+
+
+@lru_cache(maxsize=1024)
+def _names(section: type[BaseModel]) -> dict[str, str]:
+    """Key -> field."""
+    return {info.alias or name: name for name, info in section.model_fields.items()}
+
+
+@dataclass(frozen=True)
+class _Field:
+    """A field that is validated as a whole."""
+
+    adapter: TypeAdapter[Any]
+    given: Any
+    """What the tree has there, with drivers."""
+    drivers: Mapping[KeyPath, KeyPath]
+    """Where each driver stands in the tree -> below `given`."""
+
+    def tree(self, values: Mapping[KeyPath, Any]) -> Any:
+        """What the tree has there with values in the drivers' places."""
+        return substitute(self.given, {at: values[path] for path, at in self.drivers.items()})
+
+
+@dataclass
+class _Section:
+    """What is driven in a section: whole fields, sections below, and mappings of sections."""
+
+    fields: dict[str, _Field] = field(default_factory=dict)
+    below: dict[str, _Section] = field(default_factory=dict)
+    """Field -> what is driven in the section there."""
+    entries: dict[str, dict[str, _Section]] = field(default_factory=dict)
+    """Field that is a mapping of sections -> what is driven in its entries."""
+
+    def applied(
+        self, model: BaseModel, values: Mapping[KeyPath, Any], info: SimpleNamespace
+    ) -> Any:
+        """The section with values in the places of what is driven."""
+        new: dict[str, Any] = {}
+        for name, row in self.fields.items():
+            new[name] = row.adapter.validate_python(row.tree(values), context=info.context)
+        for name, section in self.below.items():
+            new[name] = section.applied(getattr(model, name), values, info)
+        for name, sections in self.entries.items():
+            entries = dict(getattr(model, name))
+            for entry, section in sections.items():
+                entries[entry] = section.applied(entries[entry], values, info)
+            new[name] = entries
+        found: Any = model.model_copy(update=new)
+        for check in _checks(type(model)):
+            found = check(found, info)
+        return found
+
+
+def _section(
+    model: BaseModel, given: Any, paths: Iterable[KeyPath], depth: int
+) -> _Section | None:
+    """What is driven in a section; None where it must be validated as a whole.
+
+    given: the section in the tree. paths: of its drivers. depth: where the section's keys stand in
+    these."""
+    kind = type(model)
+    if not _is_plain(kind):
+        return None
+    with_function = {
+        name
+        for row in kind.__pydantic_decorators__.field_validators.values()
+        for name in row.info.fields
+    }
+    by_key: dict[Any, list[KeyPath]] = {}
+    for path in paths:
+        if len(path) <= depth:
+            return None
+        by_key.setdefault(path[depth], []).append(path)
+    result = _Section()
+    for key, rows in by_key.items():
+        name = _names(kind).get(key)
+        if name is None or name in with_function:
+            return None
+        value = getattr(model, name)
+        special = any(isinstance(row, _FUNCTIONS) for row in kind.model_fields[name].metadata)
+        section = None
+        if isinstance(value, BaseModel) and not special:
+            section = _section(value, given[key], rows, depth + 1)
+        if section is not None:
+            result.below[name] = section
+        elif (entries := _entries(value, given[key], rows, depth + 1)) and not special:
+            result.entries[name] = entries
+        else:
+            drivers = {path: path[depth + 1 :] for path in rows}
+            result.fields[name] = _Field(_adapter(kind, name), given[key], drivers)
+    return result
+
+
+def _entries(
+    value: Any, given: Any, paths: Sequence[KeyPath], depth: int
+) -> dict[str, _Section] | None:
+    """What is driven in a mapping of sections; None if it is none, or one is validated whole."""
+    if not isinstance(value, dict):
+        return None
+    by_entry: dict[str, list[KeyPath]] = {}
+    for path in paths:
+        if len(path) < depth + 2 or not isinstance(value.get(str(path[depth])), BaseModel):
+            return None
+        by_entry.setdefault(str(path[depth]), []).append(path)
+    found = {}
+    for name, rows in by_entry.items():
+        section = _section(value[name], given[name], rows, depth + 1)
+        if section is None:
+            return None
+        found[name] = section
+    return found
+
+
+class Patch:
+    """A validated configuration, and the keys in which others differ from it."""
+
+    def __init__(
+        self, config: Config, tree: Mapping[str, Any], paths: Iterable[KeyPath], find: Any
+    ) -> None:
+        """tree: the configuration's, with choices in the places of their drivers. paths: of all
+        other drivers. find: the context of validation, `path`."""
+        self._config = config
+        self._driven = _section(config, tree, paths, 0)
+        self._info = SimpleNamespace(context={"path": find})
+
+    def config(self, values: Mapping[KeyPath, Any]) -> Config | None:
+        """That with other values of drivers; None where all of it must be validated.
+
+        Raises as validation does, with paths of the section that is wrong."""
+        if self._driven is None:
+            return None
+        found: Config = self._driven.applied(self._config, values, self._info)
+        return found
