@@ -1,4 +1,5 @@
 """Checks of written datasets."""
 
-from perilune.export.check import *  # noqa: F403
-from perilune.export.check import __all__ as __all__
+from perilune.export.check import RERENDERED, Finding, Report, check_bop
+
+__all__ = ["RERENDERED", "Finding", "Report", "check_bop"]

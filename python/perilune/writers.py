@@ -1,4 +1,27 @@
 """Writers of datasets: those that come with Perilune, and the registry of others."""
 
-from perilune.export.writers import *  # noqa: F403
-from perilune.export.writers import __all__ as __all__
+from perilune.export.writers import (
+    WRITERS,
+    FolderInUseError,
+    Progress,
+    WriteFunction,
+    Writer,
+    WriteReport,
+    find,
+    merge_bop,
+    register,
+    write_bop,
+)
+
+__all__ = [
+    "WRITERS",
+    "FolderInUseError",
+    "Progress",
+    "WriteFunction",
+    "WriteReport",
+    "Writer",
+    "find",
+    "merge_bop",
+    "register",
+    "write_bop",
+]
