@@ -150,10 +150,12 @@ def table(paths: int) -> None:
     for name, air in (("before", before()), ("now", settings_of("earth"))):
         made = _core.Air(air, RADIUS_M["earth"])
         ground = ground_near(made, air)
-        for low_m in (25e3, 30e3, 35e3, 37.6e3, 40e3, 45e3):
-            light = ours(made, view(RADIUS_M["earth"], low_m, 50.0, 100.0), True)[0]
+        for low_m in (5e3, 8e3, 10e3, 17e3, 25e3, 30e3, 35e3, 37.6e3, 40e3, 43.1e3, 45e3):
+            at = view(RADIUS_M["earth"], low_m, 50.0, 100.0)
+            light, once = (ours(made, at, multiple)[0] for multiple in (True, False))
             print(f"{name}: {low_m / 1e3:.1f} km, green {100 * light[1] / ground:.1f} % of the "
-                  f"ground, blue over red {light[2] / light[0]:.1f}")  # fmt: skip
+                  f"ground, blue over red {light[2] / light[0]:.2f}, "
+                  f"scattered once {once[2] / once[0]:.2f}")  # fmt: skip
 
 
 def ground_near(made: _core.Air, air: _core.AirSettings) -> float:
