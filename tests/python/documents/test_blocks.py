@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 from tests.python.documents.pages import PAGES, ROOT, Block, all_blocks, blocks, text_of
 
 import perilune
 from perilune.cli import COMMANDS
+from perilune.document.loader import parse_yaml
 
 NOT_RUN = {"bands": ["spectra of yours"], "time_and_ephemerides": ["kernels of yours"]}
 """Page -> the reasons of its blocks that cannot run; a block says so in a comment before it."""
@@ -51,6 +51,14 @@ def test_languages_are_known() -> None:
         assert len(fences) % 2 == 0, page
         languages = {fence.split(" ")[0] for fence in fences[::2]}
         assert languages <= {"python", "yaml", "sh", "toml", "c"}, page
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_blocks_are_fenced(page: str) -> None:
+    """An indented block has no language, so that nothing would check it."""
+    outside = re.sub(r"^```.*?^```", "", text_of(page), flags=re.DOTALL | re.M)
+    indented = re.findall(r"\n\n    (.*)", outside)
+    assert indented == []
 
 
 @pytest.mark.parametrize("page", PYTHON_PAGES)
@@ -94,7 +102,7 @@ def merged(whole: Any, part: Any) -> Any:
 
 def configuration(block: Block) -> Any:
     """A block that is whole, or a fragment in configs/demo.yaml or in the file that it names."""
-    part = yaml.safe_load(block.code)
+    part = parse_yaml(block.code, block.page)
     assert isinstance(part, dict)
     if "version" in part:
         return part
@@ -103,7 +111,7 @@ def configuration(block: Block) -> Any:
         file, path = path, ""
     for key in reversed(path.split(".") if path else []):
         part = {key: part}
-    return merged(yaml.safe_load((ROOT / file if file else DEMO).read_text()), part)
+    return merged(parse_yaml((ROOT / file if file else DEMO).read_text(), file), part)
 
 
 def yaml_cases() -> list[Any]:
@@ -138,6 +146,19 @@ def test_commands_have_these_options(page: str, line: str, capsys: Any) -> None:
     known = capsys.readouterr().out
     options = [word for word in words if word.startswith("--")]
     assert [option for option in options if f"{option} " not in known.replace(",", " ")] == []
+
+
+def test_scripts_exist() -> None:
+    """And the stages and benchmarks that they are asked for."""
+    lines = [line for b in all_blocks("sh") for line in b.code.splitlines()]
+    calls = [shlex.split(line, comments=True) for line in lines if line.startswith("script/")]
+    assert len(calls) > 4
+    for script, *words in calls:
+        assert (ROOT / script).is_file(), script
+        names = words[: words.index("--")] if "--" in words else words
+        known = (ROOT / script).read_text()
+        for name in names:
+            assert (ROOT / "benchmarks" / f"{name}.py").is_file() or f"stage_{name}()" in known
 
 
 def perilune_main(arguments: list[str]) -> None:
