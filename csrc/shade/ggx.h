@@ -55,14 +55,6 @@ static inline float pl_ggx_pdf_most(float alpha) {
   return 1.0f / (2.0f * PL_PI_F * alpha * alpha * alpha);
 }
 
-/* What several reflections between microfacets leave of the lost light, by the mean of Schlick's
- * reflectance over the hemisphere, f0 + (1 - f0)/21: the geometric series over further hits, each
- * of which escapes with the chance 1 - loss. All of it for f0 = 1. */
-static inline float pl_ggx_returned(float f0, float loss_mean) {
-  const float f = f0 + (1.0f - f0) * (1.0f / 21.0f);
-  return f * f * (1.0f - loss_mean) / (1.0f - f * loss_mean);
-}
-
 /* A visible microfacet normal: Heitz, "Sampling the GGX distribution of visible normals",
  * JCGT 7(4), 2018. */
 static inline pl_vec3f pl_ggx_visible_normal(float ax, float ay, pl_vec3f wo, const float u[2]) {

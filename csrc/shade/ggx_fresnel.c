@@ -1,18 +1,8 @@
 /* Interpolates the table of what rough dielectrics reflect. */
 #include "shade/ggx_fresnel.h"
 
-#include <stddef.h>
-
 #include "shade/ggx_fresnel_table.h"
-#include "shade/ggx_loss.h"
-
-/* Node below x in 0..1 of `count` nodes, and the way to the next. */
-static size_t node_of(float x, int count, float *fraction) {
-  const float at = pl_minf(pl_maxf(x, 0.0f), 1.0f) * (float)(count - 1);
-  const size_t node = at < (float)(count - 2) ? (size_t)at : (size_t)(count - 2);
-  *fraction = at - (float)node;
-  return node;
-}
+#include "shade/table.h"
 
 float pl_fresnel_rise(float cosine, float index) {
   const float n = pl_minf(pl_maxf(index, PL_RISE_INDEX_LEAST), PL_RISE_INDEX_MOST);
@@ -22,10 +12,11 @@ float pl_fresnel_rise(float cosine, float index) {
 
 pl_ggx_dielectric pl_ggx_dielectric_of(float roughness, float index) {
   const float root = (index - 1.0f) / (index + 1.0f);
-  pl_ggx_dielectric d = {.roughness = roughness, .mean.all = 1.0f - pl_ggx_loss_mean(roughness)};
+  pl_ggx_dielectric d = {.lost = pl_ggx_loss_of(roughness)};
+  d.mean.all = 1.0f - d.lost.mean;
   float a, b;
-  const size_t i = node_of((root - ROOT_LEAST) / (ROOT_MOST - ROOT_LEAST), INDICES, &a);
-  const size_t k = node_of(roughness, ROUGHNESSES, &b);
+  const size_t i = pl_table_node((root - ROOT_LEAST) / (ROOT_MOST - ROOT_LEAST), INDICES, &a);
+  const size_t k = pl_table_node(roughness, ROUGHNESSES, &b);
   for (size_t corner = 0; corner < 4; corner++) {
     const size_t x = corner >> 1, y = corner & 1;
     const float weight = (x ? a : 1.0f - a) * (y ? b : 1.0f - b);
@@ -39,7 +30,7 @@ pl_ggx_dielectric pl_ggx_dielectric_of(float roughness, float index) {
 
 float pl_ggx_rise(const pl_ggx_dielectric *d, float cosine) {
   float s, low = 0.0f, high = 0.0f;
-  const size_t c = node_of(sqrtf(pl_maxf(cosine, 0.0f)), COSINES, &s);
+  const size_t c = pl_table_node(sqrtf(pl_maxf(cosine, 0.0f)), COSINES, &s);
   for (size_t i = 0; i < 4; i++) {
     low += d->weight[i] * (float)d->row[i][c];
     high += d->weight[i] * (float)d->row[i][c + 1];
@@ -48,12 +39,12 @@ float pl_ggx_rise(const pl_ggx_dielectric *d, float cosine) {
 }
 
 pl_ggx_albedo pl_ggx_albedo_of(const pl_ggx_dielectric *d, float cosine) {
-  return (pl_ggx_albedo){1.0f - pl_ggx_loss(d->roughness, cosine), pl_ggx_rise(d, cosine)};
+  return (pl_ggx_albedo){1.0f - pl_ggx_loss_at(&d->lost, cosine), pl_ggx_rise(d, cosine)};
 }
 
 pl_ggx_glass pl_ggx_glass_of(float roughness) {
   float t;
-  const size_t k = node_of(roughness, ROUGHNESSES, &t);
+  const size_t k = pl_table_node(roughness, ROUGHNESSES, &t);
   return (pl_ggx_glass){.low = glass_table[k],
                         .high = glass_table[k + 1],
                         .way = t,
@@ -63,7 +54,7 @@ pl_ggx_glass pl_ggx_glass_of(float roughness) {
 
 float pl_ggx_glass_albedo(const pl_ggx_glass *g, float cosine) {
   float s;
-  const size_t c = node_of(sqrtf(pl_maxf(cosine, 0.0f)), COSINES, &s);
+  const size_t c = pl_table_node(sqrtf(pl_maxf(cosine, 0.0f)), COSINES, &s);
   const float low = (1.0f - s) * (float)g->low[c] + s * (float)g->low[c + 1];
   const float high = (1.0f - s) * (float)g->high[c] + s * (float)g->high[c + 1];
   return ((1.0f - g->way) * low + g->way * high) * (1.0f / 65535.0f);

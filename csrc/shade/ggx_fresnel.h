@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "shade/ggx_loss.h"
 #include "shade/refraction.h"
 
 /* Fresnel's reflectance F of the relative index n is F0 + (1 - F0) rise, by this function: 0 at
@@ -25,7 +26,7 @@ typedef struct pl_ggx_albedo {
 typedef struct pl_ggx_dielectric {
   const int16_t *row[4]; /* of the table of `rise`, about roughness and index */
   float weight[4];
-  float roughness;
+  pl_ggx_loss lost;
   pl_ggx_albedo mean; /* over the hemisphere, by the cosine */
   float deviation;    /* standard deviation of `rise`, likewise */
 } pl_ggx_dielectric;

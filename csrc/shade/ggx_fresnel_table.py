@@ -52,7 +52,7 @@ def tables() -> tuple[np.ndarray, np.ndarray]:
     for r, roughness in enumerate(np.linspace(0.0, 1.0, ROUGHNESSES)):
         for c, s in enumerate(np.linspace(0.0, 1.0, COSINES)):
             cosine, alpha = max(s * s, COSINE_MIN), max(roughness**2, ALPHA_MIN)
-            half, share = reflections(cosine, alpha, GRID)
+            half, share, _ = reflections(cosine, alpha, GRID)
             out[:, r, c] = [(rise(half, root) * share).sum() for root in roots]
             glass[r, c] = ((f0 + (1.0 - f0) * rise(half, GLASS_ROOT)) * share).sum()
     whole = np.rint(glass * GLASS_SCALE).astype(np.uint16)

@@ -1,31 +1,47 @@
 /* Interpolates the table of lost light. */
 #include "shade/ggx_loss.h"
 
-#include <math.h>
-#include <stddef.h>
-
-#include "math/vec.h"
 #include "shade/ggx_loss_table.h"
+#include "shade/table.h"
 
-/* Node below x in 0..1, and the way to the next. */
-static size_t node_of(float x, float *fraction) {
-  const float at = pl_minf(pl_maxf(x, 0.0f), 1.0f) * (float)(TABLE_SIDE - 1);
-  const size_t node = at < (float)(TABLE_SIDE - 2) ? (size_t)at : (size_t)(TABLE_SIDE - 2);
-  *fraction = at - (float)node;
-  return node;
+static const float LOSS_SCALE = 1.0f / 65535.0f, GAIN_SCALE = 1.0f / 16384.0f;
+
+pl_ggx_loss pl_ggx_loss_of(float roughness) {
+  float t;
+  const size_t i = pl_table_node(roughness, ROUGHNESSES, &t);
+  return (pl_ggx_loss){.low = loss_table[i],
+                       .high = loss_table[i + 1],
+                       .way = t,
+                       .mean = pl_table_mix(mean_table[i], mean_table[i + 1], t),
+                       .broad_mean = pl_table_mix(broad_table[i], broad_table[i + 1], t)};
 }
 
-float pl_ggx_loss(float roughness, float cosine) {
-  float r, s;
-  const size_t i = node_of(roughness, &r), k = node_of(sqrtf(pl_maxf(cosine, 0.0f)), &s);
-  const uint16_t *low = loss_table[i] + k, *high = loss_table[i + 1] + k;
-  const float below = (1.0f - s) * (float)low[0] + s * (float)low[1];
-  const float above = (1.0f - s) * (float)high[0] + s * (float)high[1];
-  return ((1.0f - r) * below + r * above) * (1.0f / 65535.0f);
+/* Between the four nodes about a direction, of the loss (0), its broad part (1) or the gain (2). */
+static float between(const pl_ggx_loss *l, size_t node, float s, int which) {
+  const float low = pl_table_mix(l->low[node][which], l->low[node + 1][which], s);
+  const float high = pl_table_mix(l->high[node][which], l->high[node + 1][which], s);
+  return pl_table_mix(low, high, l->way);
+}
+
+static size_t node_at(float cosine, float *s) {
+  return pl_table_node(sqrtf(pl_maxf(cosine, 0.0f)), COSINES, s);
+}
+
+float pl_ggx_loss_at(const pl_ggx_loss *l, float cosine) {
+  float s;
+  const size_t node = node_at(cosine, &s);
+  return LOSS_SCALE * between(l, node, s, 0);
+}
+
+pl_ggx_lost pl_ggx_lost_at(const pl_ggx_loss *l, float cosine) {
+  float s;
+  const size_t node = node_at(cosine, &s);
+  return (pl_ggx_lost){.broad = LOSS_SCALE * between(l, node, s, 1),
+                       .gain = GAIN_SCALE * between(l, node, s, 2)};
 }
 
 float pl_ggx_loss_mean(float roughness) {
-  float r;
-  const size_t i = node_of(roughness, &r);
-  return (1.0f - r) * mean_table[i] + r * mean_table[i + 1];
+  float t;
+  const size_t i = pl_table_node(roughness, ROUGHNESSES, &t);
+  return pl_table_mix(mean_table[i], mean_table[i + 1], t);
 }

@@ -1,15 +1,23 @@
-/* Light that single-scattering GGX loses where it is anisotropic, to be given back as multiple
- * scattering. */
+/* Light that single-scattering GGX loses where it is anisotropic; as ggx_loss.h. */
 #ifndef PL_SHADE_GGX_LOSS_XY_H
 #define PL_SHADE_GGX_LOSS_XY_H
 
-#include "math/vec.h"
+#include "shade/ggx_loss.h"
 
-/* 1 - directional albedo, towards the unit direction w (z = normal, |w.z| counts), of a GGX surface
- * of reflectance 1 and alphas ax >= ay along x and y, from PL_GGX_ALPHA_MIN to 1. Off by at most
- * 0.006. */
-float pl_ggx_loss_xy(float ax, float ay, pl_vec3f w);
-/* The cosine-weighted mean of pl_ggx_loss_xy over the hemisphere. */
-float pl_ggx_loss_xy_mean(float ax, float ay);
+enum { PL_GGX_TURNS = 3 }; /* nodes over the azimuth */
+
+typedef struct pl_ggx_loss_xy {
+  const uint16_t (*slice[4])[PL_GGX_TURNS][3]; /* of the table about both alphas */
+  float weight[4];
+  float ax, ay;
+  float mean, broad_mean;
+} pl_ggx_loss_xy;
+
+/* ax >= ay, along x and y, from PL_GGX_ALPHA_MIN to 1. Losses are off by at most 0.006. */
+pl_ggx_loss_xy pl_ggx_loss_xy_of(float ax, float ay);
+/* Towards the unit direction w (z = normal, |w.z| counts). */
+pl_ggx_lost pl_ggx_lost_xy_at(const pl_ggx_loss_xy *l, pl_vec3f w);
+/* The loss alone. */
+float pl_ggx_loss_xy_at(const pl_ggx_loss_xy *l, pl_vec3f w);
 
 #endif

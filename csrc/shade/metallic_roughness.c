@@ -1,44 +1,42 @@
 /* The metallic-roughness surface of glTF 2.0, appendix B: a metal and a dielectric, mixed by
  * metalness. Both have a GGX microfacet lobe; the dielectric's is over a diffuse base, which gets
  * what the lobe leaves of an even sky (ggx_fresnel.h). Light that a metal's lobe loses between
- * microfacets comes back as a second, broad lobe (Kulla and Conty, "Revisiting Physically Based
- * Shading at Imageworks", 2017); what a dielectric's loses goes to the base. */
+ * microfacets comes back, partly as a second, broad lobe (ggx_loss.h); what a dielectric's loses
+ * goes to the base. */
 #include "shade/ggx.h"
 #include "shade/ggx_fresnel.h"
 #include "shade/ggx_loss.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
-/* Schlick's formula for the metal, Fresnel's for the dielectric. */
-static pl_vec3f fresnel(const pl_surface *s, float cosine) {
+/* What evaluating, drawing and densities share for one outgoing direction. */
+typedef struct view {
+  float alpha, lambda; /* of the outgoing direction */
+  pl_ggx_loss lost;    /* of metals */
+  pl_ggx_lost out;     /* towards wo; none but of metals */
+  pl_ggx_glass glass;  /* where not all is metal */
+  float entering;      /* what the dielectric's lobe leaves to the base, seen from here */
+  float chance;        /* of drawing the specular lobe */
+} view;
+
+/* What the lobe mirrors at a cosine: Fresnel's formula for the dielectric, Schlick's for the metal,
+ * with `more`, part of the lobe, of what is reflected several times. */
+static pl_vec3f mirrored(const pl_surface *s, float cosine, float more, pl_vec3f further) {
   const float m = s->metallic;
   const float d = m < 1.0f ? (1.0f - m) * pl_fresnel(cosine, PL_DIELECTRIC_INDEX) : 0.0f;
   if (!(m > 0.0f))
     return pl_vec3f_make(d, d, d);
   const pl_vec3f metal = pl_schlick(s->color, 1.0f, cosine);
-  return pl_vec3f_make(d + m * metal.x, d + m * metal.y, d + m * metal.z);
+  return pl_vec3f_make(d + m * metal.x * (1.0f + more * further.x),
+                       d + m * metal.y * (1.0f + more * further.y),
+                       d + m * metal.z * (1.0f + more * further.z));
 }
 
-/* What evaluating, drawing and densities share for one outgoing direction. */
-typedef struct view {
-  float alpha, lambda; /* of the outgoing direction */
-  float roughness;
-  float loss, loss_mean; /* of metals; 0 otherwise */
-  pl_ggx_glass glass;    /* where not all is metal */
-  float entering;        /* what the dielectric's lobe leaves to the base, seen from here */
-  float chance;          /* of drawing the specular lobe */
-} view;
-
-/* Light that a metal reflects several times, times cos(wi). Zero where the lobe is so sharp that it
- * loses nothing. */
-static pl_vec3f multiple(const view *v, const pl_surface *s, float cos_i) {
-  const float lost = v->loss > 0.0f ? v->loss * pl_ggx_loss(v->roughness, cos_i) : 0.0f;
-  if (!(lost > 0.0f))
-    return pl_vec3f_make(0.0f, 0.0f, 0.0f);
-  const float scale = s->metallic * lost * cos_i / (PL_PI_F * v->loss_mean);
-  return pl_vec3f_make(scale * pl_ggx_returned(s->color.x, v->loss_mean),
-                       scale * pl_ggx_returned(s->color.y, v->loss_mean),
-                       scale * pl_ggx_returned(s->color.z, v->loss_mean));
+/* Light that a metal reflects broadly after several hits, times cos(wi), if all of it comes back.
+ */
+static float broad(const view *v, const pl_surface *s, const pl_ggx_lost *in, float cos_i) {
+  const float lost = v->out.broad * in->broad;
+  return lost > 0.0f ? s->metallic * lost * cos_i / (PL_PI_F * v->lost.broad_mean) : 0.0f;
 }
 
 /* Chance of drawing the specular lobe: its share of the reflected light, kept off 0 and 1 where
@@ -48,8 +46,8 @@ static float specular_chance(const view *v, const pl_surface *s, pl_vec3f wo) {
   float specular = m < 1.0f ? (1.0f - m) * (1.0f - v->entering) : 0.0f;
   float broad = base * v->entering;
   if (m > 0.0f) {
-    specular += m * (1.0f - v->loss) * pl_vec3f_max(pl_schlick(s->color, 1.0f, wo.z));
-    broad += m * v->loss * pl_ggx_returned(color, v->loss_mean);
+    specular += m * (1.0f - v->out.broad) * pl_vec3f_max(pl_schlick(s->color, 1.0f, wo.z));
+    broad += m * v->out.broad * pl_ggx_returned(color, v->lost.mean);
   }
   if (!(broad > 0.0f))
     return 1.0f;
@@ -60,13 +58,13 @@ static float specular_chance(const view *v, const pl_surface *s, pl_vec3f wo) {
 static view view_of(const pl_surface *s, pl_vec3f wo) {
   view v = {.alpha = pl_ggx_alpha(s->alpha)};
   v.lambda = pl_ggx_lambda(v.alpha, wo);
-  v.roughness = sqrtf(v.alpha);
+  const float roughness = sqrtf(v.alpha);
   if (s->metallic > 0.0f) {
-    v.loss = pl_ggx_loss(v.roughness, wo.z);
-    v.loss_mean = pl_ggx_loss_mean(v.roughness);
+    v.lost = pl_ggx_loss_of(roughness);
+    v.out = pl_ggx_lost_at(&v.lost, wo.z);
   }
   if (s->metallic < 1.0f) {
-    v.glass = pl_ggx_glass_of(v.roughness);
+    v.glass = pl_ggx_glass_of(roughness);
     v.entering = 1.0f - pl_ggx_glass_albedo(&v.glass, wo.z);
   }
   v.chance = specular_chance(&v, s, wo);
@@ -84,16 +82,26 @@ static float base_share(const view *v, const pl_surface *s, float cos_i) {
 
 /* BRDF times cos(wi); h is the half vector. Both directions are over the horizon. */
 static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
-  const pl_vec3f f = fresnel(s, pl_vec3f_dot(wo, h));
+  pl_ggx_lost in = {0.0f, 1.0f};
+  pl_vec3f further = {0.0f, 0.0f, 0.0f};
+  float more = 0.0f;
+  if (s->metallic > 0.0f) {
+    in = pl_ggx_lost_at(&v->lost, wi.z);
+    more = v->out.gain * in.gain - 1.0f;
+    further = pl_ggx_further_of(s->color, v->lost.mean);
+  }
+  const pl_vec3f f = mirrored(s, pl_vec3f_dot(wo, h), more, further);
   /* Height-correlated Smith (Heitz 2014, eq. 99); cos(wi) cancels one of the two cosines. */
   const float g = 1.0f / (1.0f + v->lambda + pl_ggx_lambda(v->alpha, wi));
   const float specular =
       pl_ggx_density(v->alpha, v->alpha, h) * g / (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN));
   const float base = base_share(v, s, wi.z) * wi.z / PL_PI_F;
-  const pl_vec3f again = multiple(v, s, wi.z);
-  return pl_vec3f_make(f.x * specular + again.x + base * s->color.x,
-                       f.y * specular + again.y + base * s->color.y,
-                       f.z * specular + again.z + base * s->color.z);
+  const float again = broad(v, s, &in, wi.z);
+  const pl_vec3f c = s->color;
+  return pl_vec3f_make(
+      f.x * specular + again * pl_ggx_reflectance_mean(c.x) * further.x + base * c.x,
+      f.y * specular + again * pl_ggx_reflectance_mean(c.y) * further.y + base * c.y,
+      f.z * specular + again * pl_ggx_reflectance_mean(c.z) * further.z + base * c.z);
 }
 
 /* Density of wi: from visible normals (Heitz 2018, eq. 17), or by the cosine. */

@@ -19,7 +19,18 @@ enum { COAT, MIRROR, BROAD, THROUGH, THROUGH_BROAD, CHOICES };
 typedef struct lobe {
   float ax, ay;
   float lambda; /* of the outgoing direction */
+  bool even;    /* both alphas are the same */
 } lobe;
+
+/* What a lobe loses. */
+typedef struct loss {
+  bool even;
+  union {
+    pl_ggx_loss one;
+    pl_ggx_loss_xy xy;
+  };
+  float mean, broad_mean;
+} loss;
 
 /* What evaluating, drawing and densities share for one outgoing direction. */
 typedef struct view {
@@ -34,12 +45,14 @@ typedef struct view {
   pl_ggx_albedo base_out;       /* of the base's lobe towards wo */
   pl_vec3f f0;                  /* of the dielectric */
   float f90, index;
-  float loss, loss_mean; /* of the base's lobe, where light is given back; or 0 */
+  loss lost;       /* of the base's lobe */
+  bool gives_back; /* metals and thin walls: what is lost comes back */
+  pl_ggx_lost out; /* towards wo, or none */
   float chance[CHOICES];
 } view;
 
 static lobe lobe_of(float ax, float ay, pl_vec3f wo) {
-  return (lobe){ax, ay, pl_ggx_lambda_xy(ax, ay, wo)};
+  return (lobe){ax, ay, pl_ggx_lambda_xy(ax, ay, wo), !(ax > ay)};
 }
 
 /* Single reflection by a lobe that mirrors everything, times cos(wi); height-correlated Smith
@@ -55,12 +68,22 @@ static float mirrored_pdf(const lobe *l, pl_vec3f wo, pl_vec3f h) {
          (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN) * (1.0f + l->lambda));
 }
 
-/* Light that the lobe loses towards w, and the mean of that over the hemisphere. */
-static float loss_towards(const lobe *l, pl_vec3f w) {
-  return l->ax > l->ay ? pl_ggx_loss_xy(l->ax, l->ay, w) : pl_ggx_loss(sqrtf(l->ay), fabsf(w.z));
+static loss loss_of(const lobe *l) {
+  loss out = {.even = l->even};
+  if (l->even) {
+    out.one = pl_ggx_loss_of(sqrtf(l->ay));
+    out.mean = out.one.mean;
+    out.broad_mean = out.one.broad_mean;
+  } else {
+    out.xy = pl_ggx_loss_xy_of(l->ax, l->ay);
+    out.mean = out.xy.mean;
+    out.broad_mean = out.xy.broad_mean;
+  }
+  return out;
 }
-static float loss_mean(const lobe *l) {
-  return l->ax > l->ay ? pl_ggx_loss_xy_mean(l->ax, l->ay) : pl_ggx_loss_mean(sqrtf(l->ay));
+
+static pl_ggx_lost lost_towards(const loss *l, pl_vec3f w) {
+  return l->even ? pl_ggx_lost_at(&l->one, fabsf(w.z)) : pl_ggx_lost_xy_at(&l->xy, w);
 }
 
 /* A direction of the surface's frame in the coat's. */
@@ -95,13 +118,19 @@ static pl_vec3f dielectric_of(const view *v, float cosine) {
                        pl_maxf(v->f0.z + (v->f90 - v->f0.z) * rise, 0.0f));
 }
 
-/* What the base mirrors: as much of the metal's, by Schlick's formula, as the surface is metal. */
-static pl_vec3f mirror_of(const view *v, const pl_surface *s, float cosine) {
+/* What the base mirrors: as much of the metal's, by Schlick's formula, as the surface is metal.
+ * `more`, part of the lobe, of what metals and thin walls reflect several times. */
+static pl_vec3f mirror_of(const view *v, const pl_surface *s, float cosine, float more,
+                          pl_vec3f further) {
   const float m = s->metallic;
+  const float wall = v->eta > 0.0f ? 0.0f : v->through, d = 1.0f - m + more * wall;
   if (!(m > 0.0f))
-    return dielectric_of(v, cosine);
-  const pl_vec3f metal = pl_vec3f_scale(pl_schlick(s->color, 1.0f, cosine), m);
-  return m < 1.0f ? pl_vec3f_madd(metal, 1.0f - m, dielectric_of(v, cosine)) : metal;
+    return pl_vec3f_scale(dielectric_of(v, cosine), d);
+  const pl_vec3f once = pl_schlick(s->color, 1.0f, cosine);
+  const pl_vec3f metal = {m * once.x * (1.0f + more * further.x),
+                          m * once.y * (1.0f + more * further.y),
+                          m * once.z * (1.0f + more * further.z)};
+  return m < 1.0f ? pl_vec3f_madd(metal, d, dielectric_of(v, cosine)) : metal;
 }
 
 /* The ratio of indices at the surface of a solid. One like vacuum has no surface: 0. */
@@ -124,28 +153,29 @@ static pl_ggx_dielectric along(const lobe *l, float x2, float y2, float index) {
 }
 
 static pl_ggx_dielectric table_of(const lobe *l, pl_vec3f w, float index) {
-  return l->ax > l->ay ? along(l, w.x * w.x + 1e-12f, w.y * w.y + 1e-12f, index)
-                       : pl_ggx_dielectric_of(sqrtf(l->ay), index);
+  return l->even ? pl_ggx_dielectric_of(sqrtf(l->ay), index)
+                 : along(l, w.x * w.x + 1e-12f, w.y * w.y + 1e-12f, index);
 }
 
-/* `d`: of the lobe and w. */
-static pl_ggx_albedo albedo_of(const lobe *l, const pl_ggx_dielectric *d, pl_vec3f w) {
-  return (pl_ggx_albedo){1.0f - loss_towards(l, w), pl_ggx_rise(d, w.z)};
+/* `d`: of the base's lobe and w. */
+static pl_ggx_albedo albedo_of(const view *v, const pl_ggx_dielectric *d, pl_vec3f w) {
+  if (v->base.even)
+    return pl_ggx_albedo_of(d, w.z);
+  return (pl_ggx_albedo){1.0f - pl_ggx_loss_xy_at(&v->lost.xy, w), pl_ggx_rise(d, w.z)};
 }
 
 enum { TURNS = 4 }; /* azimuths of a quadrant that means of stretched lobes are taken over */
 
 /* Mean of the albedos over the hemisphere, and the deviation of `rise`. */
 static pl_ggx_albedo mean_of(const view *v, float *deviation) {
-  const lobe *l = &v->base;
-  pl_ggx_albedo mean = {1.0f - loss_mean(l), 0.0f};
   *deviation = v->base_table.deviation;
-  if (!(l->ax > l->ay))
+  if (v->base.even)
     return v->base_table.mean;
+  pl_ggx_albedo mean = {1.0f - v->lost.mean, 0.0f};
   *deviation = 0.0f;
   for (int i = 0; i < TURNS; i++) {
     const float sine = sinf(((float)i + 0.5f) * (0.5f * PL_PI_F / TURNS));
-    const pl_ggx_dielectric d = along(l, 1.0f - sine * sine, sine * sine, v->index);
+    const pl_ggx_dielectric d = along(&v->base, 1.0f - sine * sine, sine * sine, v->index);
     mean.rise += d.mean.rise / TURNS;
     *deviation += d.deviation / TURNS;
   }
@@ -175,7 +205,7 @@ static void set_layers(view *v, const pl_surface *s, pl_vec3f wo) {
   }
   if (v->diffuse > 0.0f || v->through > 0.0f) {
     v->base_table = table_of(&v->base, wo, v->index);
-    v->base_out = albedo_of(&v->base, &v->base_table, wo);
+    v->base_out = albedo_of(v, &v->base_table, wo);
   }
 }
 
@@ -193,13 +223,13 @@ static void set_chances(view *v, const pl_surface *s, pl_vec3f wo) {
   const float mirror = m < 1.0f ? mirrored_part(v, s, wo.z) : 0.0f;
   const float metal = m > 0.0f ? m * pl_vec3f_max(pl_schlick(s->color, 1.0f, wo.z)) : 0.0f;
   const bool mirrors = v->eta > 0.0f || m > 0.0f || pl_maxf(pl_vec3f_max(v->f0), v->f90) > 0.0f;
-  const float again = m * pl_ggx_returned(color, v->loss_mean);
+  const float broad = v->out.broad, again = m * pl_ggx_returned(color, v->lost.mean);
   float *c = v->chance, sum = 0.0f;
   c[COAT] = 1.0f - under;
-  c[MIRROR] = under * ((1.0f - m) * mirror + metal * (1.0f - v->loss));
-  c[BROAD] = under * (v->diffuse * color * (1.0f - mirror) + v->loss * again);
-  c[THROUGH] = under * v->through * color * pl_maxf(1.0f - mirror - v->loss, 0.0f);
-  c[THROUGH_BROAD] = v->eta > 0.0f ? 0.0f : under * v->through * color * v->loss;
+  c[MIRROR] = under * ((1.0f - m) * mirror + metal * (1.0f - broad));
+  c[BROAD] = under * (v->diffuse * color * (1.0f - mirror) + broad * again);
+  c[THROUGH] = under * v->through * color * pl_maxf(1.0f - mirror - broad, 0.0f);
+  c[THROUGH_BROAD] = v->eta > 0.0f ? 0.0f : under * v->through * color * broad;
   for (int i = 0; i < CHOICES; i++)
     sum += c[i];
   const float least = CHANCE_MIN * pl_maxf(sum, 1e-6f);
@@ -220,6 +250,7 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
   const float coat_alpha = pl_ggx_alpha(lobes->coat_alpha);
   view v = {
       .base = lobe_of(ax, ay, wo),
+      .out.gain = 1.0f,
       .eta = eta_of(lobes),
       .coat_weight = lobes->inside ? 0.0f : lobes->coat,
       .diffuse = d * (1.0f - lobes->transmission),
@@ -229,20 +260,27 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
     set_coat_basis(&v, s, wo);
     v.coat = lobe_of(coat_alpha, coat_alpha, of_coat(&v, wo));
   }
-  if (m > 0.0f || (v.through > 0.0f && !(v.eta > 0.0f))) {
-    v.loss = loss_towards(&v.base, wo);
-    v.loss_mean = loss_mean(&v.base);
-  }
+  v.gives_back = m > 0.0f || (v.through > 0.0f && !(v.eta > 0.0f));
+  if (v.gives_back || !v.base.even)
+    v.lost = loss_of(&v.base);
+  if (v.gives_back)
+    v.out = lost_towards(&v.lost, wo);
   set_layers(&v, s, wo);
   set_chances(&v, s, wo);
   return v;
 }
 
-/* Light that comes back after several hits, times cos(wi), if all of it does (Kulla and Conty
- * 2017). */
-static float again_of(const view *v, pl_vec3f wi) {
-  const float lost = v->loss > 0.0f ? v->loss * loss_towards(&v->base, wi) : 0.0f;
-  return lost > 0.0f ? lost * fabsf(wi.z) / (PL_PI_F * v->loss_mean) : 0.0f;
+/* What comes back after several hits, if all of it does (ggx_loss.h): a broad lobe, times cos(wi),
+ * and `more`, part of the sharp one. */
+typedef struct several {
+  float broad, more;
+} several;
+
+static several several_of(const view *v, pl_vec3f wi) {
+  const pl_ggx_lost in = lost_towards(&v->lost, wi);
+  const float lost = v->out.broad * in.broad;
+  return (several){lost > 0.0f ? lost * fabsf(wi.z) / (PL_PI_F * v->lost.broad_mean) : 0.0f,
+                   v->out.gain * in.gain - 1.0f};
 }
 
 /* Light that passes the coat towards both directions: of sharp lobes, and of a Lambert base. */
@@ -281,32 +319,33 @@ static pl_vec3f base_share(const view *v, const pl_surface *s, const under_coat 
     const float f = 1.0f - pl_fresnel(pl_minf(wo.z, wi.z), v->eta);
     return pl_vec3f_make(f, f, f);
   }
-  const bool even = !(v->base.ax > v->base.ay);
-  const pl_ggx_dielectric d = even ? v->base_table : table_of(&v->base, wi, v->index);
-  base_albedo a = {.out = v->base_out, .in = albedo_of(&v->base, &d, wi)};
+  const pl_ggx_dielectric d = v->base.even ? v->base_table : table_of(&v->base, wi, v->index);
+  base_albedo a = {.out = v->base_out, .in = albedo_of(v, &d, wi)};
   a.mean = mean_of(v, &a.deviation);
   return pl_vec3f_make(let_in(c, &a, v->f0.x, v->f90), let_in(c, &a, v->f0.y, v->f90),
                        let_in(c, &a, v->f0.z, v->f90));
 }
 
-/* One band of the base: what it mirrors, mirrors again and scatters. */
-static float band(const view *v, float color, float mirrored, float again, float diffuse) {
-  return mirrored + again * pl_ggx_returned(color, v->loss_mean) + diffuse * color;
+/* One band of the base: what it mirrors, mirrors again broadly and scatters. */
+static float band(float color, float mirrored, float again, float further, float diffuse) {
+  return mirrored + again * pl_ggx_reflectance_mean(color) * further + diffuse * color;
 }
 
 static pl_vec3f above(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
   const under_coat c = under_coat_of(v, wi);
   const float mirror = c.sharp * mirrored(&v->base, wo, wi, h);
-  const pl_vec3f f = mirror_of(v, s, pl_vec3f_dot(wo, h));
-  const float again = s->metallic > 0.0f
-                          ? s->metallic * pl_ggx_base_share(c.out, c.in, c.mean) * again_of(v, wi)
-                          : 0.0f;
+  const float m = s->metallic;
+  const several more = v->gives_back ? several_of(v, wi) : (several){0.0f, 0.0f};
+  const pl_vec3f further = pl_ggx_further_of(s->color, v->lost.mean);
+  const pl_vec3f f = mirror_of(v, s, pl_vec3f_dot(wo, h), more.more, further);
+  const float again =
+      m * more.broad > 0.0f ? m * pl_ggx_base_share(c.out, c.in, c.mean) * more.broad : 0.0f;
   const float lambert = v->diffuse * wi.z / PL_PI_F;
   const pl_vec3f share = lambert > 0.0f ? base_share(v, s, &c, wo, wi) : (pl_vec3f){0};
   const pl_vec3f base = {
-      band(v, s->color.x, f.x * mirror, again, share.x * lambert),
-      band(v, s->color.y, f.y * mirror, again, share.y * lambert),
-      band(v, s->color.z, f.z * mirror, again, share.z * lambert),
+      band(s->color.x, f.x * mirror, again, further.x, share.x * lambert),
+      band(s->color.y, f.y * mirror, again, further.y, share.y * lambert),
+      band(s->color.z, f.z * mirror, again, further.z, share.z * lambert),
   };
   const pl_vec3f out = of_coat(v, wo), in = of_coat(v, wi);
   if (!(v->coat_weight > 0.0f) || !(in.z > 0.0f))
@@ -321,11 +360,12 @@ static pl_vec3f above(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f 
 static pl_vec3f below(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
   const pl_vec3f f = dielectric_of(v, pl_vec3f_dot(wo, h));
   const float under = under_coat_of(v, wi).sharp;
-  const float mirror = mirrored(&v->base, wo, wi, h), again = again_of(v, wi);
-  const float scale = under * v->through;
-  return pl_vec3f_make(scale * s->color.x * ((1.0f - f.x) * mirror + again),
-                       scale * s->color.y * ((1.0f - f.y) * mirror + again),
-                       scale * s->color.z * ((1.0f - f.z) * mirror + again));
+  const float mirror = mirrored(&v->base, wo, wi, h), scale = under * v->through;
+  const several more = several_of(v, wi);
+  const float lobe = (1.0f + more.more) * mirror;
+  return pl_vec3f_make(scale * s->color.x * ((1.0f - f.x) * lobe + more.broad),
+                       scale * s->color.y * ((1.0f - f.y) * lobe + more.broad),
+                       scale * s->color.z * ((1.0f - f.z) * lobe + more.broad));
 }
 
 /* The normal that refracts wi (z < 0) to wo, on the viewer's side, and the change of wi's solid

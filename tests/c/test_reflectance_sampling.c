@@ -159,8 +159,9 @@ static void test_weight_is_value_over_pdf(void **state) {
   for_all(check_weight);
 }
 
-/* Of the tabulated loss that multiple reflection gives back. */
-static const double TABLE_ERROR = 0.005;
+/* Of the tabulated loss that multiple reflection gives back, and of a smooth coat's albedo where the
+ * table's nodes are wider than its ridge at grazing incidence. */
+static const double TABLE_ERROR = 0.0065;
 static double largest_energy;
 
 /* Light sent on under a white sky of radiance 1, by the mean weight. */

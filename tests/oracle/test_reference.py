@@ -40,11 +40,14 @@ def test_metal_in_metal_is_not_roughened(foil):
     assert apart < 17.0
 
 
-@pytest.mark.xfail(reason="light that metals reflect twice leaves them as from a diffuse surface")
 def test_metal_in_metal_is_as_bright(foil):
-    """Mitsuba leaves that out: by Cycles, which adds it near the mirror's direction, it is 5 DN."""
-    assert compare.rms(*foil) < 8.0
-    assert abs(foil[0].mean() / foil[1].mean() - 1.0) < 0.15
+    """Brighter by what Mitsuba's metals lose from facet to facet, a fifth here. Random walks send a
+    half of that back broadly at these roughnesses (tests/c/test_microfacets.c); all of it sent back
+    as from a diffuse surface makes 14.4 DN, and a ratio of 1.28."""
+    ratio = foil[0].mean() / foil[1].mean()
+    print(f"foil: {compare.rms(*foil):.2f} DN, mean ratio {ratio:.4f}")
+    assert compare.rms(*foil) < 11.5
+    assert 1.1 < ratio < 1.25
 
 
 def oblate(latitudes: str) -> dict:
