@@ -7,6 +7,8 @@ Cycles' albedos are in tests/c/test_reflectance.c, and all are in benchmarks/alb
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import mitsuba
 import numpy as np
 import pytest
@@ -76,30 +78,21 @@ def test_same_albedo(degrees: float, color: float, roughness: float, lost: float
     assert b + color * (lost - 0.01) - 0.008 < a < b + color * lost + 0.016
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
-@given(
-    st.floats(0.0, 86.0),
-    st.floats(0.05, 1.0),
-    st.floats(0.0, 1.0),
-    st.floats(1.0, 3.0),
-    st.floats(0.0, 1.0),
-    st.floats(0.0, 1.0),
-)
+def over_surfaces(test: Callable[..., None]) -> Callable[..., None]:
+    """Angles, roughness, metalness, indices and two weights."""
+    part = st.floats(0.0, 1.0)
+    drawn = given(st.floats(0.0, 86.0), st.floats(0.05, 1.0), part, st.floats(1.0, 3.0), part, part)
+    return settings(max_examples=60, deadline=None, derandomize=True)(drawn(test))
+
+
+@over_surfaces
 def test_white_keeps_all_light(degrees, roughness, metallic, ior, specular, transmission):
     inputs = {"metallic": metallic, "ior": ior, "specular": specular, "transmission": transmission}
     kept = ours(degrees, base_color=1.0, roughness=roughness, **inputs)
     assert kept == pytest.approx(1.0, abs=0.02)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
-@given(
-    st.floats(0.0, 86.0),
-    st.floats(0.05, 1.0),
-    st.floats(0.0, 1.0),
-    st.floats(1.0, 3.0),
-    st.floats(0.0, 1.0),
-    st.floats(0.0, 1.0),
-)
+@over_surfaces
 def test_coats_lose_little(degrees, roughness, metallic, ior, coat, coat_roughness):
     inputs = {"metallic": metallic, "ior": ior, "coat": coat, "coat_roughness": coat_roughness}
     kept = ours(degrees, base_color=1.0, roughness=roughness, **inputs)

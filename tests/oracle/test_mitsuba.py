@@ -18,6 +18,7 @@ from pathlib import Path
 import mitsuba
 import numpy as np
 import pytest
+from benchmarks.reference.models import flat_normals, rectangle
 from scipy import stats
 
 from perilune import _core
@@ -45,12 +46,6 @@ class Shape:
     uvs: np.ndarray | None = None  # (T, 3, 2)
     gltf: dict | None = None  # material and Mitsuba's, instead of what the above make
     bsdf: dict | None = None
-
-
-def rectangle(center, a, b) -> np.ndarray:
-    c, a, b = (np.asarray(v, dtype=float) for v in (center, a, b))
-    p = [c - a - b, c + a - b, c + a + b, c - a + b]
-    return np.array([[p[0], p[1], p[2]], [p[0], p[2], p[3]]])
 
 
 def cube(center, half, turn) -> np.ndarray:
@@ -87,12 +82,7 @@ EYE, TARGET = np.array([0.5, -5.0, 4.2]), np.array([0.0, 0.0, 0.4])  # no horizo
 
 
 def normals_of(shape: Shape) -> np.ndarray:
-    if shape.normals is not None:
-        return shape.normals
-    n = np.cross(
-        shape.corners[:, 1] - shape.corners[:, 0], shape.corners[:, 2] - shape.corners[:, 0]
-    )
-    return np.repeat((n / np.linalg.norm(n, axis=1, keepdims=True))[:, None], 3, axis=1)
+    return flat_normals(shape.corners) if shape.normals is None else shape.normals
 
 
 # --- ours ----------------------------------------------------------------------------------------
