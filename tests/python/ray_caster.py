@@ -22,21 +22,20 @@ class Cast(NamedTuple):
     edge: F64  # (height, width): least distance at which a ray passes an edge, m; inf for none
 
 
-def double_sided(path: Path) -> dict[str, bool]:
-    """Of the materials of a .glb, by name."""
+def corners_of(model: Any, scale: float, offset: F64) -> F64:
+    """(n, 3, 3) corners in the object's frame, m."""
+    mesh = model.mesh()
+    return scale * (mesh["positions"][mesh["indices"]] - offset)
+
+
+def double_sided(model: Any, path: Path) -> NDArray[Any]:
+    """(n,) whether each triangle is there from behind too, as the materials of a .glb state."""
     data = path.read_bytes()
     (length,) = struct.unpack_from("<I", data, 12)
     tree = json.loads(data[20 : 20 + length])
-    return {m.get("name", ""): m.get("doubleSided", False) for m in tree.get("materials", [])}
-
-
-def triangles_of(model: Any, path: Path, scale: float, offset: F64) -> tuple[F64, NDArray[Any]]:
-    """(n, 3, 3) corners in the object's frame, m, and whether each is there from behind too."""
-    mesh = model.mesh()
-    both = double_sided(path)
+    both = {m.get("name", ""): m.get("doubleSided", False) for m in tree.get("materials", [])}
     sides = np.array([both.get(part["material"], False) for part in model.parts])
-    corners = scale * (mesh["positions"][mesh["indices"]] - offset)
-    return corners, sides[mesh["triangle_part"]]
+    return sides[model.mesh()["triangle_part"]]
 
 
 def _pairs(low: NDArray[Any], high: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.python.ray_caster import cast, triangles_of
+from tests.python.ray_caster import cast, corners_of, double_sided
 
 import perilune
 from perilune.document.loader import read_tree
@@ -18,10 +18,17 @@ LABELS = ["depth", "normal", "position", "object_coords", "semantic", "part", "i
 WIDTH = 192
 
 
-def opened(repo_dir: Path, model: Path, size_m: float, distance_m: float, **more: Any):
+def opened(
+    repo_dir: Path,
+    model: Path,
+    size_m: float,
+    distance_m: float,
+    faces: str = "double_sided",
+    **more: Any,
+):
     """The model alone before the camera, which it fills by two thirds."""
     scene = read_tree(repo_dir / "tests/python/scene.yaml")
-    scene["spacecraft"]["sat"] |= {"model": str(model), "size_m": size_m, "faces": "as_stated"}
+    scene["spacecraft"]["sat"] |= {"model": str(model), "size_m": size_m, "faces": faces}
     scene["camera"] |= {
         "width": WIDTH,
         "height": WIDTH,
@@ -31,13 +38,18 @@ def opened(repo_dir: Path, model: Path, size_m: float, distance_m: float, **more
     return perilune.open(scene, base=repo_dir / "tests/python", overrides=more)
 
 
-def check(repo_dir: Path, model: Path, size_m: float, distance_m: float) -> None:
-    """No pixel is wrong, and no place is off by a millionth of the object's radius."""
-    sim = opened(repo_dir, model, size_m, distance_m)
+def check(
+    repo_dir: Path, model: Path, size_m: float, distance_m: float, faces: str = "double_sided"
+) -> None:
+    """No pixel is wrong, and no place is off by a millionth of the object's radius. What sides are
+    there is what the model says of itself: those of the file, or more."""
+    sim = opened(repo_dir, model, size_m, distance_m, faces)
     sample = sim.frame(0, channels=[*LABELS, "objects"], threads=1)
     handle = sim.models["sat"]
     offset, scale = np.asarray(handle.offset), handle.metres_per_unit
-    corners, both = triangles_of(handle.model, model, scale, offset)
+    corners, both = corners_of(handle.model, scale, offset), handle.model.surfaces()["double_sided"]
+    stated = double_sided(handle.model, model)
+    assert (both == stated).all() if faces == "as_stated" else (both >= stated).all()
     turn, place = (np.asarray(sample.objects[0][key]) for key in ("R_m2c", "t_m2c"))
     found = cast(corners @ turn.T + place, both, np.asarray(sample.camera.K), WIDTH, WIDTH)
     assert found.mask.mean() > 0.03
@@ -59,11 +71,12 @@ def test_narrow_fields_of_view(repo_dir, name, fov_deg):
     check(repo_dir, repo_dir / f"assets/models/{name}.glb", 10.0, distance_m)
 
 
+@pytest.mark.parametrize("faces", ["as_stated", "double_sided"])
 @pytest.mark.parametrize("name", ["iss", "voyager"])
 @pytest.mark.parametrize("fov_deg", [5.0, 0.05])
-def test_published_models(repo_dir, data_dir, name, fov_deg):
+def test_published_models(repo_dir, data_dir, name, fov_deg, faces):
     distance_m = 0.75 * 50.0 / math.tan(math.radians(0.5 * fov_deg))
-    check(repo_dir, data_dir / f"spacecraft/plain/{name}.glb", 50.0, distance_m)
+    check(repo_dir, data_dir / f"spacecraft/plain/{name}.glb", 50.0, distance_m, faces)
 
 
 @pytest.mark.parametrize(
