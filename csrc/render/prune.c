@@ -202,6 +202,24 @@ static bool has_thin_veil(const pl_path_context *context, uint32_t pixel) {
   return false;
 }
 
+/* Whether the sun's limb may cross the pixel: no part of its disc is too small to be seen. */
+static bool has_suns_limb(const pl_path_context *context, uint32_t pixel) {
+  if (!context->sun)
+    return false;
+  const pl_sun_view *sun = &context->camera_sun;
+  const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
+  const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
+  const pl_vec3 ray = pl_snapshot_ray(context->shot, x, y);
+  const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
+  const double off = pl_vec3_norm(pl_vec3_cross(ray, toward));
+  return pl_vec3_dot(ray, toward) > 0.0 && fabs(off - (double)sun->sin_radius) < context->pixel_rad;
+}
+
+/* What a few samples of a pixel may all miss, though the plan knows that it may be there. */
+static bool may_miss(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
+  return b->narrow[pixel] || has_thin_veil(context, pixel) || has_suns_limb(context, pixel);
+}
+
 void pl_path_drop_single(pl_tile_buffers *b) {
   size_t kept = b->active_meshes; /* they cover what is behind */
   for (size_t i = kept; i < b->active_count; i++)
@@ -223,7 +241,7 @@ void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
     const bool early = n < least || n < (i < b->active_meshes ? MESH_MIN : BODY_MIN) ||
                        (n < outline && on_outline(context, b, pixel));
     if (early || !is_finished(context->settings, &moments, pixel, (float)n) ||
-        (n < samples && (b->narrow[pixel] || has_thin_veil(context, pixel))))
+        (n < samples && may_miss(context, b, pixel)))
       b->active[kept++] = pixel;
     if (i + 1 == b->active_meshes)
       meshes = kept;

@@ -83,3 +83,19 @@ def test_both_are_served(tree, exact, white):
     reference = frame(tree, ["rgb"], white, tolerance=0.0, samples=256)["rgb"]
     display = rms(both["rgb"], reference)
     assert display < 1.1 * rms(frame(tree, ["rgb"], white)["rgb"], reference) + 0.05
+
+
+def test_the_suns_limb_is_seen_by_a_sensor_alone(tree):
+    """A sensor that the Sun alone fills: pixels that its limb crosses end by no luck of neighbours,
+    whose samples have found nothing."""
+    limb = copy.deepcopy(tree)
+    limb["camera"] |= {"width": 96, "height": 72}
+    limb["camera"]["trajectory"] = {"kind": "orbit_object", "target": "sat",
+                                    "distance_m": [12, 14], "sun_angle_deg": [164, 168]}  # fmt: skip
+    limb["camera"]["exposure"] = {"mode": "auto"}
+    seen = []
+    for tolerance in (0.0, 1.0):
+        limb["render"] |= {"tolerance_dn": tolerance, "samples": 32, "force_off": NOISELESS}
+        seen.append(shown(perilune.open(limb).frame(0, ["raw"])["raw"]))
+    assert np.count_nonzero(seen[0] > 250.0) >= 4
+    assert (seen[1][seen[0] > 250.0] > 250.0).all()
