@@ -137,9 +137,11 @@ def converges(samples: Sequence[int], errors: Sequence[float], tolerance_dn: flo
 
 
 def draw(results: Mapping[str, Mapping[str, list[float]]], samples: Sequence[int], to: str) -> None:
-    """One panel a configuration: both tolerances, and n^-0.4 through the first error."""
+    """One panel a configuration: both tolerances, and n^-0.4 through the first error. Those without
+    an error at any number of samples, whose frame no sampled light is in, have none."""
     from matplotlib.figure import Figure
 
+    results = {name: curves for name, curves in results.items() if max(map(max, curves.values()))}
     columns = 6
     rows = -(-len(results) // columns)
     figure = Figure(figsize=(2.1 * columns, 1.75 * rows), layout="constrained")

@@ -90,8 +90,8 @@ def test_the_suns_limb_is_seen_by_a_sensor_alone(tree):
     whose samples have found nothing."""
     limb = copy.deepcopy(tree)
     limb["camera"] |= {"width": 96, "height": 72}
-    limb["camera"]["trajectory"] = {"kind": "orbit_object", "target": "sat",
-                                    "distance_m": [12, 14], "sun_angle_deg": [164, 168]}  # fmt: skip
+    toward_sun = {"distance_m": [12, 14], "sun_angle_deg": [164, 168]}
+    limb["camera"]["trajectory"] = {"kind": "orbit_object", "target": "sat"} | toward_sun
     limb["camera"]["exposure"] = {"mode": "auto"}
     seen = []
     for tolerance in (0.0, 1.0):
