@@ -10,10 +10,9 @@ float pl_fresnel_rise(float cosine, float index) {
   return (pl_fresnel(cosine, n) - f0) / (1.0f - f0);
 }
 
-pl_ggx_dielectric pl_ggx_dielectric_of(float roughness, float index) {
+pl_ggx_dielectric pl_ggx_dielectric_rise(float roughness, float index) {
   const float root = (index - 1.0f) / (index + 1.0f);
-  pl_ggx_dielectric d = {.lost = pl_ggx_loss_of(roughness)};
-  d.mean.all = 1.0f - d.lost.mean;
+  pl_ggx_dielectric d = {.mean.all = 1.0f};
   float a, b;
   const size_t i = pl_table_node((root - ROOT_LEAST) / (ROOT_MOST - ROOT_LEAST), INDICES, &a);
   const size_t k = pl_table_node(roughness, ROUGHNESSES, &b);
@@ -25,6 +24,13 @@ pl_ggx_dielectric pl_ggx_dielectric_of(float roughness, float index) {
     d.mean.rise += weight * mean_table[i + x][k + y];
     d.deviation += weight * deviation_table[i + x][k + y];
   }
+  return d;
+}
+
+pl_ggx_dielectric pl_ggx_dielectric_of(float roughness, float index) {
+  pl_ggx_dielectric d = pl_ggx_dielectric_rise(roughness, index);
+  d.lost = pl_ggx_loss_of(roughness);
+  d.mean.all = 1.0f - d.lost.mean;
   return d;
 }
 

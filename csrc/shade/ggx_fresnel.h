@@ -34,6 +34,8 @@ typedef struct pl_ggx_dielectric {
 /* `roughness`: square root of GGX's alpha, 0..1. Albedos are off by at most 0.004 for cosines from
  * 0.08. */
 pl_ggx_dielectric pl_ggx_dielectric_of(float roughness, float index);
+/* The same without what concerns `all`: for stretched lobes, which have a table of their own. */
+pl_ggx_dielectric pl_ggx_dielectric_rise(float roughness, float index);
 float pl_ggx_rise(const pl_ggx_dielectric *d, float cosine);
 pl_ggx_albedo pl_ggx_albedo_of(const pl_ggx_dielectric *d, float cosine);
 
