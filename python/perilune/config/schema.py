@@ -401,6 +401,12 @@ class Drivers(Strict):
     """Drivers with settings of their own, or correlated."""
 
 
+_KEPT_CAMERAS = 16
+_cameras: dict[tuple[int, int], tuple[Any, Camera, dict[str | None, Camera]]] = {}
+"""Identities of sensors and platform -> these, and the cameras of both: sections never change, and
+a frame asks for them ten times."""
+
+
 class Config(Strict):
     """A whole configuration."""
 
@@ -451,7 +457,16 @@ class Config(Strict):
         """What takes frames: each sensor's camera; without sensors the platform's, named None."""
         if not self.sensors:
             return {None: self.camera}
-        return {name: sensor.camera(self.camera) for name, sensor in self.sensors.items()}
+        key = id(self.sensors), id(self.camera)
+        kept = _cameras.get(key)
+        if kept is None or kept[0] is not self.sensors or kept[1] is not self.camera:
+            found: dict[str | None, Camera] = {}
+            for name, sensor in self.sensors.items():
+                found[name] = sensor.camera(self.camera)
+            while len(_cameras) >= _KEPT_CAMERAS:
+                _cameras.pop(next(iter(_cameras)), None)
+            kept = _cameras[key] = self.sensors, self.camera, found
+        return dict(kept[2])
 
     def place(self, name: str | None, key: str) -> str:
         """Key path of a key that a camera has: its sensor's own, or the platform's."""

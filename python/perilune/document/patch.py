@@ -27,7 +27,7 @@ from pydantic import (
 )
 
 from perilune.config.schema import Config
-from perilune.drivers import KeyPath, substitute
+from perilune.drivers import KeyPath, marked, substitute
 
 _FUNCTIONS = (AfterValidator, BeforeValidator, PlainValidator, WrapValidator)
 _OF_ALL = "_known_keys"
@@ -83,9 +83,13 @@ class _Field:
     """What the tree has there, with drivers."""
     drivers: Mapping[KeyPath, KeyPath]
     """Where each driver stands in the tree -> below `given`."""
+    alone: KeyPath | None
+    """Of a driver that stands for all of the field."""
 
     def tree(self, values: Mapping[KeyPath, Any]) -> Any:
         """What the tree has there with values in the drivers' places."""
+        if self.alone is not None:
+            return marked(values[self.alone])
         return substitute(self.given, {at: values[path] for path, at in self.drivers.items()})
 
 
@@ -155,7 +159,8 @@ def _section(
             result.entries[name] = entries
         else:
             drivers = {path: path[depth + 1 :] for path in rows}
-            result.fields[name] = _Field(_adapter(kind, name), given[key], drivers)
+            alone = rows[0] if drivers[rows[0]] == () else None
+            result.fields[name] = _Field(_adapter(kind, name), given[key], drivers, alone)
     return result
 
 

@@ -22,7 +22,7 @@ drivers, and the same for all sensors of a step. Without an interval, a value is
 from perilune.drivers.common import Drawn, DriverError, KeyPath, path_text
 from perilune.drivers.mapping import Driver
 from perilune.drivers.plan import Defaults, Group, Plan, copied, factor
-from perilune.drivers.tree import KINDS, Found, find, names, substitute, without
+from perilune.drivers.tree import KINDS, Found, find, marked, names, substitute, without
 
 __all__ = [
     "KINDS",
@@ -37,6 +37,7 @@ __all__ = [
     "copied",
     "factor",
     "find",
+    "marked",
     "names",
     "path_text",
     "substitute",

@@ -21,7 +21,7 @@ import numpy as np
 
 from perilune import _core
 from perilune.base.random import stable_hash
-from perilune.drivers.common import F64, DriverError, KeyPath, Source
+from perilune.drivers.common import F64, DriverError, KeyPath, Need, Source
 from perilune.drivers.hook import Hooked
 from perilune.drivers.log_normal import LogNormal
 from perilune.drivers.normal import Normal
@@ -91,7 +91,6 @@ class Group:
         return found
 
 
-_ALONE = Group()
 _NEVER: tuple[Any, Any] = (None, None)
 
 
@@ -109,6 +108,20 @@ class Defaults:
 
 
 @dataclass(frozen=True)
+class _Row:
+    """What of a driver's draws is the same at all steps."""
+
+    strength: float | tuple[float, ...]
+    interval: int
+    group: Group | None
+    """One that correlates."""
+    key: int
+    """Of the generator."""
+    needs: dict[float, Need | None] = field(default_factory=dict)
+    """By strength."""
+
+
+@dataclass(frozen=True)
 class Plan:
     """Drivers, ready to be drawn."""
 
@@ -117,6 +130,8 @@ class Plan:
     defaults: Defaults = Defaults()
     kept: dict[KeyPath, tuple[Any, Any]] = field(default_factory=dict, compare=False, repr=False)
     """Of each driver: for what it drew last, and the value."""
+    known: dict[KeyPath, _Row] = field(default_factory=dict, compare=False, repr=False)
+    """Of each driver: what is the same at all steps."""
 
     def check(self) -> None:
         """DriverError for a driver that does not fit the group it names."""
@@ -164,21 +179,29 @@ class Plan:
             else row
             for row in self.drivers
         )
-        return replace(self, drivers=rows, kept={})
+        return replace(self, drivers=rows, kept={}, known={})
 
     def settings(self, driver: Found, step: int) -> tuple[float, int, int]:
         """Of the draw of a driver at a step: strength, number, and the first step it is for."""
-        group = self._group(driver)
+        row = self.known.get(driver.path)
+        if row is None:
+            row = self.known[driver.path] = self._row(driver)
+        epoch = step // row.interval
+        strength = row.strength
+        if isinstance(strength, tuple):
+            strength = strength[min(epoch, len(strength) - 1)]
+        return strength, epoch, epoch * row.interval
+
+    def _row(self, driver: Found) -> _Row:
+        group = self.groups[driver.group] if driver.group is not None else Group()
         strengths = (driver.strength, group.strength, driver.section.strength)
         # Drivers of different sections go together in a correlated group.
         around = None if group.correlates else driver.section.interval
         intervals = (driver.interval, group.interval, around)
         strength = next((row for row in strengths if row is not None), self.defaults.strength)
         interval = next((row for row in intervals if row is not None), self.defaults.interval)
-        epoch = step // interval
-        if isinstance(strength, tuple):
-            strength = strength[min(epoch, len(strength) - 1)]
-        return strength, epoch, epoch * interval
+        own = f"driver-group:{group.name}" if group.correlates else f"driver:{driver.name}"
+        return _Row(strength, interval, group if group.correlates else None, stable_hash(own))
 
     def piled(self) -> Iterator[tuple[Found, str, float]]:
         """(driver, limit, share of its draws that are clipped to it), of those above PILED."""
@@ -201,16 +224,13 @@ class Plan:
         new = [row for row in rows if self.kept.get(row[0].path, _NEVER)[0] != (seed, *row[1:])]
         for row, drawn in zip(new, self._standard(seed, new), strict=True):
             driver, strength, epoch, first = row
-            group = self._group(driver)
-            if group.correlates:
+            group = self.known[driver.path].group
+            if group is not None:
                 drawn = group.normals(drawn, driver.name)
-            source = Source(driver.name, seed, first, epoch, drawn, group.correlates)
+            source = Source(driver.name, seed, first, epoch, drawn, group is not None)
             value = driver.distribution.draw(source, strength)
             self.kept[driver.path] = (seed, strength, epoch, first), value
         return {driver.path: self.kept[driver.path][1] for driver in self.drivers}
-
-    def _group(self, driver: Found) -> Group:
-        return self.groups[driver.group] if driver.group is not None else _ALONE
 
     def _standard(
         self, seed: int, rows: Sequence[tuple[Found, float, int, int]]
@@ -218,12 +238,15 @@ class Plan:
         """The standard numbers that drivers need, all drawn in one call of the core."""
         keys, frames, normal, counts = [], [], [], []
         for driver, strength, epoch, _ in rows:
-            need, group = driver.distribution.needs(strength), self._group(driver)
-            own = f"driver-group:{group.name}" if group.correlates else f"driver:{driver.name}"
-            keys.append(stable_hash(own))
+            row = self.known[driver.path]
+            if strength not in row.needs:
+                row.needs[strength] = driver.distribution.needs(strength)
+            need, group = row.needs[strength], row.group
+            width = 1 if group is None else group.width
+            keys.append(row.key)
             frames.append(epoch)
-            normal.append(need is not None and (need.normal or group.correlates))
-            counts.append(0 if need is None else need.numbers * group.width)
+            normal.append(need is not None and (need.normal or group is not None))
+            counts.append(0 if need is None else need.numbers * width)
         numbers = _core.draws(
             seed,
             np.array(keys, dtype=np.uint64),

@@ -166,14 +166,14 @@ def substitute(tree: Any, values: Mapping[KeyPath, Any]) -> Any:
     The tree itself is left alone; what no driver stands in is shared with it.
     """
     for path, value in values.items():
-        tree = _replaced(tree, path, _marked(value))
+        tree = _replaced(tree, path, marked(value))
     return tree
 
 
-def _marked(value: Any) -> Any:
+def marked(value: Any) -> Any:
     """Numbers, and those of lists, become Drawn; sections are taken as they are."""
     if isinstance(value, (list, tuple)):
-        return [_marked(item) for item in value]
+        return [marked(item) for item in value]
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return Drawn(value)
     return value

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from statistics import NormalDist
 from typing import Any
 
@@ -45,6 +45,8 @@ class Truncated:
     """`free` is the distribution with its tails."""
 
     free: Normal | LogNormal
+    known: dict[float, list[tuple[float, float]]] = field(default_factory=dict, compare=False)
+    """Limits by strength."""
 
     @property
     def ideal(self) -> Any:
@@ -68,7 +70,9 @@ class Truncated:
 
     def draw(self, source: Source, strength: float) -> Any:
         """See the module."""
-        limits = self.free.standard_limits(strength)
+        if strength not in self.known:
+            self.known[strength] = self.free.standard_limits(strength)
+        limits = self.known[strength]
 
         def normals() -> list[float]:
             rows = zip(limits, source.uniforms(len(limits), self.free.jointly), strict=True)

@@ -51,12 +51,15 @@ class Date:
 
     def utc(self, digits: int = 3) -> str:
         """ISO 8601 with so many digits of a second, 1 to 9."""
-        with warnings.catch_warnings():
-            # "Dubious year": leap seconds of the future are not known; none are assumed.
-            warnings.simplefilter("ignore", erfa.ErfaWarning)
-            tt = erfa.tdbtt(self.day, self.fraction, _tdb_minus_tt(self.day, self.fraction))
-            utc = erfa.taiutc(*erfa.tttai(*tt))
-            year, month, day, clock = erfa.d2dtf("UTC", digits, *utc)
+        # The functions that erfa's own wrap, as every frame asks. A status above 0 is "dubious
+        # year": leap seconds of the future are not known; none are assumed.
+        call = erfa.ufunc
+        tt = call.tdbtt(self.day, self.fraction, _tdb_minus_tt(self.day, self.fraction))
+        tai = call.tttai(*tt[:2])
+        utc = call.taiutc(*tai[:2])
+        year, month, day, clock, status = call.d2dtf(b"UTC", digits, *utc[:2])
+        if min(utc[2], status) < 0:
+            raise ValueError(f"JD {self.day + self.fraction} (TDB) is no date of the calendar")
         hms = f"{clock['h']:02d}:{clock['m']:02d}:{clock['s']:02d}.{clock['f']:0{digits}d}"
         return f"{year:04d}-{month:02d}-{day:02d}T{hms}Z"
 
