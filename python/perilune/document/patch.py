@@ -123,9 +123,7 @@ class _Section:
         return found
 
 
-def _section(
-    model: BaseModel, given: Any, paths: Iterable[KeyPath], depth: int
-) -> _Section | None:
+def _section(model: BaseModel, given: Any, paths: Iterable[KeyPath], depth: int) -> _Section | None:
     """What is driven in a section; None where it must be validated as a whole.
 
     given: the section in the tree. paths: of its drivers. depth: where the section's keys stand in

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from perilune.base import hooks
+from perilune.drivers.clipped import check_ideal, need
 from perilune.drivers.common import DriverError, Kind, Source, clip, numbers, shaped, size
-from perilune.drivers.normal import check_ideal, need
 
 _KEPT = 16
 """Answers of a hook that are kept."""

@@ -21,10 +21,9 @@ import numpy as np
 
 from perilune import _core
 from perilune.base.random import stable_hash
+from perilune.drivers.clipped import Clipped
 from perilune.drivers.common import F64, DriverError, KeyPath, Need, Source
 from perilune.drivers.hook import Hooked
-from perilune.drivers.log_normal import LogNormal
-from perilune.drivers.normal import Normal
 from perilune.drivers.tree import Found
 
 _SYMMETRIC = 1e-12
@@ -206,7 +205,7 @@ class Plan:
     def piled(self) -> Iterator[tuple[Found, str, float]]:
         """(driver, limit, share of its draws that are clipped to it), of those above PILED."""
         for driver in self.drivers:
-            if isinstance(driver.distribution, (Normal, LogNormal)):
+            if isinstance(driver.distribution, Clipped):
                 strength, _, _ = self.settings(driver, 0)
                 rows = driver.distribution.standard_limits(strength)
                 for name, at, sign in (("clip_min", 0, -1.0), ("clip_max", 1, 1.0)):

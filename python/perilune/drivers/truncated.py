@@ -14,9 +14,8 @@ from statistics import NormalDist
 from typing import Any
 
 from perilune.drivers import log_normal, normal
+from perilune.drivers.clipped import Clipped
 from perilune.drivers.common import DriverError, Kind, Need, Source
-from perilune.drivers.log_normal import LogNormal
-from perilune.drivers.normal import Normal
 
 _STANDARD = NormalDist()
 _ROOT_2 = math.sqrt(2.0)
@@ -44,7 +43,7 @@ def truncated_normal(low: float, high: float, uniform: float) -> float:
 class Truncated:
     """`free` is the distribution with its tails."""
 
-    free: Normal | LogNormal
+    free: Clipped
     known: dict[float, list[tuple[float, float]]] = field(default_factory=dict, compare=False)
     """Limits by strength."""
 
@@ -81,7 +80,7 @@ class Truncated:
         return self.free.at(strength, normals)
 
 
-def parse(name: str, raw: Mapping[str, Any]) -> Normal | LogNormal | Truncated:
+def parse(name: str, raw: Mapping[str, Any]) -> Clipped | Truncated:
     """From its mapping; `name` is the key path."""
     kind = log_normal if any(key in raw for key in log_normal.KIND.markers) else normal
     asked = raw["truncated"]
@@ -91,7 +90,7 @@ def parse(name: str, raw: Mapping[str, Any]) -> Normal | LogNormal | Truncated:
         if key in KIND.keys and key not in kind.KIND.keys:
             text = f"is of another distribution; allowed: {', '.join(kind.KIND.keys)}"
             raise DriverError(f"{name}.{key}", text)
-    free = kind.parse(name, raw)
+    free = kind.KIND.parse(name, raw)
     return Truncated(free) if asked else free
 
 

@@ -1,0 +1,132 @@
+"""What the normal and the log-normal distribution share: a middle, a variance, and two clips."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+from perilune.drivers.common import (
+    DriverError,
+    Need,
+    Source,
+    clip,
+    joint,
+    numbers,
+    shaped,
+    size,
+)
+
+
+@dataclass(frozen=True)
+class Clipped:
+    """One value or several; `count` is None for a number that stands alone."""
+
+    KEYS: ClassVar[tuple[str, str, str, str]]
+    """Those of the middle, the variance and the two clips."""
+
+    count: int | None
+    middles: tuple[float, ...]
+    variances: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    jointly: bool
+
+    def varied(self, deviations: list[float], normals: list[float]) -> list[float]:
+        """The values of standard normals, without clips. deviations: standard deviations."""
+        raise NotImplementedError
+
+    def standard_limits(self, strength: float) -> list[tuple[float, float]]:
+        """Both clips of each number, in standard deviations from the middle."""
+        raise NotImplementedError
+
+    @property
+    def ideal(self) -> Any:
+        """The middle, as given."""
+        return shaped(self.middles, self.count)
+
+    @property
+    def limits(self) -> Mapping[str, Any]:
+        """Both clips."""
+        low, high = shaped(self.low, self.count), shaped(self.high, self.count)
+        return {".clip_min": low, ".clip_max": high}
+
+    @property
+    def ideal_key(self) -> str:
+        """See Distribution."""
+        return f".{self.KEYS[0]}"
+
+    def _deviations(self, strength: float) -> list[float]:
+        return [math.sqrt(variance * strength) for variance in self.variances]
+
+    def needs(self, strength: float) -> Need | None:
+        """Normals, where anything varies."""
+        if not any(self._deviations(strength)):
+            return None
+        return Need(True, 1 if self.jointly else len(self.variances))
+
+    def draw(self, source: Source, strength: float) -> Any:
+        """See Distribution."""
+        return self.at(strength, lambda: source.normals(len(self.middles), self.jointly))
+
+    def at(self, strength: float, normals: Callable[[], list[float]]) -> Any:
+        """The value of standard normals, which are asked for only where something varies."""
+        deviations = self._deviations(strength)
+        if not any(deviations):
+            return self.ideal
+        values = self.varied(deviations, normals())
+        return shaped(clip(values, self.low, self.high), self.count)
+
+    @classmethod
+    def parse(cls, name: str, raw: Mapping[str, Any]) -> Self:
+        """From its mapping; `name` is the key path."""
+        need(name, raw, cls.KEYS)
+        middle_key, variance_key = cls.KEYS[:2]
+        count = size(f"{name}.{middle_key}", raw[middle_key])
+        middle, variance, low, high = (
+            numbers(f"{name}.{key}", raw[key], count) for key in cls.KEYS
+        )
+        cls.check_middle(name, middle)
+        for row in variance:
+            if row < 0.0:
+                raise DriverError(f"{name}.{variance_key}", f"must not be negative: {row:g}")
+        check_ideal(name, middle, low, high, middle_key)
+        return cls(count, middle, variance, low, high, joint(name, raw))
+
+    @classmethod
+    def check_middle(cls, name: str, middle: tuple[float, ...]) -> None:
+        """DriverError for a middle that the distribution cannot have."""
+
+
+def in_deviations(distance: float, variance: float) -> float:
+    """How many standard deviations a limit is away; endlessly many where nothing varies."""
+    deviation = math.sqrt(variance)
+    if math.isinf(distance) or deviation == 0.0:
+        return math.copysign(math.inf, distance)
+    return distance / deviation
+
+
+def check_ideal(
+    name: str,
+    ideal: tuple[float, ...],
+    low: tuple[float, ...],
+    high: tuple[float, ...],
+    key: str = "ideal",
+) -> None:
+    """DriverError unless clip_min <= ideal <= clip_max throughout."""
+    for value, least, most in zip(ideal, low, high, strict=True):
+        if least > most:
+            raise DriverError(f"{name}.clip_min", f"{least:g} is above clip_max = {most:g}")
+        if not least <= value <= most:
+            raise DriverError(
+                f"{name}.{key}",
+                f"{value:g} is outside [clip_min, clip_max] = [{least:g}, {most:g}]",
+            )
+
+
+def need(name: str, raw: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+    """DriverError naming the first key that is missing."""
+    for key in keys:
+        if key not in raw:
+            raise DriverError(name, f"a driver needs {', '.join(keys)}; {key} is missing")
