@@ -9,4 +9,14 @@
 
 #include <cmocka.h>
 
+/* A count of random draws, scenes or grid points: `all`, but `few` where a sanitizer watches. That
+ * build makes each ten times slower and looks for faults of memory and arithmetic, which the same
+ * code shows in its first draws; what the number of draws proves is proven by the plain build.
+ * Tolerances that depend on the count are written with it. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(PL_FEW_DRAWS)
+#define PL_DRAWS(all, few) (few)
+#else
+#define PL_DRAWS(all, few) (all)
+#endif
+
 #endif

@@ -6,7 +6,7 @@
 #include "air/reach.h"
 #include "airs.h"
 
-enum { AIRS = 40, RAYS = 80 };
+enum { AIRS = PL_DRAWS(40, 8), RAYS = PL_DRAWS(80, 30) };
 
 static const double RADIUS = 6371e3;
 

@@ -20,7 +20,7 @@ static const pl_hapke sets[] = {
     {0.6, 0.3, 0.4, 1.0, 0.05, 0.5, 0.01, 30.0, 0.4, false, false},
     {0.6, 0.3, 0.4, 1.0, 0.05, 0.5, 0.01, 30.0, 0.4, false, true},
 };
-enum { SETS = 5, GEOMETRIES = 10000000 };
+enum { SETS = 5, GEOMETRIES = PL_DRAWS(10000000, 200000) };
 
 /* A set above, whose angle is in degrees. */
 static pl_hapke set_of(size_t i) {

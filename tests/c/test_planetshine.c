@@ -42,7 +42,7 @@ static bool hides(const ball *b, pl_vec3 from, pl_vec3 direction, double reach) 
 /* Irradiance of the plate by Lambert balls over that of the sun: the cosine law over what of their
  * surfaces sees both, by the midpoint rule. */
 static double expected(const world *w) {
-  enum { RINGS = 600, TURNS = 600 };
+  enum { RINGS = PL_DRAWS(600, 200), TURNS = RINGS };
   double sum = 0.0;
   for (int k = 0; k < w->count; k++) {
     const ball *b = &w->balls[k];

@@ -8,7 +8,8 @@
 #include "random.h"
 #include "shade/reflectance.h"
 
-enum { DRAWS = 1 << 14 };
+enum { DRAWS = PL_DRAWS(1 << 14, 1 << 12) };
+static const double SCATTER = PL_DRAWS(0.0, 0.005); /* more than that of all draws */
 
 static const pl_reflectance *const row = &pl_reflectance_principled;
 
@@ -43,7 +44,7 @@ static bool near(float a, float b, float relative) {
 static void test_plain_is_metallic_roughness(void **state) {
   (void)state;
   test_random random = {.seed = 41};
-  for (int i = 0; i < 100000; i++) {
+  for (int i = 0; i < PL_DRAWS(100000, 10000); i++) {
     pl_surface s = plain((float)random_scale(&random, 1e-3, 1.0), (float)random_unit(&random));
     s.color = pl_vec3f_make((float)random_unit(&random), 0.5f, 0.0f);
     const pl_vec3f wo = tilted((float)random_range(&random, 0.01, 1), 0.3f);
@@ -151,7 +152,7 @@ static void test_white_furnace(void **state) {
       extremes_of(&l, off);
       print_message("anisotropy %g, %s: %.4f to %.4f\n", (double)strength[i],
                     wall ? "wall" : "metal", off[1], off[0]);
-      assert_true(off[0] < 0.01 && off[1] > -0.01);
+      assert_true(off[0] < 0.01 + SCATTER && off[1] > -0.01 - SCATTER);
     }
 }
 
@@ -185,7 +186,7 @@ static void test_white_furnace_of_dielectrics(void **state) {
     print_message("index %g, metallic %g, transmission %g, coat %g, anisotropy %g: %.4f to %.4f\n",
                   (double)l->index, (double)l->metallic, (double)l->transmission, (double)l->coat,
                   (double)l->anisotropy, off[1], off[0]);
-    assert_true(off[0] < 0.01 && off[1] > -cases[i].lost);
+    assert_true(off[0] < 0.01 + SCATTER && off[1] > -cases[i].lost - SCATTER);
   }
 }
 

@@ -6,7 +6,8 @@
 
 #include "surfaces.h"
 
-enum { DRAWS = 12000, RINGS = 24, SECTORS = 12, CELLS = RINGS * SECTORS };
+enum { ALL_DRAWS = 12000, DRAWS = PL_DRAWS(ALL_DRAWS, 1500) };
+enum { RINGS = 24, SECTORS = 12, CELLS = RINGS * SECTORS };
 
 /* --- chi-square --------------------------------------------------------------------------------
  * Cells are rings and sectors about the mirror direction; 1 - cos of the ring's edge is 2 t^6 for
@@ -89,7 +90,8 @@ static void compare(const sight *seen, const pl_basis *basis, const int *count, 
   pooled += fmax(0.0, 1.0 - mass) * DRAWS;
   chi2 += (pooled_count - pooled) * (pooled_count - pooled) / fmax(pooled, 10.0);
   const double sigma = chi_square_sigma(chi2, fmax(freedom, 1));
-  if (sigma > 5.0 || mass > 1.003)
+  /* The rule stops where its error is well below the draws' own. */
+  if (sigma > 5.0 || mass > 1.0 + 0.003 * sqrt((double)ALL_DRAWS / DRAWS))
     fail_msg("%s %s alpha %g metallic %g cos %g: chi-square %.1f for %d (%.1f sigma), mass %.5f",
              seen->model->name, seen->name, (double)seen->surface.alpha,
              (double)seen->surface.metallic, (double)seen->wo.z, chi2, freedom, sigma, mass);
@@ -114,7 +116,9 @@ static void check_chi_square(const sight *seen) {
   test_random random = {.seed = 21};
   const pl_basis basis = pl_basis_make(pl_vec3f_make(-seen->wo.x, -seen->wo.y, seen->wo.z));
   int lost = 0;
-  if (!can_tell(seen))
+  /* The integrals cost more than the draws; weights and energy are of all sights. */
+  static int sights;
+  if (sights++ % PL_DRAWS(1, 7) != 0 || !can_tell(seen))
     return;
   memset(count, 0, sizeof count);
   for (int i = 0; i < DRAWS; i++) {
@@ -140,7 +144,7 @@ static void test_sampling_follows_pdf(void **state) {
 
 static void check_weight(const sight *seen) {
   test_random random = {.seed = 22};
-  for (int i = 0; i < 1000; i++) {
+  for (int i = 0; i < PL_DRAWS(1000, 200); i++) {
     pl_vec3f wi, weight;
     float pdf;
     if (!draw(seen, &random, &wi, &weight, &pdf))
