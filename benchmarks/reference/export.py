@@ -115,9 +115,10 @@ def export(sim: perilune.Simulation, frame: int, rows: int = ROWS) -> Scene:
         geodetic = body.is_geodetic
         radii = request["body_radii"][index]
         if body.atmosphere is not None:
-            seen = np.array(albedo) if path is None and body.ocean is None else np.full(3, np.nan)
-            seen = np.zeros(3) if body.ocean is not None else seen
-            scene.air.append(gas.gas_of(body, radii, seen, place[:3, 3]))
+            below = np.array(albedo) if path is None else np.full(3, np.nan)  # a map has no one
+            if body.ocean is not None:
+                below = np.zeros(3)
+            scene.air.append(gas.gas_of(body, radii, below, place[:3, 3]))
         center = math.radians(body.map_center_lon_deg)
         if name in shapes:
             mesh = _shape(shapes[name].model.mesh(), geodetic and radii, center)

@@ -6,7 +6,6 @@ exported.
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -96,9 +95,3 @@ def integrator(airs: list[Gas]) -> dict[str, Any]:
     """That follows light through them: of as many orders as we count."""
     once = any(gas.orders == 1 for gas in airs)
     return {"type": "volpath", "max_depth": 2 if once else 64, "rr_depth": 16}
-
-
-def vertical_depth(gas: Gas) -> list[float]:
-    """Optical depths straight up."""
-    reach = gas.height_m * -math.expm1(-gas.top_m / gas.height_m)
-    return [value * reach for value in gas.scattering_per_m]
