@@ -9,8 +9,6 @@ from pydantic import Field, model_validator
 from perilune.config.errors import fail_unread
 from perilune.config.types import FileName, Finite, NonNegative, Strict
 
-SKY_FRAMES = ("icrf", "galactic", "ecliptic")
-
 
 class Stars(Strict):
     """Stars from a file, as points of light of the right strength and colour."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.base import hooks, rotations
-from perilune.config.orbit import Drawn, Elements
+from perilune.config.orbit import Drawn
 from perilune.config.orbit import Hook as HookOrbit
 from perilune.orbits.drawn import run_through, start_rev
 from perilune.orbits.kinds.circular import path
@@ -21,7 +21,6 @@ F64 = NDArray[np.float64]
 
 _PAPER = frozenset({"scale_xyz", "rotation_rpy"})
 _STATE = frozenset({"position_km", "velocity_km_s"})
-_ELEMENTS = frozenset(Elements.model_fields) - {"around"}
 
 
 @dataclass(frozen=True)
