@@ -158,13 +158,11 @@ def their_entering(index: float) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
-def test_same_ball(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_same_ball(name: str, tmp_path: Path):
     case = CASES[name]
-    monkeypatch.setattr(base, "OUR_SAMPLES", 64)
-    monkeypatch.setattr(base, "THEIR_SAMPLES", 32)
     shapes = [ball(case)]
-    a = base.ours(shapes, base.SOLAR, 1, tmp_path, SUN)
-    b = case.given_back * base.theirs(shapes, base.SOLAR, 1, tmp_path, SUN)
+    a = base.ours(shapes, base.SOLAR, 1, tmp_path, SUN, samples=64)
+    b = case.given_back * base.theirs(shapes, base.SOLAR, 1, tmp_path, SUN, samples=32)
     if case.index is not None:
         b *= their_entering(case.index) / entering(case.index)
     seen, lit, half = geometry()
