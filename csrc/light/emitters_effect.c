@@ -1,5 +1,6 @@
 /* The effect row `emitters`: emissive surfaces and bodies light others. */
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 #include <math.h>
 
@@ -16,21 +17,24 @@ static int ceiling(const pl_view *view) {
   return 2;
 }
 
+static double emitted(const pl_view_thing *source, const void *context) {
+  (void)context;
+  return source->emission_max;
+}
+
 /* Upper bound of what things[i] sends on in one direction of the light that emitters give it; a
  * mesh may light itself. */
 static double sent_on(const pl_view *view, size_t i) {
   const pl_view_thing *receiver = &view->things[i];
-  double sum = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (k != i || !receiver->is_body)
-      sum += pl_view_transfer(receiver, &view->things[k]) * view->things[k].emission_max;
-  return sum;
+  const double own = receiver->is_body ? 0.0 : pl_view_transfer(receiver, receiver);
+  return pl_view_sum(view, receiver, emitted, NULL) + own * receiver->emission_max;
 }
 
 /* Things that stay unlit at `value` are missed in the frame, and in what they reflect onwards. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
+  pl_view_weigh(view, emitted, NULL);
+  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
     const pl_view_thing *thing = &view->things[i];
     const bool lit = value > (thing->is_body ? 1 : 0);
     if (!lit && (thing->in_frame || view->max_bounces > 0))

@@ -1,5 +1,6 @@
 /* The effect row `soft_sun`: the sun as a disc instead of a point. */
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 #include <math.h>
 
@@ -17,27 +18,41 @@ static const char *absent(const pl_view *view) {
   return "nothing in the frame is lit by the sun";
 }
 
+typedef struct penumbra {
+  const pl_view *view;
+  const pl_view_thing *receiver;
+  double pixel_m;
+  double widest; /* so far */
+} penumbra;
+
+/* Of what cannot be wider than the widest so far nothing is asked. */
+static bool widen(const pl_view_thing *caster, bool several, void *context) {
+  penumbra *p = context;
+  const pl_view_thing *receiver = p->receiver;
+  double square = 0.0;
+  if (!several && caster == receiver && caster->is_body)
+    return false;
+  for (int axis = 0; axis < 3; axis++)
+    square += pow(receiver->center_m[axis] - caster->center_m[axis], 2.0);
+  const double reach = sqrt(square) + receiver->radius_m + caster->radius_m;
+  const double width_m = 2.0 * tan(p->view->sun_radius_rad) * reach;
+  const double width = p->pixel_m > 0.0 ? width_m / p->pixel_m : INFINITY;
+  if (!(width > p->widest) || !pl_view_shadow_reaches(p->view, caster, receiver))
+    return false;
+  p->widest = several ? p->widest : width;
+  return several || isinf(width);
+}
+
 double pl_penumbra_px(const pl_view *view) {
-  double widest = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *receiver = &view->things[i];
-    if (!receiver->in_frame)
+  penumbra p = {.view = view};
+  for (size_t i = 0; i < view->thing_count && !isinf(p.widest); i++) {
+    p.receiver = &view->things[i];
+    if (!p.receiver->in_frame)
       continue;
-    const double nearest = fmax(receiver->distance_m - receiver->radius_m, 0.0);
-    const double pixel_m = nearest * view->pixel_rad;
-    for (size_t k = 0; k < view->thing_count; k++) {
-      const pl_view_thing *caster = &view->things[k];
-      if ((k == i && caster->is_body) || !pl_view_shadow_reaches(view, caster, receiver))
-        continue;
-      double square = 0.0;
-      for (int axis = 0; axis < 3; axis++)
-        square += pow(receiver->center_m[axis] - caster->center_m[axis], 2.0);
-      const double reach = sqrt(square) + receiver->radius_m + caster->radius_m;
-      const double width_m = 2.0 * tan(view->sun_radius_rad) * reach;
-      widest = fmax(widest, pixel_m > 0.0 ? width_m / pixel_m : INFINITY);
-    }
+    p.pixel_m = fmax(p.receiver->distance_m - p.receiver->radius_m, 0.0) * view->pixel_rad;
+    pl_view_any(view, widen, &p);
   }
-  return widest;
+  return p.widest;
 }
 
 /* What blurring with the disc takes off the peak of a lobe. A disc of radius a averages f to

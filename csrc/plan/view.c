@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "plan/view_tree.h"
+
 static const double PI = 3.14159265358979323846;
 /* Surfaces count as at least this rough where they light others. An assumption, not a bound: a flat
  * mirror throws the sun as a spot as bright as sunlight until it is wider than the mirror, some 200
@@ -122,13 +124,22 @@ bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
   return acos(cosine) <= asin(sine) + asin(receiver->radius_m / gap) + SLACK;
 }
 
+typedef struct shade_query {
+  const pl_view *view;
+  const pl_view_thing *receiver;
+} shade_query;
+
+static bool shades(const pl_view_thing *caster, bool several, void *context) {
+  const shade_query *query = context;
+  return (several || caster != query->receiver) &&
+         pl_view_shadow_reaches(query->view, caster, query->receiver);
+}
+
 bool pl_view_shadowed(const pl_view *view, size_t i) {
-  if (!view->things[i].is_body)
+  shade_query query = {.view = view, .receiver = &view->things[i]};
+  if (!query.receiver->is_body)
     return true; /* by itself */
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (k != i && pl_view_shadow_reaches(view, &view->things[k], &view->things[i]))
-      return true;
-  return false;
+  return view->shadowed != NULL ? view->shadowed[i] : pl_view_any(view, shades, &query);
 }
 
 static double distance_m(const double a[3], const double b[3]) {
@@ -170,6 +181,10 @@ double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *sour
   return fmin(receiver->albedo_max, 1.0) * fmin(1.0, lobe);
 }
 
+double pl_view_transfer_most(const pl_view_thing *receiver, double factor) {
+  return fmin(receiver->albedo_max, 1.0) * gain(fmax(receiver->ggx_alpha_min, 1e-3)) * factor;
+}
+
 double pl_view_light(const pl_view_thing *source) {
   const double lobe = gain(fmax(source->ggx_alpha_min, LIGHT_ALPHA_MIN));
   return source->albedo_max * lobe * source->irradiance / PI + source->emission_max;
@@ -177,7 +192,9 @@ double pl_view_light(const pl_view_thing *source) {
 
 double pl_view_series(const pl_view *view, int bounces) {
   double albedo = 0.0, sum = 0.0, term = 1.0;
-  for (size_t i = 0; i < view->thing_count; i++)
+  if (view->tree != NULL)
+    albedo = view->tree->albedo_max;
+  for (size_t i = 0; view->tree == NULL && i < view->thing_count; i++)
     albedo = fmax(albedo, fmin(1.0, view->things[i].albedo_max));
   for (int i = 0; i < bounces; i++, term *= albedo)
     sum += term;
@@ -203,16 +220,15 @@ double pl_view_from_volumes(const pl_view *view, const pl_view_thing *receiver) 
 }
 
 double pl_view_received(const pl_view *view, size_t i) {
-  double sum = pl_view_from_volumes(view, &view->things[i]);
-  for (size_t k = 0; k < view->thing_count; k++) {
+  const pl_view_thing *receiver = &view->things[i];
+  double sum = pl_view_from_volumes(view, receiver);
+  sum += pl_view_sum_light(view, receiver);
+  for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->thing_count; k++) {
     const pl_view_thing *source = &view->things[k];
-    if (k == i)
+    if (k == i || !(source->rings_radius_m > 0.0))
       continue;
-    sum += pl_view_transfer(&view->things[i], source) * pl_view_light(source);
-    if (source->rings_radius_m > 0.0) {
-      const pl_view_thing shell = pl_view_rings(source);
-      sum += pl_view_transfer(&view->things[i], &shell) * source->rings_light;
-    }
+    const pl_view_thing shell = pl_view_rings(source);
+    sum += pl_view_transfer(receiver, &shell) * source->rings_light;
   }
   return sum;
 }

@@ -82,6 +82,7 @@ typedef struct pl_view_volume {
 } pl_view_volume;
 
 struct pl_sensor;
+typedef struct pl_view_tree pl_view_tree;
 
 typedef struct pl_view {
   int width, height;        /* pixels */
@@ -108,6 +109,8 @@ typedef struct pl_view {
   int volume_steps;            /* the user's ceiling of steps along rays through volumes */
   const pl_view_thing *things; /* borrowed */
   size_t thing_count;
+  pl_view_tree *tree;            /* over the things, borrowed; NULL: of few, see view_tree.h */
+  const bool *shadowed;          /* borrowed: pl_view_shadowed of each; NULL: not known yet */
   const pl_view_volume *volumes; /* borrowed */
   size_t volume_count;
   pl_view_sky sky;
@@ -116,7 +119,8 @@ typedef struct pl_view {
 } pl_view;
 
 /* Digital numbers (of 255, display-encoded) that a change of `radiance` can make at most: the sRGB
- * encoding is concave, so the change is largest on black. */
+ * encoding is concave, so the change is largest on black. All from white_radiance on are 255:
+ * bounds need not look any further then. */
 double pl_view_dn(const pl_view *view, double radiance);
 /* Digital numbers that dimming lit surfaces by a fraction can make at most. */
 double pl_view_dn_dimming(double fraction);
@@ -154,6 +158,8 @@ double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source
 /* Upper bound of the part of a source's radiance that the receiver sends on in any one direction,
  * by one reflection: 0..1. */
 double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source);
+/* The same of sources that together have so large a view factor, each less than 1. */
+double pl_view_transfer_most(const pl_view_thing *receiver, double factor);
 /* Upper bound of a thing's radiance as a light of others: the sun reflected, and its emission. */
 double pl_view_light(const pl_view_thing *source);
 /* Upper bound of the radiance that a thing sends on of the volumes' light. */

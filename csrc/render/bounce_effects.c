@@ -1,5 +1,6 @@
 /* The effect rows `bounces` and `body_bounces`: light that arrives by way of other surfaces. */
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -20,24 +21,31 @@ static const char *absent(const pl_view *view) {
 
 static int ceiling(const pl_view *view) { return view->max_bounces > 0 ? view->max_bounces : 1; }
 
+static double whole(const pl_view_thing *source, const void *context) {
+  (void)source;
+  (void)context;
+  return 1.0;
+}
+
 /* Upper bound of the part of a thing's sky that other things, or the thing itself, fill, times its
  * albedo. */
 static double return_of(const pl_view *view, const pl_view_thing *thing) {
-  double sum = thing->is_body ? 0.0 : 1.0;
-  for (size_t k = 0; k < view->thing_count; k++) {
-    const pl_view_thing *source = &view->things[k];
-    const pl_view_thing rings = pl_view_rings(source);
-    if (source != thing)
-      sum += pl_view_transfer(thing, source) +
-             (rings.radius_m > 0.0 ? pl_view_transfer(thing, &rings) : 0.0);
+  if (!thing->is_body)
+    return fmin(thing->albedo_max, 1.0); /* itself fills it */
+  double sum = pl_view_sum(view, thing, whole, NULL);
+  for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->thing_count; k++) {
+    const pl_view_thing rings = pl_view_rings(&view->things[k]);
+    if (&view->things[k] != thing && rings.radius_m > 0.0)
+      sum += pl_view_transfer(thing, &rings);
   }
-  return fmin(thing->is_body ? 1.0 : thing->albedo_max, sum);
+  return fmin(1.0, sum);
 }
 
 /* What paths of more than `value` bounces can add: each bounce keeps at most the largest return, a
  * geometric series. Paths on bodies have one bounce more from the row `body_bounces`. */
 static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0, light = 0.0, radiance = 0.0, volumes = 0.0;
+  pl_view_weigh(view, whole, NULL);
   for (size_t i = 0; i < view->thing_count; i++) {
     largest = fmax(largest, return_of(view, &view->things[i]));
     volumes = fmax(volumes, pl_view_from_volumes(view, &view->things[i]));
@@ -83,7 +91,7 @@ static double body_bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;
   double radiance = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
+  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
     const pl_view_thing *receiver = &view->things[i];
     if (!receiver->in_frame || !receiver->is_body)
       continue;

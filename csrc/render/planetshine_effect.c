@@ -1,5 +1,6 @@
 /* The effect row `planetshine`: bodies as lights of others. */
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -20,15 +21,10 @@ static const char *absent(const pl_view *view) {
   return seen ? NULL : "nothing is in the frame";
 }
 
-/* Upper bound of what a thing sends on of the sun's light that bodies give it by one reflection. */
-static double sent_on(const pl_view *view, const pl_view_thing *receiver) {
-  double sum = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++) {
-    const pl_view_thing *body = &view->things[k];
-    if (body->is_world && body != receiver)
-      sum += pl_view_transfer(receiver, body) * (pl_view_light(body) - body->emission_max);
-  }
-  return sum;
+/* The sun's light that a body reflects. */
+static double reflected(const pl_view_thing *body, const void *context) {
+  (void)context;
+  return body->is_world ? pl_view_light(body) - body->emission_max : 0.0;
 }
 
 /* What things in the frame get from bodies, and by way of others what these get; bodies may be
@@ -37,8 +33,10 @@ static double bound_dn(const pl_view *view, int value) {
   double seen = 0.0, any = 0.0;
   if (value > 0)
     return 0.0;
+  pl_view_weigh(view, reflected, NULL);
   for (size_t i = 0; i < view->thing_count; i++) {
-    const double sent = sent_on(view, &view->things[i]);
+    /* upper bound of what it sends on of that, by one reflection */
+    const double sent = pl_view_sum(view, &view->things[i], reflected, NULL);
     any = fmax(any, sent);
     seen = view->things[i].in_frame ? fmax(seen, sent) : seen;
   }

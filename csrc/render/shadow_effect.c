@@ -1,5 +1,6 @@
 /* The effect row `cast_shadows`. */
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -11,14 +12,10 @@ static const char *absent(const pl_view *view) {
   return "no shadow can fall on anything in the frame";
 }
 
-/* Light that reaches `receiver` by way of things that shadows fall on. */
-static double indirect(const pl_view *view, size_t receiver) {
-  double radiance = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (k != receiver && pl_view_shadowed(view, k))
-      radiance += pl_view_transfer(&view->things[receiver], &view->things[k]) *
-                  pl_view_light(&view->things[k]);
-  return radiance * pl_view_series(view, view->max_bounces);
+/* What a thing that shadows fall on sends. */
+static double shadowed_light(const pl_view_thing *source, const void *context) {
+  const pl_view *view = context;
+  return pl_view_shadowed(view, (size_t)(source - view->things)) ? pl_view_light(source) : 0.0;
 }
 
 /* A shadow in the frame takes all direct light; others take what the shadowed things reflect. */
@@ -26,7 +23,9 @@ static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value > 0)
     return 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
+  const double series = pl_view_series(view, view->max_bounces);
+  pl_view_weigh(view, shadowed_light, view);
+  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
     const pl_view_thing *thing = &view->things[i];
     if (!thing->in_frame)
       continue;
@@ -34,7 +33,8 @@ static double bound_dn(const pl_view *view, int value) {
       radiance = fmax(radiance, thing->ggx_alpha_min < 1.0
                                     ? view->white_radiance
                                     : thing->albedo_max * thing->irradiance / 3.14159265358979);
-    radiance = fmax(radiance, indirect(view, i));
+    /* and what reaches it by way of others that shadows fall on */
+    radiance = fmax(radiance, pl_view_sum(view, thing, shadowed_light, view) * series);
   }
   return pl_view_dn(view, radiance);
 }

@@ -1,6 +1,7 @@
 /* The plan's view of a snapshot, and culling by it. */
 #include "scene/snapshot.h"
 
+#include "plan/view_tree.h"
 #include "scene/volumes.h"
 #include "shade/towns.h"
 #include "shade/water.h"
@@ -265,6 +266,20 @@ static double defocus_px(const pl_snapshot *shot, const pl_view *view) {
   return most;
 }
 
+/* Of many things: their tree, and which of them shadows fall on. */
+static pl_status index_things(pl_arena *arena, pl_view *view) {
+  PL_TRY(pl_view_tree_build(arena, view));
+  if (view->tree == NULL)
+    return PL_OK;
+  bool *shadowed = pl_arena_alloc(arena, view->thing_count, sizeof *shadowed);
+  if (shadowed == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the view");
+  for (size_t i = 0; i < view->thing_count; i++)
+    shadowed[i] = pl_view_shadowed(view, i);
+  view->shadowed = shadowed;
+  return PL_OK;
+}
+
 pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *out) {
   const size_t count = shot->object_count + shot->body_count;
   pl_view_thing *things = pl_arena_alloc(arena, count, sizeof *things);
@@ -291,80 +306,92 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
       .thing_count = count,
   };
   PL_TRY(pl_volumes_view(shot, arena, out));
+  PL_TRY(index_things(arena, out));
   out->defocus_px = defocus_px(shot, out);
   return PL_OK;
 }
 
+/* What culling asks of things, or of spheres about several. */
+typedef struct query {
+  const pl_view *view;
+  const pl_view_thing *thing, *source;
+  double brightest, tolerance_dn, hidden;
+} query;
+
 /* Whether the light that `thing` sends to, or hides from, what is in the frame exceeds the
  * tolerance. What it hides is at most as bright as the brightest thing. */
-static bool reflects(const pl_view *view, const pl_view_thing *thing, double brightest,
-                     double tolerance_dn) {
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *seen = &view->things[i];
-    if (seen != thing && seen->in_frame &&
-        pl_view_dn(view, pl_view_transfer(seen, thing) * brightest) > tolerance_dn)
-      return true;
-  }
-  return false;
+static bool reflects(const pl_view_thing *seen, bool several, void *context) {
+  const query *q = context;
+  (void)several;
+  return seen != q->thing && seen->in_frame &&
+         pl_view_dn(q->view, pl_view_transfer(seen, q->thing) * q->brightest) > q->tolerance_dn;
 }
 
 /* Whether the shadow of `thing` on `source` takes more than the tolerance from the light that
  * `source` sends to what is in the frame. The light taken is that of a source of the shadow's
  * size, wherever on the source it falls. */
-static bool dims(const pl_view *view, const pl_view_thing *thing, const pl_view_thing *source,
-                 double tolerance_dn) {
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *seen = &view->things[i];
-    if (!seen->in_frame || seen == source)
-      continue;
-    pl_view_thing near = *seen, shadow = *source;
-    near.radius_m += source->radius_m;
-    shadow.radius_m = fmin(thing->radius_m, source->radius_m);
-    const double part = fmin(pl_view_transfer(seen, source), pl_view_transfer(&near, &shadow));
-    if (pl_view_dn(view, part * pl_view_light(source)) > tolerance_dn)
-      return true;
-  }
-  return false;
+static bool dims(const pl_view_thing *seen, bool several, void *context) {
+  const query *q = context;
+  (void)several;
+  if (!seen->in_frame || seen == q->source)
+    return false;
+  pl_view_thing near = *seen, shadow = *q->source;
+  near.radius_m += q->source->radius_m;
+  shadow.radius_m = fmin(q->thing->radius_m, q->source->radius_m);
+  const double part = fmin(pl_view_transfer(seen, q->source), pl_view_transfer(&near, &shadow));
+  return pl_view_dn(q->view, part * pl_view_light(q->source)) > q->tolerance_dn;
+}
+
+/* Whether its shadow changes what is seen by way of a receiver. */
+static bool shades(const pl_view_thing *receiver, bool several, void *context) {
+  const query *q = context;
+  query inner = *q;
+  if (receiver == q->thing || !pl_view_shadow_reaches(q->view, q->thing, receiver))
+    return false;
+  inner.source = receiver;
+  return several || receiver->in_frame ||
+         (q->view->max_bounces > 0 && pl_view_any(q->view, dims, &inner));
 }
 
 /* Whether leaving `thing` out can change anything in the frame by more than the tolerance. */
 static bool matters(const pl_view *view, const pl_view_thing *thing, double brightest,
                     double tolerance_dn) {
-  for (size_t i = 0; i < view->thing_count; i++) {
-    const pl_view_thing *receiver = &view->things[i];
-    if (receiver == thing || !pl_view_shadow_reaches(view, thing, receiver))
-      continue;
-    if (receiver->in_frame)
-      return true;
-    if (view->max_bounces > 0 && dims(view, thing, receiver, tolerance_dn))
-      return true;
-  }
-  return view->max_bounces > 0 && reflects(view, thing, brightest, tolerance_dn);
+  query q = {.view = view, .thing = thing, .brightest = brightest, .tolerance_dn = tolerance_dn};
+  return pl_view_any(view, shades, &q) ||
+         (view->max_bounces > 0 && pl_view_any(view, reflects, &q));
 }
 
-/* Whether objects noticeably change what others send to a body. They hide or send at most what
- * comes from as much of its sky at the brightest. */
-static bool is_near_meshes(const pl_snapshot *shot, const pl_view *view, size_t thing,
-                           double brightest, double tolerance_dn) {
-  double part = 0.0;
-  for (size_t i = 0; i < shot->object_count; i++)
-    part += pl_view_transfer(&view->things[thing], &view->things[i]);
-  return pl_view_dn(view, part * brightest) > tolerance_dn;
+static double of_mesh(const pl_view_thing *source, const void *context) {
+  const pl_view_thing *const *bodies = context; /* behind all meshes */
+  return source < *bodies ? 1.0 : 0.0;
+}
+
+/* Adds up what casters hide of the sun. */
+static bool hide(const pl_view_thing *caster, bool several, void *context) {
+  query *q = context;
+  if (several)
+    return pl_view_shadow_reaches(q->view, caster, q->thing);
+  if (caster != q->thing)
+    q->hidden += pl_view_hidden_sun(q->view, caster, q->thing);
+  return false;
 }
 
 static bool is_shadowed(const pl_view *view, const pl_view_thing *receiver, double tolerance_dn) {
-  double hidden = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (&view->things[i] != receiver)
-      hidden += pl_view_hidden_sun(view, &view->things[i], receiver);
-  return pl_view_dn_dimming(hidden) > tolerance_dn;
+  query q = {.view = view, .thing = receiver};
+  pl_view_any(view, hide, &q);
+  return pl_view_dn_dimming(q.hidden) > tolerance_dn;
+}
+
+static bool eclipses(const pl_view_thing *caster, bool several, void *context) {
+  const query *q = context;
+  if (several)
+    return caster->is_body && pl_view_shadow_reaches(q->view, caster, q->thing);
+  return caster->is_body && pl_view_hidden_sun(q->view, caster, q->thing) > 0.0;
 }
 
 static bool is_eclipsed(const pl_view *view, const pl_view_thing *receiver) {
-  for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].is_body && pl_view_hidden_sun(view, &view->things[i], receiver) > 0.0)
-      return true;
-  return false;
+  query q = {.view = view, .thing = receiver};
+  return pl_view_any(view, eclipses, &q);
 }
 
 /* Whether a sphere lies wholly in a body's umbra. From its centre a ball smaller than the body by
@@ -420,6 +447,8 @@ static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, do
                         pl_shot_object *objects, pl_shot_body *out) {
   const pl_view *view = culling->view;
   const double series = pl_view_series(view, view->max_bounces);
+  const pl_view_thing *meshes_end = view->things + placed->object_count;
+  pl_view_weigh(view, of_mesh, &meshes_end);
   for (size_t i = 0; i < placed->body_count; i++) {
     const size_t thing = placed->object_count + i;
     pl_shot_body *body = &out[i];
@@ -427,7 +456,9 @@ static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, do
     body->shadowed = is_shadowed(view, &view->things[thing], culling->tolerance_dn);
     body->bounced =
         pl_view_dn(view, pl_view_received(view, thing) * series) > culling->tolerance_dn;
-    body->near_meshes = is_near_meshes(placed, view, thing, brightest, culling->tolerance_dn);
+    /* objects hide or send at most what comes from as much of its sky at the brightest */
+    const double part = pl_view_sum(view, &view->things[thing], of_mesh, &meshes_end);
+    body->near_meshes = pl_view_dn(view, part * brightest) > culling->tolerance_dn;
     body->laws = view->things[thing].laws;
     body->dot = culling->dots != NULL && culling->dots[i];
     if (body->shape == NULL)

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 typedef bool (*bends_fn)(const pl_view_thing *thing);
 static bool is_bumped(const pl_view_thing *thing) { return thing->bumped; }
@@ -14,14 +15,15 @@ static bool any(const pl_view *view, bends_fn bends) {
   return false;
 }
 
+static double bent_light(const pl_view_thing *source, const void *context) {
+  const bends_fn *bends = context;
+  return (*bends)(source) ? pl_view_light(source) : 0.0;
+}
+
 /* Through the light that bent normals send onto things[i]. */
 static double indirect(const pl_view *view, bends_fn bends, size_t i) {
-  double radiance = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (k != i && bends(&view->things[k]))
-      radiance +=
-          pl_view_transfer(&view->things[i], &view->things[k]) * pl_view_light(&view->things[k]);
-  return radiance * pl_view_series(view, view->max_bounces);
+  return pl_view_sum(view, &view->things[i], bent_light, &bends) *
+         pl_view_series(view, view->max_bounces);
 }
 
 /* All that a diffuse surface receives comes and goes with the normal; a glossy one can turn to the
@@ -37,7 +39,8 @@ static double own(const pl_view *view, size_t i) {
 
 static double bound_dn(const pl_view *view, bends_fn bends) {
   double radiance = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++)
+  pl_view_weigh(view, bent_light, &bends);
+  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++)
     if (view->things[i].in_frame)
       radiance =
           fmax(radiance, indirect(view, bends, i) + (bends(&view->things[i]) ? own(view, i) : 0.0));

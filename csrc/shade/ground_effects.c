@@ -2,16 +2,20 @@
 #include <math.h>
 
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 /* Through the light that things with a part send onto things[i]; `light`: of one of them. */
 typedef double (*light_fn)(const pl_view_thing *thing);
 
+static double part_light(const pl_view_thing *source, const void *context) {
+  const light_fn *light = context;
+  return (*light)(source);
+}
+
+/* After pl_view_weigh. */
 static double indirect(const pl_view *view, size_t i, light_fn light) {
-  double radiance = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (k != i && light(&view->things[k]) > 0.0)
-      radiance += pl_view_transfer(&view->things[i], &view->things[k]) * light(&view->things[k]);
-  return radiance * pl_view_series(view, view->max_bounces);
+  return pl_view_sum(view, &view->things[i], part_light, &light) *
+         pl_view_series(view, view->max_bounces);
 }
 
 static bool any(const pl_view *view, light_fn light) {
@@ -40,8 +44,10 @@ static const char *glint_absent(const pl_view *view) {
 /* Of the sun, what the sharpest lobe makes of it; of all else that the water receives and mirrors,
  * or that the ground in its place does. */
 static double glint_bound_dn(const pl_view *view, int value) {
+  const light_fn light = water_light;
   double radiance = 0.0;
-  for (size_t i = 0; value == 0 && i < view->thing_count; i++) {
+  pl_view_weigh(view, part_light, &light);
+  for (size_t i = 0; value == 0 && i < view->thing_count && radiance < view->white_radiance; i++) {
     const pl_view_thing *thing = &view->things[i];
     if (!thing->in_frame)
       continue;
@@ -69,8 +75,10 @@ static const char *lights_absent(const pl_view *view) {
 }
 
 static double lights_bound_dn(const pl_view *view, int value) {
+  const light_fn light = lights_of;
   double radiance = 0.0;
-  for (size_t i = 0; value == 0 && i < view->thing_count; i++)
+  pl_view_weigh(view, part_light, &light);
+  for (size_t i = 0; value == 0 && i < view->thing_count && radiance < view->white_radiance; i++)
     if (view->things[i].in_frame)
       radiance = fmax(radiance, indirect(view, i, lights_of) + view->things[i].lights_max);
   return pl_view_dn(view, radiance);

@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 static double coat_of(const pl_view_thing *thing) { return thing->coat_max; }
 static double passing(const pl_view_thing *thing) { return thing->transmission_max; }
@@ -16,23 +17,24 @@ static bool any(const pl_view *view, part_fn part) {
   return false;
 }
 
+static double layer_light(const pl_view_thing *source, const void *context) {
+  const part_fn *part = context;
+  return (*part)(source) > 0.0 ? pl_view_light(source) : 0.0;
+}
+
 /* A layer in the frame can show the sun itself, by its glint or through the wall. Elsewhere it acts
  * through the light that it sends, or no longer sends, onto what is in the frame. */
 static double bound_dn(const pl_view *view, part_fn part) {
   double radiance = 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
+  const double series = pl_view_series(view, view->max_bounces);
+  pl_view_weigh(view, layer_light, &part);
+  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
     const pl_view_thing *seen = &view->things[i];
-    double received = 0.0;
     if (!seen->in_frame)
       continue;
     if (part(seen) > 0.0)
       return pl_view_dn(view, view->white_radiance);
-    for (size_t k = 0; k < view->thing_count; k++) {
-      const pl_view_thing *source = &view->things[k];
-      if (source != seen && part(source) > 0.0)
-        received += pl_view_transfer(seen, source) * pl_view_light(source);
-    }
-    radiance = fmax(radiance, received * pl_view_series(view, view->max_bounces));
+    radiance = fmax(radiance, pl_view_sum(view, seen, layer_light, &part) * series);
   }
   return pl_view_dn(view, radiance);
 }

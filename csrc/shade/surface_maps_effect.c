@@ -1,5 +1,6 @@
 /* The effect row `surface_maps`: textures and maps instead of their means. */
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -21,27 +22,24 @@ static double own_radiance(const pl_view *view, const pl_view_thing *thing) {
 }
 
 /* Elsewhere a map acts through the light that it reflects or emits onto what is in the frame. */
-static double indirect(const pl_view *view, const pl_view_thing *receiver) {
-  double radiance = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++) {
-    const pl_view_thing *source = &view->things[k];
-    if (source != receiver && source->textured)
-      radiance += pl_view_transfer(receiver, source) * pl_view_light(source);
-  }
-  return radiance * pl_view_series(view, view->max_bounces);
+static double mapped_light(const pl_view_thing *source, const void *context) {
+  (void)context;
+  return source->textured ? pl_view_light(source) : 0.0;
 }
 
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value > 0)
     return 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
+  const double series = pl_view_series(view, view->max_bounces);
+  pl_view_weigh(view, mapped_light, NULL);
+  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
     const pl_view_thing *thing = &view->things[i];
     if (!thing->in_frame)
       continue;
     if (thing->textured)
       radiance = fmax(radiance, own_radiance(view, thing));
-    radiance = fmax(radiance, indirect(view, thing));
+    radiance = fmax(radiance, pl_view_sum(view, thing, mapped_light, NULL) * series);
   }
   return pl_view_dn(view, radiance);
 }

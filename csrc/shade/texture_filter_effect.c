@@ -3,6 +3,7 @@
 
 #include "geom/texture.h"
 #include "plan/effects.h"
+#include "plan/view_tree.h"
 
 /* For rounding of footprints in single precision; on the poles they are read in quarters, and so
  * are those of settled pixels. */
@@ -43,15 +44,20 @@ static double change(const pl_view *view, const pl_view_thing *thing, int value)
   return (double)thing->map_ranges[level];
 }
 
+typedef struct filtered {
+  const pl_view *view;
+  int value;
+} filtered;
+
+static double changed_light(const pl_view_thing *source, const void *context) {
+  const filtered *query = context;
+  return change(query->view, source, query->value) * pl_view_light(source);
+}
+
 /* Through the light that other things send onto things[i]. */
-static double indirect(const pl_view *view, size_t i, int value) {
-  double radiance = 0.0;
-  for (size_t k = 0; k < view->thing_count; k++)
-    if (k != i)
-      radiance += change(view, &view->things[k], value) *
-                  pl_view_transfer(&view->things[i], &view->things[k]) *
-                  pl_view_light(&view->things[k]);
-  return radiance * pl_view_series(view, view->max_bounces);
+static double indirect(const pl_view *view, size_t i, const filtered *query) {
+  return pl_view_sum(view, &view->things[i], changed_light, query) *
+         pl_view_series(view, view->max_bounces);
 }
 
 /* Pictures on meshes and in graphs may be of roughness, normals or emission, see the row
@@ -60,7 +66,9 @@ static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value >= PL_FILTER_FINEST)
     return 0.0;
-  for (size_t i = 0; i < view->thing_count; i++) {
+  const filtered query = {view, value};
+  pl_view_weigh(view, changed_light, &query);
+  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++) {
     const pl_view_thing *thing = &view->things[i];
     const double own = change(view, thing, value);
     if (!thing->in_frame)
@@ -70,7 +78,7 @@ static double bound_dn(const pl_view *view, int value) {
     const double lit = thing->albedo_max * thing->irradiance / 3.14159265358979 +
                        thing->lights_max +
                        pl_view_received(view, i) * pl_view_series(view, view->max_bounces);
-    radiance = fmax(radiance, own * lit + indirect(view, i, value));
+    radiance = fmax(radiance, own * lit + indirect(view, i, &query));
   }
   return pl_view_dn(view, radiance);
 }

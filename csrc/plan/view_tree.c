@@ -1,0 +1,207 @@
+/* Building the tree, and walking it. */
+#include "plan/view_tree.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A group counts as far away from so many of its radii on: its members, which are no farther than two
+ * radii more, are then taken for at most three times as large as they look. */
+static const double FAR = 3.0;
+
+static pl_view_node leaf_of(const pl_view *view, size_t index) {
+  const pl_view_thing *thing = &view->things[index];
+  pl_view_node out = {.thing = index, .ball = *thing};
+  return out;
+}
+
+static void bounds_of(const pl_view_node *nodes, size_t count, double low[3], double high[3]) {
+  for (int k = 0; k < 3; k++) {
+    low[k] = INFINITY;
+    high[k] = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+      low[k] = fmin(low[k], nodes[i].ball.center_m[k] - nodes[i].ball.radius_m);
+      high[k] = fmax(high[k], nodes[i].ball.center_m[k] + nodes[i].ball.radius_m);
+    }
+  }
+}
+
+/* The sphere about the box of some, in which each is with its own radius. */
+static pl_view_node node_about(const pl_view_node *nodes, size_t count) {
+  pl_view_node out = {.thing = PL_VIEW_SEVERAL, .ball = {.ggx_alpha_min = 1.0}};
+  double low[3], high[3];
+  bounds_of(nodes, count, low, high);
+  for (int k = 0; k < 3; k++)
+    out.ball.center_m[k] = 0.5 * (low[k] + high[k]);
+  for (size_t i = 0; i < count; i++) {
+    double square = 0.0;
+    for (int k = 0; k < 3; k++)
+      square += pow(nodes[i].ball.center_m[k] - out.ball.center_m[k], 2.0);
+    out.ball.radius_m = fmax(out.ball.radius_m, sqrt(square) + nodes[i].ball.radius_m);
+    out.ball.albedo_max = fmax(out.ball.albedo_max, nodes[i].ball.albedo_max);
+    out.ball.ggx_alpha_min = fmin(out.ball.ggx_alpha_min, nodes[i].ball.ggx_alpha_min);
+    out.ball.in_frame |= nodes[i].ball.in_frame;
+    out.ball.is_body |= nodes[i].ball.is_body;
+  }
+  out.ball.radius_m *= 1.0 + 1e-9;
+  return out;
+}
+
+static int by_axis(const void *a, const void *b, int axis) {
+  const pl_view_node *x = a, *y = b;
+  const double p = x->ball.center_m[axis], q = y->ball.center_m[axis];
+  if (p < q || p > q)
+    return p < q ? -1 : 1;
+  return x->thing < y->thing ? -1 : x->thing > y->thing;
+}
+static int by_x(const void *a, const void *b) { return by_axis(a, b, 0); }
+static int by_y(const void *a, const void *b) { return by_axis(a, b, 1); }
+static int by_z(const void *a, const void *b) { return by_axis(a, b, 2); }
+
+/* Appends the tree of some leaves, which are sorted on the way. The largest is a child of its own
+ * where it alone makes the sphere as large as it is: a planet among spacecraft. */
+static void add_tree(pl_view_tree *tree, pl_view_node *leaves, size_t count) {
+  const size_t own = tree->count++;
+  if (count == 1) {
+    tree->nodes[own] = leaves[0];
+    tree->nodes[own].after = tree->count;
+    return;
+  }
+  tree->nodes[own] = node_about(leaves, count);
+  size_t largest = 0, half = count / 2;
+  for (size_t i = 1; i < count; i++)
+    largest = leaves[i].ball.radius_m > leaves[largest].ball.radius_m ? i : largest;
+  if (leaves[largest].ball.radius_m > 0.1 * tree->nodes[own].ball.radius_m && count > 2) {
+    const pl_view_node swap = leaves[0];
+    leaves[0] = leaves[largest];
+    leaves[largest] = swap;
+    half = 1;
+  } else {
+    double low[3], high[3];
+    bounds_of(leaves, count, low, high);
+    const double wide[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+    const bool on_x = wide[0] >= wide[1] && wide[0] >= wide[2];
+    qsort(leaves, count, sizeof *leaves, on_x ? by_x : wide[1] >= wide[2] ? by_y : by_z);
+  }
+  add_tree(tree, leaves, half);
+  add_tree(tree, leaves + half, count - half);
+  tree->nodes[own].after = tree->count;
+}
+
+static double square_of(const pl_view_thing *thing) { return thing->radius_m * thing->radius_m; }
+
+/* Sums of inner nodes from those of the two that follow: from the last node on. */
+static void add_up(pl_view_tree *tree) {
+  for (size_t n = tree->count; n-- > 0;) {
+    pl_view_node *node = &tree->nodes[n];
+    if (node->thing != PL_VIEW_SEVERAL)
+      continue;
+    const pl_view_node *first = node + 1, *second = &tree->nodes[first->after];
+    node->weighed = first->weighed + second->weighed;
+  }
+}
+
+void pl_view_weigh(const pl_view *view, pl_view_weight_fn weight, const void *context) {
+  for (size_t n = 0; view->tree != NULL && n < view->tree->count; n++) {
+    pl_view_node *node = &view->tree->nodes[n];
+    if (node->thing == PL_VIEW_SEVERAL)
+      continue;
+    const pl_view_thing *thing = &view->things[node->thing];
+    node->weighed = square_of(thing) * weight(thing, context);
+  }
+  if (view->tree != NULL)
+    add_up(view->tree);
+}
+
+static double light_of(const pl_view_thing *source, const void *context) {
+  (void)context;
+  return pl_view_light(source);
+}
+
+pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
+  const size_t count = view->thing_count;
+  view->tree = NULL;
+  if (count <= PL_VIEW_FEW)
+    return PL_OK;
+  pl_view_tree *tree = pl_arena_alloc(arena, 1, sizeof *tree);
+  pl_view_node *nodes = pl_arena_alloc(arena, 3 * count, sizeof *nodes);
+  if (tree == NULL || nodes == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the view");
+  *tree = (pl_view_tree){.nodes = nodes};
+  pl_view_node *leaves = nodes + 2 * count; /* a tree has fewer inner spheres than leaves */
+  for (size_t i = 0; i < count; i++) {
+    leaves[i] = leaf_of(view, i);
+    tree->ringed |= view->things[i].rings_radius_m > 0.0;
+    tree->albedo_max = fmax(tree->albedo_max, fmin(1.0, view->things[i].albedo_max));
+  }
+  add_tree(tree, leaves, count);
+  view->tree = tree;
+  pl_view_weigh(view, light_of, NULL);
+  for (size_t n = 0; n < tree->count; n++)
+    nodes[n].light = nodes[n].weighed;
+  return PL_OK;
+}
+
+/* Distance from the receiver's sphere to the node's, m. */
+static double gap_m(const pl_view_thing *receiver, const pl_view_node *node) {
+  double square = 0.0;
+  for (int k = 0; k < 3; k++)
+    square += pow(receiver->center_m[k] - node->ball.center_m[k], 2.0);
+  return sqrt(square) - receiver->radius_m - node->ball.radius_m;
+}
+
+static double sum_of(const pl_view *view, const pl_view_thing *receiver, bool light,
+                     pl_view_weight_fn weight, const void *context) {
+  const pl_view_tree *tree = view->tree;
+  double sum = 0.0;
+  for (size_t n = 0; n < tree->count;) {
+    const pl_view_node *node = &tree->nodes[n];
+    const double weighed = light ? node->light : node->weighed;
+    const bool one = node->thing != PL_VIEW_SEVERAL;
+    const double gap = one || !(weighed > 0.0) ? 0.0 : gap_m(receiver, node);
+    const bool far = gap > FAR * node->ball.radius_m;
+    if (far)
+      sum += pl_view_transfer_most(receiver, weighed / (gap * gap));
+    else if (one && weighed > 0.0 && &view->things[node->thing] != receiver)
+      sum += pl_view_transfer(receiver, &view->things[node->thing]) *
+             weight(&view->things[node->thing], context);
+    n = far || !(weighed > 0.0) ? node->after : n + 1;
+  }
+  return sum;
+}
+
+/* Of few: every pair. */
+static double sum_all(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
+                      const void *context) {
+  double sum = 0.0;
+  for (size_t k = 0; k < view->thing_count; k++)
+    if (&view->things[k] != receiver)
+      sum += pl_view_transfer(receiver, &view->things[k]) * weight(&view->things[k], context);
+  return sum;
+}
+
+double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
+                   const void *context) {
+  return view->tree != NULL ? sum_of(view, receiver, false, weight, context)
+                            : sum_all(view, receiver, weight, context);
+}
+
+double pl_view_sum_light(const pl_view *view, const pl_view_thing *receiver) {
+  return view->tree != NULL ? sum_of(view, receiver, true, light_of, NULL)
+                            : sum_all(view, receiver, light_of, NULL);
+}
+
+bool pl_view_any(const pl_view *view, pl_view_test_fn test, void *context) {
+  const pl_view_tree *tree = view->tree;
+  for (size_t k = 0; tree == NULL && k < view->thing_count; k++)
+    if (test(&view->things[k], false, context))
+      return true;
+  for (size_t n = 0; tree != NULL && n < tree->count;) {
+    const pl_view_node *node = &tree->nodes[n];
+    const bool several = node->thing == PL_VIEW_SEVERAL;
+    const bool holds = test(several ? &node->ball : &view->things[node->thing], several, context);
+    if (holds && !several)
+      return true;
+    n = holds ? n + 1 : node->after;
+  }
+  return false;
+}

@@ -1,0 +1,136 @@
+/* The tree over the things of a view: its answers against all pairs, and the work that they take.
+ */
+#include "harness.h"
+
+#include "base/memory.h"
+#include "plan/view_tree.h"
+#include "random.h"
+
+enum { MOST = 4096 };
+static const double AU = 149597870700.0;
+
+/* Spacecraft at random in a cube whose side grows with their number, and every tenth thing a body
+ * that is larger. */
+static pl_view many_things(test_random *random, pl_view_thing *things, size_t count) {
+  const double side = 40.0 * cbrt((double)count);
+  for (size_t i = 0; i < count; i++) {
+    things[i] = (pl_view_thing){.is_body = i % 10 == 9,
+                                .in_frame = i % 3 == 0,
+                                .radius_m = random_scale(random, 0.5, i % 10 == 9 ? 20.0 : 4.0),
+                                .albedo_max = random_range(random, 0.1, 1.0),
+                                .ggx_alpha_min = random_range(random, 0.2, 1.0),
+                                .irradiance = 1361.0};
+    things[i].is_world = things[i].is_body;
+    for (int k = 0; k < 3; k++)
+      things[i].center_m[k] = random_range(random, -side, side);
+  }
+  return (pl_view){.white_radiance = 400.0,
+                   .sun_position_m = {AU, 0.3 * AU, 0.1 * AU},
+                   .sun_radius_m = 695700e3,
+                   .max_bounces = 2,
+                   .things = things,
+                   .thing_count = count};
+}
+
+static double light_of(const pl_view_thing *source, const void *context) {
+  *(size_t *)(uintptr_t)context += 1;
+  return pl_view_light(source);
+}
+
+/* Never below the sum over all pairs, and above it by half in the mean at most. */
+static void test_sums_are_bounds(void **state) {
+  (void)state;
+  static pl_view_thing things[MOST];
+  test_random random = {.seed = 61};
+  pl_arena arena;
+  pl_arena_init(&arena);
+  print_message("seed 61\n");
+  for (size_t count = PL_VIEW_FEW + 1; count <= 1600; count *= 2) {
+    pl_view view = many_things(&random, things, count), pairs = view;
+    size_t calls = 0;
+    double over = 0.0;
+    assert_int_equal(pl_view_tree_build(&arena, &view), PL_OK);
+    assert_non_null(view.tree);
+    pl_view_weigh(&view, light_of, &calls);
+    for (size_t i = 0; i < count; i++) {
+      const double exact = pl_view_sum(&pairs, &things[i], light_of, &calls);
+      const double bound = pl_view_sum(&view, &things[i], light_of, &calls);
+      assert_true(bound >= exact * (1.0 - 1e-12));
+      assert_true(fabs(pl_view_sum_light(&view, &things[i]) - bound) <= 1e-9 * bound);
+      over += bound / exact / (double)count;
+    }
+    print_message("%zu things: %.3f of the sum\n", count, over);
+    assert_true(over < 1.5);
+  }
+  pl_arena_clear(&arena);
+}
+
+/* What shadows can fall on does not depend on the tree. */
+static void test_shadows_are_the_same(void **state) {
+  (void)state;
+  static pl_view_thing things[MOST];
+  test_random random = {.seed = 62};
+  pl_arena arena;
+  size_t shadowed = 0, bodies = 0;
+  pl_arena_init(&arena);
+  for (int round = 0; round < 20; round++) {
+    pl_view view = many_things(&random, things, 300), pairs = view;
+    assert_int_equal(pl_view_tree_build(&arena, &view), PL_OK);
+    for (size_t i = 9; i < view.thing_count; i += 10, bodies++) {
+      assert_int_equal(pl_view_shadowed(&view, i), pl_view_shadowed(&pairs, i));
+      shadowed += pl_view_shadowed(&view, i);
+    }
+  }
+  print_message("seed 62: %zu of %zu bodies in shadow\n", shadowed, bodies);
+  assert_true(shadowed > bodies / 20 && shadowed < bodies - bodies / 20);
+  pl_arena_clear(&arena);
+}
+
+typedef struct counter {
+  const pl_view *view;
+  const pl_view_thing *receiver;
+  size_t asked;
+} counter;
+
+static bool shades(const pl_view_thing *caster, bool several, void *context) {
+  counter *c = context;
+  c->asked++;
+  return several ? pl_view_shadow_reaches(c->view, caster, c->receiver) : false;
+}
+
+/* Work for all things, in sources looked at and in shadows asked for. A line to the sun passes as
+ * many things as the cube's side is long in them: 16 times as many things take 16^(4/3) = 40 times
+ * as much, not 256 times. */
+static void test_work_grows_with_the_number(void **state) {
+  (void)state;
+  static pl_view_thing things[MOST];
+  test_random random = {.seed = 63};
+  size_t sources[2] = {0, 0}, shadows[2] = {0, 0};
+  pl_arena arena;
+  pl_arena_init(&arena);
+  for (int k = 0; k < 2; k++) {
+    pl_view view = many_things(&random, things, k == 0 ? 256 : MOST);
+    assert_int_equal(pl_view_tree_build(&arena, &view), PL_OK);
+    pl_view_weigh(&view, light_of, &sources[k]);
+    for (size_t i = 0; i < view.thing_count; i++) {
+      counter c = {&view, &things[i], 0};
+      pl_view_sum(&view, &things[i], light_of, &sources[k]);
+      pl_view_any(&view, shades, &c);
+      shadows[k] += c.asked;
+    }
+  }
+  print_message("256 and %d things: %zu and %zu sources, %zu and %zu shadows\n", (int)MOST,
+                sources[0], sources[1], shadows[0], shadows[1]);
+  assert_true(sources[1] < 40 * sources[0]);
+  assert_true(shadows[1] < 50 * shadows[0]);
+  pl_arena_clear(&arena);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_sums_are_bounds),
+      cmocka_unit_test(test_shadows_are_the_same),
+      cmocka_unit_test(test_work_grows_with_the_number),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
