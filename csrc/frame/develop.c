@@ -6,6 +6,7 @@
 #include "io/jpeg_write.h"
 #include "light/sun.h"
 #include "math/sampling.h"
+#include "plan/effects.h"
 #include "sensor/stage.h"
 
 bool pl_frame_wants_sensor(const pl_frame_request *request) {
@@ -75,14 +76,14 @@ static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
       .rgb = request->sensor_rgb,
       .encoder = &renderer->encoder,
   };
-  if (pl_plan_value(plan, "lens_flare") > 0)
+  if (pl_plan_value(plan, &pl_effect_lens_flare) > 0)
     frame.sun = flare_sun(instant, &sensor->flare);
   if (frame.raw == NULL)
     frame.raw = pl_arena_alloc(&renderer->sensor_arena, pixels, sizeof *frame.raw);
   if (frame.electrons == NULL || frame.raw == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for a sensor's image");
   PL_TRY(pl_sensor_run(&frame, plan));
-  if (frame.rgb == NULL || pl_plan_value(plan, "compression") == 0)
+  if (frame.rgb == NULL || pl_plan_value(plan, &pl_effect_compression) == 0)
     return PL_OK;
   return pl_jpeg_cycle(&sensor->compression, frame.width, frame.height, frame.arena, frame.rgb);
 }

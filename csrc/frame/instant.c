@@ -3,13 +3,14 @@
 
 #include "frame/dots.h"
 #include "frame/effects.h"
+#include "plan/effects.h"
 
 /* --- choices ---------------------------------------------------------------------------------- */
 
 static pl_render_settings settings_of(const pl_frame_request *request,
                                       const pl_frame_result *result) {
   const pl_plan *plan = &result->plan;
-  const int samples = pl_plan_value(plan, "antialiasing");
+  const int samples = pl_plan_value(plan, &pl_effect_antialiasing);
   /* Asked for by name, or at a tolerance of nothing: so many samples in every pixel. */
   const bool exact = request->wish.tolerance_dn == 0.0;
   const bool all_samples =
@@ -18,22 +19,22 @@ static pl_render_settings settings_of(const pl_frame_request *request,
       .seed = request->seed,
       .frame = request->index,
       .samples = samples > 0 ? samples : 1,
-      .bounces = pl_plan_value(plan, "bounces"),
-      .body_bounces = pl_plan_value(plan, "body_bounces") > 0,
-      .planetshine = pl_plan_value(plan, "planetshine") > 0,
-      .soft_sun = pl_plan_value(plan, "soft_sun") > 0,
-      .cast_shadows = pl_plan_value(plan, "cast_shadows") > 0,
-      .emission = pl_plan_value(plan, "emission") > 0,
-      .detail = {.maps = pl_plan_value(plan, "surface_maps") > 0,
-                 .bumps = pl_plan_value(plan, "bump_detail") > 0,
-                 .relief = pl_plan_value(plan, "relief") > 0,
-                 .glint = pl_plan_value(plan, "glint") > 0,
-                 .lights = pl_plan_value(plan, "night_lights") > 0,
-                 .filter = (pl_filter)pl_plan_value(plan, "texture_filter")},
+      .bounces = pl_plan_value(plan, &pl_effect_bounces),
+      .body_bounces = pl_plan_value(plan, &pl_effect_body_bounces) > 0,
+      .planetshine = pl_plan_value(plan, &pl_effect_planetshine) > 0,
+      .soft_sun = pl_plan_value(plan, &pl_effect_soft_sun) > 0,
+      .cast_shadows = pl_plan_value(plan, &pl_effect_cast_shadows) > 0,
+      .emission = pl_plan_value(plan, &pl_effect_emission) > 0,
+      .detail = {.maps = pl_plan_value(plan, &pl_effect_surface_maps) > 0,
+                 .bumps = pl_plan_value(plan, &pl_effect_bump_detail) > 0,
+                 .relief = pl_plan_value(plan, &pl_effect_relief) > 0,
+                 .glint = pl_plan_value(plan, &pl_effect_glint) > 0,
+                 .lights = pl_plan_value(plan, &pl_effect_night_lights) > 0,
+                 .filter = (pl_filter)pl_plan_value(plan, &pl_effect_texture_filter)},
       .exact = exact,
-      .laws_down = PL_VIEW_LAWS - 1 - pl_plan_value(plan, "regolith"),
-      .clear_coat = pl_plan_value(plan, "clear_coat") > 0,
-      .transmission = pl_plan_value(plan, "transmission") > 0,
+      .laws_down = PL_VIEW_LAWS - 1 - pl_plan_value(plan, &pl_effect_regolith),
+      .clear_coat = pl_plan_value(plan, &pl_effect_clear_coat) > 0,
+      .transmission = pl_plan_value(plan, &pl_effect_transmission) > 0,
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
       .white_radiance = (float)result->whites[0],
       .white_other = (float)result->whites[1],
@@ -54,20 +55,20 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
       .settings = settings_of(request, result),
       .culls = true,
       .tolerance_dn = request->wish.tolerance_dn,
-      .distortion = pl_plan_value(plan, "distortion") > 0,
-      .depth_of_field = pl_plan_value(plan, "depth_of_field") > 0,
+      .distortion = pl_plan_value(plan, &pl_effect_distortion) > 0,
+      .depth_of_field = pl_plan_value(plan, &pl_effect_depth_of_field) > 0,
       .colour = true,
       .dots = true,
-      .emitters = pl_plan_value(plan, "emitters"),
-      .air_steps = pl_plan_value(plan, "atmosphere"),
-      .skylight = pl_plan_value(plan, "skylight") > 0,
-      .multiple_scattering = pl_plan_value(plan, "multiple_scattering") > 0,
-      .planetshine = pl_plan_value(plan, "planetshine") > 0,
-      .caustics = pl_plan_value(plan, "caustics") > 0,
-      .limb_darkening = pl_plan_value(plan, "limb_darkening") > 0,
+      .emitters = pl_plan_value(plan, &pl_effect_emitters),
+      .air_steps = pl_plan_value(plan, &pl_effect_atmosphere),
+      .skylight = pl_plan_value(plan, &pl_effect_skylight) > 0,
+      .multiple_scattering = pl_plan_value(plan, &pl_effect_multiple_scattering) > 0,
+      .planetshine = pl_plan_value(plan, &pl_effect_planetshine) > 0,
+      .caustics = pl_plan_value(plan, &pl_effect_caustics) > 0,
+      .limb_darkening = pl_plan_value(plan, &pl_effect_limb_darkening) > 0,
   };
   for (size_t k = 0; k < pl_veil_kind_count; k++)
-    out.veils[k] = pl_plan_value(plan, pl_veil_kinds[k]->name);
+    out.veils[k] = pl_plan_value(plan, pl_veil_kinds[k]->effect);
   return colour ? out : pl_choice_of_labels(&out);
 }
 

@@ -2,6 +2,7 @@
 #include "frame/moving.h"
 
 #include "frame/effects.h"
+#include "plan/effects.h"
 #include "scene/shutter.h"
 
 /* Instants whose views the plan looks at. */
@@ -10,11 +11,12 @@ enum { LOOKS = 9 };
 enum { INSTANTS_MAX = 256, INSTANTS_ROW = 4 };
 
 static bool blurs(const pl_frame_request *request, const pl_plan *plan) {
-  return pl_plan_value(plan, "motion_blur") > 1 && request->placement.shutter.exposure_s > 0.0;
+  return pl_plan_value(plan, &pl_effect_motion_blur) > 1 &&
+         request->placement.shutter.exposure_s > 0.0;
 }
 
 static int bands_of(const pl_frame_request *request, const pl_plan *plan) {
-  const int bands = pl_plan_value(plan, "rolling_shutter");
+  const int bands = pl_plan_value(plan, &pl_effect_rolling_shutter);
   return bands > 1 && request->placement.shutter.line_s > 0.0 ? bands : 1;
 }
 
@@ -113,7 +115,7 @@ static pl_status render_bands(const exposure *e, pl_choice choice) {
 static pl_slice slices_of(const pl_frame_request *request, const pl_plan *plan) {
   const pl_shutter *shutter = &request->placement.shutter;
   const int height = request->placement.camera.height;
-  const int blur = pl_plan_value(plan, "motion_blur");
+  const int blur = pl_plan_value(plan, &pl_effect_motion_blur);
   const double e = shutter->exposure_s, line = shutter->line_s;
   const double middle_s = 0.5 * (height - 1) * line;
   if (bands_of(request, plan) == 1)

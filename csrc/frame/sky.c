@@ -3,6 +3,7 @@
 
 #include "frame/effects.h"
 #include "light/sun.h"
+#include "plan/effects.h"
 #include "sensor/stage.h"
 
 static pl_status check(const pl_sky *sky) {
@@ -150,9 +151,9 @@ static pl_status deposit(const pl_camera *camera, pl_arena *arena, pl_frame_sky 
 pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const pl_tracer *tracer,
                              const pl_render_settings *settings, pl_arena *arena,
                              pl_frame_sky *sky) {
-  const int level = pl_plan_value(plan, "stars");
+  const int level = pl_plan_value(plan, &pl_effect_stars);
   size_t count = 0;
-  if (pl_plan_value(plan, "sky_background") == 0)
+  if (pl_plan_value(plan, &pl_effect_sky_background) == 0)
     sky->backdrop.kind = PL_BACKDROP_NONE;
   while (count < sky->field.count && sky->field.stars[count].level <= level)
     count++;

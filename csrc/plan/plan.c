@@ -3,7 +3,6 @@
 
 #include <stdbool.h>
 #include <stdio.h>
-#include <string.h>
 
 int pl_effect_ceiling_one(const pl_view *view) {
   (void)view;
@@ -68,9 +67,9 @@ pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_
   return PL_OK;
 }
 
-int pl_plan_value(const pl_plan *plan, const char *name) {
+int pl_plan_value(const pl_plan *plan, const pl_effect *effect) {
   for (size_t i = 0; i < plan->count; i++)
-    if (strcmp(plan->rows[i].effect->name, name) == 0)
+    if (plan->rows[i].effect == effect)
       return plan->rows[i].value;
   return 0;
 }

@@ -35,7 +35,7 @@ typedef struct pl_plan_wish {
 pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_view *view,
                         const pl_plan_wish *wish, pl_plan *out);
 
-/* Value of an effect by name; 0 when off or unknown. */
-int pl_plan_value(const pl_plan *plan, const char *name);
+/* Value of an effect, by its row; 0 when off, or not in the plan. */
+int pl_plan_value(const pl_plan *plan, const pl_effect *effect);
 
 #endif

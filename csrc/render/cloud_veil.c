@@ -307,7 +307,7 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
 }
 
 const pl_veil_kind pl_veil_clouds = {
-    .name = "clouds",
+    .effect = &pl_effect_clouds,
     .build = build,
     .in_cone = in_cone,
     .cross = cross,

@@ -179,7 +179,7 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
 }
 
 const pl_veil_kind pl_veil_rings = {
-    .name = "rings",
+    .effect = &pl_effect_rings,
     .build = build,
     .in_cone = in_cone,
     .cross = cross,

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "light/sun.h"
+#include "plan/effects.h"
 #include "render/vertex.h"
 
 struct pl_air_view;
@@ -53,7 +54,7 @@ typedef struct pl_veil_ray {
 } pl_veil_ray;
 
 typedef struct pl_veil_kind {
-  const char *name; /* of its effect row */
+  const pl_effect *effect; /* its row */
   /* What the snapshot has of the kind, in `arena`: *own stays NULL if nothing. `value`: of the
    * effect, not 0. */
   pl_status (*build)(const pl_snapshot *shot, int value, pl_arena *arena, const void **own);

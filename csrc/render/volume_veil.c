@@ -65,7 +65,7 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
 }
 
 const pl_veil_kind pl_veil_volumes = {
-    .name = "volumes",
+    .effect = &pl_effect_volumes,
     .build = build,
     .in_cone = in_cone,
     .cross = cross,

@@ -15,7 +15,7 @@ const size_t pl_sensor_stage_count = sizeof pl_sensor_stages / sizeof pl_sensor_
 pl_status pl_sensor_run(pl_sensor_frame *frame, const pl_plan *plan) {
   for (size_t i = 0; i < pl_sensor_stage_count; i++) {
     const pl_sensor_stage *stage = &pl_sensor_stages[i];
-    const int value = stage->effect == NULL ? 1 : pl_plan_value(plan, stage->effect->name);
+    const int value = stage->effect == NULL ? 1 : pl_plan_value(plan, stage->effect);
     if (value > 0)
       PL_TRY(stage->run(frame, value));
   }

@@ -1,6 +1,7 @@
 /* Pictures behind everything: places, seams, what is in front of them, and their row. */
 #include "harness.h"
 
+#include "plan/effects.h"
 #include <string.h>
 
 #include "frames.h"
@@ -206,7 +207,7 @@ static void test_bound(void **state) {
     for (size_t i = 0; i < 3 * with.pixels; i++)
       assert_true(abs(with.rgb[i] - without.rgb[i]) <= bound + 1.0);
     const pl_frame_result planned = render_sky(&s, &sky, white, PLAIN, 1, &without);
-    const int value = pl_plan_value(&planned.plan, "sky_background");
+    const int value = pl_plan_value(&planned.plan, &pl_effect_sky_background);
     assert_int_equal(value, bound > 0.5);
     on += value;
     film_clear(&with);

@@ -1,6 +1,7 @@
 /* Emissive surfaces as lights: densities, and images against exact irradiances. */
 #include "harness.h"
 
+#include "plan/effects.h"
 #include <stdio.h>
 
 #include "frames.h"
@@ -146,15 +147,15 @@ static void test_row_decides(void **state) {
   dark_stage(&s, 20.0);
   stage_add_object(&s, ground, (pl_vec3){0, 0, GROUND_Z}, PL_QUAT_IDENTITY, 1.0);
   film f = shoot(&s, 4, 2, 0, 0, &plan);
-  assert_int_equal(pl_plan_value(&plan, "emitters"), 0);
+  assert_int_equal(pl_plan_value(&plan, &pl_effect_emitters), 0);
   film_clear(&f);
   stage_add_object(&s, lamp, LAMP_AT, PL_QUAT_IDENTITY, 1.0);
   f = shoot(&s, 4, 2, 0, 0, &plan);
-  assert_int_equal(pl_plan_value(&plan, "emitters"), 1); /* no body to be lit */
+  assert_int_equal(pl_plan_value(&plan, &pl_effect_emitters), 1); /* no body to be lit */
   assert_true(mean_of(&f) > 0.0);
   film_clear(&f);
   f = shoot(&s, 4, 2, 0, effect_bit("emitters"), &plan);
-  assert_int_equal(pl_plan_value(&plan, "emitters"), 0);
+  assert_int_equal(pl_plan_value(&plan, &pl_effect_emitters), 0);
   assert_true(mean_of(&f) == 0.0); /* nor is it met by chance */
   film_clear(&f);
   stage_clear(&s);
@@ -260,7 +261,7 @@ static void test_lamp_on_a_body(void **state) {
   stage_add_body(&s, (pl_vec3){0, 0, GROUND_Z + BODY_RADIUS},
                  (pl_vec3){BODY_RADIUS, BODY_RADIUS, BODY_RADIUS}, 0.5f);
   film f = shoot(&s, 256, 1, 0, 0, &plan);
-  assert_int_equal(pl_plan_value(&plan, "emitters"), 2);
+  assert_int_equal(pl_plan_value(&plan, &pl_effect_emitters), 2);
   check_image("lamp on a body", &f, &s, lamp_on_body, 0.03, 1e-3);
   film_clear(&f);
   stage_clear(&s);

@@ -1,6 +1,7 @@
 /* Frames that are the mean of instants. */
 #include "harness.h"
 
+#include "plan/effects.h"
 #include "frames.h"
 #include "sensors.h"
 
@@ -47,7 +48,7 @@ static void test_stars_keep_their_light(void **state) {
     request.wish.force_on = effect_bit("stars");
     assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
     const pl_frame_result result = render(renderer, &request);
-    assert_true(pl_plan_value(&result.plan, "motion_blur") > 1);
+    assert_true(pl_plan_value(&result.plan, &pl_effect_motion_blur) > 1);
     for (int i = 0; i < STARS; i++) {
       const double seen = energy_near(&f, &s.placement.camera, 41, 5 * i + 3);
       assert_true(fabs(seen / LIGHT - 1.0) < 1e-5);
@@ -89,7 +90,7 @@ static int ghost_of_sun(bool hidden) {
                                   .force_off = off ? effect_bit("lens_flare") : 0};
     assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
     const pl_frame_result result = render(renderer, &request);
-    assert_true(pl_plan_value(&result.plan, "motion_blur") > 1);
+    assert_true(pl_plan_value(&result.plan, &pl_effect_motion_blur) > 1);
     pl_renderer_destroy(renderer);
     film_clear(&f);
     stage_clear(&s);

@@ -53,7 +53,7 @@ static void test_smallest_value(void **state) {
       while (bound / (1 + expected) > tolerance && expected < most)
         expected++;
       assert_int_equal(plan.rows[0].value, expected);
-      assert_int_equal(pl_plan_value(&plan, "counted"), expected);
+      assert_int_equal(pl_plan_value(&plan, &counted), expected);
       assert_true(plan.rows[0].residual_dn == bound / (1 + expected));
       assert_true(plan.rows[0].bound_dn == bound);
       assert_true(plan.rows[0].cost_ms == 2.0 * expected);
@@ -103,7 +103,8 @@ static void test_absent(void **state) {
   assert_int_equal(plan.rows[2].value, 0);
   assert_string_equal(plan.rows[2].reason, "nothing to see");
   assert_true(plan.rows[2].bound_dn == 0.0 && plan.rows[2].residual_dn == 0.0);
-  assert_int_equal(pl_plan_value(&plan, "unknown"), 0);
+  static const pl_effect unlisted = {"counted", "", never_absent, ceiling, falling, cost};
+  assert_int_equal(pl_plan_value(&plan, &unlisted), 0); /* its row counts, not its name */
 }
 
 static void test_undefined_bound_is_kept(void **state) {

@@ -2,6 +2,7 @@
  * more than the bounds of what was left out. */
 #include "harness.h"
 
+#include "plan/effects.h"
 #include <stdio.h>
 
 #include "differences.h"
@@ -84,7 +85,7 @@ static void compare(const stage *s, double tolerance_dn) {
   const double found = excess(&full, &planned, allowed);
   for (size_t i = 0; i < result.plan.count; i++)
     dropped[i] += result.plan.rows[i].value == 0 && result.plan.rows[i].bound_dn > 0.0;
-  kept += pl_plan_value(&result.plan, "rings") > 0;
+  kept += pl_plan_value(&result.plan, &pl_effect_rings) > 0;
   pl_renderer_destroy(renderer);
   if (found > 0.0) {
     describe(s, &result.plan);

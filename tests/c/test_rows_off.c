@@ -202,7 +202,7 @@ __attribute__((noinline)) static void rows_off_frame(const stage *s, pl_renderer
     request.wish.force_on = all_effects() & ~request.wish.force_off;
   const pl_frame_result result = render(renderer, &request);
   if (row != NULL)
-    assert_int_equal(pl_plan_value(&result.plan, row->name), 0);
+    assert_int_equal(pl_plan_value(&result.plan, pl_effects[pl_effect_find(row->name)]), 0);
 }
 
 static void test_rows_that_are_off(void **state) {
