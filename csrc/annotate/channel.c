@@ -1,4 +1,5 @@
-/* The table of label channels, and how they are written: run by run, pixels abreast. */
+/* Table of label channels. Labels are written in runs of pixels, with vectorised loops over each
+ * run. */
 #include "annotate/channel.h"
 
 #include <string.h>
@@ -9,10 +10,10 @@
 /* --- loops over the pixels of a run
  * -----------------------------------------------------------------------------*/
 
-/* Component k of M^T v: of a vector in the axes that are the columns of M. */
+/* Component k of M^T v, i.e. of v in the axes that are the columns of M. */
 #define COLUMN_DOT(m, k, x, y, z) ((m).row[0].k * (x) + (m).row[1].k * (y) + (m).row[2].k * (z))
 
-/* Along the third column of m. */
+/* Component along the third column of m. */
 PL_WIDE static void fill_third(size_t count, const double (*restrict v)[PL_LABEL_RUN], pl_mat3 m,
                                float *restrict out) {
   for (size_t i = 0; i < count; i++)
@@ -25,7 +26,7 @@ PL_WIDE static void fill_norm(size_t count, const double (*restrict v)[PL_LABEL_
     out[i] = (float)sqrt(v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i]);
 }
 
-/* M^T (v - origin), three numbers a pixel. */
+/* M^T (v - origin), three numbers per pixel. */
 PL_WIDE static void fill_turned(size_t count, const double (*restrict v)[PL_LABEL_RUN],
                                 pl_vec3 origin, pl_mat3 m, float *restrict out) {
   for (size_t i = 0; i < count; i++) {
@@ -55,7 +56,7 @@ PL_WIDE static void fill_angle(size_t count, const double (*restrict a)[PL_LABEL
 /* --- the channels
  * -----------------------------------------------------------------------------------------------*/
 
-/* NULL: the run is on a body. */
+/* Returns NULL when the run is on a body. */
 static const pl_shot_object *object_of(const pl_label_run *run) {
   const pl_snapshot *shot = run->shot;
   return run->thing < shot->object_count ? &shot->objects[run->thing] : NULL;
@@ -177,7 +178,7 @@ size_t pl_channel_elements(const pl_channel *channel, int levels) {
 /* --- runs
  * -------------------------------------------------------------------------------------------------------*/
 
-/* Where pixel `first` is in the image of a channel; *bytes: of a pixel. */
+/* Returns the address of pixel `first` in the image of a channel; *bytes is the size of a pixel. */
 static void *place(const pl_channel *channel, const pl_snapshot *shot, size_t first, void *image,
                    size_t *bytes) {
   *bytes = pl_channel_elements(channel, shot->levels) * channel->element;
@@ -238,7 +239,7 @@ static void gather(const pl_vertex *points, pl_label_run *run) {
     find_parts(object_of(run)->object, points, run);
 }
 
-/* Pixels from the first on that hit the same, at most `count`. */
+/* Returns the number of leading pixels with the same surface id, at most `count`. */
 static size_t length_of(const pl_vertex *points, size_t count) {
   size_t length = 1;
   while (length < count && points[length].thing == points[0].thing)

@@ -6,25 +6,25 @@
 
 #include "render/vertex.h"
 
-enum { PL_LABEL_RUN = 32 }; /* pixels at most */
+enum { PL_LABEL_RUN = 32 }; /* largest number of pixels */
 
-/* Neighbouring pixels of a row whose centre rays hit the same thing. Vectors are three arrays each,
- * for loops over pixels to be fast; in root axes. */
+/* Neighbouring pixels of a row whose centre rays hit the same object or body. Vectors are stored as
+ * three arrays, so that loops over pixels vectorise; root axes. */
 typedef struct pl_label_run {
   const pl_snapshot *shot;
   uint32_t thing;
   size_t count;
   double position[3][PL_LABEL_RUN]; /* camera-relative, m */
-  double normal[3][PL_LABEL_RUN];   /* unit, shading, on the viewer's side */
-  double facet[3][PL_LABEL_RUN];    /* unit, geometric, likewise */
+  double normal[3][PL_LABEL_RUN];   /* unit shading normal, facing the viewer */
+  double facet[3][PL_LABEL_RUN];    /* unit geometric normal, facing the viewer */
   double to_sun[3][PL_LABEL_RUN], to_viewer[3][PL_LABEL_RUN]; /* m */
-  uint32_t parts[PL_LABEL_RUN];                               /* of an object; not set on bodies */
+  uint32_t parts[PL_LABEL_RUN]; /* part of an object; not set on bodies */
 } pl_label_run;
 
-/* What stands where nothing is hit. */
+/* Value of pixels where nothing is hit. */
 typedef enum pl_label_blank { PL_BLANK_ZERO, PL_BLANK_NAN } pl_label_blank;
 
-/* components: 0 for a plain (H, W) channel, n for (H, W, n), -1 for (H, W, levels). */
+/* components is 0 for a plain (H, W) channel, n for (H, W, n), -1 for (H, W, levels). */
 typedef struct pl_channel {
   const char *name;
   const char *dtype; /* NumPy's name of the element type */
@@ -33,18 +33,18 @@ typedef struct pl_channel {
   const char *unit;
   const char *doc;
   pl_label_blank blank;
-  /* Writes the pixels of a run, which are beside each other. */
+  /* Writes the pixels of a run, which are contiguous. */
   void (*write)(const pl_label_run *run, void *pixels);
 } pl_channel;
 
 extern const pl_channel pl_channels[];
 extern const size_t pl_channel_count;
 
-/* Elements a pixel. */
+/* Returns the number of elements per pixel. */
 size_t pl_channel_elements(const pl_channel *channel, int levels);
 
-/* Writes `count` pixels of a row to every channel that has an image: `images` by index in
- * pl_channels, NULL: not wanted. `first`: the pixels' place in the images, row-major. */
+/* Writes `count` pixels of a row to every requested channel. `images` is indexed as pl_channels;
+ * NULL where a channel is not requested. `first` is the row-major index of the first pixel. */
 void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t count, size_t first,
                        void *const *images);
 /* The same for pixels that hit nothing. */

@@ -1,15 +1,16 @@
-/* Triangles in Morton order of their centroids (Morton 1966), halved at the highest bit in which a
- * run's codes differ (Lauterbach et al. 2009) until the runs are short: no box spans a gap of the
- * order. */
+/* Triangles are sorted in Morton order of their centroids (Morton 1966) and split at the highest
+ * bit in which the codes of a run differ (Lauterbach et al. 2009) until the runs are short: no box
+ * spans a gap of the order. */
 #include "annotate/clusters.h"
 
 #include <math.h>
 
 #include "base/memory.h"
 
-/* A run is short when it has fewer triangles than this, or than this part of the model's. */
+/* A run is short when it has fewer triangles than this, or less than this fraction of the model's.
+ */
 enum { TRIANGLES_SHORT = 4, PART_SHORT = 1024 };
-/* Radix of the sort; three digits make a code of 30 bits. */
+/* Radix of the sort; three digits make a 30-bit code. */
 enum { DIGIT_BITS = 10, DIGITS = 1 << DIGIT_BITS };
 
 void pl_cluster_cache_init(pl_cluster_cache *cache) { *cache = (pl_cluster_cache){0}; }
@@ -25,7 +26,7 @@ static const float *corner_of(const pl_model *model, size_t triangle, size_t k) 
   return model->positions + 3 * (size_t)model->indices[3 * triangle + k];
 }
 
-/* Every third bit, from ten. */
+/* Spreads ten bits to every third bit. */
 static uint32_t spread(uint32_t x) {
   x = (x | x << 16) & 0x030000ffu;
   x = (x | x << 8) & 0x0300f00fu;
@@ -47,7 +48,7 @@ static uint32_t morton_code(const pl_model *model, size_t triangle) {
   return code;
 }
 
-/* One pass of a stable counting sort of triangle numbers by a digit of their codes. */
+/* One pass of a stable counting sort of triangle indices by one digit of their codes. */
 static void sort_digit(const uint32_t *codes, unsigned shift, size_t count, const uint32_t *from,
                        uint32_t *to) {
   size_t first[DIGITS + 1] = {0};
@@ -73,12 +74,13 @@ static pl_cluster box_of(const pl_model *model, const uint32_t *triangles, size_
 
 typedef struct order {
   const pl_model *model;
-  const uint32_t *codes;     /* by triangle */
+  const uint32_t *codes;     /* by triangle index */
   const uint32_t *triangles; /* sorted by code */
-  size_t longest;            /* run */
+  size_t longest;            /* largest length of a run */
 } order;
 
-/* Where the run's codes change in their highest differing bit; first when they are all the same. */
+/* Returns the position where the highest differing bit of the run's codes changes, or `first` when
+ * all codes are the same. */
 static size_t halve(const order *order, size_t first, size_t end) {
   const uint32_t low = order->codes[order->triangles[first]];
   const uint32_t high = order->codes[order->triangles[end - 1]];
@@ -88,7 +90,7 @@ static size_t halve(const order *order, size_t first, size_t end) {
     return first;
   while (((low ^ high) & bit) == 0)
     bit >>= 1;
-  while (begin < end) { /* the first with the bit set */
+  while (begin < end) { /* search for the first code with the bit set */
     const size_t middle = begin + (end - begin) / 2;
     if ((order->codes[order->triangles[middle]] & bit) != 0)
       end = middle;
@@ -98,7 +100,8 @@ static size_t halve(const order *order, size_t first, size_t end) {
   return begin;
 }
 
-/* Counts the boxes of a run, and writes them unless `boxes` is NULL. As deep as a code has bits. */
+/* Counts the boxes of a run and writes them unless `boxes` is NULL. The recursion is at most as
+ * deep as a code has bits. */
 static size_t cut(const order *order, size_t first, size_t end, pl_cluster *boxes) {
   const size_t middle = end - first > order->longest ? halve(order, first, end) : first;
   if (middle == first) {
@@ -110,7 +113,7 @@ static size_t cut(const order *order, size_t first, size_t end, pl_cluster *boxe
   return left + cut(order, middle, end, boxes != NULL ? boxes + left : NULL);
 }
 
-/* memory: three numbers a triangle. */
+/* memory: three numbers per triangle. */
 static pl_status fill_boxes(const pl_model *model, uint32_t *memory, pl_clusters *out) {
   const size_t count = model->triangle_count;
   uint32_t *codes = memory, *a = codes + count, *b = a + count;

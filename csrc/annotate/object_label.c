@@ -1,4 +1,4 @@
-/* Collecting extents and writing object labels. */
+/* Collects the extents of visible objects and writes object labels. */
 #include "annotate/object_label.h"
 
 void pl_extent_add(pl_extent *extents, size_t object_count, const pl_vertex *points, size_t stride,

@@ -1,4 +1,4 @@
-/* Labels of mesh objects: pose, boxes, visible and amodal pixel counts. */
+/* Labels of mesh objects: pose, bounding boxes, visible and amodal pixel counts. */
 #ifndef PL_ANNOTATE_OBJECT_LABEL_H
 #define PL_ANNOTATE_OBJECT_LABEL_H
 
@@ -6,7 +6,7 @@
 
 #include "render/vertex.h"
 
-/* One row of Sample.objects; laid out as NumPy sees it. Pose at mid-exposure:
+/* One row of Sample.objects; has the memory layout of the NumPy dtype. Pose at mid-exposure:
  * p_camera = R p_object + t, OpenCV axes, metres. */
 typedef struct pl_object_label {
   double R_m2c[9]; /* row-major */
@@ -15,26 +15,27 @@ typedef struct pl_object_label {
   double visib_fract;
   int32_t instance_id;
   int32_t obj_id;
-  /* Boxes are x, y, w, h in image coordinates; w = x_max - x_min as in BOP; -1s when unseen.
-   * bbox_obj is that of the full silhouette, which may lie outside the image. */
+  /* Boxes are x, y, w, h in image coordinates; w = x_max - x_min as in BOP; all -1 when the object
+   * is not visible. bbox_obj is the box of the full silhouette, which may lie outside the image. */
   int32_t bbox_visib[4];
   int32_t bbox_obj[4];
   int32_t px_count_visib;
-  /* Pixels of the full silhouette: on the canvas with one image size of margin on each side, and
-   * those of them inside the image with non-zero depth. -1 when amodal labels are off. */
+  /* Pixel counts of the full silhouette: px_count_all on the canvas with a margin of one image size
+   * on each side, px_count_valid of its pixels inside the image with non-zero depth. -1 when amodal
+   * labels are off. */
   int32_t px_count_all;
   int32_t px_count_valid;
   int32_t in_view; /* 1 when the bounding sphere touches the frustum */
 } pl_object_label;
 
-/* Where an object is seen; mergeable in any order. */
+/* Bounding box and number of an object's visible pixels; can be merged in any order. */
 typedef struct pl_extent {
-  int32_t x0, y0, x1, y1; /* inclusive; x0 > x1 when unseen */
+  int32_t x0, y0, x1, y1; /* inclusive; x0 > x1 when not visible */
   int32_t count;
 } pl_extent;
 #define PL_EXTENT_NONE ((pl_extent){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0})
 
-/* Adds the pixels of a tile; extents: one per object. */
+/* Adds the pixels of a tile; `extents` has one element per object. */
 void pl_extent_add(pl_extent *extents, size_t object_count, const pl_vertex *points, size_t stride,
                    const int tile[4]);
 void pl_extent_merge(pl_extent *into, const pl_extent *from);

@@ -1,18 +1,18 @@
-/* Projected boxes, and who can hide whom. */
+/* Projection of bounding boxes, and tests of which objects can occlude which. */
 #include "annotate/outline.h"
 
-/* Step in which boxes about the camera's plane are narrowed down, pixels. */
+/* Step in pixels of the search that bounds boxes which cross the camera plane. */
 enum { STEP = 16 };
 
 static const pl_rect nowhere = {0, 0, -1, -1};
 
-/* Room for rounding between a box projected in double and a mesh traced in float: a pixel, and what
- * the directions of a long lens add. */
+/* Margin for rounding differences between a box projected in double and a mesh traced in float: one
+ * pixel, plus the error of the ray directions of a long lens. */
 static double margin_px(const pl_camera *camera) {
   return 1.0 + 1e-14 * fmax(camera->fx, camera->fy);
 }
 
-/* nan, of a model without extent, is `low`. */
+/* A nan value (model without extent) gives `low`. */
 static int to_pixel(double value, int low, int high) {
   return !(value > low) ? low : value >= high ? high : (int)value;
 }
@@ -30,7 +30,7 @@ static void set_corners(const pl_outline *outline, const float *low, const float
       corners[count + i] = pl_vec3_add(corners[i], sides[k]);
 }
 
-/* All corners lie before the camera. */
+/* Precondition: all corners lie in front of the camera. */
 static pl_rect rect_before(const pl_camera *camera, const pl_vec3 corners[8]) {
   const int w = camera->width, h = camera->height;
   const double margin = margin_px(camera);
@@ -50,7 +50,8 @@ static pl_rect rect_before(const pl_camera *camera, const pl_vec3 corners[8]) {
                    to_pixel(ceil(v1 + margin), -h - 1, 2 * h - 1)};
 }
 
-/* Whether every corner has a x + b y + c z > 0: the plane through the camera parts them from it. */
+/* Returns true if every corner has a x + b y + c z > 0, i.e. lies on one side of this plane through
+ * the camera. */
 static bool parts(const pl_vec3 corners[8], double a, double b, double c) {
   for (int k = 0; k < 8; k++)
     if (!(a * corners[k].x + b * corners[k].y + c * corners[k].z > 0.0))
@@ -58,8 +59,9 @@ static bool parts(const pl_vec3 corners[8], double a, double b, double c) {
   return true;
 }
 
-/* The steps of [-size, 2 size) whose two bounding planes do not part the corners from the rays
- * between them. The planes are a x + b y + (center - pixel) z = 0. */
+/* Finds the steps of [-size, 2 size) whose rays can meet the box: neither of the two bounding
+ * planes of a step separates it from the corners. The planes are a x + b y + (center - pixel) z =
+ * 0. */
 static void narrow(const pl_vec3 corners[8], double a, double b, double center, double margin,
                    int size, int *from, int *to) {
   *from = 2 * size;
@@ -74,7 +76,8 @@ static void narrow(const pl_vec3 corners[8], double a, double b, double center, 
   *to = *to < 2 * size - 1 ? *to : 2 * size - 1;
 }
 
-/* Corners before and behind the camera: no projection, but planes through it still part. */
+/* For corners in front of and behind the camera: they cannot be projected, but separating planes
+ * through the camera still bound the rectangle. */
 static pl_rect rect_around(const pl_camera *camera, const pl_vec3 corners[8]) {
   const double margin = margin_px(camera);
   pl_rect rect;
@@ -137,7 +140,7 @@ static void set_axes(const pl_snapshot *shot, const pl_shot_object *object, pl_o
   out->origin = pl_vec3_madd(out->origin, -offset.z, out->axes[2]);
 }
 
-/* With room for the mesh's rounding. */
+/* With a margin for the rounding of the mesh. */
 static void set_depths(pl_outline *out) {
   pl_vec3 corners[8];
   set_corners(out, out->model->bounds_min, out->model->bounds_max, corners);
@@ -154,7 +157,7 @@ static void set_depths(pl_outline *out) {
   out->far_m += room;
 }
 
-/* Before the camera, a ray that meets both meets first the one whose depth is smaller. */
+/* In front of the camera a ray that meets both first meets the one with the smaller depth. */
 static bool object_hides(const pl_camera *camera, const pl_outline *other,
                          const pl_outline *outline) {
   const pl_rect a = other->rect, b = outline->rect;
@@ -199,7 +202,8 @@ static void widen(pl_rect *all, pl_rect r) {
   all->y1 = first || r.y1 > all->y1 ? r.y1 : all->y1;
 }
 
-/* The rectangle of all clusters, which is smaller than that of the bounding box. */
+/* Replaces the rectangle by that of all clusters, which is smaller than that of the bounding box.
+ */
 static pl_status refine(const pl_camera *camera, pl_cluster_cache *cache, pl_outline *out) {
   PL_TRY(pl_cluster_cache_get(cache, out->model, &out->clusters));
   pl_rect all = nowhere;
@@ -228,8 +232,8 @@ static void set_box(const pl_camera *camera, pl_outline *out) {
   out->rect = pl_outline_project(out, camera, out->model->bounds_min, out->model->bounds_max);
 }
 
-/* Fills the outlines of an articulated object's pieces that are present, and its own about them.
- * Returns how many there are. */
+/* Fills the outlines of the pieces of an articulated object that are present, and the outline that
+ * encloses them. Returns their number. */
 static size_t join_pieces(const pl_snapshot *shot, const pl_shot_object *object, pl_outline *pieces,
                           pl_outline *out) {
   out->pieces = pieces;
@@ -274,7 +278,8 @@ pl_status pl_outline_build(const pl_snapshot *shot, pl_cluster_cache *cache, pl_
   }
   for (size_t i = 0; i < count; i++)
     outlines[i].whole = is_whole(shot, i, outlines);
-  for (size_t i = 0; i < shot->craft_count; i++) /* those of shapes only hide */
+  /* later objects are shapes of bodies: they only occlude */
+  for (size_t i = 0; i < shot->craft_count; i++)
     if (!outlines[i].whole)
       PL_TRY(refine_object(&shot->camera, cache, &outlines[i]));
   for (size_t i = 0; i < count; i++)

@@ -1,9 +1,11 @@
-/* Silhouettes: what the frame saw, and rays at one object alone for the rest. */
+/* Amodal silhouettes: from the visible pixels of the frame, and from rays cast at one object alone
+ * where those do not decide. */
 #include "annotate/silhouette.h"
 
 #include <string.h>
 
-/* Sides of what a worker takes, and of what a ray is or is not cast for, pixels. */
+/* Side of a tile (the work item of a thread) and of a cell (rays are cast for all of it or for
+ * none), pixels. */
 enum { TILE = 32, CELL = 8, TILE_PIXELS = TILE * TILE, TILE_CELLS = TILE / CELL };
 
 static const pl_silhouette nothing = {INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0, 0, 0};
@@ -20,21 +22,21 @@ void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], in
   }
 }
 
-/* One object's search; items are tiles of the box. */
+/* Search for one object's silhouette; work items are tiles of the box. */
 typedef struct search {
   const pl_silhouette_job *job;
   const pl_outline *outline;
   uint32_t thing;
-  pl_rect box;        /* the outline's with what is seen */
-  int columns;        /* tiles a row */
-  size_t cell_stride; /* cells a row: those of whole tiles */
+  pl_rect box;        /* the outline's rectangle, and the visible pixels */
+  int columns;        /* tiles per row */
+  size_t cell_stride; /* cells per row, counted in whole tiles */
   uint8_t *mask;
 } search;
 
 /* Pixels of a tile that only a ray can decide. */
 typedef struct doubts {
   pl_vec3 directions[TILE_PIXELS];
-  int16_t x[TILE_PIXELS], y[TILE_PIXELS]; /* from the tile's corner */
+  int16_t x[TILE_PIXELS], y[TILE_PIXELS]; /* relative to the tile's corner */
   bool hits[TILE_PIXELS];
   size_t count;
 } doubts;
@@ -66,7 +68,8 @@ static void merge(pl_silhouette *into, const pl_silhouette *from) {
   into->rays += from->rays;
 }
 
-/* Decides a pixel by what the frame saw there, or leaves it to a ray if the object may be there. */
+/* Decides a pixel by its visible surface, or adds it to those that need a ray if the object may be
+ * there. */
 static void look(const search *search, const int tile[4], int x, int y, bool possible,
                  doubts *doubts, pl_silhouette *into) {
   const pl_snapshot *shot = search->job->shot;
@@ -83,7 +86,7 @@ static void look(const search *search, const int tile[4], int x, int y, bool pos
     return;
   const pl_vec3 direction = pl_snapshot_ray(shot, u, v);
   if (pl_vec3_dot(direction, direction) == 0.0)
-    return; /* outside of the image, where the lens sees nothing */
+    return; /* outside the image, where the lens maps no ray */
   doubts->directions[doubts->count] = direction;
   doubts->x[doubts->count] = (int16_t)x;
   doubts->y[doubts->count++] = (int16_t)y;
@@ -100,7 +103,7 @@ static void cast_doubts(const search *search, const int tile[4], doubts *doubts,
       add_pixel(search, tile[0] + doubts->x[i], tile[1] + doubts->y[i], into);
 }
 
-/* Blocks of 4 x 2 pixels, so that a packet of eight is compact. */
+/* Visits blocks of 4 x 2 pixels, so that a packet of eight rays is coherent. */
 static void look_at_cell(const search *search, const int tile[4], int x0, int y0, bool possible,
                          doubts *doubts, pl_silhouette *into) {
   const int x1 = x0 + CELL < tile[2] ? x0 + CELL : tile[2];
@@ -138,7 +141,8 @@ static pl_status search_tile(void *context, size_t item, int worker) {
   return PL_OK;
 }
 
-/* The canvas's tiles and one more each way, as a box need not begin at a tile of the canvas. */
+/* The tiles of the canvas and one more along each axis, as a box need not begin at a tile boundary.
+ */
 size_t pl_silhouette_cells(const pl_camera *camera) {
   const size_t columns = (3 * (size_t)camera->width + TILE) / TILE + 1;
   const size_t rows = (3 * (size_t)camera->height + TILE) / TILE + 1;
@@ -152,9 +156,9 @@ static void mark_rect(const search *search, pl_rect r) {
     memset(search->job->cells + (size_t)y * search->cell_stride + first, 1, last - first + 1);
 }
 
-/* Marks the cells that a box projects on. The rectangle of a long box seen aslant is wide of it, so
- * large ones are halved, at most `depth` times; not those about the camera's plane, of which halves
- * say little and cost much. */
+/* Marks the cells that a box may project on. The rectangle of a long oblique box is much larger
+ * than its projection, so large boxes are halved, at most `depth` times. Boxes that cross the
+ * camera plane are not: halving costs much there and gains little. */
 static void mark_box(const search *search, const pl_outline *piece, const pl_cluster *box,
                      int depth) {
   const int small = 4 * CELL;
@@ -176,7 +180,7 @@ static void mark_box(const search *search, const pl_outline *piece, const pl_clu
   mark_box(search, piece, &halves[1], depth - 1);
 }
 
-/* Marks the cells where the object may be. */
+/* Marks the cells where the object may project. */
 static void mark_cells(const search *search, int rows) {
   const int depth = 6;
   size_t count;
@@ -187,7 +191,7 @@ static void mark_cells(const search *search, int rows) {
       mark_box(search, &pieces[k], &pieces[k].clusters.boxes[i], depth);
 }
 
-/* What is seen is all there is. */
+/* For an object that is whole: the visible pixels are the silhouette. */
 static pl_silhouette from_extent(const pl_extent *extent) {
   pl_silhouette out = nothing;
   if (extent->count > 0)

@@ -1,10 +1,11 @@
-/* Full (amodal) silhouettes of objects at pixel centres, as if nothing hid them, on the image with
- * one image size of margin on each side.
+/* Full (amodal) silhouettes of objects at pixel centres, as if nothing occluded them, on the image
+ * with a margin of one image size on each side.
  *
- * Rays are cast only where the frame's own do not answer. Inside the image a pixel that sees the
- * object is of its silhouette, and one that sees nothing, or something beyond the object's farthest
- * point, is not; left are the pixels that see another thing at or before the object, and those
- * outside the image, as far as a box of some of the object's triangles projects there. */
+ * Rays are cast only where the rays of the frame do not decide. A pixel of the image that shows the
+ * object belongs to its silhouette. A pixel that shows nothing, or a surface beyond the object's
+ * farthest point, does not. A ray is needed for pixels that show another surface at or before the
+ * object, and for pixels outside the image, where a box of the object's triangles projects there.
+ */
 #ifndef PL_ANNOTATE_SILHOUETTE_H
 #define PL_ANNOTATE_SILHOUETTE_H
 
@@ -13,46 +14,48 @@
 #include "base/parallel.h"
 #include "trace/solo.h"
 
-/* What a pixel's centre ray meets. */
+/* What the centre ray of a pixel hits. */
 typedef struct pl_seen {
-  uint32_t thing; /* or PL_NOTHING */
+  uint32_t thing; /* surface id, or PL_NOTHING */
   float range_m;
 } pl_seen;
 
-/* Keeps a tile's pixels; `points` has `stride` vertices a row, `seen` is the whole image. */
+/* Stores the pixels of a tile; `points` has `stride` vertices per row, `seen` is the whole image.
+ */
 void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], int image_width,
                    pl_seen *seen);
 
-/* Mergeable in any order. */
+/* Silhouette of an object; can be merged in any order. */
 typedef struct pl_silhouette {
   int32_t x0, y0, x1, y1; /* inclusive, image coordinates; x0 > x1 when empty */
   int64_t count;          /* pixels on the canvas */
-  int64_t inside;         /* of them in the image; each sees this object or one before it */
-  int64_t rays;           /* cast to find out */
+  int64_t inside;         /* those inside the image: each shows this object or one in front of it */
+  int64_t rays;           /* number of rays cast */
 } pl_silhouette;
 
-/* Bytes of scratch for the cells of a canvas. */
+/* Returns the number of bytes of scratch memory for the cells of a canvas. */
 size_t pl_silhouette_cells(const pl_camera *camera);
 
-/* `seen`, `solo` and `cells` may be NULL when no outline is asked for that is not whole, and no
- * mask. */
+/* `seen`, `solo` and `cells` may be NULL when all requested outlines are whole and no mask is
+ * requested. */
 typedef struct pl_silhouette_job {
   const pl_snapshot *shot;
   const pl_seen *seen;    /* the whole image */
-  pl_solo *solo;          /* set to other objects in passing */
-  uint8_t *cells;         /* scratch, of pl_silhouette_cells */
-  pl_silhouette *workers; /* scratch, one per thread */
+  pl_solo *solo;          /* its object is changed by the search */
+  uint8_t *cells;         /* scratch memory, size from pl_silhouette_cells */
+  pl_silhouette *workers; /* scratch memory, one per thread */
   int threads;
   pl_cancel *cancel; /* may be NULL */
 } pl_silhouette_job;
 
-/* The silhouette of object `index`. `extent`: where it is seen. `mask`: NULL, or a height x width
- * image of zeros that becomes 1 on the silhouette. Does not depend on threads. */
+/* Finds the silhouette of object `index`. `extent` is that of its visible pixels. `mask` is NULL,
+ * or a height x width image of zeros that becomes 1 on the silhouette. The result does not depend
+ * on the number of threads. */
 pl_status pl_silhouette_find(const pl_silhouette_job *job, size_t index, const pl_outline *outline,
                              const pl_extent *extent, uint8_t *mask, pl_silhouette *out);
 
-/* bbox_obj, px_count_all, px_count_valid and visib_fract of a label whose visible part is filled.
- * Counts beyond INT32_MAX are given as that. */
+/* Sets bbox_obj, px_count_all, px_count_valid and visib_fract of a label whose visible part is
+ * filled. Counts saturate at INT32_MAX. */
 void pl_silhouette_label(const pl_silhouette *silhouette, pl_object_label *label);
 
 #endif

@@ -1,4 +1,4 @@
-/* FNV-1a, 64 bit: Fowler, Noll, Vo; parameters as published in RFC 9923. */
+/* FNV-1a hash, 64 bits (Fowler, Noll, Vo), with the parameters of RFC 9923. */
 #include "base/hash.h"
 
 uint64_t pl_hash(uint64_t seed, const void *bytes, size_t size) {

@@ -1,4 +1,4 @@
-/* The allocation hook and the arena. */
+/* Allocation hook and arena allocator. */
 #include "base/memory.h"
 
 #include <stdatomic.h>
@@ -73,7 +73,7 @@ struct pl_arena_block {
   pl_arena_block *next;
   size_t capacity; /* bytes after the header, as allocated */
   size_t used;
-  unsigned char *start; /* first aligned byte */
+  unsigned char *start; /* first byte with ARENA_ALIGNMENT */
 };
 
 void pl_arena_init(pl_arena *arena) { *arena = (pl_arena){0}; }

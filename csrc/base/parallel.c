@@ -1,4 +1,5 @@
-/* Items are claimed from one atomic counter; results must not depend on who claims what. */
+/* Worker threads claim items from one atomic counter. Results must not depend on which worker
+ * claims which item. */
 #include "base/parallel.h"
 
 #include <pthread.h>
@@ -13,7 +14,7 @@ typedef struct job {
   atomic_size_t next;
   atomic_bool stop;
   pl_cancel *cancel;
-  pthread_mutex_t lock; /* guards the three below */
+  pthread_mutex_t lock; /* guards the three fields below */
   pl_status status;
   size_t failed_item;
   char text[1024];

@@ -1,4 +1,4 @@
-/* The per-thread error text. */
+/* Per-thread error text. */
 #include "base/status.h"
 
 #include <stdarg.h>
@@ -24,7 +24,8 @@ const char *pl_status_name(pl_status status) {
 }
 
 pl_status pl_fail(pl_status status, const char *format, ...) {
-  /* Formatted aside: an argument may be the text of the error that is being wrapped. */
+  /* Formatted into a separate buffer, because an argument may be the text of the error that is
+   * being wrapped. */
   char text[sizeof error_text];
   va_list arguments;
   va_start(arguments, format);

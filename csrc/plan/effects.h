@@ -1,11 +1,12 @@
-/* The names of all effects. Their rows live beside what they describe, in any folder above. */
+/* Names of all effects. Their rows are defined beside the code that they describe, in the folders
+ * that depend on this one. */
 #ifndef PL_PLAN_EFFECTS_H
 #define PL_PLAN_EFFECTS_H
 
 #include "plan/effect.h"
 
-/* In the order in which plans list them. To add an effect: the file of its row, `pl_effect_NAME`,
- * and its line here. */
+/* Plans list the effects in this order. To add an effect, add the file that defines its row,
+ * `pl_effect_NAME`, and one line here. */
 /* clang-format off */
 #define PL_EFFECTS(X) \
   X(soft_sun) \

@@ -1,4 +1,4 @@
-/* The solver: each row on its own, by its bound. */
+/* Solves the plan: each row is decided independently, by its bound. */
 #include "plan/plan.h"
 
 #include <stdbool.h>
@@ -9,7 +9,8 @@ int pl_effect_ceiling_one(const pl_view *view) {
   return 1;
 }
 
-/* Smallest value whose residual is within the tolerance; bounds fall with the value. */
+/* Returns the smallest value whose residual is within the tolerance, by bisection: bounds fall with
+ * the value. */
 static int smallest_value(const pl_effect *effect, const pl_view *view, double tolerance_dn) {
   int low = 1, high = effect->ceiling(view);
   while (low < high) {

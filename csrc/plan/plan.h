@@ -1,4 +1,4 @@
-/* The plan of a frame: which effects are kept, at what value, and why. */
+/* Plan of a frame: which effects are kept, at what value, and why. */
 #ifndef PL_PLAN_PLAN_H
 #define PL_PLAN_PLAN_H
 
@@ -11,9 +11,9 @@ enum { PL_PLAN_ROWS_MAX = 64, PL_PLAN_REASON = 120 };
 
 typedef struct pl_plan_row {
   const pl_effect *effect; /* borrowed from the table */
-  int value;               /* 0: off */
-  double bound_dn;         /* of leaving it out */
-  double residual_dn;      /* of keeping it at `value` instead of at the limit */
+  int value;               /* 0 when off */
+  double bound_dn;         /* error bound of leaving the effect out, digital numbers */
+  double residual_dn;      /* error bound of `value` compared with the limit, digital numbers */
   double cost_ms;          /* at `value`; 0 when off */
   char reason[PL_PLAN_REASON];
 } pl_plan_row;
@@ -23,19 +23,19 @@ typedef struct pl_plan {
   pl_plan_row rows[PL_PLAN_ROWS_MAX];
 } pl_plan;
 
-/* What the user asks of the plan. Masks are over the indices of the table. */
+/* The user's settings for the plan. Bits of the masks are indices into the table of effects. */
 typedef struct pl_plan_wish {
   double tolerance_dn;
   uint64_t force_on, force_off;
 } pl_plan_wish;
 
-/* Keeps each effect whose bound exceeds the tolerance, at the smallest value whose residual does
- * not, or at its ceiling. Forcing on sets the ceiling. PL_E_ARGUMENT if a row is forced both ways.
- */
+/* Keeps each effect whose bound exceeds the tolerance, at the smallest value whose residual is
+ * within the tolerance, or at its ceiling if none is. Forcing an effect on sets its ceiling.
+ * Returns PL_E_ARGUMENT if an effect is forced both on and off. */
 pl_status pl_plan_solve(const pl_effect *const *effects, size_t count, const pl_view *view,
                         const pl_plan_wish *wish, pl_plan *out);
 
-/* Value of an effect, by its row; 0 when off, or not in the plan. */
+/* Returns the value of an effect in the plan; 0 when it is off or not in the plan. */
 int pl_plan_value(const pl_plan *plan, const pl_effect *effect);
 
 #endif

@@ -1,4 +1,4 @@
-/* Quantities that several effects' bounds share. */
+/* Quantities that the bounds of several effects have in common. */
 #include "plan/view.h"
 
 #include <math.h>
@@ -6,12 +6,12 @@
 #include "plan/view_tree.h"
 
 static const double PI = 3.14159265358979323846;
-/* Surfaces count as at least this rough where they light others. An assumption, not a bound: a flat
- * mirror throws the sun as a spot as bright as sunlight until it is wider than the mirror, some 200
- * of its sizes away, and beyond that as (200 sizes / distance)^2. Who wants to see such spots on
- * what is dark must ask for a tolerance of 0, or force the rows on. */
+/* Smallest GGX alpha assumed of surfaces that light others. This is an assumption, not a bound: a
+ * flat mirror reflects the sun as a spot that is as bright as sunlight up to some 200 mirror sizes
+ * away, where the spot becomes wider than the mirror, and falls beyond as (200 sizes / distance)^2.
+ * To render such spots on dark surfaces, set the tolerance to 0 or force the rows on. */
 static const double LIGHT_ALPHA_MIN = 0.3;
-/* Slack of the shadow test for rounding at the scale of the solar system. */
+/* Relative slack of the shadow test for rounding errors at the scale of the solar system. */
 static const double SLACK = 1e-9;
 
 /* IEC 61966-2-1 */
@@ -27,7 +27,7 @@ double pl_view_dn(const pl_view *view, double radiance) {
 }
 
 double pl_view_dn_dimming(double fraction) {
-  /* x -> (1 - f) x moves the encoding most at x = 1, where its slope is 1.055/2.4. */
+  /* The encoding changes most under x -> (1 - f) x at x = 1, where its slope is 1.055/2.4. */
   return fraction >= 1.0 ? 255.0 : 255.0 * (1.0 - encode(1.0 - fraction));
 }
 
@@ -61,7 +61,8 @@ double pl_view_emission_max(const pl_view *view) {
 
 double pl_view_step(const pl_view *view) {
   double step = pl_view_radiance_max(view);
-  for (size_t i = 0; i < view->thing_count; i++) /* what it lights is no brighter */
+  /* a surface that emits lights others to at most its own radiance */
+  for (size_t i = 0; i < view->thing_count; i++)
     step = fmax(step, view->things[i].emission_max);
   step += pl_view_veils_max(view);
   if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
@@ -71,7 +72,8 @@ double pl_view_step(const pl_view *view) {
 
 double pl_view_dn_shift(const pl_view *view, double shift_px) {
   const double part = fmin(1.0, sqrt(2.0) * shift_px);
-  /* The light of a star may be all in one pixel, of which four share where it is measured. */
+  /* All light of a star may fall into one pixel. star_left spreads it over four pixels, hence the
+   * factor. */
   const double stars = view->sky.star_count > 0 ? 4.0 * (double)view->sky.star_left[0] : 0.0;
   return fmax(pl_view_dn(view, pl_view_step(view) * part), pl_view_sky_dn(view, stars * part));
 }
@@ -97,8 +99,8 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The penumbra is the inside of the cone that touches the sun and the caster crosswise. Its apex
- * lies between them, at radius / sine of the half angle before the caster's centre. */
+/* The penumbra is the inside of the cone of internal tangents of the sun and the caster. Its apex
+ * lies between them, radius / sine of the half angle before the caster's centre. */
 bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
                             const pl_view_thing *receiver) {
   double axis[3], from_apex[3], offset[3];
@@ -110,13 +112,13 @@ bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
   const double sine = (view->sun_radius_m + caster->radius_m) / distance;
   const double reach = (caster->radius_m + receiver->radius_m) * (1.0 + SLACK);
   if (!(sine < 1.0) || dot(offset, offset) <= reach * reach)
-    return true; /* the caster holds the sun, or the receiver may touch the caster */
+    return true; /* the caster encloses the sun, or the receiver may touch the caster */
   for (int k = 0; k < 3; k++) {
     axis[k] /= distance;
     from_apex[k] = offset[k] + axis[k] * caster->radius_m / sine;
   }
   if (dot(offset, axis) < -reach)
-    return false; /* on the sun's side */
+    return false; /* on the sunward side of the caster */
   const double gap = sqrt(dot(from_apex, from_apex));
   if (gap <= receiver->radius_m)
     return true;
@@ -138,7 +140,7 @@ static bool shades(const pl_view_thing *caster, bool several, void *context) {
 bool pl_view_shadowed(const pl_view *view, size_t i) {
   shade_query query = {.view = view, .receiver = &view->things[i]};
   if (!query.receiver->is_body)
-    return true; /* by itself */
+    return true; /* a mesh can shadow itself */
   return view->shadowed != NULL ? view->shadowed[i] : pl_view_any(view, shades, &query);
 }
 
@@ -166,10 +168,10 @@ double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source
   return source->radius_m * source->radius_m / (gap * gap);
 }
 
-/* Bound of pi times a BRDF's value times cosine. Lambert: the albedo. GGX: D <= 1/(pi alpha^2) and
- * cos(o) (1 + Lambda(o)) >= alpha/2, hence D G F/(4 cos(o)) <= F/(2 pi alpha^3); the diffuse base
- * keeps at most 1 - F. What is given back for light that scatters several times between facets is
- * no Lambert lobe: at alpha 1 it exceeds 1 by at most MULTIPLE_SCATTERING_EXCESS, measured in
+/* Bound of pi times BRDF times cosine. Lambert: the albedo. GGX: D <= 1/(pi alpha^2) and cos(o) (1
+ * + Lambda(o)) >= alpha/2, hence D G F/(4 cos(o)) <= F/(2 pi alpha^3); the diffuse base keeps at
+ * most 1 - F. The compensation for multiple scattering between microfacets is not a Lambertian
+ * lobe: at alpha 1 it exceeds 1 by at most MULTIPLE_SCATTERING_EXCESS, measured in
  * tests/c/test_reflectance.c. */
 #define MULTIPLE_SCATTERING_EXCESS 0.06
 static double gain(double alpha) {

@@ -1,11 +1,11 @@
-/* Building the tree, and walking it. */
+/* Builds the tree of bounding spheres and traverses it. */
 #include "plan/view_tree.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* A group counts as far away from so many of its radii on: its members, which are no farther than two
- * radii more, are then taken for at most three times as large as they look. */
+/* A group counts as far away from this many of its radii on. Its members are at most two radii
+ * farther, so that their solid angles are overestimated at most three times. */
 static const double FAR = 3.0;
 
 static pl_view_node leaf_of(const pl_view *view, size_t index) {
@@ -25,7 +25,8 @@ static void bounds_of(const pl_view_node *nodes, size_t count, double low[3], do
   }
 }
 
-/* The sphere about the box of some, in which each is with its own radius. */
+/* Returns the sphere around the bounding box of some nodes, large enough to enclose each node's
+ * sphere. */
 static pl_view_node node_about(const pl_view_node *nodes, size_t count) {
   pl_view_node out = {.thing = PL_VIEW_SEVERAL, .ball = {.ggx_alpha_min = 1.0}};
   double low[3], high[3];
@@ -57,8 +58,8 @@ static int by_x(const void *a, const void *b) { return by_axis(a, b, 0); }
 static int by_y(const void *a, const void *b) { return by_axis(a, b, 1); }
 static int by_z(const void *a, const void *b) { return by_axis(a, b, 2); }
 
-/* Appends the tree of some leaves, which are sorted on the way. The largest is a child of its own
- * where it alone makes the sphere as large as it is: a planet among spacecraft. */
+/* Appends the tree of some leaves and sorts them on the way. The largest leaf becomes a child of
+ * its own where it alone determines the size of the sphere, like a planet among spacecraft. */
 static void add_tree(pl_view_tree *tree, pl_view_node *leaves, size_t count) {
   const size_t own = tree->count++;
   if (count == 1) {
@@ -89,7 +90,8 @@ static void add_tree(pl_view_tree *tree, pl_view_node *leaves, size_t count) {
 
 static double square_of(const pl_view_thing *thing) { return thing->radius_m * thing->radius_m; }
 
-/* Sums of inner nodes from those of the two that follow: from the last node on. */
+/* Sums each inner node from its two children. Children follow their parent, so the loop runs
+ * backwards. */
 static void add_up(pl_view_tree *tree) {
   for (size_t n = tree->count; n-- > 0;) {
     pl_view_node *node = &tree->nodes[n];
@@ -127,7 +129,7 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
   if (tree == NULL || nodes == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the view");
   *tree = (pl_view_tree){.nodes = nodes};
-  pl_view_node *leaves = nodes + 2 * count; /* a tree has fewer inner spheres than leaves */
+  pl_view_node *leaves = nodes + 2 * count; /* a tree has fewer inner nodes than leaves */
   for (size_t i = 0; i < count; i++) {
     leaves[i] = leaf_of(view, i);
     tree->ringed |= view->things[i].rings_radius_m > 0.0;
@@ -169,7 +171,7 @@ static double sum_of(const pl_view *view, const pl_view_thing *receiver, bool li
   return sum;
 }
 
-/* Of few: every pair. */
+/* For few objects: sums over every pair. */
 static double sum_all(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
                       const void *context) {
   double sum = 0.0;

@@ -1,5 +1,5 @@
-/* A tree of spheres over the things of a view, so that what many things do to each other takes
- * about as many steps as there are things, not their square. */
+/* Bounding sphere hierarchy over the objects and bodies of a view. Sums of mutual light and shadow
+ * take time that grows about linearly with their number, not quadratically. */
 #ifndef PL_PLAN_VIEW_TREE_H
 #define PL_PLAN_VIEW_TREE_H
 
@@ -7,45 +7,46 @@
 #include "base/status.h"
 #include "plan/view.h"
 
-/* A sphere about one thing, without rings, or about all spheres up to `after`. */
+/* A sphere that encloses one object or body, without rings, or all nodes up to `after`. */
 typedef struct pl_view_node {
-  pl_view_thing ball; /* of several: as a thing of the largest albedo and the least alpha */
-  size_t after;       /* index of the first sphere that is not inside this one */
-  size_t thing;       /* PL_VIEW_SEVERAL: of several */
-  double light;       /* sum of the squared radii of the things, times pl_view_light of each */
+  pl_view_thing ball; /* inner node: has the largest albedo and the smallest alpha of its members */
+  size_t after;       /* index of the first node that is not inside this one */
+  size_t thing;       /* index of the object or body; PL_VIEW_SEVERAL for an inner node */
+  double light;       /* sum over the members of squared radius times pl_view_light */
   double weighed;     /* the same with the weights of pl_view_weigh */
 } pl_view_node;
 #define PL_VIEW_SEVERAL ((size_t)-1)
 
 struct pl_view_tree {
   size_t count;
-  pl_view_node *nodes; /* each is followed by all that is in it */
-  bool ringed;         /* some thing has rings */
-  double albedo_max;   /* of all things, at most 1 */
+  pl_view_node *nodes; /* each node is followed by its descendants */
+  bool ringed;         /* something has rings */
+  double albedo_max;   /* of all objects and bodies, at most 1 */
 };
 
-/* Gives a view of more than PL_VIEW_FEW things a tree of them, in `arena`; leaves others alone:
- * every pair of a few is looked at. */
+/* Builds the tree of a view of more than PL_VIEW_FEW objects and bodies in `arena`. Smaller views
+ * get none: their pairs are all visited. */
 enum { PL_VIEW_FEW = 48 };
 pl_status pl_view_tree_build(pl_arena *arena, pl_view *view);
 
-/* Light or the like of a source that a receiver gets a part of; not negative. */
+/* Returns the light, or a similar quantity, of a source of which a receiver gets a part; not
+ * negative. */
 typedef double (*pl_view_weight_fn)(const pl_view_thing *source, const void *context);
 
-/* Before pl_view_sum: puts the sources' weights into the tree, if there is one, in the place of
- * those before. */
+/* Call before pl_view_sum: stores the weights of the sources in the tree, if there is one, in place
+ * of earlier weights. */
 void pl_view_weigh(const pl_view *view, pl_view_weight_fn weight, const void *context);
-/* The sum, over all sources but the receiver, of pl_view_transfer times their weight. With a tree,
- * an upper bound of it: groups of sources that are far away count as near as the nearest place of
+/* Returns the sum of pl_view_transfer times weight over all sources except the receiver. With a
+ * tree it is an upper bound: distant groups of sources count as if all were at the nearest point of
  * their sphere. */
 double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
                    const void *context);
-/* The same of pl_view_light, at any time. */
+/* The same with pl_view_light as the weight; needs no call of pl_view_weigh. */
 double pl_view_sum_light(const pl_view *view, const pl_view_thing *receiver);
 
-/* Whether a test holds of any thing. With a tree it is asked of the spheres about `several` things
- * first, which are as bright, rough and seen as any of them: it must hold there if it does of one.
- */
+/* Returns true if a test holds for any object or body. With a tree the test is first called for
+ * inner nodes (`several`), which have the extreme values of their members: it must hold there if it
+ * holds for a member. */
 typedef bool (*pl_view_test_fn)(const pl_view_thing *thing, bool several, void *context);
 bool pl_view_any(const pl_view *view, pl_view_test_fn test, void *context);
 
