@@ -1,17 +1,18 @@
-/* Rings, tables and draws. */
+/* Disc of a body as a sampling domain: its rings, the table of densities, sampling and density. */
 #include "light/body_disc.h"
 
 #include <math.h>
 
-/* Edges of rings on the ground, of its disc from the limb inwards, with air above it and without;
- * and of those in the air, of its height: light falls off with it. */
+/* Edges of the rings. On the ground, as fractions of its disc from the limb inwards, for a body
+ * with an atmosphere and for one without. In the atmosphere, as fractions of its height, where
+ * light decreases with height. */
 enum { AIR_RINGS = 3, GROUND_RINGS = PL_DISC_RINGS - AIR_RINGS };
 static const double UNDER_AIR[GROUND_RINGS] = {0.006, 0.025, 0.07, 0.16, 0.33, 0.6, 1.0};
 static const double BARE[PL_DISC_RINGS] = {0.0015, 0.006, 0.016, 0.04, 0.085,
                                            0.16,   0.28,  0.45,  0.7,  1.0};
 static const double HEIGHTS[AIR_RINGS] = {0.12, 0.35, 1.0};
-/* A cell is drawn as if it had this part of its brightest neighbour's light at least, since it was
- * looked at in one place; and this part of the mean's. */
+/* The light of a cell is evaluated at one point only. Its density is therefore at least BESIDE
+ * times the light of its brightest neighbour, plus ANYWHERE times the mean. */
 static const float BESIDE = 0.25f, ANYWHERE = 0.05f;
 
 static pl_vec3 across(pl_vec3 z, pl_vec3 sun) {
@@ -21,13 +22,13 @@ static pl_vec3 across(pl_vec3 z, pl_vec3 sun) {
   return pl_vec3_unit(pl_vec3_cross(z, fabs(z.x) < 0.5 ? (pl_vec3){1, 0, 0} : (pl_vec3){0, 1, 0}));
 }
 
-/* 1 - cosine of the angle with this sine, without cancellation. */
+/* 1 - cosine of the angle with this sine, without cancellation error. */
 static double depth_of(double sine) {
   return sine * sine / (1.0 + sqrt(fmax(1.0 - sine * sine, 0.0)));
 }
 
-/* Radii of the body that air reaches to: it shines beyond the ground's limb. Within it the ground
- * alone counts. */
+/* Height of the top of the atmosphere above the centre, in body radii: the atmosphere emits light
+ * beyond the limb of the ground. From within the atmosphere only the ground counts. */
 static double swelling(const pl_shot_body *body, double d) {
   const pl_air *air = body->body->air;
   const double out = air != NULL ? pl_air_reach_m(air, body->radius_m) / body->radius_m : 1.0;
@@ -57,14 +58,14 @@ void pl_disc_rings(const pl_body_disc *disc, pl_disc_table *table) {
   const double *steps = air ? UNDER_AIR : BARE;
   for (int i = 0; i <= ground; i++)
     table->edge[i] = (float)(disc->ground * (1.0 - (i == ground ? 0.0 : steps[ground - 1 - i])));
-  /* The part grows evenly with the height: the air is thin. */
+  /* The part is taken as linear in the height, since the atmosphere is thin. */
   for (int i = ground + 1; i <= PL_DISC_RINGS; i++)
     table->edge[i] = (float)(disc->ground + (1.0 - disc->ground) * HEIGHTS[i - ground - 1]);
   table->edge[PL_DISC_RINGS] = 1.0f;
 }
 
-/* Solid angle of scaled axes over that of root axes, where `length` is what scaling makes of a unit
- * vector of root axes: |det M|/|M v|^3. */
+/* Ratio of solid angles, scaled axes over root axes, |det M|/|M v|^3. `length` is |M v|, the length
+ * of a unit vector of root axes after scaling. */
 static double stretch(const pl_body_disc *disc, double length) {
   const pl_vec3 radii = disc->body->state->radii_m;
   return 1.0 / (radii.x * length * (radii.y * length) * (radii.z * length));
@@ -125,7 +126,8 @@ void pl_disc_table_fill(const float light[PL_DISC_TURNS][PL_DISC_RINGS], pl_disc
   table->turn[PL_DISC_TURNS] = 1.0f;
 }
 
-/* Which of `count` steps of a rising table holds u, and the part of it, 0..1. */
+/* Index of the one of `count` steps of an increasing table that contains u. *part: position within
+ * the step, 0..1. */
 static int find_step(const float *table, int count, float u, double *part) {
   int low = 0, high = count;
   while (high - low > 1) {

@@ -1,7 +1,8 @@
-/* Points of a unit sphere at which it is touched by lines from p have n . p = 1. */
+/* Cone of an ellipsoid. Lines from p touch the unit sphere at the points n with n . p = 1. */
 #include "light/cone.h"
 
-/* Across the unit vector u: the part of `towards` that is, or any if it is along u. */
+/* Unit vector perpendicular to u: the perpendicular component of `towards`, or any if `towards` is
+ * parallel to u. */
 static pl_vec3 across(pl_vec3 u, pl_vec3 towards) {
   const pl_vec3 axis = fabs(u.x) < 0.6 ? (pl_vec3){1, 0, 0} : (pl_vec3){0, 1, 0};
   const pl_vec3 other = pl_vec3_cross(u, axis);
@@ -34,7 +35,8 @@ double pl_cone_depth(const pl_cone *cone, pl_vec3 direction) {
   const pl_vec3 q = pl_mat3_mul_vec(cone->scaled, direction);
   const double length = pl_vec3_norm(q), towards = -pl_vec3_dot(cone->p, q);
   const double reach = cone->h * length;
-  /* cos(angle) - cos(radius) times |p|; from afar, by the sines: the cosines are too near to 1. */
+  /* (cos(angle) - cos(radius)) |p|. Computed by the sines at large distances, where the cosines are
+   * too close to 1. */
   if (!(cone->h > 1.0 && towards > 0.0))
     return (towards - reach) / length;
   const double offset = pl_vec3_norm(pl_vec3_cross(cone->p, q));

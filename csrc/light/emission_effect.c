@@ -1,7 +1,7 @@
-/* The effect row `emission`: what emits is seen to. */
+/* The effect row `emission`: emitted light that the camera sees directly. */
 #include "plan/effects.h"
 
-/* Of a surface, and of all volumes before it. */
+/* Largest emitted radiance along a ray: of a surface plus all volumes in front of it. */
 static double seen(const pl_view *view) {
   double sum = pl_view_emission_max(view);
   for (size_t i = 0; i < view->volume_count; i++)
@@ -13,8 +13,9 @@ static const char *absent(const pl_view *view) {
   return seen(view) > 0.0 ? NULL : "nothing in the frame emits light";
 }
 
-/* Added to what the surface reflects: most on black. What others get of it is the row `emitters`,
- * of volumes the row `volumes`. */
+/* Emission adds to reflected light; the difference is largest on a black surface. Light that
+ * emitters give to other objects belongs to the row `emitters`, that of volumes to the row
+ * `volumes`. */
 static double bound_dn(const pl_view *view, int value) {
   return value > 0 ? 0.0 : pl_view_dn(view, seen(view));
 }

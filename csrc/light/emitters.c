@@ -1,5 +1,6 @@
-/* Emitters are picked by power over squared distance, triangles by power, points evenly by area;
- * bodies by the cone of their bounding sphere. */
+/* Light sampling of emitters. An emitter is chosen in proportion to power over squared distance. On
+ * a mesh, a triangle is chosen in proportion to its power, then a point uniformly by area. On a
+ * body, a direction is sampled in the cone of its bounding sphere. */
 #include "light/emitters.h"
 
 #include "geom/ellipsoid.h"
@@ -10,19 +11,19 @@
 #include "scene/shot_frame.h"
 #include "shade/material_surface.h"
 
-/* An emission map's mean counts as at least this part of its factor, so that a bright spot on a
- * black map is drawn at all. */
+/* Smallest mean of an emission map that is assumed, as a fraction of its factor, so that a bright
+ * spot on a black map has a positive sampling probability. */
 static const float MEAN_MIN = 1e-3f;
 
 /* --- the list --------------------------------------------------------------------------------- */
 
-/* The graph that says what a triangle emits, or NULL. */
+/* The graph that sets the emission of a triangle, or NULL. */
 static const pl_object_graph *graph_of(const pl_object *object, uint32_t triangle) {
   const pl_object_graph *graph = pl_object_materials_at(object->materials, triangle);
   return graph != NULL && pl_graph_sets_emission(graph->graph) ? graph : NULL;
 }
 
-/* Luminance of the material's factor, which its map only lessens. */
+/* Luminance of the material's emission factor; the map can only reduce it. */
 static float factor_of(const pl_object *object, uint32_t triangle) {
   const float *e = pl_material_of(object->model, triangle)->emissive;
   return pl_luminance(pl_vec3f_make(e[0], e[1], e[2]));
@@ -33,7 +34,7 @@ static bool may_emit(const pl_object *object, uint32_t triangle) {
   return graph != NULL ? pl_graph_emits(graph->graph) : factor_of(object, triangle) > 0.0f;
 }
 
-/* Mean luminance of the emission of a triangle that may emit something. */
+/* Estimated mean luminance of a triangle that may emit light. */
 static float luminance_of(const pl_shot_object *shot, uint32_t triangle, pl_detail detail) {
   const pl_object *object = shot->object;
   const pl_object_graph *graph = graph_of(object, triangle);
@@ -62,13 +63,13 @@ static corners corners_of(const pl_shot_object *object, uint32_t triangle) {
   out.edge1 = pl_shot_edge(m, first, model->positions + 3 * (size_t)index[1]);
   out.edge2 = pl_shot_edge(m, first, model->positions + 3 * (size_t)index[2]);
   out.normal = pl_vec3f_cross(out.edge1, out.edge2);
-  if (piece != NULL) /* what is not there emits nothing */
+  if (piece != NULL) /* a part that is not present emits nothing */
     out.normal = pl_vec3f_scale(out.normal, piece->present ? piece->side : 0.0f);
   return out;
 }
 
-/* What a body emits everywhere. A graph whose emission varies over the body is seen, but is not
- * drawn as a light: paths meet it by chance. */
+/* Uniform emission of a body. If a graph varies the emission over the body, the camera sees it, but
+ * it is not sampled as a light: only random paths hit it. */
 static pl_vec3f body_emission(const pl_shot_body *body) {
   static const pl_graph_point nowhere = {.radius = INFINITY};
   const float *e = body->state->emission;
@@ -80,7 +81,8 @@ static pl_vec3f body_emission(const pl_shot_body *body) {
   return pl_graph_emission(graph, &nowhere, body->state->parameters);
 }
 
-/* Luminance of all triangles of a body's shape; 0 of objects that are none. */
+/* Luminance of all triangles of a body's shape model; 0 for objects that are not the shape of a
+ * body. */
 static float shape_luminance(const pl_snapshot *shot, const pl_shot_object *object) {
   const int body = object->object->body;
   return body < 0 ? 0.0f : pl_luminance(body_emission(&shot->bodies[body]));
@@ -103,7 +105,7 @@ static size_t count_triangles(const pl_snapshot *shot) {
   return count;
 }
 
-/* Adds an object's emissive triangles after the first `used` ones. */
+/* Appends an object's emissive triangles after the first `used` ones. */
 static void add_object(pl_emitters *list, size_t thing, size_t *used) {
   const pl_shot_object *object = &list->shot->objects[thing];
   const pl_model *model = object->object->model;
@@ -168,9 +170,10 @@ pl_status pl_emitters_build(const pl_snapshot *shot, pl_detail detail, pl_arena 
   return PL_OK;
 }
 
-/* --- choosing --------------------------------------------------------------------------------- */
+/* --- selection -------------------------------------------------------------------------------- */
 
-/* How much an emitter counts at a point. Inside its bounding sphere it is as at the sphere. */
+/* Selection weight of an emitter at a point. Inside the bounding sphere it is the value at the
+ * sphere. */
 static double importance(const pl_emitter *item, pl_vec3 point) {
   const pl_vec3 offset = pl_vec3_sub(item->center, point);
   return item->power / fmax(pl_vec3_dot(offset, offset), item->radius_m * item->radius_m);
@@ -183,8 +186,8 @@ static double total_importance(const pl_emitters *list, pl_vec3 point) {
   return sum;
 }
 
-/* Picks an emitter and stretches what *u has left of its share to [0, 1) again: so the strata of
- * the draw live on in the point. */
+/* Chooses an emitter and rescales the position of *u within the emitter's interval to [0, 1), so
+ * that the stratification of the sample carries over to the point on the emitter. */
 static const pl_emitter *choose(const pl_emitters *list, pl_vec3 point, float *u,
                                 double *probability) {
   const double total = total_importance(list, point);
@@ -199,8 +202,8 @@ static const pl_emitter *choose(const pl_emitters *list, pl_vec3 point, float *u
   return &list->items[i];
 }
 
-/* Place in the list of the triangle on whose share of the emitter's weight *u falls; stretches *u
- * alike. */
+/* Index in the list of the triangle whose interval of the emitter's cumulative weight contains *u.
+ * Rescales *u to [0, 1) within that interval. */
 static size_t choose_triangle(const pl_emitters *list, const pl_emitter *item, float *u) {
   size_t low = item->first, high = item->first + item->count - 1;
   while (low < high) {
@@ -215,7 +218,7 @@ static size_t choose_triangle(const pl_emitters *list, const pl_emitter *item, f
   return low;
 }
 
-/* Mean luminance of a triangle of the object; 0 of one that is not in the list. */
+/* Mean luminance of a triangle of the object; 0 if the triangle is not in the list. */
 static float listed_luminance(const pl_emitters *list, const pl_emitter *item, uint32_t triangle) {
   size_t low = item->first, high = item->first + item->count;
   while (low < high) {
@@ -231,7 +234,7 @@ static float listed_luminance(const pl_emitters *list, const pl_emitter *item, u
 
 /* --- sampling --------------------------------------------------------------------------------- */
 
-/* Density per solid angle of a point drawn by power over a mesh. */
+/* Probability density per solid angle of a point sampled by power over a mesh. */
 static double mesh_pdf(const pl_emitter *item, float luminance, double distance, double cosine) {
   return (double)luminance / item->weight * distance * distance / cosine;
 }
@@ -244,7 +247,7 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   const size_t chosen = choose_triangle(list, item, &along);
   const uint32_t triangle = list->triangles[chosen];
   const corners c = corners_of(object, triangle);
-  /* Evenly over the triangle (Shirley and Chiu 1997, by the square root of one number). */
+  /* Uniform over the triangle (Shirley and Chiu 1997, with the square root of one number). */
   const float root = sqrtf(along), v = root * u[1], w = 1.0f - root;
   const pl_vec3f off = pl_vec3f_madd(pl_vec3f_scale(c.edge1, v), w, c.edge2);
   const pl_vec3 at = pl_vec3_add(c.a, pl_vec3f_to_double(off));
@@ -255,7 +258,7 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   const bool both =
       pl_back_is_there(model, triangle) && !pl_material_of(model, triangle)->dark_behind;
   const float cosine = both ? fabsf(facing) : facing;
-  /* Meshes are off by a few ulp of their own size. */
+  /* Vertex positions have rounding errors of a few ulp of the mesh's size. */
   out->distance_m =
       distance - fmin(1e-4 * distance, 1e-4 * item->radius_m) - 0x1p-18 * item->radius_m;
   if (!(cosine > 1e-6f) || !(out->distance_m > 0.0))
@@ -279,7 +282,8 @@ static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3
   return true;
 }
 
-/* 1 - cos of the cone that holds a body; 2, all directions, from inside its bounding sphere. */
+/* 1 - cos of the half angle of the cone that encloses a body. 2 (all directions) from inside its
+ * bounding sphere. */
 static float cone_of(const pl_emitter *item, pl_vec3 point, pl_vec3 *axis) {
   const pl_vec3 way = pl_vec3_sub(item->center, point);
   const double sine = item->radius_m / pl_vec3_norm(way);

@@ -1,4 +1,4 @@
-/* The effect row `emitters`: emissive surfaces and bodies light others. */
+/* The effect row `emitters`: emissive surfaces and bodies illuminate others. */
 #include "plan/effects.h"
 #include "plan/view_tree.h"
 
@@ -11,7 +11,7 @@ static const char *absent(const pl_view *view) {
   return "nothing in the scene emits light onto anything";
 }
 
-/* 1: meshes are lit, 2: bodies too. */
+/* 1: emitters illuminate meshes, 2: bodies too. */
 static int ceiling(const pl_view *view) {
   (void)view;
   return 2;
@@ -22,15 +22,16 @@ static double emitted(const pl_view_thing *source, const void *context) {
   return source->emission_max;
 }
 
-/* Upper bound of what things[i] sends on in one direction of the light that emitters give it; a
- * mesh may light itself. */
+/* Upper bound of the radiance that things[i] reflects in any direction of the light that it
+ * receives from emitters. A mesh may illuminate itself. */
 static double sent_on(const pl_view *view, size_t i) {
   const pl_view_thing *receiver = &view->things[i];
   const double own = receiver->is_body ? 0.0 : pl_view_transfer(receiver, receiver);
   return pl_view_sum(view, receiver, emitted, NULL) + own * receiver->emission_max;
 }
 
-/* Things that stay unlit at `value` are missed in the frame, and in what they reflect onwards. */
+/* Receivers that are not illuminated at `value` lack light both as seen in the frame and in what
+ * they reflect onto others. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   pl_view_weigh(view, emitted, NULL);

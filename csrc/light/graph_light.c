@@ -1,10 +1,11 @@
-/* Emission of graphs at points of triangles, and its mean over one. */
+/* Emission of graphs at points on triangles, and its mean over a triangle. */
 #include "light/graph_light.h"
 
 #include "math/color.h"
 #include "scene/graph_point.h"
 
-/* Of the mean of a pattern, where nothing else was found. */
+/* Lower bound of the estimate as a fraction of the pattern's mean, used if the sampled points emit
+ * nothing. */
 static const float MEAN_MIN = 1e-3f;
 enum { PLACES = 4 };
 
@@ -22,8 +23,8 @@ pl_vec3f pl_graph_light_radiance(const pl_shot_object *object, uint32_t triangle
   return emission_at(object, graph, &point);
 }
 
-/* In the middles of the four triangles that halving the edges makes, with their footprint, seen
- * face-on in the centre and aslant from three sides. */
+/* Mean over the centroids of the four triangles that result from bisecting the edges, each with its
+ * footprint. The central one is viewed along the normal, the others obliquely from three sides. */
 static float mean_of_places(const pl_shot_object *object, uint32_t triangle,
                             const pl_object_graph *graph, pl_detail detail) {
   static const float w[PLACES][3] = {{1.0f / 3.0f, 1.0f / 3.0f, 1.0f / 3.0f},

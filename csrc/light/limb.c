@@ -1,4 +1,4 @@
-/* The polynomial and its mean. */
+/* Limb darkening: the polynomial, its mean over the disc and the sampling table. */
 #include "light/limb.h"
 
 #include "math/sampling.h"
@@ -17,7 +17,8 @@ static double value_at(const double c[PL_LIMB_TERMS], double mu) {
   return sum;
 }
 
-/* The light inside the ring at mu is 1 - sum 2 c_k mu^(k+2) / (k+2): where it is s, by Newton. */
+/* Finds the mu at which the fraction of the light inside the ring is s, by Newton's method. That
+ * fraction is 1 - sum 2 c_k mu^(k+2) / (k+2). */
 static double ring_at(const double c[PL_LIMB_TERMS], double s) {
   enum { ITERATIONS = 12 };
   double d[PL_LIMB_TERMS], mu = sqrt(1.0 - s);
@@ -30,7 +31,7 @@ static double ring_at(const double c[PL_LIMB_TERMS], double s) {
   return mu;
 }
 
-/* Square radius over s; its limit at the centre is the inverse of the radiance there. */
+/* Squared radius over s. The limit at the centre is the inverse of the radiance there. */
 static void tabulate(const double c[PL_LIMB_TERMS], float spread[PL_LIMB_RINGS + 1]) {
   spread[0] = (float)(1.0 / value_at(c, 1.0));
   for (int i = 1; i <= PL_LIMB_RINGS; i++) {
@@ -44,7 +45,7 @@ void pl_limb_polynomial(double wavelength_um, double c[PL_LIMB_TERMS]) {
   double mean = 0.0;
   for (int k = 0; k < PL_LIMB_TERMS; k++) {
     c[k] = neckel[k][0] + neckel[k][1] / l + neckel[k][2] / (l * l * l * l * l);
-    mean += 2.0 * c[k] / (k + 2.0); /* of mu^k over the disc */
+    mean += 2.0 * c[k] / (k + 2.0); /* mean of mu^k over the disc */
   }
   for (int k = 0; k < PL_LIMB_TERMS; k++)
     c[k] /= mean;

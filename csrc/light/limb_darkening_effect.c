@@ -1,13 +1,15 @@
-/* The effect row `limb_darkening`: the sun's disc as it is, instead of one of even brightness. */
+/* The effect row `limb_darkening`: the sun's disc with limb darkening instead of uniform
+ * brightness. */
 #include "plan/effects.h"
 
 #include <math.h>
 
 #include "light/penumbra.h"
 
-/* Over all wavelengths of light/limb.c, by integration (tests/c/test_limb.c): what the share of the
- * light from one side of a chord differs by at most, and the first moment of half the disc, which
- * is what lights the terminator, for a disc of radius 1. */
+/* Largest differences from a uniform disc over all wavelengths of light/limb.c, by numerical
+ * integration (tests/c/test_limb.c), for a disc of radius 1. CHORD: fraction of the light on one
+ * side of a chord. MOMENT: first moment of half the disc, which determines the light at the
+ * terminator. */
 static const double CHORD = 0.0283, MOMENT = 0.0178;
 
 static const char *absent(const pl_view *view) {

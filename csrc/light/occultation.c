@@ -1,9 +1,10 @@
-/* The outline of what bodies hide of the sun's disc, and the light inside it.
+/* The outline of the part of the sun's disc that bodies occult, and the light inside it.
  *
- * A direction is seen at (x, y): its parts across the direction of the sun's centre, over the sine
- * of the sun's angular radius. The disc is then the unit disc, mu = sqrt(1 - x^2 - y^2) exactly,
- * and dx dy is solid angle times the cosine on a surface that faces the sun. With F(r) the light,
- * over 2 pi, inside radius r, the light inside a curve is the integral of F dphi along it. */
+ * A direction has the coordinates (x, y): its components perpendicular to the direction of the
+ * sun's centre, divided by the sine of the sun's angular radius. The disc is then the unit disc, mu
+ * = sqrt(1 - x^2 - y^2) holds exactly, and dx dy is solid angle times the cosine on a surface that
+ * faces the sun. Let F(r) be the light inside radius r divided by 2 pi. The light inside a closed
+ * curve is the integral of F dphi along the curve. */
 #include "light/occultation.h"
 
 #include <stdlib.h>
@@ -14,11 +15,11 @@
 #include "math/quadrature.h"
 #include "math/roots.h"
 
-enum { CROSSINGS = 4 }; /* of the limbs of two ellipsoids */
-/* Limbs nearer than this (rad) coincide: some eps, and nothing against the sun. */
+enum { CROSSINGS = 4 }; /* largest number of crossings of the limbs of two ellipsoids */
+/* Limbs closer than this (rad) coincide: a few eps, negligible against the sun's radius. */
 static const double COINCIDENT = 1e-14;
 
-/* F(r)/r^2 = sum g[j] mu^j / (1 + mu), of one band. */
+/* Limb-darkening law of one band: F(r)/r^2 = sum g[j] mu^j / (1 + mu). */
 typedef struct band_law {
   double g[PL_LIMB_TERMS + 1];
   double whole; /* F(1) */
@@ -26,21 +27,21 @@ typedef struct band_law {
 
 typedef struct body_shade {
   pl_cone cone;
-  double ring[CROSSINGS]; /* angles on the sun's limb where the body's crosses it, ascending */
+  double ring[CROSSINGS]; /* angles on the sun's limb of the crossings, ascending */
   size_t crossings;
 } body_shade;
 
-/* What solving needs beside the request; allocated once. */
+/* Working memory of the solver, allocated once per request. */
 typedef struct workspace {
   pl_gauss rule;
   band_law *laws;
-  body_shade *shades; /* [bodies]; the first `active` hide a part of the disc */
+  body_shade *shades; /* [bodies]; the first `active` occult a part of the disc */
   size_t active;
   double *breaks; /* [CROSSINGS * bodies + 2] */
   double *light;  /* [bands] */
 } workspace;
 
-/* The sun as seen from a point. */
+/* The sun's disc as seen from a point. */
 typedef struct disc {
   pl_vec3 x, y, z; /* unit; z to the centre */
   double distance_m, sine, cosine;
@@ -48,8 +49,8 @@ typedef struct disc {
 
 typedef struct curve {
   const disc *sun;
-  const pl_cone *cone;  /* whose depth is asked for */
-  const pl_cone *other; /* along whose limb, or NULL: the sun's */
+  const pl_cone *cone;  /* the cone whose depth is evaluated ... */
+  const pl_cone *other; /* ... along the limb of this one; NULL: along the sun's limb */
 } curve;
 
 static pl_vec3 sun_limb(const disc *sun, double angle) {
@@ -62,7 +63,8 @@ static double depth_along(const void *context, double t) {
   return pl_cone_depth(c->cone, c->other ? pl_cone_limb(c->other, t) : sun_limb(c->sun, t));
 }
 
-/* The depth along an arc without a crossing, where it says most: limbs may touch at one place. */
+/* Depth along an arc without a crossing, at the one of three points where its magnitude is largest:
+ * limbs may touch at a single point. */
 static double depth_of_arc(const disc *sun, const pl_cone *cone, const pl_cone *other, double a,
                            double b) {
   static const double places[] = {0.5, 0.31, 0.73};
@@ -75,9 +77,9 @@ static double depth_of_arc(const disc *sun, const pl_cone *cone, const pl_cone *
   return depth;
 }
 
-/* Where a body's limb crosses an arc of another, or of the sun's (`other` NULL). Of limbs that
- * touch, rounding makes crossings with nothing between them: those are none. Ascending; `closed`:
- * the arc is the whole limb. */
+/* Crossings of a body's limb with an arc of another body's limb, or of the sun's (`other` NULL), in
+ * ascending order. Where limbs only touch, rounding produces pairs of crossings with no depth
+ * between them; these pairs are discarded. `closed`: the arc is the whole limb. */
 static size_t crossings_of(const disc *sun, const pl_cone *cone, const pl_cone *other, double from,
                            double to, bool closed, double out[CROSSINGS]) {
   const curve along = {sun, cone, other};
@@ -122,8 +124,9 @@ static double law_at(const band_law *law, double mu) {
   return sum / (1.0 + mu);
 }
 
-/* Adds the integral of F dphi along an arc of a body's limb inside the disc. Nodes crowd at the
- * ends like an angle's sine, so that powers of mu, which is a root there, are smooth. */
+/* Adds the integral of F dphi along an arc of a body's limb inside the disc. mu is a square root
+ * that vanishes at the ends. The substitution by the sine of an angle concentrates the nodes there
+ * and makes powers of mu smooth. */
 static void add_arc(const disc *sun, const pl_cone *cone, double from, double to, size_t bands,
                     workspace *w) {
   double parts[3][2];
@@ -153,8 +156,8 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Whether an arc of body i's limb that no other limb crosses is behind another body. Of limbs that
- * coincide the first one's is the outline. */
+/* True if an arc of body i's limb that no other limb crosses lies behind another body. Where limbs
+ * coincide, the limb of the body with the smallest index is the outline. */
 static bool behind_others(const disc *sun, const workspace *w, size_t i, double a, double b) {
   for (size_t j = 0; j < w->active; j++) {
     if (j == i)
@@ -166,8 +169,8 @@ static bool behind_others(const disc *sun, const workspace *w, size_t i, double 
   return false;
 }
 
-/* An arc of body i's limb that is before the sun: cut where other limbs cross it, in pieces of a
- * quarter turn at most. */
+/* Adds an arc of body i's limb in front of the sun. The arc is cut at the crossings with other
+ * limbs, and into pieces of at most a quarter turn. */
 static void add_limb(const disc *sun, size_t i, double from, double to, size_t bands,
                      workspace *w) {
   const pl_cone *own = &w->shades[i].cone;
@@ -194,8 +197,9 @@ static bool before_sun(const disc *sun, pl_vec3 direction) {
   return pl_vec3_dot(direction, sun->z) > 0.0 && across < sun->sine * pl_vec3_norm(direction);
 }
 
-/* The arcs of a body's limb before the sun. Body and disc are convex: between two crossings where
- * the sun's limb is free, the body's runs inside it, from the one to the other. */
+/* Adds the arcs of a body's limb in front of the sun. Body and disc are both convex: between two
+ * crossings where the sun's limb is not occulted, the body's limb runs inside the disc from one
+ * crossing to the other. */
 static void add_limbs(const disc *sun, size_t i, size_t bands, workspace *w) {
   const body_shade *shade = &w->shades[i];
   if (shade->crossings == 0)
@@ -211,7 +215,7 @@ static void add_limbs(const disc *sun, size_t i, size_t bands, workspace *w) {
   }
 }
 
-/* The length of the sun's limb that is hidden, rad. */
+/* Length of the occulted part of the sun's limb, rad. */
 static double hidden_ring(const disc *sun, workspace *w) {
   size_t count = 0;
   for (size_t i = 0; i < w->active; i++)
@@ -233,10 +237,11 @@ static double hidden_ring(const disc *sun, workspace *w) {
   return hidden;
 }
 
-/* What a body does with the disc. */
+/* How much of the disc a body occults. */
 typedef enum cover { COVER_NONE, COVER_PART, COVER_ALL } cover;
 
-/* By the spheres that hold the body and that it holds; COVER_PART where they do not tell. */
+/* Classification by the body's circumscribed and inscribed spheres; COVER_PART if they do not
+ * decide. */
 static cover by_spheres(const disc *sun, pl_vec3 to_body, pl_vec3 radii_m) {
   const double far = pl_vec3_norm(to_body), a = asin(sun->sine);
   const double outer = fmax(radii_m.x, fmax(radii_m.y, radii_m.z));
@@ -250,9 +255,9 @@ static cover by_spheres(const disc *sun, pl_vec3 to_body, pl_vec3 radii_m) {
   return far > inner && c <= asin(inner / far) - a ? COVER_ALL : COVER_PART;
 }
 
-/* The same exactly, by where the limbs cross; fills shade->ring. */
+/* Exact classification, by the crossings of the limbs. Fills shade->ring. */
 static cover by_limbs(const disc *sun, body_shade *shade, pl_vec3 to_body) {
-  /* From the place opposite to the body on, once around. */
+  /* Once around, starting at the point opposite to the body. */
   const double begin = atan2(-pl_vec3_dot(to_body, sun->y), -pl_vec3_dot(to_body, sun->x));
   const double end = begin + 2.0 * PL_PI;
   shade->crossings = crossings_of(sun, &shade->cone, NULL, begin, end, true, shade->ring);
@@ -279,7 +284,8 @@ static disc disc_from(pl_vec3 point, pl_vec3 sun_m, double radius_m) {
   return sun;
 }
 
-/* The bodies that hide a part of the disc, into the workspace; true if one hides all of it. */
+/* Collects the bodies that occult a part of the disc in the workspace. Returns true if one of them
+ * occults the whole disc. */
 static bool find_shades(const pl_occultation *r, size_t time, const disc *sun, workspace *w,
                         uint8_t *hides) {
   bool all = false;

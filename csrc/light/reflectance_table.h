@@ -1,5 +1,5 @@
-/* Made by reflectance_table.py; included by spectrum.c alone. Columns: red and green; blue is what
- * lacks to 1. */
+/* Made by reflectance_table.py; included by spectrum.c alone. Columns: red and green; blue is the
+ * remainder to 1. */
 // clang-format off
 enum { TABLE_ROWS = 36 };
 static const double TABLE_FIRST_UM = 0.38, TABLE_STEP_UM = 0.01;

@@ -1,11 +1,12 @@
-"""Makes reflectance_table.h: three smooth reflectances that add up to white, one for each colour.
+"""Makes reflectance_table.h: three smooth reflectance spectra, one per primary, that sum to white.
 
     python csrc/light/reflectance_table.py
 
-Of all that are between 0 and 1, add up to 1 at every wavelength, and look pure red, green and blue
-(linear sRGB of the CIE 1931 observer, white being the sun), these have the least slopes; after
-Mallett and Yuksel, Spectral primary decomposition for rendering with sRGB reflectance, EGSR 2019,
-who take the illuminant D65 for the sun. Needs the package, for the observer, and SciPy.
+The spectra lie between 0 and 1, sum to 1 at every wavelength, and have the colours red, green and
+blue (linear sRGB of the CIE 1931 observer, with sunlight as the white point). Under these
+constraints they minimise the sum of squared slopes. The method is that of Mallett and Yuksel,
+Spectral primary decomposition for rendering with sRGB reflectance, EGSR 2019, who use the
+illuminant D65 instead of sunlight. Needs the package (for the observer) and SciPy.
 """
 
 from __future__ import annotations
@@ -22,14 +23,14 @@ SUN_K, SUN_BLANKETED = 5850.0, 0.7  # as in spectrum.c
 C2_NM_K = 1.4387768775e7  # second radiation constant, CODATA 2018
 
 HEAD = """\
-/* Made by reflectance_table.py; included by spectrum.c alone. Columns: red and green; blue is what
- * lacks to 1. */
+/* Made by reflectance_table.py; included by spectrum.c alone. Columns: red and green; blue is the
+ * remainder to 1. */
 // clang-format off
 """
 
 
 def conditions(nodes: np.ndarray) -> np.ndarray:
-    """(3, nodes): what a reflectance that is straight between the nodes looks like in sunlight."""
+    """(3, nodes): colour in sunlight of a reflectance that is linear between the nodes."""
     points, weights = np.polynomial.legendre.leggauss(4)
     nm = (np.arange(FIRST_NM, 780)[:, None] + 0.5 + 0.5 * points).ravel()
     sun = np.tile(weights, len(nm) // 4) * np.where(nm < 400.0, SUN_BLANKETED, 1.0)
@@ -47,7 +48,7 @@ def table() -> tuple[np.ndarray, np.ndarray]:
     looks = np.kron(one, seen)
     adds_up = np.kron(np.ones(3), np.eye(len(nodes)))
     slopes = np.kron(one, np.diff(np.eye(len(nodes)), axis=0))
-    # what blue looks like follows from the others and white
+    # the colour of blue follows from the other two and white
     exact = np.concatenate([looks[:6], adds_up])
     wanted = np.concatenate([one.ravel()[:6], np.ones(len(nodes))])
     start = np.interp(np.tile(nodes, 3), [400, 700], [0.4, 0.3])

@@ -6,9 +6,9 @@
 
 #include "light/penumbra.h"
 
-/* The largest difference between cos+ under a point and under a uniform disc of angular radius a
- * is at the terminator, 2/(3 pi) a (the disc's mean height above the horizon when it is cut in
- * half: the first moment of a half disc). */
+/* Largest difference between the irradiance factor cos+ under a point sun and under a uniform disc
+ * of angular radius a. It occurs at the terminator and is 2/(3 pi) a: the mean height above the
+ * horizon of a disc that the horizon bisects (first moment of a half disc). */
 static const double TERMINATOR = 0.21220659;
 
 static const char *absent(const pl_view *view) {
@@ -55,9 +55,10 @@ double pl_penumbra_px(const pl_view *view) {
   return p.widest;
 }
 
-/* What blurring with the disc takes off the peak of a lobe. A disc of radius a averages f to
- * f + a^2/8 laplacian(f); GGX's peak is 1/(4 pi alpha^2) and its laplacian, by the half vector,
- * -2/alpha^2 of that: a^2/(16 pi alpha^4) in all. Twice, for oblique views. */
+/* Upper bound of the reduction of a lobe's peak by convolution with the sun's disc. A disc of
+ * radius a averages f to f + a^2/8 laplacian(f). GGX has the peak 1/(4 pi alpha^2), and by the half
+ * vector its Laplacian is -2/alpha^2 of that, so the reduction is a^2/(16 pi alpha^4). It is
+ * doubled for oblique views. */
 static double lobe_loss(const pl_view *view) {
   const double alpha = pl_view_alpha_min(view);
   const double ratio = view->sun_radius_rad / (alpha * alpha);

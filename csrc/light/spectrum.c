@@ -1,4 +1,4 @@
-/* Integrals over wavelengths. */
+/* Integrals over wavelength of sunlight, reflectances and band responses. */
 #include "light/spectrum.h"
 
 #include <math.h>
@@ -57,14 +57,14 @@ static const double SUN_K = 5850.0, SUN_BLANKETED = 0.7, SUN_EDGE_UM = 0.4;
 static const double C2_UM_K = 14387.768775; /* second radiation constant, CODATA 2018 */
 static const double PI = 3.14159265358979323846;
 
-/* Of the irradiance a um, by Planck's law over its integral pi^4 / 15. */
+/* Fraction of the irradiance per um: Planck's law over its integral pi^4 / 15. */
 static double black_body(double um) {
   const double x = C2_UM_K / (um * SUN_K);
   return 15.0 / (PI * PI * PI * PI) * x * x * x * x / (um * expm1(x));
 }
 
-/* Part of a black body's light below SUN_EDGE_UM: the series of the integral of x^3 / (e^x - 1)
- * from x to infinity (Abramowitz and Stegun 27.1.2), whose 12th term is 1e-32. */
+/* Fraction of a black body's light below SUN_EDGE_UM, by the series of the integral of x^3 / (e^x -
+ * 1) from x to infinity (Abramowitz and Stegun 27.1.2), whose 12th term is 1e-32. */
 static double below_edge(void) {
   const double x = C2_UM_K / (SUN_EDGE_UM * SUN_K);
   double sum = 0.0;
@@ -92,7 +92,7 @@ void pl_reflectance_shares(double um, double shares[3]) {
   const double t = place - row;
   for (int c = 0; c < 2; c++)
     shares[c] = reflectance_table[row][c] * (1.0 - t) + reflectance_table[row + 1][c] * t;
-  shares[2] = fmax(0.0, 1.0 - shares[0] - shares[1]); /* -1e-12 by the table's digits */
+  shares[2] = fmax(0.0, 1.0 - shares[0] - shares[1]); /* may be -1e-12 by rounding of the table */
 }
 
 /* --- integrals */
@@ -105,7 +105,7 @@ typedef struct integral {
   double step_um;
 } integral;
 
-/* Where the integrand bends next, or the longest piece ends. */
+/* End of the next piece: the next node of any curve, or the longest step. */
 static double piece_end(const integral *in, double um, double last) {
   double end = fmin(last, um + in->step_um);
   for (size_t i = 0; i < in->count; i++) {

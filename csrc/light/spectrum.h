@@ -1,4 +1,4 @@
-/* Spectra: the sun's, reflectances by their colour, and what a band gathers of both. */
+/* Spectra: the sun's spectrum, reflectances from colours, and their integrals over a band. */
 #ifndef PL_LIGHT_SPECTRUM_H
 #define PL_LIGHT_SPECTRUM_H
 
@@ -6,39 +6,41 @@
 
 #include "base/status.h"
 
-/* A function of the wavelength: straight between its points, 0 outside of them. */
+/* A function of wavelength: linear between its points, 0 outside them. */
 typedef struct pl_curve {
-  const double (*points)[2]; /* borrowed: wavelength in um, value; wavelengths rise */
+  const double (*points)[2]; /* borrowed: wavelength in um (increasing), value */
   size_t count;              /* >= 2 */
 } pl_curve;
 
-/* PL_E_RANGE naming the point (from 0) that is not finite, out of order, or not within 0.01 to 1000
- * um; or when there are fewer than two. */
+/* Fails with PL_E_RANGE and names the point (from 0) that is not finite, out of order or outside
+ * 0.01 to 1000 um, or if there are fewer than two points. */
 pl_status pl_curve_check(const pl_curve *curve);
 
-/* How much of the reflectance at a wavelength (um) is the red, green and blue of a colour (linear
- * sRGB): rho = sum colour[c] * shares[c]. Not negative, and 1 together, so that white is white and
- * colours within 0..1 reflect no more than they get. Constant beyond 0.38 to 0.73 um. */
+/* Weights of the red, green and blue components of a colour (linear sRGB) in the reflectance at a
+ * wavelength (um): rho = sum colour[c] * shares[c]. The weights are not negative and sum to 1, so
+ * that white is spectrally flat and colours within 0..1 reflect no more light than they receive.
+ * Constant outside 0.38 to 0.73 um. */
 void pl_reflectance_shares(double um, double shares[3]);
 
-/* What a band gathers of sunlight that a colour reflects. */
+/* Light of a band from sunlight reflected by a colour. */
 typedef struct pl_band_light {
-  double part[3]; /* of the sun's irradiance, by red, green and blue of the reflectance */
-  double mean_um; /* wavelength of what it gathers of white, weighted by energy; 0 if nothing */
-  /* sum of parts times wavelength, um: photons are energy times wavelength over h c */
+  double part[3]; /* fraction of the solar irradiance, by red, green, blue of the reflectance */
+  double mean_um; /* energy-weighted mean wavelength for a white reflector; 0 if no light */
+  /* integral of light times wavelength, um: photon number is energy times wavelength over h c */
   double moment_um[3];
 } pl_band_light;
 
-/* Integrates a band's response, the product of `count` curves, over sunlight: exact to 1e-12 for
- * steps of 0.01 um (Gauss-Legendre with four points between all bends of the curves).
+/* Integrates a band's response, the product of `count` curves, over sunlight. The result is exact
+ * to 1e-12 for steps of 0.01 um (Gauss-Legendre quadrature with four points between all nodes of
+ * the curves).
  *
- * sun: W m-2 um-1 in any scale; NULL: a black body of 5850 K with 0.7 of its light below 0.4 um,
- * where the sun's lines crowd. These two numbers are fitted to Wehrli (1985): within 6 % in every
- * 50 nm from 0.3 to 1.1 um, within 3 % in every 100 nm from 0.4 to 0.7 um, 10 % too faint
- * beyond 1.1.
+ * sun: W m-2 um-1 in any scale. NULL: a black body of 5850 K with a factor of 0.7 below 0.4 um,
+ * where absorption lines are dense. These two numbers are fitted to Wehrli (1985): within 6 % in
+ * every 50 nm from 0.3 to 1.1 um, within 3 % in every 100 nm from 0.4 to 0.7 um, 10 % too faint
+ * beyond 1.1 um.
  *
- * step_um: the longest piece, 1e-5 or more. PL_E_RANGE for
- * curves that fail pl_curve_check, a sun of no light, or a first response that reaches beyond it.
+ * step_um: the longest piece, 1e-5 or more. Fails with PL_E_RANGE for curves that fail
+ * pl_curve_check, a sun without light, or a first response that extends beyond the sun's spectrum.
  */
 pl_status pl_band_gather(const pl_curve *sun, const pl_curve *responses, size_t count,
                          double step_um, pl_band_light *out);

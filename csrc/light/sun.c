@@ -3,8 +3,8 @@
 
 #include "math/sampling.h"
 
-/* 1 - cos a = sin^2 a / (1 + cos a) keeps its digits for a small disc; of one up to this the series
- * does, within 2e-9, without a root. */
+/* 1 - cos a = sin^2 a / (1 + cos a) avoids cancellation for a small disc. Up to this sine a series
+ * is used instead, accurate to 2e-9 without a square root. */
 static const double SMALL_SINE = 0.01;
 static double one_minus_cos(double sine) {
   const double s2 = sine * sine;
@@ -36,7 +36,7 @@ pl_vec3f pl_sun_sample(const pl_sun_view *view, const float u[2]) {
 float pl_sun_pdf(const pl_sun_view *view) { return pl_cone_pdf(view->one_minus_cos); }
 
 bool pl_sun_covers(const pl_sun_view *view, pl_vec3f direction) {
-  /* By the sine: the cosine of a quarter of a degree has no digits left in float. */
+  /* Uses the sine: in float, the cosine of a quarter of a degree has no significant digits left. */
   const pl_vec3f across = pl_vec3f_cross(view->direction, direction);
   return pl_vec3f_dot(view->direction, direction) > 0.0f &&
          pl_vec3f_dot(across, across) < view->sin_radius * view->sin_radius;

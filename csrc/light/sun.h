@@ -5,7 +5,7 @@
 #include "math/vec.h"
 #include "scene/snapshot.h"
 
-/* The sun as one point of the scene sees it. */
+/* The sun's disc as seen from one point of the scene. */
 typedef struct pl_sun_view {
   pl_vec3f direction;  /* unit, to the centre of the disc */
   float sin_radius;    /* sine of the angular radius */
@@ -17,10 +17,10 @@ typedef struct pl_sun_view {
 
 /* `point` is camera-relative, root axes. A point inside the sun sees a full hemisphere. */
 pl_sun_view pl_sun_view_at(const pl_shot_sun *sun, pl_vec3 point);
-/* A direction on the disc, uniform in solid angle; its density is pl_sun_pdf. */
+/* Samples a direction on the disc, uniform in solid angle; its density is pl_sun_pdf. */
 pl_vec3f pl_sun_sample(const pl_sun_view *view, const float u[2]);
 float pl_sun_pdf(const pl_sun_view *view);
-/* Whether a unit direction points at the disc. */
+/* True if a unit direction points at the disc. */
 bool pl_sun_covers(const pl_sun_view *view, pl_vec3f direction);
 
 #endif
