@@ -1,12 +1,13 @@
-/* Means over radii. */
+/* Means of opacity and of opacity times albedo over a range of radii. */
 #include <string.h>
 
 #include "rings/table.h"
 
-/* Spans of so many intervals are summed up. */
+/* Ranges that span fewer intervals than this are summed interval by interval. */
 enum { DIRECT = 6 };
 
-/* The interval that holds a radius within the rings; the outer edge is in the last. */
+/* Index of the interval that contains a radius within the rings. The outer edge belongs to the last
+ * interval. */
 static size_t find(const pl_rings *rings, double radius_m) {
   size_t low = 0, high = rings->count;
   while (high - low > 1) {
@@ -26,7 +27,7 @@ static void add(const pl_rings *rings, size_t i, double width, double c, double 
     sum[1 + k] += held * rings->albedo[3 * i + k];
 }
 
-/* Over whole intervals first..last - 1, by a cubic through the four nodes about c. */
+/* Adds whole intervals first..last - 1, interpolated by a cubic through the four nodes around c. */
 static void add_table(const pl_rings *rings, size_t first, size_t last, double c, double sum[]) {
   const double u = 2.0 * log2(c);
   const double below = fmin(fmax(floor(u), 0.0), PL_RINGS_NODES + PL_RINGS_FIRST - 3.0);

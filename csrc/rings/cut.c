@@ -1,20 +1,22 @@
-/* Where a ray's cone passes the plane of the rings. The plane through the ray and the normal meets
- * the rings' plane in a line; x is along it, from the foot of the ray's origin. Lines of the cone
- * that lie in that plane are told apart by q, their place across the cone, -1/2..1/2: of the line
- * that meets x, it is a quotient of linear functions of x. */
+/* Intersection of a ray's cone with the ring plane. The plane through the ray and the ring normal
+ * intersects the ring plane in a line; x is the coordinate along this line, from the foot of the
+ * ray's origin. The coordinate q, -1/2..1/2, identifies a line of the cone within that vertical
+ * plane by its position across the cone. The q of the line that meets the ring plane at x is a
+ * quotient of two linear functions of x. */
 #include "rings/table.h"
 
-/* Rays without a width are given this one: they pass everywhere within a billionth of their way. */
+/* Smallest spread of a ray. A ray without a width then deviates by at most a billionth of its
+ * length. */
 static const double SPREAD_MIN = 1e-9;
-/* A part of the cone covers no more of the line than this part of the outer radius. */
+/* Longest piece of the line that one part of the cone covers, as a fraction of the outer radius. */
 static const double STEP = 0.25;
 
 typedef struct fan {
-  double height;      /* of the origin over the plane, m */
-  double start;       /* of x = 0 along the line, from the point next to the axis, m */
-  double lateral;     /* of the line from the axis, m */
-  double across, up;  /* of the direction: along the line and along the normal */
-  double width, grow; /* of the cone, as of the ray */
+  double height;      /* of the origin above the ring plane, m */
+  double start;       /* position of x = 0 along the line, from the point closest to the axis, m */
+  double lateral;     /* distance of the line from the axis, m */
+  double across, up;  /* components of the direction along the line and along the normal */
+  double width, grow; /* width and spread of the cone, as in pl_rings_ray */
   pl_vec3 foot, along;
 } fan;
 
@@ -34,12 +36,12 @@ static fan fan_of(const pl_rings_ray *ray) {
                .along = along};
 }
 
-/* Along the ray, m. */
+/* Distance along the ray to the point at x, m. */
 static double way(const fan *f, double x) { return f->across * x - f->up * f->height; }
 
 static double width_at(const fan *f, double x) { return f->width + f->grow * way(f, x); }
 
-/* q of the line that meets x, times the width there. */
+/* q of the line that meets the ring plane at x, times the width of the cone there. */
 static double aside(const fan *f, double x) { return -f->up * x - f->across * f->height; }
 
 static double place(const fan *f, double x) {
@@ -47,7 +49,7 @@ static double place(const fan *f, double x) {
   return fmin(0.5, fmax(-0.5, q));
 }
 
-/* Keeps x with a x <= b. */
+/* Restricts the span to x with a x <= b. */
 static void keep(double a, double b, double span[2]) {
   if (a > 0.0)
     span[1] = fmin(span[1], b / a);
@@ -57,7 +59,8 @@ static void keep(double a, double b, double span[2]) {
     span[1] = -INFINITY;
 }
 
-/* x within the cone before the ray's end, and within the outer radius. */
+/* Range of x that lies within the cone, before the ray's end and within the outer radius. False if
+ * it is empty. */
 static bool span_of(const pl_rings *rings, const fan *f, double end_m, double span[2]) {
   const double outer = pl_rings_outer_m(rings);
   const double chord2 = (outer - f->lateral) * (outer + f->lateral);
@@ -67,21 +70,21 @@ static bool span_of(const pl_rings *rings, const fan *f, double end_m, double sp
   span[1] = sqrt(chord2) - f->start;
   const double lost = f->up * f->height, side = f->across * f->height;
   const double half = 0.5 * (f->width - f->grow * lost), slope = 0.5 * f->grow * f->across;
-  keep(-f->across, -lost, span);       /* ahead */
-  keep(f->across, end_m + lost, span); /* before the end */
+  keep(-f->across, -lost, span);       /* in front of the origin */
+  keep(f->across, end_m + lost, span); /* before the end of the ray */
   keep(-f->up - slope, side + half, span);
   keep(f->up - slope, -side + half, span);
   return span[0] < span[1];
 }
 
-/* The part of the cone between two places on one side of the point next to the axis. */
+/* The part of the cone between two positions on the same side of the point closest to the axis. */
 static bool piece_of(const fan *f, double x0, double x1, pl_rings_piece *out) {
   const double share = fabs(place(f, x1) - place(f, x0)), x = 0.5 * (x0 + x1);
   if (!(share > 0.0))
     return false;
   const double r0 = hypot(f->start + x0, f->lateral), r1 = hypot(f->start + x1, f->lateral);
   const double r = 0.5 * (r0 + r1);
-  /* What the cone is wide across the line is along the radius where the line is not. */
+  /* Half the cone's width across the line, projected onto the radius. */
   const double aside_m = r > 0.0 ? 0.5 * width_at(f, x) * fabs(f->lateral) / r : 0.0;
   *out = (pl_rings_piece){
       .share = share,

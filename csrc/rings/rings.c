@@ -1,4 +1,4 @@
-/* What rings are: their settings checked, and the phase function. */
+/* Rings: validation of the settings, precomputed tables and the phase function. */
 #include "rings/rings.h"
 
 #include <string.h>
@@ -34,7 +34,7 @@ static pl_status check(const pl_rings_settings *s) {
   return check_number("dust g", s->dust_g, -PEAKED, PEAKED);
 }
 
-/* 1 over the integral of turn^exponent over the sphere. */
+/* Normalization of the particles' phase function: 1 / (integral of turn^exponent over sphere). */
 static double norm_of(double exponent) {
   const pl_gauss rule = pl_gauss_make(PL_GAUSS_MAX);
   double sum = 0.0;
@@ -70,7 +70,7 @@ static void set_reach(pl_rings *rings) {
       albedo * ((1.0 - rings->dust_share) * particles + rings->dust_share * peak);
 }
 
-/* Integrals over the radius, see table.h. */
+/* Fills the integrals over the radius that table.h describes. */
 static void fill_sums(pl_rings *rings) {
   for (size_t i = 0; i < rings->count; i++) {
     const double width = rings->edges_m[i + 1] - rings->edges_m[i];

@@ -1,4 +1,4 @@
-/* The effect row `rings`: what rings add, hide and shade. */
+/* The effect row `rings`: light that rings add, what they hide and the shadows that they cast. */
 #include "plan/effects.h"
 
 #include <math.h>
@@ -8,8 +8,9 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Longest way through the rings over their normal's length, of lines from them to within margin_m
- * of a point: no point of the rings is farther from it than its distance and their radius. */
+/* Upper bound of the path length through the rings relative to the path along their normal, for
+ * lines from the rings to points within margin_m of `point_m`. No point of the rings is farther
+ * from that point than the point's distance from the centre plus the ring radius. */
 static double longest(const pl_view_thing *body, const double point_m[3], double margin_m) {
   const double from[3] = {point_m[0] - body->center_m[0], point_m[1] - body->center_m[1],
                           point_m[2] - body->center_m[2]};
@@ -22,7 +23,7 @@ static double opacity(const pl_view_thing *body, double path) {
   return body->rings_depth > 0.0 ? -expm1(-body->rings_depth * path) : 0.0;
 }
 
-/* Whether sunlight passes the rings on its way to things in the frame. */
+/* True if sunlight crosses the rings on its way to an object or body in the frame. */
 static bool shades(const pl_view *view, const pl_view_thing *body) {
   const pl_view_thing shell = pl_view_rings(body);
   for (size_t i = 0; i < view->thing_count; i++)
@@ -31,10 +32,11 @@ static bool shades(const pl_view *view, const pl_view_thing *body) {
   return false;
 }
 
-/* Upper bound of the part of a source's light that rings keep from a receiver. Lines at a sine of y
- * to their plane lose min(1, depth/y) at most; over a disc of radius rho about the plane's horizon
- * the mean of that is below (4/pi) depth/rho (1 + ln(rho/depth)), and twice that also where angles
- * are no longer as their sines. Mirrors may show the horizon alone. */
+/* Upper bound of the fraction of a source's light that rings block from a receiver. A line at an
+ * angle to the ring plane whose sine is y loses min(1, depth/y) at most. Over a disc of angular
+ * radius rho centred on the plane's horizon, the mean of this loss is below (4/pi) depth/rho (1 +
+ * ln(rho/depth)). The bound is twice that, to include angles too large for the small-angle
+ * approximation. A mirror may reflect only the horizon, so its bound is 1. */
 static double kept_back(double depth, const pl_view_thing *receiver, const pl_view_thing *source) {
   double d2 = 0.0;
   for (int k = 0; k < 3; k++)
@@ -45,8 +47,9 @@ static double kept_back(double depth, const pl_view_thing *receiver, const pl_vi
   return fmin(1.0, 2.55 * depth / rho * (1.0 + log1p(rho / depth)));
 }
 
-/* Radiance that things in the frame get by reflection of the rings' light, or lose of others'. The
- * body's own light by its rings is left out by all. `lit`: way of the sun's light through them. */
+/* Upper bound of the radiance that objects and bodies in the frame reflect of the rings' light, or
+ * lose of the light from others. Light that a body receives from its own rings is neglected at
+ * every value of the effect. `lit`: relative path length of sunlight through the rings. */
 static double reflected(const pl_view *view, const pl_view_thing *body, double lit) {
   const pl_view_thing shell = pl_view_rings(body);
   double most = 0.0;
@@ -92,7 +95,7 @@ static double missing_dn(const pl_view *view, const pl_view_thing *body) {
   const double hidden = opacity(body, seen);
   if (view->sun_in_frame && hidden > 0.0)
     return pl_view_dn(view, INFINITY);
-  /* Of one scattering no more than the depth along both ways comes. */
+  /* Single scattering returns at most the optical depth along both paths. */
   const double scattered =
       body->rings_depth > 0.0 ? fmin(1.0, body->rings_depth * (seen + lit)) : 0.0;
   return sum + pl_view_dn(view, scattered * body->rings_light) + pl_view_dn_dimming(hidden) +

@@ -1,15 +1,17 @@
-/* Light that an even layer scatters once, and lets through. */
+/* Light that a uniform layer scatters once and transmits. */
 #include "rings/table.h"
 
-/* Sines this near to each other, as a part of them, count as the same. */
+/* Sines whose relative difference is below this are treated as equal. */
 static const double ALIKE = 1e-4;
-/* The sun's disc in strips of equal area: heights of their middles over its radius. */
+/* The sun's disc is divided into strips of equal area: heights of the strip centres above the
+ * disc's centre, in units of its radius. */
 static const double strips[] = {0.09833347320030121, 0.29904317575451006, 0.514584233175152,
                                 0.7733898610653267};
 enum { STRIPS = sizeof strips / sizeof *strips };
 
-/* For an albedo and a phase function of 1, where the sun's height over the plane has this sine, and
- * is above it on the observer's side if positive: added to the bands, `part` times. */
+/* Adds `part` times the scattered light to the bands, for a phase function of 1. `sun_sine` is the
+ * sine of the sun's elevation above the ring plane, positive if the sun is on the observer's side.
+ */
 static void add_light(const pl_rings *rings, const pl_rings_piece *piece, double sun_sine,
                       double part, double sum[3]) {
   const double mu = piece->sine, mu0 = fmax(fabs(sun_sine), 1e-12);
