@@ -25,7 +25,8 @@ typedef struct penumbra {
   double widest; /* so far */
 } penumbra;
 
-/* Of what cannot be wider than the widest so far nothing is asked. */
+/* Test for pl_view_any: raises `widest` to the caster's penumbra. Casters, and groups of them
+ * (`several`), whose penumbra cannot exceed the widest so far are skipped. */
 static bool widen(const pl_view_thing *caster, bool several, void *context) {
   penumbra *p = context;
   const pl_view_thing *receiver = p->receiver;
