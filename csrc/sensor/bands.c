@@ -1,4 +1,4 @@
-/* A small matrix on every pixel. */
+/* Applies a small matrix to every pixel. */
 #include "sensor/bands.h"
 
 void pl_bands_write(const float parts[][3], int bands, const pl_vec3f *radiance, size_t count,

@@ -1,6 +1,6 @@
-/* The stage `black_sun`: a CMOS pixel is read as the difference to its level after the reset, which
- * is sampled a little later. What it gathers in between is missing, and where that alone fills the
- * pixel nothing is left: the sun is black. */
+/* The stage `black_sun`: a CMOS pixel is read as the difference from its reset level, which is
+ * sampled shortly after the reset. Charge gathered in between is lost. If that charge alone fills
+ * the pixel, the difference is 0 and the sun appears black. */
 #include <math.h>
 
 #include "plan/effects.h"
@@ -29,8 +29,8 @@ static const char *absent(const pl_view *view) {
   return s->reset_s > 0.0 && s->exposure_s > 0.0 ? NULL : "the reset is sampled at once";
 }
 
-/* What is missing of the largest charge; blooming leaves sources as they are, and fills others no
- * further than to the well. */
+/* The largest charge that is lost. Blooming does not change its sources and fills other pixels at
+ * most to the full well. */
 static double bound_dn(const pl_view *view, int value) {
   const pl_sensor *s = view->sensor;
   if (value > 0)

@@ -1,12 +1,13 @@
-/* The stage `blooming`: what a full pixel of a CCD cannot hold flows along its column, half up and
- * half down, and fills pixel after pixel; what passes the column's ends, and the part that a drain
- * takes from each excess, is lost. Charge is else conserved. */
+/* The stage `blooming`: the charge in excess of a CCD pixel's full well flows along its column,
+ * half up and half down, and fills one pixel after another. Charge is lost where it leaves the ends
+ * of the column, and the anti-blooming drain removes a fraction of each excess. Otherwise charge is
+ * conserved. */
 #include <math.h>
 
 #include "plan/effects.h"
 #include "sensor/stages.h"
 
-/* Moves what flows one way; `step` is +-1. */
+/* Moves the charge that flows in one direction; `step` is +-1. */
 static void flow(pl_sensor_frame *frame, int x, int first, int step) {
   const size_t width = (size_t)frame->width;
   const double well = frame->sensor->full_well;
@@ -14,7 +15,7 @@ static void flow(pl_sensor_frame *frame, int x, int first, int step) {
   for (int y = first; y >= 0 && y < frame->height; y += step) {
     double *pixel = &frame->electrons[(size_t)y * width + (size_t)x];
     const double total = *pixel;
-    if (total > well) { /* a source: its half joins what flows by, and its well stays full */
+    if (total > well) { /* a source: half of its excess joins the flow, and its well stays full */
       carried += 0.5 * (1.0 - frame->sensor->drain) * (total - well);
     } else {
       const double taken = fmin(carried, well - total);
@@ -31,7 +32,7 @@ static void bloom_column(pl_sensor_frame *frame, int x) {
 
 pl_status pl_stage_blooming(pl_sensor_frame *frame, int value) {
   (void)value;
-  return pl_sensor_columns(frame, bloom_column); /* `full_well` then clips the sources */
+  return pl_sensor_columns(frame, bloom_column); /* the stage `full_well` then clips the sources */
 }
 
 static const char *absent(const pl_view *view) {
@@ -43,7 +44,7 @@ static const char *absent(const pl_view *view) {
   return pl_sensor_charge_max(view) > view->sensor->full_well ? NULL : "no pixel is full";
 }
 
-/* All that a column's pixels cannot hold may end in one pixel. */
+/* The excess of a whole column may end up in one pixel. */
 static double bound_dn(const pl_view *view, int value) {
   const double excess = pl_sensor_charge_max(view) - view->sensor->full_well;
   return value > 0 ? 0.0 : pl_sensor_dn(view, view->height * excess);

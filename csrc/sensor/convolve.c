@@ -1,9 +1,10 @@
-/* Transforms of planes: rows and blocks of columns on all threads, each line by one of them. */
+/* Fourier transforms of planes. Rows and blocks of columns run in parallel; one thread transforms
+ * each line. */
 #include "sensor/convolve.h"
 
 #include <string.h>
 
-/* Columns that are gathered at once: 8 * 16 bytes are two lines of cache. */
+/* Columns that are gathered together: 8 * 16 bytes are two cache lines. */
 enum { BLOCK = 8 };
 
 size_t pl_plane_side(int side, int least) {
@@ -45,7 +46,7 @@ pl_complex *pl_plane_alloc(const pl_plane *plane, pl_arena *arena) {
 typedef struct job {
   const pl_plane *plane;
   pl_complex *data;
-  const pl_complex *kernel; /* multiplied in before columns go back; NULL: forward */
+  const pl_complex *kernel; /* multiplied in before the inverse; NULL: forward */
 } job;
 
 static pl_status do_row(void *context, size_t row, int worker) {

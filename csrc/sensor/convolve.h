@@ -1,4 +1,4 @@
-/* Images convolved with a kernel, by Fourier transform; beyond the image all is dark. */
+/* Convolution of images with a kernel by Fourier transform. Images are 0 outside their borders. */
 #ifndef PL_SENSOR_CONVOLVE_H
 #define PL_SENSOR_CONVOLVE_H
 
@@ -6,31 +6,34 @@
 #include "base/parallel.h"
 #include "math/fft.h"
 
-/* A padded plane of complex numbers, sides powers of two. */
+/* A padded plane of complex numbers whose sides are powers of two. */
 typedef struct pl_plane {
-  size_t width, height;   /* padded */
-  size_t inner_height;    /* rows that hold an image; the others are padding */
-  pl_complex *factors[2]; /* of rows and of columns */
-  pl_complex *scratch;    /* for each thread */
+  size_t width, height;   /* including padding */
+  size_t inner_height;    /* rows that hold the image; the others are padding */
+  pl_complex *factors[2]; /* twiddle factors of rows and of columns */
+  pl_complex *scratch;    /* for all threads, scratch_each numbers per thread */
   size_t scratch_each;
   int threads;
   pl_cancel *cancel; /* may be NULL */
 } pl_plane;
 
-/* The padded side for a kernel that reaches `least` pixels or from end to end of the image. */
+/* Padded side length for a kernel with a half width of `least` pixels, or for one that extends
+ * across the whole image if that is less. */
 size_t pl_plane_side(int side, int least);
-/* What a kernel may then reach. */
+/* Largest half width of a kernel, in pixels, that the padded side allows. */
 int pl_plane_reach(int side, int least);
-/* `reach` (x, y; pixels): what a kernel has to reach; becomes what it reaches. */
+/* `reach`: half width of the kernel (x, y; pixels). In: the required one; out: the available one.
+ */
 pl_status pl_plane_init(pl_plane *plane, int width, int height, int threads, pl_cancel *cancel,
                         pl_arena *arena, int reach[2]);
-/* Room for a plane's numbers, all 0; NULL when out of memory. */
+/* Allocates the numbers of a plane, all 0. Returns NULL if out of memory. */
 pl_complex *pl_plane_alloc(const pl_plane *plane, pl_arena *arena);
-/* A kernel to its spectrum. Its centre is at (0, 0), what is left of or above it at the far ends.
- */
+/* Transforms a kernel to its spectrum. The kernel's centre is at (0, 0); the parts to the left and
+ * above wrap around to the far ends. */
 pl_status pl_plane_spectrum(const pl_plane *plane, pl_complex *kernel);
-/* Convolves an image (in the upper left corner, else 0) with the kernel of a spectrum; only the
- * image's rows are right afterwards. The real and the imaginary part are two images. */
+/* Convolves an image (in the upper left corner, 0 elsewhere) with the kernel of a spectrum.
+ * Afterwards only the image's rows are valid. The real and the imaginary part are two independent
+ * images. */
 pl_status pl_plane_convolve(const pl_plane *plane, pl_complex *data, const pl_complex *spectrum);
 
 #endif

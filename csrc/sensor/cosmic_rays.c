@@ -1,7 +1,7 @@
 /* The stage `cosmic_rays`: particles that cross the sensor and leave charge along straight tracks.
- * Their number is Poisson distributed with the stated flux times area and time. A ray comes from a
- * direction of an isotropic flux through a plane (density cos(theta)), crosses a layer of the
- * stated depth, and frees charge in proportion to its path. */
+ * Their number is Poisson distributed with a mean of flux times area times exposure time. The
+ * direction of a ray follows an isotropic flux through a plane (density cos(theta)). The ray
+ * crosses a layer of depth `ray_depth_m` and frees charge in proportion to its path length. */
 #include <math.h>
 
 #include "sensor/draws.h"
@@ -9,11 +9,12 @@
 #include "sensor/stages.h"
 
 static const double TWO_PI = 6.28318530717958647692;
-/* Tracks are drawn in steps of this part of a pixel. */
+/* Tracks are sampled in steps of this fraction of a pixel. */
 static const double STEP_PX = 0.125;
-/* Nearly grazing rays would cross the whole sensor: tan(theta) up to this. */
+/* Upper limit of tan(theta): rays at grazing incidence would cross the whole sensor. */
 static const double MOST_TANGENT = 50.0;
-/* More than this many rays cover a sensor; time and flux beyond show no more. */
+/* Upper limit of the number of rays. So many cover the sensor; higher values make no visible
+ * difference. */
 static const double MOST_RAYS = 1e6;
 
 static void add_charge(pl_sensor_frame *frame, double x, double y, double electrons) {
@@ -44,7 +45,7 @@ static double mean_rays(const pl_sensor *sensor, int width, int height) {
   return fmin(MOST_RAYS, sensor->ray_flux * area * sensor->exposure_s);
 }
 
-/* On one thread: rays are few, and may meet in a pixel. */
+/* Runs on one thread, since rays are few and several may hit the same pixel. */
 pl_status pl_stage_cosmic_rays(pl_sensor_frame *frame, int value) {
   (void)value;
   pl_stream stream = pl_stream_of(frame->seed, PL_DRAW_RAY, 0, frame->index);
@@ -55,7 +56,7 @@ pl_status pl_stage_cosmic_rays(pl_sensor_frame *frame, int value) {
   return PL_OK;
 }
 
-/* A frame that a ray hits once in a million is as one without. */
+/* The effect is absent if less than one frame in a million is hit by a ray. */
 static const char *absent(const pl_view *view) {
   const char *none = pl_sensor_absent(view);
   if (none != NULL)
@@ -64,8 +65,9 @@ static const char *absent(const pl_view *view) {
   return mean > 1e-6 && view->sensor->ray_electrons_per_m > 0.0 ? NULL : "no ray hits the sensor";
 }
 
-/* A ray leaves at most the track that fits in a pixel, and a step of it more; several may meet in
- * one. A track of length l crosses 1 + 4 l / pi pixels on average; the mean tangent is pi / 2. */
+/* In one pixel a ray deposits at most the charge of the longest track that fits in a pixel, plus
+ * that of one step. Several rays may meet in one pixel. A track of length l crosses 1 + 4 l / pi
+ * pixels on average; the mean tangent is pi / 2. */
 double pl_sensor_rays_max(const pl_view *view) {
   const pl_sensor *sensor = view->sensor;
   const double track_m = 1.1 * hypot(sensor->ray_depth_m, sqrt(2.0) * sensor->pixel_m);

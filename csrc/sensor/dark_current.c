@@ -1,6 +1,7 @@
-/* The stage `dark_current`: electrons that warmth frees, more in some pixels than in others. A
- * pixel's share of the mean is log-normal with the stated relative deviation (its long tail are the
- * warm pixels), keyed by the unit. Its noise is that of `shot_noise`. */
+/* The stage `dark_current`: thermally generated electrons, with dark-signal non-uniformity. The
+ * ratio of a pixel's dark current to the mean is log-normal with the stated relative deviation
+ * (warm pixels form its long tail), and its random key is the sensor's serial number. The stage
+ * `shot_noise` adds the noise. */
 #include <math.h>
 
 #include "sensor/draws.h"

@@ -1,5 +1,5 @@
-/* The stage `defects`: hot pixels, whose dark current is far from that of the others, and dead
- * ones, which see nothing. Which pixels they are is keyed by the unit. */
+/* The stage `defects`: hot pixels, with a dark current far above that of the others, and dead
+ * pixels, which do not respond. The random key of their positions is the sensor's serial number. */
 #include "sensor/draws.h"
 #include "plan/effects.h"
 #include "sensor/stages.h"
@@ -12,7 +12,7 @@ static void spoil_row(pl_sensor_frame *frame, int y) {
     const double u = pl_stream_uniform(&stream);
     if (u < sensor->dead_pixels)
       frame->electrons[i] = 0.0;
-    else if (u < sensor->dead_pixels + sensor->hot_pixels) /* from half to one and a half of it */
+    else if (u < sensor->dead_pixels + sensor->hot_pixels) /* 0.5 to 1.5 times hot_current */
       frame->electrons[i] +=
           sensor->hot_current * sensor->exposure_s * (0.5 + pl_stream_uniform(&stream));
   }

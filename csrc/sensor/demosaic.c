@@ -1,12 +1,14 @@
-/* The stage `demosaic`: digital numbers to a picture: black level off, each band from the nearest
- * pixels that see it (bilinear), balanced so that a white sunlit surface is grey, display-encoded.
- * White is where the pixels that fill first are full. */
+/* The stage `demosaic`: converts digital numbers to the 8-bit image. Subtracts the black level,
+ * interpolates each band bilinearly from the nearest pixels with that filter, applies the white
+ * balance that makes a sunlit white surface grey, and encodes for display. White is the level at
+ * which the most sensitive pixels are full. */
 #include <math.h>
 
 #include "sensor/stages.h"
 
-/* Mean over the neighbours (dx, dy in -1..1) in the image that see `band`, with the weights 4, 2,
- * 1 of bilinear interpolation by distance; the pixel itself if it sees it. */
+/* Value of `band` at a pixel: the pixel's own value if it has that filter, otherwise the mean over
+ * those neighbours inside the image (dx, dy in -1..1) that have it, with the bilinear weights 4, 2
+ * and 1 by distance. */
 static double interpolate(const pl_sensor_frame *frame, int x, int y, int band) {
   const pl_mosaic mosaic = frame->sensor->mosaic;
   const size_t width = (size_t)frame->width;
@@ -23,7 +25,7 @@ static double interpolate(const pl_sensor_frame *frame, int x, int y, int band) 
       sum += weight * frame->raw[(size_t)v * width + (size_t)u];
       weights += weight;
     }
-  /* An image of one row or column has no pixel of some bands: they show black. */
+  /* An image of a single row or column lacks some bands; they come out black. */
   return weights > 0.0 ? sum / weights : frame->sensor->black_level;
 }
 

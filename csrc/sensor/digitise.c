@@ -1,4 +1,5 @@
-/* The stage `digitise`: electrons to digital numbers: gain, black level, rounding, the last bit. */
+/* The stage `digitise`: converts electrons to digital numbers by gain, black level, rounding and
+ * clipping to the bit depth. */
 #include <math.h>
 
 #include "sensor/stages.h"

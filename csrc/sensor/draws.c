@@ -1,4 +1,4 @@
-/* Uniform, normal and Poisson numbers of a Philox stream. */
+/* Uniform, normal and Poisson random numbers from a Philox stream. */
 #include "sensor/draws.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 static const double TWO_PI = 6.28318530717958647692;
 static const double INVERSION_BELOW = 10.0, NORMAL_FROM = 1e4;
-/* Keeps these streams apart from those of others with the same seed: "sensor" in ASCII. */
+/* Separates these streams from others with the same seed: "sensor" in ASCII. */
 static const uint64_t DOMAIN = UINT64_C(0x73656e736f720000);
 
 pl_stream pl_stream_of(uint64_t seed, pl_draw what, uint64_t item, uint64_t frame) {
@@ -34,8 +34,8 @@ double pl_stream_normal(pl_stream *stream) {
 static double poisson_by_inversion(pl_stream *stream, double mean) {
   const double u = pl_stream_uniform(stream);
   double probability = exp(-mean), sum = probability, count = 0.0;
-  /* The tail beyond 100 is 1e-60 at a mean of 10: it ends there where rounding keeps sum below u.
-   */
+  /* The tail beyond 100 is 1e-60 at a mean of 10; the limit ends the loop if rounding keeps sum
+   * low. */
   while (u >= sum && count < 100.0) {
     count += 1.0;
     probability *= mean / count;
@@ -44,7 +44,8 @@ static double poisson_by_inversion(pl_stream *stream, double mean) {
   return count;
 }
 
-/* log(k!) with an error below 1e-9: Stirling's series, and recurrence where it is poor. */
+/* log(k!) with an error below 1e-9: Stirling's series, with the recurrence where the series is
+ * inaccurate. */
 static double log_factorial(double k) {
   double shift = 0.0;
   for (; k < 9.0; k += 1.0)
@@ -86,7 +87,8 @@ double pl_poisson_most(double mean) {
   const double rare = 20.72326583694641; /* -log(1e-9) */
   if (!(mean > 0.0) || !isfinite(mean))
     return mean > 0.0 ? mean : 0.0;
-  /* From above (Bernstein's bound) Newton's steps on a convex function stay above. */
+  /* Newton's steps on a convex function stay above the root if they start there: at Bernstein's
+   * bound. */
   double k = mean + rare / 3.0 + sqrt(rare * rare / 9.0 + 2.0 * rare * mean);
   for (int step = 0; step < 8; step++) {
     const double slope = log(k / mean);

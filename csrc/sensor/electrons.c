@@ -1,9 +1,9 @@
-/* The stage `electrons`: mean photo-electrons of each pixel, under its filter. */
+/* The stage `electrons`: mean number of photoelectrons in each pixel behind its filter. */
 #include <math.h>
 
 #include "sensor/stages.h"
 
-/* Sums of charge beyond this are no sensor's, and must not become infinite. */
+/* Upper limit of the charge, far above that of any sensor; keeps sums finite. */
 static const double MOST_ELECTRONS = 1e30;
 
 static void convert_row(pl_sensor_frame *frame, int y) {
@@ -19,7 +19,7 @@ static void convert_row(pl_sensor_frame *frame, int y) {
         sensor->mosaic == PL_MOSAIC_MONO
             ? bands[0] * response[0] + bands[1] * response[1] + bands[2] * response[2]
             : bands[band] * response[band];
-    /* fmax drops NaN: a pixel without a radiance stays dark */
+    /* fmax drops NaN: a pixel without a valid radiance stays dark */
     frame->electrons[first + (size_t)x] = fmin(fmax(0.0, electrons), MOST_ELECTRONS);
   }
 }

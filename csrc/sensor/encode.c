@@ -1,10 +1,10 @@
-/* The encoder's tables and their use. */
+/* Tables of the display encoder, and the encoding. */
 #include "sensor/encode.h"
 
 #include <math.h>
 
-/* The smallest float whose display value reaches (code - 1/2)/255; in double, since the curve in
- * float misplaces it by an ulp. Inverse of IEC 61966-2-1. */
+/* The smallest float whose display value reaches (code - 1/2)/255. Computed in double, since the
+ * curve in float misplaces it by an ulp. Inverse of IEC 61966-2-1. */
 static float threshold_of(int code) {
   const double encoded = (code - 0.5) / 255.0;
   const double linear = encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);

@@ -1,4 +1,4 @@
-/* Metering. */
+/* Metering: the white level from the luminances of an image. */
 #include "sensor/exposure.h"
 
 #include <stdlib.h>
@@ -15,7 +15,7 @@ double pl_exposure_meter(const pl_exposure *exposure, float *luminances, size_t 
   if (count == 0)
     return fallback;
   for (size_t i = 0; i < count; i++)
-    if (!(luminances[i] > 0.0f)) /* NaN has no place in an order */
+    if (!(luminances[i] > 0.0f)) /* NaN cannot be sorted */
       luminances[i] = 0.0f;
   qsort(luminances, count, sizeof *luminances, ascending);
   const double threshold = lit * fmin(luminances[count - 1], fallback);

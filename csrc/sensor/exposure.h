@@ -1,4 +1,4 @@
-/* Exposure: which radiance is shown as white. */
+/* Exposure: the radiance that is displayed as white. */
 #ifndef PL_SENSOR_EXPOSURE_H
 #define PL_SENSOR_EXPOSURE_H
 
@@ -11,14 +11,15 @@ typedef struct pl_exposure {
   bool automatic;
   double white_radiance; /* fixed: W m-2 sr-1 encoded as 255 */
   double percentile;     /* automatic: this percentile of the lit pixels, 0..100 ... */
-  double key;            /* ... is shown at this fraction of white, linear */
-  double least_white;    /* automatic: white is no darker, unless a sunlit white surface is */
+  double key;            /* ... is displayed at this fraction of white, linear */
+  double least_white;    /* automatic: lower limit of white; `fallback` if that is less */
 } pl_exposure;
 
-/* The white radiance that an automatic exposure chooses for metered luminances (sorted in place).
- * `fallback` is that of a sunlit white surface, and the answer when nothing is lit. Pixels darker
- * than a thousandth of it count as unlit, or of the brightest pixel where all is darker: so neither
- * the sun's disc nor a glint makes the rest of the frame count as dark. */
+/* Returns the white radiance that automatic exposure chooses from metered luminances (sorted in
+ * place). `fallback` is the radiance of a sunlit white surface, and is returned if nothing is lit.
+ * Pixels are ignored as unlit if they are darker than a thousandth of `fallback`, or of the
+ * brightest pixel if that is darker than `fallback`. The sun's disc or a glint therefore does not
+ * make the rest of the frame count as unlit. */
 double pl_exposure_meter(const pl_exposure *exposure, float *luminances, size_t count,
                          double fallback);
 

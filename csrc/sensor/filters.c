@@ -1,6 +1,6 @@
-/* The stage `filters`: what the filters of a mosaic see of the light's three colours: none is as
- * steep as to see one of them alone. Left out, each sees its own colour, as strong in white light.
- */
+/* The stage `filters`: crosstalk of the colour filters of a mosaic. Real filters overlap, so each
+ * responds to all three colours of the light. If the stage is off, each filter responds to its own
+ * colour only, with the same response to white light. */
 #include <math.h>
 
 #include "plan/effects.h"
@@ -22,7 +22,7 @@ pl_status pl_stage_filters(pl_sensor_frame *frame, int value) {
   return frame->sensor->mixed ? pl_sensor_rows(frame, mix_row) : PL_OK;
 }
 
-/* The part of its light that a filter has of other colours, of the worst. */
+/* Largest fraction of a filter's signal that comes from the other colours. */
 static double foreign(const pl_sensor *sensor) {
   double part = 0.0;
   for (int band = 0; band < 3 && sensor->mixed; band++)
@@ -37,7 +37,7 @@ static const char *absent(const pl_view *view) {
   return foreign(view->sensor) > 0.0 ? NULL : "no filters that see several colours";
 }
 
-/* Of colours between none and all of the brightest light. */
+/* The other colours may have any radiance between 0 and the brightest light. */
 static double bound_dn(const pl_view *view, int value) {
   const double part = foreign(view->sensor);
   if (value > 0 || part == 0.0)

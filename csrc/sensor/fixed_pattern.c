@@ -1,5 +1,6 @@
-/* The stage `fixed_pattern`: pixels respond a little differently, always in the same way (PRNU of
- * EMVA 1288). A factor 1 + prnu N(0, 1) of each pixel, keyed by the unit; never below 0. */
+/* The stage `fixed_pattern`: photo-response non-uniformity, the same in every frame (PRNU of EMVA
+ * 1288). Each pixel has a factor 1 + prnu N(0, 1), never below 0, whose random key is the sensor's
+ * serial number. */
 #include <math.h>
 
 #include "sensor/draws.h"

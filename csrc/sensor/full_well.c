@@ -1,4 +1,4 @@
-/* The stage `full_well`: a pixel holds so many electrons and no more. */
+/* The stage `full_well`: limits the charge of a pixel to the full-well capacity. */
 #include <math.h>
 
 #include "sensor/stages.h"

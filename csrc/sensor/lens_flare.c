@@ -1,7 +1,7 @@
-/* The stage `lens_flare`: ghosts of the sun, where it shines into the lens, and of the pixels that
- * are brighter than white. A ghost is an even disc that holds a stated part of its source's light,
- * all of it where the disc is in the image; it falls off with all other light. What is brighter
- * than white within 4 x 4 pixels is one source, at its centroid. */
+/* The stage `lens_flare`: ghosts of the sun, if sunlight enters the lens, and of pixels brighter
+ * than white. A ghost is a uniform disc that contains a stated fraction of its source's light;
+ * light of the disc outside the image is lost. Vignetting applies to ghosts as to all other light.
+ * All light brighter than white within 4 x 4 pixels is one source, at its centroid. */
 #include <math.h>
 #include <string.h>
 
@@ -12,7 +12,7 @@ static const double PI = 3.14159265358979323846;
 enum { BLOCK = 4 };
 
 typedef struct source {
-  double place[2]; /* from the axis, pixels */
+  double place[2]; /* relative to the optical axis, pixels */
   double light[3];
 } source;
 
@@ -20,7 +20,7 @@ typedef struct ghosts {
   pl_sensor_frame *frame;
   source *sources;
   size_t count;
-  double per_px; /* tangent of a pixel */
+  double per_px; /* tangent of the angle that a pixel subtends */
 } ghosts;
 
 pl_status pl_flare_check(const pl_flare *flare) {
@@ -54,13 +54,13 @@ static double radius_px(const pl_ghost *ghost, double per_px) {
 
 /* --- sources */
 
-/* Radiance that fills the pixels that fill first. */
+/* Radiance at which the most sensitive pixels are full. */
 static double white_radiance(const pl_sensor *sensor) {
   return pl_sensor_white_electrons(sensor) / pl_sensor_response_white(sensor);
 }
 
-/* What comes through the aperture from a pixel, of what would come from one on the axis: its solid
- * angle goes with cos^3 of the angle, the aperture with the cosine. */
+/* Light through the aperture from a pixel relative to that from a pixel on the axis: the solid
+ * angle varies as cos^3 of the angle, the projected aperture as the cosine. */
 static double aperture_part(const pl_sensor_frame *f, int x, int y) {
   const double u = (x - f->centre_px[0]) / f->focal_px[0];
   const double v = (y - f->centre_px[1]) / f->focal_px[1];
@@ -71,7 +71,7 @@ static bool is_sun(const pl_flare_sun *sun, double x, double y) {
   return sun->on && hypot(x - sun->place_px[0], y - sun->place_px[1]) <= sun->radius_px + 1.5;
 }
 
-/* Adds what is over-bright in a block to the list. */
+/* Adds the light brighter than white in a block to the list of sources. */
 static void gather_block(ghosts *g, int x0, int y0, double white) {
   const pl_sensor_frame *f = g->frame;
   source s = {.place = {0.0, 0.0}};
@@ -121,13 +121,14 @@ static pl_status gather(ghosts *g) {
 
 /* --- discs */
 
-/* Area of a disc below a line at `t` from its middle, less half the disc. */
+/* Area of a disc below a line at `t` from its centre, minus half the disc. */
 static double below(double r, double t) {
   const double c = fmin(r, fmax(-r, t));
   return c * sqrt(r * r - c * c) + r * r * asin(c / r);
 }
 
-/* Adds a disc's share of row y; its area in the row, all at the same height, is a span. */
+/* Adds the light of a disc in row y. Its area within the row is treated as a span of full row
+ * height. */
 static void add_disc(const pl_sensor_frame *f, int y, const double middle[2], double r,
                      const double each[3]) {
   const double area = below(r, y + 0.5 - middle[1]) - below(r, y - 0.5 - middle[1]);
@@ -179,19 +180,19 @@ pl_status pl_stage_lens_flare(pl_sensor_frame *frame, int value) {
 
 /* --- the row */
 
-/* Part of the sun's light that can come past the baffle. */
+/* Upper bound of the fraction of sunlight that passes the baffle. */
 static double sun_part(const pl_view *view) {
   const double angle = fmax(0.0, view->sun_axis_rad - view->sun_radius_rad);
   return pl_flare_baffle(&view->sensor->flare, angle);
 }
 
-/* Whether anything in the frame can be brighter than white. */
+/* True if anything in the frame can be brighter than white. */
 static bool over_bright(const pl_view *view, double brightest) {
   return brightest >= white_radiance(view->sensor);
 }
 
-/* In a pixel all discs may meet whose sources lie within the disc's radius over the scale; blocks
- * are drawn together at their centroids, at most 6 pixels away. */
+/* All discs whose sources lie within the disc's radius divided by the scale may overlap in one
+ * pixel. A block is represented by its centroid, which is at most 6 pixels away from its pixels. */
 double pl_flare_radiance_max(const pl_view *view, double brightest) {
   const pl_flare *flare = &view->sensor->flare;
   const double pixels = (double)view->width * view->height, sun = sun_part(view);

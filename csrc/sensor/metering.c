@@ -1,4 +1,4 @@
-/* How a camera chooses exposure time and gain by a small image of what it is about to see. */
+/* Automatic exposure: chooses exposure time and gain from a small preview image. */
 #include "sensor/metering.h"
 
 #include <math.h>
@@ -6,7 +6,8 @@
 
 #include "sensor/exposure.h"
 
-/* Copies the pixels whose middles lie in the window, at least the one nearest to its middle. */
+/* Copies the pixels whose centres lie in the window, or the pixel nearest to its centre if there
+ * are none. Returns their number. */
 static size_t cut_out(const double window[4], const float *signals, int width, int height,
                       float *out) {
   size_t count = 0;
@@ -36,7 +37,7 @@ double pl_sensor_meter(const pl_auto_time *how, const float *signals, int width,
   const pl_exposure exposure = {.percentile = how->percentile, .key = how->key};
   const size_t count = cut_out(how->window, signals, width, height, scratch);
   const double average = mean(scratch, count);
-  /* sorts them, and makes what is no light 0 */
+  /* sorts the signals, and sets NaN and negative ones to 0 */
   double white = pl_exposure_meter(&exposure, scratch, count, fallback);
   if (how->mean)
     white = average > 0.0 ? average / how->key : fallback;
@@ -44,7 +45,7 @@ double pl_sensor_meter(const pl_auto_time *how, const float *signals, int width,
   return free < count ? fmax(white, (double)scratch[count - 1 - free]) : white;
 }
 
-/* Seconds that bring the radiance to white, or as long as may be where it is none. */
+/* Exposure time that brings the radiance to white, s, or the longest time if the radiance is 0. */
 static double wanted_s(const pl_sensor *sensor, double radiance) {
   pl_sensor second = *sensor;
   second.exposure_s = 1.0;
@@ -52,7 +53,7 @@ static double wanted_s(const pl_sensor *sensor, double radiance) {
   return rate > 0.0 ? pl_sensor_white_electrons(sensor) / rate : sensor->auto_time.max_s;
 }
 
-/* The longest of the allowed times that is no longer than wanted. */
+/* The longest allowed time that does not exceed the wanted one. */
 static double allowed_s(const pl_auto_time *how, double time_s) {
   if (how->step_s > 0.0)
     time_s = how->step_s * floor(time_s / how->step_s);

@@ -4,14 +4,14 @@
 
 #include "sensor/sensor.h"
 
-/* The radiance that is to be white, by what the pixels of a small raw image say (row-major).
- * `scratch` has room for as many. `fallback`: that of a sunlit white surface, where nothing is lit.
- */
+/* Returns the radiance that is to be white, from the pixels of a small raw image (row-major).
+ * `scratch` has room for as many pixels. `fallback`: radiance of a sunlit white surface, returned
+ * if nothing is lit. */
 double pl_sensor_meter(const pl_auto_time *how, const float *signals, int width, int height,
                        float *scratch, double fallback);
-/* Sets the exposure time, and with steps of gain the gain, that bring `radiance` (W m-2 sr-1,
- * white) to white, in the limits of the automatic: the first gain for which the longest time
- * suffices. */
+/* Sets the exposure time that brings `radiance` (W m-2 sr-1) to white, within the limits of the
+ * automatic exposure. If there are several gains, also sets the gain: the first for which the
+ * longest time suffices. */
 void pl_sensor_expose(pl_sensor *sensor, double radiance);
 
 #endif

@@ -1,5 +1,6 @@
-/* The stage `point_spread`: light of a point reaches its neighbours, and by the wings the whole
- * image. Value 1 convolves with the middle of the function, 2 with all of it. */
+/* The stage `point_spread`: convolution with the lens's point-spread function. Light of a point
+ * spreads to its neighbours, and by the wings over the whole image. Value 1 convolves with the
+ * central part of the function, 2 with all of it. */
 #include <math.h>
 #include <string.h>
 
@@ -8,10 +9,10 @@
 #include "sensor/psf.h"
 #include "sensor/stages.h"
 
-/* Half the side of the middle. */
+/* Half width of the central part, pixels. */
 enum { REACH = 6 };
 
-/* A band of a pixel; what is no light is none. */
+/* Radiance of a band of a pixel; 0 for NaN and negative values. */
 static double band_of(const pl_sensor_frame *frame, size_t pixel, int band) {
   const pl_vec3f light = frame->bands[pixel];
   const float value = band == 0 ? light.x : band == 1 ? light.y : light.z;
@@ -28,26 +29,26 @@ static void set_band(pl_vec3f *light, int band, double value) {
     light->z = kept;
 }
 
-/* --- directly */
+/* --- direct convolution */
 
-/* Pixels of a row that are summed at once: their sums stay in the nearest cache. */
+/* Pixels of a row that are summed together, so that their sums stay in the first-level cache. */
 enum { BLOCK = 64 };
 
 typedef struct direct {
   pl_sensor_frame *frame;
   int reach[2];
-  double *kernels[3]; /* of the bands */
+  double *kernels[3]; /* one per band */
   double *light[3];   /* copies of the bands */
 } direct;
 
-/* Adds what `count` pixels from (x, y) on get in a band. */
+/* Adds the light that `count` pixels from (x, y) on receive in a band. */
 static void gather(const direct *d, int x, int y, int count, int band, double sums[BLOCK]) {
   const int width = d->frame->width, height = d->frame->height;
   const int u_reach = d->reach[0], v_reach = d->reach[1];
   for (int v = -v_reach; v <= v_reach; v++) {
     if (y + v < 0 || y + v >= height)
       continue;
-    /* light comes from (x + u, y + v) by the offset (-u, -v) */
+    /* light from (x + u, y + v) arrives with the offset (-u, -v) */
     const double *taps = d->kernels[band] + (v_reach - v) * (2 * u_reach + 1) + u_reach;
     const double *row = d->light[band] + (size_t)(y + v) * (size_t)width;
     for (int u = -u_reach; u <= u_reach; u++) {
@@ -75,7 +76,7 @@ static pl_status direct_row(void *context, size_t row, int worker) {
   return PL_OK;
 }
 
-/* `spread` as of pl_psf_kernel. */
+/* Convolves directly with a kernel of the given half widths. `spread`: as for pl_psf_kernel. */
 static pl_status spread_direct(pl_sensor_frame *frame, int reach_x, int reach_y, bool spread) {
   const size_t pixels = (size_t)frame->width * (size_t)frame->height;
   const size_t taps = (2 * (size_t)reach_x + 1) * (2 * (size_t)reach_y + 1);
@@ -92,7 +93,7 @@ static pl_status spread_direct(pl_sensor_frame *frame, int reach_x, int reach_y,
   return pl_parallel_for(frame->threads, (size_t)frame->height, direct_row, &d, frame->cancel);
 }
 
-/* --- all of it, by transforms */
+/* --- whole function, by Fourier transforms */
 
 typedef struct whole {
   pl_plane plane;
@@ -101,8 +102,8 @@ typedef struct whole {
   double *parts;
 } whole;
 
-/* What the kernel has to reach: analytic ones half the image, where little is left of them; a
- * measured one all that it has. */
+/* Required half width of the kernel. Analytic functions: half the image, beyond which little energy
+ * remains. Measured functions: their full size. */
 static void least_reach(const pl_psf *psf, int width, int height, int reach[2]) {
   const bool measured = psf->core == PL_PSF_MEASURED, endless = !measured || psf->wings > 0.0;
   const int sides[2] = {width, height}, kernel[2] = {psf->kernel_width, psf->kernel_height};
@@ -142,7 +143,8 @@ static pl_status load_kernel(whole *w, const pl_sensor *sensor, int band) {
   return pl_plane_spectrum(p, w->kernel);
 }
 
-/* Two bands at once: one real, one imaginary; `second` may be -1. */
+/* Convolves two bands at once, one as the real and one as the imaginary part; `second` may be -1.
+ */
 static pl_status spread_bands(whole *w, pl_sensor_frame *frame, int first, int second) {
   const size_t width = (size_t)frame->width, height = (size_t)frame->height;
   memset(w->image, 0, w->plane.width * w->plane.height * sizeof *w->image);
@@ -163,8 +165,8 @@ static pl_status spread_bands(whole *w, pl_sensor_frame *frame, int first, int s
   return PL_OK;
 }
 
-/* Nanoseconds a pixel, measured at 640 x 480 by process time; of transforms of three bands (with
- * one kernel or three), and of sums of three over the kernel. */
+/* Costs in nanoseconds per pixel for three bands, measured at 640 x 480 by process time: Fourier
+ * transforms (with one kernel or three), and direct convolution. */
 static double transform_ns(const pl_psf *psf, int width, int height) {
   int reach[2];
   least_reach(psf, width, height, reach);
@@ -177,7 +179,7 @@ static double direct_ns(int reach_x, int reach_y) {
   return 1.1 * (2.0 * reach_x + 1.0) * (2.0 * reach_y + 1.0);
 }
 
-/* Whether all of the function is cheaper as sums than by transforms. */
+/* True if direct convolution with the whole function is cheaper than Fourier transforms. */
 static bool is_small(const pl_psf *psf, int width, int height, int reach[2]) {
   least_reach(psf, width, height, reach);
   return psf->core == PL_PSF_MEASURED && psf->wings == 0.0 &&
@@ -190,7 +192,7 @@ static pl_status spread_whole(pl_sensor_frame *frame) {
     return spread_direct(frame, w.reach[0], w.reach[1], true);
   PL_TRY(whole_init(&w, frame));
   PL_TRY(load_kernel(&w, frame->sensor, 0));
-  if (frame->sensor->psf.core != PL_PSF_AIRY) { /* all bands alike */
+  if (frame->sensor->psf.core != PL_PSF_AIRY) { /* the same kernel for all bands */
     PL_TRY(spread_bands(&w, frame, 0, 1));
     return spread_bands(&w, frame, 2, -1);
   }
@@ -206,7 +208,7 @@ pl_status pl_stage_point_spread(pl_sensor_frame *frame, int value) {
   return value > 1 ? spread_whole(frame) : spread_direct(frame, REACH, REACH, false);
 }
 
-/* --- the row */
+/* --- effect row */
 
 static const char *absent(const pl_view *view) {
   const char *none = pl_sensor_absent(view);
@@ -221,8 +223,9 @@ static int ceiling(const pl_view *view) {
   return 2;
 }
 
-/* The middle leaves out what lands outside of it: at most that part of the brightest light. In an
- * image smaller than the middle the whole function is the one that has to put it elsewhere. */
+/* The central part ignores energy that falls outside it: at most that fraction of the brightest
+ * light. In an image smaller than the central part, the whole function is the one that has to put
+ * this energy elsewhere. */
 static double bound_dn(const pl_view *view, int value) {
   double outside = 1.0;
   if (value > 1)

@@ -1,38 +1,40 @@
-/* Gaussian, Airy and measured cores, Moffat wings: (1 - w) core + w wings. */
+/* Point-spread functions: a Gaussian, Airy or measured core with Moffat wings, (1 - w) core + w
+ * wings. */
 #include "sensor/psf.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 static const double PI = 3.14159265358979323846;
-/* Within this many pixels of the middle the function is averaged over SAMPLES^2 points of a pixel;
- * farther out it is smooth, the rings of Airy's pattern apart, which are averaged by formula. */
+/* Within this many pixels of the centre the function is averaged over SAMPLES^2 points per pixel.
+ * Farther out it is smooth, except for the rings of the Airy pattern, which are averaged by a
+ * formula. */
 static const double NEAR_PX = 24.0;
 enum { SAMPLES = 16 };
 
-/* Of Airy's pattern: x = pi r / (lambda N), r in pixels. */
+/* Scale of the Airy pattern: x = pi r / (lambda N), r in pixels. */
 static double airy_scale(const pl_sensor *s, int band) {
   return PI * s->pixel_m / (s->wavelength_m[band] * s->f_number);
 }
 
-/* Energy within a pixel's area at r, of a total of 1 (Born and Wolf, Principles of Optics, 8.5.2:
- * the density is k^2 / (4 pi) [2 J1(x) / x]^2). */
+/* Energy density of the Airy pattern at r, per pixel area, for a total of 1 (Born and Wolf,
+ * Principles of Optics, 8.5.2: the density is k^2 / (4 pi) [2 J1(x) / x]^2). */
 static double airy(double k, double r) {
   const double x = k * r;
   const double amplitude = x > 1e-6 ? 2.0 * j1(x) / x : 1.0;
   return k * k / (4.0 * PI) * amplitude * amplitude;
 }
 
-/* Its mean over a ring: J1(x)^2 is 1 / (pi x) on average. */
+/* Mean of the Airy pattern over one ring: J1(x)^2 is 1 / (pi x) on average. */
 static double airy_far(double k, double r) { return 1.0 / (PI * PI * k * r * r * r); }
 
-/* Moffat 1969: (b - 1) / (pi a^2) (1 + r^2 / a^2)^-b */
+/* Moffat profile (Moffat 1969): (b - 1) / (pi a^2) (1 + r^2 / a^2)^-b */
 static double wings(const pl_psf *psf, double r) {
   const double a = psf->wing_radius_px, b = psf->wing_beta;
   return (b - 1.0) / (PI * a * a) * pow(1.0 + r * r / (a * a), -b);
 }
 
-/* Energy of a measured kernel farther than a box from its middle pixel. */
+/* Energy of a measured kernel outside a box around its central pixel. */
 static double kernel_outside(const pl_psf *psf, double reach_x, double reach_y) {
   double sum = 0.0;
   for (int v = 0; v < psf->kernel_height; v++)
@@ -58,13 +60,13 @@ double pl_psf_outside(const pl_sensor *sensor, int band, double radius_px) {
   return (1.0 - psf->wings) * core + psf->wings * tail;
 }
 
-/* Part of a Gaussian in the pixel at `offset`. */
+/* Integral of a Gaussian over the pixel at `offset`, along one axis. */
 static double gauss_pixel(double sigma, double offset) {
   const double scale = 1.0 / (sigma * sqrt(2.0));
   return 0.5 * (erf((offset + 0.5) * scale) - erf((offset - 0.5) * scale));
 }
 
-/* The wings, and the core where it is Airy's, averaged over a pixel. */
+/* The wings, and the core of an Airy pattern, averaged over a pixel. */
 static double sampled_pixel(const pl_sensor *sensor, double k, int x, int y) {
   const pl_psf *psf = &sensor->psf;
   const bool has_airy = psf->core == PL_PSF_AIRY;
@@ -109,7 +111,7 @@ void pl_psf_kernel(const pl_sensor *sensor, int band, int reach_x, int reach_y, 
   const size_t width = 2 * (size_t)reach_x + 1, height = 2 * (size_t)reach_y + 1;
   const pl_psf *psf = &sensor->psf;
   double sum = 0.0, whole = 1.0;
-  /* One quadrant is computed, four are filled. */
+  /* Computes one quadrant and fills all four. */
   for (int y = 0; y <= reach_y; y++)
     for (int x = 0; x <= reach_x; x++) {
       const double part = pixel(sensor, k, x, y);
@@ -119,12 +121,13 @@ void pl_psf_kernel(const pl_sensor *sensor, int band, int reach_x, int reach_y, 
     }
   if (psf->core == PL_PSF_MEASURED) {
     add_measured(psf, reach_x, reach_y, kernel);
-    if (spread) /* what it has farther out is known to land there */
+    if (spread) /* the energy outside the box is known to fall there */
       whole -= (1.0 - psf->wings) * kernel_outside(psf, reach_x, reach_y);
   }
   for (size_t i = 0; i < width * height; i++)
     sum += kernel[i];
-  /* What the points within a pixel miss of a core that is far smaller is in the middle. */
+  /* A core much smaller than a pixel may fall between the sample points; the missing energy belongs
+   * to the central pixel. */
   const double outside = spread ? pl_psf_outside(sensor, band, fmin(reach_x, reach_y) + 0.5) : 0.0;
   const double rest = fmin(outside, fmax(0.0, whole - sum));
   kernel[(size_t)reach_y * width + (size_t)reach_x] += whole - sum - rest;

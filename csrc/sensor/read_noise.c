@@ -1,10 +1,11 @@
-/* The stage `read_noise`: normal noise of the amplifier, offsets of rows and columns, all new in
- * each frame, and an offset of each column that stays. */
+/* The stage `read_noise`: Gaussian amplifier noise and row and column offsets that change in each
+ * frame, and a fixed offset of each column. */
 #include "sensor/draws.h"
 #include "plan/effects.h"
 #include "sensor/stages.h"
 
-/* A number of the frame or, with `fixed`, of the unit; nothing is drawn for a deviation of 0. */
+/* A random offset of the frame or, with `fixed`, of the sensor unit. No random number is used for a
+ * deviation of 0. */
 static double offset(const pl_sensor_frame *frame, double deviation, pl_draw what, bool fixed,
                      uint64_t item) {
   if (!(deviation > 0.0))

@@ -1,4 +1,4 @@
-/* What follows from a sensor's numbers. */
+/* Validation of a sensor, and quantities derived from its parameters. */
 #include "sensor/sensor.h"
 
 #include <math.h>
@@ -134,15 +134,15 @@ pl_status pl_sensor_check(const pl_sensor *sensor) {
   return check_auto_time(&sensor->auto_time);
 }
 
-/* Irradiance on the axis of a radiance of 1: pi sin^2 of the angle of the marginal ray, which is
- * 1 / (2 N) by the sine condition, as lenses keep it that image without coma (Born and Wolf,
- * Principles of Optics, 4.5.1), or has the tangent 1 / (2 N) through a flat opening. */
+/* Irradiance on the axis for a radiance of 1: pi sin^2 of the marginal ray's angle. The sine is 1 /
+ * (2 N) by the sine condition, which lenses without coma fulfil (Born and Wolf, Principles of
+ * Optics, 4.5.1). Through a flat aperture the tangent is 1 / (2 N). */
 static double axis_irradiance(const pl_sensor *s) {
   const double square = 4.0 * s->f_number * s->f_number;
   return PI * s->transmission / (s->plane_pupil ? square + 1.0 : square);
 }
 
-/* In a second. */
+/* pl_sensor_response for an exposure of one second. */
 static double response_rate(const pl_sensor *s, int band) {
   const double irradiance = axis_irradiance(s);
   const double photons_a_joule = s->wavelength_m[band] / (PLANCK_J_S * LIGHT_M_S);

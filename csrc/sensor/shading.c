@@ -1,4 +1,4 @@
-/* Falling off by cosine, table and flat field. */
+/* Vignetting by a power of the cosine, a table and a flat field. */
 #include "sensor/shading.h"
 
 #include <math.h>
@@ -48,7 +48,7 @@ static double profile(const pl_shading *s, double tangent) {
   return s->factor[i - 1] + part * (s->factor[i] - s->factor[i - 1]);
 }
 
-/* The texel before a place along an axis, and how far behind it the place is. */
+/* The texel before a position along an axis. *part: fraction of the distance to the next one. */
 static int texel(double place, int count, double *part) {
   const double at = fmin(fmax(place * count - 0.5, 0.0), count - 1.0);
   const int first = at < count - 1.0 ? (int)at : count - 1;

@@ -1,4 +1,4 @@
-/* The stage `shot_noise`: electrons come in whole numbers, Poisson distributed. */
+/* The stage `shot_noise`: electron counts are integers with a Poisson distribution. */
 #include <math.h>
 
 #include "sensor/draws.h"
@@ -18,8 +18,8 @@ pl_status pl_stage_shot_noise(pl_sensor_frame *frame, int value) {
   return pl_sensor_rows(frame, count_row);
 }
 
-/* Beyond white nothing shows, so the deviation is at most that of white; on black it would show
- * most (the encoding is concave). */
+/* Values above white are clipped, so the deviation is at most that at white. It would be most
+ * visible on black, since the encoding is concave. */
 static double bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;

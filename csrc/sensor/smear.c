@@ -1,5 +1,6 @@
-/* The stage `smear`: a frame-transfer CCD without a shutter gathers light of the whole column while
- * it shifts: each pixel gets the column's sum times the time of one shift over the exposure. */
+/* The stage `smear`: a frame-transfer CCD without a shutter stays exposed while its columns shift.
+ * Each pixel receives the sum of its column times the ratio of the time of one row shift to the
+ * exposure time. */
 #include <math.h>
 
 #include "plan/effects.h"
@@ -17,7 +18,7 @@ static void smear_column(pl_sensor_frame *frame, int x) {
 
 pl_status pl_stage_smear(pl_sensor_frame *frame, int value) {
   (void)value;
-  /* no exposure, no charge: nothing to be smeared */
+  /* without exposure there is no charge to smear */
   return frame->sensor->exposure_s > 0.0 ? pl_sensor_columns(frame, smear_column) : PL_OK;
 }
 

@@ -1,4 +1,4 @@
-/* The table of stages, and what they share. */
+/* The table of sensor stages, and functions that they share. */
 #include "sensor/stage.h"
 
 #include <math.h>
@@ -49,14 +49,14 @@ static double dn_of(const pl_view *view, double electrons) {
   return pl_view_dn(view, linear * view->white_radiance);
 }
 
-/* What flat fields and pixels that respond more than others make of light at most. */
+/* Largest factor on light from flat fields and response non-uniformity. */
 static double response_gain(const pl_view *view) {
   double low, high;
   pl_shading_range(&view->sensor->shading, view->corner_tangent, &low, &high);
   return fmax(1.0, high) * (1.0 + PL_SENSOR_SIGMAS * view->sensor->prnu);
 }
 
-/* Smear as well. */
+/* Also includes smear. */
 static double light_gain(const pl_view *view) {
   const pl_sensor *s = view->sensor;
   const double smear = s->exposure_s > 0.0 ? view->height * s->shift_s / s->exposure_s : 0.0;
@@ -79,8 +79,8 @@ double pl_sensor_dn(const pl_view *view, double electrons) {
   return dn_of(view, balance * electrons);
 }
 
-/* With noise n: from x = y + n to (1 - f) x, read as y and y - f y - f n: by E(y) - E((1 - f) y),
- * and from there by at most E(f n), since the encoding E is concave. */
+/* Light x is read as y = x - n, where n is noise; dimmed, it is read as y - f y - f n. The change
+ * is at most E(y) - E((1 - f) y) plus E(f n), since the encoding E is concave. */
 double pl_sensor_dimming_dn(const pl_view *view, double fraction) {
   const pl_sensor *s = view->sensor;
   const double noise = PL_SENSOR_SIGMAS * pl_sensor_read_deviation(s);
@@ -89,7 +89,7 @@ double pl_sensor_dimming_dn(const pl_view *view, double fraction) {
 }
 
 double pl_sensor_radiance_max(const pl_view *view) {
-  const double gathered = 4.0; /* of stars, by the point-spread function into one pixel */
+  const double gathered = 4.0; /* stars that the point-spread function adds in one pixel */
   double radiance = 0.0;
   if (view->sun_in_frame || pl_view_alpha_min(view) < 1.0)
     return INFINITY;

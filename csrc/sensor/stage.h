@@ -1,4 +1,4 @@
-/* The stages of a sensor: one table, run in its order on one image. */
+/* The stages of a sensor: a table whose entries process one image in order. */
 #ifndef PL_SENSOR_STAGE_H
 #define PL_SENSOR_STAGE_H
 
@@ -9,26 +9,26 @@
 #include "sensor/encode.h"
 #include "sensor/sensor.h"
 
-/* An image on its way; images are row-major. */
+/* An image during processing; images are row-major. */
 typedef struct pl_sensor_frame {
   const pl_sensor *sensor; /* borrowed */
   int width, height;
-  pl_flare_sun sun;                 /* a source of ghosts */
+  pl_flare_sun sun;                 /* as a source of ghosts */
   double focal_px[2], centre_px[2]; /* x, y: for angles to the axis; integer pixel centres */
   uint64_t seed, index;
   int threads;
   pl_cancel *cancel; /* may be NULL */
   pl_arena *arena;   /* borrowed */
-  pl_vec3f *bands;   /* radiance, W m-2 sr-1; changed by the stages of the lens */
-  double *electrons; /* from the stage `electrons` on */
-  uint16_t *raw;     /* digital numbers, from `digitise` on */
-  uint8_t *rgb;      /* display-encoded; NULL: not wanted */
+  pl_vec3f *bands;   /* radiance, W m-2 sr-1; modified by the stages of the lens */
+  double *electrons; /* valid from the stage `electrons` on */
+  uint16_t *raw;     /* digital numbers; valid from the stage `digitise` on */
+  uint8_t *rgb;      /* display-encoded; NULL: not requested */
   const pl_encoder *encoder;
 } pl_sensor_frame;
 
 typedef struct pl_sensor_stage {
   const char *name;
-  const pl_effect *effect; /* its row; NULL: a conversion, which always runs */
+  const pl_effect *effect; /* its effect row; NULL: a conversion, which always runs */
   pl_status (*run)(pl_sensor_frame *frame, int value);
 } pl_sensor_stage;
 
@@ -40,47 +40,48 @@ pl_status pl_sensor_run(pl_sensor_frame *frame, const pl_plan *plan);
 
 /* --- for stages */
 
-/* Work on one row or column; different ones run at once. */
+/* Processes one row or column; several run concurrently. */
 typedef void (*pl_line_fn)(pl_sensor_frame *frame, int line);
 pl_status pl_sensor_rows(pl_sensor_frame *frame, pl_line_fn work);
 pl_status pl_sensor_columns(pl_sensor_frame *frame, pl_line_fn work);
 
-/* --- for the rows of effects */
+/* --- for the effect rows */
 
-/* Normal random numbers stay within this many standard deviations: one in 5e8 does not. Bounds are
- * meant so, and with pl_poisson_most of numbers that are counted. */
+/* Bound of normal random numbers in standard deviations; one number in 5e8 exceeds it. Effect
+ * bounds hold in this sense, and for counts in that of pl_poisson_most. */
 #define PL_SENSOR_SIGMAS 6.0
 
-/* Digital numbers (of 255, display-encoded) that so many electrons can make at most: on black, in
- * the band that is balanced up most. */
+/* Upper bound of the change in display-encoded digital numbers (of 255) that a number of electrons
+ * causes: on black, in the band with the largest white-balance factor. */
 double pl_sensor_dn(const pl_view *view, double electrons);
-/* The same of light, in electrons of the pixels that a white radiance fills first: other bands have
- * fewer, by what they are balanced up. */
+/* The same for light, in electrons of the most sensitive pixels. Other bands receive fewer
+ * electrons, by their white-balance factor. */
 double pl_sensor_light_dn(const pl_view *view, double electrons);
-/* The least radiance that may come out white; INFINITY where nothing is gathered. */
+/* Smallest radiance that may be white in the image; INFINITY if the sensor gathers no light. */
 double pl_sensor_white_radiance(const pl_view *view);
-/* Upper bound of the radiance that comes to the lens; INFINITY where the sun may be mirrored or is
- * in the frame. */
+/* Upper bound of the radiance at the lens; INFINITY if the sun is in the frame or may be reflected
+ * by a mirror. */
 double pl_sensor_radiance_max(const pl_view *view);
-/* Upper bound of what ghosts add to a pixel where the frame is so bright, W m-2 sr-1. */
+/* Upper bound of the radiance that ghosts add to a pixel if the brightest radiance of the frame is
+ * `brightest`, W m-2 sr-1. */
 double pl_flare_radiance_max(const pl_view *view, double brightest);
-/* Upper bound of the electrons that light frees in a pixel; INFINITY where the sun may be mirrored
- * or is in the frame. */
+/* Upper bound of the electrons that light generates in a pixel; INFINITY if the sun is in the frame
+ * or may be reflected by a mirror. */
 double pl_sensor_electrons_max(const pl_view *view);
-/* The same in the pixels that respond most, where a flat field is brightest. */
+/* The same in the pixels with the largest response, including the flat field. */
 double pl_sensor_light_max(const pl_view *view);
-/* What dimming or brightening light by a fraction can make at most: what pl_view_dn_dimming says of
- * clean light, and as much again as noise that is read out below it lays bare on black. */
+/* Upper bound of the change in digital numbers if light is dimmed or brightened by a fraction:
+ * pl_view_dn_dimming for light without noise, plus read noise that becomes visible on black. */
 double pl_sensor_dimming_dn(const pl_view *view, double fraction);
-/* The mean dark charge of the warmest pixel, electrons. */
+/* Mean dark charge of the warmest pixel, electrons. */
 double pl_sensor_dark_max(const pl_sensor *sensor);
-/* What particles leave in a pixel at most, electrons. */
+/* Upper bound of the charge that particles leave in a pixel, electrons. */
 double pl_sensor_rays_max(const pl_view *view);
-/* Upper bound of the charge of a pixel before it blooms: light, and what other stages add. */
+/* Upper bound of the charge of a pixel before blooming: light, and charge that other stages add. */
 double pl_sensor_charge_max(const pl_view *view);
-/* Why no stage matters, or NULL. */
+/* The reason why no stage has an effect, or NULL. */
 const char *pl_sensor_absent(const pl_view *view);
-/* Cost of `ns` nanoseconds a pixel, in milliseconds. */
+/* Cost of `ns` nanoseconds per pixel, in milliseconds. */
 double pl_sensor_cost_ms(const pl_view *view, double ns);
 
 #endif

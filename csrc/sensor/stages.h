@@ -1,12 +1,12 @@
-/* The stages of a sensor in the order in which they run, one a file. */
+/* The stages of a sensor in the order in which they run, one per file. */
 #ifndef PL_SENSOR_STAGES_H
 #define PL_SENSOR_STAGES_H
 
 #include "sensor/stage.h"
 
-/* EFFECT: the plan may leave it out, by the row of the same name; STEP: always runs. To add one:
- * its file, which has the function `pl_stage_NAME`, and its line here; an effect also has a line in
- * plan/effects.h. */
+/* EFFECT: the plan may omit the stage, by the effect row of the same name; STEP: always runs. To
+ * add a stage, write its file with the function `pl_stage_NAME` and add its line here. An effect
+ * also needs a line in plan/effects.h. */
 /* clang-format off */
 #define PL_SENSOR_STAGES(EFFECT, STEP) \
   EFFECT(filters) \

@@ -1,4 +1,4 @@
-/* The stage `vignetting`: less light off the axis; see shading.h. */
+/* The stage `vignetting`: light decreases away from the axis; see shading.h. */
 #include <math.h>
 
 #include "plan/effects.h"
@@ -30,8 +30,8 @@ static const char *absent(const pl_view *view) {
   return s->power > 0.0 || s->count > 0 || s->flat != NULL ? NULL : "no vignetting";
 }
 
-/* Everywhere as in the darkest corner. What a flat field brightens by a factor is as much as what
- * is dimmed by its inverse. */
+/* Assumes the darkest corner everywhere. Brightening by a flat field's factor counts as dimming by
+ * its inverse. */
 static double bound_dn(const pl_view *view, int value) {
   double low, high;
   pl_shading_range(&view->sensor->shading, view->corner_tangent, &low, &high);
