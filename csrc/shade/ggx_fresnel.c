@@ -1,4 +1,4 @@
-/* Interpolates the table of what rough dielectrics reflect. */
+/* Interpolates the tables of the directional albedo of rough dielectrics. */
 #include "shade/ggx_fresnel.h"
 
 #include "shade/ggx_fresnel_table.h"

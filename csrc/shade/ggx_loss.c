@@ -1,4 +1,4 @@
-/* Interpolates the table of lost light. */
+/* Interpolates the table of the energy loss of isotropic GGX lobes. */
 #include "shade/ggx_loss.h"
 
 #include "shade/ggx_loss_table.h"
@@ -16,7 +16,8 @@ pl_ggx_loss pl_ggx_loss_of(float roughness) {
                        .broad_mean = pl_table_mix(broad_table[i], broad_table[i + 1], t)};
 }
 
-/* Between the four nodes about a direction, of the loss (0), its broad part (1) or the gain (2). */
+/* Bilinear interpolation in roughness and cosine of the loss (0), its broad part (1) or the gain
+ * (2). */
 static float between(const pl_ggx_loss *l, size_t node, float s, int which) {
   const float low = pl_table_mix(l->low[node][which], l->low[node + 1][which], s);
   const float high = pl_table_mix(l->high[node][which], l->high[node + 1][which], s);

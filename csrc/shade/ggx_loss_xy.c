@@ -1,4 +1,4 @@
-/* Interpolates the table of light lost by anisotropic lobes. */
+/* Interpolates the table of the energy loss of anisotropic GGX lobes. */
 #include "shade/ggx_loss_xy.h"
 
 #include "shade/ggx.h"
@@ -31,8 +31,8 @@ pl_ggx_loss_xy pl_ggx_loss_xy_of(float ax, float ay) {
   return l;
 }
 
-/* The nodes about a direction in each slice: the first, and the weights of it and its neighbours.
- */
+/* Interpolation in cosine and azimuth within each slice: indices of the first node, and the weights
+ * of it and its neighbours. */
 typedef struct nodes {
   size_t c, t;
   float weight[2][2];
@@ -43,7 +43,7 @@ static nodes nodes_of(const pl_ggx_loss_xy *l, pl_vec3f w) {
   const float y2 = y * y, across2 = pl_maxf(x * x + y2, 1e-30f);
   nodes n;
   float u, v;
-  /* The stretched direction's squared cosine, to 1/3. */
+  /* Cube root of the squared cosine of the stretched direction. */
   n.c = pl_table_node(cbrtf(z2 / (across2 + z2)), COSINES, &u);
   n.t = pl_table_node(y2 / across2, TURNS, &v);
   for (int i = 0; i < 4; i++)
@@ -51,7 +51,7 @@ static nodes nodes_of(const pl_ggx_loss_xy *l, pl_vec3f w) {
   return n;
 }
 
-/* The loss (0), its broad part (1) or the gain (2). */
+/* Interpolates the loss (0), its broad part (1) or the gain (2). */
 static float at(const pl_ggx_loss_xy *l, const nodes *n, int which) {
   float sum = 0.0f;
   for (size_t i = 0; i < 4; i++) {

@@ -1,10 +1,10 @@
-/* Formulae: Hapke 2012; the relief: Hapke, Icarus 59, 41, 1984; H and the coherent surge: Hapke,
- * Icarus 157, 523, 2002, and 195, 918, 2008. */
+/* Hapke's model. Formulae: Hapke 2012; macroscopic roughness: Hapke, Icarus 59, 41, 1984; H and the
+ * coherent surge: Hapke, Icarus 157, 523, 2002, and 195, 918, 2008. */
 #include "shade/hapke.h"
 
 static double length2(double x, double y, double z) { return x * x + y * y + z * z; }
 
-/* Azimuth from the directions' parts along the plane, of unit length. */
+/* Sets the azimuth psi from the unit vectors of both directions projected onto the surface. */
 static void set_azimuth(pl_hapke_angles *a, double lx, double ly, double vx, double vy) {
   const double apart = hypot(lx - vx, ly - vy), together = hypot(lx + vx, ly + vy);
   a->psi = 2.0 * atan2(apart, together);
@@ -35,7 +35,7 @@ pl_hapke_relief pl_hapke_plane(const pl_hapke_angles *angles) {
   return (pl_hapke_relief){angles->mu0, angles->mu, 1.0};
 }
 
-/* What the relief needs of one of the two directions. */
+/* Terms of the roughness correction that depend on one of the two directions. */
 typedef struct slant {
   double cosine, sine, e1, e2;
 } slant;
@@ -49,8 +49,8 @@ static double eta(slant s, double chi, double t) {
   return chi * (s.cosine + s.sine * t * s.e2 / (2.0 - s.e1));
 }
 
-/* The direction nearer to the normal, `high`, and the other take the roles of i and e in the branch
- * i <= e, and of e and i in the other. */
+/* `high` is the direction nearer to the normal: high and low stand for i and e in Hapke's branch i
+ * <= e, and for e and i in the branch i >= e. */
 pl_hapke_relief pl_hapke_relief_of(const pl_hapke_angles *a, double roughness_rad) {
   const double t = tan(roughness_rad), chi = 1.0 / sqrt(1.0 + PL_PI * t * t);
   const slant sun = slant_of(a->mu0, a->sin_i, a->cot_i, 1.0 / t);
@@ -72,7 +72,8 @@ pl_hapke_relief pl_hapke_relief_of(const pl_hapke_angles *a, double roughness_ra
   return out;
 }
 
-/* (1 - b^2)/((1-b)^2 + 4 b s)^(3/2): a lobe, s the squared sine of half the angle off its axis. */
+/* Henyey-Greenstein lobe (1 - b^2)/((1-b)^2 + 4 b s)^(3/2); s: squared sine of half the angle from
+ * the lobe's axis. */
 static double lobe(double b, double s) {
   const double gap = 1.0 - b, d = gap * gap + 4.0 * b * s;
   return (1.0 - b * b) / (d * sqrt(d));
@@ -107,7 +108,7 @@ double pl_hapke_h(const pl_hapke *hapke, double x) {
   const double gamma = sqrt(fmax(1.0 - hapke->w, 0.0));
   if (hapke->simple_h)
     return (1.0 + 2.0 * x) / (1.0 + 2.0 * x * gamma);
-  if (!(x > 1e-30)) /* 1/x would overflow; H - 1 is below all rounding */
+  if (!(x > 1e-30)) /* 1/x would overflow; H - 1 is below the rounding error */
     return 1.0;
   const double r0 = hapke->w / ((1.0 + gamma) * (1.0 + gamma));
   return 1.0 / (1.0 - hapke->w * x * (r0 + 0.5 * (1.0 - 2.0 * r0 * x) * log1p(1.0 / x)));

@@ -1,4 +1,4 @@
-/* The row of Hapke's complete model. */
+/* Reflectance model `hapke`: Hapke's complete model. */
 #include "shade/regolith_law.h"
 
 static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {

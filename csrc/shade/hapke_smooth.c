@@ -1,4 +1,4 @@
-/* Hapke's model of a surface without relief. */
+/* Reflectance model `hapke_smooth`: Hapke's model without macroscopic roughness. */
 #include "shade/regolith_law.h"
 
 static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {

@@ -1,8 +1,8 @@
-/* Reflectance of dielectrics at normal incidence from their index. */
+/* Parameters of the dielectric lobe from the index of refraction. */
 #include "shade/ggx.h"
 #include "shade/lobes.h"
 
-/* Below it, at an index of 1.105, f90 falls with F0, so that index 1 mirrors nothing. */
+/* Below this F0 (index 1.105), f90 falls in proportion to F0, so that index 1 reflects nothing. */
 static const float F0_LEAST = 0.0025f;
 
 pl_lobes pl_lobes_plain(void) {
@@ -12,7 +12,8 @@ pl_lobes pl_lobes_plain(void) {
 }
 
 void pl_lobes_set_dielectric(pl_lobes *lobes, float ior, float weight, pl_vec3f tint) {
-  /* Fresnel at normal incidence. KHR_materials_specular: the tint is clipped before the weight. */
+  /* Fresnel reflectance at normal incidence. KHR_materials_specular clamps the tinted value before
+   * it applies the weight. */
   const float r = (ior - 1.0f) / (ior + 1.0f), f = r * r;
   lobes->f0 = pl_vec3f_make(weight * pl_minf(f * tint.x, 1.0f), weight * pl_minf(f * tint.y, 1.0f),
                             weight * pl_minf(f * tint.z, 1.0f));

@@ -1,4 +1,4 @@
-/* Lommel-Seeliger: light that was scattered once in a deep layer of dark grains. */
+/* Lommel-Seeliger: single scattering in an optically thick layer of dark grains. */
 #include "shade/regolith_law.h"
 
 static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {

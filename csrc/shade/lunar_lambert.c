@@ -1,8 +1,8 @@
-/* Lunar-Lambert: a disc function between Lommel-Seeliger's and Lambert's. */
+/* Lunar-Lambert: a disc function that mixes Lommel-Seeliger and Lambert. */
 #include "shade/regolith_law.h"
 
-/* McEwen, Icarus 92, 298, 1991, and LPSC 27, 841, 1996: the Moon's L by g in degrees, fitted up to
- * 135; cut off at 0, which it passes at 103.95. */
+/* McEwen, Icarus 92, 298, 1991, and LPSC 27, 841, 1996: L of the Moon as a polynomial in the phase
+ * angle in degrees, fitted up to 135; clamped to 0 where it is negative, beyond 103.95. */
 static double lunar_part(double g_deg) {
   const double l = 1.0 + g_deg * (-0.019 + g_deg * (2.42e-4 + g_deg * -1.46e-6));
   return fmax(l, 0.0);

@@ -1,26 +1,27 @@
 /* The metallic-roughness surface of glTF 2.0, appendix B: a metal and a dielectric, mixed by
- * metalness. Both have a GGX microfacet lobe; the dielectric's is over a diffuse base, which gets
- * what the lobe leaves of an even sky (ggx_fresnel.h). Light that a metal's lobe loses between
- * microfacets comes back, partly as a second, broad lobe (ggx_loss.h); what a dielectric's loses
- * goes to the base. */
+ * metalness. Both have a GGX microfacet lobe; that of the dielectric lies over a diffuse base,
+ * which gets the light that the lobe transmits (ggx_fresnel.h). Energy that the metal's lobe loses
+ * between microfacets is restored, partly as a second, broad lobe (ggx_loss.h); energy that the
+ * dielectric's lobe loses goes to the base. */
 #include "shade/ggx.h"
 #include "shade/ggx_fresnel.h"
 #include "shade/ggx_loss.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
-/* What evaluating, drawing and densities share for one outgoing direction. */
+/* Terms for one outgoing direction, shared by evaluation, sampling and pdf. */
 typedef struct view {
-  float alpha, lambda; /* of the outgoing direction */
-  pl_ggx_loss lost;    /* of metals */
-  pl_ggx_lost out;     /* towards wo; none but of metals */
-  pl_ggx_glass glass;  /* where not all is metal */
-  float entering;      /* what the dielectric's lobe leaves to the base, seen from here */
-  float chance;        /* of drawing the specular lobe */
+  float alpha, lambda; /* lambda: of the outgoing direction */
+  pl_ggx_loss lost;    /* of the metal's lobe */
+  pl_ggx_lost out;     /* multiple scattering towards wo; zero without metal */
+  pl_ggx_glass glass;  /* of the dielectric; unset if all is metal */
+  float entering;      /* light that the dielectric's lobe transmits to the base, towards wo */
+  float chance;        /* probability of sampling the specular lobe */
 } view;
 
-/* What the lobe mirrors at a cosine: Fresnel's formula for the dielectric, Schlick's for the metal,
- * with `more`, part of the lobe, of what is reflected several times. */
+/* Reflectance of the specular lobe at a cosine: Fresnel for the dielectric, Schlick for the metal.
+ * `more`: relative increase of the metal's lobe by multiple reflections, whose colour is `further`.
+ */
 static pl_vec3f mirrored(const pl_surface *s, float cosine, float more, pl_vec3f further) {
   const float m = s->metallic;
   const float d = m < 1.0f ? (1.0f - m) * pl_fresnel(cosine, PL_DIELECTRIC_INDEX) : 0.0f;
@@ -32,15 +33,15 @@ static pl_vec3f mirrored(const pl_surface *s, float cosine, float more, pl_vec3f
                        d + m * metal.z * (1.0f + more * further.z));
 }
 
-/* Light that a metal reflects broadly after several hits, times cos(wi), if all of it comes back.
- */
+/* Broad lobe of the metal's multiple scattering without absorption, times cos(wi). */
 static float broad(const view *v, const pl_surface *s, const pl_ggx_lost *in, float cos_i) {
   const float lost = v->out.broad * in->broad;
   return lost > 0.0f ? s->metallic * lost * cos_i / (PL_PI_F * v->lost.broad_mean) : 0.0f;
 }
 
-/* Chance of drawing the specular lobe: its share of the reflected light, kept off 0 and 1 where
- * there is a diffuse base. The rest, base and multiple reflections, is drawn by the cosine. */
+/* Probability of sampling the specular lobe: its part of the reflected light, limited to 0.1..0.9
+ * where there is a diffuse base. The rest, base and multiple reflections, is sampled by the cosine.
+ */
 static float specular_chance(const view *v, const pl_surface *s, pl_vec3f wo) {
   const float m = s->metallic, color = pl_vec3f_max(s->color), base = (1.0f - m) * color;
   float specular = m < 1.0f ? (1.0f - m) * (1.0f - v->entering) : 0.0f;
@@ -71,8 +72,9 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
   return v;
 }
 
-/* The base's part of white Lambert's light. glTF's sample implementation has 1 - F(wo.h), with
- * which a smooth white dielectric reflects up to twice the light that it gets. */
+/* Factor of the diffuse base relative to a white Lambertian surface. The sample implementation of
+ * glTF has 1 - F(wo.h), with which a smooth white dielectric reflects up to twice the incident
+ * light. */
 static float base_share(const view *v, const pl_surface *s, float cos_i) {
   if (!(s->metallic < 1.0f))
     return 0.0f;
@@ -80,7 +82,7 @@ static float base_share(const view *v, const pl_surface *s, float cos_i) {
   return (1.0f - s->metallic) * pl_ggx_base_share(v->entering, in, 1.0f - v->glass.mean);
 }
 
-/* BRDF times cos(wi); h is the half vector. Both directions are over the horizon. */
+/* BRDF times cos(wi); h is the half vector. Both directions are above the horizon. */
 static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
   pl_ggx_lost in = {0.0f, 1.0f};
   pl_vec3f further = {0.0f, 0.0f, 0.0f};
@@ -104,7 +106,7 @@ static pl_vec3f value_of(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec
       f.z * specular + again * pl_ggx_reflectance_mean(c.z) * further.z + base * c.z);
 }
 
-/* Density of wi: from visible normals (Heitz 2018, eq. 17), or by the cosine. */
+/* Density of wi: by visible normals (Heitz 2018, eq. 17), or by the cosine. */
 static float density_of(const view *v, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
   const float specular = pl_ggx_density(v->alpha, v->alpha, h) /
                          (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN) * (1.0f + v->lambda));

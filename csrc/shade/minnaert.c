@@ -1,7 +1,7 @@
 /* Minnaert's disc function. */
 #include "shade/regolith_law.h"
 
-/* For k < 1 the law is infinite at the horizon: cosines count as at least this. */
+/* For k < 1 the function is infinite at the horizon: cosines are clamped to at least this. */
 static const double COSINE_MIN = 0.05;
 
 static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {

@@ -1,6 +1,5 @@
 /* The principled surface: the metallic-roughness base with anisotropy, index of refraction and
- * specular tint, light that passes thin walls or the boundaries of solids, and a clear coat on top.
- */
+ * specular tint, transmission through thin walls or boundaries of solids, and a clear coat. */
 #include "shade/ggx.h"
 #include "shade/ggx_fresnel.h"
 #include "shade/ggx_loss.h"
@@ -9,20 +8,21 @@
 #include "shade/reflectance.h"
 #include "shade/refraction.h"
 
-/* The least chance of a lobe that is there, as a part of all. */
+/* Minimum sampling probability of a lobe that is present. */
 static const float CHANCE_MIN = 0.1f;
 
-/* What a draw can choose: the coat, the base's mirror lobe, the broad rest above (diffuse, multiple
- * reflection); below the surface the mirror lobe turned over, and its broad rest. */
+/* Lobes that a sample can choose. Reflection: the coat, the specular lobe of the base, and the
+ * broad rest (diffuse, multiple scattering). Transmission: the specular lobe, and its broad rest.
+ */
 enum { COAT, MIRROR, BROAD, THROUGH, THROUGH_BROAD, CHOICES };
 
 typedef struct lobe {
   float ax, ay;
   float lambda; /* of the outgoing direction */
-  bool even;    /* both alphas are the same */
+  bool even;    /* isotropic: both alphas are equal */
 } lobe;
 
-/* What a lobe loses. */
+/* Energy loss of a lobe by single scattering. */
 typedef struct loss {
   bool even;
   union {
@@ -32,22 +32,24 @@ typedef struct loss {
   float mean, broad_mean;
 } loss;
 
-/* What evaluating, drawing and densities share for one outgoing direction. */
+/* Terms for one outgoing direction, shared by evaluation, sampling and pdf. */
 typedef struct view {
   lobe base, coat;
-  bool coat_bent; /* the coat has a normal of its own */
+  bool coat_bent; /* the coat has its own normal */
   pl_basis coat_basis;
-  float eta; /* of the solid: index behind the surface over that before it; 0: a thin wall */
-  float coat_weight, diffuse, through; /* of the light; the latter two of what the base lets in */
+  float eta; /* of a solid: index behind the surface over that before it; 0: a thin wall */
+  /* Weights; the latter two: parts of the light that enters the base. */
+  float coat_weight, diffuse, through;
   pl_ggx_glass coat_table;
-  float coat_out;               /* of even light from above, what passes the coat */
-  pl_ggx_dielectric base_table; /* of even lobes, and for wo of others */
-  pl_ggx_albedo base_out;       /* of the base's lobe towards wo */
-  pl_vec3f f0;                  /* of the dielectric */
+  float coat_out; /* transmittance of the coat towards wo, for uniform incident light */
+  /* Isotropic lobes: of all directions; anisotropic lobes: for wo only. */
+  pl_ggx_dielectric base_table;
+  pl_ggx_albedo base_out; /* albedo of the base's lobe towards wo */
+  pl_vec3f f0;            /* of the dielectric */
   float f90, index;
   loss lost;       /* of the base's lobe */
-  bool gives_back; /* metals and thin walls: what is lost comes back */
-  pl_ggx_lost out; /* towards wo, or none */
+  bool gives_back; /* true for metals and thin walls: lost energy is restored */
+  pl_ggx_lost out; /* multiple scattering towards wo; gain 1 without it */
   float chance[CHOICES];
 } view;
 
@@ -55,14 +57,14 @@ static lobe lobe_of(float ax, float ay, pl_vec3f wo) {
   return (lobe){ax, ay, pl_ggx_lambda_xy(ax, ay, wo), !(ax > ay)};
 }
 
-/* Single reflection by a lobe that mirrors everything, times cos(wi); height-correlated Smith
+/* Single scattering by a lobe with a reflectance of 1, times cos(wi); height-correlated Smith
  * (Heitz 2014, eq. 99). */
 static float mirrored(const lobe *l, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
   const float g = 1.0f / (1.0f + l->lambda + pl_ggx_lambda_xy(l->ax, l->ay, wi));
   return pl_ggx_density(l->ax, l->ay, h) * g / (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN));
 }
 
-/* Density of drawing wi by visible normals (Heitz 2018, eq. 17). */
+/* Density of wi when sampled by visible normals (Heitz 2018, eq. 17). */
 static float mirrored_pdf(const lobe *l, pl_vec3f wo, pl_vec3f h) {
   return pl_ggx_density(l->ax, l->ay, h) /
          (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN) * (1.0f + l->lambda));
@@ -86,12 +88,13 @@ static pl_ggx_lost lost_towards(const loss *l, pl_vec3f w) {
   return l->even ? pl_ggx_lost_at(&l->one, fabsf(w.z)) : pl_ggx_lost_xy_at(&l->xy, w);
 }
 
-/* A direction of the surface's frame in the coat's. */
+/* Transforms a direction from the surface's frame to the coat's. */
 static pl_vec3f of_coat(const view *v, pl_vec3f w) {
   return v->coat_bent ? pl_basis_to_local(&v->coat_basis, w) : w;
 }
 
-/* The coat's frame. A normal that leans away from the viewer is brought back to grazing. */
+/* Sets the coat's frame. A normal that faces away from the viewer is turned to grazing incidence.
+ */
 static void set_coat_basis(view *v, const pl_surface *s, pl_vec3f wo) {
   const pl_vec3f n = pl_surface_to_local(s, s->lobes.coat_normal);
   const float least = 1e-3f, cosine = pl_vec3f_dot(n, wo);
@@ -101,12 +104,12 @@ static void set_coat_basis(view *v, const pl_surface *s, pl_vec3f wo) {
         cosine < least ? pl_vec3f_unit(pl_vec3f_madd(n, least - cosine, wo)) : pl_vec3f_unit(n));
 }
 
-/* Coats have index 1.5 (KHR_materials_clearcoat). */
+/* Coats have an index of 1.5 (KHR_materials_clearcoat). */
 static float coat_fresnel(const view *v, float cosine) {
   return v->coat_weight > 0.0f ? v->coat_weight * pl_fresnel(cosine, PL_DIELECTRIC_INDEX) : 0.0f;
 }
 
-/* What the dielectric mirrors at a cosine: of a solid all where no light can leave. */
+/* Reflectance of the dielectric at a cosine; 1 for a solid in total internal reflection. */
 static pl_vec3f dielectric_of(const view *v, float cosine) {
   if (v->eta > 0.0f) {
     const float f = pl_fresnel(cosine, v->eta);
@@ -118,8 +121,9 @@ static pl_vec3f dielectric_of(const view *v, float cosine) {
                        pl_maxf(v->f0.z + (v->f90 - v->f0.z) * rise, 0.0f));
 }
 
-/* What the base mirrors: as much of the metal's, by Schlick's formula, as the surface is metal.
- * `more`, part of the lobe, of what metals and thin walls reflect several times. */
+/* Reflectance of the base's specular lobe: dielectric and metal (Schlick), mixed by metalness.
+ * `more`: relative increase of the lobe by multiple reflections, for metals and thin walls;
+ * `further`: colour of those reflections on metal. */
 static pl_vec3f mirror_of(const view *v, const pl_surface *s, float cosine, float more,
                           pl_vec3f further) {
   const float m = s->metallic;
@@ -133,20 +137,21 @@ static pl_vec3f mirror_of(const view *v, const pl_surface *s, float cosine, floa
   return m < 1.0f ? pl_vec3f_madd(metal, d, dielectric_of(v, cosine)) : metal;
 }
 
-/* The ratio of indices at the surface of a solid. One like vacuum has no surface: 0. */
+/* Ratio of indices at the boundary of a solid; 0 without transmission, and for an index near that
+ * of vacuum, which has no visible boundary. */
 static float eta_of(const pl_lobes *l) {
   if (!(l->ior > 0.0f && l->transmission > 0.0f) || fabsf(l->ior - 1.0f) < 1e-3f)
     return 0.0f;
   return l->inside ? 1.0f / l->ior : l->ior;
 }
 
-/* --- what enters the layers ---------------------------------------------------------------------
+/* --- transmission into the layers --------------------------------------------------------------
  */
 
-/* A stretched lobe is taken to reflect `rise` as an even one that is as wide along the direction.
- * That is too much where facets turn aside: the base is then darker, across the lobes of an
- * anisotropy of 0.6 at 85 degrees by up to 0.04 of the light, of 1 by up to 0.25; nowhere is it
- * brighter by more than 0.005. */
+/* An anisotropic lobe is assumed to reflect `rise` like the isotropic one of the same width along
+ * the direction. This is too much where facets are tilted sideways: the base is then too dark,
+ * across lobes of anisotropy 0.6 at 85 degrees by up to 0.04 of the light, of 1 by up to 0.25.
+ * Nowhere is it too bright by more than 0.005. */
 static pl_ggx_dielectric along(const lobe *l, float x2, float y2, float index) {
   const float alpha2 = (l->ax * l->ax * x2 + l->ay * l->ay * y2) / (x2 + y2);
   return pl_ggx_dielectric_rise(sqrtf(sqrtf(alpha2)), index);
@@ -157,18 +162,18 @@ static pl_ggx_dielectric table_of(const lobe *l, pl_vec3f w, float index) {
                  : along(l, w.x * w.x + 1e-12f, w.y * w.y + 1e-12f, index);
 }
 
-/* `d`: of the base's lobe and w. */
+/* `d`: table of the base's lobe for w. */
 static pl_ggx_albedo albedo_of(const view *v, const pl_ggx_dielectric *d, pl_vec3f w) {
   if (v->base.even)
     return pl_ggx_albedo_of(d, w.z);
   return (pl_ggx_albedo){1.0f - pl_ggx_loss_xy_at(&v->lost.xy, w), pl_ggx_rise(d, w.z)};
 }
 
-enum { TURNS = 4 }; /* azimuths of a quadrant that means of stretched lobes are taken over */
-/* Their squared sines, of pi/16 and so on. */
+enum { TURNS = 4 }; /* number of azimuths of a quadrant over which anisotropic lobes are averaged */
+/* Squared sines of these azimuths: pi/16, 3 pi/16 and so on. */
 static const float SINE2[TURNS] = {0.03806023f, 0.30865828f, 0.69134172f, 0.96193977f};
 
-/* Mean of the albedos over the hemisphere, and the deviation of `rise`. */
+/* Cosine-weighted mean of the albedos over the hemisphere, and the deviation of `rise`. */
 static pl_ggx_albedo mean_of(const view *v, float *deviation) {
   *deviation = v->base_table.deviation;
   if (v->base.even)
@@ -188,8 +193,8 @@ static float passes_coat(const view *v, pl_vec3f w) {
   return 1.0f - v->coat_weight * pl_ggx_glass_albedo(&v->coat_table, fabsf(of_coat(v, w).z));
 }
 
-/* Sets what the view has of the coat and of the dielectric, if there are any. Boundaries of solids
- * seen from inside have no table. */
+/* Sets the terms of the coat and of the dielectric, if present. Boundaries of solids seen from
+ * inside have no albedo table. */
 static void set_layers(view *v, const pl_surface *s, pl_vec3f wo) {
   v->f0 = s->lobes.f0;
   v->f90 = s->lobes.f90;
@@ -211,7 +216,8 @@ static void set_layers(view *v, const pl_surface *s, pl_vec3f wo) {
   }
 }
 
-/* Light that the dielectric's lobe mirrors towards wo. Solids are judged as if they were smooth. */
+/* Reflectance of the dielectric's lobe towards wo. Solids without a diffuse part or seen from
+ * inside are treated as smooth. */
 static float mirrored_part(const view *v, const pl_surface *s, float cosine) {
   if (v->eta > 0.0f && (s->lobes.inside || !(v->diffuse > 0.0f)))
     return pl_fresnel(cosine, v->eta);
@@ -219,7 +225,7 @@ static float mirrored_part(const view *v, const pl_surface *s, float cosine) {
   return f0 * v->base_out.all + (v->f90 - f0) * v->base_out.rise;
 }
 
-/* Chances by the light that each lobe sends on, as seen from wo. */
+/* Sets the sampling probabilities in proportion to the light that each lobe sends to wo. */
 static void set_chances(view *v, const pl_surface *s, pl_vec3f wo) {
   const float m = s->metallic, color = pl_vec3f_max(s->color), under = v->coat_out;
   const float mirror = m < 1.0f ? mirrored_part(v, s, wo.z) : 0.0f;
@@ -272,8 +278,8 @@ static view view_of(const pl_surface *s, pl_vec3f wo) {
   return v;
 }
 
-/* What comes back after several hits, if all of it does (ggx_loss.h): a broad lobe, times cos(wi),
- * and `more`, part of the sharp one. */
+/* Multiple scattering without absorption (ggx_loss.h): a broad lobe, times cos(wi), and `more`, the
+ * relative increase of the specular lobe. */
 typedef struct several {
   float broad, more;
 } several;
@@ -285,7 +291,8 @@ static several several_of(const view *v, pl_vec3f wi) {
                    v->out.gain * in.gain - 1.0f};
 }
 
-/* Light that passes the coat towards both directions: of sharp lobes, and of a Lambert base. */
+/* Transmittance of the coat towards both directions: for specular lobes, and for a Lambertian base.
+ */
 typedef struct under_coat {
   float sharp, out, in, mean, deviation;
 } under_coat;
@@ -305,8 +312,9 @@ typedef struct base_albedo {
   float deviation;
 } base_albedo;
 
-/* The Lambert base's part of the light in a band, without the coat. Both layers keep grazing light
- * out: the mean of their product is at most that of the means and of the deviations. */
+/* BRDF factor of the Lambertian base in one band, coat and dielectric included. The transmittances
+ * of both layers fall towards grazing incidence: the mean of their product is at most the product
+ * of their means plus that of their deviations. */
 static float let_in(const under_coat *c, const base_albedo *a, float f0, float f90) {
   const float out = pl_ggx_entering(a->out, f0, f90), in = pl_ggx_entering(a->in, f0, f90);
   const float scatter = fabsf(f90 - f0) * a->deviation + f0 * sqrtf(1.0f - a->mean.all);
@@ -317,7 +325,7 @@ static float let_in(const under_coat *c, const base_albedo *a, float f0, float f
 static pl_vec3f base_share(const view *v, const pl_surface *s, const under_coat *c, pl_vec3f wo,
                            pl_vec3f wi) {
   if (v->eta > 0.0f && s->lobes.inside) {
-    /* No table: what it mirrors at the more grazing direction is missing. */
+    /* There is no table: the reflectance at the more grazing of both directions is used. */
     const float f = 1.0f - pl_fresnel(pl_minf(wo.z, wi.z), v->eta);
     return pl_vec3f_make(f, f, f);
   }
@@ -328,7 +336,7 @@ static pl_vec3f base_share(const view *v, const pl_surface *s, const under_coat 
                        let_in(c, &a, v->f0.z, v->f90));
 }
 
-/* One band of the base: what it mirrors, mirrors again broadly and scatters. */
+/* One band of the base: specular reflection, broad multiple scattering and diffuse reflection. */
 static float band(float color, float mirrored, float again, float further, float diffuse) {
   return mirrored + again * pl_ggx_reflectance_mean(color) * further + diffuse * color;
 }
@@ -357,8 +365,9 @@ static pl_vec3f above(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f 
   return pl_vec3f_make(coat + base.x, coat + base.y, coat + base.z);
 }
 
-/* What passes: the mirror lobe turned over with the light that is not mirrored; `wi` is turned over
- * too. A thin wall sends light straight on, blurred by its roughness. */
+/* Transmission through a thin wall: the specular lobe mirrored to the other side, with the light
+ * that is not reflected; `wi` is mirrored too. A thin wall transmits straight on, blurred by its
+ * roughness. */
 static pl_vec3f below(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h) {
   const pl_vec3f f = dielectric_of(v, pl_vec3f_dot(wo, h));
   const float under = under_coat_of(v, wi).sharp;
@@ -370,8 +379,8 @@ static pl_vec3f below(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f 
                        scale * s->color.z * ((1.0f - f.z) * lobe + more.broad));
 }
 
-/* The normal that refracts wi (z < 0) to wo, on the viewer's side, and the change of wi's solid
- * angle with it (Walter et al. 2007, eq. 16 and 17); 0 if there is none. */
+/* Half vector that refracts wi (z < 0) to wo, on the viewer's side, and the Jacobian of wi's solid
+ * angle (Walter et al. 2007, eq. 16 and 17); 0 if there is none. */
 static float refracting(const view *v, pl_vec3f wo, pl_vec3f wi, pl_vec3f *h) {
   const pl_vec3f sum = pl_vec3f_madd(wo, v->eta, wi);
   *h = pl_vec3f_unit(sum.z < 0.0f ? pl_vec3f_scale(sum, -1.0f) : sum);
@@ -380,9 +389,9 @@ static float refracting(const view *v, pl_vec3f wo, pl_vec3f wi, pl_vec3f *h) {
   return out > 0.0f && in > 0.0f ? v->eta * v->eta * in / (path * path) : 0.0f;
 }
 
-/* What a solid lets pass (Walter et al. 2007, eq. 21). Radiance is counted as in vacuum, over the
- * square of the index: light sources and cameras are there. Light that facets of rough boundaries
- * send on to other facets is lost. */
+/* Transmission into a solid (Walter et al. 2007, eq. 21). Radiance is divided by the square of the
+ * index, hence as in vacuum, where light sources and cameras are. Light that facets of rough
+ * boundaries send to other facets is lost. */
 static pl_vec3f refracted(const view *v, const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   pl_vec3f h;
   const float change = refracting(v, wo, wi, &h);
@@ -422,7 +431,7 @@ static float density_of(const view *v, pl_vec3f wo, pl_vec3f wi) {
   return v->chance[COAT] * coat + v->chance[MIRROR] * mirror + v->chance[BROAD] * cosine;
 }
 
-/* Whether light can go from wi to wo at all. */
+/* True if the BSDF can be non-zero for wi and wo. */
 static bool admits(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   return wo.z > 0.0f && (wi.z > 0.0f || (wi.z < 0.0f && s->lobes.transmission > 0.0f));
 }
@@ -441,7 +450,7 @@ static float pdf(const pl_surface *s, pl_vec3f wo, pl_vec3f wi) {
   return density_of(&v, wo, wi);
 }
 
-/* The lobe that `choice` falls on. */
+/* Lobe that the random number `choice` selects. */
 static int choose(const view *v, float choice) {
   int last = MIRROR;
   for (int i = 0; i < CHOICES; i++) {
@@ -450,12 +459,12 @@ static int choose(const view *v, float choice) {
     if (choice < v->chance[i])
       return i;
     choice -= v->chance[i];
-    last = i; /* where rounding leaves a rest */
+    last = i; /* chosen if rounding leaves a remainder */
   }
   return last;
 }
 
-/* False: nothing comes of this draw. */
+/* Samples wi from the chosen lobe; false if the sample is invalid. */
 static bool draw(const view *v, int chosen, pl_vec3f wo, const float u[2], pl_vec3f *wi) {
   const bool passes = chosen == THROUGH || chosen == THROUGH_BROAD;
   if (chosen == BROAD || chosen == THROUGH_BROAD) {

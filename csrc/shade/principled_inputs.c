@@ -1,4 +1,4 @@
-/* The principled surface in material graphs: sockets to lobes. */
+/* The principled surface in material graphs: converts input sockets to lobe parameters. */
 #include "shade/principled_inputs.h"
 
 #include <math.h>
@@ -47,13 +47,13 @@ const pl_socket pl_principled_inputs[PL_PRINCIPLED_INPUTS] = {
 
 static const unsigned DIELECTRIC =
     1u << PL_PRINCIPLED_IOR | 1u << PL_PRINCIPLED_SPECULAR | 1u << PL_PRINCIPLED_SPECULAR_TINT;
-/* Without these the surface is as the metallic_roughness row has it; roughness of no coat and
- * rotation of no anisotropy say nothing. */
+/* Inputs that require the principled model. If none is set, metallic_roughness gives the same; the
+ * roughness of an absent coat and the rotation without anisotropy have no effect. */
 static const unsigned LAYERS = 1u << PL_PRINCIPLED_IOR | 1u << PL_PRINCIPLED_SPECULAR |
                                1u << PL_PRINCIPLED_SPECULAR_TINT | 1u << PL_PRINCIPLED_ANISOTROPY |
                                1u << PL_PRINCIPLED_COAT | 1u << PL_PRINCIPLED_TRANSMISSION;
 
-/* Beyond it an index counts as this; and keeps its square finite. */
+/* Indices are clamped to this, so that their square is finite. */
 static const float IOR_MAX = 1e6f;
 
 static float unit_of(const pl_surface_inputs *in, size_t k) {
@@ -63,7 +63,7 @@ static float unit_of(const pl_surface_inputs *in, size_t k) {
 static void set_dielectric(const pl_surface_inputs *in, pl_lobes *lobes) {
   const float ior = in->value[PL_PRINCIPLED_IOR][0];
   const float *tint = in->value[PL_PRINCIPLED_SPECULAR_TINT];
-  /* What is no index mirrors nothing. */
+  /* An invalid index (negative or NaN) reflects nothing. */
   pl_lobes_set_dielectric(lobes, ior >= 0.0f ? pl_minf(ior, IOR_MAX) : 1.0f,
                           unit_of(in, PL_PRINCIPLED_SPECULAR),
                           pl_vec3f_make(pl_clipped(tint[0], IOR_MAX), pl_clipped(tint[1], IOR_MAX),
@@ -101,7 +101,7 @@ void pl_principled_set(const pl_surface_inputs *in, pl_surface *surface) {
     lobes->transmission = unit_of(in, PL_PRINCIPLED_TRANSMISSION);
 }
 
-/* The largest that input k may be, 0..1. */
+/* Largest possible value of input k, 0..1. */
 static double largest(const pl_surface_inputs *in, size_t k) {
   if (!pl_input_is_set(in, k))
     return 0.0;
@@ -113,7 +113,7 @@ void pl_principled_summarise(const pl_surface_inputs *in, pl_model_summary *summ
   pl_reflectance_metallic_roughness.summarise(in, summary);
   summary->transmission_max =
       fmax(summary->transmission_max, largest(in, PL_PRINCIPLED_TRANSMISSION));
-  /* A coat of the model's own material may take another roughness. */
+  /* A coat of the model's own material may get another roughness. */
   const bool alters = (in->differs >> PL_PRINCIPLED_COAT_ROUGHNESS & 1u) != 0;
   if (!(coat > 0.0) && !(summary->coat_max > 0.0 && alters))
     return;

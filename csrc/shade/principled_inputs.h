@@ -1,4 +1,4 @@
-/* The inputs of the principled surface as a node of material graphs. Internal to shade. */
+/* Inputs of the principled surface as a node of material graphs. Internal to shade. */
 #ifndef PL_SHADE_PRINCIPLED_INPUTS_H
 #define PL_SHADE_PRINCIPLED_INPUTS_H
 
@@ -20,8 +20,8 @@ enum {
 };
 extern const pl_socket pl_principled_inputs[PL_PRINCIPLED_INPUTS];
 
-/* For the row: see reflectance.h. A surface none of whose layers may differ from the plain ones
- * becomes a metallic_roughness one, which costs less. */
+/* Callbacks of the model: see reflectance.h. A surface without any layer that differs from the
+ * defaults becomes a metallic_roughness one, which costs less. */
 void pl_principled_set(const pl_surface_inputs *in, pl_surface *surface);
 void pl_principled_summarise(const pl_surface_inputs *in, struct pl_model_summary *summary);
 

@@ -1,5 +1,5 @@
 /* Smooth boundaries of dielectrics: Fresnel's and Snell's laws. `eta`: index behind the boundary
- * over that before it, >= 0; cosines and directions are those before it. */
+ * over that before it, >= 0; cosines and directions are those on the front side. */
 #ifndef PL_SHADE_REFRACTION_H
 #define PL_SHADE_REFRACTION_H
 
@@ -7,7 +7,7 @@
 
 #include "math/vec.h"
 
-/* Squared cosine behind the boundary; not positive where all light is mirrored. */
+/* Squared cosine of the refracted direction; not positive in total reflection. */
 static inline float pl_refracted_cosine2(float cosine, float eta) {
   return 1.0f - (1.0f - cosine * cosine) / (eta * eta);
 }
@@ -26,8 +26,8 @@ static inline float pl_fresnel(float cosine, float eta) {
   return 0.5f * (across * across + along * along);
 }
 
-/* Direction away from the boundary behind it, for `w` away from it before it, both unit; n is the
- * normal on the side of w. False in total reflection. */
+/* Refracts `w`: w and the result are unit and point away from the boundary, w on the front side,
+ * the result behind it; n is the normal on the side of w. False in total reflection. */
 static inline bool pl_refract(pl_vec3f w, pl_vec3f n, float eta, pl_vec3f *out) {
   const float c = pl_vec3f_dot(w, n), inner2 = pl_refracted_cosine2(c, eta);
   if (!(inner2 > 0.0f))

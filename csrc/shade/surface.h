@@ -1,4 +1,4 @@
-/* A point of a surface as the light transport sees it: frame, colours, lobe parameters. */
+/* A point of a surface for light transport: frame, colours, lobe parameters. */
 #ifndef PL_SHADE_SURFACE_H
 #define PL_SHADE_SURFACE_H
 
@@ -10,16 +10,16 @@ typedef struct pl_reflectance pl_reflectance;
 
 /* Directions point away from the surface. wo and wi below are in the local frame (t, b, n). */
 typedef struct pl_surface {
-  pl_vec3f t, b, n;                  /* shading frame, right-handed, unit; n on the viewer's side */
-  pl_vec3f ng;                       /* geometric normal on the viewer's side */
-  pl_vec3f color;                    /* base colour or albedo, linear, 0..1 */
-  pl_vec3f emission;                 /* W m-2 sr-1 */
-  float metallic;                    /* 0..1 */
-  float alpha;                       /* GGX alpha = roughness^2 */
-  float water;                       /* 0..1: part that is open water; read by its row alone */
-  pl_vec3f below;                    /* likewise: what of color comes from below water */
-  pl_lobes lobes;                    /* read by layered rows alone */
-  pl_regolith regolith;              /* read by photometric rows alone */
+  pl_vec3f t, b, n;     /* shading frame, right-handed, unit; n on the viewer's side */
+  pl_vec3f ng;          /* geometric normal on the viewer's side */
+  pl_vec3f color;       /* base colour or albedo, linear, 0..1 */
+  pl_vec3f emission;    /* W m-2 sr-1 */
+  float metallic;       /* 0..1 */
+  float alpha;          /* GGX alpha = roughness^2 */
+  float water;          /* 0..1: part that is open water; read by the water model only */
+  pl_vec3f below;       /* part of color that is light from below the water; read likewise */
+  pl_lobes lobes;       /* read by layered models only */
+  pl_regolith regolith; /* read by photometric models only */
   const pl_reflectance *reflectance; /* row of the table */
 } pl_surface;
 
@@ -29,7 +29,7 @@ static inline pl_vec3f pl_surface_to_local(const pl_surface *s, pl_vec3f v) {
 static inline pl_vec3f pl_surface_to_world(const pl_surface *s, pl_vec3f v) {
   return pl_vec3f_madd(pl_vec3f_madd(pl_vec3f_scale(s->t, v.x), v.y, s->b), v.z, s->n);
 }
-/* Turns the tangents about the normal, counter-clockwise from t to b. */
+/* Rotates the tangents about the normal, counter-clockwise from t to b. */
 static inline void pl_surface_turn(pl_surface *s, float cosine, float sine) {
   const pl_vec3f t = s->t;
   s->t = pl_vec3f_madd(pl_vec3f_scale(t, cosine), sine, s->b);

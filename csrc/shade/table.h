@@ -1,4 +1,4 @@
-/* Places in tables with evenly spaced nodes. */
+/* Lookup in tables with evenly spaced nodes. */
 #ifndef PL_SHADE_TABLE_H
 #define PL_SHADE_TABLE_H
 
@@ -6,8 +6,8 @@
 
 #include "math/vec.h"
 
-/* Node below x of `count` nodes over 0..1 (x beyond counts as the limit), and the way to the next,
- * 0..1. */
+/* Index of the node below x of `count` nodes over 0..1 (x is clamped); *way: interpolation weight
+ * of the next node, 0..1. */
 static inline size_t pl_table_node(float x, int count, float *way) {
   const float at = pl_minf(pl_maxf(x, 0.0f), 1.0f) * (float)(count - 1);
   const size_t node = at < (float)(count - 2) ? (size_t)at : (size_t)(count - 2);
