@@ -1,4 +1,4 @@
-/* Running graphs, and turning what they give into surfaces. */
+/* Runs compiled material graphs and converts their outputs to surfaces. */
 #include "shade/graph.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 #include "shade/graph_program.h"
 #include "shade/node_rows.h"
 
-/* Fills the registers. */
+/* Evaluates all instructions of a program; results are in `registers`. */
 static void run(const pl_graph *graph, const pl_program *program, const pl_graph_point *point,
                 const pl_value *params, pl_value registers[PL_GRAPH_REGISTERS]) {
   pl_node_call call = {.point = point, .graph = graph, .params = params};
@@ -28,7 +28,7 @@ static void run(const pl_graph *graph, const pl_program *program, const pl_graph
   }
 }
 
-/* The value of a program of its own. */
+/* Evaluates a program that has a single output. */
 static void run_lazy(const pl_graph *graph, pl_operand input, const pl_graph_point *point,
                      const pl_value *params, pl_value out) {
   pl_value registers[PL_GRAPH_REGISTERS];
@@ -72,7 +72,7 @@ bool pl_graph_wraps(const pl_graph *graph) { return graph->wrap; }
 size_t pl_graph_parameter_count(const pl_graph *graph) { return graph->parameter_count; }
 size_t pl_graph_instruction_count(const pl_graph *graph) { return graph->programs[0].count; }
 
-/* Whether the graph, rather than the model's material, gives an input of the surface. */
+/* True if an input of the surface is set by the graph rather than by the model's material. */
 static bool gives(const pl_graph *graph, pl_surface_socket socket) {
   return (graph->sets >> socket & 1u) != 0;
 }
@@ -102,7 +102,7 @@ pl_vec3f pl_graph_emission(const pl_graph *graph, const pl_graph_point *point,
               (float)PL_EMISSION_MAX);
 }
 
-/* Turns the frame to a normal, which stays on the surface's side as that of a normal map does. */
+/* Rotates the frame to a normal, which is kept on the surface's side as with normal maps. */
 static void bend(const float *normal, pl_surface *surface) {
   static const float COSINE_MIN = 0.05f;
   pl_vec3f n = pl_vec3f_unit(pl_value_vec(normal));
@@ -123,7 +123,7 @@ static pl_surface_inputs own_inputs(const pl_graph *graph) {
                              .differs = graph->differs >> PL_SURFACE_SOCKETS};
 }
 
-/* Sets what only some models read; the frame is bent already. */
+/* Sets the inputs of the reflectance model; the frame already has the bumped normal. */
 static void set_own(const pl_graph *graph, const pl_value *params, const pl_value *registers,
                     pl_surface *surface) {
   const pl_reflectance *row = graph->surface->reflectance;
@@ -159,13 +159,13 @@ void pl_graph_surface(const pl_graph *graph, const pl_graph_point *point, const 
   set_own(graph, params, registers, surface);
 }
 
-/* Whether an input of the surface is folded, and to what. */
+/* Value of an input of the surface if it is a folded constant, or NULL. */
 static const float *constant_of(const pl_graph *graph, size_t socket) {
   const pl_operand operand = graph->programs[0].outputs[socket];
   return operand.bank == PL_BANK_CONSTANT ? graph->constants[operand.index] : NULL;
 }
 
-/* own: of the thing's own material. */
+/* own: maximum emission of the object's own material. */
 static double emission_max(const pl_graph *graph, double own) {
   const float *color = constant_of(graph, PL_SURFACE_EMISSION_COLOR);
   const float *strength = constant_of(graph, PL_SURFACE_EMISSION_STRENGTH);
@@ -191,7 +191,7 @@ void pl_graph_summarise(const pl_graph *graph, pl_model_summary *summary) {
   pl_graph_summarise_detail(graph, summary);
 }
 
-/* Of a body; a footprint is never wider than the whole map. */
+/* Map coordinates and footprint on a body; the footprint is at most as wide as the map. */
 static void body_uv(const pl_graph_point *point, float uv[2], float a[2], float b[2]) {
   const double oblate = point->map_oblate;
   pl_body_map_uv(pl_body_map_stretch(point->place, oblate), point->map_center_lon_rad,

@@ -1,4 +1,4 @@
-/* From the description of a graph to its programs. */
+/* Compiles the description of a graph to programs. */
 #include <stdio.h>
 #include <string.h>
 
@@ -6,15 +6,15 @@
 #include "shade/graph_program.h"
 #include "shade/node_rows.h"
 
-/* A program in the making. */
+/* State of the compiler for one program. */
 typedef struct builder {
   const pl_graph_description *description;
   pl_graph *graph;
   const pl_constant *const *node_constants; /* of the graph's copy, per node */
-  size_t program;                           /* index of the one being made */
-  int depth;                                /* of lazy inputs */
-  pl_operand (*made)[PL_NODE_OUTPUTS];      /* per node: where its outputs are ... */
-  bool *is_made;                            /* ... if they are */
+  size_t program;                           /* index of the current program */
+  int depth;                                /* nesting depth of lazy inputs */
+  pl_operand (*made)[PL_NODE_OUTPUTS]; /* per node: operands of its outputs, valid if is_made */
+  bool *is_made;                       /* per node: already compiled */
 } builder;
 
 /* --- checks ----------------------------------------------------------------------------------- */
@@ -59,7 +59,7 @@ static pl_status check_input(const pl_graph_description *d, const pl_graph_node 
   return PL_OK;
 }
 
-/* The current error text with the node's name before it. */
+/* Prefixes the current error text with the node's name. */
 static pl_status at_node(pl_status status, const char *name) {
   char text[512];
   if (status == PL_OK || status == PL_E_MEMORY)
@@ -84,7 +84,7 @@ static pl_status check_nodes(const pl_graph_description *d) {
   return PL_OK;
 }
 
-/* Fails with the nodes from path[from] on. */
+/* Fails with the names of the nodes from path[from] on. */
 static pl_status report_cycle(const pl_graph_description *d, const size_t *path, size_t from,
                               size_t depth) {
   char text[512] = "";
@@ -94,7 +94,7 @@ static pl_status report_cycle(const pl_graph_description *d, const size_t *path,
   return pl_fail(PL_E_RANGE, "nodes form a cycle: %s%s", text, d->nodes[path[from]].name);
 }
 
-/* Depth-first walk along the links; `path` are the nodes on the way. */
+/* Depth-first search along the links; `path`: nodes from the start to the current one. */
 static pl_status find_cycle(const pl_graph_description *d, size_t node, size_t *path, size_t depth,
                             bool *done) {
   for (size_t i = 0; i < depth; i++)
@@ -137,7 +137,7 @@ static pl_status add_constant(pl_graph *graph, const float value[3], pl_operand 
   return PL_OK;
 }
 
-/* Evaluates a node whose inputs are constants now, once for all. */
+/* Constant folding: evaluates a node whose inputs are all constants. */
 static pl_status fold(builder *b, const pl_instruction *instruction, pl_operand *outputs) {
   pl_value out[PL_NODE_OUTPUTS];
   pl_node_call call = {.constants = instruction->constants, .out = out};
@@ -149,7 +149,7 @@ static pl_status fold(builder *b, const pl_instruction *instruction, pl_operand 
   return PL_OK;
 }
 
-/* Adds the instruction, or folds it. */
+/* Appends the instruction to the program, or folds it. */
 static pl_status emit(builder *b, pl_instruction *instruction, pl_operand *outputs) {
   const pl_node_kind *kind = instruction->kind;
   bool folds = !kind->reads_point && kind->lazy == 0;
@@ -173,7 +173,7 @@ static pl_status emit(builder *b, pl_instruction *instruction, pl_operand *outpu
 
 static pl_status build_node(builder *b, size_t index);
 
-/* Puts a conversion in front of a scalar input that a vector or colour feeds. */
+/* Inserts a conversion if a vector or colour is linked to a scalar input. */
 static pl_status convert(builder *b, pl_socket_type from, pl_socket_type to, pl_operand *operand) {
   if (to != PL_SCALAR || from == PL_SCALAR)
     return PL_OK;
@@ -228,7 +228,7 @@ static void finish(builder *b) {
   pl_free(b->is_made);
 }
 
-/* A program of its own for one input. */
+/* Compiles one lazy input to a separate program. */
 static pl_status build_lazy(const builder *outer, const pl_graph_node *node, size_t k,
                             pl_operand *out) {
   builder inner = {.description = outer->description,
@@ -271,7 +271,7 @@ static pl_status build_node(builder *b, size_t index) {
   return PL_OK;
 }
 
-/* Copies the constants of all nodes into the graph; `of_node` points to each node's. */
+/* Copies the constants of all nodes into the graph; of_node[i] points to those of node i. */
 static pl_status copy_constants(const pl_graph_description *d, pl_graph *graph,
                                 const pl_constant **of_node) {
   size_t count = 0, numbers = 0;
@@ -298,7 +298,7 @@ static pl_status copy_constants(const pl_graph_description *d, pl_graph *graph,
   return PL_OK;
 }
 
-/* The value of an input of the surface if it is folded, or NULL. */
+/* Value of an input of the surface if it is a folded constant, or NULL; lazy inputs included. */
 static const float *folded(const pl_graph *graph, size_t k) {
   pl_operand operand = graph->programs[0].outputs[k];
   if ((graph->surface->lazy >> k & 1u) != 0)
@@ -306,7 +306,7 @@ static const float *folded(const pl_graph *graph, size_t k) {
   return operand.bank == PL_BANK_CONSTANT ? graph->constants[operand.index] : NULL;
 }
 
-/* Which inputs of the surface the graph decides, once they are folded. */
+/* Finds the inputs of the surface that the graph sets, and whether alpha may make it absent. */
 static void find_set(const pl_graph_node *surface, pl_graph *graph) {
   for (size_t k = 0; k < pl_node_input_count(surface->kind); k++) {
     const float *value = folded(graph, k), *fallback = pl_node_input(surface->kind, k)->fallback;
@@ -320,8 +320,8 @@ static void find_set(const pl_graph_node *surface, pl_graph *graph) {
   graph->absent = alpha != NULL && graph->cuts;
 }
 
-/* A program of its own for what the surface emits, where it may emit something: lamps are asked
- * for that alone. */
+/* Compiles a separate program for the emission, if there may be any: light sources evaluate only
+ * that. */
 static pl_status build_emission(const builder *outer, const pl_graph_node *surface) {
   pl_graph *graph = outer->graph;
   builder inner = {

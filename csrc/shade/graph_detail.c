@@ -1,4 +1,4 @@
-/* What a graph has that rows of effects can leave out. */
+/* Features of a graph that effects can leave out. */
 #include <math.h>
 
 #include "shade/graph_program.h"

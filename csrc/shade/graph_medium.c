@@ -1,4 +1,4 @@
-/* Inputs of a graph's surface read as those of a medium. */
+/* Evaluates a graph's surface inputs as properties of a participating medium. */
 #include "shade/graph_medium.h"
 
 #include "shade/node_rows.h"

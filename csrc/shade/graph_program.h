@@ -1,4 +1,4 @@
-/* The compiled form of a graph. Internal to shade. */
+/* Compiled form of a graph. Internal to shade. */
 #ifndef PL_SHADE_GRAPH_PROGRAM_H
 #define PL_SHADE_GRAPH_PROGRAM_H
 
@@ -9,7 +9,7 @@
 enum {
   PL_GRAPH_NODES = 256,
   PL_GRAPH_REGISTERS = 256, /* values of one program: 4 kB on the stack */
-  PL_GRAPH_LAZY_DEPTH = 3,  /* of lazy inputs inside lazy inputs: each multiplies the work */
+  PL_GRAPH_LAZY_DEPTH = 3,  /* limit of nested lazy inputs: each level multiplies the work */
 };
 
 typedef enum pl_bank { PL_BANK_CONSTANT, PL_BANK_PARAMETER, PL_BANK_REGISTER } pl_bank;
@@ -20,10 +20,10 @@ typedef struct pl_operand {
 
 typedef struct pl_instruction {
   const pl_node_kind *kind;
-  const pl_constant *constants;   /* of the graph's copy of the node */
-  pl_operand in[PL_NODE_SOCKETS]; /* of a lazy input: index of its program, bank unused */
+  const pl_constant *constants;   /* the graph's copy of the node's constants */
+  pl_operand in[PL_NODE_SOCKETS]; /* for a lazy input: index of its program, bank unused */
   unsigned given;                 /* as in pl_node_call */
-  size_t out;                     /* first register */
+  size_t out;                     /* first output register */
 } pl_instruction;
 
 typedef struct pl_program {
@@ -35,24 +35,25 @@ typedef struct pl_program {
 struct pl_graph {
   const pl_node_kind *surface;
   bool wrap;
-  unsigned sets;    /* bit k: input k of the surface is not left to the model's material */
-  unsigned differs; /* bit k: nor is it known to be its fallback */
-  bool cuts;        /* alpha may fall below one half */
-  bool absent;      /* it is below one half everywhere */
-  size_t emission;  /* program of emission_color and emission_strength alone; 0: it emits nothing */
+  /* Bit k: input k of the surface is set by the graph, not by the model's material. */
+  unsigned sets;
+  unsigned differs; /* bit k: set, and not known to equal its fallback */
+  bool cuts;        /* alpha may be below 0.5 */
+  bool absent;      /* alpha is below 0.5 everywhere */
+  size_t emission;  /* program with only emission_color and emission_strength; 0: no emission */
   size_t parameter_count;
-  pl_program *programs; /* owned; 0 is the surface's, the others are lazy inputs' */
+  pl_program *programs; /* owned; 0 is the surface's, the others are for lazy inputs and emission */
   size_t program_count;
   pl_value *constants; /* owned: all folded values */
   size_t constant_count;
   pl_constant *node_constants; /* owned, node by node */
-  float *numbers;              /* owned: what those point to */
+  float *numbers;              /* owned: the number lists of node_constants */
 };
 
-/* Widens the bounds by what rows of effects can leave out of the graph. */
+/* Extends the bounds by the features of the graph that effects can leave out. */
 void pl_graph_summarise_detail(const pl_graph *graph, pl_model_summary *summary);
 
-/* The value of an operand. */
+/* Value of an operand. */
 static inline const float *pl_operand_value(const pl_graph *graph, const pl_value *params,
                                             const pl_value *registers, pl_operand operand) {
   const pl_value *const banks[] = {graph->constants, params, registers};

@@ -1,4 +1,4 @@
-/* The table of kinds of nodes. */
+/* Table of the kinds of nodes. */
 #include "shade/node.h"
 
 #include <string.h>

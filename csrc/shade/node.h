@@ -1,4 +1,5 @@
-/* The kinds of nodes of material graphs: one row and one file (or a file for a family) a kind. */
+/* Kinds of nodes of material graphs: one table row per kind, one file per kind or family of kinds.
+ */
 #ifndef PL_SHADE_NODE_H
 #define PL_SHADE_NODE_H
 
@@ -12,71 +13,77 @@
 
 typedef enum pl_constant_type {
   PL_NUMBER,  /* one number within [low, high] */
-  PL_CHOICE,  /* the index of one of the names of `choices` */
+  PL_CHOICE,  /* index into `choices` */
   PL_NUMBERS, /* rows of `columns` numbers */
   PL_IMAGE    /* a texture */
 } pl_constant_type;
 
-/* What is fixed when the graph is made. */
+/* A constant of a node: fixed when the graph is compiled. */
 typedef struct pl_constant_row {
   const char *name;
   pl_constant_type type;
-  double fallback, low, high; /* PL_NUMBER, PL_CHOICE (fallback alone); NaN: must be given */
+  /* PL_NUMBER; PL_CHOICE uses the fallback only; NaN: required. */
+  double fallback, low, high;
   const char *const *choices; /* NULL-terminated */
   size_t columns;             /* PL_NUMBERS */
   const char *doc;
 } pl_constant_row;
 
 typedef struct pl_constant {
-  double number;             /* PL_NUMBER, and the index of a PL_CHOICE */
-  const float *numbers;      /* PL_NUMBERS; borrowed until the graph is made, which copies it */
-  size_t count;              /* of numbers */
-  const pl_texture *texture; /* PL_IMAGE; borrowed for the graph's life. NULL reads as white */
+  double number;        /* PL_NUMBER, and the index of a PL_CHOICE */
+  const float *numbers; /* PL_NUMBERS; borrowed until the graph is compiled, which copies it */
+  size_t count;         /* length of `numbers` */
+  /* PL_IMAGE; borrowed for the lifetime of the graph. NULL reads as white. */
+  const pl_texture *texture;
 } pl_constant;
 
-/* Where a graph is evaluated. World axes are the root's; metres. */
+/* Point at which a graph is evaluated. World axes are those of the root frame; lengths in metres.
+ */
 typedef struct pl_graph_point {
-  pl_vec3f object;       /* model axes at rest, from the object's origin: patterns move with parts;
-                            of a body its axes, from its centre */
-  pl_vec3f world;        /* root axes, from the object's origin */
-  pl_vec3f t, b, n, ng;  /* shading frame before any bump, and geometric normal, root axes;
-                            the normals are on the side that the mesh calls outside */
-  pl_vec3f view;         /* unit, towards the viewer, root axes */
-  float radius;          /* of the footprint, m */
-  pl_filter filter;      /* of images */
-  bool bumps;            /* otherwise bumps and normal maps give n */
-  float random;          /* of the object, 0..1 */
-  const pl_model *model; /* NULL: no texture coordinates */
+  /* Model axes at rest, from the object's origin, so that patterns move with parts; on a body its
+   * axes, from its centre. */
+  pl_vec3f object;
+  pl_vec3f world; /* root axes, from the object's origin */
+  /* Shading frame before bump mapping, and geometric normal, root axes; the normals are on the
+   * outer side of the mesh. */
+  pl_vec3f t, b, n, ng;
+  pl_vec3f view;              /* unit, towards the viewer, root axes */
+  float radius;               /* of the footprint, m */
+  pl_filter filter;           /* of images */
+  bool bumps;                 /* false: bump and normal maps give n */
+  float random;               /* random number of the object, 0..1 */
+  const pl_model *model;      /* NULL: no texture coordinates */
   pl_triangle_point triangle; /* on the model */
   pl_vec3 offset;             /* of the object: model units, see pl_object */
   float scale;                /* metres per model unit */
-  const pl_mat3 *body;        /* body axes to root axes; NULL: not on a body. Then also: */
-  pl_vec3 place;              /* `object` in double */
-  pl_vec3 across, along;      /* extent of the footprint on the surface, body axes, m */
+  /* Body axes to root axes; NULL: not on a body. The fields below are for bodies. */
+  const pl_mat3 *body;
+  pl_vec3 place;         /* `object` in double precision */
+  pl_vec3 across, along; /* extent of the footprint on the surface, body axes, m */
   double map_center_lon_rad;
-  double map_oblate;                        /* as of pl_body_place */
-  const pl_texture *body_map;               /* its own surface: NULL for none */
+  double map_oblate;                        /* as in pl_body_place */
+  const pl_texture *body_map;               /* the body's own surface map: NULL for none */
   const float *body_albedo, *body_emission; /* three each, see pl_body_state */
 } pl_graph_point;
-/* The point `along_t`, `along_b` metres farther on the tangent plane: its position, and with a
- * model its weights. The frame stays. */
+/* The point moved by `along_t`, `along_b` metres in the tangent plane: updates the positions and,
+ * on a model, the barycentric weights. The frame is unchanged. */
 pl_graph_point pl_graph_point_move(const pl_graph_point *point, float along_t, float along_b);
-/* Texture coordinates of set 0 or 1 and the footprint in them; zeros where the model has none.
- * On a body those of its map. */
+/* Texture coordinates of set 0 or 1 and the footprint in them; zeros if the model has none. On a
+ * body the coordinates of its map. */
 void pl_graph_point_uv(const pl_graph_point *point, int set, float uv[2], float a[2], float b[2]);
-/* Object position of the weights on the model. */
+/* Object position for the point's barycentric weights on the model. */
 pl_vec3f pl_graph_point_object(const pl_graph_point *point);
 
 enum { PL_NODE_CONSTANTS = 8, PL_NODE_OUTPUTS = 8 };
 
-/* What a node is given when it is evaluated. */
+/* Arguments of a node's evaluation. */
 typedef struct pl_node_call {
   const pl_graph_point *point;
-  const float *in[PL_NODE_SOCKETS]; /* pl_value each, NULL of lazy inputs */
+  const float *in[PL_NODE_SOCKETS]; /* pl_value each; NULL for lazy inputs */
   const pl_constant *constants;
-  unsigned given; /* bit k: input k has a value or a link of its own */
-  pl_value *out;  /* one an output; all four numbers must be set */
-  /* For pl_node_input_at. */
+  unsigned given; /* bit k: input k is set by a value or a link */
+  pl_value *out;  /* one per output; all four numbers must be set */
+  /* Used by pl_node_input_at. */
   const struct pl_graph *graph;
   const struct pl_instruction *instruction;
   const pl_value *params;
@@ -88,18 +95,20 @@ typedef struct pl_node_kind {
   size_t input_count, output_count;
   const pl_constant_row *constants;
   size_t constant_count;
-  bool reads_own;   /* reads the thing's own material */
-  bool reads_point; /* false: a function of inputs and constants alone, which may be folded */
-  bool bends;       /* gives a normal other than the mesh's, unless the point has no bumps */
-  bool hidden;      /* used by the compiler; not in descriptions */
-  unsigned lazy;    /* bit k: input k is not evaluated before; the node asks pl_node_input_at */
-  /* Checks beyond the rows' types; may be NULL. The text names the constant and what is allowed. */
+  bool reads_own;   /* reads the object's own material */
+  bool reads_point; /* false: a function of inputs and constants only, which may be folded */
+  bool bends;       /* outputs a normal other than the mesh's, unless the point has no bumps */
+  bool hidden;      /* inserted by the compiler only; not allowed in descriptions */
+  unsigned lazy; /* bit k: input k is not evaluated in advance; the node calls pl_node_input_at */
+  /* Checks constants beyond their types and ranges; may be NULL. The error text names the constant
+   * and what is allowed. */
   pl_status (*check)(const pl_constant *constants);
-  /* NULL for a surface: its inputs are what the graph gives. */
+  /* NULL for a surface: its inputs are the outputs of the graph. */
   void (*evaluate)(const pl_node_call *call);
-  const pl_reflectance *reflectance; /* of a surface, whose inputs follow `inputs` */
+  const pl_reflectance *reflectance; /* of a surface: its inputs are appended to `inputs` */
 } pl_node_kind;
-/* Inputs of a node: of a surface those of all surfaces (pl_surface_socket), then its row's. */
+/* Inputs of a node; for a surface those common to all surfaces (pl_surface_socket), then those of
+ * its reflectance model. */
 static inline size_t pl_node_input_count(const pl_node_kind *kind) {
   return kind->input_count + (kind->reflectance != NULL ? kind->reflectance->input_count : 0);
 }
@@ -108,17 +117,17 @@ static inline const pl_socket *pl_node_input(const pl_node_kind *kind, size_t k)
                                : &kind->reflectance->inputs[k - kind->input_count];
 }
 
-/* Value of a lazy input at another point. */
+/* Evaluates a lazy input at another point. */
 void pl_node_input_at(const pl_node_call *call, size_t input, const pl_graph_point *point,
                       pl_value out);
 
 /* The table, in a fixed order. */
 extern const pl_node_kind *const pl_node_kinds[];
 extern const size_t pl_node_kind_count;
-/* Row by name, or NULL. */
+/* Kind by name, or NULL. */
 const pl_node_kind *pl_node_kind_find(const char *name);
 
-/* For outputs. */
+/* Set outputs of nodes. */
 static inline void pl_value_scalar(pl_value out, float x) {
   out[0] = out[1] = out[2] = x;
   out[3] = 0.0f;

@@ -1,16 +1,16 @@
-/* The normal of a surface displaced by a height. */
+/* Bump mapping: the normal of a surface displaced by a height. */
 #include "shade/node_rows.h"
 
-/* Slopes at the point itself, by central differences over a small step. Near a surface a step of
- * STEP_MIN_M stays above the rounding of positions of a few metres. Blinn, "Simulation of Wrinkled
- * Surfaces", SIGGRAPH 1978: n - dh/dt t - dh/db b.
+/* Slopes at the point by central differences over a small step. STEP_MIN_M is above the rounding
+ * errors of positions of a few metres. Blinn, "Simulation of Wrinkled Surfaces", SIGGRAPH 1978: n -
+ * dh/dt t - dh/db b.
  *
- * They are not filtered by the footprint: samples are their mean over the pixel. A lobe that is
- * wider by the slopes that a footprint hides is no mean of bent normals: it is brighter, by up to
- * several times where light comes at a grazing angle, and for folds finer than a sample's part of
- * the pixel no number of samples would mend that. */
+ * Slopes are not filtered by the footprint: Monte Carlo samples average over the pixel. A lobe
+ * widened by the variance of the hidden slopes is not the mean over the bumped normals: it is
+ * brighter, by up to several times at grazing incidence, and for bumps finer than the footprint of
+ * a sample more samples would not correct that. */
 static const float STEP_MIN_M = 1e-4f;
-/* On a body likewise, of the distance from its centre. */
+/* The same on a body, relative to the distance from its centre. */
 static const float BODY_STEP_MIN = 0x1p-18f;
 
 typedef struct slopes {

@@ -3,8 +3,8 @@
 #include "shade/node_pattern.h"
 #include "shade/node_rows.h"
 
-/* A z of exactly 0, as coordinates on a surface have it, would lie between two layers of cells: it
- * counts as the middle of one. */
+/* z = 0, as of texture coordinates, would lie on the boundary of two layers of cells: it is moved
+ * to the middle of one. */
 static pl_pattern_place place_of(const pl_node_call *call) {
   pl_pattern_place place = pl_pattern_place_of(call);
   if (place.point.z == 0.0)

@@ -1,4 +1,4 @@
-/* Where a pattern is: coordinates of the point, and moving, turning and stretching them. */
+/* Texture-space nodes: coordinates of the point, and their translation, rotation and scaling. */
 #include <math.h>
 
 #include "shade/node_rows.h"
@@ -7,7 +7,7 @@ enum { SPACE_OBJECT, SPACE_WORLD, SPACE_UV, SPACE_UV_1, SPACE_BOX, SPACE_FACE, S
 static const char *const spaces[] = {"object", "world", "uv",          "uv1",
                                      "box",    "face",  "lon_lat_deg", NULL};
 
-/* Radius of the circle with the area of the parallelogram that a footprint spans. */
+/* Radius of the circle with the area of the parallelogram spanned by the footprint. */
 static float radius_of(const float a[2], const float b[2]) {
   return sqrtf(fabsf(a[0] * b[1] - a[1] * b[0]) / PL_PI_F);
 }
@@ -25,14 +25,14 @@ static pl_vec3f rest_normal(const pl_graph_point *p) {
   return pl_vec3f_cross(pl_vec3f_sub(at[1], at[0]), pl_vec3f_sub(at[2], at[0]));
 }
 
-/* The two axes of the plane that a surface is looked up in. Of a box's sides they are model axes:
- * y and z, z and x, or x and y. Of the face itself the first is the model axis that is nearest to
- * its plane, turned into the plane, so that all of a flat panel has the same. */
+/* Axes of the plane onto which the surface is projected. Box: two model axes, y and z, z and x, or
+ * x and y, by the largest component of the normal. Face: the first axis is the model axis nearest
+ * to the plane of the face, projected into it, so that all triangles of a flat panel share it. */
 static void plane_of(int space, pl_vec3f n, pl_vec3f axis[2]) {
   const float size[3] = {fabsf(n.x), fabsf(n.y), fabsf(n.z)};
   const float length = pl_vec3f_norm(n);
   const bool flat = space == SPACE_FACE && length > 0.0f;
-  /* By more than rounding: faces of one panel must not differ. */
+  /* By more than rounding errors: faces of one panel must not differ. */
   const float less = flat ? 1e-4f * length : 0.0f;
   size_t most = 2, least = 1;
   for (size_t k = 3; k-- > 0;) {
@@ -58,7 +58,7 @@ static void on_plane(const pl_graph_point *p, int space, pl_value out) {
   pl_value_vector(out, at, p->radius);
 }
 
-/* Of a map whose centre is at longitude 0: a turn is 360 degrees, from pole to pole are 180. */
+/* Longitude and latitude from a map centred at longitude 0: u spans 360 degrees, v 180. */
 static void lon_lat_deg(const pl_graph_point *p, pl_value out) {
   static const float SIDE = 254.55844f; /* sqrt(360 180) */
   pl_graph_point centered = *p;
@@ -117,7 +117,7 @@ const pl_node_kind pl_node_coordinates = {
     .evaluate = coordinates,
 };
 
-/* Turns about x, then y, then z, by angles in radians. */
+/* Rotates about x, then y, then z, by angles in radians. */
 static pl_vec3f turned(pl_vec3f v, const float *angle) {
   const float cx = cosf(angle[0]), sx = sinf(angle[0]);
   const float cy = cosf(angle[1]), sy = sinf(angle[1]);
@@ -135,7 +135,7 @@ static void mapping(const pl_node_call *call) {
   if (angle[0] != 0.0f || angle[1] != 0.0f || angle[2] != 0.0f)
     p = turned(p, angle);
   const float largest = pl_maxf(fabsf(scale[0]), pl_maxf(fabsf(scale[1]), fabsf(scale[2])));
-  /* No scale at all leaves one value, whatever the footprint. */
+  /* A scale of zero gives one value, for any footprint. */
   pl_value_vector(call->out[0], pl_vec3f_add(p, pl_value_vec(call->in[1])),
                   largest > 0.0f ? v[3] * largest : 0.0f);
 }

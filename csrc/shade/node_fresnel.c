@@ -4,8 +4,8 @@
 #include "shade/node_rows.h"
 #include "shade/refraction.h"
 
-/* Cosine of the angle to the viewer, 0..1: surfaces are seen from both sides. A normal that is bent
- * away from him is seen edge-on. */
+/* Cosine of the angle between normal and viewer, 0..1. Surfaces are two-sided; a bumped normal that
+ * faces away from the viewer gives 0. */
 static float facing_of(const pl_graph_point *p, const float *normal) {
   const pl_vec3f given = pl_value_vec(normal);
   const float length = pl_vec3f_norm(given);
@@ -23,8 +23,9 @@ static void fresnel(const pl_node_call *call) {
 
 static const float BLEND_MAX = 1.0f - 1e-5f;
 
-/* `fresnel` of index 1/(1 - blend). `facing`: 1 - cosine to a power that is 1 at a blend of 1/2 and
- * goes to 0 and infinity at 0 and 1: the conventions of Blender's node of the same name. */
+/* `fresnel` is Fresnel's reflectance for the index 1/(1 - blend). `facing` is 1 - cosine^p, where p
+ * is 1 at a blend of 1/2 and tends to 0 and infinity at 0 and 1: the conventions of Blender's Layer
+ * Weight node. */
 static void layer_weight(const pl_node_call *call) {
   const float blend = pl_minf(pl_clipped(call->in[0][0], 1.0f), BLEND_MAX);
   const float cosine = facing_of(call->point, call->in[1]);

@@ -6,7 +6,7 @@
 
 enum { IMAGE_FILE, COLOR_SPACE, WRAP, WRAP_V, UV_SET };
 
-/* Of the square with the area of a footprint's circle. */
+/* Side of the square with the area of the footprint's circle. */
 static float side_of(float radius) { return radius * sqrtf(PL_PI_F); }
 
 static void read(const pl_node_call *call, const pl_texture *texture, float out[4]) {
@@ -43,7 +43,7 @@ static const char *const wraps[] = {"repeat", "clamp", "mirror", NULL};
 static const char *const wraps_v[] = {"repeat", "clamp", "mirror", "same", NULL};
 static const char *const sets[] = {"uv", "uv1", NULL};
 
-/* The texture is made by the three choices after the file. */
+/* The three choices after the file determine how the texture is loaded. */
 static const pl_constant_row constants[] = {
     [IMAGE_FILE] = {"file", PL_IMAGE, NAN, 0, 0, NULL, 0, "PNG, JPEG, WebP or TIFF"},
     [COLOR_SPACE] = {"color_space", PL_CHOICE, 0, 0, 0, spaces, 0,

@@ -1,4 +1,4 @@
-/* Nodes that are a number or a colour: what drivers set. */
+/* Nodes with a constant number or colour, which drivers can set. */
 #include <string.h>
 
 #include "shade/node_rows.h"

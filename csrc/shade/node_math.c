@@ -1,5 +1,5 @@
-/* Arithmetic on numbers. Where a function is not defined the result is 0, so that no pixel is ever
- * not a number. */
+/* Scalar arithmetic. The result is 0 where a function is undefined, so that no pixel becomes NaN.
+ */
 #include <math.h>
 
 #include "math/color.h"
@@ -36,7 +36,7 @@ static const char *const functions[] = {
     "less_than", "greater_than", "sign",     "floor",    "fraction",     "modulo",
     "wrap",      "sine",         "cosine",   "atan2",    "smoothstep",   NULL};
 
-/* From 0 at a to 1 at b, with no slope at either; a step where they are equal. */
+/* Cubic step from 0 at a to 1 at b, with zero slope at both; a hard step if they are equal. */
 static float smoothstep(float x, float a, float b) {
   if (a == b)
     return x < a ? 0.0f : 1.0f;
@@ -44,7 +44,7 @@ static float smoothstep(float x, float a, float b) {
   return t * t * (3.0f - 2.0f * t);
 }
 
-/* x brought into [a, b) by whole periods. */
+/* x wrapped into [a, b) by whole periods. */
 static float wrap(float x, float a, float b) {
   return b == a ? a : x - (b - a) * floorf((x - a) / (b - a));
 }

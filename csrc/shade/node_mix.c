@@ -1,4 +1,4 @@
-/* Between two values, and from a number to a colour. */
+/* Blends two values, and maps a number to a colour (ramp). */
 #include <math.h>
 
 #include "shade/node_rows.h"

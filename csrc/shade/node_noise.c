@@ -1,4 +1,4 @@
-/* Noise: octaves of gradient noise, and Musgrave's fractals of it. */
+/* Noise: octaves of gradient noise, and Musgrave's fractals. */
 #include "math/fractal.h"
 #include "shade/node_pattern.h"
 #include "shade/node_rows.h"
@@ -43,7 +43,7 @@ const pl_node_kind pl_node_noise = {
     .evaluate = noise,
 };
 
-/* In the order of pl_fractal_kind, whose rows carry the same names (the tests compare them). */
+/* In the order of pl_fractal_kind, whose rows have the same names (a test compares them). */
 static const char *const fractals[] = {"fbm",    "multifractal", "hetero_terrain",
                                        "ridged", "hybrid",       NULL};
 

@@ -1,13 +1,14 @@
-/* Normals from pictures. */
+/* Normal maps. */
 #include <math.h>
 
 #include "shade/node_rows.h"
 
 enum { UV_SET };
-static const float COSINE_MIN = 0.05f; /* maps keep the surface's side, as those of glTF do */
+static const float COSINE_MIN = 0.05f; /* normals stay on the surface's side, as in glTF */
 
-/* Tangent and bitangent of growing u and falling v, which is upwards in the image (glTF 2.0,
- * 3.9.3), across the normal; false where the model has no such coordinates or they are squeezed. */
+/* Tangent along increasing u and bitangent along decreasing v, which is upwards in the image (glTF
+ * 2.0, 3.9.3), both perpendicular to the normal; false if the model has no such coordinates or they
+ * are degenerate. */
 static bool tangents_of(const pl_graph_point *p, int set, pl_vec3f *t, pl_vec3f *b) {
   float uv[3][2], none[2];
   if (p->model == NULL)
@@ -27,8 +28,9 @@ static bool tangents_of(const pl_graph_point *p, int set, pl_vec3f *t, pl_vec3f 
   const float length = pl_vec3f_norm(across);
   if (area == 0.0f || !(length > 0.0f) || !isfinite(length))
     return false;
-  /* On a face whose image is not mirrored u and v turn clockwise. A mirroring transform of the
-   * object turns the image, too: the triangle's own sense, not the normal's side, decides. */
+  /* Unless the image is mirrored, u and v turn clockwise on a face. A mirroring transform of the
+   * object mirrors the image, too: hence the winding of the triangle decides, not the side of the
+   * normal. */
   const pl_vec3f outwards = pl_vec3f_cross(p->triangle.edge1, p->triangle.edge2);
   const bool flipped = pl_vec3f_dot(outwards, p->n) < 0.0f;
   *t = pl_vec3f_scale(across, 1.0f / length);

@@ -1,4 +1,4 @@
-/* What the thing's own material gives at the point: a graph that uses it is built upon it. */
+/* Node `model_material`: values of the object's own material at the point. */
 #include <math.h>
 
 #include "shade/node_rows.h"

@@ -1,11 +1,12 @@
-/* Bricks, and solar cells with busbars and fingers; in the xy plane of their coordinates. */
+/* Bricks, and solar cells with busbars and fingers, in the xy plane of the coordinates. */
 #include "math/cellular.h"
 #include "math/lattice.h"
 #include "math/pattern.h"
 #include "shade/node_pattern.h"
 #include "shade/node_rows.h"
 
-/* A pattern's number for a piece, fading to its mean as pieces get smaller than the footprint. */
+/* Random number of a brick or cell, which fades to the mean 1/2 as it gets smaller than the
+ * footprint. */
 static float random_of(uint32_t id, float width) {
   return 0.5f + pl_cellular_fade(width) * (pl_lattice_uniform(id, 0) - 0.5f);
 }
@@ -68,8 +69,8 @@ static void panel(const pl_node_call *call) {
                                           place.width / pl_minf(length, height)));
 }
 
-/* Lengths in units of the scaled coordinates: metres where those are. Widths of lines are usual
- * ones of silicon cells. */
+/* Lengths are in units of the coordinates: metres if those are in metres and the scale is 1. The
+ * default line widths are typical of silicon cells. */
 static const pl_socket panel_inputs[] = {
     PL_PATTERN_VECTOR,
     {"length", PL_SCALAR, {0.08f, 0.08f, 0.08f}, "Pitch of cells along x"},

@@ -1,4 +1,5 @@
-/* What the nodes of procedural patterns share: where to look a pattern up. Internal to shade. */
+/* Shared by the nodes of procedural patterns: inputs and the point of evaluation. Internal to
+ * shade. */
 #ifndef PL_SHADE_NODE_PATTERN_H
 #define PL_SHADE_NODE_PATTERN_H
 
@@ -12,21 +13,21 @@
 #define PL_PATTERN_SEED                                                                            \
   { "seed", PL_NUMBER, 0, 0, 4294967295.0, NULL, 0, "Chooses the pattern" }
 
-/* Cells; finer rounding is not seen. */
+/* In cells; smaller rounding errors are not visible. */
 #define PL_PATTERN_GRAIN 1e-3f
 
 typedef struct pl_pattern_place {
   pl_vec3 point; /* in cells */
   float width;   /* diameter of the footprint, in cells */
-  float side;    /* of the square with the footprint's area */
+  float side;    /* side of the square with the footprint's area, in cells */
 } pl_pattern_place;
 
 static inline pl_pattern_place pl_pattern_place_of(const pl_node_call *call) {
   const float *v = call->in[0], size = fabsf(call->in[1][0]);
-  /* No scale at all leaves one point, whatever the footprint. */
+  /* A scale of zero gives one point, for any footprint. */
   float radius = size > 0.0f ? size * v[3] : 0.0f;
-  /* Coordinates that are large have no steps as small as cells: what they round off counts as part
-   * of the footprint, or neighbours would be blocks of chance. */
+  /* Large coordinates in float cannot resolve cells: the rounding error is added to the footprint,
+   * otherwise neighbouring points would form random blocks. */
   const float grain = 0x1p-23f * size * pl_maxf(fabsf(v[0]), pl_maxf(fabsf(v[1]), fabsf(v[2])));
   if (grain > PL_PATTERN_GRAIN)
     radius = pl_maxf(radius, 0.5f * grain);

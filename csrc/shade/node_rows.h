@@ -1,4 +1,4 @@
-/* The rows of the table of nodes; a kind's own file defines its row. Internal to shade. */
+/* Rows of the table of nodes; each is defined in the file of its kind. Internal to shade. */
 #ifndef PL_SHADE_NODE_ROWS_H
 #define PL_SHADE_NODE_ROWS_H
 
@@ -24,7 +24,7 @@ extern const pl_node_kind pl_node_brick, pl_node_panel;
 extern const pl_node_kind pl_node_image;
 /* node_own.c */
 extern const pl_node_kind pl_node_model_material;
-enum { PL_OWN_EMISSION = 3 }; /* its output */
+enum { PL_OWN_EMISSION = 3 }; /* index of its output `emission` */
 /* node_normal_map.c */
 extern const pl_node_kind pl_node_normal_map;
 /* node_fresnel.c */
@@ -36,13 +36,13 @@ extern const pl_node_kind pl_node_bump;
 PL_REFLECTANCES(PL_NODE_OF_REFLECTANCE)
 #undef PL_NODE_OF_REFLECTANCE
 
-/* Inputs that every surface has, in this order and before those of its row. */
+/* Inputs that every surface has, in this order, before those of its reflectance model. */
 typedef enum pl_surface_socket {
   PL_SURFACE_BASE_COLOR,
   PL_SURFACE_NORMAL,
   PL_SURFACE_EMISSION_COLOR,
   PL_SURFACE_EMISSION_STRENGTH,
-  PL_SURFACE_ALPHA, /* lazy: where a ray asks whether there is a surface at all */
+  PL_SURFACE_ALPHA, /* lazy: evaluated alone where a ray tests whether there is a surface */
   PL_SURFACE_SOCKETS
 } pl_surface_socket;
 

@@ -1,8 +1,8 @@
-/* Surfaces: what a graph ends in. Their inputs become fields of pl_surface (graph.c, and `set` of
- * the reflectance models). */
+/* Surface nodes: the final node of a graph. Their inputs become fields of pl_surface (graph.c, and
+ * `set` of the reflectance models). */
 #include "shade/node_rows.h"
 
-/* Shared by all, in the order of pl_surface_socket. */
+/* Inputs of all surfaces, in the order of pl_surface_socket. */
 static const pl_socket inputs[PL_SURFACE_SOCKETS] = {
     {"base_color", PL_COLOR, {0.8f, 0.8f, 0.8f}, "Linear RGB, cut off at 0 and 1"},
     {"normal", PL_VECTOR, {0.0f, 0.0f, 0.0f}, "Of a bump or normal map; the mesh's where zero"},

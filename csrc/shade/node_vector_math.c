@@ -1,5 +1,5 @@
-/* Arithmetic on vectors. Results carry a footprint as far as it follows: sums add footprints,
- * factors stretch them; of products it is the larger side's. */
+/* Vector arithmetic. The radius of the footprint is propagated where possible: sums add radii,
+ * factors scale them, and products use the largest component of the other operand as the factor. */
 #include <math.h>
 
 #include "shade/node_rows.h"
@@ -93,7 +93,7 @@ static void vector_math(const pl_node_call *call) {
   const pl_vec3f v = vector_of(function, va, vb, factor);
   const float radius = radius_of(function, a, b, factor);
   const bool finite = isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-  /* An infinite radius times 0 is not a number; all of the pattern is then one value. */
+  /* An infinite radius times 0 is NaN; the pattern is then a single value and the radius 0. */
   pl_value_vector(call->out[0], finite ? v : pl_vec3f_make(0.0f, 0.0f, 0.0f),
                   radius >= 0.0f ? radius : 0.0f);
   pl_value_scalar(call->out[1], finite ? pl_vec3f_norm(v) : 0.0f);

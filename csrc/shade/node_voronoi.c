@@ -1,4 +1,4 @@
-/* Cells about random sites: distances to them and a colour for each. */
+/* Voronoi cells about random sites: distances and a colour for each cell. */
 #include "math/cellular.h"
 #include "shade/node_pattern.h"
 #include "shade/node_rows.h"
@@ -19,7 +19,7 @@ static float mean_of(int feature, float randomness, float smoothness) {
   }
 }
 
-/* The distance, and the cell that the point is in. */
+/* The distance of the feature, and the cell that contains the point. */
 static float find(int feature, pl_vec3 point, float randomness, float smoothness, uint32_t seed,
                   pl_cellular *cell) {
   if (feature == EDGE)
@@ -40,7 +40,7 @@ static void voronoi(const pl_node_call *call) {
   const float mean = mean_of(feature, randomness, smoothness);
   float distance = mean;
   pl_cellular cell = {0};
-  if (left > 0.0f) { /* where nothing is left of the cells no search is needed */
+  if (left > 0.0f) { /* if the cells have faded completely, no search is needed */
     const int needed = kept > 0.0f ? feature : FIRST;
     const float found = find(needed, place.point, randomness, smoothness, seed, &cell);
     distance += kept * (found - mean);

@@ -1,4 +1,4 @@
-/* Waves along an axis or around one, distorted by noise. */
+/* Waves along or around an axis, distorted by noise. */
 #include "math/fractal.h"
 #include "math/pattern.h"
 #include "shade/node_pattern.h"
@@ -7,9 +7,10 @@
 enum { BANDS_X, BANDS_Y, BANDS_Z, BANDS_DIAGONAL, RINGS_X, RINGS_Y, RINGS_Z, RINGS_SPHERICAL };
 static const char *const paths[] = {
     "x", "y", "z", "diagonal", "rings_x", "rings_y", "rings_z", "rings_spherical", NULL};
-static const char *const profiles[] = {"sine", "saw", "triangle", NULL}; /* as pl_wave_shape */
+/* In the order of pl_wave_shape. */
+static const char *const profiles[] = {"sine", "saw", "triangle", NULL};
 
-/* The wave's phase in turns, and its gradient, a unit vector (zero on the axis of rings). */
+/* Phase of the wave in periods, and its gradient, a unit vector (zero on the axis of rings). */
 static double phase_of(int path, pl_vec3 p, pl_vec3 *gradient) {
   static const pl_vec3 AXES[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
   if (path <= BANDS_DIAGONAL) {
@@ -24,9 +25,9 @@ static double phase_of(int path, pl_vec3 p, pl_vec3 *gradient) {
   return pl_vec3_norm(p);
 }
 
-/* The box that stands for the footprint has its side along the gradient of the distorted phase,
- * and is widened by the variance of the distortion that the footprint hides: a box of width w has
- * the variance w^2/12. */
+/* Box filter over the footprint: its width is along the gradient of the distorted phase, increased
+ * by the variance of the distortion that the footprint hides: a box of width w has the variance
+ * w^2/12. */
 static void wave(const pl_node_call *call) {
   const pl_pattern_place place = pl_pattern_place_of(call);
   const float distortion = call->in[3][0], detail = call->in[4][0];
