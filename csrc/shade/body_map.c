@@ -1,13 +1,14 @@
-/* Reading maps of bodies where meridians meet. */
+/* Sampling of maps of bodies, including at the poles. */
 #include "shade/body_map.h"
 
-/* A footprint over more of a turn of longitude than this is read in parts: about the poles a map's
- * rows are no straight lines. */
+/* A footprint that spans more than this part of a turn of longitude is sampled in parts: near the
+ * poles, rows of the map are not straight lines. */
 static const float POLAR_TURN = 0.125f;
-enum { PARTS = 4, TAPS = 16 }; /* along a side; PL_BODY_MAP_PARTS in all */
+enum { PARTS = 4, TAPS = 16 }; /* PARTS: per side of the footprint, PL_BODY_MAP_PARTS in all */
 
-/* Shortens a part's extent along a row to what taps cover without a coarser level, which would mix
- * rows that the footprint does not touch. The other parts lie elsewhere around the pole. */
+/* Limits the extent of a part along a row to what TAPS reads cover without a coarser mip level,
+ * which would mix in rows outside the footprint. The other parts cover the other longitudes around
+ * the pole. */
 static void shorten(const pl_texture *map, float a[2], float b[2]) {
   int width, height, channels;
   pl_texture_size(map, &width, &height, &channels);
@@ -33,7 +34,7 @@ static pl_body_place part_of(const pl_body_place *place, int i) {
                          along, place->center_lon_rad, 0.0};
 }
 
-/* The place as the map has it; of most maps that is itself. */
+/* Converts the place to the map's latitudes; unchanged for planetocentric maps. */
 static pl_body_place stretched(const pl_body_place *place) {
   const double oblate = place->oblate;
   return oblate == 0.0 ? *place

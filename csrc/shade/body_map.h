@@ -1,5 +1,5 @@
-/* Longitude and latitude on bodies, with the footprint that a pixel has in them. Inline: every hit
- * on a body with a map comes here. */
+/* Longitude and latitude on bodies, with the footprint of a pixel in them. Inline because it runs
+ * at every hit on a body with a map. */
 #ifndef PL_SHADE_BODY_MAP_H
 #define PL_SHADE_BODY_MAP_H
 
@@ -9,15 +9,15 @@
 #include "geom/texture.h"
 #include "math/angle.h"
 
-/* What longitude and latitude need of a point of a body, body axes, m. */
+/* Precomputed terms for longitude and latitude at a point of a body, body axes, m. */
 typedef struct pl_body_spot {
   pl_vec3 point;
-  double axis_m;                /* from the axis */
-  double rho, per_rho2, per_r2; /* for derivatives: likewise, 1 / rho^2, 1 / r^2 */
+  double axis_m;                /* distance from the axis */
+  double rho, per_rho2, per_r2; /* for derivatives: distance from the axis, 1 / rho^2, 1 / r^2 */
 } pl_body_spot;
 
-/* At the poles, where longitude has no derivative, the point counts as a millionth of the radius
- * away, at longitude 0. */
+/* At the poles, where longitude has no derivative, the point is moved to a millionth of the radius
+ * from the axis, at longitude 0. */
 static inline pl_body_spot pl_body_spot_of(pl_vec3 p) {
   const double r2 = pl_vec3_dot(p, p);
   double rho2 = p.x * p.x + p.y * p.y;
@@ -32,7 +32,7 @@ static inline pl_body_spot pl_body_spot_of(pl_vec3 p) {
   return out;
 }
 
-/* Change of longitude and latitude over a step in body axes, as map coordinates. */
+/* Change of map coordinates (u, v) over a step in body axes. */
 static inline void pl_body_map_step(const pl_body_spot *s, pl_vec3 step, float out[2]) {
   const pl_vec3 p = s->point;
   const double lon = (p.x * step.y - p.y * step.x) * s->per_rho2;
@@ -44,9 +44,9 @@ static inline void pl_body_map_step(const pl_body_spot *s, pl_vec3 step, float o
 
 /* Coordinates in an equirectangular map whose centre column is at longitude `center_lon_rad`: u
  * eastwards, 0..1, v from the north pole to the south pole. `across`, `along`: extent of the
- * footprint on the surface, body axes, metres; a, b: the same in the map. They come of derivatives,
- * so the date line is no seam. Latitude is planetocentric; geodetic of what pl_body_map_stretch
- * has stretched. */
+ * footprint on the surface, body axes, metres; a, b: the same in map coordinates. They are computed
+ * from derivatives, so that there is no seam where u wraps. Latitude is planetocentric, or geodetic
+ * if the arguments have been transformed by pl_body_map_stretch. */
 static inline void pl_body_map_uv(pl_vec3 point, double center_lon_rad, pl_vec3 across,
                                   pl_vec3 along, float uv[2], float a[2], float b[2]) {
   const pl_body_spot spot = pl_body_spot_of(point);
@@ -58,38 +58,39 @@ static inline void pl_body_map_uv(pl_vec3 point, double center_lon_rad, pl_vec3 
   uv[1] = (float)(0.5 - lat / PL_PI);
 }
 
-/* What pl_body_map_stretch takes: the square of the equator's radius over that of the poles, less
- * 1. Of three axes the equator's is the mean that keeps its area. */
+/* Argument of pl_body_map_stretch: square of the ratio of equatorial to polar radius, less 1. For a
+ * triaxial body the equatorial radius is the geometric mean. */
 static inline double pl_body_map_oblate(pl_vec3 radii_m) {
   return radii_m.x * radii_m.y / (radii_m.z * radii_m.z) - 1.0;
 }
-/* On the surface of a spheroid the tangent of the geodetic latitude is that of the planetocentric
- * one times the square of the ratio of its radii: stretched by that along its axis, the surface has
- * the one for the other, and footprints go along. */
+/* On a spheroid, tan(geodetic latitude) is tan(planetocentric latitude) times the square of the
+ * ratio of the radii. Scaling along the axis by that factor makes the planetocentric latitude of
+ * the result the geodetic latitude of the point; footprints are scaled likewise. */
 static inline pl_vec3 pl_body_map_stretch(pl_vec3 v, double oblate) {
   return (pl_vec3){v.x, v.y, v.z + oblate * v.z};
 }
 
-/* A point of a body with its footprint, body axes, metres, and what its maps count by. */
+/* A point of a body with its footprint, body axes, metres, and the convention of its maps. */
 typedef struct pl_body_place {
   pl_vec3 point, across, along;
   double center_lon_rad; /* longitude of the map's centre */
-  double oblate;         /* pl_body_map_oblate of maps by geodetic latitude; else 0 */
+  double oblate;         /* pl_body_map_oblate for maps in geodetic latitude; otherwise 0 */
 } pl_body_place;
 
-/* The parts that a footprint is read in: itself, or on a pole sixteen of a quarter of the width
- * (but with PL_FILTER_NONE). They are stretched already. Returns their number. */
+/* Splits a footprint for sampling: into itself, or near a pole into 16 parts of a quarter of the
+ * width (except with PL_FILTER_NONE). The parts are already transformed by pl_body_map_stretch.
+ * Returns their number. */
 enum { PL_BODY_MAP_PARTS = 16 };
 int pl_body_map_split(const pl_body_place *place, pl_filter filter,
                       pl_body_place parts[PL_BODY_MAP_PARTS]);
-/* Value of a map over a part, the only one or one of many. */
+/* Samples a map over a part; `of_many`: the footprint was split. */
 void pl_body_map_read(const pl_texture *map, const pl_body_place *part, bool of_many,
                       pl_filter filter, float out[4]);
 
-/* Value of an equirectangular map there, as pl_texture_sample: the mean over the parts. */
+/* Samples an equirectangular map as pl_texture_sample does, as the mean over the parts. */
 void pl_body_map_sample(const pl_texture *map, const pl_body_place *place, pl_filter filter,
                         float out[4]);
-/* The same, as pl_texture_box but for the poles. */
+/* The same with pl_texture_box, except at the poles. */
 void pl_body_map_box(const pl_texture *map, const pl_body_place *place, pl_filter filter,
                      float out[4]);
 

@@ -1,4 +1,4 @@
-/* The effect rows `bump_detail` and `relief`: normals that maps and bumps bend. */
+/* The effect rows `bump_detail` and `relief`: normals changed by normal maps and bumps. */
 #include <math.h>
 
 #include "plan/effects.h"
@@ -20,14 +20,14 @@ static double bent_light(const pl_view_thing *source, const void *context) {
   return (*bends)(source) ? pl_view_light(source) : 0.0;
 }
 
-/* Through the light that bent normals send onto things[i]. */
+/* Upper bound of the indirect light that surfaces with bumped normals send onto things[i]. */
 static double indirect(const pl_view *view, bends_fn bends, size_t i) {
   return pl_view_sum(view, &view->things[i], bent_light, &bends) *
          pl_view_series(view, view->max_bounces);
 }
 
-/* All that a diffuse surface receives comes and goes with the normal; a glossy one can turn to the
- * sun. */
+/* Upper bound of the change of an object's own radiance: a diffuse surface can gain or lose all
+ * light that it receives, a glossy one can reflect the sun to the camera. */
 static double own(const pl_view *view, size_t i) {
   const pl_view_thing *thing = &view->things[i];
   if (!thing->diffuse)

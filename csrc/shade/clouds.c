@@ -24,8 +24,8 @@ bool pl_clouds_valid(const pl_clouds *c) {
          within((double)c->warp, -10.0, 10.0) && within((double)c->phase, -1e6, 1e6);
 }
 
-/* Where the normal distribution is `share`, 0 < share < 1, to 1e-6: by the inverse error function
- * (Giles 2010, Approximating the erfinv function, GPU Computing Gems). */
+/* Quantile of the standard normal distribution at `share`, 0 < share < 1, to 1e-6, by the inverse
+ * error function (Giles 2010, Approximating the erfinv function, GPU Computing Gems). */
 static float normal_place(float share) {
   static const float middle[9] = {2.81022636e-08f,  3.43273939e-07f, -3.5233877e-06f,
                                   -4.39150654e-06f, 0.00021858087f,  -0.00125372503f,
@@ -75,10 +75,10 @@ pl_cloud_cover pl_cloud_cover_make(const pl_clouds *clouds, const pl_texture *ma
   return out;
 }
 
-/* Octaves of what bends the clouds: coarse ones, so that footprints keep their shape, about. */
+/* Octaves of the domain warp: only coarse ones, so that the shape of footprints changes little. */
 enum { BENDS = 2 };
 
-/* By how much a point is moved, cells. Each axis has a pattern of its own. */
+/* Displacement of a point by the domain warp, in cells. Each axis has its own noise. */
 static pl_vec3 bend(const pl_clouds *clouds, pl_vec3 cell, float width) {
   pl_fractal noise = {.octaves = BENDS, .roughness = 0.5f, .lacunarity = 2.0f};
   double moved[3];
@@ -93,16 +93,18 @@ static pl_vec3 bend(const pl_clouds *clouds, pl_vec3 cell, float width) {
 
 static float normal_density(float x) { return expf(-0.5f * x * x) / sqrtf(2.0f * PL_PI_F); }
 
-/* What the noise makes of a place. */
+/* Result of applying the noise to the mean cover. */
 typedef struct broken {
   float cover, unsure;
-  float excess;      /* of the noise where there are clouds, over its mean there; over its spread */
-  pl_vec3f gradient; /* of what is seen of the noise, per cell */
+  /* Mean of the noise in the covered part minus its usual mean there, over its spread. */
+  float excess;
+  pl_vec3f gradient; /* of the resolved noise, per cell */
 } broken;
 
-/* By how much the noise is above its mean where there are clouds: what is seen of it, and what is
- * hidden by what it takes to be covered. `spread` is that of what is hidden and the soft edges,
- * `lost` the variance of the first, `at` how far the place is over the threshold. */
+/* Conditional mean of the noise in the covered part, minus its usual value for that mean cover: the
+ * resolved noise plus the expected hidden noise given that the threshold is exceeded. `spread`:
+ * standard deviation of hidden noise and soft edges; `lost`: variance of the hidden noise; `at`:
+ * resolved noise above the threshold, over `spread`. */
 static float excess_of(const pl_cloud_cover *cover, float mean, float value, float lost,
                        float spread, float at) {
   if (!(mean < 1.0f))
@@ -113,7 +115,7 @@ static float excess_of(const pl_cloud_cover *cover, float mean, float value, flo
   return (value + hidden - usual) / cover->spread;
 }
 
-/* Of a cover of `mean`, over a footprint `width` cells across. */
+/* Cover for a mean cover of `mean`, over a footprint with a diameter of `width` cells. */
 static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell, float width,
                           bool tops) {
   const pl_clouds *clouds = cover->clouds;
@@ -126,7 +128,7 @@ static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell,
     const float kept = i < cover->detail ? pl_noise_fade(width * frequency) : 0.0f;
     const float amplitude = cover->amplitudes[i] / cover->total;
     lost += amplitude * amplitude * (1.0f - kept * kept);
-    if (i < cover->detail) { /* others no narrower look would find */
+    if (i < cover->detail) { /* octaves beyond `detail` are missing from narrower footprints too */
       const float missed = amplitude * pl_noise_missed(width * frequency);
       uneven += missed * missed;
     }
@@ -142,7 +144,7 @@ static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell,
   lost *= (float)PL_NOISE_VARIANCE;
   const float edge = clouds->softness * clouds->softness * cover->variance;
   const float spread = sqrtf(edge + lost);
-  float at = 0.0f; /* over the threshold */
+  float at = 0.0f; /* relative to the threshold */
   if (mean < 1.0f) {
     const float threshold = -cover->spread * normal_place(mean);
     at = (value - threshold) / spread;
@@ -155,13 +157,13 @@ static broken break_cover(const pl_cloud_cover *cover, float mean, pl_vec3 cell,
   return out;
 }
 
-/* From body axes to the shell's. */
+/* From body axes to the axes of the shell. */
 static pl_vec3 turn_back(const pl_cloud_cover *cover, pl_vec3 v) {
   const double c = (double)cover->cosine, s = (double)cover->sine;
   return (pl_vec3){c * v.x + s * v.y, c * v.y - s * v.x, v.z};
 }
 
-/* From a gradient per cell to a slope in body axes. */
+/* Converts a gradient per cell to a slope in body axes. */
 static pl_vec3f slope_of(const pl_cloud_cover *cover, pl_vec3f gradient) {
   const float c = cover->cosine, s = cover->sine;
   const float scale = cover->clouds->relief_m / (cover->spread * (float)cover->clouds->size_m);
@@ -225,9 +227,10 @@ double pl_clouds_detail_error(const pl_clouds *clouds, int detail, double width_
   }
   if (left == 0.0)
     return 0.0;
-  /* The normal distribution rises by at most 1/sqrt(2 pi) a standard deviation, and a change of
-   * that moves it by at most x phi(x) <= 0.242 of the logarithm. The narrowest has the softness
-   * alone; the widest all that is left out, too. */
+  /* The normal distribution function changes by at most 1/sqrt(2 pi) per standard deviation, and a
+   * change of the standard deviation by the factor e^x changes it by at most x max(t phi(t)) <=
+   * 0.242 x. The narrowest distribution has the softness only; the widest also has the variance of
+   * all omitted octaves. */
   const double sigma = sqrt(PL_NOISE_VARIANCE), soft = (double)clouds->softness;
   const double edge = soft * soft * variance;
   const double narrow = sqrt(edge) * sigma, wide = sqrt(edge + variance - known) * sigma;

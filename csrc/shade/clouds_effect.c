@@ -1,11 +1,11 @@
-/* The effect row `clouds`: shells of clouds about bodies, with so many octaves of their noise. */
+/* The effect row `clouds`: shells of clouds of bodies, by the number of octaves of their noise. */
 #include <math.h>
 
 #include "shade/clouds.h"
 #include "plan/effects.h"
 
-/* How a body's clouds get into a frame: seen themselves (1), or only by the light that they send to
- * things in the frame or keep from them (less; 0: not at all). */
+/* Weight of a body's clouds in a frame: 1 if they are visible, less if they only scatter light onto
+ * objects in the frame or shade them, 0 for neither. */
 static double share_of(const pl_view *view, const pl_view_thing *body) {
   if (body->clouds == NULL)
     return 0.0;
@@ -32,7 +32,7 @@ static int ceiling(const pl_view *view) {
   return (int)octaves;
 }
 
-/* Least width of what a sample sees of the shell; the nearest point of it counts. */
+/* Minimum width of a sample's footprint on the shell, at its nearest point. */
 static double footprint_m(const pl_view *view, const pl_view_thing *body) {
   const double shell_m = body->radius_m + body->clouds->altitude_m;
   const double far = fmax(0.0, body->distance_m - shell_m);
@@ -40,11 +40,12 @@ static double footprint_m(const pl_view *view, const pl_view_thing *body) {
          (1.0 + view->corner_tangent * view->corner_tangent);
 }
 
-/* So much brighter than level ones are tops that are turned to the sun (render/cloud_veil.c). */
+/* Upper bound of the factor by which tops tilted towards the sun are brighter than level ones
+ * (render/cloud_veil.c). */
 static const double TILTED = 1.8;
 
-/* What changes with a change of the cover: at most the brightest that a cloud can be is added, or
- * so much of what is behind or below taken, once on the way of the sun's light and twice on that of
+/* Bound of the change of a pixel if the cover changes by `cover`: the brightest possible cloud is
+ * added, or the same part of the background is removed, once along the sun's light and twice along
  * the ray. */
 static double changed_dn(const pl_view *view, const pl_view_thing *body, double cover,
                          double share) {
@@ -67,7 +68,7 @@ static double bound_dn(const pl_view *view, int value) {
     double error =
         value == 0 ? 1.0 : pl_clouds_detail_error(body->clouds, value, footprint_m(view, body));
     if (error > 0.0 && pl_clouds_uneven(body->clouds))
-      error = 1.0; /* depths and slopes have no such bound */
+      error = 1.0; /* there is no such bound for depths and slopes */
     const double cover = (double)body->clouds->opacity * error;
     if (cover > 0.0)
       sum += changed_dn(view, body, cover, share);

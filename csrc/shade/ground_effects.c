@@ -1,10 +1,10 @@
-/* The effect rows `glint` and `night_lights`: open water and lights of the night on bodies. */
+/* The effect rows `glint` and `night_lights`: open water and lights at night on bodies. */
 #include <math.h>
 
 #include "plan/effects.h"
 #include "plan/view_tree.h"
 
-/* Through the light that things with a part send onto things[i]; `light`: of one of them. */
+/* Light of an object with the feature; 0 without it. */
 typedef double (*light_fn)(const pl_view_thing *thing);
 
 static double part_light(const pl_view_thing *source, const void *context) {
@@ -12,7 +12,7 @@ static double part_light(const pl_view_thing *source, const void *context) {
   return (*light)(source);
 }
 
-/* After pl_view_weigh. */
+/* Upper bound of the indirect light onto things[i]; call pl_view_weigh before. */
 static double indirect(const pl_view *view, size_t i, light_fn light) {
   return pl_view_sum(view, &view->things[i], part_light, &light) *
          pl_view_series(view, view->max_bounces);
@@ -41,8 +41,8 @@ static const char *glint_absent(const pl_view *view) {
   return "no body in the scene has open water";
 }
 
-/* Of the sun, what the sharpest lobe makes of it; of all else that the water receives and mirrors,
- * or that the ground in its place does. */
+/* Bound: sunlight reflected by the sharpest lobe, plus all other light that the water, or the
+ * ground in its place, receives and reflects. */
 static double glint_bound_dn(const pl_view *view, int value) {
   const light_fn light = water_light;
   double radiance = 0.0;

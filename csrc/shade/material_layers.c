@@ -1,9 +1,9 @@
-/* glTF's material extensions at a point, as lobes of the row `principled`. */
+/* glTF's material extensions at a point, as lobes of the model `principled`. */
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
 
-/* KHR_materials_anisotropy: the map's red and green are a direction between tangent and bitangent,
- * turned by the factor's angle; one of no length counts as the tangent. */
+/* KHR_materials_anisotropy: red and green of the map are a direction in tangent and bitangent,
+ * rotated by the factor's angle; a zero vector stands for the tangent. */
 static void set_anisotropy(const pl_material_layers *layers, const float map[4],
                            pl_surface *surface) {
   const bool mapped = layers->anisotropy_map.texture >= 0;

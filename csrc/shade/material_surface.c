@@ -44,14 +44,14 @@ static void transform(const pl_uv_transform *t, float v[2], float translate) {
   v[0] = u;
 }
 
-/* Where a point is in the images of one set of coordinates, before a slot's own transform. */
+/* Coordinates and footprint of a point in one uv set, before a slot's own transform. */
 typedef struct image_place {
-  int set; /* NO_SET: not yet known */
+  int set; /* NO_SET: not yet computed */
   float uv[2], a[2], b[2];
 } image_place;
 enum { NO_SET = -2 };
 
-/* `last`: of the slot that was read before, at the same point. */
+/* `last`: cached coordinates of the previous slot at the same point. */
 static void read_slot(const pl_model *model, const pl_triangle_point *point,
                       const pl_texture_slot *slot, pl_detail detail, image_place *last,
                       float out[4]) {
@@ -120,7 +120,7 @@ pl_vec3f pl_material_bent_normal(const pl_model *model, const pl_triangle_point 
   pl_material_slot(model, point, slot, detail, value);
   const float x = (2.0f * value[0] - 1.0f) * scale;
   const float y = (2.0f * value[1] - 1.0f) * scale;
-  const float z = pl_maxf(2.0f * value[2] - 1.0f, 0.05f); /* maps keep the surface's side */
+  const float z = pl_maxf(2.0f * value[2] - 1.0f, 0.05f); /* normals stay on the surface's side */
   return pl_vec3f_unit(pl_surface_to_world(surface, pl_vec3f_make(x, y, z)));
 }
 
@@ -133,8 +133,8 @@ static void bend_normal(const pl_model *model, const pl_triangle_point *point,
   surface->b = pl_vec3f_cross(n, surface->t);
 }
 
-/* KHR_materials_clearcoat: without a map of its own the coat is flat over a bent base. `surface`
- * has the flat frame. */
+/* KHR_materials_clearcoat: without its own normal map the coat is flat over a bumped base.
+ * `surface` has the frame before bump mapping. */
 static pl_vec3f coat_normal_of(const pl_model *model, const pl_triangle_point *point,
                                const pl_material *material, pl_detail detail,
                                const pl_surface *surface) {
@@ -185,8 +185,8 @@ float pl_material_opacity(const pl_model *model, const pl_triangle_point *point)
   return pl_minf(pl_maxf(alpha, 0.0f), 1.0f);
 }
 
-/* A coat adds its lobe to the base's: the bound of two lobes is that of one of half the alpha's
- * cube. */
+/* A coat adds its lobe to the base's: the sum of both bounds, each 1/(2 alpha^3), is the bound of
+ * one lobe with half of alpha^3. */
 static void summarise_layers(const pl_material_layers *l, pl_model_summary *out) {
   out->transmission_max = fmax(out->transmission_max, l->transmission);
   out->textured |= l->coat_map.texture >= 0 || l->coat_roughness_map.texture >= 0 ||
@@ -210,7 +210,7 @@ pl_model_summary pl_model_summarise(const pl_model *model) {
   for (size_t i = 0; i < model->material_count; i++) {
     const pl_material *m = &model->materials[i];
     for (int k = 0; k < 3; k++) {
-      /* The specular lobe over a diffuse base reflects at most everything. */
+      /* The specular lobe over a diffuse base reflects at most all light. */
       out.albedo_max = fmax(out.albedo_max, m->lambert ? m->base_color[k] : 1.0);
       out.emission_max = fmax(out.emission_max, m->emissive[k]);
     }

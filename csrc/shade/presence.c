@@ -1,4 +1,4 @@
-/* Bounds of alpha on triangles. */
+/* Bounds of alpha over triangles. */
 #include "shade/presence.h"
 
 #include <math.h>
@@ -7,26 +7,27 @@
 #include "shade/graph.h"
 #include "shade/material_surface.h"
 
-/* A triangle is halved so often along its sides; what is unsettled then counts as cut. */
+/* Maximum depth of the subdivision of a triangle; parts still undecided are treated as
+ * PL_PRESENCE_PART. */
 enum { DEPTH_MAX = 8 };
-/* Texels along a side of a box that are looked at; a larger box is split first. */
+/* Maximum size of a box in texels for a range query; larger boxes are subdivided first. */
 static const float BOX_TEXELS = 16.0f;
 
 enum { FOUND_NONE = 1, FOUND_SURFACE = 2, FOUND_BOTH = 3 };
 
-/* A triangle in the image of its alpha. */
+/* Part of a triangle, in texture coordinates of its alpha. */
 typedef struct piece {
   float uv[3][2];
-  float alpha[3]; /* of vertex colours and factor together */
+  float alpha[3]; /* vertex colour times the factor, without the texture */
 } piece;
 
 typedef struct search {
   const pl_texture *texture; /* NULL: none */
   float size[2];             /* texels */
-  float cutoff;              /* there is a surface from this alpha on */
+  float cutoff;              /* minimum alpha at which there is a surface */
 } search;
 
-/* Which of the two a range of alpha can be; both where it is not settled. */
+/* Classifies a range of alpha; FOUND_BOTH if undecided. */
 static unsigned settle(const search *s, float low, float high) {
   if (low >= s->cutoff)
     return FOUND_SURFACE;
@@ -34,7 +35,7 @@ static unsigned settle(const search *s, float low, float high) {
 }
 
 static piece middle_piece(const piece *p, int corner) {
-  /* corner 0..2: the piece at that corner; 3: the one in the middle. */
+  /* corner 0..2: the part at that corner; 3: the one in the middle. */
   piece out;
   for (int k = 0; k < 3; k++) {
     const int a = corner < 3 ? corner : k, b = corner < 3 ? k : (k + 1) % 3;
@@ -60,7 +61,7 @@ static unsigned find(const search *s, const piece *p, int depth) {
     found = settle(s, range[0] * pl_minf(pl_minf(a[0], a[1]), a[2]),
                    range[1] * pl_maxf(pl_maxf(a[0], a[1]), a[2]));
   }
-  /* Within a texel alpha is as good as linear; vertex colours alone are linear everywhere. */
+  /* Within a texel alpha is nearly linear; vertex colours alone are linear everywhere. */
   if (found != FOUND_BOTH || depth == DEPTH_MAX || texels <= 1.0f)
     return found;
   found = 0;
@@ -71,7 +72,7 @@ static unsigned find(const search *s, const piece *p, int depth) {
   return found;
 }
 
-/* Corners of a triangle in the image that its material's slot reads. */
+/* Corners of a triangle in texture coordinates of its material's slot. */
 static piece piece_of(const pl_model *model, const pl_material *material, size_t triangle) {
   const pl_texture_slot *slot = &material->base_color_map;
   const float *uvs = slot->uv_set == 0 || slot->uv_set == 1 ? model->uvs[slot->uv_set] : NULL;

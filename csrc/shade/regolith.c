@@ -1,4 +1,4 @@
-/* What the photometric laws share: bands, and draws of directions. */
+/* Shared by the photometric models: evaluation per band and sampling. */
 #include "shade/regolith.h"
 
 #include <string.h>
@@ -49,10 +49,10 @@ pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f w
   return pl_vec3f_make((float)value[0], (float)value[1], (float)value[2]);
 }
 
-/* Part of the draws that go to the lobe about the viewer, and its shape (Henyey-Greenstein). */
+/* Probability of sampling the backscattering lobe, and its Henyey-Greenstein parameter. */
 static const float BACK = 0.2f, BACK_B = 0.4f;
 
-/* Part of the other draws that are as likely from everywhere; the rest follow the cosine. */
+/* Part of the other samples that is uniform over the hemisphere; the rest is cosine-weighted. */
 static float flat_part(pl_vec3f wo) { return pl_minf(pl_maxf(1.0f - wo.z, 0.0f), 1.0f); }
 
 static float back_pdf(pl_vec3f wo, pl_vec3f wi) {
@@ -61,7 +61,7 @@ static float back_pdf(pl_vec3f wo, pl_vec3f wi) {
   return (1.0f - BACK_B * BACK_B) / (4.0f * PL_PI_F * d * sqrtf(d));
 }
 
-/* Henyey and Greenstein 1941, inverted. */
+/* Inversion of the Henyey-Greenstein function (1941). */
 static pl_vec3f sample_back(pl_vec3f wo, const float u[2]) {
   const float s = (1.0f - BACK_B * BACK_B) / (1.0f - BACK_B + 2.0f * BACK_B * u[0]);
   const float z = (1.0f + BACK_B * BACK_B - s * s) / (2.0f * BACK_B);

@@ -1,4 +1,4 @@
-/* The effect row `regolith`: Hapke's law, or cheaper ones where they look the same. */
+/* The effect row `regolith`: Hapke's model, or cheaper ones that look the same in the frame. */
 #include <math.h>
 #include <stddef.h>
 
@@ -16,7 +16,7 @@ static int ceiling(const pl_view *view) {
   return PL_VIEW_LAWS - 1;
 }
 
-/* What one law changes where it is furthest off. */
+/* Largest change of a pixel by one model, over all sampled geometries. */
 static double change_dn(const pl_view *view, const pl_view_laws *laws, size_t law) {
   double largest = 0.0;
   for (size_t i = 0; i < laws->count; i++) {
@@ -28,7 +28,8 @@ static double change_dn(const pl_view *view, const pl_view_laws *laws, size_t la
   return largest;
 }
 
-/* Of this law and all dearer ones, so that it falls with the value. */
+/* Maximum over this model and all more expensive ones, so that the bound decreases with the value.
+ */
 static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
@@ -37,7 +38,7 @@ static double bound_dn(const pl_view *view, int value) {
   return largest;
 }
 
-/* Beside Lambert's law, a shading; by benchmarks/reflectance.py. */
+/* Cost per shading relative to Lambert; measured by benchmarks/reflectance.py. */
 static double cost_ms(const pl_view *view, int value) {
   static const double ns[PL_VIEW_LAWS] = {0.0, 100.0, 100.0, 70.0, 100.0, 190.0};
   return 1e-6 * ns[value] * view->width * view->height * view->samples;

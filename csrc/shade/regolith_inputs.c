@@ -1,11 +1,11 @@
-/* The photometric laws as nodes of material graphs: sockets to parameters. */
+/* The photometric models as nodes of material graphs: converts sockets to parameters. */
 #include <math.h>
 
 #include "shade/material_surface.h"
 #include "shade/regolith.h"
 #include "shade/regolith_law.h"
 
-/* Fallbacks are the medians of Sato et al. 2014 at 643 nm between 30 S and 30 N of the Moon. */
+/* Fallbacks are the medians of Sato et al. 2014 at 643 nm for the Moon between 30 S and 30 N. */
 #define PHASE_INPUTS                                                                               \
   {"b", PL_COLOR, {0.2375f, 0.2375f, 0.2375f}, "Width of the phase function's lobes, 0..0.95"},    \
       {"c", PL_COLOR, {0.3253f, 0.3253f, 0.3253f}, "Weight of its backward lobe, -2..2"},          \
@@ -23,7 +23,8 @@ enum { LIMB = PL_REGOLITH_PHASE_INPUTS };
 const pl_socket pl_minnaert_inputs[PL_REGOLITH_PHASE_INPUTS + 1] = {
     PHASE_INPUTS{"k", PL_SCALAR, {0.55f, 0.55f, 0.55f}, "Minnaert's exponent, 0..2; 1 is Lambert"}};
 
-/* Largest values, in the order of the inputs; fmin and fmax mind what is not a number. */
+/* Largest values, in the order of the inputs; fmin and fmax return the number if one argument is
+ * NaN. */
 static const float HIGH[] = {0.95f, 2.0f, 10.0f, 10.0f, 10.0f, 10.0f, 0.75f, 60.0f};
 
 static float value_of(const pl_surface_inputs *in, size_t k, size_t band) {
@@ -32,7 +33,7 @@ static float value_of(const pl_surface_inputs *in, size_t k, size_t band) {
   return k == 1 ? fminf(fmaxf(value, -HIGH[k]), HIGH[k]) : pl_clipped(value, HIGH[k]);
 }
 
-/* What is not given stays where the surface has it already. */
+/* Unset inputs keep the value of a surface that already has one. */
 static void set(const pl_surface_inputs *in, size_t k, size_t band, float *out) {
   if (pl_input_is_set(in, k) || !in->had_regolith)
     *out = value_of(in, k, band);
@@ -85,8 +86,8 @@ bool pl_regolith_band_valid(const pl_regolith_band *band, bool partly) {
   return true;
 }
 
-/* White grains at opposition send back more than a white Lambert surface does: pi r there, with H H
- * below 9 and K below 4. */
+/* White grains at opposition reflect more than a white Lambertian surface: the bound is pi r there,
+ * with H H below 9 and K below 4. */
 void pl_regolith_summarise(const pl_surface_inputs *in, pl_model_summary *summary) {
   double high[PL_REGOLITH_PHASE_INPUTS];
   for (size_t k = 0; k < PL_REGOLITH_PHASE_INPUTS; k++) {

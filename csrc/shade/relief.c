@@ -1,11 +1,11 @@
-/* Slopes from height maps, by differences, and from normal maps. Both in directions that exist at
- * the poles, too. */
+/* Slopes of the relief from height maps, by differences, and from normal maps. Both methods also
+ * work at the poles. */
 #include "math/sampling.h"
 #include "shade/ground.h"
 
-/* Normals lean by no more than this from the vertical, cosine: 87 deg. */
+/* Normals are limited to 87 deg from the vertical: its cosine. */
 static const double STEEPEST = 0.05;
-/* Differences reach no farther than this part of the way to the body's centre. */
+/* Step of the differences is limited to this part of the distance from the body's centre. */
 static const double REACH_MAX = 0.1;
 
 static double height_at(const pl_ground *ground, const pl_body_place *place, pl_vec3 step,
@@ -17,7 +17,7 @@ static double height_at(const pl_ground *ground, const pl_body_place *place, pl_
   return (double)value[0];
 }
 
-/* Half the distance that heights are compared over: a texel along a meridian, or half a footprint.
+/* Half the distance over which heights are compared: a texel along a meridian, or half a footprint.
  */
 static double reach_of(const pl_texture *heights, const pl_body_place *place) {
   int width, height, channels;
@@ -43,14 +43,14 @@ static pl_vec3 slope_of_heights(const pl_ground *ground, float height_m, const p
   return slope;
 }
 
-/* Eastwards; where all directions go south, as if at longitude 0 (shade/body_map.h). */
+/* Direction of east; at the poles that of longitude 0 (shade/body_map.h). */
 static pl_vec3 east_at(pl_vec3 point) {
   const double r2 = pl_vec3_dot(point, point), rho2 = point.x * point.x + point.y * point.y;
   return rho2 < 1e-12 * r2 ? (pl_vec3){0.0, 1.0, 0.0}
                            : pl_vec3_unit((pl_vec3){-point.y, point.x, 0.0});
 }
 
-/* Parts of a footprint on a pole lie at many longitudes: each has its own east. */
+/* Parts of a footprint at a pole have different longitudes, hence each its own east. */
 static pl_vec3 slope_of_normals(const pl_ground *ground, float steepness,
                                 const pl_body_place *place, pl_vec3 up, pl_filter filter) {
   pl_body_place parts[PL_BODY_MAP_PARTS];

@@ -12,16 +12,17 @@ static const char *absent(const pl_view *view) {
   return "nothing in the scene has a map";
 }
 
-/* A map on a thing in the frame can change everything up to the brightest diffuse radiance; on a
- * mesh or in a graph a roughness map can turn a dull surface into a mirror of the sun, an emission
- * map a dark one into a lamp. */
+/* Bound of the change of an object in the frame: up to the brightest diffuse radiance. On a mesh or
+ * in a graph, a roughness map can turn a rough surface into a mirror that shows the sun, an
+ * emission map can turn a dark one into a light source. */
 static double own_radiance(const pl_view *view, const pl_view_thing *thing) {
   const double diffuse = thing->albedo_max * thing->irradiance / 3.14159265358979;
   return thing->is_body && !thing->graphed && !thing->ocean ? diffuse + thing->lights_max
                                                             : fmax(diffuse, view->white_radiance);
 }
 
-/* Elsewhere a map acts through the light that it reflects or emits onto what is in the frame. */
+/* Otherwise a map acts through the light that its object reflects or emits onto objects in the
+ * frame. */
 static double mapped_light(const pl_view_thing *source, const void *context) {
   (void)context;
   return source->textured ? pl_view_light(source) : 0.0;

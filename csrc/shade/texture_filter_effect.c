@@ -1,12 +1,12 @@
-/* The effect row `texture_filter`: how footprints are read from pictures. */
+/* The effect row `texture_filter`: filtering of textures over footprints. */
 #include <math.h>
 
 #include "geom/texture.h"
 #include "plan/effects.h"
 #include "plan/view_tree.h"
 
-/* For rounding of footprints in single precision; on the poles they are read in quarters, and so
- * are those of settled pixels. */
+/* Safety margin for rounding of footprints in single precision; also covers footprints at the poles
+ * and of pixels with analytic shading, which are sampled in quarters. */
 static const double MARGIN = 0.249;
 
 static bool is_pictured(const pl_view_thing *thing) {
@@ -22,17 +22,17 @@ static const char *absent(const pl_view *view) {
 
 static int ceiling(const pl_view *view) { return view->texture_filter; }
 
-/* Fewest texels of a map across a footprint's shorter axis. Along a path the footprint is at least
- * as wide as the path is long in units of the first ray's spread, and a path is no shorter than the
- * straight way from the camera. */
+/* Minimum number of texels across a footprint's shorter axis. Along a path the footprint is at
+ * least as wide as the path length times the spread of the first ray, and a path is no shorter than
+ * the straight line from the camera. */
 static double texels(const pl_view *view, const pl_view_thing *thing) {
   const double spread = view->pixel_rad / sqrt(fmax(1.0, view->samples));
   const double nearest = fmax(0.0, thing->distance_m - thing->radius_m);
   return MARGIN * spread * nearest * thing->map_texels_per_m;
 }
 
-/* Upper bound of what `value` changes in a colour of the thing, 0..1: filters are means of texels
- * of the level of the footprint's shorter axis, or coarser ones. */
+/* Upper bound of the change of an object's colour by the filter `value`, 0..1: filters average
+ * texels of the mip level of the footprint's shorter axis, or of coarser ones. */
 static double change(const pl_view *view, const pl_view_thing *thing, int value) {
   if (!is_pictured(thing))
     return 0.0;
@@ -54,14 +54,15 @@ static double changed_light(const pl_view_thing *source, const void *context) {
   return change(query->view, source, query->value) * pl_view_light(source);
 }
 
-/* Through the light that other things send onto things[i]. */
+/* Upper bound of the indirect light from other objects onto things[i]. */
 static double indirect(const pl_view *view, size_t i, const filtered *query) {
   return pl_view_sum(view, &view->things[i], changed_light, query) *
          pl_view_series(view, view->max_bounces);
 }
 
-/* Pictures on meshes and in graphs may be of roughness, normals or emission, see the row
- * surface_maps; and what is not Lambert's law is not in proportion to its colour. */
+/* Textures on meshes and in graphs may be of roughness, normals or emission, see the row
+ * surface_maps; and the reflectance of surfaces that are not Lambertian is not proportional to
+ * their colour. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value >= PL_FILTER_FINEST)

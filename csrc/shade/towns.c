@@ -1,8 +1,8 @@
-/* Sparse convolution (Lewis 1989, Algorithms for Solid Noise Synthesis): a spot of compact support
- * at a random place of every cell of space. Cells are stratified and spots lie anywhere in theirs,
- * so the mean of an octave over places is the integral of one spot times the mean of their
- * strengths, both 1 by construction. The octaves have hashes of their own: the mean of the product
- * is the product of the means. */
+/* Sparse convolution noise (Lewis 1989, Algorithms for Solid Noise Synthesis): each cell of space
+ * has a spot of compact support at a random position. Positions are uniform in their cells
+ * (stratified), so that the spatial mean of an octave is the integral of one spot times the mean of
+ * the strengths, both 1 by construction. Octaves have independent hashes: the mean of their product
+ * is the product of their means. */
 #include "shade/towns.h"
 
 #include <math.h>
@@ -14,24 +14,24 @@
 enum { OCTAVES = 3 };
 #define STEP 3.0
 
-/* Spots are 1 - (d/r)^2 within r = 1/2 cell, so that only the eight cells nearest to a point
- * reach it; the integral over space is 8 pi r^3/15. */
+/* Spots are 1 - (d/r)^2 within r = 1/2 cell, so that only the eight cells nearest to a point affect
+ * it; the integral over space is 8 pi r^3/15. SPOT normalises it to 1. */
 #define SPOT 4.7746483f
 
-/* By how many cells noise moves a place per unit of its gradient: towns are not round. What is the
- * same everywhere on average is so wherever it is looked up. */
+/* Domain warp, in cells per unit of the noise's gradient: makes towns irregular. It keeps the mean,
+ * because a stationary pattern has the same mean at any displaced position. */
 #define BEND 0.22
 #define BEND_SCALE 2.0
 
-/* Of an octave's light this part lies evenly between the spots: towns have dark land about them,
- * quarters have other quarters. */
+/* Part of an octave's light that is uniform between the spots: little around towns, more between
+ * the quarters of a town. */
 static const float GLOW[OCTAVES] = {0.1f, 0.2f, 0.4f};
 
-/* The strength of a spot of the first octave is u^-k of a uniform u in [LEAST, 1]: the darker the
- * country, the more one town differs from the others. */
+/* The strength of a spot of the first octave is u^-k of a uniform u in [LEAST, 1]. The darker the
+ * map, the more the strengths differ. */
 #define LEAST 0.02f
 typedef struct strengths {
-  float power, scale; /* mean 1 */
+  float power, scale; /* scale: normalises the mean to 1 */
 } strengths;
 
 static strengths strengths_of(float share) {
@@ -39,7 +39,7 @@ static strengths strengths_of(float share) {
   return (strengths){-k, (1.0f - LEAST) * left / (1.0f - powf(LEAST, left))};
 }
 
-/* Light of an octave, mean 1; without a law all spots are equal. */
+/* Light of an octave, mean 1; `law` NULL: all spots are equal. */
 static float octave(pl_vec3 cell, uint32_t seed, const strengths *law) {
   const pl_vec3f bend = pl_noise_gradient(pl_vec3_scale(cell, BEND_SCALE), seed).gradient;
   const pl_lattice at = pl_lattice_split(pl_vec3_madd(cell, BEND, pl_vec3f_to_double(bend)));

@@ -1,16 +1,17 @@
-/* Lights of the night below a texel of their map: towns in clusters, and gaps. */
+/* Night lights at scales below a texel of their map: clustered towns, and gaps between them. */
 #ifndef PL_SHADE_TOWNS_H
 #define PL_SHADE_TOWNS_H
 
 #include "math/vec.h"
 
-/* No place is more than so many times as bright as its map. */
+/* Upper limit of the factor on the map. */
 #define PL_TOWNS_PEAK 60.0f
 
-/* Factor on the light of a map at a point of a body, body axes, m: of cells of `size_m` and two
- * octaves of a third each, about as large as their towns, seen over a footprint `width_m` across.
- * The mean over places is 1 at any width; where the footprint hides the towns, so is the factor.
- * `share`: of white that the map has there, 0..1: dim country has few towns, but no dimmer ones. */
+/* Factor on the light of a map at a point of a body, body axes, m. The pattern has cells of
+ * `size_m` and two more octaves, each with a third of the cell size of the one before; `width_m`:
+ * diameter of the footprint. The spatial mean is 1 at any width; the factor fades to 1 where the
+ * footprint hides the towns. `share`: value of the map relative to white, 0..1: dark regions have
+ * fewer towns rather than dimmer ones. */
 float pl_towns_factor(pl_vec3 point, double size_m, float width_m, float share);
 
 #endif

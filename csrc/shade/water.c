@@ -1,4 +1,4 @@
-/* One reflection: what goes from wave to wave is at most some thousandths of the light. */
+/* Single reflection: light reflected from wave to wave is at most some thousandths. */
 #include "shade/water.h"
 
 #include "math/sampling.h"
@@ -6,8 +6,8 @@
 #include "shade/refraction.h"
 
 static const float INDEX = 1.34f;
-/* Part of even light that enters smooth water (Preisendorfer 1976, Hydrologic Optics VI: 0.066 is
- * mirrored). */
+/* Transmittance of smooth water for uniform diffuse light (Preisendorfer 1976, Hydrologic Optics
+ * VI: reflectance 0.066). */
 static const float EVEN_SHARE = 0.934f;
 
 /* Smith's Lambda for Gaussian slopes (Heitz 2014, eq. 64). */
@@ -22,7 +22,7 @@ static float lambda(float alpha, float cosine) {
 /* Density of microfacet normals (Heitz 2014, eq. 60); h is unit, h.z > 0. */
 static float density(float alpha, pl_vec3f h) {
   const float c2 = h.z * h.z, a2 = alpha * alpha;
-  if (c2 < 1e-10f) /* of opposite directions at the horizon */
+  if (c2 < 1e-10f) /* opposite directions at the horizon */
     return 0.0f;
   return expf(-(h.x * h.x + h.y * h.y) / (a2 * c2)) / (PL_PI_F * a2 * c2 * c2);
 }
@@ -34,7 +34,8 @@ static float mirrored(const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f h)
          (4.0f * pl_maxf(wo.z, PL_GGX_COSINE_MIN));
 }
 
-/* Adds what the waves mirror to the colour less what they keep from the water below. */
+/* Adds the reflection by waves to the colour and subtracts the light that they keep from the water
+ * below. */
 static pl_vec3f over_base(const pl_surface *s, float glint, float kept, float scale) {
   return pl_vec3f_make(glint + scale * (s->color.x - kept * s->below.x),
                        glint + scale * (s->color.y - kept * s->below.y),
@@ -46,8 +47,8 @@ static pl_vec3f value_of(const pl_surface *s, pl_vec3f wo, pl_vec3f wi, pl_vec3f
   return over_base(s, s->water * mirrored(s, wo, wi, h), 1.0f - through, wi.z / PL_PI_F);
 }
 
-/* The lobe is drawn as GGX's visible normals of the same alpha: these are more than half as dense
- * wherever the waves' are, and reach farther. */
+/* Probability of sampling the lobe, which uses GGX's visible normals of the same alpha: their
+ * density is more than half that of the waves everywhere, and their tails are longer. */
 static float glint_chance(const pl_surface *s, pl_vec3f wo) {
   const float glint = s->water * pl_fresnel(wo.z, INDEX);
   const float base = pl_vec3f_max(s->color);
@@ -94,8 +95,8 @@ static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float cho
   return true;
 }
 
-/* What waves mirror of an even sky is Fresnel's law at a cosine that grows with their slopes:
- * fitted to the integral, within 0.1 of it for every wind and angle (tests/c/test_water.c). */
+/* Reflectance of waves under a uniform sky: Fresnel's law at a cosine that grows with their slopes.
+ * Fitted to the integral, within 0.1 of it for every wind and angle (tests/c/test_water.c). */
 static pl_vec3f under_sky(const pl_surface *s, pl_vec3f wo) {
   const float alpha = pl_ggx_alpha(s->alpha), c2 = wo.z * wo.z;
   const float glint = pl_fresnel(sqrtf(c2 + 0.9f * alpha * alpha * (1.0f - c2)), INDEX);
