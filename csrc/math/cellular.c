@@ -4,29 +4,29 @@
 
 #include "math/lattice.h"
 
-/* Sites are searched this many cells around the point's own. No point is farther than sqrt(3) from
- * its own cell's site, and its second site lies within sqrt(3) too (its own cell's, or that of the
- * cell across the nearest face), so that two cells hold both. */
+/* Range of the search for sites, in cells about the point's own. The distance to the site of the
+ * own cell is at most sqrt(3), and the second nearest site is within sqrt(3) too (that of the own
+ * cell, or of the cell across the nearest face), so that two cells are enough. */
 #define REACH 2
 
 typedef struct field {
   pl_lattice at;
-  float randomness, margin; /* of the part of a cell where its site can be */
+  float randomness, margin; /* size and margin of the part of a cell in which its site can be */
   uint32_t start;
 } field;
 
 typedef struct site {
-  pl_vec3f to; /* from the point */
+  pl_vec3f to; /* offset from the point */
   float distance2;
   uint32_t id;
 } site;
 
-/* What a search keeps; cells that lie wholly beyond `limit2` are passed over. */
+/* State of a search; cells entirely beyond sqrt(limit2) are skipped. */
 typedef struct search {
   float limit2;
   site nearest;
-  float second2;   /* pl_cellular_find */
-  float edge, sum; /* pl_cellular_edge, pl_cellular_smooth */
+  float second2;   /* used by pl_cellular_find */
+  float edge, sum; /* used by pl_cellular_edge, pl_cellular_smooth */
   float inverse;   /* 1/s */
 } search;
 typedef void (*visit_fn)(search *, const site *);
@@ -38,7 +38,7 @@ static field make_field(pl_vec3 point, float randomness, uint32_t seed) {
   return (field){pl_lattice_split(point), r, 0.5f - 0.5f * r, pl_sampler_mix(seed)};
 }
 
-/* How far the cell `offset` cells away begins, along one axis. */
+/* Minimum distance along one axis to the possible sites of the cell at `offset`. */
 static inline float gap(const field *f, int offset, int axis) {
   const float low = (float)offset + f->margin - f->at.fraction[axis];
   const float high = low + f->randomness;
@@ -59,7 +59,7 @@ static inline site make_site(const field *f, uint32_t row, int x, int y, int z) 
   return s;
 }
 
-/* Visits the sites of all cells within `outer` that are not within `inner`, near ones first. */
+/* Visits the sites of all cells within `outer` but not within `inner`, near cells first. */
 static inline void scan(const field *f, int inner, int outer, visit_fn visit, search *found) {
   static const int ORDER[2 * REACH + 1] = {0, -1, 1, -2, 2};
   for (int k = 0; k < 2 * outer + 1; k++) {
@@ -99,16 +99,16 @@ static inline void visit_nearest(search *found, const site *s) {
 static search find(const field *f) {
   search found = {.limit2 = INFINITY, .second2 = INFINITY, .nearest = {.distance2 = INFINITY}};
   scan(f, -1, 1, visit_nearest, &found);
-  scan(f, 1, REACH, visit_nearest, &found); /* cells beyond the second are passed over */
+  scan(f, 1, REACH, visit_nearest, &found); /* skips cells beyond the second nearest site */
   return found;
 }
 
-/* A site at distance b has its wall at (b^2 - a^2) / (2 |b - a|) >= (b - a) / 2, with a the nearest
- * distance: beyond a + 2 edge no site can come nearer than `edge`. */
+/* The wall of a site at distance b is at (b^2 - a^2) / (2 |b - a|) >= (b - a) / 2, where a is the
+ * nearest distance: a site beyond a + 2 edge has no wall nearer than `edge`. */
 static inline void visit_edge(search *found, const site *s) {
   const pl_vec3f across = pl_vec3f_sub(s->to, found->nearest.to);
   const float length2 = pl_vec3f_dot(across, across);
-  if (!(length2 > 1e-12f)) /* the nearest site itself, or one on it */
+  if (!(length2 > 1e-12f)) /* the nearest site itself, or one at the same position */
     return;
   const pl_vec3f middle = pl_vec3f_scale(pl_vec3f_add(s->to, found->nearest.to), 0.5f);
   found->edge = pl_minf(found->edge, pl_vec3f_dot(middle, across) / sqrtf(length2));
@@ -147,9 +147,9 @@ float pl_cellular_smooth(pl_vec3 point, float randomness, float smoothness, uint
   const field f = make_field(point, randomness, seed);
   search found = find(&f);
   const float first = sqrtf(found.nearest.distance2);
-  if (!(s > 1e-6f)) /* its change is below the rounding of the distance */
+  if (!(s > 1e-6f)) /* the effect of smoothing is below the rounding error of the distance */
     return first;
-  const float limit = first + 16.0f * s; /* exp(-16) = 1e-7: lost in the float sum */
+  const float limit = first + 16.0f * s; /* exp(-16) = 1e-7: below the precision of the float sum */
   found.limit2 = limit * limit;
   found.inverse = 1.0f / s;
   found.sum = 0.0f;
@@ -166,7 +166,7 @@ static float polynomial(float x, const float c[5]) {
   return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * c[4])));
 }
 
-/* Least-squares fits to the means of 3e6 points (edge 1e6) at 7 values of the randomness. */
+/* Least-squares fits to the means of 3e6 points (edge: 1e6) at 7 values of the randomness. */
 float pl_cellular_mean_first(float randomness) {
   static const float FIT[5] = {0.48030f, -0.00051f, 0.04552f, 0.01876f, -0.02368f};
   return polynomial(clamp01(randomness), FIT);
@@ -187,9 +187,9 @@ float pl_cellular_mean_smooth(float randomness, float smoothness) {
   return pl_cellular_mean_first(r) - s * s * (0.0518f + 0.0080f * r * r * r);
 }
 
-/* Measured over discs in random planes at randomness 1 the best factor for the first distance is
- * 0.95 at 0.3, 0.64 at 0.9, 0.38 at 1.45, 0.17 at 1.8, that for the second, and for colours, above
- * it by up to 0.1; the curve is within 0.15 of all. */
+/* Over discs in random planes at randomness 1, the best factor for the first distance was measured
+ * as 0.95 at a width of 0.3, 0.64 at 0.9, 0.38 at 1.45, 0.17 at 1.8; those for the second distance
+ * and for colours are higher by up to 0.1. The curve is within 0.15 of all of them. */
 float pl_cellular_fade(float width) {
   const float u = width * (1.0f / PL_CELLULAR_WIDEST);
   if (!(u < 1.0f))

@@ -1,9 +1,9 @@
-/* Cellular texture in space: one site in every unit cell, distances to the nearest of them.
+/* Cellular texture in 3-D: one site in each unit cell, and distances to the nearest sites.
  *
- * Worley, "A Cellular Texture Basis Function", SIGGRAPH 1996, with one site a cell: `randomness`
- * 0 puts it in the middle (cubes), 1 anywhere in the cell; clamped to [0, 1]. Distances are
- * Euclidean, in cells, and exact: cells that could hold a nearer site are all searched, so that
- * they are continuous everywhere. */
+ * Worley, "A Cellular Texture Basis Function", SIGGRAPH 1996, with one site per cell: at randomness
+ * 0 it is in the middle (cubes), at 1 anywhere in the cell; randomness is clamped to [0, 1].
+ * Distances are Euclidean, in cells, and exact, because all cells that could contain a nearer site
+ * are searched; hence they are continuous everywhere. */
 #ifndef PL_MATH_CELLULAR_H
 #define PL_MATH_CELLULAR_H
 
@@ -14,32 +14,33 @@
 typedef struct pl_cellular {
   float first, second; /* distances to the nearest site and the next */
   pl_vec3f to_site;    /* from the point to the nearest site; -to_site/first is first's gradient */
-  uint32_t id;         /* hash of the cell of the nearest site: one value all over its region */
+  uint32_t id;         /* hash of the cell of the nearest site: constant over its Voronoi region */
 } pl_cellular;
 
 pl_cellular pl_cellular_find(pl_vec3 point, float randomness, uint32_t seed);
 
-/* Distance to the nearest wall between two regions, the plane halfway between their sites. What
- * pl_cellular_find gives is found on the way; `cell` may be NULL. */
+/* Distance to the nearest wall between two Voronoi regions, the plane halfway between their sites.
+ * `cell` receives the result of pl_cellular_find, which is computed on the way; it may be NULL. */
 float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed, pl_cellular *cell);
 
-/* The nearest distance with its creases rounded: -s ln sum exp(-d/s) over all sites, with
- * s = smoothness / 8, smoothness clamped to [0, 1]; 0 gives the distance itself. Below it by
- * s ln 2 where two sites are equally near, so it can be negative near sites. Sites that the
- * search does not see make steps below 1e-4. */
+/* Smooth minimum of the distances to sites: -s ln sum exp(-d/s) over all sites, with s = smoothness
+ * / 8, smoothness clamped to [0, 1]; smoothness 0 gives the nearest distance. It is lower than that
+ * by s ln 2 where two sites are equally near, and may be negative near sites. Sites outside the
+ * search range cause discontinuities below 1e-4. */
 float pl_cellular_smooth(pl_vec3 point, float randomness, float smoothness, uint32_t seed);
 
-/* Three uniform numbers in [0, 1) for an id, independent of where its site is. */
+/* Three uniform numbers in [0, 1) for an id, independent of the position of its site. */
 pl_vec3f pl_cellular_color(uint32_t id);
 
-/* Means over space, by randomness; measured, within 5e-4 (0.4803 and 1/8 are exact at 0). */
+/* Spatial means as a function of randomness; measured, within 5e-4 (0.4803 and 1/8 are exact at 0).
+ */
 float pl_cellular_mean_first(float randomness);
 float pl_cellular_mean_second(float randomness);
 float pl_cellular_mean_edge(float randomness);
 float pl_cellular_mean_smooth(float randomness, float smoothness); /* within 2e-3 */
 
-/* What is left of the departure from the mean over a footprint, a disc `width` cells across, as
- * pl_noise_fade: of distances and colours, and of edge distances. */
+/* Factor on the deviation from the mean over a footprint, a disc with a diameter of `width` cells,
+ * as in pl_noise_fade: for distances and colours, and for edge distances. */
 float pl_cellular_fade(float width);
 float pl_cellular_edge_fade(float width);
 #define PL_CELLULAR_WIDEST 2.5f

@@ -6,12 +6,13 @@
 
 #include "math/vec.h"
 
-/* Of linear RGB with Rec. 709 primaries. */
+/* Luminance of linear RGB with Rec. 709 primaries. */
 static inline float pl_luminance(pl_vec3f c) {
   return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
 }
 
-/* Linear light to display value; both nominally [0, 1]. Negative input stays on the linear toe. */
+/* Linear light to display value; both nominally [0, 1]. The linear segment extends to negative
+ * input. */
 static inline float pl_srgb_encode(float linear) {
   return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
 }

@@ -1,4 +1,5 @@
-/* Carlson's duplication, and the Gauss transformation of the functions' cotangents.
+/* Elliptic integrals by Carlson's duplication, elliptic functions by the Gauss transformation of
+ * their cotangents.
  *
  * B. C. Carlson, "Numerical computation of real or complex elliptic integrals", Numer. Algorithms
  * 10, 1995 (also DLMF 19.36); R. Bulirsch, "Numerical calculation of elliptic integrals and
@@ -10,13 +11,14 @@
 
 #include "math/vec.h"
 
-/* Enough for arguments 1e300 apart: each step brings them four times nearer. */
+/* Enough for arguments that differ by a factor of 1e300: each step reduces their differences by a
+ * factor of 4. */
 #define MAX_DUPLICATIONS 600
 /* The arithmetic-geometric mean of 1 and 1e-160 takes 13 steps. */
 #define MAX_MEANS 18
-/* The next means differ by the square of this. */
+/* Tolerance of the means; the relative difference of the next means is its square. */
 #define MEANS_LIMIT 1e-9
-/* Below, sn u is u, and the square of 1/u overflows. */
+/* For smaller |u|, sn u equals u, and the square of 1/u would overflow. */
 #define TINY 1e-150
 
 static double largest(double a, double b, double c, double d) {
@@ -51,7 +53,7 @@ static double rc_one(double e) {
 
 double pl_elliptic_rj(double x, double y, double z, double p) {
   const double a0 = (x + y + z + 2.0 * p) / 5.0, x0 = x, y0 = y, z0 = z;
-  double delta = (p - x) * (p - y) * (p - z); /* 4^-3n of it belongs to step n */
+  double delta = (p - x) * (p - y) * (p - z); /* step n uses 4^-3n times this */
   const double q = pow(0.25 * DBL_EPSILON, -1.0 / 6.0) * largest(a0 - x, a0 - y, a0 - z, a0 - p);
   double a = a0, shrink = 1.0, sum = 0.0;
   for (int n = 0; n < MAX_DUPLICATIONS && shrink * q >= fabs(a); n++) {
@@ -78,7 +80,8 @@ double pl_elliptic_rj(double x, double y, double z, double p) {
   return shrink * series / (a * sqrt(a)) + 6.0 * sum;
 }
 
-/* The means a_n and b_n of 1 and sqrt(m1), until they agree; returns the last n. */
+/* Arithmetic-geometric mean of 1 and sqrt(m1): sequences a_n and b_n until they agree; returns the
+ * last n. */
 static int means(double m1, double a[MAX_MEANS], double b[MAX_MEANS]) {
   a[0] = 1.0;
   b[0] = sqrt(m1);
@@ -108,7 +111,7 @@ pl_elliptic pl_elliptic_functions(double u, double m, double m1) {
   const int n = means(m1, a, b);
   const double mean = 0.5 * (a[n] + b[n]), angle = mean * u;
   double ratio = cos(angle) / sin(angle), c = mean * ratio, dn = 1.0;
-  for (int i = n; i >= 0; i--) { /* sums of positive terms throughout */
+  for (int i = n; i >= 0; i--) { /* all sums have positive terms: no cancellation */
     const double x = ratio * c;
     c *= dn;
     dn = (b[i] + x) / (a[i] + x);
@@ -117,6 +120,7 @@ pl_elliptic pl_elliptic_functions(double u, double m, double m1) {
   pl_elliptic out;
   out.sn = copysign(1.0 / sqrt(c * c + 1.0), sin(angle));
   out.cn = c * out.sn;
-  out.dn = sqrt(m1 + m * out.cn * out.cn); /* as near as dn, and of one mould with cn */
+  /* As precise as dn from the loop, and consistent with cn. */
+  out.dn = sqrt(m1 + m * out.cn * out.cn);
   return out;
 }

@@ -1,4 +1,4 @@
-/* Stockham's transform: no reordering, each pass reads and writes straight through. */
+/* Stockham FFT: no bit reversal, and each pass reads and writes sequentially. */
 #include "math/fft.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ void pl_fft_factors(size_t n, pl_complex *factors) {
   }
 }
 
-/* One pass: `half` butterflies of `stride` interleaved transforms of 2 half numbers. */
+/* One pass: `half` butterflies on `stride` interleaved transforms of length 2 half. */
 static void pass(const pl_complex *restrict from, pl_complex *restrict to, size_t half,
                  size_t stride, const pl_complex *factors, double sign) {
   for (size_t p = 0; p < half; p++) {

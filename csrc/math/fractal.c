@@ -2,21 +2,21 @@
 
 #include "math/lattice.h"
 
-/* The distribution of |noise| as 8 values of equal weight, the means of its octiles; measured from
- * 4e5 points. Stands in for an octave that is not resolved where it enters a clamp. */
+/* Distribution of |noise| as 8 values of equal weight, the means of its octiles; measured with 4e5
+ * points. Used in place of an unresolved octave where it enters a clamp. */
 #define NODES 8
 static const float MAGNITUDE[NODES] = {0.0184f, 0.0564f, 0.0957f, 0.1377f,
                                        0.1834f, 0.2340f, 0.2974f, 0.4176f};
 
-/* Walks the octaves from coarse to fine. */
+/* Iterator over the octaves from coarse to fine. */
 typedef struct walk {
   const pl_fractal *fractal;
   pl_vec3 point;
   float width, octaves;
-  int index;              /* of the octave at hand; -1 before the first */
-  double scale;           /* its frequency */
-  float power, amplitude; /* roughness^index; that times the part of a last octave */
-  float kept;             /* how much of it the footprint leaves */
+  int index;              /* of the current octave; -1 before the first */
+  double scale;           /* frequency of the octave */
+  float power, amplitude; /* roughness^index; power times the fraction of a partial last octave */
+  float kept;             /* factor of the footprint's filter on the octave */
 } walk;
 
 static walk begin(const pl_fractal *fractal, pl_vec3 point, float width) {
@@ -24,7 +24,7 @@ static walk begin(const pl_fractal *fractal, pl_vec3 point, float width) {
   return (walk){.fractal = fractal, .point = point, .width = width, .octaves = most, .index = -1};
 }
 
-/* To the next octave; false after the last. */
+/* Advances to the next octave; false after the last. */
 static bool next(walk *w) {
   w->index++;
   const float part = pl_minf(w->octaves - (float)w->index, 1.0f);
@@ -37,7 +37,7 @@ static bool next(walk *w) {
   return true;
 }
 
-/* Where the octave at hand is looked up, and its seed. */
+/* Point and seed at which the current octave evaluates the noise. */
 static pl_vec3 place(const walk *w, uint32_t *seed) {
   *seed = pl_lattice_hash(pl_sampler_mix(w->fractal->seed), (uint32_t)w->index);
   return pl_vec3_make(w->point.x * w->scale + (double)pl_lattice_uniform(*seed, 0),
@@ -45,7 +45,7 @@ static pl_vec3 place(const walk *w, uint32_t *seed) {
                       w->point.z * w->scale + (double)pl_lattice_uniform(*seed, 2));
 }
 
-/* The noise of the octave at hand, 0 where none of it is left; not faded. */
+/* Noise of the current octave, not faded; 0 if the footprint hides it. */
 static float octave(const walk *w) {
   if (!(w->kept > 0.0f))
     return 0.0f;

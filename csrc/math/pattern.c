@@ -1,6 +1,6 @@
-/* The mean over a box is the difference of the pattern's integral at its ends (the filtered checker
- * of Apodaca and Gritz, "Advanced RenderMan", 2000, chapter 11). Integrals count from the point's
- * own period, so that far coordinates do not cancel. */
+/* Box filters: the mean over a box is the difference of the pattern's integral at its ends, over
+ * its width (the filtered checker of Apodaca and Gritz, "Advanced RenderMan", 2000, chapter 11).
+ * Integrals start at the point's own period, which avoids cancellation at large coordinates. */
 #include "math/pattern.h"
 
 #include "math/lattice.h"
@@ -9,11 +9,12 @@ static inline double clamp(double x, double low, double high) {
   return x > low ? (x < high ? x : high) : low;
 }
 
-/* A box about a point, with coordinates from the start of the point's own period. */
+/* A box about a point, in coordinates relative to the start of the point's own period. */
 typedef struct box {
   int64_t cell;
   double low, high, width;
-  bool point, everything; /* too narrow to divide by its width; too wide to matter where */
+  /* Too narrow to divide by its width; so wide that the mean is the pattern's. */
+  bool point, everything;
 } box;
 
 static box make_box(double x, float width) {
@@ -35,7 +36,7 @@ float pl_white_noise(pl_vec3 point, float width, uint32_t seed) {
   if (!(left > 0.0f))
     return 0.5f;
   uint32_t first[3];
-  double share[3]; /* of the box in the second cell */
+  double share[3]; /* part of the box in the second cell */
   for (int i = 0; i < 3; i++) {
     const box b = make_box(x[i], full);
     const int64_t start = b.cell - (b.low < 0.0);
@@ -57,7 +58,7 @@ float pl_white_noise(pl_vec3 point, float width, uint32_t seed) {
 
 /* --- checker ---------------------------------------------------------------------------------- */
 
-/* Integral of the square wave that is 1 on [0, 1) and -1 on [1, 2), from 0: a triangle wave. */
+/* Integral from 0 of the square wave that is 1 on [0, 1) and -1 on [1, 2): a triangle wave. */
 static double square_integral(double x) {
   const double t = x - 2.0 * floor(0.5 * x);
   return t < 1.0 ? t : 2.0 - t;
@@ -78,7 +79,7 @@ float pl_checker(pl_vec3 point, float width) {
 
 /* --- waves ------------------------------------------------------------------------------------ */
 
-/* Integrals from 0 of the waves' departures from 1/2. */
+/* Integrals from 0 of wave - 1/2. */
 static double saw_integral(double x) {
   const double t = x - floor(x);
   return 0.5 * t * (t - 1.0);
@@ -106,7 +107,7 @@ float pl_wave(pl_wave_shape shape, double phase, float width) {
 
 /* --- bricks ----------------------------------------------------------------------------------- */
 
-/* The share of a box in pulses [low, high) of every `period` cells, low and high in [0, period]. */
+/* Integral from 0 to x of the pulses [low, high), one per `period`; low and high in [0, period]. */
 static double pulse_integral(double x, double period, double low, double high) {
   const double turns = floor(x / period);
   return turns * (high - low) + clamp(x - turns * period - low, 0.0, high - low);
@@ -121,14 +122,14 @@ static double pulse_mean(const box *b, double period, double low, double high) {
          b->width;
 }
 
-/* Boxes over many rows mix even and odd ones: each parity is a product of two pulse trains. */
+/* A box may cover even and odd rows: each parity is a product of two pulse trains. */
 float pl_brick_cover(const pl_bricks *bricks, double u, double v, float width_u, float width_v) {
   const double joint_u = 0.5 * clamp((double)bricks->mortar_u, 0.0, 1.0);
   const double joint_v = 0.5 * clamp((double)bricks->mortar_v, 0.0, 1.0);
   const box rows = make_box(v, width_v);
   double cover = 0.0;
   for (int odd = 0; odd < 2; odd++) {
-    box pair = rows; /* from the start of the even row at or below */
+    box pair = rows; /* relative to the start of the even row at or below the box */
     const double shift = rows.cell & 1 ? 1.0 : 0.0;
     pair.low += shift;
     pair.high += shift;
@@ -149,7 +150,8 @@ uint32_t pl_brick_id(const pl_bricks *bricks, double u, double v, uint32_t seed)
 
 /* --- solar panels ----------------------------------------------------------------------------- */
 
-/* Along one axis: a cell on [margin, 1 - margin], with `count` lines of `line` in it. */
+/* One axis of a solar cell: the cell is [margin, 1 - margin], with lines of width `line` at
+ * `pitch`. */
 typedef struct cells {
   double margin, inside, pitch, line;
 } cells;
@@ -190,7 +192,8 @@ pl_panel_cover pl_panel_covers(const pl_panel *panel, double u, double v, float 
   const box box_u = make_box(u, width_u), box_v = make_box(v, width_v);
   const double cover_u = pulse_mean(&box_u, 1.0, along_u.margin, 1.0 - along_u.margin);
   const double cover_v = pulse_mean(&box_v, 1.0, along_v.margin, 1.0 - along_v.margin);
-  /* Bare is what is neither busbar nor finger: a product, as each depends on one axis alone. */
+  /* Bare cell: neither busbar nor finger. This is a product, because each depends on one axis only.
+   */
   const double bare = clamp(cover_u - lines_mean(&along_u, &box_u), 0.0, 1.0) *
                       clamp(cover_v - lines_mean(&along_v, &box_v), 0.0, 1.0);
   const double cell = clamp(cover_u * cover_v, bare, 1.0);

@@ -1,4 +1,4 @@
-/* Runs of Philox words in NumPy's order. */
+/* Sequences of Philox words in the order of NumPy. */
 #include "math/philox.h"
 
 void pl_philox_fill(const uint64_t key[2], const uint64_t counter[4], size_t count, uint64_t *out) {

@@ -1,4 +1,5 @@
-/* The counter-based generator Philox4x64-10: stateless random words keyed by what is drawn. */
+/* Counter-based random number generator Philox4x64-10: stateless; the key identifies the quantity
+ * to sample. */
 #ifndef PL_MATH_PHILOX_H
 #define PL_MATH_PHILOX_H
 
@@ -35,10 +36,10 @@ static inline void pl_philox(const uint64_t key[2], const uint64_t counter[4], u
   out[3] = c3;
 }
 
-/* A word as a number in [0, 1): the top 24 bits, so that 1 is never reached by rounding. */
+/* A word as a number in [0, 1): only the top 24 bits, so that it cannot be rounded to 1. */
 static inline float pl_philox_float(uint64_t word) { return (float)(word >> 40) * 0x1p-24f; }
 static inline float pl_philox_float32(uint32_t word) { return (float)(word >> 8) * 0x1p-24f; }
-/* The top 53 bits, as numpy.random.Generator.random does. */
+/* Uses the top 53 bits, as numpy.random.Generator.random does. */
 static inline double pl_philox_double(uint64_t word) { return (double)(word >> 11) * 0x1p-53; }
 
 /* `count` words in the order of numpy.random.Philox(key=key, counter=counter).random_raw(count):

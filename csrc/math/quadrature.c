@@ -1,12 +1,12 @@
-/* Nodes by Newton from Tricomi's estimate; weights 2 / ((1 - x^2) P'(x)^2) (Abramowitz and Stegun
- * 25.4.29). */
+/* Gauss-Legendre rule: nodes by Newton's method from Tricomi's estimate; weights 2 / ((1 - x^2)
+ * P'(x)^2) (Abramowitz and Stegun 25.4.29). */
 #include "math/quadrature.h"
 
 #include <math.h>
 
 #include "math/vec.h"
 
-/* Legendre's polynomial of degree n, and its derivative, inside (-1, 1). */
+/* Legendre polynomial of degree n, and its derivative, inside (-1, 1). */
 static double legendre(int n, double x, double *slope) {
   double before = 1.0, p = x;
   for (int k = 2; k <= n; k++) {
@@ -19,7 +19,7 @@ static double legendre(int n, double x, double *slope) {
 }
 
 pl_gauss pl_gauss_make(int count) {
-  enum { ITERATIONS = 8 }; /* quadratic from three digits: four would do */
+  enum { ITERATIONS = 8 }; /* quadratic convergence from three digits: four would be enough */
   const int n = count < 1 ? 1 : count > PL_GAUSS_MAX ? PL_GAUSS_MAX : count;
   pl_gauss rule = {.count = n};
   for (int i = 0; i < (n + 1) / 2; i++) {

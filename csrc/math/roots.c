@@ -1,5 +1,6 @@
-/* Samples, golden sections towards zero, and Chandrupatla's method between signs (Advances in
- * Engineering Software 28, 145, 1997): inverse quadratic where it is safe, else halves. */
+/* Root finding: sampling, golden-section search for extrema near zero, and Chandrupatla's method
+ * between samples of different sign (Advances in Engineering Software 28, 145, 1997): inverse
+ * quadratic interpolation where it is safe, otherwise bisection. */
 #include "math/roots.h"
 
 #include <float.h>
@@ -19,7 +20,7 @@ typedef struct search {
 static sample at(const search *s, double t) { return (sample){t, s->f(s->context, t)}; }
 static bool positive(sample a) { return a.f >= 0.0; }
 
-/* The zero between two samples of different sign. */
+/* Finds the root between two samples of different sign. */
 static void add_root(search *s, sample b, sample a) {
   enum { ITERATIONS = 120 };
   sample c = b;
@@ -43,7 +44,8 @@ static void add_root(search *s, sample b, sample a) {
     s->roots[s->count++] = fabs(a.f) < fabs(b.f) ? a.t : b.t;
 }
 
-/* Between two samples of the same sign: two zeros if f comes through zero on its way. */
+/* Between two samples of the same sign: finds two roots if the extremum of f in between has the
+ * other sign. */
 static void add_pair(search *s, sample low, sample high) {
   enum { ITERATIONS = 48 }; /* 0.618^48 = 1e-10 of the steps: an extremum is flat */
   const double golden = 0.6180339887498949;
@@ -71,8 +73,9 @@ static void add_pair(search *s, sample low, sample high) {
   }
 }
 
-/* Whether |f| may have a minimum in step i without zeros at its ends, by the step before and by the
- * one after: those neither cross zero nor lead away from it. */
+/* falls_into, rises_out_of: true if |f| may have a minimum in step i without a change of sign at
+ * its ends, judged by the step before and by the one after, in which f must not change its sign and
+ * |f| must not decrease away from step i. */
 static bool falls_into(const sample f[], int i, bool closed) {
   if (i == 0 && !closed)
     return true;

@@ -23,12 +23,12 @@ pl_quat pl_quat_from_mat3(pl_mat3 m) {
 
 pl_quat pl_quat_slerp(pl_quat a, pl_quat b, double u) {
   double cosine = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
-  if (cosine < 0.0) { /* the other sign of b is the near one */
+  if (cosine < 0.0) { /* -b is the same rotation and nearer to a */
     b = (pl_quat){-b.w, -b.x, -b.y, -b.z};
     cosine = -cosine;
   }
   double wa = 1.0 - u, wb = u;
-  if (cosine < 1.0 - 1e-9) { /* nearer, linear weights are exact to rounding */
+  if (cosine < 1.0 - 1e-9) { /* otherwise linear weights are exact up to rounding */
     const double angle = atan2(sqrt(fmax(0.0, 1.0 - cosine * cosine)), cosine);
     wa = sin((1.0 - u) * angle) / sin(angle);
     wb = sin(u * angle) / sin(angle);

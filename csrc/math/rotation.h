@@ -1,10 +1,11 @@
-/* Rotations in double: quaternions (Hamilton, scalar first), 3x3 matrices, rigid poses. */
+/* Rotations in double precision: quaternions (Hamilton, scalar first), 3x3 matrices, rigid poses.
+ */
 #ifndef PL_MATH_ROTATION_H
 #define PL_MATH_ROTATION_H
 
 #include "math/vec.h"
 
-/* (w, x, y, z); unit norm wherever it stands for a rotation: v_a = q v_b q*. */
+/* (w, x, y, z); a unit quaternion represents a rotation: v_a = q v_b q*. */
 typedef struct pl_quat {
   double w, x, y, z;
 } pl_quat;
@@ -75,9 +76,11 @@ static inline pl_vec3 pl_quat_rotate(pl_quat q, pl_vec3 v) {
 static inline pl_vec3 pl_quat_rotate_inverse(pl_quat q, pl_vec3 v) {
   return pl_quat_rotate(pl_quat_conjugate(q), v);
 }
-/* Shepperd (1978): the largest of the four components is the pivot, so no root is near zero. */
+/* Shepperd (1978): uses the largest of the four components as the pivot, which avoids the square
+ * root of a small number. */
 pl_quat pl_quat_from_mat3(pl_mat3 m);
-/* Shortest-arc interpolation, u in [0, 1]; q and -q are the same rotation (sign rule). */
+/* Shortest-arc interpolation, u in [0, 1]; takes into account that q and -q are the same rotation.
+ */
 pl_quat pl_quat_slerp(pl_quat a, pl_quat b, double u);
 static inline pl_vec3 pl_pose_apply(pl_pose pose, pl_vec3 p) {
   return pl_vec3_add(pl_quat_rotate(pose.q, p), pose.t);

@@ -1,16 +1,16 @@
 /* Low-discrepancy 2-D samples keyed by (pixel seed, sample index, dimension pair); stateless.
  *
- * Each dimension pair is the Sobol (0,2)-sequence with its index shuffled and both coordinates
- * Owen-scrambled by hashes, so that pairs are independent of each other and pixels of each other:
- * Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020. The scrambling hash is the one
- * of Vegdahl, "Building a Better LK Hash" (2021), which leaves less bias than the paper's. Any
- * aligned run of 2^k indices is a (0,k,2)-net: one sample in every elementary interval. */
+ * Each dimension pair is the Sobol (0,2)-sequence with shuffled index and Owen-scrambled
+ * coordinates, both by hashes, so that dimension pairs and pixels are independent: Burley,
+ * "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020. The scrambling hash is that of Vegdahl,
+ * "Building a Better LK Hash" (2021), which has less bias than the paper's. Any aligned run of 2^k
+ * indices is a (0,k,2)-net: one sample in every elementary interval. */
 #ifndef PL_MATH_SAMPLER_H
 #define PL_MATH_SAMPLER_H
 
 #include <stdint.h>
 
-/* An avalanching permutation of 32 bits (Wellons, hash-prospector, "lowbias32"). */
+/* Permutation of 32-bit numbers with good avalanche (Wellons, hash-prospector, "lowbias32"). */
 static inline uint32_t pl_sampler_mix(uint32_t x) {
   x ^= x >> 16;
   x *= 0x7feb352du;
@@ -40,7 +40,7 @@ static inline uint32_t pl_sampler_owen_reversed(uint32_t x, uint32_t seed) {
 }
 
 /* The second Sobol coordinate of `index`, bit-reversed. Its generator matrix is Pascal's triangle
- * mod 2, the fifth Kronecker power of (1 1; 0 1), hence five masked shifts in place of 32 steps. */
+ * mod 2, the fifth Kronecker power of (1 1; 0 1), hence five masked shifts instead of 32 steps. */
 static inline uint32_t pl_sampler_pascal(uint32_t index) {
   index ^= (index >> 1) & 0x55555555u;
   index ^= (index >> 2) & 0x33333333u;

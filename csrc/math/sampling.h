@@ -50,20 +50,20 @@ static inline float pl_cosine_hemisphere_pdf(float cosine) {
   return pl_maxf(cosine, 0.0f) * (1.0f / PL_PI_F);
 }
 
-/* 1 - cos(half_angle) without the cancellation that would empty cones below 3e-4 rad. */
+/* 1 - cos(half_angle) without cancellation, which would give 0 for cones below 3e-4 rad. */
 static inline float pl_cone_one_minus_cos(float half_angle_rad) {
   const float s = sinf(0.5f * half_angle_rad);
   return 2.0f * s * s;
 }
-/* Equal areas of the unit disc are equal solid angles of the cone about +z. */
+/* Maps the unit disc to the cone about +z; equal areas become equal solid angles. */
 static inline pl_vec3f pl_disc_to_cone(pl_vec3f d, float one_minus_cos) {
   const float h = one_minus_cos * pl_minf(d.x * d.x + d.y * d.y, 1.0f); /* 1 - cos of the sample */
   const float scale = sqrtf(one_minus_cos * (2.0f - h));
   return pl_vec3f_make(d.x * scale, d.y * scale, 1.0f - h);
 }
 /* Uniform direction in the cone about +z; `one_minus_cos` from pl_cone_one_minus_cos, in (0, 2].
- * Lambert's equal-area map of the concentric disc: x and y keep full relative precision however
- * narrow the cone (half angles down to 1e-15 rad). */
+ * Lambert's equal-area map of the concentric disc: x and y have full relative precision for any
+ * width of the cone (half angles down to 1e-15 rad). */
 static inline pl_vec3f pl_sample_cone(float u, float v, float one_minus_cos) {
   return pl_disc_to_cone(pl_sample_disc(u, v), one_minus_cos);
 }
@@ -72,9 +72,9 @@ static inline float pl_cone_pdf(float one_minus_cos) {
   return 1.0f / (2.0f * PL_PI_F * one_minus_cos);
 }
 
-/* Weight of a sample drawn with density `a` that could also have been drawn with density `b`:
- * a^2/(a^2 + b^2) (Veach 1997, 9.2.4), by their ratio so that large densities do not overflow.
- * a = 0 gives 0; an infinite `a` (a delta) gives 1. */
+/* Power heuristic: weight of a sample from a distribution with density `a` that could also come
+ * from one with density `b`, a^2/(a^2 + b^2) (Veach 1997, 9.2.4), computed from the ratio so that
+ * large densities do not overflow. a = 0 gives 0; an infinite `a` (a delta) gives 1. */
 static inline float pl_power_heuristic(float a, float b) {
   if (!(a > 0.0f))
     return 0.0f;

@@ -1,4 +1,4 @@
-/* Vectors: double for the world, float for the camera-relative view. */
+/* Vectors: double precision for the world, float for the camera-relative view. */
 #ifndef PL_MATH_VEC_H
 #define PL_MATH_VEC_H
 
@@ -16,8 +16,8 @@ typedef struct pl_vec3f {
   float x, y, z;
 } pl_vec3f;
 
-/* The larger and the smaller of two numbers; `b` where `a` is not a number. One instruction each,
- * where fmaxf and fminf are calls of the library. */
+/* Maximum and minimum of two numbers; `b` if `a` is NaN. One instruction each, whereas fmaxf and
+ * fminf are library calls. */
 static inline float pl_maxf(float a, float b) { return a > b ? a : b; }
 static inline float pl_minf(float a, float b) { return a < b ? a : b; }
 
@@ -39,7 +39,7 @@ static inline pl_vec3 pl_vec3_cross(pl_vec3 a, pl_vec3 b) {
   return (pl_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 static inline double pl_vec3_norm(pl_vec3 a) { return sqrt(pl_vec3_dot(a, a)); }
-/* The zero vector stays zero. */
+/* Unit vector; the zero vector stays zero. */
 static inline pl_vec3 pl_vec3_unit(pl_vec3 a) {
   const double n = pl_vec3_norm(a);
   return n > 0.0 ? pl_vec3_scale(a, 1.0 / n) : a;
@@ -75,7 +75,7 @@ static inline pl_vec3f pl_vec3f_unit(pl_vec3f a) {
   const float n = pl_vec3f_norm(a);
   return n > 0.0f ? pl_vec3f_scale(a, 1.0f / n) : a;
 }
-/* The unit vector across two others, however short or long they are; zero if there is none. */
+/* Unit vector perpendicular to two vectors of any length; zero if they are parallel. */
 static inline pl_vec3f pl_vec3f_across(pl_vec3f a, pl_vec3f b) {
   const float m = pl_maxf(pl_maxf(fabsf(a.x), pl_maxf(fabsf(a.y), fabsf(a.z))),
                           pl_maxf(fabsf(b.x), pl_maxf(fabsf(b.y), fabsf(b.z))));

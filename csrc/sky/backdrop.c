@@ -1,4 +1,4 @@
-/* What pixels see of pictures behind everything. */
+/* Radiance of background images over pixels. */
 #include "sky/backdrop.h"
 
 #include "shade/body_map.h"
@@ -15,7 +15,7 @@ double pl_backdrop_max(const pl_backdrop *backdrop) {
 }
 
 /* Difference of the directions on both sides of a pixel; where the lens has no ray on one side,
- * twice that to the other. */
+ * twice the difference to the other side. */
 static pl_vec3 across(const pl_snapshot *shot, pl_vec3 middle, double x, double y, double dx,
                       double dy) {
   pl_vec3 before = pl_snapshot_ray(shot, x - dx, y - dy);
@@ -41,7 +41,7 @@ static void read_image(const pl_backdrop *backdrop, const pl_camera *camera, int
                        float out[4]) {
   int width, height, channels;
   pl_texture_size(backdrop->texture, &width, &height, &channels);
-  /* Parts of the image that a pixel spans. */
+  /* Extent of a pixel as a fraction of the image. */
   double du = 1.0 / camera->width, dv = 1.0 / camera->height;
   if (backdrop->kind == PL_BACKDROP_COVER) {
     const double pixels = fmax((double)camera->width / width, (double)camera->height / height);

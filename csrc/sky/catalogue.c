@@ -1,12 +1,12 @@
-/* Cells of the sky: the faces of a cube about the observer, cut into squares. No pole, no date
- * line. */
+/* Cells of the sky: the faces of a cube about the observer, divided into squares. This avoids
+ * singular poles and a wrap of longitude. */
 #include "sky/catalogue.h"
 
 #include <stdlib.h>
 
 #include "base/memory.h"
 
-/* A star on its way into its cell. */
+/* A star and its sort key: cell, then brightness, then index in the list. */
 typedef struct entry {
   pl_star star;
   size_t cell, place;
@@ -64,7 +64,7 @@ static void bound_cell(const pl_star *stars, pl_sky_cell *cell) {
   }
 }
 
-/* Cells and what is left of their light after each star. */
+/* Fills the cells, and `rest`: the summed brightness of the fainter stars of the same cell. */
 static void fill_cells(const entry *entries, pl_star_catalogue *catalogue) {
   for (size_t i = 0; i < catalogue->count; i++) {
     pl_sky_cell *cell = &catalogue->cells[entries[i].cell];

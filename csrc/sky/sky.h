@@ -1,4 +1,4 @@
-/* What lies behind everything, as a frame is asked for it. */
+/* Sky of a frame: stars and background image, as requested by the configuration. */
 #ifndef PL_SKY_SKY_H
 #define PL_SKY_SKY_H
 
@@ -7,9 +7,9 @@
 
 typedef struct pl_sky {
   const pl_star_catalogue *stars; /* borrowed; NULL: none */
-  pl_vec3 beta;                   /* velocity of the camera over that of light, root axes */
+  pl_vec3 beta;                   /* velocity of the camera over the speed of light, root axes */
   pl_backdrop backdrop;
-  bool by_display; /* backdrop.white is in units of the radiance that the display shows as white */
+  bool by_display; /* backdrop.white is relative to the radiance that the display shows as white */
 } pl_sky;
 
 #endif

@@ -1,4 +1,4 @@
-/* Stars in the frame: aberration, projection, what they add to pixels. */
+/* Stars in the frame: aberration, projection, and contribution to pixels. */
 #include "sky/stars.h"
 
 #include <stdlib.h>
@@ -14,8 +14,8 @@ pl_vec3 pl_star_aberrate(pl_vec3 direction, pl_vec3 beta) {
   return pl_vec3_unit(pl_vec3_scale(sum, 1.0 / (1.0 + along)));
 }
 
-/* Of a triangle of unit vectors: van Oosterom and Strackee 1983, with differences, which keep their
- * digits for small ones. */
+/* Solid angle of a spherical triangle of unit vectors: van Oosterom and Strackee 1983, written with
+ * differences to keep precision for small triangles. */
 static double triangle(pl_vec3 a, pl_vec3 b, pl_vec3 c) {
   const pl_vec3 across = pl_vec3_cross(pl_vec3_sub(b, a), pl_vec3_sub(c, a));
   const double volume = fabs(pl_vec3_dot(a, across));
@@ -43,7 +43,7 @@ static bool in_image(const pl_camera *camera, int x, int y) {
   return x >= 0 && y >= 0 && x < camera->width && y < camera->height;
 }
 
-/* Whether any pixel gets light of a star at (u, v), which may be far off. */
+/* True if any pixel of the image may receive light of a star at (u, v). */
 static bool reaches_image(const pl_camera *camera, double u, double v) {
   return u > -1.0 && v > -1.0 && u < camera->width && v < camera->height;
 }
@@ -71,15 +71,15 @@ void pl_star_splat_at(const pl_camera *camera, const pl_star *star, double u, do
   }
 }
 
-/* --- which are in the frame */
+/* --- stars in the frame */
 
 typedef struct gathering {
   const pl_star_catalogue *catalogue;
   const pl_snapshot *shot;
   pl_vec3 beta, axis;
-  double half_angle_rad; /* of the cone that holds the image, aberration included */
-  double faint;          /* brightness of a cell that may be left out, W m-2 */
-  double left;           /* brightness that was left out, W m-2 */
+  double half_angle_rad; /* half angle of the cone that contains the image, including aberration */
+  double faint;          /* total brightness of a cell's stars that may be omitted, W m-2 */
+  double left;           /* total brightness of the omitted stars, W m-2 */
   pl_star_field *field;
   size_t room;
 } gathering;
@@ -89,7 +89,7 @@ static bool in_cone(const gathering *g, const pl_sky_cell *cell) {
   return atan2(sine, pl_vec3_dot(g->axis, cell->axis)) <= g->half_angle_rad + cell->half_angle_rad;
 }
 
-/* Position in the image; false for a star behind the camera or where no pixel gets any of it. */
+/* Computes the position in the image; false for a star behind the camera or outside the image. */
 static bool see(const gathering *g, const pl_star *star, pl_field_star *out) {
   const pl_camera *camera = &g->shot->camera;
   double pixel[2];
@@ -125,7 +125,8 @@ static int compare(const void *left, const void *right) {
 }
 
 static void set_levels(pl_star_field *field) {
-  const double tenths = 25.0, most = 1000.0; /* of 2.5 log10 of a ratio; a hundred magnitudes */
+  /* Steps of 0.1 mag: 25 log10 of the ratio; limited to 100 mag. */
+  const double tenths = 25.0, most = 1000.0;
   for (size_t i = 0; i < field->count; i++) {
     const double ratio = (double)pl_star_brightness(field->stars[0].star) /
                          (double)pl_star_brightness(field->stars[i].star);
@@ -134,14 +135,14 @@ static void set_levels(pl_star_field *field) {
   }
 }
 
-/* --- what they may change */
+/* --- bounds for the plan */
 
-/* Light summed by pixel: a table with open addressing. */
+/* Light summed by pixel: a hash table with open addressing. */
 typedef struct sums {
-  uint32_t *pixels; /* pixel + 1; 0: free */
+  uint32_t *pixels; /* pixel index + 1; 0: free */
   pl_vec3f *light;
   size_t mask;
-  float most; /* of any band of any pixel */
+  float most; /* maximum over all pixels and bands */
 } sums;
 
 static pl_status sums_init(sums *s, size_t stars, pl_arena *arena) {
@@ -169,7 +170,8 @@ static void sums_add(sums *s, uint32_t pixel, pl_vec3f light) {
   s->most = pl_maxf(s->most, pl_vec3f_max(s->light[at]));
 }
 
-/* From the faintest on, the most that a pixel has got when all beyond a level are added. */
+/* For each level, the maximum radiance in a pixel due to all fainter stars; adds stars from the
+ * faintest on. `always`: radiance of the stars already omitted. */
 static pl_status set_left(const pl_star_field *field, const pl_camera *camera, float always,
                           pl_arena *arena, pl_view_sky *view) {
   sums s;
@@ -192,8 +194,8 @@ static pl_status set_left(const pl_star_field *field, const pl_camera *camera, f
   return PL_OK;
 }
 
-/* The least solid angle of a pixel, near enough for what may be left out: the corners' and the
- * middle's, halved. */
+/* Estimate of the minimum solid angle of a pixel, for deciding which stars to omit: half the
+ * minimum over the corners and the centre of the image. */
 static double least_angle(const pl_camera *camera) {
   const int w = camera->width - 1, h = camera->height - 1;
   double least = pl_pixel_solid_angle(camera, w / 2, h / 2);
@@ -204,7 +206,7 @@ static double least_angle(const pl_camera *camera) {
   return 0.5 * least;
 }
 
-/* The part of the catalogue that the frame can see. */
+/* Counts the cells and stars of the catalogue that may be in the frame. */
 static size_t seen_cells(const gathering *g, size_t *stars) {
   size_t cells = 0;
   *stars = 0;
@@ -229,7 +231,8 @@ pl_status pl_star_field_gather(const pl_star_catalogue *catalogue, const pl_snap
   *out = (pl_star_field){0};
   pl_snapshot_cone(shot, shot->camera.lens.model == NULL ? rect : image, &g.axis,
                    &g.half_angle_rad);
-  /* A lens has no ray beyond its image for sure: there, two pixels more. */
+  /* A lens model may have no ray outside its image: the cone of the image is widened by two pixels
+   * instead. */
   g.half_angle_rad += 2.0 * pl_vec3_norm(beta) + 2.0 * sqrt(2.0 * angle);
   const size_t cells = seen_cells(&g, &room);
   g.faint = cells > 0 ? faint * angle / (double)cells : 0.0;

@@ -9,7 +9,7 @@ static int ceiling(const pl_view *view) {
   return view->sky.star_levels > 1 ? view->sky.star_levels : 1;
 }
 
-/* What the stars that are left out add to one pixel, all together. */
+/* Upper bound of the total contribution of the omitted stars to one pixel. */
 static double bound_dn(const pl_view *view, int value) {
   const int level = value < view->sky.star_levels ? value : view->sky.star_levels;
   return pl_view_sky_dn(view, (double)view->sky.star_left[level]);
