@@ -1,4 +1,4 @@
-/* Sampling keyframes (glTF 2.0, appendix C). */
+/* Samples keyframe animations (glTF 2.0, appendix C). */
 #include "geom/animation.h"
 
 #include "base/memory.h"
@@ -30,7 +30,7 @@ static size_t components_of(const pl_track *track) {
   return track->path == PL_TRACK_ROTATION ? 4 : 3;
 }
 
-/* The last key at or before t; the first when there is none. */
+/* Returns the index of the last key at or before t, or 0 when there is none. */
 static size_t key_before(const pl_track *track, double t) {
   size_t low = 0, high = track->count;
   while (high - low > 1) {
@@ -43,7 +43,7 @@ static size_t key_before(const pl_track *track, double t) {
   return low;
 }
 
-/* Row `which` of key `k`: of the three of a cubic key, or the only one. */
+/* Returns row `which` of key `k`: one of the three rows of a cubic key, or the only one. */
 static const float *row_of(const pl_track *track, size_t k, size_t which) {
   const size_t rows = track->interpolation == PL_CUBIC ? 3 : 1;
   return track->values + components_of(track) * (rows * k + (rows == 3 ? which : 0));

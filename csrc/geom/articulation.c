@@ -1,39 +1,39 @@
-/* Motions of nodes. */
+/* Motion of articulated nodes: forward kinematics of joints and animations. */
 #include "geom/articulation.h"
 
 #include "base/memory.h"
 
-/* A target whose direction is nearer to the axis than this (rad) has no angle about it. */
+/* A target direction nearer to the joint axis than this (rad) defines no angle. */
 #define ON_AXIS 1e-9
 
 /* A moving node. */
 typedef struct mover {
-  int above;                /* index of the mover above it, or -1 */
+  int above;                /* index of the nearest moving node above it, or -1 */
   bool animated;            /* has a track */
-  pl_affine parent_to_root; /* at rest */
-  pl_affine from_root;      /* root to node, at rest */
-  pl_trs trs;               /* of this frame, when animated */
+  pl_affine parent_to_root; /* transform of the parent at rest */
+  pl_affine from_root;      /* root to node axes, at rest */
+  pl_trs trs;               /* in this frame, when animated */
 } mover;
 
-/* A track that is played. */
+/* A track that is being played. */
 typedef struct played {
-  const pl_animation *animation; /* of the model */
-  const pl_track *track;         /* of the animation */
-  int mover;                     /* whose node it moves; -1: nothing hangs there */
+  const pl_animation *animation; /* animation of the model */
+  const pl_track *track;         /* a track of that animation */
+  int mover;                     /* mover of its node; -1: the node has no geometry */
 } played;
 
 struct pl_articulation {
   const pl_model *model; /* borrowed */
-  pl_joint *joints;      /* owned; all in the model's axes */
+  pl_joint *joints;      /* owned; all in model axes */
   size_t joint_count;
-  int *nodes;    /* owned */
-  mover *movers; /* owned, one a node above */
+  int *nodes;    /* owned: node indices of the movers */
+  mover *movers; /* owned, one per entry of `nodes` */
   size_t count;
-  played *tracks; /* owned: of all animations */
+  played *tracks; /* owned: the tracks of all animations */
   size_t track_count;
 };
 
-/* --- frames of nodes -------------------------------------------------------------------------- */
+/* --- transforms of nodes ---------------------------------------------------------------------- */
 
 static pl_affine parent_global(const pl_model *model, int node) {
   pl_affine out = PL_AFFINE_IDENTITY;
@@ -66,12 +66,12 @@ static bool has_direction(pl_vec3 v) {
   return length > 1e-150 && isfinite(length);
 }
 
-/* What is known of each node while movers are looked for. */
+/* State of each node while the moving nodes are collected. */
 typedef struct mark {
   bool animated, jointed;
-  bool paths[3]; /* by pl_track_path: has a track */
-  bool bears;    /* a part with triangles is at it or below it */
-  int mover;     /* nearest at it or above it, or -1 */
+  bool paths[3]; /* indexed by pl_track_path: the property has a track */
+  bool bears;    /* the node or a descendant has a part with triangles */
+  int mover;     /* nearest moving node at or above it, or -1 */
 } mark;
 
 static void mark_parts(const pl_model *model, mark *marks) {
@@ -103,7 +103,7 @@ static pl_status settle_joint(const pl_model *model, mark *marks, pl_joint *join
   }
   if (!joint->in_node_axes)
     return PL_OK;
-  /* Columns of a sheared frame are not across each other: the normal is made so again. */
+  /* The columns of a sheared frame are not orthogonal, so the normal is orthogonalised again. */
   joint->axis = pl_vec3_unit(pl_mat3_mul_vec(frame.axes, joint->axis));
   joint->pivot = pl_vec3_add(frame.origin, pl_mat3_mul_vec(frame.axes, joint->pivot));
   const pl_vec3 n = pl_mat3_mul_vec(frame.axes, joint->normal);
@@ -180,7 +180,7 @@ static pl_status fill(pl_articulation *self, mark *marks, const int *animations,
   return find_movers(self, marks);
 }
 
-/* Number of tracks of the animations. */
+/* Counts the tracks of the animations. */
 static pl_status count_tracks(const pl_model *model, const int *animations, size_t count,
                               size_t *tracks) {
   *tracks = 0;
@@ -238,9 +238,9 @@ size_t pl_articulation_joints(const pl_articulation *self, const pl_joint **join
   return self->joint_count;
 }
 
-/* --- a frame ---------------------------------------------------------------------------------- */
+/* --- evaluation of one frame ----------------------------------------------------------------- */
 
-/* The nodes' own transforms at the animations' times. */
+/* Sets the local transforms of the nodes at the times of the animations. */
 static void animate(pl_articulation *self, double play_s, pl_loop loop) {
   for (size_t k = 0; k < self->count; k++)
     self->movers[k].trs = self->model->nodes.items[self->nodes[k]].trs;
@@ -252,14 +252,15 @@ static void animate(pl_articulation *self, double play_s, pl_loop loop) {
   }
 }
 
-/* Rest to animated, with everything above at rest. */
+/* Motion from rest to the animated pose, with all ancestors at rest. */
 static pl_affine animated_motion(const mover *mover) {
   const pl_affine local = pl_trs_affine(&mover->trs);
   const pl_affine global = pl_affine_compose(&mover->parent_to_root, &local);
   return pl_affine_compose(&global, &mover->from_root);
 }
 
-/* The solar array drive of angle atan2(u.(d x n), u.n), n across d. */
+/* Angle of a solar array drive, atan2(u.(d x n), u.n): u is the direction of the target, d the
+ * axis, n the normal, orthogonal to d. */
 static double angle_towards(const pl_joint *joint, const pl_affine *motion, pl_vec3 target) {
   if (!pl_mat3_is_regular(motion->m))
     return 0.0;

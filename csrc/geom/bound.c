@@ -1,4 +1,4 @@
-/* The table of bounding shapes, and what they have in common. */
+/* Table of bounding shapes, and the code that they have in common. */
 #include "geom/bound.h"
 
 #include <math.h>
@@ -30,8 +30,8 @@ pl_bound_ball pl_bound_sphere(const pl_bound *bound, const double size[3]) {
   return (pl_bound_ball){center, pl_vec3_norm(half)};
 }
 
-/* From the point of the line that is nearest to the shape's middle: squares of large coordinates
- * would leave nothing of a small shape. */
+/* Moves the origin to the point of the line nearest to the centre of the shape: the squares of
+ * large coordinates would lose the precision of a small shape. */
 bool pl_bound_span(const pl_bound *bound, const double size[3], const pl_bound_ball *ball,
                    pl_vec3 origin, pl_vec3 direction, double t[2]) {
   const double nearest = pl_vec3_dot(pl_vec3_sub(ball->center, origin), direction);
@@ -51,7 +51,7 @@ static bool clip(double low, double high, double t[2]) {
   return t[0] < t[1];
 }
 
-/* Roots without cancellation: q/a and c/q with q = -(b + sign(b) sqrt(b^2 - a c)). */
+/* Computes the roots without cancellation: q/a and c/q with q = -(b + sign(b) sqrt(b^2 - a c)). */
 bool pl_bound_below(double a, double b, double c, double t[2]) {
   const double discriminant = b * b - a * c;
   if (discriminant <= 0.0)
@@ -61,8 +61,8 @@ bool pl_bound_below(double a, double b, double c, double t[2]) {
   const double low = fmin(first, second), high = fmax(first, second);
   if (a >= 0.0)
     return clip(low, high, t);
-  /* Outside of the roots: within the shape's other limits one of the two sides is empty, but for
-   * rounding. */
+  /* The set lies outside the roots. The other limits of the shape leave at most one side non-empty,
+   * apart from rounding. */
   double before[2] = {t[0], t[1]}, after[2] = {t[0], t[1]};
   const bool is_before = clip(-INFINITY, low, before), is_after = clip(high, INFINITY, after);
   const bool first_side = is_before && (!is_after || before[1] - before[0] > after[1] - after[0]);

@@ -1,9 +1,9 @@
-/* A box about the origin, with sides along the axes. */
+/* Box around the origin with faces orthogonal to the axes. */
 #include <math.h>
 
 #include "geom/bound.h"
 
-/* Slabs (Kay and Kajiya 1986). A line in the plane of a side is outside. */
+/* Slab method (Kay and Kajiya 1986). A line in the plane of a face is outside. */
 static bool span(const double size[3], pl_vec3 origin, pl_vec3 direction, double t[2]) {
   const double o[3] = {origin.x, origin.y, origin.z},
                d[3] = {direction.x, direction.y, direction.z};

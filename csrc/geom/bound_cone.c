@@ -1,12 +1,12 @@
-/* A cone, or a part of one, along z from the origin. */
+/* Cone or truncated cone along z, from the origin. */
 #include <math.h>
 
 #include "geom/bound.h"
 
 enum { START, END, LENGTH };
 
-/* Between the planes of its ends: x^2 + y^2 <= (r + k z)^2, whose right side has the root of one
- * cone alone there. */
+/* Between the planes of the ends: x^2 + y^2 <= (r + k z)^2. There only one nappe of the double cone
+ * lies. */
 static bool span(const double size[3], pl_vec3 o, pl_vec3 d, double t[2]) {
   const double k = (size[END] - size[START]) / size[LENGTH], r = size[START] + k * o.z;
   t[0] = -INFINITY;

@@ -1,4 +1,4 @@
-/* An ellipsoid about the origin. */
+/* Ellipsoid around the origin. */
 #include <math.h>
 
 #include "geom/bound.h"

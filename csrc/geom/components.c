@@ -1,4 +1,4 @@
-/* Union-find over vertices welded by position. */
+/* Finds connected components by union-find over vertices welded by position. */
 #include "geom/components.h"
 
 #include <stdlib.h>
@@ -9,8 +9,8 @@
 
 #define NONE UINT32_MAX
 
-/* Root of a vertex's tree; every second node on the way is made to skip its parent (path halving,
- * Tarjan and van Leeuwen 1984). */
+/* Returns the root of a vertex's tree and makes every second node on the path point to its
+ * grandparent (path halving, Tarjan and van Leeuwen 1984). */
 static uint32_t find(uint32_t *parent, uint32_t v) {
   while (parent[v] != v) {
     parent[v] = parent[parent[v]];
@@ -19,7 +19,8 @@ static uint32_t find(uint32_t *parent, uint32_t v) {
   return v;
 }
 
-/* The smaller index becomes the root: the result does not depend on the order of the unions. */
+/* Merges two trees. The smaller index becomes the root, so that the result does not depend on the
+ * order of the unions. */
 static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
   a = find(parent, a);
   b = find(parent, b);
@@ -31,10 +32,10 @@ static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
 
 static void position_of(const pl_model *model, size_t v, float out[3]) {
   for (size_t k = 0; k < 3; k++)
-    out[k] = model->positions[3 * v + k] + 0.0f; /* turns -0 into 0, which has other bits */
+    out[k] = model->positions[3 * v + k] + 0.0f; /* turns -0 into 0, whose bits differ */
 }
 
-/* Hash table of positions, open addressing; at most half full. */
+/* Size of the hash table of positions (open addressing), which is at most half full. */
 static size_t table_size(size_t vertices) {
   size_t size = 16;
   while (size < 2 * vertices)
@@ -42,7 +43,7 @@ static size_t table_size(size_t vertices) {
   return size;
 }
 
-/* Makes the first vertex at each position the parent of the others there. */
+/* Makes the first vertex at each position the parent of all others at that position. */
 static pl_status weld(const pl_model *model, uint32_t *parent) {
   const size_t size = table_size(model->vertex_count);
   void *memory;
@@ -69,7 +70,7 @@ static pl_status weld(const pl_model *model, uint32_t *parent) {
 }
 
 typedef struct component {
-  uint32_t triangles, first; /* first: number in the order of the first triangle */
+  uint32_t triangles, first; /* first: number in the order of first triangles */
 } component;
 
 static int by_size(const void *a, const void *b) {
@@ -79,8 +80,8 @@ static int by_size(const void *a, const void *b) {
   return x->first < y->first ? -1 : x->first > y->first;
 }
 
-/* Numbers the roots in the order of their first triangle, into triangle_component; number_of is
- * scratch of one entry a vertex. */
+/* Numbers the roots in the order of their first triangle and writes the numbers to
+ * triangle_component; number_of is scratch memory of one entry per vertex. */
 static size_t number_by_first(const pl_model *model, uint32_t *parent, uint32_t *number_of,
                               uint32_t *triangle_component) {
   size_t count = 0;

@@ -1,4 +1,4 @@
-/* Connected components of a model's triangles: what holds together in a file that is one mesh. */
+/* Connected components of a model's triangles: the separate pieces of a file with a single mesh. */
 #ifndef PL_GEOM_COMPONENTS_H
 #define PL_GEOM_COMPONENTS_H
 
@@ -8,12 +8,14 @@
 #include "base/status.h"
 #include "geom/model.h"
 
-/* Two triangles are connected when they share a corner, whatever its normal or uv: vertices at the
- * same position (bit for bit, 0 = -0) are one. Components are numbered from 0 by falling number of
- * triangles, equal ones by their first triangle, so that the numbers depend on the mesh alone.
+/* Two triangles are connected when they share a corner position; normals and uv do not matter:
+ * vertices at the same position (bit for bit, 0 = -0) are one. Components are numbered from 0 by
+ * decreasing number of triangles, equal ones by their first triangle, so that the numbers depend on
+ * the mesh alone.
  *
- * triangle_component: room for model->triangle_count; count: number of components (0 for an empty
- * mesh). Linear in the mesh but for the sort of the components. PL_E_MEMORY. */
+ * triangle_component: room for model->triangle_count numbers; count: number of components (0 for an
+ * empty mesh). Time is linear in the mesh size except for the sort of the components. Returns
+ * PL_E_MEMORY when out of memory. */
 pl_status pl_components_find(const pl_model *model, uint32_t *triangle_component, size_t *count);
 
 #endif

@@ -1,11 +1,11 @@
-/* Recursive halving of a mesh. */
+/* Builds the bounding box tree of a mesh by recursive bisection. */
 #include "geom/cover.h"
 
 #include <math.h>
 
 #include "base/memory.h"
 
-/* At most 2^13 leaves; a leaf of so few triangles is not halved. */
+/* The tree has at most 2^13 leaves; a node with at most LEAF triangles is not split. */
 enum { LEAF = 8, BOXES_MAX = (2 << PL_COVER_DEPTH) - 1 };
 
 static const float *vertex_of(const pl_model *model, uint32_t triangle, size_t corner) {
@@ -30,7 +30,7 @@ static pl_box box_of(const pl_model *model, const uint32_t *triangles, size_t co
   return box;
 }
 
-/* Longest extent of the centroids, and its middle. */
+/* Finds the axis of the largest extent of the centroids, and the middle of that extent. */
 static int longest_axis(const pl_model *model, const uint32_t *triangles, size_t count,
                         float *middle) {
   int longest = 0;
@@ -51,7 +51,7 @@ static int longest_axis(const pl_model *model, const uint32_t *triangles, size_t
   return longest;
 }
 
-/* Moves the triangles below the middle to the front; returns how many there are. */
+/* Moves the triangles below the middle to the front; returns their number. */
 static size_t partition(const pl_model *model, uint32_t *triangles, size_t count) {
   float middle = 0.0f;
   const int axis = longest_axis(model, triangles, count, &middle);
@@ -72,7 +72,7 @@ static void add_box(pl_box box, size_t first, size_t count, pl_cover *cover) {
   cover->boxes[cover->count++] = box;
 }
 
-/* Boxes of inner nodes are the union of their halves', which are made first. */
+/* Grows the box of an inner node to the union of its children's, which are built first. */
 static void enclose(pl_box *box, const pl_box *half) {
   for (int axis = 0; axis < 3; axis++) {
     box->low[axis] = fminf(box->low[axis], half->low[axis]);
@@ -98,7 +98,7 @@ static void halve(const pl_model *model, size_t first, size_t count, int depth, 
   cover->boxes[own].after = (uint32_t)cover->count;
 }
 
-/* Fewer triangles make fewer boxes. */
+/* Upper bound of the number of boxes; small meshes have fewer. */
 static size_t boxes_most(size_t triangles) {
   return triangles < BOXES_MAX / 2 ? 2 * triangles : BOXES_MAX;
 }

@@ -1,5 +1,5 @@
-/* Corners are sorted by place and normal; groups of faces at a place are found by union of corners
- * that share an edge. */
+/* Corners are sorted by position and normal. Groups of faces at a vertex are found by union-find
+ * over corners that share an edge. */
 #include "geom/crease.h"
 
 #include <stdio.h>
@@ -9,29 +9,32 @@
 #include "base/memory.h"
 #include "math/angle.h"
 
-/* A corner of a triangle: which vertex of the mesh it is, by its numbers. */
+/* A corner of a triangle, with the values that identify its vertex. */
 typedef struct corner {
   float key[6];   /* position, then normal */
   uint32_t index; /* 3 * triangle + k */
-  uint32_t place; /* number of the position, equal for all corners there */
+  uint32_t place; /* index of the position, equal for all corners at that position */
 } corner;
 
-/* A corner whose vertex is replaced. */
+/* A corner that gets a new vertex. */
 typedef struct change {
-  uint32_t vertex, group, index; /* group: number among those of its place; index: the corner's */
+  uint32_t vertex, group, index; /* group: index within its position; index: that of the corner */
   float normal[3];
 } change;
 
-/* What all steps read, and the room that they share. */
+/* Input and shared scratch memory of all steps. */
 typedef struct creases {
   const pl_model *model;
-  double least_cosine; /* of the angle between the normals of faces that an edge joins */
+  /* cosine of the largest angle between the normals of adjacent faces of a smooth edge */
+  double least_cosine;
   double
-      lean_cosine;  /* of half of that: of two faces that are not, one leans more from any normal */
-  pl_vec3 *faces;   /* unit normals of triangles; zero where there is none */
+      /* cosine of half that angle: where two faces meet at more, every normal deviates by more from
+         one of them */
+      lean_cosine;
+  pl_vec3 *faces;   /* unit normals of triangles; zero for degenerate triangles */
   corner *corners;  /* sorted by key */
-  uint32_t *places; /* of each corner, by its index */
-  change *changes;  /* at most one a corner */
+  uint32_t *places; /* position index of each corner, by corner index */
+  change *changes;  /* at most one per corner */
   size_t change_count, split;
 } creases;
 
@@ -52,9 +55,9 @@ static pl_vec3 face_normal(const pl_model *model, uint32_t triangle) {
 
 static bool has_normal(pl_vec3 face) { return pl_vec3_dot(face, face) > 0.5; }
 
-/* Whether the normal of a corner leans from its face by more than half of the angle: where faces
- * meet at more than the angle, it does from one of them. Whichever way it points, since winding and
- * normals may disagree. */
+/* Returns true if the normal of a corner deviates from its face normal by more than half the crease
+ * angle. Where faces meet at more than the crease angle this holds for at least one of them. The
+ * sign is ignored, since winding and normals may disagree. */
 static bool leans(const creases *c, uint32_t index) {
   const float *n = c->model->normals + 3 * (size_t)c->model->indices[index];
   const pl_vec3 face = c->faces[index / 3];
@@ -98,14 +101,14 @@ static void sort_corners(creases *c) {
   }
 }
 
-/* --- the faces at one vertex ------------------------------------------------------------------ */
+/* --- faces at one vertex ---------------------------------------------------------------------- */
 
 enum { EDGE_FACES = 8 };
 
-/* An edge from the vertex to another place, of a face there. */
+/* An edge of a face from the vertex to another position. */
 typedef struct spoke {
-  uint32_t to, face; /* face: number among those of the vertex */
-  uint32_t before;   /* 1: the face goes along it towards the vertex */
+  uint32_t to, face; /* face: index within the faces at the vertex */
+  uint32_t before;   /* 1: the face traverses the edge towards the vertex */
 } spoke;
 
 static int by_end(const void *a, const void *b) {
@@ -121,8 +124,9 @@ static uint32_t root_of(uint32_t *parents, uint32_t i) {
   return i;
 }
 
-/* Of the angle between the normals of two faces with an edge. Faces of one winding go along it in
- * opposite directions; of two that do not, one counts as turned over. */
+/* Returns the cosine of the angle between the normals of two faces that share an edge. Faces of
+ * consistent winding traverse the edge in opposite directions; otherwise one of them is treated as
+ * flipped (*turned). */
 static double cosine_over(const creases *c, const corner *at, const spoke *a, const spoke *b,
                           bool *turned) {
   const double cosine =
@@ -131,8 +135,9 @@ static double cosine_over(const creases *c, const corner *at, const spoke *a, co
   return *turned ? -cosine : cosine;
 }
 
-/* Joins faces at the vertex that share an edge of at most the angle. *turned: some of them have
- * opposite windings. Of edges with many faces those beside each other in the file are compared. */
+/* Joins faces at the vertex that share an edge of at most the crease angle. *turned: some of them
+ * have opposite windings. At edges with more than two faces, only faces that are consecutive in the
+ * file are compared. */
 static void join_faces(const creases *c, const corner *at, spoke *spokes, uint32_t count,
                        uint32_t *parents, bool *turned) {
   for (uint32_t i = 0; i < count; i++) {
@@ -160,7 +165,7 @@ static double angle_at(const pl_model *model, uint32_t index) {
                        pl_vec3_sub(position(model, next_corner(index, 2)), p));
 }
 
-/* Mean normal of the faces that are joined to `first`, on the side of the vertex's own. */
+/* Mean normal of the faces joined to `first`, flipped to the side of the vertex normal. */
 static pl_vec3 mean_of(const creases *c, const corner *at, uint32_t count, uint32_t *parents,
                        uint32_t first, bool turned) {
   const pl_vec3 own = {at[0].key[3], at[0].key[4], at[0].key[5]};
@@ -176,13 +181,13 @@ static pl_vec3 mean_of(const creases *c, const corner *at, uint32_t count, uint3
   return pl_vec3_dot(sum, own) < 0.0 ? pl_vec3_scale(sum, -1.0) : sum;
 }
 
-/* Roots are the first faces of their groups from here on; how many groups have a normal. */
+/* Makes the first face of each group its root. Returns the number of groups with a normal. */
 static uint32_t order_groups(const creases *c, const corner *at, uint32_t count,
                              uint32_t *parents) {
   uint32_t groups = 0;
   for (uint32_t i = 0; i < count; i++) {
     const uint32_t root = root_of(parents, i);
-    if (root > i) { /* i is the first of its group */
+    if (root > i) { /* i is the first face of its group */
       parents[root] = i;
       parents[i] = i;
     }
@@ -191,7 +196,8 @@ static uint32_t order_groups(const creases *c, const corner *at, uint32_t count,
   return groups;
 }
 
-/* `count` corners of one place and normal; room for two spokes and a parent each. */
+/* Splits a vertex: `count` corners with the same position and normal. `spokes` has room for two per
+ * corner, `parents` for one per corner. */
 static void split_vertex(creases *c, const corner *at, uint32_t count, spoke *spokes,
                          uint32_t *parents) {
   bool turned = false, any = false;
@@ -240,7 +246,7 @@ static pl_status split_vertices(creases *c) {
   return status;
 }
 
-/* --- the model -------------------------------------------------------------------------------- */
+/* --- model ------------------------------------------------------------------------------------ */
 
 static int by_vertex(const void *a, const void *b) {
   const change *x = a, *y = b;
@@ -251,18 +257,19 @@ static int by_vertex(const void *a, const void *b) {
   return x->index < y->index ? -1 : x->index > y->index;
 }
 
-/* Whether a change needs a vertex that the one before it does not give. */
+/* Returns true if a change starts a new vertex, i.e. the change before it has another vertex or
+ * group. */
 static bool begins(const change *changes, size_t i) {
   return i == 0 || changes[i].vertex != changes[i - 1].vertex ||
          changes[i].group != changes[i - 1].group;
 }
 
-/* Whether its vertex is a further one, for another group has the model's own. */
+/* Returns true if the new vertex must be appended, because another group keeps the original one. */
 static bool is_further(const change *changes, size_t i) {
   return i > 0 && begins(changes, i) && changes[i].vertex == changes[i - 1].vertex;
 }
 
-/* Room for further vertices in an array of `width` floats each; absent arrays stay so. */
+/* Grows an array of `width` floats per vertex; NULL arrays stay NULL. */
 static pl_status widen(float **values, size_t vertices, size_t width) {
   if (*values == NULL)
     return PL_OK;

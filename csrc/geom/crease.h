@@ -1,18 +1,21 @@
-/* Edges that vertex normals were smoothed over by mistake. */
+/* Splits vertex normals that were smoothed across hard edges. */
 #ifndef PL_GEOM_CREASE_H
 #define PL_GEOM_CREASE_H
 
 #include "geom/model.h"
 
-/* Published models often have one normal at each corner of a box: the mean of faces that meet at
- * right angles, so that flat plates are shaded as if they were molten. Where triangles at a vertex
- * share its normal, which leans from one by more than half of `angle_rad`, and are joined there
- * only over edges of more than `angle_rad`, each group of triangles that other edges join gets the
- * mean of its own normals, weighted by the angles at the vertex (Thuermer and Wuethrich 1998, J.
- * Graphics Tools 3, 43). Vertices of one place and normal count as one, whatever their texture
- * coordinates. All others stay as they are, to the bit; an angle of pi changes nothing. *split: how
- * many such places there were; a line of the model's warnings tells of them. Vertices are added at
- * the end. */
+/* Published models often have one normal per corner of a box: the mean of faces that meet at right
+ * angles. Flat plates then look rounded in shading.
+ *
+ * A vertex is split where two conditions hold. Its normal deviates from one of its triangles by
+ * more than half of `angle_rad`. Its triangles form groups that are connected only across edges of
+ * more than `angle_rad`. Each group then gets the mean of its own face normals, weighted by the
+ * angles at the vertex (Thuermer and Wuethrich 1998, J. Graphics Tools 3, 43). Vertices with the
+ * same position and normal count as one, whatever their texture coordinates. All other vertices
+ * keep their bits; an angle of pi changes nothing.
+ *
+ * *split: number of vertices that were split; a line of the model's warnings reports it. New
+ * vertices are appended. */
 pl_status pl_model_crease(pl_model *model, double angle_rad, size_t *split);
 
 #endif

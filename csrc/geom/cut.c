@@ -1,4 +1,4 @@
-/* Sorting triangles by the moving node above them. */
+/* Sorts triangles by the nearest moving node above them. */
 #include "geom/cut.h"
 
 #include <math.h>
@@ -47,7 +47,7 @@ static pl_status allocate(pl_cut *cut, size_t triangles) {
   return PL_OK;
 }
 
-/* The piece of each node: that of the nearest moving node from it upwards. */
+/* Finds the piece of each node: that of the nearest moving node at or above it. */
 static void find_pieces(const pl_cut *cut, size_t *node_piece) {
   const pl_nodes *nodes = &cut->model->nodes;
   for (size_t k = 1; k < cut->count; k++)
@@ -64,7 +64,7 @@ static size_t piece_of(const pl_cut *cut, const size_t *node_piece, size_t trian
   return node >= 0 ? node_piece[node] : 0;
 }
 
-/* A stable counting sort. */
+/* Stable counting sort. */
 static void sort_triangles(pl_cut *cut, const size_t *node_piece) {
   const pl_model *model = cut->model;
   const size_t triangles = model->triangle_count;
@@ -74,7 +74,7 @@ static void sort_triangles(pl_cut *cut, const size_t *node_piece) {
     cut->first[k + 1] += cut->first[k];
   for (size_t t = 0; t < triangles; t++)
     cut->original[cut->first[piece_of(cut, node_piece, t)]++] = (uint32_t)t;
-  for (size_t k = cut->count; k > 0; k--) /* each has become the first of the next */
+  for (size_t k = cut->count; k > 0; k--) /* each entry has become the start of the next piece */
     cut->first[k] = cut->first[k - 1];
   cut->first[0] = 0;
   for (size_t t = 0; t < triangles; t++) {

@@ -1,4 +1,4 @@
-/* Ray against ellipsoid; normals and coordinates on it. */
+/* Intersection of rays with ellipsoids; surface normals and coordinates. */
 #include "geom/ellipsoid.h"
 
 bool pl_ellipsoid_intersect(pl_vec3 radii_m, pl_vec3 origin, pl_vec3 direction, double t_min,
@@ -13,7 +13,8 @@ bool pl_unit_sphere_intersect(pl_vec3 f, pl_vec3 d, double t_min, double *t) {
   if (!(a > 0.0))
     return false;
   const double b = -pl_vec3_dot(f, d);
-  const pl_vec3 nearest = pl_vec3_madd(f, b / a, d); /* of the line to the centre */
+  /* the point of the line nearest to the centre */
+  const pl_vec3 nearest = pl_vec3_madd(f, b / a, d);
   const double discriminant = a * (1.0 - pl_vec3_dot(nearest, nearest));
   if (!(discriminant >= 0.0))
     return false;

@@ -1,4 +1,5 @@
-/* Taking flat places, then halving by the largest cost. */
+/* Extracts large planar groups of facets first, then repeatedly splits the group of the largest
+ * cost. */
 #include "geom/facets.h"
 
 #include <math.h>
@@ -7,32 +8,34 @@
 #include "base/memory.h"
 #include "math/sampling.h"
 
-/* Directions of a rectangle's side that are tried: the edges of the largest facet, and some more.
- */
+/* Orientations that are tried for a rectangle: the edges of the largest facet, and equally spaced
+ * angles. */
 enum { EDGES = 3, TURNS = 8 };
-/* Flat places are taken first: at most so many of a material, of at least this part of its area, of
- * facets within 1.8 degrees. They are looked for in so many cells along the faces of a cube; odd,
- * so that its axes are in the middle of one. In what follows they count for more than curved
- * places. */
+/* Planar groups are extracted first: at most FLATS per material (ROUGH_FLATS if it is rough), each
+ * of facets whose normals agree within 1.8 degrees, with at least FLAT_PART of the material's area.
+ * Their directions are binned into CELLS x CELLS cells on each face of a cube; the number is odd,
+ * so that the coordinate axes lie at the centre of a cell. In later steps planar groups weigh
+ * FLAT_WEIGHT times as much as curved ones. */
 enum { FLATS = 8, ROUGH_FLATS = 2, CELLS = 17 };
 static const float FLAT_PART = 0.02f, FLAT_COSINE = 0.9995f, FLAT_WEIGHT = 10.0f;
-/* Parts of a range in which gaps are looked for. */
+/* Number of bins of a range in which gaps are searched. */
 enum { BINS = 64 };
-/* Of materials that are rough a group is worth this part of a shiny one: a graph may stand for the
- * material. Roughness and metalness from which on one counts as shiny. */
+/* Weight of a group of rough material relative to a glossy one; it is not 0, as a material graph
+ * may replace the material. Materials below this roughness count as glossy. */
 static const float ROUGH_COST = 0.02f, SHINY_ROUGHNESS = 0.45f;
-/* Unfilled parts of a rectangle cost as much as so much spread of normals. */
+/* Cost of the unfilled part of a rectangle, relative to the spread of normals. */
 static const float UNFILLED_COST = 0.2f;
-/* A group that costs less, of its area, is left whole. */
+/* A group with a lower cost per area is not split. */
 static const float COST_MIN = 1e-5f;
-/* Groups that are thicker, over their size, are halved across. */
+/* Groups of a larger ratio of thickness to size are split across their thickness. */
 static const float THICK = 0.1f;
-/* Groups of less spread are halved by place, and their rectangles are the smallest. */
+/* Groups of a smaller spread are split by position, and more orientations are tried for their
+ * rectangles. */
 static const float SPREAD_FLAT = 0.005f;
 
 typedef struct facet {
   pl_vec3f corner[3];
-  pl_vec3f normal; /* twice its area long */
+  pl_vec3f normal; /* its length is twice the area */
 } facet;
 
 static facet facet_of(const pl_model *model, uint32_t triangle) {
@@ -51,23 +54,23 @@ static pl_vec3f centroid(const facet *f) {
                         1.0f / 3.0f);
 }
 
-/* Normal of a corner on the facet's side. */
+/* Returns the normal of a corner, flipped to the facet's side. */
 static pl_vec3f corner_normal(const pl_model *model, uint32_t triangle, size_t k, const facet *f) {
   const float *n = model->normals + 3 * (size_t)model->indices[3 * (size_t)triangle + k];
   const pl_vec3f v = pl_vec3f_make(n[0], n[1], n[2]);
   return pl_vec3f_dot(v, f->normal) < 0.0f ? pl_vec3f_scale(v, -1.0f) : v;
 }
 
-/* A group while it is halved. */
+/* A group of facets during the splitting. */
 typedef struct group {
   pl_facet_group out;
-  size_t first, count; /* of its triangles in the order */
+  size_t first, count; /* range of its triangles in `order` */
   float weight, cost;
-  float thickness;   /* along its normal */
-  float variance[3]; /* of the normals, along each axis */
+  float thickness;   /* extent along its normal */
+  float variance[3]; /* of the normals, per axis */
 } group;
 
-/* Sum of normals by area, and of their products with themselves. */
+/* Accumulates the area-weighted mean and variance of the normals. */
 static void measure_normals(const pl_model *model, const uint32_t *order, group *g) {
   double sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, area = 0.0;
   float largest = -1.0f;
@@ -116,7 +119,7 @@ static extent extent_along(const pl_model *model, const uint32_t *order, const g
   return e;
 }
 
-/* Takes the rectangle with a side along `along`, if it is the smallest so far. */
+/* Stores the bounding rectangle with a side along `along` if it is the smallest so far. */
 static void try_rectangle(const pl_model *model, const uint32_t *order, pl_vec3f along,
                           float *smallest, group *g) {
   const pl_vec3f n = g->out.normal;
@@ -154,7 +157,7 @@ static void measure_rectangle(const pl_model *model, const uint32_t *order, grou
   }
 }
 
-/* Over the size of the rectangle. */
+/* Ratio of thickness to the size of the rectangle. */
 static float thickness_of(const group *g) {
   return g->thickness /
          pl_maxf(pl_vec3f_norm(g->out.half[0]) + pl_vec3f_norm(g->out.half[1]), 1e-30f);
@@ -170,7 +173,8 @@ static void measure(const pl_model *model, const uint32_t *order, group *g) {
   g->cost = each > COST_MIN && g->count > 1 ? g->weight * g->out.area * each : 0.0f;
 }
 
-/* What a facet is halved by: its normal, or its place, along an axis. */
+/* Coordinate by which facets are split: the component of the normal, or of the centroid, along an
+ * axis. */
 typedef struct criterion {
   bool by_normal;
   pl_vec3f axis;
@@ -196,8 +200,8 @@ static extent range_of(const pl_model *model, const uint32_t *order, const group
   return e;
 }
 
-/* The middle of the widest gap between values, by bins: panels are not cut, but what is between
- * them. Of values everywhere the middle of all. */
+/* Returns the middle of the widest gap between the values, found with bins, so that splits fall
+ * between panels and not through them. Without a gap it is the middle of the range. */
 static float gap_of(const pl_model *model, const uint32_t *order, const group *g,
                     const criterion *c, extent e) {
   bool used[BINS] = {false};
@@ -221,7 +225,8 @@ static float gap_of(const pl_model *model, const uint32_t *order, const group *g
   return middle;
 }
 
-/* The longest range of normals, or of places along the rectangle's sides and its normal. */
+/* Finds the axis with the largest range of normals, or of positions along the sides and the normal
+ * of the rectangle. */
 static float longest(const pl_model *model, const uint32_t *order, const group *g, bool by_normal,
                      criterion *best) {
   const pl_basis own = pl_basis_make(g->out.normal);
@@ -250,7 +255,7 @@ static criterion choose(const pl_model *model, const uint32_t *order, const grou
   return best;
 }
 
-/* Moves the facets below the middle to the front; returns how many there are. */
+/* Moves the facets below the middle to the front; returns their number. */
 static size_t partition(const pl_model *model, uint32_t *order, size_t count, const criterion *c) {
   size_t front = 0;
   for (size_t i = 0; i < count; i++) {
@@ -269,7 +274,7 @@ typedef struct groups {
   uint32_t *order;
   group items[PL_FACET_GROUPS];
   size_t count;
-  float area[6 * CELLS * CELLS]; /* of facets by their direction */
+  float area[6 * CELLS * CELLS]; /* area of facets per direction cell */
 } groups;
 
 static void halve(groups *all, size_t at) {
@@ -298,7 +303,8 @@ static bool is_shiny(const pl_material *m) {
           (m->layered && m->layers.coat > 0.0f && m->layers.coat_roughness < SHINY_ROUGHNESS));
 }
 
-/* A place on a sphere of directions: a face of the cube about it, and a cell of that. */
+/* Returns the cell of a direction: the face of a cube around the sphere, and the cell on that face.
+ */
 static int cell_of(pl_vec3f n) {
   const float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
   const int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
@@ -309,7 +315,7 @@ static int cell_of(pl_vec3f n) {
   return ((2 * axis + (major < 0.0f)) * CELLS + row) * CELLS + column;
 }
 
-/* The direction that most of a group's area looks in; false if it is too little. */
+/* Finds the direction that most of a group's area faces; false if that area is too small. */
 static bool main_direction(groups *all, const group *g, float total, pl_vec3f *out) {
   float *area = all->area;
   for (int i = 0; i < 6 * CELLS * CELLS; i++)
@@ -334,8 +340,8 @@ static bool main_direction(groups *all, const group *g, float total, pl_vec3f *o
   return area[most] > FLAT_PART * total;
 }
 
-/* Makes groups of a material's facets that look in the same direction, as long as they are large;
- * what is left of `g` is the rest. */
+/* Extracts groups of facets with a common direction from a material as long as they are large; `g`
+ * keeps the remaining facets. */
 static void take_flats(groups *all, group *g) {
   const int most = g->weight < 1.0f ? ROUGH_FLATS : FLATS;
   measure_normals(all->model, all->order + g->first, g);
@@ -364,7 +370,8 @@ static void take_flats(groups *all, group *g) {
   }
 }
 
-/* Sorts the facets by material; `start`: of each, and one more. */
+/* Sorts the facets by material; `start` has the first index of each material and the total count.
+ */
 static void sort(const pl_model *model, size_t *start, uint32_t *order) {
   const size_t count = model->material_count;
   for (size_t m = 0; m <= count; m++)
@@ -375,12 +382,12 @@ static void sort(const pl_model *model, size_t *start, uint32_t *order) {
     start[m + 1] += start[m];
   for (uint32_t t = 0; t < model->triangle_count; t++)
     order[start[material_of(model, t)]++] = t;
-  for (size_t m = count; m > 0; m--) /* each has become the first of the next */
+  for (size_t m = count; m > 0; m--) /* each entry has become the start of the next material */
     start[m] = start[m - 1];
   start[0] = 0;
 }
 
-/* Groups of each material, shiny ones first, as long as there is room. */
+/* Adds the groups of each material, glossy materials first, while there is room. */
 static void add_materials(groups *all, const size_t *start) {
   const pl_model *model = all->model;
   for (int shiny = 1; shiny >= 0; shiny--)
@@ -410,7 +417,7 @@ static void split(groups *all) {
   }
 }
 
-/* By insertion, largest first. */
+/* Insertion sort by area, largest first. */
 static void keep(const groups *all, pl_facets *out) {
   for (size_t i = 0; i < all->count; i++) {
     size_t at = out->count++;
@@ -420,12 +427,12 @@ static void keep(const groups *all, pl_facets *out) {
   }
 }
 
-/* What is needed while groups are made. */
+/* Temporary memory of pl_facets_init. */
 typedef struct scratch {
   groups *all;
   size_t *start;
   uint32_t *order;
-  pl_facet_group *kept; /* handed on */
+  pl_facet_group *kept; /* becomes the result */
 } scratch;
 
 static pl_status allocate(const pl_model *model, scratch *s) {

@@ -1,10 +1,10 @@
-/* The large flat places of a mesh: groups of facets that look the same way, as few rectangles. Who
- * wants to know where a mesh may mirror light reads them; a curved place is a group whose normals
- * are spread.
+/* Large planar areas of a mesh: groups of facets with similar normals, each approximated by a
+ * rectangle. Caustics use them to find where a mesh may mirror light; a curved area is a group
+ * whose normals are spread.
  *
- * Directions that much of the area looks in make a group each; then the mesh is halved again and
- * again where a group is least like its rectangle: by its normals, or by place where it fills its
- * rectangle badly. Groups are of one material each. */
+ * Directions that much of the area faces form a group each. Then the group that fits its rectangle
+ * worst is split repeatedly: by its normals, or by position where it fills its rectangle badly.
+ * Each group has one material. */
 #ifndef PL_GEOM_FACETS_H
 #define PL_GEOM_FACETS_H
 
@@ -13,16 +13,16 @@
 #include "base/status.h"
 #include "geom/model.h"
 
-/* Groups of a mesh, at most. */
+/* Largest number of groups of a mesh. */
 enum { PL_FACET_GROUPS = 96 };
 
 typedef struct pl_facet_group {
-  pl_vec3f center;   /* of the rectangle, mesh units */
-  pl_vec3f half[2];  /* its half axes, mesh units, at right angles */
-  pl_vec3f normal;   /* mean of the facets' normals, outwards, unit */
-  float area;        /* of the facets, square mesh units */
-  float spread;      /* mean of the squared sine between their normals and the mean */
-  uint32_t triangle; /* its largest facet */
+  pl_vec3f center;   /* centre of the rectangle, mesh units */
+  pl_vec3f half[2];  /* half axes of the rectangle, mesh units, orthogonal */
+  pl_vec3f normal;   /* mean of the facets' normals, outward unit vector */
+  float area;        /* total area of the facets, square mesh units */
+  float spread;      /* mean squared sine of the angle between their normals and the mean normal */
+  uint32_t triangle; /* index of its largest facet */
 } pl_facet_group;
 
 typedef struct pl_facets {

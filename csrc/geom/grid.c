@@ -1,4 +1,4 @@
-/* A pyramid of float grids; each level has half the cells of the one below along both sides. */
+/* Pyramid of float grids; each level has half as many cells as the finer one along both axes. */
 #include "geom/grid.h"
 
 #include <math.h>
@@ -17,24 +17,25 @@ typedef struct grid_level {
 struct pl_grid {
   pl_grid_frame frame;
   int level_count;
-  grid_level levels[LEVELS_MAX]; /* 0 is the map, the last is one cell */
+  grid_level levels[LEVELS_MAX]; /* 0 is the full resolution, the last is one cell */
   float *memory;                 /* owned */
 };
 
-/* Adds `weight` times `count` values. */
+/* Adds `weight` times `count` values to `sum`. */
 static void add(float *sum, const float *values, float weight, int count) {
   for (int c = 0; c < count; c++)
     sum[c] += weight * values[c];
 }
 
-/* The part of coarse cell j of `coarse` that fine cell i of `fine` fills. */
+/* Returns the fraction of coarse cell j of `coarse` that fine cell i of `fine` covers. */
 static double overlap(int j, int coarse, int i, int fine) {
   const double ratio = (double)fine / coarse;
   const double low = fmax(j * ratio, i), high = fmin((j + 1) * ratio, i + 1.0);
   return fmax(high - low, 0.0) / ratio;
 }
 
-/* A coarse cell as the mean of what it covers, cells cut by its edge in part. */
+/* Computes a coarse cell as the mean of the fine cells that it covers; cells across its edge count
+ * by their covered fraction. */
 static void reduce_cell(const grid_level *from, const grid_level *to, int x, int y, int channels) {
   float *out = to->cells + ((size_t)y * (size_t)to->width + (size_t)x) * (size_t)channels;
   memset(out, 0, (size_t)channels * sizeof *out);
@@ -54,7 +55,7 @@ static void reduce_cell(const grid_level *from, const grid_level *to, int x, int
 
 static int half(int n) { return n > 1 ? n / 2 : 1; }
 
-/* Sets sizes; gives the number of values of all levels. */
+/* Sets the sizes of all levels; returns their total number of values. */
 static size_t lay_out(pl_grid *grid) {
   int width = grid->frame.width, height = grid->frame.height;
   size_t values = 0;
@@ -132,7 +133,8 @@ const float *pl_grid_cell(const pl_grid *grid, int x, int y) {
   return grid->levels[0].cells + cell * (size_t)grid->frame.channels;
 }
 
-/* Adds `weight` times the value of a level at u (0..1, around) and v (0..1, from the north). */
+/* Adds `weight` times the bilinear value of a level at u (0..1, longitude) and v (0..1, from the
+ * north). */
 static void add_bilinear(const grid_level *level, double u, double v, float weight, int channels,
                          float *sum) {
   const double x = u * level->width - 0.5;

@@ -1,4 +1,4 @@
-/* Allocation of images. */
+/* Memory management of images. */
 #include "geom/image.h"
 
 #include "base/memory.h"

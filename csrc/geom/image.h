@@ -1,4 +1,4 @@
-/* Decoded images: 8-bit texels as they come from a file. */
+/* Decoded images: 8-bit texels as stored in a file. */
 #ifndef PL_GEOM_IMAGE_H
 #define PL_GEOM_IMAGE_H
 
@@ -19,7 +19,8 @@ typedef struct pl_image {
   uint8_t *texels;   /* owned (pl_alloc) */
 } pl_image;
 
-/* Allocates zeroed texels; PL_E_RANGE if a side is not in [1, 65536] or channels not in [1, 4]. */
+/* Allocates zeroed texels; returns PL_E_RANGE if a side is not in [1, 65536] or channels is not in
+ * [1, 4]. */
 pl_status pl_image_init(int width, int height, int channels, pl_image *out);
 void pl_image_clear(pl_image *image);
 

@@ -1,4 +1,4 @@
-/* By tables of the 256 codes. */
+/* Implemented with lookup tables over the 256 codes. */
 #include "geom/image_levels.h"
 
 #include <math.h>
@@ -10,16 +10,17 @@ static uint8_t code_of(float encoded) {
   return (uint8_t)(255.0f * pl_minf(pl_maxf(encoded, 0.0f), 1.0f) + 0.5f);
 }
 
-/* Part of the body's area that may be brighter than the ground. */
+/* Fraction of the body's area that may be brighter than the black level. */
 static const double LIT = 0.05;
 
-/* Area of the texels of each code in a channel, over the whole. */
+/* Measures the fraction of the body's area that has each code in a channel. */
 static void measure_codes(const pl_image *image, int channel, double area[256]) {
   double sum = 0.0;
   for (int c = 0; c < 256; c++)
     area[c] = 0.0;
   for (int y = 0; y < image->height; y++) {
-    const double wide = sin(PL_PI * (y + 0.5) / image->height); /* of the row */
+    /* relative area of a texel of the row */
+    const double wide = sin(PL_PI * (y + 0.5) / image->height);
     const uint8_t *row = &image->texels[(size_t)y * (size_t)image->width * (size_t)image->channels];
     for (int x = 0; x < image->width; x++)
       area[row[x * image->channels + channel]] += wide;

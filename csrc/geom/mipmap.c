@@ -1,14 +1,15 @@
-/* Building mip pyramids: exact box filter in linear light, stored in 8 bits, or as the numbers that
- * came in.
+/* Builds mip pyramids with an exact box filter in linear light. Levels are stored in 8 bits, or as
+ * floats for textures of numbers.
  *
- * Level k+1 has floor(side / 2) texels a side (at least 1), as in OpenGL. Where a side is odd a
- * texel of level k+1 covers 2 + 1/n texels of level k; all that it covers are averaged by the
- * fraction covered (the polyphase box of Guthe & Heckbert, "Non-power-of-two mipmapping", NVIDIA
- * 2005), so that the mean of every level is the mean of the image and no edge shifts. Levels are
- * averaged from the unrounded level above. What 8 bits round off is carried on to the next texels
- * (Floyd and Steinberg's error diffusion, along the rows alone), so that a level keeps its mean: at
- * sRGB's middle grey half a code is 0.6 %. The code stored is one of the two about the true mean;
- * what is a code exactly, as in areas of one colour, keeps it. */
+ * Level k+1 has floor(side / 2) texels per side (at least 1), as in OpenGL. Where a side is odd, a
+ * texel of level k+1 covers 2 + 1/n texels of level k. All covered texels are averaged, weighted by
+ * the covered fraction (the polyphase box filter of Guthe & Heckbert, "Non-power-of-two
+ * mipmapping", NVIDIA 2005), so that the mean of every level is the mean of the image and no edge
+ * shifts. Each level is averaged from the unrounded values of the finer level. Rounding errors of
+ * the 8-bit codes are diffused to the next texels of the row (Floyd and Steinberg, restricted to
+ * rows), so that a level keeps its mean: half a code is 0.6 % at sRGB's middle grey. The stored
+ * code is one of the two nearest to the true mean. A value that is exactly a code, as in areas of
+ * one colour, keeps it. */
 #include "geom/mipmap.h"
 
 #include <math.h>
@@ -17,17 +18,17 @@
 #include "base/memory.h"
 #include "math/color.h"
 
-/* Linear value of an 8-bit code, also between two codes. */
+/* Returns the linear value of an 8-bit code; fractional codes are allowed. */
 static float decode(float code, bool srgb) {
   return srgb ? pl_srgb_decode(code / 255.0f) : code / 255.0f;
 }
 
 enum { GUESSES = 4096 };
 
-/* The inverse of a code table: a first guess by equal steps of linear light, then the few
- * comparisons that are left. */
+/* Inverse of a code table: a first guess in equal steps of linear light, followed by a few
+ * comparisons. */
 typedef struct encoder {
-  float upper[256];       /* linear value half-way (in codes) between code c and c + 1 */
+  float upper[256];       /* linear value half-way between the codes c and c + 1 */
   uint8_t guess[GUESSES]; /* code of linear value i / GUESSES */
 } encoder;
 
@@ -52,10 +53,11 @@ static uint8_t encode(const encoder *table, float linear) {
   return (uint8_t)code;
 }
 
-/* The code of a value, above or below it as what was rounded off before asks for. */
+/* Encodes a value as one of its two nearest codes, chosen by the accumulated rounding error. */
 static uint8_t encode_carrying(const encoder *table, const float decoded[256], float value,
                                float *carry) {
-  static const float EXACT = 0.02f; /* codes: below, rounding of the averages */
+  /* in codes; smaller errors are rounding errors of the averages */
+  static const float EXACT = 0.02f;
   const uint8_t nearest = encode(table, value);
   const float error = value - decoded[nearest];
   const int other = error > 0.0f ? nearest + 1 : nearest - 1;
@@ -64,21 +66,22 @@ static uint8_t encode_carrying(const encoder *table, const float decoded[256], f
   const float step = fabsf(decoded[other] - decoded[nearest]);
   if (fabsf(error) < EXACT * step)
     return nearest;
-  /* Bright codes are farther apart than dark ones: no more is carried than one can take. */
+  /* Steps between bright codes are larger than between dark ones, so the carried error is limited
+   * to the current step. */
   const float sum = fminf(fmaxf(*carry + error, -step), step);
   const bool moves = error > 0.0f ? sum > 0.5f * step : sum < -0.5f * step;
   *carry = !moves ? sum : error > 0.0f ? sum - step : sum + step;
   return moves ? (uint8_t)other : nearest;
 }
 
-/* The source texels under one destination texel along one axis. */
+/* Source texels covered by one destination texel along one axis. */
 typedef struct span {
   int first, count; /* count 1..3 */
-  float weight[3];  /* sum 1 */
+  float weight[3];  /* sums to 1 */
 } span;
 
 static span span_of(int i, int from, int to) {
-  /* In units of 1/to of a source texel the destination covers [i from, (i + 1) from). */
+  /* In units of 1/to of a source texel, the destination texel covers [i from, (i + 1) from). */
   const int64_t begin = (int64_t)i * from, end = begin + from;
   span s = {.first = (int)(begin / to)};
   for (int64_t k = s.first; k * to < end && s.count < 3; k++) {
@@ -89,10 +92,10 @@ static span span_of(int i, int from, int to) {
   return s;
 }
 
-/* Where a level is averaged from: the image's codes, or the floats of the level above. */
+/* Input of a level: the codes of the image, or the floats of the finer level. */
 typedef struct source {
   int width, height;
-  const uint8_t *codes; /* or NULL */
+  const uint8_t *codes; /* NULL when `linear` is used */
   const float *linear;  /* when codes is NULL */
 } source;
 
@@ -120,8 +123,9 @@ static void average(const builder *b, const source *from, span xs, span ys, floa
   memcpy(out, sum, (size_t)n * sizeof *out);
 }
 
-/* Fills one level (texels NULL: of numbers) and its unrounded copy `linear`, which may be the array
- * read from: a texel is written only after all at or behind its place have been read. */
+/* Fills one level (texels is NULL for a pyramid of floats) and its unrounded copy `linear`.
+ * `linear` may be the source array: a texel is written only after all source texels at or before
+ * its position have been read. */
 static void build_level(const builder *b, const source *from, int width, int height,
                         uint8_t *texels, float *linear) {
   const int n = b->pyramid->channels;
@@ -145,7 +149,7 @@ static void build_level(const builder *b, const source *from, int width, int hei
   }
 }
 
-/* Sizes of all levels; returns the number of texels of levels 1 and above. */
+/* Sets the sizes of all levels; returns the number of texels of levels 1 and above. */
 static size_t lay_out(pl_mip_pyramid *p, int width, int height) {
   size_t texels = 0;
   p->level_count = 0;

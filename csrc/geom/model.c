@@ -1,4 +1,4 @@
-/* Ownership and bounds of models. */
+/* Memory management and bounds of models. */
 #include "geom/model.h"
 
 #include <math.h>
@@ -28,12 +28,13 @@ void pl_model_destroy(pl_model *model) {
   pl_free(model);
 }
 
-/* Where an axis begins: at zero, unless that is far from what lies about `middle`. */
+/* Returns the mesh origin along an axis: zero, unless that is far from the geometry around
+ * `middle`. */
 static double origin_of(double middle, double unit) {
   return fabs(middle) < 2.0 * unit ? 0.0 : rint(middle / unit) * unit;
 }
 
-/* The least power of two that is not below `size`. */
+/* Returns the smallest power of two that is at least `size`. */
 static double power_above(double size) {
   int exponent;
   return frexp(size, &exponent) > 0.5 ? ldexp(1.0, exponent) : size;

@@ -1,4 +1,4 @@
-/* Composing the transforms of nodes. */
+/* Composes the transforms of nodes. */
 #include "geom/node.h"
 
 #include "base/memory.h"

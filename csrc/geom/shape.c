@@ -1,4 +1,4 @@
-/* Normals by angle, winding by solid angle. */
+/* Vertex normals weighted by angle; winding numbers from solid angles. */
 #include "geom/shape.h"
 
 #include <string.h>
@@ -10,8 +10,8 @@ static pl_vec3 corner_of(const pl_model *model, size_t triangle, size_t k) {
   return (pl_vec3){p[0], p[1], p[2]};
 }
 
-/* Adds the face's unit normal to its corners' sums, by the angle that it takes up at each: what a
- * vertex gets does not depend on how flat parts are cut into triangles (Thuermer and Wuethrich
+/* Adds the unit normal of a face to the sums of its vertices, weighted by the angle of the face at
+ * each: the result does not depend on the triangulation of planar faces (Thuermer and Wuethrich
  * 1998). */
 static void add_face(const pl_model *model, size_t triangle, double *sums) {
   pl_vec3 corner[3];
@@ -30,8 +30,8 @@ static void add_face(const pl_model *model, size_t triangle, double *sums) {
   }
 }
 
-/* A vertex without faces, or whose faces cancel, gets +z: no point of a surface is lit by it alone.
- */
+/* A vertex without faces, or whose face normals cancel, gets +z: no surface point is shaded with
+ * that normal alone. */
 static pl_status set_normals(pl_model *model) {
   void *memory;
   PL_TRY(pl_alloc_or_fail(3 * model->vertex_count, sizeof(double), "normals", &memory));
@@ -78,7 +78,7 @@ static pl_material plain(char *name) {
                        .layers = PL_MATERIAL_LAYERS_PLAIN};
 }
 
-/* Bodies of any size in units that single precision resolves about them. */
+/* Sets the mesh unit and origin, so that single precision resolves bodies of any size. */
 static void place(const float *positions, pl_model *m) {
   pl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
   for (size_t v = 0; v < m->vertex_count; v++) {
@@ -100,7 +100,7 @@ static void place(const float *positions, pl_model *m) {
 static pl_status fill(const char *name, const float *positions, const uint32_t *indices,
                       pl_model *m) {
   const size_t numbers = 3 * m->vertex_count, corners = 3 * m->triangle_count;
-  /* Embree reads vertices by four numbers. */
+  /* One extra float: Embree reads vertices as four floats. */
   PL_TRY(pl_alloc_or_fail(numbers + 1, sizeof(float), "a shape", (void **)&m->positions));
   PL_TRY(pl_alloc_or_fail(numbers, sizeof(float), "a shape", (void **)&m->normals));
   PL_TRY(pl_alloc_or_fail(corners, sizeof(uint32_t), "a shape", (void **)&m->indices));
@@ -140,7 +140,7 @@ void pl_shape_make_one_sided(pl_model *model) {
     model->materials[i].double_sided = false;
 }
 
-/* --- materials of the file -------------------------------------------------------------------- */
+/* --- materials of the source model ------------------------------------------------------------ */
 
 static pl_status check_source(const pl_model *shape, const pl_model *source,
                               const uint32_t *corners, const uint32_t *faces) {
@@ -154,14 +154,14 @@ static pl_status check_source(const pl_model *shape, const pl_model *source,
   return PL_OK;
 }
 
-/* An array of `width` numbers for each corner: of vertex from[corner]. */
+/* Copies `width` numbers for each corner from the array of vertex from[corner]. */
 static pl_status spread(const float *values, const uint32_t *from, size_t corners, size_t width,
                         float **out) {
   void *memory;
   *out = NULL;
   if (values == NULL)
     return PL_OK;
-  /* Embree reads vertices by four numbers. */
+  /* One extra float: Embree reads vertices as four floats. */
   PL_TRY(pl_alloc_or_fail(corners * width + 1, sizeof(float), "a shape", &memory));
   for (size_t i = 0; i < corners; i++)
     memcpy((float *)memory + i * width, values + (size_t)from[i] * width, width * sizeof(float));
@@ -169,7 +169,8 @@ static pl_status spread(const float *values, const uint32_t *from, size_t corner
   return PL_OK;
 }
 
-/* Whether the shape's triangle runs against the source's: its bitangents do then, too. */
+/* Returns true if the winding of the shape's triangle is opposite to the source's; the sign of its
+ * bitangents is then flipped. */
 static bool is_turned(const pl_model *source, const uint32_t *corners, uint32_t face) {
   const uint32_t *index = source->indices + 3 * (size_t)face;
   for (size_t k = 0; k < 3; k++)
@@ -178,7 +179,7 @@ static bool is_turned(const pl_model *source, const uint32_t *corners, uint32_t 
   return false;
 }
 
-/* A vertex for each corner, as texture coordinates may differ between the faces of one. */
+/* Makes one vertex per corner, as texture coordinates may differ between the faces at a vertex. */
 static pl_status take_vertices(pl_model *shape, const pl_model *source, const uint32_t *corners,
                                const uint32_t *faces) {
   const size_t count = 3 * shape->triangle_count;
@@ -212,7 +213,7 @@ static void make_opaque(pl_material *material) {
   material->layers.solid = false;
 }
 
-/* A part for each material, so that triangles find theirs. */
+/* Makes one part per material, so that each triangle refers to its material. */
 static pl_status take_parts(pl_model *shape, const pl_model *source, const uint32_t *faces) {
   void *memory;
   PL_TRY(pl_alloc_or_fail(source->material_count, sizeof(pl_part), "a shape", &memory));

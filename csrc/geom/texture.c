@@ -1,4 +1,4 @@
-/* Reading filtered textures: wrap modes, bilinear and trilinear lookups, anisotropic footprints. */
+/* Filtered texture lookups: wrap modes, bilinear and trilinear filters, anisotropic footprints. */
 #include "geom/texture.h"
 
 #include <math.h>
@@ -9,21 +9,22 @@
 #include "geom/mipmap.h"
 #include "math/vec.h"
 
-/* Taps along the longer axis of a footprint; a longer one is blurred rather than aliased. */
+/* Largest number of taps along the longer axis of a footprint; longer footprints are blurred rather
+ * than aliased. */
 static const int TAPS[PL_FILTER_COUNT] = {1, 1, 1, 1, 2, 4, 8, 16};
-/* Beyond this many texels a footprint is the whole texture. Also keeps its square finite. */
+/* A footprint of more texels covers the whole texture. The limit also keeps its square finite. */
 static const float FOOTPRINT_LIMIT = 1e9f;
 
 struct pl_texture {
   pl_mip_pyramid mips;
   pl_wrap wrap_u, wrap_v;
-  const float *table[4]; /* code to linear of each stored channel; point into mips */
+  const float *table[4]; /* code to linear for each stored channel; points into mips */
   float mean[4];         /* RGBA */
-  float last[4];         /* stored channels of the last level, which 8 bits would round: the mean */
+  float last[4];         /* unrounded values of the last level in stored channels: the mean */
   float ranges[PL_MIP_MAX_LEVELS];
 };
 
-/* From the stored channels to RGBA: grey spreads, missing alpha is 1. */
+/* Expands the stored channels to RGBA: grey is copied to RGB, missing alpha is 1. */
 static void expand(const float stored[4], int channels, float out[4]) {
   const float *s = stored;
   out[0] = s[0];
@@ -32,7 +33,7 @@ static void expand(const float stored[4], int channels, float out[4]) {
   out[3] = channels == 4 ? s[3] : channels == 2 ? s[1] : 1.0f;
 }
 
-/* The codes of one channel of a level: how often each stands there. */
+/* Histogram of the codes of one channel of a level. */
 static void count_codes(const pl_texture *texture, int level_index, int channel,
                         uint64_t counts[256]) {
   const pl_mip_level *level = &texture->mips.levels[level_index];
@@ -43,7 +44,8 @@ static void count_codes(const pl_texture *texture, int level_index, int channel,
     counts[level->texels[i * n + (size_t)channel]]++;
 }
 
-/* The mean and the ranges of a channel by counting codes: exact, and one addition a sample. */
+/* Computes the mean and the ranges of a channel from histograms: exact, and one addition per texel.
+ */
 static void measure_channel(pl_texture *texture, int c) {
   const float *table = texture->table[c];
   const pl_mip_level *levels = texture->mips.levels;
@@ -65,7 +67,7 @@ static void measure_channel(pl_texture *texture, int c) {
   }
 }
 
-/* The same of a pyramid of numbers, whose levels are read one by one. */
+/* The same for a pyramid of floats, whose levels are read texel by texel. */
 static void measure_numbers(pl_texture *texture) {
   const pl_mip_level *levels = texture->mips.levels;
   const size_t texels = (size_t)levels[0].width * (size_t)levels[0].height;
@@ -147,8 +149,8 @@ static inline float floor_small(float x) {
   return whole > x ? whole - 1.0f : whole;
 }
 
-/* The two texels beside coordinate t (|t| < 2^31, texture widths) along an axis of `size`
- * texels, and the weight of the second. Texel centres lie at (i + 0.5) / size. */
+/* Finds the two texels next to coordinate t (|t| < 2^31, in texture widths) along an axis of `size`
+ * texels; returns the weight of the second. Texel centres lie at (i + 0.5) / size. */
 static inline float neighbours(float t, int size, pl_wrap wrap, int *low, int *high) {
   if (wrap == PL_WRAP_REPEAT) {
     t -= floor_small(t);
@@ -165,7 +167,7 @@ static inline float neighbours(float t, int size, pl_wrap wrap, int *low, int *h
   if (wrap == PL_WRAP_REPEAT) {
     *low = i0 < 0 ? size - 1 : i0;
     *high = i1 >= size ? 0 : i1;
-  } else { /* the mirror image of the edge texel is itself */
+  } else { /* mirroring maps the edge texel to itself */
     *low = i0 < 0 ? 0 : i0;
     *high = i1 >= size ? size - 1 : i1;
   }
@@ -177,7 +179,7 @@ static inline void add_last(const pl_texture *texture, float weight, float sum[4
     sum[c] += weight * texture->last[c];
 }
 
-/* The four texels about a place, as places in their level, and their weights. */
+/* The four texels around a point, as indices into their level, and their weights. */
 typedef struct quad {
   size_t at[4];
   float weight[4];
@@ -226,7 +228,7 @@ static inline void add_bilinear(const pl_texture *texture, int level_index, floa
     add_quad(texture, level->texels, &q, n, sum);
 }
 
-/* Adds the nearest texel of one level. */
+/* Adds the nearest texel of one level to sum. */
 static void add_nearest(const pl_texture *texture, int level_index, float u, float v,
                         float sum[4]) {
   const pl_mip_level *level = &texture->mips.levels[level_index];
@@ -247,23 +249,23 @@ static void add_nearest(const pl_texture *texture, int level_index, float u, flo
     sum[c] += texture->table[c][level->texels[at + c]];
 }
 
-/* How a footprint is read: `taps` lookups at `level` (+ `blend` of the next), spread along
- * (step_u, step_v). */
+/* Sampling pattern of a footprint: `taps` lookups at `level` (blended with the next by `blend`),
+ * spaced by (step_u, step_v). */
 typedef struct footprint {
   int taps;
   int level;
   float blend;
-  float step_u, step_v; /* uv between two taps */
+  float step_u, step_v; /* uv distance between two taps */
 } footprint;
 
-/* How a footprint's axes become a level. */
+/* Maps the axes of a footprint to a mip level. */
 typedef struct kernel {
-  float least; /* texels: of a longer axis up to this, the picture itself is read once */
+  float least; /* texels: footprints with a longer axis up to this read the finest level once */
   float (*level)(float texels);
 } kernel;
 
-/* Binary logarithm of 1 and more within 1e-4, continuous: the exponent, and a polynomial of the
- * mantissa that is 0 and 1 at its ends. */
+/* Binary logarithm of x >= 1, absolute error 1e-4, continuous: the exponent plus a polynomial of
+ * the mantissa that is 0 and 1 at its ends. */
 static inline float log2_near(float x) {
   uint32_t bits;
   memcpy(&bits, &x, sizeof bits);
@@ -282,14 +284,14 @@ static inline int whole_above(float x) {
   return whole + ((float)whole < x);
 }
 
-/* Texels as wide as the axis: next to no aliases, but the bilinear read of them has three times the
- * variance of a box of that width. */
+/* Texels as wide as the axis: almost free of aliasing, but their bilinear interpolation has three
+ * times the variance of a box of that width. */
 static inline float level_smooth(float texels) { return texels > 1.0f ? log2_near(texels) : 0.0f; }
 static const kernel SMOOTH = {1.0f, level_smooth};
 
-/* Reads of the level k, texels t = 2^k wide, are means over boxes of t, blurred by a tent of twice
- * that: variance t^2/12 + t^2/6. A box of s texels over the picture, of which a read has 1/4 like
- * that, should have s^2/12 + 1/4. */
+/* Lookups in level k, whose texels are t = 2^k wide, are means over boxes of width t, filtered by a
+ * tent of twice that width: variance t^2/12 + t^2/6. A box of s texels of the finest level, whose
+ * lookups have a variance of 1/4 by the same formula, should have s^2/12 + 1/4. */
 static inline float level_box(float texels) {
   return 0.5f * log2_near(1.0f + texels * texels / 3.0f);
 }
@@ -297,8 +299,9 @@ static const kernel BOX = {0.5f, level_box};
 
 /* Axes of the ellipse with the covariance of the parallelogram: the singular values of the Jacobian
  * [a b] in texels (Heckbert, "Fundamentals of texture mapping", 1989, section 3.5). The shorter
- * sets the level, the longer is walked (McCormack et al., "Feline", SIGGRAPH 1999). Singular
- * values, as against the vectors themselves, do not care how the parallelogram is sheared. */
+ * axis sets the level, taps lie along the longer one (McCormack et al., "Feline", SIGGRAPH 1999).
+ * Unlike the vectors a and b, the singular values do not depend on the shear of the parallelogram.
+ */
 static footprint footprint_of(const pl_texture *texture, const float a[2], const float b[2],
                               int max_taps, const kernel *kernel) {
   const pl_mip_pyramid *mips = &texture->mips;
@@ -306,7 +309,7 @@ static footprint footprint_of(const pl_texture *texture, const float a[2], const
   const float w = (float)mips->levels[0].width, h = (float)mips->levels[0].height;
   const float ax = a[0] * w, ay = a[1] * h, bx = b[0] * w, by = b[1] * h;
   const float extent = fabsf(ax) + fabsf(ay) + fabsf(bx) + fabsf(by);
-  if (!(extent < FOOTPRINT_LIMIT)) /* also not a number */
+  if (!(extent < FOOTPRINT_LIMIT)) /* also true for nan */
     return all;
   const float xx = ax * ax + bx * bx, yy = ay * ay + by * by, xy = ax * ay + bx * by;
   const float half = 0.5f * (xx - yy), root = sqrtf(half * half + xy * xy);
@@ -323,7 +326,7 @@ static footprint footprint_of(const pl_texture *texture, const float a[2], const
   f.level = (int)level;
   f.blend = level - (float)f.level;
   if (f.taps > 1) {
-    /* Eigenvector of the larger eigenvalue, from the better conditioned row. */
+    /* Eigenvector of the larger eigenvalue, from the better-conditioned row. */
     const float ex = half >= 0.0f ? half + root : xy, ey = half >= 0.0f ? xy : root - half;
     const float norm = sqrtf(ex * ex + ey * ey);
     const float stride = norm > 0.0f ? longer / (norm * (float)f.taps) : 0.0f;
@@ -333,7 +336,7 @@ static footprint footprint_of(const pl_texture *texture, const float a[2], const
   return f;
 }
 
-/* One read of the nearest level: the blend is rounded. */
+/* One lookup in the nearest level: `blend` is rounded. */
 static void read_level(const pl_texture *texture, const footprint *f, float u, float v, bool linear,
                        float sum[4]) {
   const int level = f->blend >= 0.5f ? f->level + 1 : f->level;
@@ -357,7 +360,7 @@ static void read_taps(const pl_texture *texture, const footprint *f, float u, fl
 
 void pl_texture_sample(const pl_texture *texture, float u, float v, const float a[2],
                        const float b[2], pl_filter filter, float out[4]) {
-  /* A coordinate that is not a number, or so large that it has no fraction, reads the origin. */
+  /* A coordinate that is nan, or so large that it has no fraction, reads the origin. */
   u = fabsf(u) < FOOTPRINT_LIMIT ? u : 0.0f;
   v = fabsf(v) < FOOTPRINT_LIMIT ? v : 0.0f;
   float sum[4] = {0};
@@ -373,10 +376,11 @@ void pl_texture_sample(const pl_texture *texture, float u, float v, const float 
   expand(sum, texture->mips.channels, out);
 }
 
-/* Where fine and coarse texels differ by more than this, one read of each is no mean. */
+/* Where fine and coarse texels differ by more than this, one lookup in each level is no accurate
+ * mean. */
 static const float EVEN = 0.04f;
 
-/* The two levels about a box; true where they say the same. */
+/* Reads the two levels around a box; returns true if their values agree. */
 static bool read_even(const pl_texture *texture, const footprint *f, float u, float v,
                       float sum[4]) {
   float fine[4] = {0}, coarse[4] = {0}, most = 0.0f;
@@ -392,7 +396,7 @@ static bool read_even(const pl_texture *texture, const footprint *f, float u, fl
   return most <= EVEN;
 }
 
-/* Four quarters of the footprint, each as a box. */
+/* Averages four quarters of the footprint, each filtered as a box. */
 static void read_quarters(const pl_texture *texture, float u, float v, const float a[2],
                           const float b[2], int max_taps, float sum[4]) {
   const float ha[2] = {0.5f * a[0], 0.5f * a[1]}, hb[2] = {0.5f * b[0], 0.5f * b[1]};
@@ -440,7 +444,7 @@ void pl_texture_size(const pl_texture *texture, int *width, int *height, int *ch
 
 size_t pl_texture_bytes(const pl_texture *texture) { return sizeof *texture + texture->mips.bytes; }
 
-/* Index of texel i (any integer) along an axis. */
+/* Returns the texel index of i (any integer) along an axis. */
 static int wrapped(int64_t i, int size, pl_wrap wrap) {
   if (wrap == PL_WRAP_CLAMP)
     return (int)(i < 0 ? 0 : i >= size ? size - 1 : i);
@@ -449,14 +453,14 @@ static int wrapped(int64_t i, int size, pl_wrap wrap) {
   return (int)(at < size ? at : period - 1 - at);
 }
 
-/* First texel that coordinates from `low` to `high` touch along an axis, and how many: no more than
- * make up a period. */
+/* Returns the first texel that coordinates from `low` to `high` touch along an axis, and the number
+ * of texels: at most one period. */
 static int64_t touched(float low, float high, int size, pl_wrap wrap, int64_t *count) {
   const double limit = 1e15, n = (double)size; /* keeps sums of indices finite */
   const double first = floor(fmin(fmax((double)low * n, -limit), limit) - 0.5);
   const double last = floor(fmin(fmax((double)high * n, -limit), limit) - 0.5) + 1.0;
   const double all = wrap == PL_WRAP_MIRROR ? 2.0 * n : wrap == PL_WRAP_CLAMP ? INFINITY : n;
-  if (wrap == PL_WRAP_CLAMP) { /* beyond an edge there is its texel alone */
+  if (wrap == PL_WRAP_CLAMP) { /* beyond an edge only the edge texel is read */
     const double a = fmin(fmax(first, 0.0), n - 1.0), b = fmin(fmax(last, 0.0), n - 1.0);
     *count = (int64_t)(b - a) + 1;
     return (int64_t)a;
