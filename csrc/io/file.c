@@ -1,4 +1,4 @@
-/* Reading whole files. */
+/* Reads whole files. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file.h"
 

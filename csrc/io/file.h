@@ -1,4 +1,4 @@
-/* Reading whole files, with a limit. Internal to io. */
+/* Reads whole files up to a size limit. Internal to io. */
 #ifndef PL_IO_FILE_H
 #define PL_IO_FILE_H
 
@@ -11,8 +11,8 @@
 extern "C" {
 #endif
 
-/* Reads a regular file of at most `limit` bytes into memory for the caller to free (pl_free).
- * PL_E_IO when it cannot be read or is no regular file, PL_E_RANGE when it is larger. */
+/* Reads a regular file of at most `limit` bytes into memory that the caller frees (pl_free).
+ * Returns PL_E_IO when it cannot be read or is not a regular file, PL_E_RANGE when it is larger. */
 pl_status pl_file_read(const char *path, size_t limit, uint8_t **bytes, size_t *size);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-/* Reading glTF 2.0: the C interface, the walk over the scene, and the flattened model. */
+/* glTF 2.0 reader: the C interface, the scene traversal, and the flattened model. */
 #include "io/gltf.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct ModelDeleter {
 };
 using ModelPtr = std::unique_ptr<pl_model, ModelDeleter>;
 
-/* animations: those of the file, which tinygltf does not see. */
+/* animations: the JSON of the file's animations, which is not given to tinygltf. */
 Asset parse_asset(const std::string &path, nlohmann::json &animations, Warnings &warnings) {
   Source source(path);
   for (const std::string &remark : source.remarks())
@@ -37,7 +37,7 @@ Asset parse_asset(const std::string &path, nlohmann::json &animations, Warnings 
     animations = std::move(document["animations"]);
   asset.no_view = strip_for_parser(document);
   const std::string text = document.dump();
-  document = nullptr; /* frees it before the parser makes its own */
+  document = nullptr; /* frees it before the parser allocates its own */
   tinygltf::TinyGLTF parser;
   std::string error, warning;
   if (text.size() > INT32_MAX ||
@@ -51,7 +51,7 @@ Asset parse_asset(const std::string &path, nlohmann::json &animations, Warnings 
   return asset;
 }
 
-/* Arrays of the model while it grows. */
+/* Arrays of the model under construction. */
 struct Flat {
   std::vector<float> positions, normals, tangents, uvs[2], colors;
   std::vector<uint32_t> indices, triangle_part;
@@ -62,7 +62,7 @@ struct Flat {
   std::vector<Part> parts;
 };
 
-/* Appends an optional array; vertices that lack it get `standard`. */
+/* Appends an optional array; vertices without values get `standard`. */
 void append_optional(std::vector<float> &all, const std::vector<float> &some, size_t before,
                      size_t added, const std::vector<float> &standard) {
   if (all.empty() && some.empty())
@@ -91,7 +91,7 @@ void append(Flat &flat, const Piece &piece) {
                             static_cast<uint32_t>(flat.parts.size() - 1));
 }
 
-/* Walks the scene, which says how large it is, and flattens it. */
+/* Traverses the scene, which determines its extent, and flattens it. */
 class Walker {
 public:
   Walker(const Asset &asset, const Affine &base, Warnings &warnings)
@@ -100,7 +100,7 @@ public:
 
   void walk_scene();
   const Extent &extent() const { return extent_; }
-  void flatten(const pl_model &model); /* which has its unit */
+  void flatten(const pl_model &model); /* its unit must be set */
   const Tally &tally() const { return tally_; }
   const std::vector<bool> &used_materials() const { return used_; }
   const std::vector<Placed> &placed() const { return placed_; }
@@ -112,7 +112,7 @@ private:
   void walk_node(int index, int parent, const Affine &parent_to_root);
   void find_mesh(int mesh, int node, const Affine &to_root);
 
-  /* A mesh in its place. */
+  /* A mesh and the transform that places it. */
   struct Use {
     int mesh, node;
     Affine to_root;
@@ -120,18 +120,19 @@ private:
   void add_mesh(const Use &use, const pl_model &model);
 
   const Asset &asset_;
-  const Affine base_; /* of the root nodes */
+  const Affine base_; /* parent transform of the root nodes */
   Warnings &warnings_;
   std::vector<bool> used_;
-  std::vector<Placed> placed_; /* by node */
-  std::vector<int> order_;     /* of the walk */
+  std::vector<Placed> placed_; /* by node index */
+  std::vector<int> order_;     /* in the order of the traversal */
   std::vector<Use> uses_;
   Extent extent_;
-  Tally measured_, tally_; /* of the first and the second reading */
+  Tally measured_, tally_; /* counts of the measuring pass and of the reading pass */
   Flat flat_;
 };
 
-/* Nodes of the default scene; of the first, when none is named; all roots, when there is none. */
+/* Returns the root nodes of the default scene; of the first scene when there is no default; all
+ * root nodes when the file has no scene. */
 std::vector<int> Walker::roots() const {
   const tinygltf::Model &model = asset_.model;
   std::vector<bool> child(model.nodes.size(), false);
@@ -149,7 +150,7 @@ std::vector<int> Walker::roots() const {
   for (const int root : model.scenes[static_cast<size_t>(scene)].nodes) {
     if (child[static_cast<size_t>(root)])
       fail(PL_E_FORMAT, "scenes[%d]: nodes[%d] is not a root node", scene, root);
-    child[static_cast<size_t>(root)] = true; /* so that it cannot be named twice */
+    child[static_cast<size_t>(root)] = true; /* so that it cannot be listed twice */
     out.push_back(root);
   }
   return out;
@@ -172,7 +173,7 @@ void Walker::walk_scene() {
     warnings_.add("%zu nodes with meshes are not in the scene and left out", outside);
 }
 
-/* The guard has checked that nodes form a forest of limited depth. */
+/* Precondition, checked by the guard: nodes form a forest of limited depth. */
 void Walker::walk_node(int index, int parent, const Affine &parent_to_root) {
   const tinygltf::Node &node = asset_.model.nodes[static_cast<size_t>(index)];
   const Affine local = node_transform(node, static_cast<size_t>(index), warnings_);
@@ -251,8 +252,8 @@ void report(const Tally &tally, Warnings &warnings) {
   fail(PL_E_FORMAT, "there is no triangle to render%s%s", text.empty() ? "" : ": ", text.c_str());
 }
 
-/* Moves an array into the model's memory; NULL when it is empty. One element more than there is:
- * Embree reads 16 bytes of the last vertex, which has 12. */
+/* Moves an array into the model's memory; NULL when it is empty. Allocates one element more: Embree
+ * reads 16 bytes for the last vertex, which has 12. */
 template <typename T> T *move_out(std::vector<T> &from, const char *what) {
   if (from.empty())
     return nullptr;
@@ -293,7 +294,7 @@ void fill_arrays(Flat &flat, pl_model *model) {
   }
 }
 
-/* The model's axes (x, y, z) are the file's (x, z, y), but for signs. */
+/* Apart from signs, the model's axes (x, y, z) are the file's (x, z, y). */
 Affine stretched(const double *stretch) {
   Affine out;
   if (stretch != nullptr)

@@ -1,4 +1,5 @@
-/* Reading glTF 2.0 (.gltf with files beside it, .glb) into a model; the only door to tinygltf. */
+/* Reads glTF 2.0 (.gltf with external files, .glb) into a model. All use of tinygltf is behind this
+ * interface. */
 #ifndef PL_IO_GLTF_H
 #define PL_IO_GLTF_H
 
@@ -9,17 +10,18 @@
 extern "C" {
 #endif
 
-/* Loads the default scene (or, when none is named, the first; or all root nodes) of a file,
- * flattened. `stretch`: factors along the model's axes, positive, as if all root nodes were below a
- * node of that scale; NULL for none. Errors name the file and the fault. The caller destroys
- * *out. */
+/* Loads the default scene of a file, flattened (the first scene when there is no default; all root
+ * nodes without a scene). `stretch`: positive scale factors along the model's axes, as if all root
+ * nodes were below a node of that scale; NULL for none. Errors name the file and the fault. The
+ * caller destroys *out. */
 pl_status pl_gltf_load(const char *path, const double stretch[3], pl_model **out);
 
-/* JSON text of an array with {"index", "name"} of each of the file's materials, named as
- * pl_gltf_load names them, and `graph` of those that are used and have `extras.perilune_graph`: as
- * it is in the file, nested at most as deep as glTF may be (see io/gltf_guard.cpp). `[]` when no
- * material has one, and when the file cannot be opened. PL_E_FORMAT for a file with graphs that is
- * broken, PL_E_RANGE for more than 1 MB of text. The caller frees *out by pl_free. */
+/* Returns the JSON text of an array with {"index", "name"} for each of the file's materials, named
+ * as in pl_gltf_load, and `graph` for those that are used and have `extras.perilune_graph`:
+ * unchanged from the file, nested at most as deep as glTF may be (see io/gltf_guard.cpp). The text
+ * is `[]` when no material has a graph, and when the file cannot be opened. Returns PL_E_FORMAT for
+ * an invalid file with graphs, PL_E_RANGE for more than 1 MB of text. The caller frees *out with
+ * pl_free. */
 pl_status pl_gltf_graphs(const char *path, char **out);
 
 #ifdef __cplusplus

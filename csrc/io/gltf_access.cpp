@@ -1,4 +1,4 @@
-/* Safe reading of accessors (glTF 2.0, section 3.6). */
+/* Bounds-checked reading of accessors (glTF 2.0, section 3.6). */
 #include "io/gltf_access.hpp"
 
 #include <algorithm>
@@ -28,7 +28,8 @@ size_t size_of(int component_type) {
   }
 }
 
-/* `count` elements of `size` bytes, `stride` apart from `offset`, must end within `available`. */
+/* Checks that `count` elements of `size` bytes, `stride` apart and starting at `offset`, end within
+ * `available`. */
 void check_fits(size_t available, size_t offset, size_t count, size_t stride, size_t size,
                 const std::string &what) {
   const bool fits = offset <= available && size <= available - offset &&
@@ -81,9 +82,8 @@ void Accessor::open_dense(const Asset &asset, const tinygltf::Accessor &accessor
   base_ = view.data + accessor.byteOffset;
 }
 
-/* Indices must increase strictly (section 3.6.2.3). Those of some exporters do not; they are
- * sorted, and of several values for one element the last counts, as when all are written in turn.
- */
+/* Indices must increase strictly (section 3.6.2.3). Some exporters violate this. They are sorted,
+ * and the last of several values for one element is used, as if all were written in order. */
 void Accessor::open_sparse(const Asset &asset, const tinygltf::Accessor &accessor,
                            const std::string &what) {
   const auto &sparse = accessor.sparse;
@@ -127,7 +127,7 @@ const uint8_t *Accessor::element(size_t i) const {
   return base_ != nullptr ? base_ + i * stride_ : nullptr;
 }
 
-/* Conversions of section 3.6.2.2, and of 3.11 for what is not normalised. */
+/* Conversions of section 3.6.2.2, and of section 3.11 for integers that are not normalised. */
 float Accessor::component(const uint8_t *at) const {
   const uint32_t bits = little_endian(at, component_size_);
   switch (component_type_) {

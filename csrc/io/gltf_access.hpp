@@ -1,4 +1,4 @@
-/* Safe reading of accessors: every bound is checked once, when an accessor is opened. Internal to
+/* Bounds-checked accessors: all bounds are checked once, when an accessor is opened. Internal to
  * io. */
 #ifndef PL_IO_GLTF_ACCESS_HPP
 #define PL_IO_GLTF_ACCESS_HPP
@@ -13,33 +13,35 @@
 
 namespace pl_gltf {
 
-/* An image of the file: in a buffer view, or in a file of its own. */
+/* An image of the file: in a buffer view, or in a separate file. */
 struct ImageRef {
-  std::string name; /* for messages */
+  std::string name; /* for error texts */
   int view = -1;    /* buffer view, or -1 */
-  Bytes file;       /* otherwise */
+  Bytes file;       /* used when view is -1 */
 };
 
-/* A parsed file with the content it refers to. */
+/* A parsed file and the content that it refers to. */
 struct Asset {
   std::shared_ptr<const Source> source; /* owns all bytes below */
   tinygltf::Model model;
   std::vector<Bytes> buffers;
   std::vector<ImageRef> images;
-  /* Content of buffer views that is decoded (gltf_decoded.hpp) instead of lying in a buffer. */
+  /* Decoded content of compressed buffer views (gltf_decoded.hpp), which does not lie in a buffer.
+   */
   std::map<int, std::vector<uint8_t>> decoded;
   size_t decoded_bytes = 0;
-  int no_view = -1;      /* buffer view of accessors that have none: they are zeros */
-  size_t file_bytes = 0; /* of the file, all it refers to, and what is decoded from them */
+  int no_view = -1; /* placeholder buffer view of accessors without one: they are all zeros */
+  /* size of the file, all files that it refers to, and their decoded content */
+  size_t file_bytes = 0;
 };
 
-/* Checked content of a buffer view. */
+/* Returns the content of a buffer view, with bounds checked. */
 Bytes view_bytes(const Asset &asset, int view, const std::string &what);
 
-/* A view of an accessor's elements: dense, strided or sparse, any component type. */
+/* Reads an accessor's elements: dense, strided or sparse, of any component type. */
 class Accessor {
 public:
-  /* Throws a Fault naming `what` if any element would lie outside its buffer. */
+  /* Throws a Fault that names `what` if any element would lie outside its buffer. */
   Accessor(const Asset &asset, int index, const std::string &what);
 
   size_t count() const { return count_; }
@@ -48,29 +50,31 @@ public:
   bool is_unsigned_integer() const;
   bool normalized() const { return normalized_; }
 
-  /* Element `i` < count(), at most four components; normalised integers become -1..1 or 0..1. */
+  /* Reads element `i` < count(), at most four components; normalised integers are mapped to -1..1
+   * or 0..1. */
   void read(size_t i, float out[4]) const;
-  /* The same for indices (one unsigned component). */
+  /* Reads an index (one unsigned component). */
   uint32_t read_index(size_t i) const;
-  /* The value that means "restart" for this type of indices (255, 65535 or 2^32 - 1). */
+  /* Returns the primitive restart value of this index type (255, 65535 or 2^32 - 1). */
   uint32_t restart_value() const;
 
 private:
   void open_dense(const Asset &asset, const tinygltf::Accessor &accessor, const std::string &what);
   void open_sparse(const Asset &asset, const tinygltf::Accessor &accessor, const std::string &what);
-  const uint8_t *element(size_t i) const; /* nullptr: zero */
+  const uint8_t *element(size_t i) const; /* nullptr for a zero element */
   float component(const uint8_t *at) const;
 
   size_t count_ = 0;
   int components_ = 0, component_type_ = 0;
   size_t component_size_ = 0, element_size_ = 0;
   bool normalized_ = false;
-  const uint8_t *base_ = nullptr; /* nullptr: zeros */
+  const uint8_t *base_ = nullptr; /* nullptr when all elements are zero */
   size_t stride_ = 0;
   struct Replacement {
-    uint32_t index, order; /* element replaced; by which of the sparse values */
+    /* element that is replaced; number of the sparse value that replaces it */
+    uint32_t index, order;
   };
-  std::vector<Replacement> sparse_; /* by index, each once */
+  std::vector<Replacement> sparse_; /* sorted by index, without duplicates */
   const uint8_t *sparse_values_ = nullptr;
 };
 

@@ -1,4 +1,4 @@
-/* What decoding may cost. */
+/* Limits on the size of decoded content. */
 #include "io/gltf_decoded.hpp"
 
 namespace pl_gltf {
@@ -6,7 +6,8 @@ namespace pl_gltf {
 namespace {
 
 constexpr size_t FREE_DECODED = size_t{1} << 26;
-/* The codec of EXT_meshopt_compression reaches this: 4 bytes for 256 that do not change. */
+/* Expansion that the codec of EXT_meshopt_compression reaches: 4 bytes for 256 that do not change.
+ */
 constexpr size_t DECODED_PER_BYTE = 64;
 
 } // namespace

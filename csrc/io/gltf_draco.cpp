@@ -1,5 +1,5 @@
-/* KHR_draco_mesh_compression, with libdraco. Its decoders allocate by what a stream's header
- * claims, so they are stopped where they are about to believe it. */
+/* KHR_draco_mesh_compression, with libdraco. Its decoders allocate memory by the sizes that a
+ * stream's header claims, so these are checked before each allocation. */
 #include "io/gltf_decoded.hpp"
 
 #include <cstring>
@@ -13,16 +13,18 @@ namespace pl_gltf {
 
 namespace {
 
-/* Bitstream of the extension. Older ones are other code paths of libdraco, met in no glTF file. */
+/* Bitstream version of the extension. Older versions use other code paths of libdraco and occur in
+ * no known glTF file. */
 constexpr int VERSION_MAJOR = 2, VERSION_MINOR = 2;
-/* A decoder's work and memory grow with faces times tables of corners: one of the mesh, one for
- * each group of attributes with seams of its own. Files of any size may have FREE_WORK, and then
- * WORK_PER_BYTE: a face takes at least about a bit, which is 8 a byte, in each of a few tables. */
+/* A decoder's work and memory grow with the number of faces times that of corner tables: one of the
+ * mesh, and one for each group of attributes with its own seams. FREE_WORK is allowed for any file,
+ * plus WORK_PER_BYTE per byte: a face takes at least about one bit, i.e. 8 faces per byte, in each
+ * of a few tables. */
 constexpr uint64_t FREE_WORK = uint64_t{1} << 21;
 constexpr uint64_t WORK_PER_BYTE = 32;
-/* Attributes of a mesh, and components of an attribute (VEC4), that glTF can use. Few attributes:
- * libdraco 1.5 believes a count of orientations in each (prediction by texture coordinates) and
- * counts up to 2^31, which takes up to ten seconds. */
+/* Largest number of attributes of a mesh, and of components of an attribute (VEC4), that glTF can
+ * use. The number of attributes is small because libdraco 1.5 trusts a count of orientations in
+ * each (prediction by texture coordinates) and counts up to 2^31, which takes up to ten seconds. */
 constexpr int MAX_ATTRIBUTES = 16, MAX_COMPONENTS = 4;
 
 struct Limits {
@@ -30,8 +32,8 @@ struct Limits {
   size_t attribute_bytes = 0;
 };
 
-/* A decoder of libdraco that reads what a stream claims before the memory for it is taken.
- * Exceptions do not pass through libdraco, so the reason of a refusal is kept. */
+/* A decoder of libdraco that checks the sizes which a stream claims before their memory is
+ * allocated. Exceptions cannot pass through libdraco, so the reason of a refusal is stored. */
 template <typename Decoder> class Limited final : public Decoder {
 public:
   explicit Limited(const Limits &limits) : limits_(limits) {}
@@ -43,7 +45,7 @@ private:
     return false;
   }
 
-  /* Both kinds begin with two numbers: vertices and faces of an edgebreaker stream, faces and
+  /* Both encodings begin with two numbers: vertices and faces of an edgebreaker stream, faces and
    * points of a sequential one. */
   bool DecodeConnectivity() override {
     draco::DecoderBuffer peek = *this->buffer();
@@ -59,7 +61,7 @@ private:
     return Decoder::DecodeConnectivity();
   }
 
-  /* Here the attributes are known and their values not yet allocated. */
+  /* At this point the attributes are known and their values are not yet allocated. */
   bool DecodeAllAttributes() override {
     const draco::PointCloud &cloud = *this->point_cloud();
     if (cloud.num_attributes() > MAX_ATTRIBUTES)
@@ -112,7 +114,7 @@ void decode_mesh(Bytes bytes, const Limits &limits, draco::Mesh &mesh, const std
     fail(PL_E_FORMAT, "%s: broken Draco data: unknown method", what.c_str());
 }
 
-/* Gives content to a new buffer view; its index. */
+/* Adds a buffer view with the given content; returns its index. */
 int add_view(Asset &asset, std::vector<uint8_t> content) {
   tinygltf::BufferView view;
   view.byteLength = content.size();
@@ -122,7 +124,7 @@ int add_view(Asset &asset, std::vector<uint8_t> content) {
   return index;
 }
 
-/* Adds an accessor like `from` for values that are decoded; its index. */
+/* Adds an accessor like `from` for decoded values; returns its index. */
 int add_accessor(Asset &asset, tinygltf::Accessor from, size_t count, std::vector<uint8_t> values) {
   from.bufferView = add_view(asset, std::move(values));
   from.byteOffset = 0;
@@ -141,7 +143,8 @@ int add_indices(Asset &asset, const draco::Mesh &mesh, const std::string &what) 
       const uint32_t point = face[k].value();
       if (point >= mesh.num_points())
         fail(PL_E_FORMAT, "%s: broken Draco data: a corner without a point", what.c_str());
-      memcpy(&values[12 * f + 4 * k], &point, 4); /* read back byte by byte: little endian */
+      /* the accessor reads it byte by byte as little endian */
+      memcpy(&values[12 * f + 4 * k], &point, 4);
     }
   }
   tinygltf::Accessor accessor;
@@ -150,7 +153,7 @@ int add_indices(Asset &asset, const draco::Mesh &mesh, const std::string &what) 
   return add_accessor(asset, accessor, 3 * faces, std::move(values));
 }
 
-/* Values of all points as the accessor's type T. */
+/* Converts the values of all points to the accessor's type T. */
 template <typename T>
 std::vector<uint8_t> convert(const draco::PointAttribute &attribute, size_t points,
                              const std::string &what) {
@@ -208,7 +211,7 @@ int add_attribute(Asset &asset, const draco::Mesh &mesh, uint32_t id,
                       convert_to(accessor.componentType, *attribute, points, what));
 }
 
-/* The guard has checked the extension's types and indices. */
+/* Precondition, checked by the guard: the extension's types and indices are valid. */
 void decode_primitive(Asset &asset, tinygltf::Primitive &primitive, const std::string &what,
                       Warnings &warnings) {
   const auto it = primitive.extensions.find("KHR_draco_mesh_compression");
@@ -234,7 +237,7 @@ void decode_primitive(Asset &asset, tinygltf::Primitive &primitive, const std::s
         add_attribute(asset, mesh, static_cast<uint32_t>(ids.Get(name).GetNumberAsInt()), accessor,
                       what + "." + printable(name), warnings);
   }
-  /* Decoded meshes are lists, also those that the encoder took from strips. */
+  /* Decoded meshes are triangle lists, even if they were encoded from strips. */
   primitive.indices = add_indices(asset, mesh, what + ".indices");
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
 }

@@ -1,5 +1,5 @@
-/* Material graphs in the extras of a file's materials, as text: what they mean is not known here.
- */
+/* Extracts material graphs from the extras of a file's materials as text, without interpreting
+ * them. */
 #include <algorithm>
 #include <exception>
 #include <memory>
@@ -17,7 +17,7 @@ namespace {
 using nlohmann::json;
 
 const char KEY[] = "perilune_graph";
-/* Text of all graphs of a file together. */
+/* Limit on the text of all graphs of a file together. */
 constexpr size_t MAX_TEXT = size_t{1} << 20;
 
 bool holds_key(Bytes text) {
@@ -37,7 +37,7 @@ std::vector<bool> used_materials(const json &document, size_t count) {
   return used;
 }
 
-/* Names as build_materials gives them. */
+/* Names are the same as in build_materials. */
 std::string graphs_of(const json &document) {
   const json materials = document.value("materials", json::array());
   const std::vector<bool> used = used_materials(document, materials.size());
@@ -62,7 +62,7 @@ std::string read_graphs(const char *path) {
   try {
     source = std::make_unique<Source>(path);
   } catch (const Fault &) {
-    return "[]"; /* who loads it will be told why */
+    return "[]"; /* loading the file reports the error */
   }
   if (!holds_key(source->json()))
     return "[]";

@@ -1,4 +1,4 @@
-/* The guard before tinygltf: JSON text, version, extensions, node hierarchy, buffers. */
+/* Validation before tinygltf: JSON text, version, extensions, node hierarchy, buffers. */
 #include "io/gltf_guard.hpp"
 
 #include <algorithm>
@@ -11,12 +11,14 @@ namespace {
 
 using nlohmann::json;
 
-/* Nesting of the text. glTF itself needs about ten; the rest is for `extras`. */
+/* Largest nesting depth of the text. glTF itself needs about ten levels; the rest is for `extras`.
+ */
 constexpr int MAX_JSON_DEPTH = 100;
-/* Nodes from the root to a leaf. */
+/* Largest number of nodes from the root to a leaf. */
 constexpr int MAX_NODE_DEPTH = 1000;
 
-/* Extensions the reader carries out, and those it may ignore although a file requires them. */
+/* Extensions that the reader implements, and those that it may ignore although a file requires
+ * them. */
 const char *const implemented[] = {
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -38,7 +40,7 @@ template <size_t N> bool contains(const char *const (&list)[N], const std::strin
   return std::any_of(list, list + N, [&](const char *known) { return name == known; });
 }
 
-/* The parsers recurse by depth, so it is measured before they see the text. */
+/* The parsers recurse to the nesting depth, so it is checked before they read the text. */
 void check_depth(Bytes text) {
   int depth = 0;
   bool quoted = false;
@@ -107,8 +109,8 @@ std::vector<std::string> names(const json &document, const char *key) {
   return out;
 }
 
-/* Adds the names of the extensions that a value and what is below it have; in `extras` there may be
- * anything. The text's depth is limited. */
+/* Adds the names of all extensions of a value and its descendants; the content of `extras` is
+ * skipped, as it is arbitrary. The recursion is bounded by the depth of the text. */
 void collect_extensions(const json &value, std::set<std::string> &out) {
   if (value.is_object()) {
     const auto extensions = value.find("extensions");
@@ -134,13 +136,14 @@ void check_extensions(const json &document, Warnings &warnings) {
     fail(PL_E_UNSUPPORTED, "requires %s, which is not supported", refused.c_str());
   const std::vector<std::string> used = names(document, "extensionsUsed");
   std::set<std::string> there(used.begin(), used.end());
-  collect_extensions(document, there); /* also what a file does not declare */
+  collect_extensions(document, there); /* also finds extensions that the file does not declare */
   for (const std::string &name : there)
     if (!contains(implemented, name))
       warnings.add("extension %s is not supported and ignored", printable(name).c_str());
 }
 
-/* Each node has at most one parent and the roots reach all: then the hierarchy is a forest. */
+/* Checks that the hierarchy is a forest: each node has at most one parent and is reachable from a
+ * root. */
 void check_hierarchy(const json &document) {
   const auto nodes = document.find("nodes");
   if (nodes == document.end())
@@ -157,8 +160,8 @@ void check_hierarchy(const json &document) {
       parent[c] = static_cast<int>(i);
     }
   }
-  /* A chain of parents longer than the number of nodes is a cycle. Depths are remembered, so that
-   * all chains together cost one pass. */
+  /* A chain of parents longer than the number of nodes is a cycle. Depths are cached, so that all
+   * chains together take linear time. */
   std::vector<int> depth(nodes->size(), 0);
   for (size_t i = 0; i < nodes->size(); i++) {
     std::vector<size_t> chain;
@@ -202,7 +205,7 @@ void warn_of_the_ignored(const json &document, Warnings &warnings) {
                  scenes->size() - 1);
 }
 
-/* A buffer for readers without EXT_meshopt_compression: nothing is read from it here. */
+/* A fallback buffer for readers without EXT_meshopt_compression: nothing is read from it here. */
 bool is_fallback(const json &buffer) {
   const auto extensions = buffer.find("extensions");
   if (extensions == buffer.end())

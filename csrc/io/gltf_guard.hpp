@@ -1,8 +1,8 @@
 /* Checks on the JSON of a glTF file before it is given to tinygltf. Internal to io.
  *
- * tinygltf trusts its input in places (offsets of images, recursion, one copy of the binary chunk a
- * buffer) and skips what has the wrong type. So all of that is settled here, with an error that
- * names the JSON path, and tinygltf receives a document that is known to be sound and refers to no
+ * In some places tinygltf trusts its input (offsets of images, recursion, one copy of the binary
+ * chunk per buffer), and it skips properties of the wrong type. All of that is checked here, with
+ * errors that name the JSON path, so that tinygltf receives a valid document that refers to no
  * file. */
 #ifndef PL_IO_GLTF_GUARD_HPP
 #define PL_IO_GLTF_GUARD_HPP
@@ -17,20 +17,22 @@
 
 namespace pl_gltf {
 
-/* Parses and checks: text depth, types, index ranges, extensions, version, node hierarchy. */
+/* Parses the document and checks text depth, types, index ranges, extensions, version and node
+ * hierarchy. */
 nlohmann::json parse_and_check(const Source &source, Warnings &warnings);
 
-/* Types and index ranges of every object the reader uses (gltf_schema.cpp). May turn integers
- * written as floats into integers, and gives primitives without attributes empty ones. */
+/* Checks types and index ranges of every object that the reader uses (gltf_schema.cpp). May convert
+ * integers written as floats to integers, and adds an empty `attributes` object to primitives that
+ * have none. */
 void check_schema(nlohmann::json &document);
 
-/* Content of every buffer and of every image outside the buffers. */
+/* Load the content of every buffer, and of every image outside the buffers. */
 std::vector<Bytes> load_buffers(const nlohmann::json &document, Source &source);
 std::vector<ImageRef> load_images(const nlohmann::json &document, Source &source);
 
-/* Textures are given the image of EXT_texture_webp where they name one; the other is a fallback.
- * Accessors without a buffer view are given one that tinygltf accepts; its index, of the first view
- * that does not exist in the file, is returned. */
+/* Textures with EXT_texture_webp get the image that it names; their other image is a fallback.
+ * Accessors without a buffer view get one that tinygltf accepts. Returns the index of that view,
+ * the first one after those of the file. */
 int strip_for_parser(nlohmann::json &document);
 
 } // namespace pl_gltf

@@ -1,7 +1,7 @@
-/* What the parts of the glTF reader share: faults, warnings, the file's bytes. Internal to io.
+/* Common code of the glTF reader: faults, warnings, the bytes of the file. Internal to io.
  *
- * Inside the reader errors are exceptions (Fault); pl_gltf_load turns every exception into a
- * status. Working memory is the C++ library's, the model's own memory is base/memory.h's. */
+ * Errors inside the reader are exceptions (Fault); pl_gltf_load converts every exception to a
+ * status. Temporary memory is allocated by the C++ library, the model's memory by base/memory.h. */
 #ifndef PL_IO_GLTF_INTERNAL_HPP
 #define PL_IO_GLTF_INTERNAL_HPP
 
@@ -24,10 +24,11 @@ struct Fault {
 [[noreturn]] void fail(pl_status status, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Text from a file made fit for a message: control characters replaced, cut to 100 bytes. */
+/* Sanitises text from a file for a message: control characters are replaced, the length is limited
+ * to 100 bytes. */
 std::string printable(const std::string &text);
 
-/* Lines for the user, each once. */
+/* Warning lines for the user, without duplicates. */
 class Warnings {
 public:
   void add(const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -43,7 +44,8 @@ struct Bytes {
   size_t size = 0;
 };
 
-/* The file, its container and every file it refers to. The only code here that opens files. */
+/* The file, its container and every file that it refers to. No other code of the reader opens
+ * files. */
 class Source {
 public:
   explicit Source(const std::string &path);
@@ -51,10 +53,10 @@ public:
   Bytes json() const { return json_; }
   bool binary() const { return binary_; }
   Bytes binary_chunk() const { return chunk_; }
-  /* Bytes of everything read so far; what the model may cost is measured by it. */
+  /* Returns the number of bytes read so far; limits on the model's size are proportional to it. */
   size_t total_bytes() const { return total_; }
-  /* The content behind a URI: a data URI, or a file in the model's folder. `what` names the user.
-   */
+  /* Returns the content of a URI: a data URI, or a file in the model's folder. `what` names the
+   * referring object. */
   Bytes resolve(const std::string &uri, const std::string &what);
   const std::vector<std::string> &remarks() const { return remarks_; }
 
@@ -68,7 +70,7 @@ private:
   Bytes json_, chunk_;
   size_t total_ = 0;
   std::vector<std::vector<uint8_t>> owned_;
-  std::map<std::string, Bytes> files_; /* by real path, so that a file is read once */
+  std::map<std::string, Bytes> files_; /* keyed by real path, so that a file is read once */
   std::vector<std::string> remarks_;
 };
 

@@ -1,5 +1,5 @@
-/* The layers of glTF materials: KHR_materials_clearcoat, _transmission, _volume, _ior, _specular
- * and _anisotropy. */
+/* Layers of glTF materials: KHR_materials_clearcoat, _transmission, _volume, _ior, _specular and
+ * _anisotropy. */
 #include <algorithm>
 #include <cmath>
 
@@ -48,12 +48,14 @@ private:
   const tinygltf::Value *value_ = nullptr;
 };
 
-/* KHR_materials_volume: a thickness makes the mesh the boundary of a solid; how thick it is, the
- * mesh says. The colour is what a way of the distance leaves. */
+/* KHR_materials_volume: a non-zero thickness makes the mesh the boundary of a solid. The path
+ * length inside follows from the mesh, not from the value of the thickness. The attenuation colour
+ * is the transmittance over the attenuation distance. */
 void read_volume(const tinygltf::Material &in, const std::string &name, double unit,
                  pl_material_layers *layers, Warnings &warnings) {
   const Extension volume(in, "KHR_materials_volume", name);
-  const double darkest = 1e-6, never = 3e38; /* lengths are of any unit: as floats go */
+  /* lengths have arbitrary units: the limit is that of a float */
+  const double darkest = 1e-6, never = 3e38;
   float color[3] = {1, 1, 1};
   layers->solid = volume.number("thicknessFactor", 0.0, 0.0, never) > 0.0f;
   volume.color("attenuationColor", color);
@@ -80,7 +82,7 @@ void read_layers(const tinygltf::Material &in, const std::string &name, double u
   const Extension specular(in, "KHR_materials_specular", name);
   const Extension anisotropy(in, "KHR_materials_anisotropy", name);
   pl_material_layers *layers = &out->layers;
-  const double turn = 1e6; /* radians: any angle that a float still tells apart */
+  const double turn = 1e6; /* radians: largest angle that a float still resolves */
   *layers = PL_MATERIAL_LAYERS_PLAIN;
   layers->coat = coat.number("clearcoatFactor", 0.0, 0.0, 1.0);
   layers->coat_roughness = coat.number("clearcoatRoughnessFactor", 0.0, 0.0, 1.0);
@@ -92,7 +94,7 @@ void read_layers(const tinygltf::Material &in, const std::string &name, double u
   layers->anisotropy_rotation_rad = anisotropy.number("anisotropyRotation", 0.0, -turn, turn);
   read_volume(in, name, unit, layers, warnings);
   if (layers->solid && layers->transmission > 0.0f)
-    out->double_sided = true; /* light must leave it again */
+    out->double_sided = true; /* light must be able to leave the solid */
   if (layers->ior > 0.0f && layers->ior < 1.0f)
     fail(PL_E_FORMAT, "%s: ior must be 0 or at least 1", name.c_str());
   out->layered = layers->coat > 0.0f || layers->transmission > 0.0f || layers->anisotropy > 0.0f ||
@@ -101,7 +103,7 @@ void read_layers(const tinygltf::Material &in, const std::string &name, double u
 
 namespace {
 
-/* A map of an extension and the factor that switches it off where it is 0. */
+/* A map of an extension, and the factor that disables it when 0. */
 struct MapKey {
   const char *extension, *key, *factor;
   double factor_otherwise;
@@ -132,7 +134,7 @@ double number_or(const tinygltf::Value &object, const char *key, double otherwis
   return object.Has(key) ? object.Get(key).GetNumberAsDouble() : otherwise;
 }
 
-/* check_schema has seen to the types. */
+/* Precondition, checked by check_schema: types are valid. */
 tinygltf::NormalTextureInfo texture_info(const tinygltf::Value &value) {
   tinygltf::NormalTextureInfo info;
   info.index = value.Get("index").GetNumberAsInt();

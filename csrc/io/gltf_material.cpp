@@ -1,6 +1,6 @@
-/* Materials and textures (glTF 2.0, sections 3.8 and 3.9). Occlusion maps are not read: the path
- * tracer computes what they approximate. Filters of samplers are not read: `render.texture_filter`
- * says how textures are filtered. */
+/* Materials and textures (glTF 2.0, sections 3.8 and 3.9). Occlusion maps are not read: path
+ * tracing computes the effect that they approximate. Sampler filters are not read:
+ * `render.texture_filter` selects the texture filter. */
 #include "io/gltf_material.hpp"
 
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace pl_gltf {
 
 namespace {
 
-/* Texels of all images of a model together: as many as one image may have, and no more than files
- * of any size may have (images of one colour take hardly any bytes) and then this many a byte. */
+/* Limits on the texels of all images of a model together: the limit of one image, and FREE_TEXELS
+ * plus TEXELS_PER_BYTE per byte of the file (images of one colour compress to a few bytes). */
 constexpr uint64_t MAX_TEXELS = uint64_t{1} << 28;
 constexpr uint64_t FREE_TEXELS = uint64_t{1} << 24, TEXELS_PER_BYTE = 4096;
 
@@ -49,8 +49,8 @@ int uv_set_of(int texcoord, const tinygltf::ExtensionMap &extensions) {
              : texcoord;
 }
 
-/* KHR_texture_transform: uv' = translation * rotation * scale * uv, where the rotation turns the
- * image clockwise in the v-down plane: u' = c u + s v, v' = -s u + c v. */
+/* KHR_texture_transform: uv' = translation * rotation * scale * uv, where the rotation is clockwise
+ * in the v-down plane: u' = c u + s v, v' = -s u + c v. */
 pl_uv_transform uv_transform(const tinygltf::ExtensionMap &extensions) {
   const tinygltf::Value *value = transform_of(extensions);
   double offset[2] = {0, 0}, scale[2] = {1, 1}, angle = 0;
@@ -75,7 +75,7 @@ pl_wrap wrap_of(int gl) {
                                                        : PL_WRAP_REPEAT;
 }
 
-/* A map of normals, to be taken back where its image shows no normals. */
+/* Use of a normal map, which is undone when its image does not contain normals. */
 struct NormalUse {
   std::string what;
   pl_texture_slot *slot;
@@ -103,7 +103,8 @@ private:
   std::vector<NormalUse> normals_;
 };
 
-/* RMS of the lengths of an image's vectors about 1, which those of a map of normals have. */
+/* Returns the RMS deviation from 1 of the lengths of an image's vectors; it is small for a normal
+ * map. */
 double length_error(const pl_image &image) {
   const size_t channels = static_cast<size_t>(image.channels);
   const size_t texels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
@@ -125,12 +126,13 @@ void MaterialBuilder::note_normals(const std::string &what, pl_texture_slot *slo
     normals_.push_back({what, slot});
 }
 
-/* Published maps of normals, quantised and compressed, err by 0.02 to 0.05. Colour pictures that
- * stand where normals should, by 0.4 and more: read as normals they tilt the surface by some 50
- * degrees, each texel in another direction, which looks like pepper at any number of samples. */
+/* Published normal maps deviate by 0.02 to 0.05 due to quantisation and compression; colour images
+ * used as normal maps by mistake deviate by 0.4 and more. Read as normals, these tilt the surface
+ * by some 50 degrees in a random direction per texel, which gives noise at any number of samples.
+ */
 void MaterialBuilder::check_normals(int texture, const pl_image &image) {
   static const double ERROR_MAX = 0.3;
-  static const int64_t TEXELS_MIN = 64; /* fewer are no picture, but a colour or a few */
+  static const int64_t TEXELS_MIN = 64; /* smaller images have only a colour or a few */
   if (static_cast<int64_t>(image.width) * image.height < TEXELS_MIN)
     return;
   bool measured = false;
@@ -180,7 +182,7 @@ pl_texture_slot MaterialBuilder::slot(const Info &info, bool srgb, const std::st
   return {textures_.emplace(key, number).first->second, set, uv_transform(info.extensions)};
 }
 
-/* A factor, which must be in 0..1. */
+/* Clamps a factor to 0..1, with a warning. */
 float MaterialBuilder::unit(double value, const std::string &what) {
   if (!(value >= 0.0 && value <= 1.0))
     warnings_.add("%s: %g is clamped to 0..1", what.c_str(), value);
@@ -217,7 +219,7 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
                     : in.alphaMode == "BLEND" ? PL_ALPHA_BLEND
                                               : PL_ALPHA_OPAQUE;
   out->double_sided = in.doubleSided;
-  /* An unlit surface would shine by night: its colour is a paint. */
+  /* An unlit surface would be bright at night, so its colour is treated as paint. */
   if (used && in.extensions.count("KHR_materials_unlit") != 0)
     warnings_.add(
         "%s: KHR_materials_unlit is not followed: the surface is lit, by its metallic and "
@@ -232,7 +234,8 @@ void MaterialBuilder::build(const tinygltf::Material &in, const std::string &nam
   out->metallic_roughness_map =
       slot(pbr.metallicRoughnessTexture, false, name + ": metallicRoughnessTexture");
   const pl_texture_slot normals = slot(in.normalTexture, false, name + ": normalTexture");
-  if (model_->tangents != nullptr) { /* else the mesh has no coordinates, as has been warned */
+  /* otherwise the mesh has no texture coordinates, and a warning was given */
+  if (model_->tangents != nullptr) {
     out->normal_map = normals;
     note_normals(name + ": normalTexture", &out->normal_map);
   }
@@ -297,7 +300,8 @@ Needs needs_of_material(const Asset &asset, int index) {
   note(material.pbrMetallicRoughness.baseColorTexture);
   note(material.pbrMetallicRoughness.metallicRoughnessTexture);
   note(material.emissiveTexture);
-  /* One tangent serves all, in this order: base's normals, coat's, direction of highlights. */
+  /* One tangent frame serves all; the order of preference is base normal map, coat normal map,
+   * anisotropy direction. */
   int set = note(material.normalTexture), coat = -1, turn = -1;
   for (const LayerMap &map : layer_maps(material)) {
     const int own = note(map.info);

@@ -1,4 +1,4 @@
-/* From glTF materials to the model's materials and textures. Internal to io. */
+/* Converts glTF materials to the model's materials and textures. Internal to io. */
 #ifndef PL_IO_GLTF_MATERIAL_HPP
 #define PL_IO_GLTF_MATERIAL_HPP
 
@@ -10,31 +10,31 @@
 
 namespace pl_gltf {
 
-/* What the mesh must provide for material `index` (-1: the default material). */
+/* Returns what the mesh must provide for material `index` (-1: the default material). */
 Needs needs_of_material(const Asset &asset, int index);
 
 /* Fills model->materials and ->textures. `used[i]`: some triangle has material i; the last entry is
- * the default material, present only when used. Maps of unused materials are not decoded, maps for
- * which the model has no texture coordinates are left out with a warning. */
+ * the default material, which is created only when used. Maps of unused materials are not decoded;
+ * maps for which the model has no texture coordinates are omitted with a warning. */
 void build_materials(const Asset &asset, const std::vector<bool> &used, pl_model *model,
                      Warnings &warnings);
 
-/* Reads what KHR_materials_clearcoat, _transmission, _ior, _specular and _anisotropy give into
- * out->layers, but for their maps; numbers that are none or out of range are errors. `unit`: of the
- * mesh. */
+/* Reads KHR_materials_clearcoat, _transmission, _ior, _specular and _anisotropy into out->layers,
+ * except for their maps. Values that are not numbers or out of range are errors. `unit`: that of
+ * the mesh. */
 void read_layers(const tinygltf::Material &in, const std::string &name, double unit,
                  pl_material *out, Warnings &warnings);
 
-/* A map that one of these extensions gives. */
+/* A map of one of these extensions. */
 struct LayerMap {
   std::string name; /* EXTENSION.key */
   bool srgb;
   pl_texture_slot pl_material_layers::*slot;
-  tinygltf::NormalTextureInfo info; /* its scale: of a normal map */
+  tinygltf::NormalTextureInfo info; /* its scale is used for normal maps only */
 };
-/* The maps whose factors do not switch them off. */
+/* Returns the maps that are not disabled by a factor of 0. */
 std::vector<LayerMap> layer_maps(const tinygltf::Material &in);
-/* Whether the highlights of the material have a direction. */
+/* Returns true if the material has anisotropic highlights. */
 bool is_anisotropic(const tinygltf::Material &in);
 
 } // namespace pl_gltf

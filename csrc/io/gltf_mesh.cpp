@@ -1,4 +1,4 @@
-/* Reading one primitive: triangles of any mode, vertices, normals (glTF 2.0, section 3.7.2). */
+/* Reads one primitive: triangles of any mode, vertices, normals (glTF 2.0, section 3.7.2). */
 #include "io/gltf_mesh.hpp"
 
 #include <algorithm>
@@ -10,13 +10,13 @@ namespace pl_gltf {
 
 namespace {
 
-/* A normal shorter than this has no direction left after rounding. */
+/* The direction of a shorter normal is lost in rounding. */
 constexpr double SHORTEST_NORMAL = 1e-6;
-/* What a model may cost for its size: files of any size may have this many triangles, and then one
- * more a byte. (Nodes may share a mesh, so triangles can exceed what the bytes hold.) */
+/* Limit on triangles by the size of a file: this many for any file, plus one per byte. (Nodes may
+ * share a mesh, so there can be more triangles than the bytes could hold.) */
 constexpr size_t FREE_TRIANGLES = size_t{1} << 20;
 constexpr uint32_t NONE = UINT32_MAX;
-/* No coordinate of a mesh is larger, in its own units. */
+/* Upper bound of coordinates of a mesh, in mesh units. */
 constexpr float OUTERMOST = 4.0f;
 
 struct Vec {
@@ -28,7 +28,7 @@ Vec cross(const Vec &a, const Vec &b) {
 }
 double norm(const Vec &a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
 
-/* One primitive on its way into a piece. */
+/* Converts one primitive to a piece. */
 class Builder {
 public:
   Builder(const Asset &asset, const tinygltf::Primitive &primitive, const std::string &what,
@@ -66,28 +66,30 @@ private:
   void copy_vertex(uint32_t vertex);
   void add_tangents(const Needs &needs);
   Vec face(
-      size_t triangle) const; /* cross product of two edges: twice the area, along the normal */
+      /* cross product of two edges: length is twice the area, direction that of the normal */
+      size_t triangle) const;
 
   Vec place(const Accessor &positions, uint32_t vertex) const;
-  Vec turn(const Vec &v) const { return {v.x, 0.0 - v.z, v.y}; } /* y up to z up, no -0 */
+  /* converts y-up to z-up, avoids -0 */
+  Vec turn(const Vec &v) const { return {v.x, 0.0 - v.z, v.y}; }
 
   const Asset &asset_;
   const tinygltf::Primitive &primitive_;
   const std::string &what_;
   const Affine &to_root_;
-  double turn_[3][3]; /* of directions */
+  double turn_[3][3]; /* matrix for directions */
   bool flipped_;
   Tally &tally_;
   Warnings &warnings_;
-  pl_vec3 origin_ = {0, 0, 0}; /* of the mesh */
+  pl_vec3 origin_ = {0, 0, 0}; /* origin of the mesh */
   double unit_ = 1.0;
 
   Piece piece_;
-  std::vector<uint32_t> source_; /* the file's vertex behind each vertex of the piece */
+  std::vector<uint32_t> source_; /* vertex index in the file for each vertex of the piece */
 };
 
-/* Component types other than float are those of KHR_mesh_quantization. They are read as well where
- * a file does not name the extension: their meaning is not in doubt. */
+/* Component types other than float are those of KHR_mesh_quantization. They are also read in files
+ * that do not declare the extension, since their meaning is unambiguous. */
 Accessor Builder::open(const char *name, int low, int high) const {
   const Accessor accessor(asset_, attribute(name), what_ + "." + name);
   if (accessor.components() < low || accessor.components() > high)
@@ -96,7 +98,7 @@ Accessor Builder::open(const char *name, int low, int high) const {
   return accessor;
 }
 
-/* The vertices in drawing order: the index accessor, or 0, 1, 2 ... */
+/* Returns the vertices in drawing order: the index accessor, or 0, 1, 2 ... */
 std::vector<uint32_t> Builder::corner_list(size_t vertices) const {
   std::vector<uint32_t> list;
   if (primitive_.indices < 0) {
@@ -127,7 +129,8 @@ std::vector<uint32_t> Builder::corner_list(size_t vertices) const {
 void Builder::read_triangles(size_t vertices) {
   const int mode = primitive_.mode;
   const bool list_mode = mode == TINYGLTF_MODE_TRIANGLES;
-  /* The cost is known, and limited, before any memory is taken: accessors need no bytes. */
+  /* The size is checked before any memory is allocated: an accessor may have a large count without
+   * any bytes. */
   const size_t corners =
       primitive_.indices < 0
           ? vertices
@@ -154,7 +157,7 @@ void Builder::read_triangles(size_t vertices) {
   }
 }
 
-/* In model units. */
+/* Returns a position in model units. */
 Vec Builder::place(const Accessor &positions, uint32_t vertex) const {
   float p[4];
   positions.read(vertex, p);
@@ -167,8 +170,8 @@ Vec Builder::place(const Accessor &positions, uint32_t vertex) const {
   return turn(root);
 }
 
-/* Numbers the vertices that are used, in the file's order. A table of all vertices is faster than
- * sorting, unless the accessor is much larger than what this primitive uses of it. */
+/* Numbers the used vertices in the order of the file. A table of all vertices is faster than
+ * sorting, unless the accessor is much larger than the part that this primitive uses. */
 void Builder::number_vertices(size_t vertices) {
   std::vector<uint32_t> &triangles = piece_.triangles;
   if (vertices <= 8 * triangles.size()) {
@@ -211,9 +214,10 @@ Vec Builder::face(size_t triangle) const {
   return cross(corner[1] - corner[0], corner[2] - corner[0]);
 }
 
-/* Keeps triangles whose corners, as they are stored, span an area; true when all do. (Measured on
- * the stored floats: GCC 12 vectorises double -> float -> double into nothing, so rounding a local
- * double would not do.) What lies beyond the extent had no area before it was rounded. */
+/* Removes triangles that are degenerate in their stored positions; returns true when there are
+ * none. (The test uses the stored floats: GCC 12 optimises double -> float -> double away when it
+ * vectorises, so rounding a local double would not work.) Triangles with a vertex outside the
+ * extent had no area before rounding. */
 bool Builder::drop_degenerate() {
   std::vector<uint32_t> kept;
   kept.reserve(piece_.triangles.size());
@@ -237,7 +241,7 @@ bool Builder::drop_degenerate() {
   return all;
 }
 
-/* The vertices of good triangles alone, with their positions. */
+/* Keeps only the vertices of non-degenerate triangles, with their positions. */
 void Builder::place_triangles(const Accessor &positions) {
   number_vertices(positions.count());
   read_positions(positions);
@@ -257,7 +261,7 @@ void put_unit(std::vector<float> &array, size_t vertex, const Vec &v) {
   array[3 * vertex + 2] = static_cast<float>(v.z / length);
 }
 
-/* No normals in the file: flat shading (section 3.7.2.1), so no vertex is shared. */
+/* Flat shading for files without normals (section 3.7.2.1): no vertex is shared. */
 void Builder::flat_normals() {
   std::vector<uint32_t> source(piece_.triangles.size());
   std::vector<float> positions(3 * piece_.triangles.size());
@@ -274,8 +278,8 @@ void Builder::flat_normals() {
   piece_.positions.swap(positions);
 }
 
-/* Normals turn with the cofactors of the matrix: the inverse transpose without its division, which
- * would fail for flattened nodes. The sign keeps them outward under mirroring. */
+/* Normals are transformed by the cofactor matrix: the inverse transpose without its division, which
+ * would fail for singular nodes. The sign keeps them outward under mirroring. */
 void Builder::read_normals(const Accessor &normals) {
   const auto &m = turn_;
   const double sign = flipped_ ? -1.0 : 1.0;
@@ -304,7 +308,8 @@ void Builder::read_normals(const Accessor &normals) {
     repair_normals(bad);
 }
 
-/* A normal without direction becomes the mean of the faces around its vertex, by area. */
+/* Replaces normals without direction by the area-weighted mean of the face normals around the
+ * vertex. */
 void Builder::repair_normals(const std::vector<uint32_t> &bad) {
   tally_.bad_normals += bad.size();
   std::vector<Vec> sum(piece_.vertices()), any(piece_.vertices());
@@ -314,11 +319,12 @@ void Builder::repair_normals(const std::vector<uint32_t> &bad) {
     s = {s.x + f.x, s.y + f.y, s.z + f.z};
     any[piece_.triangles[c]] = f;
   }
-  for (const uint32_t v : bad) /* opposite faces may cancel */
+  for (const uint32_t v : bad) /* normals of opposite faces may cancel */
     put_unit(piece_.normals, v, norm(sum[v]) > 1e-6 * norm(any[v]) ? sum[v] : any[v]);
 }
 
-/* Attributes that nothing reads; skins and needs of materials have warnings of their own. */
+/* Warns about attributes that are not read; skins and attributes that materials need have their own
+ * warnings. */
 void Builder::warn_of_unread() const {
   static const char *const read[] = {"POSITION",   "NORMAL",     "TANGENT", "COLOR_0",
                                      "TEXCOORD_0", "TEXCOORD_1", "JOINTS_", "WEIGHTS_"};
@@ -327,7 +333,7 @@ void Builder::warn_of_unread() const {
     const bool known = std::any_of(std::begin(read), std::end(read), [&](const char *prefix) {
       return name.rfind(prefix, 0) == 0 && (name == prefix || prefix[strlen(prefix) - 1] == '_');
     });
-    if (!known && name[0] != '_') /* with it begin names that only their makers know */
+    if (!known && name[0] != '_') /* names that begin with an underscore are application-specific */
       warnings_.add("%s: the attribute %s is not read", what_.c_str(), printable(name).c_str());
   }
 }
@@ -374,7 +380,7 @@ void Builder::read_colors() {
     warnings_.add("%s.COLOR_0: numbers that are not finite count as 1", what_.c_str());
 }
 
-/* Tangents of the file lie in the surface, so they turn with the matrix itself. */
+/* Tangents of the file lie in the surface, so they are transformed by the matrix itself. */
 void Builder::read_tangents(const Accessor &tangents) {
   const auto &m = turn_;
   bool replaced = false;
@@ -388,7 +394,7 @@ void Builder::read_tangents(const Accessor &tangents) {
                              m[2][0] * t[0] + m[2][1] * t[1] + m[2][2] * t[2]});
     const double length = norm(turned);
     if (!(length > 0.0) || !std::isfinite(length)) {
-      replaced = true; /* keeps the computed one */
+      replaced = true; /* keeps the computed tangent */
       continue;
     }
     piece_.tangents[4 * v] = static_cast<float>(turned.x / length);
@@ -400,7 +406,7 @@ void Builder::read_tangents(const Accessor &tangents) {
     warnings_.add("%s.TANGENT: degenerate tangents are replaced", what_.c_str());
 }
 
-/* Appends a copy of a vertex, as far as it has been read when tangents are made. */
+/* Appends a copy of a vertex: all attributes that have been read before tangents are computed. */
 void Builder::copy_vertex(uint32_t vertex) {
   const auto copy = [vertex](std::vector<float> &array, size_t components) {
     for (size_t k = 0; k < components && !array.empty(); k++)
@@ -413,8 +419,8 @@ void Builder::copy_vertex(uint32_t vertex) {
   copy(piece_.uvs[1], 2);
 }
 
-/* Tangents are computed where the file has none, or only degenerate ones; without texture
- * coordinates those are any across the normal. Tangents of a file without normals are to be ignored
+/* Computes tangents where the file has none or degenerate ones; without texture coordinates they
+ * are any direction orthogonal to the normal. Tangents in a file without normals are ignored
  * (section 3.7.2.1). */
 void Builder::add_tangents(const Needs &needs) {
   const bool given = attribute("TANGENT") >= 0 && attribute("NORMAL") >= 0;
@@ -429,7 +435,8 @@ void Builder::add_tangents(const Needs &needs) {
     read_tangents(open("TANGENT", 4, 4));
 }
 
-/* Whether there are triangles to read; counts what else there is. */
+/* Returns true if the primitive has triangles; counts points, lines and primitives without
+ * positions. */
 bool Builder::is_mesh() {
   if (primitive_.mode == TINYGLTF_MODE_POINTS)
     return tally_.points++, false;
@@ -440,7 +447,8 @@ bool Builder::is_mesh() {
   return true;
 }
 
-/* The positions, with the triangles read; all attributes are of as many vertices. */
+/* Opens the positions and reads the triangles; checks that all attributes have the same number of
+ * vertices. */
 Accessor Builder::open_mesh() {
   Accessor positions = open("POSITION", 3, 3);
   for (const auto &entry : primitive_.attributes) {
@@ -456,7 +464,7 @@ Accessor Builder::open_mesh() {
   return positions;
 }
 
-/* Whether three points span an area, of whatever size. */
+/* Returns true if three points form a triangle of non-zero area, at any scale. */
 bool spans(const Vec corner[3]) {
   Vec a = corner[1] - corner[0], b = corner[2] - corner[0];
   double most = 0.0;

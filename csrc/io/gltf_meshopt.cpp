@@ -1,5 +1,5 @@
-/* EXT_meshopt_compression, with meshoptimizer's decoders. They check what they read against the end
- * of the stream, but only assert what they are called with, so that is checked here. */
+/* EXT_meshopt_compression, with meshoptimizer's decoders. They check reads against the end of the
+ * stream, but their arguments only by assertions, so these are checked here. */
 #include "io/gltf_decoded.hpp"
 
 #include <meshoptimizer.h>
@@ -23,7 +23,7 @@ size_t size_of(const tinygltf::Value &value, const char *key) {
   return value.Has(key) ? static_cast<size_t>(value.Get(key).GetNumberAsInt()) : 0;
 }
 
-/* The guard has checked types and indices. */
+/* Precondition, checked by the guard: types and indices are valid. */
 Stream open_stream(const Asset &asset, const tinygltf::Value &value, const std::string &what) {
   const Bytes &buffer = asset.buffers[size_of(value, "buffer")];
   const size_t offset = size_of(value, "byteOffset"), length = size_of(value, "byteLength");
@@ -37,7 +37,7 @@ Stream open_stream(const Asset &asset, const tinygltf::Value &value, const std::
           text_of(value, "filter", "NONE")};
 }
 
-/* What the extension demands of strides and counts, for mode and filter. */
+/* Checks strides and counts by the rules of the extension for mode and filter. */
 void check_shape(const Stream &s, const std::string &what) {
   const bool attributes = s.mode == "ATTRIBUTES";
   if (attributes ? s.stride % 4 != 0 : s.stride != 2 && s.stride != 4)

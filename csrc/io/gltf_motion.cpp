@@ -1,5 +1,5 @@
-/* Nodes (glTF 2.0, section 3.5) and animations (3.11) in the model's axes: a file's (x, y, z) is
- * (x, -z, y). */
+/* Nodes (glTF 2.0, section 3.5) and animations (3.11), converted to model axes: (x, y, z) of the
+ * file becomes (x, -z, y). */
 #include "io/gltf_motion.hpp"
 
 #include <algorithm>
@@ -14,11 +14,11 @@ namespace {
 
 using nlohmann::json;
 
-/* What animations may cost for a file's size: this many numbers, and one more a byte. (Channels may
- * share accessors, so numbers can exceed what the bytes hold.) */
+/* Limit on the numbers of animations by the size of a file: this many for any file, plus one per
+ * byte. (Channels may share accessors, so there can be more numbers than the bytes could hold.) */
 constexpr size_t FREE_NUMBERS = size_t{1} << 20;
 
-/* Which axis of the file each axis of the model is, and its sign. */
+/* File axis of each model axis, and its sign. */
 constexpr size_t AXIS[3] = {0, 2, 1};
 constexpr double SIGN[3] = {1, -1, 1};
 
@@ -36,7 +36,8 @@ pl_affine turned(const Affine &a) {
   return out;
 }
 
-/* The guard has checked lengths and the walk that the rotation has one. */
+/* Preconditions: the guard has checked array lengths, the scene traversal that the rotation has a
+ * non-zero length. */
 pl_trs trs_of(const tinygltf::Node &node) {
   pl_trs out = {{0, 0, 0}, {1, 0, 0, 0}, {1, 1, 1}};
   if (node.translation.size() == 3)
@@ -64,7 +65,7 @@ template <typename T> T *allocate(size_t count, const char *what) {
   return static_cast<T *>(memory);
 }
 
-/* As its parts are named (gltf.cpp). */
+/* Parts have the same names (gltf.cpp). */
 std::string name_of(const tinygltf::Model &model, size_t index) {
   const tinygltf::Node &node = model.nodes[index];
   std::string name = node.name;
@@ -80,7 +81,7 @@ struct Track {
   std::vector<float> times, values;
 };
 
-/* One animation of the file; every fault of it is thrown. */
+/* Reads one animation of the file; throws a Fault on any error. */
 class Reader {
 public:
   Reader(const Asset &asset, const json &value, const std::string &what,
@@ -104,7 +105,7 @@ private:
   const std::string what_;
   const std::vector<Placed> &placed_;
   size_t &budget_;
-  size_t read_ = 0; /* channels */
+  size_t read_ = 0; /* number of channels read */
 };
 
 const json &Reader::array(const char *key) const {
@@ -138,7 +139,7 @@ std::vector<Track> Reader::read() {
   return tracks;
 }
 
-/* Channels without a node, or of what is not read (weights, pointers), are passed over. */
+/* Skips channels without a node, and those of properties that are not read (weights, pointers). */
 void Reader::read_channel(size_t k, std::vector<Track> &tracks) const {
   const json &channel = array("channels")[k];
   const std::string path = what_ + ".channels[" + std::to_string(k) + "]";

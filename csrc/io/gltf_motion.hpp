@@ -1,4 +1,4 @@
-/* What can move: the table of nodes and the animations. Internal to io. */
+/* Movable parts of a file: the table of nodes and the animations. Internal to io. */
 #ifndef PL_IO_GLTF_MOTION_HPP
 #define PL_IO_GLTF_MOTION_HPP
 
@@ -12,7 +12,7 @@
 
 namespace pl_gltf {
 
-/* A node as the walk over the scene found it. */
+/* A node with the result of the scene traversal. */
 struct Placed {
   bool in_scene = false;
   int parent = -1;
@@ -23,8 +23,8 @@ struct Placed {
 void build_nodes(const Asset &asset, const std::vector<Placed> &placed,
                  const std::vector<int> &order, pl_model *model);
 
-/* Fills model->animations from the file's `animations`. One that is broken is left out with a
- * warning: the rest pose does not need it. */
+/* Fills model->animations from the file's `animations`. An invalid one is omitted with a warning:
+ * the rest pose does not need it. */
 void build_animations(const Asset &asset, const nlohmann::json &animations,
                       const std::vector<Placed> &placed, pl_model *model, Warnings &warnings);
 

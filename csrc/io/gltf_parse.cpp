@@ -1,4 +1,4 @@
-/* The one place where tinygltf is compiled. */
+/* Compiles the implementation of tinygltf. */
 #include <fstream> /* for its writer, which does not include it under TINYGLTF_NO_FS */
 
 #define TINYGLTF_IMPLEMENTATION

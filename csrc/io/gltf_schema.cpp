@@ -1,5 +1,5 @@
-/* Types and ranges of the properties of a glTF document that the reader uses (glTF 2.0, section 5).
- */
+/* Checks types and ranges of the properties of a glTF document that the reader uses (glTF 2.0,
+ * section 5). */
 #include <climits>
 #include <cmath>
 #include <utility>
@@ -13,10 +13,10 @@ namespace {
 
 using nlohmann::json;
 
-/* Integers beyond this have no exact double, so no JSON number should be one. */
+/* Larger integers are not exact as doubles, so no JSON number should be one. */
 constexpr int64_t MAX_INTEGER = int64_t{1} << 53;
 
-/* One JSON object and its path in the file, for messages. */
+/* A JSON object and its path in the file, for error texts. */
 class Object {
 public:
   Object(json &value, std::string path) : value_(value), path_(std::move(path)) {
@@ -34,7 +34,7 @@ public:
     if (json *value = need(key, required))
       check_integer(*value, at(key), low, high);
   }
-  /* Of an integer that was found good. */
+  /* Precondition: the integer has passed its check. */
   void multiple(const char *key, int of) {
     const json *value = find(key);
     if (value != nullptr && value->get<int64_t>() % of != 0)
@@ -121,7 +121,8 @@ private:
       fail(PL_E_FORMAT, "%s: is missing", at(key).c_str());
     return value;
   }
-  /* A float with an integral value counts as an integer (JSON Schema); tinygltf wants integers. */
+  /* A float with an integral value counts as an integer (JSON Schema); it is converted, as tinygltf
+   * requires integers. */
   static void check_integer(json &value, const std::string &path, int64_t low, int64_t high) {
     if (value.is_number_float()) {
       const double number = value.get<double>();
@@ -247,7 +248,8 @@ void check_primitive(json &value, const std::string &path, const Counts &n) {
   o.index("material", n.materials, "materials");
   o.integer("mode", 0, 6);
   check_draco(o, n);
-  /* Without attributes a primitive draws nothing; tinygltf would drop it and shift the others. */
+  /* A primitive without attributes draws nothing; tinygltf would drop it, which shifts the indices
+   * of the others. */
   if (o.find("attributes") == nullptr)
     value["attributes"] = json::object();
   json &attributes = value["attributes"];
@@ -309,7 +311,7 @@ void check_slot(Object owner, const char *key, const Counts &n) {
   check_transform(info);
 }
 
-/* Maps of the layers that gltf_layers.cpp reads. */
+/* Maps of the extensions that gltf_layers.cpp reads. */
 void check_layers(Object extensions, const Counts &n) {
   static const std::pair<const char *, std::vector<const char *>> known[] = {
       {"KHR_materials_clearcoat",

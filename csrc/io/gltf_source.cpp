@@ -1,5 +1,5 @@
-/* The bytes of a glTF asset: container, data URIs, and files that may not leave the model's folder.
- */
+/* Bytes of a glTF asset: container, data URIs, and external files, which must lie in the model's
+ * folder. */
 #include "io/gltf_internal.hpp"
 
 #include <cctype>
@@ -15,7 +15,8 @@ namespace pl_gltf {
 
 namespace {
 
-/* Largest file read. glTF binary has 32-bit lengths; half of that leaves arithmetic room. */
+/* Largest file that is read. glTF binary has 32-bit lengths; half of that prevents overflows in
+ * arithmetic. */
 constexpr size_t MAX_FILE = size_t{1} << 31;
 constexpr uint32_t GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BIN = 0x004E4942;
 constexpr size_t GLB_HEADER = 12, CHUNK_HEADER = 8;
@@ -41,7 +42,7 @@ int hex_digit(char c) {
   return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-/* RFC 3986, 2.1. '+' is itself (it means a space only in forms). */
+/* RFC 3986, 2.1. '+' is not decoded (it means a space only in forms). */
 std::string percent_decode(const std::string &uri, const std::string &what) {
   std::string out;
   for (size_t i = 0; i < uri.size(); i++) {
@@ -70,7 +71,7 @@ bool has_scheme(const std::string &uri) {
   return true;
 }
 
-/* Refuses absolute paths and paths that climb above the folder at any point. */
+/* Rejects absolute paths, and paths that leave the folder at any point. */
 void check_relative(const std::string &path, const std::string &what) {
   if (path.empty() || path.find('\0') != std::string::npos)
     fail(PL_E_FORMAT, "%s: the URI names no file", what.c_str());
@@ -97,7 +98,7 @@ std::string folder_of(const std::string &path) {
   return slash == std::string::npos ? "." : slash == 0 ? "/" : path.substr(0, slash);
 }
 
-/* The path without links; empty when there is no such file. */
+/* Returns the path with symbolic links resolved; empty when there is no such file. */
 std::string real_path(const std::string &path) {
   char *resolved = realpath(path.c_str(), nullptr);
   if (resolved == nullptr)
@@ -120,7 +121,7 @@ void fail(pl_status status, const char *format, ...) {
 std::string printable(const std::string &text) {
   constexpr size_t LONGEST = 100;
   std::string out = text.substr(0, LONGEST);
-  /* Not cut inside a UTF-8 sequence: its continuation bytes are 10xxxxxx. */
+  /* Does not cut inside a UTF-8 sequence, whose continuation bytes are 10xxxxxx. */
   if (text.size() > LONGEST) {
     while (!out.empty() && (static_cast<unsigned char>(text[out.size()]) & 0xC0) == 0x80)
       out.pop_back();
@@ -205,7 +206,8 @@ Bytes Source::read(const std::string &path, const char *what) {
   size_t size;
   const pl_status status = pl_file_read(path.c_str(), MAX_FILE, &bytes, &size);
   if (status != PL_OK) {
-    /* The text begins with the path, and so does every text about the model's own file. */
+    /* Removes the path at the beginning of the text: callers prepend it to every text about the
+     * model's own file. */
     const char *text = pl_error_text();
     if (what == nullptr && path.size() + 2 < strlen(text))
       fail(status, "%s", text + path.size() + 2);
@@ -257,7 +259,7 @@ void Source::split_container(Bytes file) {
       fail(PL_E_FORMAT, "broken binary glTF: two BIN chunks");
     else if (type == GLB_BIN)
       chunk_ = content, have_bin = true;
-    /* Other types are for extensions and must be skipped (section 4.4.3.1). */
+    /* Other chunk types belong to extensions and must be skipped (section 4.4.3.1). */
   }
 }
 

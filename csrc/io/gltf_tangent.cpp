@@ -1,10 +1,10 @@
-/* Tangents for normal maps, in the manner of MikkTSpace but by vertex.
+/* Tangents for normal maps, similar to MikkTSpace but per vertex.
  *
- * The glTF specification asks for MikkTSpace where a file has no tangents. As there, the tangent of
- * a vertex is the sum over its triangles of the direction of growing u, projected on the plane of
- * the normal, weighted by the corner's angle, and triangles of opposite handedness do not share
- * vertices. Unlike there, vertices are those of the file: corners with equal position, normal and
- * uv that the file keeps apart are not merged. */
+ * The glTF specification requires MikkTSpace where a file has no tangents. As there, the tangent of
+ * a vertex is the sum over its triangles of the direction of increasing u, projected on the plane
+ * orthogonal to the normal and weighted by the corner's angle; triangles of opposite handedness do
+ * not share vertices. Unlike there, vertices are those of the file: corners with equal position,
+ * normal and uv that are separate in the file are not merged. */
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -32,7 +32,7 @@ pl_vec3f reject(pl_vec3f v, pl_vec3f normal) {
   return pl_vec3f_madd(v, -pl_vec3f_dot(v, normal), normal);
 }
 
-/* Any unit vector across the normal. */
+/* Returns an arbitrary unit vector orthogonal to the normal. */
 pl_vec3f across(pl_vec3f n) {
   const pl_vec3f axis = std::fabs(n.x) < 0.6f ? pl_vec3f{1, 0, 0} : pl_vec3f{0, 1, 0};
   return pl_vec3f_unit(reject(axis, n));
@@ -48,7 +48,7 @@ float corner_angle(const Piece &piece, const uint32_t corner[3], int k) {
   return std::acos(std::fmin(std::fmax(pl_vec3f_dot(a, b), -1.0f), 1.0f));
 }
 
-/* Direction of growing u on the triangle, not normalised. */
+/* Returns the direction of increasing u on the triangle, not normalised. */
 pl_vec3f direction_of_u(const Piece &piece, const std::vector<float> &uvs, const uint32_t c[3],
                         float area) {
   const pl_vec3f p = vector_at(piece.positions, c[0]);
@@ -64,8 +64,8 @@ pl_vec3f direction_of_u(const Piece &piece, const std::vector<float> &uvs, const
 
 std::vector<uint32_t> split_by_handedness(std::vector<uint32_t> &triangles, size_t vertices,
                                           const std::vector<float> &uvs) {
-  std::vector<int8_t> seen(vertices, 0); /* sign of the first triangle with an area in uv */
-  std::map<uint32_t, uint32_t> twin;     /* vertex to its copy for the other sign */
+  std::vector<int8_t> seen(vertices, 0); /* sign of the first triangle with non-zero area in uv */
+  std::map<uint32_t, uint32_t> twin;     /* maps a vertex to its copy for the other sign */
   std::vector<uint32_t> added;
   for (size_t t = 0; t + 2 < triangles.size(); t += 3) {
     const float area = uv_area(uvs, &triangles[t]);
@@ -103,8 +103,8 @@ void compute_tangents(Piece &piece, int uv_set) {
       sum[3 * c[k]] += weight * along.x;
       sum[3 * c[k] + 1] += weight * along.y;
       sum[3 * c[k] + 2] += weight * along.z;
-      /* cross(normal, tangent) * w is the normal map's +y, which is up in the image, against v
-       * (glTF 2.0, 3.9.3). On a face whose image is not mirrored u, v turn clockwise: w = 1. */
+      /* cross(normal, tangent) * w is the normal map's +y, which is up in the image, opposite to v
+       * (glTF 2.0, 3.9.3). On a face whose image is not mirrored, u and v are clockwise: w = 1. */
       hand[c[k]] = area < 0.0f ? 1.0f : -1.0f;
     }
   }

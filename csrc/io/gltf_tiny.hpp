@@ -1,4 +1,4 @@
-/* tinygltf, without anything in it that opens files or decodes images. Internal to io. */
+/* Includes tinygltf without its code that opens files or decodes images. Internal to io. */
 #ifndef PL_IO_GLTF_TINY_HPP
 #define PL_IO_GLTF_TINY_HPP
 

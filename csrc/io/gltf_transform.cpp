@@ -7,8 +7,8 @@ namespace pl_gltf {
 
 namespace {
 
-/* A quaternion further from unit length than this is worth a remark; floats written with a few
- * digits are not. */
+/* Largest deviation of a quaternion from unit length without a warning; floats written with a few
+ * digits are within it. */
 constexpr double UNIT_TOLERANCE = 1e-3;
 
 Affine from_matrix(const std::vector<double> &m, size_t index) { /* column major */

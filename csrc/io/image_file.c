@@ -1,4 +1,4 @@
-/* Telling image formats apart, and the limits all of them share. */
+/* Detects image formats; limits common to all of them. */
 #include "io/image_file.h"
 
 #include <stdbool.h>
@@ -9,9 +9,9 @@
 #include "io/image_codec.h"
 
 static const uint64_t MAX_TEXELS = 1u << 28;
-static const uint64_t MAX_SIDE = 65536; /* of pl_image */
+static const uint64_t MAX_SIDE = 65536; /* limit of pl_image */
 static const size_t MAX_FILE = (size_t)1 << 30;
-/* Headers, tables and checksums, whatever the image: small files are let through. */
+/* Allowance for headers, tables and checksums of any image, so that small files pass. */
 static const uint64_t EXPANSION_SLACK = 1u << 16;
 
 typedef struct magic {
@@ -20,7 +20,8 @@ typedef struct magic {
   const char *bytes;
 } magic;
 
-/* Formats that are met but not read. Longest known prefixes, so that noise is not given a name. */
+/* Formats that are recognised but not read. Each has its longest known signature, so that random
+ * data is not recognised as one of them. */
 static const magic refused[] = {
     {"TIFF", 0, 4, "II*\0"},
     {"TIFF", 0, 4, "MM\0*"},

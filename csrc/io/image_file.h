@@ -1,4 +1,4 @@
-/* Reading PNG, JPEG and WebP images, from files and from memory. */
+/* Reads PNG, JPEG and WebP images from files and from memory. */
 #ifndef PL_IO_IMAGE_FILE_H
 #define PL_IO_IMAGE_FILE_H
 
@@ -12,15 +12,16 @@
 extern "C" {
 #endif
 
-/* Decodes PNG, JPEG or WebP (told apart by their first bytes). 16-bit samples are reduced to 8,
- * palettes are expanded. Refuses more than 2^28 texels, and broken or truncated data (PL_E_FORMAT);
- * other formats are PL_E_UNSUPPORTED with the format named. `name` is used in error texts. */
+/* Decodes PNG, JPEG or WebP (detected by their signature). 16-bit samples are reduced to 8,
+ * palettes are expanded. Fails for more than 2^28 texels, and for invalid or truncated data
+ * (PL_E_FORMAT); other formats give PL_E_UNSUPPORTED with the format named. `name` is used in error
+ * texts. */
 pl_status pl_image_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out);
 /* Decodes a grey PNG of any depth to 16 bits, without loss: two channels, the high and the low byte
- * (a depth of n bits is multiplied so that its largest number is 65535). PL_E_UNSUPPORTED for
- * colours; else as above. */
+ * (n-bit values are scaled so that their maximum becomes 65535). Returns PL_E_UNSUPPORTED for
+ * colour images; otherwise as pl_image_decode. */
 pl_status pl_png_decode_grey(const uint8_t *bytes, size_t size, const char *name, pl_image *out);
-/* The same as pl_image_decode from a file; PL_E_IO with the path when it cannot be read. */
+/* As pl_image_decode, but from a file; returns PL_E_IO with the path when it cannot be read. */
 pl_status pl_image_load(const char *path, pl_image *out);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* Decoding JPEG with libjpeg-turbo, for hostile input. (libjpeg's own working memory, a few rows
- * or, for progressive files, the coefficients, does not pass the allocation hook.) */
+/* JPEG decoder with libjpeg-turbo, safe for malicious input. (libjpeg's own memory, a few rows or,
+ * for progressive files, the coefficients, is not allocated through the allocation hook.) */
 #include <setjmp.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -11,15 +11,15 @@
 
 #include "io/image_codec.h"
 
-/* A block of 64 samples takes at least one bit of each of two Huffman codes, or with progressive
- * runs one bit in all (ITU-T T.81, F.1.2 and G.1.2): 512 samples a byte. Colour adds two
- * components that may be subsampled 4 x 4, which take part of the bits but are counted as samples.
- */
+/* A block of 64 samples takes at least one bit in each of two Huffman codes, or with progressive
+ * runs one bit in total (ITU-T T.81, F.1.2 and G.1.2): 512 samples per byte. Colour adds two
+ * components that may be subsampled 4 x 4; they take some of the bits but count as full samples. */
 enum { JPEG_EXPANSION = 512 * 3 };
-/* Scans of a progressive file. Real ones have about ten; each costs a pass over the image. */
+/* Largest number of scans of a progressive file. Real files have about ten; each costs a pass over
+ * the image. */
 enum { MAX_SCANS = 200 };
 
-/* All state lives here, outside the frame that longjmp returns to. */
+/* All state is stored here, outside the stack frame that longjmp returns to. */
 typedef struct reader {
   struct jpeg_error_mgr errors;
   struct jpeg_progress_mgr progress;
@@ -27,7 +27,7 @@ typedef struct reader {
   struct jpeg_decompress_struct jpeg;
   const char *name;
   pl_image image;
-  pl_status status; /* set before leaving when the text is already recorded */
+  pl_status status; /* set before leaving when the error text is already recorded */
 } reader;
 
 static void leave(reader *r, pl_status status) {
@@ -43,8 +43,8 @@ static void on_error(j_common_ptr jpeg) {
   leave(r, pl_fail(memory ? PL_E_MEMORY : PL_E_FORMAT, "%s: broken JPEG: %s", r->name, text));
 }
 
-/* libjpeg warns and goes on where data are broken; only remarks about harmless oddities may pass.
- */
+/* libjpeg warns and continues where data is corrupt, so warnings are errors here; only informative
+ * messages (level >= 0) pass. */
 static void on_message(j_common_ptr jpeg, int level) {
   if (level >= 0)
     return;
@@ -98,7 +98,7 @@ static void read_texels(reader *r) {
     JSAMPROW line = r->image.texels + (size_t)jpeg->output_scanline * row;
     jpeg_read_scanlines(jpeg, &line, 1);
   }
-  jpeg_finish_decompress(jpeg); /* a file without its end is truncated */
+  jpeg_finish_decompress(jpeg); /* fails for a truncated file */
 }
 
 static pl_status guarded_read(reader *r, const uint8_t *bytes, size_t size) {

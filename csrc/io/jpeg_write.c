@@ -1,4 +1,4 @@
-/* Encoding JPEG with libjpeg-turbo, and reading it back. */
+/* Encodes an image as JPEG with libjpeg-turbo, and decodes it again. */
 #include "io/jpeg_write.h"
 
 #include <setjmp.h>
@@ -7,7 +7,7 @@
 
 #include <jpeglib.h>
 
-/* All state lives here, outside the frame that longjmp returns to. */
+/* All state is stored here, outside the stack frame that longjmp returns to. */
 typedef struct cycle {
   struct jpeg_error_mgr errors;
   struct jpeg_destination_mgr target;
@@ -97,9 +97,10 @@ static pl_status guarded(cycle *c) {
   return PL_OK;
 }
 
-/* More than images take. Without subsampling a pixel has three coefficients; of steps of 1 their
- * root mean square is 128 at most, which takes 8 bits and a code of 10: 7 bytes a pixel, of which
- * those of 255 are doubled. Blocks are of up to 16 x 16 pixels; what does not fit is refused. */
+/* Upper bound of the size of a file. Without subsampling a pixel has three coefficients; with steps
+ * of 1 their root mean square is at most 128, which takes 8 bits and a code of 10 bits: 7 bytes per
+ * pixel, of which bytes of value 255 are doubled. Blocks have up to 16 x 16 pixels. A larger file
+ * is an error. */
 static size_t room_for(int width, int height) {
   const size_t columns = ((size_t)width + 15) / 16 * 16, rows = ((size_t)height + 15) / 16 * 16;
   return columns * rows * 12 + 4096;

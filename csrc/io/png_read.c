@@ -1,4 +1,4 @@
-/* Decoding PNG with libpng, for hostile input. */
+/* PNG decoder with libpng, safe for malicious input. */
 #include <png.h>
 #include <setjmp.h>
 #include <stdio.h>
@@ -7,22 +7,23 @@
 #include "base/memory.h"
 #include "io/image_codec.h"
 
-/* The largest expansion of deflate is 1032 (zlib's "Technical details"). */
+/* Largest expansion by deflate (zlib's "Technical details"). */
 enum { PNG_EXPANSION = 1032 };
-/* Largest ancillary chunk (profile, text) that is unpacked, bytes, and how many are kept. */
+/* Largest ancillary chunk (profile, text) that is decompressed, bytes, and largest number of chunks
+ * that are kept. */
 enum { MAX_CHUNK = 8 << 20, MAX_CHUNKS = 1000 };
 
-/* All state lives here, outside the frame that longjmp returns to. */
+/* All state is stored here, outside the stack frame that longjmp returns to. */
 typedef struct reader {
   const uint8_t *bytes;
   size_t size, position;
   const char *name;
-  bool deep; /* to 16-bit grey */
+  bool deep; /* decode to 16-bit grey */
   png_structp png;
   png_infop info;
   pl_image image;
-  pl_status status; /* set before png_error when the fault is not one of format */
-  char text[160];   /* libpng's words */
+  pl_status status; /* set before png_error when the error is not one of format */
+  char text[160];   /* libpng's error message */
 } reader;
 
 static void on_error(png_structp png, png_const_charp text) {
@@ -54,7 +55,7 @@ static void on_free(png_structp png, png_voidp memory) {
   pl_free(memory);
 }
 
-/* Everything to 8-bit grey, grey+alpha, RGB or RGBA. */
+/* Converts everything to 8-bit grey, grey+alpha, RGB or RGBA. */
 static void set_transforms(reader *r) {
   png_structp png = r->png;
   const int color = png_get_color_type(png, r->info), depth = png_get_bit_depth(png, r->info);
@@ -68,7 +69,7 @@ static void set_transforms(reader *r) {
     png_set_scale_16(png);
 }
 
-/* To 16-bit grey, whose two bytes are the two channels of the image. */
+/* Converts to 16-bit grey, whose two bytes are the two channels of the image. */
 static void set_deep_transforms(reader *r) {
   png_structp png = r->png;
   if (png_get_color_type(png, r->info) & (PNG_COLOR_MASK_COLOR | PNG_COLOR_MASK_PALETTE)) {
@@ -113,7 +114,7 @@ static void read_texels(reader *r) {
   for (int pass = 0; pass < passes; pass++)
     for (int y = 0; y < r->image.height; y++)
       png_read_row(png, r->image.texels + (size_t)y * row, NULL);
-  png_read_end(png, NULL); /* a file without its end is truncated */
+  png_read_end(png, NULL); /* fails for a truncated file */
 }
 
 static pl_status guarded_read(reader *r) {

@@ -1,4 +1,4 @@
-/* Writing PNG files that are either whole or not there. */
+/* Writes PNG files atomically: a file is either complete or absent. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/png_write.h"
 
@@ -14,19 +14,19 @@
 
 #include "base/memory.h"
 
-/* Names tried for the temporary file: other threads of this process, and what a killed process
- * with this id has left, may hold some. */
+/* Largest number of names tried for the temporary file: other threads of this process, or files
+ * left by a killed process with the same id, may use some. */
 enum { MAX_NAMES = 1000 };
-/* Above this level the file's size matters more than time: libpng then tries all filters. */
+/* Above this level a small file matters more than speed: libpng then tries all filters. */
 enum { LAST_FAST_LEVEL = 6 };
 
-/* All state lives here, outside the frame that longjmp returns to. */
+/* All state is stored here, outside the stack frame that longjmp returns to. */
 typedef struct writer {
   const char *path;
   char *temporary; /* owned */
   int descriptor;
   int error;     /* errno of the first failed write */
-  char text[96]; /* libpng's words */
+  char text[96]; /* libpng's error message */
   const unsigned char *samples;
   int width, height, channels, bits, level;
   png_structp png;
@@ -71,14 +71,14 @@ static void on_free(png_structp png, png_voidp memory) {
   pl_free(memory);
 }
 
-/* Nothing that varies between runs (time, text) is written, and the filters are fixed. */
+/* Writes nothing that varies between runs (time, text), and fixes the filters. */
 static void write_all(writer *w) {
   static const int color_types[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA,
                                     PNG_COLOR_TYPE_RGB, PNG_COLOR_TYPE_RGB_ALPHA};
   png_structp png = w->png;
   png_set_write_fn(png, w, on_write, on_flush);
   png_set_compression_level(png, w->level);
-  const bool flat = w->level == 0 || (w->channels == 1 && w->bits == 8); /* masks, mostly */
+  const bool flat = w->level == 0 || (w->channels == 1 && w->bits == 8); /* mostly masks */
   png_set_filter(png, PNG_FILTER_TYPE_BASE,
                  flat ? PNG_FILTER_NONE
                       : (w->level > LAST_FAST_LEVEL ? PNG_ALL_FILTERS : PNG_FILTER_SUB));
@@ -116,7 +116,7 @@ static pl_status encode(writer *w) {
   return status;
 }
 
-/* Creates the temporary file beside the target, under a name nobody else has. */
+/* Creates the temporary file beside the target, under an unused name. */
 static pl_status open_temporary(writer *w) {
   const size_t capacity = strlen(w->path) + 48;
   void *memory;

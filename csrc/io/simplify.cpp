@@ -1,4 +1,4 @@
-/* meshoptimizer asserts what it is called with, so that is checked here. */
+/* Checks the arguments of meshoptimizer, which only asserts them. */
 #include "io/simplify.h"
 
 #include <cmath>

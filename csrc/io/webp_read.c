@@ -1,17 +1,18 @@
-/* Decoding WebP (RFC 9649) with libwebp, for hostile input. (libwebp's own working memory, a few
- * rows, or for lossless files four bytes a texel, does not pass the allocation hook.) */
+/* WebP decoder (RFC 9649) with libwebp, safe for malicious input. (libwebp's own memory, a few rows
+ * or, for lossless files, four bytes per texel, is not allocated through the allocation hook.) */
 #include <string.h>
 
 #include <webp/decode.h>
 
 #include "io/image_codec.h"
 
-/* Decoded bytes that a file of any size may have: one of a single colour is a few hundred bytes
- * long however large it is (RFC 9649, 3.7.2: codes of one symbol take no bits). */
+/* Decoded bytes that are allowed for a file of any size: an image of one colour takes a few hundred
+ * bytes at any dimensions (RFC 9649, 3.7.2: codes of one symbol take no bits). */
 static const uint64_t WEBP_FREE = (uint64_t)1 << 26;
-/* Beyond that, bytes a byte. Lossy files of one colour reach 1700. */
+/* Decoded bytes per byte of the file that are allowed beyond that. Lossy files of one colour reach
+ * 1700. */
 enum { WEBP_EXPANSION = 4096 };
-/* Of "RIFF", the size and "WEBP"; the size counts what follows itself. */
+/* Size of the header: "RIFF", the size and "WEBP". The size counts the bytes that follow it. */
 enum { RIFF_HEADER = 12, RIFF_COUNTED_FROM = 8 };
 
 static uint64_t riff_size(const uint8_t *bytes) {
