@@ -1,4 +1,4 @@
-/* The module _core: types, tables, small functions. */
+/* The module _core: its types, tables and small functions. */
 #define PL_IMPORT_NUMPY
 #include "pyext/py_common.h"
 
@@ -20,7 +20,8 @@
 #include "shade/reflectance.h"
 #include "trace/tracer.h"
 
-/* Channels of an image array: (H, W) has one; 0 when the shape is none we write. */
+/* Returns the number of channels of an image array: 1 for (H, W); 0 for shapes that cannot be
+ * written. */
 static int image_channels(PyArrayObject *array) {
   if (PyArray_NDIM(array) == 2)
     return 1;
@@ -29,7 +30,7 @@ static int image_channels(PyArrayObject *array) {
   return 0;
 }
 
-/* Numbers of a grey PNG (bytes, name for errors), as a uint16 array of (height, width). */
+/* Decodes a grey PNG (bytes, name for errors) to a uint16 array of (height, width). */
 static PyObject *png_grey(PyObject *module, PyObject *args) {
   const char *bytes, *name;
   Py_ssize_t size;
@@ -49,7 +50,7 @@ static PyObject *png_grey(PyObject *module, PyObject *args) {
   return result;
 }
 
-/* Other threads run while an image is written: it is copied, as in pl_py_own_array. */
+/* The GIL is released while an image is written, so the array is copied, as in pl_py_own_array. */
 #define PL_IMAGE_FLAGS (NPY_ARRAY_IN_ARRAY | NPY_ARRAY_ENSUREARRAY | NPY_ARRAY_ENSURECOPY)
 
 static PyObject *png_write(PyObject *module, PyObject *args, PyObject *kwargs) {

@@ -1,4 +1,4 @@
-/* The type Air: an atmosphere, and what it does to light on a round body. */
+/* The type Air: an atmosphere and its radiative transfer around a spherical body. */
 #include "pyext/py_types.h"
 
 #include <string.h>
@@ -83,7 +83,7 @@ static PyObject *air_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
   return (PyObject *)self;
 }
 
-/* Points (n, 3), m from the centre of a round body, and unit directions (n, 3). */
+/* Points (n, 3), m from the centre of a spherical body, and unit directions (n, 3). */
 typedef struct rays {
   PyArrayObject *points, *directions; /* new references, or NULL */
   npy_intp shape[2];

@@ -1,4 +1,4 @@
-/* The type Articulation: joints and an animation of a model. */
+/* The type Articulation: joints and animations of a model. */
 #include "pyext/py_types.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 typedef struct articulation_object {
   PyObject_HEAD PyObject *model; /* Model */
   pl_articulation *core;         /* owned */
-  pl_affine *motions;            /* owned: room for one pose; the GIL guards it */
+  pl_affine *motions;            /* owned: buffer for one pose; the GIL guards it */
   Py_ssize_t joints;
 } articulation_object;
 
@@ -50,7 +50,7 @@ static int read_joint(PyObject *item, pl_joint *out) {
   return 0;
 }
 
-/* Array to be freed, of `count` joints. */
+/* Returns an array of `count` joints; the caller frees it. */
 static pl_joint *read_joints(PyObject *list, Py_ssize_t count) {
   pl_joint *joints = pl_alloc((size_t)count, sizeof *joints);
   if (joints == NULL)
@@ -157,7 +157,7 @@ static int loop_of(const char *name) {
   return -1;
 }
 
-/* Motions as rows of a 3 x 4 matrix each. */
+/* Returns motions as an array of 3 x 4 matrices. */
 static PyObject *motions_array(const pl_affine *motions, size_t count) {
   npy_intp shape[3] = {(npy_intp)count, 3, 4};
   PyObject *array = PyArray_SimpleNew(3, shape, NPY_DOUBLE);

@@ -1,4 +1,5 @@
-/* The optics of a camera for Python: the table of lenses, requests, and projection for labels. */
+/* Camera optics for Python: the table of lens models, parsing of requests, and projection for
+ * labels. */
 #include "pyext/py_camera.h"
 
 #include "pyext/py_types.h"

@@ -1,4 +1,4 @@
-/* The optics of a camera for Python. */
+/* Camera optics for Python. */
 #ifndef PL_PYEXT_PY_CAMERA_H
 #define PL_PYEXT_PY_CAMERA_H
 
@@ -6,13 +6,15 @@
 
 #include "scene/scene.h"
 
-/* Sets the intrinsics by K (3, 3) and the lens by (model, coefficients), None or NULL. */
+/* Sets the intrinsics from K (3, 3) and the lens from (model, coefficients); None or NULL for no
+ * lens. */
 int pl_py_camera_optics(PyObject *k, PyObject *lens, pl_camera *out);
-/* Sets aperture and focus by (aperture_m, distance_m); None or NULL: a pinhole. */
+/* Sets aperture and focus from (aperture_m, distance_m); None or NULL for a pinhole. */
 int pl_py_camera_focus(PyObject *focus, pl_camera *out);
-/* The table of lenses. */
+/* Returns the table of lens models. */
 PyObject *pl_py_lenses(void);
-/* project(K, lens, points): pixels of points in camera axes; nan where there is no image. */
+/* project(K, lens, points): pixel coordinates of points in camera axes; nan where a point has no
+ * image. */
 PyObject *pl_py_project(PyObject *module, PyObject *args);
 
 #endif

@@ -1,5 +1,5 @@
-/* "body_clouds" of the request dictionary: a sequence with None or a mapping for each body. And
- * what clouds cover. */
+/* "body_clouds" of the request dictionary: a sequence with None or a mapping for each body. Also
+ * evaluates cloud cover. */
 #include "pyext/py_request.h"
 
 #include "pyext/py_read.h"
@@ -76,7 +76,8 @@ int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out) {
 static void fill_cover(const pl_clouds *clouds, PyArrayObject *points, double width_m, int detail,
                        double *out) {
   const pl_cloud_cover cover = pl_cloud_cover_make(clouds, NULL, detail);
-  const double side = 0.5 * sqrt(PL_PI) * width_m; /* of a square with a disc's area */
+  /* half side of a square with the area of the disc */
+  const double side = 0.5 * sqrt(PL_PI) * width_m;
   for (npy_intp i = 0; i < PyArray_DIM(points, 0); i++) {
     const double *p = (const double *)PyArray_DATA(points) + 3 * i;
     out[i] = (double)pl_cloud_cover_at(&cover, (pl_vec3){p[0], p[1], p[2]}, (pl_vec3){side, 0, 0},

@@ -1,4 +1,4 @@
-/* Status codes as Python exceptions. */
+/* Converts status codes to Python exceptions. */
 #include "pyext/py_common.h"
 
 #include <string.h>
@@ -22,13 +22,13 @@ static PyObject *exception_of(pl_status status) {
   case PL_STATUS_COUNT:
     break;
   }
-  return PyExc_SystemError; /* a caller's mistake: there was nothing to raise */
+  return PyExc_SystemError; /* caller error: the status was not an error */
 }
 
 PyObject *pl_py_raise(pl_status status) {
   if (PyErr_Occurred())
     return NULL;
-  /* Texts name files, and files may have names that are no UTF-8. */
+  /* Error texts may contain file names, which are not necessarily valid UTF-8. */
   PyObject *text =
       PyUnicode_DecodeUTF8(pl_error_text(), (Py_ssize_t)strlen(pl_error_text()), "replace");
   if (text != NULL)

@@ -1,7 +1,7 @@
-/* What every file of the extension includes: Python, NumPy, and status to exception.
+/* Common header of the extension: Python, NumPy, and conversion of a status to an exception.
  *
- * The limited API keeps one binary for all versions from 3.11; NumPy's table of functions is
- * imported once, by module.c, which defines PL_IMPORT_NUMPY before including this. */
+ * The limited API keeps one binary for all versions from 3.11. NumPy's function table is imported
+ * once, by module.c, which defines PL_IMPORT_NUMPY before it includes this. */
 #ifndef PL_PYEXT_PY_COMMON_H
 #define PL_PYEXT_PY_COMMON_H
 
@@ -29,8 +29,8 @@
 
 #include "base/status.h"
 
-/* Sets the exception that belongs to `status` with pl_error_text() as its text; returns NULL. An
- * exception that is already set (by a signal handler, say) is kept. */
+/* Sets the exception for `status` with pl_error_text() as its text; returns NULL. An exception that
+ * is already set (e.g. by a signal handler) is kept. */
 PyObject *pl_py_raise(pl_status status);
 
 #endif

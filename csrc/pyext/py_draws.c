@@ -1,5 +1,6 @@
-/* The function draws: standard numbers for all drivers of a step, the ones that NumPy's Generator
- * gives. NumPy's own samplers are linked in, so that another NumPy draws no other frames. */
+/* The function draws: standard random numbers for all drivers of a step, equal to those of NumPy's
+ * Generator. NumPy's own samplers are linked statically, so that frames do not depend on the
+ * installed version of NumPy. */
 #include <stdbool.h>
 
 #include <numpy/random/distributions.h>
@@ -14,7 +15,7 @@ typedef struct philox_stream {
   uint64_t counter[4];
   uint64_t words[4];
   int used;
-  uint32_t half; /* of a word whose other half was taken */
+  uint32_t half; /* remaining half of a word */
   bool has_half;
 } philox_stream;
 
@@ -43,7 +44,7 @@ static uint32_t next_half(void *state) {
 
 static double next_number(void *state) { return pl_philox_double(next_word(state)); }
 
-/* Rows of the four arrays; `out` holds the sum of the counts. */
+/* Fills the draws of all rows of the four arrays; `out` has room for the sum of the counts. */
 static void fill(uint64_t seed, npy_intp rows, const uint64_t *keys, const uint64_t *frames,
                  const npy_bool *normal, const int64_t *counts, double *out) {
   for (npy_intp i = 0; i < rows; i++) {

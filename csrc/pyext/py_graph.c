@@ -1,4 +1,4 @@
-/* The type Graph, and the table of its nodes. */
+/* The type Graph, and the table of node kinds. */
 #include "pyext/py_types.h"
 
 #include <string.h>
@@ -10,7 +10,7 @@
 
 typedef struct graph_object {
   PyObject_HEAD pl_graph *graph; /* owned */
-  PyObject *kept;                /* list: the maps that it borrows from */
+  PyObject *kept;                /* list: the maps that the graph borrows */
 } graph_object;
 
 static void graph_dealloc(PyObject *self) {
@@ -29,9 +29,9 @@ const pl_graph *pl_py_graph_of(PyObject *object) {
   return ((graph_object *)object)->graph;
 }
 
-/* --- reading a description -------------------------------------------------------------------- */
+/* --- parsing a description -------------------------------------------------------------------- */
 
-/* Room for what one node points to. */
+/* Memory for the inputs and constants of one node. */
 typedef struct node_room {
   pl_graph_input inputs[PL_NODE_SOCKETS];
   pl_constant constants[PL_NODE_CONSTANTS];
@@ -48,7 +48,7 @@ static int read_input(PyObject *item, pl_graph_input *out) {
   for (int k = 0; sources[k] != NULL; k++)
     if (strcmp(sources[k], source) == 0) {
       out->source = (pl_input_source)k;
-      out->index = (size_t)index; /* what is negative is far too large */
+      out->index = (size_t)index; /* negative values become too large and are rejected */
       out->output = (size_t)output;
       return 0;
     }
@@ -56,7 +56,7 @@ static int read_input(PyObject *item, pl_graph_input *out) {
   return -1;
 }
 
-/* (number, numbers or None, map or None); keeps what is pointed to. */
+/* Reads (number, numbers or None, map or None); adds referenced objects to `kept`. */
 static int read_constant(PyObject *item, PyObject *kept, pl_constant *out) {
   PyObject *numbers, *map;
   const npy_intp any[1] = {-1};
@@ -84,7 +84,7 @@ static int check_count(PyObject *list, size_t count, const char *what, const cha
   return -1;
 }
 
-/* (name, kind, inputs, constants) */
+/* Reads (name, kind, inputs, constants). */
 static int read_node(PyObject *item, PyObject *kept, node_room *room, pl_graph_node *out) {
   const char *kind;
   PyObject *inputs, *constants;
@@ -153,7 +153,7 @@ static PyObject *graph_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   return (PyObject *)self;
 }
 
-/* --- using ------------------------------------------------------------------------------------ */
+/* --- evaluation ------------------------------------------------------------------------------- */
 
 static PyObject *get_instructions(PyObject *self, void *closure) {
   (void)closure;
@@ -180,14 +180,14 @@ static PyGetSetDef graph_getset[] = {
     {NULL, NULL, NULL, NULL, NULL},
 };
 
-/* Values of the surface's inputs as shading uses them: colour, metalness, alpha, emission. */
+/* Writes the surface parameters as shading uses them: colour, metalness, alpha, emission. */
 static void put_surface(const pl_surface *s, double *out) {
   const double row[8] = {s->color.x, s->color.y,    s->color.z,    s->metallic,
                          s->alpha,   s->emission.x, s->emission.y, s->emission.z};
   memcpy(out, row, sizeof row);
 }
 
-/* The surface at a point of the object's axes, seen from above. */
+/* Evaluates the surface at a point in object axes, viewed along its normal. */
 static pl_surface surface_at(const pl_graph *graph, pl_vec3f at, double radius,
                              const pl_value *parameters) {
   const pl_vec3f x = {1.0f, 0.0f, 0.0f}, y = {0.0f, 1.0f, 0.0f}, z = {0.0f, 0.0f, 1.0f};
@@ -235,7 +235,8 @@ static PyObject *graph_evaluate(PyObject *object, PyObject *args, PyObject *kwar
   return out;
 }
 
-/* Light of an even sky that the surface sends towards `wo`, by the draws of its model. */
+/* Monte Carlo estimate of the radiance reflected towards `wo` under a uniform sky of radiance 1, by
+ * sampling the surface's BSDF. */
 static void put_albedo(const pl_surface *s, pl_vec3f wo, uint32_t draws, double out[3]) {
   out[0] = out[1] = out[2] = 0.0;
   for (uint32_t i = 0; wo.z > 0.0f && i < draws; i++) {
@@ -300,7 +301,7 @@ static PyType_Slot graph_slots[] = {
 PyType_Spec pl_py_graph_spec = {"perilune._core.Graph", sizeof(graph_object), 0, Py_TPFLAGS_DEFAULT,
                                 graph_slots};
 
-/* --- the table -------------------------------------------------------------------------------- */
+/* --- table of node kinds ---------------------------------------------------------------------- */
 
 static PyObject *socket_row(const pl_socket *socket) {
   static const char *const types[] = {"scalar", "vector", "color"};

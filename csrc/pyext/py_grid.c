@@ -1,4 +1,4 @@
-/* The type Grid: numbers over a whole body. */
+/* The type Grid: a grid of numbers over a whole body. */
 #include "pyext/py_types.h"
 
 #include "geom/grid.h"

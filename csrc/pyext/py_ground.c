@@ -1,4 +1,4 @@
-/* Relief, water and lights of bodies. */
+/* Relief, water and night lights of bodies. */
 #include "pyext/py_ground.h"
 
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "pyext/py_read.h"
 #include "pyext/py_types.h"
 
-/* A map of the dictionary, kept alive by `kept`; absent or None: NULL. */
+/* Gets a map of the dictionary and appends it to `kept`; NULL when absent or None. */
 static int get_map(PyObject *dict, const char *key, PyObject *kept, const pl_texture **out) {
   PyObject *value;
   *out = NULL;

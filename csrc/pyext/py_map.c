@@ -27,14 +27,14 @@ const pl_texture *pl_py_map_of(PyObject *object) {
   return ((map_object *)object)->texture;
 }
 
-/* What a map is read as, and what is done to its texels before. */
+/* How the texels of a map are interpreted, and how they are changed before filtering. */
 typedef struct map_options {
   int srgb, water;
-  float black; /* NAN: as bright as the map's dark ground is */
+  float black; /* NAN: the black level found by pl_image_find_black */
   pl_wrap wrap_u, wrap_v;
 } map_options;
 
-/* Takes over the image. */
+/* Takes ownership of the image. */
 static pl_status filter(pl_image *image, const map_options *options, pl_texture **out) {
   float black[3] = {options->black, options->black, options->black};
   if (isnan(options->black))
@@ -76,10 +76,11 @@ static pl_status of_numbers(PyArrayObject *array, const map_options *options, pl
                                options->wrap_v, out);
 }
 
-/* The most texels a side of an array; beyond, its size does not fit. */
+/* Largest side of an array, texels; beyond it the size would overflow. */
 enum { MAX_SIDE = 65536 };
 
-/* From an array of uint8 texels or of float32 numbers; -1 with an exception. */
+/* Creates a texture from an array of uint8 texels or float32 numbers; returns -1 with an exception.
+ */
 static int from_array(PyObject *object, const map_options *options, pl_texture **out) {
   const bool texels = PyArray_TYPE((PyArrayObject *)object) == NPY_UINT8;
   const npy_intp any[3] = {-1, -1, -1};
@@ -117,7 +118,7 @@ static int from_file(PyObject *object, const map_options *options, pl_texture **
   return -1;
 }
 
-/* For PyArg_Parse: a wrap mode by its name. */
+/* Converter for PyArg_Parse: a wrap mode by name. */
 static int convert_wrap(PyObject *object, void *out) {
   static const char *const names[] = {"repeat", "clamp", "mirror"};
   const pl_wrap modes[] = {PL_WRAP_REPEAT, PL_WRAP_CLAMP, PL_WRAP_MIRROR};
@@ -130,7 +131,7 @@ static int convert_wrap(PyObject *object, void *out) {
   return 0;
 }
 
-/* None: NAN. */
+/* Converter for PyArg_Parse: None becomes NAN. */
 static int convert_black(PyObject *object, void *out) {
   const double black = object == Py_None ? NAN : PyFloat_AsDouble(object);
   if (PyErr_Occurred())
@@ -181,7 +182,7 @@ static PyObject *get_mean(PyObject *self, void *closure) {
   return array;
 }
 
-/* Rows of which the mean of a column is made, at most. */
+/* Largest number of rows that the mean of a column samples. */
 enum { COLUMN_ROWS = 64 };
 
 static void column_mean(const pl_texture *texture, int column, double out[4]) {

@@ -1,4 +1,4 @@
-/* The type Model: a glTF file, or the shape of a body; immutable. */
+/* The type Model: a glTF file or the shape of a body; immutable. */
 #include "pyext/py_types.h"
 
 #include <math.h>
@@ -18,7 +18,7 @@
 typedef struct model_object {
   PyObject_HEAD pl_model *model; /* owned */
   PyObject *path;                /* str */
-  PyObject *source;              /* Model whose textures it borrows, or NULL */
+  PyObject *source;              /* Model that owns the borrowed textures, or NULL */
 } model_object;
 
 static void model_dealloc(PyObject *self) {
@@ -39,21 +39,22 @@ const pl_model *pl_py_model_of(PyObject *object) {
   return ((model_object *)object)->model;
 }
 
-/* How a file is read. */
+/* Options for loading a file. */
 typedef struct reading {
   double crease_rad;
   bool stretched;
   double stretch[3];
-  PyObject *sides; /* borrowed: a function of a material's name and sides; None: as they are */
+  /* borrowed: a function of a material's name and sidedness; None keeps those of the file */
+  PyObject *sides;
 } reading;
 
 static pl_status load(const char *path, const reading *how, pl_model **out) {
   size_t split;
   PL_TRY(pl_gltf_load(path, how->stretched ? how->stretch : NULL, out));
-  return pl_model_crease(*out, how->crease_rad, &split); /* the object owns the model already */
+  return pl_model_crease(*out, how->crease_rad, &split); /* the object already owns the model */
 }
 
-/* Asks for the sides of each material. Those of solids that light goes through stay two. */
+/* Calls `sides` for each material. Transmissive solids stay double-sided. */
 static int set_sides(PyObject *sides, pl_model *model) {
   for (size_t i = 0; i < model->material_count; i++) {
     pl_material *material = &model->materials[i];
@@ -125,9 +126,9 @@ static PyObject *model_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   return (PyObject *)self;
 }
 
-/* What of_mesh takes, and the arrays made of it (new references, or NULL). */
+/* Arguments of of_mesh, and the arrays made from them (new references, or NULL). */
 typedef struct mesh_arguments {
-  PyObject *name, *positions, *indices, *source, *corners, *faces; /* the last three: or None */
+  PyObject *name, *positions, *indices, *source, *corners, *faces; /* the last three may be None */
   int one_sided;
   PyArrayObject *arrays[4]; /* positions, indices, corners, faces */
 } mesh_arguments;
@@ -164,7 +165,7 @@ static int fill_mesh(model_object *self, const mesh_arguments *in, const pl_mode
   return status == PL_OK ? 0 : (pl_py_raise(status), -1);
 }
 
-/* A model of the type `self` that a mesh makes. */
+/* Creates a model of the type `self` from a mesh. */
 static PyObject *model_of_mesh(PyObject *self, PyObject *args) {
   mesh_arguments in = {.source = Py_None, .corners = Py_None, .faces = Py_None};
   const pl_model *source = NULL;
@@ -261,14 +262,14 @@ static PyObject *get_parts(PyObject *self, void *closure) {
   return parts;
 }
 
-/* `list` made a tuple, or NULL; takes the reference. */
+/* Converts `list`, or NULL, to a tuple; steals the reference. */
 static PyObject *tuple_of(PyObject *list) {
   PyObject *tuple = list != NULL ? PyList_AsTuple(list) : NULL;
   Py_XDECREF(list);
   return tuple;
 }
 
-/* Appends `item`, whose reference is taken; clears the list on failure. */
+/* Appends `item` and steals its reference; clears the list on failure. */
 static void append(PyObject **list, PyObject *item) {
   if (*list != NULL && (item == NULL || PyList_Append(*list, item) < 0))
     Py_CLEAR(*list);
@@ -338,7 +339,7 @@ static PyObject *get_warnings(PyObject *self, void *closure) {
   return tuple;
 }
 
-/* A new array holding a copy of `values`, put into `dict` under `key`. */
+/* Stores a new array with a copy of `values` in `dict` under `key`. */
 static int put_copy(PyObject *dict, const char *key, const void *values, size_t rows, int columns,
                     int type) {
   npy_intp shape[2] = {(npy_intp)rows, columns};
@@ -354,7 +355,7 @@ static int put_copy(PyObject *dict, const char *key, const void *values, size_t 
   return failed;
 }
 
-/* In model units. */
+/* Stores the positions in model units. */
 static int put_positions(PyObject *dict, const pl_model *m) {
   npy_intp shape[2] = {(npy_intp)m->vertex_count, 3};
   PyObject *array = PyArray_SimpleNew(2, shape, NPY_DOUBLE);
@@ -371,7 +372,7 @@ static int put_positions(PyObject *dict, const pl_model *m) {
   return failed;
 }
 
-/* Mean colour of a triangle's material, sRGB bytes: what viewers of exported models show. */
+/* Mean colour of a triangle's material as sRGB bytes, for viewers of exported models. */
 static void triangle_color(const pl_model *model, size_t triangle, uint8_t out[3]) {
   const pl_material *material =
       &model->materials[model->parts[model->triangle_part[triangle]].material];
@@ -416,7 +417,7 @@ static PyObject *model_mesh(PyObject *self, PyObject *unused) {
 static PyObject *put_new(PyObject *dict, const char *key, npy_intp count, int type) {
   PyObject *array = dict != NULL ? PyArray_SimpleNew(1, &count, type) : NULL;
   const int failed = array != NULL ? PyDict_SetItemString(dict, key, array) : -1;
-  Py_XDECREF(array); /* the dict holds it */
+  Py_XDECREF(array); /* the dictionary owns it */
   return failed == 0 ? array : NULL;
 }
 

@@ -1,5 +1,5 @@
-/* "motion" of the request dictionary: how rows are exposed, and keys of all that moves meanwhile.
- */
+/* "motion" of the request dictionary: timing of the exposure of rows, and motion keys of everything
+ * that moves during the exposure. */
 #include "pyext/py_request.h"
 
 #include <string.h>
@@ -8,15 +8,15 @@
 #include "pyext/py_read.h"
 #include "pyext/py_types.h"
 
-/* Poses are read as they lie in the arrays: x y z qw qx qy qz. */
+/* Poses are copied directly from the arrays: x y z qw qx qy qz. */
 _Static_assert(sizeof(pl_pose) == 7 * sizeof(double), "a pose is seven doubles");
 _Static_assert(sizeof(pl_vec3) == 3 * sizeof(double), "a vector is three doubles");
 
 typedef struct reader {
   PyObject *motion;
-  int keys;           /* as the camera has; 0: none */
-  pl_py_keys *buffer; /* room for all of them */
-  size_t used;        /* doubles */
+  int keys;           /* number of the camera's keys; 0 for none */
+  pl_py_keys *buffer; /* memory for all keys */
+  size_t used;        /* doubles in use */
 } reader;
 
 static double *take(reader *reader, size_t count) {
@@ -36,7 +36,7 @@ static int grow(pl_py_keys *keys, size_t count) {
   return 0;
 }
 
-/* Copies an array of the key's shape to where it stays until the next request. */
+/* Copies an array of the key's shape to memory that stays valid until the next request. */
 static double *read_array(reader *reader, const char *key, int nd, const npy_intp *shape) {
   PyObject *value = Py_XNewRef(PyDict_GetItemString(reader->motion, key));
   if (value == NULL) {
@@ -85,7 +85,7 @@ static int read_poses(reader *reader, const pl_scene *scene, pl_py_states *state
   return 0;
 }
 
-/* (keys, nodes, 3, 4) as affine motions, each object's keys together. */
+/* Reads (keys, nodes, 3, 4) as affine motions, grouped by object. */
 static int read_movers(reader *reader, const pl_scene *scene, pl_py_states *states) {
   const npy_intp nodes = (npy_intp)states->mover_count;
   if (nodes == 0)
@@ -111,7 +111,7 @@ static int read_movers(reader *reader, const pl_scene *scene, pl_py_states *stat
   return 0;
 }
 
-/* Keys of the camera, which all others share. */
+/* Counts the keys of the camera; all others must have as many. */
 static int count_keys(PyObject *motion, int *keys) {
   PyObject *camera;
   *keys = 0;

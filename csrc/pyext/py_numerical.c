@@ -1,4 +1,4 @@
-/* The numerical propagator and its forces from mappings. */
+/* Reads the numerical propagator and its forces from mappings. */
 #include <string.h>
 
 #include "base/memory.h"
@@ -11,10 +11,10 @@
 #define KEYS_SIZE 400
 #define DEFAULT_RTOL 1e-12
 
-/* A specification on its way to C; cleared by clear_parts. */
+/* A specification during parsing; freed by clear_parts. */
 typedef struct parts {
-  pl_numerical_spec spec; /* forces and motions owned until the propagator has taken them */
-  PyObject *names;        /* list of the motions' names, in their order */
+  pl_numerical_spec spec; /* owns forces and motions until the propagator takes ownership */
+  PyObject *names;        /* list of the names of the motions, in their order */
 } parts;
 
 static void clear_parts(parts *p) {
@@ -27,7 +27,7 @@ static void clear_parts(parts *p) {
   Py_XDECREF(p->names);
 }
 
-/* spec['motions']: name -> specification of a propagator about the same centre. */
+/* Reads spec['motions']: name -> specification of a propagator with the same centre. */
 static int read_motions(PyObject *spec, const char *where, parts *p) {
   PyObject *mapping = NULL;
   if (pl_py_member(spec, "motions", 1, where, &mapping) < 0)
@@ -61,7 +61,7 @@ static int read_motions(PyObject *spec, const char *where, parts *p) {
   return result;
 }
 
-/* Numbers of any shape, in C order; *array keeps them alive. */
+/* Reads numbers of any shape, in C order; *array owns them. */
 static int read_numbers(PyObject *item, const char *key, pl_force_value *out,
                         PyArrayObject **array) {
   *array = pl_py_own_array(item, NPY_DOUBLE);
@@ -92,7 +92,7 @@ static int read_reference(PyObject *item, const char *key, const parts *p, pl_fo
 
 static int read_value(PyObject *mapping, const pl_force_parameter *parameter, const parts *p,
                       pl_force_value *out, PyArrayObject **array) {
-  if (parameter->type == PL_FORCE_BODY) /* optional or not: the row's check tells */
+  if (parameter->type == PL_FORCE_BODY) /* whether it is required is checked with the row */
     return pl_py_read_celestial(mapping, parameter->key, 1, "parameters", &out->body);
   PyObject *item = NULL;
   if (pl_py_member(mapping, parameter->key, 1, "parameters", &item) < 0)
@@ -105,7 +105,7 @@ static int read_value(PyObject *mapping, const pl_force_parameter *parameter, co
   return result;
 }
 
-/* A misspelt parameter must not be passed over. */
+/* Rejects unknown keys, so that a misspelt parameter is not ignored. */
 static int check_keys(PyObject *mapping, const pl_force_kind *kind) {
   char keys[KEYS_SIZE] = "kind";
   for (size_t i = 0; i < kind->parameter_count; i++)
@@ -203,7 +203,7 @@ int pl_py_read_numerical(PyObject *spec, const char *where, double day, double f
       pl_py_optional_double(spec, "surface_m", where, &p.spec.surface_m) == 0 &&
       read_motions(spec, where, &p) == 0 && read_forces(spec, where, &p) == 0)
     result = pl_py_check(pl_numerical_create(&p.spec, out), where);
-  if (result == 0) /* taken over, all but the lists themselves */
+  if (result == 0) /* the propagator owns everything except the lists themselves */
     p.spec.force_count = p.spec.motion_count = 0;
   clear_parts(&p);
   return result;

@@ -1,4 +1,4 @@
-/* Bodies, orbits and random words for Python. */
+/* Bodies, orbits and the random number generator for Python. */
 #include "pyext/py_orbit.h"
 
 #include "math/philox.h"
@@ -56,7 +56,7 @@ static PyObject *philox(PyObject *module, PyObject *args, PyObject *kwargs) {
     return NULL;
   uint64_t words[6];
   for (int i = 0; i < 6; i++) {
-    words[i] = PyLong_AsUnsignedLongLong(parts[i]); /* negative or too large: OverflowError */
+    words[i] = PyLong_AsUnsignedLongLong(parts[i]); /* OverflowError when negative or too large */
     if (PyErr_Occurred())
       return NULL;
   }

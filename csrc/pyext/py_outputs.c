@@ -1,13 +1,13 @@
-/* Where results go: channels by name, and their description for Python. */
+/* Output arrays: channels by name, and their description for Python. */
 #include "pyext/py_request.h"
 #include "pyext/py_types.h"
 
 #include <string.h>
 
-/* Number of components: as many as the camera has bands. */
+/* Number of components: equal to the camera's number of bands. */
 #define PL_PY_BANDS (-2)
 
-/* Channels of light; the others come from the table of label channels. */
+/* Radiometric channels; all others are in the table of label channels. */
 static const struct {
   const char *name, *dtype;
   int components;
@@ -37,7 +37,7 @@ static int type_number(const char *dtype) {
   return NPY_NOTYPE;
 }
 
-/* The array's data if it is writable, C-contiguous and of exactly this type and shape. */
+/* Returns the array's data if it is writable, C-contiguous and of exactly this type and shape. */
 static void *checked_data(PyObject *object, const char *name, int type, int nd,
                           const npy_intp *shape) {
   if (!PyArray_Check(object)) {
@@ -57,7 +57,7 @@ static void *checked_data(PyObject *object, const char *name, int type, int nd,
   return PyArray_DATA(array);
 }
 
-/* `many`: the number of components where the table has none: levels, or bands. */
+/* `many` is the number of components (levels or bands) where the table has none. */
 static void *channel_data(PyObject *object, const char *name, const char *dtype, int components,
                           int many, const pl_camera *camera) {
   const npy_intp shape[3] = {camera->height, camera->width, components < 0 ? many : components};
@@ -70,7 +70,7 @@ static void *object_data(PyObject *object, size_t count) {
     return NULL;
   }
   PyArrayObject *array = (PyArrayObject *)object;
-  /* Whatever has these bytes will do, but for references to Python's objects. */
+  /* Any dtype of this size is accepted, except those with references to Python objects. */
   if (PyArray_TYPE(array) != NPY_VOID || PyDataType_REFCHK(PyArray_DESCR(array)) ||
       PyArray_NDIM(array) != 1 || PyArray_DIM(array, 0) != (npy_intp)count ||
       !PyArray_ISCARRAY(array) ||
@@ -107,7 +107,8 @@ static int set_colour(size_t channel, void *data, pl_frame_request *request) {
   return data != NULL ? 0 : -1;
 }
 
-/* Of a channel of light; `raw` of a sensor of planes has one for each. */
+/* Returns the number of components of a radiometric channel; `raw` of a sensor with planes has one
+ * per plane. */
 static int components_of(size_t channel, const pl_frame_request *request) {
   const bool planes = strcmp(colour_channels[channel].name, "raw") == 0 && request->sensor != NULL;
   if (planes && request->sensor->plane_count > 0)
@@ -192,7 +193,7 @@ PyObject *pl_py_channels(void) {
 }
 
 PyObject *pl_py_object_label(void) {
-  /* The struct has no padding, so NumPy's packed layout is the compiler's. */
+  /* The struct has no padding, so the compiler's layout equals NumPy's packed layout. */
   _Static_assert(sizeof(pl_object_label) == 13 * 8 + 14 * 4, "pl_object_label has padding");
   return Py_BuildValue("[(ss(ii)),(ss(i)),(ss),(ss),(ss),(ss(i)),(ss(i)),(ss),(ss),(ss),(ss)]",
                        "R_m2c", "<f8", 3, 3, "t_m2c", "<f8", 3, "visib_fract", "<f8", "instance_id",

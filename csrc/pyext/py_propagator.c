@@ -1,4 +1,4 @@
-/* Propagators from mappings, and their states as arrays. */
+/* Reads propagators from mappings and returns their states as arrays. */
 #include "pyext/py_propagator.h"
 
 #include <string.h>
@@ -37,8 +37,8 @@ int pl_py_read_celestial(PyObject *mapping, const char *key, int optional, const
   return result;
 }
 
-/* Which of the keys that say where on the orbit it is at the epoch; -1 with an exception unless
- * exactly one is there. */
+/* Returns which of the keys for the position on the orbit at the epoch is present; -1 with an
+ * exception unless there is exactly one. */
 static int read_anomaly(PyObject *elements, const char *where, double *value) {
   static const char *const keys[] = {"since_periapsis_s", "mean_anomaly_rad", "true_anomaly_rad"};
   int found = -1, count = 0;
@@ -89,7 +89,8 @@ static int read_elements(PyObject *elements, double gm, const char *where, pl_el
                      where);
 }
 
-/* spec['elements'] or spec['state'] as an orbit at the epoch, in the axes of spec['frame']. */
+/* Reads spec['elements'] or spec['state'] as an orbit at the epoch, in the axes of spec['frame'].
+ */
 static int read_orbit(PyObject *spec, const char *where, pl_orbit *out) {
   double gm = 0.0;
   PyObject *elements = NULL;
@@ -112,7 +113,7 @@ static int read_orbit(PyObject *spec, const char *where, pl_orbit *out) {
   return result;
 }
 
-/* The axes of spec['frame'] at the epoch, to ICRF. */
+/* Rotation from the axes of spec['frame'] at the epoch to ICRF. */
 static int read_frame(PyObject *spec, const char *where, double day, double fraction,
                       pl_quat *out) {
   static const char *const frames[] = {"icrf", "equator"};
@@ -217,7 +218,7 @@ int pl_py_read_propagator(PyObject *spec, const char *where, double day, double 
     names[i] = readers[i].kind->name;
   const int kind =
       pl_py_member_choice(spec, "kind", where ? where : "propagator", names, (int)READER_COUNT);
-  /* Forces of a propagator may name propagators: a description may hold itself. */
+  /* Forces of a propagator may refer to propagators, so a description may contain itself. */
   if (kind < 0 || Py_EnterRecursiveCall(" in the description of a propagator"))
     return -1;
   const int result = readers[kind].read(spec, where ? where : names[kind], day, fraction, out);

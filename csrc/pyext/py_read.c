@@ -1,4 +1,4 @@
-/* Members of mappings as C values. */
+/* Reads members of mappings as C values. */
 #include "pyext/py_read.h"
 
 #include <string.h>
@@ -150,7 +150,7 @@ PyArrayObject *pl_py_member_array(PyObject *mapping, const char *key, const char
   return array;
 }
 
-/* Whether the key is there and not None; -1 with an exception. */
+/* Returns 1 if the key is present and not None, else 0; -1 with an exception. */
 static int has_member(PyObject *mapping, const char *key, const char *where) {
   PyObject *item = NULL;
   if (pl_py_member(mapping, key, 1, where, &item) < 0)

@@ -1,4 +1,4 @@
-/* The type Renderer: one scene's frames; releases the GIL, listens to ctrl-C. */
+/* The type Renderer: renders frames of one scene. Releases the GIL, and handles ctrl-C. */
 #include "pyext/py_request.h"
 #include "pyext/py_sky.h"
 #include "pyext/py_types.h"
@@ -11,17 +11,19 @@
 
 typedef struct renderer_object {
   PyObject_HEAD PyObject *scene; /* Scene */
-  const pl_scene *core;          /* of `scene` */
+  const pl_scene *core;          /* content of `scene` */
   pl_renderer *renderer;         /* owned */
   pl_py_states states;
-  pid_t pid; /* Embree and its memory belong to the process that opened them */
-  int busy;  /* guarded by the GIL: from before a request is read to after its result is made */
+  pid_t pid; /* process that created it: Embree and its memory do not work in a forked child */
+  /* guarded by the GIL; set from before a request is parsed until after its result is built */
+  int busy;
 } renderer_object;
 
 static void renderer_dealloc(PyObject *object) {
   renderer_object *self = (renderer_object *)object;
   PyTypeObject *type = Py_TYPE(object);
-  if (self->pid == getpid()) /* in a forked child the device is a dead copy: leave it be */
+  /* a forked child has only an unusable copy of the device, which is not freed */
+  if (self->pid == getpid())
     pl_renderer_destroy(self->renderer);
   pl_free(self->states.objects);
   pl_free(self->states.bodies);
@@ -70,9 +72,9 @@ static PyObject *renderer_new(PyTypeObject *type, PyObject *args, PyObject *kwar
   return (PyObject *)self;
 }
 
-/* Runs Python's signal handlers now and then while the GIL is released. */
+/* Runs Python's signal handlers at intervals while the GIL is released. */
 typedef struct poller {
-  PyThreadState *state; /* of the calling thread, saved */
+  PyThreadState *state; /* saved state of the calling thread */
   double next_s;
 } poller;
 
@@ -136,11 +138,12 @@ static void end(renderer_object *self) {
   self->states.kept = NULL;
   pl_py_scene_release(self->scene);
   self->busy = 0;
-  Py_XDECREF(kept); /* the last, since it may run code, too */
+  Py_XDECREF(kept); /* last, since it may run Python code too */
 }
 
-/* Takes hold of the renderer and its scene. Before anything of the request is read: values, arrays
- * and mappings may run any code when they are asked, frames of this renderer included. */
+/* Acquires the renderer and its scene. Called before any part of the request is read: values,
+ * arrays and mappings may run arbitrary code when they are accessed, including frames of this
+ * renderer. */
 static int begin(renderer_object *self) {
   if (self->pid != getpid()) {
     PyErr_SetString(PyExc_ValueError,

@@ -1,4 +1,4 @@
-/* Reading the request dictionary. */
+/* Parses the request dictionary. */
 #include "pyext/py_request.h"
 
 #include <string.h>
@@ -10,13 +10,14 @@
 #include "pyext/py_sky.h"
 #include "pyext/py_types.h"
 
-/* Value of a key, a new reference; NULL, without an exception where it is absent. Never a borrowed
- * one: reading a value may run code that removes it from its dictionary. */
+/* Returns a new reference to the value of a key; NULL, without an exception, when it is absent. A
+ * borrowed reference would be unsafe: reading a value may run code that removes it from its
+ * dictionary. */
 static PyObject *maybe(PyObject *dict, const char *key) {
   return Py_XNewRef(PyDict_GetItemString(dict, key));
 }
 
-/* Likewise, but KeyError naming the key when absent. */
+/* As maybe, but a missing key is a KeyError that names it. */
 static PyObject *item(PyObject *dict, const char *key) {
   PyObject *value = maybe(dict, key);
   if (value == NULL && !PyErr_Occurred())
@@ -109,7 +110,7 @@ static int parse_objects(PyObject *dict, size_t count, pl_object_state *out) {
   return scale != NULL ? 0 : -1;
 }
 
-/* "object_movers" (nodes, 3, 4): may be absent when no object is articulated. */
+/* "object_movers" (nodes, 3, 4): optional when no object is articulated. */
 static int parse_movers(PyObject *dict, const pl_scene *scene, pl_py_states *states) {
   const npy_intp shape[3] = {(npy_intp)states->mover_count, 3, 4};
   if (states->mover_count == 0)
@@ -139,7 +140,7 @@ static size_t parameter_count(const pl_scene *scene) {
   return count;
 }
 
-/* "graph_parameters" (values, 3): may be absent when no material has any. */
+/* "graph_parameters" (values, 3): optional when no material has parameters. */
 static int parse_parameters(PyObject *dict, const pl_scene *scene, pl_py_states *states) {
   const size_t count = parameter_count(scene);
   const npy_intp shape[2] = {(npy_intp)count, 3};
@@ -193,14 +194,15 @@ static int parse_bodies(PyObject *dict, size_t count, pl_body_state *out) {
   return ok ? 0 : -1;
 }
 
-/* Of bodies; absent: all is the map's, or 0. */
+/* Regolith parameters of bodies; when absent, all values are those of the map, or 0. */
 static int parse_regolith(PyObject *dict, size_t count, pl_body_state *out) {
   enum { BANDS = 3 * PL_REGOLITH_VALUES, ROW = BANDS + 3 };
   const npy_intp shape[2] = {(npy_intp)count, ROW};
   for (size_t i = 0; i < count; i++)
     for (size_t k = 0; k < BANDS; k++)
       ((float *)out[i].regolith.band)[k] = NAN;
-  if (PyDict_GetItemString(dict, "body_regolith") == NULL) /* only asked for, not used */
+  /* only tests for presence; the reference is not used */
+  if (PyDict_GetItemString(dict, "body_regolith") == NULL)
     return PyErr_Occurred() ? -1 : 0;
   PyArrayObject *array = get_array(dict, "body_regolith", 2, shape);
   if (array == NULL)
@@ -217,10 +219,10 @@ static int parse_regolith(PyObject *dict, size_t count, pl_body_state *out) {
   return 0;
 }
 
-/* Dominant wavelengths of the primaries of sRGB. */
+/* Dominant wavelengths of the sRGB primaries, um. */
 static const double srgb_um[3] = {0.612, 0.549, 0.465};
 
-/* "sun_wavelengths" may be absent. */
+/* "sun_wavelengths" is optional. */
 static int parse_wavelengths(PyObject *dict, pl_sun *sun) {
   const npy_intp three[1] = {3};
   memcpy(sun->wavelengths_um, srgb_um, sizeof srgb_um);
@@ -266,7 +268,7 @@ static int mask_of(PyObject *names, const char *key, uint64_t *mask) {
   return count < 0 ? -1 : 0;
 }
 
-/* Names of effects as a mask. */
+/* Converts names of effects to a bit mask. */
 static int parse_mask(PyObject *dict, const char *key, uint64_t *mask) {
   PyObject *names = item(dict, key);
   const int failed = names != NULL ? mask_of(names, key, mask) : -1;
@@ -274,7 +276,7 @@ static int parse_mask(PyObject *dict, const char *key, uint64_t *mask) {
   return failed;
 }
 
-/* A member that is a dictionary itself: a new reference. */
+/* Returns a new reference to a member that must be a dictionary. */
 static PyObject *section(PyObject *dict, const char *key) {
   PyObject *value = item(dict, key);
   if (value == NULL || PyDict_Check(value))
@@ -316,7 +318,7 @@ static int parse_mode(PyObject *exposure, pl_exposure *out) {
   return known ? 0 : -1;
 }
 
-/* The key may be absent: then 0. */
+/* "min_white_radiance" is optional; default 0. */
 static int parse_least_white(PyObject *exposure, pl_exposure *out) {
   PyObject *value = PyMapping_GetItemString(exposure, "min_white_radiance");
   out->least_white = 0.0;
@@ -342,7 +344,7 @@ static int parse_exposure(PyObject *dict, pl_exposure *out) {
   return failed ? -1 : 0;
 }
 
-/* The key may be absent: then true. */
+/* "amodal" is optional; default true. */
 static int parse_amodal(PyObject *dict, bool *out) {
   PyObject *value = PyDict_GetItemString(dict, "amodal");
   if (value == NULL && PyErr_Occurred())

@@ -1,4 +1,4 @@
-/* From the request dictionary of Python to the request struct of the core. */
+/* Converts the request dictionary of Python to the request struct of the core. */
 #ifndef PL_PYEXT_PY_REQUEST_H
 #define PL_PYEXT_PY_REQUEST_H
 
@@ -6,19 +6,19 @@
 
 #include "frame/frame.h"
 
-/* Numbers of the keys of all that moves in a frame. */
+/* Buffer for the motion keys of a frame. */
 typedef struct pl_py_keys {
-  double *numbers; /* owned; grows with the keys */
+  double *numbers; /* owned; grows with the number of keys */
   size_t room;
 } pl_py_keys;
 
-/* Room for what a frame places; one per renderer, sized by its scene. */
+/* Memory for the placement of a frame; one per renderer, sized by its scene. */
 typedef struct pl_py_states {
   pl_object_state *objects; /* owned */
   pl_body_state *bodies;    /* owned */
-  pl_affine *movers;        /* owned: of all moving nodes, object by object */
+  pl_affine *movers;        /* owned: motions of all moving nodes, object by object */
   size_t mover_count;
-  pl_value *parameters;  /* owned: of all graphs, object by object, then body by body */
+  pl_value *parameters;  /* owned: parameters of all graphs, object by object, then body by body */
   size_t parameter_room; /* grows with the graphs of a scene, which may change between frames */
   pl_py_keys keys;
   pl_sensor sensor;
@@ -26,34 +26,35 @@ typedef struct pl_py_states {
   pl_sensor_plane planes[PL_BANDS_MAX];
   pl_sky sky;
   pl_volume volumes[PL_VOLUMES_MAX];
-  pl_value *volume_parameters; /* owned: of all their graphs */
+  pl_value *volume_parameters; /* owned: parameters of the graphs of all volumes */
   size_t volume_room;
-  PyObject *kept; /* list of all that the request in hand borrows from; NULL between frames */
+  PyObject *kept; /* list of all objects that the current request borrows; NULL between frames */
 } pl_py_states;
 
-/* Fills everything but outputs, threads and cancel; -1 with an exception naming the key. */
+/* Fills everything except outputs, threads and cancel; returns -1 with an exception that names the
+ * key. */
 int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
                         pl_frame_request *out);
-/* "motion" of the request dictionary, which may be absent or None: then nothing moves. After all
- * else that is placed. */
+/* Parses "motion" of the request dictionary; when absent or None, nothing moves. Call after the
+ * placement has been parsed. */
 int pl_py_motion_parse(PyObject *request, const pl_scene *scene, pl_py_states *states,
                        pl_placement *placement);
-/* "sensor" of the request dictionary, which may be absent or None. */
+/* Parses "sensor" of the request dictionary, which may be absent or None. */
 int pl_py_sensor_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
-/* "volumes" of the request dictionary, which may be absent or None. */
+/* Parses "volumes" of the request dictionary, which may be absent or None. */
 int pl_py_volumes_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
-/* What the sensor's filters see; see perilune.camera.filters. */
+/* Parses the spectral response of the sensor's filters; see perilune.camera.filters. */
 int pl_py_filters_parse(PyObject *sensor, pl_py_states *states, pl_sensor *out);
-/* "body_clouds", one a body, which may be absent. */
+/* Parses "body_clouds", one per body, which may be absent. */
 int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out);
-/* "bands" (bands, 3), which may be absent. */
+/* Parses "bands" (bands, 3), which may be absent. */
 int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
-/* Points the request at the arrays of `out` (a mapping name -> ndarray), checking type, shape and
- * contiguity. References are appended to `kept`. */
+/* Sets the request's output pointers to the arrays of `out` (a mapping name -> ndarray), and checks
+ * type, shape and contiguity. References are appended to `kept`. */
 int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,
                           pl_frame_request *request);
 
-/* CHANNELS and OBJECT_LABEL, as documented in the stub. New references. */
+/* Return CHANNELS and OBJECT_LABEL, as documented in the stub; new references. */
 PyObject *pl_py_channels(void);
 PyObject *pl_py_object_label(void);
 

@@ -1,4 +1,4 @@
-/* The type Rings: flat rings about a body, and what is seen of them. */
+/* The type Rings: flat rings around a body, and their radiance and transmittance. */
 #include "pyext/py_types.h"
 
 #include "rings/rings.h"
@@ -76,7 +76,7 @@ static PyObject *rings_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   return (PyObject *)self;
 }
 
-/* One cone into a row of (scattered, passed). */
+/* Writes the result for one cone to a row of (scattered, passed). */
 static void look(const pl_rings *rings, const pl_rings_ray *ray, const pl_rings_sun *sun,
                  double *scattered, double *passed) {
   const pl_rings_light light = pl_rings_seen(rings, ray, sun);

@@ -1,4 +1,4 @@
-/* The type Scene: models, maps and label ids that stay from frame to frame. */
+/* The type Scene: models, maps and label ids that are constant over frames. */
 #include "pyext/py_types.h"
 
 #include <string.h>
@@ -8,11 +8,11 @@
 
 typedef struct scene_object {
   PyObject_HEAD pl_scene scene;
-  PyObject *kept; /* list: what the scene borrows from */
+  PyObject *kept; /* list: objects that the scene borrows */
   PyObject
       *graphs; /* dict: index of an object -> tuple of its graphs; -1 - index of a body -> graph */
-  /* Guarded by the GIL. held: frames that are being rendered; changing: a method is between its
-   * checks and its end, and reads arguments whose code may do anything. */
+  /* Guarded by the GIL. held: number of frames being rendered. changing: a method is between its
+   * checks and its end, and parses arguments, which may run arbitrary code. */
   int frozen, held, changing;
 } scene_object;
 
@@ -71,7 +71,7 @@ static PyObject *scene_new(PyTypeObject *type, PyObject *args, PyObject *kwargs)
   return (PyObject *)self;
 }
 
-/* What a method of the scene does; the arguments are the method's. */
+/* Body of a method of the scene; takes the method's arguments. */
 typedef PyObject *(*change_fn)(scene_object *self, PyObject *args, PyObject *kwargs);
 
 static int check_use(const scene_object *self, bool adds) {
@@ -86,7 +86,8 @@ static int check_use(const scene_object *self, bool adds) {
   return check_changing(self);
 }
 
-/* adds: not once there is a renderer, which has room for what it saw; else between frames. */
+/* adds: not allowed once a renderer exists, as its memory is sized by the scene. Other changes are
+ * allowed between frames. */
 static PyObject *run_change(PyObject *object, PyObject *args, PyObject *kwargs, change_fn change,
                             bool adds) {
   scene_object *self = (scene_object *)object;
@@ -106,7 +107,7 @@ static const pl_reflectance *find_reflectance(const char *name) {
   return found;
 }
 
-/* What add_body takes that the core borrows, and the scene keeps; each may be None. */
+/* Arguments of add_body that the core borrows and the scene keeps alive; each may be None. */
 typedef struct body_arguments {
   PyObject *map, *regolith, *air, *shape, *rings, *cloud_map;
 } body_arguments;
@@ -178,7 +179,7 @@ static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) 
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);
 }
 
-/* What add_object takes, and the arrays made of it (owned references). */
+/* Arguments of add_object, and the arrays made from them (owned references). */
 typedef struct object_arguments {
   PyObject *offset, *parts, *classes, *triangle_part; /* borrowed; triangle_part may be None */
   PyArrayObject *arrays[4];                           /* in the same order; the last may be NULL */
@@ -231,7 +232,7 @@ static PyObject *add_object(scene_object *self, PyObject *args, PyObject *kwargs
   return added;
 }
 
-/* Borrowed graphs of a tuple; NULL with an exception. */
+/* Returns the borrowed graphs of a tuple; NULL with an exception. */
 static const pl_graph **graphs_of(PyObject *tuple) {
   const size_t count = (size_t)PyTuple_Size(tuple);
   void *memory;
@@ -251,9 +252,9 @@ static const pl_graph **graphs_of(PyObject *tuple) {
   return graphs;
 }
 
-/* The scene's graphs of an object become those of a tuple, which is kept instead of the one before.
- * Both are kept while the scene changes, so that a failure on the way leaves nothing without an
- * owner. */
+/* Replaces an object's graphs in the scene by those of a tuple, which is kept in place of the
+ * former one. Both are kept alive during the change, so that a failure leaves no borrowed graph
+ * without an owner. */
 static int replace_graphs(scene_object *self, size_t index, PyObject *tuple,
                           PyArrayObject *triangles) {
   int result = -1;
@@ -309,7 +310,8 @@ static PyObject *set_body_graph(scene_object *self, PyObject *args, PyObject *kw
   const pl_graph *graph = NULL;
   if (py_graph != Py_None && (graph = pl_py_graph_of(py_graph)) == NULL)
     return NULL;
-  /* Bodies are counted from -1 down. The one before may go: nothing uses it after the call. */
+  /* Keys of bodies count from -1 downwards. The former graph may be released: nothing uses it after
+   * the call. */
   PyObject *key = PyLong_FromSsize_t(-1 - index);
   PyObject *before = Py_XNewRef(key != NULL ? PyDict_GetItemWithError(self->graphs, key) : NULL);
   const int failed =

@@ -1,11 +1,11 @@
-/* Reading the sensor of a request. */
+/* Parses the sensor of a request. */
 #include "pyext/py_read.h"
 #include "pyext/py_request.h"
 #include "pyext/py_types.h"
 
 static const char WHERE[] = "sensor";
 
-/* A number of the mapping and where it goes. */
+/* A key of the mapping and the address of its value. */
 typedef struct number {
   const char *key;
   double *out;
@@ -46,11 +46,11 @@ static int parse_pixels(PyObject *dict, pl_sensor *out) {
     return -1;
   out->mosaic = (pl_mosaic)mosaic;
   out->serial = serial;
-  out->bits = bits <= 64 ? (int)bits : 64; /* pl_sensor_check refuses it */
+  out->bits = bits <= 64 ? (int)bits : 64; /* pl_sensor_check rejects it */
   return 0;
 }
 
-/* "vignetting_profile" (points, 2), angle and factor: may be absent or None. */
+/* "vignetting_profile" (points, 2), angle and factor: absent or None for none. */
 static int parse_profile(PyObject *dict, pl_shading *out) {
   PyObject *given;
   if (pl_py_member(dict, "vignetting_profile", 1, WHERE, &given) < 0)
@@ -73,13 +73,13 @@ static int parse_profile(PyObject *dict, pl_shading *out) {
   return 0;
 }
 
-/* Pixels of the mapping, borrowed from an array that the frame keeps. */
+/* Image of the mapping, borrowed from an array that the frame keeps alive. */
 typedef struct sensor_image {
-  void *pixels; /* NULL: there is none */
+  void *pixels; /* NULL when there is none */
   int width, height;
 } sensor_image;
 
-/* Not copied: a flat field is as large as the image. */
+/* Borrows an array without a copy: a flat field is as large as the image. */
 static int lend(PyArrayObject *array, const char *key, PyObject *kept, sensor_image *out) {
   if (pl_py_keep_memory(kept, (PyObject *)array) < 0)
     return -1;
@@ -113,7 +113,7 @@ static int image_of(PyObject *dict, const char *key, int type, PyObject *kept, s
   return there && array == NULL ? -1 : failed;
 }
 
-/* "kernel" (any height, any width) of a measured point spread: may be absent or None. */
+/* "kernel" (any height, any width), a measured point-spread function: may be absent or None. */
 static int parse_kernel(PyObject *dict, pl_py_states *states) {
   sensor_image kernel;
   if (image_of(dict, "kernel", NPY_DOUBLE, states->kept, &kernel) < 0)
@@ -158,7 +158,7 @@ static int parse_compression(PyObject *dict, pl_compression *out) {
     chroma = failed ? -1 : pl_py_member_choice(given, "chroma", WHERE, chromas, PL_CHROMAS);
   }
   Py_DECREF(given);
-  out->quality = quality <= 100 ? (int)quality : 101; /* pl_sensor_check refuses it */
+  out->quality = quality <= 100 ? (int)quality : 101; /* pl_sensor_check rejects it */
   out->chroma = (pl_chroma)chroma;
   return failed < 0 || chroma < 0 ? -1 : 0;
 }
@@ -175,7 +175,7 @@ static int parse_flat(PyObject *dict, pl_py_states *states) {
   return status == PL_OK ? 0 : (pl_py_raise(status), -1);
 }
 
-/* "plane_pupil": may be absent, then false. */
+/* "plane_pupil": optional, default false. */
 static int parse_pupil(PyObject *dict, pl_sensor *out) {
   PyObject *given;
   if (pl_py_member(dict, "plane_pupil", 1, WHERE, &given) < 0)
@@ -185,8 +185,8 @@ static int parse_pupil(PyObject *dict, pl_sensor *out) {
   return 0;
 }
 
-/* Up to `room` numbers of a sequence that may be absent; *count is room + 1 where there are more,
- * which pl_sensor_check refuses. */
+/* Reads up to `room` numbers of an optional sequence. *count is room + 1 for longer ones, which
+ * pl_sensor_check rejects. */
 static int parse_list(PyObject *dict, const char *key, int room, double *out, int *count) {
   PyObject *given;
   if (pl_py_member(dict, key, 1, WHERE, &given) < 0)

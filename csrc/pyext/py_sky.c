@@ -1,4 +1,4 @@
-/* The type Stars, the sky of a request, and the stars that a frame shows. */
+/* The type Stars, the sky of a request, and the visible stars of a result. */
 #include "pyext/py_sky.h"
 
 #include <string.h>
@@ -20,7 +20,7 @@ static void stars_dealloc(PyObject *self) {
   Py_DECREF(type);
 }
 
-/* The columns of a catalogue: directions, light, magnitudes, numbers. */
+/* Columns of a catalogue: directions, light per band, magnitudes, catalogue numbers. */
 enum { DIRECTIONS, LIGHT, MAGNITUDES, NUMBERS, COLUMNS };
 
 static pl_status build(PyArrayObject *const *columns, size_t count, pl_star_catalogue **out) {

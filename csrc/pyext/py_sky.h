@@ -6,9 +6,9 @@
 
 #include "pyext/py_request.h"
 
-/* "sky" of the request dictionary, which may be absent or None. */
+/* Parses "sky" of the request dictionary, which may be absent or None. */
 int pl_py_sky_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
-/* As documented in the stub. A new reference. */
+/* Returns the visible stars as documented in the stub; a new reference. */
 PyObject *pl_py_seen_stars(const pl_frame_result *result);
 
 #endif

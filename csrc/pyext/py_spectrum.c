@@ -1,4 +1,4 @@
-/* Bands: the function band_gather, and the bands of a request. */
+/* Spectral bands: the function band_gather, and the bands of a request. */
 #include <string.h>
 
 #include "light/spectrum.h"
@@ -8,7 +8,7 @@
 
 enum { RESPONSES_MAX = 4 };
 
-/* Borrowed points of an (n, 2) array, whose reference goes to *kept. */
+/* Borrows the points of an (n, 2) array; *kept gets the reference. */
 static int curve_of(PyObject *object, const char *name, PyArrayObject **kept, pl_curve *out) {
   const npy_intp shape[2] = {-1, 2};
   *kept = pl_py_array(object, name, NPY_DOUBLE, 2, shape);
@@ -85,7 +85,7 @@ int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request 
   return 0;
 }
 
-/* "planes" (planes, 2, 3), shares and wavelengths in m: may be absent or None. */
+/* "planes" (planes, 2, 3), weights and wavelengths in m: may be absent or None. */
 static int parse_planes(PyObject *dict, pl_py_states *states, pl_sensor *out) {
   PyObject *value;
   const npy_intp shape[3] = {-1, 2, 3};

@@ -1,10 +1,11 @@
-/* Eclipses for Python: the sun's light that reaches points past bodies. */
+/* Eclipses for Python: the fraction of sunlight that reaches points past bodies. */
 #include "light/occultation.h"
 #include "pyext/py_types.h"
 
 enum { POINTS, SUN, POSES, RADII, WAVELENGTHS, ARRAYS };
 
-/* The arguments as arrays, or -1 with an exception; `shapes` gets each one's dimensions. */
+/* Converts the arguments to arrays, or returns -1 with an exception; `shapes` gets their
+ * dimensions. */
 static int read_arrays(PyObject *const objects[ARRAYS], PyArrayObject *arrays[ARRAYS]) {
   static const char *const names[ARRAYS] = {"points", "sun", "poses", "radii", "wavelengths_um"};
   npy_intp times = -1, bodies = -1;

@@ -1,4 +1,4 @@
-/* Trees from sequences of mappings, and their states as arrays. */
+/* Reads trees of nodes from sequences of mappings and returns their states as arrays. */
 #include "pyext/py_tree.h"
 
 #include <stdio.h>
@@ -42,7 +42,7 @@ static int read_path(PyObject *motion, const char *where, tree_object *self, pl_
   return pl_py_member_doubles(motion, "position_m", where, 3, &out->position_m.x);
 }
 
-/* mapping[key]: a node's index into *towards, or a direction. */
+/* Reads mapping[key]: a node's index into *towards, or a direction. */
 static int read_aim(PyObject *rotation, const char *key, const char *where, pl_turn *out) {
   PyObject *item = NULL;
   if (pl_py_member(rotation, key, 0, where, &item) < 0)
@@ -70,7 +70,7 @@ static int read_tumble(PyObject *rotation, const char *where, pl_tumble *out) {
   return pl_py_check(pl_tumble_init(inertia, omega, start, out), where);
 }
 
-/* The arrays are our own, and kept with the tree. */
+/* The arrays are copies and are kept alive by the tree. */
 static int read_table(PyObject *rotation, const char *where, tree_object *self,
                       pl_attitude_table *out) {
   const npy_intp any[1] = {-1};
@@ -114,7 +114,7 @@ static int read_turn(PyObject *rotation, const char *where, tree_object *self, p
   return pl_py_optional_double(rotation, "rate_rad_s", where, &out->rate_rad_s);
 }
 
-/* item[key], read by what the caller does with it. */
+/* Reads one node; errors name its index. */
 static int read_node(PyObject *item, Py_ssize_t index, tree_object *self, pl_tree_node *out) {
   char where[WHERE_SIZE];
   snprintf(where, sizeof where, "nodes[%zd]", index);
@@ -197,7 +197,7 @@ static PyObject *tree_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) 
   return (PyObject *)self;
 }
 
-/* What the caller gives: (times, slots, columns), or NULL for None. *slots is 0 then. */
+/* Reads states given by the caller: (times, slots, columns), or NULL for None, with *slots 0. */
 static int read_given(PyObject *object, const char *name, npy_intp times, npy_intp columns,
                       PyArrayObject **out, size_t *slots) {
   const npy_intp shape[3] = {times, -1, columns};

@@ -1,4 +1,4 @@
-/* The type Tree: nodes that move about each other and turn. */
+/* The type Tree: nodes that move and rotate relative to each other. */
 #ifndef PL_PYEXT_PY_TREE_H
 #define PL_PYEXT_PY_TREE_H
 

@@ -1,4 +1,4 @@
-/* Checks shared by the types. */
+/* Checks that all types of the module use. */
 #include "pyext/py_types.h"
 
 int pl_py_is(PyObject *object, void *dealloc) {
@@ -6,7 +6,7 @@ int pl_py_is(PyObject *object, void *dealloc) {
          PyType_GetSlot(Py_TYPE(object), Py_tp_dealloc) == dealloc;
 }
 
-/* "(2, 7)", with "any" for free dimensions. */
+/* Formats a shape as "(2, 7)", with "any" for free dimensions. */
 static PyObject *shape_text(int nd, const npy_intp *shape) {
   PyObject *text = PyUnicode_FromString("(");
   for (int i = 0; i < nd && text != NULL; i++) {
@@ -32,7 +32,8 @@ PyArrayObject *pl_py_own_array(PyObject *object, int type) {
   PyObject *given = PyArray_FROMANY(object, type, 0, 0, NPY_ARRAY_IN_ARRAY | NPY_ARRAY_ENSUREARRAY);
   if (given == NULL)
     return NULL;
-  /* ENSURECOPY above would not do: what an object's __array__ returns counts as a copy already. */
+  /* ENSURECOPY above would not suffice: NumPy counts the result of an object's __array__ as a copy
+   * already. */
   PyObject *own =
       PyArray_FromArray((PyArrayObject *)given, PyArray_DescrFromType(type),
                         NPY_ARRAY_CARRAY | NPY_ARRAY_ENSURECOPY | NPY_ARRAY_ENSUREARRAY);
@@ -41,7 +42,7 @@ PyArrayObject *pl_py_own_array(PyObject *object, int type) {
 }
 
 int pl_py_keep_memory(PyObject *kept, PyObject *array) {
-  /* NumPy resizes no array that has weak references; refcheck=False does not change that. */
+  /* NumPy does not resize an array that has weak references, even with refcheck=False. */
   for (PyObject *at = array; at != NULL && PyArray_Check(at);
        at = PyArray_BASE((PyArrayObject *)at)) {
     PyObject *weak = PyWeakref_NewRef(at, NULL);

@@ -1,4 +1,4 @@
-/* The module's types, and safe access to what they hold. */
+/* The module's types, and safe access to their contents. */
 #ifndef PL_PYEXT_PY_TYPES_H
 #define PL_PYEXT_PY_TYPES_H
 
@@ -11,14 +11,14 @@ extern PyType_Spec pl_py_model_spec, pl_py_map_spec, pl_py_scene_spec, pl_py_ren
     pl_py_articulation_spec, pl_py_graph_spec, pl_py_grid_spec, pl_py_stars_spec, pl_py_air_spec,
     pl_py_rings_spec;
 
-/* Borrowed contents; NULL with TypeError when the object is of another type. */
+/* Return borrowed contents; NULL with TypeError for an object of another type. */
 const pl_model *pl_py_model_of(PyObject *object);
 const pl_texture *pl_py_map_of(PyObject *object);
 const pl_graph *pl_py_graph_of(PyObject *object);
 const pl_grid *pl_py_grid_of(PyObject *object);
 const pl_air *pl_py_air_of(PyObject *object);
 const pl_rings *pl_py_rings_of(PyObject *object);
-/* NODES, as documented in the stub. A new reference. */
+/* Returns NODES, as documented in the stub; a new reference. */
 PyObject *pl_py_nodes(void);
 /* The function band_gather, as documented in the stub. */
 PyObject *pl_py_band_gather(PyObject *module, PyObject *args);
@@ -30,28 +30,28 @@ PyObject *pl_py_gltf_graphs(PyObject *module, PyObject *path);
 PyObject *pl_py_sunlight(PyObject *module, PyObject *args, PyObject *kwargs);
 /* The function cloud_cover, as documented in the stub. */
 PyObject *pl_py_cloud_cover(PyObject *module, PyObject *args);
-/* Marks the scene as in use, so that nothing is added any more. */
+/* Marks the scene as in use: nothing can be added from then on. */
 const pl_scene *pl_py_scene_freeze(PyObject *object);
-/* From hold to release its materials stay, and nothing is added; -1 with ValueError where another
- * thread, or the code of an argument, is in the middle of changing it. */
+/* Between hold and release the scene's materials cannot change and nothing can be added. Returns -1
+ * with ValueError while another thread, or the code of an argument, is changing it. */
 int pl_py_scene_hold(PyObject *scene);
 void pl_py_scene_release(PyObject *scene);
 
-/* Whether `object` is of the type that has this tp_dealloc: our types cannot be subclassed, so the
- * function identifies them without module state (the limited API of 3.11 has no way from an
- * argument to the module). */
+/* Returns true if `object` is of the type with this tp_dealloc. Our types cannot be subclassed, so
+ * the function identifies them without module state (in the limited API of 3.11 there is no way
+ * from an argument to the module). */
 int pl_py_is(PyObject *object, void *dealloc);
 
-/* `object` as C-contiguous values of `type`, or NULL with an exception; a new reference. Always a
- * copy that no one else knows of: code of other arguments, and other threads, may resize or reshape
- * what they passed between our checks and our use of it. */
+/* Returns `object` as C-contiguous values of `type` (a new reference), or NULL with an exception.
+ * It is always a private copy: code of other arguments, and other threads, could resize or reshape
+ * the original between our checks and our use of it. */
 PyArrayObject *pl_py_own_array(PyObject *object, int type);
-/* The same with exactly these dimensions (-1: any); ValueError names `what`. */
+/* As pl_py_own_array, with exactly these dimensions (-1: any); a ValueError names `what`. */
 PyArrayObject *pl_py_array(PyObject *object, const char *what, int type, int nd,
                            const npy_intp *shape);
 
-/* For large arrays that are not copied: appends `array` to the list `kept`, and sees to it that its
- * memory stays where it is for as long. */
+/* For large arrays that are not copied: appends `array` to the list `kept`, and prevents its memory
+ * from moving while `kept` exists. */
 int pl_py_keep_memory(PyObject *kept, PyObject *array);
 
 #endif

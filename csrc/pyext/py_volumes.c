@@ -1,4 +1,4 @@
-/* The volumes of a request. */
+/* Parses the volumes of a request. */
 #include "pyext/py_request.h"
 
 #include <string.h>
@@ -9,7 +9,8 @@
 
 enum { WHERE_LENGTH = 96 };
 
-/* Of a graph: (n, 3), as many as it has. Room for `count` values from `first` on is there. */
+/* Copies the parameters of a graph, (n, 3) with as many rows as it has. `out` must have room for
+ * `count` values. */
 static int copy_parameters(PyObject *given, const char *where, size_t count, pl_value *out) {
   const npy_intp shape[2] = {(npy_intp)count, 3};
   if (count == 0)
@@ -85,7 +86,8 @@ static int parse_volume(PyObject *given, PyObject *kept, pl_volume *out) {
   return 0;
 }
 
-/* After all volumes: room for all their values does not move any more. */
+/* Called after all volumes are read: their parameters are then allocated at once and do not move
+ * any more. */
 static int parse_parameters(PyObject *list, pl_py_states *states, size_t count) {
   size_t total = 0;
   for (size_t i = 0; i < count; i++)
