@@ -1,4 +1,4 @@
-"""The sections `articulation` and `animation` of a spacecraft: parts of its model that move."""
+"""The sections `articulation` and `animation` of a spacecraft: moving parts of its model."""
 
 from __future__ import annotations
 
@@ -11,33 +11,35 @@ from perilune.config.types import Finite, Integer, StaticVec3, Strict
 
 
 class Joint(Strict):
-    """A node of the model, with all that hangs on it, turned about an axis or moved along it.
+    """A joint: turns a node of the model, with all nodes below it, about an axis, or moves it along
+    the axis.
 
-    Axes are the model's, z up: an axis (x, y, z) of the glTF file is (x, -z, y) here. All joints
-    are given in the rest pose and travel with the joints of the nodes above them; several on one
+    Axes are the model's, z up: an axis (x, y, z) of the glTF file is (x, -z, y) here. Joints are
+    given in the rest pose and move with the joints of the nodes above them. Several joints of one
     node act from the last to the first."""
 
     node: str
-    """Shell pattern on the names of the model's nodes (`perilune parts CONFIG --nodes`); one must
-    match."""
+    """Shell pattern on the names of the model's nodes (`perilune parts CONFIG --nodes`), which must
+    match one node."""
     axis: StaticVec3
-    """Direction of the axis; right-handed."""
+    """Direction of the axis; rotations are right-handed."""
     axes: Literal["node", "object"] = "node"
-    """What axis, normal and pivot_m are given in. node: the node's own axes, from its origin,
-    whatever its scale. object: the object's axes, from its origin, as object_coords has them."""
+    """Axes of axis, normal and pivot_m. node: the node's own axes and origin, without its scale.
+    object: the object's axes and origin, as in object_coords."""
     pivot_m: StaticVec3 = (0.0, 0.0, 0.0)
-    """A point of the axis in the rest pose, at the model's ideal size."""
+    """A point on the axis in the rest pose, at the model's ideal size."""
     angle_deg: Finite | None = None
-    """Angle from the rest pose; added to what rate_deg_s and towards give."""
+    """Angle from the rest pose; added to the angles of rate_deg_s and towards."""
     rate_deg_s: Finite | None = None
-    """The angle grows from the epoch on."""
+    """Rate at which the angle grows from the epoch on."""
     towards: str | None = None
-    """`sun`, or a body or spacecraft: turns until `normal` comes as near to its direction from the
-    pivot as the axis allows. One on the axis leaves the angle at 0."""
+    """`sun`, or a body or spacecraft: turns `normal` as close to its direction from the pivot as
+    the axis allows. A target on the axis leaves the angle at 0."""
     normal: StaticVec3 | None = None
-    """With towards: what points there, in the rest pose (of solar cells, their outward normal)."""
+    """With towards: direction in the rest pose that is turned towards it, such as the outward
+    normal of solar cells."""
     translation_m: Finite | None = None
-    """Way along the axis, instead of a turn."""
+    """Displacement along the axis, instead of a rotation."""
 
     @model_validator(mode="after")
     def _one_motion(self) -> Joint:
@@ -58,7 +60,7 @@ class Joint(Strict):
 
     @property
     def kind(self) -> Literal["turn", "slide", "towards"]:
-        """Which joint of the core it is."""
+        """Kind of joint in the core."""
         if self.translation_m is not None:
             return "slide"
         return "turn" if self.towards is None else "towards"
@@ -68,15 +70,16 @@ class Animation(Strict):
     """The model's own glTF animations, played at the frame's time."""
 
     name: str | None = None
-    """Shell pattern on their names (`perilune parts CONFIG --nodes`); all that match play."""
+    """Shell pattern on the names of animations (`perilune parts CONFIG --nodes`); all that match
+    are played."""
     index: Annotated[Integer, Field(ge=0)] | None = None
-    """Or the number of one of them, from 0."""
+    """Number of one animation, from 0, instead of a name."""
     speed: Finite = 1.0
-    """Seconds of animation a second."""
+    """Playback speed: seconds of animation per second."""
     start_s: Finite = 0.0
-    """Seconds of animation that have run at the epoch."""
+    """Time within the animation at the epoch."""
     loop: Literal["repeat", "clamp", "pingpong"] = "repeat"
-    """What follows the end of each: the beginning; nothing, it stays; the way back."""
+    """After the end of an animation: repeat starts again, clamp stays, pingpong runs backwards."""
 
     @model_validator(mode="after")
     def _one_name(self) -> Animation:

@@ -1,4 +1,4 @@
-"""The atmosphere of a body."""
+"""The section `atmosphere` of a body."""
 
 from __future__ import annotations
 
@@ -10,9 +10,7 @@ from perilune.config.errors import fail
 from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn, triple
 
 _Fixed = BeforeValidator(refuse_drawn)
-_Bands = Annotated[
-    tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(triple), _Fixed
-]
+_Bands = Annotated[tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(triple), _Fixed]
 _Height = Annotated[Positive, _Fixed]
 _G = Annotated[float, Field(strict=True, ge=-0.98, le=0.98)]
 _Share = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
@@ -20,15 +18,20 @@ _Share = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 
 _PARTS = {
     "rayleigh_per_km": (
-        "rayleigh_height_km", "rayleigh_upper_from_km", "rayleigh_upper_height_km",
+        "rayleigh_height_km",
+        "rayleigh_upper_from_km",
+        "rayleigh_upper_height_km",
     ),
     "mie_scattering_per_km": (
-        "mie_extinction_per_km", "mie_height_km", "mie_upper_from_km", "mie_upper_height_km",
+        "mie_extinction_per_km",
+        "mie_height_km",
+        "mie_upper_from_km",
+        "mie_upper_height_km",
         "mie_g",
     ),
     "ozone_per_km": ("ozone_center_km", "ozone_width_km"),
 }
-"""What there may be -> the keys that say how it is."""
+"""Constituent of an atmosphere -> the keys that describe it."""
 _PRESET_HAS = {
     "earth": tuple(_PARTS),
     "mars": ("rayleigh_per_km", "mie_scattering_per_km"),
@@ -37,53 +40,54 @@ _PRESET_HAS = {
 
 
 class Atmosphere(Strict):
-    """Gas, haze and an ozone layer, whose density depends on the height alone.
+    """Gas, haze and an ozone layer, whose densities depend on height alone.
 
-    A key that is not given is the preset's. Numbers are for all bands, or [r, g, b]. Heights are
-    above the surface; on an oblate body they are longer at the equator and shorter at the poles, by
-    as much as the radius is.
-    """
+    Keys that are not given have the preset's values. Numbers are for all bands, or [r, g, b].
+    Heights are above the surface; on an oblate body they scale with the local radius, larger at the
+    equator and smaller at the poles."""
 
     preset: Literal["earth", "mars", "none"] = "none"
-    """none: nothing but what the keys below give."""
+    """Atmosphere that the keys below modify. none: only what they give."""
     rayleigh_per_km: _Bands | None = None
-    """Scattering by gas at the surface."""
+    """Rayleigh scattering coefficient of the gas at the surface."""
     rayleigh_height_km: _Height | None = None
-    """Scale height: over it the gas thins out by e."""
+    """Scale height of the gas: its density falls by a factor e over it."""
     rayleigh_upper_from_km: _Height | None = None
-    """Above it the gas has the next scale height, as above a tropopause. Default: the preset's, but
-    none where rayleigh_height_km is given."""
+    """Height above which the gas has rayleigh_upper_height_km, as above a tropopause. Default: the
+    preset's, or none if rayleigh_height_km is given."""
     rayleigh_upper_height_km: _Height | None = None
-    """Scale height there; given together with rayleigh_upper_from_km."""
+    """Scale height of the gas there; required with rayleigh_upper_from_km."""
     mie_scattering_per_km: _Bands | None = None
-    """Scattering by haze or dust at the surface."""
+    """Scattering coefficient of haze or dust at the surface."""
     mie_extinction_per_km: _Bands | None = None
-    """Scattering and absorption; the default is the scattering over the preset's share of it."""
+    """Extinction coefficient (scattering and absorption) of haze or dust at the surface. Default:
+    the scattering divided by the preset's single-scattering albedo."""
     mie_height_km: _Height | None = None
     """Scale height of the haze."""
     mie_upper_from_km: _Height | None = None
-    """Above it the haze has the next scale height. Default: the preset's, but none where
+    """Height above which the haze has mie_upper_height_km. Default: the preset's, or none if
     mie_height_km is given."""
     mie_upper_height_km: _Height | None = None
-    """Scale height there; given together with mie_upper_from_km."""
+    """Scale height of the haze there; required with mie_upper_from_km."""
     mie_g: Annotated[tuple[_G, _G, _G], BeforeValidator(triple), _Fixed] | None = None
-    """Parameter of Cornette and Shanks's law: 0 is nearly even, 1 all forward. The mean cosine of
-    the angle of scattering is 3 g (4 + g^2) / (5 (2 + g^2))."""
+    """Parameter g of the Cornette-Shanks phase function: 0 is nearly isotropic, 1 all forward. The
+    mean cosine of the scattering angle is 3 g (4 + g^2) / (5 (2 + g^2))."""
     ozone_per_km: _Bands | None = None
-    """Absorption in the middle of the ozone layer."""
+    """Absorption coefficient in the middle of the ozone layer."""
     ozone_center_km: _Height | None = None
     """Height of the middle of the ozone layer."""
     ozone_width_km: _Height | None = None
-    """The ozone thins out to nothing over it, above and below."""
+    """Distance above and below the middle over which the ozone falls to zero."""
     top_km: _Height | None = None
-    """Beyond it there is no air; at least ten scale heights hide the edge."""
+    """Top of the atmosphere. Ten scale heights or more hide the edge."""
     ground_albedo: (
         Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple), _Fixed] | None
     ) = None
-    """Of the surface where it lights the air, with multiple_scattering."""
+    """Albedo of the surface in the light that it reflects into the air, with
+    multiple_scattering."""
     multiple_scattering: Annotated[bool, Field(strict=True)] = True
-    """Light that is scattered more than once counts, from the second time on as if evenly to all
-    sides: docs/air.md has how far off that is."""
+    """Whether light that is scattered more than once counts, approximated as isotropic from the
+    second time on; docs/air.md gives the error."""
 
     @model_validator(mode="after")
     def _something(self) -> Atmosphere:

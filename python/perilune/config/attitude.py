@@ -1,4 +1,4 @@
-"""How bodies and spacecraft are turned: the sections `attitude` and `rotation` of the schema."""
+"""The sections `attitude` and `rotation`: orientation of spacecraft and bodies."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from perilune.config.types import Direction, FileName, Finite, PositiveVec3, Str
 
 
 class Spin(Strict):
-    """A rotation to the reference axes, and a constant spin from the epoch on."""
+    """A rotation relative to the reference axes, and a constant spin from the epoch on."""
 
     rotation_deg: Vec3 = (0.0, 0.0, 0.0)
-    """Roll, pitch, yaw: about x, then y, then z of the reference axes."""
+    """Roll, pitch, yaw about x, then y, then z of the reference axes."""
     spin_axis: Direction = (0.0, 0.0, 1.0)
-    """In the thing's own frame; in the reference axes with rotation_mode: global."""
+    """Axis of the spin in the object's own axes; with rotation_mode: global, in the reference
+    axes."""
     spin_rate_deg_s: Finite = 0.0
-    """Turn about spin_axis in a second."""
+    """Rate of the spin about spin_axis."""
     rotation_deg_step_v: Finite | Vec3 | None = None
-    """Instead of a rate, the turn from one step to the next: degrees about spin_axis, or roll,
-    pitch, yaw of one step. Needs time.step_s."""
+    """Spin per step, instead of a rate: degrees about spin_axis, or roll, pitch, yaw. Needs
+    time.step_s."""
     rotation_mode: Literal["local", "global"] = "local"
-    """Whether the axis of the spin turns with the thing (local) or stands in the reference axes."""
+    """Whether the spin axis is fixed in the object (local) or in the reference axes (global)."""
 
     @model_validator(mode="after")
     def _one_spin(self) -> Spin:
@@ -39,7 +40,7 @@ class Spin(Strict):
 
     @property
     def turns_by_step(self) -> bool:
-        """Whether it is the step that says how fast it turns."""
+        """Whether the spin is given per step."""
         step = self.rotation_deg_step_v
         return step is not None and any(step if isinstance(step, tuple) else (step,))
 
@@ -51,62 +52,63 @@ class Inertial(Spin):
 
 
 class Lvlh(Spin):
-    """Relative to the local vertical and horizon of the orbit: z to the parent's centre, y along
-    minus the orbit normal, x near the velocity. `nadir` is another word for it."""
+    """Relative to the local vertical, local horizontal axes of the orbit: z towards the central
+    body, y along the negative orbit normal, x near the velocity. `nadir` is a synonym."""
 
     pointing: Literal["lvlh", "nadir"]
 
 
 class SunPointing(Spin):
-    """Relative to axes with x towards the Sun and z as near the orbit normal as can be."""
+    """Relative to axes with x towards the Sun and z as close to the orbit normal as possible."""
 
     pointing: Literal["sun"]
 
 
 class VelocityPointing(Spin):
-    """Relative to axes with x along the velocity about the parent, y along minus the orbit normal
-    and z on the parent's side."""
+    """Relative to axes with x along the velocity about the central body, y along the negative orbit
+    normal, and z on the central body's side."""
 
     pointing: Literal["velocity"]
 
 
 class TargetPointing(Spin):
-    """Relative to axes with z towards another thing and y as far from `up` as can be (as a camera
-    that looks at it sees them: x right, y down)."""
+    """Relative to axes with z towards a target and y as far from `up` as possible, as for a camera
+    that looks at the target: x right, y down."""
 
     pointing: Literal["target"]
     target: str
-    """Name of a body or spacecraft."""
+    """Name of the body or spacecraft that it points at."""
     up: Direction | None = None
-    """ICRF axes; default: the orbit normal."""
+    """Up direction in ICRF axes. Default: the orbit normal."""
 
 
 _Tensor = tuple[Vec3, Vec3, Vec3]
 
 
 class Tumble(Strict):
-    """A free rigid body: no torque acts on it."""
+    """Torque-free rotation of a rigid body."""
 
     pointing: Literal["tumble"]
     inertia_kg_m2: PositiveVec3 | _Tensor
-    """Moments about the thing's axes x, y, z, or its inertia tensor as rows; only ratios matter."""
+    """Principal moments about the object's axes x, y, z, or the inertia tensor as rows. Only ratios
+    matter."""
     rate_deg_s: Vec3
-    """Angular velocity at the epoch, in the thing's own axes."""
+    """Angular velocity at the epoch, in the object's own axes."""
     rotation_deg: Vec3 = (0.0, 0.0, 0.0)
-    """Roll, pitch, yaw at the epoch, from ICRF axes."""
+    """Roll, pitch, yaw at the epoch, relative to ICRF axes."""
 
 
 class AttitudeTable(Spin):
-    """Relative to tabulated axes: between two lines the rotation is the shortest, at constant rate.
-    """
+    """Relative to tabulated axes, interpolated along the shortest rotation at a constant rate
+    (slerp)."""
 
     pointing: Literal["table"]
     file: FileName
-    """CSV with the columns t_s (seconds after the epoch) or time_utc, and qw, qx, qy, qz (the
-    thing's axes to ICRF); relative to this file, or data:... under PERILUNE_DATA. What
-    `perilune orbit` writes is such a table."""
+    """CSV with the columns t_s (seconds after the epoch) or time_utc, and qw, qx, qy, qz (from the
+    object's axes to ICRF), as `perilune orbit` writes it. Relative to this file, or data:... under
+    PERILUNE_DATA."""
     object: str | None = None
-    """Which object's lines to take, in a table with a column `object`."""
+    """Object to take from a table with a column `object`."""
 
 
 def _pointing(value: Any) -> str:
@@ -125,7 +127,7 @@ Attitude = Annotated[
     | Annotated[AttitudeTable, Tag("table")],
     Discriminator(_pointing),
 ]
-"""How a spacecraft is turned; `pointing` says against which axes (default: inertial)."""
+"""Orientation of a spacecraft; `pointing` selects the reference axes. Default: inertial."""
 
 
 def _rotation_tag(value: Any) -> str:
@@ -136,4 +138,4 @@ BodyRotation = Annotated[
     Annotated[Literal["body"], Tag("body")] | Annotated[Spin, Tag("spin")],
     Discriminator(_rotation_tag),
 ]
-"""`body`: the table's rotation; or a fixed one and a spin, relative to ICRF axes."""
+"""`body`: the table's rotation; or a fixed rotation and a spin, relative to ICRF axes."""

@@ -29,7 +29,7 @@ MOST_BANDS = 64
 
 
 def found(value: str, info: ValidationInfo) -> str:
-    """A file's place, where the configuration says what its paths are relative to."""
+    """Path of a file, if the folder that paths are relative to is known."""
     find = (info.context or {}).get("path")
     if find is None:
         return value
@@ -40,7 +40,7 @@ def found(value: str, info: ValidationInfo) -> str:
 
 
 def read_curves(file: str, unit: WavelengthUnit, columns: int | None = None) -> Any:
-    """Inside a validator: (n, 1 + columns) of a file; see spectra.read."""
+    """Inside a validator: the table of a file, (n, 1 + columns); see spectra.read."""
     try:
         table = spectra.read(Path(file), UM_PER_UNIT[unit])
     except ValueError as error:
@@ -54,8 +54,8 @@ def read_curves(file: str, unit: WavelengthUnit, columns: int | None = None) -> 
 
 
 def check_parts(table: Any, file: str, key: str = "file") -> None:
-    """Inside a validator: refuses a response above 1, as of a file in per cent, and one to heat
-    alone, as of nanometres read as micrometres."""
+    """Inside a validator: refuses a response above 1, as in per cent, and one in the thermal
+    infrared only, as for nanometres read as micrometres."""
     if table[:, 1:].max() > 1.0:
         fail(key, f"{file}: values are 0 to 1, not {table[:, 1:].max():g}")
     if table[-1, 0] > LONGEST_UM:
@@ -64,16 +64,17 @@ def check_parts(table: Any, file: str, key: str = "file") -> None:
 
 
 class Spectrum(Strict):
-    """The spectrum of the Sun: a file instead of a black body."""
+    """Spectrum of the Sun from a file, instead of a black body."""
 
     file: FileName
-    """Rows of wavelength and irradiance, wavelengths rising; commas or blanks between. Relative to
-    this file, or data:... under PERILUNE_DATA. It counts by its shape: `irradiance_w_m2` is the
-    integral of it all."""
+    """File with rows of wavelength and irradiance, by ascending wavelength, separated by commas or
+    blanks. Relative to this file, or data:... under PERILUNE_DATA. Only its shape matters: it is
+    scaled so that its integral is `irradiance_w_m2`."""
     wavelength_unit: WavelengthUnit = "nm"
+    """Unit of the wavelengths in the file."""
     irradiance_unit: Literal["W_m2_nm", "W_m2_um", "mW_m2_nm", "relative"] = "W_m2_nm"
-    """At one astronomical unit; its integral must be within a tenth of 1361 W/m2, so that a
-    mistaken unit and a file of a part of the spectrum are seen. relative: not checked."""
+    """Unit of the irradiance in the file, at 1 au. The integral must be within a tenth of 1361
+    W/m2, which reveals a wrong unit or an incomplete spectrum. relative: not checked."""
 
     @field_validator("file")
     @classmethod
@@ -97,12 +98,14 @@ class Spectrum(Strict):
 
 
 class QuantumEfficiency(Strict):
-    """Electrons a photon by wavelength, from a file."""
+    """Quantum efficiency (electrons per photon) by wavelength, from a file."""
 
     file: FileName
-    """Rows of wavelength and efficiency, 0 to 1: one column for mosaic mono and planes, else three,
-    of the red, green and blue pixels. Relative to this file, or data:... under PERILUNE_DATA."""
+    """File with rows of wavelength and efficiency, 0 to 1: one column for the mosaics mono and
+    planes, else three for red, green and blue pixels. Relative to this file, or data:... under
+    PERILUNE_DATA."""
     wavelength_unit: WavelengthUnit = "nm"
+    """Unit of the wavelengths in the file."""
 
     @field_validator("file")
     @classmethod
@@ -110,7 +113,7 @@ class QuantumEfficiency(Strict):
         return found(value, info)
 
     def check(self, columns: int, info: ValidationInfo) -> None:
-        """Inside the validator of the sensor: reads the file, if the folder of paths is known."""
+        """Inside the sensor's validator: reads the file, if the folder of paths is known."""
         if not (info.context or {}).get("path"):
             return
         try:
@@ -121,20 +124,21 @@ class QuantumEfficiency(Strict):
 
 
 class Band(Strict):
-    """A band of a camera: how it responds to each wavelength, from 0 to 1."""
+    """A spectral band of a camera: its response, 0 to 1, by wavelength."""
 
     name: str = ""
-    """In `Sample.meta["bands"]` and on sheets."""
+    """Name in `Sample.meta["bands"]` and on contact sheets."""
     center_um: Micrometres | None = None
-    """With width_um, instead of a file."""
+    """Central wavelength; with width_um, instead of a file."""
     width_um: Annotated[float, Field(strict=True, ge=1e-5, le=100.0)] | None = None
-    """Edge to edge of a box; of a gaussian where it has half its height."""
+    """Full width of a box, or full width at half maximum of a gaussian."""
     shape: Literal["box", "gaussian"] = "box"
+    """Form of the response around center_um."""
     file: FileName | None = None
-    """Rows of wavelength and response, wavelengths rising; commas or blanks between. Relative to
-    this file, or data:... under PERILUNE_DATA."""
+    """File with rows of wavelength and response, by ascending wavelength, separated by commas or
+    blanks. Relative to this file, or data:... under PERILUNE_DATA."""
     wavelength_unit: WavelengthUnit = "nm"
-    """Of the file."""
+    """Unit of the wavelengths in the file."""
 
     @field_validator("file")
     @classmethod
@@ -175,4 +179,4 @@ Bands = Annotated[
     | Annotated[tuple[Band, ...], AfterValidator(_some), Tag("list")],
     Discriminator(_bands_tag),
 ]
-"""The name of ready bands, or a list of own ones."""
+"""Name of a preset, or a list of bands of your own."""

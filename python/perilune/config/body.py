@@ -1,4 +1,4 @@
-"""Bodies: ellipsoids with a surface, a place and a rotation."""
+"""The section `bodies`: ellipsoids or meshes with a surface, an orbit and a rotation."""
 
 from __future__ import annotations
 
@@ -27,84 +27,91 @@ _Albedo = Annotated[tuple[_Share, _Share, _Share], BeforeValidator(triple)]
 
 
 _LATITUDES = {"earth": "geodetic"}
-"""kind -> what published maps count by. Those of the Earth are of WGS 84; of the other bodies the
-IAU's working group recommends planetocentric latitudes, as the maps of the USGS have them (Archinal
-et al. 2018), and some, as the Moon, are spheres in maps. Of giant planets maps of either sort are
-published."""
+"""kind -> latitude of published maps. Maps of the Earth use that of WGS 84. For the other bodies
+the IAU's working group recommends planetocentric latitudes (Archinal et al. 2018), which maps of
+the USGS use; some bodies, such as the Moon, are spheres in maps. Maps of giant planets exist in
+both sorts."""
 
 
 class Body(Strict):
-    """An ellipsoid or a mesh: a planet, a moon, an asteroid."""
+    """A planet, a moon or an asteroid, as an ellipsoid or a mesh."""
 
     kind: str
-    """A name in the table of bodies, or `ellipsoid` (then radii_km and gm_km3_s2 are needed)."""
+    """Name in the table of bodies, which gives size, mass, rotation and ephemeris; or `ellipsoid`,
+    which needs radii_km and gm_km3_s2."""
     radii_km: _Radii | None = None
-    """Semi-axes along body-fixed x, y, z; replaces the table's."""
+    """Semi-axes along body-fixed x, y, z. Default: the table's."""
     gm_km3_s2: Positive | None = None
-    """Gravitational parameter; replaces the table's."""
+    """Gravitational parameter. Default: the table's."""
     ephemeris: str | None = None
-    """For `ellipsoid`: the body of the table in whose place it stands (root: earth)."""
+    """Only for `ellipsoid`: body of the table whose position it takes. Default for the root:
+    earth."""
     shape: Annotated[Shape, BeforeValidator(named)] | None = None
-    """A mesh instead of the ellipsoid: a file, or a mapping with one."""
+    """Mesh that replaces the ellipsoid: a file, or a mapping with one."""
     color_map: FileName | None = None
-    """Equirectangular PNG, JPEG, WebP or TIFF; relative to this file, or data:... under
+    """Colour map: equirectangular PNG, JPEG, WebP or TIFF; relative to this file, or data:... under
     PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
-    """East longitude of the map's centre column."""
+    """East longitude of the centre column of the maps."""
     latitudes: Latitudes | None = None
-    """What latitude all maps of the body count by, `lon_lat_deg` of its material too. geodetic (or
-    planetographic): of the surface's normal; geocentric: of the line to the centre. On the Earth
-    they differ by up to 21 km. Default: geodetic of kind earth, geocentric of all others."""
+    """Latitude of all maps of the body, and of `lon_lat_deg` in its material. geodetic
+    (planetographic): angle of the surface normal; geocentric: angle of the line from the centre.
+    They differ by up to 21 km on the Earth. Default: geodetic for kind earth, geocentric for all
+    others."""
     albedo: _Albedo | None = None
-    """Linear factor on the map (default 1); without a map, the colour (table's Bond albedo)."""
+    """Linear factor on the colour map (default 1). Without a map: the colour itself (default: the
+    table's Bond albedo)."""
     emission_w_m2_sr: Rgb = (0.0, 0.0, 0.0)
+    """Radiance that the whole surface emits: a number for all bands, or [r, g, b]."""
     reflectance: str = "lambert"
-    """A name in the table of reflectance models. The albedo is then Lambert's, the normal albedo of
-    lunar_lambert and minnaert, or the single-scattering albedo w of lommel_seeliger and hapke."""
+    """Name in the table of reflectance models. It decides what the albedo means: the Lambert albedo
+    of lambert, the normal albedo of lunar_lambert and minnaert, the single-scattering albedo w of
+    lommel_seeliger and hapke."""
     photometry: Photometry | None = None
-    """Other parameters of a photometric reflectance."""
+    """Other parameters of a photometric reflectance model."""
     relief: Relief | None = None
-    """Mountains as normals; smooth without."""
+    """Terrain slopes as normals; smooth by default."""
     ocean: Ocean | None = None
-    """Open water that mirrors the sun; only with reflectance: lambert."""
+    """Open water that reflects the Sun; only with reflectance: lambert."""
     night_lights: NightLights | None = None
-    """Seen where the sun is down."""
+    """City lights on the night side."""
     atmosphere: Atmosphere | None = None
-    """Air about it; none without."""
+    """Atmosphere; none by default."""
     clouds: Clouds | None = None
-    """A shell of clouds about it; none without."""
+    """Cloud layer; none by default."""
     rings: Rings | None = None
-    """Rings in the plane of its equator; none without."""
+    """Rings in the equatorial plane; none by default."""
     material: str | None = None
-    """Name of an entry of `materials`: a graph instead of the surface that the keys above make."""
+    """Name of an entry of `materials`, whose graph replaces or wraps the surface defined above."""
     material_drivers: DriverSection | None = None
-    """Values of nodes of this graph that the material's own drivers do not give."""
+    """Values for driver nodes of this graph that the material's own drivers do not set."""
     material_mode: Literal["replace", "wrap"] = "replace"
-    """wrap: inputs of the surface that the graph does not give stay those of the keys above."""
+    """replace: the graph is the whole surface. wrap: inputs of the surface that the graph does not
+    set come from the keys above."""
     orbit: Orbit | None = None
-    """Around another thing; without it the ephemeris of its kind places it."""
+    """Orbit around another body or a spacecraft. Default: the ephemeris of its kind."""
     rotation: BodyRotation | None = None
-    """`body`: the table's rotation (default where it has one); or a fixed one and a spin, from ICRF
-    axes."""
+    """`body`: the table's rotation (default where there is one); or a fixed rotation and a spin,
+    relative to ICRF axes."""
     class_: str | None = Field(default=None, alias="class")
-    """Class of object for the labels (default: kind, or the entry's name for an ellipsoid)."""
+    """Class at the label level `object`. Default: kind, or the entry's name for an ellipsoid."""
     classes: Classes = Field(default_factory=dict)
-    """Level of `labels.levels` -> class there, of levels of your own."""
+    """Classes at your own label levels: level of `labels.levels` -> class."""
 
     @property
     def is_geodetic(self) -> bool:
-        """Whether its maps count by geodetic latitude."""
+        """Whether its maps use geodetic latitude."""
         return (self.latitudes or _LATITUDES.get(self.kind, "geocentric")) == "geodetic"
 
     @property
     def has_geodetic_clouds(self) -> bool:
-        """Whether the map of its clouds does."""
+        """Whether the map of its clouds uses geodetic latitude."""
         own = None if self.clouds is None else self.clouds.latitudes
         return self.is_geodetic if own is None else own == "geodetic"
 
     @property
     def may_be_dressed(self) -> bool:
-        """Whether the materials of its shape's file, if it has any, are its surface."""
+        """Whether the materials of its shape's file, if any, are its surface."""
         return (
             self.shape is not None
             and self.shape.file.lower().endswith((".gltf", ".glb"))
@@ -117,7 +124,7 @@ class Body(Strict):
 
     @property
     def has_parameter_maps(self) -> bool:
-        """Whether the albedo is that of the photometry's maps."""
+        """Whether the albedo comes from the photometry's maps."""
         return self.photometry is not None and bool(self.photometry.maps)
 
     @model_validator(mode="after")
@@ -142,7 +149,7 @@ class Body(Strict):
 
     @property
     def is_replaced(self) -> bool:
-        """Whether a graph is all of its surface."""
+        """Whether a material graph is its whole surface."""
         return self.material is not None and self.material_mode == "replace"
 
     @model_validator(mode="after")

@@ -15,19 +15,21 @@ from perilune.config.types import Finite, Fraction, Integer, NonNegative, Positi
 
 
 class Exposure(Strict):
-    """Radiance to display values."""
+    """Exposure of `rgb`: how radiance becomes display values."""
 
     mode: Literal["auto", "fixed"] = "auto"
+    """auto: metered in each frame; fixed: white_radiance_w_m2_sr."""
     percentile: Annotated[float, Field(strict=True, gt=0.0, le=100.0)] = 99.0
-    """auto: this percentile of the lit pixels ..."""
+    """auto: percentile of the lit pixels' luminance that is shown at the level `key`."""
     key: Annotated[Fraction, Field(gt=0.0)] = 0.8
-    """... is shown at this fraction of white (linear)."""
+    """auto: linear fraction of white at which the metered percentile is shown."""
     min_white_radiance_w_m2_sr: NonNegative = 1e-4
-    """auto: the darkest radiance that may be shown as white, or a sunlit white surface's where that
-    is darker still: what is darker stays dark, as in a photograph. 1e-4 is f/1.4, half a second and
-    ISO 50000, with which cities are taken from orbit; 0: no limit."""
+    """auto: lower limit of the radiance shown as white, so that dark scenes stay dark, as in a
+    photograph. A sunlit white surface that is darker than the limit replaces it. The default suits
+    f/1.4, half a second and ISO 50000, typical settings for pictures of cities from orbit. 0: no
+    limit."""
     white_radiance_w_m2_sr: Positive | None = None
-    """fixed: the radiance shown as white."""
+    """fixed: radiance shown as white."""
 
     @model_validator(mode="after")
     def _complete(self) -> Exposure:
@@ -42,11 +44,11 @@ class Exposure(Strict):
 
 Matrix = tuple[Finite, Finite, Finite, Finite, Finite, Finite, Finite, Finite, Finite]
 INTRINSICS = ("fov_deg", "focal_px", "K")
-"""Keys of which a camera has exactly one."""
+"""Keys for the focal length; a camera has exactly one of them."""
 
 
 def check_matrix(K: Matrix) -> None:
-    """Inside a validator: refuses what is no matrix of a pinhole camera."""
+    """Inside a validator: refuses a matrix that is not that of a pinhole camera."""
     if K[0] <= 0.0 or K[4] <= 0.0:
         fail("K", "the focal lengths K[0] and K[4] must be positive")
     if K[3] != 0.0 or K[6:] != (0.0, 0.0, 1.0):
@@ -54,30 +56,35 @@ def check_matrix(K: Matrix) -> None:
 
 
 class Camera(Strict):
-    """A camera; integer pixel centres, OpenCV axes (x right, y down, z forward)."""
+    """A camera with integer pixel centres and OpenCV axes (x right, y down, z forward)."""
 
     width: Annotated[Integer, Field(ge=1, le=32768)]
+    """Image width in pixels."""
     height: Annotated[Integer, Field(ge=1, le=32768)]
+    """Image height in pixels."""
     fov_deg: Annotated[float, Field(strict=True, gt=0.0, lt=180.0)] | None = None
     """Horizontal field of view, edge to edge."""
     focal_px: Positive | None = None
+    """Focal length in pixels."""
     K: Matrix | None = None
-    """Row-major 3x3 matrix, pixels."""
+    """Intrinsic matrix [fx, s, cx, 0, fy, cy, 0, 0, 1], 3x3 in row-major order, in pixels."""
     lens: Lens | None = None
-    """Distortion and focus; none of a pinhole camera. Pixels that the lens cannot see are an
-    error."""
+    """Distortion and focus. Default: a pinhole camera without either. A pixel that the lens cannot
+    see is an error."""
     trajectory: Trajectory
     exposure_time_s: NonNegative = 0.0
-    """Shutter opening to closing; frame times are openings. What moves meanwhile blurs, also where
-    `sensor` finds an exposure time of its own."""
+    """Exposure time; the shutter opens at the time of the frame. Motion during the exposure blurs
+    the image, even where `sensor.exposure` chooses an exposure time of its own."""
     line_time_us: Annotated[NonNegative, Field(le=1e12)] = 0.0
-    """Rolling shutter: each row opens so much after the one above it; 0: all at once."""
+    """Rolling shutter: delay between the opening of one row and the next, from the top down. 0: a
+    global shutter."""
     exposure: Exposure = Exposure()
     bands: Bands = "srgb"
-    """Of the channel `bands`: srgb (red, green and blue as a display shows them, weighted by the
-    eye's response), monochrome (0.4 to 0.9 um), or a list of bands."""
+    """Spectral bands of the channel `bands`. srgb: red, green and blue of a display, weighted by
+    the eye's response. monochrome: 0.4 to 0.9 um. Or a list of your own bands."""
     sensor: ImageSensor | None = None
-    """Makes the channels `raw` and `sensor_rgb`; the others stay clean."""
+    """Image sensor, which adds the channels `raw` and `sensor_rgb`; the other channels stay free of
+    its noise."""
 
     @model_validator(mode="after")
     def _intrinsics(self) -> Camera:
@@ -88,16 +95,16 @@ class Camera(Strict):
 
     @property
     def window_s(self) -> float:
-        """From the opening of the first row to the closing of the last."""
+        """Time from the opening of the first row to the closing of the last, in seconds."""
         return self.exposure_time_s + 1e-6 * self.line_time_us * (self.height - 1)
 
     @property
     def label_lens(self) -> Literal["distorted", "undistorted"] | None:
-        """How labels take the lens's distortion; None of a camera without."""
+        """Whether labels include the lens's distortion; None for a camera without distortion."""
         return None if self.lens is None or self.lens.model == "rectilinear" else self.lens.labels
 
     def check_focus(self, where: str) -> None:
-        """Inside a validator: refuses half of what a focus needs. where: key path of the lens."""
+        """Inside a validator: refuses an incomplete focus. where: key path of the lens."""
         lens = self.lens
         if lens is None or lens.focus_distance_m is None:
             if lens is not None and lens.aperture_mm is not None:

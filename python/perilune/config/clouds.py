@@ -1,4 +1,4 @@
-"""The clouds of a body."""
+"""The section `clouds` of a body."""
 
 from __future__ import annotations
 
@@ -29,31 +29,31 @@ _Shares = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)
 
 
 class CloudNoise(Strict):
-    """A pattern of clouds and gaps, and how it, or the map, is bent."""
+    """A procedural pattern of clouds and gaps, and its distortion."""
 
     coverage: Fraction | None = None
-    """Mean part of the body that clouds cover (default 0.5); with a map a factor on its cover
+    """Mean fraction of the body that clouds cover (default 0.5); with a map, a factor on its cover
     (default 1)."""
     size_km: _Length = 2000.0
-    """Of the largest clouds and gaps."""
+    """Size of the largest clouds and gaps."""
     octaves: _Octaves = 10.0
-    """Each adds detail of half the size."""
+    """Number of octaves; each adds detail of half the size."""
     roughness: Fraction = 0.55
-    """Strength of an octave by the one before."""
+    """Amplitude of an octave relative to the one before."""
     softness: _Softness = 0.35
-    """Of the edges: 0.1 is crisp, 1 is mist, 100 leaves a map as it is."""
+    """Softness of the edges: 0.1 is crisp, 1 is mist, 100 leaves a map unchanged."""
     warp: _Warp = 0.0
-    """By which clouds are bent, over size_km: about 0.3 makes swirls."""
+    """Domain warping, as a fraction of size_km; about 0.3 makes swirls."""
     phase: _Phase = 0.0
-    """Changes how they are bent: clouds flow from one shape to the next with it."""
+    """Phase of the warping; clouds flow from one shape to the next as it changes."""
     depth_spread: _Spread = 0.7
-    """How uneven the clouds are: standard deviation of the logarithm of their optical depth. 0 is
-    a sheet; cloud fields have 0.3 (stratus) to 1.2 (cumulus). Softness makes it less."""
+    """Variation of the optical depth: standard deviation of its logarithm. 0: a uniform sheet;
+    measured cloud fields have 0.3 (stratus) to 1.2 (cumulus). Softness reduces it."""
     relief_km: _Relief = 0.3
-    """How uneven their tops are: standard deviation of their height. Slopes towards the sun are
-    brighter, those away from it darker. Softness makes it less."""
+    """Variation of the tops: standard deviation of their height. Slopes facing the Sun are
+    brighter, those facing away darker. Softness reduces it."""
     seed: Annotated[Integer, Field(ge=0, lt=2**32)] = 0
-    """Another seed, another pattern."""
+    """Seed of the pattern."""
 
     @model_validator(mode="after")
     def _bent(self) -> CloudNoise:
@@ -63,38 +63,35 @@ class CloudNoise(Strict):
 
 
 class Clouds(Strict):
-    """A shell of clouds; a map, a noise or both say what part of each place is covered.
+    """A cloud layer whose cover comes from a map, a noise or both; an overcast without either.
 
-    Without both it is an overcast. Clouds scatter and do not absorb, but for `color`; light that
-    goes to and fro between them and the ground is left out. Beneath them the sky is dimmed as the
-    sun is.
-    """
+    Clouds scatter light and, but for `color`, do not absorb it. Light reflected to and fro between
+    clouds and ground is left out. Beneath clouds, skylight is dimmed as sunlight is."""
 
     map: FileName | None = None
-    """Equirectangular PNG, JPEG, WebP or TIFF of the cover: the part of each place that has clouds,
-    white for all, as the file's numbers are (red); relative to this file, or data:... under
-    PERILUNE_DATA."""
+    """Cloud cover: equirectangular PNG, JPEG, WebP or TIFF, whose red channel is read linearly;
+    white is fully covered. Relative to this file, or data:... under PERILUNE_DATA."""
     map_center_lon_deg: StaticFinite = 0.0
-    """East longitude of the map's centre column at the start, before `longitude_deg`."""
+    """East longitude of the map's centre column at the epoch, before `longitude_deg`."""
     latitudes: Latitudes | None = None
-    """What latitude the map counts by, as of the body, and by default the body's."""
+    """Latitude of the map, geodetic or geocentric. Default: the body's."""
     altitude_km: _Length = 8.0
-    """Of the shell, over the surface."""
+    """Altitude of the layer above the surface."""
     thickness_km: _Length = 2.0
-    """Of the layer: rays that pass it level are in it for so long a way as this makes."""
+    """Thickness of the layer; it limits the path of horizontal rays within the layer."""
     longitude_deg: Finite = 0.0
-    """By which the shell is turned eastwards against the body at the start."""
+    """Eastward rotation of the layer relative to the body at the epoch."""
     rotation_deg_h: Finite = 0.0
-    """Degrees an hour at which it turns on eastwards against the body."""
+    """Eastward rate of rotation relative to the body."""
     opacity: Fraction = 1.0
     """Factor on the cover."""
     optical_depth: _Depth = 15.0
-    """Of what is covered, straight down: 3 is a veil, 10 a common cloud, 50 a storm."""
+    """Vertical optical depth where covered: 3 is thin, 10 common, 50 a storm."""
     color: _Shares = (1.0, 1.0, 1.0)
-    """Factor on the light that they scatter."""
+    """Factor on the scattered light: a number for all bands, or [r, g, b]."""
     noise: CloudNoise | None = None
-    """Clouds without a map; or what breaks a map's cover into clouds and gaps finer than it shows,
-    of the same mean."""
+    """Procedural clouds. With a map, the noise breaks its cover into clouds and gaps finer than its
+    texels and keeps the mean."""
 
     @model_validator(mode="after")
     def _something_turns(self) -> Clouds:

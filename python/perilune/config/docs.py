@@ -1,7 +1,7 @@
-"""What the schema's texts say of each key: the strings below the fields of its sections.
+"""Descriptions of keys for the schema: the strings below the fields of its sections.
 
-pydantic would read the source of every section when it is imported, a fifth of the time that takes.
-"""
+They are read on demand. pydantic would read the source of every section at import, which takes a
+fifth of the import time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pydantic import BaseModel
 
 @lru_cache
 def _sections(module: str) -> dict[str, dict[str, str]]:
-    """Name of a class of a module -> field -> the text below it."""
+    """Class of a module -> field -> the string below it."""
     tree = ast.parse(inspect.getsource(sys.modules[module]))
     found: dict[str, dict[str, str]] = {}
     for section in tree.body:
@@ -30,7 +30,7 @@ def _sections(module: str) -> dict[str, dict[str, str]]:
 
 
 def described(section: type[BaseModel]) -> dict[str, str]:
-    """Field -> its text, of those that have one; those of base classes too."""
+    """Field -> description, including the fields of base classes."""
     texts: dict[str, str] = {}
     for base in reversed(section.__mro__):
         if issubclass(base, BaseModel) and base is not BaseModel:

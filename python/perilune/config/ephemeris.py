@@ -1,4 +1,4 @@
-"""The section `ephemeris` of the schema: where planets and the Sun are from."""
+"""The section `ephemeris` of the schema: source of the positions of planets and the Sun."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from perilune.config.types import FileName, Strict
 
 
 class Ephemeris(Strict):
-    """Of the bodies without an orbit, and of the Sun."""
+    """Source of the positions of the Sun and of bodies without an orbit."""
 
     kernels: tuple[FileName, ...] = ()
-    """SPICE kernels (.bsp, such as DE440's de440s.bsp; extra `spice`) that hold them, the later
-    before the earlier; relative to this file, or data:... under PERILUNE_DATA. Without kernels:
-    series that are within 10 km of the Moon and Earth, and off by up to 0.0005 of the distance from
-    the Sun for outer planets (docs/time_and_ephemerides.md)."""
+    """SPICE kernels (.bsp, such as DE440's de440s.bsp; extra `spice`); later ones take precedence.
+    Relative to this file, or data:... under PERILUNE_DATA. Default: series that are accurate to 10
+    km for the Moon and Earth, and to 0.0005 of the distance from the Sun for outer planets
+    (docs/time_and_ephemerides.md)."""
 
     @field_validator("kernels")
     @classmethod

@@ -1,4 +1,4 @@
-"""The key `faces` of a spacecraft: from which sides its faces are there."""
+"""The key `faces` of a spacecraft: which sides of its faces exist."""
 
 from __future__ import annotations
 
@@ -24,4 +24,4 @@ Faces = Annotated[
     | Annotated[dict[str, Sides], Field(min_length=1), Tag("by material")],
     Discriminator(_kind),
 ]
-"""Of all materials; or shell pattern on a material's name, in any case -> its sides."""
+"""Sides for all materials; or shell pattern on a material's name (case-insensitive) -> sides."""

@@ -1,4 +1,4 @@
-"""What the ground of a body may have beside its colour: relief, open water, lights at night."""
+"""What the ground of a body has besides its colour: relief, open water, city lights."""
 
 from __future__ import annotations
 
@@ -15,29 +15,30 @@ _Height = Annotated[float, Field(strict=True, ge=-1e9, le=1e9)]
 
 
 class Relief(Strict):
-    """Slopes of the ground, from a height map, a normal map or both, whose slopes are then added.
+    """Terrain slopes from a height map, a normal map or both, which are then added.
 
-    They bend the normal alone: outlines stay smooth, and mountains cast no shadows. Maps are
-    equirectangular, PNG, JPEG, WebP or TIFF, relative to this file, or data:... under
-    PERILUNE_DATA, with the body's map_center_lon_deg in their middle."""
+    Slopes change the normals only: outlines stay smooth and mountains cast no shadows. Maps are
+    equirectangular PNG, JPEG, WebP or TIFF, relative to this file, or data:... under PERILUNE_DATA;
+    their centre is at the body's map_center_lon_deg."""
 
     height_map: FileName | None = None
-    """Grey PNG or TIFF of 16 bits, or TIFF of floats, whose levels are all kept; of 8 bits (of
-    colours, red) the 255 steps are terraces where one of them is not small against what a texel
-    rises. With it, give height_m or height_unit_m. Numbers that a TIFF marks as missing are filled
-    from those around them, with a warning."""
+    """Height map; needs height_m or height_unit_m. Grey PNG or TIFF with 16 bits, or TIFF with
+    floats, keep all their levels. In files with 8 bits (red, if coloured) the 255 levels show as
+    terraces, unless one level is small against the rise across a texel. Numbers that a TIFF marks
+    as missing are filled from their neighbours, with a warning."""
     height_m: _Height | None = None
-    """Of white over black: of the largest number of so many bits over 0. Files of int16 or floats
-    have no white: give height_unit_m."""
+    """Height difference between black (0) and white (the largest number of the file's bit depth).
+    Files of int16 or floats have no white: give height_unit_m."""
     height_unit_m: _Height | None = None
-    """In the place of height_m: of one of the file's numbers (grey PNG and TIFF), as 1 of a TIFF in
-    metres, or 0.5 of LOLA's in half metres. What number is the mean radius makes no difference."""
+    """Metres per unit of the file's numbers (grey PNG and TIFF), instead of height_m: 1 for a TIFF
+    in metres, 0.5 for LOLA's half metres. An offset makes no difference."""
     normal_map: FileName | None = None
-    """Red grows with a normal's lean eastwards, green north- or southwards, blue upwards."""
+    """Tangent-space normal map: red grows eastwards, green northwards or southwards, blue
+    upwards."""
     normal_green: Literal["north", "south"] = "north"
-    """Where green of normal_map grows to."""
+    """Direction in which green of normal_map grows."""
     normal_strength: Annotated[float, Field(strict=True, ge=-1000.0, le=1000.0)] = 1.0
-    """Factor on the slopes of normal_map; published ones are often steeper than the ground."""
+    """Factor on the slopes of normal_map; published maps are often steeper than the ground."""
 
     @model_validator(mode="after")
     def _complete(self) -> Relief:
@@ -54,38 +55,40 @@ class Relief(Strict):
 
 
 class Ocean(Strict):
-    """Open water: Fresnel's law for an index of 1.34 on waves whose slopes are those of Cox and
+    """Open water: Fresnel reflection (index 1.34) on waves with the slope distribution of Cox and
     Munk (1954). No foam."""
 
     map: FileName | None = None
-    """Where it is: white is water. A picture as other maps, linear. Without it, water is where
-    the color_map is blue: where linear blue is more than 1.5 (fully: 2.5) times linear red."""
+    """Water mask: white is water; a linear map like the others. Default: where the color_map is
+    blue, that is where linear blue is more than 1.5 (fully: 2.5) times linear red."""
     wind_m_s: Annotated[float, Field(strict=True, ge=0.0, le=100.0)] = 7.0
-    """12.5 m above the water; the mean over the oceans is about 7. Measured up to 14."""
+    """Wind speed 12.5 m above the water, which sets the wave slopes. The mean over the oceans is
+    about 7; slopes were measured up to 14."""
     albedo: _Bands | None = None
-    """Of what comes back from below the surface (default: the color_map's). The open ocean is about
-    [0.003, 0.01, 0.04]: most of the blue that is seen from space is air."""
+    """Albedo of the water body, below the surface. Default: the color_map. The open ocean has about
+    [0.003, 0.01, 0.04]: most of its blue as seen from space comes from the air."""
 
 
 class NightLights(Strict):
-    """Cities and the like. They come on from sunset to the end of civil twilight, 6 deg later.
+    """City lights. They come on between sunset and the end of civil twilight, when the Sun is 6
+    degrees below the horizon.
 
-    The texels of published maps are wider than towns: a random pattern, the same in every frame,
-    breaks their light up into towns and gaps. It keeps the map's mean, so that far views are as
+    Texels of published maps are wider than towns, so a random pattern breaks their light up into
+    towns and gaps. It is the same in every frame and keeps the map's mean, so distant views are as
     bright as the map."""
 
     map: FileName
-    """Equirectangular PNG, JPEG, WebP or TIFF, sRGB."""
+    """Map of the lights: equirectangular PNG, JPEG, WebP or TIFF, sRGB."""
     radiance_w_m2_sr: Rgb = (1e-3, 1e-3, 1e-3)
-    """Where the map is white. Centres of large cities are 1e-3 (100 nW cm-2 sr-1 in VIIRS's
-    day/night band; Roman et al. 2018), the brightest places ten times that."""
+    """Radiance where the map is white. Centres of large cities have 1e-3 (100 nW cm-2 sr-1 in
+    VIIRS's day/night band; Roman et al. 2018), the brightest places ten times that."""
     detail_km: Annotated[float, Field(strict=True, ge=0.0, le=1e9)] | None = None
-    """Size of the largest towns with the gaps between them; there are smaller ones, down to a ninth
-    of it. 0: no towns, the map as it is. Default: a texel of the map at the equator (20 km of a map
-    of the Earth 2048 wide), at most a hundredth of the radius. No place is more than 60 times as
-    bright as its map."""
+    """Size of the largest towns with their gaps; others are as small as a ninth of it. 0: the map
+    unchanged. Default: a texel of the map at the equator (20 km for a map of the Earth 2048 pixels
+    wide), at most a hundredth of the radius. No place is more than 60 times as bright as its
+    map."""
     black: _Black | None = None
-    """Linear value of the map, 0..1, up to which there is no light: 0 takes the map as it is.
-    Default: by band what all but a twentieth of the body's area is at most, up to 0.02, since many
-    maps show seas and land that are not lit in dark blue. It assumes that no more is lit; where all
-    of a body is, 0.02 is taken off all of it."""
+    """Black level: linear value of the map, 0 to 1, up to which there is no light; 0 uses the map
+    unchanged. Default: per band, the 95th percentile over the body's area, at most 0.02, because
+    many maps show unlit sea and land in dark blue. This assumes that at most a twentieth of the
+    body is lit; otherwise 0.02 is subtracted everywhere."""

@@ -1,4 +1,4 @@
-"""The section `labels` of the schema: levels of `semantic`, classes of parts, fixed ids."""
+"""The section `labels` of the schema: semantic levels, classes of parts, fixed ids."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from perilune.config.errors import fail, nearest
 from perilune.config.types import Integer, Strict
 
 LEVELS = ("kind", "object", "part")
-"""Levels that everything has."""
+"""Levels that every object has."""
 _SAID = {
     "kind": "follows from the section: a body or a spacecraft",
     "object": "the key `class` says it",
@@ -19,24 +19,25 @@ _SAID = {
 }
 Level = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
 Classes = dict[Level, Annotated[str, Field(min_length=1)]]
-"""Level -> name of the class that a body or spacecraft has there."""
+"""Level -> class of a body or spacecraft at that level."""
 
 
 class Labels(Strict):
-    """What the levels of `semantic` mean; id 0 is the background at every level."""
+    """Levels and classes of the semantic labels; id 0 is the background at every level."""
 
     levels: Annotated[tuple[Level, ...], Field(min_length=1)] = LEVELS
-    """kind of thing (body, spacecraft), class of object, class of part; or levels of your own, at
-    which `classes` of a body or spacecraft say what it is. One without is 0 there."""
+    """Levels of `semantic`, in order. kind: body or spacecraft; object: class of the object; part:
+    class of the part. At levels of your own, `classes` of a body or spacecraft gives its class;
+    without one it has id 0."""
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
-    """Class of part -> shell patterns on part names, material names or `part/material`, in any
-    case; first match wins. `perilune parts CONFIG` lists the names."""
+    """Class of part -> shell patterns on part names, material names or `part/material`
+    (case-insensitive); the first match counts. `perilune parts CONFIG` lists the names."""
     other_part: str = "other"
-    """Class of the parts of a spacecraft that no pattern matches."""
+    """Class of spacecraft parts that match no pattern."""
     ids: dict[Level, dict[str, Annotated[Integer, Field(ge=1, le=65535)]]] = Field(
         default_factory=dict
     )
-    """Fixed ids of class names per level; the others are numbered in the order of the file."""
+    """Fixed ids of classes, per level; other classes are numbered in the order of the file."""
 
     @model_validator(mode="after")
     def _unique(self) -> Labels:
@@ -51,9 +52,9 @@ class Labels(Strict):
         return self
 
     def check(self, stated: Iterable[tuple[str, Mapping[str, str]]]) -> None:
-        """Inside a validator: refuses levels that nothing has, and classes at no level.
+        """Inside a validator: refuses levels without any class, and classes at unknown levels.
 
-        stated: key path of each entry's `classes`, and these."""
+        stated: key path of each entry's `classes`, with their value."""
         used: set[str] = set()
         for where, classes in stated:
             for level in classes:

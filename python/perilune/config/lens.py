@@ -1,4 +1,4 @@
-"""The section camera.lens: where it focuses, and one model a kind of distortion."""
+"""The section `camera.lens` of the schema: focus, and one class for each model of distortion."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from perilune.config.types import Finite, NonNegative, Positive, Strict
 
 class _Lens(Strict):
     focus_distance_m: Positive | Literal["infinity"] | None = None
-    """Depth along the optical axis that is sharp; nearer and farther things blur in colour, never
-    in labels. Without it all is sharp."""
+    """Distance of the plane of focus along the optical axis. Nearer and farther objects are blurred
+    in colour channels, never in labels. Default: everything is sharp."""
     aperture_mm: Annotated[NonNegative, Field(le=1e5)] | None = None
-    """Diameter of the lens, for its blur; 0: a pinhole. Default: as the camera's `sensor` says."""
+    """Diameter of the aperture that blurs; 0: a pinhole. Default: the aperture of the camera's
+    `sensor`."""
 
 
 class Rectilinear(_Lens):
@@ -26,14 +27,14 @@ class Rectilinear(_Lens):
 
 class _Bent(_Lens):
     labels: Literal["distorted", "undistorted"] = "distorted"
-    """distorted: labels lie on the image. undistorted: labels are those of the pinhole camera K
-    alone, and cost a second pass where colour is asked for too."""
+    """distorted: labels match the distorted image. undistorted: labels are those of the pinhole
+    camera K; a frame with colour channels then needs a second pass."""
 
 
 class BrownConrady(_Bent):
-    """Radial and tangential polynomials, OpenCV's rational model of 8 coefficients:
-    x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6) + 2 p1 x y
-    + p2 (r^2 + 2 x^2), and y' likewise, of x = X / Z and y = Y / Z."""
+    """Radial and tangential distortion, as in OpenCV's rational model with 8 coefficients: x' = x
+    (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2),
+    with x = X / Z, y = Y / Z and r^2 = x^2 + y^2; y' likewise."""
 
     model: Literal["brown_conrady"]
     k1: Finite = 0.0
@@ -47,9 +48,9 @@ class BrownConrady(_Bent):
 
 
 class Fisheye(_Bent):
-    """The angle off the axis is the radius: theta (1 + k1 theta^2 + ... + k4 theta^8), OpenCV's
-    fisheye model. Sees beyond a right angle; give focal_px or K, pixels per radian. Has no plane of
-    focus."""
+    """Equidistant projection with distortion, OpenCV's fisheye model: the image radius is theta (1
+    + k1 theta^2 + ... + k4 theta^8) for an angle theta to the optical axis. It can see more than 90
+    degrees off the axis; give focal_px or K, in pixels per radian. It has no plane of focus."""
 
     model: Literal["fisheye"]
     k1: Finite = 0.0

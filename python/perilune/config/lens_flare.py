@@ -14,16 +14,16 @@ _Parts = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
 
 
 class Ghost(Strict):
-    """An even disc of light that two surfaces of the lens reflect."""
+    """A uniform disc of light, reflected between two surfaces of the lens."""
 
     scale: Annotated[float, Field(strict=True, ge=-2.0, le=2.0)]
-    """Its middle is at so many times the source's distance from the optical axis; below 0: on the
-    other side."""
+    """Position of the disc's centre along the line from the optical axis to the source, as a
+    multiple of the source's distance from the axis. Negative: on the other side of the axis."""
     radius_deg: Annotated[float, Field(strict=True, gt=0.0, le=85.0)]
-    """Of the disc, seen through the lens; at least half a pixel."""
+    """Angular radius of the disc; at least half a pixel."""
     intensity: _Parts
-    """Part of the source's light that lands in the disc, in all bands or [r, g, b]. Two surfaces
-    whose coatings reflect 0.5 %: 2.5e-5."""
+    """Fraction of the source's light in the disc, for all bands or as [r, g, b]. Two coatings that
+    reflect 0.5 % each: 2.5e-5."""
 
 
 GENERIC = (
@@ -34,19 +34,19 @@ GENERIC = (
     Ghost(scale=0.6, radius_deg=2.2, intensity=(3e-5, 2.5e-5, 2e-5)),
     Ghost(scale=1.4, radius_deg=4.5, intensity=(2.5e-5, 2.5e-5, 3e-5)),
 )
-"""Of no lens in particular: six pairs of surfaces, each with coatings that reflect about 0.5 %, as
-broadband ones do (0.25 to 0.7 % by makers' data), a little more in one band than in another; places
-and sizes are spread as in pictures of such lenses."""
+"""A generic lens: six pairs of surfaces with broadband coatings that reflect about 0.5 % each (0.25
+to 0.7 % in makers' data), a little more in one band than in another. Positions and sizes are spread
+as in pictures taken with such lenses."""
 
 
 class LensFlare(Strict):
-    """Ghosts of the sun, in the frame or near it, and of what is brighter than white."""
+    """Ghosts of the Sun, in the frame or near it, and of pixels that are brighter than white."""
 
     ghosts: Annotated[tuple[Ghost, ...], Field(min_length=1, max_length=32)] = GENERIC
-    """Default: six of a generic lens with coatings that reflect 0.5 %."""
+    """Discs of light. Default: the six of a generic lens with coatings that reflect 0.5 %."""
     baffle_deg: tuple[_Angle, _Angle] = (30.0, 45.0)
-    """Angles to the optical axis up to which the sun shines into the lens, and from which on the
-    baffle keeps it out; linear between."""
+    """Angles between the Sun and the optical axis: up to the first, the Sun shines into the lens;
+    from the second on, the baffle blocks it; linear in between."""
 
     @model_validator(mode="after")
     def _rising(self) -> LensFlare:

@@ -1,7 +1,7 @@
-"""The sections `materials` and spacecraft.X.materials: graphs, and the triangles that they are on.
+"""The sections `materials` and spacecraft.X.materials: material graphs and their assignment.
 
-What the kinds of nodes are and take is in the core's table; perilune.materials checks against it.
-"""
+The kinds of nodes and their inputs are in the core's table; perilune.materials checks against
+it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def driver_name(node: str) -> str | None:
 
 
 def _kept(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
-    """The value as it is: a number stays one that a driver has drawn."""
+    """The value unchanged, so that a number drawn by a driver stays one."""
     try:
         check(value)
     except ValidationError:
@@ -41,27 +41,27 @@ def _kept(value: Any, check: ValidatorFunctionWrapHandler) -> Any:
 
 
 class DriverSection(Strict):
-    """Values of the nodes `OAISYS_NAME` or `driver:NAME` of graphs, by NAME.
+    """Values for the nodes `OAISYS_NAME` or `driver:NAME` of graphs, by NAME.
 
-    Such a node is of the type `value` or `color`; without an entry it keeps its own value. An entry
-    that names no node, or whose nodes change nothing, is an error."""
+    Such a node has the type `value` or `color` and keeps its own value without an entry. An entry
+    that names no node, or changes nothing, is an error."""
 
     drivers: dict[str, Annotated[Finite | Vec3, WrapValidator(_kept)]] = Field(min_length=1)
-    """NAME -> a driver of a number or a colour (linear RGB), or a fixed one."""
+    """NAME -> a driver of a number or a linear RGB colour, or a fixed value."""
     jitter_strength: StaticNonNegative | tuple[StaticNonNegative, ...] | None = None
-    """Factor on every variance; 0 gives exactly the ideal values (default: drivers.strength). A
-    list: one a draw, the last for all draws after them."""
+    """Factor on every variance; 0 gives exactly the ideal values. A list: one factor per draw, the
+    last for all later draws. Default: drivers.strength."""
     step_interval: Annotated[Integer, Field(ge=1)] | None = None
-    """Steps between draws (default: drivers.interval)."""
+    """Steps between draws. Default: drivers.interval."""
 
 
 def _drivers_in_file(schema: dict[str, Any]) -> None:
-    """Beside `file` a setting can stand alone: the drivers are in the file."""
+    """Lets settings stand alone beside `file`, which then has the drivers."""
     schema.pop("required", None)
 
 
 def _nodes_in_file(schema: dict[str, Any]) -> None:
-    """The graph stands here or in the file."""
+    """Checks that the graph is here or in the file."""
     schema.pop("required", None)
     schema["anyOf"] = [{"required": ["nodes"]}, {"required": ["file"]}]
 
@@ -72,7 +72,7 @@ class MaterialDrivers(DriverSection):
     model_config = ConfigDict(json_schema_extra=_drivers_in_file)
 
     per: Literal["material", "instance"] = "material"
-    """material: one draw for all that has the node. instance: each spacecraft draws its own."""
+    """material: one draw for all users of the node. instance: a draw for each spacecraft."""
 
 
 class Material(Strict):
@@ -81,21 +81,22 @@ class Material(Strict):
     model_config = ConfigDict(json_schema_extra=_nodes_in_file)
 
     file: str | None = None
-    """YAML or JSON file of the keys of this mapping; relative to this file, or data:... under
-    PERILUNE_DATA. Paths of images in it are relative to it. Keys given beside it replace the
-    file's: in `nodes` those of each node (one of another type is replaced as a whole), in `drivers`
-    those of each driver likewise."""
+    """YAML or JSON file with the keys of this mapping; relative to this file, or data:... under
+    PERILUNE_DATA. Image paths in it are relative to that file. Keys given here override the file's:
+    node by node in `nodes` (a node of another type is replaced as a whole), driver by driver in
+    `drivers`."""
     doc: str = ""
-    """What it looks like, for readers."""
+    """Description, for readers."""
     nodes: dict[str, dict[str, Any]] = Field(min_length=1)
-    """Name -> {type: a kind of node, its inputs and constants}. An input is a number, [x, y, z],
-    the name of a node, or `node.output`; a number or a component may be a driver."""
+    """Name -> {type: kind of node, its inputs and constants}. An input is a number, [x, y, z], the
+    name of a node, or `node.output`. Numbers and components take drivers."""
     surface: str | None = None
-    """The node that is the surface (default: the only one that is)."""
+    """Name of the output node. Default: the only node that is a surface."""
     drivers: MaterialDrivers | None = None
-    """Values of the graph's nodes `OAISYS_NAME` or `driver:NAME`."""
+    """Values for the graph's nodes `OAISYS_NAME` or `driver:NAME`."""
     instances: dict[str, DriverSection] = Field(default_factory=dict)
-    """Spacecraft -> values there, before those of `drivers`; what `per: instance` becomes."""
+    """Spacecraft -> values for it, which take precedence over those of `drivers`. `per: instance`
+    fills this in."""
 
     @field_validator("nodes")
     @classmethod
@@ -107,24 +108,24 @@ class Material(Strict):
 
 
 class MaterialUse(Strict):
-    """Which triangles of a spacecraft a graph is on: those that fit all that is given."""
+    """Assignment of a graph to the triangles of a spacecraft that match all given conditions."""
 
     material: str | None = None
-    """Shell pattern on the names of the model's materials, in any case (default: all)."""
+    """Shell pattern on the names of the model's materials (case-insensitive). Default: all."""
     part: str | None = None
-    """Shell pattern on the names of parts, in any case (default: all)."""
+    """Shell pattern on the names of parts (case-insensitive). Default: all."""
     component: str | None = None
-    """Shell pattern on the connected pieces of the mesh, `component-0` the largest, as those of
-    `parts: {split: component}` before any are merged (default: all)."""
+    """Shell pattern on connected pieces of the mesh, named as by `parts: {split: component}` before
+    merging; `component-0` is the largest. Default: all."""
     box: PartBox | None = None
-    """Triangles by place, as `parts.boxes` (default: everywhere)."""
+    """Box that the triangles are in, as in `parts.boxes`. Default: everywhere."""
     use: str
     """Name of an entry of `materials`."""
     required: bool = True
-    """false: no error when no triangle fits."""
+    """Whether it is an error if no triangle matches."""
     mode: Literal["replace", "wrap"] = "replace"
-    """replace: nothing of the model's material is left but its opacity. wrap: inputs of the surface
-    that the graph does not give stay those of the model's material."""
+    """replace: the graph replaces the model's material, except its opacity. wrap: inputs of the
+    surface that the graph does not set come from the model's material."""
 
     @model_validator(mode="after")
     def _some_pattern(self) -> MaterialUse:

@@ -1,8 +1,7 @@
-"""How bodies and spacecraft move: the kinds of orbits, elements at the epoch.
+"""The section `orbit`: kinds of orbits, and elements at the epoch.
 
 To add a kind: its section here and its line in `Orbit`; its file in orbits/kinds and its line in
-orbits/paths.py.
-"""
+orbits/paths.py."""
 
 from __future__ import annotations
 
@@ -33,41 +32,49 @@ _SIZES = ("altitude_km", "semi_major_axis_km", "periapsis_km")
 
 
 class Around(Strict):
-    """What every orbit states."""
+    """What every orbit has: the central body."""
 
     around: str
-    """Name of a body or spacecraft. About a spacecraft (a small moon or an asteroid given as a
-    mesh) all but circular orbits, tables and fixed positions need its gm_km3_s2."""
+    """Name of the central body or spacecraft. Around a spacecraft (a small moon or asteroid given
+    as a mesh), all orbits but circular ones, tables and fixed positions need its gm_km3_s2."""
 
 
 class State(Strict):
-    """Position and velocity at the epoch, relative to the centre of what is orbited."""
+    """Position and velocity at the epoch, relative to the centre of the central body."""
 
     position_km: Vec3
+    """Position in the axes of `frame`."""
     velocity_km_s: Vec3
+    """Velocity in the axes of `frame`."""
 
 
 class Elements(Around):
-    """Osculating elements at the epoch, or a state."""
+    """Osculating elements at the epoch, or a state vector."""
 
     altitude_km: Positive | None = None
-    """Altitude of the periapsis over the mean equatorial radius."""
+    """Altitude of the periapsis above the mean equatorial radius."""
     semi_major_axis_km: Finite | None = None
-    """Negative for a hyperbola."""
+    """Semi-major axis; negative for a hyperbola."""
     periapsis_km: Positive | None = None
-    """Distance of the periapsis from the body's centre."""
+    """Distance of the periapsis from the centre of the central body."""
     eccentricity: NonNegative = 0.0
     inclination_deg: Inclination = 0.0
+    """Inclination to the xy plane of `frame`."""
     raan_deg: Finite = 0.0
+    """Right ascension of the ascending node."""
     arg_periapsis_deg: Finite = 0.0
+    """Argument of the periapsis."""
     mean_anomaly_deg: Finite | None = None
+    """Mean anomaly at the epoch."""
     true_anomaly_deg: Finite | None = None
+    """True anomaly at the epoch, instead of the mean anomaly."""
     state: State | None = None
-    """Instead of elements."""
+    """Position and velocity, instead of elements."""
     frame: Literal["equator", "icrf"] | None = None
-    """Axes of the elements or of the state. equator: the body's, of date, x along its ascending
-    node on ICRF's; icrf: the Earth's equator and equinox of J2000. Default: for a state, and around
-    the Earth and bodies without a known equator icrf, equator around the others."""
+    """Axes of the elements or the state. equator: equator of date of the central body, x along its
+    ascending node on the ICRF equator; icrf: Earth's equator and equinox of J2000. Default: icrf
+    for a state, and around the Earth and bodies without a known equator; equator around all
+    others."""
 
     @model_validator(mode="after")
     def _one_description(self) -> Elements:
@@ -105,11 +112,11 @@ _REPLACED_BY_STATE = frozenset(Elements.model_fields) - {"around", "state", "fra
 
 
 class Kepler(Elements):
-    """Two-body motion on any conic; or a fixed position."""
+    """Two-body motion on any conic, or a fixed position."""
 
     kind: Literal["kepler"] = "kepler"
     position_km: Vec3 | None = None
-    """Instead of elements: a fixed position from the body's centre, ICRF axes."""
+    """Fixed position from the centre of the central body in ICRF axes, instead of elements."""
 
     def _places(self) -> tuple[str, ...]:
         return (*_SIZES, "state", "position_km")
@@ -127,42 +134,45 @@ class _OnPath(Around):
     """Motion along a closed path at a constant rate."""
 
     v_step: Finite
-    """Revolutions from one step to the next, which needs time.step_s; 0: it stands still."""
+    """Revolutions per step, which needs time.step_s; 0: a fixed position."""
     orbit_start: Finite = 0.0
-    """Revolutions from the path's x axis at the epoch."""
+    """Position on the path at the epoch, in revolutions from its x axis."""
 
 
 class Circular(_OnPath):
-    """A circle scaled and turned, run through at a constant rate: no gravity in it."""
+    """A scaled and rotated circle, traversed at a constant rate; gravity plays no part."""
 
     kind: Literal["circular"]
     scale: PositiveVec3
-    """Semi-axes of the path along its x and y (and z, which it does not use), in radii of what is
-    orbited: 1.0640 around the Earth is 408 km."""
+    """Semi-axes of the path along its x and y (z is not used), in radii of the central body: 1.0640
+    around the Earth is 408 km of altitude."""
     rotation_deg: Vec3 = (0.0, 0.0, 0.0)
-    """Roll, pitch, yaw of the path, from ICRF axes."""
+    """Roll, pitch, yaw of the path, relative to ICRF axes."""
 
 
 class J2(Elements):
-    """A Kepler orbit whose node, periapsis and mean anomaly drift by the parent's oblateness."""
+    """A Kepler orbit with the secular drift of node, periapsis and mean anomaly by the oblateness
+    of the central body."""
 
     kind: Literal["j2"]
     osculating: Annotated[bool, Field(strict=True)] = False
-    """Whether the elements are those of the state at the epoch (their semi-major axis is then
-    corrected to the mean one); else they are mean elements."""
+    """Whether the elements are osculating at the epoch; their semi-major axis is then converted to
+    a mean one. false: mean elements."""
     j2: Positive | None = None
-    """Instead of the table's value of the parent; with its mean equatorial radius."""
+    """Oblateness coefficient J2, for the mean equatorial radius. Default: the table's value for the
+    central body."""
 
 
 class Harmonics(Strict):
-    """The parent's gravity beyond the point mass."""
+    """Gravity of the central body beyond the point mass."""
 
     degree: Annotated[Integer, Field(ge=2)]
-    """Without a file, 2 to 6: the zonal harmonics of the table."""
+    """Highest degree. Without a file, 2 to 6: the zonal harmonics of the table."""
     order: Annotated[Integer, Field(ge=0)] | None = None
-    """With a file: 0 to the degree (default)."""
+    """Highest order, only with a file: 0 to the degree. Default: the degree."""
     file: FileName | None = None
-    """Spherical-harmonic coefficients; relative to this file, or data:... under PERILUNE_DATA."""
+    """File of spherical-harmonic coefficients; relative to this file, or data:... under
+    PERILUNE_DATA."""
 
     @model_validator(mode="after")
     def _ranges(self) -> Harmonics:
@@ -176,50 +186,54 @@ class Harmonics(Strict):
 
 
 class Drag(Strict):
-    """Drag of the parent's atmosphere."""
+    """Drag by the atmosphere of the central body."""
 
     area_to_mass_m2_kg: NonNegative
+    """Cross-section divided by mass."""
     cd: NonNegative = 2.2
+    """Drag coefficient."""
 
 
 class RadiationPressure(Strict):
-    """Pressure of sunlight on a sphere, with the parent's shadow."""
+    """Solar radiation pressure on a sphere, with the shadow of the central body."""
 
     area_to_mass_m2_kg: NonNegative
+    """Cross-section divided by mass."""
     cr: NonNegative = 1.3
+    """Radiation pressure coefficient: 1 absorbs all light."""
 
 
 class Forces(Strict):
-    """What acts beside the parent's point mass."""
+    """Forces besides the central body's point mass."""
 
     harmonics: Harmonics | None = None
     third_bodies: tuple[str, ...] = ()
-    """Names of the table of bodies: sun, moon ..."""
+    """Names in the table of bodies whose gravity perturbs the orbit: sun, moon ..."""
     drag: Drag | None = None
     radiation_pressure: RadiationPressure | None = None
 
 
 class Numerical(Elements):
-    """Integrated motion under the stated forces."""
+    """Numerical integration with the given forces."""
 
     kind: Literal["numerical"]
     rtol: Annotated[Positive, Field(le=1e-3)] = 1e-12
-    """Relative tolerance of a step of the integrator."""
+    """Relative error tolerance of an integration step."""
     forces: Forces = Forces()
 
 
 class Tle(Around):
-    """A two-line element set through SGP4 (extra `tle`); TEME turned to ICRF."""
+    """A two-line element set, propagated by SGP4 (extra `tle`) and rotated from TEME to ICRF."""
 
     kind: Literal["tle"]
     lines: tuple[str, str] | None = None
-    """The two lines."""
+    """The two lines of the set."""
     file: FileName | None = None
-    """A file of sets, with or without name lines; relative to this file, or data:..."""
+    """File of element sets, with or without name lines; relative to this file, or data:..."""
     name: str | None = None
-    """Which set of the file, by its name line."""
+    """Name line of the set to take from the file."""
     number: Annotated[Integer, Field(ge=0, le=339999)] | None = None
-    """Which set of the file, by catalogue number."""
+    """Catalogue number of the set to take from the file."""
 
     @model_validator(mode="after")
     def _one_source(self) -> Tle:
@@ -234,44 +248,45 @@ class Tle(Around):
 
 
 class Table(Around):
-    """Interpolated states of a file."""
+    """Interpolated states from a file."""
 
     kind: Literal["table"]
     file: FileName
-    """A CCSDS OEM (.oem, .txt: KVN), or a CSV table: its first line names the columns t_s (seconds
-    after the epoch) or time_utc; x_km, y_km, z_km (or x_m ...) from the centre of what is orbited,
-    ICRF axes; optionally vx_km_s ... (or vx_m_s ...). Relative to this file, or data:..."""
+    """A CCSDS OEM (.oem or .txt, KVN), or a CSV table. The first line of a CSV names its columns:
+    t_s (seconds after the epoch) or time_utc; x_km, y_km, z_km (or x_m ...) from the centre of the
+    central body in ICRF axes; optionally vx_km_s ... (or vx_m_s ...). Relative to this file, or
+    data:..."""
     object: str | None = None
-    """Which object's lines to take in a CSV table with a column `object`, as `perilune orbit`
-    writes; or the OBJECT_NAME or OBJECT_ID of an OEM with several."""
+    """Object to take from a file with several: the column `object` of a CSV, as `perilune orbit`
+    writes it, or OBJECT_NAME or OBJECT_ID of an OEM."""
     degree: Annotated[Integer, Field(ge=1, le=25)] | None = None
-    """Degree of the interpolating polynomials (default: the OEM's, else 7). With velocities it is
-    odd; an OEM that asks for INTERPOLATION = LAGRANGE is interpolated without them."""
+    """Degree of the interpolating polynomials; odd if velocities are used. Default: the OEM's, else
+    7. With INTERPOLATION = LAGRANGE an OEM's velocities are not used."""
 
 
 class Spice(Around):
-    """States of SPICE kernels (extra `spice`), geometric, J2000 axes."""
+    """States from SPICE kernels (extra `spice`): geometric, J2000 axes."""
 
     kind: Literal["spice"]
     kernels: Annotated[tuple[FileName, ...], Field(min_length=1)]
-    """Files, loaded in this order; relative to this file, or data:..."""
+    """Kernel files, loaded in this order; relative to this file, or data:..."""
     target: str
-    """Name or number of what moves."""
+    """NAIF name or number of the moving object."""
     observer: str | None = None
-    """Name or number of what is orbited (default: that of the table of bodies)."""
+    """NAIF name or number of the central body. Default: from the table of bodies."""
 
 
 class Drawn(Around):
-    """What orbits that are drawn once a scene share; what they say of the epoch holds at the first
-    step of the scene."""
+    """Common keys of orbits that are drawn once a scene. Their epoch is the first step of the
+    scene."""
 
     propagator: Literal["kepler", "j2", "circular"] | None = None
-    """How the drawn orbit is run through: kepler (default), j2, or circular (at v_step, from
-    orbit_start; default for a hook's form {scale_xyz, rotation_rpy})."""
+    """Motion on the drawn orbit: kepler (default), j2, or circular (from orbit_start at v_step;
+    default for a hook that returns {scale_xyz, rotation_rpy})."""
     v_step: Finite | None = None
-    """For circular, which needs it: revolutions from one step to the next; needs time.step_s."""
+    """Revolutions per step; required for circular, and needs time.step_s."""
     orbit_start: FiniteRange | None = None
-    """For circular: revolutions at the start; a number, or [smallest, largest] (default 0 to 1)."""
+    """For circular: revolutions at the start, a number or [smallest, largest]. Default: 0 to 1."""
 
     def _circular_keys(self, *propagators: str | None) -> None:
         if self.propagator in propagators:
@@ -283,25 +298,27 @@ class Drawn(Around):
 
 
 class Database(Drawn):
-    """An orbit drawn once a scene from a class of orbits; every key replaces a default of it."""
+    """An orbit drawn once a scene from a class of orbits. Each key replaces a default of the
+    class."""
 
     kind: Literal["database"]
     class_: Literal["LEO", "MEO", "GEO", "PO", "SSO", "MOLNIYA", "GTO", "LLO", "NRHO"] = Field(
         alias="class"
     )
     altitude_km: PositiveRange | None = None
-    """Of the periapsis, over the mean equatorial radius; each range is drawn uniformly."""
+    """Altitude of the periapsis above the mean equatorial radius. Like every range, drawn
+    uniformly."""
     semi_major_axis_km: PositiveRange | None = None
     eccentricity: FiniteRange | None = None
     inclination_deg: AngleRange | None = None
-    """Drawn uniformly over the sphere (in its cosine)."""
+    """Inclination, drawn uniformly over the sphere (in its cosine)."""
     raan_deg: FiniteRange | None = None
     arg_periapsis_deg: FiniteRange | None = None
     mean_anomaly_deg: FiniteRange | None = None
     ltan_h: FiniteRange | None = None
-    """SSO: local mean solar time of the ascending node, hours."""
+    """SSO: local mean solar time of the ascending node."""
     longitude_deg: FiniteRange | None = None
-    """GEO: east longitude of the station."""
+    """GEO: east longitude of the satellite."""
 
     @model_validator(mode="after")
     def _circular_only(self) -> Database:
@@ -310,18 +327,17 @@ class Database(Drawn):
 
 
 class Hook(Drawn):
-    """An orbit that a function of the user's draws, once a scene."""
+    """An orbit that your function draws once a scene."""
 
     model_config = ConfigDict(json_schema_extra=hook_or_function)
 
     kind: Literal["hook"]
     hook: FunctionName
-    """module:function (`function` is understood too). It gets those of its arguments that are named
-    body_radius_xyz (km), rng, world or params, and returns {scale_xyz, rotation_rpy} (radians: a
-    scaled circle, run through at v_step, which it then needs), {position_km, velocity_km_s}, or
-    elements by the names of a Kepler orbit's keys."""
+    """module:function (the key `function` works too). Its arguments may be body_radius_xyz (km),
+    rng, world and params. It returns {position_km, velocity_km_s}, elements by the keys of a Kepler
+    orbit, or {scale_xyz, rotation_rpy} (radians): a scaled circle, which needs v_step."""
     params: dict[str, Any] = Field(default_factory=dict)
-    """Handed to the function as `params`, or each by its name."""
+    """Parameters for the function, passed as `params` or each by its name."""
 
     @model_validator(mode="before")
     @classmethod
@@ -352,4 +368,4 @@ Orbit = Annotated[
     | Annotated[Hook, Tag("hook")],
     Discriminator(_kind),
 ]
-"""An orbit; `kind` says which (default: kepler)."""
+"""An orbit; `kind` selects its model. Default: kepler."""

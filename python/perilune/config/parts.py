@@ -11,11 +11,12 @@ from perilune.config.types import Integer, StaticVec3, Strict
 
 
 class PartBox(Strict):
-    """A box along the model's axes; a triangle belongs to it when its centroid is inside."""
+    """A box along the model's axes. It holds the triangles whose centroids are inside."""
 
     min: StaticVec3
-    """The file's units, z up, as `perilune parts` lists them."""
+    """Lower corner, in the file's units with z up, as `perilune parts` lists them."""
     max: StaticVec3
+    """Upper corner."""
 
     @model_validator(mode="after")
     def _ordered(self) -> PartBox:
@@ -26,15 +27,18 @@ class PartBox(Strict):
 
 
 class Parts(Strict):
-    """How a model is cut into parts; `perilune parts CONFIG` lists the result."""
+    """Division of a model into parts; `perilune parts CONFIG` lists the result."""
 
     split: Literal["primitive", "node", "component", "none"] = "primitive"
-    """primitive: one part a primitive (material) of a node. node: one a node. component: one a
-    connected piece of the mesh, `component-0` the largest. none: the whole model, `model`."""
+    """primitive: a part per primitive (material) of a node. node: a part per node. component: a
+    part per connected piece of the mesh; `component-0` is the largest. none: the whole model is the
+    part `model`."""
     merge_below: Annotated[Integer, Field(ge=0)] = 0
-    """With split: component, pieces of fewer triangles together are the part `small`."""
+    """With split: component, pieces with fewer triangles than this together form the part
+    `small`."""
     boxes: dict[str, PartBox] = Field(default_factory=dict)
-    """Parts by place, before `split` cuts the rest; the first box that fits takes a triangle."""
+    """Parts by position, taken before `split` divides the rest. A triangle belongs to the first box
+    that holds it."""
 
     @model_validator(mode="after")
     def _merges_components(self) -> Parts:

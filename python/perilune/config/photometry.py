@@ -1,4 +1,4 @@
-"""Parameters of the photometric laws of a body: Hapke's model and the cheaper ones."""
+"""The section `photometry` of a body: parameters of Hapke's model and simpler ones."""
 
 from __future__ import annotations
 
@@ -17,35 +17,38 @@ _Surges = Annotated[tuple[_Surge, _Surge, _Surge], BeforeValidator(triple)]
 
 
 class Photometry(Strict):
-    """What a photometric law reads beside the albedo (w of Hapke's model).
+    """Parameters of a photometric model besides the albedo (w of Hapke's model).
 
-    A key that is not given is the map's; without maps it is the median of the Moon (Sato et al.
-    2014). Numbers are for all bands, or [r, g, b].
-    """
+    Keys that are not given come from the maps or, without maps, are medians of the Moon (Sato et
+    al. 2014). Numbers are for all bands, or [r, g, b]."""
 
     maps: tuple[FileName, ...] = ()
-    """GeoTIFF of the bands w, b, c, B_C0, h_C, B_S0, h_S, roughness in degrees, filling factor, as
-    the LROC WAC Hapke parameter maps: one for all colours, or [red, green, blue]. Their w is taken
-    where there is no color_map. Beyond their edges the edge's values hold."""
+    """GeoTIFF with the bands w, b, c, B_C0, h_C, B_S0, h_S, roughness in degrees and filling
+    factor, as in the LROC WAC Hapke parameter maps: one file for all colours, or [red, green,
+    blue]. Their w is used if there is no color_map. Beyond their edges, the edge values are
+    used."""
     b: _Lobes | None = None
-    """Width of the lobes of the two-term Henyey-Greenstein phase function."""
+    """Parameter b of the two-term Henyey-Greenstein phase function: width of the lobes."""
     c: _Backs | None = None
-    """1 is all back, -1 all forward; fits to the Moon go beyond 1."""
+    """Parameter c of the same function: 1 is all backward, -1 all forward. Fits to the Moon exceed
+    1."""
     b_s0: _Surges | None = None
-    """Height of the opposition surge by hidden shadows."""
+    """Amplitude of the shadow-hiding opposition effect."""
     h_s: _Surges | None = None
-    """Its half width; 0 is none."""
+    """Angular half width of the shadow-hiding opposition effect; 0: none."""
     b_c0: _Surges | None = None
-    """Height of the opposition surge by coherent backscatter."""
+    """Amplitude of the coherent-backscatter opposition effect."""
     h_c: _Surges | None = None
-    """Its half width; 0 is none."""
+    """Angular half width of the coherent-backscatter opposition effect; 0: none."""
     filling: Annotated[float, Field(strict=True, ge=0.0, le=0.75)] | None = None
-    """Part of the volume that grains fill."""
+    """Filling factor: fraction of the volume that grains fill."""
     roughness_deg: Annotated[float, Field(strict=True, ge=0.0, le=60.0)] | None = None
-    """Mean slope of the relief that is too small to be seen."""
+    """Macroscopic roughness: mean slope of relief below the resolution."""
     k: Annotated[float, Field(strict=True, ge=0.0, le=2.0)] | None = None
-    """Minnaert's exponent."""
+    """Minnaert exponent."""
     h_function: Literal["improved", "simple"] = "improved"
-    """Of multiple scattering: Hapke 2002, or 1981."""
+    """Approximation of the H function of multiple scattering: improved (Hapke 2002) or simple
+    (Hapke 1981)."""
     coherent_surge: Literal["2002", "2012"] = "2002"
-    """Its shape by Hapke 2002, or 2012; parameters fitted with one are not those of the other."""
+    """Shape of the coherent-backscatter peak: Hapke 2002 or 2012. Parameters fitted with one do not
+    suit the other."""

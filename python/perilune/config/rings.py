@@ -14,9 +14,7 @@ _Fixed = BeforeValidator(refuse_drawn)
 _Radius = Annotated[Positive, _Fixed]
 _Depth = Annotated[float, Field(strict=True, ge=0.0, le=1000.0), _Fixed]
 _Share = Annotated[float, Field(strict=True, ge=0.0, le=1.0), _Fixed]
-_Colour = Annotated[
-    tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(triple), _Fixed
-]
+_Colour = Annotated[tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(triple), _Fixed]
 
 
 def _check_order(inner_km: float, outer_km: float) -> None:
@@ -30,14 +28,17 @@ def _check_albedo(albedo: tuple[float, float, float] | None) -> None:
 
 
 class Ringlet(Strict):
-    """An even part of the rings."""
+    """A uniform part of the rings."""
 
     inner_radius_km: _Radius
+    """Inner radius, from the body's centre."""
     outer_radius_km: _Radius
+    """Outer radius, from the body's centre."""
     optical_depth: _Depth
-    """Along the normal: exp(-depth) of the light comes straight through."""
+    """Optical depth along the normal: a fraction exp(-depth) of the light passes straight
+    through."""
     albedo: _Colour
-    """Of single scattering by its particles: a number for all bands, or [r, g, b], linear."""
+    """Single-scattering albedo of the particles: a number for all bands, or linear [r, g, b]."""
 
     @model_validator(mode="after")
     def _valid(self) -> Ringlet:
@@ -47,31 +48,30 @@ class Ringlet(Strict):
 
 
 class Rings(Strict):
-    """Flat rings in the plane of a body's equator, of particles that scatter the sun's light once,
-    and hide what is behind them.
-
-    Either `ringlets`, or radii with a map or with numbers for all of them."""
+    """Flat rings in a body's equatorial plane. Their particles scatter sunlight once and hide what
+    is behind them. Give either `ringlets`, or radii with a map or with uniform values."""
 
     inner_radius_km: _Radius | None = None
-    """From the body's centre."""
+    """Inner radius, from the body's centre."""
     outer_radius_km: _Radius | None = None
+    """Outer radius, from the body's centre."""
     color_map: FileName | None = None
-    """PNG, WebP or TIFF; columns from the inner to the outer radius. Alpha is the part of the light
-    that the rings hold back along their normal, the colour (sRGB) the albedo of single scattering.
-    Relative to this file, or data:... under PERILUNE_DATA; 1 to 16384 columns."""
+    """PNG, WebP or TIFF with 1 to 16384 columns from the inner to the outer radius. Alpha is the
+    fraction of light that the rings block along their normal, the colour (sRGB) the
+    single-scattering albedo. Relative to this file, or data:... under PERILUNE_DATA."""
     optical_depth: _Depth | None = None
-    """Along the normal; with a map a factor on its own (default 1)."""
+    """Optical depth along the normal; with a map, a factor on the map's (default 1)."""
     albedo: _Colour | None = None
-    """Of single scattering; with a map a factor on its colours (default 1), which end at 1."""
+    """Single-scattering albedo; with a map, a factor on its colours (default 1), limited to 1."""
     ringlets: tuple[Ringlet, ...] = ()
-    """From the inside to the outside; between them are gaps."""
+    """Ringlets from the inside out, with gaps between them."""
     phase_exponent: Annotated[float, Field(strict=True, ge=0.0, le=20.0), _Fixed] = 3.092
-    """Particles scatter by (angle of turn)^exponent: mostly back. The default was measured of
-    Saturn's A ring (Dones, Cuzzi and Showalter 1993); 0 is even."""
+    """Exponent of the phase function (scattering angle)^exponent, which is mostly backscattering.
+    0: isotropic. The default was measured in Saturn's A ring (Dones, Cuzzi and Showalter 1993)."""
     dust_share: _Share = 0.0
-    """Part of the light that is scattered as by dust, after Henyey and Greenstein."""
+    """Fraction of the scattered light that follows the Henyey-Greenstein phase function of dust."""
     dust_g: Annotated[float, Field(strict=True, ge=-0.98, le=0.98), _Fixed] = 0.7
-    """Mean cosine of the angle by which dust turns light; 1 is all forward."""
+    """Asymmetry parameter of the dust: mean cosine of the scattering angle; 1 is all forward."""
 
     @model_validator(mode="after")
     def _dusty(self) -> Rings:

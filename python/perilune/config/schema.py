@@ -59,17 +59,17 @@ _YEARS = (1960, 2100)  # UTC exists since 1960; the ephemeris of the Earth holds
 
 
 class Time(Strict):
-    """Step k lies step_s * k seconds after the epoch: of TT, as long as those of UTC, TAI and every
-    clock, so that a leap second between makes the dates of UTC one less. Each step is a frame, or
-    with `sensors` one frame of each sensor that is triggered."""
+    """Time of the steps. Step k is step_s * k seconds after the epoch. These are SI seconds, as of
+    TT and TAI, so a leap second in between shifts the UTC date by one second. Each step is one
+    frame, or with `sensors` one frame of each sensor that is triggered."""
 
     epoch: str
-    """UTC, ISO 8601: 2026-03-20T12:00:00Z."""
+    """Time of step 0: UTC in ISO 8601, such as 2026-03-20T12:00:00Z."""
     step_s: Finite = 0.0
-    """Seconds from one step to the next."""
+    """Time from one step to the next."""
     frames_per_scene: Annotated[Integer, Field(ge=1)] = 1
-    """Steps of a scene. What is drawn once a scene (orbits from samplers, drivers without an
-    interval) is drawn anew every so many steps; what is drawn at every step goes on."""
+    """Steps per scene. Values drawn once a scene (orbits of the kinds database and hook, drivers
+    without an interval) are drawn anew at its start; what is drawn at every step goes on."""
 
     @field_validator("epoch")
     @classmethod
@@ -96,12 +96,12 @@ def _fields(match: re.Match[str]) -> tuple[int, int, int, int, int, float]:
 
 
 class Angles(Strict):
-    """A direction by two angles; either may be driven."""
+    """A direction given by two angles, each of which takes a driver."""
 
     azimuth_deg: Finite
-    """About z, from x towards y."""
+    """Angle about z, from x towards y."""
     elevation_deg: Annotated[float, Field(strict=True, ge=-90.0, le=90.0)]
-    """From the xy plane towards z."""
+    """Angle from the xy plane towards z."""
 
 
 def _direction_tag(value: Any) -> str:
@@ -120,24 +120,25 @@ _Micrometres = Annotated[float, Field(strict=True, ge=0.4226, le=1.1)]
 
 
 SRGB_UM = (0.612, 0.549, 0.465)
-"""Dominant wavelengths of the primaries of sRGB."""
+"""Dominant wavelengths of the sRGB primaries red, green and blue, in micrometres."""
 
 
 class Sun(Strict):
-    """The Sun; its position follows from the date unless a direction is given."""
+    """The Sun. Its position follows from the date, unless a direction is given."""
 
     radius_km: Positive = 695700.0
+    """Radius of the disc."""
     irradiance_w_m2: NonNegative = 1361.0
-    """At one astronomical unit: of all wavelengths together."""
+    """Solar constant: irradiance at 1 au over all wavelengths."""
     spectrum: Spectrum | None = None
-    """How it is spread over the wavelengths; default: a black body of 5850 K with 0.7 of its light
-    below 0.4 um, within 6 % of the Sun in every 50 nm from 0.3 to 1.1 um. Colours look the same in
-    the light of either."""
+    """Spectrum of the Sun from a file. Default: a black body of 5850 K with 0.7 of its light below
+    0.4 um, within 6 % of the Sun in every 50 nm from 0.3 to 1.1 um. Colours look the same with
+    either."""
     band_wavelengths_um: tuple[_Micrometres, _Micrometres, _Micrometres] | None = None
-    """Of the colours red, green, blue: by these the disc darkens towards its edge (Neckel 2005) and
-    atmospheres scatter. Default: 0.612, 0.549, 0.465, those of sRGB; but in images the disc darkens
-    by what the camera's `bands` see of each colour, and presets of atmospheres are means over all
-    that adds to each colour of sRGB."""
+    """Wavelengths of red, green and blue, at which limb darkening (Neckel 2005) and atmospheric
+    scattering are computed. Default: 0.612, 0.549 and 0.465, those of sRGB. By default, limb
+    darkening in images uses what the camera's `bands` see of each colour, and presets of
+    atmospheres are means over each colour of sRGB."""
     direction: (
         Annotated[
             Annotated[Direction, Tag("vector")] | Annotated[Angles, Tag("angles")],
@@ -146,14 +147,14 @@ class Sun(Strict):
         ]
         | None
     ) = None
-    """Towards the Sun from the root body, ICRF axes, instead of the date's: a vector, or
-    {azimuth_deg, elevation_deg}."""
+    """Direction from the root body to the Sun in ICRF axes, instead of that of the date: a vector,
+    or {azimuth_deg, elevation_deg}."""
     distance_au: Positive = 1.0
-    """From the root body; used with `direction` only."""
+    """Distance of the Sun from the root body; used only with `direction`."""
 
     @property
     def wavelengths_um(self) -> tuple[float, float, float]:
-        """Of the colours red, green and blue."""
+        """Wavelengths of red, green and blue, in micrometres."""
         return self.band_wavelengths_um or SRGB_UM
 
     @model_validator(mode="after")
@@ -164,82 +165,89 @@ class Sun(Strict):
 
 
 class ContinuousSymmetry(Strict):
-    """Full rotational symmetry about a line of the model frame."""
+    """Full rotational symmetry about a line in the model's frame."""
 
     axis: StaticVec3
+    """Direction of the line."""
     offset_m: StaticVec3 = (0.0, 0.0, 0.0)
+    """A point on the line."""
 
 
 class DiscreteSymmetry(Strict):
-    """A rotation about a point that leaves the model as it is."""
+    """A rotation about a point that maps the model onto itself."""
 
     rotation_deg: StaticVec3
-    """Roll, pitch, yaw."""
+    """Roll, pitch, yaw of the rotation."""
     offset_m: StaticVec3 = (0.0, 0.0, 0.0)
-    """The point, in the model's frame: any of the axis."""
+    """A point on the axis of rotation, in the model's frame."""
 
 
 class Symmetries(Strict):
-    """Symmetries of a model in its frame; written to BOP as stated, never guessed, once the model
-    turned by them is near itself: within a tenth of its diameter, or 15 mm, as BOP has it."""
+    """Symmetries of a model in its frame, for BOP. They are never guessed. Each is checked: the
+    rotated model must lie within a tenth of its diameter, or 15 mm, of itself, as BOP asks."""
 
     discrete_deg: tuple[StaticVec3, ...] = ()
-    """Rotations (roll, pitch, yaw) about the frame's origin that leave the model as it is; with
-    those of `discrete` every one but the identity."""
+    """Rotations (roll, pitch, yaw) about the frame's origin that map the model onto itself. List
+    all of them, with those of `discrete`, except the identity."""
     discrete: tuple[DiscreteSymmetry, ...] = ()
-    """The same about other points."""
+    """Rotations about other points."""
     continuous: tuple[ContinuousSymmetry, ...] = ()
+    """Rotational symmetries about lines."""
 
 
 class Spacecraft(Strict):
     """A model on an orbit."""
 
     model: FileName
-    """.glb or .gltf; relative to this file, or data:... under PERILUNE_DATA."""
+    """Model file, .glb or .gltf; relative to this file, or data:... under PERILUNE_DATA."""
     size_m: Annotated[Positive, Field(ge=1e-9, le=1e18)] | None = None
-    """Longest side of the bounding box."""
+    """Longest side of the model's bounding box; scales the model."""
     metres_per_unit: PositiveByAxis | None = None
-    """A number, or one for each of the model's axes x, y, z (z up), which stretches it: as if the
-    file's root nodes were below a node of that scale. Boxes of `parts` and `materials` stay in the
-    file's units; all other lengths are of the stretched model."""
+    """Scale of the model: a number, or one for each of its axes x, y, z (z up). It acts like a
+    parent node of that scale. Boxes of `parts` and `materials` are given in the file's units, all
+    other lengths at the model's final size."""
     centre: Literal["bounds", "origin"] = "bounds"
-    """What flies on the orbit: the bounding box's centre, or the file's origin."""
+    """Point of the model that follows the orbit: the centre of its bounding box, or the file's
+    origin."""
     crease_angle_deg: Annotated[StaticNonNegative, Field(le=180)] = 65.0
-    """Edges that are shaded sharp: where the file has one normal for faces that meet at more than
-    this angle, and it leans from one of them by more than half of it, each side gets its own. 180:
-    the file's normals as they are."""
+    """Crease angle: an edge is shaded sharp if its faces meet at more than this angle although the
+    file has one normal for both, and if that normal is more than half of this angle from one of
+    them. 180 keeps the file's normals."""
     faces: Faces = DEFAULT
-    """From which sides faces are there, for sight, light, labels and written models alike.
-    double_sided: from both, as things are. as_stated: the backs of what the file has single-sided
-    are not, as glTF has it. single_sided: no backs are. A mapping: shell pattern on the names of
-    materials, in any case -> one of these; the first that fits, double_sided where none does. Of
-    sheets back to back, within a ten-thousandth of the model, the one that looks at the viewer is
-    seen in any case; solids that light goes through keep both sides."""
+    """Which sides of faces exist, for visibility, light, labels and written models alike.
+    double_sided: both. as_stated: as the file says; single-sided materials have no backs (glTF).
+    single_sided: fronts only. A mapping from shell patterns on material names (case-insensitive) to
+    one of these: the first match counts, double_sided without any. Of two sheets back to back,
+    closer than a ten-thousandth of the model's size, the one facing the viewer is always visible.
+    Solids that transmit light keep both sides."""
     orbit: Orbit
     gm_km3_s2: Positive | None = None
-    """Gravitational parameter, for a model that is orbited: an asteroid, a moonlet."""
+    """Gravitational parameter, for a model that others orbit: an asteroid or a moonlet."""
     attitude: Attitude = Inertial()
     obj_id: Annotated[Integer, Field(ge=0)] | None = None
-    """BOP object id (default: 1, 2, ... in the order of this section)."""
+    """BOP object id. Default: 1, 2, ... in the order of this section."""
     class_: str | None = Field(default=None, alias="class")
-    """Class of object for the labels (default: the entry's name)."""
+    """Class at the label level `object`. Default: the entry's name."""
     classes: Classes = Field(default_factory=dict)
-    """Level of `labels.levels` -> class there, of levels of your own."""
+    """Classes at your own label levels: level of `labels.levels` -> class."""
     parts: Parts = Parts()
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
-    """Class of part -> patterns on part and material names; before those of `labels`."""
+    """Class of part -> shell patterns on part and material names; tried before those of
+    `labels`."""
     materials: tuple[MaterialUse, ...] = ()
-    """Graphs instead of, or around, the model's materials; the first that fits a triangle."""
+    """Material graphs that replace or wrap the model's materials. For each triangle the first entry
+    that matches counts."""
     model_graphs: bool = True
-    """Whether graphs in the model's file (`perilune_graph` in a material's extras, a mapping as in
-    `materials`) are used where `materials` puts none. Each is the entry `FILE-MATERIAL` of
-    `materials`, in whose place keys stand beside the file's."""
+    """Whether to use material graphs stored in the model's file (`perilune_graph` in a material's
+    extras, with the keys of an entry of `materials`) where `materials` assigns none. Such a graph
+    is the entry `FILE-MATERIAL` of the top section `materials`; keys given there override the
+    file's."""
     material_drivers: DriverSection | None = None
-    """Values of nodes of these graphs that the materials' own drivers do not give."""
+    """Values for driver nodes of these graphs that the materials' own drivers do not set."""
     articulation: tuple[Joint, ...] = ()
-    """Nodes of the model that move."""
+    """Joints: nodes of the model that move."""
     animation: Animation | None = None
-    """The model's own animations; joints act on what they move."""
+    """The model's own animations. Joints act on top of them."""
     symmetries: Symmetries = Symmetries()
 
     @model_validator(mode="after")
@@ -249,7 +257,7 @@ class Spacecraft(Strict):
 
     @property
     def stretch(self) -> tuple[float, float, float]:
-        """Factors along the model's axes by which it is read; the largest is 1."""
+        """Scale factors along the model's axes, relative to the largest, which is 1."""
         given = self.metres_per_unit
         if not isinstance(given, tuple):
             return (1.0, 1.0, 1.0)
@@ -269,34 +277,39 @@ TextureFilter = Literal[
 
 
 class Render(Strict):
-    """Quality and outputs of a frame."""
+    """Image quality and outputs of a frame."""
 
     quality: Literal["adaptive", "reference"] = "adaptive"
-    """`reference`: a `tolerance_dn` of 0 and nothing in `force_off`. Nothing is left out, nothing
-    is shared between pixels or smoothed, every pixel gets all samples, and the image converges to
-    the light of the scene as they grow. See docs/convergence.md."""
+    """adaptive: saves effects and samples within `tolerance_dn`. reference: `tolerance_dn` is 0
+    and `force_off` empty. Nothing is left out, shared between pixels or smoothed, every pixel gets
+    all samples, and the image converges to the light of the scene as samples grow. See
+    docs/convergence.md."""
     samples: Annotated[Integer, Field(ge=1, le=65536)] = 16
-    """Colour samples a pixel. Pixels that are quiet to within three tolerances get fewer, outlines
-    up to twice as many: about the error of so many in all, which they get at a tolerance of 0."""
+    """Colour samples per pixel. With adaptive sampling, pixels whose noise is within three
+    tolerances get fewer and outlines up to twice as many, for about the error of this number
+    everywhere. At a tolerance of 0 every pixel gets this number."""
     max_bounces: Annotated[Integer, Field(ge=0, le=64)] = 4
+    """Largest number of bounces of a light path; 0: direct light only."""
     texture_filter: TextureFilter = "anisotropic_16"
-    """The best filter of pictures that may be used: of a mip level the nearest texel or four, of
-    two levels four each, or up to so many of these along the longer axis of a footprint."""
+    """Best texture filter that may be used. nearest and bilinear take one texel or four of one mip
+    level, trilinear four of each of two levels, anisotropic_N up to N such lookups along the longer
+    axis of the pixel's footprint."""
     volume_steps: Annotated[Integer, Field(ge=1, le=1024)] = 32
-    """Most steps along a ray through a volume. Where that has a material they are also the cells, 8
-    to 64, of the table of the light that reaches its parts, and rays from surfaces take a quarter
-    of them."""
+    """Largest number of steps along a ray through a volume. For a volume with a material it is also
+    the resolution, from 8 to 64 cells a side, of the precomputed light inside it; rays from
+    surfaces take a quarter of the steps."""
     tolerance_dn: NonNegative = 1.0
-    """An effect that can change no pixel by more is left out; 0 keeps all that apply. 1 by default,
-    0 with `quality: reference`."""
+    """Largest change of any pixel by an effect that may be left out. 0 keeps every effect that
+    applies. Default: 1, or 0 with `quality: reference`."""
     force_on: tuple[str, ...] = ()
-    """Effects kept whatever their bound."""
+    """Effects that are kept whatever their bound. `perilune plan` lists the names."""
     force_off: tuple[str, ...] = ()
-    """Effects left out whatever their bound."""
+    """Effects that are left out whatever their bound."""
     channels: tuple[str, ...] = ("rgb", "depth", "semantic", "part", "instance", "objects")
-    """What a sample holds unless asked otherwise."""
+    """Channels that a sample holds unless it is asked for others."""
     amodal: Annotated[bool, Field(strict=True)] = True
-    """Whether object labels cover full silhouettes, with what is hidden or cut; costs rays."""
+    """Whether object labels cover whole silhouettes, including hidden and cut-off parts. Costs
+    extra rays."""
 
     @model_validator(mode="before")
     @classmethod
@@ -329,7 +342,7 @@ class Render(Strict):
 
 
 def _whole(value: Any) -> Any:
-    """A literal 1 would take 1.0, true and a driver's value too."""
+    """Refuses drivers and what is no whole number; a literal 1 alone would accept 1.0 and true."""
     if type(value) is not int:
         fail("", "takes no driver" if isinstance(value, Drawn) else "must be a whole number")
     return value
@@ -339,21 +352,20 @@ Correlation = Annotated[float, Field(strict=True, ge=-1.0, le=1.0), BeforeValida
 
 
 class DriverGroup(Strict):
-    """Settings of the drivers that say `group: NAME`, and how their draws go together.
-
-    Drivers are correlated through standard normals: of normal drivers the correlations are those
-    given, the others are monotonic functions of theirs (a Gaussian copula)."""
+    """Settings and correlation of the drivers with `group: NAME`. Correlated draws use a Gaussian
+    copula: normal drivers have the given correlations, other kinds are monotonic functions of
+    correlated normal numbers."""
 
     jitter_strength: StaticNonNegative | None = None
-    """Factor on every variance; 0 gives exactly the ideal values (default: drivers.strength)."""
+    """Factor on every variance; 0 gives exactly the ideal values. Default: drivers.strength."""
     step_interval: Annotated[Integer, Field(ge=1)] | None = None
-    """Steps between draws (default: drivers.interval)."""
+    """Steps between draws. Default: drivers.interval."""
     shared: Annotated[bool, Field(strict=True)] = False
-    """All drivers of the group vary by one and the same draw."""
+    """Whether all drivers of the group use the same random draw."""
     members: Annotated[tuple[str, ...], Field(min_length=1)] | None = None
-    """Key paths of the drivers, in the order of the matrix's rows."""
+    """Key paths of the drivers, in the order of the rows of `correlation`."""
     correlation: tuple[tuple[Correlation, ...], ...] | None = None
-    """Symmetric and positive definite, with ones on the diagonal."""
+    """Correlation matrix of `members`: symmetric, positive definite, ones on the diagonal."""
 
     @model_validator(mode="after")
     def _matrix(self) -> DriverGroup:
@@ -377,7 +389,7 @@ class DriverGroup(Strict):
         return self
 
     def resolved(self, name: str) -> Group:
-        """As the drivers use it."""
+        """The group in the form that the drivers use."""
         return Group(
             name,
             self.jitter_strength,
@@ -389,16 +401,16 @@ class DriverGroup(Strict):
 
 
 class Drivers(Strict):
-    """Defaults of the drivers, and their groups. A driver is a mapping in the place of a value:
-    {ideal, jitter_variance, clip_min, clip_max}, {uniform: [low, high]}, {median, log_variance,
-    clip_min, clip_max}, {choice: [...], weights: [...]} or {hook: module:function, ideal, ...}."""
+    """Defaults and groups of the drivers. A driver is a mapping in place of a value: {ideal,
+    jitter_variance, clip_min, clip_max}, {uniform: [low, high]}, {median, log_variance, clip_min,
+    clip_max}, {choice: [...], weights: [...]} or {hook: module:function, ideal, ...}."""
 
     strength: StaticNonNegative = 1.0
     """Factor on every variance; 0 gives exactly the ideal values."""
     interval: Annotated[Integer, Field(ge=1)] | None = None
-    """A value is drawn anew every so many steps (default: time.frames_per_scene)."""
+    """Steps between draws of a value. Default: time.frames_per_scene."""
     groups: dict[str, DriverGroup] = Field(default_factory=dict)
-    """Drivers with settings of their own, or correlated."""
+    """Groups of drivers with settings of their own, or correlated."""
 
 
 _KEPT_CAMERAS = 16
@@ -411,50 +423,51 @@ class Config(Strict):
     """A whole configuration."""
 
     version: Annotated[Literal[1], BeforeValidator(_whole)]
-    """Of the format of this file."""
+    """Version of the file format."""
     name: str = "perilune"
-    """Of the simulation (default: the file's name)."""
+    """Name of the simulation. Default: the file's name."""
     description: str = ""
-    """What it shows, for readers."""
+    """What the scene shows, for readers."""
     seed: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
-    """Of all randomness: the same seed gives the same frames."""
+    """Seed of all random numbers; the same seed gives the same frames."""
     time: Time
     root: str
-    """Name of the body entry whose centre is the origin of the root frame (ICRF axes)."""
+    """Name of the body whose centre is the origin of the root frame (ICRF axes)."""
     sun: Sun = Sun()
     sky: Sky | None = None
-    """Black without it."""
+    """Stars and background; black by default."""
     ephemeris: Ephemeris = Ephemeris()
     bodies: Annotated[dict[str, Body], Field(min_length=1)]
-    """Name -> a planet, moon or other body."""
+    """Planets, moons and asteroids: name -> body."""
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
-    """Name -> a model on an orbit."""
+    """Models on orbits: name -> spacecraft."""
     volumes: Annotated[dict[str, Volume], Field(max_length=16)] = Field(default_factory=dict)
-    """Dust, gas and light within bounds."""
+    """Dust, gas and glow within bounds: name -> volume."""
     materials: dict[str, Material] = Field(default_factory=dict)
-    """Graphs of nodes that the spacecraft's `materials` put on their models. A hook with its
-    `ideal` may stand for a whole entry, and draws graphs of any structure."""
+    """Materials as graphs of nodes, which spacecraft, bodies and volumes use by name. An entry may
+    also be a hook with an `ideal`, which draws graphs of any structure."""
     material_drivers: MaterialDrivers | None = None
-    """Values of nodes of all graphs that neither the materials' nor the spacecraft's drivers
-    give."""
+    """Values for driver nodes of all graphs that neither the materials' nor the spacecraft's
+    drivers set."""
     camera: Camera
-    """The platform's way, and its camera."""
+    """The camera and its trajectory; with `sensors`, the platform that carries them."""
     sensors: dict[str, Sensor] = Field(default_factory=dict)
-    """Cameras that take the frames instead of `camera`, whose keys they have unless they say
-    otherwise. In a step each sensor that is triggered takes a frame, in the order of this file."""
+    """Several cameras in place of `camera`: name -> sensor. Keys that a sensor does not give are
+    those of `camera`. In each step every triggered sensor takes a frame, in the order of this
+    file."""
     render: Render = Render()
     labels: Labels = Labels()
     drivers: Drivers = Drivers()
 
     @property
     def timeline(self) -> Timeline:
-        """Which step, scene and sensor each frame is; the same whatever drivers draw."""
+        """Step, scene and sensor of each frame; independent of what drivers draw."""
         intervals = {name: sensor.trigger_interval for name, sensor in self.sensors.items()}
         return Timeline(self.time.frames_per_scene, intervals)
 
     @property
     def cameras(self) -> dict[str | None, Camera]:
-        """What takes frames: each sensor's camera; without sensors the platform's, named None."""
+        """Camera of each sensor by its name; without sensors the platform's, under None."""
         if not self.sensors:
             return {None: self.camera}
         key = id(self.sensors), id(self.camera)
@@ -469,7 +482,7 @@ class Config(Strict):
         return dict(kept[2])
 
     def place(self, name: str | None, key: str) -> str:
-        """Key path of a key that a camera has: its sensor's own, or the platform's."""
+        """Key path of a camera's key: the sensor's own, or the platform's."""
         own = name is not None and getattr(self.sensors[name], key) is not None
         return f"sensors.{name}.{key}" if own else f"camera.{key}"
 

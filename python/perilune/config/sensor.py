@@ -1,4 +1,4 @@
-"""The section `camera.sensor` of the schema: what turns radiance into digital numbers."""
+"""The section `camera.sensor` of the schema: how radiance becomes digital numbers."""
 
 from __future__ import annotations
 
@@ -24,33 +24,37 @@ Filters = tuple[Band, Band, Band]
 
 
 class SensorExposure(Strict):
-    """How long the sensor gathers light."""
+    """Exposure time and gain of the sensor."""
 
     mode: Literal["auto", "fixed"] = "auto"
-    """auto: by what is seen; fixed: `camera.exposure_time_s`."""
+    """auto: metered from the scene; fixed: `camera.exposure_time_s`."""
     metering: Literal["percentile", "mean"] = "percentile"
-    """auto: by the percentile of the lit pixels, or by the mean of all pixels of the window."""
+    """auto: what is metered, a percentile of the lit pixels or the mean of all pixels of the
+    window."""
     percentile: Annotated[float, Field(strict=True, gt=0.0, le=100.0)] = 99.0
-    """auto: this percentile of the lit pixels ..."""
+    """auto: percentile of the lit pixels that is brought to the level `key`."""
     key: Annotated[Fraction, Field(ge=1e-6)] = 0.7
-    """... or the mean is brought to this fraction of white, linear."""
+    """auto: linear fraction of white to which the metered percentile or mean is brought."""
     window: tuple[Fraction, Fraction, Fraction, Fraction] = (0.0, 0.0, 1.0, 1.0)
-    """auto: left, upper, right and lower edge of the part of the image that is metered."""
+    """auto: metered part of the image as [left, upper, right, lower], in fractions of its width and
+    height."""
     saturated: Fraction = 1.0
-    """auto: at most this part of the window's pixels may be overexposed; 1: no limit."""
+    """auto: largest fraction of the window's pixels that may be overexposed; 1: no limit."""
     min_ms: Annotated[Positive, Field(ge=1e-9, le=1e12)] = 0.01
-    """auto: the shortest time; what is brighter is overexposed."""
+    """auto: shortest exposure time; brighter scenes are overexposed."""
     max_ms: Annotated[Positive, Field(ge=1e-9, le=1e12)] = 10000.0
-    """auto: the longest time; what is darker stays dark."""
+    """auto: longest exposure time; darker scenes are underexposed."""
     step_ms: Annotated[NonNegative, Field(le=1e12)] = 0.0
-    """auto: times are whole multiples of this, rounded down; 0: any time."""
+    """auto: exposure times are rounded down to multiples of this; 0: any time."""
     times_ms: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=64)] | None = None
-    """auto: the times that the camera has, rising: the longest that is not too long."""
+    """auto: list of the exposure times that the camera has, in ascending order; the longest one
+    that is not too long is used."""
     gains: Annotated[tuple[_Gain, ...], Field(min_length=1, max_length=16)] = (1.0,)
-    """auto: steps of gain, rising: gain_e_dn is divided by the first for which max_ms suffices."""
+    """auto: gain factors in ascending order; `gain_e_dn` is divided by the first one for which
+    `max_ms` suffices."""
     lag_frames: Annotated[Integer, Field(ge=0, le=1000)] = 0
-    """auto: measured so many frames earlier, of this sensor in this scene; the first of a scene
-    counts for those before it."""
+    """auto: delay of the metering, in frames of this sensor; the first frames of a scene are
+    metered from its first frame."""
 
     @model_validator(mode="after")
     def _read(self) -> SensorExposure:
@@ -77,22 +81,23 @@ class SensorExposure(Strict):
 
 
 class PointSpread(Strict):
-    """What the lens makes of a point: a core, and wings of a power law (glare)."""
+    """Point-spread function of the lens: a core, and power-law wings (glare)."""
 
     core: Literal["point", "gauss", "airy", "measured"] = "gauss"
-    """point: all light in its pixel; airy: diffraction by the aperture; measured: `kernel`, and the
-    default where that is given."""
+    """point: all light stays in its pixel; gauss: a Gaussian; airy: diffraction by the aperture;
+    measured: `kernel`. Default: measured if `kernel` is given, else gauss."""
     kernel: FileName | None = None
-    """measured: file (.npy, .tif, grey .png) of the image of a point in pixels of the sensor; any
-    size, its middle is the pixel (width // 2, height // 2). Divided by its sum."""
+    """measured: file (.npy, .tif or grey .png) with the image of a point source, sampled in pixels
+    of the sensor. Any size; its centre is the pixel (width // 2, height // 2). It is normalised to
+    a sum of 1."""
     sigma_px: Annotated[Positive, Field(ge=0.001, le=1e4)] = 0.5
-    """gauss: standard deviation."""
+    """gauss: standard deviation of the core."""
     wings: Fraction = 0.0
-    """Part of the light that is in the wings; lenses have 0.005 to 0.03."""
+    """Fraction of the light in the wings; 0.005 to 0.03 for real lenses."""
     wing_radius_px: Annotated[Positive, Field(ge=0.001, le=1e4)] = 2.0
-    """Where the wings turn down."""
+    """Core radius of the wings, a Moffat profile (1 + (r / radius)^2)^-beta."""
     wing_beta: Annotated[Positive, Field(ge=1.001, le=100.0)] = 1.4
-    """The wings fall as the distance to the power of -2 wing_beta."""
+    """Exponent beta of the wings: far out they fall as r^(-2 beta)."""
 
     @model_validator(mode="before")
     @classmethod
@@ -112,14 +117,15 @@ class PointSpread(Strict):
 
 
 class CosmicRays(Strict):
-    """Particles that leave charge along their tracks."""
+    """Charged particles that leave electrons along their tracks."""
 
     flux_cm2_s: Annotated[NonNegative, Field(le=1e11)] = 0.0
-    """Rays a square centimetre and second. Galactic rays in deep space: about 4."""
+    """Particles per square centimetre and second; about 4 for galactic cosmic rays in deep
+    space."""
     electrons_um: Annotated[NonNegative, Field(le=1e9)] = 80.0
-    """Electrons that a micrometre of track frees; 80 in silicon by a fast proton."""
+    """Electrons freed per micrometre of track; 80 for a fast proton in silicon."""
     depth_um: Annotated[NonNegative, Field(le=1e6)] = 10.0
-    """Of the layer whose charge is gathered."""
+    """Thickness of the layer that collects charge."""
 
     @model_validator(mode="after")
     def _some(self) -> CosmicRays:
@@ -133,12 +139,13 @@ def _efficiency_tag(value: Any) -> str:
 
 
 class Compression(Strict):
-    """JPEG: what the channel `sensor_rgb` shows is encoded and decoded again; `raw` is not."""
+    """JPEG artefacts: `sensor_rgb` is encoded and decoded again; `raw` is not."""
 
     quality: Annotated[float, Field(strict=True, ge=1.0, le=100.0)] = 90.0
-    """As of libjpeg: 1 is coarsest, 100 finest; rounded to a whole number."""
+    """Quality as in libjpeg, from 1 (coarsest) to 100 (finest), rounded to a whole number."""
     chroma: Literal["444", "422", "420"] = "420"
-    """How many pixels share a colour: none, 2 in a row, 2 x 2. A text."""
+    """Chroma subsampling, as a quoted text: 444 none, 422 by 2 horizontally, 420 by 2 in both
+    directions."""
 
 
 class ImageSensor(Strict):
@@ -148,93 +155,101 @@ class ImageSensor(Strict):
     """
 
     preset: Name | None = None
-    """A ready sensor, whose values are the defaults of all keys that are not given; see
-    perilune.config.sensor_presets for what is from data sheets and what is assumed."""
+    """Ready sensor, which sets the defaults of all keys that are not given.
+    perilune.config.sensor_presets names its sources and assumptions."""
     f_number: Annotated[Positive, Field(ge=0.5, le=1e6)] | None = None
-    """Focal length over aperture; 4 where neither this nor aperture_mm is given."""
+    """Focal length divided by the diameter of the aperture. Default: 4, unless aperture_mm is
+    given."""
     aperture_mm: Positive | None = None
-    """Diameter of the aperture instead; the focal length is the camera's in pixels of pixel_um."""
+    """Diameter of the aperture, instead of f_number. The focal length in mm follows from the
+    camera's focal length in pixels and pixel_um."""
     pupil: Literal["sine", "plane"] = "sine"
-    """Irradiance on the axis of a radiance L. sine: pi L / (4 N^2), of lenses without coma; plane:
-    pi L / (4 N^2 + 1), through a flat opening. They differ by 6 % at N = 2."""
+    """Irradiance on the axis of a scene of radiance L at f-number N. sine: pi L / (4 N^2), for a
+    lens without coma; plane: pi L / (4 N^2 + 1), for a flat opening. They differ by 6 % at N =
+    2."""
     transmission: Fraction = 0.9
-    """Of the lens, all surfaces."""
+    """Transmittance of the lens, all surfaces together."""
     vignetting: Annotated[NonNegative, Field(le=100.0)] | None = None
-    """Light falls off as this power of the cosine of the angle to the axis; 4: a thin lens. Left
-    out: 4, or 0 where a profile or a flat field says what is left."""
+    """Natural vignetting: light falls off as this power of the cosine of the angle to the optical
+    axis; 4 for a thin lens. Default: 4, or 0 if vignetting_profile or flat_field is given."""
     vignetting_profile: Profile | None = None
-    """[angle to the axis in degrees, part of the light], by rising angle; linear between."""
+    """Measured vignetting: rows of [angle to the optical axis in degrees, relative illumination],
+    by ascending angle, interpolated linearly."""
     flat_field: FileName | None = None
-    """File (.npy, .tif, grey .png) of a measured flat field: its ratio to its middle multiplies.
-    Stretched over the image."""
+    """File (.npy, .tif or grey .png) of a measured flat field, stretched over the image. The image
+    is multiplied by its ratio to its centre."""
     point_spread: PointSpread = PointSpread()
     """Blur and glare of the lens."""
     lens_flare: LensFlare | None = None
-    """Ghosts of bright sources; `{}` has those of a generic lens."""
+    """Ghosts of bright sources; `{}` gives those of a generic lens."""
     pixel_um: Annotated[Positive, Field(ge=0.01, le=1e6)] = 5.5
-    """Side of a pixel."""
+    """Pixel pitch."""
     mosaic: Mosaic = "rggb"
-    """Filters of the first two pixels and of those below them; mono: none; planes: the bands of
-    `camera.bands` before the whole sensor in turn, at one time: `raw` is (H, W, bands), and there
-    is no `sensor_rgb`."""
+    """Colour filter array, named by the upper left 2 x 2 pixels. mono: no filters. planes: all
+    bands of `camera.bands` in the same instant, each over the whole sensor; `raw` is then (H, W,
+    bands), and there is no `sensor_rgb`."""
     quantum_efficiency: Annotated[
         Annotated[Efficiency, Tag("boxes")] | Annotated[QuantumEfficiency, Tag("file")],
         Discriminator(_efficiency_tag),
     ] = (0.45, 0.5, 0.4)
-    """Electrons a photon in the red, green and blue of `bands_nm`, or a file of curves."""
+    """Electrons per photon within the red, green and blue of `bands_nm`, or a file of curves."""
     bands_nm: Filters = ((600.0, 700.0), (500.0, 600.0), (400.0, 500.0))
-    """Red, green and blue: where each begins and ends. Without filters all three count."""
+    """[begin, end] of the red, green and blue filters. A sensor without filters responds to all
+    three."""
     serial: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
-    """Which unit of its kind: what is fixed in a unit is drawn from it."""
+    """Serial number of the unit. It seeds all that is fixed in a unit: fixed-pattern noise and
+    defects."""
     exposure: SensorExposure = SensorExposure()
-    """Of `raw` and `sensor_rgb`; `camera.exposure` is that of `rgb`."""
+    """Exposure of `raw` and `sensor_rgb`; `camera.exposure` is that of `rgb`."""
     prnu: Fraction = 0.008
-    """Relative standard deviation of the pixels' response."""
+    """Photo-response non-uniformity: relative standard deviation of the pixels' response."""
     dark_current_e_s: Annotated[NonNegative, Field(le=1e9)] = 5.0
-    """Electrons a second and pixel at `dark_reference_c`."""
+    """Mean dark current per pixel at `dark_reference_c`."""
     dark_reference_c: Finite = 20.0
-    """Temperature of the sensor that `dark_current_e_s` is of."""
+    """Temperature at which `dark_current_e_s` was measured."""
     dark_doubling_k: Positive = 7.0
-    """Warming by this doubles the dark current."""
+    """Temperature rise that doubles the dark current."""
     temperature_c: Annotated[Finite, Field(ge=-273.15, le=200.0)] = 20.0
-    """Of the sensor."""
+    """Temperature of the sensor."""
     dark_nonuniform: Annotated[NonNegative, Field(le=100.0)] = 0.3
-    """Relative standard deviation of the dark current between pixels (log-normal)."""
+    """Dark-signal non-uniformity: relative standard deviation of the dark current between pixels
+    (log-normal)."""
     hot_pixels: Fraction = 0.0
-    """Part of the pixels that have the dark current `hot_current_e_s`."""
+    """Fraction of hot pixels, which have the dark current `hot_current_e_s`."""
     hot_current_e_s: Annotated[NonNegative, Field(le=1e9)] = 20000.0
-    """Of hot pixels; from half to one and a half of it, at any temperature."""
+    """Mean dark current of hot pixels at any temperature; each has 0.5 to 1.5 times as much."""
     dead_pixels: Fraction = 0.0
-    """Part of the pixels that see nothing."""
+    """Fraction of pixels that do not respond to light."""
     shift_us: Annotated[NonNegative, Field(le=1e9)] = 0.0
-    """Time in which a frame-transfer CCD without a shutter shifts by a row: smear."""
+    """Smear: time that a frame-transfer CCD without a shutter takes to shift by one row."""
     drain: Fraction = 1.0
-    """Part of a full pixel's excess that is drained off; the rest blooms along the column. CMOS and
-    CCDs with anti-blooming gates: 1; CCDs without: 0."""
+    """Blooming: fraction of a full pixel's excess charge that is drained; the rest spreads along
+    the column. 1: CMOS and CCDs with anti-blooming gates; 0: CCDs without."""
     reset_us: Annotated[NonNegative, Field(le=1e9)] = 0.0
-    """Time from a CMOS pixel's reset to the sample that its signal is counted from. What it gathers
-    then is missing; where that fills the pixel the image is black, as the sun's. 0: protected."""
+    """Time between the reset of a CMOS pixel and its reference sample. Charge collected in it is
+    subtracted from the signal; where it fills the pixel, as in the image of the Sun, the pixel
+    turns black. 0: protected against this."""
     cosmic_rays: CosmicRays = CosmicRays()
-    """None by default."""
+    """Cosmic rays; none by default."""
     full_well_e: Annotated[Positive, Field(ge=1.0, le=1e12)] = 20000.0
-    """Electrons that a pixel holds."""
+    """Full-well capacity of a pixel."""
     read_noise_e: Annotated[NonNegative, Field(le=1e9)] = 8.0
-    """Standard deviation of the noise of reading a pixel."""
+    """Standard deviation of the read noise."""
     column_noise_e: Annotated[NonNegative, Field(le=1e9)] = 0.0
-    """Standard deviation of an offset that a column keeps in all frames."""
+    """Standard deviation of the column offsets that are the same in all frames."""
     column_flicker_e: Annotated[NonNegative, Field(le=1e9)] = 0.0
-    """Standard deviation of an offset that a column has anew in each frame."""
+    """Standard deviation of the column offsets that are new in each frame."""
     row_noise_e: Annotated[NonNegative, Field(le=1e9)] = 0.0
-    """Standard deviation of an offset that a row has anew in each frame."""
+    """Standard deviation of the row offsets that are new in each frame."""
     gain_e_dn: Annotated[Positive, Field(ge=1e-9, le=1e9)] = 5.0
-    """Electrons a digital number."""
+    """Gain: electrons per digital number."""
     black_level_dn: NonNegative = 64.0
-    """Digital number of no light."""
+    """Digital number without light or noise."""
     bits: Annotated[Integer, Field(ge=1, le=16)] = 12
-    """Of a digital number."""
+    """Bit depth of the digital numbers."""
 
     compression: Compression | None = None
-    """Artefacts of JPEG in the channel `sensor_rgb`; none without it."""
+    """JPEG artefacts in `sensor_rgb`; none by default."""
 
     @model_validator(mode="before")
     @classmethod

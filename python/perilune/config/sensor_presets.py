@@ -1,4 +1,4 @@
-"""Ready sensors: `camera.sensor.preset`, the values of a kind and where they are from."""
+"""Ready sensors (`camera.sensor.preset`): their values and where they come from."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ Name = Literal["cmv4000", "ccd47_20", "imx174", "mastcam_z", "msl_mardi"]
 
 
 class Preset(NamedTuple):
-    """Keys of the section `sensor`; source says where they are from, assumed what is not.
-
-    A section that is given beside a preset replaces the preset's as a whole."""
+    """Keys of the section `sensor` with their sources; `assumed` lists what no source gives. A
+    section given beside a preset replaces the preset's section as a whole."""
 
     source: str
     assumed: str

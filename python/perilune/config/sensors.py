@@ -18,12 +18,13 @@ Pose = tuple[Finite, Finite, Finite, Finite, Finite, Finite, Finite]
 
 
 class Mounting(Strict):
-    """Where a sensor sits on the platform; the platform's axes are those of its camera."""
+    """Pose of a sensor on the platform, whose axes are those of its camera: x right, y down, z
+    forward."""
 
     position_m: Vec3 = (0.0, 0.0, 0.0)
-    """x right, y down, z forward."""
+    """Position on the platform: x right, y down, z forward."""
     rotation_deg: Vec3 = (0.0, 0.0, 0.0)
-    """Roll, pitch, yaw: about the platform's x, then y, then z axis."""
+    """Roll, pitch, yaw about the platform's x, then y, then z axis."""
 
 
 def _quaternion(value: Pose) -> Pose:
@@ -39,37 +40,41 @@ def _mounting_tag(value: Any) -> str:
 
 
 class Sensor(Strict):
-    """A camera on the platform: the keys of `camera` that it has differently, and its place."""
+    """A camera on the platform: its mounting, and the keys in which it differs from `camera`."""
 
     width: Annotated[Integer, Field(ge=1, le=32768)] | None = None
+    """Image width in pixels. Default: the platform's."""
     height: Annotated[Integer, Field(ge=1, le=32768)] | None = None
+    """Image height in pixels. Default: the platform's."""
     fov_deg: Annotated[float, Field(strict=True, gt=0.0, lt=180.0)] | None = None
-    """Horizontal field of view, edge to edge; replaces the platform's fov_deg, focal_px or K."""
+    """Horizontal field of view, edge to edge. Replaces the platform's fov_deg, focal_px or K."""
     focal_px: Positive | None = None
-    """Likewise."""
+    """Focal length in pixels. Replaces the platform's fov_deg, focal_px or K."""
     K: Matrix | None = None
-    """Likewise: a row-major 3x3 matrix, pixels."""
+    """Intrinsic matrix, 3x3 in row-major order, in pixels. Replaces the platform's fov_deg,
+    focal_px or K."""
     lens: Lens | None = None
-    """Replaces the platform's section as a whole."""
+    """Distortion and focus. Replaces the platform's section as a whole."""
     exposure_time_s: NonNegative | None = None
-    """Shutter opening to closing; all sensors of a step open together."""
+    """Exposure time; the shutters of all sensors open at the time of the step."""
     line_time_us: Annotated[NonNegative, Field(le=1e12)] | None = None
-    """Rolling shutter: each row opens so much after the one above it."""
+    """Rolling shutter: delay between the opening of one row and the next."""
     exposure: Exposure | None = None
-    """Replaces the platform's section as a whole."""
+    """Exposure of `rgb`. Replaces the platform's section as a whole."""
     bands: Bands | None = None
-    """Replaces the platform's list as a whole."""
+    """Spectral bands of the channel `bands`. Replaces the platform's list as a whole."""
     sensor: ImageSensor | None = None
-    """Likewise."""
+    """Image sensor. Replaces the platform's section as a whole."""
     transformation: Annotated[
         Annotated[Annotated[Pose, AfterValidator(_quaternion)], Tag("pose")]
         | Annotated[Mounting, Tag("mounting")],
         Discriminator(_mounting_tag),
     ] = Mounting()
-    """Sensor to platform: {position_m, rotation_deg}, or [x, y, z, qw, qx, qy, qz] in metres. The
-    platform is where `camera.trajectory` puts it, with axes x right, y down, z forward."""
+    """Pose on the platform: {position_m, rotation_deg}, or [x, y, z, qw, qx, qy, qz] in metres,
+    from the sensor's axes to the platform's. `camera.trajectory` moves the platform, whose axes are
+    x right, y down, z forward."""
     trigger_interval: Annotated[Integer, Field(ge=1)] = 1
-    """Takes a frame every so many steps, from step 0 on."""
+    """Steps from one frame of the sensor to the next; the first is at step 0."""
 
     @model_validator(mode="after")
     def _intrinsics(self) -> Sensor:
@@ -79,7 +84,7 @@ class Sensor(Strict):
         return self
 
     def camera(self, platform: Camera) -> Camera:
-        """The platform's camera with this sensor's keys in it."""
+        """The platform's camera with the keys of this sensor."""
         own = {key: getattr(self, key) for key in Camera.model_fields if key != "trajectory"}
         own = {key: value for key, value in own.items() if value is not None}
         if any(key in own for key in INTRINSICS):

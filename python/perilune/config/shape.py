@@ -1,4 +1,4 @@
-"""The shape of a body."""
+"""The section `shape` of a body."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from perilune.config.types import FileName, Positive, Strict, refuse_drawn, trip
 class Shape(Strict):
     """A closed mesh as the surface of a body, in body axes: x at longitude 0, z at the north pole.
 
-    What else the body has (place, rotation, maps by longitude and latitude, photometry, material,
-    labels) stays; `radii_km` is then what altitudes, eclipses of `light_curve` and hooks count
-    from. Materials of a glTF file are the body's surface where it has no `albedo`, `color_map`,
-    `photometry`, `reflectance` but lambert, or `material` that replaces it: base colour, roughness,
-    metalness, their textures, normal maps and coats; opacity and emission are not used. Materials
-    of other files are not.
-    """
+    All other properties of the body apply: orbit, rotation, maps by longitude and latitude,
+    photometry, material, labels. `radii_km` remains the reference for altitudes, eclipses of
+    `light_curve` and hooks. Materials of a glTF file are the body's surface, unless the body has an
+    `albedo`, `color_map`, `photometry`, a `reflectance` other than lambert, or a `material` that
+    replaces it. Their base colour, roughness, metalness, textures, normal maps and coats are used,
+    but not opacity and emission. Materials of other file formats are ignored."""
 
     file: FileName
-    """.obj; .tab or .txt with vertices and plates as of the Planetary Data System; .gltf or .glb
-    (y up there). Relative to this file, or data:... under PERILUNE_DATA."""
+    """Mesh file: .obj; .tab or .txt with vertices and plates as in the Planetary Data System; .gltf
+    or .glb (y up in the file). Relative to this file, or data:... under PERILUNE_DATA."""
     metres_per_unit: (
         Annotated[
             tuple[Positive, Positive, Positive],
@@ -31,12 +30,12 @@ class Shape(Strict):
         ]
         | None
     ) = None
-    """A number, or one for each of the axes x, y, z. Default: 1000, as shapes are published in km;
-    of glTF 1."""
+    """Scale: a number, or one for each of the axes x, y, z. Default: 1 for glTF; 1000 for others,
+    because shapes are published in km."""
     smooth: Annotated[bool, Field(strict=True)] = True
-    """Whether normals are interpolated between the facets' corners; false: facets are flat."""
+    """Whether normals are interpolated between vertices; false: flat facets."""
 
 
 def named(value: object) -> object:
-    """For BeforeValidator: a path is a shape of nothing but a file."""
+    """For BeforeValidator: turns a path into a shape with this file."""
     return {"file": value} if isinstance(value, str) else value

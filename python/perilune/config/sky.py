@@ -1,4 +1,4 @@
-"""The section `sky` of the schema: stars, and pictures behind everything."""
+"""The section `sky` of the schema: stars and background pictures."""
 
 from __future__ import annotations
 
@@ -11,42 +11,43 @@ from perilune.config.types import FileName, Finite, NonNegative, Strict
 
 
 class Stars(Strict):
-    """Stars from a file, as points of light of the right strength and colour."""
+    """Stars from a catalogue, as point sources with physical flux and colour."""
 
     catalogue: FileName
-    """.csv with a header (ra_deg, dec_deg and vmag; optional number, bv, temperature_k,
-    pm_ra_mas_yr along the sky, pm_dec_mas_yr), or .json of the Bright Star Catalogue as a list of
-    {RA, Dec, V, K, HR}; ICRF. Relative to this file, or data:... under PERILUNE_DATA."""
+    """Catalogue file: .csv with a header (ra_deg, dec_deg and vmag; optionally number, bv,
+    temperature_k, pm_ra_mas_yr along the sky, pm_dec_mas_yr), or .json of the Bright Star Catalogue
+    as a list of {RA, Dec, V, K, HR}; ICRF. Relative to this file, or data:... under
+    PERILUNE_DATA."""
     limit_magnitude: Annotated[Finite, Field(ge=-30.0, le=60.0)] | None = None
-    """Fainter stars are not read."""
+    """Faintest magnitude to read. Default: all stars."""
     catalogue_year: Annotated[Finite, Field(ge=1800.0, le=2200.0)] = 2000.0
-    """Julian year that the file's places are of: proper motions bring them to the time of each
+    """Julian year of the catalogue's positions. Proper motions bring them to the time of each
     frame, to 0.01 arcseconds."""
     aberration: Annotated[bool, Field(strict=True)] = True
-    """Places as a moving camera sees them, up to 26 arcseconds off: it moves with the root body
-    about the Sun (not where `sun.direction` is given), and with its trajectory's target."""
+    """Whether stellar aberration shifts positions, by up to 26 arcseconds. The camera moves with
+    the root body about the Sun (not with `sun.direction`), and with its trajectory's target."""
 
 
 class Background(Strict):
     """A picture behind everything: a map of the sky, or an image that fills the frame."""
 
     map: FileName | None = None
-    """Equirectangular PNG, JPEG, WebP or TIFF of the sky; north up."""
+    """Map of the sky: equirectangular PNG, JPEG, WebP or TIFF, north up."""
     frame: Literal["icrf", "galactic", "ecliptic"] = "icrf"
     """map: its axes; ecliptic is that of J2000."""
     center_lon_deg: Finite = 0.0
-    """map: right ascension, or longitude, of its centre column."""
+    """map: right ascension or longitude of the centre column."""
     east: Literal["left", "right"] = "left"
-    """map: where longitude grows to; left as the sky is seen from within."""
+    """map: side on which longitude grows; left for the sky as seen from within."""
     white_mag_arcsec2: Annotated[Finite, Field(ge=-20.0, le=60.0)] = 16.3
-    """map: surface brightness (V) of its white; values in between are linear after sRGB decoding.
-    With the default the Milky Way of NASA's Deep Star Map 2020 has 21 on average."""
+    """map: surface brightness (V) of white. Other values are linear after sRGB decoding. With the
+    default, the Milky Way of NASA's Deep Star Map 2020 has a mean of 21."""
     image: FileName | None = None
-    """PNG, JPEG, WebP or TIFF; a driver with a choice takes one of several."""
+    """Image file: PNG, JPEG, WebP or TIFF. A driver with a choice picks one of several."""
     fit: Literal["cover", "stretch"] = "cover"
-    """image: cut to the frame's shape, or stretched to it."""
+    """image: cover crops it to the shape of the frame; stretch distorts it."""
     brightness: NonNegative = 1.0
-    """image: its white over the radiance that the display shows as white."""
+    """image: radiance of its white, relative to the radiance that the display shows as white."""
 
     @model_validator(mode="after")
     def _one_kind(self) -> Background:
@@ -63,10 +64,10 @@ class Background(Strict):
 
 
 class Sky(Strict):
-    """What the camera sees behind everything; it lights nothing, and no automatic exposure counts
+    """What the camera sees behind everything. It lights nothing, and automatic exposure ignores
     it."""
 
     stars: Stars | None = None
-    """Without it there are none: there is no catalogue in the package."""
+    """Stars; none by default, because the package has no catalogue."""
     background: Background | None = None
-    """Black without it."""
+    """Background picture; black by default."""

@@ -1,4 +1,4 @@
-"""Numbers, ranges and vectors of the schema, and the base of its models."""
+"""Types of numbers, ranges and vectors in the schema, and the base class of its sections."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _pair(value: Any) -> Any:
 
 
 def triple(value: Any) -> Any:
-    """For BeforeValidator: a number thrice."""
+    """For BeforeValidator: a single number becomes three."""
     plain = isinstance(value, (list, tuple, Mapping, str, type(None)))
     return value if plain else (value, value, value)
 
@@ -75,7 +75,7 @@ PositiveByAxis = Annotated[
     | Annotated[tuple[Positive, Positive, Positive], BeforeValidator(refuse_drawn), Tag("by axis")],
     Discriminator(lambda value: "by axis" if isinstance(value, (list, tuple)) else "even"),
 ]
-"""A number, or one for each of the axes x, y, z, which take no driver."""
+"""A number, or one for each of the axes x, y, z; the three take no driver."""
 Fraction = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
 Inclination = Annotated[float, Field(strict=True, ge=0.0, le=180.0)]
 Integer = Annotated[int, Field(strict=True)]
@@ -100,7 +100,7 @@ StaticVec3 = Annotated[Vec3, BeforeValidator(refuse_drawn)]
 
 NAMES_A_FILE = "names a file"
 FileName = Annotated[str, NAMES_A_FILE]
-"""A path, as the configuration has it; datasets keep what is in the file (see file_names.py)."""
+"""A path as written in the configuration; datasets record the file (see file_names.py)."""
 
 
 def _module_function(value: str) -> str:
@@ -114,7 +114,7 @@ FunctionName = Annotated[str, AfterValidator(_module_function)]
 
 
 def hook_or_function(schema: dict[str, Any]) -> None:
-    """For the JSON Schema of a section with a `hook`: the name that this key had before."""
+    """For the JSON Schema of a section with a `hook`: also allows the key's former name."""
     keys, required = schema["properties"], schema["required"]
     older = {"type": "string", "deprecated": True, "description": "What `hook` was called before."}
     schema["properties"] = {**keys, "function": older}
@@ -122,14 +122,15 @@ def hook_or_function(schema: dict[str, Any]) -> None:
     schema["oneOf"] = [{"required": ["hook"]}, {"required": ["function"]}]
 
 
-"""module:function of the user's."""
+"""A user's function, as module:function."""
 
 
 Latitudes = Literal["geodetic", "geocentric"]
 
 
 class Strict(BaseModel):
-    """Base of every section: extra keys are refused with the nearest name, values are frozen."""
+    """Base of every section: values are frozen; unknown keys are refused with the nearest known
+    name."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
@@ -146,7 +147,7 @@ class Strict(BaseModel):
 
     @classmethod
     def _renamed(cls, data: Any, old: str, new: str) -> Any:
-        """In a validator that comes first: takes a key by the name that it had before."""
+        """In a validator that runs first: accepts a key by its former name."""
         if not isinstance(data, Mapping) or old not in data:
             return data
         if new in data:
@@ -154,7 +155,7 @@ class Strict(BaseModel):
         return {(new if key == old else key): value for key, value in data.items()}
 
     def _repr_html_(self) -> str:
-        """All keys of a section, those that are given in it before those that are left out."""
+        """Table of all keys; those that are given come before those left at their default."""
         given = flat(self.model_dump(by_alias=True, exclude_unset=True, mode="json"))
         names = {path for path, _ in given}
         every = flat(self.model_dump(by_alias=True, exclude_none=True, mode="json"))
@@ -167,7 +168,7 @@ class Strict(BaseModel):
         )
 
     def _only_with(self, needed: str, *keys: str) -> None:
-        """Refuses keys that do nothing without something else. needed: what it is."""
+        """Refuses keys that have no effect without `needed`."""
         for key in keys:
             if key in self.model_fields_set:
                 fail_unread(key, f"does nothing without {needed}")

@@ -1,4 +1,4 @@
-"""The section `volumes` of the schema: dust, gas and light within bounds.
+"""The section `volumes` of the schema: dust, gas and glow within bounds.
 
 To add a shape: its section here and its line in `Volume`; its file in csrc/geom and its line in the
 table there."""
@@ -24,37 +24,35 @@ _Sizes = Annotated[tuple[_Size, _Size, _Size], BeforeValidator(triple)]
 
 
 class BaseVolume(Strict):
-    """What scatters and emits light within a shape, which moves with a body or a spacecraft.
+    """A scattering and emitting medium within a shape that moves with a body or a spacecraft.
 
-    Light is scattered once. Bodies and other volumes shade it; spacecraft do not. Labels and depth
-    see through it. Where volumes overlap, their densities add up.
-    """
+    Light is scattered once. Bodies and other volumes cast shadows into it; spacecraft do not.
+    Labels and depth ignore it. Where volumes overlap, their densities add up."""
 
     parent: str
-    """Body or spacecraft in whose axes it stands."""
+    """Body or spacecraft that it is fixed to."""
     position_m: tuple[_Place, _Place, _Place] = (0.0, 0.0, 0.0)
-    """Of the shape's origin, in the parent's axes."""
+    """Position of the shape's origin, in the parent's axes."""
     rotation_deg: Vec3 = (0.0, 0.0, 0.0)
-    """Roll, pitch, yaw of the shape's axes: about the parent's x, then y, then z axis."""
+    """Roll, pitch, yaw of the shape about the parent's x, then y, then z axis."""
     extinction_per_m: Rgb = (0.0, 0.0, 0.0)
-    """Part of the light that a metre takes, where the density is 1: a path of 1 / extinction lets
-    37 % through."""
+    """Extinction coefficient at a density of 1; a path of 1 / extinction transmits 37 %."""
     albedo: _Fractions = (1.0, 1.0, 1.0)
-    """Part of this that is scattered rather than absorbed."""
+    """Single-scattering albedo: fraction of the extinction that is scattered."""
     g: Annotated[float, Field(strict=True, ge=-0.98, le=0.98)] = 0.0
-    """Mean cosine of the angle of scattering (Henyey and Greenstein): 0 is even, towards 1 light
-    goes on almost straight, below 0 it comes back."""
+    """Asymmetry parameter of the Henyey-Greenstein phase function, the mean cosine of the
+    scattering angle: 0 is isotropic, 1 all forward, -1 all backward."""
     emission_w_m3_sr: Rgb = (0.0, 0.0, 0.0)
-    """Radiance that a metre adds, where the density is 1."""
+    """Radiance that a metre of path adds, at a density of 1."""
     material: str | None = None
-    """Name of an entry of `materials`, read as a medium: `alpha` is the density (0 to 1),
-    `base_color` a factor on the albedo, and the emission is added, for a metre. Its `coordinates`
-    are in the shape's axes, metres. Without one the density is 1."""
+    """Name of an entry of `materials`, evaluated as a medium: `alpha` is the density (0 to 1),
+    `base_color` a factor on the albedo, and its emission is added, per metre. `coordinates` are
+    metres in the shape's axes. Default: a density of 1."""
     material_drivers: DriverSection | None = None
-    """Values of nodes of this graph that the material's own drivers do not give."""
+    """Values for driver nodes of this graph that the material's own drivers do not set."""
     core_m: _SizeOrNone = 0.0
-    """Steps along a ray are as short as this near the shape's origin, and longer farther off, as
-    suits what thins out from there; 0: all are alike. For volumes with a material."""
+    """Shortest step along a ray, used near the shape's origin; steps grow with the distance from
+    it, which suits media that thin out from there. 0: equal steps. For volumes with a material."""
 
     @model_validator(mode="after")
     def _something_of(self) -> BaseVolume:
@@ -70,44 +68,44 @@ class BaseVolume(Strict):
 
 
 class BoxVolume(BaseVolume):
-    """A box about the origin."""
+    """A box centred at the origin."""
 
     shape: Literal["box"]
     size_m: _Sizes
-    """Lengths of its sides along x, y, z."""
+    """Side lengths along x, y, z."""
 
     @property
     def numbers_m(self) -> tuple[float, float, float]:
-        """As the core takes them."""
+        """Its numbers in the core's order."""
         return self.size_m
 
 
 class EllipsoidVolume(BaseVolume):
-    """An ellipsoid about the origin."""
+    """An ellipsoid centred at the origin."""
 
     shape: Literal["ellipsoid"]
     radii_m: _Sizes
-    """A number for a sphere, or the semi-axes along x, y, z."""
+    """Radius of a sphere, or semi-axes along x, y, z."""
 
     @property
     def numbers_m(self) -> tuple[float, float, float]:
-        """As the core takes them."""
+        """Its numbers in the core's order."""
         return self.radii_m
 
 
 class ConeVolume(BaseVolume):
-    """A cone, or a part of one, from the origin on along z."""
+    """A cone or truncated cone from the origin along z."""
 
     shape: Literal["cone"]
     start_radius_m: _SizeOrNone = 0.0
-    """At the origin."""
+    """Radius at the origin."""
     end_radius_m: _SizeOrNone
-    """At the other end."""
+    """Radius at the other end."""
     length_m: _Size
 
     @property
     def numbers_m(self) -> tuple[float, float, float]:
-        """As the core takes them."""
+        """Its numbers in the core's order."""
         return (self.start_radius_m, self.end_radius_m, self.length_m)
 
     @model_validator(mode="after")
@@ -131,4 +129,4 @@ Volume = Annotated[
     | Annotated[ConeVolume, Tag("cone")],
     Discriminator(_shape),
 ]
-"""A volume; `shape` says which."""
+"""A volume; `shape` selects its form."""

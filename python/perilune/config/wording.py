@@ -1,4 +1,4 @@
-"""What pydantic finds wrong with a value, in words for the user of a configuration file."""
+"""Turns pydantic's errors into messages for the user of a configuration file."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _QUOTED = re.compile(r"'([^']*)'")
 
 
 def shown(value: Any) -> str:
-    """A value as an error shows it: short, whatever it is."""
+    """A value shortened for an error message."""
     if isinstance(value, int) and not isinstance(value, bool) and abs(value) >= 10**_SHOWN:
         return "a number of too many digits"
     text = repr(value)
@@ -25,7 +25,7 @@ def shown(value: Any) -> str:
 
 
 def kind_of(value: Any) -> str:
-    """What a value is: `a list of 3 values`, `a mapping with the keys a, b`."""
+    """Description of a value: `a list of 3 values`, `a mapping with the keys a, b`."""
     if isinstance(value, Mapping):
         keys = ", ".join(map(str, list(value)[:8])) or "(none)"
         return f"a mapping with the key{'' if len(value) == 1 else 's'} {keys}"
@@ -39,7 +39,7 @@ def kind_of(value: Any) -> str:
 
 
 def driver_keys() -> str:
-    """The keys of the drivers of numbers, one mapping each."""
+    """Keys of each kind of numeric driver, as mappings."""
     forms = []
     for kind in KINDS:
         keys = [key for key in kind.keys if key not in ("jointly", "truncated", "params")]
@@ -88,7 +88,7 @@ _TYPES: dict[str, Callable[[Any], str]] = {
 
 
 def wording(error: ErrorDetails, value: Any) -> str:
-    """What is wrong; `value` is what the file has there."""
+    """Message of an error; `value` is what the file has there."""
     kind, ctx = error["type"], error.get("ctx", {})
     bounded = kind.startswith(("less_than", "greater_than"))
     if bounded and isinstance(value, float) and not math.isfinite(value):

@@ -56,7 +56,7 @@ Trajectory = Annotated[
 
 
 def check_trajectory(config: Config) -> None:
-    """Inside a validator: names that must stand in the configuration, and its time."""
+    """Inside a validator: checks names of other entries, and the time."""
     spec = config.camera.trajectory
     bodies = list(config.bodies)
     things = [*config.spacecraft, *bodies]

@@ -1,4 +1,4 @@
-"""Sections of the trajectories that come from outside: a table of poses, a function."""
+"""Trajectories given from outside: a table of poses, a function."""
 
 from __future__ import annotations
 
@@ -21,36 +21,36 @@ from perilune.config.types import (
 
 
 class Deterministic(Pointing):
-    """Poses from a CSV file, one a row; between rows the camera moves and turns evenly."""
+    """Poses from the rows of a CSV file, interpolated evenly in position and rotation."""
 
     kind: Literal["deterministic"]
     file: FileName
-    """Columns frame,x,y,z,qw,qx,qy,qz, with or without this header line; with a header in any
-    order, and maybe `t_s` (seconds after the epoch) instead of `frame` (a step). Rising from row to
-    row. Relative to this file, or data:... under PERILUNE_DATA."""
+    """CSV with the columns frame,x,y,z,qw,qx,qy,qz, with or without this header. A header may
+    reorder them, and have `t_s` (seconds after the epoch) instead of `frame` (a step). Rows are in
+    ascending order. Relative to this file, or data:... under PERILUNE_DATA."""
     target: str | None = None
-    """A body or spacecraft whose centre is the origin; default: the root frame's."""
+    """Body or spacecraft whose centre is the origin. Default: the origin of the root frame."""
     frame: Frame = "icrf"
     """Axes at the target: icrf, target (its own), lvlh or rsw (of its orbit)."""
     metres_per_unit: Positive = 1.0
-    """Of the positions in the file."""
+    """Unit of the positions in the file, in metres."""
     offset_m: Vec3 = (0.0, 0.0, 0.0)
-    """Added to the positions."""
+    """Offset that is added to the positions."""
     camera_axes: CameraAxes = "opencv"
-    """What the quaternions turn into the axes of `frame`: opencv (x right, y down, z forward) or
-    opengl (Blender's: y up, z backward)."""
+    """Camera axes that the quaternions turn into the axes of `frame`: opencv (x right, y down, z
+    forward) or opengl (Blender's: y up, z backward)."""
     first_frame: Integer = 0
-    """The `frame` of the file that step 0 takes; not for t_s."""
+    """Value of the column `frame` that step 0 uses; not with t_s."""
     after: Literal["repeat", "hold"] = "repeat"
-    """After the last row: repeat begins again with the first row one step later (with t_s: at once,
-    as the last row stands for the first); hold stays there. Before the first row: as there."""
+    """After the last row: repeat starts again at the first row, one step later (with t_s at once,
+    so the last row replaces the first); hold stays there. Applies likewise before the first row."""
     clearance_m: NonNegative | None = None
-    """As elsewhere; by default (null) bodies alone are kept clear of."""
+    """Least distance from surfaces, as for other kinds. null (default): only bodies are avoided."""
 
     @field_validator("file")
     @classmethod
     def _found(cls, value: str, info: ValidationInfo) -> str:
-        """The file's place, where the configuration says what its paths are relative to."""
+        """Path of the file, if the folder that paths are relative to is known."""
         find = (info.context or {}).get("path")
         return str(find(value, "camera.trajectory.file")) if find is not None else value
 
@@ -62,23 +62,23 @@ class Deterministic(Pointing):
 
 
 class Hook(Strict):
-    """A function of the user's, called as function(world, **params) with a perilune.world.World."""
+    """Your function, called as function(world, **params) with a perilune.world.World."""
 
     model_config = ConfigDict(json_schema_extra=hook_or_function)
 
     kind: Literal["hook"]
     hook: FunctionName
-    """module:function (`function` is understood too). It returns the camera's pose x, y, z, qw, qx,
-    qy, qz: metres in the root frame (ICRF axes), and the rotation from the camera's axes (x right,
-    y down, z forward) to the root's; as (7,) at the opening of the shutter, or as (2, 7) at opening
-    and closing. perilune.look_at makes them. If it has an argument `rng`, it gets a
-    numpy.random.Generator of the step; NumPy's and Python's own generators are seeded for the step
-    while it runs."""
+    """module:function (the key `function` works too). It returns the camera's pose x, y, z, qw, qx,
+    qy, qz in metres and the root frame (ICRF axes); the quaternion rotates the camera's axes (x
+    right, y down, z forward) to the root's. Shape (7,): as the shutter opens. Shape (2, 7): as it
+    opens and closes. perilune.look_at makes such poses. An argument `rng` receives a
+    numpy.random.Generator of the step; the global generators of NumPy and Python are seeded for the
+    step too."""
     target: str | None = None
-    """Name of a spacecraft or body. A camera of one pose (7,) keeps its place beside it while the
-    shutter is open (default: what is nearest), without turning; two poses say all themselves."""
+    """Spacecraft or body that a camera with one pose (7,) moves along with while the shutter is
+    open, without rotating. Default: the nearest. Not used with two poses."""
     params: dict[str, Any] = Field(default_factory=dict)
-    """Handed to the function."""
+    """Parameters for the function."""
 
     @model_validator(mode="before")
     @classmethod

@@ -1,4 +1,4 @@
-"""Sections of the trajectories that are a place: random around a target, fixed, in a box, hover."""
+"""Trajectories that are a place: around a target, fixed, in a box, or above the ground."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ def _noise_fits(noise: float, smallest: float, key: str) -> None:
 
 
 class OrbitObject(Pointing, Redrawn):
-    """Random directions and distances around a target; the camera moves with the target."""
+    """Random directions and distances around a target, with which the camera moves."""
 
     kind: Literal["orbit_object"]
     target: str
-    """Name of a spacecraft or body."""
+    """Name of the spacecraft or body."""
     distance_m: PositiveRange
-    """Distance of the target's centre: a number, or [smallest, largest], drawn uniformly."""
+    """Distance from the target's centre: a number, or [smallest, largest], drawn uniformly."""
     distance_noise_m: NonNegative = 0.0
-    """Added to the distance at every step, uniform within plus and minus this."""
+    """Half width of a uniform deviation that is added to the distance at every step."""
     sun_angle_deg: AngleRange | None = None
-    """Limits of the angle between target -> camera and target -> Sun: 0 is full light."""
+    """Limits of the phase angle, between target -> camera and target -> Sun; 0: fully lit."""
     cone_axis: Direction = (0.0, 0.0, 1.0)
-    """Axis of the cone of `cone_angle_deg`, in the target's frame."""
+    """Axis of the cone of `cone_angle_deg`, in the target's own axes."""
     cone_angle_deg: AngleRange | None = None
     """Limits of the angle between target -> camera and the cone's axis."""
     background: str | None = None
-    """A body that must lie behind the target's centre."""
+    """Name of a body that must be behind the target's centre."""
     roll_deg: FiniteRange = (-180.0, 180.0)
-    """About the optical axis, drawn uniformly; 0: ICRF +z is up in the image."""
+    """Roll about the optical axis, drawn uniformly; 0: ICRF +z is up in the image."""
 
     @model_validator(mode="after")
     def _noise(self) -> OrbitObject:
@@ -54,45 +54,47 @@ class OrbitObject(Pointing, Redrawn):
 
 
 class Fixed(Aimed):
-    """A fixed place relative to a target, looking at it."""
+    """A fixed position relative to a target, looking at it."""
 
     kind: Literal["fixed"]
     position_m: Vec3
-    """From the target's centre, in the axes of `frame`."""
+    """Position from the target's centre, in the axes of `frame`."""
     clearance_m: NonNegative | None = None
-    """As elsewhere; by default (null) the camera may sit on a spacecraft."""
+    """Least distance from surfaces, as for other kinds. null (default): the camera may be on a
+    spacecraft."""
 
 
 class RandomBox(Pointing, Redrawn):
-    """Random places in a box, turned at random or towards something."""
+    """Random positions in a box, with a random rotation or towards a target."""
 
     kind: Literal["random_box"]
     around: str | None = None
-    """A body or spacecraft whose centre is the origin; default: the root frame's."""
+    """Body or spacecraft whose centre is the origin. Default: the origin of the root frame."""
     frame: Frame = "icrf"
     """Axes at `around`: icrf, target (its own), lvlh or rsw (of its orbit)."""
     min_m: Vec3
-    """Corner of the box."""
+    """Lower corner of the box."""
     max_m: Vec3
-    """Opposite corner; positions are uniform in between."""
+    """Upper corner of the box; positions are uniform in between."""
     rotation_min_deg: Vec3 | None = None
-    """Smallest roll, pitch, yaw of the camera, about the axes of `frame` one after the other."""
+    """Smallest roll, pitch, yaw of the camera, about the fixed axes x, y, z of `frame` in this
+    order."""
     rotation_max_deg: Vec3 | None = None
-    """Largest; each is drawn uniformly."""
+    """Largest roll, pitch, yaw; each is drawn uniformly."""
     camera_axes: CameraAxes = "opencv"
-    """What the rotation turns: opencv (x right, y down, z forward) or opengl (Blender's: y up,
-    z backward)."""
+    """Camera axes that the rotation refers to: opencv (x right, y down, z forward) or opengl
+    (Blender's: y up, z backward)."""
     target: str | None = None
-    """Instead of a rotation: a body or spacecraft to look at."""
+    """Body or spacecraft to look at, instead of a rotation."""
     target_min_m: Vec3 | None = None
-    """Instead of a rotation: a corner of a box of points to look at, in the axes of `frame`."""
+    """Lower corner of a box of points to look at, in the axes of `frame`, instead of a rotation."""
     target_max_m: Vec3 | None = None
-    """Opposite corner."""
+    """Upper corner of that box."""
     target_from: Literal["origin", "camera"] = "origin"
-    """Where the box of points to look at counts from: the origin of the box of places, or each
-    place of the camera (the point is then a random direction)."""
+    """Origin of the box of points to look at: that of the box of positions, or each position of the
+    camera, so that the point is a random direction."""
     up: Direction = (0.0, 0.0, 1.0)
-    """With something to look at: what is up in the image, in the axes of `frame`."""
+    """Up direction of the image in the axes of `frame`; not with a rotation."""
 
     @model_validator(mode="after")
     def _complete(self) -> RandomBox:
@@ -119,27 +121,29 @@ class RandomBox(Pointing, Redrawn):
 
 
 class Hover(Pointing, Redrawn):
-    """Over a point of a body's surface, turning with the body."""
+    """A position above a point of a body's surface, rotating with the body."""
 
     kind: Literal["hover"]
     target: str
-    """Name of a body."""
+    """Name of the body."""
     lon_deg: FiniteRange = (-180.0, 180.0)
     """East longitude of the point: a number, or [smallest, largest], drawn uniformly."""
     lat_deg: FiniteRange = (-90.0, 90.0)
-    """Latitude of the point, drawn uniformly in its sine."""
+    """Latitude of the point, drawn uniformly over the sphere (in its sine)."""
     latitudes: Latitudes | None = None
-    """geodetic: lon_deg and lat_deg are of the surface's normal; geocentric: of the line from the
-    body's centre. Default: what the body's maps count by, so that the camera hovers over what they
-    have there."""
+    """geodetic: latitude of the surface normal; geocentric: of the line from the body's centre.
+    Default: the same as the body's maps."""
     height_m: PositiveRange
-    """Over the point, along the normal: a number, or [smallest, largest], drawn uniformly."""
+    """Height above the point along the normal: a number, or [smallest, largest], drawn
+    uniformly."""
     distance_noise_m: NonNegative = 0.0
-    """Added to the height at every step, uniform within plus and minus this."""
+    """Half width of a uniform deviation that is added to the height at every step."""
     off_nadir_deg: AngleRange = (0.0, 0.0)
-    """Angle of the view from straight down, drawn uniformly: 0 looks at the point, 90 is level."""
+    """Angle between the view and straight down, drawn uniformly; 0 looks at the point, 90 is
+    horizontal."""
     azimuth_deg: FiniteRange = (-180.0, 180.0)
-    """Where the view leans to, from north over east, drawn uniformly; that is up in the image."""
+    """Direction in which the view is tilted, from north towards east, drawn uniformly. It is up in
+    the image."""
 
     @model_validator(mode="after")
     def _limits(self) -> Hover:

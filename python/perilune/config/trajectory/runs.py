@@ -1,4 +1,4 @@
-"""Sections of the trajectories that lead somewhere: linear, spiral, flyby, centred, relative."""
+"""Trajectories that lead somewhere: linear, spiral, flyby, centred, relative."""
 
 from __future__ import annotations
 
@@ -15,29 +15,32 @@ _SPEEDS = ("start_speed_m_s", "end_speed_m_s")
 
 
 class RelativePose(Strict):
-    """A place, and maybe a rotation, in the axes of `frame` at the target's centre."""
+    """A position, and optionally a rotation, in the axes of `frame` at the target's centre."""
 
     position_m: Vec3
+    """Position from the target's centre."""
     rotation_deg: Vec3 | None = None
-    """Roll, pitch, yaw of the camera, about the axes of `frame` one after the other; without it the
-    camera looks at the target."""
+    """Roll, pitch, yaw of the camera, about the fixed axes x, y, z of `frame` in this order.
+    Default: the camera looks at the target."""
 
 
 class Linear(Aimed, Run):
-    """A straight line relative to the target: an approach that may slow down."""
+    """A straight line relative to the target, such as an approach that slows down."""
 
     kind: Literal["linear"]
     start: RelativePose
+    """Pose at the start."""
     end: RelativePose
-    """Rotations in both or in neither; the camera turns evenly from one to the other."""
+    """Pose at the end. Both poses have a rotation or neither; the camera rotates evenly between
+    them."""
     camera_axes: CameraAxes = "opencv"
-    """What the rotations turn: opencv (x right, y down, z forward) or opengl (Blender's: y up,
-    z backward)."""
+    """Camera axes that the rotations refer to: opencv (x right, y down, z forward) or opengl
+    (Blender's: y up, z backward)."""
     start_speed_m_s: NonNegative | None = None
-    """With `end_speed_m_s`: the speed changes evenly in time from one to the other. With positions
-    or duration_s only their ratio counts; without, they say how long the way takes."""
+    """Speed at the start; it changes evenly in time to `end_speed_m_s`. With positions or
+    duration_s only the ratio of the two matters; without them they determine the duration."""
     end_speed_m_s: NonNegative | None = None
-    """Default of both: the same speed all the way."""
+    """Speed at the end. Default of both: a constant speed."""
 
     @model_validator(mode="after")
     def _complete(self) -> Linear:
@@ -62,30 +65,30 @@ class Linear(Aimed, Run):
 
 
 class Spiral(Aimed, Run):
-    """Around the target with a radius that changes evenly with the angle; less than one rotation
-    with a falling radius is a flyby."""
+    """A spiral around the target, whose radius changes evenly with the angle. Less than one
+    rotation with a shrinking radius is a flyby."""
 
     kind: Literal["spiral"]
     start_m: Vec3 | None = None
-    """Where it starts, in the axes of `frame`. Out of the plane it winds around a cone."""
+    """Start position in the axes of `frame`. Out of the plane, the spiral lies on a cone."""
     r_start_m: Positive | None = None
-    """Instead of start_m: the distance at the start, in the plane, at `start_angle_deg`."""
+    """Distance at the start, in the plane and at `start_angle_deg`; instead of start_m."""
     r_end_m: Positive | None = None
-    """The distance at the end; default: as at the start, a circle."""
+    """Distance at the end. Default: as at the start, a circle."""
     plane: Literal["xy", "yz", "zx"] | None = None
-    """Plane of the turning, by axes of `frame`: it goes from the first axis to the second. Default
+    """Plane of the spiral by axes of `frame`; it turns from the first axis to the second. Default
     without `normal`: xy."""
     normal: Direction | None = None
-    """Instead of plane: axis of the turning, right-handed."""
+    """Axis of rotation (right-handed), instead of plane."""
     start_angle_deg: Finite = 0.0
-    """With r_start_m: from the plane's first axis; with `normal`, from the axis x of `frame` as it
-    falls on the plane (y, where x is the normal)."""
+    """With r_start_m: angle from the first axis of `plane`; with `normal`, from the projection of
+    the axis x of `frame` (of y, if x is the normal)."""
     rotations: Finite = 1.0
-    """Turns from start to end; negative ones go the other way."""
+    """Number of turns from start to end; negative ones turn the other way."""
     distance_noise_m: NonNegative = 0.0
-    """Added to the distance at every step, uniform within plus and minus this."""
+    """Half width of a uniform deviation that is added to the distance at every step."""
     up: Direction | None = None  # type: ignore[assignment]
-    """What is up in the image, in the axes of `frame`; default: the axis of the turning."""
+    """Up direction of the image in the axes of `frame`. Default: the axis of rotation."""
 
     @model_validator(mode="after")
     def _complete(self) -> Spiral:
@@ -104,22 +107,23 @@ class Spiral(Aimed, Run):
 
 
 class Flyby(Aimed, Run):
-    """A straight pass at a stated closest distance, at even speed."""
+    """A straight pass with a given closest distance, at constant speed."""
 
     kind: Literal["flyby"]
     closest_m: NonNegative
-    """Least distance from the target's centre."""
+    """Closest distance from the target's centre."""
     direction: Direction = (1.0, 0.0, 0.0)
-    """Of the motion, in the axes of `frame`."""
+    """Direction of motion, in the axes of `frame`."""
     side: Direction = (0.0, 0.0, 1.0)
-    """From the target to the closest point; what of it is across `direction` counts."""
+    """Direction from the target to the closest point; its component along `direction` is
+    ignored."""
     before_m: NonNegative
-    """How far before the closest point it starts, along the way."""
+    """Length of the path before the closest point."""
     after_m: NonNegative | None = None
-    """How far behind it ends; default: as before."""
+    """Length of the path after the closest point. Default: before_m."""
     up: Direction | None = None  # type: ignore[assignment]
-    """What is up in the image, in the axes of `frame`; default: across `direction` and `side`, so
-    that the camera does not roll over."""
+    """Up direction of the image in the axes of `frame`. Default: perpendicular to `direction` and
+    `side`, so that the camera does not roll over."""
 
     @model_validator(mode="after")
     def _across(self) -> Flyby:
@@ -130,22 +134,24 @@ class Flyby(Aimed, Run):
 
 
 class CentredTarget(Aimed, Run):
-    """On a line from the target, looking at it; with `landing` down to a last distance."""
+    """A position on a line from the target, looking at it; with `landing`, a descent along that
+    line."""
 
     kind: Literal["centred_target"]
     direction: Direction | None = None
-    """From the target to the camera, in the axes of `frame`; default: drawn for every run."""
+    """Direction from the target to the camera, in the axes of `frame`. Default: drawn for every
+    run."""
     distance_m: Positive | None = None
-    """From the target's centre, at the start."""
+    """Distance from the target's centre at the start."""
     distance_scale: Positive | None = None
-    """Instead of distance_m: in radii of the target, a body's largest or a spacecraft's bounding
-    sphere's; default of both: 3 radii."""
+    """Distance at the start in radii of the target (a body's largest, or that of a spacecraft's
+    bounding sphere), instead of distance_m. Default of both: 3 radii."""
     landing: Annotated[bool, Field(strict=True)] = False
-    """Whether the run ends at `final_distance_m`: the distance to the surface falls by the same
-    factor at every step. Without it the distance stays."""
+    """Whether the camera descends to `final_distance_m`; its distance to the surface falls by the
+    same factor at every step. false: the distance stays."""
     final_distance_m: Positive | None = None
     """With landing: distance at the end from the body's surface, or the spacecraft's bounding
-    sphere, on the line."""
+    sphere, along the line."""
 
     @model_validator(mode="after")
     def _complete(self) -> CentredTarget:
@@ -161,25 +167,26 @@ class CentredTarget(Aimed, Run):
 
 
 class RelativeState(Strict):
-    """Position and velocity relative to the target, in the axes of `frame`, which turn."""
+    """Position and velocity relative to the target, in the rotating axes of `frame`."""
 
     position_m: Vec3
     velocity_m_s: Vec3 = (0.0, 0.0, 0.0)
 
 
 class RelativeEllipse(Strict):
-    """A bounded relative orbit: forward and radial parts make an ellipse twice as long as high."""
+    """A bounded relative orbit: an ellipse in the orbital plane, twice as long (forward) as high
+    (radially)."""
 
     radial_m: NonNegative
-    """Half the height; half the length is twice that."""
+    """Radial semi-axis; the forward semi-axis is twice as long."""
     phase_deg: Finite = 0.0
-    """At the start: 0 is straight below the centre of the ellipse, 90 the farthest ahead."""
+    """Phase at the start: 0 is straight below the centre of the ellipse, 90 farthest ahead."""
     normal_m: NonNegative = 0.0
     """Amplitude along the orbit normal."""
     normal_phase_deg: Finite = 0.0
-    """At the start: 0 is on the orbit's plane, rising."""
+    """Phase of the motion along the normal at the start: 0 is in the orbital plane, rising."""
     ahead_m: Finite = 0.0
-    """How far ahead of the target the centre of the ellipse lies."""
+    """Forward offset of the centre of the ellipse from the target."""
 
 
 class Relative(Aimed, Run):
@@ -187,20 +194,21 @@ class Relative(Aimed, Run):
 
     kind: Literal["relative"]
     frame: Literal["rsw", "lvlh"] = "rsw"
-    """Axes of the state, `up` and `aim_offset_m`. rsw: x away from what the target orbits, y
-    forward, z along the orbit normal; lvlh: z to what it orbits, y along minus the normal."""
+    """Axes of the state, `up` and `aim_offset_m`. rsw: x away from the target's central body, y
+    forward, z along the orbit normal; lvlh: z towards the central body, y along the negative orbit
+    normal."""
     up: Direction | None = None  # type: ignore[assignment]
-    """What is up in the image, in the axes of `frame`; default: along the orbit's normal, or away
-    from what is orbited where the run starts within 30 degrees of the normal."""
+    """Up direction of the image in the axes of `frame`. Default: the orbit normal; away from the
+    central body if the run starts within 30 degrees of the normal."""
     state: RelativeState | None = None
-    """At the start of the run."""
+    """State at the start of the run."""
     ellipse: RelativeEllipse | None = None
-    """Instead of a state."""
+    """Bounded orbit, instead of a state."""
     duration_s: Positive | None = None
-    """Time from start to end. With positions: default one revolution of the target. Without either,
-    the motion goes on from the epoch in the time of the frames."""
+    """Time from start to end; with positions, one revolution of the target by default. Without
+    either, the motion goes on from the epoch with the time of the frames."""
     positions: Annotated[Integer, Field(ge=1)] | None = None
-    """Number of positions, one a step, over `duration_s`."""
+    """Number of positions, one per step, over `duration_s`."""
 
     @model_validator(mode="after")
     def _one_start(self) -> Relative:
@@ -211,7 +219,7 @@ class Relative(Aimed, Run):
 
     @model_validator(mode="after")
     def _by_one(self) -> Relative:
-        """Positions and duration go together here."""
+        """Overridden, because positions and duration_s may be given together here."""
         return self
 
     def needs_run(self) -> bool:
