@@ -1,12 +1,12 @@
-/* Anomalies to times, by the universal anomaly.
+/* Conversion of anomalies to times by the universal anomaly.
  *
  * tan(E/2) = sqrt((1 - e)/(1 + e)) tan(nu/2) and s = E/sqrt(alpha) give
  *   s = 2 D sqrt(q/(gm (1 + e))) atan(x)/x,   D = tan(nu/2), x^2 = D^2 (1 - e)/(1 + e),
  * where atan(x)/x is smooth through x^2 = 0 (Battin, An Introduction to the Mathematics and Methods
- * of Astrodynamics, 4.5), and the time follows from s without differences of nearly equal terms. */
+ * of Astrodynamics, 4.5). The time follows from s without differences of nearly equal terms. */
 #include "orbit/anomaly.h"
 
-/* Below, five terms of the series are exact to rounding. */
+/* Below this value five terms of the series are exact to rounding. */
 #define SERIES_LIMIT 1e-4
 
 /* atan(sqrt y)/sqrt y, which is atanh(sqrt -y)/sqrt -y for y < 0; y > -1. */
@@ -17,7 +17,7 @@ static double atan_ratio(double y) {
   return (y > 0.0 ? atan(x) : atanh(x)) / x;
 }
 
-/* Checks all but the anomaly, and gives the orbit at periapsis. */
+/* Checks all elements except the anomaly, and returns the orbit at periapsis. */
 static pl_status at_periapsis(const pl_elements *elements, double gm, pl_orbit *out) {
   pl_elements start = *elements;
   start.since_periapsis_s = 0.0;

@@ -5,11 +5,12 @@
  * Attitude Determination and Control, 5.1). */
 #include "orbit/attitude.h"
 
-/* Below this sine of the angle between r and v their plane is noise. */
+/* Below this sine of the angle between r and v the orbital plane is lost to rounding. */
 #define PLANE_LIMIT 1e-11
-/* Cosine to the reference axis above which it is as good as parallel to the vertical. */
+/* Above this cosine of the angle between the vertical and the reference axis they count as
+ * parallel. */
 #define POLE_LIMIT 0.999
-/* Sine of the angle between aim and reference below which the roll is noise. */
+/* Below this sine of the angle between aim and reference the roll is lost to rounding. */
 #define AIM_LIMIT 1e-6
 
 pl_status pl_attitude_check(pl_quat q, const char *name) {
@@ -21,12 +22,12 @@ pl_status pl_attitude_check(pl_quat q, const char *name) {
 
 pl_quat pl_attitude_spin(pl_quat q, pl_vec3 axis, double rate_rad_s, double t_s) {
   const double angle = rate_rad_s * t_s;
-  const double rest = fma(rate_rad_s, t_s, -angle); /* what rounding took off the product */
+  const double rest = fma(rate_rad_s, t_s, -angle); /* rounding error of the product */
   const pl_quat turned = pl_quat_mul(q, pl_quat_axis_angle(axis, angle));
   return pl_quat_unit(pl_quat_mul(turned, pl_quat_axis_angle(axis, rest)));
 }
 
-/* A fixed axis made square to `v`: z, or x near the poles. */
+/* Component perpendicular to `v` of a fixed axis: z, or x near the poles. */
 static pl_vec3 square_to(pl_vec3 v) {
   const pl_vec3 along = pl_vec3_unit(v);
   pl_vec3 reference = {0.0, 0.0, 1.0};
@@ -35,7 +36,7 @@ static pl_vec3 square_to(pl_vec3 v) {
   return pl_vec3_madd(reference, -pl_vec3_dot(reference, along), along);
 }
 
-/* r x v, or zero when that is noise. */
+/* r x v, or zero if it is lost to rounding. */
 static pl_vec3 momentum(const pl_state *state) {
   const pl_vec3 h = pl_vec3_cross(state->r_m, state->v_m_s);
   const double limit = PLANE_LIMIT * pl_vec3_norm(state->r_m) * pl_vec3_norm(state->v_m_s);
@@ -47,7 +48,7 @@ pl_vec3 pl_attitude_normal(const pl_state *state) {
   return pl_vec3_norm(h) > 0.0 ? h : square_to(state->r_m);
 }
 
-/* Columns x = y x z, y, z to a quaternion; y and z are unit and square. */
+/* Quaternion of the matrix with columns x = y x z, y, z. y and z are perpendicular unit vectors. */
 static pl_quat from_yz(pl_vec3 y, pl_vec3 z) {
   const pl_vec3 x = pl_vec3_cross(y, z);
   return pl_quat_from_mat3((pl_mat3){{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}});
@@ -83,7 +84,7 @@ pl_status pl_attitude_velocity(const pl_state *state, pl_quat *out) {
   return PL_OK;
 }
 
-/* The direction of `aim`, and the unit direction square to it and to `up`. */
+/* Unit vectors along `aim` and perpendicular to both `aim` and `up`. */
 static pl_status triad(pl_vec3 aim, pl_vec3 up, pl_vec3 *along, pl_vec3 *side) {
   const double length = pl_vec3_norm(aim);
   if (!(length > 0.0) || !isfinite(length))
@@ -101,7 +102,7 @@ static pl_status triad(pl_vec3 aim, pl_vec3 up, pl_vec3 *along, pl_vec3 *side) {
 }
 
 pl_status pl_attitude_aim_x(pl_vec3 aim, pl_vec3 up, pl_quat *out) {
-  pl_vec3 x = {0}, side = {0}; /* side = x cross up: against y */
+  pl_vec3 x = {0}, side = {0}; /* side = x cross up: opposite to y */
   PL_TRY(triad(aim, up, &x, &side));
   const pl_vec3 y = pl_vec3_scale(side, -1.0);
   *out = from_yz(y, pl_vec3_cross(x, y));
@@ -109,8 +110,7 @@ pl_status pl_attitude_aim_x(pl_vec3 aim, pl_vec3 up, pl_quat *out) {
 }
 
 pl_status pl_attitude_aim_z(pl_vec3 aim, pl_vec3 up, pl_quat *out) {
-  pl_vec3 z = {0},
-          side = {0}; /* side = z cross up = -z cross -up: x = y cross z with y against up */
+  pl_vec3 z = {0}, side = {0}; /* side = z cross up; x = y cross z with y opposite to up */
   PL_TRY(triad(aim, up, &z, &side));
   *out = from_yz(pl_vec3_cross(z, side), z);
   return PL_OK;

@@ -1,4 +1,4 @@
-/* Spherical linear interpolation between rows. */
+/* Spherical linear interpolation (slerp) between the rows of a table. */
 #include "orbit/attitude_table.h"
 
 #include "orbit/attitude.h"

@@ -1,10 +1,10 @@
 /* Constants of the bodies.
  *
- * GM: JPL DE440 (NAIF gm_de440.tpc), the bodies without their satellites. Radii and rotation: IAU
- * WGCCRE 2015 (Archinal et al., Celest. Mech. Dyn. Astr. 130:22, 2018), Earth's ellipsoid WGS-84.
- * Kept from older reports: Earth's rotation (2009; not in the 2015 report, good to 0.1 deg) and
- * Mars's (2009; the 2015 constants are unusable without their slow terms, these hold to 0.02 deg
- * until 2050). Phobos keeps its terms above 0.03 deg. Albedos: NASA planetary fact sheets. */
+ * GM: JPL DE440 (NAIF gm_de440.tpc), without satellites. Radii and rotation: IAU WGCCRE 2015
+ * (Archinal et al., Celest. Mech. Dyn. Astr. 130:22, 2018); Earth's ellipsoid: WGS-84. Rotation
+ * from older reports: Earth (2009; not in the 2015 report, accurate to 0.1 deg) and Mars (2009; the
+ * 2015 constants are unusable without their slow terms, these are accurate to 0.02 deg until 2050).
+ * Phobos has only its terms above 0.03 deg. Albedos: NASA planetary fact sheets. */
 #include "orbit/celestial.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* The table of bodies: gravity, size, albedo, parent, and the IAU model of rotation. */
+/* The table of bodies: gravity, size, albedo, parent and the IAU rotation model. */
 #ifndef PL_ORBIT_CELESTIAL_H
 #define PL_ORBIT_CELESTIAL_H
 
@@ -6,14 +6,15 @@
 
 #include "base/status.h"
 
-/* One periodic term: argument phase + rate T + quadratic T^2, T in Julian centuries of TDB from
- * J2000; right ascension and W take its sine, declination its cosine. Degrees. */
+/* One periodic term of the rotation model. Its argument is phase + rate T + quadratic T^2, where T
+ * is in Julian centuries of TDB since J2000. Right ascension and W use its sine, declination its
+ * cosine. Degrees. */
 typedef struct pl_rotation_term {
   double phase_deg, rate_deg_century, quadratic_deg_century2;
   double ra_deg, dec_deg, w_deg;
 } pl_rotation_term;
 
-/* North pole (ra, dec) in ICRF and prime meridian W, as the IAU's working group gives them. */
+/* North pole (ra, dec) in ICRF and prime meridian W, as defined by the IAU working group. */
 typedef struct pl_rotation_model {
   double ra_deg[2];  /* constant, per century */
   double dec_deg[2]; /* constant, per century */
@@ -27,7 +28,7 @@ typedef struct pl_celestial {
   const char *parent; /* name of the body it orbits; NULL for the sun */
   double gm_m3_s2;
   double radii_m[3];       /* semi-axes of the ellipsoid: a to longitude 0, b, c to the pole */
-  double geometric_albedo; /* V band; 0 for the sun, which is a source */
+  double geometric_albedo; /* V band; 0 for the sun, which emits light */
   double bond_albedo;
   pl_rotation_model rotation;
 } pl_celestial;
@@ -35,10 +36,10 @@ typedef struct pl_celestial {
 /* All bodies, in a fixed order; static. */
 const pl_celestial *pl_celestial_table(size_t *count);
 
-/* NULL when there is no such body. */
+/* Returns NULL if there is no such body. */
 const pl_celestial *pl_celestial_find(const char *name);
 
-/* The same, but PL_E_ARGUMENT with a text that lists the names there are. */
+/* The same, but fails with PL_E_ARGUMENT and a message that lists the valid names. */
 pl_status pl_celestial_require(const char *name, const pl_celestial **out);
 
 #endif

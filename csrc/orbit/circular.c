@@ -1,4 +1,4 @@
-/* Places on a scaled circle. */
+/* Positions on a scaled circle. */
 #include "orbit/circular.h"
 
 #include "base/memory.h"
@@ -10,7 +10,8 @@ typedef struct circular {
   double start_rev, rate_rev_s;
 } circular;
 
-/* Phase in revolutions, in [-1, 1]: the product's whole part is taken off before rounding. */
+/* Phase in revolutions, in [-1, 1]. Whole revolutions are removed from the product before rounding.
+ */
 static double phase_rev(const circular *c, double t_s) {
   const double product = c->rate_rev_s * t_s;
   const double rest = fma(c->rate_rev_s, t_s, -product);

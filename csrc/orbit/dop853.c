@@ -1,7 +1,8 @@
-/* The step, its control and its dense output.
+/* DOP853: the integration step, step-size control and dense output.
  *
- * After E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.:
- * sections II.4 (automatic step size, starting step, PI control: Gustafsson 1991), II.5, II.6. */
+ * After E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
+ * sections II.4 (automatic step size, starting step, PI control: Gustafsson 1991), II.5 and II.6.
+ */
 #include "orbit/dop853.h"
 
 #include <math.h>
@@ -12,11 +13,11 @@
 #define SAFETY 0.9
 #define SHRINK_MOST 0.333
 #define GROW_MOST 6.0
-/* Exponents of the PI control; beta = 0.04 damps the step's swinging at small cost. */
+/* Exponents of the PI controller. beta = 0.04 damps oscillations of the step size at small cost. */
 #define BETA 0.04
 #define ALPHA (1.0 / 8.0 - 0.2 * BETA)
-#define ERROR_FLOOR 1e-4 /* of the last step's error in the PI control */
-#define TRIES 100        /* rejections in a row; each shrinks by a tenth at least */
+#define ERROR_FLOOR 1e-4 /* lower limit of the last step's error in the PI controller */
+#define TRIES 100        /* consecutive rejections; each reduces the step by a tenth or more */
 
 typedef double stages[PL_DOP853_ALL][PL_ODE_SIZE];
 
@@ -38,7 +39,7 @@ static void add_row(const pl_dop853_row *row, size_t size, stages k, double *out
   }
 }
 
-/* Root mean square of `v` against the scale of y and `other`, vector by vector. */
+/* Root mean square of `v` relative to the scale of y and `other`, per vector. */
 static double scaled_norm(const pl_ode *ode, const double *v, const double *y,
                           const double *other) {
   double sum = 0.0;
@@ -47,7 +48,8 @@ static double scaled_norm(const pl_ode *ode, const double *v, const double *y,
     const double scale =
         ode->atol + ode->rtol * fmax(at, other ? length(other + i, ode->vector) : at);
     const double part = length(v + i, ode->vector);
-    sum += part > 0.0 ? (part / scale) * (part / scale) : 0.0; /* a zero vector may have scale 0 */
+    sum += part > 0.0 ? (part / scale) * (part / scale)
+                      : 0.0; /* avoids 0/0: a zero vector may have scale 0 */
   }
   return sqrt(sum / (double)(ode->size / ode->vector));
 }
@@ -59,7 +61,7 @@ static bool all_finite(const double *v, size_t count) {
   return true;
 }
 
-/* First step: Hairer's algorithm, II.4. */
+/* Chooses the first step by Hairer's algorithm, II.4. */
 static pl_status first_step(const pl_ode *ode, int direction, pl_ode_point *p) {
   const double d0 = scaled_norm(ode, p->y, p->y, NULL);
   const double d1 = scaled_norm(ode, p->rate, p->y, NULL);
@@ -99,7 +101,7 @@ static pl_status evaluate(const pl_ode *ode, const pl_ode_point *p, double h, in
   return ode->rate(ode->context, p->t + pl_dop853_node[stage] * h, y, k[stage]);
 }
 
-/* The error of a step against the tolerance: the estimate of order 5 corrected by that of order 3
+/* Error of a step relative to the tolerance: the estimate of order 5 corrected by that of order 3
  * (II.10.17). */
 static double step_error(const pl_ode *ode, const double *y0, const double *y1, double h,
                          stages k) {
@@ -111,8 +113,8 @@ static double step_error(const pl_ode *ode, const double *y0, const double *y1, 
   return both > 0.0 ? fabs(h) * n5 * n5 / sqrt(both) : 0.0;
 }
 
-/* y1 = y0 + h k with Neumaier's compensated addition, which keeps long runs of small steps from
- * losing half a digit each. */
+/* y1 = y0 + h k with Neumaier's compensated addition, which prevents the accumulation of rounding
+ * errors over many small steps. */
 static void advance(const pl_ode *ode, double h, const double *slope, pl_ode_point *to) {
   for (size_t i = 0; i < ode->size; i++) {
     const double change = h * slope[i] + to->carry[i];
@@ -145,7 +147,7 @@ static pl_status dense_output(const pl_ode *ode, const pl_ode_point *from, const
   return PL_OK;
 }
 
-/* Tries a step of h from `from`: the point after it and its error. */
+/* Computes a trial step of h from `from`: the point after it and its error. */
 static pl_status try_step(const pl_ode *ode, const pl_ode_point *from, double h, stages k,
                           pl_ode_point *to, double *error) {
   memcpy(k[0], from->rate, sizeof k[0]);
@@ -167,13 +169,14 @@ pl_status pl_ode_step(const pl_ode *ode, double h_max, pl_ode_point *point,
   double h = copysign(fmin(fabs(point->h), h_max), point->h);
   bool rejected = false;
   for (int tries = 0; tries < TRIES; tries++) {
-    h = (point->t + h) - point->t; /* a step that t can follow exactly: time gathers no error */
+    h = (point->t + h) -
+        point->t; /* rounds h so that t + h is exact and time accumulates no error */
     if (!(fabs(h) > 4.0 * 0x1p-52 * fabs(point->t)))
       break;
     double error = 0.0;
     PL_TRY(try_step(ode, point, h, k, &to, &error));
     const double shrink = pow(error, ALPHA);
-    if (!(error <= 1.0)) { /* also when it is not a number */
+    if (!(error <= 1.0)) { /* also if it is NaN */
       const double by = isfinite(error) ? fmax(SHRINK_MOST, SAFETY / shrink) : SHRINK_MOST;
       h *= fmin(by, SAFETY);
       rejected = true;

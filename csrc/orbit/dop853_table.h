@@ -1,15 +1,16 @@
-/* The numbers of DOP853: nodes, stages, error weights and dense output.
+/* The coefficients of DOP853: nodes, stages, error weights and dense output.
  *
  * E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed., section
- * II.5 (tables of Dormand and Prince's method of order 8 with embedded 5 and 3) and II.6 (dense
- * output of order 7). tests/c/test_dop853.c checks the order conditions, tests/oracle the numbers.
+ * II.5 (tables of Dormand and Prince's method of order 8 with embedded methods of order 5 and 3)
+ * and II.6 (dense output of order 7). tests/c/test_dop853.c checks the order conditions,
+ * tests/oracle the coefficients.
  *
- * A row holds pairs of (stage, weight), zeros left out: half of the tableau is empty. */
+ * A row holds pairs of (stage, weight) without the zeros: half of the tableau is empty. */
 #ifndef PL_ORBIT_DOP853_TABLE_H
 #define PL_ORBIT_DOP853_TABLE_H
 
-#define PL_DOP853_STAGES 12 /* of a step; the 13th is the first of the next */
-#define PL_DOP853_ALL 16    /* with those of the dense output */
+#define PL_DOP853_STAGES 12 /* of a step; the 13th is the first of the next step */
+#define PL_DOP853_ALL 16    /* including those of the dense output */
 
 typedef struct pl_dop853_term {
   int stage; /* from 0 */
@@ -22,7 +23,7 @@ typedef struct pl_dop853_row {
   pl_dop853_term term[12];
 } pl_dop853_row;
 
-/* Nodes: stage i is taken at t + node[i] h. */
+/* Nodes: stage i is evaluated at t + node[i] h. */
 static const double pl_dop853_node[PL_DOP853_ALL] = {0.0,
                                                      0.05260015195876773,
                                                      0.0789002279381516,
@@ -40,7 +41,7 @@ static const double pl_dop853_node[PL_DOP853_ALL] = {0.0,
                                                      0.2,
                                                      0.7777777777777778};
 
-/* Where stage i is taken: y + h times the sum of row i. Row 12 is the step itself (order 8). */
+/* Stage i is evaluated at y + h times the sum of row i. Row 12 is the step itself (order 8). */
 static const pl_dop853_row pl_dop853_stage[PL_DOP853_ALL] = {
     {0, {}},
     {1, {{0, 0.05260015195876773}}},

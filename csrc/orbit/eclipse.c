@@ -1,9 +1,10 @@
-/* Overlap of two discs without the cancellation of the textbook's arccosines.
+/* Overlap of two discs without the cancellation of the textbook formula with arccosines.
  *
- * The lens is two circular segments of half-angles ta and tb on one chord of half-length y; the
- * area of a segment is r^2 (t - sin t cos t). The half-angles come from atan2 of y and the signed
- * distances of the chord, and t - sin t cos t from a series where it is small: a planet's disc is
- * hundreds of times the Sun's, so tb is tiny and b^2 huge. */
+ * The overlap consists of two circular segments of half angles ta and tb on a common chord of half
+ * length y. The area of a segment is r^2 (t - sin t cos t). The half angles are computed by atan2
+ * from y and the signed distances of the chord. Small t - sin t cos t are computed by a series,
+ * since the disc of a planet is hundreds of times larger than the Sun's: tb is then tiny and b^2
+ * huge. */
 #include "orbit/eclipse.h"
 
 #include <stdbool.h>
@@ -37,12 +38,13 @@ double pl_eclipse_fraction(double a, double b, double c) {
   return fmin(fmax(1.0 - hidden / (PL_PI * a * a), 0.0), 1.0);
 }
 
-/* Angular radii of the Sun (a) and the sphere (b) from a place outside it, their distance (c). */
+/* Angular radii of the Sun (a) and the sphere (b) as seen from a point outside it, and their
+ * separation (c). */
 typedef struct discs {
   double a, b, c;
 } discs;
 
-/* False where nothing can be hidden: the Sun is nearer than the sphere's centre. */
+/* Returns false if an eclipse is impossible because the Sun is closer than the sphere's centre. */
 static bool discs_from(pl_vec3 r_m, pl_vec3 sun_m, double radius_m, discs *out) {
   const pl_vec3 to_sun = pl_vec3_sub(sun_m, r_m), down = pl_vec3_scale(r_m, -1.0);
   const double r = pl_vec3_norm(r_m), far = pl_vec3_norm(to_sun);

@@ -58,8 +58,8 @@ static void square_norm(pl_vec3 a, double *high, double *low) {
   *low = error;
 }
 
-/* 2 gm/|r| - v.v, nearly correctly rounded: its error grows with the number of revolutions, and
- * the difference loses digits near the periapsis of eccentric orbits. */
+/* 2 gm/|r| - v.v, almost correctly rounded. An error in this value grows with the number of
+ * revolutions, and the plain difference loses digits near the periapsis of eccentric orbits. */
 static double vis_viva_alpha(const pl_state *state, double gm) {
   double r2, r2_low, v2, v2_low;
   square_norm(state->r_m, &r2, &r2_low);
@@ -74,9 +74,9 @@ static double vis_viva_alpha(const pl_state *state, double gm) {
   return alpha + (alpha_low + (u_low - v2_low));
 }
 
-/* Universal anomaly of the state, and the eccentricity. Both come from the pair (e cos E, e sin E)
- * so that they agree however small e is; on open conics e follows from 1 - e^2 = p alpha/gm, since
- * the pair cancels far from periapsis. */
+/* Universal anomaly and eccentricity of the state. Both are computed from the pair (e cos E, e sin
+ * E), so that they are consistent for any small e. On open conics e follows from 1 - e^2 = p
+ * alpha/gm, since the pair cancels far from periapsis. */
 static double anomaly_of_state(double r, double sigma, double p, pl_orbit *orbit) {
   const double gm = orbit->gm_m3_s2, alpha = orbit->alpha_m2_s2;
   const double root = sqrt(fabs(alpha));
@@ -89,14 +89,15 @@ static double anomaly_of_state(double r, double sigma, double p, pl_orbit *orbit
   return root > 0.0 ? asinh(sigma * root / (gm * orbit->eccentricity)) / root : sigma / gm;
 }
 
-/* The conic of no width: periapsis 0, e = 1, along the line to the centre. */
+/* Degenerate conic of radial motion: periapsis 0, e = 1, along the line to the centre. */
 static void radial_motion(const pl_state *state, double r, double sigma, pl_orbit *out) {
   const double s = anomaly_of_state(r, sigma, 0.0, out);
   out->periapsis_m = 0.0;
   out->eccentricity = 1.0;
   out->since_periapsis_s = pl_orbit_time_at(out, s);
   out->p_axis = pl_vec3_scale(state->r_m, -1.0 / r);
-  const pl_vec3 p = out->p_axis; /* any axis square to it: the coordinate axis farthest off */
+  const pl_vec3 p =
+      out->p_axis; /* any perpendicular axis, from the coordinate axis farthest from it */
   const double x = fabs(p.x), y = fabs(p.y), z = fabs(p.z);
   const pl_vec3 other = {x <= y && x <= z, y < x && y <= z, z < x && z < y};
   out->q_axis = pl_vec3_unit(pl_vec3_cross(other, p));
@@ -119,8 +120,8 @@ pl_status pl_orbit_from_state(const pl_state *state, double gm_m3_s2, pl_orbit *
   const double s = anomaly_of_state(r, sigma, p, out);
   out->periapsis_m = p / (1.0 + out->eccentricity);
   out->since_periapsis_s = pl_orbit_time_at(out, s);
-  /* The axes are those that put the solver's own place on the state, so that the unknowable
-   * periapsis of a circular orbit cancels. */
+  /* The axes are chosen such that the solver's position coincides with the state. The ill-defined
+   * periapsis of a circular orbit then cancels. */
   const pl_perifocal at = pl_orbit_perifocal_at(out, s);
   const double scale = 1.0 / hypot(at.x_m, at.y_m);
   const double c = at.x_m * scale, d = at.y_m * scale;
@@ -146,7 +147,7 @@ pl_elements pl_orbit_elements(const pl_orbit *orbit) {
           atan2(pl_vec3_dot(orbit->p_axis, side), pl_vec3_dot(orbit->p_axis, node)),
       .since_periapsis_s = orbit->since_periapsis_s,
   };
-  if (orbit->eccentricity == 0.0) { /* any point is periapsis: take the node */
+  if (orbit->eccentricity == 0.0) { /* any point is periapsis: use the node */
     el.since_periapsis_s += el.arg_periapsis_rad / (2.0 * PL_PI) * pl_orbit_period_s(orbit);
     el.arg_periapsis_rad = 0.0;
   }

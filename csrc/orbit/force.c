@@ -1,4 +1,4 @@
-/* The list of forces, and what is checked for all of them. */
+/* The list of forces, and the validation that they share. */
 #include "orbit/force.h"
 
 #include <string.h>

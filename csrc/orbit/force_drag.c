@@ -1,16 +1,16 @@
-/* The drag of the air that turns with the centre.
+/* Atmospheric drag. The atmosphere rotates with the centre.
  *
- * a = -(rho/2) Cd (A/m) |v_rel| v_rel, v_rel = v - omega x r; rho piecewise exponential in the
+ * a = -(rho/2) Cd (A/m) |v_rel| v_rel, v_rel = v - omega x r. rho is piecewise exponential in the
  * height above the ellipsoid. The default table is the Earth's: Vallado, Fundamentals of
- * Astrodynamics and Applications, table 8-4. True density varies 2 to 10 times with the Sun's
- * activity. */
+ * Astrodynamics and Applications, table 8-4. The true density varies by a factor of 2 to 10 with
+ * solar activity. */
 #include "base/memory.h"
 #include "orbit/force.h"
 #include "orbit/turning.h"
 
 #include <string.h>
 
-/* A layer of air: from height_m upwards rho = density exp(-(h - height)/scale). */
+/* A layer of the atmosphere: above height_m rho = density exp(-(h - height)/scale). */
 typedef struct layer {
   double height_m, density_kg_m3, scale_m;
 } layer;
@@ -90,7 +90,7 @@ static pl_status create(const pl_force_setting *setting, const pl_force_value *v
   return PL_OK;
 }
 
-/* Height above the spheroid by Bowring's formula; error below a metre up to 2000 km. */
+/* Height above the spheroid by Bowring's formula, with an error below a metre up to 2000 km. */
 static double height(const drag *self, double across_m, double along_m) {
   const double a = self->equatorial_m, b = self->polar_m;
   const double e2 = (a - b) * (a + b) / (a * a), e2_b = (a - b) * (a + b) / (b * b);
@@ -100,7 +100,7 @@ static double height(const drag *self, double across_m, double along_m) {
   return across_m * cos(phi) + along_m * sp - a * sqrt(1.0 - e2 * sp * sp);
 }
 
-/* Which layer a height is in; the lowest also for all below it. */
+/* Index of the layer at a height; the lowest layer below all layers. */
 static size_t layer_at(const drag *self, double h) {
   size_t at = 0;
   while (at + 1 < self->count && h >= self->air[at + 1].height_m)
@@ -108,7 +108,8 @@ static size_t layer_at(const drag *self, double h) {
   return at;
 }
 
-/* kg/m^3; below the lowest layer that of its foot, above the highest its exponential goes on. */
+/* Density, kg/m^3. Below the lowest layer it is that at the layer's base; above the highest layer
+ * its exponential continues. */
 static double density(const drag *self, double h) {
   const layer *l = &self->air[layer_at(self, h)];
   return l->density_kg_m3 * exp(-fmax(h - l->height_m, 0.0) / l->scale_m);

@@ -1,11 +1,11 @@
-/* A gravity field of spherical harmonics, regular at the poles.
+/* A gravity field in spherical harmonics, regular at the poles.
  *
  * S. Pines, "Uniform representation of the gravitational potential and its derivatives", AIAA
- * Journal 11 (1973), with fully normalised coefficients: with u the sine of the latitude the
- * derived Legendre functions A_nm = d^m P_n/du^m, normalised, follow by columns (fixed m) from A_mm
- * = sqrt((2m+1)/(2m)) A_{m-1,m-1},  A_nm = g_nm u A_{n-1,m} - h_nm A_{n-2,m}, which is stable
- * upwards (Lundberg and Schutz 1988). The direction (s, t, u) enters through the powers of s + i t,
- * so nothing is divided by the cosine of the latitude. */
+ * Journal 11 (1973), with fully normalised coefficients. With u the sine of the latitude, the
+ * normalised derived Legendre functions A_nm = d^m P_n/du^m follow by columns (fixed m) from A_mm =
+ * sqrt((2m+1)/(2m)) A_{m-1,m-1},  A_nm = g_nm u A_{n-1,m} - h_nm A_{n-2,m}, a recursion that is
+ * stable for increasing n (Lundberg and Schutz 1988). The direction (s, t, u) enters through the
+ * powers of s + i t, so there is no division by the cosine of the latitude. */
 #include "base/memory.h"
 #include "orbit/force.h"
 #include "orbit/turning.h"
@@ -14,11 +14,11 @@
 
 #define MAX_DEGREE 360
 
-/* One term, all that it needs in one place. */
+/* Coefficients of one term, stored together. */
 typedef struct term {
   double c, s;  /* normalised coefficients */
-  double g, h;  /* of the recursion to A_nm */
-  double shift; /* norm of A_nm over that of A_{n,m+1} */
+  double g, h;  /* recursion coefficients of A_nm */
+  double shift; /* normalisation of A_nm relative to A_{n,m+1} */
 } term;
 
 typedef struct harmonics {
@@ -116,7 +116,7 @@ static pl_status create(const pl_force_setting *setting, const pl_force_value *v
   return PL_OK;
 }
 
-/* A_nm for n = m..degree into a[n]; `diagonal` is A_mm. */
+/* Writes A_nm for n = m..degree to a[n]; `diagonal` is A_mm. */
 static void fill_column(const harmonics *self, size_t m, double diagonal, double u, double *a) {
   if (m > self->degree)
     return;
@@ -132,14 +132,15 @@ static void fill_column(const harmonics *self, size_t m, double diagonal, double
   }
 }
 
-/* Where the sums of a column are taken. */
+/* Direction at which the sums of a column are evaluated. */
 typedef struct direction {
   double u;              /* sine of the latitude */
   double re, im;         /* (s + i t)^m */
   double re_low, im_low; /* (s + i t)^(m-1); 0 at m = 0 */
 } direction;
 
-/* Adds a column's part of the four sums of Pines: three along the axes, one along the radius. */
+/* Adds a column's contribution to the four sums of Pines: three along the axes, one along the
+ * radius. */
 static void add_column(const harmonics *self, size_t m, const direction *d, const double *scale,
                        const double *a, const double *a_next, double sums[4]) {
   const term *t = self->terms + column_start(self->degree, m);

@@ -1,4 +1,4 @@
-/* The pull of a point. */
+/* The gravity of a point mass. */
 #include "base/memory.h"
 #include "orbit/force.h"
 

@@ -1,7 +1,7 @@
-/* The push of sunlight on a sphere-like object, with the shadow of the centre.
+/* Solar radiation pressure on a sphere-like object, with the shadow of the centre.
  *
- * a = -nu P (AU/d)^2 Cr (A/m) u_sun with nu the visible fraction of the Sun's disc. Montenbruck and
- * Gill, Satellite Orbits, section 3.4. */
+ * a = -nu P (AU/d)^2 Cr (A/m) u_sun, where nu is the visible fraction of the Sun's disc.
+ * Montenbruck and Gill, Satellite Orbits, section 3.4. */
 #include "base/memory.h"
 #include "orbit/eclipse.h"
 #include "orbit/force.h"
@@ -67,7 +67,7 @@ const pl_force_kind pl_force_radiation_pressure = {
         "centre as a sphere; no light reflected by the centre",
     .parameter_count = PARAMETER_COUNT,
     .parameters = parameters,
-    .steps_per_turn = 20.0, /* a low orbit is in shadow for a third of it, in penumbra for 10 s */
+    .steps_per_turn = 20.0, /* a low orbit spends a third in shadow and 10 s in penumbra */
     .create = create,
     .acceleration = acceleration,
     .regime = regime,

@@ -1,8 +1,9 @@
-/* The pull of another body on the object, less its pull on the centre.
+/* Third-body gravity: the acceleration of the object minus that of the centre.
  *
- * Battin, An Introduction to the Mathematics and Methods of Astrodynamics, section 8.4: with s the
- * body's place and d = s - r, q = r.(r - 2 s)/s^2, F = q (3 + 3 q + q^2)/(1 + (1 + q)^(3/2)):
- * a = -(gm/d^3) (r + F s), without the difference of two nearly equal pulls. */
+ * Battin, An Introduction to the Mathematics and Methods of Astrodynamics, section 8.4: with the
+ * body's position s, d = s - r, q = r.(r - 2 s)/s^2 and F = q (3 + 3 q + q^2)/(1 + (1 + q)^(3/2)),
+ * the acceleration is a = -(gm/d^3) (r + F s). This avoids the difference of two nearly equal
+ * accelerations. */
 #include "base/memory.h"
 #include "orbit/force.h"
 

@@ -1,8 +1,8 @@
-/* The flattening of the centre and its further zonal harmonics.
+/* Zonal harmonics of the centre: flattening (J2) and higher terms.
  *
- * a = sum_n (gm J_n R^n / r^(n+2)) (P'_{n+1}(s) r^ - P'_n(s) z^), s = sine of the latitude: the
- * gradient of the zonal terms by P'_{n+1} = (n+1) P_n + s P'_n; regular at the poles. Montenbruck
- * and Gill, Satellite Orbits, section 3.2. */
+ * a = sum_n (gm J_n R^n / r^(n+2)) (P'_{n+1}(s) r^ - P'_n(s) z^), where s is the sine of the
+ * latitude. This is the gradient of the zonal terms, by P'_{n+1} = (n+1) P_n + s P'_n, and is
+ * regular at the poles. Montenbruck and Gill, Satellite Orbits, section 3.2. */
 #include "base/memory.h"
 #include "orbit/force.h"
 #include "orbit/turning.h"
