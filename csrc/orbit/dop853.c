@@ -1,8 +1,8 @@
 /* DOP853: the integration step, step-size control and dense output.
  *
  * After E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential Equations I, 2nd ed.,
- * sections II.4 (automatic step size, starting step, PI control: Gustafsson 1991), II.5 and II.6.
- */
+ * sections II.4 (automatic step size, starting step, PI control after Gustafsson 1991), II.5 and
+ * II.6. */
 #include "orbit/dop853.h"
 
 #include <math.h>
@@ -48,8 +48,7 @@ static double scaled_norm(const pl_ode *ode, const double *v, const double *y,
     const double scale =
         ode->atol + ode->rtol * fmax(at, other ? length(other + i, ode->vector) : at);
     const double part = length(v + i, ode->vector);
-    sum += part > 0.0 ? (part / scale) * (part / scale)
-                      : 0.0; /* avoids 0/0: a zero vector may have scale 0 */
+    sum += part > 0.0 ? (part / scale) * (part / scale) : 0.0; /* a zero vector may have scale 0 */
   }
   return sqrt(sum / (double)(ode->size / ode->vector));
 }
@@ -169,8 +168,7 @@ pl_status pl_ode_step(const pl_ode *ode, double h_max, pl_ode_point *point,
   double h = copysign(fmin(fabs(point->h), h_max), point->h);
   bool rejected = false;
   for (int tries = 0; tries < TRIES; tries++) {
-    h = (point->t + h) -
-        point->t; /* rounds h so that t + h is exact and time accumulates no error */
+    h = (point->t + h) - point->t; /* so that t + h is exact and time accumulates no error */
     if (!(fabs(h) > 4.0 * 0x1p-52 * fabs(point->t)))
       break;
     double error = 0.0;

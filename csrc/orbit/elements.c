@@ -96,8 +96,7 @@ static void radial_motion(const pl_state *state, double r, double sigma, pl_orbi
   out->eccentricity = 1.0;
   out->since_periapsis_s = pl_orbit_time_at(out, s);
   out->p_axis = pl_vec3_scale(state->r_m, -1.0 / r);
-  const pl_vec3 p =
-      out->p_axis; /* any perpendicular axis, from the coordinate axis farthest from it */
+  const pl_vec3 p = out->p_axis; /* q: any axis perpendicular to p */
   const double x = fabs(p.x), y = fabs(p.y), z = fabs(p.z);
   const pl_vec3 other = {x <= y && x <= z, y < x && y <= z, z < x && z < y};
   out->q_axis = pl_vec3_unit(pl_vec3_cross(other, p));

@@ -32,7 +32,7 @@ typedef enum pl_force_type { PL_FORCE_NUMBERS, PL_FORCE_BODY, PL_FORCE_MOTION } 
 typedef struct pl_force_parameter {
   const char *key;
   pl_force_type type;
-  size_t count; /* numbers: their count; 0: any count >= 1 */
+  size_t count; /* numbers: their count; 0: one or more, one-dimensional */
   bool optional;
   const char *doc; /* includes the unit */
 } pl_force_parameter;

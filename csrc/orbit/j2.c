@@ -1,4 +1,4 @@
-/* Secular drift by J2.
+/* Propagation with the secular drift due to J2.
  *
  * Rates and the correction of the semi-major axis: Brouwer, "Solution of the problem of artificial
  * satellite theory without drag", Astron. J. 64, 1959; Vallado, Fundamentals of Astrodynamics and
@@ -9,10 +9,10 @@
 
 typedef struct drifting {
   pl_propagator base;
-  pl_orbit orbit;       /* mean; its axes are not used */
-  pl_elements elements; /* mean, in the axes of the equator, at the epoch */
+  pl_orbit orbit;       /* mean orbit; its axes are not used */
+  pl_elements elements; /* mean elements at the epoch, in the axes of the equator */
   pl_drift drift;
-  double pace;     /* mean motion over Kepler's */
+  double pace;     /* mean motion relative to Kepler's */
   pl_vec3 x, y, z; /* the equator's axes in ICRF */
 } drifting;
 
@@ -35,11 +35,11 @@ double pl_j2_mean_axis(const pl_orbit *orbit, pl_flattening flattening) {
   pl_perifocal at;
   const double e = orbit->eccentricity, a = orbit->periapsis_m / (1.0 - e);
   if (pl_orbit_perifocal(orbit, 0.0, &at) != PL_OK)
-    return NAN; /* a time since periapsis that is not finite: no orbit has it */
+    return NAN; /* the time since periapsis is not finite; no valid orbit has this */
   const pl_vec3 r = pl_vec3_madd(pl_vec3_scale(orbit->p_axis, at.x_m), at.y_m, orbit->q_axis);
   const pl_vec3 w = pl_vec3_cross(orbit->p_axis, orbit->q_axis);
   const double sin2 = w.x * w.x + w.y * w.y, cos2 = w.z * w.z;
-  /* sin i sin u = z/r, so sin^2 i cos 2u = sin^2 i - 2 (z/r)^2 without a node */
+  /* sin i sin u = z/r, so sin^2 i cos 2u = sin^2 i - 2 (z/r)^2, without the node */
   const double height = r.z / at.r_m, tilt = sin2 - 2.0 * height * height;
   const double ratio = a / at.r_m, cubed = ratio * ratio * ratio;
   const double round = 1.0 / ((1.0 - e * e) * sqrt(1.0 - e * e));
@@ -85,7 +85,7 @@ const pl_propagator_kind pl_j2_kind = {
     .destroy = drifting_destroy,
 };
 
-/* The orbit with its semi-major axis corrected, eccentricity and mean anomaly kept. */
+/* Corrects the semi-major axis of the orbit; keeps eccentricity and mean anomaly. */
 static void correct(pl_orbit *orbit, pl_flattening flattening) {
   const double e = orbit->eccentricity, a = orbit->periapsis_m / (1.0 - e);
   const double mean = pl_j2_mean_axis(orbit, flattening), ratio = mean / a;

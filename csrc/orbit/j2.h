@@ -16,25 +16,26 @@ typedef struct pl_flattening {
   double radius_m; /* > 0 */
 } pl_flattening;
 
-/* Secular rates of mean elements by the first order in J2. */
+/* Secular rates of mean elements to first order in J2. */
 typedef struct pl_drift {
   double raan_rad_s, arg_periapsis_rad_s;
-  double mean_anomaly_rad_s; /* Kepler's mean motion included */
+  double mean_anomaly_rad_s; /* including Kepler's mean motion */
 } pl_drift;
 
-/* Of an ellipse about a centre whose pole is z; PL_E_RANGE for e >= 1. */
+/* Rates of an ellipse about a centre whose pole is z. Fails with PL_E_RANGE for e >= 1. */
 pl_status pl_j2_drift(const pl_elements *elements, double gm_m3_s2, pl_flattening flattening,
                       pl_drift *out);
 
-/* The mean semi-major axis of an orbit that goes through `orbit` at t = 0, m: Brouwer's first-order
- * correction. Axes as for pl_j2_drift. */
+/* Mean semi-major axis, m, of an orbit that passes through `orbit` at t = 0, by Brouwer's
+ * first-order correction. Axes as for pl_j2_drift. */
 double pl_j2_mean_axis(const pl_orbit *orbit, pl_flattening flattening);
 
-/* The mean elements of `orbit` at the epoch, or, where `osculating`, its osculating ones, whose
- * semi-major axis alone is then corrected. `frame` turns the axes of the orbit to ICRF, `equator`
- * those of the centre's equator. States are those of the mean elements, and velocities the
- * derivatives of the places. PL_E_RANGE for e >= 1, a radius that is not positive, what is not
- * finite; PL_E_MEMORY. */
+/* Creates the propagator from the mean elements of `orbit` at the epoch. If `osculating`, `orbit`
+ * has osculating elements, of which only the semi-major axis is corrected to its mean value.
+ * `frame` rotates the axes of the orbit to ICRF, `equator` those of the centre's equator. States
+ * are those of the mean elements, and velocities the derivatives of the positions. Fails with
+ * PL_E_RANGE for e >= 1, a radius that is not positive or values that are not finite; with
+ * PL_E_MEMORY. */
 pl_status pl_j2_create(const pl_orbit *orbit, pl_flattening flattening, bool osculating,
                        pl_quat frame, pl_quat equator, pl_propagator **out);
 

@@ -1,14 +1,14 @@
-/* The universal Kepler equation from periapsis, and the states that follow from it.
+/* The universal Kepler equation from periapsis, and the resulting states.
  *
- * t = q s + gm e s^3 c3(alpha s^2), dt/ds = r > 0: monotone, and no term cancels for any e. The
- * start and the safeguarded Laguerre step follow Conway, "An improved algorithm due to Laguerre
- * for the solution of Kepler's equation", Celest. Mech. 39, 1986. */
+ * t = q s + gm e s^3 c3(alpha s^2), dt/ds = r > 0: monotonic, and free of cancellation for any e.
+ * The initial value and the safeguarded Laguerre step follow Conway, "An improved algorithm due to
+ * Laguerre for the solution of Kepler's equation", Celest. Mech. 39, 1986. */
 #include "orbit/kepler.h"
 
 #define STUMPFF_TERMS 10
 #define LAGUERRE_DEGREE 5.0
 #define MAX_STEPS 60
-/* The step is cubic: once it is this small relative to s, the next would be below rounding. */
+/* Convergence is cubic: if a step is this small relative to s, the next is below rounding. */
 #define LAST_STEP 1e-8
 
 static void stumpff_series(double z, double c[4]) {
@@ -45,7 +45,7 @@ void pl_stumpff(double z, double c[4]) {
   }
 }
 
-/* What is the same for all times. */
+/* Quantities that are the same for all times. */
 typedef struct conic {
   const pl_orbit *orbit;
   double gm_e;     /* gm * eccentricity */
@@ -68,8 +68,8 @@ static conic conic_make(const pl_orbit *orbit) {
   return c;
 }
 
-/* The real root of (gm e/6) s^3 + q s - t = 0 for t > 0, in the form without cancellation. It is
- * above the true root on open conics (c3 >= 1/6) and below it on ellipses. */
+/* The real root of (gm e/6) s^3 + q s - t = 0 for t > 0, in a form without cancellation. It is
+ * above the solution on open conics (c3 >= 1/6) and below it on ellipses. */
 static double cubic_start(const conic *c, double t) {
   const double q = c->orbit->periapsis_m;
   if (!(c->gm_e > 0.0))
@@ -78,7 +78,7 @@ static double cubic_start(const conic *c, double t) {
   const double p3 = p / 3.0;
   const double w = cbrt(0.5 * qq + sqrt(0.25 * qq * qq + p3 * p3 * p3));
   const double s = qq / (w * w + p3 + (p3 / w) * (p3 / w));
-  return s > 0.0 ? s : t / q; /* e so small that the cubes overflow */
+  return s > 0.0 ? s : t / q; /* fallback if e is so small that the cubes overflow */
 }
 
 static double start_value(const conic *c, double t) {
@@ -88,7 +88,7 @@ static double start_value(const conic *c, double t) {
     return fmin(s, c->s_max);
   if (!(c->root * s > 1.0))
     return s;
-  /* Far out on a hyperbola the cubic overshoots exponentially: e sinh F = N + F < N + b s. */
+  /* Far out on a hyperbola the cubic overshoots exponentially; use e sinh F = N + F < N + b s. */
   const double n = t / o->gm_m3_s2 * c->root * c->root * c->root;
   return fmin(s, asinh((n + c->root * s) / o->eccentricity) / c->root);
 }
@@ -136,7 +136,8 @@ static pl_perifocal place(const conic *c, double s) {
   return out;
 }
 
-/* Radial motion lasts from one passage of the centre to the next. */
+/* Checks that t lies within the radial motion, which lasts from one passage of the centre to the
+ * next. */
 static pl_status check_radial(const conic *c, double t_s, double t) {
   const double since = c->orbit->since_periapsis_s;
   if (since > 0.0 ? t > 0.0 && t < c->period_s : t < 0.0 && t > -c->period_s)
@@ -150,7 +151,7 @@ static pl_status place_at_time(const conic *c, double t_s, pl_perifocal *out) {
     return pl_fail(PL_E_RANGE, "time %g s on an orbit is not finite", t_s);
   if (c->orbit->periapsis_m == 0.0)
     PL_TRY(check_radial(c, t_s, t));
-  if (isfinite(c->period_s)) /* exact: remainder does not round */
+  if (isfinite(c->period_s)) /* exact, since remainder does not round */
     t = remainder(t, c->period_s);
   *out = place(c, copysign(solve(c, fabs(t)), t));
   return PL_OK;

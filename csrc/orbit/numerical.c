@@ -1,4 +1,4 @@
-/* Equations of motion, the end at the surface, and the propagator around two trails. */
+/* Numerical propagator: equations of motion, termination at the surface, and two trails. */
 #include "orbit/numerical.h"
 
 #include <pthread.h>
@@ -9,24 +9,25 @@
 #include "orbit/trail.h"
 
 #define BISECTIONS 60
-/* A step is looked through in so many parts for changes of regime, which are located to EDGE_S;
- * those nearer to its start than twice that belong to the step before, which ended there. */
+/* A step is searched for changes of regime in this many parts. Changes are located to within
+ * EDGE_S. Those closer to the start of the step than twice that belong to the previous step, which
+ * ended there. */
 #define EDGE_PARTS 8
 #define EDGE_S 1e-6
-#define REGIMES_MOST 1009u /* of one force; more would only make some changes go unnoticed */
+#define REGIMES_MOST 1009u /* of one force; with more, some changes would be missed */
 
 typedef struct numerical {
   pl_propagator base;
   pl_ode ode; /* its context is this struct */
   double gm_m3_s2, surface_m;
-  double steps_per_turn; /* the most that a force asks for; 0: none does */
-  bool has_regimes;      /* any force */
+  double steps_per_turn; /* the largest value of any force; 0: no limit */
+  bool has_regimes;      /* true if any force has regimes */
   size_t force_count;
-  pl_force **forces; /* owned, with the point mass first */
+  pl_force **forces; /* owned; the point mass comes first */
   size_t motion_count;
   pl_propagator **motions; /* owned */
   pthread_mutex_t lock;
-  pl_trail trails[2]; /* after and before the epoch; guarded by lock */
+  pl_trail trails[2]; /* after and before the epoch; protected by lock */
 } numerical;
 
 static pl_state state_of(const double *y) {
@@ -38,7 +39,7 @@ static pl_status rate(void *context, double t, const double *y, double *out) {
   const pl_state state = state_of(y);
   const pl_force_point at = {.t_s = t, .r_m = state.r_m, .v_m_s = state.v_m_s};
   pl_vec3 sum = {0.0, 0.0, 0.0};
-  for (size_t i = self->force_count; i-- > 0;) { /* the largest, the first, is added last */
+  for (size_t i = self->force_count; i-- > 0;) { /* the first force, the largest, is added last */
     pl_vec3 one;
     PL_TRY(self->forces[i]->kind->acceleration(self->forces[i], &at, &one));
     sum = pl_vec3_add(sum, one);
@@ -58,7 +59,7 @@ static double longest_step(void *context, const pl_ode_point *from) {
   return 2.0 * PL_PI * r * sqrt(r / self->gm_m3_s2) / self->steps_per_turn;
 }
 
-/* A number that changes with the regime of any force. */
+/* Combined number of the regimes of all forces; changes with any of them. */
 static pl_status regimes(const numerical *self, const pl_ode_segment *segment, double t,
                          uint64_t *out) {
   double y[6];
@@ -75,7 +76,7 @@ static pl_status regimes(const numerical *self, const pl_ode_segment *segment, d
   return PL_OK;
 }
 
-/* The first change of regime, just beyond it, or the segment's end. */
+/* Finds the time just after the first change of regime, or the end of the segment. */
 static pl_status split(void *context, const pl_ode_segment *segment, double *t) {
   const numerical *self = context;
   const double sign = copysign(1.0, segment->h);
@@ -108,13 +109,14 @@ static pl_state segment_at(const pl_ode_segment *segment, double t) {
   return state_of(y);
 }
 
-/* Distance's rate of change along the trail's direction, times the distance. */
+/* Rate of change of the distance along the trail's direction, times the distance. */
 static double receding(const pl_ode_segment *segment, double t) {
   const pl_state s = segment_at(segment, t);
   return copysign(pl_vec3_dot(s.r_m, s.v_m_s), pl_vec3_dot(s.r_m, s.v_m_s) * segment->h);
 }
 
-/* Time of the lowest point of a segment: an end, or where it turns from falling to rising. */
+/* Time of the lowest point of a segment: an end, or the point at which the distance stops
+ * decreasing. */
 static double lowest_time(const pl_ode_segment *segment) {
   const double t0 = segment->t, t1 = segment->t + segment->h;
   if (receding(segment, t0) >= 0.0)
@@ -154,7 +156,7 @@ static pl_status check_surface(void *context, const pl_ode_segment *segment, dou
 
 static pl_status numerical_states(const pl_propagator *base, size_t count, const double *t_s,
                                   pl_state *out) {
-  /* Seen from outside nothing changes: what is kept are results that would come out the same. */
+  /* Logically const: only results that would be recomputed identically are cached. */
   numerical *self = (numerical *)base;
   pl_status status = PL_OK;
   pthread_mutex_lock(&self->lock);
@@ -214,7 +216,8 @@ static pl_status check_spec(const pl_numerical_spec *spec) {
   return PL_OK;
 }
 
-/* The point mass, then the forces of the spec. Those stay the spec's until all has gone well. */
+/* Collects the point mass and the forces of the spec. The caller keeps ownership of the latter
+ * until creation has succeeded. */
 static pl_status collect_forces(numerical *self, const pl_numerical_spec *spec) {
   PL_TRY(pl_alloc_or_fail(spec->force_count + 1, sizeof(pl_force *), "forces",
                           (void **)&self->forces));
@@ -260,7 +263,7 @@ pl_status pl_numerical_create(const pl_numerical_spec *spec, pl_propagator **out
   if (status == PL_OK)
     status = start_trails(self, spec);
   if (status != PL_OK) {
-    self->motion_count = 0; /* all but the point mass is still the caller's */
+    self->motion_count = 0; /* the caller still owns everything except the point mass */
     self->force_count = self->force_count > 0 ? 1 : 0;
     numerical_destroy(&self->base);
     return status;

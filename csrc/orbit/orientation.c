@@ -1,14 +1,14 @@
-/* Evaluates the IAU models of rotation.
+/* Evaluates the IAU rotation models.
  *
- * Archinal et al. 2018: ICRF to body is Rz(W) Rx(90 deg - dec) Rz(90 deg + ra) with coordinate
- * rotations; the quaternions here are its inverse, hence the reversed order. */
+ * Archinal et al. 2018: the rotation from ICRF to body is Rz(W) Rx(90 deg - dec) Rz(90 deg + ra)
+ * with coordinate rotations. The quaternions here are its inverse, hence the reversed order. */
 #include "orbit/orientation.h"
 
 #define DAYS_PER_CENTURY 36525.0
 #define RADIANS(degrees) ((degrees) * (PL_PI / 180.0))
 
-/* rate * days modulo a turn. The product is exact (high part and rounding error), so that 30 years
- * of a fast rotator lose nothing but what `rate` itself lacks. */
+/* rate * days modulo 360 deg. The product is exact (high part and rounding error), so that over 30
+ * years of a fast rotator the error is only that of `rate` itself. */
 static double turn_part(double rate_deg, double days) {
   const double product = rate_deg * days;
   return remainder(product, 360.0) + fma(rate_deg, days, -product);

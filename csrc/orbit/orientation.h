@@ -1,4 +1,4 @@
-/* Where a body's pole and prime meridian point at a date. */
+/* Orientation of a body's pole and prime meridian at a date. */
 #ifndef PL_ORBIT_ORIENTATION_H
 #define PL_ORBIT_ORIENTATION_H
 
@@ -13,13 +13,15 @@ typedef struct pl_pole {
   double ra_rad, dec_rad, w_rad;
 } pl_pole;
 
-/* At JD(TDB) = tdb_day + tdb_fraction, any split; the finer the parts, the finer the phase. */
+/* The pole at JD(TDB) = tdb_day + tdb_fraction, with any split; smaller parts give a more precise
+ * phase. */
 pl_pole pl_celestial_pole(const pl_celestial *body, double tdb_day, double tdb_fraction);
 
-/* Body-fixed (x to longitude 0, z to the north pole) to ICRF. */
+/* Rotation from body-fixed axes (x to longitude 0, z to the north pole) to ICRF. */
 pl_quat pl_celestial_orientation(const pl_celestial *body, double tdb_day, double tdb_fraction);
 
-/* Equator of date to ICRF: z to the pole, x along the ascending node of the equator on ICRF's. */
+/* Rotation from the equator of date to ICRF: z to the pole, x along the ascending node of the
+ * equator on the ICRF equator. */
 pl_quat pl_celestial_equator(const pl_celestial *body, double tdb_day, double tdb_fraction);
 
 #endif

@@ -1,4 +1,4 @@
-/* The table of kinds, and the calls through it. */
+/* The table of propagator kinds, and dispatch to them. */
 #include "orbit/propagator.h"
 
 #include "orbit/circular.h"

@@ -1,8 +1,8 @@
-/* Newton's form of the interpolating polynomial, nearest row first.
+/* Newton's form of the interpolating polynomial, with the nearest row first.
  *
- * Divided differences with double nodes for Hermite: Stoer and Bulirsch, Introduction to Numerical
- * Analysis, 2.1.5. With the nodes from near to far the sums are well conditioned, and at a row all
- * terms but the row's own vanish, so that its numbers come back bit by bit. */
+ * Divided differences with double nodes for Hermite interpolation: Stoer and Bulirsch, Introduction
+ * to Numerical Analysis, 2.1.5. With nodes ordered from near to far the sums are well conditioned.
+ * At a row all terms except the row's own vanish, so that its values are reproduced bit for bit. */
 #include "orbit/table.h"
 
 #include <string.h>
@@ -14,12 +14,12 @@
 typedef struct table {
   pl_propagator base;
   size_t count, columns; /* 3 or 6 */
-  size_t window;         /* rows of one polynomial */
+  size_t window;         /* number of rows of one polynomial */
   double *t_s;           /* owned */
   double *values;        /* owned */
 } table;
 
-/* The last row at or before t, but not the last of all. */
+/* Index of the last row at or before t, excluding the last row of the table. */
 static size_t find_row(const table *s, double t) {
   size_t low = 0, high = s->count - 1;
   while (high - low > 1) {
@@ -32,7 +32,7 @@ static size_t find_row(const table *s, double t) {
   return low;
 }
 
-/* The rows of the polynomial about t, nearest first. */
+/* Selects the rows of the polynomial around t, nearest first. */
 static void choose_rows(const table *s, double t, size_t rows[MAX_NODES]) {
   const size_t row = find_row(s, t), before = (s->window - 1) / 2;
   size_t first = row > before ? row - before : 0;
@@ -47,7 +47,8 @@ static void choose_rows(const table *s, double t, size_t rows[MAX_NODES]) {
   }
 }
 
-/* Divided differences of one component: coef[k] of the product of the first k (x - node). */
+/* Divided differences of one component: coef[k] is the factor of the product of the first k (x -
+ * node). */
 static void divide(size_t nodes, const double *x, const double *slope, double *coef) {
   for (size_t order = 1; order < nodes; order++)
     for (size_t i = nodes - 1; i >= order; i--) {
@@ -61,7 +62,7 @@ static void interpolate(const table *s, double t, pl_state *out) {
   size_t rows[MAX_NODES];
   double x[MAX_NODES], r[3], v[3];
   choose_rows(s, t, rows);
-  int exponent; /* of the span, so that powers of times stay in range */
+  int exponent; /* binary exponent of the time span; scaling keeps powers of times in range */
   frexp(s->t_s[s->count - 1] - s->t_s[0], &exponent);
   for (size_t i = 0; i < nodes; i++)
     x[i] = ldexp(s->t_s[rows[i / twice]] - t, -exponent);

@@ -1,4 +1,4 @@
-/* Growing, forgetting and looking up. */
+/* Trail of integration steps: extension, recomputation and lookup. */
 #include "orbit/trail.h"
 
 #include <math.h>
@@ -26,12 +26,12 @@ void pl_trail_clear(pl_trail *trail) {
   pl_free(trail->starts);
 }
 
-/* Positive beyond the start of the trail. */
+/* Difference t - of along the direction of the trail. */
 static double ahead(const pl_trail *trail, double t, double of) {
   return copysign(1.0, trail->starts[0].h) * (t - of);
 }
 
-/* Room for one more start. */
+/* Ensures capacity for one more start. */
 static pl_status reserve(pl_trail *trail) {
   if (trail->known < trail->capacity)
     return PL_OK;
@@ -43,7 +43,8 @@ static pl_status reserve(pl_trail *trail) {
   return PL_OK;
 }
 
-/* One step, cut short where the rules say so; the shorter one is taken as it comes. */
+/* Takes one step, and repeats it shortened if the rules require it. The shortened step is not
+ * tested again. */
 static pl_status step_once(const pl_trail *trail, pl_ode_point *at, pl_ode_segment *segment) {
   const pl_ode_point before = *at;
   const double h_max = trail->rules.longest_step(trail->rules.context, at);
@@ -57,7 +58,7 @@ static pl_status step_once(const pl_trail *trail, pl_ode_point *at, pl_ode_segme
   return pl_ode_step(trail->ode, fabs(end - before.t), at, segment);
 }
 
-/* Steps through a block into `slot`, up to its end or the trail's; `at` moves along. */
+/* Integrates a block into `slot`, up to its end or the end of the trail. `at` advances. */
 static pl_status step_block(const pl_trail *trail, pl_trail_slot *slot, pl_ode_point *at,
                             double *last) {
   for (slot->count = 0; slot->count < PL_TRAIL_BLOCK; slot->count++) {
@@ -67,14 +68,14 @@ static pl_status step_block(const pl_trail *trail, pl_trail_slot *slot, pl_ode_p
     *last = at->t;
     const pl_status status = trail->rules.check(trail->rules.context, segment, last);
     if (status != PL_OK) {
-      slot->count++; /* good up to *last */
+      slot->count++; /* valid up to *last */
       return status;
     }
   }
   return PL_OK;
 }
 
-/* Fills the block's slot, for the first time or again. */
+/* Computes the block's segments in its slot, unless they are there already. */
 static pl_status load(pl_trail *trail, size_t block, pl_trail_slot **out) {
   pl_trail_slot *slot = &trail->slots[block % PL_TRAIL_SLOTS];
   *out = slot;
@@ -90,12 +91,12 @@ static pl_status load(pl_trail *trail, size_t block, pl_trail_slot **out) {
   double last = at.t;
   const pl_status status = step_block(trail, slot, &at, &last);
   slot->block = block;
-  if (status == PL_E_MEMORY) { /* may go better another time */
+  if (status == PL_E_MEMORY) { /* a later call may succeed */
     slot->count = 0;
     return status;
   }
   if (!frontier)
-    return PL_OK; /* an end is known already */
+    return PL_OK; /* the end is already known */
   if (status == PL_OK) {
     trail->starts[trail->known++] = at;
     return PL_OK;
@@ -142,7 +143,7 @@ pl_status pl_trail_at(pl_trail *trail, double t, double *y) {
     else
       beyond = middle;
   }
-  if (slot->count == 0) /* the trail ended on its first step; t is its start */
+  if (slot->count == 0) /* the trail ended in its first step; t is its start */
     for (size_t i = 0; i < trail->ode->size; i++)
       y[i] = trail->starts[low].y[i];
   else

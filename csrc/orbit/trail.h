@@ -1,10 +1,10 @@
-/* A solution that grows on demand in one direction of time and forgets without losing anything.
+/* A solution that is extended on demand in one direction of time, in bounded memory.
  *
- * Steps come in blocks of PL_TRAIL_BLOCK. Of every block the point where it begins is kept; the
- * segments of the blocks used last are kept too, those of others are computed again when asked for.
- * The steps depend on the start alone, so whatever is asked, in whatever order, the answers are the
- * same bits. Memory: sizeof(pl_ode_point) = 168 bytes a block, and at most PL_TRAIL_SLOTS blocks of
- * segments, 3.3 MB. Not thread-safe. */
+ * Steps are grouped in blocks of PL_TRAIL_BLOCK. The start point of every block is kept. The
+ * segments are kept only for the most recently used blocks, and recomputed on demand for the
+ * others. The steps depend on the start point only, so results are bit-identical for any sequence
+ * of requests. Memory: sizeof(pl_ode_point) = 168 bytes per block, and at most PL_TRAIL_SLOTS
+ * blocks of segments, 3.3 MB. Not thread-safe. */
 #ifndef PL_ORBIT_TRAIL_H
 #define PL_ORBIT_TRAIL_H
 
@@ -14,14 +14,14 @@
 #define PL_TRAIL_SLOTS 64
 #define PL_TRAIL_BLOCKS_MAX (1u << 17) /* 16.8 million steps: more than 30 years of low orbit */
 
-/* What the owner of a trail decides. */
+/* Callbacks of the owner of a trail. */
 typedef struct pl_trail_rules {
   double (*longest_step)(void *context, const pl_ode_point *from); /* > 0, may be infinite */
-  /* Where within a step it should have ended instead, because the system is not smooth there: into
-   * *t, or its end. */
+  /* Writes to *t the time within a step at which it should end instead, because the system is not
+   * smooth there. Otherwise leaves *t, the end of the step, unchanged. */
   pl_status (*split)(void *context, const pl_ode_segment *segment, double *t);
-  /* Whether the solution holds through a segment. If not, an error with its text, and in *last the
-   * last time that is good: the trail ends there. */
+  /* Checks that the solution is valid throughout a segment. Otherwise returns an error with its
+   * message and writes the last valid time to *last; the trail ends there. */
   pl_status (*check)(void *context, const pl_ode_segment *segment, double *last);
   void *context;
 } pl_trail_rules;
@@ -34,22 +34,24 @@ typedef struct pl_trail_slot {
 typedef struct pl_trail {
   const pl_ode *ode; /* borrowed */
   pl_trail_rules rules;
-  pl_ode_point *starts; /* owned; where block i begins */
+  pl_ode_point *starts; /* owned; start point of block i */
   size_t known, capacity;
   bool ended;
-  double last; /* ended: last good time */
+  double last; /* if ended: last valid time */
   pl_status why;
   char why_text[240];
   pl_trail_slot slots[PL_TRAIL_SLOTS];
 } pl_trail;
 
-/* Zeroed memory is an empty trail, which clear takes too. Init takes the first point. */
+/* Zeroed memory is an empty trail, which pl_trail_clear also accepts. pl_trail_init sets the first
+ * point. */
 pl_status pl_trail_init(pl_trail *trail, const pl_ode *ode, const pl_trail_rules *rules,
                         const pl_ode_point *start);
 void pl_trail_clear(pl_trail *trail);
 
-/* The solution at t, which lies at or beyond the start in the trail's direction. Errors: those that
- * ended the trail, when t is beyond its end; PL_E_RANGE past PL_TRAIL_BLOCKS_MAX; PL_E_MEMORY. */
+/* The solution at t, which lies at or after the start in the trail's direction. Fails with the
+ * error that ended the trail if t is beyond its end; with PL_E_RANGE past PL_TRAIL_BLOCKS_MAX; with
+ * PL_E_MEMORY. */
 pl_status pl_trail_at(pl_trail *trail, double t, double *y);
 
 #endif

@@ -1,4 +1,4 @@
-/* Builds and evaluates the tree: parents first, whatever the order of declaration. */
+/* Builds and evaluates the tree: parents first, for any order of declaration. */
 #include "orbit/tree.h"
 
 #include <stdio.h>
@@ -11,14 +11,15 @@
 
 struct pl_tree {
   size_t count;
-  pl_tree_node *nodes; /* owned but for what they borrow; turns prepared */
+  pl_tree_node *nodes; /* owned, except for what they borrow; rotations prepared */
   size_t *order;       /* owned; parents before children */
   double tdb_day, tdb_fraction;
 };
 
 typedef enum mark { MARK_NEW, MARK_OPEN, MARK_DONE } mark;
 
-/* Names around the cycle, from `start` back to itself: "a -> b -> a", shortened when long. */
+/* Fails with the names around the cycle, from `start` back to itself: "a -> b -> a", abbreviated if
+ * long. */
 static pl_status fail_cycle(const pl_tree_node *nodes, size_t start) {
   char text[600] = "";
   size_t used = 0, at = start;
@@ -35,8 +36,8 @@ static pl_status fail_cycle(const pl_tree_node *nodes, size_t start) {
                  nodes[start].name);
 }
 
-/* Walks up from each node to the first one that is placed; then places the walked, topmost first.
- * `chain` and `marks` are scratch of `count` items. */
+/* Topological sort. Follows the parents of each node up to the first one in `order`, then appends
+ * the visited nodes, topmost first. `chain` and `marks` are scratch arrays of `count` items. */
 static pl_status sort(size_t count, const pl_tree_node *nodes, unsigned char *marks, size_t *chain,
                       size_t *order) {
   size_t placed = 0;
@@ -57,7 +58,7 @@ static pl_status sort(size_t count, const pl_tree_node *nodes, unsigned char *ma
   return PL_OK;
 }
 
-/* The text of an error, with the node in front of it. */
+/* Prefixes the error message with the name of the node. */
 static pl_status fail_at(const pl_tree_node *node, pl_status status) {
   return pl_fail(status, "node '%s': %s", node->name, pl_error_text());
 }
@@ -163,7 +164,7 @@ static pl_status relative_states(const pl_path *path, size_t times, const double
   return PL_OK;
 }
 
-/* Adds a node's relative states to its parent's, whose places are known. */
+/* Adds a node's relative states to those of its parent, which are known. */
 static void place(const pl_tree *tree, size_t index, size_t times, const pl_tree_states *out) {
   const ptrdiff_t parent = tree->nodes[index].parent;
   for (size_t i = 0; i < times; i++) {
@@ -179,7 +180,7 @@ static void place(const pl_tree *tree, size_t index, size_t times, const pl_tree
   }
 }
 
-/* Everything the axes of a node may depend on, at time number i. */
+/* Collects the inputs of a node's axes at time number i. */
 static pl_status look(const pl_tree *tree, size_t index, size_t i, size_t times, double t_s,
                       const pl_tree_given *given, const pl_tree_states *out, pl_turn_view *view) {
   const pl_tree_node *node = &tree->nodes[index];
@@ -229,7 +230,7 @@ pl_status pl_tree_evaluate(const pl_tree *tree, size_t times, const double *t_s,
       return fail_at(node, status);
     place(tree, index, times, out);
   }
-  for (size_t k = 0; k < tree->count; k++) { /* parents first: children may follow their axes */
+  for (size_t k = 0; k < tree->count; k++) { /* parents first: children may use their axes */
     const size_t index = tree->order[k];
     const pl_status status = turn_node(tree, index, times, t_s, given, out);
     if (status != PL_OK)

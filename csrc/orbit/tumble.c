@@ -1,27 +1,29 @@
-/* Torque-free motion by Jacobi's elliptic functions.
+/* Torque-free rotation by Jacobi's elliptic functions.
  *
- * Rates: Landau and Lifshitz, Mechanics, 37. With the angular momentum L along z, and Euler angles
- * phi about it, theta, psi about the axis d (z-x-z), theta and psi follow from the rates, and
- *   dphi/dt = L (I_a w_a^2 + I_b w_b^2)/(I_a^2 w_a^2 + I_b^2 w_b^2)
- *           = (L/I_d) (1 + ((I_d - I_a)/I_a)/(1 + c sn^2 u)),   c = I_d (I_b - I_a)/(I_a (I_d -
- * I_b)), between L/I_a at sn = 0 and L/I_b at sn^2 = 1. One of these times t is taken off, and what
- * is left is an integral of the third kind (by Abramowitz and Stegun 17.7.15 when c > 1). So
- * nothing cancels, nor in the differences of squares, which are formed from differences of the
- * moments: near-symmetric bodies and spins near the separatrix are as exact as others. */
+ * Rates: Landau and Lifshitz, Mechanics, 37. With the angular momentum L along z, and the Euler
+ * angles phi (about it), theta and psi (about the axis d; z-x-z), theta and psi follow from the
+ * rates, and dphi/dt = L (I_a w_a^2 + I_b w_b^2)/(I_a^2 w_a^2 + I_b^2 w_b^2) = (L/I_d) (1 + ((I_d -
+ * I_a)/I_a)/(1 + c sn^2 u)), c = I_d (I_b - I_a)/(I_a (I_d - I_b)), which varies between L/I_a at
+ * sn = 0 and L/I_b at sn^2 = 1. One of these limits times t is split off. The remainder is an
+ * elliptic integral of the third kind (by Abramowitz and Stegun 17.7.15 if c > 1). This avoids
+ * cancellation, also in differences of squares, which are computed from differences of the moments:
+ * near-symmetric bodies and rotations near the separatrix are as accurate as others. */
 #include "orbit/tumble.h"
 
 #include "math/elliptic.h"
 #include "orbit/attitude.h"
 
-/* Moments of a thin plate add up exactly; given decimals of one need not. */
+/* The moments of a thin plate add up exactly, but rounded decimals of them may not. */
 #define TRIANGLE_SLACK 1e-9
-/* A spin about a principal axis that is off by so little stays: even off the middle axis, where the
- * error grows by e a radian, it takes 50 turns to be seen, and its square underflows. */
+/* A rotation whose deviation from a principal axis is below this limit is treated as steady. Even
+ * about the intermediate axis, where the error grows by a factor e per radian, it takes 50
+ * revolutions to become visible, and its square underflows. */
 #define NO_TORQUE 1e-140
 
 static double component(pl_vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-/* What the precession has beside its part in t, by the functions at u, |u| <= K; odd in u. */
+/* The part of the precession that is not linear in t, from the elliptic functions at u, |u| <= K;
+ * odd in u. */
 static double swing(const pl_tumble *t, pl_elliptic f) {
   const double x = f.cn * f.cn, y = f.dn * f.dn, s = f.sn, c = t->c;
   if (!t->steep) /* integral of sn^2/(1 + c sn^2) */
@@ -29,8 +31,8 @@ static double swing(const pl_tumble *t, pl_elliptic f) {
   /* integral of 1/(1 + c sn^2) - 1/(1 + c) */
   if (!(t->m1 > 0.0))
     return sqrt(c) / (1.0 + c) * atan(sqrt(c) * s);
-  /* From u = K, where it is slow: with v = K - u it is
-   * c m1/(1 + c)^2 sn^2 v/(cn^2 v + m1/(1 + c) sn^2 v). */
+  /* Integrated from u = K, where the integrand is small: with v = K - u it is c m1/(1 + c)^2 sn^2
+   * v/(cn^2 v + m1/(1 + c) sn^2 v). */
   const double sv = f.cn / f.dn, dv2 = t->m1 / y, cv2 = dv2 * s * s, rest = t->m1 / (1.0 + c);
   const double rj = pl_elliptic_rj(cv2, dv2, 1.0, cv2 + rest * sv * sv);
   return copysign(0.5 * t->half - c * rest / (1.0 + c) * sv * sv * sv * rj / 3.0, s);
@@ -46,7 +48,7 @@ static double swing_half(const pl_tumble *t) {
   return 2.0 * k * pl_elliptic_rj(0.0, t->m1, 1.0, rest) / 3.0;
 }
 
-/* The functions at u, and the integral to u less that to `start`. */
+/* The elliptic functions at u, and the integral up to u minus that up to `start`. */
 static pl_elliptic phase_at(const pl_tumble *t, double t_s, double *integral) {
   const double product = t->rate_s * t_s, rest = fma(t->rate_s, t_s, -product);
   if (!isfinite(t->quarter)) {
@@ -68,7 +70,8 @@ static pl_elliptic phase_at(const pl_tumble *t, double t_s, double *integral) {
   return f;
 }
 
-/* Body axes to axes whose z is the angular momentum and whose x is the line of nodes. */
+/* Rotation from body axes to axes whose z is along the angular momentum and whose x is along the
+ * line of nodes. */
 static pl_quat to_momentum(const pl_tumble *t, const double w[3]) {
   static const pl_quat relabel[3] = {
       {0.5, -0.5, -0.5, -0.5}, {0.5, 0.5, 0.5, 0.5}, {1.0, 0.0, 0.0, 0.0}};
@@ -101,11 +104,11 @@ pl_quat pl_tumble_at(const pl_tumble *t, double t_s, pl_vec3 *omega_rad_s) {
   return pl_quat_unit(pl_quat_mul(swung, to_momentum(t, w)));
 }
 
-/* Elliptic amplitudes, parameter and rate from the axes and the scaled rates at t = 0. */
+/* Computes elliptic amplitudes, parameter and rate from the axes and the scaled rates at t = 0. */
 static void solve(pl_tumble *t, const double w[3]) {
   const int a = t->a, b = t->b, d = t->d;
   const double ia = t->inertia[a], ib = t->inertia[b], id = t->inertia[d];
-  const double da = id - ia, db = id - ib, ba = ib - ia; /* of one sign */
+  const double da = id - ia, db = id - ib, ba = ib - ia; /* these have the same sign */
   const double wa2 = w[a] * w[a], wb2 = w[b] * w[b], wd2 = w[d] * w[d];
   const double over_a = ib * ba * wb2 + id * da * wd2;  /* L^2 - 2 E I_a */
   const double over_b = -ia * ba * wa2 + id * db * wd2; /* L^2 - 2 E I_b */
@@ -117,7 +120,7 @@ static void solve(pl_tumble *t, const double w[3]) {
   t->amplitude[a] = sqrt(wa2 + ib * db / (ia * da) * wb2);
   t->amplitude[b] = sqrt(wb2 + ia * da / (ib * db) * wa2);
   t->amplitude[d] = copysign(sqrt(wd2 + ib * ba / (id * da) * wb2), w[d]);
-  if (!isfinite(t->quarter)) /* cn is positive there: the sign is the amplitude's */
+  if (!isfinite(t->quarter)) /* cn is positive there, so the amplitude carries the sign */
     t->amplitude[a] = copysign(t->amplitude[a], w[a]);
   const double next = t->inertia[(b + 1) % 3] - t->inertia[(b + 2) % 3];
   const double rate = sqrt(db * over_a / (ia * ib * id));
@@ -154,7 +157,7 @@ static pl_status check(pl_vec3 inertia, pl_vec3 omega, pl_quat start) {
   return pl_attitude_check(start, "start");
 }
 
-/* Axes from the smallest moment to the largest. */
+/* Sorts the axes from the smallest moment to the largest. */
 static void sort_axes(const double inertia[3], int order[3]) {
   for (int i = 0; i < 3; i++)
     order[i] = i;
@@ -166,7 +169,8 @@ static void sort_axes(const double inertia[3], int order[3]) {
     }
 }
 
-/* Dividing by it rounds nothing, so that a body on the separatrix stays on it. */
+/* A power of two close to x. Division by it is exact, so that a body on the separatrix stays on it.
+ */
 static double power_of_two(double x) {
   int exponent;
   frexp(x, &exponent);

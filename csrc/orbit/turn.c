@@ -1,4 +1,4 @@
-/* The table of kinds of axes, and what is put on top of them. */
+/* The table of kinds of axes, and the fixed rotation and spin relative to them. */
 #include "orbit/turn.h"
 
 #include <string.h>
@@ -130,7 +130,7 @@ pl_status pl_turn_prepare(pl_turn *turn) {
 pl_status pl_turn_at(const pl_turn *turn, const pl_turn_view *view, pl_quat *out) {
   pl_quat q;
   PL_TRY(turn->kind->axes(turn, view, &q));
-  const bool plain = turn->q.w == 1.0 && turn->rate_rad_s == 0.0; /* keeps the axes bit by bit */
+  const bool plain = turn->q.w == 1.0 && turn->rate_rad_s == 0.0; /* keeps the axes bit for bit */
   if (!plain)
     q = pl_attitude_spin(pl_quat_mul(q, turn->q), turn->axis, turn->rate_rad_s, view->t_s);
   *out = q;

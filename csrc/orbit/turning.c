@@ -1,4 +1,4 @@
-/* Evaluates the turning of a centre. */
+/* Evaluates the rotation of a central body. */
 #include "orbit/turning.h"
 
 #include "orbit/orientation.h"

@@ -1,12 +1,12 @@
-/* How the centre turns under what orbits it, as its gravity field and air need it. */
+/* Rotation of the central body, for its gravity field and atmosphere. */
 #ifndef PL_ORBIT_TURNING_H
 #define PL_ORBIT_TURNING_H
 
 #include "math/rotation.h"
 #include "orbit/force.h"
 
-/* By the IAU's model of a body, or uniformly about the z axis of an attitude given at the epoch
- * (which follows the Earth better for some months than its coarse IAU model does). */
+/* By the IAU model of a body, or uniform about the z axis of an attitude given at the epoch. Over
+ * some months the latter is more accurate for the Earth than its coarse IAU model. */
 typedef struct pl_turning {
   double tdb_day, tdb_fraction;
   const pl_celestial *body; /* NULL: uniform */
@@ -14,8 +14,8 @@ typedef struct pl_turning {
   double rate_rad_s;        /* about the body's z axis */
 } pl_turning;
 
-/* The parameters of a force that turns with its centre, and their places among its values: put
- * them first in its list. */
+/* Parameters of a force that rotates with its centre. They must come first in the force's list,
+ * since pl_turning_init reads its first values. */
 #define PL_TURNING_PARAMETERS                                                                      \
   {"body", PL_FORCE_BODY, 0, true, "the centre's entry in the table of bodies, for how it turns"}, \
       {"q", PL_FORCE_NUMBERS, 4, true,                                                             \
@@ -25,15 +25,16 @@ typedef struct pl_turning {
   }
 #define PL_TURNING_COUNT 3
 
-/* From the first values of a force. PL_E_ARGUMENT unless there is either body or q. */
+/* Initializes from the first values of a force. Fails with PL_E_ARGUMENT unless either body or q is
+ * given. */
 pl_status pl_turning_init(const pl_force_setting *setting, const pl_force_value *values,
                           pl_turning *out);
 
 /* North pole at time t after the epoch: unit, ICRF. */
 pl_vec3 pl_turning_pole(const pl_turning *turning, double t_s);
-/* Body-fixed to ICRF. */
+/* Rotation from body-fixed axes to ICRF. */
 pl_mat3 pl_turning_matrix(const pl_turning *turning, double t_s);
-/* Rate of turn about the pole, rad/s; of a body without its slow terms. */
+/* Rotation rate about the pole, rad/s; for a body without its slow terms. */
 double pl_turning_rate_rad_s(const pl_turning *turning);
 
 #endif

@@ -7,7 +7,8 @@
 
 extern const pl_propagator_kind pl_kepler_kind;
 
-/* The motion on `orbit`, whose axes `frame` turns to ICRF. PL_E_MEMORY. */
+/* Creates a propagator for the motion on `orbit`; `frame` rotates its axes to ICRF. Fails with
+ * PL_E_MEMORY. */
 pl_status pl_kepler_create(const pl_orbit *orbit, pl_quat frame, pl_propagator **out);
 
 #endif
