@@ -6,7 +6,6 @@ from argparse import ArgumentParser, Namespace
 
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, add_frame, add_threads, open_simulation
-from perilune.show import preview
 
 
 def _configure(parser: ArgumentParser) -> None:
@@ -17,6 +16,8 @@ def _configure(parser: ArgumentParser) -> None:
 
 
 def _run(args: Namespace) -> int:
+    from perilune.show import preview  # loads Pillow
+
     sim = open_simulation(args)
     sheet = preview.render_sheet(sim, args.frame, threads=args.threads)
     preview.save(sheet, args.out)

@@ -36,7 +36,7 @@ def new_figure(width_in: float, height_in: float) -> Any:
 
 @lru_cache(maxsize=8)
 def _read_map(path: str) -> NDArray[np.uint8]:
-    from PIL import Image  # matplotlib depends on it
+    from PIL import Image
 
     with Image.open(path) as image:
         width, height = image.size

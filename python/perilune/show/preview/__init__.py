@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from perilune import _core
 from perilune.document.references import pixel_channels
@@ -58,8 +59,6 @@ def save(sheet: NDArray[np.uint8], path: str | Path) -> None:
 
 def png_bytes(sheet: NDArray[np.uint8]) -> bytes:
     """A sheet as the bytes of a PNG file."""
-    # The core writes files only; sheets are small and rare enough for a detour.
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "sheet.png"
-        save(sheet, path)
-        return path.read_bytes()
+    file = io.BytesIO()
+    Image.fromarray(sheet).save(file, "png")
+    return file.getvalue()

@@ -1,36 +1,84 @@
-"""Drawing on an 8-bit RGB array: rectangles, smooth lines, text, resized pictures."""
+"""Drawing with Pillow: text, rectangles, smooth lines, resized pictures."""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-
-from perilune.show.preview.font import text_mask
+from PIL import Image, ImageDraw, ImageFont
 
 U8 = NDArray[np.uint8]
+F64 = NDArray[np.float64]
 Color = Sequence[int] | U8
 
+_SUBPIXELS = 4
+"""Lines are drawn on so many subpixels a pixel and averaged: Pillow's own have hard edges."""
+_FAR_PX = 1e6
+"""Ends of lines are kept this close: Pillow turns coordinates into 32-bit integers."""
 
-def _edges(length: int, target: int) -> NDArray[np.int64]:
-    return (np.arange(target + 1, dtype=np.int64) * length) // target
+
+@lru_cache
+def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Pillow's own font, `size` pixels high."""
+    return ImageFont.load_default(size)
+
+
+def text_width(text: str, size: int) -> int:
+    """Columns that a line of text takes."""
+    return int(np.ceil(font(size).getlength(text)))
+
+
+def shortened(text: str, width: int, size: int) -> str:
+    """As much of a line as fits, ending in two dots where something is cut."""
+    if text_width(text, size) <= width:
+        return text
+    kept = len(text) - 1
+    while kept > 1 and text_width(text[:kept] + "..", size) > width:
+        kept -= 1
+    return text[:kept] + ".."
+
+
+def _rgb(color: Color) -> tuple[int, int, int]:
+    red, green, blue = (int(part) for part in color)
+    return red, green, blue
+
+
+@dataclass(frozen=True)
+class Canvas:
+    """A picture that is drawn on; what lies outside of it is cut."""
+
+    image: Image.Image
+    draw: ImageDraw.ImageDraw
+
+    @classmethod
+    def blank(cls, width: int, height: int, color: Color) -> Canvas:
+        image = Image.new("RGB", (width, height), _rgb(color))
+        return cls(image, ImageDraw.Draw(image))
+
+    def fill(self, top: int, left: int, height: int, width: int, color: Color) -> None:
+        """An opaque rectangle."""
+        self.draw.rectangle((left, top, left + width - 1, top + height - 1), fill=_rgb(color))
+
+    def place(self, top: int, left: int, picture: U8) -> None:
+        """A picture (H, W, 3) with its upper left corner at (top, left)."""
+        self.image.paste(Image.fromarray(picture), (left, top))
+
+    def text(self, base: int, left: int, text: str, color: Color, size: int) -> None:
+        """One line of text on the base line, the row `base`."""
+        self.draw.text((left, base), text, fill=_rgb(color), font=font(size), anchor="ls")
+
+    def pixels(self) -> U8:
+        """(H, W, 3)."""
+        return np.array(self.image)
 
 
 def resize(image: U8, height: int, width: int) -> U8:
     """(H, W, 3) to (height, width, 3): mean of the covered pixels, or nearest when enlarging."""
-    rows, columns = image.shape[:2]
-    if height >= rows:
-        result = image[(np.arange(height) * rows) // height].astype(np.float64)
-    else:
-        edges = _edges(rows, height)
-        result = np.add.reduceat(image, edges[:-1], axis=0, dtype=np.float64)
-        result /= np.diff(edges)[:, None, None]
-    if width >= columns:
-        result = result[:, (np.arange(width) * columns) // width]
-    else:
-        edges = _edges(columns, width)
-        result = np.add.reduceat(result, edges[:-1], axis=1)
-        result /= np.diff(edges)[None, :, None]
-    return np.asarray(np.rint(result), dtype=np.uint8)
+    resized = Image.fromarray(image).resize((width, height), Image.Resampling.BOX)
+    return np.array(resized)
 
 
 def fitted(size: tuple[int, ...], box: tuple[int, int]) -> tuple[int, int]:
@@ -46,87 +94,24 @@ def fitted(size: tuple[int, ...], box: tuple[int, int]) -> tuple[int, int]:
     return max(1, round(height * factor)), max(1, round(width * factor))
 
 
-def blend(canvas: U8, top: int, left: int, alpha: NDArray[np.floating], color: Color) -> None:
-    """Paints `color` with the opacity (h, w) at (top, left), cut at the canvas."""
-    height, width = alpha.shape
-    row0, row1 = max(0, top), min(canvas.shape[0], top + height)
-    col0, col1 = max(0, left), min(canvas.shape[1], left + width)
-    if row0 >= row1 or col0 >= col1:
-        return
-    part = alpha[row0 - top : row1 - top, col0 - left : col1 - left, None]
-    below = canvas[row0:row1, col0:col1].astype(np.float64)
-    paint = np.asarray(color, dtype=np.float64)
-    canvas[row0:row1, col0:col1] = np.rint(below + part * (paint - below)).astype(np.uint8)
+@dataclass(frozen=True)
+class Line:
+    """Points (n, 2), x and y, joined; integers are pixel centres."""
+
+    points: F64
+    color: Color
+    thickness: float
 
 
-def fill(canvas: U8, top: int, left: int, height: int, width: int, color: Color) -> None:
-    """An opaque rectangle, cut at the canvas."""
-    row0, col0 = max(0, top), max(0, left)
-    canvas[row0 : max(row0, top + height), col0 : max(col0, left + width)] = color
-
-
-def place(canvas: U8, top: int, left: int, image: U8) -> None:
-    """Copies a picture that lies inside the canvas."""
-    canvas[top : top + image.shape[0], left : left + image.shape[1]] = image
-
-
-def write_text(canvas: U8, top: int, left: int, text: str, color: Color, scale: int = 2) -> None:
-    """One line of text with its upper left corner at (top, left)."""
-    blend(canvas, top, left, text_mask(text, scale).astype(np.float64), color)
-
-
-def clip_segment(
-    start: tuple[float, float], end: tuple[float, float], width: float, height: float
-) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """The part of a segment (x, y) inside [0, width] x [0, height] (Liang and Barsky, 1984)."""
-    delta_x, delta_y = end[0] - start[0], end[1] - start[1]
-    first, last = 0.0, 1.0
-    for step, low, high in (
-        (delta_x, -start[0], width - start[0]),
-        (delta_y, -start[1], height - start[1]),
-    ):
-        if step == 0.0:
-            if low > 0.0 or high < 0.0:
-                return None
-            continue
-        enter, leave = sorted((low / step, high / step))
-        first, last = max(first, enter), min(last, leave)
-    if first > last:
-        return None
-    at = [(start[0] + t * delta_x, start[1] + t * delta_y) for t in (first, last)]
-    return at[0], at[1]
-
-
-def draw_line(
-    canvas: U8,
-    start: tuple[float, float],
-    end: tuple[float, float],
-    color: Color,
-    thickness: float = 2.0,
-) -> None:
-    """A line with smooth edges between two points (x, y); integer coordinates are pixel centres."""
-    if not np.isfinite([*start, *end]).all():
-        return
-    clipped = clip_segment(start, end, canvas.shape[1] - 1.0, canvas.shape[0] - 1.0)
-    if clipped is None:
-        return
-    (x0, y0), (x1, y1) = clipped
-    margin = int(thickness) + 2
-    left, top = int(min(x0, x1)) - margin, int(min(y0, y1)) - margin
-    columns = np.arange(left, int(max(x0, x1)) + margin + 1)[None, :]
-    rows = np.arange(top, int(max(y0, y1)) + margin + 1)[:, None]
-    delta_x, delta_y = x1 - x0, y1 - y0
-    length2 = max(delta_x * delta_x + delta_y * delta_y, 1e-12)
-    along = ((columns - x0) * delta_x + (rows - y0) * delta_y) / length2
-    along = along.clip(0.0, 1.0)
-    distance = np.hypot(columns - x0 - along * delta_x, rows - y0 - along * delta_y)
-    blend(canvas, top, left, (thickness / 2 + 0.5 - distance).clip(0.0, 1.0), color)
-
-
-def draw_box(
-    canvas: U8, left: float, top: float, right: float, bottom: float, color: Color
-) -> None:
-    """A frame of one-and-a-half pixels."""
-    corners = [(left, top), (right, top), (right, bottom), (left, bottom)]
-    for index in range(4):
-        draw_line(canvas, corners[index], corners[(index + 1) % 4], color, 1.5)
+def draw_lines(picture: U8, lines: Sequence[Line]) -> U8:
+    """The picture with lines of smooth edges over it; those with an end that is not finite are
+    left out."""
+    height, width = picture.shape[:2]
+    fine = Image.fromarray(picture).resize((width * _SUBPIXELS, height * _SUBPIXELS), 0)
+    draw = ImageDraw.Draw(fine)
+    for line in lines:
+        if np.isfinite(line.points).all():
+            at = (line.points.clip(-_FAR_PX, _FAR_PX) + 0.5) * _SUBPIXELS - 0.5
+            thickness = round(line.thickness * _SUBPIXELS)
+            draw.line(at.ravel().tolist(), _rgb(line.color), thickness, joint="curve")
+    return np.array(fine.resize((width, height), Image.Resampling.BOX))

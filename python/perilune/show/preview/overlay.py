@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.camera.label import CameraLabel
-from perilune.show.preview import canvas, colors
-
-if TYPE_CHECKING:
-    pass
+from perilune.show.preview import colors
+from perilune.show.preview.canvas import Line, draw_lines
 
 U8 = NDArray[np.uint8]
 F64 = NDArray[np.float64]
 
 _AXIS_COLORS = ((255, 92, 82), (110, 220, 90), (90, 150, 255))
-
-
+_AXIS_PX, _BOX_PX = 2.0, 1.5
+"""Thickness of lines."""
 _STEPS = 12
 """Segments of an axis: lenses bend straight lines."""
 
@@ -38,30 +35,27 @@ def axes_px(R_m2c: F64, t_m2c: F64, bbox: NDArray[Any], camera: CameraLabel) -> 
     return _core.project(K, camera.lens, points.reshape(-1, 3)).reshape(3, _STEPS + 1, 2)
 
 
-def draw_objects(picture: U8, objects: NDArray[Any], camera: CameraLabel, image_width: int) -> None:
-    """Draws on a picture that shows an image `image_width` pixels wide."""
+def with_objects(picture: U8, objects: NDArray[Any], camera: CameraLabel, image_width: int) -> U8:
+    """The picture with boxes and axes over it; it shows an image `image_width` pixels wide."""
     scale = picture.shape[1] / image_width
 
-    def placed(pixel: F64) -> tuple[float, float]:
+    def placed(pixels: NDArray[Any]) -> F64:
         # Integer pixel centres on both sides: the image's edge is at -0.5.
-        return (pixel[0] + 0.5) * scale - 0.5, (pixel[1] + 0.5) * scale - 0.5
+        return np.asarray((pixels + 0.5) * scale - 0.5)
 
-    for row in objects:
-        if row["px_count_visib"] <= 0:
-            continue
+    found: list[Line] = []
+    for row in objects[objects["px_count_visib"] > 0]:
         x, y, width, height = (float(value) for value in row["bbox_visib"])
         color = colors.id_colors(np.array([row["instance_id"]]))[0]
-        left, top = placed(np.array([x - 0.5, y - 0.5]))
-        right, bottom = placed(np.array([x + width + 0.5, y + height + 0.5]))
-        right = min(right, picture.shape[1] - 2.0)
-        bottom = min(bottom, picture.shape[0] - 2.0)
-        canvas.draw_box(picture, max(left, 1.0), max(top, 1.0), right, bottom, color)
-        lines = axes_px(row["R_m2c"], row["t_m2c"], row["bbox_visib"], camera)
-        if not np.isfinite(lines).all():
-            continue
-        for line, axis_color in zip(lines, _AXIS_COLORS, strict=True):
-            corners = [placed(pixel) for pixel in line]
-            # A dark border keeps the line visible on a bright spacecraft.
-            for ink, thickness in ((colors.BACKGROUND, 4.0), (axis_color, 2.0)):
-                for start, end in pairwise(corners):
-                    canvas.draw_line(picture, start, end, ink, thickness)
+        left, top = placed(np.array([x - 0.5, y - 0.5])).clip(min=1.0)
+        edges = np.array(picture.shape[1::-1]) - 2.0
+        right, bottom = placed(np.array([x + width + 0.5, y + height + 0.5])).clip(max=edges)
+        corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)]
+        found.append(Line(np.array(corners), color, _BOX_PX))
+        axes = placed(axes_px(row["R_m2c"], row["t_m2c"], row["bbox_visib"], camera))
+        if np.isfinite(axes).all():
+            for axis, axis_color in zip(axes, _AXIS_COLORS, strict=True):
+                # A dark border keeps the line visible on a bright spacecraft.
+                found.append(Line(axis, colors.BACKGROUND, 2.0 * _AXIS_PX))
+                found.append(Line(axis, axis_color, _AXIS_PX))
+    return draw_lines(picture, found)

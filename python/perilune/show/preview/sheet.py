@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.document.references import MASKS
 from perilune.show.preview import canvas, colors
-from perilune.show.preview.font import ADVANCE, GLYPH_HEIGHT, text_width
-from perilune.show.preview.overlay import draw_objects
+from perilune.show.preview.canvas import Canvas, shortened, text_width
+from perilune.show.preview.overlay import with_objects
 from perilune.show.preview.panels import Context, Names, Panel, channel_panels
 
 if TYPE_CHECKING:
@@ -23,9 +23,12 @@ U8 = NDArray[np.uint8]
 COLUMNS = 4
 PANEL_WIDTH = 310
 GAP = 20
-_SCALE = 2
-_LINE = GLYPH_HEIGHT * _SCALE + 2
-_HEADER = 70
+_TEXT, _HEADING = 17, 28
+"""Heights of letters, pixels."""
+_LINE = 20
+_BASE = 13
+"""Rows from the top of a line to its base line."""
+_HEADER, _HEADER_BASE = 70, 42
 _TITLE = _LINE + 4
 _LEGEND = 2 * _LINE + 4
 _BAR = 8
@@ -37,57 +40,49 @@ _BRIGHT = (236, 238, 243)
 _DIM = (158, 164, 178)
 
 
-def _shortened(text: str, width: int, scale: int = _SCALE) -> str:
-    """As much of a line as fits, ending in two dots where something is cut."""
-    if text_width(text, scale) <= width:
-        return text
-    return text[: max(1, width // (ADVANCE * scale) - 2)] + ".."
-
-
-def _draw_swatches(sheet: U8, top: int, left: int, width: int, panel: Panel) -> None:
+def _draw_swatches(sheet: Canvas, top: int, left: int, width: int, panel: Panel) -> None:
     x, line = left, 0
-    square = 7 * _SCALE
+    square = 14
     for index, (color, name) in enumerate(panel.swatches):
-        label = _shortened(name, width - square - 8)
-        advance = square + 6 + text_width(label, _SCALE) + 14
+        label = shortened(name, width - square - 8, _TEXT)
+        advance = square + 6 + text_width(label, _TEXT) + 14
         if x + advance - 14 > left + width and x > left:
             x, line = left, line + 1
-        remaining = len(panel.swatches) - index
+        rest = f"+{len(panel.swatches) - index}"
         # The last line keeps room for "+n" unless this is the last name.
-        reserve = 0 if remaining == 1 else text_width(f"+{remaining}", _SCALE) + 14
+        reserve = 0 if rest == "+1" else text_width(rest, _TEXT) + 14
         if line > 1 or (line == 1 and x > left and x + advance - 14 + reserve > left + width):
-            row = top + min(line, 1) * _LINE
-            at = x if line == 1 else left + width - reserve + 14
-            canvas.write_text(sheet, row, at, f"+{remaining}", _DIM, _SCALE)
+            at = x if line == 1 else left + width - text_width(rest, _TEXT)
+            sheet.text(top + _LINE + _BASE, at, rest, _DIM, _TEXT)
             return
         row = top + line * _LINE
-        canvas.fill(sheet, row, x, square, square, color)
-        canvas.write_text(sheet, row, x + square + 6, label, _DIM, _SCALE)
+        sheet.fill(row, x, square, square, color)
+        sheet.text(row + _BASE, x + square + 6, label, _DIM, _TEXT)
         x += advance
 
 
-def _draw_legend(sheet: U8, top: int, left: int, width: int, panel: Panel) -> None:
+def _draw_legend(sheet: Canvas, top: int, left: int, width: int, panel: Panel) -> None:
     if panel.bar is not None:
         steps = np.linspace(0, len(colors.ramp()) - 1, width).astype(np.int64)
-        canvas.place(sheet, top, left, np.tile(colors.ramp()[steps][None], (_BAR, 1, 1)))
+        sheet.place(top, left, np.tile(colors.ramp()[steps][None], (_BAR, 1, 1)))
         low, high = panel.bar
-        canvas.write_text(sheet, top + _BAR + 6, left, low, _DIM, _SCALE)
-        right = left + width - text_width(high, _SCALE)
-        canvas.write_text(sheet, top + _BAR + 6, right, high, _DIM, _SCALE)
+        sheet.text(top + _BAR + 6 + _BASE, left, low, _DIM, _TEXT)
+        right = left + width - text_width(high, _TEXT)
+        sheet.text(top + _BAR + 6 + _BASE, right, high, _DIM, _TEXT)
     elif panel.swatches:
         _draw_swatches(sheet, top, left, width, panel)
     elif panel.text:
-        canvas.write_text(sheet, top, left, _shortened(panel.text, width), _DIM, _SCALE)
+        sheet.text(top + _BASE, left, shortened(panel.text, width, _TEXT), _DIM, _TEXT)
 
 
-def _draw_panel(sheet: U8, top: int, left: int, width: int, height: int, panel: Panel) -> None:
-    title = _shortened(panel.title, width)
-    canvas.write_text(sheet, top, left, title, _BRIGHT, _SCALE)
+def _draw_panel(sheet: Canvas, top: int, left: int, width: int, height: int, panel: Panel) -> None:
+    title = shortened(panel.title, width, _TEXT)
+    sheet.text(top + _BASE, left, title, _BRIGHT, _TEXT)
     top += _TITLE
     rows, columns = canvas.fitted(panel.image.shape, (height, width))
     picture = canvas.resize(panel.image, rows, columns)
     at_top, at_left = top + (height - rows) // 2, left + (width - columns) // 2
-    canvas.place(sheet, at_top, at_left, picture)
+    sheet.place(at_top, at_left, picture)
     _draw_legend(sheet, top + height + 8, left, width, panel)
 
 
@@ -103,7 +98,7 @@ def _overlay_panel(sample: Sample, box: tuple[int, int]) -> Panel:
     """rgb at the size it will have on the sheet, so that lines keep their thickness."""
     rgb = sample["rgb"]
     picture = canvas.resize(rgb, *canvas.fitted(rgb.shape, box))
-    draw_objects(picture, sample.objects, sample.camera, rgb.shape[1])
+    picture = with_objects(picture, sample.objects, sample.camera, rgb.shape[1])
     visible = int((sample.objects["px_count_visib"] > 0).sum())
     text = f"{visible} of {len(sample.objects)} objects visible"
     return Panel("visible boxes and axes", picture, text=text)
@@ -154,8 +149,7 @@ def draw_sheet(sample: Sample, title: str, names: Names, units: Mapping[str, str
     frame = _TITLE + _LEGEND + 8 + GAP
     rows = -(-len(others) // COLUMNS)
     total = _HEADER + (large[0] + frame if leading else 0) + rows * (small[0] + frame)
-    sheet = np.empty((total, COLUMNS * (PANEL_WIDTH + GAP) + GAP, 3), dtype=np.uint8)
-    sheet[:] = colors.BACKGROUND
+    sheet = Canvas.blank(COLUMNS * (PANEL_WIDTH + GAP) + GAP, total, colors.BACKGROUND)
     _draw_header(sheet, title.split(" | "))
     top = _HEADER
     for index, panel in enumerate(leading):
@@ -163,11 +157,11 @@ def draw_sheet(sample: Sample, title: str, names: Names, units: Mapping[str, str
         _draw_panel(sheet, top, left, large[1], large[0], panel)
     top += large[0] + frame if leading else 0
     _draw_grid(sheet, top, small, frame, others)
-    return sheet
+    return sheet.pixels()
 
 
 def _draw_grid(
-    sheet: U8, top: int, size: tuple[int, int], frame: int, panels: Sequence[Panel]
+    sheet: Canvas, top: int, size: tuple[int, int], frame: int, panels: Sequence[Panel]
 ) -> None:
     for index, panel in enumerate(panels):
         row, column = divmod(index, COLUMNS)
@@ -175,11 +169,11 @@ def _draw_grid(
         _draw_panel(sheet, top + row * (size[0] + frame), left, size[1], size[0], panel)
 
 
-def _draw_header(sheet: U8, parts: Sequence[str]) -> None:
+def _draw_header(sheet: Canvas, parts: Sequence[str]) -> None:
     """The first part large, the others dim behind it."""
-    width = sheet.shape[1] - 2 * GAP
-    heading = _shortened(parts[0], width // 2, 3)
-    canvas.write_text(sheet, GAP, GAP, heading, _BRIGHT, 3)
-    left = GAP + text_width(heading, 3) + 2 * GAP
-    rest = _shortened("   ".join(parts[1:]), sheet.shape[1] - GAP - left)
-    canvas.write_text(sheet, GAP + 7, left, rest, _DIM, _SCALE)
+    width = sheet.image.width - 2 * GAP
+    heading = shortened(parts[0], width // 2, _HEADING)
+    sheet.text(_HEADER_BASE, GAP, heading, _BRIGHT, _HEADING)
+    left = GAP + text_width(heading, _HEADING) + 2 * GAP
+    rest = shortened("     ".join(parts[1:]), GAP + width - left, _TEXT)
+    sheet.text(_HEADER_BASE, left, rest, _DIM, _TEXT)
