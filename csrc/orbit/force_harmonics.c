@@ -2,10 +2,10 @@
  *
  * S. Pines, "Uniform representation of the gravitational potential and its derivatives", AIAA
  * Journal 11 (1973), with fully normalised coefficients. With u the sine of the latitude, the
- * normalised derived Legendre functions A_nm = d^m P_n/du^m follow by columns (fixed m) from A_mm =
- * sqrt((2m+1)/(2m)) A_{m-1,m-1},  A_nm = g_nm u A_{n-1,m} - h_nm A_{n-2,m}, a recursion that is
- * stable for increasing n (Lundberg and Schutz 1988). The direction (s, t, u) enters through the
- * powers of s + i t, so there is no division by the cosine of the latitude. */
+ * normalised derived Legendre functions A_nm = d^m P_n/du^m follow by columns (fixed m) from
+ *   A_mm = sqrt((2m+1)/(2m)) A_{m-1,m-1},  A_nm = g_nm u A_{n-1,m} - h_nm A_{n-2,m},
+ * a recursion that is stable for increasing n (Lundberg and Schutz 1988). The direction (s, t, u)
+ * enters through the powers of s + i t, so there is no division by the cosine of the latitude. */
 #include "base/memory.h"
 #include "orbit/force.h"
 #include "orbit/turning.h"
@@ -26,8 +26,7 @@ typedef struct harmonics {
   pl_turning turning;
   double gm_m3_s2, radius_m;
   size_t degree, order;
-  term
-      terms[]; /* columns m = 0..min(order + 1, degree), each n = m..degree; the last for A alone */
+  term terms[]; /* columns m = 0..min(order + 1, degree), each n = m..degree; the last only for A */
 } harmonics;
 
 enum { GM = PL_TURNING_COUNT, RADIUS, C, S, ORDER, PARAMETER_COUNT };

@@ -18,7 +18,7 @@ typedef struct pl_numerical_spec {
   size_t force_count;
   pl_force **forces; /* in addition to the point mass; ownership passes on success */
   size_t motion_count;
-  pl_propagator **motions; /* that the forces refer to; ownership passes on success */
+  pl_propagator **motions; /* motions that forces refer to; ownership passes on success */
 } pl_numerical_spec;
 
 /* Creates a propagator whose dense output grows on demand on both sides of the epoch; thread-safe.

@@ -1,10 +1,10 @@
 /* A solution that is extended on demand in one direction of time, in bounded memory.
  *
  * Steps are grouped in blocks of PL_TRAIL_BLOCK. The start point of every block is kept. The
- * segments are kept only for the most recently used blocks, and recomputed on demand for the
- * others. The steps depend on the start point only, so results are bit-identical for any sequence
- * of requests. Memory: sizeof(pl_ode_point) = 168 bytes per block, and at most PL_TRAIL_SLOTS
- * blocks of segments, 3.3 MB. Not thread-safe. */
+ * segments are kept only for recently used blocks, and recomputed on demand for the others. The
+ * steps depend on the start point only, so results are bit-identical for any sequence of requests.
+ * Memory: sizeof(pl_ode_point) = 168 bytes per block, and at most PL_TRAIL_SLOTS blocks of
+ * segments, 3.3 MB. Not thread-safe. */
 #ifndef PL_ORBIT_TRAIL_H
 #define PL_ORBIT_TRAIL_H
 

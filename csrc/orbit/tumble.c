@@ -2,12 +2,15 @@
  *
  * Rates: Landau and Lifshitz, Mechanics, 37. With the angular momentum L along z, and the Euler
  * angles phi (about it), theta and psi (about the axis d; z-x-z), theta and psi follow from the
- * rates, and dphi/dt = L (I_a w_a^2 + I_b w_b^2)/(I_a^2 w_a^2 + I_b^2 w_b^2) = (L/I_d) (1 + ((I_d -
- * I_a)/I_a)/(1 + c sn^2 u)), c = I_d (I_b - I_a)/(I_a (I_d - I_b)), which varies between L/I_a at
- * sn = 0 and L/I_b at sn^2 = 1. One of these limits times t is split off. The remainder is an
- * elliptic integral of the third kind (by Abramowitz and Stegun 17.7.15 if c > 1). This avoids
- * cancellation, also in differences of squares, which are computed from differences of the moments:
- * near-symmetric bodies and rotations near the separatrix are as accurate as others. */
+ * rates, and
+ *   dphi/dt = L (I_a w_a^2 + I_b w_b^2)/(I_a^2 w_a^2 + I_b^2 w_b^2)
+ *           = (L/I_d) (1 + ((I_d - I_a)/I_a)/(1 + c sn^2 u)),
+ *   c = I_d (I_b - I_a)/(I_a (I_d - I_b)),
+ * which varies between L/I_a at sn = 0 and L/I_b at sn^2 = 1. One of these limits times t is split
+ * off. The remainder is an elliptic integral of the third kind (by Abramowitz and Stegun 17.7.15 if
+ * c > 1). This avoids cancellation, also in differences of squares, which are computed from
+ * differences of the moments: near-symmetric bodies and rotations near the separatrix are as
+ * accurate as others. */
 #include "orbit/tumble.h"
 
 #include "math/elliptic.h"
@@ -31,8 +34,8 @@ static double swing(const pl_tumble *t, pl_elliptic f) {
   /* integral of 1/(1 + c sn^2) - 1/(1 + c) */
   if (!(t->m1 > 0.0))
     return sqrt(c) / (1.0 + c) * atan(sqrt(c) * s);
-  /* Integrated from u = K, where the integrand is small: with v = K - u it is c m1/(1 + c)^2 sn^2
-   * v/(cn^2 v + m1/(1 + c) sn^2 v). */
+  /* Integrated from u = K, where the integrand is small. With v = K - u the integrand is (c m1/(1 +
+   * c)^2) sn^2 v/(cn^2 v + m1/(1 + c) sn^2 v). */
   const double sv = f.cn / f.dn, dv2 = t->m1 / y, cv2 = dv2 * s * s, rest = t->m1 / (1.0 + c);
   const double rj = pl_elliptic_rj(cv2, dv2, 1.0, cv2 + rest * sv * sv);
   return copysign(0.5 * t->half - c * rest / (1.0 + c) * sv * sv * sv * rj / 3.0, s);

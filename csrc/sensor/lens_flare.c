@@ -121,7 +121,7 @@ static pl_status gather(ghosts *g) {
 
 /* --- discs */
 
-/* Area of a disc below a line at `t` from its centre, minus half the disc. */
+/* Area of a disc of radius r on one side of a line at `t` from its centre, minus half the disc. */
 static double below(double r, double t) {
   const double c = fmin(r, fmax(-r, t));
   return c * sqrt(r * r - c * c) + r * r * asin(c / r);
