@@ -8,7 +8,7 @@
 
 #include "base/status.h"
 
-#define PL_ODE_SIZE 6 /* most components of a system */
+#define PL_ODE_SIZE 6 /* largest number of components of a system */
 
 /* Writes dy/dt at (t, y) to `rate`. An error aborts the step and is returned. Must be a pure
  * function: discarded steps are recomputed later and must be identical. */

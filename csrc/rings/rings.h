@@ -73,9 +73,9 @@ typedef struct pl_rings_piece {
 
 /* Divides a ray's cone into the parts that intersect the rings, in order along the rings. Their
  * shares sum to 1 at most. The cone is cut by the plane through the ray and the ring normal; the
- * lines of the cone in this plane meet the ring plane one after another. Near edge-on views this
- * intersection can extend across the whole rings. From within their plane the rings are invisible,
- * since they have no thickness. Returns the number of parts. */
+ * lines of the cone in this plane meet the ring plane one after another. In nearly edge-on views
+ * this intersection can extend across all of the rings. From within their plane the rings are
+ * invisible, since they have no thickness. Returns the number of parts. */
 enum { PL_RINGS_PIECES = 16 };
 size_t pl_rings_cut(const pl_rings *rings, const pl_rings_ray *ray,
                     pl_rings_piece out[PL_RINGS_PIECES]);

@@ -20,7 +20,7 @@ static double band_of(const pl_sensor_frame *frame, size_t pixel, int band) {
 }
 
 static void set_band(pl_vec3f *light, int band, double value) {
-  const float kept = (float)fmax(0.0, value); /* transforms leave -1e-17 of the brightest */
+  const float kept = (float)fmax(0.0, value); /* clears rounding errors, 1e-17 of the brightest */
   if (band == 0)
     light->x = kept;
   else if (band == 1)
