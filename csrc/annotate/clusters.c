@@ -7,8 +7,8 @@
 
 #include "base/memory.h"
 
-/* A run is short when it has fewer triangles than this, or less than this fraction of the model's.
- */
+/* A run is short when it has fewer triangles than this, or less than this fraction of the
+ * model's. */
 enum { TRIANGLES_SHORT = 4, PART_SHORT = 1024 };
 /* Radix of the sort; three digits make a 30-bit code. */
 enum { DIGIT_BITS = 10, DIGITS = 1 << DIGIT_BITS };

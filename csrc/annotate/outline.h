@@ -29,8 +29,8 @@ struct pl_outline {
   size_t piece_count;
 };
 
-/* Returns the number of outlines that pl_outline_build writes: one per object, then one per piece.
- */
+/* Returns the number of outlines that pl_outline_build writes: one per object, then one per
+ * piece. */
 size_t pl_outline_count(const pl_snapshot *shot);
 /* Returns the outlines whose clusters together enclose an object: its pieces, or the outline
  * itself. */

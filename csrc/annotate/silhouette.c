@@ -141,8 +141,8 @@ static pl_status search_tile(void *context, size_t item, int worker) {
   return PL_OK;
 }
 
-/* The tiles of the canvas and one more along each axis, as a box need not begin at a tile boundary.
- */
+/* The tiles of the canvas and one more along each axis, as a box need not begin at a tile
+ * boundary. */
 size_t pl_silhouette_cells(const pl_camera *camera) {
   const size_t columns = (3 * (size_t)camera->width + TILE) / TILE + 1;
   const size_t rows = (3 * (size_t)camera->height + TILE) / TILE + 1;

@@ -4,8 +4,8 @@
  * Rays are cast only where the rays of the frame do not decide. A pixel of the image that shows the
  * object belongs to its silhouette. A pixel that shows nothing, or a surface beyond the object's
  * farthest point, does not. A ray is needed for pixels that show another surface at or before the
- * object, and for pixels outside the image, where a box of the object's triangles projects there.
- */
+ * object, and for pixels outside the image, where a box of the object's triangles projects
+ * there. */
 #ifndef PL_ANNOTATE_SILHOUETTE_H
 #define PL_ANNOTATE_SILHOUETTE_H
 
@@ -20,8 +20,8 @@ typedef struct pl_seen {
   float range_m;
 } pl_seen;
 
-/* Stores the pixels of a tile; `points` has `stride` vertices per row, `seen` is the whole image.
- */
+/* Stores the pixels of a tile; `points` has `stride` vertices per row, `seen` is the whole
+ * image. */
 void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], int image_width,
                    pl_seen *seen);
 

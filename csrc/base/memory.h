@@ -20,8 +20,8 @@ void pl_memory_hook(pl_allocate_fn allocate, void *context);
 uint64_t pl_memory_allocations(void);
 
 /* Returns zeroed memory for `count` items of `size` bytes, or NULL when out of memory or when
- * count*size overflows (the caller reports the error). A count or size of 0 gives a valid pointer.
- */
+ * count*size overflows (the caller reports the error). A count or size of 0 gives a valid
+ * pointer. */
 void *pl_alloc(size_t count, size_t size);
 /* Changes the number of items and keeps the content; new bytes are not zeroed. On NULL, `memory` is
  * unchanged. */

@@ -8,8 +8,8 @@
 extern "C" {
 #endif
 
-/* Every function that can fail returns one of these; results are written through the last pointer.
- */
+/* Every function that can fail returns one of these; results are written through the last
+ * pointer. */
 typedef enum pl_status {
   PL_OK = 0,
   PL_E_MEMORY,      /* an allocation failed */

@@ -45,8 +45,8 @@ double pl_animation_time(const pl_animation *animation, pl_loop loop, double t_s
 
 /* Samples a track at the animation's local time `t_s` and writes the property into *trs (glTF 2.0,
  * appendix C). Before the first key the value is that of the first key, after the last key that of
- * the last. Rotations are interpolated along the shorter arc (linear) or normalised (cubic spline).
- */
+ * the last. Rotations are interpolated along the shorter arc (linear) or normalised (cubic
+ * spline). */
 void pl_track_sample(const pl_track *track, double t_s, pl_trs *trs);
 
 #ifdef __cplusplus

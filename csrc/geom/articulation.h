@@ -23,16 +23,16 @@ typedef struct pl_joint {
   /* PL_JOINT_TOWARDS: normal at angle 0; its component orthogonal to the axis is used */
   pl_vec3 normal;
   /* True: axis, normal and pivot are given in the node's axes at rest, the pivot relative to the
-   * node's origin in model units. False: in model axes, the pivot relative to the model's origin.
-   */
+   * node's origin in model units. False: in model axes, the pivot relative to the model's
+   * origin. */
   bool in_node_axes;
 } pl_joint;
 
 typedef struct pl_articulation pl_articulation;
 
 /* A node's axes at rest as unit columns in model axes, and its origin. The axes are those of its
- * parent rotated by the node's rotation, whatever its scale: rotations of the node are about them.
- */
+ * parent rotated by the node's rotation, whatever its scale: rotations of the node are about
+ * them. */
 typedef struct pl_node_frame {
   pl_mat3 axes;
   pl_vec3 origin;

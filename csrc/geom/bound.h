@@ -8,8 +8,8 @@
 
 #include "math/vec.h"
 
-/* Shapes are in their own axes, metres. Each kind defines what the three numbers of its size mean.
- */
+/* Shapes are in their own axes, metres. Each kind defines what the three numbers of its size
+ * mean. */
 typedef struct pl_bound {
   const char *name, *doc;
   unsigned flat; /* bit k: element k of the size may be 0 */

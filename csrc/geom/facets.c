@@ -303,8 +303,8 @@ static bool is_shiny(const pl_material *m) {
           (m->layered && m->layers.coat > 0.0f && m->layers.coat_roughness < SHINY_ROUGHNESS));
 }
 
-/* Returns the cell of a direction: the face of a cube around the sphere, and the cell on that face.
- */
+/* Returns the cell of a direction: the face of a cube around the sphere, and the cell on that
+ * face. */
 static int cell_of(pl_vec3f n) {
   const float x = fabsf(n.x), y = fabsf(n.y), z = fabsf(n.z);
   const int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
@@ -370,8 +370,8 @@ static void take_flats(groups *all, group *g) {
   }
 }
 
-/* Sorts the facets by material; `start` has the first index of each material and the total count.
- */
+/* Sorts the facets by material; `start` has the first index of each material and the total
+ * count. */
 static void sort(const pl_model *model, size_t *start, uint32_t *order) {
   const size_t count = model->material_count;
   for (size_t m = 0; m <= count; m++)

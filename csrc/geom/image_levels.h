@@ -14,8 +14,8 @@ void pl_image_find_black(const pl_image *image, float black[3]);
 void pl_image_raise_black(pl_image *image, const float black[3]);
 
 /* Replaces a coloured map by a mask of one channel: by how much linear blue exceeds 1.5 times
- * linear red; white from 2.5 times on. Returns PL_E_RANGE for grey images, which are not changed.
- */
+ * linear red; white from 2.5 times on. Returns PL_E_RANGE for grey images, which are not
+ * changed. */
 pl_status pl_image_to_water(pl_image *image);
 
 #endif

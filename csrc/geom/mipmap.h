@@ -38,8 +38,8 @@ static inline bool pl_mip_is_alpha(int channel, int channels) {
 
 /* Takes ownership of the texels of `image` (which is cleared, also on failure). */
 pl_status pl_mip_build(pl_image *image, bool srgb, pl_mip_pyramid *out);
-/* Builds a pyramid of one channel of floats, copied, top row first: nothing is rounded to 8 bits.
- */
+/* Builds a pyramid of one channel of floats, copied, top row first: nothing is rounded to 8
+ * bits. */
 pl_status pl_mip_build_numbers(const float *numbers, int width, int height, pl_mip_pyramid *out);
 void pl_mip_clear(pl_mip_pyramid *pyramid);
 

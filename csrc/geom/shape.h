@@ -1,4 +1,4 @@
-/* Shapes of bodies: models of triangles with one material, and inside tests for points. */
+/* Shapes of bodies: triangle models, and tests of which points are inside. */
 #ifndef PL_GEOM_SHAPE_H
 #define PL_GEOM_SHAPE_H
 

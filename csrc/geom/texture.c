@@ -44,8 +44,8 @@ static void count_codes(const pl_texture *texture, int level_index, int channel,
     counts[level->texels[i * n + (size_t)channel]]++;
 }
 
-/* Computes the mean and the ranges of a channel from histograms: exact, and one addition per texel.
- */
+/* Computes the mean and the ranges of a channel from histograms: exact, and one addition per
+ * texel. */
 static void measure_channel(pl_texture *texture, int c) {
   const float *table = texture->table[c];
   const pl_mip_level *levels = texture->mips.levels;
@@ -300,8 +300,8 @@ static const kernel BOX = {0.5f, level_box};
 /* Axes of the ellipse with the covariance of the parallelogram: the singular values of the Jacobian
  * [a b] in texels (Heckbert, "Fundamentals of texture mapping", 1989, section 3.5). The shorter
  * axis sets the level, taps lie along the longer one (McCormack et al., "Feline", SIGGRAPH 1999).
- * Unlike the vectors a and b, the singular values do not depend on the shear of the parallelogram.
- */
+ * Unlike the vectors a and b, the singular values do not depend on the shear of the
+ * parallelogram. */
 static footprint footprint_of(const pl_texture *texture, const float a[2], const float b[2],
                               int max_taps, const kernel *kernel) {
   const pl_mip_pyramid *mips = &texture->mips;

@@ -26,8 +26,8 @@ struct Asset {
   tinygltf::Model model;
   std::vector<Bytes> buffers;
   std::vector<ImageRef> images;
-  /* Decoded content of compressed buffer views (gltf_decoded.hpp), which does not lie in a buffer.
-   */
+  /* Decoded content of compressed buffer views (gltf_decoded.hpp), which does not lie in a
+   * buffer. */
   std::map<int, std::vector<uint8_t>> decoded;
   size_t decoded_bytes = 0;
   int no_view = -1; /* placeholder buffer view of accessors without one: they are all zeros */

@@ -6,8 +6,8 @@ namespace pl_gltf {
 namespace {
 
 constexpr size_t FREE_DECODED = size_t{1} << 26;
-/* Expansion that the codec of EXT_meshopt_compression reaches: 4 bytes for 256 that do not change.
- */
+/* Expansion that the codec of EXT_meshopt_compression reaches: 4 bytes for 256 that do not
+ * change. */
 constexpr size_t DECODED_PER_BYTE = 64;
 
 } // namespace

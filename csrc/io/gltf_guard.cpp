@@ -11,8 +11,8 @@ namespace {
 
 using nlohmann::json;
 
-/* Largest nesting depth of the text. glTF itself needs about ten levels; the rest is for `extras`.
- */
+/* Largest nesting depth of the text. glTF itself needs about ten levels; the rest is for
+ * `extras`. */
 constexpr int MAX_JSON_DEPTH = 100;
 /* Largest number of nodes from the root to a leaf. */
 constexpr int MAX_NODE_DEPTH = 1000;

@@ -128,8 +128,8 @@ void MaterialBuilder::note_normals(const std::string &what, pl_texture_slot *slo
 
 /* Published normal maps deviate by 0.02 to 0.05 due to quantisation and compression; colour images
  * used as normal maps by mistake deviate by 0.4 and more. Read as normals, these tilt the surface
- * by some 50 degrees in a random direction per texel, which gives noise at any number of samples.
- */
+ * by some 50 degrees in a random direction per texel, which gives noise at any number of
+ * samples. */
 void MaterialBuilder::check_normals(int texture, const pl_image &image) {
   static const double ERROR_MAX = 0.3;
   static const int64_t TEXELS_MIN = 64; /* smaller images have only a colour or a few */

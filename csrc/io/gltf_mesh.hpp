@@ -17,8 +17,8 @@ struct Affine {
   double t[3] = {0, 0, 0};
 };
 
-/* Returns the matrix divided by its largest element: transforms directions of nodes of any scale.
- */
+/* Returns the matrix divided by its largest element: transforms directions of nodes of any
+ * scale. */
 void matrix_of_directions(const Affine &a, double out[3][3]);
 double determinant(const double m[3][3]);
 Affine compose(const Affine &parent, const Affine &child);

@@ -15,8 +15,8 @@ pl_status pl_jpeg_decode(const uint8_t *bytes, size_t size, const char *name, pl
 pl_status pl_webp_decode(const uint8_t *bytes, size_t size, const char *name, pl_image *out);
 
 /* Checks a size read from a header before anything is allocated: at most 2^28 texels, and
- * `sample_bytes` (the size of the decoded samples) at most `expansion` times the size of the file.
- */
+ * `sample_bytes` (the size of the decoded samples) at most `expansion` times the size of the
+ * file. */
 pl_status pl_image_check_size(const char *name, uint64_t width, uint64_t height,
                               uint64_t sample_bytes, uint64_t size, uint64_t expansion);
 

@@ -157,8 +157,8 @@ double pl_view_alpha_min(const pl_view *view);
 /* Returns true if the shadow of `caster` (umbra and penumbra) can reach `receiver`. */
 bool pl_view_shadow_reaches(const pl_view *view, const pl_view_thing *caster,
                             const pl_view_thing *receiver);
-/* Upper bound of the fraction of the sun's disc that `caster` hides from any point of `receiver`.
- */
+/* Upper bound of the fraction of the sun's disc that `caster` hides from any point of
+ * `receiver`. */
 double pl_view_hidden_sun(const pl_view *view, const pl_view_thing *caster,
                           const pl_view_thing *receiver);
 /* Returns true if any shadow can reach things[i]. A body does not shadow itself: it is convex. */

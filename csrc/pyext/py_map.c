@@ -79,8 +79,8 @@ static pl_status of_numbers(PyArrayObject *array, const map_options *options, pl
 /* Largest side of an array, texels; beyond it the size would overflow. */
 enum { MAX_SIDE = 65536 };
 
-/* Creates a texture from an array of uint8 texels or float32 numbers; returns -1 with an exception.
- */
+/* Creates a texture from an array of uint8 texels or float32 numbers; returns -1 with an
+ * exception. */
 static int from_array(PyObject *object, const map_options *options, pl_texture **out) {
   const bool texels = PyArray_TYPE((PyArrayObject *)object) == NPY_UINT8;
   const npy_intp any[3] = {-1, -1, -1};

@@ -89,8 +89,8 @@ static int read_elements(PyObject *elements, double gm, const char *where, pl_el
                      where);
 }
 
-/* Reads spec['elements'] or spec['state'] as an orbit at the epoch, in the axes of spec['frame'].
- */
+/* Reads spec['elements'] or spec['state'] as an orbit at the epoch, in the axes of
+ * spec['frame']. */
 static int read_orbit(PyObject *spec, const char *where, pl_orbit *out) {
   double gm = 0.0;
   PyObject *elements = NULL;

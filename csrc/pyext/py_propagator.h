@@ -23,8 +23,8 @@ int pl_py_read_numerical(PyObject *spec, const char *where, double day, double f
                          pl_propagator **out);
 PyObject *pl_py_forces(void);
 
-/* Returns the borrowed content of a Propagator and its epoch; NULL with TypeError for another type.
- */
+/* Returns the borrowed content of a Propagator and its epoch; NULL with TypeError for another
+ * type. */
 const pl_propagator *pl_py_propagator_of(PyObject *object, double *day, double *fraction);
 
 /* Reads mapping[key] as a body of the table; None or a missing key gives NULL if `optional`. */

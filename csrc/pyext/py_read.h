@@ -36,8 +36,8 @@ int pl_py_optional_doubles(PyObject *mapping, const char *key, const char *where
  * -1. */
 int pl_py_check(pl_status status, const char *where);
 
-/* Prefixes the current exception, if it is a ValueError or TypeError, with "where: "; returns -1.
- */
+/* Prefixes the current exception, if it is a ValueError or TypeError, with "where: "; returns
+ * -1. */
 int pl_py_prefix_error(const char *where);
 
 /* Returns a contiguous one-dimensional double array (new reference), or NULL. */
