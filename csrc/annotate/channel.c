@@ -7,8 +7,7 @@
 #include "base/wide.h"
 #include "math/angle.h"
 
-/* --- loops over the pixels of a run
- * -----------------------------------------------------------------------------*/
+/* --- loops over the pixels of a run ----------------------------------------------------------- */
 
 /* Component k of M^T v, i.e. of v in the axes that are the columns of M. */
 #define COLUMN_DOT(m, k, x, y, z) ((m).row[0].k * (x) + (m).row[1].k * (y) + (m).row[2].k * (z))
@@ -53,8 +52,7 @@ PL_WIDE static void fill_angle(size_t count, const double (*restrict a)[PL_LABEL
                                   (pl_vec3){b[0][i], b[1][i], b[2][i]});
 }
 
-/* --- the channels
- * -----------------------------------------------------------------------------------------------*/
+/* --- the channels ----------------------------------------------------------------------------- */
 
 /* Returns NULL when the run is on a body. */
 static const pl_shot_object *object_of(const pl_label_run *run) {
@@ -175,8 +173,7 @@ size_t pl_channel_elements(const pl_channel *channel, int levels) {
   return channel->components == 0 ? 1 : (size_t)channel->components;
 }
 
-/* --- runs
- * -------------------------------------------------------------------------------------------------------*/
+/* --- runs ------------------------------------------------------------------------------------- */
 
 /* Returns the address of pixel `first` in the image of a channel; *bytes is the size of a pixel. */
 static void *place(const pl_channel *channel, const pl_snapshot *shot, size_t first, void *image,
