@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from numpy.random.bit_generator import ISeedSequence
+from numpy.typing import NDArray
 
 _FNV_OFFSET = 0xCBF29CE484222325
 _FNV_PRIME = 0x100000001B3
@@ -20,6 +23,18 @@ def stable_hash(text: str) -> int:
     return value
 
 
+class _NoSeed(ISeedSequence):
+    """In the place of entropy, which NumPy would ask the system for though a key is given."""
+
+    def generate_state(self, n_words: int, dtype: Any = np.uint32) -> NDArray[Any]:
+        """Zeros."""
+        return np.zeros(n_words, dtype)
+
+
+_NO_SEED = _NoSeed()
+_EMPTY = np.zeros(4, dtype=np.uint64)
+
+
 def generator(seed: int, what: str, frame: int) -> np.random.Generator:
     """Philox4x64 keyed by (seed, hash of `what`), its counter starting at (0, 0, 0, frame).
 
@@ -27,4 +42,13 @@ def generator(seed: int, what: str, frame: int) -> np.random.Generator:
     """
     key = np.array([seed & _MASK, stable_hash(what)], dtype=np.uint64)
     counter = np.array([0, 0, 0, frame], dtype=np.uint64)
-    return np.random.Generator(np.random.Philox(key=key, counter=counter))
+    bits = np.random.Philox(_NO_SEED)  # type: ignore[arg-type]  # stubs know SeedSequence alone
+    bits.state = {
+        "bit_generator": "Philox",
+        "state": {"counter": counter, "key": key},
+        "buffer": _EMPTY,
+        "buffer_pos": len(_EMPTY),
+        "has_uint32": 0,
+        "uinteger": 0,
+    }
+    return np.random.Generator(bits)
