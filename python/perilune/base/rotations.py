@@ -1,4 +1,8 @@
-"""Quaternions (w, x, y, z) of a few bodies and cameras; per-pixel rotation is the core's."""
+"""Quaternions (w, x, y, z) of a few bodies and cameras; per-pixel rotation is the core's.
+
+Written with Python's own floats: of three or four numbers NumPy's calls take several times as long.
+Dot products stay NumPy's, whose rounding is that of the rest.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +31,13 @@ def multiply(a: F64, b: F64) -> F64:
 
 def conjugate(q: F64) -> F64:
     """The inverse rotation."""
-    return np.asarray(q * np.array([1.0, -1.0, -1.0, -1.0]))
+    w, x, y, z = q.tolist()
+    return np.array([w, -x, -y, -z])
+
+
+def norm(v: F64) -> float:
+    """Length of a vector; numpy.linalg.norm's bits, without its tests."""
+    return math.sqrt(v.dot(v))
 
 
 def cross(a: F64, b: F64) -> F64:
@@ -44,14 +54,24 @@ def angle_rad(a: F64, b: F64) -> float:
 
 def rotate(q: F64, v: F64) -> F64:
     """The vector v turned by q."""
-    t = 2.0 * cross(q[1:], v)
-    return np.asarray(v + q[0] * t + cross(q[1:], t))
+    w, x, y, z = q.tolist()
+    a, b, c = v.tolist()
+    tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return np.array(
+        [
+            a + w * tx + (y * tz - z * ty),
+            b + w * ty + (z * tx - x * tz),
+            c + w * tz + (x * ty - y * tx),
+        ]
+    )
 
 
 def axis_angle(axis: Sequence[float] | F64, angle_rad: float) -> F64:
     """Rotation about a unit axis; the angle is reduced first, so that long spins stay exact."""
     half = 0.5 * math.remainder(angle_rad, 4.0 * math.pi)
-    return np.concatenate([[math.cos(half)], np.asarray(axis) * math.sin(half)])
+    sine = math.sin(half)
+    x, y, z = axis.tolist() if isinstance(axis, np.ndarray) else axis
+    return np.array([math.cos(half), x * sine, y * sine, z * sine])
 
 
 def from_rpy_deg(rpy: Sequence[float]) -> F64:
@@ -64,7 +84,7 @@ def from_rpy_deg(rpy: Sequence[float]) -> F64:
 def to_axis_angle(q: F64) -> tuple[F64, float]:
     """Unit axis and angle in [0, pi] of a unit quaternion; the z axis without a rotation."""
     w, v = (q[0], q[1:]) if q[0] >= 0.0 else (-q[0], -q[1:])
-    size = float(np.linalg.norm(v))
+    size = norm(v)
     if size == 0.0:
         return np.array([0.0, 0.0, 1.0]), 0.0
     return np.asarray(v / size), 2.0 * math.atan2(size, float(w))
@@ -72,7 +92,7 @@ def to_axis_angle(q: F64) -> tuple[F64, float]:
 
 def to_matrix(q: F64) -> F64:
     """3x3 matrix of a unit quaternion."""
-    w, x, y, z = q
+    w, x, y, z = q.tolist()
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -84,26 +104,29 @@ def to_matrix(q: F64) -> F64:
 
 def from_matrix(m: F64) -> F64:
     """Unit quaternion of a rotation matrix (Shepperd 1978: the largest component is the pivot)."""
-    trace = float(np.trace(m))
-    squares = np.array([trace, m[0, 0], m[1, 1], m[2, 2]])
-    pivot = int(np.argmax(squares))
-    if pivot == 0:
-        q = np.array([1 + trace, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-    else:
+    return _from_rows(m.tolist())
+
+
+def _from_rows(m: Sequence[Sequence[float]]) -> F64:
+    trace = m[0][0] + m[1][1] + m[2][2]
+    squares = [trace, m[0][0], m[1][1], m[2][2]]
+    pivot = squares.index(max(squares))
+    q = [1 + trace, m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]]
+    if pivot > 0:
         i = pivot - 1
         j, k = (i + 1) % 3, (i + 2) % 3
-        q = np.empty(4)
-        q[0] = m[k, j] - m[j, k]
-        q[1 + i] = 1 + m[i, i] - m[j, j] - m[k, k]
-        q[1 + j] = m[j, i] + m[i, j]
-        q[1 + k] = m[k, i] + m[i, k]
-    return np.asarray(q / np.linalg.norm(q))
+        q[0] = m[k][j] - m[j][k]
+        q[1 + i] = 1 + m[i][i] - m[j][j] - m[k][k]
+        q[1 + j] = m[j][i] + m[i][j]
+        q[1 + k] = m[k][i] + m[i][k]
+    found = np.array(q)
+    return np.asarray(found / norm(found))
 
 
 def middle(a: F64, b: F64) -> F64:
     """Halfway between two rotations along the shorter arc, as the core takes mid-exposure."""
     q = a + (b if float(a @ b) >= 0.0 else -b)
-    return np.asarray(q / np.linalg.norm(q))
+    return np.asarray(q / norm(q))
 
 
 def look_at(forward: F64, up: F64) -> F64:
@@ -111,9 +134,11 @@ def look_at(forward: F64, up: F64) -> F64:
 
     Where the two are parallel, the axis farthest from `forward` takes the place of `up`.
     """
-    z = forward / np.linalg.norm(forward)
+    z = forward / norm(forward)
     x = cross(z, up)
-    if np.linalg.norm(x) < 1e-9 * np.linalg.norm(up):
+    size = norm(x)
+    if size < 1e-9 * norm(up):
         x = cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
-    x /= np.linalg.norm(x)
-    return from_matrix(np.column_stack([x, cross(z, x), z]))
+        size = norm(x)
+    x = x / size
+    return _from_rows(list(zip(x.tolist(), cross(z, x).tolist(), z.tolist(), strict=True)))

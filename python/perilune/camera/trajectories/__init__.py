@@ -63,7 +63,7 @@ def mounted(platform: F64, sensor: Sensor) -> F64:
         offset, q = np.array(place.position_m), rotations.from_rpy_deg(place.rotation_deg)
     else:
         offset, q = np.array(place[:3]), np.array(place[3:])
-    return np.stack(
+    return np.array(
         [
             np.concatenate(
                 [
@@ -87,7 +87,8 @@ def camera_poses(world: World, own: Callable[[World], Any] | None = None) -> F64
         poses = mounted(poses, world.config.sensors[world.sensor])
     kept = getattr(world.camera.trajectory, "clearance_m", None) is not None
     clearance_m = 0.0 if kept and own is None and world.sensor is not None else None
-    for when in range(2):
+    still = world.window_s == 0.0 and bool((poses[0] == poses[1]).all())
+    for when in range(1 if still else 2):
         fault = unclear(world, poses[when, :3], clearance_m, when)
         if fault is not None and world.sensor is not None:
             raise ValueError(f"sensors.{world.sensor}: frame {world.index}: {fault}")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.base import rotations
-from perilune.camera.trajectories.view import distance_noise_m, noisy, refuse, unclear
+from perilune.camera.trajectories.view import distance_noise_m, noise, noisy, refuse, unclear
 from perilune.config.trajectory import OrbitObject
 from perilune.world import World
 
@@ -40,7 +40,7 @@ class _Band:
         z = low + (high - low) * u
         radius, angle = math.sqrt(max(0.0, 1.0 - z * z)), 2.0 * math.pi * v
         x_axis = rotations.cross(self.axis, np.eye(3)[int(np.argmin(np.abs(self.axis)))])
-        x_axis /= np.linalg.norm(x_axis)
+        x_axis /= rotations.norm(x_axis)
         y_axis = rotations.cross(self.axis, x_axis)
         sides = math.cos(angle) * x_axis + math.sin(angle) * y_axis
         return np.asarray(radius * sides + z * self.axis)
@@ -51,7 +51,7 @@ class _Band:
 
 
 def _unit(v: F64) -> F64:
-    return np.asarray(v / np.linalg.norm(v))
+    return np.asarray(v / rotations.norm(v))
 
 
 def _bands(world: World, spec: OrbitObject) -> dict[str, _Band]:
@@ -67,7 +67,7 @@ def _bands(world: World, spec: OrbitObject) -> dict[str, _Band]:
         bands["cone_angle_deg"] = _Band(_unit(axis), low, high)
     if spec.background is not None:
         to_body = world.position_m(spec.background) - target
-        distance = float(np.linalg.norm(to_body))
+        distance = rotations.norm(to_body)
         radius = world.radius_m(spec.background)
         half = math.asin(radius / distance) if radius < distance else math.pi
         bands["background"] = _Band(_unit(-to_body) if distance > 0.0 else _UP, 0.0, half)
@@ -79,11 +79,12 @@ def _fault(world: World, spec: OrbitObject, direction: F64, camera: F64, shift: 
     target = world.position_m(spec.target)
     if spec.background is not None and world.hit_m(spec.background, target, -direction) is None:
         return f"{spec.background} is not behind the target"
-    for when, place in enumerate((camera, camera + shift)):
+    places = (camera,) if world.window_s == 0.0 else (camera, camera + shift)
+    for when, place in enumerate(places):
         fault = unclear(world, place, spec.clearance_m, when)
         if fault is not None:
             return fault
-    length = float(np.linalg.norm(target - camera))
+    length = rotations.norm(target - camera)
     for name in world.body_radii_m:
         if name != spec.target:
             hit = world.hit_m(name, camera, -direction)
@@ -142,5 +143,5 @@ def orbit_object(world: World) -> F64:
     spec = world.camera.trajectory
     assert isinstance(spec, OrbitObject)
     offset = _place(world.shared, spec)
-    q = noisy(world, spec, rotations.look_at(-offset, _UP))
-    return np.stack([np.concatenate([pose[:3] + offset, q]) for pose in world.poses[spec.target]])
+    q = noisy(rotations.look_at(-offset, _UP), noise(world, spec))
+    return np.array([np.concatenate([pose[:3] + offset, q]) for pose in world.poses[spec.target]])

@@ -30,10 +30,10 @@ def orbit_axes(world: World, name: str, frame: Frame, when: int) -> F64:
     """Columns are the axes rsw or lvlh of a thing's orbit, in the root frame."""
     position, velocity = world.orbital_state(name, when)
     normal = rotations.cross(position, velocity)
-    size = float(np.linalg.norm(normal))
-    if not size > 1e-12 * float(np.linalg.norm(position) * np.linalg.norm(velocity)):
+    size, distance = rotations.norm(normal), rotations.norm(position)
+    if not size > 1e-12 * (distance * rotations.norm(velocity)):
         refuse(world, f"frame: {frame}: {name} moves in no plane, it stands or falls straight")
-    outward, normal = position / np.linalg.norm(position), normal / size
+    outward, normal = position / distance, normal / size
     forward = rotations.cross(normal, outward)
     columns = (outward, forward, normal) if frame == "rsw" else (forward, -normal, -outward)
     return np.column_stack(columns)
@@ -61,24 +61,32 @@ def camera_turn(q: F64, camera_axes: CameraAxes) -> F64:
 def look(world: World, place: F64, aim: F64, up: F64) -> F64:
     """Looking from a place at a point, in any axes; the two must not coincide."""
     forward = aim - place
-    if not float(np.linalg.norm(forward)) > 0.0:
+    if not rotations.norm(forward) > 0.0:
         refuse(world, "the camera is at the point that it looks at")
     return rotations.look_at(forward, up)
 
 
-def noisy(world: World, spec: Pointing, q: F64) -> F64:
-    """A view with the step's aim jitter, roll and pointing noise; the same all exposure long."""
+def noise(world: World, spec: Pointing) -> list[F64]:
+    """The step's aim jitter, roll and pointing noise, turns one after the other; the same all
+    exposure long."""
     rng = world.random("camera.aim")
     low, high = spec.roll_deg
     roll = math.radians(low + (high - low) * float(rng.random()))
     right, down = math.radians(spec.aim_jitter_deg) * rng.standard_normal(2)
-    for axis, angle in (((0, 1, 0), right), ((1, 0, 0), down), ((0, 0, 1), roll)):
-        q = rotations.multiply(q, rotations.axis_angle(axis, float(angle)))
+    jitter = (((0, 1, 0), float(right)), ((1, 0, 0), float(down)), ((0, 0, 1), roll))
+    turns = [rotations.axis_angle(axis, angle) for axis, angle in jitter]
     if spec.pointing_noise_deg > 0.0:
         deviation = math.radians(spec.pointing_noise_deg)
         error = deviation * world.random("camera.pointing").standard_normal(3)
-        angle = float(np.linalg.norm(error))
-        q = rotations.multiply(q, rotations.axis_angle(error / angle, angle))
+        angle = rotations.norm(error)
+        turns.append(rotations.axis_angle(error / angle, angle))
+    return turns
+
+
+def noisy(q: F64, turns: list[F64]) -> F64:
+    """A view with its noise."""
+    for turn in turns:
+        q = rotations.multiply(q, turn)
     return q
 
 
@@ -93,7 +101,7 @@ def unclear(world: World, place: F64, clearance_m: float | None, when: int) -> s
     if body is not None:
         return f"the camera is within clearance_m of {body}"
     for name, radius in world.craft_radius_m.items():
-        distance = float(np.linalg.norm(place - world.poses[name][when, :3]))
+        distance = rotations.norm(place - world.poses[name][when, :3])
         if distance <= radius + clearance_m:
             return (
                 f"the camera is within clearance_m of {name} "
@@ -107,8 +115,8 @@ def finished(world: World, spec: Pointing, views: Callable[[int], tuple[F64, F64
 
     Refuses a place that is not clear, with the distance that it has.
     """
-    poses = []
-    for when in range(2):
+    poses, turns = [], noise(world, spec)
+    for when in range(1 if world.window_s == 0.0 else 2):
         place, q = views(when)
         fault = unclear(world, place, spec.clearance_m, when)
         if fault is not None:
@@ -119,8 +127,8 @@ def finished(world: World, spec: Pointing, views: Callable[[int], tuple[F64, F64
                 told = f"; it is {distance:.6g} m from the centre of {target}"
             limit = spec.clearance_m
             refuse(world, f"{fault}{told} (clearance_m: {'null' if limit is None else limit})")
-        poses.append(np.concatenate([place, noisy(world, spec, q)]))
-    return np.stack(poses)
+        poses.append(np.concatenate([place, noisy(q, turns)]))
+    return np.array([poses[0], poses[-1]])
 
 
 def aimed(world: World, spec: Aimed, place_of: Callable[[int], F64]) -> F64:
