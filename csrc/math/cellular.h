@@ -23,10 +23,10 @@ pl_cellular pl_cellular_find(pl_vec3 point, float randomness, uint32_t seed);
  * `cell` receives the result of pl_cellular_find, which is computed on the way; it may be NULL. */
 float pl_cellular_edge(pl_vec3 point, float randomness, uint32_t seed, pl_cellular *cell);
 
-/* Smooth minimum of the distances to sites: -s ln sum exp(-d/s) over all sites, with s = smoothness
- * / 8, smoothness clamped to [0, 1]; smoothness 0 gives the nearest distance. It is lower than that
- * by s ln 2 where two sites are equally near, and may be negative near sites. Sites outside the
- * search range cause discontinuities below 1e-4. */
+/* Smooth minimum of the distances to sites: -s ln sum exp(-d/s) over all sites, with
+ * s = smoothness / 8, smoothness clamped to [0, 1]; smoothness 0 gives the nearest distance. It is
+ * lower than that by s ln 2 where two sites are equally near, and may be negative near sites. Sites
+ * outside the search range cause discontinuities below 1e-4. */
 float pl_cellular_smooth(pl_vec3 point, float randomness, float smoothness, uint32_t seed);
 
 /* Three uniform numbers in [0, 1) for an id, independent of the position of its site. */

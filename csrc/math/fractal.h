@@ -32,8 +32,7 @@ typedef struct pl_fractal {
 typedef enum pl_fractal_kind {
   PL_FRACTAL_FBM,          /* sum of octaves over the sum of amplitudes: [-1, 1], mean 0 */
   PL_FRACTAL_MULTIFRACTAL, /* product of (1 + octave): mean 1 */
-  /* Octaves in proportion to the height of the coarser ones; mean offset * product of (1 +
-   * amplitude offset). */
+  /* Octaves times the height of coarser ones; mean offset * product of (1 + amplitude offset). */
   PL_FRACTAL_HETERO_TERRAIN,
   PL_FRACTAL_RIDGED, /* octaves (offset - |noise|)^2, weighted by the one before */
   PL_FRACTAL_HYBRID, /* octaves weighted by the product of those before */

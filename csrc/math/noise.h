@@ -13,8 +13,9 @@
 
 #include "math/vec.h"
 
-/* 8 A^2 B for the fade f = 6t^5 - 15t^4 + 10t^3, A = int (1-f)^2 = 181/462, B = int t^2 (1-f)^2 =
- * 535/18018, times 4/3, the square of the factor that scales the range to 1. */
+/* 8 A^2 B for the fade f = 6t^5 - 15t^4 + 10t^3, A = int (1-f)^2 = 181/462,
+ * B = int t^2 (1-f)^2 = 535/18018, times 4/3, the square of the factor that scales the range to 1.
+ */
 #define PL_NOISE_VARIANCE (70108540.0 / 1442187747.0)
 
 typedef struct pl_noise_value {

@@ -228,9 +228,9 @@ double pl_clouds_detail_error(const pl_clouds *clouds, int detail, double width_
   if (left == 0.0)
     return 0.0;
   /* The normal distribution function changes by at most 1/sqrt(2 pi) per standard deviation, and a
-   * change of the standard deviation by the factor e^x changes it by at most x max(t phi(t)) <=
-   * 0.242 x. The narrowest distribution has the softness only; the widest also has the variance of
-   * all omitted octaves. */
+   * change of the standard deviation by the factor e^x changes it by at most 0.242 x, where 0.242
+   * is the maximum of t phi(t). The narrowest distribution has the softness only; the widest also
+   * has the variance of all omitted octaves. */
   const double sigma = sqrt(PL_NOISE_VARIANCE), soft = (double)clouds->softness;
   const double edge = soft * soft * variance;
   const double narrow = sqrt(edge) * sigma, wide = sqrt(edge + variance - known) * sigma;

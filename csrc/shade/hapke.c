@@ -49,8 +49,8 @@ static double eta(slant s, double chi, double t) {
   return chi * (s.cosine + s.sine * t * s.e2 / (2.0 - s.e1));
 }
 
-/* `high` is the direction nearer to the normal: high and low stand for i and e in Hapke's branch i
- * <= e, and for e and i in the branch i >= e. */
+/* `high` is the direction nearer to the normal: high and low stand for i and e in Hapke's branch
+ * i <= e, and for e and i in the branch i >= e. */
 pl_hapke_relief pl_hapke_relief_of(const pl_hapke_angles *a, double roughness_rad) {
   const double t = tan(roughness_rad), chi = 1.0 / sqrt(1.0 + PL_PI * t * t);
   const slant sun = slant_of(a->mu0, a->sin_i, a->cot_i, 1.0 / t);

@@ -14,8 +14,8 @@
  * 2002. */
 typedef struct pl_hapke {
   double w; /* single-scattering albedo, 0..1 */
-  /* Two-term Henyey-Greenstein function: 0 <= b < 1; c > 0 is backscattering. Fits may have |c| >
-   * 1; negative values of p(g) are then set to 0. */
+  /* Two-term Henyey-Greenstein function: 0 <= b < 1; c > 0 is backscattering. Fitted values of c
+   * may be outside -1..1; where p(g) would be negative, it is 0. */
   double b, c;
   double b_s0, h_s;     /* shadow-hiding opposition surge: amplitude, half width (0: no surge) */
   double b_c0, h_c;     /* coherent-backscatter surge: amplitude, half width (0: no surge) */

@@ -22,9 +22,9 @@ static double layer_light(const pl_view_thing *source, const void *context) {
   return (*part)(source) > 0.0 ? pl_view_light(source) : 0.0;
 }
 
-/* If an object with such a layer is in the frame, the bound is the radiance of the sun, as a glint
- * or seen through the wall. Otherwise the layer only changes the light that the object sends onto
- * objects in the frame. */
+/* An object in the frame with such a layer can show the sun itself, as a glint or through the wall:
+ * the bound is white. Otherwise the layer only changes the light that the object sends onto objects
+ * in the frame. */
 static double bound_dn(const pl_view *view, part_fn part) {
   double radiance = 0.0;
   const double series = pl_view_series(view, view->max_bounces);

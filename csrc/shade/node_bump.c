@@ -2,8 +2,8 @@
 #include "shade/node_rows.h"
 
 /* Slopes at the point by central differences over a small step. STEP_MIN_M is above the rounding
- * errors of positions of a few metres. Blinn, "Simulation of Wrinkled Surfaces", SIGGRAPH 1978: n -
- * dh/dt t - dh/db b.
+ * errors of positions of a few metres. The normal is n - dh/dt t - dh/db b (Blinn, "Simulation of
+ * Wrinkled Surfaces", SIGGRAPH 1978).
  *
  * Slopes are not filtered by the footprint: Monte Carlo samples average over the pixel. A lobe
  * widened by the variance of the hidden slopes is not the mean over the bumped normals: it is

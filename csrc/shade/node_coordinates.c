@@ -1,4 +1,5 @@
-/* Texture-space nodes: coordinates of the point, and their translation, rotation and scaling. */
+/* The nodes `coordinates` and `mapping`: coordinates of the point; their translation, rotation and
+ * scaling. */
 #include <math.h>
 
 #include "shade/node_rows.h"

@@ -69,8 +69,8 @@ static void panel(const pl_node_call *call) {
                                           place.width / pl_minf(length, height)));
 }
 
-/* Lengths are in units of the coordinates: metres if those are in metres and the scale is 1. The
- * default line widths are typical of silicon cells. */
+/* Lengths are in units of the scaled coordinates: metres if the coordinates are in metres and the
+ * scale is 1. The default line widths are typical of silicon cells. */
 static const pl_socket panel_inputs[] = {
     PL_PATTERN_VECTOR,
     {"length", PL_SCALAR, {0.08f, 0.08f, 0.08f}, "Pitch of cells along x"},
