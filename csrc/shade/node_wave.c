@@ -25,9 +25,9 @@ static double phase_of(int path, pl_vec3 p, pl_vec3 *gradient) {
   return pl_vec3_norm(p);
 }
 
-/* Box filter over the footprint: its width is along the gradient of the distorted phase, increased
- * by the variance of the distortion that the footprint hides: a box of width w has the variance
- * w^2/12. */
+/* Box filter over the footprint, along the gradient of the distorted phase. The variance of the
+ * box, w^2/12 for a width w, is increased by the variance of the distortion that the footprint
+ * hides. */
 static void wave(const pl_node_call *call) {
   const pl_pattern_place place = pl_pattern_place_of(call);
   const float distortion = call->in[3][0], detail = call->in[4][0];

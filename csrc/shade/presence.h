@@ -1,5 +1,4 @@
-/* Finds the triangles of a model that are visible given the alpha of their materials, for mesh
- * export. */
+/* Finds which triangles of a model the alpha of their materials leaves visible, for mesh export. */
 #ifndef PL_SHADE_PRESENCE_H
 #define PL_SHADE_PRESENCE_H
 

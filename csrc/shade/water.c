@@ -1,4 +1,5 @@
-/* Single reflection: light reflected from wave to wave is at most some thousandths. */
+/* Reflectance of open water. Only single reflection: light that goes from wave to wave is at most a
+ * few thousandths. */
 #include "shade/water.h"
 
 #include "math/sampling.h"

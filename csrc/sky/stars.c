@@ -170,8 +170,8 @@ static void sums_add(sums *s, uint32_t pixel, pl_vec3f light) {
   s->most = pl_maxf(s->most, pl_vec3f_max(s->light[at]));
 }
 
-/* For each level, the maximum radiance in a pixel due to all fainter stars; adds stars from the
- * faintest on. `always`: radiance of the stars already omitted. */
+/* For each level, the maximum radiance in a pixel due to all stars beyond that level; adds stars
+ * from the faintest on. `always`: bound of the radiance of stars that are not in the field. */
 static pl_status set_left(const pl_star_field *field, const pl_camera *camera, float always,
                           pl_arena *arena, pl_view_sky *view) {
   sums s;
