@@ -1,4 +1,4 @@
-"""Frames for training loops: a map-style Dataset and an endless Stream. No torch here."""
+"""Frames for training loops: a map-style Dataset and an endless Stream, without torch."""
 
 from __future__ import annotations
 
@@ -34,17 +34,16 @@ def _simulation(config: ConfigSource | Simulation, seed: int | None) -> Simulati
 
 
 def _threads(threads: int | None) -> int:
-    """As asked; else this worker's share of the processors."""
+    """The given number; default: this worker's share of the processors."""
     workers = torch_worker()[1]
     return threads if threads is not None else max(1, default_threads() // workers)
 
 
 class _Frames:
-    """What Dataset and Stream share: a simulation, and the changes that were made to it.
+    """Base of Dataset and Stream: a simulation and the changes made to it.
 
-    Copies in the workers of a DataLoader read the changes from a ledger; other copies, as by
-    pickle, have a ledger of their own.
-    """
+    Copies in the workers of a DataLoader read the changes from a ledger; other copies, such as
+    pickled ones, have a ledger of their own."""
 
     def __init__(
         self,
@@ -80,7 +79,7 @@ class _Frames:
         self._ledger, self._path, self._seen = ledger, ledger.path, 0
 
     def _shared(self) -> Ledger:
-        """The ledger: of the process that started this worker, or one's own."""
+        """The ledger: that of the process that started this worker, or its own."""
         if self._came_from is not None and in_torch_worker():
             # Pickled into a worker that was spawned. A fork has its parent's ledger already.
             given = Ledger(self._came_from)
@@ -91,7 +90,7 @@ class _Frames:
         return self._ledger
 
     def _follow(self, ledger: Ledger) -> None:
-        """Takes over what was changed meanwhile; while the ledger is held."""
+        """Applies changes made meanwhile; the ledger must be held."""
         for row in ledger.rows[self._seen :]:
             if "changes" in row:
                 self._schedule = Schedule(self.simulation, [(at, c) for at, c in row["changes"]])
@@ -101,14 +100,14 @@ class _Frames:
 
     @property
     def changes(self) -> list[Change]:
-        """(index, {key path: value}) of what `set` has changed, by the index it holds from."""
+        """(first index, {key path: value}) of the changes made by `set`."""
         ledger = self._shared()
         with ledger.held():
             self._follow(ledger)
         return list(self._schedule.changes)
 
     def _set(self, ledger: Ledger, at: int, change: Mapping[str, Any]) -> None:
-        """While the ledger is held."""
+        """Adds a change; the ledger must be held."""
         if in_torch_worker():
             raise RuntimeError("set: call it in the process that made the loader, not in a worker")
         self._schedule.add(at, change)
@@ -123,7 +122,7 @@ class _Frames:
 
 
 def _plain(changes: Mapping[str, Any] | None, dotted: Mapping[str, Any]) -> dict[str, Any]:
-    """As JSON can hold it. ValueError for no change at all."""
+    """The changes as JSON can hold them. ValueError if there are none."""
     from perilune.document.loader import plain_tree
 
     found = plain_tree({**(changes or {}), **dotted}, "set")
@@ -133,14 +132,14 @@ def _plain(changes: Mapping[str, Any] | None, dotted: Mapping[str, Any]) -> dict
 
 
 class Dataset(_Frames):
-    """`length` frames by index, from `start` on: a map-style dataset without importing torch.
+    """A map-style dataset of `length` frames from index `start` on; it does not import torch.
 
-    Items are Samples; perilune.torch.Dataset gives tensors. The same item is the same frame, to the
-    bit, in any epoch, order and worker.
+    Items are Samples; perilune.torch.Dataset gives tensors. An item is the same frame, to the bit,
+    in any epoch, order and worker.
 
-    channels: names to compute (default: render.channels). transform: called with each Sample; what
-    it returns is the item. threads: of a frame (default: the processors, shared by the workers).
-    """
+    channels: names of the channels to compute (default: render.channels). transform: called with
+    each Sample; its result is the item. threads: number of threads per frame (default: the
+    processors, shared among the workers)."""
 
     def __init__(
         self,
@@ -170,24 +169,22 @@ class Dataset(_Frames):
             self._follow(ledger)
         return self._item(self.start + position)
 
-    def set(
-        self, changes: Mapping[str, Any] | None = None, at: int = 0, **dotted: Any
-    ) -> None:
-        """Changes the configuration of the frames whose index (Sample.meta["index"]) is `at` or
-        more, whenever they are made from now on; in workers too, also in persistent ones.
+    def set(self, changes: Mapping[str, Any] | None = None, at: int = 0, **dotted: Any) -> None:
+        """Changes the configuration of all frames made from now on whose index
+        (Sample.meta["index"]) is `at` or more, in all workers, including persistent ones.
 
-        changes, dotted: key path -> value, as {"drivers.strength": 0.5}. Between epochs no frame is
-        under way, and all of the next epoch have the change. In an epoch, batches that workers have
-        already begun come without it: `meta["overrides"]` of each sample says what it was made
-        with. ConfigError for a faulty change, and then nothing is changed.
-        """
+        changes, dotted: key path -> value, such as {"drivers.strength": 0.5}. Between epochs no
+        frame is in progress, so the whole next epoch has the change. Within an epoch, batches that
+        workers have already begun do not have it; `meta["overrides"]` of each sample records its
+        changes. Raises ConfigError for a faulty change and then changes nothing."""
         given, ledger = _plain(changes, dotted), self._shared()
         with ledger.held():
             self._follow(ledger)
             self._set(ledger, at, given)
 
     def state_dict(self) -> dict[str, Any]:
-        """The changes made by `set`, as plain values; where an epoch stands is its sampler's."""
+        """The changes made by `set`, as plain values. The position within an epoch belongs to the
+        sampler."""
         return {
             "version": _STATE_VERSION,
             "seed": self.simulation.config.seed,
@@ -196,8 +193,8 @@ class Dataset(_Frames):
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Puts the changes of `state` in the place of those that are; refuses that of another seed
-        or start. ConfigError where they do not fit the configuration."""
+        """Replaces the changes by those of `state`. ValueError for a state of another seed or
+        start; ConfigError if the changes do not fit the configuration."""
         mine = {"seed": self.simulation.config.seed, "start": self.start}
         _check_state(mine, state)
         _restore(self, state.get("changes", ()))
@@ -210,7 +207,7 @@ def _check_state(mine: Mapping[str, Any], state: Mapping[str, Any]) -> None:
 
 
 def _restore(frames: _Frames, changes: Sequence[Sequence[Any]]) -> None:
-    """Puts changes in the place of those that are; checks them first."""
+    """Replaces the changes, after checking the new ones."""
     schedule = Schedule(frames.simulation)
     for at, change in changes:
         schedule.add(at, change)
@@ -223,23 +220,23 @@ def _restore(frames: _Frames, changes: Sequence[Sequence[Any]]) -> None:
 class Stream(_Frames):
     """Endless frames start, start + 1, ...; resumable, and split over shards and workers.
 
-    Items are Samples; perilune.torch.IterableDataset gives tensors. A stream is never at its
-    beginning again: another `iter`, or another epoch of a DataLoader, goes on with new frames.
+    Items are Samples; perilune.torch.IterableDataset gives tensors. A stream never starts over:
+    another `iter`, or another epoch of a DataLoader, continues with new frames.
 
-    shard = (k, n): every n-th frame from start + k on, as for process k of n in distributed
-    training. Positions count the frames of the shard: 0 is start + k, 1 is start + k + n.
+    shard = (k, n): every n-th frame from start + k on, for process k of n in distributed training.
+    Positions count the frames of the shard: position 0 is frame start + k, position 1 is start + k
+    + n.
 
     Under torch's DataLoader with W workers, worker w takes positions w, w + W, w + 2 W, ...; with
-    `batch_size` B, it takes them B at a time, so that a loader of that batch size gives all frames
-    in order for any number of workers. No frame comes twice.
+    `batch_size` B it takes B at a time, so a loader of that batch size yields all frames in order
+    for any number of workers. No frame is repeated.
 
-    perilune.torch.StreamLoader, or torchdata's StatefulDataLoader, counts the batches that were
-    handed out, so that stopping and resuming, or a second epoch, leaves no frame out. torch's own
-    DataLoader tells nobody: there a second epoch goes on after the last frame that any worker has
-    begun, and leaves out what workers had prepared when the first one was broken off.
+    perilune.torch.StreamLoader and torchdata's StatefulDataLoader count the batches that were
+    handed out, so resuming or a second epoch skips no frame. torch's own DataLoader does not report
+    this: a second epoch continues after the last frame that any worker has begun, and skips what
+    workers had prepared when the first epoch was interrupted.
 
-    channels, transform, threads: as for Dataset.
-    """
+    channels, transform, threads: as for Dataset."""
 
     def __init__(
         self,
@@ -278,8 +275,8 @@ class Stream(_Frames):
 
     @property  # type: ignore[misc]
     def __class__(self) -> type:
-        """Its type. DataLoader asks for it, by isinstance; a stream that is older than torch is
-        made known to it then."""
+        """The type that isinstance sees. DataLoader asks for it; a stream created before torch was
+        imported is registered with torch then."""
         _register_with_torch()
         return type(self)
 
@@ -303,7 +300,8 @@ class Stream(_Frames):
         return self.start + part + count * position
 
     def _begin_pass(self) -> dict[str, Any] | None:
-        """Finds out where a pass begins; gives its line in the ledger, if a worker makes it."""
+        """Determines where a pass begins; returns its line in the ledger if a worker makes the
+        pass."""
         if not in_torch_worker():
             self._first, self._taken = self.position, 0
             return None
@@ -323,10 +321,9 @@ class Stream(_Frames):
 
     @property
     def position(self) -> int:
-        """How many frames of the shard have been handed out.
+        """Number of frames of the shard that were handed out.
 
-        With workers of torch's own DataLoader: how many these have begun.
-        """
+        With workers of torch's own DataLoader: number of frames that they have begun."""
         own = self._first + self._taken
         ledger = self._shared()
         with ledger.held():
@@ -335,10 +332,10 @@ class Stream(_Frames):
         return own
 
     def go_to(self, position: int, loop: bool = False) -> int:
-        """Makes `position` the next one; for what hands out frames. Gives it back.
+        """For loaders: sets the next position and returns it.
 
-        loop: workers that are made from now on begin there, and persistent ones their next pass.
-        """
+        loop: workers created from now on begin there; persistent ones begin their next pass
+        there."""
         ledger = self._shared()
         with ledger.held():
             self._loop = None
@@ -352,21 +349,21 @@ class Stream(_Frames):
         return position
 
     def handed_out(self, position: int) -> None:
-        """Says that all frames before a position are with the user; for what hands out frames."""
+        """For loaders: reports that the user has all frames before a position."""
         self._first, self._taken = position, 0
 
     def set(
         self, changes: Mapping[str, Any] | None = None, at: int | None = None, **dotted: Any
     ) -> int:
-        """Changes the configuration from a frame on, in all workers; gives that frame's index.
+        """Changes the configuration from a frame on, in all workers; returns that frame's index.
 
-        changes, dotted: key path -> value, as {"drivers.strength": 0.5}, or a driver. at: index of
-        the first frame that has them (default: the first one that no worker has begun). So each
-        frame is a function of configuration, changes, seed and index, and the changes stand in
-        `meta["overrides"]` and in `state_dict`.
-        ValueError where a frame from `at` on has been begun; ConfigError for a faulty change. Then
-        nothing is changed.
-        """
+        changes, dotted: key path -> value or driver, such as {"drivers.strength": 0.5}. at: index
+        of the first frame with the changes (default: the first one that no worker has begun). Each
+        frame thus remains a function of configuration, changes, seed and index; the changes are
+        recorded in `meta["overrides"]` and in `state_dict`.
+
+        Raises ValueError if a frame from `at` on has been begun, and ConfigError for a faulty
+        change; then nothing is changed."""
         given, own = _plain(changes, dotted), self._first + self._taken
         ledger = self._shared()
         with ledger.held():
@@ -380,11 +377,11 @@ class Stream(_Frames):
         return at
 
     def state_dict(self) -> dict[str, Any]:
-        """Where the stream stands, and what `set` has changed, as plain values.
+        """The stream's position and the changes made by `set`, as plain values.
 
-        position: frames handed out, of the shard. In a worker, where torchdata's loader asks, it is
-        where the worker's pass has begun, and `taken` what the worker itself has made since.
-        """
+        position: number of frames of the shard handed out. In a worker, where torchdata's loader
+        asks, it is the start of the worker's pass, and `taken` is the number of frames that this
+        worker has made since."""
         worker, workers = torch_worker()
         position, taken = (self.position, 0) if workers == 1 else (self._first, self._taken)
         self._follow_now()
@@ -408,8 +405,8 @@ class Stream(_Frames):
             self._follow(ledger)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Goes on where `state` stands, with its changes; refuses that of another seed, start or
-        shard, and a worker's in another worker."""
+        """Continues from `state`, with its changes. Refuses a state of another seed, start or
+        shard, and a worker's state in another worker."""
         mine = self.state_dict()
         fixed: tuple[str, ...] = ("seed", "start", "shard", "shards")
         position = state.get("position", state.get("yielded"))  # yielded: of version 1
@@ -429,22 +426,22 @@ class Stream(_Frames):
 
 
 def _last_mark(ledger: Ledger) -> dict[str, Any] | None:
-    """What was last said of where the stream is."""
+    """The last position recorded for the stream."""
     marks = ("loop", "pass", "go_to")
     rows = (row for row in reversed(ledger.rows) if any(key in row for key in marks))
     return next(rows, None)
 
 
 def _family() -> str:
-    """A name that the workers of one loader share, and those of no other loader of its process:
-    workers are processes with numbers in a row."""
+    """A name common to the workers of one loader and to no other loader of its process; these
+    workers are processes with consecutive numbers."""
     name, (worker, _) = multiprocessing.current_process().name, torch_worker()
     found = re.fullmatch(r"(.*?)(\d+)", name)
     return name if found is None else f"{found[1]}{int(found[2]) - worker}"
 
 
 def _register_with_torch() -> None:
-    """Lets torch's DataLoader see a Stream as iterable-style, if torch is there at all."""
+    """Makes torch's DataLoader treat a Stream as iterable-style, if torch is imported."""
     data = sys.modules.get("torch.utils.data")
     iterable = getattr(data, "IterableDataset", None)
     if iterable is not None:

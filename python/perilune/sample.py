@@ -19,7 +19,7 @@ Array = NDArray[Any]
 
 
 class Sample(Mapping[str, Array]):
-    """One frame. `sample["rgb"]` and the like are the pixel channels that were asked for."""
+    """One frame: `sample["rgb"]` and so on are the pixel channels that were computed."""
 
     __slots__ = ("_channels", "_objects", "camera", "meta", "plan", "stars")
 
@@ -36,29 +36,37 @@ class Sample(Mapping[str, Array]):
         self._objects = None if objects is None else object_rows(objects)
         self.camera = camera
         self.meta = dict(meta)
-        """seed, index, step, scene, sensor, time_utc, drivers (key path -> value), scene_drivers
-        (likewise of the scene's first step, where it differs), overrides (key path -> value, what
-        with_overrides and `set` of Dataset and Stream changed), white_radiance (W m-2 sr-1 shown
-        as 255; None where an automatic exposure was not measured: labels alone), timings_s;
-        exposure_s and gain_e_dn (of the sensor, where one of its channels was asked for); bands
-        (name, mean_um and sun_part of each, where they or planes were asked for;
-        perilune.camera.bands.described);
-        articulation: spacecraft -> node -> {"motion": (4, 4), from a point of the object's frame,
-        m, in the rest pose to where it is, "joints": one {"angle_deg"} or {"translation_m"} for
-        each of the node's joints}; rows (of a rolling shutter): poses of some rows, see
-        perilune.frame.rows; those of `camera` and `objects` are of the middle of the frame."""
+        """Metadata of the frame, by key:
+
+            seed, index, step, scene, sensor, time_utc
+            drivers         key path -> value
+            scene_drivers   the same for the scene's first step, if it differs
+            overrides       key path -> value: changes by with_overrides, Dataset.set, Stream.set
+            white_radiance  W m-2 sr-1 shown as 255; None if an automatic exposure was not measured,
+                            because only labels were asked for
+            timings_s       duration of each stage of the rendering
+            exposure_s, gain_e_dn  of the sensor, if one of its channels was asked for
+            bands           name, mean_um and sun_part of each band, if bands or planes were asked
+                            for; see perilune.camera.bands.described
+            articulation    spacecraft -> node -> {"motion": (4, 4), m, maps a point of the object's
+                            frame from the rest pose to its present place; "joints": {"angle_deg"}
+                            or {"translation_m"} for each of the node's joints}
+            rows            under a rolling shutter: poses of some rows, see perilune.frame.rows;
+                            `camera` and `objects` refer to the middle of the frame
+        """
         self.plan = Plan(plan)
         self.stars = np.empty(0, STAR) if stars is None else stars
-        """Stars that the colours show, one row each, the brightest first: number and magnitude of
-        the catalogue, u and v, the pixel position of the centre. With the lens's distortion. Empty
-        where no channel of colours was asked for. Hidden stars, and those too faint for the
-        exposure (row `stars` of the plan), are not in it."""
+        """Stars that the colours show, one row each, brightest first: number and magnitude of the
+        catalogue, and the pixel position u, v of the centre, including the lens's distortion. Empty
+        unless a colour channel was asked for. Stars that are hidden, or too faint for the exposure
+        (row `stars` of the plan), are not included."""
 
     @property
     def objects(self) -> Array:
-        """Labels of the spacecraft, one row each in the order of the configuration.
+        """Labels of the spacecraft as a structured array, one row each in the order of the
+        configuration.
 
-        The rows of `sample["masks"]` are in the same order."""
+        The rows of `sample["masks"]` have the same order."""
         if self._objects is None:
             raise AttributeError("this sample has no object labels: ask for the channel 'objects'")
         return self._objects

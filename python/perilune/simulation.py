@@ -47,19 +47,19 @@ Array = NDArray[Any]
 ConfigSource = str | os.PathLike[str] | Mapping[str, Any]
 
 _orphans: list[Handles | Assets] = []
-"""Those of a parent process: a fork must neither use them nor destroy them (the ray tracer's
-threads do not exist in the child), so they stay referenced until it ends."""
+"""Objects of a parent process. A fork must neither use nor destroy them, because the ray tracer's
+threads do not exist in the child; so they stay referenced until the child ends."""
 
 
 def default_threads() -> int:
-    """The processors this process may use."""
+    """Number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 class _Store:
-    """The assets that a simulation shares with all that it is made into; one set a process."""
+    """The assets that a simulation shares with those derived from it, one set per process."""
 
     def __init__(self) -> None:
         self._assets: Assets | None = None
@@ -69,7 +69,7 @@ class _Store:
         return _Store, ()
 
     def of(self, document: Document) -> Assets:
-        """This process's."""
+        """The set of this process."""
         pid = os.getpid()
         if self._assets is None or self._pid != pid:
             if self._assets is not None:
@@ -79,11 +79,10 @@ class _Store:
 
 
 class Simulation:
-    """Random access to frames: `sim[i]` is the same whatever was rendered before, and where.
+    """Random access to frames: `sim[i]` is the same whatever was rendered before, in any process.
 
-    Opened by perilune.open. Pickles as its configuration; in every process, forked ones too, the
-    core's objects are made when first needed.
-    """
+    perilune.open makes one. It pickles as its configuration; every process, forked ones too,
+    creates the core's objects when it first needs them."""
 
     def __init__(
         self,
@@ -92,9 +91,11 @@ class Simulation:
         orbits: Mapping[str, Hook] | None = None,
         store: _Store | None = None,
     ) -> None:
-        """trajectory: a callable that gives the camera's poses instead of the configured one.
-        orbits: name of a body or spacecraft -> a hook that draws its orbit instead.
-        store: of the simulation that this one is made of."""
+        """trajectory: a callable that replaces the configured trajectory.
+
+        orbits: name of a body or spacecraft -> a hook that replaces its orbit.
+
+        store: assets of the simulation that this one is derived from."""
         check_references(document.config, document.source, document.drivers, document.origins)
         self._document = document
         self._trajectory = trajectory
@@ -121,14 +122,13 @@ class Simulation:
     def with_overrides(
         self, overrides: Mapping[str, Any] | None = None, **dotted: Any
     ) -> Simulation:
-        """The same simulation with other values at some keys; this one stays as it is.
+        """Returns the same simulation with other values at some keys; this one stays unchanged.
 
-        overrides, dotted: as those of perilune.open, on top of all that was changed before; drivers
-        as mappings or perilune.Driver. Models, maps, scenes and their accelerators are shared, so
-        that this takes the time of checking the configuration. Samples record the changes in
-        `meta["overrides"]`, from which `perilune.open(config, replay=meta)` takes them again.
-        ConfigError as from perilune.open.
-        """
+        overrides, dotted: as for perilune.open, applied after all earlier changes; drivers are
+        mappings or perilune.Driver. Models, maps, scenes and their acceleration structures are
+        shared, so the call takes only as long as checking the configuration. Samples record the
+        changes in `meta["overrides"]`; `perilune.open(config, replay=meta)` applies them again.
+        Raises ConfigError as perilune.open does."""
         return self._with({**(overrides or {}), **dotted})
 
     def _with(self, changes: Mapping[str, Any], known: bool = False) -> Simulation:
@@ -155,12 +155,12 @@ class Simulation:
 
     @property
     def document(self) -> Document:
-        """The configuration as loaded: its file, tree and drivers."""
+        """The loaded configuration: its file, tree and drivers."""
         return self._document
 
     @property
     def timeline(self) -> Timeline:
-        """Which step, scene and sensor each frame is."""
+        """Step, scene and sensor of each frame."""
         return self.config.timeline
 
     @property
@@ -175,33 +175,33 @@ class Simulation:
 
     @property
     def shapes(self) -> Mapping[str, BodyShape]:
-        """Body entry -> the mesh that is its surface, of those that have one; loads them."""
+        """Body entry -> the mesh of its surface, for bodies with a shape; loads them."""
         return self._mine().shapes_of(self.config)
 
     @property
     def partitions(self) -> Mapping[str, Partition]:
-        """Spacecraft entry -> how its model is cut into parts; loads the models."""
+        """Spacecraft entry -> the division of its model into parts; loads the models."""
         return self._mine().partitions
 
     def presence(self, name: str) -> NDArray[np.uint8]:
-        """(T,): what alpha leaves of each triangle of a spacecraft's model, in any frame.
+        """(T,): how much alpha leaves of each triangle of a spacecraft's model, over all frames.
 
-        0 nothing, 1 perhaps a part, 2 all of it."""
+        0: nothing, 1: perhaps a part, 2: all of it."""
         return self._mine().looks.presence(name)
 
     def moving_nodes(self, names: Sequence[str]) -> list[tuple[str, ...]]:
-        """Of each part of the model that some spacecraft share, the nodes above it that move on one
-        of them, the nearest first, by their names in `Sample.meta["articulation"]`."""
+        """For each part of a model, the nodes above it that move on any of the given spacecraft,
+        nearest first, by their names in `Sample.meta["articulation"]`."""
         handles = self._mine()
         rigs = [handles.rigs[name] for name in names if name in handles.rigs]
         return articulation.moving_above(handles.models[names[0]].model, rigs)
 
     def unmatched_part_classes(self) -> list[tuple[str, str]]:
-        """(key path, what is wrong) of patterns of `part_classes` that fit no part."""
+        """(key path, message) of patterns in `part_classes` that match no part."""
         return self._mine().unmatched()
 
     def _mine(self) -> Handles:
-        """This process's handles."""
+        """The handles of this process."""
         pid = os.getpid()
         if self._handles is None or self._pid != pid:
             if self._handles is not None:
@@ -211,10 +211,10 @@ class Simulation:
         return self._handles
 
     def config_at(self, index: int) -> tuple[Config, dict[str, Any]]:
-        """The configuration of a frame, and what its drivers drew, by key path.
+        """The configuration of a frame, and the values that its drivers drew, by key path.
 
-        Its section `camera` is the platform's; `world(index).camera` is what takes the frame.
-        """
+        Its section `camera` is the platform's; `world(index).camera` is the camera that takes the
+        frame."""
         return self._document.at(index)
 
     def _setting(self, config: Config, index: int) -> Setting:
@@ -238,22 +238,22 @@ class Simulation:
 
     @property
     def has_orbit_hooks(self) -> bool:
-        """Whether some orbits are drawn by functions given in code."""
+        """Whether functions given in code draw any orbits."""
         return bool(self._orbits)
 
     @property
     def functions(self) -> list[str]:
-        """Arguments of perilune.open that are functions: what no file of a configuration holds."""
+        """Arguments of perilune.open that are functions, which no configuration file can hold."""
         given = ["trajectory"] if self._trajectory is not None else []
         return given + [f"orbits.{name}" for name in self._orbits]
 
     def system(self, index: int) -> System:
-        """What moves in a frame, at any time."""
+        """Motion of bodies and spacecraft in a frame, at any time."""
         index = _checked_index(index)
         return System(self._setting(self.config_at(index)[0], index))
 
     def world(self, index: int) -> World:
-        """Where everything is in a frame, the camera aside."""
+        """Everything in a frame except the camera's pose: a perilune.world.World."""
         index = _checked_index(index)
         config, drawn = self.config_at(index)
         mine = self._mine()
@@ -265,7 +265,8 @@ class Simulation:
         return trajectories.camera_poses(scene, self._trajectory)
 
     def camera_poses(self, index: int) -> F64:
-        """Poses (2, 7), camera to root, m, of a frame's camera as the shutter opens and closes."""
+        """Poses (2, 7) of a frame's camera as the shutter opens and closes: x, y, z in metres, qw,
+        qx, qy, qz, from camera axes (OpenCV) to the root frame."""
         return self._camera_poses(self.world(index))
 
     def light_curve(self, name: str, frames: Iterable[int], **options: Any) -> LightCurve:
@@ -275,13 +276,13 @@ class Simulation:
         return light_curve(self, name, frames, **options)
 
     def request(self, index: int) -> _core.FrameRequest:
-        """What the core is asked to render for a frame."""
+        """The core's input for a frame."""
         return self._request(self.world(index))
 
     def _request(
         self, scene: World, posed: Mapping[str, articulation.Posed] | None = None
     ) -> _core.FrameRequest:
-        """posed: the moving parts in the middle of the exposure, where they are known already."""
+        """posed: poses of the moving parts in the middle of the exposure, if already known."""
         handles = self._mine()
         posed = posed or handles.posed(shutter.middle(scene))
         scales = handles.scales(scene.config)
@@ -301,7 +302,7 @@ class Simulation:
         return request
 
     def _keys(self, scene: World) -> shutter.Keys | None:
-        """What moves while the shutter is open; None in no time at all."""
+        """Poses at times within the exposure; None without an exposure time."""
         if scene.window_s == 0.0:
             return None
         exposure = shutter.Exposure(
@@ -313,7 +314,7 @@ class Simulation:
         return shutter.keys(scene, float(intrinsics(scene.camera)[0, 0]), exposure)
 
     def _metered(self, scene: World) -> tuple[Config, _core.FrameRequest] | None:
-        """The frame that sets the exposure of a sensor that lags; None where it meters itself."""
+        """The frame that sets the exposure of a sensor with a lag; None if it meters itself."""
         sensor = scene.config.camera.sensor
         if sensor is None or sensor.exposure.mode == "fixed":
             return None
@@ -324,7 +325,7 @@ class Simulation:
         return before.config, self._request(before)
 
     def measure_rays(self, index: int, repeats: int) -> dict[str, tuple[int, float, float]]:
-        """For benchmarks: a frame's rays timed against raw Embree; see _core.Renderer."""
+        """For benchmarks: times a frame's rays against raw Embree; see _core.Renderer."""
         scene, handles = self.world(index), self._mine()
         request = self._request(scene)
         with handles.lock:
@@ -332,9 +333,9 @@ class Simulation:
             return renderer.measure_rays(request, repeats)
 
     def plan(self, index: int) -> Plan:
-        """The effects kept and dropped in a frame, with reasons; nothing is rendered.
+        """The effects kept and left out in a frame, with reasons; nothing is rendered.
 
-        Those of the sensor where render.channels has one of its channels."""
+        It includes the sensor's effects if render.channels has one of its channels."""
         scene, handles = self.world(index), self._mine()
         request = self._request(scene)
         if not set(OF_SENSOR) & set(scene.config.render.channels):
@@ -355,12 +356,12 @@ class Simulation:
         threads: int | None = None,
         out: Mapping[str, Array] | None = None,
     ) -> Sample:
-        """Renders a frame.
+        """Renders a frame and returns its Sample.
 
-        channels: names to compute (default: render.channels). threads: does not change the result
-        (default: all processors of the process). out: arrays to write into by channel name, as an
-        earlier sample's; the others are new, or were of a sample that nobody holds any more.
-        """
+        channels: names of the channels to compute (default: render.channels). threads: number of
+        threads, which does not change the result (default: all processors of the process). out:
+        arrays to write into, by channel name, such as those of an earlier sample; for other
+        channels arrays are new, or reused from samples that nobody references any more."""
         asked = self.config.render.channels if channels is None else channels
         names = arguments.names("channels", asked)
         check_channels(names, self.config, "channels")
@@ -400,7 +401,7 @@ class Simulation:
     def _meta(
         self, scene: World, posed: Mapping[str, articulation.Posed], result: _core.FrameResult
     ) -> dict[str, Any]:
-        """What a sample says of its frame, but for its bands."""
+        """Metadata of a sample, except its bands."""
         white = result["white_radiance"]
         meta: dict[str, Any] = {
             "seed": scene.config.seed,
@@ -428,37 +429,38 @@ class Simulation:
         return plot_orbits(self, frames, **options)
 
     def plot_trajectory(self, frames: Iterable[int], **options: Any) -> Any:
-        """A Figure of the camera's path about its target; see show/plots/trajectory.py."""
+        """A matplotlib Figure of the camera's path about its target; see
+        show/plots/trajectory.py."""
         from perilune.show.plots import plot_trajectory
 
         return plot_trajectory(self, frames, **options)
 
     def plot_light_curve(self, names: Iterable[str], frames: Iterable[int], **options: Any) -> Any:
-        """A Figure of the sunlight over time; see show/plots/light.py."""
+        """A matplotlib Figure of the sunlight over time; see show/plots/light.py."""
         from perilune.show.plots import plot_light_curve
 
         return plot_light_curve(self, names, frames, **options)
 
     def ground_track(self, frames: Iterable[int], **options: Any) -> Any:
-        """A Figure of the spacecraft's tracks on a body; see show/plots/ground.py."""
+        """A matplotlib Figure of the spacecraft's ground tracks on a body; see
+        show/plots/ground.py."""
         from perilune.show.plots import plot_ground_track
 
         return plot_ground_track(self, frames, **options)
 
     def graph(self, name: str, on: str | None = None) -> GraphPicture:
-        """The graph of an entry of `materials` as a picture (SVG), drivers highlighted.
+        """Draws the graph of an entry of `materials` (SVG) and highlights its drivers.
 
-        on: spacecraft or body whose drivers are shown (default: the first that it is on). A
-        notebook shows the result; `.svg` is its text, `.save(path)` writes it. ValueError for names
-        that are not there.
-        """
+        on: spacecraft or body whose drivers are shown (default: the first that uses the material).
+        A notebook shows the result; `.svg` is its text, `.save(path)` writes it. Raises ValueError
+        for unknown names."""
         from perilune.show.graphs import draw
 
         return draw(self._document, name, on)
 
 
 def _expose(request: _core.FrameRequest, metered: _core.FrameResult) -> None:
-    """Sets the exposure that was metered on another frame."""
+    """Applies the exposure that was metered on another frame."""
     sensor = dict(request["sensor"] or {})
     sensor.update(auto_time=None, exposure_s=metered["exposure_s"], gain=metered["gain_e_dn"])
     request["sensor"] = sensor
@@ -475,20 +477,28 @@ def open(  # noqa: A001 (perilune.open is the interface)
     replay: Mapping[str, Any] | None = None,
     **dotted: Any,
 ) -> Simulation:
-    """Opens a configuration: a YAML or JSON file, or a mapping of the same shape.
+    """Opens a configuration: a YAML or JSON file, or a mapping of the same structure.
 
-    seed: replaces the file's. overrides: {"camera.width": 64} and so on, None removes a key; more
-    can be given as keywords, **{"render.samples": 4}. Keys beside an override that nothing reads
-    any more, as the percentile of mode auto with {"camera.exposure.mode": "fixed"}, are left out.
+    seed: replaces the file's seed.
+
+    overrides: values by key path, such as {"camera.width": 64}; None removes a key. More can be
+    given as keywords, **{"render.samples": 4}. Keys that an override makes meaningless are removed:
+    with {"camera.exposure.mode": "fixed"}, the percentile of mode auto.
+
     base: the folder that relative paths refer to (default: the file's, or the current one).
-    trajectory: a callable (perilune.world.World) -> camera pose (7,) or (2, 7), camera to root,
-    instead of the configured trajectory; with `sensors` it is the pose of the platform they sit on.
-    orbits: name of a body or spacecraft -> a function that draws its orbit once a scene, as those
-    of `kind: hook`. replay: the metadata of a sample (Sample.meta, or {index, drivers,
-    scene_drivers} of a dataset): its frame gets the values that its drivers had, whatever they
-    would draw now; other steps draw as ever. With the seed of the metadata, if they hold one and no
-    other is given.
-    """
+
+    trajectory: replaces the configured trajectory by a callable (perilune.world.World) -> camera
+    pose (7,) or (2, 7) from camera axes to the root frame, in metres. With `sensors` it is the pose
+    of their platform.
+
+    orbits: name of a body or spacecraft -> a function that draws its orbit once a scene, as with
+    `kind: hook`.
+
+    replay: the metadata of a sample (Sample.meta, or {index, drivers, scene_drivers} of a dataset).
+    In its frame the drivers have the recorded values, whatever they would draw now; other steps
+    draw as usual. The seed is that of the metadata, if they have one and no other is given.
+
+    Raises ConfigError for a faulty configuration and FileNotFoundError for a missing file."""
     if not isinstance(config, (str, os.PathLike, Mapping)):
         raise TypeError(f"config: must be a path or a mapping, not {config!r:.60}")
     changes = {**arguments.mapping("overrides", overrides or {}, "{'camera.width': 64}"), **dotted}

@@ -2,19 +2,18 @@
 
 Items are mappings of tensors that torch's own collate stacks:
 
-    rgb, depth and the like    as render.channels or `channels` ask; images as (channels, height,
-                               width), or (height, width, channels) with chw=False
-    semantic, part, instance   int64: classes to index with; raw is int32
+    rgb, depth and so on       the channels of render.channels or `channels`; images as (channels,
+                               height, width), or (height, width, channels) with chw=False
+    semantic, part, instance   int64, because torch indexes with it; raw is int32
     K                          (3, 3), pixels, integer pixel centres
     R_w2c, t_w2c               (3, 3), (3,) float64, m: p_camera = R_w2c p_root + t_w2c
-    index                      int64, the frame's
-    sensor                     its name, where the configuration has sensors
-    objects                    a mapping of tensors, one row a spacecraft (names as in
+    index                      int64, the frame's index
+    sensor                     the sensor's name, if the configuration has sensors
+    objects                    a mapping of tensors, one row per spacecraft (names as in
                                Sample.objects: R_m2c, t_m2c, m, bbox_visib, ...), padded with zeros
-                               to `max_objects` rows; `valid` (max_objects,) says which are objects
+                               to `max_objects` rows; `valid` (max_objects,) marks the objects
 
-Needs torch (the extra `torch`).
-"""
+Needs torch (the extra `torch`)."""
 
 from __future__ import annotations
 
@@ -35,7 +34,7 @@ Transform = Callable[[Item], Any]
 
 
 class _AsTensors:
-    """The transform of a dataset: sample to tensors to what the user makes of them."""
+    """The transform of a dataset: from a sample to tensors, then the user's transform."""
 
     def __init__(self, options: Mapping[str, Any], then: Transform | None) -> None:
         self.options = options
@@ -49,9 +48,8 @@ class _AsTensors:
 class Dataset(plain.Dataset, data.Dataset[Any]):
     """perilune.Dataset as a torch.utils.data.Dataset of mappings of tensors.
 
-    chw, max_objects, dtype: see `tensors`. transform: called with each mapping; what it returns is
-    the item. Other arguments as those of perilune.Dataset.
-    """
+    chw, max_objects, dtype: see `tensors`. transform: called with each mapping; its result is the
+    item. Other arguments are those of perilune.Dataset."""
 
     def __init__(
         self,
@@ -82,10 +80,9 @@ class Dataset(plain.Dataset, data.Dataset[Any]):
 class IterableDataset(plain.Stream, data.IterableDataset[Any]):
     """perilune.Stream as a torch.utils.data.IterableDataset of mappings of tensors.
 
-    chw, max_objects, dtype: see `tensors`. transform: called with each mapping; what it returns is
-    the item. Other arguments as those of perilune.Stream, whose documentation says how frames are
-    shared among workers and how the stream is resumed.
-    """
+    chw, max_objects, dtype: see `tensors`. transform: called with each mapping; its result is the
+    item. Other arguments are those of perilune.Stream, which documents how workers share frames and
+    how to resume."""
 
     def __init__(
         self,
@@ -116,14 +113,15 @@ class IterableDataset(plain.Stream, data.IterableDataset[Any]):
 
 
 class StreamLoader(data.DataLoader[Any]):
-    """A DataLoader of a stream (IterableDataset here, or perilune.Stream) that knows where it is.
+    """A DataLoader for a stream (IterableDataset here, or perilune.Stream) that tracks its
+    position.
 
-    Batches come in the order of the frames, the same for any number of workers. Another `iter`, or
-    another loop over it, goes on with the frame after the last batch that was handed out; what
-    workers had begun beyond that is made again. `state_dict` and `load_state_dict` are exact, and a
-    state may be resumed with another number of workers or another batch size.
-    options: as those of torch.utils.data.DataLoader; in_order=False is refused.
-    """
+    Batches come in the order of the frames, for any number of workers. Another `iter` continues
+    with the frame after the last batch that was handed out; what workers had begun beyond it is
+    made again. `state_dict` and `load_state_dict` are exact, and a state may be resumed with
+    another number of workers or another batch size.
+
+    options: as for torch.utils.data.DataLoader; in_order=False is refused."""
 
     def __init__(
         self,
@@ -146,7 +144,7 @@ class StreamLoader(data.DataLoader[Any]):
 
     @property
     def stream(self) -> plain.Stream:
-        """What it loads."""
+        """The stream that it loads."""
         found = self.dataset
         assert isinstance(found, plain.Stream)
         return found
@@ -162,9 +160,9 @@ class StreamLoader(data.DataLoader[Any]):
             self.stream.go_to(position)
 
     def state_dict(self) -> dict[str, Any]:
-        """Where the stream stands, after the batches handed out; see Stream.state_dict."""
+        """State of the stream after the batches handed out; see Stream.state_dict."""
         return self.stream.state_dict()
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Goes on where `state` stands; see Stream.load_state_dict. Before a loop, not in it."""
+        """Continues from `state`; see Stream.load_state_dict. Call it before a loop, not within."""
         self.stream.load_state_dict(state)

@@ -1,4 +1,4 @@
-"""The world of one frame before the camera: where everything is while the shutter is open."""
+"""The world of one frame without the camera's pose: positions while the shutter is open."""
 
 from __future__ import annotations
 
@@ -25,50 +25,51 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class World:
-    """What a trajectory sees. Root frame, metres; poses when the shutter opens on the first row and
-    when it closes on the last.
+    """What a trajectory sees: the root frame (ICRF axes), in metres.
 
-    Poses within that time are asked for by worlds that close earlier."""
+    Poses are those when the shutter opens on the first row and when it closes on the last. For
+    poses in between, a trajectory is asked with worlds that close earlier."""
 
     config: Config
-    """Its section `camera` is that of the sensor that takes the frame."""
+    """Configuration of the frame; its section `camera` is that of the sensor that takes the
+    frame."""
     moment: Moment
     epoch: Date
     t_s: float
-    """Shutter opening, seconds after the epoch."""
+    """Time at which the shutter opens, in seconds after the epoch."""
     poses: Mapping[str, F64]
-    """Name of a body or spacecraft -> (2, 7)."""
+    """Name of a body or spacecraft -> poses (2, 7), at opening and closing."""
     velocities_m_s: Mapping[str, F64]
-    """Name of a body or spacecraft -> (2, 3)."""
+    """Name of a body or spacecraft -> velocities (2, 3), at opening and closing."""
     body_radii_m: Mapping[str, F64]
-    """Name of a body -> semi-axes (3,), also of one with a shape."""
+    """Name of a body -> semi-axes (3,); also for a body with a shape."""
     craft_radius_m: Mapping[str, float]
-    """Name of a spacecraft -> radius of a sphere about its origin that holds it."""
+    """Name of a spacecraft -> radius of its bounding sphere about its origin."""
     sun_position_m: F64
     system: orbits.System
-    """What moves and how: its states at any other time."""
+    """Motion of bodies and spacecraft: their states at any other time."""
     drivers: Mapping[str, Any]
-    """What the drivers drew, by key path."""
+    """Values that the drivers drew, by key path."""
     window_s: float = 0.0
-    """From the opening of the first row to the closing of the last."""
+    """Time from the opening of the first row to the closing of the last, in seconds."""
     shapes: Mapping[str, BodyShape] = field(default_factory=dict)
-    """Name of a body -> its shape, of those that have one."""
+    """Name of a body -> its shape, for bodies that have one."""
     longest: World | None = None
-    """The same step with the longest exposure of its sensors; None where this one's is."""
+    """The same step with the longest exposure of its sensors; None if this is the longest."""
 
     @property
     def index(self) -> int:
-        """Of the frame."""
+        """Index of the frame."""
         return self.moment.index
 
     @property
     def step(self) -> int:
-        """Step of the timeline: t_s is step_s * step."""
+        """Step of the timeline; t_s is step_s * step."""
         return self.moment.step
 
     @property
     def scene(self) -> int:
-        """Run of time.frames_per_scene steps."""
+        """Scene of the frame: a run of time.frames_per_scene steps."""
         return self.moment.scene
 
     @property
@@ -78,41 +79,40 @@ class World:
 
     @property
     def shared(self) -> World:
-        """The world that is the same for all sensors of the step: the platform is placed by it.
+        """The world common to all sensors of the step, by which the platform is placed.
 
-        Its poses at closing are those of the longest exposure.
-        """
+        Its poses at closing are those of the longest exposure."""
         return self.longest or self
 
     @property
     def camera(self) -> Camera:
-        """The camera that takes the frame."""
+        """The section of the camera that takes the frame."""
         return self.config.camera
 
     @property
     def date(self) -> Date:
-        """Shutter opening."""
+        """Date at which the shutter opens."""
         return self.epoch.after(self.t_s)
 
     def position_m(self, name: str) -> F64:
-        """Centre at shutter opening (3,)."""
+        """Position (3,) of the centre of a body or spacecraft at shutter opening."""
         return self.poses[name][0, :3]
 
     def _orbited(self, name: str) -> str:
-        """What a body or spacecraft moves around: the root where its ephemeris places it."""
+        """Central body of a body or spacecraft: the root if an ephemeris places it."""
         entry = self.config.bodies.get(name) or self.config.spacecraft[name]
         return entry.orbit.around if entry.orbit is not None else self.config.root
 
     def orbital_state(self, name: str, when: int = 0) -> tuple[F64, F64]:
-        """Position (3,) and velocity (3,) about what a thing orbits, ICRF axes, m and m/s."""
+        """Position (3,), m, and velocity (3,), m/s, relative to the central body, in ICRF axes."""
         around = self._orbited(name)
         position = self.poses[name][when, :3] - self.poses[around][when, :3]
         velocity = self.velocities_m_s[name][when] - self.velocities_m_s[around][when]
         return np.asarray(position), np.asarray(velocity)
 
     def mean_motion_rad_s(self, name: str) -> float:
-        """Of a thing's orbit: by its energy; else, where that makes no ellipse or the mass of what
-        it orbits is not known, the rate at which its direction turns now."""
+        """Mean motion of an orbit from its energy. If the orbit is no ellipse, or the central
+        body's mass is unknown: the present angular rate."""
         position, velocity = self.orbital_state(name)
         distance = float(np.linalg.norm(position))
         body = self.config.bodies.get(self._orbited(name))
@@ -125,7 +125,7 @@ class World:
         return float(np.linalg.norm(rotations.cross(position, velocity))) / distance**2
 
     def radius_m(self, name: str) -> float:
-        """Radius of a sphere about the centre that holds a body or spacecraft."""
+        """Radius of a bounding sphere about the centre of a body or spacecraft."""
         if name in self.craft_radius_m:
             return self.craft_radius_m[name]
         if name in self.shapes:
@@ -133,10 +133,9 @@ class World:
         return float(self.body_radii_m[name].max())
 
     def random(self, what: str, interval: int = 1) -> np.random.Generator:
-        """The step's random numbers for `what`; the same whatever else is drawn.
+        """The step's random numbers for `what`, independent of all other draws.
 
-        All sensors of a step get the same ones, and all of `interval` steps.
-        """
+        All sensors of a step get the same ones, and so do all of `interval` steps."""
         return generator(self.config.seed, what, self.step // interval)
 
     def scene_random(self, what: str) -> np.random.Generator:
@@ -148,7 +147,8 @@ class World:
         return rotations.rotate(rotations.conjugate(self.poses[name][when, 3:]), vector)
 
     def inside(self, point_m: F64, clearance_m: float = 0.0, when: int = 0) -> str | None:
-        """Name of a body that a point is in, or nearer to than about the clearance."""
+        """Name of a body that contains a point or is nearer to it than about the clearance; else
+        None."""
         for name, radii in self.body_radii_m.items():
             own = self.body_axes(name, point_m - self.poses[name][when, :3], when)
             if name in self.shapes:
@@ -161,8 +161,9 @@ class World:
         return None
 
     def surface_m(self, name: str, direction: F64) -> float:
-        """From a body's centre to its surface along a unit direction in body axes; of a shape the
-        outermost, or where it has none there, as its ellipsoid's."""
+        """Distance from a body's centre to its surface along a unit direction in body axes. For a
+        shape, the outermost surface, or that of its ellipsoid if there is none in this
+        direction."""
         shape = self.shapes.get(name)
         found = shape.surface_m(direction) if shape is not None else None
         if found is not None:
@@ -170,10 +171,10 @@ class World:
         return float(1.0 / np.linalg.norm(direction / self.body_radii_m[name]))
 
     def hit_m(self, name: str, origin_m: F64, direction: F64) -> float | None:
-        """Distance to the first point of a body ahead on a ray of unit direction; None: no hit.
+        """Distance to the first intersection with a body along a ray of unit direction; None
+        without one.
 
-        From inside a body the distance is 0.
-        """
+        From inside a body the distance is 0."""
         radii = self.body_radii_m[name]
         own = self.body_axes(name, origin_m - self.position_m(name))
         if name in self.shapes:
@@ -192,7 +193,8 @@ class World:
 
 
 def _near_shape(shape: BodyShape, point: F64, clearance_m: float) -> bool:
-    """Whether a point in body axes is inside, or nearer to the surface than the clearance."""
+    """Whether a point in body axes is inside the shape, or nearer to its surface than the
+    clearance."""
     if float(np.linalg.norm(point)) > shape.radius_m + clearance_m:
         return False
     return shape.holds(point) or (clearance_m > 0.0 and shape.distance_m(point) <= clearance_m)
@@ -201,7 +203,7 @@ def _near_shape(shape: BodyShape, point: F64, clearance_m: float) -> bool:
 def _system(
     config: Config, epoch: Date, scene: int, craft_radius_m: Mapping[str, float]
 ) -> orbits.System:
-    """Of a configuration alone."""
+    """The system of a configuration alone."""
     return orbits.System(
         orbits.Setting(config, epoch, scene, lambda text, _: Path(text), craft_radius_m.__getitem__)
     )
@@ -218,8 +220,8 @@ def build(
 ) -> World:
     """The world of frame `index`; the sizes of the spacecraft come from their models.
 
-    system: what moves, where it needs files, hooks or scenes; default: of the configuration alone.
-    """
+    system: motion that depends on files, hooks or scenes; default: that of the configuration
+    alone."""
     moment = config.timeline.at(index)
     moving = system or _system(config, epoch, moment.scene, craft_radius_m)
     cameras = config.cameras

@@ -1,10 +1,10 @@
-"""The user's own functions: finding them, giving them what they ask for, keeping them reproducible.
+"""Functions of the user's (hooks): loads them, passes their arguments, keeps them reproducible.
 
-A hook gets, by name, those of its arguments that the caller offers (`rng`, `world`, `params`,
-`body_radius_xyz` and so on), and the entries of `params` by theirs. While it runs, the global
-generators of NumPy and of `random` are seeded from (seed, key path, scene or step) and put back
-after, so that a hook that draws from them gives the same in any order and disturbs nobody.
-"""
+A hook receives those of its arguments that the caller offers by name (`rng`, `world`, `params`,
+`body_radius_xyz` and so on), and the entries of `params` by their names. While it runs, the global
+generators of NumPy and of `random` are seeded from (seed, key path, scene or step), and restored
+afterwards. A hook that uses them thus gives the same values in any order and disturbs no other
+code."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ _BY_NAME = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_O
 
 
 class HookError(ValueError):
-    """A hook that cannot be found or called, or whose answer cannot be used."""
+    """A hook that cannot be found or called, or whose result cannot be used."""
 
 
 @lru_cache(maxsize=64)
 def _read(path: Path) -> ModuleType:
-    """The module of a file, run once a process; not among those that `import` finds."""
+    """The module of a file, run once per process; not among those that `import` finds."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None  # the path ends in .py
     assert spec.loader is not None
@@ -49,7 +49,7 @@ def _read(path: Path) -> ModuleType:
 
 
 def _module(name: str, key: str, find: Callable[[str, str], Path] | None) -> ModuleType:
-    """An importable module; else the file of that name beside the configuration."""
+    """An importable module; else the file of that name next to the configuration."""
     try:
         return importlib.import_module(name)
     except ModuleNotFoundError as error:
@@ -74,11 +74,10 @@ def _attribute(value: Any, part: str, what: str) -> Any:
 
 
 def load(name: str, key: str, find: Callable[[str, str], Path] | None = None) -> Hook:
-    """The function that `module:function` names; `key` names the entry in errors.
+    """The function named by `module:function`; `key` names the entry in errors.
 
-    find: gives the file that a relative path of the configuration means (or FileNotFoundError), for
-    modules that cannot be imported.
-    """
+    find: resolves a relative path of the configuration (or raises FileNotFoundError), for modules
+    that cannot be imported."""
     module, _, path = name.partition(":")
     try:
         value: Any = _module(module, key, find)
@@ -95,7 +94,7 @@ def load(name: str, key: str, find: Callable[[str, str], Path] | None = None) ->
 
 @contextmanager
 def _global_generators(seed: int, what: str, index: int) -> Iterator[None]:
-    """Seeds the process's generators for a while; one thread at a time."""
+    """Seeds the process's generators within the context; one thread at a time."""
     words = generator(seed, f"global:{what}", index).integers(0, 2**32, 8, dtype=np.uint32)
     with _GLOBAL_STATE:
         numpy_state, python_state = np.random.get_state(), random.getstate()  # noqa: NPY002
@@ -156,13 +155,12 @@ def call(
     first: str | None = None,
     draws: str | None = None,
 ) -> Any:
-    """What a hook returns.
+    """Calls a hook and returns its result.
 
-    key: its path in the configuration, for errors and for what it draws. index: the scene or step
-    that it draws for. offers: what it may ask for by name, beside `rng` and `params`. first: which
-    of the offers its first argument gets if it has a name of its own. draws: what its random
-    numbers are keyed by (default: key).
-    """
+    key: its path in the configuration, for errors and random numbers. index: the scene or step that
+    it draws for. offers: arguments that it may ask for by name, besides `rng` and `params`. first:
+    the offer that its first argument receives if it has a name of its own. draws: key of its random
+    numbers (default: key)."""
     given = dict(params or {})
     what = f"hook:{draws or key}"
     all_offers: dict[str, Offer] = {
@@ -187,7 +185,7 @@ def call(
 def _is_own_name(
     parameters: list[inspect.Parameter], offers: Mapping[str, Offer], params: Mapping[str, Any]
 ) -> bool:
-    """Whether the first argument is positional and called like nothing that is offered."""
+    """Whether the first argument is positional and its name is not among the offers."""
     if not parameters:
         return False
     row = parameters[0]

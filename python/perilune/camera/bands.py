@@ -18,25 +18,25 @@ from perilune.config.schema import SRGB_UM, Config, Sun
 F64 = NDArray[np.float64]
 
 MONOCHROME_UM = (0.4, 0.9)
-"""The preset `monochrome`: what silicon without filters sees well."""
+"""Range of the preset `monochrome`: where silicon without filters is sensitive."""
 
 
 def stamps(bands: Bands, spectrum: Spectrum | None) -> tuple[files.Stamp, ...]:
-    """Of all files: what is kept of them ends when they change."""
+    """Time stamps of all files, which invalidate caches when they change."""
     names = [] if isinstance(bands, str) else [band.file for band in bands]
     names.append(spectrum.file if spectrum is not None else None)
     return tuple(files.stamp(Path(name)) for name in names if name is not None)
 
 
 def sun_curve(spectrum: Spectrum | None) -> F64 | None:
-    """The sun's spectrum; None for the core's own."""
+    """The Sun's spectrum; None for the core's own."""
     if spectrum is None:
         return None
     return spectra.read(Path(spectrum.file), UM_PER_UNIT[spectrum.wavelength_unit])
 
 
 def curve_of(band: Band) -> F64:
-    """The response of a band."""
+    """Response curve of a band."""
     if band.file is not None:
         return spectra.read(Path(band.file), UM_PER_UNIT[band.wavelength_unit])
     center_um, width_um = band.center_um, band.width_um
@@ -48,7 +48,7 @@ def curve_of(band: Band) -> F64:
 
 
 def curves(bands: Bands) -> Sequence[F64]:
-    """The responses of bands."""
+    """Response curves of bands."""
     if bands == "srgb":
         return spectra.srgb_curves()
     if bands == "monochrome":
@@ -62,7 +62,7 @@ def count(camera: Camera) -> int:
 
 
 def has_planes(camera: Camera) -> bool:
-    """Whether its sensor makes an image through each of the bands."""
+    """Whether the sensor makes an image through each band."""
     return camera.sensor is not None and camera.sensor.mosaic == "planes"
 
 
@@ -75,18 +75,20 @@ def _gathered(
 
 
 def gathered(camera: Camera, sun: Sun) -> tuple[_core.BandLight, ...]:
-    """What each band of a camera gathers of sunlight; ValueError for one beyond the spectrum."""
+    """Sunlight gathered by each band of a camera; ValueError for a band beyond the spectrum."""
     return _gathered(camera.bands, sun.spectrum, stamps(camera.bands, sun.spectrum))
 
 
 def matrix(camera: Camera, sun: Sun) -> F64:
-    """(bands, 3): part of the sun's irradiance that each band gathers of red, green and blue."""
+    """(bands, 3): fraction of the Sun's irradiance that each band gathers of red, green and
+    blue."""
     return np.array([band["part"] for band in gathered(camera, sun)])
 
 
 def described(camera: Camera, sun: Sun) -> list[dict[str, str | float]]:
-    """Of each band its name, the mean wavelength of sunlight in it, um, and the part of the sun's
-    irradiance that it gathers: a white surface facing the sun has part * irradiance / pi."""
+    """For each band its name, the mean wavelength of sunlight in it (um), and the fraction of the
+    Sun's irradiance that it gathers: a white surface facing the Sun has fraction * irradiance /
+    pi."""
     if isinstance(camera.bands, str):
         names = {"srgb": ["red", "green", "blue"]}.get(camera.bands, [camera.bands])
     else:
@@ -98,8 +100,8 @@ def described(camera: Camera, sun: Sun) -> list[dict[str, str | float]]:
 
 
 def wavelengths_um(camera: Camera, sun: Sun) -> tuple[float, float, float]:
-    """At which the sun's disc darkens towards its edge, in red, green and blue: the mean of what
-    the camera's bands see of each; of all that they see, for a colour of which that is nothing."""
+    """Wavelengths of limb darkening in red, green and blue: the mean that the camera's bands see of
+    each colour, or, for a colour that they do not see, of everything they see."""
     if sun.band_wavelengths_um is not None or camera.bands == "srgb":
         return sun.wavelengths_um
     lights = gathered(camera, sun)
@@ -112,7 +114,7 @@ def wavelengths_um(camera: Camera, sun: Sun) -> tuple[float, float, float]:
 
 
 def check(config: Config) -> Iterator[tuple[str, str]]:
-    """Key and complaint of each band that cannot be used with the sun's spectrum."""
+    """Key and message for each band that does not work with the Sun's spectrum."""
     sun = sun_curve(config.sun.spectrum)
     for name, camera in config.cameras.items():
         key = config.place(name, "bands")

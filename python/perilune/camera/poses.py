@@ -35,20 +35,21 @@ def look_at(
     aim_m: Sequence[float] | F64 = (0.0, 0.0, 0.0),
     up: Sequence[float] | F64 = (0.0, 0.0, 1.0),
 ) -> F64:
-    """Poses (2, 7) of a camera beside a target, looking at it; for hooks of the camera to return.
+    """Poses (2, 7) of a camera beside a target and looking at it, for camera hooks to return.
 
-    A pose is x, y, z, qw, qx, qy, qz: the camera's place in the root frame (ICRF axes, the root
-    body's centre at the origin), metres, and the unit quaternion that turns the camera's axes (x
-    right, y down, z forward) into the root's. The rows are those at the opening and the closing of
-    the shutter: the camera moves, and with frame other than icrf turns, with its target.
+    A pose is x, y, z, qw, qx, qy, qz: the camera's position in the root frame (ICRF axes, origin at
+    the root body's centre), metres, and the unit quaternion that rotates the camera's axes (x
+    right, y down, z forward) into the root's. The rows are at the opening and the closing of the
+    shutter: the camera moves with its target, and rotates with it unless frame is icrf.
 
-    world: what the hook was given. target: name of a spacecraft or body. position_m: (3,), from its
-    centre, in the axes of `frame`: icrf; target, its own; lvlh or rsw, those of its orbit (as the
-    key `frame` of camera.trajectory). aim_m: (3,), the point looked at, likewise. up: (3,), the
-    direction that is up in the image, likewise; where it is along the view, an axis across it.
+    world: the hook's World. target: name of a spacecraft or body. position_m: (3,), position from
+    its centre in the axes of `frame`: icrf; target, its own; lvlh or rsw, those of its orbit (see
+    the key `frame` of camera.trajectory). aim_m: (3,), the point to look at, in the same axes. up:
+    (3,), the up direction of the image, in the same axes; if it is along the view, another axis is
+    used.
 
-    ValueError for names that are not there, numbers that are none, and a place that is looked at.
-    """
+    Raises ValueError for unknown names, numbers that are not finite, and a position equal to the
+    point to look at."""
     if target not in world.poses:
         raise ValueError(f"look_at: no entry named '{target}'{nearest(target, list(world.poses))}")
     frames = ("icrf", "target", "lvlh", "rsw")

@@ -70,12 +70,12 @@ class Ocean(Strict):
 
 
 class NightLights(Strict):
-    """City lights. They come on between sunset and the end of civil twilight, when the Sun is 6
-    degrees below the horizon.
+    """City lights, on where the Sun is down.
 
-    Texels of published maps are wider than towns, so a random pattern breaks their light up into
-    towns and gaps. It is the same in every frame and keeps the map's mean, so distant views are as
-    bright as the map."""
+    They come on between sunset and the end of civil twilight, when the Sun is 6 degrees below the
+    horizon. Texels of published maps are wider than towns, so a random pattern breaks their light
+    up into towns and gaps. It is the same in every frame and keeps the map's mean, so distant views
+    are as bright as the map."""
 
     map: FileName
     """Map of the lights: equirectangular PNG, JPEG, WebP or TIFF, sRGB."""

@@ -277,8 +277,9 @@ class Spice(Around):
 
 
 class Drawn(Around):
-    """Common keys of orbits that are drawn once a scene. Their epoch is the first step of the
-    scene."""
+    """Common keys of orbits that are drawn once a scene.
+
+    Their epoch is the first step of the scene."""
 
     propagator: Literal["kepler", "j2", "circular"] | None = None
     """Motion on the drawn orbit: kepler (default), j2, or circular (from orbit_start at v_step;
@@ -298,8 +299,9 @@ class Drawn(Around):
 
 
 class Database(Drawn):
-    """An orbit drawn once a scene from a class of orbits. Each key replaces a default of the
-    class."""
+    """An orbit drawn once a scene from a class of orbits.
+
+    Each key replaces a default of the class."""
 
     kind: Literal["database"]
     class_: Literal["LEO", "MEO", "GEO", "PO", "SSO", "MOLNIYA", "GTO", "LLO", "NRHO"] = Field(

@@ -48,8 +48,10 @@ class Ringlet(Strict):
 
 
 class Rings(Strict):
-    """Flat rings in a body's equatorial plane. Their particles scatter sunlight once and hide what
-    is behind them. Give either `ringlets`, or radii with a map or with uniform values."""
+    """Flat rings in a body's equatorial plane.
+
+    Their particles scatter sunlight once and hide what is behind them. Give either `ringlets`, or
+    radii with a map or with uniform values."""
 
     inner_radius_km: _Radius | None = None
     """Inner radius, from the body's centre."""

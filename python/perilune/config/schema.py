@@ -59,9 +59,11 @@ _YEARS = (1960, 2100)  # UTC exists since 1960; the ephemeris of the Earth holds
 
 
 class Time(Strict):
-    """Time of the steps. Step k is step_s * k seconds after the epoch. These are SI seconds, as of
-    TT and TAI, so a leap second in between shifts the UTC date by one second. Each step is one
-    frame, or with `sensors` one frame of each sensor that is triggered."""
+    """Time of the steps.
+
+    Step k is step_s * k seconds after the epoch. These are SI seconds, as of TT and TAI, so a leap
+    second in between shifts the UTC date by one second. Each step is one frame, or with `sensors`
+    one frame of each sensor that is triggered."""
 
     epoch: str
     """Time of step 0: UTC in ISO 8601, such as 2026-03-20T12:00:00Z."""
@@ -183,8 +185,10 @@ class DiscreteSymmetry(Strict):
 
 
 class Symmetries(Strict):
-    """Symmetries of a model in its frame, for BOP. They are never guessed. Each is checked: the
-    rotated model must lie within a tenth of its diameter, or 15 mm, of itself, as BOP asks."""
+    """Symmetries of a model in its frame, for BOP.
+
+    They are never guessed. Each is checked: the rotated model must lie within a tenth of its
+    diameter, or 15 mm, of itself, as BOP asks."""
 
     discrete_deg: tuple[StaticVec3, ...] = ()
     """Rotations (roll, pitch, yaw) about the frame's origin that map the model onto itself. List
@@ -352,9 +356,10 @@ Correlation = Annotated[float, Field(strict=True, ge=-1.0, le=1.0), BeforeValida
 
 
 class DriverGroup(Strict):
-    """Settings and correlation of the drivers with `group: NAME`. Correlated draws use a Gaussian
-    copula: normal drivers have the given correlations, other kinds are monotonic functions of
-    correlated normal numbers."""
+    """Settings and correlation of the drivers with `group: NAME`.
+
+    Correlated draws use a Gaussian copula: normal drivers have the given correlations, other kinds
+    are monotonic functions of correlated normal numbers."""
 
     jitter_strength: StaticNonNegative | None = None
     """Factor on every variance; 0 gives exactly the ideal values. Default: drivers.strength."""
@@ -401,9 +406,11 @@ class DriverGroup(Strict):
 
 
 class Drivers(Strict):
-    """Defaults and groups of the drivers. A driver is a mapping in place of a value: {ideal,
-    jitter_variance, clip_min, clip_max}, {uniform: [low, high]}, {median, log_variance, clip_min,
-    clip_max}, {choice: [...], weights: [...]} or {hook: module:function, ideal, ...}."""
+    """Defaults and groups of the drivers.
+
+    A driver is a mapping in place of a value: {ideal, jitter_variance, clip_min, clip_max},
+    {uniform: [low, high]}, {median, log_variance, clip_min, clip_max}, {choice: [...], weights:
+    [...]} or {hook: module:function, ideal, ...}."""
 
     strength: StaticNonNegative = 1.0
     """Factor on every variance; 0 gives exactly the ideal values."""

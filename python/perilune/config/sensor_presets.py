@@ -9,8 +9,9 @@ Name = Literal["cmv4000", "ccd47_20", "imx174", "mastcam_z", "msl_mardi"]
 
 
 class Preset(NamedTuple):
-    """Keys of the section `sensor` with their sources; `assumed` lists what no source gives. A
-    section given beside a preset replaces the preset's section as a whole."""
+    """Keys of the section `sensor` with their sources; `assumed` lists what no source gives.
+
+    A section given beside a preset replaces the preset's section as a whole."""
 
     source: str
     assumed: str

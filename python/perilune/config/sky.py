@@ -64,8 +64,9 @@ class Background(Strict):
 
 
 class Sky(Strict):
-    """What the camera sees behind everything. It lights nothing, and automatic exposure ignores
-    it."""
+    """What the camera sees behind everything.
+
+    It lights nothing, and automatic exposure ignores it."""
 
     stars: Stars | None = None
     """Stars; none by default, because the package has no catalogue."""

@@ -1,9 +1,8 @@
 """{choice: [a, b, ...], weights: [...]}: one of several values.
 
-Values are whatever the key takes: numbers, colours, names, files, whole sections (without drivers
-of their own). The first is the ideal one; with a strength below 1 the ideal is taken with
-the probability 1 - strength, else one by the weights (default: all alike).
-"""
+Values are of any type that the key takes: numbers, colours, names, files, whole sections (without
+drivers of their own). The first is the ideal. With a strength below 1 the ideal is taken with
+probability 1 - strength, otherwise one by the weights (default: equal)."""
 
 from __future__ import annotations
 
@@ -25,12 +24,12 @@ class Choice:
 
     @property
     def ideal(self) -> Any:
-        """The first."""
+        """The first value."""
         return copy.deepcopy(self.values[0])
 
     @property
     def limits(self) -> Mapping[str, Any]:
-        """All values that can come."""
+        """All possible values."""
         begins = (0.0, *self.ends)
         rows = enumerate(zip(self.values, begins, self.ends, strict=False))
         return {f".choice[{k}]": value for k, (value, begin, end) in rows if end > begin}
@@ -45,7 +44,7 @@ class Choice:
         return Need(False, 1) if min(strength, 1.0) != 0.0 and len(self.values) > 1 else None
 
     def draw(self, source: Source, strength: float) -> Any:
-        """One of the values; a copy."""
+        """One of the values, copied."""
         share = min(strength, 1.0)
         if share == 0.0 or len(self.values) == 1:
             return self.ideal
@@ -76,7 +75,7 @@ def _weights(name: str, raw: Any, count: int) -> tuple[float, ...]:
 
 
 def parse(name: str, raw: Mapping[str, Any]) -> Choice:
-    """From its mapping; `name` is the key path."""
+    """Parses its mapping; `name` is the key path."""
     if "choice" not in raw:
         raise DriverError(name, "weights belong to a choice; the key choice is missing")
     values = raw["choice"]

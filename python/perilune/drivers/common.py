@@ -1,4 +1,4 @@
-"""What all distributions share: errors, numbers and vectors of mappings, the source of draws."""
+"""Common parts of all distributions: errors, numbers and vectors of mappings, sources of draws."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Drawn(float):
 
 
 class DriverError(ValueError):
-    """A mapping that is meant as a driver, but is none."""
+    """A mapping with a driver's keys that is not a valid driver."""
 
     def __init__(self, path: str, text: str) -> None:
         super().__init__(f"{path}: {text}")
@@ -41,7 +41,7 @@ def number(name: str, value: Any) -> float:
 
 
 def numbers(name: str, value: Any, count: int | None) -> tuple[float, ...]:
-    """A number as (x,) where count is None, else count numbers; one number stands for all."""
+    """(x,) if count is None, else count numbers; a single number is repeated."""
     if not isinstance(value, (list, tuple)):
         return (number(name, value),) * (count or 1)
     if count is None:
@@ -52,7 +52,7 @@ def numbers(name: str, value: Any, count: int | None) -> tuple[float, ...]:
 
 
 def size(name: str, value: Any) -> int | None:
-    """How many numbers a driver stands for: None for one alone, n for a list of n."""
+    """Number of values of a driver: None for a single number, n for a list of n."""
     if not isinstance(value, (list, tuple)):
         return None
     if not value:
@@ -61,7 +61,7 @@ def size(name: str, value: Any) -> int | None:
 
 
 def joint(name: str, raw: Mapping[str, Any]) -> bool:
-    """The key `jointly`: whether all numbers of a list vary by one and the same draw."""
+    """The key `jointly`: whether one draw varies all numbers of a list."""
     value = raw.get("jointly", False)
     if not isinstance(value, bool):
         raise DriverError(f"{name}.jointly", f"must be true or false, not {value!r}")
@@ -69,7 +69,7 @@ def joint(name: str, raw: Mapping[str, Any]) -> bool:
 
 
 def shaped(values: tuple[float, ...], count: int | None) -> Any:
-    """What stands in the tree: a number, or a list."""
+    """The value as in the tree: a number or a list."""
     return values[0] if count is None else list(values)
 
 
@@ -83,26 +83,27 @@ def clip(
 
 @dataclass(frozen=True)
 class Source:
-    """What a driver draws from at one step."""
+    """Random numbers for a driver's draw at one step."""
 
     name: str
     """Key path of the driver."""
     seed: int
     step: int
-    """The first one that the draw is for."""
+    """First step that the draw is for."""
     epoch: int
-    """Counts the draws: the step divided by the interval."""
+    """Number of the draw: the step divided by the interval."""
     drawn: Sequence[float] = ()
-    """What the distribution needs: standard normals, or numbers uniform in [0, 1)."""
+    """Numbers that the distribution needs: standard normals, or uniform in [0, 1)."""
     correlates: bool = False
-    """Whether these are normals that the driver's group correlates, whatever is needed."""
+    """Whether these are the group's correlated normals, whatever the distribution needs."""
 
     def normals(self, count: int, jointly: bool = False) -> list[float]:
-        """(count,) of mean 0 and variance 1; independent of each other, or all the same."""
+        """(count,) normal numbers of mean 0 and variance 1: independent, or all equal."""
         return list(self.drawn) * (count if jointly else 1)
 
     def uniforms(self, count: int, jointly: bool = False) -> list[float]:
-        """(count,) in [0, 1]; in a correlated group those of its normals (a Gaussian copula)."""
+        """(count,) numbers in [0, 1]; in a correlated group those of its normals (a Gaussian
+        copula)."""
         found = self.normals(count, jointly)
         if self.correlates:
             return [0.5 * math.erfc(-x / math.sqrt(2.0)) for x in found]
@@ -110,34 +111,34 @@ class Source:
 
 
 class Need(NamedTuple):
-    """Standard numbers for one draw."""
+    """Standard random numbers that one draw needs."""
 
     normal: bool
-    """Normals; else uniform ones."""
+    """Whether they are normal; otherwise uniform."""
     numbers: int
 
 
 class Distribution(Protocol):
-    """What a row of the table makes of a mapping."""
+    """A driver parsed from a mapping."""
 
     @property
     def ideal(self) -> Any:
-        """The value without strength: a number, a list of numbers, or what a choice offers."""
+        """Value at a strength of 0: a number, a list of numbers, or an option of a choice."""
 
     @property
     def limits(self) -> Mapping[str, Any]:
-        """Values that must be valid in the driver's place: key of the driver, as `.clip_min` or
-        `.choice[1]` -> value."""
+        """Values that must be valid in the driver's place: key of the driver, such as `.clip_min`
+        or `.choice[1]` -> value."""
 
     @property
     def ideal_key(self) -> str:
-        """Which key of the driver says the ideal, likewise."""
+        """Key of the driver that holds the ideal, in the same form."""
 
     def needs(self, strength: float) -> Need | None:
-        """What a draw takes of the source; None where nothing varies, or a hook draws."""
+        """Random numbers that a draw needs; None if nothing varies or a hook draws."""
 
     def draw(self, source: Source, strength: float) -> Any:
-        """A value; the ideal, to the bit, at a strength of 0."""
+        """A value; exactly the ideal at a strength of 0."""
 
 
 @dataclass(frozen=True)
@@ -146,11 +147,11 @@ class Kind:
 
     name: str
     markers: tuple[str, ...]
-    """A mapping with one of these keys is meant as this kind."""
+    """Keys of which one marks a mapping as this kind."""
     keys: tuple[str, ...]
-    """All keys of its own."""
+    """All keys of this kind."""
     parse: Callable[[str, Mapping[str, Any]], Distribution]
     correlates: bool = True
-    """Whether it can be in a group with `shared` or `correlation`."""
+    """Whether it may be in a group with `shared` or `correlation`."""
     marks: Callable[[Any], bool] = lambda value: True
-    """What a marker's value must be like; a section that is called like a marker is none."""
+    """Test of a marker's value, so that a section of the same name is no driver."""

@@ -1,11 +1,9 @@
-"""{hook: module:function, ideal, clip_min, clip_max, params}: the user's own distribution.
+"""{hook: module:function, ideal, clip_min, clip_max, params}: a distribution of the user's own.
 
-The function gets those of its arguments that are named rng, seed, step, ideal, strength and params,
-and the entries of `params` by their names; it returns a value like `ideal`. Numbers are clipped; a
-text or a section as `ideal` takes no limits. It is called once a draw, as for all drivers every
-`interval` steps: `step` is the first of them, and the answer holds for all. It is not called at a
-strength of 0.
-"""
+The function receives those of its arguments that are named rng, seed, step, ideal, strength and
+params, and the entries of `params` by their names. It returns a value like `ideal`. Numbers are
+clipped; if `ideal` is a text or a section, there are no limits. It is called once per draw, that is
+every `interval` steps; `step` is the first of them. It is not called at a strength of 0."""
 
 from __future__ import annotations
 
@@ -20,12 +18,12 @@ from perilune.drivers.clipped import check_ideal, need
 from perilune.drivers.common import DriverError, Kind, Source, clip, numbers, shaped, size
 
 _KEPT = 16
-"""Answers of a hook that are kept."""
+"""Number of a hook's results to cache."""
 
 
 @dataclass(frozen=True)
 class Hooked:
-    """`low` and `high` are None where the ideal is no number."""
+    """`low` and `high` are None unless the ideal is a number."""
 
     name: str
     function: str
@@ -36,11 +34,11 @@ class Hooked:
     params: Mapping[str, Any]
     loaded: hooks.Hook | None = None
     answers: dict[tuple[int, int, float], Any] = field(default_factory=dict, compare=False)
-    """The last draws' values, by seed, draw and strength: frames ask for them several times."""
+    """Values of the last draws, by seed, draw and strength: frames ask for them several times."""
 
     @property
     def limits(self) -> Mapping[str, Any]:
-        """Both clips, of numbers."""
+        """Both clips, for numbers."""
         if self.low is None or self.high is None:
             return {}
         low, high = shaped(self.low, self.count), shaped(self.high, self.count)
@@ -52,16 +50,16 @@ class Hooked:
         return ".ideal"
 
     def load(self, find: Callable[[str, str], Path] | None) -> Hooked:
-        """With its function; see hooks.load."""
+        """The driver with its function loaded; see hooks.load."""
         key = f"{self.name}.hook"
         function = hooks.load(self.function, key, find)
         return Hooked(**{**self.__dict__, "loaded": function})
 
     def needs(self, strength: float) -> None:
-        """Nothing: the function has a generator of its own."""
+        """None: the function has its own generator."""
 
     def draw(self, source: Source, strength: float) -> Any:
-        """What the function returns, clipped; DriverError if it is not like the ideal."""
+        """The function's result, clipped; DriverError if it is not like the ideal."""
         if strength == 0.0:
             return self.ideal
         draw = (source.seed, source.epoch, strength)
@@ -102,7 +100,7 @@ class Hooked:
 
 
 def _plain(value: Any) -> Any:
-    """Without NumPy's types, as files hold it."""
+    """A value without NumPy's types, as in files."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -111,7 +109,7 @@ def _plain(value: Any) -> Any:
 
 
 def parse(name: str, raw: Mapping[str, Any]) -> Hooked:
-    """From its mapping; `name` is the key path."""
+    """Parses its mapping; `name` is the key path."""
     need(name, raw, ("hook", "ideal"))
     function, ideal, params = raw["hook"], raw["ideal"], raw.get("params", {})
     module, _, path = function.partition(":") if isinstance(function, str) else ("", "", "")

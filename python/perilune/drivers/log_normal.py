@@ -1,10 +1,9 @@
-"""{median, log_variance, clip_min, clip_max}: what has a normal logarithm, clipped.
+"""{median, log_variance, clip_min, clip_max}: log-normal, clipped.
 
     value = clip(median * exp(N(0, log_variance * strength)), clip_min, clip_max)
 
-`log_variance` is that of the natural logarithm; the median, the value without strength, is above 0.
-Lists as with the normal distribution.
-"""
+`log_variance` is the variance of the natural logarithm. The median is the ideal and above 0. Lists
+work as for the normal distribution."""
 
 from __future__ import annotations
 
@@ -17,7 +16,7 @@ from perilune.drivers.common import DriverError, Kind
 
 
 class LogNormal(Clipped):
-    """See the module. Deviations are those of the logarithm."""
+    """One value or several; `count` is None for a single number."""
 
     KEYS = ("median", "log_variance", "clip_min", "clip_max")
 
@@ -30,7 +29,7 @@ class LogNormal(Clipped):
         return found
 
     def standard_limits(self, strength: float) -> list[tuple[float, float]]:
-        """See Clipped."""
+        """Both clips of each number, in standard deviations of the logarithm from the median's."""
         rows = zip(self.middles, self.variances, self.low, self.high, strict=True)
         return [
             (_limit(low, median, variance * strength), _limit(high, median, variance * strength))

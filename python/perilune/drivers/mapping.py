@@ -1,4 +1,4 @@
-"""perilune.Driver: a driver as an object, in the place of a value of a configuration's mapping."""
+"""perilune.Driver: a driver as an object, for use in a configuration's mapping."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ Number = float | Sequence[float]
 
 
 class Driver(Mapping[str, Any]):
-    """A value of a configuration that varies; the mapping that a file would hold.
+    """A random variable in place of a value of the configuration.
 
     Driver(40.0, 4.0, 30.0, 50.0) is {ideal, jitter_variance, clip_min, clip_max}: normal about the
-    ideal, clipped. Lists in place of numbers are colours or vectors. The other distributions are
-    the class methods. All take as keywords `interval` (steps between draws), `strength` (factor on
-    the variance) and `group` (a name of `drivers.groups`); those of numbers also `jointly`: one
-    draw for all numbers of a list; and those with clips `truncated`: drawn from within the limits,
-    of which clipping piles up what lies beyond. Raises perilune.drivers.DriverError for what is no
-    driver.
-    """
+    ideal, clipped. Lists instead of numbers are colours or vectors. The class methods make the
+    other distributions.
+
+    Keywords of all: `interval` (steps between draws), `strength` (factor on the variance), `group`
+    (a name of `drivers.groups`). Of numeric ones: `jointly` (one draw for all numbers of a list).
+    Of those with clips: `truncated` (draws within the limits, instead of moving what lies beyond
+    onto them). Raises perilune.drivers.DriverError for a faulty driver."""
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class Driver(Mapping[str, Any]):
     def choice(
         cls, values: Sequence[Any], weights: Sequence[float] | None = None, **settings: Any
     ) -> Driver:
-        """One of several values, the first of which is the ideal one."""
+        """One of several values; the first is the ideal one."""
         return cls._of({"choice": values, "weights": weights, **settings})
 
     @classmethod
@@ -85,7 +85,8 @@ class Driver(Mapping[str, Any]):
         params: Mapping[str, Any] | None = None,
         **settings: Any,
     ) -> Driver:
-        """What a function draws; `module:function`, or one that a module has under its name."""
+        """A value that a function draws: `module:function`, or a function that a module has by its
+        name."""
         if callable(function):
             function = f"{function.__module__}:{function.__qualname__}"
         limits = {"clip_min": clip_min, "clip_max": clip_max, "params": params}
@@ -105,7 +106,7 @@ class Driver(Mapping[str, Any]):
 
 
 def _plain(value: Any) -> Any:
-    """NumPy numbers and arrays as Python's, as a configuration makes of them."""
+    """NumPy numbers and arrays as Python's, as in a configuration."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Mapping):

@@ -2,9 +2,8 @@
 
     value = clip(ideal + N(0, jitter_variance * strength), clip_min, clip_max)
 
-With a list as `ideal` (a colour, a vector) the other keys are lists too, or one number for all; its
-numbers are drawn independently, or by one draw for all with `jointly: true`.
-"""
+If `ideal` is a list (a colour, a vector), the other keys are lists of the same length or one number
+for all. Its numbers are drawn independently, or with one draw for all if `jointly: true`."""
 
 from __future__ import annotations
 
@@ -13,7 +12,7 @@ from perilune.drivers.common import Kind
 
 
 class Normal(Clipped):
-    """See the module."""
+    """One value or several; `count` is None for a single number."""
 
     KEYS = ("ideal", "jitter_variance", "clip_min", "clip_max")
 
@@ -24,7 +23,7 @@ class Normal(Clipped):
         return [mean + by * normal if by != 0.0 else mean for mean, by, normal in rows]
 
     def standard_limits(self, strength: float) -> list[tuple[float, float]]:
-        """See Clipped."""
+        """Both clips of each number, in standard deviations from its ideal."""
         rows = zip(self.middles, self.variances, self.low, self.high, strict=True)
         return [
             (in_deviations(low - mean, own * strength), in_deviations(high - mean, own * strength))

@@ -1,10 +1,9 @@
-"""What all drivers of a tree draw at a step: their settings resolved, their groups correlated.
+"""Values of all drivers of a tree at a step, with settings resolved and groups correlated.
 
-Strength and interval of a driver are its own, or its group's, or those of the section it stands in,
-or the defaults. Draws are keyed by (seed, key path, step // interval), in a correlated group by the
-group's name instead of the path and taken at the driver's place among the members: independent of
-the order of keys, of workers and of other drivers.
-"""
+Strength and interval of a driver are its own, those of its group, of the section that contains it,
+or the defaults, in this order. Draws are keyed by (seed, key path, step // interval); in a
+correlated group by the group's name, with one number for each member. They do not depend on the
+order of keys, on workers or on other drivers."""
 
 from __future__ import annotations
 
@@ -27,15 +26,16 @@ from perilune.drivers.hook import Hooked
 from perilune.drivers.tree import Found
 
 _SYMMETRIC = 1e-12
-"""Difference of two elements of a correlation matrix that rounding explains."""
+"""Largest difference of mirrored elements of a correlation matrix that rounding explains."""
 
 PILED = 0.1
-"""Share of a driver's draws on one of its limits that is worth a warning: most that clip mean to
-keep a tail out, not to draw one value more often than any other."""
+"""Fraction of a driver's draws on one of its limits above which a warning is given: clips are
+mostly meant to cut off a tail, not to make one value more frequent than any other."""
 
 
 def factor(correlation: Sequence[Sequence[float]]) -> F64:
-    """Lower triangular L with L L^T = the correlation matrix; ValueError if it is none."""
+    """Cholesky factor: lower triangular L with L L^T = the correlation matrix; ValueError if there
+    is none."""
     matrix = np.array(correlation, dtype=np.float64)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
         raise ValueError("must be a square matrix")
@@ -55,7 +55,7 @@ def factor(correlation: Sequence[Sequence[float]]) -> F64:
 
 @dataclass(frozen=True)
 class Group:
-    """A named group: settings of its drivers, and how their draws go together."""
+    """A named group: settings and correlation of its drivers."""
 
     name: str = ""
     strength: float | None = None
@@ -64,20 +64,22 @@ class Group:
     members: tuple[str, ...] = ()
     """Key paths, in the order of the matrix's rows."""
     factor: F64 | None = None
-    """(m, m): see `factor`."""
+    """(m, m) Cholesky factor; see `factor`."""
 
     @property
     def correlates(self) -> bool:
-        """Whether its drivers' draws depend on each other."""
+        """Whether the draws of its drivers depend on each other."""
         return self.shared or self.factor is not None
 
     @property
     def width(self) -> int:
-        """Independent normals for one of a member: value k of each goes with value k of others."""
+        """Number of independent normals per member; value k of a member is correlated with value k
+        of others."""
         return 1 if self.factor is None else len(self.members)
 
     def normals(self, free: Sequence[float], member: str) -> list[float]:
-        """A member's, of independent ones, `width` for each; all members get the same of these."""
+        """Normals of a member from independent ones, `width` per member; all members receive the
+        same input."""
         if self.factor is None:
             return list(free)
         row = self.factor[self.members.index(member)].tolist()
@@ -94,13 +96,13 @@ _NEVER: tuple[Any, Any] = (None, None)
 
 
 def copied(value: Any) -> Any:
-    """What a driver drew, for others to change."""
+    """A copy of a drawn value, which the caller may change."""
     return value if isinstance(value, (float, int, str)) else copy.deepcopy(value)
 
 
 @dataclass(frozen=True)
 class Defaults:
-    """For drivers that nothing else sets."""
+    """Settings of drivers that nothing else sets."""
 
     strength: float = 1.0
     interval: int = 1
@@ -122,13 +124,13 @@ class _Row:
 
 @dataclass(frozen=True)
 class Plan:
-    """Drivers, ready to be drawn."""
+    """Drivers that are ready to be drawn."""
 
     drivers: tuple[Found, ...] = ()
     groups: Mapping[str, Group] = field(default_factory=dict)
     defaults: Defaults = Defaults()
     kept: dict[KeyPath, tuple[Any, Any]] = field(default_factory=dict, compare=False, repr=False)
-    """Of each driver: for what it drew last, and the value."""
+    """Driver -> key and value of its last draw."""
     known: dict[KeyPath, _Row] = field(default_factory=dict, compare=False, repr=False)
     """Of each driver: what is the same at all steps."""
 
@@ -162,16 +164,16 @@ class Plan:
 
     @property
     def ideals(self) -> dict[KeyPath, Any]:
-        """Path -> value without strength."""
+        """Path -> ideal value."""
         return {driver.path: driver.ideal for driver in self.drivers}
 
     @property
     def ideal_keys(self) -> dict[str, str]:
-        """Key path -> the driver's key that the ideal stands in, `.ideal`."""
+        """Key path -> key of the driver that holds the ideal, such as `.ideal`."""
         return {driver.name: driver.distribution.ideal_key for driver in self.drivers}
 
     def loaded(self, file: Callable[[str, str], Path] | None) -> Plan:
-        """With the functions of hooks; HookError for one that is not there."""
+        """The plan with the functions of hooks loaded; HookError for a missing one."""
         rows = tuple(
             replace(row, distribution=row.distribution.load(file))
             if isinstance(row.distribution, Hooked)
@@ -181,7 +183,8 @@ class Plan:
         return replace(self, drivers=rows, kept={}, known={})
 
     def settings(self, driver: Found, step: int) -> tuple[float, int, int]:
-        """Of the draw of a driver at a step: strength, number, and the first step it is for."""
+        """Settings of a driver's draw at a step: strength, number of the draw, first step it is
+        for."""
         row = self.known.get(driver.path)
         if row is None:
             row = self.known[driver.path] = self._row(driver)
@@ -203,7 +206,7 @@ class Plan:
         return _Row(strength, interval, group if group.correlates else None, stable_hash(own))
 
     def piled(self) -> Iterator[tuple[Found, str, float]]:
-        """(driver, limit, share of its draws that are clipped to it), of those above PILED."""
+        """(driver, limit, fraction of draws clipped to it), where the fraction is above PILED."""
         for driver in self.drivers:
             if isinstance(driver.distribution, Clipped):
                 strength, _, _ = self.settings(driver, 0)
@@ -234,7 +237,7 @@ class Plan:
     def _standard(
         self, seed: int, rows: Sequence[tuple[Found, float, int, int]]
     ) -> list[list[float]]:
-        """The standard numbers that drivers need, all drawn in one call of the core."""
+        """Standard random numbers for all drivers, drawn in one call of the core."""
         keys, frames, normal, counts = [], [], [], []
         for driver, strength, epoch, _ in rows:
             row = self.known[driver.path]

@@ -1,4 +1,4 @@
-"""Finding drivers in a tree of mappings and lists, and putting values in their places."""
+"""Finds drivers in a tree of mappings and lists, and replaces them by values."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from perilune.drivers.truncated import KIND as TRUNCATED
 from perilune.drivers.uniform import KIND as UNIFORM
 
 KINDS: tuple[Kind, ...] = (HOOK, CHOICE, UNIFORM, TRUNCATED, LOG_NORMAL, NORMAL)
-"""The table of distributions; a mapping is of the first kind that it has a marker of."""
+"""Table of distributions; the first kind with a marker in a mapping determines its kind."""
 
 SETTINGS = ("interval", "strength", "group")
 """Keys of every driver."""
@@ -35,16 +35,16 @@ SECTION = ("drivers", "jitter_strength", "step_interval", "per")
 
 @dataclass(frozen=True)
 class Section:
-    """The section that a driver is in: settings of all drivers below it."""
+    """Settings of a section of drivers, for all drivers below it."""
 
     strength: float | tuple[float, ...] | None = None
-    """Several: one a draw, the last for all draws after them."""
+    """Several numbers: one per draw, the last for all later draws."""
     interval: int | None = None
 
 
 @dataclass(frozen=True)
 class Found:
-    """One driven key; `path` addresses it in the tree, `name` is the path as text."""
+    """A driven key; `path` addresses it in the tree, `name` is the path as text."""
 
     path: KeyPath
     name: str
@@ -57,7 +57,7 @@ class Found:
 
     @property
     def ideal(self) -> Any:
-        """The value without strength."""
+        """Value at a strength of 0."""
         return self.distribution.ideal
 
 
@@ -77,7 +77,7 @@ def _strength(name: str, value: Any) -> float | None:
 
 
 def _strengths(name: str, value: Any) -> float | tuple[float, ...] | None:
-    """One number, or one a draw."""
+    """One number, or one per draw."""
     if not isinstance(value, (list, tuple)):
         return _strength(name, value)
     if not value:
@@ -87,7 +87,7 @@ def _strengths(name: str, value: Any) -> float | tuple[float, ...] | None:
 
 
 def kind_of(raw: Mapping[str, Any]) -> Kind | None:
-    """The kind of driver that a mapping is meant as."""
+    """The kind of driver that a mapping represents; None for no driver."""
     if raw.get("kind") == HOOK.name:
         return None  # a section whose function has the key `hook` too
     for kind in KINDS:
@@ -119,7 +119,7 @@ def _parse(path: KeyPath, raw: Mapping[str, Any], kind: Kind, section: Section) 
 
 
 def _section(path: KeyPath, raw: Mapping[str, Any], outer: Section) -> Section:
-    """What a mapping says of the drivers below it, if it is a section of drivers."""
+    """Settings of a mapping for the drivers below it, if it is a section of drivers."""
     if "drivers" not in raw or not isinstance(raw["drivers"], Mapping) or set(raw) - set(SECTION):
         return outer
     name = path_text(path)
@@ -132,7 +132,7 @@ def _section(path: KeyPath, raw: Mapping[str, Any], outer: Section) -> Section:
 
 
 def find(tree: Any, path: KeyPath = (), section: Section | None = None) -> Iterator[Found]:
-    """All drivers of a tree, in its order: mappings that hold a key that marks a distribution."""
+    """All drivers of a tree in its order: mappings with a key that marks a distribution."""
     section = section or Section()
     if isinstance(tree, Mapping):
         kind = kind_of(tree) if path else None
@@ -148,7 +148,7 @@ def find(tree: Any, path: KeyPath = (), section: Section | None = None) -> Itera
 
 
 def names(tree: Any, path: KeyPath = ()) -> Iterator[str]:
-    """The key paths of all that is in a tree, as text."""
+    """The key paths of everything in a tree, as text."""
     if isinstance(tree, Mapping):
         below: Iterator[tuple[str | int, Any]] = iter(tree.items())
     elif isinstance(tree, (list, tuple)):
@@ -163,8 +163,7 @@ def names(tree: Any, path: KeyPath = ()) -> Iterator[str]:
 def substitute(tree: Any, values: Mapping[KeyPath, Any]) -> Any:
     """The tree with the mappings at the given paths replaced by values.
 
-    The tree itself is left alone; what no driver stands in is shared with it.
-    """
+    The given tree stays unchanged; the result shares with it all parts without drivers."""
     for path, value in values.items():
         tree = _replaced(tree, path, marked(value))
     return tree
@@ -188,7 +187,7 @@ def _replaced(node: Any, path: KeyPath, value: Any) -> Any:
 
 
 def without(tree: Any, path: KeyPath) -> Any:
-    """The tree without a key of a mapping; the tree itself is left alone."""
+    """The tree without a key of a mapping; the given tree stays unchanged."""
     result = copy.copy(tree)
     if len(path) == 1:
         del result[path[0]]

@@ -1,9 +1,8 @@
-"""{..., clip_min, clip_max, truncated: true}: normal or log-normal, without its tails.
+"""{..., clip_min, clip_max, truncated: true}: truncated normal or log-normal.
 
-What clipping would pile up on a limit is drawn anew between the limits: the density within them is
-that of the distribution, divided by what of it they hold. Drawn by the inverse of the cumulative
-distribution, one number of the generator each, so that it goes along in correlated groups.
-"""
+Instead of moving the tails onto the limits, it has the distribution's density within the limits,
+normalised to 1. It is drawn by the inverse of the cumulative distribution, with one random number
+each, so that it works in correlated groups."""
 
 from __future__ import annotations
 
@@ -20,11 +19,11 @@ from perilune.drivers.common import DriverError, Kind, Need, Source
 _STANDARD = NormalDist()
 _ROOT_2 = math.sqrt(2.0)
 _NEAR = 0.1
-"""Below this, erf is inverted by itself: 0.5 + erf / 2 would round its digits away."""
+"""Below this, erf is inverted directly: 0.5 + erf / 2 would lose its digits."""
 
 
 def truncated_normal(low: float, high: float, uniform: float) -> float:
-    """The standard normal between low <= 0 <= high, of the given rank in [0, 1]."""
+    """Quantile in [0, 1] of the standard normal truncated to low <= 0 <= high."""
     below, above = math.erf(low / _ROOT_2), math.erf(high / _ROOT_2)
     inner = below + uniform * (above - below)
     if abs(inner) < _NEAR:
@@ -49,7 +48,8 @@ class Truncated:
 
     @property
     def ideal(self) -> Any:
-        """As without limits: not the mean of what is drawn, unless the limits lie evenly."""
+        """The ideal of the untruncated distribution; it is the mean only if the limits are
+        symmetric."""
         return self.free.ideal
 
     @property
@@ -81,7 +81,7 @@ class Truncated:
 
 
 def parse(name: str, raw: Mapping[str, Any]) -> Clipped | Truncated:
-    """From its mapping; `name` is the key path."""
+    """Parses its mapping; `name` is the key path."""
     kind = log_normal if any(key in raw for key in log_normal.KIND.markers) else normal
     asked = raw["truncated"]
     if not isinstance(asked, bool):

@@ -1,8 +1,7 @@
 """{uniform: [low, high]}: uniform between two limits.
 
-A strength other than 1 draws about the middle, with the variance times the strength, clipped to the
-limits. The limits may be lists of as many numbers (a colour, a vector).
-"""
+A strength other than 1 scales the variance about the middle; values are clipped to the limits. The
+limits may be lists of the same length (a colour, a vector)."""
 
 from __future__ import annotations
 
@@ -26,7 +25,7 @@ from perilune.drivers.common import (
 
 @dataclass(frozen=True)
 class Uniform:
-    """One value or several; `count` is None for a number that stands alone."""
+    """One value or several; `count` is None for a single number."""
 
     count: int | None
     low: tuple[float, ...]
@@ -75,7 +74,7 @@ class Uniform:
 
 
 def parse(name: str, raw: Mapping[str, Any]) -> Uniform:
-    """From its mapping; `name` is the key path."""
+    """Parses its mapping; `name` is the key path."""
     key, limits = f"{name}.uniform", raw["uniform"]
     if not isinstance(limits, (list, tuple)) or len(limits) != 2:
         raise DriverError(key, f"must be [low, high], not {limits!r}")

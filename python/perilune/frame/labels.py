@@ -22,30 +22,30 @@ _IDS_MAX = 65535
 
 @dataclass(frozen=True)
 class Part:
-    """One part of an instance, as the channel `part` numbers it."""
+    """One part of an instance, as numbered in the channel `part`."""
 
     id: int
     owner: str
     """Name of the spacecraft or body."""
     name: str
-    """Unique among the owner's parts."""
+    """Name, unique among the owner's parts."""
     material: str
     class_name: str
 
 
 @dataclass(frozen=True)
 class Taxonomy:
-    """All labels of a configuration. Id 0 is the background everywhere."""
+    """Names and ids of all labels of a configuration. Id 0 is the background everywhere."""
 
     levels: tuple[str, ...]
     classes: Mapping[str, Mapping[str, int]]
-    """Level -> class name -> id, for all levels, shown in `semantic` or not."""
+    """Level -> class name -> id, for all levels, whether in `semantic` or not."""
     instances: Mapping[str, int]
     """Entry name -> id in the channel `instance`."""
     parts: tuple[Part, ...]
 
     def names(self, channel: str) -> dict[int, str]:
-        """Id -> name of `instance`, `part`, or a level of `semantic` (its name or number)."""
+        """Id -> name, for `instance`, `part`, or a level of `semantic` (its name or number)."""
         if channel == "instance":
             return {0: BACKGROUND, **{id_: name for name, id_ in self.instances.items()}}
         if channel == "part":
@@ -68,7 +68,8 @@ class Taxonomy:
         return {channel: self.names(channel) for channel in channels}
 
     def class_ids(self, *names: Mapping[str, str]) -> NDArray[np.uint16]:
-        """(n, levels): ids of things given by their class name at each level; 0 without one."""
+        """(n, levels): class ids of objects given by their class name at each level; 0 without
+        one."""
         rows = [
             [self.classes[level][name[level]] if level in name else 0 for level in self.levels]
             for name in names
@@ -77,14 +78,15 @@ class Taxonomy:
 
 
 def object_class(name: str, entry: Body | Spacecraft) -> str:
-    """Class of object of an entry: as stated, else the body's kind, else the entry's name."""
+    """Class of an entry at the level `object`: the given one, else the body's kind or the entry's
+    name."""
     if entry.class_ is not None:
         return entry.class_
     return entry.kind if isinstance(entry, Body) and entry.kind != "ellipsoid" else name
 
 
 def _texts(part: PartEntry) -> list[str]:
-    """What patterns of classes are compared with."""
+    """Texts that patterns of classes are matched with."""
     names = (part.name, part.base, part.material, f"{part.base}/{part.material}")
     return [name.lower() for name in names]
 
@@ -94,10 +96,9 @@ def _fits(pattern: str, part: PartEntry) -> bool:
 
 
 def part_class(config: Config, craft: Spacecraft, part: PartEntry) -> str:
-    """The first class with a pattern that fits one of the part's names, in any case.
+    """First class with a pattern that matches one of the part's names (case-insensitive).
 
-    Compared are the name with and without its number, the material, and name/material.
-    """
+    The names are the part's with and without its number, its material's, and name/material."""
     for table in (craft.part_classes, config.labels.part_classes):
         for class_name, patterns in table.items():
             if any(_fits(pattern, part) for pattern in patterns):
@@ -108,11 +109,10 @@ def part_class(config: Config, craft: Spacecraft, part: PartEntry) -> str:
 def unmatched(
     config: Config, parts: Mapping[str, Sequence[PartEntry]]
 ) -> Iterator[tuple[str, str]]:
-    """(key path, what is wrong) of patterns of `part_classes` that fit no part.
+    """(key path, message) of patterns of `part_classes` that match no part.
 
-    Of the table in `labels`, which configurations may share, classes none of whose patterns fits a
-    part of any spacecraft. parts: of each spacecraft's model.
-    """
+    In the table of `labels`, which configurations may share, only classes are reported none of
+    whose patterns matches a part of any spacecraft. parts: those of each spacecraft's model."""
     for name, craft in config.spacecraft.items():
         known = list(dict.fromkeys(text for part in parts[name] for text in (part.base, part.name)))
         for class_name, patterns in craft.part_classes.items():
@@ -141,10 +141,9 @@ def _numbered(level: str, names: Iterable[str], fixed: Mapping[str, int]) -> dic
 
 
 def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxonomy:
-    """Numbers everything; `parts` are those of each spacecraft's model.
+    """Numbers all labels; `parts` are those of each spacecraft's model.
 
-    Class ids follow from the configuration alone; part ids also from the models.
-    """
+    Class ids follow from the configuration alone; part ids also from the models."""
     tables = [config.labels.part_classes, *(c.part_classes for c in config.spacecraft.values())]
     names = {
         "kind": ["body", "spacecraft"],

@@ -1,4 +1,4 @@
-"""Poses row by row of a rolling shutter: what labels of a row are of."""
+"""Poses row by row under a rolling shutter, which the labels of each row refer to."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ F64 = NDArray[np.float64]
 
 EFFECT = "rolling_shutter"
 _NEAR_PX = 0.01
-"""Straight ways and turns from one of the rows to the next are that near to what is rendered."""
+"""Largest error, in pixels, of linear interpolation between two of the rows."""
 
 
 def row_poses(
@@ -28,12 +28,12 @@ def row_poses(
     rigs: Mapping[str, Rig],
     scales: Mapping[str, float],
 ) -> list[dict[str, Any]]:
-    """Poses in the middle of the exposure of some rows; empty where all rows are of one instant.
+    """Poses of some rows in the middle of their exposure; empty for a global shutter.
 
-    Each entry: row; R_w2c (3, 3), t_w2c (3,) m; objects: spacecraft -> {R_m2c (3, 3), t_m2c (3,)
-    m, articulation: node -> motion (4, 4) as in Sample.meta}. Between two entries things move
-    straight and turn by the shorter way, in camera axes; the first and the last row are there.
-    """
+    Each entry: row; R_w2c (3, 3), t_w2c (3,) m; objects: spacecraft -> {R_m2c (3, 3), t_m2c (3,) m,
+    articulation: node -> motion (4, 4) as in Sample.meta}. Between two entries, interpolate
+    positions linearly and rotations by the shorter arc, in camera axes. The first and the last row
+    are included."""
     motion = request["motion"]
     if motion is None or not any(row["name"] == EFFECT and row["on"] for row in plan):
         return []
@@ -49,7 +49,7 @@ def row_poses(
 
 
 def _key(share: float, motion: Mapping[str, Any], held: bool) -> float:
-    """Place among the keys; that of the nearest where they do not tell what is between them."""
+    """Position among the keys; that of the nearest key where nothing is known in between."""
     at = min(max(share, 0.0), 1.0) * (len(motion["camera"]) - 1)
     return float(np.floor(at + 0.5)) if held else at
 
@@ -57,9 +57,9 @@ def _key(share: float, motion: Mapping[str, Any], held: bool) -> float:
 def _rows(
     camera: F64, height: int, exposure_s: float, line_s: float, held: bool, focal_px: float
 ) -> list[int]:
-    """The rows nearest to keys, as many between them as the camera's turns ask for, and both ends.
+    """The rows nearest to keys, as many between them as the camera's rotation needs, and both ends.
 
-    Where keys are held, the last row of each and the first of the next."""
+    If poses are constant between keys: the last row of each key and the first row of the next."""
     steps = len(camera) - 1
     window_s = exposure_s + line_s * (height - 1)
     places = (np.arange(height) * line_s + 0.5 * exposure_s) / window_s * steps
@@ -81,7 +81,7 @@ def _turn_rad(a: F64, b: F64) -> float:
 
 
 def _at(keys: F64, key: float) -> F64:
-    """A pose (7,) at a place among keys (n, 7)."""
+    """A pose (7,) at a position among keys (n, 7)."""
     first = min(int(key), len(keys) - 2)
     return between(keys[first : first + 2], key - first)
 

@@ -1,4 +1,4 @@
-"""The sunlight at a place over time: eclipses by bodies, the distance from the Sun."""
+"""Sunlight at a place over time: eclipses by bodies, and the distance from the Sun."""
 
 from __future__ import annotations
 
@@ -23,33 +23,33 @@ if TYPE_CHECKING:
 F64 = NDArray[np.float64]
 
 CAMERA = "camera"
-"""Stands for the camera that takes the frame, where no entry has this name."""
+"""Name of the camera that takes the frame, unless an entry has this name."""
 
 
 @dataclass(frozen=True)
 class LightCurve:
-    """The sunlight at one thing in n frames."""
+    """Sunlight at an object or the camera in n frames."""
 
     name: str
-    """Of the body or spacecraft, or `camera`."""
+    """Name of the body or spacecraft, or `camera`."""
     frames: NDArray[np.int64]
-    """(n,) indices."""
+    """(n,) frame indices."""
     t_s: F64
     """(n,) seconds after the epoch."""
     fraction: F64
-    """(n, 3): what bodies let through of the Sun's light, 0 to 1, in each colour band; they differ
-    in penumbrae alone, as the disc is redder at its edge."""
+    """(n, 3): fraction of the Sun's light that bodies let through, 0 to 1, by colour band. Bands
+    differ only in penumbrae, because the disc is redder at its edge."""
     irradiance_w_m2: F64
-    """(n, 3): on a surface that faces the Sun, in each colour band."""
+    """(n, 3): irradiance on a surface that faces the Sun, by colour band."""
     bodies: tuple[str, ...]
-    """Names of the bodies that might be in the way."""
+    """Names of the bodies that may eclipse the Sun."""
     hides: NDArray[np.bool_]
-    """(n, bodies): which hide a part of the disc, seen or behind another one."""
+    """(n, bodies): whether a body covers part of the disc, even if behind another body."""
 
 
 @dataclass(frozen=True)
 class _Places:
-    """Where things are in some frames; root frame, m."""
+    """Positions in some frames; root frame, m."""
 
     points: F64
     sun: F64
@@ -65,17 +65,16 @@ def light_curve(
     at: float = 0.5,
     nodes: int = 16,
 ) -> LightCurve:
-    """The sunlight at the centre of a body or spacecraft, or at the camera, frame by frame.
+    """Sunlight at the centre of a body or spacecraft, or at the camera, frame by frame.
 
     name: an entry of the configuration, or `camera`. A body does not shade itself, and spacecraft
-    (meshes) shade nothing here. limb_darkening: false takes a disc of even brightness. at: part of
-    the exposure that has passed, 0 at the opening of the shutter and 1 at its closing. nodes: of
-    the quadrature, 1 to 64 (benchmarks/eclipse.py): with 16 the error is below 1e-12, but for
-    bodies that all but touch a darkened limb from inside, 1e-8. Positions are geometric, as
-    everywhere here; bodies are ellipsoids without an atmosphere, and the union of all that are
-    before the disc is exact. ValueError for a name that is not there, for `at` and `nodes` out of
-    range, and for a place inside the Sun.
-    """
+    (meshes) shade nothing here. limb_darkening: false assumes a uniform disc. at: instant as a
+    fraction of the exposure, 0 at the opening of the shutter, 1 at its closing. nodes: number of
+    quadrature nodes, 1 to 64 (benchmarks/eclipse.py). With 16 the error is below 1e-12, except 1e-8
+    for bodies that nearly touch a darkened limb from inside. Positions are geometric, as everywhere
+    in Perilune; bodies are ellipsoids without an atmosphere; the union of all bodies before the
+    disc is exact. Raises ValueError for an unknown name, for `at` or `nodes` out of range, and for
+    a position inside the Sun."""
     indices = np.array([operator.index(index) for index in frames], dtype=np.int64)
     config = sim.config
     known = list(sections(config))
@@ -102,7 +101,7 @@ def light_curve(
 
 
 def _runs(sim: Simulation, indices: NDArray[np.int64]) -> list[slice]:
-    """The frames in runs that share a configuration and its orbits."""
+    """Runs of frames that share a configuration and its orbits."""
     entries = sections(sim.config).values()
     by_scene = sim.has_orbit_hooks or any(isinstance(entry.orbit, Drawn) for _, entry in entries)
     drawn = bool(sim.document.drivers)
@@ -114,7 +113,7 @@ def _runs(sim: Simulation, indices: NDArray[np.int64]) -> list[slice]:
 def _places(
     sim: Simulation, name: str, bodies: Sequence[str], run: list[int], at: float, t_s: F64
 ) -> _Places:
-    """Of the frames of a run; writes their times into t_s."""
+    """Positions in the frames of a run; writes their times into t_s."""
     system = sim.system(run[0])
     config, epoch = system.setting.config, system.setting.epoch
     cameras = config.cameras

@@ -1,1 +1,1 @@
-"""What training loops need beside samples: batches, ledgers of streams, schedules."""
+"""Batches, ledgers and schedules for training loops."""

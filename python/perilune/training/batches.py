@@ -1,4 +1,4 @@
-"""Batches of samples, and what torch's own batches make of samples. No torch here before theirs."""
+"""Batches of samples, in NumPy and through torch's collate. torch is imported only on demand."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from perilune.sample import Sample
 
 
 def _check(samples: Sequence[Sample]) -> None:
-    """ValueError for what does not stack."""
+    """ValueError for samples that cannot be stacked."""
     if not samples:
         raise ValueError("collate: no samples")
     for k, sample in enumerate(samples):
@@ -32,19 +32,18 @@ def _check(samples: Sequence[Sample]) -> None:
 
 
 def collate(samples: Sequence[Sample], tensors: bool = False) -> dict[str, Any]:
-    """A batch: every channel stacked to (N, ...), with K, R_w2c, t_w2c, index and objects.
+    """Makes a batch: every channel stacked to (N, ...), with K, R_w2c, t_w2c, index and objects.
 
     K: (N, 3, 3), pixels. R_w2c (N, 3, 3) and t_w2c (N, 3), m: p_camera = R_w2c p_root + t_w2c.
-    index: (N,) int64. Where there are sensors, `sensor` lists their names; all of a batch must have
-    one size. objects: a list of structured arrays, one row a spacecraft, as frames may hold
+    index: (N,) int64. With sensors, `sensor` lists their names; all images of a batch must have one
+    size. objects: a list of structured arrays, one row per spacecraft, because frames may hold
     different numbers.
 
-    tensors: all of this as torch tensors (perilune.torch.tensors): labels as int64, and `objects`
-    as a mapping of tensors (N, most objects, ...), padded with zeros; its `valid` says which rows
-    are objects. Images stay (N, height, width, channels). A DataLoader's collate_fn:
+    tensors: returns torch tensors (perilune.torch.tensors) instead: labels as int64, and `objects`
+    as a mapping of tensors (N, most objects, ...), padded with zeros, where `valid` marks the
+    objects. Images stay (N, height, width, channels). As a DataLoader's collate_fn:
     functools.partial(perilune.collate, tensors=True); torch's own collate does the same with
-    samples.
-    """
+    samples."""
     _check(samples)
     first = samples[0]
     if tensors:
@@ -64,7 +63,7 @@ def collate(samples: Sequence[Sample], tensors: bool = False) -> dict[str, Any]:
 
 
 def tell_torch() -> None:
-    """Lets torch's default collate make batches of samples, objects included, if torch is there."""
+    """Registers samples, with their objects, with torch's default collate, if torch is imported."""
     module = sys.modules.get("torch.utils.data._utils.collate")
     known = getattr(module, "default_collate_fn_map", None)
     if known is not None and Sample not in known:

@@ -1,9 +1,8 @@
-"""What a stream shares with its copies in the workers of a DataLoader: a small file.
+"""A small file that a stream shares with its copies in the workers of a DataLoader.
 
-Its first eight bytes count the positions begun, by anybody. Lines of JSON follow: changes of the
-configuration, and where passes of workers over the stream begin. Whoever reads or writes holds a
-lock that the system takes back from processes that die.
-"""
+Its first eight bytes count the positions begun by any process. Lines of JSON follow: changes of the
+configuration, and the starts of workers' passes over the stream. Readers and writers hold a lock,
+which the system releases when a process dies."""
 
 from __future__ import annotations
 
@@ -23,18 +22,17 @@ _HEAD = struct.Struct("<q")
 
 
 def _remove(path: str, owner: int) -> None:
-    """By the process that made it, not by its forks."""
+    """Removes the file in the process that made it, not in its forks."""
     if os.getpid() == owner:
         with suppress(FileNotFoundError):
             os.unlink(path)
 
 
 class Ledger:
-    """Use within `with ledger.held():`. Each process opens the file by itself."""
+    """Use within `with ledger.held():`. Each process opens the file itself."""
 
     def __init__(self, path: str | None = None) -> None:
-        """path: of one that another process has made; default: a new one, removed with this object.
-        """
+        """path: file made by another process; default: a new file, removed with this object."""
         if path is None:
             made, path = tempfile.mkstemp(prefix="perilune-", suffix=".ledger")
             os.write(made, _HEAD.pack(0))
@@ -50,7 +48,7 @@ class Ledger:
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Nobody else reads or writes meanwhile; `rows` are up to date."""
+        """Locks the file; `rows` are up to date."""
         with self._lock:
             if self._file is None or self._pid != os.getpid():
                 # A fork shares the parent's open file, and with it its lock.
@@ -88,7 +86,7 @@ class Ledger:
 
     @property
     def begun(self) -> int:
-        """Positions begun: all before this one were."""
+        """Number of positions begun: all before it were."""
         return int(_HEAD.unpack(os.pread(self._open(), _HEAD.size, 0))[0])
 
     @begun.setter
@@ -96,7 +94,7 @@ class Ledger:
         os.pwrite(self._open(), _HEAD.pack(count), 0)
 
     def is_there(self) -> bool:
-        """Whether the process that made it still keeps it."""
+        """Whether the process that made it still has it."""
         return Path(self.path).exists()
 
 

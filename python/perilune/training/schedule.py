@@ -1,4 +1,4 @@
-"""Changes of a configuration by the index of frames: which one a frame is made with."""
+"""Changes of a configuration by frame index."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ if TYPE_CHECKING:
     from perilune.simulation import Simulation
 
 _KEPT = 4
-"""Changed simulations that are kept; frames are asked for more or less in order."""
+"""Number of changed simulations to cache; frames are mostly requested in order."""
 
 Change = tuple[int, Mapping[str, Any]]
-"""First index that it holds for, and key path -> value."""
+"""First index that it applies to, and key path -> value."""
 
 
 class Schedule:
-    """Frames from the index of a change on have it, on top of those of smaller indices; of two at
-    one index the one that was made later comes on top."""
+    """Changes of a simulation by frame index.
+
+    A change applies to frames from its index on, on top of changes at smaller indices. At equal
+    indices the later change takes precedence."""
 
     def __init__(self, simulation: Simulation, changes: Iterable[Change] = ()) -> None:
         self._simulation = simulation
@@ -31,19 +33,19 @@ class Schedule:
         return len(self.changes)
 
     def _place(self, index: int) -> int:
-        """How many changes hold for a frame."""
+        """Number of changes that apply to a frame."""
         return bisect_right(self.changes, index, key=lambda change: change[0])
 
     def _together(self, count: int) -> dict[str, Any]:
-        """What the first changes are, all in one."""
+        """The first changes, merged."""
         total: dict[str, Any] = {}
         for _, change in self.changes[:count]:
             total = joined(total, change)
         return total
 
     def add(self, at: int, change: Mapping[str, Any], known: bool = False) -> None:
-        """With one more; known: it was checked before. ConfigError, and nothing added, where a
-        configuration with it is faulty."""
+        """The schedule with one more change. known: it was checked before. Raises ConfigError if a
+        configuration with it is faulty, and then adds nothing."""
         place = self._place(at)
         longer = Schedule(self._simulation, self.changes)
         longer.changes.insert(place, (at, change))
@@ -64,11 +66,11 @@ class Schedule:
         return self._made[count]
 
     def simulation(self, index: int) -> Simulation:
-        """What makes a frame."""
+        """The simulation that makes a frame."""
         return self._simulation_of(self._place(index))
 
     def from_on(self, index: int) -> list[Change]:
-        """The changes that frames from an index on need, as few as can be."""
+        """The changes that apply from an index on, as few as possible."""
         count = self._place(index)
         past = [(index, self._together(count))] if count else []
         return past + self.changes[count:]

@@ -29,7 +29,7 @@ def _channel(name: str, array: NDArray[Any], chw: bool) -> torch.Tensor:
 
 
 def _objects(rows: NDArray[Any], count: int, dtype: torch.dtype) -> dict[str, torch.Tensor]:
-    """A mapping of tensors (count, ...); rows that are no objects are zero."""
+    """A mapping of tensors (count, ...); rows without an object are zero."""
     found: dict[str, torch.Tensor] = {}
     for name in rows.dtype.names or ():
         field = rows[name]
@@ -48,13 +48,12 @@ def tensors(
     max_objects: int | None = None,
     dtype: torch.dtype = torch.float32,
 ) -> Item:
-    """A sample as the mapping of tensors that perilune.torch describes.
+    """Converts a sample to the mapping of tensors that perilune.torch describes.
 
-    chw: images as (channels, height, width). max_objects: rows of the objects' tensors (default: as
-    many as there are spacecraft). dtype: of K and of what objects have in floating point; R_w2c and
-    t_w2c are always float64, as float32 is metres off at the distance of the Moon.
-    ValueError where there are more objects than that.
-    """
+    chw: images as (channels, height, width). max_objects: number of rows of the objects' tensors
+    (default: the number of spacecraft). dtype: type of K and of floating-point values of objects.
+    R_w2c and t_w2c are always float64, because float32 is off by metres at the distance of the
+    Moon. Raises ValueError for more than max_objects objects."""
     camera = sample.camera
     item: Item = {name: _channel(name, array, chw) for name, array in sample.items()}
     item["K"] = torch.tensor(camera.K, dtype=dtype)
@@ -73,7 +72,7 @@ def tensors(
 
 
 def stacked(samples: Sequence[Sample]) -> Item:
-    """A batch of samples: perilune.collate with tensors=True. Everything in full precision."""
+    """A batch of samples: perilune.collate with tensors=True, in full precision."""
     most = max(len(s.objects) if s.has_objects else 0 for s in samples)
     items = [tensors(s, chw=False, max_objects=most, dtype=torch.float64) for s in samples]
     batch: Item = data.default_collate(items)

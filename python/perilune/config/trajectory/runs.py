@@ -65,8 +65,9 @@ class Linear(Aimed, Run):
 
 
 class Spiral(Aimed, Run):
-    """A spiral around the target, whose radius changes evenly with the angle. Less than one
-    rotation with a shrinking radius is a flyby."""
+    """A spiral around the target, whose radius changes evenly with the angle.
+
+    Less than one rotation with a shrinking radius is a flyby."""
 
     kind: Literal["spiral"]
     start_m: Vec3 | None = None

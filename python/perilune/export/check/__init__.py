@@ -1,4 +1,5 @@
-"""Checks a written dataset against itself: files, labels, images, models, targets."""
+"""Checks a written dataset against itself and its configuration: files, labels, images, models,
+targets."""
 
 from __future__ import annotations
 
@@ -25,13 +26,13 @@ from perilune.export.writers.lock import LOCK_FILE, writing_process
 __all__ = ["RERENDERED", "Finding", "Report", "check_bop"]
 
 RERENDERED = 8
-"""Images that are rendered in full for a comparison of colour, if nothing else is said."""
+"""Default number of images that are rendered in full for a comparison of colour."""
 
 _ROOT_FILES = {"camera.json", CONFIG_FILE, SOURCE_FILE, CARD_FILE}
 
 
 def _scenes(report: Report, split: Path) -> list[Path]:
-    """The scene folders; readers take every name in a split's folder for a number."""
+    """The scene folders; readers expect every name in a split's folder to be a number."""
     if not split.is_dir():
         report.add(split, "is missing")
         return []
@@ -63,7 +64,7 @@ def _check_layout(report: Report, split: str) -> None:
 
 
 def _check_summary(report: Report, source: Source) -> None:
-    """Card and targets must be those of the scenes; asked only when the scenes are good."""
+    """Compares card and targets with the scenes; only if the scenes are good."""
     root = report.folder
     found = summary(root / source.split)
     texts = closing_texts(root, found)
@@ -85,13 +86,12 @@ def check_bop(
     base: str | Path | None = None,
     alone: bool = False,
 ) -> Report:
-    """Checks a BOP dataset that `write_bop` has written.
+    """Checks a BOP dataset that `write_bop` has written, and returns a Report of its findings.
 
-    progress: (images done, images). rerender: how many images are rendered in full for a comparison
-    of colour; None: all. base: the folder that relative paths of the configuration refer to, where
-    it is no longer the one that the dataset names. alone: checks the dataset against itself alone,
-    without its configuration.
-    """
+    progress: called with (images done, images). rerender: number of images to render in full for a
+    comparison of colour; None: all. base: folder that relative paths of the configuration refer to,
+    if it is no longer the one recorded in the dataset. alone: checks the dataset only against
+    itself, without its configuration."""
     report = Report(Path(folder))
     if not report.folder.is_dir():
         raise FileNotFoundError(f"{folder}: no such folder")

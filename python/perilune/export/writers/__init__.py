@@ -1,8 +1,7 @@
 """Writers of datasets to disk. A new format is its own file and one line of the table below.
 
-Formats of others are registered in code (`register`), installed as entry points of the group
-`perilune.writers`, or named as `module:function` where a format is asked for.
-"""
+Other formats are registered in code (`register`), installed as entry points of the group
+`perilune.writers`, or named as `module:function`."""
 
 from typing import Any
 
@@ -41,16 +40,15 @@ WRITERS: dict[str, Writer] = {
 def register(name: str, write: Any, doc: str = "") -> None:
     """Adds a format to those that `find` and `perilune render --format` know in this process.
 
-    write: a function like `write_bop` (see WriteFunction), or a class whose instances are called
-    so. It gets those of the options chunk_size, threads, split, shard and progress that it has
-    arguments for, and returns a WriteReport. doc: one line (default: its docstring's first).
-    ValueError for a name that is there already.
-    """
+    write: a function like `write_bop` (see WriteFunction), or a class whose instances are such
+    functions. It receives those of the options chunk_size, threads, split, shard and progress that
+    it has arguments for, and returns a WriteReport. doc: description in one line (default: the
+    first line of its docstring). Raises ValueError for a name that is taken."""
     plugins.register(WRITERS, name, write, doc)
 
 
 def find(name: str) -> Writer:
     """The writer of a format: of the table, registered, installed, or `module:function`.
 
-    ValueError for one that is not there."""
+    Raises ValueError for an unknown format."""
     return plugins.find(WRITERS, name)

@@ -1,4 +1,4 @@
-"""Writes frames of a simulation as a BOP dataset: resumable, repeatable to the byte."""
+"""Writes frames of a simulation as a BOP dataset: resumable and reproducible to the byte."""
 
 from __future__ import annotations
 
@@ -55,21 +55,23 @@ F64 = NDArray[np.float64]
 _log = logging.getLogger(__name__)
 
 LABELS = ("depth", "instance", "objects", "masks")
-"""What is rendered for a frame beside its pictures."""
+"""Channels rendered for a frame in addition to its pictures."""
 DEFAULT_CHUNK = 1000
 _SPLIT = re.compile(r"[a-z0-9]+(_[a-z0-9]+)?")
 _MASK_ON = np.uint8(255)
 
 
 def _motion_entry(motion: F64, origin_m: F64) -> list[float]:
-    """A motion in the object's frame (4, 4), m, as one in the BOP model's, mm, row by row."""
+    """Converts a motion (4, 4) in the object's frame, m, to one in the BOP model's frame, mm, row
+    by row."""
     moved = motion.copy()
     moved[:3, 3] = MM_PER_M * (motion[:3, :3] @ origin_m + motion[:3, 3] - origin_m)
     return [float(value) for value in moved.ravel()]
 
 
 def _placed(R_m2c: F64, t_m2c: F64, origin_m: F64, moving: Mapping[str, F64]) -> dict[str, Any]:
-    """Keys of a pose. origin_m: of the BOP model in the object's frame. moving: node -> motion."""
+    """Keys of a pose. origin_m: origin of the BOP model in the object's frame. moving: node ->
+    motion."""
     rotation = np.asarray(R_m2c, dtype=np.float64)
     moved = {name: _motion_entry(motion, origin_m) for name, motion in moving.items()}
     return {
@@ -87,10 +89,9 @@ def pose_entry(
 ) -> dict[str, Any]:
     """One entry of scene_gt.json, from an object's label.
 
-    moving: of an articulated object, as in Sample.meta. rows: of a rolling shutter, as in
-    Sample.meta, of this object: row -> its pose. Readers pass over the keys `articulation` and
-    `rows`.
-    """
+    moving: motions of an articulated object, as in Sample.meta. rows: poses of this object by row
+    under a rolling shutter, as in Sample.meta. Readers ignore the keys `articulation` and
+    `rows`."""
     origin_m = origins_m[int(row["obj_id"])]
     motions = {name: node["motion"] for name, node in (moving or {}).items()}
     by_row = [
@@ -115,10 +116,9 @@ def _world_to_camera(R_w2c: F64, t_w2c: F64) -> dict[str, Any]:
 
 
 def camera_record(sample: Sample, scale_mm: float) -> dict[str, Any]:
-    """One entry of scene_camera.json; readers pass over the keys that BOP does not know.
+    """One entry of scene_camera.json; readers ignore the keys that BOP does not define.
 
-    `frame` is what perilune.open(config, seed, replay=...) needs to make the image again.
-    """
+    `frame` is what perilune.open(config, seed, replay=...) needs to render the image again."""
     sensor = sample.camera.sensor
     keys = ("drivers", "scene_drivers", "overrides")
     drawn = {key: sample.meta[key] for key in keys if sample.meta[key]}
@@ -149,11 +149,10 @@ def write_image(
     pictures: Mapping[str, str],
     channels: Mapping[str, ChannelFiles],
 ) -> Record:
-    """Writes the files of one frame into its scene folder, the record of it last.
+    """Writes the files of one frame into its scene folder, its record last.
 
-    names: of the spacecraft, in the order of the sample's objects. pictures: folder -> channel.
-    channels: what is written beside BOP.
-    """
+    names: spacecraft in the order of the sample's objects. pictures: folder -> channel. channels:
+    channels written in addition to BOP's."""
     depth_m, instance = sample["depth"], sample["instance"]
     annotated = np.isin(instance, sample.objects["instance_id"])
     # Where no object is seen, depth is that of all that is.
@@ -184,7 +183,7 @@ def write_image(
 
 @dataclass
 class Job:
-    """One call of write_bop: what is written where, and how far it is."""
+    """One call of write_bop: its outputs and its progress."""
 
     sim: Simulation
     split_folder: Path
@@ -193,16 +192,16 @@ class Job:
     pictures: Mapping[str, str]
     """Folder -> channel."""
     beside: Mapping[str, ChannelFiles]
-    """Channels that are written beside BOP."""
+    """Channels written in addition to BOP's."""
     threads: int | None
     progress: Progress | None
     total: int = 0
     written: int = 0
     kept: int = 0
     images_of: dict[int, dict[int, int]] = field(default_factory=dict)
-    """Scene id -> image id -> frame index of all that is to be there."""
+    """Scene id -> image id -> frame index, for all images of the call."""
     _good: dict[int, set[int]] = field(default_factory=dict)
-    """Of each scene the images that are."""
+    """Scene id -> images that are complete."""
 
     def advance(self, written: int = 0) -> None:
         self.written += written
@@ -210,25 +209,25 @@ class Job:
             self.progress(self.written + self.kept, self.total)
 
     def folder(self, scene_id: int) -> SceneFolder:
-        """Of a scene."""
+        """Folder of a scene."""
         beside = {name: files.suffix for name, files in self.beside.items()}
         return SceneFolder(self.split_folder / f"{scene_id:06d}", self.pictures, beside)
 
     @property
     def channels(self) -> list[str]:
-        """What is rendered for a frame."""
+        """Channels rendered for a frame."""
         return list(dict.fromkeys((*self.pictures.values(), *LABELS, *self.beside)))
 
     def write_image(self, folder: SceneFolder, im_id: int, sample: Sample) -> Record:
-        """Writes the files of one frame into its scene folder, the record of it last."""
+        """Writes the files of one frame into its scene folder, its record last."""
         names = list(self.sim.config.spacecraft)
         return write_image(folder, im_id, sample, names, self.origins_m, self.pictures, self.beside)
 
     def find(self, images_of: Mapping[int, Mapping[int, int]], chunk_size: int) -> None:
-        """Looks which images (scene id -> image id -> frame index) are there, and whole.
+        """Finds the images (scene id -> image id -> frame index) that exist and are intact.
 
-        Images of these scenes that nobody asks for now, but whose files are damaged, are made again
-        too: they could not be told from good ones."""
+        Damaged images of these scenes are made again even if this call does not ask for them,
+        because they could not be told from intact ones later."""
         for scene_id, asked in images_of.items():
             folder = self.folder(scene_id)
             good = set(folder.finished())
@@ -241,7 +240,7 @@ class Job:
             self.kept += len(good & set(images))
 
     def write_chunk(self, scene_id: int) -> None:
-        """Writes the images of one scene that are not there yet, and its JSON files."""
+        """Writes the missing images of one scene, and its JSON files."""
         folder, images = self.folder(scene_id), self.images_of[scene_id]
         records = folder.finished(self._good[scene_id])
         missing = [im_id for im_id in images if im_id not in records]
@@ -301,7 +300,7 @@ def _check_same_source(path: Path, info: dict[str, Any], sim: Simulation) -> boo
 def _write_source(
     sim: Simulation, root: Path, chunk_size: int, split: str, begin: Callable[[], object] | None
 ) -> dict[int, BopModel]:
-    """What the dataset says of its simulation as a whole; refuses a folder of another one."""
+    """Writes the description of the simulation; refuses the folder of another one."""
     refuse_unfit(sim)
     models = bop_models(sim)
     if not models:
@@ -331,10 +330,10 @@ def open_job(
     progress: Progress | None = None,
     begin: Callable[[], object] | None = None,
 ) -> Job:
-    """Writes all files that are no scene's, and tells how those of the scenes are made.
+    """Writes all files outside the scenes, and returns the job that writes the scenes.
 
-    progress: told of the images that are written. begin: called when the folder is there, before
-    anything is written to it."""
+    progress: notified of written images. begin: called when the folder exists, before anything is
+    written to it."""
     models = _write_source(sim, root, chunk_size, split, begin)
     origins_m = {obj_id: model.center_m for obj_id, model in models.items()}
     size = nominal_camera(sim)
@@ -356,36 +355,32 @@ def write_bop(
 ) -> WriteReport:
     """Writes `frames` as a BOP dataset: images, depth, masks, poses, COCO annotations, models.
 
-    Frame i is image i % chunk_size of scene i // chunk_size, whatever sensor takes it; of several
-    sensors, scene_camera.json names each image's, and all have one size, as BOP knows one size a
-    split. Sensors of other sizes go into datasets of their own: {"sensors.NAME": None} among the
-    overrides takes a sensor away without moving the others. What an earlier call has finished is
-    kept, so an interrupted or extended dataset is continued by calling this again; the same call
-    gives the same bytes. Images are PNG, hence the split is named `train`: the BOP toolkit looks
-    for JPEG in `train_pbr`. The toolkit also wants the folder's own name without `_` and `-`.
-    A split named `test` gets the files of targets.
+    frames: a range, or indices with a constant positive step. Frame i is image i % chunk_size of
+    scene i // chunk_size, whatever sensor takes it. With several sensors, scene_camera.json names
+    each image's; all must have one size, because BOP has one size per split. Write sensors of other
+    sizes to separate datasets: the override {"sensors.NAME": None} removes a sensor without moving
+    the others.
 
-    shard = (k, n): only the k-th of n runs of whole chunks, k from 0; the shards may go to one
-    folder or to several, and `merge_bop` makes the dataset of them.
+    Calling it again continues an interrupted dataset or extends it: finished images are kept,
+    damaged ones made again. This holds after ctrl-C, a kill or a power cut at any moment. The same
+    call gives the same bytes. Only one process may write to a scene at a time.
 
-    `rgb/` holds the channel `sensor_rgb` where render.channels has this and no `rgb`; where it has
-    both, `sensor_rgb` has a folder of its own, and so has `raw` (16 bit).
+    Images are PNG, hence the split is named `train`: the BOP toolkit expects JPEG in `train_pbr`.
+    The toolkit also wants the folder's own name without `_` and `-`. A split named `test` gets
+    target files.
 
-    Depth is stored for all surfaces up to the farthest annotated one, beyond which it may be 0; in
-    images without an annotated surface for all that is seen. Further channels that the
-    configuration states in render.channels have a folder each, see bop_channels.py.
-    Of a rolling shutter, `rows` gives the poses row by row.
+    shard = (k, n): only the k-th of n runs of whole chunks, k from 0. Shards may be written to one
+    folder or to several; `merge_bop` joins them.
 
-    frames: a range, or indices that rise as evenly as those of one.
-
-    A call that is stopped at any moment, by ctrl-C, a kill or a power cut, is continued by the same
-    call; files that it left damaged are made again. While it runs no other may write to the same
-    scenes.
+    `rgb/` holds the channel `sensor_rgb` if render.channels has it and not `rgb`. With both,
+    `sensor_rgb` has a folder of its own, and so has `raw` (16 bit). Depth is stored up to the
+    farthest annotated surface, beyond which it may be 0; in images without an annotated surface,
+    for everything visible. Other channels in render.channels have a folder each, see
+    bop_channels.py. Under a rolling shutter, `rows` gives the poses row by row.
 
     Raises OSError if a file cannot be written (finished frames stay valid) or another process
-    writes to the folder (perilune.writers.FolderInUseError), ValueError if the folder belongs to
-    another configuration, seed or chunk size, or holds other things than a dataset.
-    """
+    writes to the folder (perilune.writers.FolderInUseError), and ValueError if the folder belongs
+    to another configuration, seed or chunk size, or holds anything else than a dataset."""
     check_simulation(sim)
     frames = as_range(frames)
     check_frames(frames, chunk_size, shard or (0, 1))

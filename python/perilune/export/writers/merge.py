@@ -1,4 +1,4 @@
-"""Joins the shards of a BOP dataset: all there, of one source, then targets and card."""
+"""Joins the shards of a BOP dataset after checking them, then writes targets and card."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _SHOWN = 8
 
 @dataclass(frozen=True)
 class MergeReport:
-    """What a merge has made."""
+    """Result of a merge."""
 
     folder: Path
     scenes: int
@@ -53,7 +53,8 @@ def _source(folder: Path) -> dict[str, Any]:
 
 
 def _check_one_source(folders: Sequence[Path]) -> dict[str, Any]:
-    """All folders must hold parts of one dataset; the first one's description of it."""
+    """Checks that all folders hold parts of one dataset; returns the first one's description of
+    it."""
     first = _source(folders[0])
     for folder in folders[1:]:
         other = _source(folder)
@@ -69,7 +70,7 @@ def _check_one_source(folders: Sequence[Path]) -> dict[str, Any]:
 
 
 def _check_shared_files(folders: Sequence[Path]) -> None:
-    """Camera and models must be the same to the byte in all folders."""
+    """Checks that camera and models are identical in all folders."""
     for folder in folders[1:]:
         for name in ("camera.json", "models/models_info.json"):
             if (folder / name).read_bytes() != (folders[0] / name).read_bytes():
@@ -81,7 +82,7 @@ def _check_shared_files(folders: Sequence[Path]) -> None:
 
 
 def _found_scenes(folders: Sequence[Path], split: str) -> dict[int, Path]:
-    """Scene id -> folder; a scene may be in two folders only if it is the same."""
+    """Scene id -> folder; a scene may be in two folders only if it is identical."""
     found: dict[int, Path] = {}
     for folder in folders:
         for scene_id, path in scene_folders(folder / split).items():
@@ -99,7 +100,7 @@ def _labels(scene: Path) -> list[bytes]:
 
 
 def _check_shards(folders: Sequence[Path], notes: Sequence[Note]) -> None:
-    """Every shard of every frame range must have left its note."""
+    """Checks that every shard of every frame range has left its note."""
     parts: dict[tuple[range, int], set[int]] = {}
     for note in notes:
         parts.setdefault((note.frames, note.shard[1]), set()).add(note.shard[0])
@@ -125,7 +126,7 @@ def _whose(note: Note, chunk_size: int, scene_id: int) -> str:
 def _check_complete(
     folders: Sequence[Path], notes: Sequence[Note], found: Mapping[int, Path], chunk_size: int
 ) -> None:
-    """Every frame that the shards stand for must be there, in a finished scene."""
+    """Checks that every frame of the shards exists, in a finished scene."""
     for scene_id, path in found.items():
         if not SceneFolder(path).is_complete():
             who = _whose(notes[0], chunk_size, scene_id) if notes else "the same command"
@@ -145,7 +146,8 @@ def _check_complete(
 
 
 def _copy(source: str, target: str) -> None:
-    """A second name of the file where the disk allows it: files are only ever replaced whole."""
+    """Links the file where the disk allows it, else copies it: files are only ever replaced
+    whole."""
     try:
         os.link(source, target)
     except OSError:
@@ -154,7 +156,7 @@ def _copy(source: str, target: str) -> None:
 
 
 def _copy_folder(source: Path, target: Path, stage: Path) -> None:
-    """All of a folder, or nothing under its name."""
+    """Copies a folder completely, or leaves nothing under its name."""
     if target.exists():
         return
     shutil.rmtree(stage, ignore_errors=True)
@@ -165,7 +167,7 @@ def _copy_folder(source: Path, target: Path, stage: Path) -> None:
 
 
 def _gather(first: Path, scenes: Iterable[tuple[int, Path]], root: Path, split: str) -> None:
-    """Brings the scenes, and what all shards share, into one folder."""
+    """Collects the scenes and the shards' common files in one folder."""
     if (root / SOURCE_FILE).is_file():
         _check_one_source([first, root])  # an earlier merge, interrupted or of fewer frames
     reopen(root)
@@ -181,14 +183,14 @@ def _gather(first: Path, scenes: Iterable[tuple[int, Path]], root: Path, split: 
 
 
 def merge_bop(folders: Sequence[str | Path], out: str | Path | None = None) -> MergeReport:
-    """Makes a dataset of its shards, the same to the byte as one run would have written.
+    """Joins shards to a dataset that is identical to that of a single run.
 
-    folders: those that `write_bop(..., shard=...)` has written to, each with one shard or more, or
-    whole datasets of other frames. out: the folder of the dataset; None completes the only folder
-    in place. Files are linked where the disk allows it, else copied.
+    folders: those that `write_bop(..., shard=...)` has written to, each with one or more shards, or
+    whole datasets of other frames. out: folder of the dataset; None completes the only folder in
+    place. Files are linked where the disk allows it, else copied.
 
-    Raises ValueError if shards, scenes or images are missing or the folders do not belong together.
-    """
+    Raises ValueError if shards, scenes or images are missing, or if the folders do not belong
+    together."""
     roots = [Path(folder) for folder in dict.fromkeys(map(str, folders))]
     if out is None and len(roots) != 1:
         raise ValueError(f"{len(roots)} folders to merge: --out must say where to")

@@ -1,4 +1,4 @@
-"""Writers of others: registered in code, installed as entry points, or named as module:function."""
+"""Foreign writers: registered in code, installed as entry points, or named as module:function."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from perilune.export.writers.table import WriteFunction, Writer, WriteReport
 from perilune.simulation import Simulation
 
 GROUP = "perilune.writers"
-"""Entry points of this group are formats: their name, and what writes them."""
+"""Group of entry points; each is the name of a format and its writer."""
 
 _DEFAULTS: dict[str, Any] = {
     "chunk_size": 1000,
@@ -26,21 +26,19 @@ _DEFAULTS: dict[str, Any] = {
 
 
 _HARMLESS = ("threads", "progress")
-"""Options that change nothing of what is written."""
+"""Options that do not change what is written."""
 
 
 def _called(name: str, given: Any) -> WriteFunction:
-    """What writes a format: a function, or an instance of a class that can be called."""
+    """The function that writes a format; a class is instantiated."""
     write = given() if isinstance(given, type) else given
     if not callable(write):
         raise TypeError(f"format '{name}': {given!r} is no function, and no class to be called")
     return write  # type: ignore[no-any-return]
 
 
-def register(
-    table: dict[str, Writer], name: str, write: Any, doc: str = ""
-) -> None:
-    """Puts a format into a table. ValueError for a name that is there already, or is none."""
+def register(table: dict[str, Writer], name: str, write: Any, doc: str = "") -> None:
+    """Puts a format into a table. ValueError for a name that is taken or invalid."""
     if not name or ":" in name or name.split() != [name]:
         raise ValueError(f"register: {name!r} is no name of a format")
     if name in table:
@@ -51,15 +49,14 @@ def register(
 
 
 def formats(table: Mapping[str, Writer]) -> list[str]:
-    """Names of all formats, those that are installed too."""
+    """Names of all formats, including installed ones."""
     return list(dict.fromkeys([*table, *(point.name for point in entry_points(group=GROUP))]))
 
 
 def find(table: Mapping[str, Writer], name: str) -> Writer:
     """The writer of a format, or of `module:function` (or `module:Class`).
 
-    ValueError for one that is not there, cannot be imported, or cannot be called.
-    """
+    ValueError for one that does not exist, cannot be imported, or cannot be called."""
     if name in table:
         return table[name]
     for point in entry_points(group=GROUP):
@@ -79,7 +76,7 @@ def find(table: Mapping[str, Writer], name: str) -> Writer:
 
 
 def _beside(text: str, _: str) -> Path:
-    """Modules in the current folder are found without PYTHONPATH."""
+    """Makes modules in the current folder importable without PYTHONPATH."""
     path = Path.cwd() / text
     if not path.is_file():
         raise FileNotFoundError(text)
@@ -91,9 +88,7 @@ def write(
 ) -> WriteReport:
     """Calls a writer with those of the options that it takes (see WriteFunction).
 
-    ValueError for an option that was given and that it does not take; TypeError where it returns
-    no WriteReport.
-    """
+    ValueError for a given option that it does not take; TypeError if it returns no WriteReport."""
     parameters = inspect.signature(writer.write).parameters
     takes_all = any(row.kind is row.VAR_KEYWORD for row in parameters.values())
     for name, value in options.items():
