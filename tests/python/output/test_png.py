@@ -1,4 +1,4 @@
-"""The check's PNG reader against every filter, written here by definition, and against Pillow."""
+"""The check's PNG reader: every filter, written here by definition, and what is no sound PNG."""
 
 from __future__ import annotations
 
@@ -47,12 +47,47 @@ def png(array, kinds):
             coded.append((value - (0, a, b, (a + b) // 2, nearest)[kind]) % 256)
         data += bytes(coded)
 
-    def chunk(name, body):
-        return len(body).to_bytes(4) + name + body + zlib.crc32(name + body).to_bytes(4)
+    return file_of(width, height, 8 * step, 0, zlib.compress(data))
 
-    head = width.to_bytes(4) + height.to_bytes(4) + bytes([8 * step, 0, 0, 0, 0])
-    body = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(data)) + chunk(b"IEND", b"")
+
+def chunk(name, body):
+    return len(body).to_bytes(4) + name + body + zlib.crc32(name + body).to_bytes(4)
+
+
+def file_of(width, height, bits, color, stream, interlaced=0):
+    head = width.to_bytes(4) + height.to_bytes(4) + bytes([bits, color, 0, 0, interlaced])
+    body = chunk(b"IHDR", head) + chunk(b"IDAT", stream) + chunk(b"IEND", b"")
     return b"\x89PNG\r\n\x1a\n" + body
+
+
+ROWS = bytes(4 * 5)
+WHOLE = file_of(4, 4, 8, 0, zlib.compress(ROWS))
+
+
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        (b"", "no PNG"),
+        (b"a text", "no PNG"),
+        (WHOLE[:-2], "middle of a chunk"),
+        (WHOLE[:-12], "cut off"),
+        (WHOLE + b"x", "middle of a chunk"),
+        (WHOLE[:20] + b"\1" + WHOLE[21:], "chunk IHDR has a wrong checksum"),
+        (WHOLE[:8] + WHOLE[33:], "does not begin with a header"),
+        (file_of(4, 4, 8, 0, zlib.compress(ROWS[:-5])), "less or more pixels"),
+        (file_of(4, 4, 8, 0, zlib.compress(ROWS + ROWS)), "less or more pixels"),
+        (file_of(4, 4, 8, 0, b"no stream"), "cannot be decompressed"),
+        (file_of(4, 4, 8, 0, zlib.compress(b"\x09aaaa" * 4)), "cannot be decoded"),
+        (file_of(4, 4, 8, 0, zlib.compress(ROWS), 1), "interlaced"),
+        (file_of(4, 4, 16, 2, zlib.compress(ROWS)), "is 16-bit RGB"),
+        (file_of(60000, 60000, 8, 2, zlib.compress(ROWS)), "less or more pixels"),
+    ],
+)
+def test_damaged_files_are_told(tmp_path, data, reason):
+    path = tmp_path / "a.png"
+    path.write_bytes(data)
+    with pytest.raises(PngError, match=reason):
+        read_png(path)
 
 
 def test_png_reader_on_colour(tmp_path):

@@ -19,7 +19,7 @@ def fault(path: Path, channel: Channel, size: tuple[int, int]) -> str | None:
         if channel.file == "npy":
             return _array_fault(path, channel, size)
         kind = RGB8 if channel.components else GREY16 if channel.dtype == "uint16" else GREY8
-        read_png(path, kind, size, pixels=False)
+        read_png(path, kind, size)
     except FileNotFoundError:
         return None  # the comparison of the folder with the labels has told it
     except (OSError, PngError) as error:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from perilune.export.check.coarse import Coarse
 from perilune.export.check.findings import Report
-from perilune.export.check.png import PngError, decoded_png
+from perilune.export.check.png import PngError, read_png
 from perilune.export.check.reopened import Remake
 from perilune.frame.passes import COLOURS
 from perilune.sample import Sample
@@ -103,7 +103,7 @@ class ColourCheck:
     def compare(self, path: Path, sample: Sample, folder: str) -> None:
         """Compares a picture of a dataset with the frame made again. folder: of the scene."""
         try:
-            found = decoded_png(path)
+            found = read_png(path)
         except (OSError, PngError):
             return  # told when it was read
         channel, index = self.remake.job.pictures[folder], sample.meta["index"]

@@ -89,7 +89,7 @@ class ImageCheck:
         self._camera()
         for name in self.scene.pictures:
             kind = GREY16 if name == "raw" else RGB8
-            self._png(self.scene.picture(self.im_id, name), kind, pixels=False)
+            self._png(self.scene.picture(self.im_id, name), kind)
         depth = self._png(self.scene.depth(self.im_id), GREY16)
         taken = np.zeros((self.size[1], self.size[0]), dtype=bool)
         annotated = np.zeros_like(taken)
@@ -152,9 +152,9 @@ class ImageCheck:
     def _need_plain(self, holds: bool, path: Path, reason: str) -> None:
         self.report.need(holds, path, reason)
 
-    def _png(self, path: Path, kind: Kind, pixels: bool = True) -> NDArray[Any] | None:
+    def _png(self, path: Path, kind: Kind) -> NDArray[Any] | None:
         try:
-            return read_png(path, kind, self.size, pixels)
+            return read_png(path, kind, self.size)
         except FileNotFoundError:
             pass  # the comparison of the folder with the labels has told it
         except (OSError, PngError) as error:

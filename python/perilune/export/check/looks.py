@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.export.check.findings import Report
-from perilune.export.check.png import PngError, decoded_png
+from perilune.export.check.png import PngError, read_png
 from perilune.export.writers.bop_files import GT_FILE, RGB_FOLDER, load_object
 
 Mask = NDArray[np.bool_]
@@ -69,7 +69,7 @@ class _Seen:
 
 def _visible(folder: Path, im_id: int) -> Mask | None:
     paths = sorted((folder / "mask_visib").glob(f"{im_id:06d}_*.png"))
-    masks = [decoded_png(path) != 0 for path in paths]
+    masks = [read_png(path) != 0 for path in paths]
     return np.logical_or.reduce(masks) if masks else None
 
 
@@ -102,7 +102,7 @@ class LooksCheck:
         lost: list[tuple[_Seen, F32]] = []
         for path in sorted((folder / RGB_FOLDER).glob("*.png")):
             try:
-                image, mask = decoded_png(path), _visible(folder, int(path.stem))
+                image, mask = read_png(path), _visible(folder, int(path.stem))
             except (OSError, ValueError, PngError):
                 continue  # told when it was read
             gt = gts.get(str(int(path.stem)))

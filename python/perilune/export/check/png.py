@@ -1,10 +1,12 @@
 """Reads the PNG files of a dataset, strictly: 8-bit grey or RGB and 16-bit grey, whole and sound.
 
-PNG specification, third edition (W3C): sections 5 (chunks), 9 (filters).
+Pillow decodes. Whether chunks are whole, and hold as many pixels as the header says, is found here:
+Pillow takes a picture with too few rows, or too many, for a sound one.
 """
 
 from __future__ import annotations
 
+import io
 import struct
 import zlib
 from dataclasses import dataclass
@@ -14,12 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-U8 = NDArray[np.uint8]
+from perilune.export.writers.whole import png_chunks
 
-_SIGNATURE = b"\x89PNG\r\n\x1a\n"
-_COMPONENTS = {0: 1, 2: 3}
 _COLOR_NAMES = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB with alpha"}
-_AVERAGE, _PAETH = 3, 4
 
 
 class PngError(ValueError):
@@ -38,118 +37,50 @@ class Kind:
 
 
 RGB8, GREY8, GREY16 = Kind(8, 2), Kind(8, 0), Kind(16, 0)
+_PIXEL_BYTES = {RGB8: 3, GREY8: 1, GREY16: 2}
 
 
-def _chunks(data: bytes) -> list[tuple[bytes, bytes]]:
-    if not data.startswith(_SIGNATURE):
-        raise PngError("is no PNG")
-    found, place = [], len(_SIGNATURE)
-    while place < len(data):
-        if place + 12 > len(data):
-            raise PngError("ends in the middle of a chunk")
-        (length,) = struct.unpack_from(">I", data, place)
-        name, body = data[place + 4 : place + 8], data[place + 8 : place + 8 + length]
-        place += 12 + length
-        if place > len(data):
-            raise PngError("ends in the middle of a chunk")
-        if zlib.crc32(name + body) != struct.unpack_from(">I", data, place - 4)[0]:
-            raise PngError(f"chunk {name.decode('latin-1')} has a wrong checksum")
-        found.append((name, body))
-    if not found or found[0][0] != b"IHDR" or len(found[0][1]) != 13 or found[-1][0] != b"IEND":
-        raise PngError("is cut off, or does not begin with a header")
-    return found
+def read_png(
+    path: Path, kind: Kind | None = None, size: tuple[int, int] | None = None
+) -> NDArray[Any]:
+    """The array of a file; PngError says what is not so.
+
+    kind, size: what it must be, the size as (width, height); default: any that is written.
+    """
+    data = path.read_bytes()
+    try:
+        chunks = png_chunks(data)
+    except ValueError as error:
+        raise PngError(str(error)) from None
+    if chunks[0][0] != b"IHDR" or len(chunks[0][1]) != 13:
+        raise PngError("does not begin with a header")
+    width, height, bits, color, *methods = struct.unpack(">IIBBBBB", chunks[0][1])
+    found = Kind(bits, color)
+    if found not in _PIXEL_BYTES or kind not in (None, found):
+        raise PngError(f"is {found}{f', must be {kind}' if kind else ''}")
+    if size not in (None, (width, height)):
+        raise PngError(f"is {width} x {height} pixels, must be {size[0]} x {size[1]}")
+    if methods != [0, 0, 0]:
+        raise PngError("is interlaced or of an unknown method")
+    _check_stream(chunks, height * (1 + width * _PIXEL_BYTES[found]))
+    return _decoded(data, found)
 
 
-def _inflate(chunks: list[tuple[bytes, bytes]], size: int) -> U8:
+def _check_stream(chunks: list[tuple[bytes, bytes]], size: int) -> None:
     stream = zlib.decompressobj()
     try:
         # One byte more than there may be, so that a file cannot claim more memory than its header.
-        data = stream.decompress(
-            b"".join(body for name, body in chunks if name == b"IDAT"), size + 1
-        )
+        found = len(stream.decompress(b"".join(b for n, b in chunks if n == b"IDAT"), size + 1))
     except zlib.error as error:
         raise PngError(f"cannot be decompressed: {error}") from None
-    if len(data) != size:
+    if found != size:
         raise PngError("holds less or more pixels than its header says")
-    return np.frombuffer(data, dtype=np.uint8)
 
 
-def _rows(coded: U8, pixel: int) -> U8:
-    """Undoes the filters of rows none of which looks at decoded pixels on its left but by sums."""
-    filters, rows = coded[:, 0], coded[:, 1:]
-    before = np.zeros(rows.shape[1], dtype=np.uint8)
-    decoded = np.empty_like(rows)
-    for y, kind in enumerate(filters):
-        row = rows[y]
-        if kind == 1:
-            row = np.cumsum(row.reshape(-1, pixel), axis=0, dtype=np.uint8).ravel()
-        elif kind == 2:
-            row = row + before
-        decoded[y] = before = row
-    return decoded
+def _decoded(data: bytes, kind: Kind) -> NDArray[Any]:
+    from PIL.PngImagePlugin import PngImageFile  # not Image.open, which refuses large pictures
 
-
-def _predicted(kind: NDArray[Any], a: NDArray[Any], b: NDArray[Any], c: NDArray[Any]) -> Any:
-    """What the filters predict from the left (a), the upper (b) and the upper left byte (c)."""
-    pa, pb, pc = np.abs(b - c), np.abs(a - c), np.abs(a + b - 2 * c)
-    paeth = np.where((pa <= pb) & (pa <= pc), a, np.where(pb <= pc, b, c))
-    return np.choose(kind, (np.zeros_like(a), a, b, (a + b) >> 1, paeth))
-
-
-def _diagonals(coded: U8, width: int, pixel: int) -> U8:
-    """Undoes any filters. Pixels of a diagonal x + y = t depend on earlier diagonals alone."""
-    height = coded.shape[0]
-    kinds = coded[:, :1].astype(np.int16)
-    rows = coded[:, 1:].astype(np.int16).reshape(-1, pixel)
-    # One row above and one column on the left hold zeros, as the filters want them. Along a
-    # diagonal the flat index grows by the width less one.
-    decoded = np.zeros(((height + 1) * (width + 1), pixel), dtype=np.int16)
-    for t in range(width + height - 1):
-        first, last = max(0, t - width + 1), min(height - 1, t)
-        count = last - first + 1
-        own = (first + 1) * (width + 1) + (t - first + 1)
-
-        def along(start: int, step: int = width, count: int = count) -> slice:
-            return slice(start, start + (count - 1) * step + 1, step)
-
-        a, b = decoded[along(own - 1)], decoded[along(own - width - 1)]
-        c = decoded[along(own - width - 2)]
-        coded_t = rows[along(first * width + t - first, max(width - 1, 1))]
-        value = coded_t + _predicted(kinds[first : last + 1], a, b, c)
-        decoded[along(own)] = value & 255
-    inner = decoded.reshape(height + 1, width + 1, pixel)[1:, 1:]
-    return inner.astype(np.uint8).reshape(height, width * pixel)
-
-
-def decoded_png(path: Path) -> NDArray[Any]:
-    """The array of a PNG of whatever kind of those that are written."""
-    width, height, bits, color = struct.unpack(">IIBB", _chunks(path.read_bytes())[0][1][:10])
-    if bits not in (8, 16) or color not in _COMPONENTS:
-        raise PngError(f"is {Kind(bits, color)}")
-    return read_png(path, Kind(bits, color), (width, height))
-
-
-def read_png(path: Path, kind: Kind, size: tuple[int, int], pixels: bool = True) -> NDArray[Any]:
-    """The array of a file of that kind and size (width, height); PngError says what is not so.
-
-    pixels: without, the file is read and decompressed, but the array holds nothing of use.
-    """
-    chunks = _chunks(path.read_bytes())
-    width, height, bits, color, *rest = struct.unpack(">IIBBBBB", chunks[0][1])
-    if Kind(bits, color) != kind:
-        raise PngError(f"is {Kind(bits, color)}, must be {kind}")
-    if (width, height) != size:
-        raise PngError(f"is {width} x {height} pixels, must be {size[0]} x {size[1]}")
-    if rest != [0, 0, 0]:
-        raise PngError("is interlaced or of an unknown method")
-    pixel = _COMPONENTS[color] * bits // 8
-    coded = _inflate(chunks, height * (1 + width * pixel)).reshape(height, -1)
-    if (coded[:, 0] > _PAETH).any():
-        raise PngError("has a row of an unknown filter")
-    if not pixels:
-        return np.empty((0, 0), dtype=np.uint8)
-    simple = not (coded[:, 0] >= _AVERAGE).any()
-    decoded = _rows(coded, pixel) if simple else _diagonals(coded, width, pixel)
-    if bits == 16:
-        decoded = decoded.view(">u2").astype(np.uint16)
-    return decoded.reshape(height, width, 3) if color == RGB8.color else decoded
+    try:
+        return np.asarray(PngImageFile(io.BytesIO(data)), np.uint16 if kind == GREY16 else np.uint8)
+    except Exception as error:  # whatever a decoder makes of a broken file
+        raise PngError(f"cannot be decoded: {error}") from None

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from perilune.export.check.colour import ColourCheck
 from perilune.export.check.differences import Tolerance, differences
 from perilune.export.check.findings import Report
-from perilune.export.check.png import PngError, decoded_png
+from perilune.export.check.png import PngError, read_png
 from perilune.export.check.reopened import Remake
 from perilune.export.writers.bop_files import (
     CAMERA_FILE,
@@ -118,7 +118,7 @@ def _annotations(coco: Mapping[str, Any]) -> dict[str, Any]:
 def _pixels(path: Path) -> NDArray[Any]:
     if path.suffix == ".npy":
         return np.asarray(np.load(path, allow_pickle=False))
-    return decoded_png(path)
+    return read_png(path)
 
 
 def _kind(array: NDArray[Any]) -> str:

@@ -18,21 +18,34 @@ _SIZES |= {"double": 8}
 _CORNERS = 3
 
 
-def _png(data: bytes) -> bool:
-    """All chunks to the last with right checksums (PNG specification, section 5.3)."""
+def png_chunks(data: bytes) -> list[tuple[bytes, bytes]]:
+    """Name and body of each chunk (PNG specification, section 5.3); ValueError for damage."""
     if not data.startswith(_PNG):
-        return False
-    place, name = len(_PNG), b""
-    while place + 12 <= len(data) and name != b"IEND":
+        raise ValueError("is no PNG")
+    found, place = [], len(_PNG)
+    while place + 12 <= len(data):
         (length,) = struct.unpack_from(">I", data, place)
-        name = data[place + 4 : place + 8]
-        end = place + 8 + length
+        name, end = data[place + 4 : place + 8], place + 8 + length
         if end + 4 > len(data):
-            return False
+            break
         if zlib.crc32(memoryview(data)[place + 4 : end]) != struct.unpack_from(">I", data, end)[0]:
-            return False
+            raise ValueError(f"chunk {name.decode('latin-1')} has a wrong checksum")
+        found.append((name, data[place + 8 : end]))
         place = end + 4
-    return name == b"IEND" and place == len(data)
+    if place != len(data):
+        raise ValueError("ends in the middle of a chunk")
+    if not found or found[-1][0] != b"IEND":
+        raise ValueError("is cut off")
+    return found
+
+
+def _png(data: bytes) -> bool:
+    """Whether the last chunk is there, and all have right checksums."""
+    try:
+        png_chunks(data)
+    except ValueError:
+        return False
+    return True
 
 
 def _npy(data: bytes) -> bool:
