@@ -40,7 +40,7 @@ COMMANDS: tuple[Command, ...] = (
 )
 
 _EXPECTED = (ValueError, OSError, MemoryError, RuntimeError)
-"""Errors that say what the user can do; anything else is a fault of the program."""
+"""Errors that tell users what to do; any other is a fault of the program."""
 
 
 def _parser() -> ArgumentParser:
@@ -59,7 +59,7 @@ def _parser() -> ArgumentParser:
 
 
 def describe(error: BaseException) -> str:
-    """One message: the file first, as in the errors of the core."""
+    """Message of an error, with the file first, as in errors of the core."""
     if isinstance(error, OSError) and error.strerror and error.filename:
         return f"{error.filename}: {error.strerror}"
     if isinstance(error, MemoryError) and not str(error):
@@ -75,7 +75,7 @@ def _fail(args: Namespace, code: int, message: str) -> int:
 
 
 def _warn(message: Warning | str, *_: Any, **__: Any) -> None:
-    """A warning as a line of its own, without the place in the code that gave it."""
+    """Prints a warning on its own line, without its place in the code."""
     print(f"perilune: warning: {message}", file=sys.stderr)
 
 
@@ -90,7 +90,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _fail(args, INTERRUPTED, "interrupted")
     except BrokenPipeError:
-        # The reader of our output has left (`| head`); nothing more can be said to it.
+        # The reader of our output has closed it (`| head`).
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except _EXPECTED as error:

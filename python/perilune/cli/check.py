@@ -31,20 +31,19 @@ def _configure(parser: ArgumentParser) -> None:
         metavar=f"N|{_ALL}",
         type=_rerender,
         default=RERENDERED,
-        help="images whose colour is rendered again in full and compared to the byte, evenly "
-        f"spread (default: {RERENDERED}); all are compared at few samples, and those that look "
-        "wrong in full",
+        help="number of images, evenly spread, to render again in full and compare to the byte "
+        f"(default: {RERENDERED}); others are compared at few samples, and in full if they differ",
     )
     parser.add_argument(
         "--base",
         metavar="DIR",
-        help="folder that paths of the configuration refer to, if it is not there any more where "
-        "the dataset was made",
+        help="folder that paths of the configuration refer to (default: the one recorded in the "
+        "dataset)",
     )
     parser.add_argument(
         "--alone",
         action="store_true",
-        help="check the dataset against itself alone: make no frame again from its configuration",
+        help="check the dataset only against itself, without rendering from its configuration",
     )
 
 

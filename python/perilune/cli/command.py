@@ -1,4 +1,4 @@
-"""What a command of the command line is."""
+"""Description of a command of the command line."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 OK = 0
 FAILED = 1
-"""The command could not do its work; the message says why."""
+"""The command failed; the message says why."""
 INTERNAL = 70
 """A fault of the program itself (EX_SOFTWARE of sysexits.h)."""
 INTERRUPTED = 130

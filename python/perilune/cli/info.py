@@ -28,7 +28,7 @@ def _configure(parser: ArgumentParser) -> None:
         "config",
         metavar="CONFIG",
         nargs="?",
-        help="a configuration: also lists its models, and what is not read of their files",
+        help="a configuration: also lists its models, and what their files contain that is ignored",
     )
     add_overrides(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")

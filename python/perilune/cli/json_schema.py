@@ -1,9 +1,9 @@
 """The configuration's types as JSON Schema (2020-12), with drivers where values may vary.
 
-What the schema cannot say (a name that refers to another entry, keys of which exactly one is given)
-the loader checks; what the schema refuses, the loader refuses too, but for a driver in the place of
-a section's `kind` (choose among whole sections instead) or of a name in a list of names.
-"""
+The loader checks what the schema cannot express: names that refer to other entries, keys of which
+exactly one is allowed. Whatever the schema refuses the loader refuses too, with two exceptions: a
+driver in place of a section's `kind` (choose among whole sections instead) and a driver for a name
+in a list of names."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from perilune.document.references import channel_names
 from perilune.drivers import Drawn
 
 _VARIES = "x-perilune-varies"
-"""Marks, while the schema is made, a number in whose place a driver may stand."""
+"""Marks, while the schema is made, a number that a driver may replace."""
 
 _DRAWS: dict[str, Any] = {
     "interval": {"type": "integer", "minimum": 1, "description": "Steps between draws."},
@@ -40,7 +40,7 @@ def _distribution(description: str, needed: dict[str, Any], **optional: Any) -> 
 
 
 def _distributions(value: dict[str, Any], variance: dict[str, Any]) -> list[dict[str, Any]]:
-    """Of numbers, or of lists of numbers."""
+    """Schemas of the drivers of numbers, or of lists of numbers."""
     limits = {"clip_min": value, "clip_max": value}
     jointly = {"jointly": {"type": "boolean", "description": "One draw for all of a list."}}
     truncated = {
@@ -111,7 +111,7 @@ _DRIVERS: dict[str, dict[str, Any]] = {
 
 
 def _takes(function: Any, value: Any) -> Any:
-    """What a validator makes of a value; None if it refuses."""
+    """Result of a validator for a value; None if it refuses."""
     try:
         return function(value)
     except PydanticCustomError:
@@ -119,7 +119,7 @@ def _takes(function: Any, value: Any) -> Any:
 
 
 class _Generator(GenerateJsonSchema):
-    """Asks the validators that run before a type what they let through."""
+    """Tests what the validators that run before a type accept."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
@@ -162,21 +162,21 @@ class _Generator(GenerateJsonSchema):
 
 
 def _or(node: dict[str, Any], driver: str) -> dict[str, Any]:
-    """What a node takes, or a driver."""
+    """A node or a driver."""
     words = ("title", "description", "default")
     outer = {key: node.pop(key) for key in words if key in node}
     return {**outer, "anyOf": [node, {"$ref": f"#/$defs/{driver}"}]}
 
 
 def _holds_driver(node: Any) -> bool:
-    """Whether a driver may stand in the place of a node itself."""
+    """Whether a driver may replace the node itself."""
     return node.get("$ref") in [f"#/$defs/{name}" for name in _DRIVERS] or any(
         _holds_driver(part) for part in node.get("anyOf", [])
     )
 
 
 def _or_any(node: Any) -> Any:
-    """A value of a key, or a driver of any values; counts and kinds take none."""
+    """The value of a key, or a driver of any values; counts and kinds take none."""
     parts = node.get("anyOf", [node]) if isinstance(node, dict) else []
     fixed = any("const" in part or part.get("type") == "integer" for part in parts)
     if not parts or node == {} or fixed or _holds_driver(node):
@@ -204,11 +204,11 @@ def _with_drivers(node: Any) -> Any:
 
 
 _UNDRIVEN = ("Drivers", "DriverGroup", "Labels")
-"""Sections that take no driver."""
+"""Sections without drivers."""
 
 
 def _name_choices(definitions: dict[str, Any]) -> None:
-    """The names of the core's tables, so that editors can offer them."""
+    """Names of the core's tables, so that editors can offer them."""
     bodies = sorted(name for name in _core.BODIES if name != "sun")
     effects = [row["name"] for row in _core.EFFECTS]
 

@@ -27,5 +27,5 @@ def _run(args: Namespace) -> int:
 
 
 MERGE = Command(
-    "merge", "joins shards, checks that none is missing, writes targets and card", _configure, _run
+    "merge", "joins shards after checking them, writes targets and card", _configure, _run
 )

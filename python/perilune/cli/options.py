@@ -43,7 +43,7 @@ def one_of(what: str, names: Iterable[str]) -> Callable[[str], str]:
 
 
 def shard(text: str) -> tuple[int, int]:
-    """`0/4` to `3/4`."""
+    """(k, n) of a shard, from `0/4` to `3/4`."""
     part, slash, count = text.partition("/")
     try:
         numbers = int(part), int(count)
@@ -55,7 +55,7 @@ def shard(text: str) -> tuple[int, int]:
 
 
 def frame_range(text: str) -> range:
-    """`12`, `0:20` (20 is left out) or `0:100:10`."""
+    """A range of frames from `12`, `0:20` (20 is excluded) or `0:100:10`."""
     fields = text.split(":")
     try:
         numbers = [int(field) if field else 0 for field in fields]
@@ -85,7 +85,7 @@ def add_config(parser: ArgumentParser) -> None:
 def add_overrides(parser: ArgumentParser) -> None:
     """--seed and --set."""
     parser.add_argument(
-        "--seed", type=whole_number(0), help="seed of all randomness (default: the file's)"
+        "--seed", type=whole_number(0), help="seed of all random numbers (default: the file's)"
     )
     parser.add_argument(
         "--set",
@@ -93,7 +93,7 @@ def add_overrides(parser: ArgumentParser) -> None:
         metavar="KEY=VALUE",
         action="append",
         default=[],
-        help="replaces a key of the configuration, e.g. camera.width=320; may be repeated",
+        help="replaces a value of the configuration, such as camera.width=320; may be repeated",
     )
 
 
@@ -104,7 +104,7 @@ def add_frames(parser: ArgumentParser) -> None:
         type=frame_range,
         required=True,
         metavar="FIRST:END",
-        help="frames to write: N, FIRST:END or FIRST:END:STEP; END is left out",
+        help="frames to write: N, FIRST:END or FIRST:END:STEP; END is exclusive",
     )
 
 
@@ -115,7 +115,7 @@ def add_frame(parser: ArgumentParser) -> None:
         type=whole_number(0, LAST_FRAME),
         default=0,
         metavar="N",
-        help="frame (default: 0)",
+        help="index of the frame (default: 0)",
     )
 
 
@@ -125,7 +125,7 @@ def add_threads(parser: ArgumentParser) -> None:
         "--threads",
         type=whole_number(1),
         default=default_threads(),
-        help="threads a frame (default: all available, %(default)s)",
+        help="threads per frame (default: all available, %(default)s)",
     )
 
 

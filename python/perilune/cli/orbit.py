@@ -1,4 +1,4 @@
-"""`perilune orbit`: where everything is, step by step, as a CSV table or a CCSDS OEM; sunlight."""
+"""`perilune orbit`: states at each step as a CSV table or a CCSDS OEM, and sunlight."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _OEM_SUFFIXES = (".oem",)
 
 @dataclass(frozen=True)
 class State:
-    """Of one thing at the opening of a frame's shutter; root frame (ICRF axes), metres."""
+    """State of one object as a frame's shutter opens; root frame (ICRF axes), metres."""
 
     time_utc: str
     name: str
@@ -52,7 +52,7 @@ class State:
 
 
 def states(sim: Simulation, index: int) -> Iterator[State]:
-    """Everything but the camera in a frame's step."""
+    """States of everything but the camera in a frame's step."""
     system = sim.system(index)
     config, epoch = system.setting.config, system.setting.epoch
     t_s = config.time.step_s * config.timeline.at(index).step
@@ -90,14 +90,14 @@ def _write_csv(
 
 
 def _light_cells(curve: LightCurve, row: int) -> list[str]:
-    """Of SUNLIGHT_COLUMNS."""
+    """Cells of SUNLIGHT_COLUMNS."""
     numbers = np.concatenate([curve.fraction[row], curve.irradiance_w_m2[row]]).tolist()
     hidden = [b for b, hides in zip(curve.bodies, curve.hides[row], strict=True) if hides]
     return [*map(repr, numbers), " ".join(hidden)]
 
 
 def _one_a_step(sim: Simulation, frames: Sequence[int]) -> Iterator[int]:
-    """The first of the frames that the sensors of a step take: all of them see the same world."""
+    """The first frame of each step, because all sensors of a step see the same world."""
     last = None
     for index in frames:
         step = sim.config.timeline.at(index).step
@@ -107,7 +107,7 @@ def _one_a_step(sim: Simulation, frames: Sequence[int]) -> Iterator[int]:
 
 
 def _runs(sim: Simulation, frames: Sequence[int]) -> Iterator[list[int]]:
-    """In runs without a jump: what is drawn anew begins a new segment."""
+    """Runs without a jump: orbits that are drawn anew begin a new segment."""
     config, last = sim.config, None
     run: list[int] = []
     for index in _one_a_step(sim, frames):
@@ -122,13 +122,13 @@ def _runs(sim: Simulation, frames: Sequence[int]) -> Iterator[list[int]]:
 
 
 def _draws(sim: Simulation, config: Config) -> bool:
-    """Whether a scene may place things otherwise than the one before."""
+    """Whether positions may differ between a scene and the one before."""
     kinds = {entry.orbit.kind for _, entry in sections(config).values() if entry.orbit is not None}
     return bool(sim.document.drivers) or bool(kinds & {"database", "hook"}) or sim.has_orbit_hooks
 
 
 def _write_oem(file: TextIO, sim: Simulation, frames: Sequence[int], names: list[str]) -> int:
-    """Each object about what it orbits, or about the root."""
+    """Writes each object relative to its central body, or to the root."""
     config = sim.config
     if config.time.step_s <= 0.0 and len(list(_one_a_step(sim, frames))) > 1:
         raise ConfigError("an OEM needs increasing times: time.step_s must be positive")
@@ -170,19 +170,19 @@ def _configure(parser: ArgumentParser) -> None:
         "--out",
         required=True,
         metavar="FILE",
-        help="file to write: a CSV table, or a CCSDS OEM where its name ends with .oem",
+        help="file to write: a CCSDS OEM if its name ends in .oem, else a CSV table",
     )
     parser.add_argument(
         "--object",
         action="append",
         metavar="NAME",
-        help="a body or spacecraft to write (default: all); can be repeated",
+        help="body or spacecraft to write (default: all); may be repeated",
     )
     parser.add_argument(
         "--sunlight",
         action="store_true",
-        help="columns of the sunlight at its centre: the fraction that bodies let through and the "
-        "irradiance on a surface facing the Sun, by band, and the bodies before the Sun; CSV only",
+        help="adds columns for the sunlight at the centre: the fraction that bodies let through, "
+        "the irradiance on a surface facing the Sun, by band, and the eclipsing bodies; CSV only",
     )
 
 
@@ -212,5 +212,5 @@ def _run(args: Namespace) -> int:
 
 
 ORBIT = Command(
-    "orbit", "writes places, velocities and attitudes as a CSV table or OEM", _configure, _run
+    "orbit", "writes positions, velocities and attitudes as a CSV table or OEM", _configure, _run
 )

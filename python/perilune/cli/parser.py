@@ -1,4 +1,4 @@
-"""A parser of arguments whose errors name what is allowed and what is nearest."""
+"""An argument parser whose errors name what is allowed and what is nearest."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _KEY_VALUE = re.compile(r"[A-Za-z_][\w.\[\]-]*=")
 
 
 class Parser(ArgumentParser):
-    """As the standard library's; errors keep its exit code 2."""
+    """The standard library's parser with other messages; errors keep its exit code 2."""
 
     def __init__(self, **options: Any) -> None:
         # An option cut short would come to mean another one when there is one more.
@@ -45,7 +45,6 @@ class Parser(ArgumentParser):
             self.error(f"'{argument}': each key has a --set of its own: --set {argument}")
         self.error(f"'{argument}': there is no such argument; see --help")
 
-
     def _check_option(self, argument: str) -> None:
         name = argument.partition("=")[0]
         options = [name for name in self._option_string_actions if name.startswith("--")]
@@ -54,7 +53,7 @@ class Parser(ArgumentParser):
 
 
 def joined(args: Sequence[str]) -> list[str]:
-    """`--frames -3:5` as `--frames=-3:5`: a negative value is no option."""
+    """Joins `--frames -3:5` to `--frames=-3:5`, because a negative value is no option."""
     result: list[str] = []
     for argument in args:
         after_option = bool(result) and result[-1].startswith("--") and "=" not in result[-1]

@@ -1,4 +1,4 @@
-"""`perilune parts`: the parts of a model, to write the sections `parts` and `part_classes` by."""
+"""`perilune parts`: the parts of a model, for writing the sections `parts` and `part_classes`."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ _RIGHT = {"triangles"}
 
 def _configure(parser: ArgumentParser) -> None:
     add_config(parser)
-    parser.epilog = "CONFIG may also be a model itself (.glb, .gltf); then no classes are shown."
+    parser.epilog = "CONFIG may also be a model file (.glb, .gltf); then no classes are shown."
     parser.add_argument("--spacecraft", metavar="NAME", help="only this entry (default: all)")
     parser.add_argument(
         "--split",
         choices=("primitive", "node", "component", "none"),
-        help="cut like this, without boxes, instead of as the file says",
+        help="divide like this, without boxes, instead of as in the configuration",
     )
     parser.add_argument(
         "--merge-below",
         type=whole_number(0),
         default=0,
         metavar="N",
-        help="with --split component: pieces of fewer triangles are one part",
+        help="with --split component: pieces with fewer triangles form one part",
     )
     parser.add_argument(
         "--nodes",
         action="store_true",
-        help="list nodes and animations instead: names for `articulation` and `animation`",
+        help="list nodes and animations instead, for `articulation` and `animation`",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 

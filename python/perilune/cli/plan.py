@@ -1,4 +1,4 @@
-"""`perilune plan`: the effects of a frame, which are kept, and why."""
+"""`perilune plan`: the effects of a frame, which of them are on, and why."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _configure(parser: ArgumentParser) -> None:
 
 
 def _finite(value: float) -> float | None:
-    """JSON has no infinity; null says that no bound is known."""
+    """None for infinity, which JSON lacks; null means that no bound is known."""
     return float(value) if math.isfinite(value) else None
 
 

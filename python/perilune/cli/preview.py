@@ -1,4 +1,4 @@
-"""`perilune preview`: one sheet with every channel of a frame."""
+"""`perilune preview`: a contact sheet with every channel of a frame."""
 
 from __future__ import annotations
 

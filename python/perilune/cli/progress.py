@@ -1,4 +1,4 @@
-"""The progress bar of the commands that go through images."""
+"""Progress bar of the commands that process images."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tqdm import tqdm
 
 
 class Bar:
-    """A progress bar that counts only this run's images in its rate; silent without a terminal."""
+    """A progress bar whose rate counts only images of this run; silent without a terminal."""
 
     def __init__(self) -> None:
         self.done = 0

@@ -36,26 +36,26 @@ def _configure(parser: ArgumentParser) -> None:
         type=_writer,
         default=next(iter(WRITERS)),
         metavar="NAME",
-        help=f"{formats}; or one that is installed, or module:function (default: %(default)s)",
+        help=f"{formats}; or an installed format, or module:function (default: %(default)s)",
     )
     parser.add_argument(
         "--chunk-size",
         type=whole_number(1),
         default=1000,
         metavar="N",
-        help="images a scene folder (default: %(default)s)",
+        help="images per scene folder (default: %(default)s)",
     )
     parser.add_argument(
         "--split",
         default="train",
         metavar="NAME",
-        help="folder of the scenes; `test` also gets the files of targets (default: %(default)s)",
+        help="folder of the scenes; `test` also gets target files (default: %(default)s)",
     )
     parser.add_argument(
         "--shard",
         type=shard,
         metavar="K/N",
-        help="only the K-th of N runs of scene folders, K from 0; `perilune merge` joins them",
+        help="write only part K of N, K from 0 (whole scene folders); `perilune merge` joins parts",
     )
     add_threads(parser)
 

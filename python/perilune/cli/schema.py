@@ -1,4 +1,4 @@
-"""`perilune schema`: what may stand in a configuration, section by section, and the JSON Schema."""
+"""`perilune schema`: the keys of a configuration, section by section, and its JSON Schema."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from perilune.config.errors import ConfigError, nearest
 
 _MORE = """
 perilune schema camera.trajectory.relative    one section: its keys, units, limits, defaults
-perilune schema --json                        all of it as JSON Schema, for editors
+perilune schema --json                        the whole JSON Schema, for editors
 perilune schema TOPIC                         one of:"""
 
 
@@ -27,7 +27,7 @@ def _configure(parser: ArgumentParser) -> None:
         f"topic: {', '.join(TOPICS)} (default: an overview)",
     )
     parser.add_argument(
-        "--json", action="store_true", help="print the JSON Schema, of the section if one is named"
+        "--json", action="store_true", help="print the JSON Schema, or that of the section PATH"
     )
 
 

@@ -51,13 +51,13 @@ UNITS: dict[str, str] = {
     "year": "year",
     "magnitude": "mag",
 }
-"""End of a key's name -> its unit, the longer ones first."""
+"""Suffix of a key's name -> its unit, longer ones first."""
 _NO_UNIT = ("h_c", "h_s", "b_c0", "b_s0")
-"""Parameters of photometry that end like a unit."""
+"""Parameters of photometry whose names end like a unit."""
 
 
 def unit_of(key: str) -> str:
-    """`km` of `altitude_km`; empty for a number without unit."""
+    """The unit of a key, such as `km` for `altitude_km`; empty for a number without a unit."""
     if key in _NO_UNIT:
         return ""
     ends = (unit for end, unit in UNITS.items() if key.endswith(f"_{end}"))
@@ -65,7 +65,7 @@ def unit_of(key: str) -> str:
 
 
 def _limits(leaves: Sequence[Mapping[str, Any]]) -> str:
-    """Of the numbers among some alternatives."""
+    """Limits of the numbers among the alternatives."""
     found = []
     for leaf in leaves:
         for key, sign in (
@@ -80,7 +80,7 @@ def _limits(leaves: Sequence[Mapping[str, Any]]) -> str:
 
 
 class Tables:
-    """Writes what a path leads to."""
+    """Writes the section or key that a path names."""
 
     def __init__(self, schema: Schema) -> None:
         self._schema = schema
@@ -124,7 +124,7 @@ class Tables:
         return found
 
     def row(self, key: str, node: Mapping[str, Any], required: bool) -> tuple[str, ...]:
-        """The cells of a key."""
+        """Cells of a key."""
         value = self._schema.value(node)
         meaning = node.get("description", "")
         if not meaning and len(value.leaves) == 1:
@@ -133,16 +133,14 @@ class Tables:
         return (*cells, default_text(node, required), re.sub(r"\s+", " ", meaning))
 
     def section(self, section: Mapping[str, Any], width: int) -> str:
-        """The table of a section's keys, those that are required first."""
+        """Table of a section's keys, required ones first."""
         needed = section.get("required", ())
-        rows = [
-            self.row(key, node, key in needed) for key, node in section["properties"].items()
-        ]
+        rows = [self.row(key, node, key in needed) for key, node in section["properties"].items()]
         rows.sort(key=lambda row: row[4] != "required")
         return table(rows, width)
 
     def overview(self) -> str:
-        """All sections, a line each."""
+        """All sections, one line each."""
         rows = self._schema.root["properties"].items()
         needed = self._schema.root.get("required", ())
         lines = ["Sections of a configuration, and its keys at the top (* required):", ""]
@@ -155,7 +153,7 @@ class Tables:
         return "\n".join(lines)
 
     def describe(self, found: Found, width: int | None = None) -> str:
-        """A section's table, the kinds that it may be, or one key."""
+        """Text for a section, its kinds, or one key."""
         width = width or shutil.get_terminal_size((100, 24)).columns
         return "\n".join(self._lines(found, width))
 
@@ -195,8 +193,8 @@ def _hanging(head: str, text: str, width: int) -> str:
 
 
 def table(rows: Sequence[tuple[str, ...]], width: int) -> str:
-    """Columns side by side, wrapped; empty ones are left out, and where the terminal is narrow the
-    meaning stands below its key."""
+    """Lays out rows in wrapped columns and omits empty columns. In a narrow terminal the meaning is
+    below its key."""
     most = (28, 30, 12, 18, 16)
     names = list(_COLUMNS)
     used = [k for k in range(len(names)) if any(row[k] for row in rows)]

@@ -1,4 +1,4 @@
-"""Goes down the JSON Schema of a configuration by key paths: to a section, a kind of it, a key."""
+"""Follows key paths through the JSON Schema of a configuration, to a section, a kind or a key."""
 
 from __future__ import annotations
 
@@ -16,34 +16,34 @@ ANY_NAME = "NAME"
 
 @dataclass(frozen=True)
 class Value:
-    """What may stand at a key: the alternatives, without null and without drivers."""
+    """Alternatives for the value of a key, without null and drivers."""
 
     leaves: tuple[Mapping[str, Any], ...]
     varies: bool = False
-    """Whether a driver may stand there."""
+    """Whether a driver may replace it."""
     nullable: bool = False
 
 
 @dataclass(frozen=True)
 class Found:
-    """What a path leads to."""
+    """The target of a path."""
 
     path: str
     node: Mapping[str, Any]
     value: Value
     sections: tuple[tuple[str, Mapping[str, Any]], ...] = field(default=())
-    """(kind, section) of all that it may be; the kind is empty where there is one alone."""
+    """(kind, section) of all alternatives; the kind is empty if there is only one."""
 
 
 class Schema:
-    """The schema, with its references resolved."""
+    """The schema with its references resolved."""
 
     def __init__(self, schema: Mapping[str, Any]) -> None:
         self.root = schema
         self._definitions: Mapping[str, Any] = schema["$defs"]
 
     def value(self, node: Mapping[str, Any]) -> Value:
-        """The alternatives of a node."""
+        """Alternatives of a node."""
         leaves, varies, nullable = [], False, False
         for leaf, name in self._leaves(node):
             varies |= name in _DRIVERS
@@ -68,12 +68,13 @@ class Schema:
             yield from self._leaves(part, name)
 
     def sections(self, value: Value) -> tuple[tuple[str, Mapping[str, Any]], ...]:
-        """(kind, section) of what has keys of its own, that of lists and of entries too."""
+        """(kind, section) of the alternatives that have keys, including items of lists and
+        entries."""
         found = [leaf for leaf in value.leaves if "properties" in leaf]
         return tuple((self.kind(leaf) if len(found) > 1 else "", leaf) for leaf in found)
 
     def kind(self, section: Mapping[str, Any]) -> str:
-        """`relative` of a section whose key `kind` is that."""
+        """Kind of a section by its key `kind`, such as `relative`."""
         for key in _KIND_KEYS:
             names = self._names(section["properties"].get(key, {}))
             if names:
@@ -88,7 +89,7 @@ class Schema:
         return [name for name in found if isinstance(name, str)]
 
     def entries(self, value: Value) -> Mapping[str, Any] | None:
-        """What stands at every name of a mapping of entries, or in every place of a list."""
+        """Schema of the entries of a mapping or the items of a list."""
         for leaf in value.leaves:
             below = leaf.get("additionalProperties") or leaf.get("items")
             if isinstance(below, Mapping):
@@ -99,10 +100,10 @@ class Schema:
         return None
 
     def find(self, path: str) -> Found:
-        """What a path such as `camera.trajectory.relative.ahead_m` leads to.
+        """Finds the target of a path such as `camera.trajectory.relative.ahead_m`.
 
-        Kinds, names of entries and indices may stand in it; ConfigError with the nearest name for
-        what is not there."""
+        The path may contain kinds, names of entries and indices. ConfigError with the nearest name
+        for an unknown one."""
         node: Mapping[str, Any] = self.root
         value = Value((self.root,))
         sections = self.sections(value)
@@ -157,7 +158,7 @@ class Schema:
 
 
 def default_text(node: Mapping[str, Any], required: bool) -> str:
-    """`required`, or what a key is when it is not given."""
+    """`required`, or the default of a key."""
     if required:
         return "required"
     if "default" not in node:

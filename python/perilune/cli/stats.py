@@ -1,4 +1,4 @@
-"""`perilune stats`: distributions of what a written dataset shows."""
+"""`perilune stats`: distributions of the contents of a written dataset."""
 
 from __future__ import annotations
 

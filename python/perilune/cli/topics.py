@@ -1,6 +1,6 @@
-"""What `perilune schema` explains beside the sections: drivers, hooks, poses, labels, batches.
+"""Topics that `perilune schema` explains besides the sections: drivers, hooks, poses, labels ...
 
-A topic is one line of the table below; its text is the documentation of what does the work.
+A topic is one line of the table below; its text is mostly the docstring of the code in question.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from perilune.sample import CameraLabel
 
 _POSES = """A pose is seven numbers, x, y, z, qw, qx, qy, qz: p_root = R(q) p_own + (x, y, z).
 
-Metres; the quaternion turns the axes of the thing itself into those of the root frame (ICRF axes,
-the root body at the origin), and need not be of length 1. A camera's own axes are OpenCV's: x
-right, y down, z forward. `Simulation.camera_poses(index)` gives (2, 7): as the shutter opens, and
-closes. A hook of the camera may return (7,), the pose as the shutter opens, from which it moves
-with its target, or (2, 7). perilune.look_at makes poses.
+Positions are in metres. The quaternion rotates the object's own axes to those of the root frame
+(ICRF axes, origin at the root body) and need not be of length 1. A camera has OpenCV axes: x right,
+y down, z forward. `Simulation.camera_poses(index)` returns shape (2, 7): the poses as the shutter
+opens and as it closes. A camera hook may return (2, 7), or (7,): the pose as the shutter opens,
+from which the camera moves with its target. perilune.look_at makes poses.
 
 Labels have matrices instead: `objects["R_m2c"]` (3, 3) and `["t_m2c"]` (3,), m, from an object's
 frame to the camera's; `camera.R_w2c` and `.t_w2c` from the root frame to the camera's.
@@ -30,19 +30,18 @@ sample.camera: {camera}"""
 
 _HOOKS = """{about}
 
-The value of a driver, {{hook: "module:function", ideal, ...}}, is drawn once a draw. It may ask for
-rng, seed, step (the first that the draw is for), ideal and strength, and returns a value like the
-ideal.
+Driver: {{hook: "module:function", ideal, ...}}, called once per draw. Its arguments may be rng,
+seed, step (the first step of the draw), ideal and strength. It returns a value like the ideal.
 
-An orbit, {{kind: hook, hook: "module:function"}}, is drawn once a scene. It may ask for
-body_radius_xyz (km), world and rng, and returns a scaled circle, a state, or elements.
+Orbit: {{kind: hook, hook: "module:function"}}, called once a scene. Its arguments may be
+body_radius_xyz (km), world and rng. It returns a scaled circle, a state, or elements.
 
-A camera, {{kind: hook, hook: "module:function"}} in camera.trajectory, may be asked several
-times a step. It may ask for world, which also is its first argument, and for rng, and returns a
-pose (7,) or two, (2, 7): as the shutter opens, and closes.
+Camera: {{kind: hook, hook: "module:function"}} in camera.trajectory, called several times per step.
+Its first argument is world; it may also have rng. It returns a pose (7,), or two, (2, 7): as the
+shutter opens and as it closes.
 
-All may also ask for params, and for the entries of `params` by their names. `perilune schema
-camera.trajectory.hook`, `spacecraft.NAME.orbit.hook` and `driver` say more."""
+All may also have the argument params, and the entries of `params` by their names. See `perilune
+schema camera.trajectory.hook`, `spacecraft.NAME.orbit.hook` and `driver`."""
 
 
 @dataclass(frozen=True)
@@ -77,12 +76,12 @@ def _state() -> str:
 
 TOPICS: dict[str, Topic] = {
     "driver": Topic("values that vary from frame to frame", lambda: _doc(drivers)),
-    "hook": Topic("functions of your own", lambda: _HOOKS.format(about=_doc(hooks))),
-    "pose": Topic("what its numbers are", lambda: _POSES.format(camera=_doc(CameraLabel))),
-    "sample": Topic("what a frame holds", lambda: _sample()),
+    "hook": Topic("your own functions", lambda: _HOOKS.format(about=_doc(hooks))),
+    "pose": Topic("numbers and axes of a pose", lambda: _POSES.format(camera=_doc(CameraLabel))),
+    "sample": Topic("contents of a frame", lambda: _sample()),
     "taxonomy": Topic("names and ids of the labels", _taxonomy),
-    "collate": Topic("batches", lambda: _signed(perilune.collate, "perilune.collate")),
-    "state_dict": Topic("stopping a stream, and going on", _state),
+    "collate": Topic("batches of frames", lambda: _signed(perilune.collate, "perilune.collate")),
+    "state_dict": Topic("stopping and resuming a stream", _state),
 }
 
 
