@@ -1,4 +1,4 @@
-"""What the filters of an image sensor see of sunlight: from its curves to the core's numbers."""
+"""Response of an image sensor's filters to sunlight: from curves to the core's numbers."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ F64 = NDArray[np.float64]
 Efficiencies = Efficiency | QuantumEfficiency
 
 _SOME_UM = 0.55
-"""The wavelength that is named for light of which nothing is seen."""
+"""Placeholder wavelength for light without any response."""
 
 
 def efficiencies(given: Efficiencies, bands_nm: Filters) -> list[F64]:
-    """Curves of electrons a photon: of each filter, or such that add up to a bare sensor's."""
+    """Quantum efficiency curves: one per filter, or curves that add up to a bare sensor's."""
     if isinstance(given, QuantumEfficiency):
         table = spectra.read(Path(given.file), UM_PER_UNIT[given.wavelength_unit])
         return [table[:, [0, column]] for column in range(1, table.shape[1])]
@@ -36,8 +36,8 @@ def efficiencies(given: Efficiencies, bands_nm: Filters) -> list[F64]:
 
 
 def _seen(sun: F64 | None, products: Sequence[tuple[F64, ...]]) -> F64:
-    """(2, 3): by red, green and blue what some products of curves gather together: part of the
-    sun's irradiance, and its moment, um, which counts photons."""
+    """(2, 3): for red, green and blue, what products of curves gather together: the fraction of the
+    Sun's irradiance, and its moment in um, which gives photon counts."""
     lights = [spectra.gather(sun, *curves) for curves in products]
     seen = np.array([[light["part"], light["moment_um"]] for light in lights])
     return np.asarray(seen.sum(axis=0))
@@ -50,7 +50,7 @@ def _mean_m(parts: F64, moments_um: F64) -> F64:
 
 
 def _bare(sun: F64 | None, products: Sequence[tuple[F64, ...]]) -> F64:
-    """(2, 3): shares and mean wavelengths, m, of red, green and blue that reach all pixels."""
+    """(2, 3): fractions and mean wavelengths, m, of red, green and blue that reach all pixels."""
     parts, moments = _seen(sun, products)
     return np.stack([parts, _mean_m(parts, moments)])
 
@@ -92,10 +92,10 @@ def _described(
 
 
 def described(camera: Camera, spectrum: Spectrum | None) -> dict[str, Any]:
-    """The keys band_share, wavelength_m, mix and planes of the core's sensor, whose quantum
-    efficiency is 1: that of the configuration is in the shares.
+    """The keys band_share, wavelength_m, mix and planes of the core's sensor. Its quantum
+    efficiency is 1, because the fractions include the configuration's.
 
-    ValueError where a curve reaches beyond the sun's spectrum."""
+    ValueError for a curve that reaches beyond the Sun's spectrum."""
     sensor = camera.sensor
     assert sensor is not None
     given = sensor.quantum_efficiency
@@ -107,7 +107,8 @@ def described(camera: Camera, spectrum: Spectrum | None) -> dict[str, Any]:
 
 
 def check(config: Config) -> Iterator[tuple[str, str]]:
-    """Key and complaint of each sensor that sees nothing, or beyond the sun's spectrum."""
+    """Key and message for each sensor without any response, or with one beyond the Sun's
+    spectrum."""
     for name, camera in config.cameras.items():
         if camera.sensor is None:
             continue

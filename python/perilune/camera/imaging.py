@@ -1,4 +1,4 @@
-"""From the section `camera.sensor` to the numbers that the core asks for."""
+"""From the section `camera.sensor` to the numbers of the core."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from perilune.config.sensor import Compression, ImageSensor, SensorExposure
 
 F64 = NDArray[np.float64]
 F_NUMBER = 4.0
-"""Of a lens of which neither the focal ratio nor the aperture is stated."""
+"""F-number of a lens if neither f_number nor aperture_mm is given."""
 
 
 def _auto_time(exposure: SensorExposure) -> dict[str, Any] | None:
@@ -67,7 +67,8 @@ def intrinsics(camera: Camera) -> F64:
 
 
 def f_number(camera: Camera) -> float:
-    """Of a camera's sensor, from its aperture where that is given; ValueError for no lens."""
+    """F-number of a camera's sensor, from its aperture if given; ValueError for an impossible
+    lens."""
     sensor = camera.sensor
     assert sensor is not None
     if sensor.aperture_mm is None:
@@ -85,7 +86,7 @@ def f_number(camera: Camera) -> float:
 
 
 def check(config: Config) -> Iterator[tuple[str, str]]:
-    """Key and complaint of each sensor whose aperture makes no lens."""
+    """Key and message for each sensor with an impossible aperture."""
     for name, camera in config.cameras.items():
         if camera.sensor is not None:
             try:
@@ -101,11 +102,10 @@ def sensor_of(
     spectrum: Spectrum | None = None,
     where: str = "camera.sensor",
 ) -> dict[str, Any] | None:
-    """The core's description of a camera's sensor under a sun; None if it has none.
+    """The core's description of a camera's sensor; None without a sensor.
 
-    path: gives the file that a path in the configuration means; its second argument is the key.
-    where: key path of the section.
-    """
+    path: resolves a path of the configuration; its second argument is the key. where: key path of
+    the section."""
     sensor = camera.sensor
     if sensor is None:
         return None
@@ -135,7 +135,7 @@ def sensor_of(
 
 
 def _pixels(sensor: ImageSensor) -> dict[str, Any]:
-    """What gathers charge, but for light."""
+    """Sources of charge other than light."""
     warmth = (sensor.temperature_c - sensor.dark_reference_c) / sensor.dark_doubling_k
     rays = sensor.cosmic_rays
     return {
@@ -155,7 +155,7 @@ def _pixels(sensor: ImageSensor) -> dict[str, Any]:
 
 
 def _electronics(sensor: ImageSensor) -> dict[str, Any]:
-    """From charge to digital numbers."""
+    """Parameters from charge to digital numbers."""
     return {
         "shift_s": sensor.shift_us * 1e-6,
         "reset_s": sensor.reset_us * 1e-6,

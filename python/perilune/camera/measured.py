@@ -1,4 +1,4 @@
-"""Measured images of numbers from files: flat fields and kernels of the section `sensor`."""
+"""Measured flat fields and point-spread functions of the section `sensor`, from files."""
 
 from __future__ import annotations
 
@@ -58,9 +58,8 @@ def _read(path: Path, stamp: files.Stamp) -> F64:
 def read(path: Path) -> F64:
     """The numbers (height, width) of a .npy, .tif, .tiff or grey .png file, at least 0.
 
-    Integers are as they are in the file, but for PNG, whose numbers of n bits are spread over
-    0..65535. Kept as long as the file stays as it is; ValueError that names it for another one.
-    """
+    Integers are those of the file, except for PNG, whose n-bit numbers are scaled to 0..65535.
+    Cached until the file changes. ValueError that names the file."""
     return _read(path, files.stamp(path))
 
 
@@ -79,8 +78,8 @@ def _kernel(path: Path, stamp: files.Stamp) -> F64:
 
 
 def kernel(path: Path) -> F64:
-    """A point-spread function divided by its sum; UserWarning where it holds fractions whose sum is
-    not 1 within 1 %."""
+    """A point-spread function normalised to a sum of 1; UserWarning if it holds fractions whose sum
+    differs from 1 by more than 1 %."""
     return _kernel(path, files.stamp(path))
 
 
@@ -99,5 +98,5 @@ def _flat(path: Path, stamp: files.Stamp) -> NDArray[np.float32]:
 
 
 def flat_field(path: Path) -> NDArray[np.float32]:
-    """A flat field over the mean of its middle tenth: 1 on the axis."""
+    """A flat field divided by the mean of its middle tenth, so that it is 1 on the axis."""
     return _flat(path, files.stamp(path))

@@ -1,4 +1,4 @@
-"""From a camera's lens to the numbers that the core asks for: distortion and focus."""
+"""From a camera's lens to the numbers of the core: distortion and focus."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ F64 = NDArray[np.float64]
 
 
 def lens_of(camera: Camera) -> tuple[str, F64] | None:
-    """Model and coefficients of the distortion, as the core takes them."""
+    """Model and coefficients of the distortion, in the core's form."""
     lens = camera.lens
     if lens is None or lens.model == "rectilinear":
         return None
@@ -27,10 +27,9 @@ def lens_of(camera: Camera) -> tuple[str, F64] | None:
 def focus_of(
     camera: Camera, K: F64, sensor: Mapping[str, Any] | None
 ) -> tuple[float, float] | None:
-    """Diameter of the lens and the distance in focus, m; None of a camera that blurs nothing.
+    """Diameter of the aperture and distance in focus, m; None if the camera has no blur.
 
-    sensor: as the core takes it, or None. Its pixels tell how long K's focal length is.
-    """
+    sensor: in the core's form, or None. Its pixel pitch gives the focal length in metres."""
     lens = camera.lens
     if lens is None or lens.focus_distance_m is None:
         return None

@@ -1,1 +1,1 @@
-"""One frame: from the world of an instant to what the core is asked, and the arrays it fills."""
+"""One frame: from the world at an instant to the core's input and the arrays it fills."""

@@ -1,4 +1,4 @@
-"""What one process holds of the core for a configuration: models, maps, scene, renderer."""
+"""The core's objects of one process for a configuration: models, maps, scene, renderer."""
 
 from __future__ import annotations
 
@@ -37,23 +37,23 @@ from perilune.world import World
 F64 = NDArray[np.float64]
 
 _STAGES = 4
-"""Scenes and renderers that are kept, and airs."""
+"""Number of scenes with renderers, and of atmospheres, to cache."""
 
 
 def _make_room(kept: dict[Any, Any]) -> None:
-    """What was made first goes where there would be too many."""
+    """Removes the oldest entry if there are too many."""
     if len(kept) >= _STAGES:
         del kept[next(iter(kept))]
 
 
 def _air_key(body: Body) -> tuple[Any, ...]:
-    """What the tables of a body's air depend on, of all that may differ from frame to frame."""
+    """All inputs of the tables of a body's atmosphere that may differ from frame to frame."""
     return (body.atmosphere, body.atmosphere and tuple(orbits.radii_m(body)))
 
 
 @dataclass
 class _Stage:
-    """A scene, its renderer, and the graphs that are on it."""
+    """A scene, its renderer, and the material graphs on it."""
 
     scene: _core.Scene
     renderer: _core.Renderer
@@ -65,27 +65,28 @@ class ObjectModel:
     """The model of a spacecraft: p_object = metres_per_unit * (p_model - offset)."""
 
     name: str
-    """The spacecraft's entry."""
+    """Name of the spacecraft's entry."""
     obj_id: int
     class_name: str
     model: _core.Model
     offset: F64
-    """Model units."""
+    """(3,) origin of the object in the model's frame, model units."""
     metres_per_unit: float
-    """Of the configuration's ideal values; a driver on the size changes it per frame."""
+    """Scale at the configuration's ideal values; a driver on the size changes it per frame."""
     reach_units: float
-    """Radius of the least sphere about the object's origin that holds the model, model units."""
+    """Radius of the smallest sphere about the object's origin that contains the model, model
+    units."""
     symmetries: Symmetries
 
     @property
     def radius_m(self) -> float:
-        """Likewise in metres, at the ideal size."""
+        """The same radius in metres, at the ideal size."""
         return self.metres_per_unit * self.reach_units
 
 
 def metres_per_unit(craft: Spacecraft, model: _core.Model) -> float:
-    """Scale of a spacecraft's model, as stated or from its size; of one that is stretched, of what
-    the reader makes of it."""
+    """Scale of a spacecraft's model, as given or from its size. For a stretched model: the scale of
+    the mesh as read."""
     if isinstance(craft.metres_per_unit, tuple):
         return max(craft.metres_per_unit)
     if craft.metres_per_unit is not None:
@@ -96,7 +97,8 @@ def metres_per_unit(craft: Spacecraft, model: _core.Model) -> float:
 
 
 def _check_length(where: str, scale: float, bounds: F64) -> None:
-    """ConfigError for a model longer or shorter than the core takes; size_m is in range already."""
+    """ConfigError for a model longer or shorter than the core accepts; size_m is in range
+    already."""
     length_m = scale * float((bounds[1] - bounds[0]).max())
     low, high = shapes.LENGTHS_M
     if not low * (1.0 - 1e-12) <= length_m <= high * (1.0 + 1e-12):
@@ -105,14 +107,14 @@ def _check_length(where: str, scale: float, bounds: F64) -> None:
 
 
 def reach_units(model: _core.Model, offset: F64) -> float:
-    """Distance from the offset to the farthest vertex, model units. (The farthest corner of the box
-    would be 1.73 times as far on a ball.)"""
+    """Distance from the offset to the farthest vertex, model units. (The farthest corner of the
+    bounding box would be 1.73 times as far for a ball.)"""
     from_offset = model.mesh()["positions"].astype(np.float64) - offset
     return math.sqrt(float(np.einsum("ij,ij->i", from_offset, from_offset).max()))
 
 
 def _obj_ids(config: Config) -> dict[str, int]:
-    """As stated; the others get the smallest free numbers from 1, in order."""
+    """Given ids; the others get the smallest free numbers from 1, in order."""
     stated = {n: c.obj_id for n, c in config.spacecraft.items() if c.obj_id is not None}
     first: dict[int, str] = {}
     for name, number in stated.items():
@@ -131,8 +133,8 @@ def _obj_ids(config: Config) -> dict[str, int]:
 
 
 class FrameLock:
-    """Lets one frame through at a time: other threads wait, but what runs in the middle of a frame
-    in its own thread (a signal's handler, a finalizer) would wait for ever, and is refused."""
+    """Admits one frame at a time. Other threads wait; code that interrupts a frame in its own
+    thread (a signal handler, a finalizer) would wait forever and is refused."""
 
     def __init__(self) -> None:
         self._lock = RLock()
@@ -151,8 +153,8 @@ class FrameLock:
 
 
 class Assets:
-    """What was read and built in a process, for a configuration and all that `with_overrides`
-    makes of it. `lock` guards the renderers, which render a frame at a time."""
+    """Files read and objects built in a process, for a configuration and all that `with_overrides`
+    derives from it. `lock` guards the renderers, which render one frame at a time."""
 
     def __init__(self, document: Document) -> None:
         self.lock = FrameLock()
@@ -168,21 +170,21 @@ class Assets:
 
 
 _NOT_BUILT = ("version", "name", "description", "seed", "time.", "render.channels", "drivers")
-"""Of what is fixed, keys that scenes are not built from."""
+"""Fixed keys that do not affect scenes."""
 
 
 def _built_from(config: Config) -> str:
-    """What a scene is built from, of all that no driver may change; equal texts, equal scenes."""
+    """All inputs of a scene that no driver may change, as a text; equal texts give equal scenes."""
     rows = fixed(config)
     return repr({key: row for key, row in rows.items() if not key.startswith(_NOT_BUILT)})
 
 
 class Handles:
-    """Built lazily, once a process and configuration."""
+    """The core's objects, built on demand, once per process and configuration."""
 
     def __init__(self, document: Document, remarks: Remarks, assets: Assets) -> None:
-        """remarks: what readers of models say goes there. assets: shared with other configurations
-        that were made of the same one."""
+        """remarks: receives messages of model readers. assets: shared with configurations derived
+        from the same one."""
         self.document = document
         self._remarks = remarks
         self.assets = assets
@@ -240,7 +242,7 @@ class Handles:
 
     @cached_property
     def partitions(self) -> Mapping[str, Partition]:
-        """Spacecraft entry -> how its model is cut into parts."""
+        """Spacecraft entry -> division of its model into parts."""
         crafts, source = self.document.config.spacecraft, self.document.source
         return {
             name: partition(row.model, crafts[name].parts, f"{source}:\n  spacecraft.{name}.parts")
@@ -249,7 +251,7 @@ class Handles:
 
     @cached_property
     def rigs(self) -> Mapping[str, articulation.Rig]:
-        """Spacecraft entry -> what moves on it, of those that have such parts."""
+        """Spacecraft entry -> moving parts, for those that have any."""
         crafts, source = self.document.config.spacecraft, self.document.source
         rigs = {
             name: articulation.rig(
@@ -265,7 +267,7 @@ class Handles:
 
     @cached_property
     def looks(self) -> Looks:
-        """Which graphs are on what."""
+        """The material graphs of the configuration."""
         models = {name: row.model for name, row in self.models.items()}
         return Looks(self.document, models, self.partitions)
 
@@ -279,7 +281,7 @@ class Handles:
         return found
 
     def unmatched(self) -> list[tuple[str, str]]:
-        """(key path, what is wrong) of patterns of `part_classes` that fit no part."""
+        """(key path, message) of patterns of `part_classes` that match no part."""
         parts = {name: cut.entries for name, cut in self.partitions.items()}
         return list(unmatched(self.document.config, parts))
 
@@ -289,7 +291,7 @@ class Handles:
         return {name: metres_per_unit(crafts[name], row.model) for name, row in self.models.items()}
 
     def radii_m(self, config: Config) -> dict[str, float]:
-        """Bounding radius about the origin of each spacecraft, wherever its parts move."""
+        """Bounding radius about the origin of each spacecraft, for any position of its parts."""
         radii_m = {}
         for name, scale in self.scales(config).items():
             row, rig = self.models[name], self.rigs.get(name)
@@ -298,7 +300,7 @@ class Handles:
         return radii_m
 
     def posed(self, scene: World) -> dict[str, articulation.Posed]:
-        """Spacecraft entry -> where its moving parts are in a frame, of those that have some."""
+        """Spacecraft entry -> poses of its moving parts in a frame, for those that have any."""
         scales = self.scales(scene.config)
         return {
             name: articulation.posed(rig, scene, name, scales[name])
@@ -314,8 +316,8 @@ class Handles:
         heights: maps.HeightKey | None = None,
         **options: Any,
     ) -> _core.Map | None:
-        """A map of a body; each file is read once for each way of reading it and set of options of
-        _core.Map. center_lon_deg: None for what is no map of the whole body."""
+        """A map of a body. Each file is read once for each set of options of _core.Map.
+        center_lon_deg: None for a map that does not cover the whole body."""
         if text is None:
             return None
         path = self.document.path(text, f"bodies.{name}.{key}")
@@ -341,7 +343,7 @@ class Handles:
         return self._map(name, given.map_center_lon_deg, given.map, "clouds.map", srgb=False)
 
     def shapes_of(self, config: Config) -> dict[str, shapes.BodyShape]:
-        """Body entry -> its shape, of those that have one; each file is read once."""
+        """Body entry -> its shape, for bodies that have one; each file is read once."""
         found: dict[str, shapes.BodyShape] = {}
         for name, body in config.bodies.items():
             if body.shape is None:
@@ -365,7 +367,7 @@ class Handles:
         return found
 
     def _air(self, name: str, config: Config) -> _core.Air | None:
-        """The atmosphere of a body; its tables are made once for each air and radii."""
+        """The atmosphere of a body; tables are computed once for each atmosphere and radii."""
         body = config.bodies[name]
         key = _air_key(body)
         if key not in self.assets.airs:
@@ -379,7 +381,7 @@ class Handles:
         return self.assets.airs[key]
 
     def _rings(self, name: str, config: Config) -> _core.Rings | None:
-        """The rings of a body; their tables are made once for each that choices give."""
+        """The rings of a body; tables are computed once for each choice."""
         given = config.bodies[name].rings
         if given is None:
             return None
@@ -415,12 +417,11 @@ class Handles:
         return self.renderer_of(self.document.config)
 
     def renderer_of(self, config: Config) -> _core.Renderer:
-        """The core's renderer, with a frame's graphs on its scene.
+        """The core's renderer, with a frame's material graphs on its scene.
 
-        A scene is made for each combination of maps, shapes, reflectances, air and rings that
-        choices give the bodies.
-        Graphs change on the scene itself, whose accelerators stay.
-        """
+        There is a scene for each combination of maps, shapes, reflectances, atmosphere and rings
+        that choices give the bodies. Graphs are exchanged on the scene, which keeps its
+        acceleration structures."""
         key: tuple[Any, ...] = tuple(
             (
                 body.color_map,
@@ -449,7 +450,7 @@ class Handles:
         return stage.renderer
 
     def _dress(self, stage: _Stage, look: Look) -> None:
-        """Puts the graphs of a frame on a scene, where they are not there already."""
+        """Puts the material graphs of a frame on a scene, unless they are there already."""
         for index, name in enumerate(self.models):
             placed, there = look.crafts.get(name), stage.look.crafts.get(name)
             if placed is not None and (there is None or not placed.is_like(there)):
@@ -466,7 +467,7 @@ class Handles:
         stage.look = look
 
     def _stage(self, config: Config) -> _Stage:
-        """A scene without graphs."""
+        """A scene without material graphs."""
         scene = _core.Scene(len(self.taxonomy.levels))
         part_ids: dict[str, list[int]] = {}
         part_classes: dict[str, list[str]] = {}
@@ -484,7 +485,7 @@ class Handles:
         part_ids: Mapping[str, Sequence[int]],
         part_classes: Mapping[str, Sequence[str]],
     ) -> None:
-        """part_ids, part_classes: of the parts of each entry."""
+        """part_ids, part_classes: those of each entry's parts."""
         labels, meshes = self.taxonomy, self.shapes_of(config)
         for name, body in config.bodies.items():
             scene.add_body(

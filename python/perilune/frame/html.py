@@ -1,4 +1,4 @@
-"""Objects, plans and labels of frames as tables of a notebook."""
+"""Objects, plans and labels of frames as HTML tables for notebooks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _OBJECT_COLUMNS = ("instance", "obj_id", "visible", "pixels", "box x y w h", "t_
 
 
 def objects_table(rows: NDArray[Any]) -> str:
-    """The labels of spacecraft, a row each."""
+    """Labels of spacecraft, a row each."""
     cells = [
         (
             int(row["instance_id"]),
@@ -33,14 +33,14 @@ def objects_table(rows: NDArray[Any]) -> str:
 
 
 def objects_html(rows: NDArray[Any]) -> str:
-    """The labels of the spacecraft of a frame."""
+    """HTML table of the spacecraft's labels in a frame."""
     return whole(
         heading("Objects", "poses: t_m2c in the camera's axes, OpenCV"), objects_table(rows)
     )
 
 
 def plan_table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """The effects of a plan, those that are on first."""
+    """Effects of a plan, those that are on first."""
     cells = [
         (
             row["name"],
@@ -55,13 +55,13 @@ def plan_table(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def plan_html(rows: Sequence[Mapping[str, Any]]) -> str:
-    """The effects of a frame, those that are on first."""
+    """HTML table of a frame's effects, those that are on first."""
     kept = sum(bool(row["on"]) for row in rows)
     return whole(heading("Plan", f"{kept} effects on, {len(rows) - kept} off"), plan_table(rows))
 
 
 def taxonomy_html(labels: Taxonomy) -> str:
-    """Names and ids, channel by channel; 0 is the background everywhere."""
+    """HTML table of names and ids by channel; 0 is the background everywhere."""
     parts = [heading("Taxonomy", "id 0 is the background everywhere")]
     instances = [(id_, name) for name, id_ in labels.instances.items()]
     parts += [heading("instance"), table(("id", "name"), instances)]

@@ -1,5 +1,7 @@
-"""Which graphs are on what in a frame. Drivers may choose among them, from scene to scene or from
-step to step; graphs are compiled, and patterns looked up on models, once for each choice."""
+"""Material assignment: which graphs are on which objects in a frame.
+
+Drivers may choose among graphs, per scene or per step. Graphs are compiled, and patterns matched
+with models, once for each choice."""
 
 from __future__ import annotations
 
@@ -20,26 +22,27 @@ from perilune.spacecraft.parts import Partition
 
 _T = TypeVar("_T")
 _PATTERNS = 16
-"""Sets of patterns that are kept of each spacecraft, all together."""
+"""Number of sets of patterns to cache, for all spacecraft together."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """The graphs of a frame."""
+    """The material graphs of a frame."""
 
     crafts: Mapping[str, Placed]
-    """Of the spacecraft that have some."""
+    """Spacecraft -> their graphs, for those that have any."""
     bodies: Mapping[str, Placed]
-    """Of the bodies that have one."""
+    """Bodies -> their graph, for those that have one."""
 
     @property
     def graphs(self) -> list[tuple[str, Placed]]:
-        """What they are on, and they, in the order of the core's parameters."""
+        """The objects and their graphs, in the order of the core's parameters."""
         return [*self.crafts.items(), *self.bodies.items()]
 
 
 class Looks:
-    """Makes the looks of a configuration. All that choices offer is made, and checked, at first."""
+    """Makes the material assignments of a configuration. All options of choices are made and
+    checked at the start."""
 
     def __init__(
         self,
@@ -47,7 +50,8 @@ class Looks:
         models: Mapping[str, _core.Model],
         partitions: Mapping[str, Partition],
     ) -> None:
-        """models, partitions: of each spacecraft. ConfigError for graphs that fit nothing."""
+        """models, partitions: those of each spacecraft. ConfigError for graphs that match
+        nothing."""
         self._document = document
         self._models = models
         self._partitions = partitions
@@ -62,7 +66,7 @@ class Looks:
             self.of(config)
 
     def of(self, config: Config) -> Look:
-        """The graphs of a frame; ConfigError for one that is not there, or does not fit."""
+        """The graphs of a frame; ConfigError for one that is missing or does not fit."""
         first = self._document.config
         same = config.spacecraft is first.spacecraft and config.bodies is first.bodies
         if same and self._ideal is not None:
@@ -88,8 +92,8 @@ class Looks:
         return self._of_patterns(craft, ())
 
     def presence(self, craft: str) -> NDArray[np.uint8]:
-        """(T,): what alpha leaves of each triangle, whatever drivers choose and draw: 0 nothing,
-        1 perhaps a part, 2 all of it."""
+        """(T,): how much alpha leaves of each triangle for all choices and draws. 0: nothing, 1:
+        perhaps a part, 2: all of it."""
         own: NDArray[np.uint8] = self._models[craft].surfaces()["presence"]
         configs = [self._document.config, *self._document.choices(materials.is_choice)]
         rows = [_with_graphs(own, self.of(config).crafts.get(craft)) for config in configs]
@@ -110,7 +114,8 @@ class Looks:
         return Placed((use,), (graph,), np.empty(0, dtype=np.int32))
 
     def _graph(self, owner: str, name: str, mode: str, key: str, now: Config) -> Graph:
-        """With what the ideal configuration's drivers may vary; a hook's is as drawn now."""
+        """Compiles a graph with all values that drivers of the ideal configuration may vary; a
+        hook's graph is as drawn now."""
         hooked = name in self._hooked
         config = now if hooked else self._document.config
         if name not in config.materials:

@@ -1,4 +1,4 @@
-"""A frame in as many passes of the core as its camera needs."""
+"""Renders a frame in as many passes of the core as its camera needs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from perilune import _core
 
 COLOURS = frozenset(row["name"] for row in _core.CHANNELS if row["colour"])
-"""Channels that are no labels."""
+"""Channels other than labels."""
 
 
 def render(
@@ -20,8 +20,8 @@ def render(
     threads: int,
     undistorted: bool,
 ) -> _core.FrameResult:
-    """Fills the arrays. undistorted: labels are those of a camera without the lens, which takes a
-    pass of its own where colour is asked for too; times are those of both."""
+    """Fills the arrays. undistorted: labels are those of a camera without distortion, which needs a
+    separate pass if colour is requested too; times are sums over both."""
     colour = {name: array for name, array in arrays.items() if name in COLOURS}
     if not undistorted:
         return renderer.render(request, arrays, threads)

@@ -1,8 +1,7 @@
-"""Arrays of frames, used again when nobody holds them any more.
+"""Reuses arrays of frames that nobody references any more.
 
-The system clears the pages of every large array that is new: for all labels of a frame that takes
-as long as a tenth of rendering them, and threads wait for each other meanwhile.
-"""
+The system clears the pages of every large new array. For all labels of a frame this takes a tenth
+of the rendering time, and threads wait for each other meanwhile."""
 
 from __future__ import annotations
 
@@ -16,13 +15,13 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 
 _LARGE = 1 << 17
-"""Bytes from which malloc asks the system for new pages."""
+"""Bytes from which malloc requests new pages from the system."""
 _MOST = 2
-"""Arrays kept of a channel: in a loop the last frame is held while the next one renders."""
+"""Arrays to keep per channel: in a loop the last frame is held while the next one renders."""
 
 
 def _is_whole(array: Array, shape: tuple[int, ...], dtype: np.dtype[Any]) -> bool:
-    """Whether it is as it was made: holders may reshape or lock an array in place."""
+    """Whether an array is as it was made; holders may reshape or lock it in place."""
     flags = array.flags
     same = array.shape == shape and array.dtype == dtype
     return same and flags.c_contiguous and flags.owndata and flags.writeable
@@ -33,18 +32,18 @@ def _holders(kept: list[Array], index: int) -> int:
 
 
 _ALONE = _holders([np.empty(0)], 0)
-"""What is counted where the list alone holds it. Views and buffers of an array count as holders."""
+"""Reference count of an array held only by the list. Views and buffers of an array count too."""
 
 
 class Pool:
-    """For several threads. What it keeps is never more than was in use at once."""
+    """Thread-safe pool of arrays. It never keeps more than were in use at once."""
 
     def __init__(self) -> None:
         self._lock = Lock()
         self._kept: dict[str, list[Array]] = {}
 
     def take(self, name: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Array:
-        """An array for a channel, of any content."""
+        """An array for a channel, with arbitrary content."""
         if dtype.itemsize * int(np.prod(shape)) < _LARGE:
             return np.empty(shape, dtype)
         with self._lock:

@@ -1,8 +1,7 @@
-"""What readers of models repair, clamp or leave out, as warnings: once a model of a simulation.
+"""Warnings about what model readers repair, clamp or ignore, once per model of a simulation.
 
-Copies of a simulation in other processes know what was told before they were made; of a
-DataLoader's workers only the first speaks.
-"""
+Copies of a simulation in other processes know the warnings given before they were made. Of a
+DataLoader's workers only the first one warns."""
 
 from __future__ import annotations
 
@@ -20,17 +19,16 @@ class Remarks:
         self._told: set[tuple[str, str]] = set()
 
     def tell_of_key(self, where: str, text: str) -> None:
-        """Warns of a key of the configuration, unless that has been done. where: file and key."""
+        """Warns about a key of the configuration once. where: file and key."""
         if (where, text) not in self._told:
             self._told.add((where, text))
             if torch_worker()[0] == 0:
                 warnings.warn(f"{where}: {text}", ConfigWarning, stacklevel=2)
 
     def tell(self, where: str, path: str, lines: Iterable[str]) -> None:
-        """Warns of each line about a file, unless that has been done.
+        """Warns of each line about a file once.
 
-        where: the configuration's file and the key of the object that uses the model.
-        """
+        where: the configuration's file and the key of the object that uses the model."""
         for line in lines:
             if (path, line) in self._told:
                 continue

@@ -1,4 +1,4 @@
-"""From the world of a frame to what the core is asked, and the arrays that it fills."""
+"""From the world of a frame to the core's input, and the arrays that it fills."""
 
 from __future__ import annotations
 
@@ -53,13 +53,12 @@ def request_of(
     keys: Keys | None,
     path: Callable[[str, str], Path],
 ) -> _core.FrameRequest:
-    """What the core is asked to render.
+    """The core's input for a frame.
 
     camera_poses: (2, 7), camera to root, at opening and closing. scales: metres per model unit of
-    each spacecraft. movers: (nodes, 3, 4), the motions of all moving nodes in the middle of the
-    exposure. keys: what moves meanwhile.
-    path: gives the file that a path in the configuration means, and takes the key for errors.
-    """
+    each spacecraft. movers: (nodes, 3, 4), motions of all moving nodes in the middle of the
+    exposure. keys: poses within the exposure. path: resolves a path of the configuration; takes the
+    key for errors."""
     config = scene.config
     K = intrinsics(config.camera)
     where = config.place(scene.sensor, "sensor")
@@ -119,7 +118,7 @@ def _exposure(exposure: Exposure) -> _core.Exposure:
 
 
 def _motion(config: Config, keys: Keys | None) -> dict[str, Any] | None:
-    """All that moves while the shutter is open, as the core takes it; None in no time at all."""
+    """All motion while the shutter is open, in the core's form; None without an exposure time."""
     if keys is None:
         return None
     camera, shape = config.camera, (keys.count, 7)
@@ -139,12 +138,12 @@ def _stacked(rows: list[F64], shape: tuple[int, ...]) -> F64:
 
 @lru_cache(maxsize=1)
 def object_dtype() -> np.dtype[Any]:
-    """The type of a row of `Sample.objects`."""
+    """dtype of a row of `Sample.objects`."""
     return np.dtype(list(_core.OBJECT_LABEL))
 
 
 def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type of a channel's array."""
+    """Shape and dtype of a channel's array."""
     if name == OBJECTS:
         return (len(config.spacecraft),), object_dtype()
     if name == MASKS:
@@ -163,10 +162,9 @@ def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype
 def arrays_of(
     config: Config, names: Sequence[str], out: Mapping[str, Array], pool: Pool
 ) -> dict[str, Array]:
-    """An array for each channel: that of `out` if there is one, else one of the pool.
+    """An array for each channel: that of `out` if given, else one of the pool.
 
-    ValueError for one of `out` of another shape or type.
-    """
+    ValueError for an array of `out` with another shape or dtype."""
     arrays: dict[str, Array] = {}
     for name, value in out.items():
         if name not in names:
@@ -190,7 +188,7 @@ def arrays_of(
 
 
 def camera_label(request: _core.FrameRequest, sensor: str | None, bent: bool) -> CameraLabel:
-    """The camera in the middle of the exposure. bent: the labels have the lens's distortion."""
+    """The camera in the middle of the exposure. bent: the labels include the lens's distortion."""
     opening, closing = request["camera_pose"]
     center, q = 0.5 * (opening[:3] + closing[:3]), rotations.middle(opening[3:], closing[3:])
     motion = request["motion"]

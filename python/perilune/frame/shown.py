@@ -1,4 +1,4 @@
-"""Lists and arrays that show themselves as tables in a notebook, and are lists and arrays else."""
+"""Lists and arrays with a table as their representation in notebooks."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ class Plan(list["_core.PlanRow"]):
 
 
 class ObjectRows(np.ndarray[Any, np.dtype[Any]]):
-    """A structured array of object labels; a field of it is an array like any other."""
+    """A structured array of object labels; its fields are plain arrays."""
 
     def _repr_html_(self) -> str | None:
-        """None, of a single row or a field, leaves its text."""
+        """None, which shows the plain text, for a single row or a field."""
         if self.dtype.names is None or self.ndim != 1 or "t_m2c" not in self.dtype.names:
             return None
         return objects_html(self)
 
 
 def object_rows(rows: np.ndarray[Any, Any]) -> ObjectRows:
-    """The same memory; what has the type already is given back."""
+    """A view as ObjectRows; the array itself if it is one already."""
     return rows if isinstance(rows, ObjectRows) else rows.view(ObjectRows)

@@ -1,8 +1,7 @@
-"""What the shutter sees: where everything is at instants of a frame, as many as its motion needs.
+"""Poses at instants within an exposure, as many as the motion needs.
 
-The core moves things straight from key to key, turning by the shorter way. Keys come from the paths
-themselves; there are as many as it takes for that to be within a tenth of a pixel.
-"""
+The core interpolates between instants (keys): positions linearly, rotations along the shorter arc.
+The number of keys is chosen so that this is within a tenth of a pixel of the true paths."""
 
 from __future__ import annotations
 
@@ -19,37 +18,38 @@ from perilune.world import World
 F64 = NDArray[np.float64]
 
 State = tuple[F64, dict[str, F64], F64, F64]
-"""Of one instant: camera, things by name, sun, movers."""
+"""State at one instant: camera, objects by name, Sun, movers."""
 
 KEYS_MAX = 257
-"""More are not asked for: what moves faster is seen at these, and nowhere between."""
+"""Largest number of keys; faster motion is rendered only at these instants, without
+interpolation."""
 NEAR_PX = 0.1
-"""Farther off between keys than this is not near enough."""
+"""Largest error of the interpolation between keys, in pixels."""
 
 
 @dataclass(frozen=True)
 class Keys:
-    """All that moves, at `count` instants evenly over the time of a frame."""
+    """All poses at `count` instants, evenly spread over the time of a frame."""
 
     camera: F64
-    """(count, 7)"""
+    """(count, 7) camera poses."""
     things: dict[str, F64]
-    """Name of a body or spacecraft -> (count, 7)."""
+    """Name of a body or spacecraft -> poses (count, 7)."""
     sun_m: F64
-    """(count, 3)"""
+    """(count, 3) position of the Sun."""
     movers: F64
-    """(count, nodes, 3, 4)"""
+    """(count, nodes, 3, 4) motions of moving nodes."""
     held: bool = False
-    """Whether the keys do not tell what is between them."""
+    """Whether poses are constant around each key, because interpolation would be wrong."""
 
     @property
     def count(self) -> int:
-        """Odd, at least 3."""
+        """Number of keys: odd, at least 3."""
         return len(self.camera)
 
 
 class Exposure:
-    """A frame's world at other instants of its exposure; what is asked for is kept."""
+    """A frame's world at other instants of its exposure, with a cache."""
 
     def __init__(
         self,
@@ -59,7 +59,8 @@ class Exposure:
         hooked: bool,
     ) -> None:
         """camera: poses (2, 7) at opening and closing. movers: (nodes, 3, 4) in the middle. hooked:
-        the camera's are a user's, who may give two that do not ask when the shutter closes."""
+        the camera's poses come from a hook, which may return two that ignore when the shutter
+        closes."""
         self._world, self._camera, self._movers = world, camera, movers
         self._ends = camera(world)
         self._known: dict[float, State] = {}
@@ -70,7 +71,7 @@ class Exposure:
             self._pair = np.array_equal(half, self._ends[1])
 
     def _camera_at(self, share: float, states: orbits.States, k: int) -> F64:
-        """The pose at closing of a shutter that closes so early."""
+        """The pose at closing for a shutter that closes at this time."""
         world = self._world
         if share in (0.0, 1.0):
             return np.asarray(self._ends[int(share)])
@@ -86,7 +87,7 @@ class Exposure:
         return np.asarray(self._camera(early)[1])
 
     def at(self, shares: list[float]) -> list[State]:
-        """Camera, things, sun and movers at parts of the frame's time."""
+        """Camera, objects, Sun and movers at fractions of the frame's time."""
         world = self._world
         new = [share for share in shares if share not in self._known]
         if new:
@@ -121,7 +122,7 @@ def middle(world: World) -> World:
 
 
 def between(ends: F64, share: float) -> F64:
-    """The pose so far from the first to the second: straight, and by the shorter turn."""
+    """The pose at a fraction from the first to the second: linear position, shorter arc."""
     turn = rotations.multiply(rotations.conjugate(ends[0, 3:]), ends[1, 3:])
     axis, angle = rotations.to_axis_angle(turn)
     q = rotations.multiply(ends[0, 3:], rotations.axis_angle(axis, share * angle))
@@ -129,13 +130,13 @@ def between(ends: F64, share: float) -> F64:
 
 
 def _seen(camera: F64, pose: F64) -> tuple[F64, F64]:
-    """Place and turn in the camera's axes."""
+    """Position and rotation in the camera's axes."""
     back = rotations.conjugate(camera[3:])
     return rotations.rotate(back, pose[:3] - camera[:3]), rotations.multiply(back, pose[3:])
 
 
 def _off_px(world: World, focal_px: float, truth: State, guess: State) -> float:
-    """How far in the image what is known of an instant is from what the keys say."""
+    """Distance in pixels between the true state at an instant and the interpolated one."""
     (camera, things, _, movers), (camera_k, things_k, _, movers_k) = truth, guess
     most = 0.0
     for name in things:
@@ -154,7 +155,7 @@ def _off_px(world: World, focal_px: float, truth: State, guess: State) -> float:
 
 
 def _checks(count: int) -> Iterator[tuple[int, float]]:
-    """A segment and a place in it, unevenly: no spin hides from all of them."""
+    """A segment and a position in it, unevenly spaced, so that no spin rate escapes all of them."""
     for k in range(count - 1):
         yield k, 0.25 + 0.5 * ((0.381966 + 0.618034 * k) % 1.0)
 
@@ -177,7 +178,7 @@ def _near(world: World, focal_px: float, exposure: Exposure, count: int) -> bool
 
 
 def keys(world: World, focal_px: float, exposure: Exposure) -> Keys:
-    """Keys of a frame whose shutter is open for some time."""
+    """Keys of a frame with an exposure time."""
     count, held = 3, False
     while not _near(world, focal_px, exposure, count):
         if count >= KEYS_MAX:

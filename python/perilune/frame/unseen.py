@@ -1,4 +1,4 @@
-"""Tells of a camera whose target is not in its frames: a sign or a unit that is wrong, mostly."""
+"""Warns of a camera that does not see its target, which mostly means a wrong sign or unit."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 from perilune.config import Config
 
 FRAMES = 8
-"""So many frames without the target, from the first on, are told of."""
+"""Number of frames without the target, from the first on, after which to warn."""
 
 
 def target_of(config: Config) -> str | None:
-    """The spacecraft that the camera's trajectory is about; None for a body, or without one."""
+    """The spacecraft that the camera's trajectory refers to; None for a body, or without a
+    target."""
     target = getattr(config.camera.trajectory, "target", None)
     return target if target in config.spacecraft else None
 
@@ -26,7 +27,8 @@ class Unseen:
         self._done = False
 
     def look(self, config: Config, objects: np.ndarray[Any, Any] | None) -> str | None:
-        """What is to be told after a frame. objects: its labels, in the order of the spacecraft."""
+        """The warning after a frame, if any. objects: its labels, in the order of the
+        spacecraft."""
         if self._done or objects is None:
             return None
         target = target_of(config)

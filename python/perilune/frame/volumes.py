@@ -1,4 +1,4 @@
-"""Bounded volumes: from the configuration of a frame to what the core is asked."""
+"""Bounded volumes: from the configuration of a frame to the core's input."""
 
 from __future__ import annotations
 
@@ -24,11 +24,10 @@ class Volumes:
     def request(self, config: Config) -> list[dict[str, Any]]:
         """The core's volumes of a frame, in the order of the configuration.
 
-        Each: "name", "shape" (a row of the core's bounds) with "size_m" (3,), "parent" (index of
+        Each has "name", "shape" (a row of the core's bounds) with "size_m" (3,), "parent" (index of
         the spacecraft, or of the body after all of them), "pose" (7,) in the parent's axes,
         "extinction_per_m", "albedo", "emission" (W m-3 sr-1), all (3,), "g", "core_m", and "graph"
-        with its "parameters" (n, 3), or None.
-        """
+        with its "parameters" (n, 3), or None."""
         things = [*config.spacecraft, *config.bodies]
         rows = []
         for name, volume in config.volumes.items():
@@ -55,7 +54,7 @@ class Volumes:
         return rows
 
     def _graph(self, owner: str, name: str) -> Graph:
-        """Compiled with what the ideal configuration's drivers may vary."""
+        """Compiles a graph with all values that drivers of the ideal configuration may vary."""
         if (owner, name) not in self._graphs:
             material = materials.applied(self._document.config, name, owner)
             self._graphs[owner, name] = materials.build(name, material, False, self._images)

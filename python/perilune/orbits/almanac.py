@@ -1,4 +1,4 @@
-"""Where the Sun, planets and moons are: by series (solar_system.py), or by SPICE kernels."""
+"""Positions of the Sun, planets and moons, by series (solar_system.py) or SPICE kernels."""
 
 from __future__ import annotations
 
@@ -33,23 +33,24 @@ _NAIF: dict[str, tuple[int, ...]] = {
     "phobos": (401,),
     "europa": (502,),
 }
-"""Body -> its number, and that of its system's barycentre, which stands for a planet whose own
-place a kernel does not have: 0.2 m from Mars, up to 300 km from giant planets. Never the Earth."""
+"""Body -> its NAIF number and that of its system's barycentre. The barycentre replaces a planet
+that a kernel lacks: an error of 0.2 m for Mars, up to 300 km for giant planets. Never for the
+Earth."""
 
 
 @dataclass(frozen=True)
 class Almanac:
-    """Geometric states, ICRF axes, without light time and aberration."""
+    """Geometric states in ICRF axes, without light time and aberration."""
 
     kernels: tuple[Path, ...] = ()
-    """SPICE kernels; without them the series of perilune.orbits.solar_system."""
+    """SPICE kernels; without them the series of perilune.orbits.solar_system are used."""
 
     def has(self, name: str) -> bool:
-        """Whether the place of a body at a date is known."""
+        """Whether the position of a body at a date is known."""
         return solar_system.has_ephemeris(name)
 
     def source(self, name: str) -> str:
-        """Where the place of a body comes from, and how good it is."""
+        """Source and accuracy of a body's position, in words."""
         if self.kernels and self._number(name) is not None:
             return ", ".join(str(path) for path in self.kernels)
         return solar_system.accuracy(name)
@@ -59,8 +60,8 @@ class Almanac:
         return next((number for number in _NAIF.get(name, ()) if number in held), None)
 
     def relative_state(self, name: str, origin: str, date: Date) -> F64:
-        """Position and velocity (6,), m and m/s, of a body from another's centre; `sun` is one of
-        them. ValueError for a body that no kernel has."""
+        """Position and velocity (6,), m and m/s, of a body relative to another's centre; `sun` is a
+        body too. ValueError for a body that no kernel has."""
         if not self.kernels or name == origin:
             return solar_system.relative_state(name, origin, date)
         for moon, sign in ((name, 1.0), (origin, -1.0)):
@@ -75,11 +76,12 @@ class Almanac:
         return np.asarray(rows[0])
 
     def relative_m(self, name: str, origin: str, date: Date) -> F64:
-        """Position (3,) alone."""
+        """Position (3,) alone, m."""
         return self.relative_state(name, origin, date)[:3]
 
     def _series_about(self, name: str) -> str | None:
-        """The planet of a moon that no kernel has: from there the series goes on."""
+        """The planet of a moon that no kernel has; the series gives the moon's position relative to
+        it."""
         if name == "moon" or name not in _core.BODIES or self._number(name) is not None:
             return None
         parent = _core.BODIES[name]["parent"]
@@ -102,7 +104,7 @@ def _held(kernels: tuple[Path, ...], _: tuple[object, ...]) -> frozenset[int]:
 
 
 def sources(config: Config) -> dict[str, str]:
-    """Key of each body without an orbit, and of the Sun -> where its place is from."""
+    """Key of each body without an orbit, and of the Sun -> source of its position."""
     places = almanac(config)
     found = {}
     for name, body in config.bodies.items():
@@ -117,5 +119,5 @@ def sources(config: Config) -> dict[str, str]:
 
 
 def almanac(config: Config) -> Almanac:
-    """What a configuration takes places from."""
+    """The almanac of a configuration."""
     return Almanac(tuple(Path(text) for text in config.ephemeris.kernels))

@@ -1,4 +1,4 @@
-"""What the orbit database needs to know of a parent: its sphere of influence, its day, its Sun."""
+"""Properties of a central body that the orbit database needs: sphere of influence, day, Sun."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ _YEARS_D = {
     "mercury": 87.968, "venus": 224.695, "earth": 365.242189, "mars": 686.973,
     "jupiter": 4330.595, "saturn": 10746.94, "uranus": 30588.74, "neptune": 59799.9,
 }  # fmt: skip
-"""Tropical orbit periods, days: NASA's planetary fact sheets; the Earth's of the Astronomical
-Almanac."""
+"""Tropical orbital periods in days, from NASA's planetary fact sheets; the Earth's from the
+Astronomical Almanac."""
 _Z = np.array([0.0, 0.0, 1.0])
 
 
@@ -43,7 +43,7 @@ def _planet(name: str | None) -> str | None:
 
 
 def hill_radius_m(setting: Setting, name: str) -> float:
-    """a (m / 3M)^(1/3) against what a thing circles; infinite where that is not known."""
+    """Hill radius a (m / 3M)^(1/3) relative to the central body; infinite if that is unknown."""
     _, entry = sections(setting.config)[name]
     own = parent_of(setting, name)
     if own.gm_or_none is None:
@@ -66,7 +66,7 @@ def hill_radius_m(setting: Setting, name: str) -> float:
 
 
 def _distance_m(orbit: object, parent: Parent) -> float | None:
-    """Mean distance on an orbit, for those that state it."""
+    """Mean distance on an orbit, for kinds that define one."""
     if not isinstance(orbit, Elements):
         return None
     if orbit.state is not None:
@@ -78,12 +78,12 @@ def _distance_m(orbit: object, parent: Parent) -> float | None:
 
 
 def frame_of(parent: Parent, of_date: bool) -> str:
-    """Which frame of a Kepler orbit's section the database's elements count from."""
+    """Frame of a Kepler orbit's section that the database's elements refer to."""
     return "equator" if of_date and parent.table is not None else default_frame(parent.table)
 
 
 def equator(setting: Setting, parent: Parent, of_date: bool) -> F64:
-    """Quaternion of the axes of that frame to ICRF, at the epoch; as the core's."""
+    """Quaternion from the axes of that frame to ICRF at the epoch, equal to the core's."""
     if frame_of(parent, of_date) == "icrf":
         return np.array([1.0, 0.0, 0.0, 0.0])
     assert parent.table is not None  # else it is icrf
@@ -120,14 +120,14 @@ def _day(setting: Setting, parent: Parent) -> tuple[F64 | None, float]:
 
 
 def _angle_deg(q: F64, direction: F64) -> float:
-    """Of a direction from the x axis of q, along its xy plane."""
+    """Angle of a direction from the x axis of q, in its xy plane."""
     x, y, _ = rotations.rotate(rotations.conjugate(q), direction).tolist()
     return math.degrees(math.atan2(y, x))
 
 
 def _noon_deg(setting: Setting, parent: Parent, axes: F64) -> float:
-    """Where the mean Sun is. For the Earth it runs on the equator of date at the Sun's mean
-    longitude (Astronomical Almanac); elsewhere the true Sun stands for it."""
+    """Angle of the mean Sun. For the Earth it moves along the equator of date at the Sun's mean
+    longitude (Astronomical Almanac); elsewhere the true Sun is used."""
     date = setting.epoch
     if parent.table == "earth":
         centuries = (date.day - 2451545.0 + date.fraction) / 36525.0
@@ -141,7 +141,7 @@ def _noon_deg(setting: Setting, parent: Parent, axes: F64) -> float:
 
 
 def centre_of(place: Place, of_date: bool) -> Centre:
-    """Of the parent of an orbit, at the epoch."""
+    """Properties of an orbit's central body at the epoch."""
     setting, parent = place.setting, place.parent
     axes = equator(setting, parent, of_date)
     q, rate = _day(setting, parent)

@@ -1,4 +1,4 @@
-"""Dates of files: their text and time scale to JD(TDB)."""
+"""Dates in files: from text and time scale to JD(TDB)."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def _fields(text: str) -> tuple[int, int, int, int, int, float]:
 
 
 def seconds_of(texts: Sequence[str], scale: str, epoch: Date) -> F64:
-    """Seconds of TT from `epoch` to each date. ValueError for a text that is no date, or a scale
-    that is none of SCALES."""
+    """Seconds of TT from `epoch` to each date. ValueError for an invalid date, or a scale that is
+    not in SCALES."""
     if scale not in SCALES:
         raise ValueError(f"no time system '{scale}'{nearest(scale, SCALES)}")
     fields = [_fields(text) for text in texts]
@@ -80,14 +80,14 @@ def _tt_of_epoch(epoch: Date) -> tuple[float, float]:
 
 
 def tt_of(epoch: Date, t_s: F64) -> tuple[F64, F64]:
-    """JD(TT) as two parts of the times t_s seconds after an epoch."""
+    """JD(TT) in two parts for the times t_s, in seconds after an epoch."""
     day, fraction = _tt_of_epoch(epoch)
     later = fraction + np.asarray(t_s) / _DAY_S
     return np.full_like(later, day), later
 
 
 def utc_of(epoch: Date, t_s: F64) -> tuple[F64, F64]:
-    """Quasi JD(UTC) as ERFA's, of the same times."""
+    """Quasi JD(UTC), as in ERFA, of the same times."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", erfa.ErfaWarning)
         return erfa.taiutc(*erfa.tttai(*tt_of(epoch, t_s)))  # type: ignore[no-any-return]

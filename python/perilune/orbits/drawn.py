@@ -1,4 +1,4 @@
-"""From drawn elements to a path: what database and hooks share."""
+"""From drawn elements to a path: common to database and hook orbits."""
 
 from __future__ import annotations
 
@@ -17,16 +17,15 @@ _SECTIONS: dict[str, type[Elements]] = {"kepler": Kepler, "j2": J2}
 
 
 def start_rev(orbit: Drawn, place: Place) -> float:
-    """Where on a circle it is at the epoch."""
+    """Position on a circular path at the epoch, in revolutions."""
     low, high = orbit.orbit_start or (0.0, 1.0)
     return low + (high - low) * float(place.scene_random("orbit_start").random())
 
 
 def run_through(propagator: str, elements: Mapping[str, Any], place: Place) -> Motion:
-    """The path of elements (or a state) by the names of the configuration's keys.
+    """The path for elements (or a state), named by the keys of the configuration.
 
-    ValueError that names the key for what is no such element.
-    """
+    ValueError that names the key for invalid elements."""
     tree = {"kind": propagator, "around": place.around, **elements}
     try:
         section = _SECTIONS[propagator].model_validate(tree)

@@ -29,17 +29,17 @@ F64 = NDArray[np.float64]
 
 _DAY_S = 86400.0
 _EARTH_RATE = 2.0 * math.pi * 1.00273781191135448 / _DAY_S
-"""rad/s: the Earth rotation angle's (Capitaine et al. 2000)."""
+"""rad/s: rate of the Earth rotation angle (Capitaine et al. 2000)."""
 _AIR: dict[str, list[tuple[float, float, float]] | None] = {
     "earth": None,  # the core's table
     "mars": [(0.0, 0.0157, 10.8e3)],
 }
-"""Layers (height m, density kg/m3, scale height m). Mars: the mean of its lowest 80 km, a rough
-guide; above them its air is thinner than this."""
+"""Layers of (height m, density kg/m3, scale height m). Mars: the mean of its lowest 80 km, a rough
+estimate; above them its air is thinner."""
 _CELL_S = {"europa": 3.0 * 3600.0, "phobos": 1200.0}
-"""Spacing of tabulated places of bodies and from bodies that circle fast; a day for all others.
-Between them a polynomial of degree 7 through places and velocities is good to 2e-7 of the distance:
-ERFA's velocities are not quite the derivatives of its places. The places are good to 3e-5."""
+"""Spacing of tabulated positions for fast bodies; a day for all others. A polynomial of degree 7
+through positions and velocities interpolates to 2e-7 of the distance, because ERFA's velocities are
+not exactly the derivatives of its positions. The positions are good to 3e-5."""
 _REACH_S = 1100.0 * _DAY_S
 _CELLS_MOST = 1200
 _TABLE_DEGREE = 7
@@ -47,29 +47,28 @@ _TABLE_DEGREE = 7
 
 @dataclass(frozen=True)
 class Centre:
-    """What is orbited."""
+    """The central body."""
 
     name: str
-    """In the configuration, for errors."""
+    """Name in the configuration, for errors."""
     table: str | None
-    """Its name in the core's table of bodies."""
+    """Name in the core's table of bodies."""
     gm_m3_s2: float
     radii_m: F64
     """Semi-axes (3,)."""
     turning: dict[str, Any] | None
-    """How it turns, as forces of the core take it: {"body"} or {"q", "rate_rad_s"}; see
+    """Rotation in the form of the core's forces: {"body"} or {"q", "rate_rad_s"}; see
     turning_of."""
     places: Almanac = Almanac()  # noqa: RUF009 (immutable)
-    """Of the bodies that pull, and of the Sun."""
+    """Positions of the perturbing bodies and of the Sun."""
 
 
 def turning_of(table: str, epoch: Date) -> dict[str, Any]:
-    """How a body of the table turns.
+    """Rotation of a body of the table.
 
-    The Earth uniformly about its pole at the epoch, from ERFA's precession-nutation and rotation
-    angle: good to 0.01 deg for a year either way (its pole precesses by 20 arcsec a year; UT1 is
-    taken as UTC, which is off by at most 0.9 s); others by their IAU model.
-    """
+    The Earth rotates uniformly about its pole at the epoch, from ERFA's precession-nutation and
+    rotation angle: good to 0.01 deg for a year either way (its pole precesses by 20 arcsec a year;
+    UT1 is taken as UTC, which is off by at most 0.9 s). Other bodies follow their IAU model."""
     if table != "earth":
         return {"body": table}
     zero = np.zeros(1)
@@ -83,8 +82,8 @@ def turning_of(table: str, epoch: Date) -> dict[str, Any]:
 def _table(
     places: Almanac, stamps: tuple[Stamp, ...], name: str, origin: str, epoch: Date, reach_s: float
 ) -> dict[str, Any]:
-    """Places of a body about another on a grid that the epoch alone fixes, so that what lies
-    between two of them does not depend on how far the table reaches."""
+    """Positions of a body relative to another, on a grid fixed by the epoch alone, so that
+    interpolated values do not depend on the table's extent."""
     cell = min(_CELL_S.get(name, _DAY_S), _CELL_S.get(origin, _DAY_S))
     half = min(math.ceil(reach_s / cell), _CELLS_MOST) + _TABLE_DEGREE
     times = np.arange(-half, half + 1) * cell
@@ -114,10 +113,8 @@ def _turning(centre: Centre, what: str) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=8)
-def _field(
-    path: Path, stamp: Stamp, degree: int, order: int | None
-) -> gravity_field.GravityField:
-    """Read once as long as the file is not changed."""
+def _field(path: Path, stamp: Stamp, degree: int, order: int | None) -> gravity_field.GravityField:
+    """A gravity field, cached until its file changes."""
     field = gravity_field.read(path, degree, order)
     field.c.flags.writeable = field.s.flags.writeable = False
     return field
@@ -177,11 +174,10 @@ def specification(
 ) -> dict[str, Any]:
     """The keys "forces" and "motions" of the core's numerical propagator.
 
-    file(text, key): the path that a text of the configuration means. reach_s: how far from the
-    epoch (s, either way) other bodies are tabulated, three years unless told (150 days with Europa,
-    17 with Phobos); the propagator refuses times beyond it, and its answers do not depend on it.
-    ValueError that names the key.
-    """
+    file(text, key): resolves a path of the configuration. reach_s: time either side of the epoch,
+    s, for which other bodies are tabulated (default: three years; 150 days with Europa, 17 with
+    Phobos). The propagator refuses times beyond it; its results do not depend on it. ValueError
+    that names the key."""
     rows: list[dict[str, Any]] = []
     motions: dict[str, Any] = {}
     if forces.harmonics is not None:

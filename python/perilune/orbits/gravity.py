@@ -1,4 +1,4 @@
-"""Zonal harmonics of the bodies of the table, unnormalised: J_n = -C_n0."""
+"""Unnormalised zonal harmonics of the bodies of the table: J_n = -C_n0."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Zonals:
-    """Oblateness and its higher terms."""
+    """Zonal harmonics of a body."""
 
     radius_m: float
     """Reference radius of the coefficients; not that of the ellipsoid."""

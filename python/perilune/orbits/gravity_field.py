@@ -1,9 +1,9 @@
 """Gravity fields from files of spherical-harmonic coefficients.
 
-Two forms are read: ICGEM's (Barthelmes and Foerste, The ICGEM-format, GFZ 2011; static fields),
-with or without its `begin_of_head`, and plain tables as EGM96 and EGM2008 are published: a line is
-n, m, C, S and maybe their errors; they carry no gm and radius, those of the EGM models are meant.
-"""
+It reads two formats: ICGEM's (Barthelmes and Foerste, The ICGEM-format, GFZ 2011; static fields),
+with or without its `begin_of_head`, and plain tables as published for EGM96 and EGM2008. Lines of
+the latter are n, m, C, S and optionally their errors. They do not state gm and radius, so those of
+the EGM models are assumed."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class GravityField:
 
     name: str
     body: str | None
-    """Lower case, where the file says."""
+    """Name of the body in lower case, if the file states it."""
     gm_m3_s2: float
     radius_m: float
     degree: int
     order: int
     c: F64
-    """Of (n, m) at n (n + 1)/2 + m, n = 0 to the degree."""
+    """Coefficient of (n, m) at index n (n + 1)/2 + m, from n = 0 to the degree."""
     s: F64
 
 
@@ -58,7 +58,7 @@ def _number(text: str, where: str) -> float:
 
 
 def _read_head(lines: Iterator[tuple[str, str]], head: _Head) -> None:
-    """Up to end_of_head."""
+    """Reads the header up to end_of_head."""
     found = set()
     for where, line in lines:
         words = line.split()
@@ -105,7 +105,7 @@ def _coefficients(
 
 
 def _highest(known: set[tuple[int, int]], degree: int, order: int) -> int:
-    """Largest degree to which all coefficients up to the order are there, from 2 on."""
+    """Largest degree, from 2 on, up to which all coefficients to the order exist."""
     n = 2
     while n <= degree and all((n, m) in known for m in range(min(n, order) + 1)):
         n += 1
@@ -115,9 +115,8 @@ def _highest(known: set[tuple[int, int]], degree: int, order: int) -> int:
 def read(path: Path, degree: int, order: int | None = None) -> GravityField:
     """The field of a file up to a degree (2 to 360) and an order (default: the degree).
 
-    Degrees 0 and 1 may be missing: 1, and 0 for a centre of mass at the origin. ValueError that
-    names file, line and what was expected; OSError where it cannot be read.
-    """
+    Degrees 0 and 1 may be missing; they are then 1, and 0 for an origin at the centre of mass.
+    ValueError that names file, line and what was expected; OSError if the file cannot be read."""
     order = degree if order is None else order
     if not 2 <= degree <= MAX_DEGREE or not 0 <= order <= degree:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Orbits by the user's functions: what they see, and what they may return."""
+"""Orbits by functions of the user's: their input and their results."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ _STATE = frozenset({"position_km", "velocity_km_s"})
 
 @dataclass(frozen=True)
 class Thing:
-    """A body or a spacecraft as a hook sees it; metres, root frame (ICRF axes)."""
+    """A body or spacecraft as a hook sees it; metres, root frame (ICRF axes)."""
 
     _pose: F64
     _radii_m: Callable[[], F64]
 
     @property
     def pose(self) -> F64:
-        """(7,): x, y, z, qw, qx, qy, qz to root."""
+        """(7,): x, y, z, qw, qx, qy, qz, from its own axes to the root's."""
         return _frozen(self._pose)
 
     @property
     def position_m(self) -> F64:
-        """Its centre (3,)."""
+        """Position (3,) of its centre."""
         return _frozen(self._pose[:3])
 
     @property
     def radii_m(self) -> F64:
-        """Semi-axes (3,) of a body; of a spacecraft its bounding radius thrice."""
+        """Semi-axes (3,) of a body; for a spacecraft, its bounding radius three times."""
         return _frozen(self._radii_m())
 
 
@@ -53,8 +53,8 @@ def _frozen(array: F64) -> F64:
 
 
 class Surroundings(Mapping[str, Thing]):
-    """The argument `world` of an orbit's hook: all things whose place is known before it, at the
-    scene's first step. Read-only."""
+    """The argument `world` of an orbit's hook: all objects whose positions are known before it, at
+    the scene's first step. Read-only."""
 
     def __init__(self, things: Mapping[str, Thing]) -> None:
         self._things = dict(things)
@@ -80,7 +80,8 @@ def _vector(answer: Mapping[str, Any], key: str) -> F64:
 
 
 def _circle(answer: Mapping[str, Any], orbit: Any, place: Place) -> Motion:
-    """The paper's form: a circle scaled by the parent's radii, turned by roll, pitch, yaw."""
+    """The form of the Space OAISYS paper: a circle scaled by the central body's radii, rotated by
+    roll, pitch, yaw."""
     scale, rpy = _vector(answer, "scale_xyz"), _vector(answer, "rotation_rpy")
     if not (scale > 0.0).all():
         raise ValueError(f"scale_xyz must be positive, not {scale.tolist()}")
@@ -122,7 +123,7 @@ def _plain(value: Any) -> Any:
 
 
 def hook(orbit: Any, place: Place, world: Callable[[], Surroundings]) -> Motion:
-    """The path that a hook returns for the scene; place: of the scene's first step."""
+    """The path that a hook returns for the scene; place: that of the scene's first step."""
     setting = place.setting
     given = place.setting.hooks.get(place.name)
     key = f"{place.key}.hook"

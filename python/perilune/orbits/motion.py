@@ -1,10 +1,9 @@
-"""Trees of moving things: propagators and trees of the core, kept while their numbers stay.
+"""Trees of moving objects: propagators and trees of the core, cached by their numbers.
 
-A node is {'name', 'parent': index or -1, 'motion', 'rotation'} as `_core.Tree` takes it, but that
-its motion may also be the specification of a propagator, or a function: t_s (n,) -> (n, 6) states
-about the parent (m, m/s, ICRF axes), for what is computed in Python; and the frame of its rotation
-a function: t_s (n,) -> (n, 4) axes to ICRF.
-"""
+A node is {'name', 'parent': index or -1, 'motion', 'rotation'} as for `_core.Tree`, with two
+extensions for what Python computes. Its motion may also be the specification of a propagator, or a
+function t_s (n,) -> (n, 6) states relative to the parent (m, m/s, ICRF axes). The frame of its
+rotation may be a function t_s (n,) -> (n, 4) from its axes to ICRF."""
 
 from __future__ import annotations
 
@@ -33,18 +32,18 @@ _KINDS = frozenset(str(row["name"]) for row in _core.PROPAGATORS)
 
 @dataclass(frozen=True)
 class States:
-    """Where things are at n times, in the root frame (ICRF axes)."""
+    """States at n times, in the root frame (ICRF axes)."""
 
     poses: Mapping[str, F64]
-    """Name -> (n, 7), metres, to root."""
+    """Name -> (n, 7): x, y, z in metres, qw, qx, qy, qz to root axes."""
     velocities_m_s: Mapping[str, F64]
     """Name -> (n, 3)."""
 
 
 _all_kept: weakref.WeakSet[Kept[Any]] = weakref.WeakSet()
 _orphans: list[Any] = []
-"""What a parent process kept: a fork may have caught a lock while it was held, or a propagator
-while it was integrating, so a child neither uses nor destroys them."""
+"""Objects cached by a parent process. A fork may have caught a lock while it was held, or a
+propagator while it was integrating, so a child neither uses nor destroys them."""
 
 
 def _leave_to_parent() -> None:
@@ -55,7 +54,7 @@ os.register_at_fork(after_in_child=_leave_to_parent)
 
 
 class Kept(Generic[T]):
-    """The last `size` things that were made, by what they were made from."""
+    """A cache of the last `size` objects, by their inputs."""
 
     def __init__(self, size: int) -> None:
         self._size = size
@@ -64,12 +63,12 @@ class Kept(Generic[T]):
         _all_kept.add(self)
 
     def leave(self) -> OrderedDict[Hashable, T]:
-        """Begins anew; returns what was kept."""
+        """Empties the cache and returns its former contents."""
         left, self._things, self._lock = self._things, OrderedDict(), threading.Lock()
         return left
 
     def get(self, key: Hashable, make: Callable[[], T]) -> T:
-        """The thing of a key, made when it is not there."""
+        """The object of a key, made if it is not cached."""
         with self._lock:
             if key in self._things:
                 self._things.move_to_end(key)
@@ -83,13 +82,13 @@ class Kept(Generic[T]):
 
 
 class _Digests:
-    """Digests of arrays that nobody can change, so that large tables are hashed once."""
+    """Digests of immutable arrays, so that large tables are hashed once."""
 
     def __init__(self) -> None:
         self._known: dict[int, tuple[weakref.ref[NDArray[Any]], bytes]] = {}
 
     def of(self, array: NDArray[Any]) -> bytes:
-        """SHA-256 of the numbers of a read-only array that owns them."""
+        """SHA-256 of the numbers of a read-only array that owns its memory."""
         place = id(array)
         found = self._known.get(place)
         if found is not None and found[0]() is array:
@@ -107,7 +106,7 @@ _trees: Kept[_core.Tree] = Kept(32)
 
 
 def _key(value: Any) -> Hashable:
-    """A specification as something that can be compared; the same for equal numbers alone."""
+    """A hashable form of a specification; equal only for equal numbers."""
     if isinstance(value, Mapping):
         return tuple((name, _key(value[name])) for name in sorted(value))
     if isinstance(value, np.ndarray):
@@ -123,21 +122,21 @@ def _key(value: Any) -> Hashable:
 
 
 def propagator(spec: Mapping[str, Any], epoch: Date) -> _core.Propagator:
-    """The propagator of a specification; the same one as long as the numbers are the same."""
+    """The propagator of a specification; the same object for equal numbers."""
     key = (_key(spec), epoch)
     return _propagators.get(key, lambda: _core.Propagator(spec, epoch.day, epoch.fraction))
 
 
 @dataclass
 class _Given:
-    """Functions whose answers the core is given, with the nodes they belong to."""
+    """Functions whose results are passed to the core, with their nodes."""
 
     paths: list[tuple[str, Path]]
     axes: list[tuple[str, Path]]
 
 
 def _prepared(node: Node, epoch: Date, given: _Given) -> Node:
-    """A node as the core takes it; functions are collected in `given`."""
+    """A node in the core's form; its functions are collected in `given`."""
     name, motion, rotation = str(node["name"]), node["motion"], node["rotation"]
     if isinstance(motion, Mapping) and motion["kind"] in _KINDS:
         try:
@@ -154,7 +153,7 @@ def _prepared(node: Node, epoch: Date, given: _Given) -> Node:
 
 
 def _answers(functions: Sequence[tuple[str, Path]], t_s: F64) -> F64 | None:
-    """(n, slots, ...) of all functions; ValueError names the node."""
+    """Results (n, slots, ...) of all functions; ValueError names the node."""
     answers = []
     for name, function in functions:
         try:
@@ -167,13 +166,10 @@ def _answers(functions: Sequence[tuple[str, Path]], t_s: F64) -> F64 | None:
 def evaluate(nodes: Sequence[Node], epoch: Date, t_s: F64) -> States:
     """States of all nodes at seconds t_s (n,) after the epoch.
 
-    Errors of the core (ValueError) name the node.
-    """
+    Errors of the core (ValueError) name the node."""
     given = _Given([], [])
     ready = [_prepared(node, epoch, given) for node in nodes]
-    tree = _trees.get(
-        (_key(ready), epoch), lambda: _core.Tree(ready, epoch.day, epoch.fraction)
-    )
+    tree = _trees.get((_key(ready), epoch), lambda: _core.Tree(ready, epoch.day, epoch.fraction))
     states, axes = _answers(given.paths, t_s), _answers(given.axes, t_s)
     poses, velocities = tree.states(t_s, given=states, given_q=axes)
     names = [str(node["name"]) for node in nodes]

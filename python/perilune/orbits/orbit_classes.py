@@ -1,12 +1,11 @@
-"""Classes of orbits, each a set of ranges that orbits are drawn from, for any body.
+"""Classes of orbits: ranges to draw orbits from, for any central body.
 
-Ranges for the Earth are customary ones (altitudes of ISO 24113 and ESA's orbit classes; Vallado,
-Fundamentals of Astrodynamics, chapter 11); those of other bodies are scaled by the radius. What is
-left of a default range above the surface and the atmosphere and within the sphere of influence is
-drawn from; a range that the user gives must lie there as a whole.
+Ranges for the Earth are customary (altitudes of ISO 24113 and ESA's orbit classes; Vallado,
+Fundamentals of Astrodynamics, chapter 11); for other bodies they scale with the radius. Default
+ranges are cut to what lies above surface and atmosphere and within the sphere of influence. A range
+given by the user must lie there as a whole.
 
-To add a class: its ranges as a function here, its line in CLASSES, its name in config/orbit.py.
-"""
+To add a class: its ranges as a function here, its line in CLASSES, its name in config/orbit.py."""
 
 from __future__ import annotations
 
@@ -26,7 +25,7 @@ Ranges = dict[str, Range]
 _KM = 1e3
 _EARTH_RADIUS_KM = 6378.137
 _FLOOR_KM = {"earth": 160.0, "mars": 150.0, "moon": 15.0, "mercury": 15.0, "europa": 25.0}
-"""Lowest altitudes: above what of an atmosphere ends an orbit within hours, or above mountains."""
+"""Lowest altitudes: above mountains, and above air that would end an orbit within hours."""
 _FLOOR = 0.02  # of other bodies, in radii
 _TURN: Range = (0.0, 360.0)
 _CRITICAL_DEG = math.degrees(math.asin(math.sqrt(0.8)))  # the periapsis stands still under J2
@@ -34,38 +33,39 @@ _CRITICAL_DEG = math.degrees(math.asin(math.sqrt(0.8)))  # the periapsis stands 
 
 @dataclass(frozen=True)
 class Centre:
-    """What a class of orbits needs to know of the body that is orbited."""
+    """Properties of the central body that a class of orbits needs."""
 
     name: str
     table: str | None
-    """Its name in the table of bodies."""
+    """Name in the table of bodies."""
     radii_m: tuple[float, float, float]
     gm_m3_s2: float | None
     hill_radius_m: float = math.inf
-    """Of its sphere of influence against the body that it circles."""
+    """Radius of its sphere of influence relative to its own central body."""
     rate_rad_s: float = 0.0
-    """Of its rotation against the stars; 0: unknown."""
+    """Sidereal rate of rotation; 0: unknown."""
     zonals: Zonals | None = None
     year_s: float | None = None
-    """From one spring to the next, of the planet it belongs to."""
+    """Tropical year of the planet it belongs to."""
     noon_deg: float = 0.0
-    """Where the mean Sun is: from the x axis of the elements' frame along its xy plane."""
+    """Angle of the mean Sun from the x axis of the elements' frame, in its xy plane."""
     meridian_deg: float | None = None
-    """Likewise its longitude 0 at the epoch; None: its equator is not the plane of the elements."""
+    """Angle of its longitude 0 at the epoch in the same plane; None if its equator is not the plane
+    of the elements."""
 
     @property
     def radius_km(self) -> float:
-        """Mean equatorial."""
+        """Mean equatorial radius."""
         return 0.5 * (self.radii_m[0] + self.radii_m[1]) / _KM
 
     @property
     def floor_km(self) -> float:
-        """Lowest altitude over the mean equatorial radius."""
+        """Lowest altitude above the mean equatorial radius."""
         own = _FLOOR_KM.get(self.table or "", _FLOOR * self.radius_km)
         return max(self.radii_m) / _KM - self.radius_km + own
 
     def gm_km3_s2(self, why: str) -> float:
-        """Gravitational parameter; ValueError if it is not known."""
+        """Gravitational parameter; ValueError if it is unknown."""
         if self.gm_m3_s2 is None:
             raise ValueError(f"{why} needs the gm_km3_s2 of {self.name}")
         return self.gm_m3_s2 / 1e9
@@ -87,14 +87,14 @@ class OrbitClass:
     ranges: Callable[[Centre], Ranges]
     """Key -> default range, in the keys and units of the configuration."""
     finish: Callable[[Centre, dict[str, float]], dict[str, float]] | None = None
-    """From drawn values to Keplerian keys, where they are not those already."""
+    """Converts drawn values to Keplerian keys, if they are not those already."""
     of_date: bool = False
-    """Whether its elements count from the body's equator of date, also around the Earth, whose
-    orbits are otherwise counted from ICRF's: 0.15 deg is 2 % of a sun-synchronous drift."""
+    """Whether its elements refer to the body's equator of date, even around the Earth, where other
+    orbits refer to ICRF: 0.15 deg is 2 % of a sun-synchronous drift."""
     round: bool = True
-    """Whether a circle can stand for it."""
+    """Whether a circular path may replace it."""
     reach: float = 1.0
-    """How far its apoapsis may lie, in radii of the sphere of influence."""
+    """Largest apoapsis, in radii of the sphere of influence."""
 
 
 def _altitudes(centre: Centre, earth: Range, others: Range | None = None) -> Range:
@@ -319,9 +319,8 @@ def _finished(row: OrbitClass, centre: Centre, values: Mapping[str, float]) -> d
 def ranges_of(name: str, centre: Centre, given: Mapping[str, Range]) -> Ranges:
     """Key -> range that an orbit of a class is drawn from; `given` replaces defaults.
 
-    ValueError that says why for a key that the class does not have, and for ranges that hold an
-    orbit that cannot be: all corners are tried, so that no later draw fails.
-    """
+    ValueError with a reason for keys that the class does not have, and for ranges with impossible
+    orbits: all corners are tested, so no later draw fails."""
     row = CLASSES[name]
     defaults = row.ranges(centre)
     for key in given:
@@ -345,7 +344,7 @@ def ranges_of(name: str, centre: Centre, given: Mapping[str, Range]) -> Ranges:
 
 
 def _one(key: str, limits: Range, rng: np.random.Generator) -> float:
-    """Uniform; inclinations are uniform over the sphere."""
+    """Draws uniformly; inclinations uniformly over the sphere."""
     low, high = limits
     u = float(rng.random())
     if low == high:
@@ -362,8 +361,8 @@ def draw(
     given: Mapping[str, Range],
     rng: Callable[[str], np.random.Generator],
 ) -> dict[str, Any]:
-    """Keys of a Kepler orbit, drawn; rng(key) is what a key is drawn from, so that giving one
-    leaves the others as they are."""
+    """Draws the keys of a Kepler orbit. rng(key) is the generator of a key, so that giving one key
+    leaves the others unchanged."""
     ranges = ranges_of(name, centre, given)
     values = {key: _one(key, limits, rng(key)) for key, limits in ranges.items()}
     return _finished(CLASSES[name], centre, values)

@@ -1,9 +1,8 @@
-"""The kinds of orbits: from a section of the configuration to a path about the parent.
+"""The kinds of orbits: from a section of the configuration to a path about the central body.
 
-A kind is a function of (section, Place) that returns a specification of one of the core's
-propagators, a fixed position, or a function t_s (n,) -> states (n, 6); ValueError says why not. To
-add one: its section in config/orbit.py, its file in kinds/, its line in KINDS.
-"""
+A kind is a function of (section, Place). It returns a specification of one of the core's
+propagators, a fixed position, or a function t_s (n,) -> states (n, 6), and raises ValueError with
+the reason. To add one: its section in config/orbit.py, its file in kinds/, its line in KINDS."""
 
 from __future__ import annotations
 
@@ -30,10 +29,10 @@ KINDS: dict[str, Callable[[Any, Place], Motion]] = {
     "spice": spice,
     "database": database,
 }
-"""`kind` of an orbit's section -> what makes its path. Hooks need the other things' places: they
-are the system's."""
+"""`kind` of an orbit's section -> function that makes its path. Hooks are not here but in the
+system, because they need the positions of other objects."""
 
 
 def make(orbit: Any, place: Place) -> Motion:
-    """The path that an orbit's section means."""
+    """The path of an orbit's section."""
     return KINDS[orbit.kind](orbit, place)

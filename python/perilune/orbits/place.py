@@ -1,4 +1,4 @@
-"""What a kind of orbit is given beside its section."""
+"""Context of an orbit's section: its object and its central body."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Motion = Mapping[str, Any] | Callable[[F64], F64]
 
 @dataclass(frozen=True)
 class Place:
-    """Whose orbit it is, and around what."""
+    """Object of an orbit and its central body."""
 
     setting: Setting
     name: str
@@ -30,17 +30,17 @@ class Place:
 
     @property
     def parent(self) -> Parent:
-        """What is orbited, in this frame."""
+        """The central body, in this frame."""
         return parent_of(self.setting, self.around)
 
     @property
     def epoch(self) -> Date:
-        """When t_s is 0."""
+        """Date at t_s = 0."""
         return self.setting.epoch
 
     @property
     def step_s(self) -> float:
-        """From one step to the next."""
+        """Time from one step to the next."""
         return self.setting.config.time.step_s
 
     def file(self, text: str, key: str) -> Path:

@@ -1,4 +1,4 @@
-"""What orbits are made from: the configuration of a frame, and what is known of a parent."""
+"""Inputs of orbits: the configuration of a frame and properties of central bodies."""
 
 from __future__ import annotations
 
@@ -28,53 +28,53 @@ KM = 1e3
 
 @dataclass(frozen=True)
 class Setting:
-    """The configuration of a frame and what its orbits need beside it."""
+    """The configuration of a frame, and what else its orbits need."""
 
     config: Config
     epoch: Date
     scene: int
     file: Callable[[str, str], Path]
-    """The file that a text of the configuration means; its key is for errors."""
+    """Resolves a path of the configuration; its key is for errors."""
     craft_radius_m: Callable[[str], float]
-    """Bounding radius of a spacecraft; it may have to load the model."""
+    """Bounding radius of a spacecraft; may load the model."""
     hooks: Mapping[str, Hook] = field(default_factory=lambda: MappingProxyType({}))
-    """Name of a thing -> function given in code, instead of the configured orbit."""
+    """Object's name -> function given in code that replaces the configured orbit."""
     first_of_scene: Callable[[], Setting] | None = None
-    """The setting of the scene's first step; None if this is it."""
+    """Setting of the scene's first step; None if this is it."""
     drawn: Kept[Any] = field(default_factory=lambda: Kept(64), compare=False)
-    """(Scene, name) -> its path, of those that are drawn once a scene."""
+    """(Scene, name) -> path, for orbits drawn once a scene."""
 
     @property
     def start(self) -> Setting:
-        """That of the scene's first step, from which the scene's orbits are drawn."""
+        """Setting of the scene's first step, from which the scene's orbits are drawn."""
         return self if self.first_of_scene is None else self.first_of_scene()
 
     @property
     def start_s(self) -> float:
-        """Seconds after the epoch at the scene's first step."""
+        """Time of the scene's first step, in seconds after the epoch."""
         time = self.config.time
         return time.step_s * (self.scene * time.frames_per_scene)
 
 
 @dataclass(frozen=True)
 class Parent:
-    """What is orbited."""
+    """The central body of an orbit."""
 
     name: str
     table: str | None
-    """Its name in the core's table of bodies."""
+    """Name in the core's table of bodies."""
     is_body: bool
     gm_or_none: float | None
     _radii_m: Callable[[], F64]
 
     @property
     def radii_m(self) -> F64:
-        """Semi-axes; of a spacecraft, its bounding radius."""
+        """Semi-axes of a body; bounding radius of a spacecraft."""
         return self._radii_m()
 
     @property
     def mean_radius_m(self) -> float:
-        """Mean equatorial radius, from which altitudes count."""
+        """Mean equatorial radius, the reference of altitudes."""
         return float(np.mean(self.radii_m[:2]))
 
     @property
@@ -86,12 +86,13 @@ class Parent:
 
 
 def table_name(body: Body) -> str | None:
-    """Name of the entry of the core's table that a body stands for; None for a free ellipsoid."""
+    """Name of the body in the core's table; None for a free ellipsoid."""
     return body.ephemeris if body.kind == "ellipsoid" else body.kind
 
 
 def ephemeris_name(config: Config, name: str) -> str | None:
-    """Whose ephemeris places a body that has no orbit; a free ellipsoid as root takes Earth's."""
+    """Body whose ephemeris places one without an orbit; a free ellipsoid as root uses the
+    Earth's."""
     return table_name(config.bodies[name]) or ("earth" if name == config.root else None)
 
 
@@ -110,7 +111,7 @@ def gm_m3_s2(body: Body) -> float:
 
 
 def parent_of(setting: Setting, name: str) -> Parent:
-    """What orbits around `name` go around."""
+    """The central body of orbits around `name`."""
     _, entry = sections(setting.config)[name]
     if isinstance(entry, Body):
         return Parent(name, table_name(entry), True, gm_m3_s2(entry), lambda: radii_m(entry))
@@ -119,7 +120,7 @@ def parent_of(setting: Setting, name: str) -> Parent:
 
 
 def sun_position_m(config: Config, date: Date) -> F64:
-    """The Sun's centre in the root frame."""
+    """Position of the Sun's centre in the root frame."""
     if config.sun.direction is not None:
         return np.array(config.sun.direction) * (config.sun.distance_au * solar_system.AU_M)
     origin = ephemeris_name(config, config.root)

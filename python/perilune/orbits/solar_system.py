@@ -1,10 +1,9 @@
-"""Time scales, and where the bodies and the Sun are at a date (pyerfa), ICRF axes, metres.
+"""Time scales, and positions of bodies and the Sun at a date (pyerfa): ICRF axes, metres.
 
-Seconds are those of TT, as of TAI and UTC and of clocks; dates are TDB, the ephemerides' time, from
-which TT differs by up to 1.7 ms. Geometric positions: light time and aberration are left out (the
-Sun's direction moves by at most 0.006 deg). See `accuracy` for how good they are. Phobos and Europa
-stand over their own prime meridian, as their rotation is locked.
-"""
+Seconds are those of TT, which equal those of TAI and UTC. Dates are TDB, the time of ephemerides,
+which differs from TT by up to 1.7 ms. Positions are geometric: light time and aberration are left
+out (the Sun's direction changes by at most 0.006 deg). `accuracy` states their errors. Phobos and
+Europa rotate synchronously and are placed over their own prime meridian."""
 
 from __future__ import annotations
 
@@ -27,20 +26,22 @@ F64 = NDArray[np.float64]
 AU_M = 149597870700.0
 _DAY_S = 86400.0
 _PLANETS = ("mercury", "venus", "", "mars", "jupiter", "saturn", "uranus", "neptune")
-"""In plan94's order; the third there is the Earth-Moon barycentre, epv00 is better."""
+"""Names in plan94's order; the third entry is the Earth-Moon barycentre, for which epv00 is
+better."""
 _SYNCHRONOUS_M = {"phobos": 9.376e6, "europa": 6.711e8}
-"""Distance from the planet of satellites that keep their x axis towards it (JPL mean elements)."""
+"""Distance from the planet of synchronous satellites, whose x axis points to it (JPL mean
+elements)."""
 
 
 @dataclass(frozen=True)
 class Date:
-    """JD(TDB) as two doubles, day + fraction, so that a nanosecond is not lost."""
+    """JD(TDB) as two doubles, day + fraction, with a resolution below a nanosecond."""
 
     day: float
     fraction: float
 
     def after(self, seconds: float) -> Date:
-        """The date so many seconds of TT later."""
+        """The date some seconds of TT later."""
         later = self._after_tdb(seconds)
         gained = _tdb_minus_tt(later.day, later.fraction) - _tdb_minus_tt(self.day, self.fraction)
         return later._after_tdb(gained)
@@ -50,7 +51,7 @@ class Date:
         return Date(self.day + days, rest)
 
     def utc(self, digits: int = 3) -> str:
-        """ISO 8601 with so many digits of a second, 1 to 9."""
+        """ISO 8601 text with 1 to 9 digits of a second."""
         # The functions that erfa's own wrap, as every frame asks. A status above 0 is "dubious
         # year": leap seconds of the future are not known; none are assumed.
         call = erfa.ufunc
@@ -65,7 +66,7 @@ class Date:
 
 
 def date_from_utc(fields: tuple[int, int, int, int, int, float]) -> Date:
-    """JD(TDB) of year, month, day, hour, minute, second UTC; leap seconds (second 60) are known."""
+    """JD(TDB) of year, month, day, hour, minute, second UTC, including leap seconds (second 60)."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", erfa.ErfaWarning)
         tt = erfa.taitt(*erfa.utctai(*erfa.dtf2d("UTC", *fields)))
@@ -75,7 +76,7 @@ def date_from_utc(fields: tuple[int, int, int, int, int, float]) -> Date:
 
 
 def tdb_s(epoch: Date, t_s: NDArray[Any]) -> F64:
-    """Seconds of TDB (n,) after an epoch, of seconds of TT after it."""
+    """Seconds of TDB (n,) after an epoch, from seconds of TT after it."""
     times = np.asarray(t_s, dtype=np.float64)
     then = erfa.dtdb(epoch.day, epoch.fraction + times / _DAY_S, 0.0, 0.0, 0.0, 0.0)
     return np.asarray(times + (then - _tdb_minus_tt(epoch.day, epoch.fraction)))
@@ -83,7 +84,8 @@ def tdb_s(epoch: Date, t_s: NDArray[Any]) -> F64:
 
 @lru_cache(maxsize=4096)
 def _tdb_minus_tt(day: float, fraction: float) -> float:
-    """Seconds, at the geocentre (Fairhead and Bretagnon 1990), where UT1 does not matter."""
+    """Difference in seconds at the geocentre (Fairhead and Bretagnon 1990), where UT1 does not
+    matter."""
     return float(erfa.dtdb(day, fraction, 0.0, 0.0, 0.0, 0.0))
 
 
@@ -143,18 +145,18 @@ _SERIES = {
     "phobos": "2 degrees of its orbit, beside its planet's error (locked to its planet)",
     "europa": "2 degrees of its orbit, beside its planet's error (locked to its planet)",
 }
-"""By which places are off at most. Of planets the largest differences in longitude, latitude and
-distance from the Sun of plan94 against DE200 (its note 5), put together; usual is the root of the
-mean square over 1960 to 2025."""
+"""Largest errors of positions. For planets: the largest differences of plan94 from DE200 in
+longitude, latitude and distance from the Sun (its note 5), combined; "usual" is the root mean
+square over 1960 to 2025."""
 
 
 def accuracy(name: str) -> str:
-    """How good the place of a body is, in words."""
+    """Accuracy of a body's position, in words."""
     return "the origin" if name == "sun" else f"series, within {_SERIES[name]}"
 
 
 def has_ephemeris(name: str) -> bool:
-    """Whether the place of a body at a date is known."""
+    """Whether the position of a body at a date is known."""
     return name in _HELIOCENTRIC
 
 
@@ -165,15 +167,14 @@ def _heliocentric(name: str, date: Date) -> F64:
 
 
 def heliocentric_m(name: str, date: Date) -> F64:
-    """Position from the Sun's centre."""
+    """Position relative to the Sun's centre."""
     return _heliocentric(name, date)[:3]
 
 
 def relative_state(name: str, origin: str, date: Date) -> F64:
-    """Position and velocity (6,), m and m/s, of a body from another's centre, ICRF axes.
+    """Position and velocity (6,), m and m/s, of a body relative to another's centre, ICRF axes.
 
-    `sun` is one of the bodies.
-    """
+    `sun` is one of the bodies."""
     if {name, origin} == {"moon", "earth"}:
         # Straight from the theory, without the rounding of a heliocentric difference.
         moon = _geocentric_moon(date)
@@ -182,5 +183,5 @@ def relative_state(name: str, origin: str, date: Date) -> F64:
 
 
 def relative_m(name: str, origin: str, date: Date) -> F64:
-    """Position of a body from another's centre; `sun` is one of them."""
+    """Position of a body relative to another's centre; `sun` is one of the bodies."""
     return relative_state(name, origin, date)[:3]

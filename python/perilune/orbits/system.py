@@ -1,4 +1,4 @@
-"""The tree of a frame: who is around whom, on what path, turned how; and its states."""
+"""The tree of a frame: central bodies, paths and rotations of all objects, and their states."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Node = dict[str, Any]
 
 
 def _ephemeris(setting: Setting, name: str) -> Motion:
-    """The path of a body without an orbit about the root."""
+    """Path of a body without an orbit, relative to the root."""
     config = setting.config
     if name == config.root:
         return {"kind": "fixed", "position_m": np.zeros(3)}
@@ -65,7 +65,7 @@ def _hooked(setting: Setting, name: str, orbit: Any) -> bool:
 
 
 def _path(setting: Setting, name: str, entry: Any, section: str) -> Motion:
-    """The path of a thing about what it is around."""
+    """Path of an object relative to its central body."""
     if entry.orbit is None:
         return _ephemeris(setting, name)
     key = f"{section}.{name}.orbit"
@@ -76,7 +76,7 @@ def _path(setting: Setting, name: str, entry: Any, section: str) -> Motion:
 
 
 def _drawn(start: Setting, name: str, key: str) -> Motion:
-    """A path that is drawn once a scene: from the scene's first step, and begins there."""
+    """A path drawn once a scene, from the scene's first step, where it begins."""
     orbit = sections(start.config)[name][1].orbit
     assert orbit is not None  # drivers change numbers alone
     since = replace(start, epoch=start.epoch.after(start.start_s))
@@ -90,7 +90,8 @@ def _drawn(start: Setting, name: str, key: str) -> Motion:
 
 
 def _later(motion: Motion, begin: Date, begin_s: float) -> Motion:
-    """A path whose time counts from `begin`, begin_s after the epoch, as one from the epoch."""
+    """Converts a path whose time starts at `begin`, begin_s after the epoch, to one from the
+    epoch."""
     if begin_s == 0.0 or (isinstance(motion, Mapping) and motion["kind"] == "fixed"):
         return motion
     if isinstance(motion, Mapping):
@@ -101,7 +102,8 @@ def _later(motion: Motion, begin: Date, begin_s: float) -> Motion:
 
 
 def _known_before(setting: Setting, name: str) -> list[str]:
-    """What a hook's orbit may look at: all that moves without a hook that comes at or after it."""
+    """Objects that a hook's orbit may see: all that move without a hook that comes at or after
+    it."""
     things = sections(setting.config)
     order = list(things)
     later = {
@@ -125,7 +127,7 @@ def _radii_m(setting: Setting, name: str) -> F64:
 
 
 def _surroundings(setting: Setting, known: list[str]) -> hooked.Surroundings:
-    """Poses and radii of some things at the scene's first step."""
+    """Poses and radii of some objects at the scene's first step."""
     found = System(setting, known).states(np.array([setting.start_s]))
     entries: dict[str, hooked.Thing] = {}
     for name in known:
@@ -135,7 +137,7 @@ def _surroundings(setting: Setting, known: list[str]) -> hooked.Surroundings:
 
 
 def _nodes(setting: Setting, names: list[str]) -> list[Node]:
-    """The tree's nodes of some things, the Sun's behind them if one of them points at it."""
+    """The tree's nodes for some objects, followed by the Sun's if one of them points at it."""
     config, things = setting.config, sections(setting.config)
     index = {name: k for k, name in enumerate(names)}
     index[SUN] = len(names)
@@ -164,12 +166,12 @@ def _nodes(setting: Setting, names: list[str]) -> list[Node]:
 
 
 def _named(error: Exception, key: str) -> Exception:
-    """A file that is not there keeps its type; it names its key itself."""
+    """Keeps the error type of a missing file, which names its key itself."""
     return error if isinstance(error, OSError) else ValueError(f"{key}: {error}")
 
 
 def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) -> None:
-    """ValueError that names the orbit of a thing whose centre is inside the body it is around."""
+    """ValueError that names the orbit of an object whose centre is inside its central body."""
     things = sections(setting.config)
     for name in names:
         section, entry = things[name]
@@ -193,7 +195,7 @@ def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) ->
 
 
 def _with_section(error: ValueError, setting: Setting) -> ValueError:
-    """Paths name the node alone, the core as node 'iss': ...; its entry is more help."""
+    """Adds the entry to errors that name only the node, such as "node 'iss'" from the core."""
     name, _, text = str(error).removeprefix("node ").partition(": ")
     name = name.strip("'")
     found = sections(setting.config).get(name)
@@ -201,13 +203,12 @@ def _with_section(error: ValueError, setting: Setting) -> ValueError:
 
 
 class System:
-    """Everything that moves in a frame. What is drawn, read or asked of hooks is so once, here.
+    """Everything that moves in a frame. Orbits are drawn, read and requested from hooks once, here.
 
-    ValueError names the entry that cannot be placed.
-    """
+    ValueError names the entry that cannot be placed."""
 
     def __init__(self, setting: Setting, names: list[str] | None = None) -> None:
-        """names: only these, which must hold all that they are around."""
+        """names: only these objects, which must include all their central bodies."""
         self.setting = setting
         self._names = list(sections(setting.config)) if names is None else names
         self._nodes = _nodes(setting, self._names)
@@ -215,8 +216,7 @@ class System:
     def states(self, t_s: F64) -> States:
         """States of every body and spacecraft in the root frame, t_s (n,) seconds after the epoch.
 
-        ValueError where a path has no answer, or lies below the surface of what is orbited.
-        """
+        ValueError for a path without a state, or below the surface of its central body."""
         t_s = np.asarray(t_s, dtype=np.float64)
         try:
             found = evaluate(self._nodes, self.setting.epoch, t_s)

@@ -1,4 +1,4 @@
-"""Rotations of bodies and attitudes of spacecraft as the core's turns."""
+"""Rotations of bodies and attitudes of spacecraft in the core's form."""
 
 from __future__ import annotations
 
@@ -33,14 +33,13 @@ F64 = NDArray[np.float64]
 Turn = Mapping[str, Any]
 
 SUN = ".sun"
-"""Name of the node that stands for the Sun."""
+"""Name of the Sun's node."""
 
 
 def spin_of(turn: Spin, step_s: float) -> tuple[F64, F64, float]:
-    """Rotation at the epoch, axis in the thing's own frame, rate in rad/s.
+    """Rotation at the epoch, spin axis in the object's own frame, and rate in rad/s.
 
-    By steps the turn of one step goes on at a constant rate between them.
-    """
+    A spin given per step continues at a constant rate between steps."""
     q = rotations.from_rpy_deg(turn.rotation_deg)
     axis, rate = np.array(turn.spin_axis), math.radians(turn.spin_rate_deg_s)
     if turn.turns_by_step:
@@ -62,12 +61,12 @@ def _on(frame: Any, turn: Spin, step_s: float, **keys: Any) -> Turn:
 
 
 def earth(epoch: Date) -> Callable[[F64], F64]:
-    """Earth-fixed axes to ICRF (n, 4), by the IAU's precession-nutation of 2006/2000A and the Earth
+    """Earth-fixed axes to ICRF (n, 4), by the IAU 2006/2000A precession-nutation and the Earth
     rotation angle (ERFA's c2t06a).
 
-    UT1 is taken as UTC and the pole as unmoved, as no table of the IERS is read: that turns the
-    Earth by up to 14 arcsec (0.9 s; 420 m on the equator) and tilts it by up to 0.5 arcsec (15 m).
-    """
+    UT1 is taken as UTC and polar motion as zero, because no IERS table is read. This rotates the
+    Earth by up to 14 arcsec (0.9 s; 420 m on the equator) and tilts it by up to 0.5 arcsec (15
+    m)."""
 
     def axes(t_s: F64) -> F64:
         tt, utc = tt_of(epoch, t_s), utc_of(epoch, t_s)
@@ -80,7 +79,7 @@ def earth(epoch: Date) -> Callable[[F64], F64]:
 
 
 def body_turn(body: Body, setting: Setting) -> Turn:
-    """Of a body: as stated, else that of the table."""
+    """Rotation of a body: the given one, else the table's."""
     if isinstance(body.rotation, Spin):
         return _on("inertial", body.rotation, setting.config.time.step_s)
     name = table_name(body)
@@ -90,7 +89,7 @@ def body_turn(body: Body, setting: Setting) -> Turn:
 
 
 def _principal(tensor: Any) -> tuple[F64, F64]:
-    """Principal moments, and the quaternion from the principal axes to the thing's."""
+    """Principal moments, and the quaternion from the principal axes to the object's."""
     matrix = np.array(tensor, dtype=np.float64)
     if matrix.ndim == 1:
         return matrix, np.array([1.0, 0.0, 0.0, 0.0])
@@ -112,14 +111,14 @@ def _tumble(attitude: Tumble) -> Turn:
 
 @lru_cache(maxsize=64)
 def _attitudes(path: Path, stamp: Stamp, epoch: Date, name: str | None) -> tuple[F64, F64]:
-    """Read once as long as the file is not changed."""
+    """An attitude table, cached until its file changes."""
     t_s, q = csv_table.attitudes(path, epoch, name)
     t_s.flags.writeable = q.flags.writeable = False
     return t_s, q
 
 
 def craft_turn(name: str, attitude: Any, setting: Setting, index: Mapping[str, int]) -> Turn:
-    """Of a spacecraft; index: name -> node."""
+    """Attitude of a spacecraft; index: name -> node."""
     step_s = setting.config.time.step_s
     if isinstance(attitude, Tumble):
         return _tumble(attitude)

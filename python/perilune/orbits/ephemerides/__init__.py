@@ -1,1 +1,1 @@
-"""States from outside: two-line elements, CCSDS ephemerides, tables, SPICE kernels."""
+"""States from files: two-line elements, CCSDS ephemerides, tables, SPICE kernels."""

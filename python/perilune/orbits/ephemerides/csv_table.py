@@ -21,16 +21,16 @@ _UNITS_M = {"_m": 1.0, "_km": 1e3}
 
 @dataclass(frozen=True)
 class Columns:
-    """A table as read."""
+    """The columns of a table."""
 
     path: Path
     names: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     lines: tuple[int, ...]
-    """Number of each row's line in the file."""
+    """Line number in the file of each row."""
 
     def only(self, name: str) -> Columns:
-        """The rows of an object; ValueError if there is no column `object`, or no such object."""
+        """The rows of an object; ValueError without a column `object` or such an object."""
         if "object" not in self.names:
             raise ValueError(f"{self.path}: has no column 'object'")
         column = self.names.index("object")
@@ -42,7 +42,7 @@ class Columns:
         return Columns(self.path, self.names, rows, lines)
 
     def texts(self, name: str) -> list[str]:
-        """A column."""
+        """A column as text."""
         column = self.names.index(name)
         return [row[column] for row in self.rows]
 
@@ -60,7 +60,7 @@ class Columns:
         return values
 
     def times_s(self, epoch: Date) -> F64:
-        """Seconds of each row after the epoch, increasing."""
+        """Seconds of each row after the epoch, ascending."""
         if "time_utc" in self.names:
             try:
                 t_s = seconds_of(self.texts("time_utc"), "UTC", epoch)
@@ -78,7 +78,8 @@ class Columns:
         return t_s
 
     def vectors(self, prefix: str, suffix: str = "") -> F64 | None:
-        """(n, 3) in SI from the columns of x, y, z with a prefix and a unit; None without them."""
+        """(n, 3) in SI units from the columns of x, y, z with a prefix and a unit; None if
+        missing."""
         for unit, factor in _UNITS_M.items():
             names = [f"{prefix}{axis}{unit}{suffix}" for axis in "xyz"]
             given = [name for name in names if name in self.names]
@@ -123,11 +124,11 @@ def states(
     around: str | None = None,
     around_root: bool = False,
 ) -> tuple[F64, F64]:
-    """Times (n,) seconds after the epoch, and states (n, 6), or places (n, 3) without velocities.
+    """Times (n,) in seconds after the epoch, and states (n, 6), or positions (n, 3) without
+    velocities.
 
-    In a table with a column `object` places are relative to the root; those of `around` at the same
-    times are subtracted, unless it is the root (around_root) and left out.
-    """
+    In a table with a column `object`, positions are relative to the root. The positions of `around`
+    at the same times are subtracted, unless it is the root (around_root) and not in the table."""
     table = read(path)
     if "object" in table.names:
         if name is None:
@@ -155,7 +156,7 @@ def _states(table: Columns, epoch: Date) -> tuple[F64, F64]:
 
 
 def attitudes(path: Path, epoch: Date, name: str | None = None) -> tuple[F64, F64]:
-    """Times (n,) seconds after the epoch, and unit quaternions (n, 4) to ICRF axes."""
+    """Times (n,) in seconds after the epoch, and unit quaternions (n, 4) to ICRF axes."""
     table = read(path)
     if name is not None:
         table = table.only(name)

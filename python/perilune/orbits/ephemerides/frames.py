@@ -1,4 +1,4 @@
-"""Inertial frames of ephemerides, to ICRF axes."""
+"""Rotations of the inertial frames of ephemerides to ICRF axes."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ F64 = NDArray[np.float64]
 
 
 def teme_to_icrf(epoch: Date, t_s: F64) -> F64:
-    """Matrices (n, 3, 3) from the true equator and mean equinox of date, in which SGP4 works.
+    """Matrices (n, 3, 3) from TEME, the true equator and mean equinox of date, in which SGP4 works.
 
-    By the equation of the equinoxes (1994 form), nutation of 1980, precession of 1976 and the bias
-    of the mean frame of J2000 (Vallado et al. 2006, appendix C). Without IERS's corrections to that
-    nutation, which stay below 0.1 arcsec: 3 m in a low orbit, where SGP4 itself is good to 1 km.
-    """
+    They combine the equation of the equinoxes (1994 form), the nutation of 1980, the precession of
+    1976 and the bias of the mean frame of J2000 (Vallado et al. 2006, appendix C). IERS corrections
+    to that nutation are left out; they are below 0.1 arcsec, 3 m in a low orbit, where SGP4 itself
+    is good to 1 km."""
     tt = tt_of(epoch, t_s)
     mean_to_true = erfa.pnm80(*tt)
     # The equation of the equinoxes turns from the mean equinox to the true one, along the equator.
@@ -31,7 +31,7 @@ def teme_to_icrf(epoch: Date, t_s: F64) -> F64:
 
 
 def _bias() -> F64:
-    """From ICRF axes to the mean equator and equinox of J2000 (IAU 2000)."""
+    """Rotation from ICRF axes to the mean equator and equinox of J2000 (IAU 2000)."""
     return np.asarray(erfa.bp06(2451545.0, 0.0)[0])
 
 
@@ -52,7 +52,7 @@ _FRAMES: dict[str, Callable[[Date, F64], F64]] = {
 
 
 def to_icrf(frame: str, epoch: Date, t_s: F64) -> F64:
-    """Matrices (n, 3, 3) from a frame by its CCSDS name; ValueError for one that is not there."""
+    """Matrices (n, 3, 3) from a frame by its CCSDS name; ValueError for an unknown one."""
     if frame.upper() not in _FRAMES:
         raise ValueError(f"no reference frame '{frame}'{nearest(frame, _FRAMES)}")
     return _FRAMES[frame.upper()](epoch, t_s)

@@ -1,7 +1,7 @@
-"""CCSDS orbit ephemeris messages in their text form (KVN), read and written.
+"""Reads and writes CCSDS orbit ephemeris messages in their text form (KVN).
 
-Source: CCSDS 502.0-B-3, Orbit Data Messages, section 5. Covariances and accelerations are not used.
-"""
+Source: CCSDS 502.0-B-3, Orbit Data Messages, section 5. Covariances and accelerations are
+ignored."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ _NEXT = {
     ("data", "COVARIANCE_START"): "covariance",
     ("covariance", "COVARIANCE_STOP"): "data",
 }
-"""(Part of a segment, line that ends it) -> the part that follows."""
+"""(Part of a segment, line that ends it) -> the next part."""
 _NEEDED = ("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM")
 
 
 @dataclass
 class Segment:
-    """One META block and its lines."""
+    """One META block with its data lines."""
 
     meta: dict[str, str]
     line: int
-    """Of META_START, from 1."""
+    """Line number of META_START, from 1."""
     times: list[str] = field(default_factory=list)
     rows: list[list[float]] = field(default_factory=list)
-    """x, y, z, vx, vy, vz: km, km/s."""
+    """x, y, z in km and vx, vy, vz in km/s."""
     lines: list[int] = field(default_factory=list)
-    """Number of each row's line in the file."""
+    """Line number in the file of each row."""
 
 
 def _row(text: str, where: str) -> tuple[str, list[float]]:
@@ -108,7 +108,8 @@ def parse(path: Path) -> list[Segment]:
 
 
 def of_object(segments: Iterable[Segment], name: str | None, path: Path) -> list[Segment]:
-    """Those of one object, by OBJECT_NAME or OBJECT_ID; without a name there must be only one."""
+    """Segments of one object, by OBJECT_NAME or OBJECT_ID; without a name there must be only one
+    object."""
     found, names = [], []
     for segment in segments:
         known = (segment.meta["OBJECT_NAME"], segment.meta["OBJECT_ID"])
@@ -124,7 +125,7 @@ def of_object(segments: Iterable[Segment], name: str | None, path: Path) -> list
 
 
 def states(segment: Segment, epoch: Date, path: Path) -> tuple[F64, F64]:
-    """Times (n,) seconds after the epoch, and states (n, 6) m, m/s in ICRF axes."""
+    """Times (n,) in seconds after the epoch, and states (n, 6), m and m/s, in ICRF axes."""
     meta, where = segment.meta, f"{path}, line {segment.line}"
     try:
         t_s = seconds_of(segment.times, meta["TIME_SYSTEM"], epoch)
@@ -151,14 +152,15 @@ def degree(segment: Segment, path: Path) -> int | None:
 
 
 def write_header(file: TextIO, created_utc: str, originator: str) -> None:
-    """The first lines of a message."""
+    """Writes the first lines of a message."""
     file.write(f"CCSDS_OEM_VERS = 2.0\nCREATION_DATE = {created_utc}\nORIGINATOR = {originator}\n")
 
 
 def write_segment(
     file: TextIO, meta: Mapping[str, str], times_utc: Sequence[str], states_m: F64
 ) -> None:
-    """One object's states (n, 6) m, m/s at UTC times without a Z; meta: names and frame."""
+    """Writes one object's states (n, 6), m and m/s, at UTC times without a Z; meta: names and
+    frame."""
     file.write("\nMETA_START\n")
     span = {"TIME_SYSTEM": "UTC", "START_TIME": times_utc[0], "STOP_TIME": times_utc[-1]}
     for key, value in {**meta, **span}.items():
