@@ -1,1 +1,2 @@
-"""What knows of no configuration: files, hooks, random numbers, rotations, spectra, HTML."""
+"""Helpers independent of the configuration: files, hooks, random numbers, rotations, spectra,
+HTML."""

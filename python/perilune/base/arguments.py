@@ -1,4 +1,4 @@
-"""Arguments of the Python interface: what is wrong with one, by its name."""
+"""Checks of arguments of the Python interface, with errors that name the argument."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def whole(name: str, value: Any, least: int | None = None) -> int:
-    """A whole number, NumPy's too, as an int; TypeError or ValueError by the argument's name."""
+    """A whole number, also NumPy's, as an int; TypeError or ValueError that names the argument."""
     if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise TypeError(f"{name} = {value!r:.60}: must be a whole number")
     number = int(value.__index__())
@@ -17,7 +17,7 @@ def whole(name: str, value: Any, least: int | None = None) -> int:
 
 
 def mapping(name: str, value: Any, like: str) -> Mapping[str, Any]:
-    """A mapping with texts as keys; TypeError that shows what it is like."""
+    """A mapping with texts as keys; otherwise TypeError with an example."""
     if not isinstance(value, Mapping):
         raise TypeError(f"{name}: must be a mapping such as {like}, not {value!r:.60}")
     for key in value:
@@ -27,13 +27,13 @@ def mapping(name: str, value: Any, like: str) -> Mapping[str, Any]:
 
 
 def function(name: str, value: Any, like: str) -> None:
-    """TypeError for what cannot be called."""
+    """TypeError for an object that cannot be called."""
     if not callable(value):
         raise TypeError(f"{name}: must be a function {like}, not {value!r:.60}")
 
 
 def names(name: str, value: Any) -> list[str]:
-    """A list of names, each once; TypeError for a text, whose letters are no names."""
+    """A list of unique names; TypeError for a text, whose letters are no names."""
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         listed = f"; a list of one is [{value!r}]" if isinstance(value, str) else ""
         raise TypeError(f"{name}: must be a list of names, not {value!r:.60}{listed}")

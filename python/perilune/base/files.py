@@ -1,4 +1,4 @@
-"""Files of text, read once and kept as long as they stay as they are."""
+"""Text files, cached until they change."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ Stamp = tuple[int, int]
 
 
 def stamp(path: Path) -> Stamp:
-    """Size and time of the last change: part of the key of a cache of what a file holds."""
+    """Size and time of the last change of a file, for keys of caches."""
     stat = path.stat()
     return stat.st_size, stat.st_mtime_ns
 
 
 def text(path: Path) -> str:
-    """What a file of UTF-8 text holds, without a byte order mark; ValueError that names it."""
+    """Content of a UTF-8 file without a byte order mark; ValueError that names the file."""
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:

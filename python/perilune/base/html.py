@@ -1,4 +1,4 @@
-"""Pieces of HTML: tables, pictures, parts that unfold."""
+"""HTML elements: tables, pictures, collapsible parts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_ROWS = 40
 
 
 def text_of(value: Any, digits: int = 5) -> str:
-    """A value in few characters: numbers with so many digits, lists in brackets."""
+    """A short text for a value: numbers with this many digits, lists in brackets."""
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if value is None:
@@ -35,7 +35,8 @@ def text_of(value: Any, digits: int = 5) -> str:
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOST_ROWS) -> str:
-    """Numbers stand to the right; of many rows the first are shown, and how many follow."""
+    """A table with numbers aligned to the right; of many rows it shows the first and the number of
+    others."""
     kept = [list(row) for row in rows]
     right = [
         bool(kept) and all(isinstance(row[k], (int, float, np.number)) for row in kept)
@@ -58,13 +59,13 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[Any]], most: int = MOS
 
 
 def heading(text: str, dim: str = "") -> str:
-    """A line above a table."""
+    """A heading above a table."""
     beside = f' <span style="opacity:0.65">{escape(dim)}</span>' if dim else ""
     return f'<div style="margin:4px 0;font-size:13px"><b>{escape(text)}</b>{beside}</div>'
 
 
 def folded(title: str, content: str, unfolded: bool = False) -> str:
-    """A part that opens by a click."""
+    """A part that opens on a click."""
     state = " open" if unfolded else ""
     return (
         f'<details{state} style="margin:2px 0;font-size:12px"><summary>{escape(title)}</summary>'
@@ -73,7 +74,7 @@ def folded(title: str, content: str, unfolded: bool = False) -> str:
 
 
 def picture(png: bytes, title: str, lines: Sequence[str], width: int) -> str:
-    """A picture over its title and further lines."""
+    """A picture with its title and further lines below."""
     data = base64.b64encode(png).decode("ascii")
     told = "".join(f'<div style="opacity:0.65">{line}</div>' for line in lines)
     return (
@@ -86,7 +87,7 @@ def picture(png: bytes, title: str, lines: Sequence[str], width: int) -> str:
 
 
 def swatch(color: Sequence[int], name: str) -> str:
-    """A square in a colour, and what it stands for."""
+    """A square of a colour with its label."""
     red, green, blue = (int(part) for part in color)
     square = (
         f'<span style="display:inline-block;width:9px;height:9px;margin-right:3px;'
@@ -96,7 +97,7 @@ def swatch(color: Sequence[int], name: str) -> str:
 
 
 def whole(*parts: str) -> str:
-    """All of a cell."""
+    """A cell's complete text."""
     return f'<div class="perilune" style="max-width:1100px">{"".join(parts)}</div>'
 
 

@@ -1,4 +1,4 @@
-"""The nearest of the names that are allowed, for errors."""
+"""The nearest of the allowed names, for errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Counter-based random numbers: what is drawn depends on (seed, what, frame) and nothing else."""
+"""Counter-based random numbers, which depend only on (seed, what, frame)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def stable_hash(text: str) -> int:
 
 
 class _NoSeed(ISeedSequence):
-    """In the place of entropy, which NumPy would ask the system for though a key is given."""
+    """A constant instead of entropy, which NumPy would request from the system although a key is
+    given."""
 
     def generate_state(self, n_words: int, dtype: Any = np.uint32) -> NDArray[Any]:
         """Zeros."""

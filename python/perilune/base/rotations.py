@@ -1,8 +1,7 @@
-"""Quaternions (w, x, y, z) of a few bodies and cameras; per-pixel rotation is the core's.
+"""Quaternions (w, x, y, z) of a few bodies and cameras; rotation per pixel is done by the core.
 
-Written with Python's own floats: of three or four numbers NumPy's calls take several times as long.
-Dot products stay NumPy's, whose rounding is that of the rest.
-"""
+They use Python's own floats: for three or four numbers NumPy's calls take several times as long.
+Dot products remain NumPy's, so that rounding is consistent."""
 
 from __future__ import annotations
 
@@ -36,7 +35,7 @@ def conjugate(q: F64) -> F64:
 
 
 def norm(v: F64) -> float:
-    """Length of a vector; numpy.linalg.norm's bits, without its tests."""
+    """Length of a vector, to the bit that of numpy.linalg.norm, without its checks."""
     return math.sqrt(v.dot(v))
 
 
@@ -48,12 +47,12 @@ def cross(a: F64, b: F64) -> F64:
 
 
 def angle_rad(a: F64, b: F64) -> float:
-    """Angle between two vectors, exact near 0 and pi too."""
+    """Angle between two vectors, accurate near 0 and pi too."""
     return math.atan2(math.hypot(*cross(a, b).tolist()), float(a @ b))
 
 
 def rotate(q: F64, v: F64) -> F64:
-    """The vector v turned by q."""
+    """The vector v rotated by q."""
     w, x, y, z = q.tolist()
     a, b, c = v.tolist()
     tx, ty, tz = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
@@ -67,7 +66,7 @@ def rotate(q: F64, v: F64) -> F64:
 
 
 def axis_angle(axis: Sequence[float] | F64, angle_rad: float) -> F64:
-    """Rotation about a unit axis; the angle is reduced first, so that long spins stay exact."""
+    """Rotation about a unit axis; the angle is reduced first, so that long spins stay accurate."""
     half = 0.5 * math.remainder(angle_rad, 4.0 * math.pi)
     sine = math.sin(half)
     x, y, z = axis.tolist() if isinstance(axis, np.ndarray) else axis
@@ -82,7 +81,7 @@ def from_rpy_deg(rpy: Sequence[float]) -> F64:
 
 
 def to_axis_angle(q: F64) -> tuple[F64, float]:
-    """Unit axis and angle in [0, pi] of a unit quaternion; the z axis without a rotation."""
+    """Unit axis and angle in [0, pi] of a unit quaternion; the z axis if there is no rotation."""
     w, v = (q[0], q[1:]) if q[0] >= 0.0 else (-q[0], -q[1:])
     size = norm(v)
     if size == 0.0:
@@ -124,16 +123,17 @@ def _from_rows(m: Sequence[Sequence[float]]) -> F64:
 
 
 def middle(a: F64, b: F64) -> F64:
-    """Halfway between two rotations along the shorter arc, as the core takes mid-exposure."""
+    """Midpoint of two rotations along the shorter arc, as the core computes it for the middle of an
+    exposure."""
     q = a + (b if float(a @ b) >= 0.0 else -b)
     return np.asarray(q / norm(q))
 
 
 def look_at(forward: F64, up: F64) -> F64:
-    """Camera axes (x right, y down, z forward) with z forward and -y as near `up` as can be.
+    """Camera axes (x right, y down, z forward) with z along forward and -y as close to `up` as
+    possible.
 
-    Where the two are parallel, the axis farthest from `forward` takes the place of `up`.
-    """
+    If the two are parallel, the axis farthest from `forward` replaces `up`."""
     z = forward / norm(forward)
     x = cross(z, up)
     size = norm(x)

@@ -1,4 +1,4 @@
-"""Spectra as numbers: curves of files and of simple bands, and what bands gather of sunlight."""
+"""Spectra: response curves from files and of simple bands, and what bands gather of sunlight."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from perilune.base import files
 F64 = NDArray[np.float64]
 
 STEP_UM = 0.01
-"""Longest piece of an integration; tests/python/test_bands.py has its error."""
+"""Longest step of an integration; tests/python/test_bands.py has its error."""
 
 # XYZ to linear sRGB (IEC 61966-2-1).
 _TO_SRGB = np.array(
@@ -30,11 +30,11 @@ def _lobe(nm: F64, peak: float, below: float, above: float) -> F64:
 
 
 def srgb_response(um: F64) -> F64:
-    """(3, n): how much light of wavelengths (n,), um, adds to linear red, green and blue of sRGB.
+    """(3, n): contribution of light of wavelengths (n,), um, to linear red, green and blue of sRGB.
 
     The CIE 1931 observer as fitted by Wyman, Sloan and Shirley, Simple analytic approximations to
-    the CIE XYZ color matching functions, JCGT 2 (2013), 2; parts are negative; the peaks are 1.
-    """
+    the CIE XYZ color matching functions, JCGT 2 (2013), 2. Some values are negative; the peaks are
+    1."""
     nm = np.asarray(um) * 1e3
     x = (
         1.056 * _lobe(nm, 599.8, 37.9, 31.0)
@@ -56,7 +56,7 @@ def box(low_um: float, high_um: float, value: float = 1.0) -> F64:
 
 
 def gaussian(center_um: float, width_um: float) -> F64:
-    """A curve of peak 1; width at half of it. Cut off at 1e-6 of the peak."""
+    """A curve of peak 1 with this full width at half maximum, cut off at 1e-6 of the peak."""
     sigma = width_um / math.sqrt(8.0 * math.log(2.0))
     reach = math.sqrt(2.0 * math.log(1e6))
     t = np.linspace(-reach, reach, 401)
@@ -66,18 +66,18 @@ def gaussian(center_um: float, width_um: float) -> F64:
 
 @lru_cache(maxsize=1)
 def srgb_curves() -> tuple[F64, F64, F64]:
-    """Curves of srgb_response, every nanometre."""
+    """Curves of srgb_response at every nanometre."""
     um = np.linspace(0.38, 0.78, 401)
     red, green, blue = (np.stack([um, row], axis=1) for row in srgb_response(um))
     return red, green, blue
 
 
 def read(path: Path, um_per_unit: float) -> F64:
-    """(n, 1 + columns): wavelengths, um, rising, and values, not negative, of a text file.
+    """(n, 1 + columns) of a text file: ascending wavelengths in um, and values, which are not
+    negative.
 
-    Columns parted by commas, semicolons or blanks; a first line that is no numbers is skipped, and
-    so are lines that begin with #. ValueError with file and line for what is broken.
-    """
+    Columns are separated by commas, semicolons or blanks. A first line without numbers and lines
+    that begin with # are skipped. ValueError with file and line for invalid content."""
     table = _read(path, files.stamp(path)).copy()
     table[:, 0] *= um_per_unit
     for line, um in zip(_lines(path, files.stamp(path)), table[:, 0], strict=True):
@@ -103,7 +103,7 @@ def _lines(path: Path, stamp: files.Stamp) -> tuple[int, ...]:
 
 
 def _parse(path: Path) -> tuple[F64, tuple[int, ...]]:
-    """The numbers of a file, and the line of each row."""
+    """The numbers of a file, and the line number of each row."""
     rows: list[list[float]] = []
     lines: list[int] = []
     titled = False
@@ -144,13 +144,12 @@ def _check_row(row: list[float], before: list[list[float]], where: str) -> None:
 
 
 def integral(curve: F64) -> float:
-    """Of a curve over its wavelengths, um."""
+    """Integral of a curve over its wavelengths, um."""
     return float(np.trapezoid(curve[:, 1], curve[:, 0]))
 
 
 def gather(sun: F64 | None, *responses: F64, step_um: float = STEP_UM) -> _core.BandLight:
-    """What a band, the product of curves (n, 2), gathers of sunlight; see _core.band_gather.
+    """Sunlight gathered by a band, the product of curves (n, 2); see _core.band_gather.
 
-    sun: a curve in any scale; None: the default, whose error its documentation states.
-    """
+    sun: a curve in any scale; None: the default, whose error its documentation states."""
     return _core.band_gather(sun, responses, step_um)

@@ -1,4 +1,4 @@
-"""The one door to TIFF files: tifffile, an extra of the package, loaded when a file needs it."""
+"""Reads TIFF files through tifffile, an extra of the package, loaded when a file needs it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,10 @@ _LOG = logging.getLogger("tifffile")
 
 @contextmanager
 def first_page(path: Path) -> Iterator[TiffPage]:
-    """The first image of a file, open while the context is.
+    """The first image of a file, open within the context.
 
-    Raises ModuleNotFoundError where tifffile is not installed, and what tifffile raises for a
-    broken file. Its reports of odd tags, none of which is read here, are left out.
-    """
+    Raises ModuleNotFoundError if tifffile is not installed, and the errors of tifffile for a broken
+    file. Its messages about odd tags are suppressed, because none of these is read here."""
     try:
         from tifffile import TiffFile, TiffPage
     except ModuleNotFoundError:

@@ -1,10 +1,9 @@
-"""The timeline: which step, scene and sensor a frame's index stands for. Pure arithmetic.
+"""The timeline: step, scene and sensor of a frame's index.
 
-A step is an instant of the world; it lies step_s * step after the epoch. A scene is a run of
-`frames_per_scene` steps between two draws of what is drawn once a scene. In a step every triggered
-sensor takes a frame: frames count steps and, within a step, sensors in the order of the
-configuration. Without sensors a frame is a step.
-"""
+A step is an instant of the world, step_s * step after the epoch. A scene is a run of
+`frames_per_scene` steps that share what is drawn once a scene. In a step every triggered sensor
+takes a frame: frame indices count steps and, within a step, sensors in the order of the
+configuration. Without sensors a frame is a step."""
 
 from __future__ import annotations
 
@@ -14,17 +13,16 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Moment:
-    """What the index of a frame stands for.
+    """Step, scene and sensor of a frame.
 
     The world of a frame is drawn by its step or its scene, so that all sensors of a step see the
-    same one; only what belongs to the image alone (noise of the renderer) is drawn by its index.
-    """
+    same one. Only what belongs to the image alone (noise of the renderer) is drawn by its index."""
 
     index: int
     step: int
     scene: int
     sensor: str | None
-    """Name of the sensor; None where the configuration has no section `sensors`."""
+    """Name of the sensor; None without a section `sensors`."""
 
 
 @dataclass(frozen=True)
@@ -34,15 +32,15 @@ class Timeline:
     frames_per_scene: int = 1
     """Steps from one scene to the next."""
     trigger_intervals: Mapping[str, int] = field(default_factory=dict)
-    """Sensor -> it takes a frame every so many steps, from step 0 on."""
+    """Sensor -> steps between its frames, from step 0 on."""
 
     def at(self, index: int) -> Moment:
-        """The moment of a frame; index >= 0."""
+        """Step, scene and sensor of a frame; index >= 0."""
         step, sensor = self._step_and_sensor(index) if self.trigger_intervals else (index, None)
         return Moment(index, step, step // self.frames_per_scene, sensor)
 
     def frames_before(self, step: int) -> int:
-        """How many frames the steps 0 to step - 1 have."""
+        """Number of frames in the steps 0 to step - 1."""
         if not self.trigger_intervals:
             return step
         return sum(-(-step // interval) for interval in self.trigger_intervals.values())
@@ -52,7 +50,7 @@ class Timeline:
         return tuple(n for n, interval in self.trigger_intervals.items() if step % interval == 0)
 
     def index_of(self, step: int, sensor: str | None = None) -> int:
-        """The frame that a sensor takes at a step; ValueError if it takes none."""
+        """Index of the frame that a sensor takes at a step; ValueError if it takes none."""
         first = self.frames_before(step)
         if sensor is None and not self.trigger_intervals:
             return first
@@ -62,8 +60,8 @@ class Timeline:
         return first + names.index(sensor)
 
     def earlier(self, index: int, frames: int) -> int:
-        """The frame that the sensor of a frame took so many of its frames before; the first that it
-        takes in the scene if there are fewer."""
+        """Index of the frame that the same sensor took this many of its frames before; its first in
+        the scene if there are fewer."""
         moment = self.at(index)
         interval = 1 if moment.sensor is None else self.trigger_intervals[moment.sensor]
         first = -(-moment.scene * self.frames_per_scene // interval) * interval

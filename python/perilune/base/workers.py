@@ -1,4 +1,4 @@
-"""Which worker of a DataLoader a process is. No torch here."""
+"""Identifies the worker of a DataLoader that a process is, without torch."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ def _info() -> Any:
 
 
 def torch_worker() -> tuple[int, int]:
-    """(id, count) of the torch DataLoader worker this runs in; (0, 1) outside of any."""
+    """(id, count) of the torch DataLoader worker that this process is; (0, 1) outside of any."""
     info = _info()
     return (0, 1) if info is None else (int(info.id), int(info.num_workers))
 
 
 def in_torch_worker() -> bool:
-    """Whether this runs in one."""
+    """Whether this process is a DataLoader worker."""
     return _info() is not None

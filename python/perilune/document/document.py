@@ -1,4 +1,4 @@
-"""A configuration as loaded: its tree, the folder its paths refer to, its drivers, its values."""
+"""A loaded configuration: its tree, the folder of its paths, its drivers and values."""
 
 from __future__ import annotations
 
@@ -48,16 +48,16 @@ from perilune.drivers import (
 from perilune.drivers.choice import KIND as CHOICE
 
 _KEPT_STEPS = 4
-"""Steps whose configurations are kept: this one's, its scene's first, one that was metered."""
+"""Number of steps whose configurations are cached: this one, its scene's first, a metered one."""
 _KEPT_PATCHES = 16
-"""Outcomes of all choices, likewise."""
+"""Number of combinations of choices that are cached."""
 
 
 _T = TypeVar("_T")
 
 
 def _keep(kept: dict[Any, Any], most: int, key: Any, value: _T) -> _T:
-    """Puts a value among the last so many."""
+    """Adds a value to a cache of limited size."""
     while len(kept) >= most:
         kept.pop(next(iter(kept)), None)
     kept[key] = value
@@ -65,7 +65,7 @@ def _keep(kept: dict[Any, Any], most: int, key: Any, value: _T) -> _T:
 
 
 def _is_numbers(value: Any) -> bool:
-    """Whether a driver's value is a number, or a list of such."""
+    """Whether a driver's value is a number or a list of numbers."""
     if isinstance(value, (list, tuple)):
         return all(map(_is_numbers, value))
     return isinstance(value, (int, float)) and not isinstance(value, bool)
@@ -73,15 +73,16 @@ def _is_numbers(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class Given:
-    """What a document was made from: other changes of the same configuration begin with it."""
+    """Source of a document, which documents with other changes start from."""
 
     tree: Mapping[str, Any]
-    """As written, or translated from an OAISYS file; without overrides, without included files."""
+    """The tree as written, or translated from an OAISYS file; without overrides and included
+    files."""
     base: Path
     source: str
     origins: Mapping[str, str]
     overrides: Mapping[str, Any]
-    """Of perilune.open."""
+    """Overrides of perilune.open."""
     replay: Mapping[str, Any] | None
 
 
@@ -90,7 +91,7 @@ class Document:
 
     given: Given | None = None
     changes: Mapping[str, Any]
-    """Key path -> value: what was changed since the configuration was opened."""
+    """Key path -> value: changes since the configuration was opened."""
 
     def __init__(
         self,
@@ -102,10 +103,9 @@ class Document:
         *,
         limits_known: bool = False,
     ) -> None:
-        """origins: key path -> key path in the file, of one that was translated or included; for
-        errors.
-        replay: the metadata of a frame whose drivers' values are taken instead of new ones.
-        limits_known: the drivers' limits were found valid before, in the same tree."""
+        """origins: key path -> key path in the file, for a translated or included one; for errors.
+        replay: metadata of a frame whose drivers' values are used instead of new ones.
+        limits_known: the drivers' limits were validated before, in the same tree."""
         self.changes = {}
         self.tree = plain_tree(tree, source)
         self.base = base
@@ -133,10 +133,9 @@ class Document:
         return _unpickled, (arguments, self.given, self.changes)
 
     def changed(self, changes: Mapping[str, Any], known: bool = False) -> Document:
-        """The same configuration with other values at some key paths, as overrides are given.
+        """The same configuration with other values at some key paths, in the form of overrides.
 
-        known: these were checked before; the drivers' limits are then not tried again.
-        """
+        known: they were checked before, so the drivers' limits are not validated again."""
         given = self.given
         if given is None:  # not from `load`; its tree has all that was changed before
             given = Given(self.tree, self.base, self.source, self.origins, {}, self._replay)
@@ -153,19 +152,18 @@ class Document:
 
     @property
     def replay(self) -> Mapping[str, Any] | None:
-        """The metadata of the frame whose drivers' values are taken instead of new ones."""
+        """Metadata of the frame whose drivers' values are used instead of new ones."""
         return self._replay
 
     @property
     def drivers(self) -> tuple[Found, ...]:
-        """What is driven, in the order of the tree."""
+        """All drivers, in the order of the tree."""
         return self._plan.drivers
 
     def at(self, frame: int) -> tuple[Config, dict[str, Any]]:
-        """The configuration of a frame, and the values its drivers have there, by key path.
+        """The configuration of a frame, and the values of its drivers, by key path.
 
-        All frames of one step have the same.
-        """
+        All frames of a step have the same."""
         if not self.drivers:
             return self.config, {}
         step = self.config.timeline.at(frame).step
@@ -176,7 +174,7 @@ class Document:
         return config, self._by_name(values)
 
     def _patched(self, values: Mapping[KeyPath, Any]) -> Config:
-        """The configuration with values of the drivers, which differ from others' by numbers."""
+        """The configuration with the given numbers as values of the drivers."""
         chosen = {path: value for path, value in values.items() if not _is_numbers(value)}
         key = repr(chosen)
         patch = self._patches.get(key)
@@ -195,10 +193,10 @@ class Document:
         return config
 
     def scene_values(self, frame: int) -> dict[str, Any]:
-        """Values of the drivers at the first step of a frame's scene that are others at the frame.
+        """Values of the drivers at the first step of a frame's scene, where they differ from the
+        frame's.
 
-        Orbits that are drawn once a scene depend on them.
-        """
+        Orbits that are drawn once a scene depend on them."""
         step = self.config.timeline.at(frame).step
         first = self._first_step(step)
         if not self.drivers or first == step:
@@ -207,7 +205,7 @@ class Document:
         return {name: value for name, value in then.items() if value != now[name]}
 
     def _first_step(self, step: int) -> int:
-        """The step of the first frame of a step's scene."""
+        """Step of the first frame of a step's scene."""
         per_scene = self.config.time.frames_per_scene
         timeline = self.config.timeline
         return timeline.at(timeline.frames_before(step // per_scene * per_scene)).step
@@ -223,7 +221,7 @@ class Document:
         return _keep(self._drawn, _KEPT_STEPS, step, {**values, **self._recorded.get(step, {})})
 
     def _records(self, meta: Mapping[str, Any]) -> dict[int, dict[KeyPath, Any]]:
-        """Step -> the values that the metadata of a frame hold."""
+        """Step -> values recorded in the metadata of a frame."""
         paths = {driver.name: driver.path for driver in self.drivers}
         for key in ("index", "drivers"):
             if key not in meta:
@@ -276,13 +274,14 @@ class Document:
         return plan.loaded(self.path)
 
     def path(self, text: str, key: str) -> Path:
-        """The file that a path of the configuration means; `key` names it in errors."""
+        """Resolves a path of the configuration; `key` names it in errors."""
         return resolve(text, self.base, f"{self.source}: {origin(key, self.origins)}")
 
     def _validate(
         self, values: Mapping[KeyPath, Any], parts: Mapping[str, str] | None = None
     ) -> Config:
-        """parts: key path of each driver -> its key that the value is from; default: it drew it."""
+        """parts: key path of each driver -> the driver's key that the value comes from; default:
+        drawn."""
         tree = substitute(self.tree, values)
         while True:
             try:
@@ -296,7 +295,7 @@ class Document:
                     tree = without(tree, path)
 
     def doubts(self) -> Iterator[str]:
-        """What is allowed and hardly meant, one line each."""
+        """Things that are allowed but probably not intended, one line each."""
         for driver, limit, share in self._plan.piled():
             key = origin(driver.name, self.origins)
             yield (
@@ -316,14 +315,15 @@ class Document:
     def choices(self, chosen: Callable[[KeyPath], bool]) -> Iterator[Config]:
         """The configuration with each limit of the drivers at some key paths, one at a time.
 
-        Of a choice these are all its values."""
+        For a choice these are all its values."""
         for driver in self.drivers:
             if chosen(driver.path):
                 for limit in driver.distribution.limits.values():
                     yield self._validate({**self._plan.ideals, driver.path: limit})
 
     def _check_clips(self) -> None:
-        """Each driver's limits must be valid values, so that no later frame fails on them."""
+        """Checks that each driver's limits are valid values, so that no later frame fails on
+        them."""
         ideals, ideal_keys = self._plan.ideals, self._plan.ideal_keys
         fixed_by_scene = fixed(self.config)
         for driver in self.drivers:
@@ -381,10 +381,9 @@ def load(
 ) -> Document:
     """Loads a YAML or JSON file, or takes a mapping (paths relative to `base`, default: here).
 
-    One with the sections of an OAISYS file is translated first; overrides are of our keys. Where
-    one changes a mode, what only the mode before reads is left out. replay: see perilune.open;
-    what was changed when that frame was made, is changed again.
-    """
+    A file with the sections of OAISYS is translated first; overrides use Perilune's keys. If an
+    override changes a mode, keys that only the former mode reads are removed. replay: see
+    perilune.open; it repeats the changes with which that frame was made."""
     if isinstance(config, Mapping):
         source = "configuration"
         tree = plain_tree(config, source)

@@ -1,4 +1,4 @@
-"""What a simulation reads once, from the ideal configuration: no driver may change it."""
+"""Values that a simulation reads once, from the ideal configuration; no driver may change them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from perilune.config.schema import Config, Spacecraft
 
 
 def _orbit(thing: Body | Spacecraft) -> tuple[str, str] | None:
-    """What decides in which order things are placed, and what is drawn once a scene."""
+    """Keys of an orbit that decide the order of placement and what is drawn once a scene."""
     return None if thing.orbit is None else (thing.orbit.kind, thing.orbit.around)
 
 
@@ -54,7 +54,7 @@ def _of_camera(camera: Camera) -> dict[str, Any]:
 
 
 def fixed(config: Config) -> Mapping[str, Any]:
-    """Key path -> value of all that is fixed when the scene is built."""
+    """Key path -> value of everything that is fixed when the scene is built."""
     rows: dict[str, Any] = {
         "version": config.version,
         "name": config.name,

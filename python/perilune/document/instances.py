@@ -1,4 +1,5 @@
-"""Drivers that each thing draws by itself: `per: instance` becomes a section for each of them."""
+"""Drivers drawn independently per object: expands `per: instance` into a section for each
+object."""
 
 from __future__ import annotations
 
@@ -12,15 +13,14 @@ Tree = dict[str, Any]
 
 
 def spread(tree: Tree) -> None:
-    """Puts copies of the sections that say `per: instance` where each thing has its own.
+    """Copies the sections with `per: instance` to the own section of each object.
 
-    Things are spacecraft, bodies and volumes. What `materials.X.drivers` holds goes to
-    `materials.X.instances.S` of the things S that use X, what the top level holds to
-    `material_drivers` of those with such a node. Entries that are there already stay. As draws are
-    keyed by the key path, each thing then draws for itself, and what it drew is recorded and
-    replayed by a name of its own. What is on no thing stays where it is; what is malformed is left
-    to the validation.
-    """
+    Objects are spacecraft, bodies and volumes. `materials.X.drivers` is copied to
+    `materials.X.instances.S` for the objects S that use X; the top level's drivers are copied to
+    `material_drivers` of objects with such a node. Existing entries stay. Because draws are keyed
+    by the key path, each object then draws independently, and its draws are recorded and replayed
+    under a name of its own. Sections without an object stay where they are; malformed ones are left
+    to the validation."""
     sections = ("spacecraft", "bodies", "volumes")
     things = {name: raw for key in sections for name, raw in _mapping(tree, key).items()}
     materials = _mapping(tree, "materials")
@@ -73,7 +73,7 @@ def _used(thing: Any) -> list[str]:
 
 
 def _names(value: Any) -> Iterator[str]:
-    """Of a name, a use, a list of uses, or a choice of any of these."""
+    """Names in a name, a use, a list of uses, or a choice of any of these."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, Mapping):
@@ -84,7 +84,7 @@ def _names(value: Any) -> Iterator[str]:
 
 
 def _copy(section: Mapping[str, Any], owner: Tree, key: str, names: Iterable[str]) -> None:
-    """Adds to the section at a key of `owner` what it has not got."""
+    """Adds missing entries to the section at a key of `owner`."""
     drivers = {name: section["drivers"][name] for name in names}
     added = copy.deepcopy({**section, "drivers": drivers})
     del added["per"]

@@ -1,4 +1,4 @@
-"""Tells of a matrix K, or a focal length in pixels, that is of another size of image."""
+"""Warns about a matrix K, or a focal length in pixels, that fits another image size."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from typing import Any
 
 _SIZE = ("width", "height")
 _PIXELS = ("K", "focal_px")
-"""Intrinsics that are in pixels; fov_deg holds for any size."""
+"""Intrinsics in pixels; fov_deg holds for any size."""
 
 
 @dataclass(frozen=True)
 class _Optics:
-    """What a camera has, as the tree gives it."""
+    """Intrinsics and size of a camera in the tree."""
 
     where: str
-    """Key path of the section that the intrinsics stand in."""
+    """Key path of the section with the intrinsics."""
     size: tuple[Any, Any]
     key: str | None
-    """Of the intrinsics; None: of no size."""
+    """Key of the intrinsics; None if they do not depend on the size."""
     value: Any
     inherited: bool
-    """A sensor's with a size of its own and the intrinsics of the platform."""
+    """Whether a sensor combines its own size with the intrinsics of the platform."""
     platform: tuple[Any, Any]
 
 
@@ -32,7 +32,7 @@ def _section(tree: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 
 
 def _optics(tree: Mapping[str, Any]) -> dict[str, _Optics]:
-    """Section of a camera that takes frames -> what it has."""
+    """Section of a camera that takes frames -> its intrinsics and size."""
     base = _section(tree, "camera")
     sensors = _section(tree, "sensors")
     rows: dict[str, Mapping[str, Any]] = {
@@ -58,7 +58,7 @@ def _text(size: tuple[Any, Any]) -> str:
 
 
 def _outside(row: _Optics) -> tuple[float, float] | None:
-    """The principal point of K, where it is not in the image."""
+    """The principal point of K, if it is outside the image."""
     if row.key != "K" or not isinstance(row.value, (list, tuple)) or len(row.value) != 9:
         return None
     point = row.value[2], row.value[5]
@@ -83,10 +83,9 @@ def _complaint(row: _Optics, before: _Optics | None) -> str | None:
 
 
 def doubts(tree: Mapping[str, Any], before: Mapping[str, Any], source: str) -> Iterator[str]:
-    """A line for each camera whose intrinsics are of another size.
+    """A line for each camera whose intrinsics fit another image size.
 
-    before: the tree without overrides.
-    """
+    before: the tree without overrides."""
     earlier = _optics(before)
     for name, row in _optics(tree).items():
         complaint = _complaint(row, earlier.get(name))

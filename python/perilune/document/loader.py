@@ -1,4 +1,4 @@
-"""Reads YAML and JSON into one plain tree: dict, list, str, int, float, bool, None."""
+"""Reads YAML and JSON into a plain tree: dict, list, str, int, float, bool, None."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ _OTHER_FILES = {
 
 
 def read_tree(path: Path) -> dict[str, Any]:
-    """The tree of a .yaml, .yml or .json file; parsed once as long as the file stays as it is."""
+    """The tree of a .yaml, .yml or .json file, cached until the file changes."""
     if what := _OTHER_FILES.get(path.suffix.lower()):
         raise ConfigError(f"{path}: {what}")
     try:
@@ -134,7 +134,7 @@ def read_tree(path: Path) -> dict[str, Any]:
 
 @lru_cache(maxsize=64)
 def _parsed(path: Path, _: Stamp) -> Any:
-    """What a file holds; shared by all who read it, who must take a copy."""
+    """Content of a file, shared by all readers, who must copy it."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
@@ -144,7 +144,7 @@ def _parsed(path: Path, _: Stamp) -> Any:
 
 
 def _date_text(value: date) -> str:
-    """ISO 8601, UTC: YAML takes a time without a zone for one in UTC."""
+    """ISO 8601 in UTC, which YAML assumes for a time without a zone."""
     if not isinstance(value, datetime):
         return value.isoformat()
     utc = value if value.tzinfo is None else value.astimezone(UTC)
@@ -152,7 +152,7 @@ def _date_text(value: date) -> str:
 
 
 def plain_tree(tree: Any, source: str) -> dict[str, Any]:
-    """A copy made of plain types, without sharing; refuses what a file could not hold."""
+    """A copy of plain types without sharing; refuses what a file cannot hold."""
     if not isinstance(tree, Mapping):
         raise ConfigError(f"{source}: must be a mapping of sections, not {kind_of(tree)}")
     count = 0

@@ -1,4 +1,4 @@
-"""Materials in files of their own: `materials.X.file`, read and put in the place of the key."""
+"""Materials in separate files: reads `materials.X.file` and inserts the content."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _DEPTH = 3  # nodes.NAME.KEY
 
 
 def include(tree: Tree, base: Path, source: str) -> dict[str, str]:
-    """Replaces each `materials.X.file` by what the file holds, below what stands beside it.
+    """Replaces each `materials.X.file` by the content of the file; keys given beside it take
+    precedence.
 
-    Gives key path -> `file: key path`, of what is from files, for errors. ConfigError and
-    FileNotFoundError name the key and the file.
-    """
+    Returns key path -> `file: key path` for everything from files, for errors. ConfigError and
+    FileNotFoundError name the key and the file."""
     origins: dict[str, str] = {}
     materials = tree.get("materials")
     if not isinstance(materials, dict):
@@ -49,7 +49,8 @@ def include(tree: Tree, base: Path, source: str) -> dict[str, str]:
 
 
 def move_images(held: Mapping[str, Any], folder: str) -> None:
-    """Paths of images that are relative to the material's file become relative to ours."""
+    """Converts image paths relative to the material's file to paths relative to the
+    configuration."""
     nodes = held.get("nodes")
     for node in nodes.values() if isinstance(nodes, dict) else ():
         text = node.get(_KEY) if isinstance(node, dict) else None
@@ -58,7 +59,7 @@ def move_images(held: Mapping[str, Any], folder: str) -> None:
 
 
 def merged(held: Mapping[str, Any], beside: Mapping[str, Any]) -> Tree:
-    """The mapping of a file with the keys given beside it."""
+    """The mapping of a file, overridden by the keys given beside it."""
     result = {**held, **beside}
     for key, merge in (("nodes", _nodes), ("drivers", _drivers)):
         if isinstance(held.get(key), dict) and isinstance(beside.get(key), dict):
@@ -67,7 +68,8 @@ def merged(held: Mapping[str, Any], beside: Mapping[str, Any]) -> Tree:
 
 
 def _nodes(held: Tree, beside: Tree) -> Tree:
-    """Key by key of each node; what an input is stays whole. A node of another type is another."""
+    """Merges nodes key by key; a key's value is replaced as a whole, and so is a node of another
+    type."""
 
     def one(old: Any, new: Any) -> Any:
         if not isinstance(old, dict) or not isinstance(new, dict):
@@ -79,7 +81,7 @@ def _nodes(held: Tree, beside: Tree) -> Tree:
 
 
 def _drivers(held: Tree, beside: Tree) -> Tree:
-    """Of each named driver the keys that it has; with another key it is another driver."""
+    """Merges named drivers key by key; one of another distribution is replaced as a whole."""
 
     def one(old: Any, new: Any) -> Any:
         both = isinstance(old, dict) and isinstance(new, dict)
@@ -93,7 +95,7 @@ def _drivers(held: Tree, beside: Tree) -> Tree:
 
 
 def from_file(held: Any, beside: Any, path: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-    """Paths of the file's keys below which nothing stands beside it, down to inputs of nodes."""
+    """Paths of the file's keys without overriding keys below them, down to inputs of nodes."""
     for key, value in held.items():
         at = (*path, key)
         alone = not isinstance(beside, dict) or key not in beside

@@ -1,9 +1,8 @@
-"""Graphs in the files of models: `perilune_graph` in the extras of glTF materials.
+"""Graphs in model files: `perilune_graph` in the extras of glTF materials.
 
-They become entries of `materials` and uses of the spacecraft, so that all else treats them as those
-of the configuration. What a model's file says is not trusted: it names no function, and no file
-outside its folder.
-"""
+They become entries of `materials` and uses of the spacecraft, so that everything else treats them
+as part of the configuration. A model's file is not trusted: it may name no function, and no file
+outside its folder."""
 
 from __future__ import annotations
 
@@ -26,11 +25,10 @@ _EXTRAS = "extras.perilune_graph"
 
 
 def include_models(tree: Tree, base: Path, source: str) -> dict[str, str]:
-    """Adds the graphs of the spacecraft's models to `materials`, and their uses behind all others.
+    """Adds the graphs of the spacecraft's models to `materials`, and their uses after all others.
 
-    Gives key path -> `file: key path`, for errors. ConfigError names file and key. Models that are
-    not there are left to who loads them.
-    """
+    Returns key path -> `file: key path`, for errors. ConfigError names file and key. Missing models
+    are reported later, by the code that loads them."""
     origins: dict[str, str] = {}
     entries: dict[Path, list[Tree]] = {}
     for craft in _crafts(tree):
@@ -45,7 +43,7 @@ def include_models(tree: Tree, base: Path, source: str) -> dict[str, str]:
 
 
 def _crafts(tree: Tree) -> Iterator[Tree]:
-    """Sections of spacecraft that can take graphs; what is wrong in others is told of later."""
+    """Sections of spacecraft that can take graphs; faults in others are reported later."""
     crafts = tree.get("spacecraft")
     for craft in crafts.values() if isinstance(crafts, dict) else ():
         if isinstance(craft, dict) and isinstance(craft.get("materials") or [], list):
@@ -63,7 +61,7 @@ def _model_of(craft: Tree, base: Path) -> Path | None:
 def _entries(
     tree: Tree, path: Path, text: str, base: Path, source: str, origins: dict[str, str]
 ) -> Iterator[Tree]:
-    """Uses of the graphs of a model, whose entries are made."""
+    """Uses of the graphs of a model; adds their entries."""
     try:
         rows = parse_json(_core.gltf_graphs(str(path)), text)
     except (ValueError, OSError) as error:
@@ -93,7 +91,7 @@ def _entries(
 
 
 def _free_name(wanted: str, origins: Mapping[str, str]) -> str:
-    """A name of an entry of `materials` that no other model has."""
+    """Name of an entry of `materials` that no other model has."""
     name = re.sub(r"[^A-Za-z0-9_-]", "_", wanted)
     name = name if re.match(r"[A-Za-z_]", name) else f"_{name}"
     number = 1
@@ -103,7 +101,7 @@ def _free_name(wanted: str, origins: Mapping[str, str]) -> str:
 
 
 def _check(held: Any, folder: Path, where: str) -> None:
-    """ConfigError for what is no mapping, and for what a model's file may not ask for."""
+    """ConfigError for a value that is no mapping, and for what a model's file may not use."""
     if not isinstance(held, dict):
         raise ConfigError(f"{where}: must be a mapping, not {held!r:.60}")
     if "file" in held:

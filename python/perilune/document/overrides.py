@@ -43,8 +43,8 @@ def _parts(key: str) -> list[str]:
 def without_unread(
     tree: dict[str, Any], unread: Iterable[KeyPath], overrides: Iterable[str]
 ) -> dict[str, Any] | None:
-    """The tree without the keys that nothing reads since an override has changed others of their
-    sections; None if one of them is of another origin."""
+    """The tree without the keys that nothing reads after an override has changed others of their
+    section; None if one of them comes from elsewhere."""
     changed = [_parts(key) for key in overrides]
     for path in unread:
         parts = [str(part) for part in path]
@@ -57,7 +57,7 @@ def without_unread(
 
 
 def joined(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
-    """One set of overrides that does what two do, one after the other."""
+    """One set of overrides with the effect of two in sequence."""
     later = [_parts(key) for key in second]
 
     def hidden(key: str) -> bool:
@@ -69,17 +69,16 @@ def joined(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any
 
 
 def _key_path(key: str) -> str:
-    """`camera.K.4` as errors and drivers write it, `camera.K[4]`: metadata know one name."""
+    """`camera.K.4` as errors and drivers write it, `camera.K[4]`: metadata use one name only."""
     return path_text(tuple(int(part) if part.isdecimal() else part for part in _parts(key)))
 
 
 def apply_overrides(tree: dict[str, Any], overrides: Mapping[str, Any]) -> None:
-    """Changes the tree: sets each dotted key, making sections on the way; None removes the key.
+    """Changes the tree: sets each dotted key and creates sections on the way; None removes the key.
 
-    Indices of lists are numbers between dots, or in brackets as key paths show them:
-    `camera.K.4` or `camera.K[4]`. A key must name something the schema knows; the validation that
-    follows sees to that, and `without_unread` to what only the mode before an override reads.
-    """
+    Indices of lists are numbers between dots, or in brackets as in key paths: `camera.K.4` or
+    `camera.K[4]`. The validation that follows refuses keys unknown to the schema; `without_unread`
+    removes keys that only a former mode reads."""
     names: dict[tuple[str, ...], str] = {}
     for key in overrides:
         other = names.setdefault(tuple(_parts(key)), key)
@@ -104,14 +103,14 @@ def apply_overrides(tree: dict[str, Any], overrides: Mapping[str, Any]) -> None:
 
 
 def _check_removal(node: Mapping[str, Any], parts: list[str], key: str) -> None:
-    """ConfigError for a key that is neither there nor in the schema: a misspelt one stays."""
+    """ConfigError for a key that is neither present nor in the schema, because it is misspelt."""
     allowed = [name for section in sections_at(parts[:-1]) for name in keys_of(section)]
     if allowed and parts[-1] not in node and parts[-1] not in allowed:
         raise ConfigError(f"override {key}: nothing to remove{nearest(parts[-1], allowed)}")
 
 
 def _warn_of_lost(old: Any, new: Any, parts: list[str], key: str) -> None:
-    """A mapping replaces a section as a whole, where one may mean to change some of its keys."""
+    """Warns if a mapping replaces a whole section, where only some keys may have been meant."""
     if not isinstance(old, Mapping) or not isinstance(new, Mapping):
         return
     # Of a section that has kinds, one is given instead of another.

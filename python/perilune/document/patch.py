@@ -1,12 +1,10 @@
-"""The configuration of a step from one that is validated: only driven keys are validated again.
+"""Derives the configuration of a step from a validated one: only driven keys are validated again.
 
 A configuration is a tree of frozen sections. With the same choices, that of another step differs in
-some keys alone. These keys are validated by the types of their fields, sections are copied with the
-new values, and the checks that pydantic runs after a section's keys (`mode="after"`) run on every
-section that is copied, up to the whole: what is refused, and what comes out, is the same as if the
-whole tree were validated. A section that does more, before its keys or for one of them, is
-validated as a whole.
-"""
+some keys alone. These keys are validated by the types of their fields, their sections are copied
+with the new values, and pydantic's checks after a section's keys (`mode="after"`) run on every
+copied section, up to the top. Errors and results are the same as if the whole tree were validated.
+A section with other validators is validated as a whole."""
 
 from __future__ import annotations
 
@@ -31,7 +29,7 @@ from perilune.drivers import KeyPath, marked, substitute
 
 _FUNCTIONS = (AfterValidator, BeforeValidator, PlainValidator, WrapValidator)
 _OF_ALL = "_known_keys"
-"""The one check before a section's keys that drivers cannot change the outcome of."""
+"""The only check before a section's keys whose result drivers cannot change."""
 
 _Check: TypeAlias = Callable[[Any, SimpleNamespace], Any]
 
@@ -46,7 +44,7 @@ def _adapter(section: type[BaseModel], name: str) -> TypeAdapter[Any]:
 
 @lru_cache(maxsize=1024)
 def _checks(section: type[BaseModel]) -> tuple[_Check, ...]:
-    """What runs after the keys of a section, in order."""
+    """Checks that run after the keys of a section, in order."""
     found: list[_Check] = []
     for row in section.__pydantic_decorators__.model_validators.values():
         if row.info.mode == "after":
@@ -62,7 +60,7 @@ def _without_info(check: Callable[[Any], Any], section: Any, _: SimpleNamespace)
 
 @lru_cache(maxsize=1024)
 def _is_plain(section: type[BaseModel]) -> bool:
-    """Whether nothing but the types of its fields and `_checks` makes a section."""
+    """Whether a section is made only by the types of its fields and `_checks`."""
     rows = section.__pydantic_decorators__
     before = [name for name, row in rows.model_validators.items() if row.info.mode != "after"]
     return before in ([], [_OF_ALL]) and not rows.root_validators and not rows.validators
@@ -80,14 +78,14 @@ class _Field:
 
     adapter: TypeAdapter[Any]
     given: Any
-    """What the tree has there, with drivers."""
+    """The value in the tree, with drivers."""
     drivers: Mapping[KeyPath, KeyPath]
-    """Where each driver stands in the tree -> below `given`."""
+    """Path of each driver in the tree -> path below `given`."""
     alone: KeyPath | None
-    """Of a driver that stands for all of the field."""
+    """Path of a driver that replaces the whole field."""
 
     def tree(self, values: Mapping[KeyPath, Any]) -> Any:
-        """What the tree has there with values in the drivers' places."""
+        """The value in the tree with drivers replaced by values."""
         if self.alone is not None:
             return marked(values[self.alone])
         return substitute(self.given, {at: values[path] for path, at in self.drivers.items()})
@@ -95,18 +93,18 @@ class _Field:
 
 @dataclass
 class _Section:
-    """What is driven in a section: whole fields, sections below, and mappings of sections."""
+    """Driven parts of a section: whole fields, sections below, and mappings of sections."""
 
     fields: dict[str, _Field] = field(default_factory=dict)
     below: dict[str, _Section] = field(default_factory=dict)
-    """Field -> what is driven in the section there."""
+    """Field -> driven parts of its section."""
     entries: dict[str, dict[str, _Section]] = field(default_factory=dict)
-    """Field that is a mapping of sections -> what is driven in its entries."""
+    """Field with a mapping of sections -> driven parts of its entries."""
 
     def applied(
         self, model: BaseModel, values: Mapping[KeyPath, Any], info: SimpleNamespace
     ) -> Any:
-        """The section with values in the places of what is driven."""
+        """The section with drivers replaced by values."""
         new: dict[str, Any] = {}
         for name, row in self.fields.items():
             new[name] = row.adapter.validate_python(row.tree(values), context=info.context)
@@ -124,10 +122,10 @@ class _Section:
 
 
 def _section(model: BaseModel, given: Any, paths: Iterable[KeyPath], depth: int) -> _Section | None:
-    """What is driven in a section; None where it must be validated as a whole.
+    """Driven parts of a section; None if it must be validated as a whole.
 
-    given: the section in the tree. paths: of its drivers. depth: where the section's keys stand in
-    these."""
+    given: the section in the tree. paths: those of its drivers. depth: length of the section's path
+    in these."""
     kind = type(model)
     if not _is_plain(kind):
         return None
@@ -165,7 +163,8 @@ def _section(model: BaseModel, given: Any, paths: Iterable[KeyPath], depth: int)
 def _entries(
     value: Any, given: Any, paths: Sequence[KeyPath], depth: int
 ) -> dict[str, _Section] | None:
-    """What is driven in a mapping of sections; None if it is none, or one is validated whole."""
+    """Driven parts of a mapping of sections; None if it is none, or if one is validated as a
+    whole."""
     if not isinstance(value, dict):
         return None
     by_entry: dict[str, list[KeyPath]] = {}
@@ -188,16 +187,16 @@ class Patch:
     def __init__(
         self, config: Config, tree: Mapping[str, Any], paths: Iterable[KeyPath], find: Any
     ) -> None:
-        """tree: the configuration's, with choices in the places of their drivers. paths: of all
-        other drivers. find: the context of validation, `path`."""
+        """tree: the configuration's, with choices replaced by values. paths: those of all other
+        drivers. find: the validation context's `path`."""
         self._config = config
         self._driven = _section(config, tree, paths, 0)
         self._info = SimpleNamespace(context={"path": find})
 
     def config(self, values: Mapping[KeyPath, Any]) -> Config | None:
-        """That with other values of drivers; None where all of it must be validated.
+        """The configuration with other values of drivers; None if all of it must be validated.
 
-        Raises as validation does, with paths of the section that is wrong."""
+        Raises as validation does, with paths relative to the faulty section."""
         if self._driven is None:
             return None
         found: Config = self._driven.applied(self._config, values, self._info)

@@ -1,4 +1,4 @@
-"""What file a path in a configuration means."""
+"""Resolves paths in a configuration."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SHOWN = 8
 
 
 def _near(path: Path) -> str:
-    """`; did you mean ...` of what lies where the path ends to be right."""
+    """`; did you mean ...` with entries of the last existing folder of the path."""
     if path.is_dir():
         return ", but a folder"
     parent, name = path.parent, path.name
@@ -33,8 +33,7 @@ def _near(path: Path) -> str:
 def resolve(text: str, base: Path, where: str) -> Path:
     """A path relative to `base`, or below PERILUNE_DATA after `data:`; `where` names it in errors.
 
-    FileNotFoundError for what is no file.
-    """
+    FileNotFoundError if there is no such file."""
     if not text.startswith(DATA_PREFIX):
         path = base / text
         if not path.is_file():

@@ -1,4 +1,4 @@
-"""Checks the names a configuration takes from the core's tables: bodies, reflectances, effects."""
+"""Checks names from the core's tables: bodies, reflectances, effects."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from perilune.config.schema import Config
 from perilune.drivers import Found
 
 OBJECTS = "objects"
-"""The name under which a sample's object labels are asked for, beside the pixel channels."""
+"""Name that requests a sample's object labels, along with pixel channels."""
 MASKS = "masks"
-"""Likewise of the full silhouettes, one image per spacecraft."""
+"""Name that requests the full silhouettes, one image per spacecraft."""
 OF_SENSOR = ("raw", "sensor_rgb")
 """Channels that only cameras with a section `sensor` have."""
 
 
 def channel_names() -> list[str]:
-    """Everything that can be asked for in `channels`."""
+    """All names allowed in `channels`."""
     return [*(channel["name"] for channel in _core.CHANNELS), OBJECTS, MASKS]
 
 
@@ -55,11 +55,10 @@ def check_references(
     origins: Mapping[str, str] | None = None,
     checked: Config | None = None,
 ) -> None:
-    """ConfigError naming the key, the nearest name and all that are allowed.
+    """ConfigError that names the key, the nearest name and all allowed ones.
 
-    drivers: all that the configuration has. origins: key path -> key path in another file that it
-    is from. checked: the same configuration with other values of drivers, already checked.
-    """
+    drivers: all drivers of the configuration. origins: key path -> key path in another file that it
+    comes from. checked: the same configuration with other values of drivers, already checked."""
 
     def known(path: str, name: str | None, allowed: list[str]) -> None:
         if name is not None and name not in allowed:

@@ -1,4 +1,4 @@
-"""Which sections of the schema a key path leads to."""
+"""Finds the sections of the schema at a key path."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from perilune.config.types import Strict
 
 
 def sections_at(parts: Sequence[str]) -> list[type[Strict]]:
-    """All that may stand at a path, of what has keys of the schema: one for each kind of a section;
-    none for a value, for a mapping of names, or for what is not there."""
+    """All sections possible at a path, one for each kind; none for a value, a mapping of names, or
+    an unknown path."""
     found: list[Any] = [Config]
     for part in parts:
         found = [below for each in found for below in _below(each, part)]
@@ -19,7 +19,7 @@ def sections_at(parts: Sequence[str]) -> list[type[Strict]]:
 
 
 def keys_of(section: type[Strict]) -> list[str]:
-    """As the file has them."""
+    """Keys of a section as in the file."""
     return [field.alias or name for name, field in section.model_fields.items()]
 
 
@@ -28,7 +28,7 @@ def _is_section(kind: Any) -> bool:
 
 
 def _below(kind: Any, part: str) -> Iterator[Any]:
-    """What a key or an index of a type may be, of a section or of names."""
+    """Possible types at a key or an index of a section or mapping."""
     if _is_section(kind):
         for name, field in kind.model_fields.items():
             if part == (field.alias or name):
@@ -40,7 +40,7 @@ def _below(kind: Any, part: str) -> Iterator[Any]:
 
 
 def _kinds(annotation: Any) -> Iterator[Any]:
-    """The sections and containers of an annotation: through Annotated, unions and None."""
+    """Sections and containers of an annotation, through Annotated, unions and None."""
     if _is_section(annotation) or get_origin(annotation) in (dict, Mapping, tuple, list):
         yield annotation
         return

@@ -1,4 +1,4 @@
-"""The configurations, models, maps and materials that come with Perilune."""
+"""Configurations, models, maps and materials that come with Perilune."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import logging
 from pathlib import Path
 
 FOLDERS = ("configs", "assets")
-"""What a wheel holds below `perilune/shipped`, as it lies at the root of a source tree."""
+"""Folders below `perilune/shipped` in a wheel, and at the root of a source tree."""
 
 _log = logging.getLogger(__name__)
 
 
 def root() -> Path | None:
-    """The folder that holds `configs` and `assets`; None where neither a wheel nor a source
-    tree has brought them."""
+    """Folder that holds `configs` and `assets`; None if neither a wheel nor a source tree has
+    them."""
     package = Path(__file__).resolve().parents[1]
     for folder in (package / "shipped", package.parents[1]):
         if all((folder / name).is_dir() for name in FOLDERS):
@@ -22,7 +22,7 @@ def root() -> Path | None:
 
 
 def configurations() -> list[str]:
-    """The names of the configurations that come with Perilune, such as `configs/demo.yaml`."""
+    """Names of the configurations that come with Perilune, such as `configs/demo.yaml`."""
     folder = root()
     if folder is None:
         return []
@@ -31,10 +31,10 @@ def configurations() -> list[str]:
 
 
 def configuration(path: Path) -> Path:
-    """The file that `path` means: itself, or else the shipped configuration of that name.
+    """The file at `path`, or else the shipped configuration of that name.
 
-    So `configs/demo.yaml` opens in any folder, and a file of the user's with that name wins.
-    """
+    So `configs/demo.yaml` opens from any folder, and a user's file of that name takes
+    precedence."""
     if path.is_absolute() or path.exists() or path.as_posix() not in configurations():
         return path
     found = (root() or Path()) / path

@@ -1,4 +1,4 @@
-"""Material graphs: built from the configuration, put on triangles, and checked."""
+"""Material graphs: compiled from the configuration, assigned to triangles, and checked."""
 
 from perilune.materials.check import check, is_choice, is_drawn, users
 from perilune.materials.drivers import applied

@@ -1,4 +1,4 @@
-"""What is wrong with the graphs of a configuration."""
+"""Checks the material graphs of a configuration."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PLACES = (
     ("volumes", None, "material_drivers", "drivers", None),
     ("material_drivers", "drivers", None),
 )
-"""Key paths of the values of sections of drivers; None is any name."""
+"""Key paths of values in sections of drivers; None is any name."""
 
 
 def _is_in_section(path: KeyPath) -> bool:
@@ -33,14 +33,14 @@ def _is_in_section(path: KeyPath) -> bool:
 
 
 def is_choice(path: KeyPath) -> bool:
-    """Whether a driver there changes which graph is where."""
+    """Whether a driver at this path changes the material assignment."""
     uses = path[0] == "spacecraft" and path[2:3] == ("materials",)
     one = path[0] in ("bodies", "volumes")
     return uses or (one and path[2:3] in (("material",), ("material_mode",)))
 
 
 def is_drawn(row: Found) -> bool:
-    """Whether a function of the user's gives a whole entry of `materials`."""
+    """Whether a user's function returns a whole entry of `materials`."""
     return row.path[:1] == ("materials",) and len(row.path) == 2 and row.kind.name == "hook"
 
 
@@ -57,7 +57,7 @@ def _has_alpha(material: Material) -> bool:
 
 
 def _unused(name: str, body: Body, material: Material) -> Iterator[str]:
-    """Keys of a body that its graph leaves without effect."""
+    """Keys of a body that its graph overrides."""
     used = {"emission_w_m2_sr", "albedo", "color_map"} if uses_own(material) else set()
     for key in ("color_map", "albedo", "emission_w_m2_sr", "reflectance"):
         if key in body.model_fields_set - used:
@@ -65,14 +65,11 @@ def _unused(name: str, body: Body, material: Material) -> Iterator[str]:
             yield f"bodies.{name}.{key}: {why}; `material_mode: wrap` keeps what that does not give"
 
 
-def check(
-    config: Config, found: Sequence[Found], checked: Config | None = None
-) -> Iterator[str]:
-    """What is wrong with the graphs of a configuration, whether they are used or not.
+def check(config: Config, found: Sequence[Found], checked: Config | None = None) -> Iterator[str]:
+    """Faults in the graphs of a configuration, whether they are used or not.
 
     found: the drivers of the configuration. checked: the same configuration with other values of
-    them, in which nothing is wrong; what has not changed is not looked at again.
-    """
+    them, without faults; unchanged parts are not checked again."""
     if checked is not None:
         changed = {
             name: material
@@ -113,7 +110,7 @@ def check(
 
 
 def _missing(config: Config) -> Iterator[str]:
-    """Uses of graphs that are not there or cannot be, and keys that they leave without effect."""
+    """Uses of missing or unsuitable graphs, and keys that graphs override."""
     for key, owner, use in _uses(config):
         if use not in config.materials:
             yield f"{key}: no entry named '{use}'{nearest(use, config.materials)}"
@@ -126,7 +123,7 @@ def _missing(config: Config) -> Iterator[str]:
 
 
 def _uses(config: Config) -> Iterator[tuple[str, str, str]]:
-    """(key path, spacecraft, body or volume, entry of materials) of all that is used."""
+    """(key path, spacecraft, body or volume, entry of materials) of all uses."""
     for name, body in config.bodies.items():
         if body.material is not None:
             yield f"bodies.{name}.material", name, body.material
@@ -151,7 +148,7 @@ def users(config: Config, found: Sequence[Found]) -> dict[str, list[str]]:
 
 
 def _offered(value: Any) -> Iterator[str]:
-    """Names of graphs in what a choice offers: one, a use, or a list of uses."""
+    """Names of graphs in the options of a choice: a name, a use, or a list of uses."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, Mapping):

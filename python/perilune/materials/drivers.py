@@ -1,4 +1,4 @@
-"""Values of the nodes `OAISYS_NAME` and `driver:NAME` of graphs, and drivers of nothing."""
+"""Values of the nodes `OAISYS_NAME` and `driver:NAME` of graphs, and checks of their drivers."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from perilune.config.schema import Config
 from perilune.materials.graph import has_drawn, reached, surface_of
 
 VALUE_OF = {"value": "value", "color": "color"}
-"""Kinds of nodes that a driver may drive -> the input that is their value."""
+"""Kinds of nodes that a driver may drive -> the input with their value."""
 
 
 @dataclass(frozen=True)
 class Node:
-    """A node that is named for a driver."""
+    """A node that is named after a driver."""
 
     name: str
     """NAME, without the prefix."""
@@ -26,13 +26,13 @@ class Node:
 
 
 _crawled: dict[int, tuple[Mapping[str, Any], list[Node]]] = {}
-"""Identity of a graph's nodes -> these, and what was found in them: frames share what no driver
-stands in."""
+"""Cache: identity of a graph's nodes -> the nodes and the driver nodes in them. Frames share parts
+of the tree without drivers."""
 _KEPT = 64
 
 
 def crawl(material: Material) -> list[Node]:
-    """All such nodes of a graph, in its order."""
+    """All driver nodes of a graph, in its order."""
     kept = _crawled.get(id(material.nodes))
     if kept is not None and kept[0] is material.nodes:
         return kept[1]
@@ -55,10 +55,10 @@ def _crawl(material: Material) -> list[Node]:
 def sections(
     config: Config, name: str, owner: str | None
 ) -> Iterator[tuple[str, DriverSection | None]]:
-    """(key path, section) of all that may drive an entry of `materials`, the first wins.
+    """(key path, section) of all sections that may drive an entry of `materials`; the first takes
+    precedence.
 
-    owner: the spacecraft, body or volume that it is on.
-    """
+    owner: the spacecraft, body or volume that it is on."""
     material = config.materials[name]
     if owner is not None:
         yield f"materials.{name}.instances.{owner}", material.instances.get(owner)
@@ -73,7 +73,7 @@ def sections(
 
 
 def driven(config: Config, name: str, owner: str | None) -> Iterator[tuple[Node, str, Any]]:
-    """(node, key path of the entry that gives its value, value) of an entry of `materials`."""
+    """(node, key path of the entry with its value, value) for an entry of `materials`."""
     for node in crawl(config.materials[name]):
         for key, section in sections(config, name, owner):
             if section is not None and node.name in section.drivers:
@@ -82,7 +82,7 @@ def driven(config: Config, name: str, owner: str | None) -> Iterator[tuple[Node,
 
 
 def applied(config: Config, name: str, owner: str | None = None) -> Material:
-    """An entry of `materials` with the values that drivers give its nodes on a thing."""
+    """An entry of `materials` with the values of its driver nodes on an object."""
     material = config.materials[name]
     changed = {
         node.node: {**material.nodes[node.node], node.input: value}
@@ -98,7 +98,7 @@ Users: TypeAlias = Mapping[str, Sequence[str]]
 
 
 def _places(config: Config, users: Users) -> Iterator[tuple[str, str | None]]:
-    """(entry of materials, owner) of all graphs; those that are on nothing count too."""
+    """(entry of materials, owner) of all graphs, including unused ones."""
     things = (*config.spacecraft, *config.bodies, *config.volumes)
     for name, material in config.materials.items():
         owners: list[str | None] = [t for t in things if name in users.get(t, ())]
@@ -108,7 +108,7 @@ def _places(config: Config, users: Users) -> Iterator[tuple[str, str | None]]:
 
 
 def _entries(config: Config, users: Users) -> Iterator[tuple[str, str, list[str]]]:
-    """(key path, NAME, names that its nodes could have) of all entries of all sections."""
+    """(key path, NAME, possible names of its nodes) of all entries of all sections."""
 
     def of(
         key: str, section: DriverSection | None, graphs: Iterable[str]
@@ -134,7 +134,7 @@ def _entries(config: Config, users: Users) -> Iterator[tuple[str, str, list[str]
 
 
 def _node_problem(raw: Mapping[str, Any], node: Node, value: Any) -> str | None:
-    """Why a driver cannot give a node's value."""
+    """Reason why a driver cannot give a node's value."""
     own = raw.get(node.input)
     if isinstance(own, str):
         return f"drives nothing: {node.input} of the node '{node.node}' is linked to '{own}'"
@@ -146,10 +146,9 @@ def _node_problem(raw: Mapping[str, Any], node: Node, value: Any) -> str | None:
 
 
 def check_values(config: Config, users: Users) -> Iterator[str]:
-    """What is wrong with values that drivers give nodes.
+    """Faults in the values that drivers give nodes.
 
-    users: spacecraft or body -> the entries of materials that are, or may be, on it.
-    """
+    users: spacecraft or body -> the entries of materials that are, or may be, on it."""
     for name, owner in _places(config, users):
         nodes = config.materials[name].nodes
         for node, key, value in driven(config, name, owner):
@@ -159,7 +158,7 @@ def check_values(config: Config, users: Users) -> Iterator[str]:
 
 
 def check_use(config: Config, users: Users) -> Iterator[str]:
-    """Entries of sections of drivers that change no surface. users: see check_values."""
+    """Entries of sections of drivers that affect no surface. users: see check_values."""
     used: set[str] = set()
     reaching: set[str] = set()
     for name, owner in _places(config, users):

@@ -1,4 +1,4 @@
-"""Material graphs: from the configuration to the core's description."""
+"""Compiles material graphs from the configuration to the core's description."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TYPE = "type"
 
 @dataclass(frozen=True)
 class Graph:
-    """A compiled graph, and where its parameters are in the configuration."""
+    """A compiled graph, and the places of its parameters in the configuration."""
 
     core: _core.Graph
     parameters: tuple[tuple[str, str], ...]
@@ -33,11 +33,10 @@ class Graph:
 
 
 def build(name: str, material: Material, wrap: bool, images: Images | None) -> Graph:
-    """Compiles an entry of `materials`. ValueError naming the key for whatever is wrong.
+    """Compiles an entry of `materials`. ValueError that names the key of any fault.
 
-    Numbers that drivers have drawn become parameters; all others are fixed. images: reads the
-    files of images; None, to check the graph alone, leaves them white.
-    """
+    Numbers drawn by drivers become parameters; all others are fixed. images: reads image files;
+    None, for checking the graph alone, replaces them by white."""
     key = f"materials.{name}"
     order = {node: k for k, node in enumerate(material.nodes)}
     surface = surface_of(key, material)
@@ -72,13 +71,13 @@ def build(name: str, material: Material, wrap: bool, images: Images | None) -> G
 
 
 def values(graph: Graph, material: Material) -> F64:
-    """(n, 3): the parameters of a graph in the configuration of a frame."""
+    """(n, 3): parameters of a graph in the configuration of a frame."""
     rows = [_triple(material.nodes[node][name]) for node, name in graph.parameters]
     return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
 
 def links(raw: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
-    """Input -> (node, output or "" for its first) of each input of a node that is linked."""
+    """Input -> (node, output, or "" for its first) for each linked input of a node."""
     found = {}
     for socket in _kind_or_empty(raw).get("inputs", ()):
         value = raw.get(socket["name"])
@@ -89,7 +88,7 @@ def links(raw: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
 
 
 def reached(material: Material, surface: str) -> set[str]:
-    """Nodes that a surface depends on, itself too."""
+    """Nodes that a surface depends on, including itself."""
     found: set[str] = set()
     waiting = [surface]
     while waiting:
@@ -101,7 +100,7 @@ def reached(material: Material, surface: str) -> set[str]:
 
 
 def surface_of(key: str, material: Material) -> str:
-    """The node that is the surface; ValueError if none or several could be. key: its path."""
+    """The surface node; ValueError if there is none, or more than one. key: its path."""
     known = [name for name, raw in material.nodes.items() if _kind_or_empty(raw).get("surface")]
     if material.surface is None:
         if len(known) != 1:
@@ -115,7 +114,7 @@ def surface_of(key: str, material: Material) -> str:
 
 
 def uses_own(material: Material) -> bool:
-    """Whether a graph has a node that gives what the thing's own material does."""
+    """Whether a graph has a node that evaluates the object's own material."""
     return any(_kind_or_empty(raw).get("own") for raw in material.nodes.values())
 
 
@@ -125,7 +124,7 @@ def _kind_or_empty(raw: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _kind(where: str, raw: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The row of a node's kind, all of whose keys are known."""
+    """The table's row for a node's kind; its keys are checked."""
     if _TYPE not in raw:
         raise ValueError(f"{where}.{_TYPE}: required, but missing{nearest('', _core.NODES)}")
     kind = _kind_or_empty(raw)
@@ -141,7 +140,7 @@ def _kind(where: str, raw: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def has_drawn(value: Any) -> bool:
-    """Whether a value is, or has components, that a driver gives."""
+    """Whether a value or one of its components comes from a driver."""
     items = value if isinstance(value, (list, tuple)) else [value]
     return any(isinstance(item, Drawn) for item in items)
 

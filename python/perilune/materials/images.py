@@ -1,4 +1,4 @@
-"""The files of image nodes: what they are, and reading each once."""
+"""Files of image nodes, each read once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Image:
     """A use of an image file."""
 
     key: str
-    """Where it stands in the configuration."""
+    """Key path in the configuration."""
     file: str
     srgb: bool
     wrap_u: str
@@ -27,11 +27,11 @@ class Image:
 
 
 Images: TypeAlias = Callable[[Image], _core.Map]
-"""Gives the texture of a use; ValueError or FileNotFoundError naming its key."""
+"""Returns the texture of a use; ValueError or FileNotFoundError that names its key."""
 
 
 def image_of(where: str, raw: Mapping[str, Any]) -> Image:
-    """The use of a node of kind `image`, whose keys are known to be right."""
+    """The use by a node of kind `image`, whose keys were checked."""
     rows = {row["name"]: row for row in _core.NODES[_KIND]["constants"]}
 
     def choice(name: str) -> str:
@@ -50,7 +50,7 @@ def images_in(name: str, material: Material) -> Iterator[Image]:
 
 
 class ImageFiles:
-    """Reads each file once for each way of using it."""
+    """Reads each file once for each set of options."""
 
     def __init__(self, path: Callable[[str, str], Path]) -> None:
         """path: (path in the configuration, its key) -> file."""

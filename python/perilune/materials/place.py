@@ -1,4 +1,4 @@
-"""Which graph is on which triangle of a spacecraft."""
+"""Assigns material graphs to the triangles of a spacecraft."""
 
 from __future__ import annotations
 
@@ -20,17 +20,16 @@ from perilune.spacecraft.parts import Partition, components, inside_box
 
 @dataclass(frozen=True)
 class Placed:
-    """The graphs of a spacecraft in a frame, or the one of a body."""
+    """The graphs of a spacecraft in a frame, or the graph of a body."""
 
     names: tuple[str, ...]
-    """Entry of `materials` of each."""
+    """Entry of `materials` of each graph."""
     graphs: tuple[Graph, ...]
     triangle_graph: NDArray[np.int32]
     """(T,) index into graphs; -1: the model's material."""
 
-
     def is_like(self, other: Placed) -> bool:
-        """Whether the same graphs are in the same places."""
+        """Whether the same graphs are on the same triangles."""
         same = self.triangle_graph is other.triangle_graph
         return self.graphs == other.graphs and (same or not len(self.triangle_graph))
 
@@ -38,10 +37,9 @@ class Placed:
 def triangles(
     uses: Sequence[MaterialUse], model: _core.Model, cut: Partition, key: str
 ) -> NDArray[np.int32]:
-    """(T,) index of the first of `uses` that fits each triangle; -1: none does.
+    """(T,) index of the first of `uses` that matches each triangle; -1: none.
 
-    ValueError, with `key` where they stand, for a pattern that no triangle fits.
-    """
+    ValueError with `key`, the path of the uses, for a pattern that matches no triangle."""
     mesh = model.mesh()
     mesh_part = mesh["triangle_part"].astype(np.int64)
     result = np.full(len(mesh_part), -1, dtype=np.int32)
@@ -67,7 +65,7 @@ def triangles(
 def _kinds(
     uses: Sequence[MaterialUse], model: _core.Model, cut: Partition, mesh_part: NDArray[np.int64]
 ) -> dict[str, tuple[list[str], NDArray[np.int64]]]:
-    """What patterns of uses are compared with: names, and which of them is each triangle's."""
+    """Names that patterns of uses are matched with, and the index of each triangle's."""
     part_of = mesh_part if cut.triangle_part is None else cut.triangle_part.astype(np.int64)
     kinds = {
         "material": ([part["material"] for part in model.parts], mesh_part),
@@ -84,7 +82,7 @@ def _matches(pattern: str, name: str) -> bool:
 
 
 def parameters(placed: Iterable[tuple[str, Placed]], config: Config) -> F64:
-    """(n, 3): what the core's request takes, in the order of `placed`: with each what it is on."""
+    """(n, 3) for the core's request, in the order of `placed`, each with its object."""
     rows = [
         values(graph, applied(config, name, owner))
         for owner, row in placed
