@@ -9,6 +9,8 @@ import sys
 import pytest
 
 import perilune
+from perilune.config.lens_flare import GENERIC, Ghost
+from perilune.config.types import Strict
 
 HEAVY = {
     *("torch", "torchdata", "matplotlib", "PIL", "scipy", "IPython", "ipywidgets", "cv2"),
@@ -37,7 +39,47 @@ def test_what_users_import_loads_no_extra():
     names = "open, Dataset, Stream, collate, Driver, look_at, write_bop, writers, check"
     found = loaded(f"from perilune import {names}")
     assert not found & HEAVY
-    assert not {name for name in found if name.startswith(("perilune.show", "perilune.cli"))}
+    unused = ("perilune.show", "perilune.cli", "perilune.document.oaisys")
+    assert not {name for name in found if name.startswith(unused)}
+
+
+def sections() -> list[type[Strict]]:
+    """Every section of the configuration."""
+    found: list[type[Strict]] = []
+    waiting = [Strict]
+    while waiting:
+        below = waiting.pop().__subclasses__()
+        found += below
+        waiting += below
+    return found
+
+
+def test_what_users_import_builds_no_validator_of_a_section():
+    code = """
+import perilune; perilune.open
+from perilune.config.types import Strict
+waiting, built = [Strict], []
+while waiting:
+    below = waiting.pop().__subclasses__()
+    built += [kind.__name__ for kind in below if kind.__pydantic_complete__]
+    waiting += below
+assert not built, built
+"""
+    loaded(code)
+
+
+def test_defaults_that_are_sections_are_those_of_a_validated_section():
+    count = 0
+    for kind in sections():
+        for name, field in kind.model_fields.items():
+            if isinstance(field.default, Strict):
+                made = type(field.default)()
+                assert field.default == made, (kind, name)
+                assert field.default.model_fields_set == made.model_fields_set == set()
+                count += 1
+    assert count > 10
+    for ghost in GENERIC:
+        assert ghost == Ghost.model_validate(ghost.model_dump())
 
 
 def test_all_names_are_there():

@@ -78,7 +78,7 @@ class Camera(Strict):
     line_time_us: Annotated[NonNegative, Field(le=1e12)] = 0.0
     """Rolling shutter: delay between the opening of one row and the next, from the top down. 0: a
     global shutter."""
-    exposure: Exposure = Exposure()
+    exposure: Exposure = Exposure.of_defaults()
     bands: Bands = "srgb"
     """Spectral bands of the channel `bands`. srgb: red, green and blue of a display, weighted by
     the eye's response. monochrome: 0.4 to 0.9 um. Or a list of your own bands."""

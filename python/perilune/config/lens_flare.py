@@ -27,12 +27,12 @@ class Ghost(Strict):
 
 
 GENERIC = (
-    Ghost(scale=-1.0, radius_deg=0.6, intensity=(2.5e-5, 2.5e-5, 2.5e-5)),
-    Ghost(scale=-0.45, radius_deg=1.5, intensity=(2e-5, 3e-5, 2e-5)),
-    Ghost(scale=-1.6, radius_deg=3.0, intensity=(4e-5, 3e-5, 2e-5)),
-    Ghost(scale=0.3, radius_deg=0.9, intensity=(2e-5, 2.5e-5, 4e-5)),
-    Ghost(scale=0.6, radius_deg=2.2, intensity=(3e-5, 2.5e-5, 2e-5)),
-    Ghost(scale=1.4, radius_deg=4.5, intensity=(2.5e-5, 2.5e-5, 3e-5)),
+    Ghost.model_construct(scale=-1.0, radius_deg=0.6, intensity=(2.5e-5, 2.5e-5, 2.5e-5)),
+    Ghost.model_construct(scale=-0.45, radius_deg=1.5, intensity=(2e-5, 3e-5, 2e-5)),
+    Ghost.model_construct(scale=-1.6, radius_deg=3.0, intensity=(4e-5, 3e-5, 2e-5)),
+    Ghost.model_construct(scale=0.3, radius_deg=0.9, intensity=(2e-5, 2.5e-5, 4e-5)),
+    Ghost.model_construct(scale=0.6, radius_deg=2.2, intensity=(3e-5, 2.5e-5, 2e-5)),
+    Ghost.model_construct(scale=1.4, radius_deg=4.5, intensity=(2.5e-5, 2.5e-5, 3e-5)),
 )
 """A generic lens: six pairs of surfaces with broadband coatings that reflect about 0.5 % each (0.25
 to 0.7 % in makers' data), a little more in one band than in another. Positions and sizes are spread

@@ -219,7 +219,7 @@ class Numerical(Elements):
     kind: Literal["numerical"]
     rtol: Annotated[Positive, Field(le=1e-3)] = 1e-12
     """Relative error tolerance of an integration step."""
-    forces: Forces = Forces()
+    forces: Forces = Forces.of_defaults()
 
 
 class Tle(Around):

@@ -227,14 +227,14 @@ class Spacecraft(Strict):
     orbit: Orbit
     gm_km3_s2: Positive | None = None
     """Gravitational parameter, for a model that others orbit: an asteroid or a moonlet."""
-    attitude: Attitude = Inertial()
+    attitude: Attitude = Inertial.of_defaults()
     obj_id: Annotated[Integer, Field(ge=0)] | None = None
     """BOP object id. Default: 1, 2, ... in the order of this section."""
     class_: str | None = Field(default=None, alias="class")
     """Class at the label level `object`. Default: the entry's name."""
     classes: Classes = Field(default_factory=dict)
     """Classes at your own label levels: level of `labels.levels` -> class."""
-    parts: Parts = Parts()
+    parts: Parts = Parts.of_defaults()
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
     """Class of part -> shell patterns on part and material names; tried before those of
     `labels`."""
@@ -252,7 +252,7 @@ class Spacecraft(Strict):
     """Joints: nodes of the model that move."""
     animation: Animation | None = None
     """The model's own animations. Joints act on top of them."""
-    symmetries: Symmetries = Symmetries()
+    symmetries: Symmetries = Symmetries.of_defaults()
 
     @model_validator(mode="after")
     def _one_scale(self) -> Spacecraft:
@@ -440,10 +440,10 @@ class Config(Strict):
     time: Time
     root: str
     """Name of the body whose centre is the origin of the root frame (ICRF axes)."""
-    sun: Sun = Sun()
+    sun: Sun = Sun.of_defaults()
     sky: Sky | None = None
     """Stars and background; black by default."""
-    ephemeris: Ephemeris = Ephemeris()
+    ephemeris: Ephemeris = Ephemeris.of_defaults()
     bodies: Annotated[dict[str, Body], Field(min_length=1)]
     """Planets, moons and asteroids: name -> body."""
     spacecraft: dict[str, Spacecraft] = Field(default_factory=dict)
@@ -462,9 +462,9 @@ class Config(Strict):
     """Several cameras in place of `camera`: name -> sensor. Keys that a sensor does not give are
     those of `camera`. In each step every triggered sensor takes a frame, in the order of this
     file."""
-    render: Render = Render()
-    labels: Labels = Labels()
-    drivers: Drivers = Drivers()
+    render: Render = Render.of_defaults()
+    labels: Labels = Labels.of_defaults()
+    drivers: Drivers = Drivers.of_defaults()
 
     @property
     def timeline(self) -> Timeline:

@@ -178,7 +178,7 @@ class ImageSensor(Strict):
     flat_field: FileName | None = None
     """File (.npy, .tif or grey .png) of a measured flat field, stretched over the image. The image
     is multiplied by its ratio to its centre."""
-    point_spread: PointSpread = PointSpread()
+    point_spread: PointSpread = PointSpread.of_defaults()
     """Blur and glare of the lens."""
     lens_flare: LensFlare | None = None
     """Ghosts of bright sources; `{}` gives those of a generic lens."""
@@ -199,7 +199,7 @@ class ImageSensor(Strict):
     serial: Annotated[Integer, Field(ge=0, lt=2**63)] = 0
     """Serial number of the unit. It seeds all that is fixed in a unit: fixed-pattern noise and
     defects."""
-    exposure: SensorExposure = SensorExposure()
+    exposure: SensorExposure = SensorExposure.of_defaults()
     """Exposure of `raw` and `sensor_rgb`; `camera.exposure` is that of `rgb`."""
     prnu: Fraction = 0.008
     """Photo-response non-uniformity: relative standard deviation of the pixels' response."""
@@ -229,7 +229,7 @@ class ImageSensor(Strict):
     """Time between the reset of a CMOS pixel and its reference sample. Charge collected in it is
     subtracted from the signal; where it fills the pixel, as in the image of the Sun, the pixel
     turns black. 0: protected against this."""
-    cosmic_rays: CosmicRays = CosmicRays()
+    cosmic_rays: CosmicRays = CosmicRays.of_defaults()
     """Cosmic rays; none by default."""
     full_well_e: Annotated[Positive, Field(ge=1.0, le=1e12)] = 20000.0
     """Full-well capacity of a pixel."""

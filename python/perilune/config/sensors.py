@@ -69,7 +69,7 @@ class Sensor(Strict):
         Annotated[Annotated[Pose, AfterValidator(_quaternion)], Tag("pose")]
         | Annotated[Mounting, Tag("mounting")],
         Discriminator(_mounting_tag),
-    ] = Mounting()
+    ] = Mounting.of_defaults()
     """Pose on the platform: {position_m, rotation_deg}, or [x, y, z, qw, qx, qy, qz] in metres,
     from the sensor's axes to the platform's. `camera.trajectory` moves the platform, whose axes are
     x right, y down, z forward."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -133,6 +133,14 @@ class Strict(BaseModel):
     name."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    @classmethod
+    def of_defaults(cls) -> Self:
+        """The section with the default of every key; for defaults of other sections.
+
+        Equal to `cls()`, which would build the section's validator when the schema is imported.
+        """
+        return cls.model_construct()
 
     @model_validator(mode="before")
     @classmethod

@@ -23,10 +23,10 @@ from perilune.config.errors import (
     warn,
 )
 from perilune.config.schema import Config
-from perilune.document import intrinsics, oaisys, shipped
+from perilune.document import intrinsics, shipped
 from perilune.document.fixed import fixed
 from perilune.document.instances import spread
-from perilune.document.loader import plain_tree, read_tree
+from perilune.document.loader import is_oaisys, plain_tree, read_tree
 from perilune.document.material_files import include
 from perilune.document.model_graphs import include_models
 from perilune.document.overrides import apply_overrides, joined, without_unread
@@ -395,7 +395,9 @@ def load(
         base = base or path.resolve().parent
         tree.setdefault("name", path.stem)
     origins: dict[str, str] = {}
-    if oaisys.is_oaisys(tree):
+    if is_oaisys(tree):
+        from perilune.document import oaisys  # its dozen modules are for such files alone
+
         translation = oaisys.translate(tree, base, source)
         tree, origins = translation.tree, dict(translation.origins)
     given = Given(tree, base, source, origins, plain_tree(overrides or {}, "overrides"), replay)

@@ -23,6 +23,15 @@ _MAX_DEPTH = 64
 _TOO_DEEP = f"nested too deeply; at most {_MAX_DEPTH} levels"
 _MAX_DIGITS = 400
 
+OAISYS_SECTIONS = (
+    "SIMULATION_SETUP",
+    "RENDER_SETUP",
+    "RENDER_POST_PROCESSING_EFFECTS_SETUP",
+    "SENSOR_SETUP",
+    "ENVIRONMENT_EFFECTS_SETUP",
+    "ASSET_SETUP",
+)
+
 
 class _Loader(yaml.SafeLoader):
     """YAML with the scalars of version 1.2: no dates, no base-60 numbers, no yes/no/on/off."""
@@ -184,3 +193,8 @@ def plain_tree(tree: Any, source: str) -> dict[str, Any]:
 
     result: dict[str, Any] = copy(tree, ())
     return result
+
+
+def is_oaisys(tree: Mapping[str, Any]) -> bool:
+    """Whether a tree has the sections of an OAISYS file."""
+    return any(name in tree for name in OAISYS_SECTIONS)

@@ -17,21 +17,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from perilune.document.loader import is_oaisys
 from perilune.document.oaisys import drivers, environment, meshes, render, sensors, setup, stages
 from perilune.document.oaisys.node import Node, Notes, OaisysWarning
 from perilune.document.oaisys.scene import Scene
 
 __all__ = ["OaisysWarning", "Translation", "is_oaisys", "translate"]
-
-SECTIONS = (
-    "SIMULATION_SETUP",
-    "RENDER_SETUP",
-    "RENDER_POST_PROCESSING_EFFECTS_SETUP",
-    "SENSOR_SETUP",
-    "ENVIRONMENT_EFFECTS_SETUP",
-    "ASSET_SETUP",
-)
-
 
 @dataclass(frozen=True)
 class Translation:
@@ -40,11 +31,6 @@ class Translation:
     tree: dict[str, Any]
     origins: Mapping[str, str]
     """Key path of the tree -> key path of the file that it, and what is below it, comes from."""
-
-
-def is_oaisys(tree: Mapping[str, Any]) -> bool:
-    """Whether a tree has the sections of an OAISYS file."""
-    return any(name in tree for name in SECTIONS)
 
 
 def translate(tree: Mapping[str, Any], base: Path, source: str) -> Translation:
