@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from operator import is_
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -46,6 +48,7 @@ from perilune.drivers import (
     without,
 )
 from perilune.drivers.choice import KIND as CHOICE
+from perilune.drivers.hook import KIND as HOOK
 
 _KEPT_STEPS = 4
 """Number of steps whose configurations are cached: this one, its scene's first, a metered one."""
@@ -170,12 +173,22 @@ class Document:
         values = self._values(step)
         config = self._configs.get(step)
         if config is None:
-            config = _keep(self._configs, _KEPT_STEPS, step, self._patched(values))
+            made = self._like(step, values) or self._patched(values)
+            config = _keep(self._configs, _KEPT_STEPS, step, made)
         return config, self._by_name(values)
+
+    def _like(self, step: int, values: Mapping[KeyPath, Any]) -> Config | None:
+        """The configuration of another step for which drivers drew the very same values: those of a
+        run of steps, as drivers keep a value for their interval."""
+        for other, config in list(self._configs.items()):
+            theirs = self._drawn.get(other)
+            if theirs is not None and all(map(is_, values.values(), theirs.values())):
+                return config
+        return None
 
     def _patched(self, values: Mapping[KeyPath, Any]) -> Config:
         """The configuration with the given numbers as values of the drivers."""
-        chosen = {path: value for path, value in values.items() if not _is_numbers(value)}
+        chosen = {path: values[path] for path in self._choosing if not _is_numbers(values[path])}
         key = repr(chosen)
         patch = self._patches.get(key)
         if patch is not None:
@@ -191,6 +204,11 @@ class Document:
             patch = Patch(config, substitute(self.tree, chosen), driven, self.path)
             _keep(self._patches, _KEPT_PATCHES, key, patch)
         return config
+
+    @cached_property
+    def _choosing(self) -> list[KeyPath]:
+        """Of the drivers that may draw something else than numbers."""
+        return [row.path for row in self.drivers if row.kind in (CHOICE, HOOK)]
 
     def scene_values(self, frame: int) -> dict[str, Any]:
         """Values of the drivers at the first step of a frame's scene, where they differ from the

@@ -63,7 +63,8 @@ def _is_plain(section: type[BaseModel]) -> bool:
     """Whether a section is made only by the types of its fields and `_checks`."""
     rows = section.__pydantic_decorators__
     before = [name for name, row in rows.model_validators.items() if row.info.mode != "after"]
-    return before in ([], [_OF_ALL]) and not rows.root_validators and not rows.validators
+    plain = not (rows.root_validators or rows.validators or section.__private_attributes__)
+    return before in ([], [_OF_ALL]) and plain
 
 
 @lru_cache(maxsize=1024)
@@ -76,7 +77,7 @@ def _names(section: type[BaseModel]) -> dict[str, str]:
 class _Field:
     """A field that is validated as a whole."""
 
-    adapter: TypeAdapter[Any]
+    validate: Callable[..., Any]
     given: Any
     """The value in the tree, with drivers."""
     drivers: Mapping[KeyPath, KeyPath]
@@ -107,7 +108,7 @@ class _Section:
         """The section with drivers replaced by values."""
         new: dict[str, Any] = {}
         for name, row in self.fields.items():
-            new[name] = row.adapter.validate_python(row.tree(values), context=info.context)
+            new[name] = row.validate(row.tree(values), context=info.context)
         for name, section in self.below.items():
             new[name] = section.applied(getattr(model, name), values, info)
         for name, sections in self.entries.items():
@@ -115,10 +116,21 @@ class _Section:
             for entry, section in sections.items():
                 entries[entry] = section.applied(entries[entry], values, info)
             new[name] = entries
-        found: Any = model.model_copy(update=new)
+        found: Any = _copied(model, new)
         for check in _checks(type(model)):
             found = check(found, info)
         return found
+
+
+def _copied(model: BaseModel, new: Mapping[str, Any]) -> BaseModel:
+    """What `model_copy` makes of a section, which has neither extra keys nor private ones."""
+    kind = type(model)
+    made = kind.__new__(kind)
+    object.__setattr__(made, "__dict__", {**model.__dict__, **new})
+    object.__setattr__(made, "__pydantic_fields_set__", model.__pydantic_fields_set__ | new.keys())
+    object.__setattr__(made, "__pydantic_extra__", None)
+    object.__setattr__(made, "__pydantic_private__", None)
+    return made
 
 
 def _section(model: BaseModel, given: Any, paths: Iterable[KeyPath], depth: int) -> _Section | None:
@@ -156,7 +168,8 @@ def _section(model: BaseModel, given: Any, paths: Iterable[KeyPath], depth: int)
         else:
             drivers = {path: path[depth + 1 :] for path in rows}
             alone = rows[0] if drivers[rows[0]] == () else None
-            result.fields[name] = _Field(_adapter(kind, name), given[key], drivers, alone)
+            validate = _adapter(kind, name).validator.validate_python
+            result.fields[name] = _Field(validate, given[key], drivers, alone)
     return result
 
 

@@ -81,8 +81,7 @@ def clip(
     return tuple(min(max(value, least), most) for value, least, most in rows)
 
 
-@dataclass(frozen=True)
-class Source:
+class Source(NamedTuple):
     """Random numbers for a driver's draw at one step."""
 
     name: str

@@ -12,9 +12,10 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from functools import cached_property
 from itertools import accumulate, pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -92,9 +93,6 @@ class Group:
         return found
 
 
-_NEVER: tuple[Any, Any] = (None, None)
-
-
 def copied(value: Any) -> Any:
     """A copy of a drawn value, which the caller may change."""
     return value if isinstance(value, (float, int, str)) else copy.deepcopy(value)
@@ -108,10 +106,15 @@ class Defaults:
     interval: int = 1
 
 
-@dataclass(frozen=True)
-class _Row:
-    """What of a driver's draws is the same at all steps."""
+_Draw: TypeAlias = tuple[int, float, int]
+"""What a draw is for: seed, strength, number."""
 
+
+@dataclass
+class _Row:
+    """What of a driver's draws is the same at all steps, and its last one."""
+
+    driver: Found
     strength: float | tuple[float, ...]
     interval: int
     group: Group | None
@@ -120,6 +123,33 @@ class _Row:
     """Of the generator."""
     needs: dict[float, Need | None] = field(default_factory=dict)
     """By strength."""
+    last: tuple[_Draw, Any] | None = None
+    """Replaced as a whole: threads draw for different steps."""
+
+    def at(self, step: int) -> tuple[float, int]:
+        """Strength and number of the draw at a step."""
+        epoch = step // self.interval
+        strength = self.strength
+        if isinstance(strength, tuple):
+            strength = strength[min(epoch, len(strength) - 1)]
+        return strength, epoch
+
+    def need(self, strength: float) -> tuple[bool, int]:
+        """Whether a draw takes normals, and how many numbers."""
+        if strength not in self.needs:
+            self.needs[strength] = self.driver.distribution.needs(strength)
+        need = self.needs[strength]
+        if need is None:
+            return False, 0
+        width = 1 if self.group is None else self.group.width
+        return need.normal or self.group is not None, need.numbers * width
+
+    def drawn(self, source: Source, strength: float) -> Any:
+        """A new value."""
+        if self.group is not None:
+            normals = self.group.normals(source.drawn, self.driver.name)
+            source = source._replace(drawn=normals, correlates=True)
+        return self.driver.distribution.draw(source, strength)
 
 
 @dataclass(frozen=True)
@@ -129,10 +159,6 @@ class Plan:
     drivers: tuple[Found, ...] = ()
     groups: Mapping[str, Group] = field(default_factory=dict)
     defaults: Defaults = Defaults()
-    kept: dict[KeyPath, tuple[Any, Any]] = field(default_factory=dict, compare=False, repr=False)
-    """Driver -> key and value of its last draw."""
-    known: dict[KeyPath, _Row] = field(default_factory=dict, compare=False, repr=False)
-    """Of each driver: what is the same at all steps."""
 
     def check(self) -> None:
         """DriverError for a driver that does not fit the group it names."""
@@ -180,19 +206,11 @@ class Plan:
             else row
             for row in self.drivers
         )
-        return replace(self, drivers=rows, kept={}, known={})
+        return replace(self, drivers=rows)
 
-    def settings(self, driver: Found, step: int) -> tuple[float, int, int]:
-        """Settings of a driver's draw at a step: strength, number of the draw, first step it is
-        for."""
-        row = self.known.get(driver.path)
-        if row is None:
-            row = self.known[driver.path] = self._row(driver)
-        epoch = step // row.interval
-        strength = row.strength
-        if isinstance(strength, tuple):
-            strength = strength[min(epoch, len(strength) - 1)]
-        return strength, epoch, epoch * row.interval
+    @cached_property
+    def _rows(self) -> list[_Row]:
+        return [self._row(driver) for driver in self.drivers]
 
     def _row(self, driver: Found) -> _Row:
         group = self.groups[driver.group] if driver.group is not None else Group()
@@ -203,58 +221,58 @@ class Plan:
         strength = next((row for row in strengths if row is not None), self.defaults.strength)
         interval = next((row for row in intervals if row is not None), self.defaults.interval)
         own = f"driver-group:{group.name}" if group.correlates else f"driver:{driver.name}"
-        return _Row(strength, interval, group if group.correlates else None, stable_hash(own))
+        correlated = group if group.correlates else None
+        return _Row(driver, strength, interval, correlated, stable_hash(own))
 
     def piled(self) -> Iterator[tuple[Found, str, float]]:
         """(driver, limit, fraction of draws clipped to it), where the fraction is above PILED."""
-        for driver in self.drivers:
+        for row in self._rows:
+            driver = row.driver
             if isinstance(driver.distribution, Clipped):
-                strength, _, _ = self.settings(driver, 0)
-                rows = driver.distribution.standard_limits(strength)
+                strength, _ = row.at(0)
+                limits = driver.distribution.standard_limits(strength)
                 for name, at, sign in (("clip_min", 0, -1.0), ("clip_max", 1, 1.0)):
                     shares = [
-                        0.5 * math.erfc(sign * row[at] / math.sqrt(2.0))
-                        for row in rows
-                        if row[0] < row[1]  # else it asks for one value
+                        0.5 * math.erfc(sign * limit[at] / math.sqrt(2.0))
+                        for limit in limits
+                        if limit[0] < limit[1]  # else it asks for one value
                     ]
                     if max(shares, default=0.0) > PILED:
                         yield driver, name, max(shares)
 
     def values(self, seed: int, step: int) -> dict[KeyPath, Any]:
         """Path -> value at a step."""
-        rows = [(driver, *self.settings(driver, step)) for driver in self.drivers]
-        new = [row for row in rows if self.kept.get(row[0].path, _NEVER)[0] != (seed, *row[1:])]
-        for row, drawn in zip(new, self._standard(seed, new), strict=True):
-            driver, strength, epoch, first = row
-            group = self.known[driver.path].group
-            if group is not None:
-                drawn = group.normals(drawn, driver.name)
-            source = Source(driver.name, seed, first, epoch, drawn, group is not None)
-            value = driver.distribution.draw(source, strength)
-            self.kept[driver.path] = (seed, strength, epoch, first), value
-        return {driver.path: self.kept[driver.path][1] for driver in self.drivers}
+        found: dict[KeyPath, Any] = {}
+        new: list[tuple[_Row, _Draw]] = []
+        for row in self._rows:
+            draw = (seed, *row.at(step))
+            last = row.last
+            if last is not None and last[0] == draw:
+                found[row.driver.path] = last[1]
+            else:
+                found[row.driver.path] = None  # its place in the order
+                new.append((row, draw))
+        if not new:
+            return found
+        for (row, draw), drawn in zip(new, _standard(seed, new), strict=True):
+            _, strength, epoch = draw
+            source = Source(row.driver.name, seed, epoch * row.interval, epoch, drawn)
+            value = row.drawn(source, strength)
+            row.last = draw, value
+            found[row.driver.path] = value
+        return found
 
-    def _standard(
-        self, seed: int, rows: Sequence[tuple[Found, float, int, int]]
-    ) -> list[list[float]]:
-        """Standard random numbers for all drivers, drawn in one call of the core."""
-        keys, frames, normal, counts = [], [], [], []
-        for driver, strength, epoch, _ in rows:
-            row = self.known[driver.path]
-            if strength not in row.needs:
-                row.needs[strength] = driver.distribution.needs(strength)
-            need, group = row.needs[strength], row.group
-            width = 1 if group is None else group.width
-            keys.append(row.key)
-            frames.append(epoch)
-            normal.append(need is not None and (need.normal or group is not None))
-            counts.append(0 if need is None else need.numbers * width)
-        numbers = _core.draws(
-            seed,
-            np.array(keys, dtype=np.uint64),
-            np.array(frames, dtype=np.uint64),
-            np.array(normal, dtype=np.bool_),
-            np.array(counts, dtype=np.int64),
-        ).tolist()
-        ends = list(accumulate(counts, initial=0))
-        return [numbers[begin:end] for begin, end in pairwise(ends)]
+
+def _standard(seed: int, rows: Sequence[tuple[_Row, _Draw]]) -> list[list[float]]:
+    """Standard random numbers for all drivers, drawn in one call of the core."""
+    needs = [row.need(strength) for row, (_, strength, _) in rows]
+    counts = [count for _, count in needs]
+    numbers = _core.draws(
+        seed,
+        np.array([row.key for row, _ in rows], dtype=np.uint64),
+        np.array([epoch for _, (_, _, epoch) in rows], dtype=np.uint64),
+        np.array([normal for normal, _ in needs], dtype=np.bool_),
+        np.array(counts, dtype=np.int64),
+    ).tolist()
+    ends = list(accumulate(counts, initial=0))
+    return [numbers[begin:end] for begin, end in pairwise(ends)]

@@ -164,6 +164,8 @@ def substitute(tree: Any, values: Mapping[KeyPath, Any]) -> Any:
     """The tree with the mappings at the given paths replaced by values.
 
     The given tree stays unchanged; the result shares with it all parts without drivers."""
+    if isinstance(tree, dict) and all(len(path) == 1 for path in values):
+        return tree | {path[0]: marked(value) for path, value in values.items()}
     for path, value in values.items():
         tree = _replaced(tree, path, marked(value))
     return tree
@@ -181,7 +183,7 @@ def marked(value: Any) -> Any:
 def _replaced(node: Any, path: KeyPath, value: Any) -> Any:
     if not path:
         return value
-    result = copy.copy(node)
+    result = node.copy()
     result[path[0]] = _replaced(node[path[0]], path[1:], value)
     return result
 
