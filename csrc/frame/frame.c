@@ -5,12 +5,12 @@
 #include <time.h>
 
 #include "base/memory.h"
-#include "frame/dots.h"
+#include "frame/subpixel_bodies.h"
 #include "frame/effects.h"
 #include "frame/moving.h"
 #include "frame/output.h"
 #include "frame/renderer.h"
-#include "render/laws.h"
+#include "render/reflectance_lod.h"
 #include "scene/shutter.h"
 #include "sensor/stage.h"
 
@@ -186,7 +186,7 @@ static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *reque
                            &survey->sky));
   lap(result, PL_STAGE_METER, &start);
   if (metered)
-    PL_TRY(pl_laws_fit(&survey->shot, &renderer->arena, view));
+    PL_TRY(pl_reflectance_lod_fit(&survey->shot, &renderer->arena, view));
   PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, view, &request->wish, &result->plan));
   if (pl_moving(request, &result->plan))
     PL_TRY(pl_moving_plan(renderer, request, view, metered, &result->plan));
@@ -208,12 +208,12 @@ static pl_status allocate_bands(pl_renderer *renderer, const pl_camera *camera, 
 }
 
 pl_status pl_frame_light_sky(pl_renderer *renderer, const pl_frame_request *request,
-                             const pl_plan *plan, const pl_instant *instant, bool dots,
+                             const pl_plan *plan, const pl_instant *instant, bool subpixel,
                              pl_arena *arena, pl_frame_sky *sky) {
   if (instant->settings.samples == 0)
     return PL_OK;
-  if (dots)
-    PL_TRY(pl_dots_render(instant, renderer->scratch, arena, request->cancel, sky));
+  if (subpixel)
+    PL_TRY(pl_subpixel_render(instant, renderer->scratch, arena, request->cancel, sky));
   return pl_frame_sky_place(plan, &instant->shot, instant->tracer, &instant->settings, arena, sky);
 }
 

@@ -1,7 +1,7 @@
 /* From a survey, by a choice, to an instant. */
 #include "frame/instant.h"
 
-#include "frame/dots.h"
+#include "frame/subpixel_bodies.h"
 #include "frame/effects.h"
 #include "plan/effects.h"
 
@@ -32,7 +32,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
                  .lights = pl_plan_value(plan, &pl_effect_night_lights) > 0,
                  .filter = (pl_filter)pl_plan_value(plan, &pl_effect_texture_filter)},
       .exact = exact,
-      .laws_down = PL_VIEW_LAWS - 1 - pl_plan_value(plan, &pl_effect_regolith),
+      .lods_down = PL_VIEW_LODS - 1 - pl_plan_value(plan, &pl_effect_regolith),
       .clear_coat = pl_plan_value(plan, &pl_effect_clear_coat) > 0,
       .transmission = pl_plan_value(plan, &pl_effect_transmission) > 0,
       .noise_dn = all_samples ? 0.0f : (float)request->wish.tolerance_dn,
@@ -58,7 +58,7 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
       .distortion = pl_plan_value(plan, &pl_effect_distortion) > 0,
       .depth_of_field = pl_plan_value(plan, &pl_effect_depth_of_field) > 0,
       .colour = true,
-      .dots = true,
+      .subpixel = true,
       .emitters = pl_plan_value(plan, &pl_effect_emitters),
       .air_steps = pl_plan_value(plan, &pl_effect_atmosphere),
       .skylight = pl_plan_value(plan, &pl_effect_skylight) > 0,
@@ -67,14 +67,14 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
       .caustics = pl_plan_value(plan, &pl_effect_caustics) > 0,
       .limb_darkening = pl_plan_value(plan, &pl_effect_limb_darkening) > 0,
   };
-  for (size_t k = 0; k < pl_veil_kind_count; k++)
-    out.veils[k] = pl_plan_value(plan, pl_veil_kinds[k]->effect);
+  for (size_t k = 0; k < pl_medium_kind_count; k++)
+    out.media[k] = pl_plan_value(plan, pl_medium_kinds[k]->effect);
   return colour ? out : pl_choice_of_labels(&out);
 }
 
-/* Metering: steps through air, with an error of a few per cent; veils and emitters by these values
+/* Metering: steps through air, with an error of a few per cent; media and emitters by these values
  * of their rows. */
-enum { QUICK_STEPS = 6, QUICK_VEILS = 4, QUICK_EMITTERS = 2 };
+enum { PREVIEW_STEPS = 6, PREVIEW_MEDIA = 4, QUICK_EMITTERS = 2 };
 
 pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples) {
   pl_choice out = {
@@ -89,12 +89,12 @@ pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples) {
       .depth_of_field = true,
       .colour = true,
       .emitters = QUICK_EMITTERS,
-      .air_steps = QUICK_STEPS,
+      .air_steps = PREVIEW_STEPS,
       .skylight = true,
       .multiple_scattering = true,
   };
-  for (size_t k = 0; k < pl_veil_kind_count; k++)
-    out.veils[k] = QUICK_VEILS;
+  for (size_t k = 0; k < pl_medium_kind_count; k++)
+    out.media[k] = PREVIEW_MEDIA;
   return out;
 }
 
@@ -109,8 +109,8 @@ static pl_status cull(const pl_survey *survey, const pl_choice *choice, pl_arena
   if (!choice->depth_of_field)
     placed.camera.aperture_m = 0.0;
   *out = placed;
-  if (choice->colour && choice->dots)
-    PL_TRY(pl_dots_find(&placed, culling.view, choice->tolerance_dn, arena, &culling.dots));
+  if (choice->colour && choice->subpixel)
+    PL_TRY(pl_subpixel_find(&placed, culling.view, choice->tolerance_dn, arena, &culling.subpixel));
   return choice->culls ? pl_snapshot_cull(&placed, &culling, arena, out) : PL_OK;
 }
 
@@ -124,11 +124,11 @@ static pl_status add_air(const pl_choice *choice, pl_arena *arena, pl_instant *o
   return PL_OK;
 }
 
-static pl_status add_veils(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
+static pl_status add_media(const pl_choice *choice, pl_arena *arena, pl_instant *out) {
   bool any;
-  PL_TRY(pl_veils_build(&out->shot, choice->veils, out->settings.air, arena, &out->veils, &any));
-  out->veils.emission = choice->settings.emission;
-  out->settings.veils = any ? &out->veils : NULL;
+  PL_TRY(pl_media_build(&out->shot, choice->media, out->settings.air, arena, &out->media, &any));
+  out->media.emission = choice->settings.emission;
+  out->settings.media = any ? &out->media : NULL;
   return PL_OK;
 }
 
@@ -176,7 +176,7 @@ pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_ch
     add_limb(choice, made);
     PL_TRY(add_emitters(choice, arena, made));
     PL_TRY(add_air(choice, arena, made));
-    PL_TRY(add_veils(choice, arena, made));
+    PL_TRY(add_media(choice, arena, made));
     PL_TRY(add_planetshine(choice, arena, made));
     add_caustics(choice, made);
   }

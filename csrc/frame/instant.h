@@ -12,9 +12,9 @@ typedef struct pl_choice {
   bool culls;                  /* what cannot matter is left out, by more than tolerance_dn */
   double tolerance_dn;
   bool distortion, depth_of_field;
-  bool colour; /* or else labels alone: nothing below is looked at */
-  bool dots;   /* bodies of a few pixels get pictures of their own, see dots.h */
-  int emitters, air_steps, veils[PL_VEIL_KINDS_MAX]; /* values of these effects */
+  bool colour;   /* or else labels alone: nothing below is looked at */
+  bool subpixel; /* bodies of a few pixels get pictures of their own, see subpixel_bodies.h */
+  int emitters, air_steps, media[PL_MEDIUM_KINDS_MAX]; /* values of these effects */
   bool skylight, multiple_scattering, planetshine, caustics, limb_darkening;
 } pl_choice;
 
@@ -32,7 +32,7 @@ typedef struct pl_instant {
   const pl_tracer *tracer; /* of it */
   pl_emitters emitters;
   pl_air_view air;
-  pl_veils veils;
+  pl_media media;
   pl_planetshine shine;
   pl_caustics caustics;
   pl_limb limb;

@@ -2,7 +2,7 @@
 #include "frame/measure.h"
 
 #include "light/sun.h"
-#include "render/reach.h"
+#include "render/coverage_mask.h"
 #include "render/render.h"
 
 typedef struct rays {
@@ -11,13 +11,13 @@ typedef struct rays {
 } rays;
 
 /* Primary rays in the order of rendering. */
-static void gather_primary(const pl_snapshot *shot, const pl_reach *reach, rays *out) {
+static void gather_primary(const pl_snapshot *shot, const pl_coverage *coverage, rays *out) {
   const int w = shot->camera.width, h = shot->camera.height;
   for (int y0 = 0; y0 < h; y0 += PL_TILE_SIDE)
     for (int x0 = 0; x0 < w; x0 += PL_TILE_SIDE)
       for (int y = y0; y < y0 + PL_TILE_SIDE && y < h; y++)
         for (int x = x0; x < x0 + PL_TILE_SIDE && x < w; x++)
-          if (pl_reach_pixel(reach, x, y))
+          if (pl_coverage_pixel(coverage, x, y))
             out->items[out->count++] = (pl_ray){.t_max = INFINITY,
                                                 .direction = pl_snapshot_ray(shot, x, y),
                                                 .skip_body = PL_NOTHING};
@@ -41,7 +41,7 @@ static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, cons
   }
 }
 
-static pl_status measure(const pl_snapshot *shot, pl_accelerators *kept, pl_reach *reach,
+static pl_status measure(const pl_snapshot *shot, pl_accelerators *kept, pl_coverage *coverage,
                          pl_arena *arena, int repeats, pl_ray_times *primary,
                          pl_ray_times *shadow) {
   const size_t pixels = (size_t)shot->camera.width * (size_t)shot->camera.height;
@@ -51,8 +51,8 @@ static pl_status measure(const pl_snapshot *shot, pl_accelerators *kept, pl_reac
     return pl_fail(PL_E_MEMORY, "out of memory for rays");
   const pl_tracer *tracer;
   PL_TRY(pl_tracer_build(kept, shot, arena, &tracer));
-  PL_TRY(pl_reach_update(reach, shot, 0, shot->camera.height, 1, 1));
-  gather_primary(shot, reach, &first);
+  PL_TRY(pl_coverage_update(coverage, shot, 0, shot->camera.height, 1, 1));
+  gather_primary(shot, coverage, &first);
   gather_shadow(shot, tracer, &first, &second);
   PL_TRY(pl_tracer_measure(kept, tracer, first.items, first.count, false, repeats, primary));
   return pl_tracer_measure(kept, tracer, second.items, second.count, true, repeats, shadow);
@@ -62,7 +62,7 @@ pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, 
                           pl_ray_times *primary, pl_ray_times *shadow) {
   pl_arena arena;
   pl_snapshot shot;
-  pl_reach reach = {0};
+  pl_coverage coverage = {0};
   pl_accelerators *kept = NULL;
   pl_arena_init(&arena);
   pl_status status = pl_placement_check(scene, placement);
@@ -71,9 +71,9 @@ pl_status pl_measure_rays(const pl_scene *scene, const pl_placement *placement, 
   if (status == PL_OK)
     status = pl_accelerators_create(&kept);
   if (status == PL_OK)
-    status = measure(&shot, kept, &reach, &arena, repeats, primary, shadow);
+    status = measure(&shot, kept, &coverage, &arena, repeats, primary, shadow);
   pl_accelerators_destroy(kept);
-  pl_reach_clear(&reach);
+  pl_coverage_clear(&coverage);
   pl_arena_clear(&arena);
   return status;
 }

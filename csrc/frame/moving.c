@@ -187,7 +187,7 @@ static pl_status render_labels(const exposure *e, const pl_choice *choice,
   pl_render_settings settings = middle->settings;
   settings.samples = 0;
   settings.air = NULL;
-  settings.veils = NULL;
+  settings.media = NULL;
   return pl_render(&middle->shot, middle->tracer, &settings, e->renderer->scratch, pl_output_tile,
                    e->output, e->request->cancel);
 }

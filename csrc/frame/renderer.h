@@ -19,10 +19,10 @@ struct pl_renderer {
   pl_encoder encoder;
 };
 
-/* From an instant to pixels: first what the sky has of it, small bodies too (`dots`) and the stars
- * that the plan keeps and nothing hides. In `arena`. `sky`: of the instant's survey. */
+/* From an instant to pixels: first what the sky has of it, small bodies too (`subpixel`) and the
+ * stars that the plan keeps and nothing hides. In `arena`. `sky`: of the instant's survey. */
 pl_status pl_frame_light_sky(pl_renderer *renderer, const pl_frame_request *request,
-                             const pl_plan *plan, const pl_instant *instant, bool dots,
+                             const pl_plan *plan, const pl_instant *instant, bool subpixel,
                              pl_arena *arena, pl_frame_sky *sky);
 /* Then its tiles. */
 pl_status pl_frame_render(pl_renderer *renderer, const pl_frame_request *request,

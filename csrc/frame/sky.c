@@ -64,9 +64,9 @@ static pl_vec3f passed_of(const pl_snapshot *shot, const pl_render_settings *set
   pl_vec3f out = {1.0f, 1.0f, 1.0f};
   if (settings->air != NULL)
     out = pl_air_toward_sun(settings->air, shot, here, direction);
-  if (settings->veils != NULL)
+  if (settings->media != NULL)
     out = pl_vec3f_mul(
-        out, pl_veils_passed(settings->veils, shot, pl_vec3f_to_double(direction), INFINITY));
+        out, pl_media_passed(settings->media, shot, pl_vec3f_to_double(direction), INFINITY));
   return out;
 }
 
@@ -124,11 +124,11 @@ static pl_status deposit(const pl_camera *camera, pl_arena *arena, pl_frame_sky 
   const int rows = (camera->height + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
   sky->columns = (camera->width + PL_TILE_SIDE - 1) / PL_TILE_SIDE;
   const size_t tiles = (size_t)sky->columns * (size_t)rows,
-               most = 4 * sky->seen_count + sky->dot_count;
+               most = 4 * sky->seen_count + sky->subpixel_count;
   pl_star_light *light = pl_arena_alloc(arena, most, sizeof *light);
   size_t count = 0;
-  for (; count < sky->dot_count; count++)
-    light[count] = sky->dots[count];
+  for (; count < sky->subpixel_count; count++)
+    light[count] = sky->subpixel[count];
   sky->light = pl_arena_alloc(arena, most, sizeof *light);
   sky->first = pl_arena_alloc(arena, tiles + 1, sizeof *sky->first);
   if (light == NULL || sky->light == NULL || sky->first == NULL)
@@ -157,7 +157,7 @@ pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const
     sky->backdrop.kind = PL_BACKDROP_NONE;
   while (count < sky->field.count && sky->field.stars[count].level <= level)
     count++;
-  if (count == 0 && sky->dot_count == 0)
+  if (count == 0 && sky->subpixel_count == 0)
     return PL_OK;
   PL_TRY(find_seen(shot, tracer, settings, count, arena, sky));
   return deposit(&shot->camera, arena, sky);

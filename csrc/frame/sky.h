@@ -25,8 +25,8 @@ typedef struct pl_frame_sky {
   pl_star_field field; /* until the plan */
   pl_seen_star *seen;  /* the brightest first */
   size_t seen_count;
-  pl_star_light *dots; /* of small bodies, see dots.h */
-  size_t dot_count;
+  pl_star_light *subpixel; /* of small bodies, see subpixel_bodies.h */
+  size_t subpixel_count;
   pl_star_light *light; /* tile by tile, in each by brightness of the star */
   size_t *first;        /* of a tile, and at last their number; NULL: there is none */
   int columns;          /* of tiles */
@@ -38,7 +38,7 @@ typedef struct pl_frame_sky {
 pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl_plan_wish *wish,
                             pl_arena *arena, pl_view *view, pl_frame_sky *out);
 /* After it: what the plan keeps, less the stars that are hidden in `tracer`. The settings' air and
- * veils dim stars. */
+ * media dim stars. */
 pl_status pl_frame_sky_place(const pl_plan *plan, const pl_snapshot *shot, const pl_tracer *tracer,
                              const pl_render_settings *settings, pl_arena *arena,
                              pl_frame_sky *sky);

@@ -1,7 +1,7 @@
 /* From placements to views. */
 #include "frame/survey.h"
 
-#include "render/laws.h"
+#include "render/reflectance_lod.h"
 #include "scene/shutter.h"
 
 pl_status pl_survey_place(const pl_scene *scene, const pl_frame_request *request,
@@ -17,7 +17,7 @@ pl_status pl_survey_place(const pl_scene *scene, const pl_frame_request *request
 }
 
 pl_status pl_survey_at(const pl_scene *scene, const pl_frame_request *request, double u,
-                       const pl_view *middle, bool laws, pl_arena *arena, pl_survey *out) {
+                       const pl_view *middle, bool lods, pl_arena *arena, pl_survey *out) {
   pl_placement *placement = pl_arena_alloc(arena, 1, sizeof *placement);
   if (placement == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for an instant of the exposure");
@@ -29,5 +29,5 @@ pl_status pl_survey_at(const pl_scene *scene, const pl_frame_request *request, d
   out->view.blur_px = middle->blur_px;
   out->view.skew_px = middle->skew_px;
   out->view.sky = middle->sky;
-  return laws ? pl_laws_fit(&out->shot, arena, &out->view) : PL_OK;
+  return lods ? pl_reflectance_lod_fit(&out->shot, arena, &out->view) : PL_OK;
 }

@@ -16,9 +16,9 @@ typedef struct pl_survey {
 pl_status pl_survey_place(const pl_scene *scene, const pl_frame_request *request,
                           const pl_placement *placement, pl_arena *arena, pl_survey *out);
 
-/* The world at a part `u` of the frame's time, by the exposures of its middle. `laws`: what other
- * laws of reflectance make of it is measured, too. */
+/* The world at a part `u` of the frame's time, by the exposures of its middle. `lods`: what other
+ * lods of reflectance make of it is measured, too. */
 pl_status pl_survey_at(const pl_scene *scene, const pl_frame_request *request, double u,
-                       const pl_view *middle, bool laws, pl_arena *arena, pl_survey *out);
+                       const pl_view *middle, bool lods, pl_arena *arena, pl_survey *out);
 
 #endif

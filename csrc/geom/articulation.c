@@ -80,7 +80,7 @@ static void mark_parts(const pl_model *model, mark *marks) {
       marks[n].bears = true;
 }
 
-static pl_status settle_joint(const pl_model *model, mark *marks, pl_joint *joint) {
+static pl_status prefilter_joint(const pl_model *model, mark *marks, pl_joint *joint) {
   if (joint->node < 0 || (size_t)joint->node >= model->nodes.count)
     return pl_fail(PL_E_RANGE, "node %d: the model has %zu", joint->node, model->nodes.count);
   const char *name = model->nodes.items[joint->node].name;
@@ -169,7 +169,7 @@ static pl_status fill(pl_articulation *self, mark *marks, const int *animations,
   size_t used = 0;
   mark_parts(self->model, marks);
   for (size_t i = 0; i < self->joint_count; i++)
-    PL_TRY(settle_joint(self->model, marks, &self->joints[i]));
+    PL_TRY(prefilter_joint(self->model, marks, &self->joints[i]));
   for (size_t i = 0; i < count; i++) {
     const pl_animation *animation = &self->model->animations[animations[i]];
     for (size_t k = 0; k < animation->count; k++) {

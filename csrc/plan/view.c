@@ -41,7 +41,7 @@ double pl_view_radiance_max(const pl_view *view) {
   return largest;
 }
 
-double pl_view_veils_max(const pl_view *view) {
+double pl_view_media_max(const pl_view *view) {
   double sum = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
     sum += view->things[i].rings_in_frame ? view->things[i].rings_light : 0.0;
@@ -64,7 +64,7 @@ double pl_view_step(const pl_view *view) {
   /* a surface that emits lights others to at most its own radiance */
   for (size_t i = 0; i < view->thing_count; i++)
     step = fmax(step, view->things[i].emission_max);
-  step += pl_view_veils_max(view);
+  step += pl_view_media_max(view);
   if (pl_view_alpha_min(view) < 1.0 || view->sun_in_frame)
     step = view->white_radiance;
   return fmax(step, view->sky.background_max);

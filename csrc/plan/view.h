@@ -7,16 +7,16 @@
 
 /* Reflectance levels of detail of a body, from the cheapest to the body's own law, which is the
  * last. */
-enum { PL_VIEW_LAWS = 6 };
+enum { PL_VIEW_LODS = 6 };
 /* Radiance of the visible sample points of a body in every band, by its own law, and the error of
  * each cheaper law; W m-2 sr-1. Arrays are borrowed. */
-typedef struct pl_view_laws {
+typedef struct pl_view_lods {
   /* scale of the light that minimises the error of each cheaper law, per band */
-  float factor[PL_VIEW_LAWS - 1][3];
+  float factor[PL_VIEW_LODS - 1][3];
   size_t count;
   const float *exact;
-  const float *off[PL_VIEW_LAWS - 1];
-} pl_view_laws;
+  const float *off[PL_VIEW_LODS - 1];
+} pl_view_lods;
 
 struct pl_air;
 struct pl_clouds;
@@ -60,7 +60,7 @@ typedef struct pl_view_thing {
   double rings_depth;    /* largest optical depth along the normal */
   double rings_light;    /* upper bound of the rings' radiance, W m-2 sr-1 */
   /* reflectance levels of detail of a body in the frame, or NULL if it has none */
-  const pl_view_laws *laws;
+  const pl_view_lods *lods;
 } pl_view_thing;
 
 /* Sky behind all objects and bodies. */
@@ -137,7 +137,7 @@ double pl_view_dn_dimming(double fraction);
 double pl_view_radiance_max(const pl_view *view);
 /* Returns the largest radiance along a ray through all participating media (volumes and rings) in
  * the frame, W m-2 sr-1. */
-double pl_view_veils_max(const pl_view *view);
+double pl_view_media_max(const pl_view *view);
 /* Returns the largest emitted radiance in the frame, W m-2 sr-1. */
 double pl_view_emission_max(const pl_view *view);
 /* Returns the largest difference of radiance between two points of the frame, W m-2 sr-1:

@@ -4,7 +4,7 @@
 
 #include "light/sun.h"
 #include "render/path.h"
-#include "render/veil.h"
+#include "render/medium.h"
 #include "shade/reflectance.h"
 
 static pl_air_item item_of(const pl_snapshot *shot, uint32_t index) {
@@ -98,11 +98,11 @@ typedef struct passage {
   bool known;         /* for all of its pixel */
 } passage;
 
-/* Veils of a pixel whose air is even are so far from each other, in parts of the way to them. */
+/* Media of a pixel whose air is even are so far from each other, in parts of the way to them. */
 static const double VEIL_STEP = 0.002;
 
-/* Pixels of a block whose veils are so far from each other share an integral: along all of the ray
- * each has its own light, with which that up to the veil changes. */
+/* Pixels of a block whose media are so far from each other share an integral: along all of the ray
+ * each has its own light, with which that up to the medium changes. */
 static const double BLOCK_STEP = 0.02;
 
 static pl_air_block *block_of(pl_air_tile *tile, uint32_t pixel) {
@@ -116,22 +116,22 @@ static pl_vec3f ratios(pl_vec3f a, pl_vec3f b) {
   return pl_vec3f_make(ratio(a.x, b.x), ratio(a.y, b.y), ratio(a.z, b.z));
 }
 
-/* Half of the air, about, is before a veil: its depth changes by half as much. */
+/* Half of the air, about, is before a medium: its depth changes by half as much. */
 static pl_air_light light_of_block(const pl_air_block *block, const pl_air_light *whole) {
   const pl_vec3f dims = ratios(whole->transmitted, block->whole.transmitted);
   const pl_vec3f half = pl_vec3f_make(sqrtf(dims.x), sqrtf(dims.y), sqrtf(dims.z));
   const pl_vec3f glows = ratios(whole->scattered, block->whole.scattered);
-  return (pl_air_light){.scattered = pl_vec3f_mul(block->to_veil.scattered, glows),
-                        .transmitted = pl_vec3f_mul(block->to_veil.transmitted, half)};
+  return (pl_air_light){.scattered = pl_vec3f_mul(block->to_medium.scattered, glows),
+                        .transmitted = pl_vec3f_mul(block->to_medium.transmitted, half)};
 }
 
-/* Light along a ray up to a veil. In pixels whose air is known samples share it. */
-static bool light_to_veil(const pl_air_view *view, const passage *p, double t, double norm,
-                          pl_air_tile *tile, uint32_t pixel, pl_air_light *out) {
+/* Light along a ray up to a medium. In pixels whose air is known samples share it. */
+static bool light_to_medium(const pl_air_view *view, const passage *p, double t, double norm,
+                            pl_air_tile *tile, uint32_t pixel, pl_air_light *out) {
   pl_air_ray ray = p->ray;
-  const bool kept = p->known && fabs(tile->veil_t[pixel] - t) < VEIL_STEP * t;
+  const bool kept = p->known && fabs(tile->medium_t[pixel] - t) < VEIL_STEP * t;
   if (kept) {
-    *out = tile->to_veil[pixel];
+    *out = tile->to_medium[pixel];
     return true;
   }
   pl_air_block *block = p->known ? block_of(tile, pixel) : NULL;
@@ -143,24 +143,25 @@ static bool light_to_veil(const pl_air_view *view, const passage *p, double t, d
       return false;
     *out = pl_air_scatter(p->item->air, &ray, &p->item->sun, &view->rule, view->multiple);
     if (block != NULL)
-      *block = (pl_air_block){.t = t, .to_veil = *out, .whole = p->light};
+      *block = (pl_air_block){.t = t, .to_medium = *out, .whole = p->light};
   }
-  if (p->known && tile->veil_t[pixel] == 0.0) {
-    tile->veil_t[pixel] = t;
-    tile->to_veil[pixel] = *out;
+  if (p->known && tile->medium_t[pixel] == 0.0) {
+    tile->medium_t[pixel] = t;
+    tile->to_medium[pixel] = *out;
   }
   return true;
 }
 
-/* Adds what an air scatters along a ray, where each veil lets through a part of what is beyond it;
- * way[k]: what comes through the airs up to veil k. */
-static pl_vec3f scatter_between(const pl_air_view *view, const passage *p, const pl_veil_list *list,
-                                pl_vec3f *way, pl_air_tile *tile, uint32_t pixel) {
+/* Adds what an air scatters along a ray, where each medium lets through a part of what is beyond
+ * it; way[k]: what comes through the airs up to medium k. */
+static pl_vec3f scatter_between(const pl_air_view *view, const passage *p,
+                                const pl_medium_list *list, pl_vec3f *way, pl_air_tile *tile,
+                                uint32_t pixel) {
   pl_vec3f sum = {0.0f, 0.0f, 0.0f}, left = {1.0f, 1.0f, 1.0f}, before = sum;
   const double norm = list->count > 0 ? p->ray.stretch / pl_air_radius_m(p->item->air) : 1.0;
   for (size_t k = 0; k < list->count; k++) {
     pl_air_light light;
-    if (light_to_veil(view, p, list->items[k].t, norm, tile, pixel, &light)) {
+    if (light_to_medium(view, p, list->items[k].t, norm, tile, pixel, &light)) {
       sum = pl_vec3f_add(sum, pl_vec3f_mul(left, pl_vec3f_sub(light.scattered, before)));
       before = light.scattered;
       way[k] = pl_vec3f_mul(way[k], light.transmitted);
@@ -170,8 +171,8 @@ static pl_vec3f scatter_between(const pl_air_view *view, const passage *p, const
   return pl_vec3f_add(sum, pl_vec3f_mul(left, pl_vec3f_sub(p->light.scattered, before)));
 }
 
-/* Adds what veils send through the airs before them; returns what they let through. */
-static pl_vec3f add_veils(const pl_veil_list *list, const pl_vec3f *way, pl_vec3f *sum) {
+/* Adds what media send through the airs before them; returns what they let through. */
+static pl_vec3f add_media(const pl_medium_list *list, const pl_vec3f *way, pl_vec3f *sum) {
   pl_vec3f left = {1.0f, 1.0f, 1.0f};
   for (size_t k = 0; k < list->count; k++) {
     const pl_vec3f radiance = pl_vec3f_mul(way[k], list->items[k].radiance);
@@ -206,12 +207,12 @@ static bool find_passage(const pl_path_context *context, int bounce, size_t i, b
 }
 
 /* What is scattered onto a body from its own air is its skylight, and is not added twice. */
-void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_veil_list *list,
+void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_medium_list *list,
                  pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
   pl_path *path = &b->paths[i];
   pl_vec3f *sink = pl_path_sink(b, path->pixel, path->shared), through = path->throughput;
-  pl_vec3f way[PL_VEIL_CROSSINGS];
+  pl_vec3f way[PL_MEDIUM_CROSSINGS];
   const bool known = bounce == 0 && is_known(context, &b->air, path->pixel, &b->hits[i]);
   for (size_t k = 0; k < list->count; k++)
     way[k] = through;
@@ -225,16 +226,17 @@ void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_
       *sink = pl_vec3f_madd(*sink, p.item->irradiance, pl_vec3f_mul(through, light));
     through = pl_vec3f_mul(through, p.light.transmitted);
   }
-  path->throughput = pl_vec3f_mul(through, add_veils(list, way, sink));
+  path->throughput = pl_vec3f_mul(through, add_media(list, way, sink));
 }
 
 void pl_air_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {
-  const pl_veil_list none = {.count = 0};
+  const pl_medium_list none = {.count = 0};
   if (bounce == 0 && !b->air.any)
     return;
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->paths[i].pixel;
-    if (bounce > 0 || b->settled_thing[pixel] != b->hits[i].thing || b->hits[i].thing == PL_NOTHING)
+    if (bounce > 0 || b->prefiltered_thing[pixel] != b->hits[i].thing ||
+        b->hits[i].thing == PL_NOTHING)
       pl_air_pass(context, bounce, i, &none, b);
   }
 }
@@ -302,7 +304,7 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
     const pl_vec3f sky = pl_air_sky_reflected(view, shot, vertex, wo);
     return pl_vec3f_add(
         pl_vec3f_mul(direct, pl_air_toward_sun(view, shot, vertex->position, toward)),
-        pl_veils_dim_sky(context->settings->veils, shot, vertex, width_m, sky));
+        pl_media_dim_sky(context->settings->media, shot, vertex, width_m, sky));
   }
   const pl_air_pixel *air = &b->air.pixels[pixel];
   const pl_vec3f light = pl_vec3f_mul(direct, air->sunlight);
@@ -311,7 +313,7 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
   const pl_vec3f sky =
       pl_vec3f_scale(reflect_sky(&vertex->surface, wo, air->skylight), b->air.item->irradiance);
   return pl_vec3f_add(light,
-                      pl_veils_dim_sky(context->settings->veils, shot, vertex, width_m, sky));
+                      pl_media_dim_sky(context->settings->media, shot, vertex, width_m, sky));
 }
 
 /* From the camera through the air of out->item to a pixel's point; false if there is none. */
@@ -333,13 +335,13 @@ static bool find_seen(const pl_path_context *context, const pl_vertex *point, bo
 }
 
 pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f radiance,
-                     const pl_veil_list *list, pl_tile_buffers *b) {
+                     const pl_medium_list *list, pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
   const pl_vertex *point = &b->points[pixel];
   const bool known = b->air.item != NULL && b->air.known[pixel] == PL_AIR_GROUND &&
                      point->thing == context->shot->object_count + b->air.item->body;
   pl_vec3f sum = {0.0f, 0.0f, 0.0f}, through = {1.0f, 1.0f, 1.0f};
-  pl_vec3f way[PL_VEIL_CROSSINGS];
+  pl_vec3f way[PL_MEDIUM_CROSSINGS];
   for (size_t k = 0; k < list->count; k++)
     way[k] = through;
   for (size_t n = 0; n < (known ? 1 : view->count); n++) {
@@ -350,7 +352,7 @@ pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f ra
     sum = pl_vec3f_madd(sum, p.item->irradiance, pl_vec3f_mul(through, light));
     through = pl_vec3f_mul(through, p.light.transmitted);
   }
-  const pl_vec3f left = add_veils(list, way, &sum);
+  const pl_vec3f left = add_media(list, way, &sum);
   return pl_vec3f_add(sum, pl_vec3f_mul(pl_vec3f_mul(through, left), radiance));
 }
 

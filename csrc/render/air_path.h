@@ -9,7 +9,7 @@
 struct pl_path_context;
 struct pl_tile_buffers;
 struct pl_tile;
-struct pl_veil_list;
+struct pl_medium_list;
 
 /* The air of one body. */
 typedef struct pl_air_item {
@@ -50,11 +50,11 @@ typedef struct pl_air_corner {
   pl_air_known known; /* unknown: not asked yet */
   pl_air_pixel air;
 } pl_air_corner;
-/* Light up to a veil and along all of the ray, of one pixel of a block; t is 0: none yet. */
+/* Light up to a medium and along all of the ray, of one pixel of a block; t is 0: none yet. */
 enum { PL_AIR_BLOCK = 4 };
 typedef struct pl_air_block {
   double t;
-  pl_air_light to_veil, whole;
+  pl_air_light to_medium, whole;
 } pl_air_block;
 typedef struct pl_air_tile {
   const pl_air_item *item; /* the only one in the tile, of which pixels are known; or NULL */
@@ -62,9 +62,10 @@ typedef struct pl_air_tile {
   uint8_t known[1024];     /* a pl_air_known for each pixel */
   pl_air_pixel pixels[1024];
   pl_air_corner corners[PL_AIR_SIDE * PL_AIR_SIDE];
-  /* Of known pixels: the way up to the first veil that a sample met, and its light; 0: none yet. */
-  double veil_t[1024];
-  pl_air_light to_veil[1024];
+  /* Of known pixels: the way up to the first medium that a sample met, and its light; 0: none yet.
+   */
+  double medium_t[1024];
+  pl_air_light to_medium[1024];
   pl_air_block blocks[1024 / (PL_AIR_BLOCK * PL_AIR_BLOCK)];
 } pl_air_tile;
 
@@ -74,14 +75,14 @@ bool pl_air_in_cone(const pl_air_view *view, const pl_snapshot *shot, pl_vec3 ax
 /* Fills buffers->air: air that changes evenly over the image is worked out at few places and
  * interpolated, where that is off by less than a quarter of the noise that samples may leave. */
 void pl_air_prepare(const struct pl_path_context *context, struct pl_tile_buffers *buffers);
-/* The light of a settled ground point with a footprint: `direct` is what it sends of the sun's
- * without air. Veils between it and its sky dim that. */
+/* The light of a prefiltered ground point with a footprint: `direct` is what it sends of the sun's
+ * without air. Media between it and its sky dim that. */
 pl_vec3f pl_air_ground_light(const struct pl_path_context *context, uint32_t pixel,
                              const pl_vertex *vertex, pl_vec3f direct, float width_m,
                              const struct pl_tile_buffers *buffers);
-/* What is seen of the radiance of a settled ground point, through the veils before it. */
+/* What is seen of the radiance of a prefiltered ground point, through the media before it. */
 pl_vec3f pl_air_seen(const struct pl_path_context *context, uint32_t pixel, pl_vec3f radiance,
-                     const struct pl_veil_list *list, struct pl_tile_buffers *buffers);
+                     const struct pl_medium_list *list, struct pl_tile_buffers *buffers);
 /* Radiance of a pixel that holds nothing but air, before a sky of radiance `behind`; false if that
  * is not known to be so. */
 bool pl_air_alone(const struct pl_path_context *context, uint32_t pixel, pl_vec3f behind,
@@ -89,10 +90,10 @@ bool pl_air_alone(const struct pl_path_context *context, uint32_t pixel, pl_vec3
 /* Along the rays of a wave, whose hits are known: adds to the samples and dims what follows. */
 void pl_air_apply(const struct pl_path_context *context, int bounce, size_t count,
                   struct pl_tile_buffers *buffers);
-/* The same along one ray, number i of the wave, with the veils that it crosses: their light is
+/* The same along one ray, number i of the wave, with the media that it crosses: their light is
  * added and dims what is beyond. */
 void pl_air_pass(const struct pl_path_context *context, int bounce, size_t i,
-                 const struct pl_veil_list *list, struct pl_tile_buffers *buffers);
+                 const struct pl_medium_list *list, struct pl_tile_buffers *buffers);
 /* Part of the light from a unit direction (towards the sun) that reaches a point. */
 pl_vec3f pl_air_toward_sun(const pl_air_view *view, const pl_snapshot *shot, pl_vec3 point,
                            pl_vec3f toward);

@@ -253,8 +253,8 @@ static const pl_air_item *only_item(const pl_path_context *context, bool *any) {
 
 void pl_air_prepare(const pl_path_context *context, pl_tile_buffers *b) {
   memset(b->air.known, 0, sizeof b->air.known);
-  if (context->veils) {
-    memset(b->air.veil_t, 0, sizeof b->air.veil_t);
+  if (context->media) {
+    memset(b->air.medium_t, 0, sizeof b->air.medium_t);
     memset(b->air.blocks, 0, sizeof b->air.blocks);
   }
   b->air.item = only_item(context, &b->air.any);

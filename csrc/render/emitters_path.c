@@ -28,8 +28,8 @@ float pl_emitters_met(const pl_path_context *context, const pl_path *path, const
 }
 
 size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
-                         const pl_vertex *vertex, int bounce, pl_vec3f wo, const pl_shine *onward,
-                         size_t queued, pl_tile_buffers *b) {
+                         const pl_vertex *vertex, int bounce, pl_vec3f wo,
+                         const pl_planetshine_ray *onward, size_t queued, pl_tile_buffers *b) {
   const pl_surface *s = &vertex->surface;
   if (!drawn_on(context->settings, vertex->thing >= context->shot->object_count))
     return queued;
@@ -47,7 +47,8 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   if (drawn.thing == vertex->thing && vertex->thing >= context->shot->object_count)
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, drawn.direction);
-  const float rival = onward != NULL ? pl_shine_pdf(onward, s, wo, wi, drawn.direction) : 0.0f;
+  const float rival =
+      onward != NULL ? pl_planetshine_pdf(onward, s, wo, wi, drawn.direction) : 0.0f;
   const float weight = pl_power_heuristic(drawn.pdf, rival) / drawn.pdf;
   const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));
   const pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, drawn.radiance), weight);

@@ -15,7 +15,7 @@ float pl_emitters_met(const pl_path_context *context, const pl_path *path, const
  * shadow. `onward`: how the path goes on, and may meet emitters by chance too; NULL: it ends.
  * Returns the new length of the queue. */
 size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
-                         const pl_vertex *vertex, int bounce, pl_vec3f wo, const pl_shine *onward,
-                         size_t queued, pl_tile_buffers *buffers);
+                         const pl_vertex *vertex, int bounce, pl_vec3f wo,
+                         const pl_planetshine_ray *onward, size_t queued, pl_tile_buffers *buffers);
 
 #endif

@@ -10,7 +10,7 @@
 #include "render/draws.h"
 #include "render/emitters_path.h"
 #include "render/focus.h"
-#include "render/laws.h"
+#include "render/reflectance_lod.h"
 #include "render/planetshine.h"
 #include "shade/reflectance.h"
 
@@ -144,7 +144,7 @@ static sun_draw draw_sun(const pl_path_context *context, const pl_sun_view *sun,
  * path goes on, and meets the sun by chance too; NULL: this is all the sun there is. */
 static size_t shade_sun(const pl_path_context *context, const pl_path *path,
                         const pl_vertex *vertex, const float u[2], pl_vec3f wo,
-                        const pl_shine *onward, size_t queued, pl_tile_buffers *b) {
+                        const pl_planetshine_ray *onward, size_t queued, pl_tile_buffers *b) {
   const pl_surface *s = &vertex->surface;
   if (dark_at(context, vertex))
     return queued;
@@ -158,7 +158,8 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
                       (RIVAL_MIN * draw.pdf < pl_surface_pdf_most(s, wo) ||
                        (onward->share > 0.0f && onward->mirrored > 0.0f));
   const float weight =
-      rivals ? pl_power_heuristic(draw.pdf, pl_shine_pdf(onward, s, wo, wi, draw.toward)) : 1.0f;
+      rivals ? pl_power_heuristic(draw.pdf, pl_planetshine_pdf(onward, s, wo, wi, draw.toward))
+             : 1.0f;
   const pl_vec3f reflected = pl_vec3f_mul(path->throughput, s->reflectance->evaluate(s, wo, wi));
   pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, draw.light), weight);
   if (!(pl_vec3f_max(light) > 0.0f))
@@ -166,8 +167,8 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   if (context->settings->air != NULL)
     light = pl_vec3f_mul(light, pl_air_toward_sun(context->settings->air, context->shot,
                                                   vertex->position, draw.toward));
-  if (context->settings->veils != NULL)
-    light = pl_vec3f_mul(light, pl_veils_toward_sun(context->settings->veils, context->shot,
+  if (context->settings->media != NULL)
+    light = pl_vec3f_mul(light, pl_media_toward_sun(context->settings->media, context->shot,
                                                     vertex->position, &sun,
                                                     pl_beam_width(&path->beam, vertex->t)));
   if (!shadows_at(context, vertex)) {
@@ -209,11 +210,11 @@ static const pl_caustics *caustics_at(const pl_path_context *context, const pl_v
  * met is seen as it is, not as the mean over the lobe that one draw stands for. */
 static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                    int bounce, const float u[2], const float choice[2], pl_vec3f wo,
-                   const pl_shine *shine, size_t kept, pl_tile_buffers *b) {
+                   const pl_planetshine_ray *shine, size_t kept, pl_tile_buffers *b) {
   pl_path *next = &b->paths[kept];
   pl_ray *ray = &b->rays[kept];
-  pl_shine_draw drawn;
-  if (!pl_shine_sample(shine, &vertex->surface, wo, u, choice[0], &drawn)) {
+  pl_planetshine_draw drawn;
+  if (!pl_planetshine_sample(shine, &vertex->surface, wo, u, choice[0], &drawn)) {
     if (bounce == 0 && drawn.set && !(shine->mirrored > 0.0f))
       pl_path_lose(context, vertex, path, b);
     return false;
@@ -283,7 +284,7 @@ static pl_vec3f sky_at(const pl_path_context *context, const pl_path *path, cons
                        pl_vec3f wo) {
   const pl_render_settings *s = context->settings;
   const pl_vec3f sky = pl_air_sky_reflected(s->air, context->shot, vertex, wo);
-  return pl_veils_dim_sky(s->veils, context->shot, vertex, pl_beam_width(&path->beam, vertex->t),
+  return pl_media_dim_sky(s->media, context->shot, vertex, pl_beam_width(&path->beam, vertex->t),
                           sky);
 }
 
@@ -298,22 +299,22 @@ static void see_emission(const pl_path_context *context, const pl_path *path, co
 /* Whether the path goes on, how, and what it is drawn to. Light of mirrors has edges, which pools
  * would blur, and is drawn well: it is the pixel's `own`. */
 static bool look_on(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
-                    int bounce, pl_vec3f wo, pl_shine *shine, pl_way *way, bool *own,
-                    pl_tile_buffers *b) {
-  *way = PL_WAY_DRAWN;
+                    int bounce, pl_vec3f wo, pl_planetshine_ray *shine, pl_continuation *way,
+                    bool *own, pl_tile_buffers *b) {
+  *way = PL_CONTINUATION_DRAWN;
   *own = bounce > 0;
   if (!goes_on(context, vertex->thing, bounce))
     return false;
   const pl_caustics *caustics = caustics_at(context, vertex);
   if (caustics != NULL) {
-    pl_shine_at(context->settings->shine, caustics, vertex, wo, shine);
+    pl_planetshine_at(context->settings->shine, caustics, vertex, wo, shine);
     *own = *own || shine->mirrored > 0.0f;
   }
   if (!*own)
-    *way = pl_path_way(context, &vertex->surface, wo, path, b);
-  if (*way != PL_WAY_NONE && caustics == NULL)
-    pl_shine_at(context->settings->shine, NULL, vertex, wo, shine);
-  return *way != PL_WAY_NONE;
+    *way = pl_path_continuation(context, &vertex->surface, wo, path, b);
+  if (*way != PL_CONTINUATION_NONE && caustics == NULL)
+    pl_planetshine_at(context->settings->shine, NULL, vertex, wo, shine);
+  return *way != PL_CONTINUATION_NONE;
 }
 
 /* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
@@ -323,7 +324,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   const vertex_draws u = draws_of(b, i);
   pl_vertex_shade(context->shot, &path.beam, context->settings->detail, vertex);
   if (bounce == 0)
-    pl_laws_apply(context->shot, context->settings, vertex);
+    pl_reflectance_lod_apply(context->shot, context->settings, vertex);
   pl_surface *s = &vertex->surface;
   if (s->reflectance->layered) {
     set_lobes(context->settings, s);
@@ -332,37 +333,38 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   if (pl_vec3f_max(s->emission) > 0.0f)
     see_emission(context, &path, &b->rays[i], vertex, b);
   if (bounce > 0 && !context->settings->planetshine &&
-      pl_shine_is_light(context->shot, vertex->thing, b->rays[i].from_thing))
+      pl_planetshine_is_light(context->shot, vertex->thing, b->rays[i].from_thing))
     return;
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
-  pl_shine shine;
+  pl_planetshine_ray shine;
   bool own;
-  pl_way first;
+  pl_continuation first;
   const bool onward = look_on(context, &path, vertex, bounce, wo, &shine, &first, &own, b);
-  const pl_shine *way = onward ? &shine : NULL;
+  const pl_planetshine_ray *way = onward ? &shine : NULL;
   *queued = shade_sun(context, &path, vertex, u.sun, wo, way, *queued, b);
   if (context->settings->air != NULL)
     add(pl_path_sink(b, path.pixel, path.shared),
         pl_vec3f_mul(path.throughput, sky_at(context, &path, vertex, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
-  path.shared = path.shared || first == PL_WAY_SHARED; /* from here on: what is above is its own */
+  path.shared =
+      path.shared || first == PL_CONTINUATION_SHARED; /* from here on: what is above is its own */
   if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, *kept, b) &&
       (own || pl_path_follow(context, vertex, &b->paths[*kept], b)))
     ++*kept;
 }
 
 /* A first hit on the body whose radiance by the sun is known for the whole pixel. */
-static bool is_settled(const pl_tile_buffers *b, int bounce, size_t i) {
+static bool is_prefiltered(const pl_tile_buffers *b, int bounce, size_t i) {
   const uint32_t pixel = b->paths[i].pixel, thing = b->hits[i].thing;
-  return bounce == 0 && b->settled_thing[pixel] == thing &&
+  return bounce == 0 && b->prefiltered_thing[pixel] == thing &&
          (b->slot[pixel] != PL_PATCH_NONE || !b->lit[pixel]);
 }
 
-/* Light by way of others where that of the sun is settled: one path a patch is enough. */
-static void follow_settled(const pl_path_context *context, size_t i, size_t *kept,
-                           pl_tile_buffers *b) {
+/* Light by way of others where that of the sun is prefiltered: one path a patch is enough. */
+static void follow_prefiltered(const pl_path_context *context, size_t i, size_t *kept,
+                               pl_tile_buffers *b) {
   const pl_path path = b->paths[i];
   const vertex_draws u = draws_of(b, i);
   pl_vertex vertex;
@@ -370,26 +372,26 @@ static void follow_settled(const pl_path_context *context, size_t i, size_t *kep
     return;
   if (b->counts[path.pixel] == 0 && context->centred) {
     vertex = b->points[path.pixel];
-    vertex.surface = b->settled_surface[path.pixel];
+    vertex.surface = b->prefiltered_surface[path.pixel];
   } else {
     pl_vertex_locate(context->shot, &path.beam, &b->hits[i], false, &vertex);
     pl_vertex_shade(context->shot, &path.beam, context->settings->detail, &vertex);
   }
   const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0));
   const pl_vec3f wo = pl_surface_to_local(&vertex.surface, view);
-  pl_shine shine;
-  pl_shine_at(context->settings->shine, NULL, &vertex, wo, &shine);
+  pl_planetshine_ray shine;
+  pl_planetshine_at(context->settings->shine, NULL, &vertex, wo, &shine);
   if (extend(context, &path, &vertex, 0, u.direction, u.choice, wo, &shine, *kept, b) &&
       pl_path_follow(context, &vertex, &b->paths[*kept], b))
     ++*kept;
 }
 
 /* A body of which the camera's rays see nothing, but that it is there. */
-static bool is_dot(const pl_path_context *context, uint32_t thing) {
+static bool is_subpixel(const pl_path_context *context, uint32_t thing) {
   const pl_snapshot *shot = context->shot;
-  const bool dot = thing < shot->object_count ? shot->objects[thing].dot
-                                              : shot->bodies[thing - shot->object_count].dot;
-  return dot && !context->settings->see_dots;
+  const bool dot = thing < shot->object_count ? shot->objects[thing].subpixel
+                                              : shot->bodies[thing - shot->object_count].subpixel;
+  return dot && !context->settings->see_subpixel;
 }
 
 /* A hit of path `i`, whatever it is. */
@@ -397,11 +399,11 @@ static void visit_hit(const pl_path_context *context, int bounce, size_t i, size
                       size_t *queued, pl_tile_buffers *b) {
   const uint32_t pixel = b->paths[i].pixel;
   pl_vertex vertex;
-  if (bounce == 0 && is_dot(context, b->hits[i].thing))
-    return; /* its light is known, see frame/dots.h */
-  if (is_settled(b, bounce, i)) {
-    add(&b->sample[pixel], b->settled[pixel]);
-    follow_settled(context, i, kept, b);
+  if (bounce == 0 && is_subpixel(context, b->hits[i].thing))
+    return; /* its light is known, see frame/subpixel_bodies.h */
+  if (is_prefiltered(b, bounce, i)) {
+    add(&b->sample[pixel], b->prefiltered[pixel]);
+    follow_prefiltered(context, i, kept, b);
     return;
   }
   pl_vertex_locate(context->shot, &b->paths[i].beam, &b->hits[i], false, &vertex);
@@ -417,7 +419,7 @@ static void draw_wave(const pl_path_context *context, uint32_t index, int bounce
   _Static_assert(PL_TILE_SIDE == 1 << ROW_BITS, "rows of a tile");
   pl_draws draws = {.sun = {b->draws[0], b->draws[1]}, .choice = {b->draws[4], b->draws[5]}};
   float *direction[2] = {b->draws[2], b->draws[3]};
-  if (bounce == 0 && context->quick) {
+  if (bounce == 0 && context->few_samples) {
     for (size_t i = 0; i < count; i++)
       b->wave_seeds[i] = b->paths[i].pixel;
     pl_draws_spread(direction, b->wave_seeds, count, ROW_BITS, b->seeds[0], index);
@@ -434,8 +436,8 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
                          pl_tile_buffers *b) {
   size_t kept = 0, queued = 0;
   draw_wave(context, index, bounce, count, b);
-  if (context->settings->veils != NULL)
-    pl_veils_apply(context, bounce, count, b);
+  if (context->settings->media != NULL)
+    pl_media_apply(context, bounce, count, b);
   else if (context->settings->air != NULL)
     pl_air_apply(context, bounce, count, b);
   for (size_t i = 0; i < count; i++) {
@@ -482,7 +484,8 @@ static void find_patches(const pl_path_context *context, size_t count, pl_tile_b
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->paths[i].pixel;
     b->slot[pixel] = PL_PATCH_NONE;
-    if (context->pools && b->hits[i].thing != PL_NOTHING && bounces_at(context, b->hits[i].thing))
+    if (context->filters_irradiance && b->hits[i].thing != PL_NOTHING &&
+        bounces_at(context, b->hits[i].thing))
       b->slot[pixel] = pl_patch_meet(&b->patches[pixel], context->shot, &b->hits[i],
                                      b->rays[i].direction, (float)context->pixel_rad);
   }

@@ -4,7 +4,7 @@
 
 #include "light/sun.h"
 #include "render/patch.h"
-#include "render/reach.h"
+#include "render/coverage_mask.h"
 #include "render/render.h"
 
 /* A path on its way: where it goes on is the ray of the same index. */
@@ -14,7 +14,7 @@ typedef struct pl_path {
   float pdf;      /* density with which the ray's direction was drawn; infinite for the camera's */
   float lobe_pdf; /* likewise, by the lobe of the surface alone; not of the camera's */
   uint32_t pixel; /* index in the tile */
-  bool shared;    /* what it brings is shared with other pixels, see share.c */
+  bool shared;    /* what it brings is shared with other pixels, see irradiance_record.c */
 } pl_path;
 
 /* Light that arrives if a shadow ray is free. */
@@ -47,13 +47,14 @@ typedef struct pl_tile_buffers {
   size_t active_count, active_meshes;
   /* Radiance of the body that a pixel's centre hits, where it is one value for the whole pixel: all
    * samples that hit that body share it. PL_NOTHING: every sample is shaded. */
-  uint32_t settled_thing[PL_TILE_PIXELS];
-  pl_vec3f settled[PL_TILE_PIXELS];
-  bool lit[PL_TILE_PIXELS];                   /* where it is: others light the body there */
-  pl_surface settled_surface[PL_TILE_PIXELS]; /* where lit: at the centre */
+  uint32_t prefiltered_thing[PL_TILE_PIXELS];
+  pl_vec3f prefiltered[PL_TILE_PIXELS];
+  bool lit[PL_TILE_PIXELS];                       /* where it is: others light the body there */
+  pl_surface prefiltered_surface[PL_TILE_PIXELS]; /* where lit: at the centre */
   pl_vec3f backdrop[PL_TILE_PIXELS]; /* with settings->backdrop: what is behind everything */
   bool single[PL_TILE_PIXELS];       /* one sample is enough */
-  uint8_t followed[PL_TILE_PIXELS];  /* paths of a row that are worth following, see prune.c */
+  uint8_t followed[PL_TILE_PIXELS];  /* paths of a row that are worth following, see
+                                        adaptive_sampling.c */
   bool narrow[PL_TILE_PIXELS];       /* few samples may miss a body before what is there */
   pl_path paths[PL_TILE_PIXELS];
   pl_ray rays[PL_TILE_PIXELS];
@@ -73,22 +74,22 @@ typedef struct pl_path_context {
   const pl_render_settings *settings;
   const pl_sun_view *suns; /* the sun at each object's centre */
   pl_tile tile;
-  pl_sun_view camera_sun; /* the sun as the camera sees it */
-  double pixel_rad;       /* angle of a pixel */
-  float spread;           /* of a colour sample's cone, per metre */
-  const pl_reach *reach;  /* where meshes may show */
-  bool centred;           /* the geometry buffer's rays are those of sample 0 */
-  bool sharp;             /* all rays of a pixel come by one point */
-  bool pools;             /* pixels pool light, see share.c */
-  bool quick;             /* and do so over many, for few samples */
-  bool bodies, sun, air;  /* whether any body, the sun or air may be in this tile's cone */
-  bool veils;             /* likewise */
-  bool rough_veils;       /* likewise, that are not filtered */
+  pl_sun_view camera_sun;      /* the sun as the camera sees it */
+  double pixel_rad;            /* angle of a pixel */
+  float spread;                /* of a colour sample's cone, per metre */
+  const pl_coverage *coverage; /* where meshes may show */
+  bool centred;                /* the geometry buffer's rays are those of sample 0 */
+  bool sharp;                  /* all rays of a pixel come by one point */
+  bool filters_irradiance;     /* pixels pool light, see irradiance_record.c */
+  bool few_samples;            /* and do so over many, for few samples */
+  bool bodies, sun, air;       /* whether any body, the sun or air may be in this tile's cone */
+  bool media;                  /* likewise */
+  bool rough_media;            /* likewise, that are not filtered */
 } pl_path_context;
 
-/* Fills settled_thing, settled and the list of active pixels; pixels that need no samples get their
- * radiance. Reads points and center_hits. */
-void pl_path_settle(const pl_path_context *context, pl_tile_buffers *buffers);
+/* Fills prefiltered_thing, prefiltered and the list of active pixels; pixels that need no samples
+ * get their radiance. Reads points and center_hits. */
+void pl_path_prefilter(const pl_path_context *context, pl_tile_buffers *buffers);
 
 /* Adds sample `index` of every active pixel to the sums. The geometry buffer's hits serve sample 0
  * of pinhole cameras. */
@@ -97,7 +98,8 @@ void pl_path_sample(const pl_path_context *context, uint32_t index, pl_tile_buff
 /* Of a slice: how many of each pixel's samples are of its instant; false: none in the whole tile.
  */
 bool pl_path_share(const pl_path_context *context, pl_tile_buffers *buffers);
-/* Of a slice, after pl_path_settle: draws them; radiance becomes their part of the pixels' means.
+/* Of a slice, after pl_path_prefilter: draws them; radiance becomes their part of the pixels'
+ * means.
  */
 void pl_path_slice(const pl_path_context *context, pl_tile_buffers *buffers);
 
@@ -120,16 +122,16 @@ void pl_path_lose(const pl_path_context *context, const pl_vertex *vertex, const
 bool pl_path_repeat(pl_patch *patch);
 
 /* How a path goes on from what the camera's ray hits. */
-typedef enum pl_way {
-  PL_WAY_DRAWN,  /* what is drawn decides, see pl_path_follow */
-  PL_WAY_SHARED, /* it is shared wherever it goes, and counted */
-  PL_WAY_NONE,   /* counted, but not followed */
-} pl_way;
+typedef enum pl_continuation {
+  PL_CONTINUATION_DRAWN,  /* what is drawn decides, see pl_path_follow */
+  PL_CONTINUATION_SHARED, /* it is shared wherever it goes, and counted */
+  PL_CONTINUATION_NONE,   /* counted, but not followed */
+} pl_continuation;
 
 /* Decides it of a surface all of whose lobes are wide, unless emitters would have to know: what
  * its path carries on is counted as about its albedo, without the luck of a draw. */
-pl_way pl_path_way(const pl_path_context *context, const pl_surface *surface, pl_vec3f wo,
-                   const pl_path *path, pl_tile_buffers *buffers);
+pl_continuation pl_path_continuation(const pl_path_context *context, const pl_surface *surface,
+                                     pl_vec3f wo, const pl_path *path, pl_tile_buffers *buffers);
 
 /* Digital numbers by which an error moves a mean luminance. */
 float pl_path_error_dn(const pl_render_settings *settings, float mean, float error);
@@ -137,9 +139,9 @@ float pl_path_error_dn(const pl_render_settings *settings, float mean, float err
 /* Takes the pixels that a single sample is enough for off the active list. */
 void pl_path_drop_single(pl_tile_buffers *buffers);
 
-/* Takes the pixels that have samples enough off the active list, see prune.c. Every active pixel
- * has had the same number. */
-void pl_path_prune(const pl_path_context *context, pl_tile_buffers *buffers);
+/* Takes the pixels that have samples enough off the active list, see adaptive_sampling.c. Every
+ * active pixel has had the same number. */
+void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *buffers);
 
 /* Position of colour sample `index` in its pixel, from the centre, where `samples` are the usual
  * number: the Sobol (0,2)-sequence turned so that its first point is the centre, where the labels'

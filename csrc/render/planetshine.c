@@ -55,15 +55,15 @@ static float mean_color(const pl_shot_body *body) {
 
 /* The bodies in one sky that look the brightest, in falling order; the rest is other light. */
 typedef struct ranking {
-  uint32_t body[PL_SHINE_LIGHTS];
-  float light[PL_SHINE_LIGHTS];
+  uint32_t body[PL_PLANETSHINE_LIGHTS];
+  float light[PL_PLANETSHINE_LIGHTS];
   int count;
   float other;
 } ranking;
 
 static void insert(ranking *r, uint32_t body, float found) {
   int at = r->count;
-  if (at == PL_SHINE_LIGHTS) {
+  if (at == PL_PLANETSHINE_LIGHTS) {
     at--;
     r->other += pl_minf(found, r->light[at]);
     if (!(found > r->light[at]))
@@ -100,11 +100,11 @@ static ranking rank_bodies(const pl_planetshine *p, const place *at) {
 }
 
 /* A look at a body from about there that is made already; the nearest one, once all are made. */
-static const pl_body_look *find_look(const pl_planetshine *p, uint32_t body, pl_vec3 point,
-                                     double gap_m) {
-  const pl_body_look *out = NULL;
-  double least = p->look_count < LOOKS ? LIKE * gap_m : INFINITY;
-  for (size_t i = 0; i < p->look_count; i++) {
+static const pl_body_radiance *find_radiance(const pl_planetshine *p, uint32_t body, pl_vec3 point,
+                                             double gap_m) {
+  const pl_body_radiance *out = NULL;
+  double least = p->radiance_count < LOOKS ? LIKE * gap_m : INFINITY;
+  for (size_t i = 0; i < p->radiance_count; i++) {
     const double apart = pl_vec3_norm(pl_vec3_sub(p->looks[i].point, point));
     if (p->looks[i].body == body && apart < least) {
       least = apart;
@@ -115,25 +115,25 @@ static const pl_body_look *find_look(const pl_planetshine *p, uint32_t body, pl_
 }
 
 /* What a thing sees of a body: from its centre, or of bodies from below the other. */
-static const pl_body_look *look_from(pl_planetshine *p, const pl_render_settings *settings,
-                                     const place *at, uint32_t body) {
+static const pl_body_radiance *look_from(pl_planetshine *p, const pl_render_settings *settings,
+                                         const place *at, uint32_t body) {
   const pl_vec3 to = pl_vec3_sub(p->shot->bodies[body].center, at->center);
   const double apart = pl_vec3_norm(to), gap = apart - p->shot->bodies[body].radius_m;
   pl_vec3 point = at->center;
   if (at->own >= 0 && gap > at->radius_m)
     point = pl_vec3_madd(point, at->radius_m / apart, to);
-  const pl_body_look *like = find_look(p, body, point, gap);
-  if (like != NULL || p->look_count == LOOKS)
+  const pl_body_radiance *like = find_radiance(p, body, point, gap);
+  if (like != NULL || p->radiance_count == LOOKS)
     return like;
-  pl_body_look *look = &p->looks[p->look_count];
-  if (!pl_body_look_make(p->shot, settings, body, p->suns[body], point, look))
+  pl_body_radiance *look = &p->looks[p->radiance_count];
+  if (!pl_body_radiance_make(p->shot, settings, body, p->suns[body], point, look))
     return NULL;
-  p->look_count++;
+  p->radiance_count++;
   return look;
 }
 
-static void look_at(const pl_planetshine *p, const pl_body_look *look, pl_vec3 point,
-                    pl_shine_light *out) {
+static void look_at(const pl_planetshine *p, const pl_body_radiance *look, pl_vec3 point,
+                    pl_planetshine_light *out) {
   double even;
   out->seen =
       pl_body_disc_make(&p->shot->bodies[look->body], p->suns[look->body], point, &out->disc);
@@ -147,12 +147,12 @@ static void look_at(const pl_planetshine *p, const pl_body_look *look, pl_vec3 p
 }
 
 static void fill_sky(pl_planetshine *p, const pl_render_settings *settings, const place *at,
-                     pl_shine_sky *sky) {
+                     pl_planetshine_sky *sky) {
   const ranking ranking = rank_bodies(p, at);
   sky->far = true;
   sky->other += ranking.other;
   for (int i = 0; i < ranking.count; i++) {
-    const pl_body_look *look = look_from(p, settings, at, ranking.body[i]);
+    const pl_body_radiance *look = look_from(p, settings, at, ranking.body[i]);
     if (look == NULL || !(look->irradiance > INVISIBLE * PL_PI_F * p->white))
       continue;
     const pl_shot_body *body = &p->shot->bodies[look->body];
@@ -170,14 +170,14 @@ static void fill_skies(pl_planetshine *p, const pl_render_settings *settings) {
     const pl_shot_object *object = &shot->objects[i];
     const double sun = object->dark ? 0.0 : pl_shot_sun_irradiance(&shot->sun, object->center);
     const place at = {object->center, object->radius_m, object->object->body};
-    p->skies[i] = (pl_shine_sky){.other = BY_MESHES * (float)sun / PL_PI_F};
+    p->skies[i] = (pl_planetshine_sky){.other = BY_MESHES * (float)sun / PL_PI_F};
     if (object->kept)
       fill_sky(p, settings, &at, &p->skies[i]);
   }
   for (size_t i = 0; i < shot->body_count; i++) {
     const place at = {shot->bodies[i].center, shot->bodies[i].radius_m, (int)i};
-    pl_shine_sky *sky = &p->skies[shot->object_count + i];
-    *sky = (pl_shine_sky){.other = 0.0f};
+    pl_planetshine_sky *sky = &p->skies[shot->object_count + i];
+    *sky = (pl_planetshine_sky){.other = 0.0f};
     if (shot->bodies[i].bounced)
       fill_sky(p, settings, &at, sky);
   }
@@ -206,7 +206,7 @@ pl_status pl_planetshine_build(const pl_snapshot *shot, const pl_render_settings
   return PL_OK;
 }
 
-bool pl_shine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t from) {
+bool pl_planetshine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t from) {
   return thing != from && (thing >= shot->object_count || shot->objects[thing].object->body >= 0);
 }
 
@@ -218,7 +218,7 @@ typedef struct guess {
   float white; /* what a white diffuse surface that faces the body would send on */
 } guess;
 
-static guess guess_at(const pl_shine_light *light, const pl_surface *s, pl_vec3f wo) {
+static guess guess_at(const pl_planetshine_light *light, const pl_surface *s, pl_vec3f wo) {
   pl_vec3f direction = light->middle;
   guess out = {.white = light->irradiance / PL_PI_F};
   if (!pl_surface_admits(s, direction)) {
@@ -238,12 +238,12 @@ typedef struct sums {
   float light, met, gloss, wide;
 } sums;
 
-static void list_bodies(const pl_planetshine *p, const pl_shine_sky *sky, const pl_vertex *vertex,
-                        pl_vec3f wo, pl_shine *out, sums *sums) {
+static void list_bodies(const pl_planetshine *p, const pl_planetshine_sky *sky,
+                        const pl_vertex *vertex, pl_vec3f wo, pl_planetshine_ray *out, sums *sums) {
   out->count = 0;
   for (int i = 0; i < sky->count; i++) {
-    pl_shine_light own;
-    const pl_shine_light *light = sky->far ? &sky->lights[i] : &own;
+    pl_planetshine_light own;
+    const pl_planetshine_light *light = sky->far ? &sky->lights[i] : &own;
     if (!sky->far)
       look_at(p, sky->look[i], vertex->position, &own);
     if (!light->seen)
@@ -265,11 +265,11 @@ static void list_bodies(const pl_planetshine *p, const pl_shine_sky *sky, const 
 
 /* Sets the share of bodies; returns a guess of the light that the surface sends on of theirs. */
 static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo,
-                          pl_shine *out) {
+                          pl_planetshine_ray *out) {
   const pl_surface *s = &vertex->surface;
   const float color = pl_luminance(s->color);
   sums sums = {0.0f, 0.0f, 0.0f, 0.0f};
-  const pl_shine_sky *sky = &p->skies[vertex->thing];
+  const pl_planetshine_sky *sky = &p->skies[vertex->thing];
   list_bodies(p, sky, vertex, wo, out, &sums);
   const float all = sums.light + sums.wide;
   if (!(sums.light > 0.0f) || !(sums.met < 1.0f))
@@ -292,7 +292,7 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
 
 /* Takes the share of mirrors from what bodies and the lobe have; `known`: light of bodies. */
 static void share_mirrors(const pl_caustics *caustics, const pl_vertex *vertex, pl_vec3f wo,
-                          float known, pl_shine *out) {
+                          float known, pl_planetshine_ray *out) {
   const float light = pl_caustics_at(caustics, vertex, wo, &out->mirrors);
   const float color = pl_luminance(vertex->surface.color);
   if (!(light > 0.0f))
@@ -305,8 +305,8 @@ static void share_mirrors(const pl_caustics *caustics, const pl_vertex *vertex, 
   out->mirrored = share / out->share;
 }
 
-void pl_shine_at(const pl_planetshine *p, const pl_caustics *caustics, const pl_vertex *vertex,
-                 pl_vec3f wo, pl_shine *out) {
+void pl_planetshine_at(const pl_planetshine *p, const pl_caustics *caustics,
+                       const pl_vertex *vertex, pl_vec3f wo, pl_planetshine_ray *out) {
   const pl_surface *s = &vertex->surface;
   float known = 0.0f;
   out->share = out->mirrored = 0.0f;
@@ -319,12 +319,13 @@ void pl_shine_at(const pl_planetshine *p, const pl_caustics *caustics, const pl_
     share_mirrors(caustics, vertex, wo, known, out);
 }
 
-static float density(const pl_shine *shine, float lobe, float bodies) {
+static float density(const pl_planetshine_ray *shine, float lobe, float bodies) {
   return (1.0f - shine->share) * lobe + shine->share * bodies;
 }
 
 /* Density of drawing to bodies and mirrors; `drawn`: a body whose own density is known, or -1. */
-static float bodies_pdf(const pl_shine *shine, pl_vec3f direction, int drawn, float known) {
+static float bodies_pdf(const pl_planetshine_ray *shine, pl_vec3f direction, int drawn,
+                        float known) {
   float sum = 0.0f;
   for (int i = 0; i < shine->count && shine->mirrored < 1.0f; i++)
     sum += shine->chance[i] *
@@ -335,8 +336,8 @@ static float bodies_pdf(const pl_shine *shine, pl_vec3f direction, int drawn, fl
          shine->mirrored * pl_caustics_pdf(&shine->mirrors, direction);
 }
 
-float pl_shine_pdf(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, pl_vec3f wi,
-                   pl_vec3f direction) {
+float pl_planetshine_pdf(const pl_planetshine_ray *shine, const pl_surface *s, pl_vec3f wo,
+                         pl_vec3f wi, pl_vec3f direction) {
   const float lobe = s->reflectance->pdf(s, wo, wi);
   if (!(shine->share > 0.0f))
     return lobe;
@@ -344,7 +345,7 @@ float pl_shine_pdf(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, pl_v
 }
 
 static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], float choice,
-                        pl_shine_draw *out) {
+                        pl_planetshine_draw *out) {
   if (!s->reflectance->sample(s, wo, u, choice, &out->wi, &out->weight, &out->lobe_pdf))
     return false;
   out->pdf = out->lobe_pdf;
@@ -355,8 +356,8 @@ static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], floa
 
 /* A direction to one of the bodies, or mirrors (-1), by `choice` in [0, 1); a body's own density.
  */
-static bool sample_target(const pl_shine *shine, const float u[2], float choice, int *body,
-                          pl_vec3f *direction, float *known) {
+static bool sample_target(const pl_planetshine_ray *shine, const float u[2], float choice,
+                          int *body, pl_vec3f *direction, float *known) {
   *body = -1;
   if (choice < shine->mirrored)
     return pl_caustics_sample(&shine->mirrors, u, choice / shine->mirrored, direction);
@@ -370,8 +371,8 @@ static bool sample_target(const pl_shine *shine, const float u[2], float choice,
   return true;
 }
 
-static bool sample_set(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, const float u[2],
-                       float choice, pl_shine_draw *out) {
+static bool sample_set(const pl_planetshine_ray *shine, const pl_surface *s, pl_vec3f wo,
+                       const float u[2], float choice, pl_planetshine_draw *out) {
   int at;
   float known = 0.0f;
   if (!sample_target(shine, u, choice, &at, &out->direction, &known) ||
@@ -386,8 +387,8 @@ static bool sample_set(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, 
   return true;
 }
 
-bool pl_shine_sample(const pl_shine *shine, const pl_surface *s, pl_vec3f wo, const float u[2],
-                     float choice, pl_shine_draw *out) {
+bool pl_planetshine_sample(const pl_planetshine_ray *shine, const pl_surface *s, pl_vec3f wo,
+                           const float u[2], float choice, pl_planetshine_draw *out) {
   const float share = shine->share;
   out->set = choice < share;
   if (!(share > 0.0f))

@@ -7,9 +7,9 @@
 #include "math/philox.h"
 #include "render/body_points.h"
 #include "render/path.h"
-#include "render/pool.h"
-#include "render/reach.h"
-#include "render/share.h"
+#include "render/irradiance_filter.h"
+#include "render/coverage_mask.h"
+#include "render/irradiance_record.h"
 
 /* Samples after which the noise is looked at for the first time; then at every doubling. */
 enum { FIRST_CHECK = 2 };
@@ -21,8 +21,8 @@ struct pl_render_scratch {
   pl_tile_buffers *buffers; /* owned, one per worker */
   pl_sun_view *suns;        /* owned, one per object */
   size_t sun_count;         /* room in suns */
-  pl_reach reach;
-  pl_share share;
+  pl_coverage coverage;
+  pl_irradiance_record share;
 };
 
 pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
@@ -38,7 +38,7 @@ pl_status pl_render_scratch_create(int threads, pl_render_scratch **out) {
   }
   pl_render_scratch *made = scratch;
   *made = (pl_render_scratch){.threads = threads, .buffers = buffers};
-  const pl_status shared = pl_share_init(&made->share);
+  const pl_status shared = pl_irradiance_init(&made->share);
   if (shared != PL_OK) {
     pl_free(buffers);
     pl_free(scratch);
@@ -53,8 +53,8 @@ void pl_render_scratch_destroy(pl_render_scratch *scratch) {
     return;
   pl_free(scratch->buffers);
   pl_free(scratch->suns);
-  pl_reach_clear(&scratch->reach);
-  pl_share_clear(&scratch->share);
+  pl_coverage_clear(&scratch->coverage);
+  pl_irradiance_clear(&scratch->share);
   pl_free(scratch);
 }
 
@@ -83,7 +83,7 @@ static pl_tile tile_of(const job *job, size_t item) {
 
 /* What the tile's cone can meet. */
 typedef struct content {
-  bool meshes, bodies, sun, air, veils, rough_veils;
+  bool meshes, bodies, sun, air, media, rough_media;
   pl_vec3 axis; /* of the cone */
   double half_angle_rad;
 } content;
@@ -96,13 +96,13 @@ static content tile_content(const job *job, pl_tile tile) {
   pl_snapshot_cone(shot, rect, &out.axis, &out.half_angle_rad);
   for (int y = 0; y < tile.height && !out.meshes; y++)
     for (int x = 0; x < tile.width && !out.meshes; x++)
-      out.meshes = pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y);
+      out.meshes = pl_coverage_pixel(&job->scratch->coverage, tile.x0 + x, tile.y0 + y);
   out.sun =
       pl_snapshot_sees(shot, shot->sun.position, shot->sun.radius_m, out.axis, out.half_angle_rad);
   out.air = pl_air_in_cone(job->settings->air, shot, out.axis, out.half_angle_rad);
-  out.veils = pl_veils_in_cone(job->settings->veils, shot, out.axis, out.half_angle_rad);
-  out.rough_veils =
-      pl_veils_rough_in_cone(job->settings->veils, shot, out.axis, out.half_angle_rad);
+  out.media = pl_media_in_cone(job->settings->media, shot, out.axis, out.half_angle_rad);
+  out.rough_media =
+      pl_media_rough_in_cone(job->settings->media, shot, out.axis, out.half_angle_rad);
   for (size_t i = 0; i < shot->body_count && !out.bodies; i++)
     out.bodies = shot->bodies[i].shape == NULL && /* its mesh is among the meshes */
                  pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, out.axis,
@@ -161,7 +161,7 @@ static bool packet_may_see(const job *job, pl_tile tile, place at) {
   const int y1 = at.y + HIGH < tile.height ? at.y + HIGH : tile.height;
   for (int y = at.y > 0 ? at.y : 0; y < y1; y++)
     for (int x = at.x; x < x1; x++)
-      if (pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y))
+      if (pl_coverage_pixel(&job->scratch->coverage, tile.x0 + x, tile.y0 + y))
         return true;
   return false;
 }
@@ -254,16 +254,16 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
       .pixel_rad = job->pixel_rad,
       .camera_sun = pl_sun_view_at(&job->shot->sun, (pl_vec3){0.0, 0.0, 0.0}),
       .spread = (float)(job->pixel_rad / sqrt((double)job->settings->samples)),
-      .reach = &job->scratch->reach,
+      .coverage = &job->scratch->coverage,
       .centred = !(job->shot->camera.aperture_m > 0.0) && job->settings->slice == NULL,
       .sharp = !(job->shot->camera.aperture_m > 0.0),
-      .pools = is_adaptive(job),
-      .quick = is_adaptive(job) && job->settings->samples <= PL_SHARE_ROW,
+      .filters_irradiance = is_adaptive(job),
+      .few_samples = is_adaptive(job) && job->settings->samples <= PL_IRRADIANCE_ROW,
       .bodies = content->bodies,
       .sun = content->sun,
       .air = content->air,
-      .veils = content->veils,
-      .rough_veils = content->rough_veils,
+      .media = content->media,
+      .rough_media = content->rough_media,
   };
 }
 
@@ -274,7 +274,8 @@ static void fill_slice_points(const job *job, pl_tile tile, const content *conte
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
       const int pixel = y * PL_TILE_SIDE + x;
-      if (b->shares[pixel] == 0 || pl_reach_pixel(&job->scratch->reach, tile.x0 + x, tile.y0 + y))
+      if (b->shares[pixel] == 0 ||
+          pl_coverage_pixel(&job->scratch->coverage, tile.x0 + x, tile.y0 + y))
         b->points[pixel].thing = PL_NOTHING;
     }
 }
@@ -288,7 +289,7 @@ static void sample_slice(const job *job, pl_tile tile, const content *content, p
   if (job->settings->air != NULL)
     pl_air_prepare(&context, b);
   fill_slice_points(job, tile, content, b);
-  pl_path_settle(&context, b);
+  pl_path_prefilter(&context, b);
   pl_path_slice(&context, b);
 }
 
@@ -299,7 +300,7 @@ static pl_status sample_colour(const job *job, size_t item, int worker, const co
   const pl_path_context context = context_of(job, tile, content);
   if (job->settings->air != NULL)
     pl_air_prepare(&context, b);
-  pl_path_settle(&context, b);
+  pl_path_prefilter(&context, b);
   if (b->active_count > 0)
     draw_seeds(job, tile, b->seeds);
   const bool adaptive = is_adaptive(job);
@@ -312,9 +313,9 @@ static pl_status sample_colour(const job *job, size_t item, int worker, const co
     if (i + 1 != check || check == most)
       continue;
     check *= 2;
-    pl_path_prune(&context, b);
+    pl_path_adapt(&context, b);
   }
-  return pl_share_keep(&job->scratch->share, item, &context, b);
+  return pl_irradiance_keep(&job->scratch->share, item, &context, b);
 }
 
 /* What is behind everything, in all pixels of the tile. */
@@ -334,7 +335,7 @@ static pl_status render_tile(void *context, size_t item, int worker) {
     b->radiance[i] = (pl_vec3f){0.0f, 0.0f, 0.0f};
   const bool behind = job->settings->samples > 0 && job->settings->backdrop != NULL;
   const bool anything =
-      content.meshes || content.bodies || content.sun || content.air || content.veils;
+      content.meshes || content.bodies || content.sun || content.air || content.media;
   if (behind)
     fill_backdrop(job, tile, anything || job->settings->slice != NULL ? b->backdrop : b->radiance);
   if (job->settings->slice != NULL) {
@@ -355,11 +356,11 @@ static pl_status render_tile(void *context, size_t item, int worker) {
 /* Once more, with the light that was shared. */
 static pl_status light_tile(void *context, size_t item, int worker) {
   const job *job = context;
-  const pl_share *share = &job->scratch->share;
+  const pl_irradiance_record *share = &job->scratch->share;
   pl_vec3f *radiance = job->scratch->buffers[worker].radiance;
   if (!share->tiles[item].lit)
     return PL_OK;
-  pl_pool_light(share, item, job->settings, job->pixel_rad, radiance);
+  pl_irradiance_filter_light(share, item, job->settings, job->pixel_rad, radiance);
   const pl_tile_result result = {share->tiles[item].tile, false, NULL, radiance};
   return job->done(job->context, &result, worker);
 }
@@ -404,13 +405,14 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
       .pixel_rad = 1.0 / fmax(shot->camera.fx, shot->camera.fy),
   };
   PL_TRY(view_suns(scratch, shot));
-  PL_TRY(pl_reach_update(&scratch->reach, shot, row0, row1, rays_of(settings), scratch->threads));
+  PL_TRY(pl_coverage_update(&scratch->coverage, shot, row0, row1, rays_of(settings),
+                            scratch->threads));
   const size_t tiles = (size_t)columns * (size_t)rows;
   if (is_adaptive(&job))
-    PL_TRY(pl_share_start(&scratch->share, columns, rows, row0 / PL_TILE_SIDE));
+    PL_TRY(pl_irradiance_start(&scratch->share, columns, rows, row0 / PL_TILE_SIDE));
   PL_TRY(pl_parallel_for(scratch->threads, tiles, render_tile, &job, cancel));
   if (!is_adaptive(&job))
     return PL_OK;
-  PL_TRY(pl_share_reserve(&scratch->share));
+  PL_TRY(pl_irradiance_reserve(&scratch->share));
   return pl_parallel_for(scratch->threads, tiles, light_tile, &job, cancel);
 }

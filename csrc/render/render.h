@@ -10,7 +10,7 @@
 #include "light/limb.h"
 #include "render/air_path.h"
 #include "render/tile.h"
-#include "render/veil.h"
+#include "render/medium.h"
 #include "render/planetshine.h"
 #include "render/vertex.h"
 #include "sky/backdrop.h"
@@ -32,25 +32,25 @@ typedef struct pl_render_settings {
   bool planetshine;     /* what bodies reflect lights other things */
   const pl_limb *limb;  /* of the sun's disc, with soft_sun; NULL: of even brightness */
   bool soft_sun, cast_shadows, clear_coat, transmission;
-  bool emission;               /* what emits is seen to */
-  pl_detail detail;            /* of surfaces */
-  bool exact;                  /* every pixel is sampled: no closed form stands for its mean */
-  int laws_down;               /* steps down from Hapke's law to cheaper ones, see laws.h */
+  bool emission;    /* what emits is seen to */
+  pl_detail detail; /* of surfaces */
+  bool exact;       /* every pixel is sampled: no closed form stands for its mean */
+  int lods_down;    /* steps down from Hapke's law to cheaper ones, see reflectance_lod.h */
   const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
   const pl_air_view *air;      /* borrowed; NULL: none */
-  const pl_veils *veils;       /* borrowed; NULL: none */
+  const pl_media *media;       /* borrowed; NULL: none */
   const pl_caustics
       *caustics; /* borrowed; NULL: what mirrors the sun onto others is met by chance */
   const pl_planetshine *shine; /* borrowed; NULL: bodies that light others are met by chance */
   bool emitters_on_bodies;     /* or else on meshes alone */
   const pl_backdrop *backdrop; /* borrowed: what the camera sees behind everything; NULL: black */
-  bool see_dots;               /* bodies that are dots are seen as others are, not black */
-  float noise_dn;              /* pixels quieter than this get no more samples, see prune.c, and
-                                * busy ones more than `samples`; 0: all get `samples` */
-  int row0, row1;              /* of the image; row1 0: all */
-  const pl_slice *slice;       /* borrowed; NULL: all samples are of this instant. Else radiance is
-                                * the part of it that this instant's samples give, and points are
-                                * not filled */
+  bool see_subpixel;           /* bodies that are subpixel are seen as others are, not black */
+  float noise_dn; /* pixels quieter than this get no more samples, see adaptive_sampling.c, and
+                   * busy ones more than `samples`; 0: all get `samples` */
+  int row0, row1; /* of the image; row1 0: all */
+  const pl_slice *slice; /* borrowed; NULL: all samples are of this instant. Else radiance is
+                          * the part of it that this instant's samples give, and points are
+                          * not filled */
   /* What noise_dn refers to, W m-2 sr-1 encoded as 255: the least of the pictures that are asked
    * for, and of another one, whose lights that are brighter count; 0: there is none. */
   float white_radiance, white_other;

@@ -19,7 +19,7 @@ typedef struct share {
 } share;
 
 /* Whether there is what else the light is kept from: other volumes, clouds, rings. */
-static bool shades_veils(const pl_view *view) {
+static bool shades_media(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].clouds != NULL || view->things[i].rings_radius_m > 0.0)
       return true;
@@ -38,7 +38,7 @@ static share share_of(const pl_view *view, const pl_view_volume *volume) {
       out.lights = fmax(out.lights,
                         pl_view_transfer(other, &thing) * pl_view_series(view, view->max_bounces));
   }
-  out.shades = out.shades || (volume->depth > 0.0 && shades_veils(view));
+  out.shades = out.shades || (volume->depth > 0.0 && shades_media(view));
   return out;
 }
 

@@ -34,7 +34,7 @@ typedef struct pl_shot_object {
   bool kept;                  /* part of the accelerator; culled ones cannot touch the image */
   bool eclipsed;              /* a body's shadow may fall on it; found by pl_snapshot_cull */
   bool dark;                  /* it lies wholly in a body's umbra; found by pl_snapshot_cull */
-  bool dot; /* as of bodies: of the shape of one, too small for the samples of pixels */
+  bool subpixel; /* as of bodies: of the shape of one, too small for the samples of pixels */
   /* Of an articulated object: every triangle is in one of these and placed by it, not by to_view;
    * pose and scale are still the object's. */
   const pl_shot_piece *pieces; /* in the order of the cut; NULL of others */
@@ -55,13 +55,13 @@ typedef struct pl_shot_body {
   bool air_in_frame;           /* its air, if it has any, touches the frustum */
   bool clouds_in_frame;        /* likewise */
   bool rings_in_frame;         /* likewise */
-  bool dot;                    /* too small for the samples of pixels; see pl_culling */
+  bool subpixel;               /* too small for the samples of pixels; see pl_culling */
   bool shadowed;    /* something may cast a noticeable shadow on it; found by pl_snapshot_cull */
   bool bounced;     /* others may noticeably light it by reflection; found by pl_snapshot_cull */
   bool near_meshes; /* objects may, or hide what others send it; found by pl_snapshot_cull */
   /* Factors on the light with which cheaper laws come nearest to its own where it is seen; NULL
    * where they may not stand for it. Those of pl_culling's view. */
-  const pl_view_laws *laws;
+  const pl_view_lods *lods;
 } pl_shot_body;
 
 typedef struct pl_shot_volume {
@@ -120,7 +120,7 @@ pl_status pl_snapshot_view(const pl_snapshot *snapshot, pl_arena *arena, pl_view
 typedef struct pl_culling {
   const pl_view *view; /* of the snapshot */
   double tolerance_dn;
-  const bool *dots; /* [body_count]: too small for the samples of pixels; NULL: none */
+  const bool *subpixel; /* [body_count]: too small for the samples of pixels; NULL: none */
 } pl_culling;
 
 /* A snapshot without the objects that can neither be seen nor, by shadow or reflection, change what

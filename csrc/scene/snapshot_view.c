@@ -173,7 +173,7 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
 }
 
 /* The shape of a body: the body's surface on a mesh. What is known of a map on an ellipsoid is not
- * of one that is anywhere; other laws never stand for its own. */
+ * of one that is anywhere; other lods never stand for its own. */
 /* Materials of a shape's file, beside what its graph gives. */
 static void add_materials(const pl_model_summary *summary, pl_view_thing *thing) {
   thing->textured |= summary->textured;
@@ -459,12 +459,12 @@ static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, do
     /* objects hide or send at most what comes from as much of its sky at the brightest */
     const double part = pl_view_sum(view, &view->things[thing], of_mesh, &meshes_end);
     body->near_meshes = pl_view_dn(view, part * brightest) > culling->tolerance_dn;
-    body->laws = view->things[thing].laws;
-    body->dot = culling->dots != NULL && culling->dots[i];
+    body->lods = view->things[thing].lods;
+    body->subpixel = culling->subpixel != NULL && culling->subpixel[i];
     if (body->shape == NULL)
       continue;
     pl_shot_object *shape = objects + (body->shape - placed->objects);
-    shape->dot = body->dot;
+    shape->subpixel = body->subpixel;
     body->shape = shape;
   }
 }

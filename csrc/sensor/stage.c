@@ -97,7 +97,7 @@ double pl_sensor_radiance_max(const pl_view *view) {
     if (view->things[i].in_frame)
       radiance = fmax(radiance, pl_view_light(&view->things[i]) + pl_view_received(view, i));
   radiance *= pl_view_series(view, 1 + view->max_bounces);
-  radiance += pl_view_veils_max(view);
+  radiance += pl_view_media_max(view);
   return radiance + gathered * pl_view_sky_max(view);
 }
 

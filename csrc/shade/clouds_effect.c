@@ -41,7 +41,7 @@ static double footprint_m(const pl_view *view, const pl_view_thing *body) {
 }
 
 /* Upper bound of the factor by which tops tilted towards the sun are brighter than level ones
- * (render/cloud_veil.c). */
+ * (render/cloud_medium.c). */
 static const double TILTED = 1.8;
 
 /* Bound of the change of a pixel if the cover changes by `cover`: the brightest possible cloud is

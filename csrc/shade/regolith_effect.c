@@ -6,21 +6,21 @@
 
 static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
-    if (view->things[i].laws != NULL)
+    if (view->things[i].lods != NULL)
       return NULL;
   return "no body follows Hapke's law over much of the frame";
 }
 
 static int ceiling(const pl_view *view) {
   (void)view;
-  return PL_VIEW_LAWS - 1;
+  return PL_VIEW_LODS - 1;
 }
 
 /* Largest change of a pixel by one model, over all sampled geometries. */
-static double change_dn(const pl_view *view, const pl_view_laws *laws, size_t law) {
+static double change_dn(const pl_view *view, const pl_view_lods *lods, size_t law) {
   double largest = 0.0;
-  for (size_t i = 0; i < laws->count; i++) {
-    const double exact = (double)laws->exact[i], off = (double)laws->off[law][i];
+  for (size_t i = 0; i < lods->count; i++) {
+    const double exact = (double)lods->exact[i], off = (double)lods->off[law][i];
     const double dn = pl_view_dn(view, exact);
     largest =
         fmax(largest, fmax(pl_view_dn(view, exact + off) - dn, dn - pl_view_dn(view, exact - off)));
@@ -33,14 +33,14 @@ static double change_dn(const pl_view *view, const pl_view_laws *laws, size_t la
 static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
-    for (int law = value; view->things[i].laws != NULL && law < PL_VIEW_LAWS - 1; law++)
-      largest = fmax(largest, change_dn(view, view->things[i].laws, (size_t)law));
+    for (int law = value; view->things[i].lods != NULL && law < PL_VIEW_LODS - 1; law++)
+      largest = fmax(largest, change_dn(view, view->things[i].lods, (size_t)law));
   return largest;
 }
 
 /* Cost per shading relative to Lambert; measured by benchmarks/reflectance.py. */
 static double cost_ms(const pl_view *view, int value) {
-  static const double ns[PL_VIEW_LAWS] = {0.0, 100.0, 100.0, 70.0, 100.0, 190.0};
+  static const double ns[PL_VIEW_LODS] = {0.0, 100.0, 100.0, 70.0, 100.0, 190.0};
   return 1e-6 * ns[value] * view->width * view->height * view->samples;
 }
 

@@ -216,7 +216,7 @@ static bool looks_at(const pl_model *model, uint32_t triangle, pl_vec3f directio
          pl_vec3_dot(pl_vec3_cross(e1, e2), pl_vec3f_to_double(direction)) <= 0.0;
 }
 
-void pl_coincident_settle(const pl_instance *instance, const pl_lone_approach *at,
+void pl_coincident_choose(const pl_instance *instance, const pl_lone_approach *at,
                           pl_candidate_fn counts, const void *context, pl_mesh_hit *hit) {
   if (instance->coincident[hit->triangle] == 0)
     return;

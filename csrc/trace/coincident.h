@@ -22,7 +22,7 @@ typedef bool (*pl_candidate_fn)(const void *context,
 /* Replaces a hit on such a triangle by the last of those of its instance that look at the ray, or
  * if none does by the last, within rounding of it along the ray, which came to it as `at` says.
  * Only candidates that count: holes of graphs do not. */
-void pl_coincident_settle(const pl_instance *instance, const pl_lone_approach *at,
+void pl_coincident_choose(const pl_instance *instance, const pl_lone_approach *at,
                           pl_candidate_fn counts, const void *context, pl_mesh_hit *hit);
 
 #endif

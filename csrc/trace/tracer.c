@@ -141,7 +141,7 @@ static void take(const pl_tracer *tracer, const pl_instance *instance, const pl_
                  const pl_lone_approach *at, double limit_m, pl_mesh_hit *hit, pl_hit *best) {
   if (instance->coincident != NULL) {
     const visit visit = {tracer, instance, ray, &at->start_m, &at->per_metre};
-    pl_coincident_settle(instance, at, counts, &visit, hit);
+    pl_coincident_choose(instance, at, counts, &visit, hit);
   }
   const double t = at->start_m + (double)hit->t / at->per_metre;
   if (t <= limit_m)

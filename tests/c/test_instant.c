@@ -53,7 +53,7 @@ static void test_instants_do_not_change_each_other(void **state) {
   pl_choice culled = quick;
   culled.culls = true;
   culled.tolerance_dn = 1.0;
-  culled.dots = true;
+  culled.subpixel = true;
   for (int k = 0; k < 2; k++) {
     const pl_choice *choice = k == 0 ? &quick : &culled;
     pl_survey first, second;

@@ -204,16 +204,16 @@ typedef struct moments {
   double mean, square;
 } moments;
 
-static moments draw_light(const world *w, const pl_shine *shine, const pl_surface *s) {
+static moments draw_light(const world *w, const pl_planetshine_ray *shine, const pl_surface *s) {
   enum { DRAWS = 1 << 15 };
   moments out = {0.0, 0.0};
   const pl_vec3f wo = {0, 0, 1};
   for (uint32_t i = 0; i < DRAWS; i++) {
     float u[2], choice[2];
-    pl_shine_draw drawn;
+    pl_planetshine_draw drawn;
     pl_sample_2d(i, 3, 0, u);
     pl_sample_2d(i, 3, 1, choice);
-    if (!pl_shine_sample(shine, s, wo, u, choice[0], &drawn))
+    if (!pl_planetshine_sample(shine, s, wo, u, choice[0], &drawn))
       continue;
     const pl_vec3 v = pl_vec3f_to_double(drawn.direction);
     const pl_vec3 to = pl_vec3_sub(w->balls[0].center, PLATE);
@@ -242,7 +242,7 @@ static void test_noise(void **state) {
     pl_arena arena;
     pl_snapshot shot;
     pl_planetshine planetshine;
-    pl_shine shine, none = {.share = 0.0f};
+    pl_planetshine_ray shine, none = {.share = 0.0f};
     const pl_render_settings settings = {.white_radiance = 1.0f, .detail = PL_DETAIL_FULL};
     pl_model *plate = square_create(HALF);
     world w = {.count = 1, .sun = aside(180.0 - cases[i].phase)};
@@ -259,7 +259,7 @@ static void test_noise(void **state) {
                                   .reflectance = &pl_reflectance_lambert,
                                   .ng = pl_vec3_to_float(FACING)};
     pl_surface_set_frame(&vertex.surface, pl_vec3_to_float(FACING), (pl_vec3f){1, 0, 0}, 1.0f);
-    pl_shine_at(&planetshine, NULL, &vertex, (pl_vec3f){0, 0, 1}, &shine);
+    pl_planetshine_at(&planetshine, NULL, &vertex, (pl_vec3f){0, 0, 1}, &shine);
     const moments drawn = draw_light(&w, &shine, &vertex.surface);
     const moments chance = draw_light(&w, &none, &vertex.surface);
     const double gain =

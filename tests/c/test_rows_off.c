@@ -29,7 +29,7 @@ static const row_off rows[] = {
     {.name = "regolith", .with = {"emitters", "body_bounces"}},
     {.name = "volumes"},
     {.name = "rings"},
-    {.name = "clouds", .with = {"volumes", "rings"}}, /* veils, too */
+    {.name = "clouds", .with = {"volumes", "rings"}}, /* media, too */
     {.name = "relief"},
     {.name = "glint"},
     {.name = "night_lights"},

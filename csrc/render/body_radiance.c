@@ -1,12 +1,12 @@
-/* Rays at the cells of a disc, one each, by the laws that paths go by but in closed form. */
-#include "render/body_look.h"
+/* Rays at the cells of a disc, one each, by the lods that paths go by but in closed form. */
+#include "render/body_radiance.h"
 
 #include "geom/ellipsoid.h"
 #include "math/color.h"
 #include "render/air_path.h"
-#include "render/laws.h"
+#include "render/reflectance_lod.h"
 #include "render/render.h"
-#include "render/veil.h"
+#include "render/medium.h"
 #include "shade/reflectance.h"
 
 /* Colour of bodies that are shapes: their facets are not looked at. */
@@ -32,18 +32,18 @@ static bool is_hidden(const pl_snapshot *shot, uint32_t body, const pl_beam *bea
 }
 
 static pl_vec3f ground_light(const pl_snapshot *shot, const pl_render_settings *settings,
-                             const pl_veils *veils, uint32_t body, const pl_beam *beam, double t) {
+                             const pl_media *media, uint32_t body, const pl_beam *beam, double t) {
   const pl_shot_body *own = &shot->bodies[body];
   const pl_hit hit = {.thing = (uint32_t)(shot->object_count + body), .t = (float)t};
   pl_vertex vertex;
   pl_vertex_locate(shot, beam, &hit, false, &vertex);
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);
   const float width_m = pl_beam_width(beam, t), height = pl_vec3f_dot(vertex.ng, sun.direction);
-  const pl_vec3f lit = pl_veils_sunlight(veils, NULL, shot, vertex.position, &sun, width_m);
+  const pl_vec3f lit = pl_media_sunlight(media, NULL, shot, vertex.position, &sun, width_m);
   if (own->shape != NULL)
     return pl_vec3f_scale(lit, SHAPE / PL_PI_F * pl_maxf(height, 0.0f));
   pl_vertex_shade(shot, beam, settings->detail, &vertex);
-  pl_laws_apply(shot, settings, &vertex);
+  pl_reflectance_lod_apply(shot, settings, &vertex);
   const pl_surface *s = &vertex.surface;
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
@@ -53,7 +53,7 @@ static pl_vec3f ground_light(const pl_snapshot *shot, const pl_render_settings *
   if (settings->air == NULL)
     return out;
   const pl_vec3f sky = pl_air_sky_reflected(settings->air, shot, &vertex, wo);
-  return pl_vec3f_add(out, pl_veils_dim_sky(veils, shot, &vertex, width_m, sky));
+  return pl_vec3f_add(out, pl_media_dim_sky(media, shot, &vertex, width_m, sky));
 }
 
 /* Through the body's own air. */
@@ -75,18 +75,18 @@ static pl_vec3f through_air(const pl_snapshot *shot, const pl_air_view *air, uin
 
 static float look(const pl_snapshot *shot, const pl_render_settings *settings, uint32_t body,
                   const pl_beam *beam) {
-  const pl_veils none = {.air = settings->air, .dot = PL_NOTHING};
-  const pl_veils *veils = settings->veils != NULL ? settings->veils : &none;
+  const pl_media none = {.air = settings->air, .subpixel = PL_NOTHING};
+  const pl_media *media = settings->media != NULL ? settings->media : &none;
   const double t = meet(&shot->bodies[body], beam);
   pl_vec3f light = {0.0f, 0.0f, 0.0f};
-  pl_veil_list list;
+  pl_medium_list list;
   if (is_hidden(shot, body, beam, t))
     return 0.0f;
   if (t < INFINITY)
-    light = ground_light(shot, settings, veils, body, beam, t);
-  const pl_veil_ray ray = {.beam = beam, .t_max = t, .from_body = PL_NOTHING};
-  pl_veils_cross(veils, shot, &ray, &list);
-  light = through_air(shot, settings->air, body, beam, pl_veils_seen(&list, light));
+    light = ground_light(shot, settings, media, body, beam, t);
+  const pl_medium_ray ray = {.beam = beam, .t_max = t, .from_body = PL_NOTHING};
+  pl_media_cross(media, shot, &ray, &list);
+  light = through_air(shot, settings->air, body, beam, pl_media_seen(&list, light));
   const float out = pl_luminance(light);
   return out > 0.0f && isfinite(out) ? out : 0.0f;
 }
@@ -109,14 +109,14 @@ static void add_cell(const pl_body_disc *disc, const pl_disc_table *table, int t
   sums->y += sqrt(part) * sin(turn_rad) * light * angle;
 }
 
-bool pl_body_look_make(const pl_snapshot *shot, const pl_render_settings *settings, uint32_t body,
-                       pl_vec3 sun, pl_vec3 point, pl_body_look *out) {
+bool pl_body_radiance_make(const pl_snapshot *shot, const pl_render_settings *settings,
+                           uint32_t body, pl_vec3 sun, pl_vec3 point, pl_body_radiance *out) {
   pl_body_disc disc;
   float light[PL_DISC_TURNS][PL_DISC_RINGS];
   sums sums = {0};
   if (!pl_body_disc_make(&shot->bodies[body], sun, point, &disc))
     return false;
-  *out = (pl_body_look){.body = body, .point = point, .most = disc.most};
+  *out = (pl_body_radiance){.body = body, .point = point, .most = disc.most};
   pl_disc_rings(&disc, &out->table);
   for (int k = 0; k < PL_DISC_TURNS; k++)
     for (int j = 0; j < PL_DISC_RINGS; j++) {

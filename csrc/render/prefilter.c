@@ -6,7 +6,7 @@
 
 #include "light/sun.h"
 #include "math/color.h"
-#include "render/laws.h"
+#include "render/reflectance_lod.h"
 #include "render/path.h"
 #include "shade/water.h"
 
@@ -57,7 +57,7 @@ static bool near_shadow(const pl_snapshot *shot, const pl_vertex *vertex, const 
 static bool near_volume(const pl_path_context *context, const pl_vertex *vertex,
                         const pl_sun_view *sun, double margin_m) {
   const pl_snapshot *shot = context->shot;
-  for (size_t i = 0; context->settings->veils != NULL && i < shot->volume_count; i++)
+  for (size_t i = 0; context->settings->media != NULL && i < shot->volume_count; i++)
     if (overlaps_sun(shot->volumes[i].center, shot->volumes[i].radius_m, margin_m, vertex->position,
                      sun))
       return true;
@@ -138,16 +138,17 @@ static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *ve
   return shot->bodies[own].near_meshes;
 }
 
-/* Whether bodies of this kind can be settled in the tile at all. */
-static bool may_settle(const pl_path_context *context, const pl_shot_body *body) {
+/* Whether bodies of this kind can be prefiltered in the tile at all. */
+static bool may_prefilter(const pl_path_context *context, const pl_shot_body *body) {
   const pl_render_settings *settings = context->settings;
-  if ((body->dot && !settings->see_dots) || !context->sharp || context->rough_veils ||
+  if ((body->subpixel && !settings->see_subpixel) || !context->sharp || context->rough_media ||
       settings->exact)
     return false;
   if (!is_plain(body->body) && !body->body->reflectance->photometric)
     return false;
   return !settings->emitters_on_bodies &&
-         !(settings->body_bounces && body->bounced && (!context->pools || settings->air != NULL));
+         !(settings->body_bounces && body->bounced &&
+           (!context->filters_irradiance || settings->air != NULL));
 }
 
 /* Whether one value is the mean of the footprint about a point, but for its map. */
@@ -169,29 +170,29 @@ static bool spans_little(const pl_path_context *context, const pl_shot_body *bod
   return is_plain(body->body) || is_calm(body->body, toward, sun);
 }
 
-/* By how many digital numbers what a pixel sees may be off by what it hides of veils, before
+/* By how many digital numbers what a pixel sees may be off by what it hides of media, before
  * `light`: where they are, they add their own and keep some of that back. Air between the two is
  * left out, which dims one as it adds to the other. */
-static float unsure_dn(const pl_render_settings *settings, const pl_veil_list *list, pl_vec3f light,
-                       pl_vec3f seen) {
+static float unsure_dn(const pl_render_settings *settings, const pl_medium_list *list,
+                       pl_vec3f light, pl_vec3f seen) {
   float unsure = 0.0f;
   for (size_t i = 0; i < list->count; i++) {
-    const pl_veil_crossing *at = &list->items[i];
+    const pl_medium_crossing *at = &list->items[i];
     const float kept = pl_luminance(light) - pl_luminance(pl_vec3f_mul(light, at->passed));
     unsure += at->unsure * fabsf(pl_luminance(at->radiance) - kept);
   }
   return unsure > 0.0f ? pl_path_error_dn(settings, pl_luminance(seen), unsure) : 0.0f;
 }
 
-/* What a pixel meets of veils in front of a vertex, seen in parts x parts places. */
-static void cross_veils(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
-                        int parts, pl_veil_list *out) {
+/* What a pixel meets of media in front of a vertex, seen in parts x parts places. */
+static void cross_media(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
+                        int parts, pl_medium_list *out) {
   const pl_snapshot *shot = context->shot;
   const double x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const double y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
   const pl_beam beam = {.direction = pl_snapshot_ray(shot, x, y),
                         .spread = (float)context->pixel_rad};
-  pl_veil_ray ray = {
+  pl_medium_ray ray = {
       .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NOTHING, .parts = parts};
   if (parts > 1) {
     ray.pixel[0] =
@@ -199,14 +200,14 @@ static void cross_veils(const pl_path_context *context, uint32_t pixel, const pl
     ray.pixel[1] =
         pl_vec3_sub(pl_snapshot_ray(shot, x, y + 0.5), pl_snapshot_ray(shot, x, y - 0.5));
   }
-  pl_veils_cross(context->settings->veils, shot, &ray, out);
+  pl_media_cross(context->settings->media, shot, &ray, out);
 }
 
 /* Tolerances, of the standard error that clouds finer than a pixel may leave: as many as noise may
- * (QUIET in prune.c). */
+ * (QUIET in adaptive_sampling.c). */
 static const float HIDDEN = 3.0f;
 
-/* What the camera sees of light from a point: through air and veils. Where a beam hides detail of
+/* What the camera sees of light from a point: through air and media. Where a beam hides detail of
  * clouds that matters, narrower ones look for it: what n x n of them miss falls as n^3. False where
  * they are not enough. */
 static bool see_through(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
@@ -214,14 +215,14 @@ static bool see_through(const pl_path_context *context, uint32_t pixel, const pl
   enum { PARTS_MOST = 4 };
   const pl_render_settings *settings = context->settings;
   const float allowed = HIDDEN * settings->noise_dn;
-  pl_veil_list list;
+  pl_medium_list list;
   list.count = 0;
   for (int parts = 1; parts <= PARTS_MOST;) {
-    if (context->veils)
-      cross_veils(context, pixel, vertex, parts, &list);
-    b->settled[pixel] = settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
-                                              : pl_veils_seen(&list, light);
-    const float off = unsure_dn(settings, &list, light, b->settled[pixel]);
+    if (context->media)
+      cross_media(context, pixel, vertex, parts, &list);
+    b->prefiltered[pixel] = settings->air != NULL ? pl_air_seen(context, pixel, light, &list, b)
+                                                  : pl_media_seen(&list, light);
+    const float off = unsure_dn(settings, &list, light, b->prefiltered[pixel]);
     if (!(off > allowed))
       return true;
     const int wanted = (int)ceilf((float)parts * cbrtf(pl_minf(off / allowed, 1e3f)));
@@ -230,7 +231,7 @@ static bool see_through(const pl_path_context *context, uint32_t pixel, const pl
   return false;
 }
 
-/* The settled light of a shaded point as the camera sees it; false where that is not known. */
+/* The prefiltered light of a shaded point as the camera sees it; false where that is not known. */
 static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
                        const pl_sun_view *sun, pl_vec3f toward, double footprint_m,
                        pl_tile_buffers *b) {
@@ -238,8 +239,8 @@ static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_
   const float height = pl_vec3f_dot(sun->direction, vertex->ng);
   const float over = height > 0.0f ? pl_vec3f_dot(sun->direction, vertex->surface.n) : height;
   pl_vec3f light = reflected(&vertex->surface, toward, sun, over);
-  if (settings->veils != NULL)
-    light = pl_vec3f_mul(light, pl_veils_toward_sun(settings->veils, context->shot,
+  if (settings->media != NULL)
+    light = pl_vec3f_mul(light, pl_media_toward_sun(settings->media, context->shot,
                                                     vertex->position, sun, (float)footprint_m));
   if (settings->air != NULL)
     light = pl_air_ground_light(context, pixel, vertex, light, (float)footprint_m, b);
@@ -250,14 +251,14 @@ static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_
 
 /* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
  */
-static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
+static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
   const uint32_t thing = b->points[pixel].thing;
   if (thing == PL_NOTHING || thing < shot->object_count)
     return false;
   const pl_shot_body *body = &shot->bodies[thing - shot->object_count];
   const pl_render_settings *settings = context->settings;
-  if (!may_settle(context, body))
+  if (!may_prefilter(context, body))
     return false;
   pl_vertex vertex = b->points[pixel];
   const pl_vec3 direction = {b->directions[0][pixel], b->directions[1][pixel],
@@ -273,14 +274,14 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
   pl_detail detail = settings->detail;
   detail.box = true;
   pl_vertex_shade(shot, &beam, detail, &vertex);
-  pl_laws_apply(shot, settings, &vertex);
+  pl_reflectance_lod_apply(shot, settings, &vertex);
   if (!is_even(&vertex.surface, &sun, pl_vec3f_dot(sun.direction, vertex.ng)))
     return false;
   b->lit[pixel] = is_lit_by_others(context, &vertex);
-  if (b->lit[pixel] && context->veils) /* that light would be seen through them */
+  if (b->lit[pixel] && context->media) /* that light would be seen through them */
     return false;
   if (b->lit[pixel])
-    b->settled_surface[pixel] = vertex.surface;
+    b->prefiltered_surface[pixel] = vertex.surface;
   return seen_light(context, pixel, &vertex, &sun, toward, footprint_m, b);
 }
 
@@ -288,11 +289,11 @@ static bool settle_pixel(const pl_path_context *context, uint32_t pixel, pl_tile
 enum { BORDERED = PL_TILE_SIDE + 2 };
 
 /* Whether a pixel of the tile, or one of those around it, is out of the meshes' reach. */
-static bool leaves_reach(const pl_path_context *context, int x, int y) {
+static bool leaves_coverage(const pl_path_context *context, int x, int y) {
   const pl_tile tile = context->tile;
   for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < tile.height; v++)
     for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u < tile.width; u++)
-      if (!pl_reach_pixel(context->reach, tile.x0 + u, tile.y0 + v))
+      if (!pl_coverage_pixel(context->coverage, tile.x0 + u, tile.y0 + v))
         return true;
   return false;
 }
@@ -303,7 +304,7 @@ static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b
   const pl_tile tile = context->tile;
   if (x >= 0 && y >= 0 && x < tile.width && y < tile.height) {
     const uint32_t thing = b->points[y * PL_TILE_SIDE + x].thing;
-    if (thing >= context->shot->object_count || !leaves_reach(context, x, y))
+    if (thing >= context->shot->object_count || !leaves_coverage(context, x, y))
       return thing;
   }
   pl_hit hit;
@@ -355,16 +356,16 @@ static bool is_narrow(const pl_shot_body *body, double pixel_m) {
   const pl_vec3 radii = body->state->radii_m;
   const double least = fmin(radii.x, fmin(radii.y, radii.z));
   return body->shape == NULL &&
-         (body->dot || 2.0 * least * least < NARROW_PX * pixel_m * body->radius_m);
+         (body->subpixel || 2.0 * least * least < NARROW_PX * pixel_m * body->radius_m);
 }
 
-/* Whether a narrow body may touch what a pixel's centre is on, or hide it. The light of dots is
+/* Whether a narrow body may touch what a pixel's centre is on, or hide it. The light of subpixel is
  * added to the sky later, and black is as black behind them. */
 static bool may_hide(const pl_path_context *context, const pl_shot_body *body,
                      const pl_vertex *point) {
   const pl_render_settings *settings = context->settings;
   if (point->thing == PL_NOTHING)
-    return !body->dot || settings->see_dots || settings->backdrop != NULL;
+    return !body->subpixel || settings->see_subpixel || settings->backdrop != NULL;
   return point->t > pl_vec3_norm(body->center) - body->radius_m;
 }
 
@@ -395,7 +396,7 @@ static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
  * Of a slice not all centres are known. */
 static bool is_sky(const pl_path_context *context, uint32_t pixel, bool covered,
                    const pl_tile_buffers *b) {
-  if (context->sun || context->air || context->veils)
+  if (context->sun || context->air || context->media)
     return false;
   return !context->bodies || (covered && context->sharp && context->settings->slice == NULL &&
                               b->points[pixel].thing == PL_NOTHING);
@@ -407,18 +408,18 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
   const bool sky = is_sky(context, pixel, covered, b);
   const pl_vec3f nothing = {0.0f, 0.0f, 0.0f};
   const pl_vec3f behind = context->settings->backdrop != NULL ? b->backdrop[pixel] : nothing;
-  if (context->air && !context->veils && !context->settings->exact &&
+  if (context->air && !context->media && !context->settings->exact &&
       pl_air_alone(context, pixel, behind, &b->radiance[pixel], b)) {
     b->counts[pixel] = 1;
     return true;
   }
-  const uint32_t thing = b->settled_thing[pixel];
-  const bool settled = covered && thing != PL_NOTHING;
-  b->single[pixel] = settled && b->lit[pixel];
-  if (!sky && (!settled || b->single[pixel]))
+  const uint32_t thing = b->prefiltered_thing[pixel];
+  const bool prefiltered = covered && thing != PL_NOTHING;
+  b->single[pixel] = prefiltered && b->lit[pixel];
+  if (!sky && (!prefiltered || b->single[pixel]))
     return false;
   b->counts[pixel] = 1;
-  b->radiance[pixel] = sky ? behind : b->settled[pixel];
+  b->radiance[pixel] = sky ? behind : b->prefiltered[pixel];
   return true;
 }
 
@@ -440,7 +441,7 @@ static void activate(uint32_t pixel, bool mesh, pl_tile_buffers *b) {
   b->active[b->active_meshes++] = pixel;
 }
 
-void pl_path_settle(const pl_path_context *context, pl_tile_buffers *b) {
+void pl_path_prefilter(const pl_path_context *context, pl_tile_buffers *b) {
   /* Of slices with few of the pixels it is quicker to trace those than all corners. */
   const pl_slice *slice = context->settings->slice;
   const bool sparse = slice != NULL && slice->count > context->settings->samples;
@@ -453,10 +454,11 @@ void pl_path_settle(const pl_path_context *context, pl_tile_buffers *b) {
     const uint32_t pixel = pl_tile_pixel(i);
     if (!pl_tile_has(context->tile, pixel))
       continue;
-    const bool mesh = pl_reach_pixel(context->reach, context->tile.x0 + (int)(pixel % PL_TILE_SIDE),
-                                     context->tile.y0 + (int)(pixel / PL_TILE_SIDE));
-    const bool settled = settle_pixel(context, pixel, b);
-    b->settled_thing[pixel] = settled ? b->points[pixel].thing : PL_NOTHING;
+    const bool mesh =
+        pl_coverage_pixel(context->coverage, context->tile.x0 + (int)(pixel % PL_TILE_SIDE),
+                          context->tile.y0 + (int)(pixel / PL_TILE_SIDE));
+    const bool prefiltered = prefilter_pixel(context, pixel, b);
+    b->prefiltered_thing[pixel] = prefiltered ? b->points[pixel].thing : PL_NOTHING;
     reset_pixel(pixel, b);
     if (mesh || !finish_pixel(context, pixel, covered[pixel], b))
       activate(pixel, mesh, b);

@@ -1,17 +1,17 @@
 /* Following some paths, and keeping what they bring. */
-#include "render/share.h"
+#include "render/irradiance_record.h"
 
 #include "base/memory.h"
 #include "math/color.h"
 #include "shade/ggx.h"
 #include "shade/reflectance.h"
 
-/* Of PL_SHARE_ROW samples so many are followed: neighbours in the sequence of draws lie evenly. The
- * first on a patch is in any case. Quick frames spare what their pools can do without: draws are
- * spread over pixels there. */
-enum { FOLLOWED = 2, FOLLOWED_QUICK = 1 };
-/* Pools find little where less than so many of the pixels this far off, one to each side, show the
- * same surface: there quick frames spare nothing. */
+/* Of PL_IRRADIANCE_ROW samples so many are followed: neighbours in the sequence of draws lie
+ * evenly. The first on a patch is in any case. Quick frames spare what their filters can do
+ * without: draws are spread over pixels there. */
+enum { FOLLOWED = 2, FOLLOWED_FEW = 1 };
+/* Filters find little where less than so many of the pixels this far off, one to each side, show
+ * the same surface: there quick frames spare nothing. */
 enum { BESIDE = 2, ALIKE = 3 };
 /* A lobe is wide where the density of a draw is below this, 1/sr: a cosine lobe is so everywhere.
  */
@@ -29,9 +29,9 @@ static bool shows(const pl_path_context *context, const pl_tile_buffers *b, int 
   return false;
 }
 
-/* Whether pools of a patch find little: on thin and on crumpled things. */
-static bool is_lonely(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
-                      const pl_spot *spot) {
+/* Whether filters of a patch find little: on thin and on crumpled things. */
+static bool is_isolated(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
+                        const pl_spot *spot) {
   const float depth_m = pl_spot_depth(spot, (float)context->pixel_rad);
   const int x = (int)(pixel % PL_TILE_SIDE), y = (int)(pixel / PL_TILE_SIDE);
   int alike = 0;
@@ -45,11 +45,11 @@ static bool is_lonely(const pl_path_context *context, const pl_tile_buffers *b, 
 /* Whether a path that goes on into a wide lobe is one of those that are followed. */
 static bool is_turn(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
                     const pl_patch *patch) {
-  const int turn = b->counts[pixel] % PL_SHARE_ROW;
-  if (patch->lit == 0 || turn < FOLLOWED_QUICK || turn < b->followed[pixel])
+  const int turn = b->counts[pixel] % PL_IRRADIANCE_ROW;
+  if (patch->lit == 0 || turn < FOLLOWED_FEW || turn < b->followed[pixel])
     return true;
-  return turn < FOLLOWED &&
-         (context->settings->samples > PL_SHARE_ROW || is_lonely(context, b, pixel, &patch->spot));
+  return turn < FOLLOWED && (context->settings->samples > PL_IRRADIANCE_ROW ||
+                             is_isolated(context, b, pixel, &patch->spot));
 }
 
 /* Counts a path that goes on into a wide lobe; whether it is followed. */
@@ -98,28 +98,28 @@ bool pl_path_repeat(pl_patch *patch) {
   return true;
 }
 
-pl_way pl_path_way(const pl_path_context *context, const pl_surface *surface, pl_vec3f wo,
-                   const pl_path *path, pl_tile_buffers *b) {
+pl_continuation pl_path_continuation(const pl_path_context *context, const pl_surface *surface,
+                                     pl_vec3f wo, const pl_path *path, pl_tile_buffers *b) {
   const uint32_t slot = b->slot[path->pixel];
   if (slot == PL_PATCH_NONE || context->settings->emitters != NULL ||
       pl_surface_pdf_most(surface, wo) > WIDE_PDF_MAX)
-    return PL_WAY_DRAWN;
+    return PL_CONTINUATION_DRAWN;
   const float gloss = PL_DIELECTRIC_F0 * (1.0f - surface->metallic);
   const pl_vec3f albedo = {surface->color.x + gloss, surface->color.y + gloss,
                            surface->color.z + gloss};
   const bool followed = count_wide(context, b, path->pixel, pl_vec3f_mul(path->throughput, albedo),
                                    &b->patches[path->pixel].patch[slot]);
-  return followed ? PL_WAY_SHARED : PL_WAY_NONE;
+  return followed ? PL_CONTINUATION_SHARED : PL_CONTINUATION_NONE;
 }
 
-pl_status pl_share_init(pl_share *share) {
-  *share = (pl_share){.block_count = 0};
+pl_status pl_irradiance_init(pl_irradiance_record *share) {
+  *share = (pl_irradiance_record){.block_count = 0};
   if (pthread_mutex_init(&share->lock, NULL) != 0)
     return pl_fail(PL_E_MEMORY, "cannot make a lock");
   return PL_OK;
 }
 
-void pl_share_clear(pl_share *share) {
+void pl_irradiance_clear(pl_irradiance_record *share) {
   for (size_t i = 0; i < share->block_count; i++)
     pl_free(share->blocks[i]);
   pl_free(share->blocks);
@@ -127,10 +127,10 @@ void pl_share_clear(pl_share *share) {
   pthread_mutex_destroy(&share->lock);
 }
 
-pl_status pl_share_start(pl_share *share, int columns, int rows, int row0) {
+pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows, int row0) {
   const size_t count = (size_t)columns * (size_t)rows;
   if (count > share->room) {
-    pl_share_tile *grown = pl_realloc(share->tiles, count, sizeof *grown);
+    pl_irradiance_tile *grown = pl_realloc(share->tiles, count, sizeof *grown);
     if (grown == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for the light of %zu tiles", count);
     share->tiles = grown;
@@ -145,24 +145,24 @@ pl_status pl_share_start(pl_share *share, int columns, int rows, int row0) {
   return PL_OK;
 }
 
-static pl_status add_block(pl_share *share) {
+static pl_status add_block(pl_irradiance_record *share) {
   if (share->block_count == share->block_room) {
     const size_t room = 2 * share->block_room + 8;
-    pl_share_block **grown = pl_realloc(share->blocks, room, sizeof *grown);
+    pl_irradiance_block **grown = pl_realloc(share->blocks, room, sizeof *grown);
     if (grown == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for %zu blocks of light", room);
     share->blocks = grown;
     share->block_room = room;
   }
   void *block;
-  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_share_block), "shared light", &block));
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_irradiance_block), "shared light", &block));
   share->blocks[share->block_count++] = block;
   return PL_OK;
 }
 
 /* Room for so many patches, with the lock held. */
-static pl_status take_room(pl_share *share, size_t count, pl_share_tile *tile) {
-  if (share->used + count > PL_SHARE_BLOCK) {
+static pl_status take_room(pl_irradiance_record *share, size_t count, pl_irradiance_tile *tile) {
+  if (share->used + count > PL_IRRADIANCE_BLOCK) {
     share->block++;
     share->used = 0;
   }
@@ -178,17 +178,17 @@ static pl_status take_room(pl_share *share, size_t count, pl_share_tile *tile) {
 
 /* A block is left when the next tile does not fit: then it lacks less than that to be full, and the
  * two together hold more than one block does. */
-pl_status pl_share_reserve(pl_share *share) {
+pl_status pl_irradiance_reserve(pl_irradiance_record *share) {
   if (share->kept == 0)
     return PL_OK;
-  const size_t lacking = share->kept / (PL_SHARE_BLOCK + 1 - share->most) + 1;
-  const size_t pairs = 2 * share->kept / PL_SHARE_BLOCK + 1;
+  const size_t lacking = share->kept / (PL_IRRADIANCE_BLOCK + 1 - share->most) + 1;
+  const size_t pairs = 2 * share->kept / PL_IRRADIANCE_BLOCK + 1;
   while (share->block_count < (lacking < pairs ? lacking : pairs))
     PL_TRY(add_block(share));
   return PL_OK;
 }
 
-static pl_status make_room(pl_share *share, size_t count, pl_share_tile *tile) {
+static pl_status make_room(pl_irradiance_record *share, size_t count, pl_irradiance_tile *tile) {
   pthread_mutex_lock(&share->lock);
   const pl_status status = take_room(share, count, tile);
   pthread_mutex_unlock(&share->lock);
@@ -215,8 +215,8 @@ static pl_vec3f own_light(const pl_tile_buffers *b, uint32_t pixel) {
   return pl_vec3f_scale(sum, 1.0f / (float)b->counts[pixel]);
 }
 
-/* What tells the noise of paths from true differences between pixels, see pool.c. */
-static void add_scatter(const pl_patch *patch, pl_share_cell *cell) {
+/* What tells the noise of paths from true differences between pixels, see irradiance_filter.c. */
+static void add_scatter(const pl_patch *patch, pl_irradiance_cell *cell) {
   const float weight = pl_luminance(patch->lit_weight), light = pl_luminance(patch->shared);
   if (!(weight > 0.0f))
     return;
@@ -227,14 +227,15 @@ static void add_scatter(const pl_patch *patch, pl_share_cell *cell) {
 }
 
 /* Adds a patch to the one of its cell that it fits, or makes one; returns which. */
-static uint32_t merge(const pl_patch *patch, float spread, pl_share_cell *cells, uint32_t *count) {
+static uint32_t merge(const pl_patch *patch, float spread, pl_irradiance_cell *cells,
+                      uint32_t *count) {
   uint32_t i = 0;
   const float depth_m = *count > 0 ? pl_spot_depth(&patch->spot, spread) : 0.0f;
   while (i < *count && !pl_spot_fits(&cells[i].spot, &patch->spot, depth_m))
     i++;
   if (i == *count)
-    cells[(*count)++] = (pl_share_cell){.spot = patch->spot};
-  pl_share_cell *cell = &cells[i];
+    cells[(*count)++] = (pl_irradiance_cell){.spot = patch->spot};
+  pl_irradiance_cell *cell = &cells[i];
   cell->shared = pl_vec3f_add(cell->shared, patch->shared);
   cell->weight = pl_vec3f_add(cell->weight, patch->lit_weight);
   cell->square += patch->lit_square;
@@ -246,12 +247,12 @@ static uint32_t merge(const pl_patch *patch, float spread, pl_share_cell *cells,
 /* What is kept so far. */
 typedef struct keeping {
   const pl_tile_buffers *b;
-  pl_share_tile *tile;
+  pl_irradiance_tile *tile;
   float spread;
   uint32_t patches, cells; /* how many */
 } keeping;
 
-static void keep_pixel(keeping *k, uint32_t pixel, pl_share_cell *cells, uint32_t *count) {
+static void keep_pixel(keeping *k, uint32_t pixel, pl_irradiance_cell *cells, uint32_t *count) {
   const pl_pixel_patches *patches = &k->b->patches[pixel];
   const float each = 1.0f / (float)k->b->counts[pixel];
   k->tile->rest[pixel] = k->b->radiance[pixel];
@@ -260,14 +261,14 @@ static void keep_pixel(keeping *k, uint32_t pixel, pl_share_cell *cells, uint32_
     if (patch->lit == 0)
       continue;
     k->tile->patches[k->patches++] =
-        (pl_share_patch){.pixel = (uint16_t)pixel,
-                         .cell = (uint16_t)merge(patch, k->spread, cells, count),
-                         .lit = patch->lit,
-                         .part = each * (float)patch->wide,
-                         .level = pl_luminance(patch->own) / (float)patch->seen,
-                         .weight = pl_vec3f_scale(patch->weight, each),
-                         .shared = patch->shared,
-                         .lit_weight = patch->lit_weight};
+        (pl_irradiance_patch){.pixel = (uint16_t)pixel,
+                              .cell = (uint16_t)merge(patch, k->spread, cells, count),
+                              .lit = patch->lit,
+                              .part = each * (float)patch->wide,
+                              .level = pl_luminance(patch->own) / (float)patch->seen,
+                              .weight = pl_vec3f_scale(patch->weight, each),
+                              .shared = patch->shared,
+                              .lit_weight = patch->lit_weight};
   }
 }
 
@@ -284,16 +285,16 @@ static void keep_cell(keeping *k, int column, int row) {
   k->cells += count;
 }
 
-pl_status pl_share_keep(pl_share *share, size_t item, const pl_path_context *context,
-                        pl_tile_buffers *b) {
+pl_status pl_irradiance_keep(pl_irradiance_record *share, size_t item,
+                             const pl_path_context *context, pl_tile_buffers *b) {
   const pl_tile tile = context->tile;
-  const size_t lit = context->pools ? count_lit(b, tile) : 0;
+  const size_t lit = context->filters_irradiance ? count_lit(b, tile) : 0;
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++)
       b->radiance[y * PL_TILE_SIDE + x] = own_light(b, (uint32_t)(y * PL_TILE_SIDE + x));
   if (lit == 0)
     return PL_OK;
-  pl_share_tile *kept = &share->tiles[item];
+  pl_irradiance_tile *kept = &share->tiles[item];
   PL_TRY(make_room(share, lit, kept));
   kept->tile = tile;
   keeping k = {.b = b, .tile = kept, .spread = (float)context->pixel_rad};

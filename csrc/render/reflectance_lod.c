@@ -1,5 +1,5 @@
 /* The angles in view are sampled on a grid of rays and along the body's edge. */
-#include "render/laws.h"
+#include "render/reflectance_lod.h"
 
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "shade/reflectance.h"
 
 /* From the cheapest on; without the body's own. */
-static const pl_reflectance *const cheaper[PL_VIEW_LAWS - 1] = {
+static const pl_reflectance *const cheaper[PL_VIEW_LODS - 1] = {
     &pl_reflectance_lambert, &pl_reflectance_minnaert, &pl_reflectance_lunar_lambert,
     &pl_reflectance_lommel_seeliger, &pl_reflectance_hapke_smooth};
 
@@ -20,7 +20,7 @@ static const float ALBEDO[ALBEDOS] = {1.0f, 0.7f, 1.4f};
 /* The body's radiance at a place of the image, by all laws; 0 where it is dark. */
 typedef struct law_point {
   bool seen;
-  float exact[VALUES], cheap[PL_VIEW_LAWS - 1][VALUES];
+  float exact[VALUES], cheap[PL_VIEW_LODS - 1][VALUES];
 } law_point;
 
 typedef struct law_samples {
@@ -50,7 +50,7 @@ static void evaluate(const law_samples *s, pl_surface *surface, pl_vec3f wo, pl_
   for (int a = 0; a < ALBEDOS; a++) {
     surface->color = brighter(color, s->mapped ? ALBEDO[a] : 1.0f);
     set3(own->evaluate(surface, wo, wi), irradiance, out->exact + 3 * a);
-    for (int k = 0; k < PL_VIEW_LAWS - 1; k++)
+    for (int k = 0; k < PL_VIEW_LODS - 1; k++)
       set3(cheaper[k]->evaluate(surface, wo, wi), irradiance, out->cheap[k] + 3 * a);
   }
 }
@@ -189,25 +189,25 @@ static float margin(const law_samples *s, size_t i, int law, const float factor[
   return fabsf(here) + change;
 }
 
-static pl_status summarise(const law_samples *s, pl_arena *arena, pl_view_laws **laws) {
+static pl_status summarise(const law_samples *s, pl_arena *arena, pl_view_lods **lods) {
   size_t count = 0;
   for (size_t i = 0; i < ALL; i++)
     count += point_of(s, i)->seen ? VALUES : 0;
-  float *values = pl_arena_alloc(arena, count * PL_VIEW_LAWS + 1, sizeof *values);
-  *laws = pl_arena_alloc(arena, 1, sizeof **laws);
-  if (values == NULL || *laws == NULL)
+  float *values = pl_arena_alloc(arena, count * PL_VIEW_LODS + 1, sizeof *values);
+  *lods = pl_arena_alloc(arena, 1, sizeof **lods);
+  if (values == NULL || *lods == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for photometric laws");
-  (*laws)->count = count;
-  for (int law = 0; law < PL_VIEW_LAWS - 1; law++) {
+  (*lods)->count = count;
+  for (int law = 0; law < PL_VIEW_LODS - 1; law++) {
     float *off = values + ((size_t)law + 1) * count;
-    float *factor = (*laws)->factor[law];
-    (*laws)->off[law] = off;
+    float *factor = (*lods)->factor[law];
+    (*lods)->off[law] = off;
     fit(s, law, factor);
     for (size_t i = 0; i < ALL; i++)
       for (int k = 0; point_of(s, i)->seen && k < VALUES; k++)
         *off++ = margin(s, i, law, factor, k);
   }
-  (*laws)->exact = values;
+  (*lods)->exact = values;
   for (size_t i = 0; i < ALL; i++)
     for (int k = 0; point_of(s, i)->seen && k < VALUES; k++)
       *values++ = point_of(s, i)->exact[k];
@@ -228,14 +228,14 @@ static bool is_covered(const law_samples *s) {
   return lit >= enough;
 }
 
-/* Whether other laws may stand for a body's own, where it is seen. */
+/* Whether other lods may stand for a body's own, where it is seen. */
 static bool has_others(const pl_shot_body *body) {
   return body->in_frame && body->body->graph == NULL &&
          !pl_ground_has_relief(&body->body->ground) &&
          body->body->reflectance == &pl_reflectance_hapke;
 }
 
-pl_status pl_laws_fit(const pl_snapshot *shot, pl_arena *arena, pl_view *view) {
+pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_view *view) {
   pl_view_thing *things = NULL;
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
@@ -253,23 +253,24 @@ pl_status pl_laws_fit(const pl_snapshot *shot, pl_arena *arena, pl_view *view) {
     take_samples(samples);
     if (!is_covered(samples))
       continue;
-    pl_view_laws *laws;
-    PL_TRY(summarise(samples, arena, &laws));
-    things[samples->thing].laws = laws;
+    pl_view_lods *lods;
+    PL_TRY(summarise(samples, arena, &lods));
+    things[samples->thing].lods = lods;
     view->things = things;
   }
   return PL_OK;
 }
 
-void pl_laws_apply(const pl_snapshot *shot, const pl_render_settings *settings, pl_vertex *vertex) {
-  if (settings->laws_down == 0 || vertex->thing < shot->object_count)
+void pl_reflectance_lod_apply(const pl_snapshot *shot, const pl_render_settings *settings,
+                              pl_vertex *vertex) {
+  if (settings->lods_down == 0 || vertex->thing < shot->object_count)
     return;
   const pl_shot_body *body = &shot->bodies[vertex->thing - shot->object_count];
-  if (body->laws == NULL || settings->emitters_on_bodies ||
+  if (body->lods == NULL || settings->emitters_on_bodies ||
       (settings->body_bounces && body->bounced))
     return;
-  const int law = PL_VIEW_LAWS - 1 - settings->laws_down;
-  const float *factor = body->laws->factor[law];
+  const int law = PL_VIEW_LODS - 1 - settings->lods_down;
+  const float *factor = body->lods->factor[law];
   pl_surface *s = &vertex->surface;
   s->reflectance = cheaper[law];
   if (s->reflectance->photometric)

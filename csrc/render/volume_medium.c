@@ -1,5 +1,5 @@
-/* Bounded volumes as veils. */
-#include "render/veil_kinds.h"
+/* Bounded volumes as media. */
+#include "render/medium_kinds.h"
 #include "render/volume.h"
 
 static pl_status build(const pl_snapshot *shot, int value, pl_arena *arena, const void **own) {
@@ -21,22 +21,22 @@ static bool in_cone(const void *own, const pl_snapshot *shot, pl_vec3 axis, doub
 
 /* For the sun at points of volumes. */
 typedef struct place {
-  const pl_veils *veils;
+  const pl_media *media;
   const pl_snapshot *shot;
 } place;
 
 static pl_vec3f sun_at(const void *context, pl_vec3 point, const pl_sun_view *sun) {
   const place *p = context;
-  return pl_veils_sunlight(p->veils, &pl_veil_volumes, p->shot, point, sun, 0.0f);
+  return pl_media_sunlight(p->media, &pl_medium_volumes, p->shot, point, sun, 0.0f);
 }
 
 /* Each stretch counts as being in its middle. A dot's picture has no volumes: they are in the
  * frame's own. */
-static void cross(const pl_veils *veils, const void *own, const pl_snapshot *shot,
-                  const pl_veil_ray *ray, pl_veil_list *out) {
-  if (ray->camera && veils->dot != PL_NOTHING)
+static void cross(const pl_media *media, const void *own, const pl_snapshot *shot,
+                  const pl_medium_ray *ray, pl_medium_list *out) {
+  if (ray->camera && media->subpixel != PL_NOTHING)
     return;
-  const place p = {veils, shot};
+  const place p = {media, shot};
   const pl_volume_ray asked = {
       .origin = ray->beam->origin,
       .direction = ray->beam->direction,
@@ -44,27 +44,27 @@ static void cross(const pl_veils *veils, const void *own, const pl_snapshot *sho
       .spread = ray->beam->spread,
       .t_max = ray->t_max,
       .camera = ray->camera,
-      .unlit = ray->camera && !veils->emission,
+      .unlit = ray->camera && !media->emission,
       .sun = ray->dark ? NULL : sun_at,
       .context = &p,
   };
   pl_volume_stretch stretches[PL_VOLUMES_MAX];
   const size_t count = pl_volume_cross(own, &asked, stretches);
   for (size_t i = 0; i < count; i++) {
-    const pl_veil_crossing crossing = {.t = 0.5 * (stretches[i].start + stretches[i].end),
-                                       .passed = stretches[i].passed,
-                                       .radiance = stretches[i].radiance};
-    pl_veil_list_add(out, &crossing);
+    const pl_medium_crossing crossing = {.t = 0.5 * (stretches[i].start + stretches[i].end),
+                                         .passed = stretches[i].passed,
+                                         .radiance = stretches[i].radiance};
+    pl_medium_list_add(out, &crossing);
   }
 }
 
-static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+static pl_vec3f toward_sun(const pl_media *media, const void *own, const pl_snapshot *shot,
                            pl_vec3 point, const pl_sun_view *sun, float width_m) {
-  (void)veils, (void)shot, (void)sun, (void)width_m;
+  (void)media, (void)shot, (void)sun, (void)width_m;
   return pl_volume_toward_sun(own, point);
 }
 
-const pl_veil_kind pl_veil_volumes = {
+const pl_medium_kind pl_medium_volumes = {
     .effect = &pl_effect_volumes,
     .build = build,
     .in_cone = in_cone,

@@ -1,25 +1,26 @@
-/* Veils on the way of rays. */
-#include "render/veil.h"
+/* Media on the way of rays. */
+#include "render/medium.h"
 
 #include "render/path.h"
-#include "render/veil_kinds.h"
+#include "render/medium_kinds.h"
 
 /* A line each. */
 /* clang-format off */
-const pl_veil_kind *const pl_veil_kinds[] = {
-    &pl_veil_clouds,
-    &pl_veil_rings,
-    &pl_veil_volumes,
+const pl_medium_kind *const pl_medium_kinds[] = {
+    &pl_medium_clouds,
+    &pl_medium_rings,
+    &pl_medium_volumes,
 };
 /* clang-format on */
-const size_t pl_veil_kind_count = sizeof pl_veil_kinds / sizeof pl_veil_kinds[0];
-_Static_assert(sizeof pl_veil_kinds / sizeof pl_veil_kinds[0] <= PL_VEIL_KINDS_MAX, "too many");
+const size_t pl_medium_kind_count = sizeof pl_medium_kinds / sizeof pl_medium_kinds[0];
+_Static_assert(sizeof pl_medium_kinds / sizeof pl_medium_kinds[0] <= PL_MEDIUM_KINDS_MAX,
+               "too many");
 
 static const pl_vec3f ALL = {1.0f, 1.0f, 1.0f};
 
-void pl_veil_list_add(pl_veil_list *list, const pl_veil_crossing *crossing) {
+void pl_medium_list_add(pl_medium_list *list, const pl_medium_crossing *crossing) {
   size_t i = list->count;
-  if (i == PL_VEIL_CROSSINGS) {
+  if (i == PL_MEDIUM_CROSSINGS) {
     if (!(crossing->t < list->items[--i].t))
       return;
   } else {
@@ -30,111 +31,111 @@ void pl_veil_list_add(pl_veil_list *list, const pl_veil_crossing *crossing) {
   list->items[i] = *crossing;
 }
 
-pl_status pl_veils_build(const pl_snapshot *shot, const int *values, const pl_air_view *air,
-                         pl_arena *arena, pl_veils *out, bool *any) {
-  *out = (pl_veils){.air = air, .dot = PL_NOTHING, .emission = true};
+pl_status pl_media_build(const pl_snapshot *shot, const int *values, const pl_air_view *air,
+                         pl_arena *arena, pl_media *out, bool *any) {
+  *out = (pl_media){.air = air, .subpixel = PL_NOTHING, .emission = true};
   *any = false;
-  for (size_t k = 0; k < pl_veil_kind_count; k++) {
+  for (size_t k = 0; k < pl_medium_kind_count; k++) {
     if (values[k] > 0)
-      PL_TRY(pl_veil_kinds[k]->build(shot, values[k], arena, &out->own[k]));
+      PL_TRY(pl_medium_kinds[k]->build(shot, values[k], arena, &out->own[k]));
     *any |= out->own[k] != NULL;
   }
   return PL_OK;
 }
 
-static bool in_cone(const pl_veils *veils, bool filtered, const pl_snapshot *shot, pl_vec3 axis,
+static bool in_cone(const pl_media *media, bool filtered, const pl_snapshot *shot, pl_vec3 axis,
                     double half_angle) {
-  for (size_t k = 0; veils != NULL && k < pl_veil_kind_count; k++)
-    if (veils->own[k] != NULL && (filtered || !pl_veil_kinds[k]->filtered) &&
-        pl_veil_kinds[k]->in_cone(veils->own[k], shot, axis, half_angle))
+  for (size_t k = 0; media != NULL && k < pl_medium_kind_count; k++)
+    if (media->own[k] != NULL && (filtered || !pl_medium_kinds[k]->filtered) &&
+        pl_medium_kinds[k]->in_cone(media->own[k], shot, axis, half_angle))
       return true;
   return false;
 }
 
-bool pl_veils_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
+bool pl_media_in_cone(const pl_media *media, const pl_snapshot *shot, pl_vec3 axis,
                       double half_angle) {
-  return in_cone(veils, true, shot, axis, half_angle);
+  return in_cone(media, true, shot, axis, half_angle);
 }
 
-bool pl_veils_rough_in_cone(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 axis,
+bool pl_media_rough_in_cone(const pl_media *media, const pl_snapshot *shot, pl_vec3 axis,
                             double half_angle) {
-  return in_cone(veils, false, shot, axis, half_angle);
+  return in_cone(media, false, shot, axis, half_angle);
 }
 
-bool pl_veils_thin(const pl_veils *veils, const pl_snapshot *shot, const pl_beam *pixel,
+bool pl_media_thin(const pl_media *media, const pl_snapshot *shot, const pl_beam *pixel,
                    double faint) {
-  for (size_t k = 0; k < pl_veil_kind_count; k++)
-    if (veils->own[k] != NULL && pl_veil_kinds[k]->thin != NULL &&
-        pl_veil_kinds[k]->thin(veils->own[k], shot, pixel, faint))
+  for (size_t k = 0; k < pl_medium_kind_count; k++)
+    if (media->own[k] != NULL && pl_medium_kinds[k]->thin != NULL &&
+        pl_medium_kinds[k]->thin(media->own[k], shot, pixel, faint))
       return true;
   return false;
 }
 
-bool pl_veil_ray_sees(const pl_veils *veils, const pl_veil_ray *ray, const pl_snapshot *shot,
-                      uint32_t body) {
+bool pl_medium_ray_sees(const pl_media *media, const pl_medium_ray *ray, const pl_snapshot *shot,
+                        uint32_t body) {
   if (!ray->camera)
     return true;
-  return veils->dot != PL_NOTHING ? veils->dot == body : !shot->bodies[body].dot;
+  return media->subpixel != PL_NOTHING ? media->subpixel == body : !shot->bodies[body].subpixel;
 }
 
-void pl_veils_cross(const pl_veils *veils, const pl_snapshot *shot, const pl_veil_ray *ray,
-                    pl_veil_list *out) {
+void pl_media_cross(const pl_media *media, const pl_snapshot *shot, const pl_medium_ray *ray,
+                    pl_medium_list *out) {
   out->count = 0;
-  for (size_t k = 0; k < pl_veil_kind_count; k++)
-    if (veils->own[k] != NULL)
-      pl_veil_kinds[k]->cross(veils, veils->own[k], shot, ray, out);
+  for (size_t k = 0; k < pl_medium_kind_count; k++)
+    if (media->own[k] != NULL)
+      pl_medium_kinds[k]->cross(media, media->own[k], shot, ray, out);
 }
 
-pl_vec3f pl_veils_passed(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 direction,
+pl_vec3f pl_media_passed(const pl_media *media, const pl_snapshot *shot, pl_vec3 direction,
                          double t_max) {
   const pl_beam beam = {.direction = direction};
-  const pl_veil_ray ray = {
+  const pl_medium_ray ray = {
       .beam = &beam, .t_max = t_max, .camera = true, .dark = true, .from_body = PL_NOTHING};
-  pl_veil_list list;
+  pl_medium_list list;
   pl_vec3f out = ALL;
-  pl_veils_cross(veils, shot, &ray, &list);
+  pl_media_cross(media, shot, &ray, &list);
   for (size_t i = 0; i < list.count; i++)
     out = pl_vec3f_mul(out, list.items[i].passed);
   return out;
 }
 
-static pl_vec3f toward_sun_but(const pl_veils *veils, const pl_veil_kind *left_out,
+static pl_vec3f toward_sun_but(const pl_media *media, const pl_medium_kind *left_out,
                                const pl_snapshot *shot, pl_vec3 point, const pl_sun_view *sun,
                                float width_m) {
   pl_vec3f out = ALL;
-  for (size_t k = 0; k < pl_veil_kind_count; k++) {
-    const pl_veil_kind *kind = pl_veil_kinds[k];
-    if (veils->own[k] != NULL && kind != left_out)
-      out = pl_vec3f_mul(out, kind->toward_sun(veils, veils->own[k], shot, point, sun, width_m));
+  for (size_t k = 0; k < pl_medium_kind_count; k++) {
+    const pl_medium_kind *kind = pl_medium_kinds[k];
+    if (media->own[k] != NULL && kind != left_out)
+      out = pl_vec3f_mul(out, kind->toward_sun(media, media->own[k], shot, point, sun, width_m));
   }
   return out;
 }
 
-pl_vec3f pl_veils_toward_sun(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 point,
+pl_vec3f pl_media_toward_sun(const pl_media *media, const pl_snapshot *shot, pl_vec3 point,
                              const pl_sun_view *sun, float width_m) {
-  return toward_sun_but(veils, NULL, shot, point, sun, width_m);
+  return toward_sun_but(media, NULL, shot, point, sun, width_m);
 }
 
 /* The sky counts as a disc about the zenith of this sine of its radius. */
 static const float SKY_SINE = 0.5f;
 
-pl_vec3f pl_veils_before_sky(const pl_veils *veils, const pl_snapshot *shot, pl_vec3 point,
+pl_vec3f pl_media_before_sky(const pl_media *media, const pl_snapshot *shot, pl_vec3 point,
                              pl_vec3f up, float width_m) {
   const pl_sun_view sky = {.direction = up, .sin_radius = SKY_SINE, .distance_m = INFINITY};
   pl_vec3f out = ALL;
-  for (size_t k = 0; k < pl_veil_kind_count; k++) {
-    const pl_veil_kind *kind = pl_veil_kinds[k];
-    if (veils->own[k] != NULL && kind->before_sky)
-      out = pl_vec3f_mul(out, kind->toward_sun(veils, veils->own[k], shot, point, &sky, width_m));
+  for (size_t k = 0; k < pl_medium_kind_count; k++) {
+    const pl_medium_kind *kind = pl_medium_kinds[k];
+    if (media->own[k] != NULL && kind->before_sky)
+      out = pl_vec3f_mul(out, kind->toward_sun(media, media->own[k], shot, point, &sky, width_m));
   }
   return out;
 }
 
-pl_vec3f pl_veils_dim_sky(const pl_veils *veils, const pl_snapshot *shot, const pl_vertex *vertex,
+pl_vec3f pl_media_dim_sky(const pl_media *media, const pl_snapshot *shot, const pl_vertex *vertex,
                           float width_m, pl_vec3f sky) {
-  if (veils == NULL || !(pl_vec3f_max(sky) > 0.0f))
+  if (media == NULL || !(pl_vec3f_max(sky) > 0.0f))
     return sky;
-  return pl_vec3f_mul(sky, pl_veils_before_sky(veils, shot, vertex->position, vertex->ng, width_m));
+  return pl_vec3f_mul(sky, pl_media_before_sky(media, shot, vertex->position, vertex->ng, width_m));
 }
 
 /* Part of a disc of radius `a` that another of radius `b` leaves, whose centre is `apart`. */
@@ -167,52 +168,53 @@ static double body_left(const pl_shot_body *body, pl_vec3 point, const pl_sun_vi
                    atan2(low_m, along));
 }
 
-pl_vec3f pl_veils_sunlight(const pl_veils *veils, const pl_veil_kind *kind, const pl_snapshot *shot,
-                           pl_vec3 point, const pl_sun_view *sun, float width_m) {
+pl_vec3f pl_media_sunlight(const pl_media *media, const pl_medium_kind *kind,
+                           const pl_snapshot *shot, pl_vec3 point, const pl_sun_view *sun,
+                           float width_m) {
   double left = 1.0;
   for (size_t i = 0; i < shot->body_count && left > 0.0; i++)
     left *= body_left(&shot->bodies[i], point, sun);
   if (!(left > 0.0))
     return (pl_vec3f){0.0f, 0.0f, 0.0f};
-  pl_vec3f out = toward_sun_but(veils, kind, shot, point, sun, width_m);
-  if (veils->air != NULL)
-    out = pl_vec3f_mul(out, pl_air_toward_sun(veils->air, shot, point, sun->direction));
+  pl_vec3f out = toward_sun_but(media, kind, shot, point, sun, width_m);
+  if (media->air != NULL)
+    out = pl_vec3f_mul(out, pl_air_toward_sun(media->air, shot, point, sun->direction));
   return pl_vec3f_scale(out, (float)left * sun->irradiance);
 }
 
 /* Without air. */
-static void pass(pl_path *path, const pl_veil_list *list, pl_vec3f *sink) {
+static void pass(pl_path *path, const pl_medium_list *list, pl_vec3f *sink) {
   for (size_t i = 0; i < list->count; i++) {
     *sink = pl_vec3f_add(*sink, pl_vec3f_mul(path->throughput, list->items[i].radiance));
     path->throughput = pl_vec3f_mul(path->throughput, list->items[i].passed);
   }
 }
 
-pl_vec3f pl_veils_seen(const pl_veil_list *list, pl_vec3f radiance) {
+pl_vec3f pl_media_seen(const pl_medium_list *list, pl_vec3f radiance) {
   for (size_t i = list->count; i-- > 0;)
     radiance = pl_vec3f_add(list->items[i].radiance, pl_vec3f_mul(list->items[i].passed, radiance));
   return radiance;
 }
 
-void pl_veils_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {
+void pl_media_apply(const pl_path_context *context, int bounce, size_t count, pl_tile_buffers *b) {
   const pl_render_settings *settings = context->settings;
-  const bool any = bounce > 0 || context->veils;
+  const bool any = bounce > 0 || context->media;
   for (size_t i = 0; i < count; i++) {
     pl_path *path = &b->paths[i];
     const pl_hit *hit = &b->hits[i];
     const bool miss = hit->thing == PL_NOTHING;
-    if (bounce == 0 && !miss && b->settled_thing[path->pixel] == hit->thing)
+    if (bounce == 0 && !miss && b->prefiltered_thing[path->pixel] == hit->thing)
       continue; /* all of it is known */
-    const pl_veil_ray ray = {
+    const pl_medium_ray ray = {
         .beam = &path->beam,
         .t_max = miss ? INFINITY : (double)hit->t,
         .camera = bounce == 0,
         .from_body = bounce > 0 ? b->rays[i].skip_body : PL_NOTHING,
     };
-    pl_veil_list list;
+    pl_medium_list list;
     list.count = 0;
     if (any)
-      pl_veils_cross(settings->veils, context->shot, &ray, &list);
+      pl_media_cross(settings->media, context->shot, &ray, &list);
     if (settings->air != NULL)
       pl_air_pass(context, bounce, i, &list, b);
     else

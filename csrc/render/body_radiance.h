@@ -1,14 +1,14 @@
 /* How bright a body's disc is as one point sees it: looked at once in the middle of each cell of
- * its table (light/body_disc.h), with its map, photometry, air, veils, night and eclipses by other
+ * its table (light/body_disc.h), with its map, photometry, air, media, night and eclipses by other
  * bodies. Draws go by it; what they meet is shaded as anything else. */
-#ifndef PL_RENDER_BODY_LOOK_H
-#define PL_RENDER_BODY_LOOK_H
+#ifndef PL_RENDER_BODY_RADIANCE_H
+#define PL_RENDER_BODY_RADIANCE_H
 
 #include "light/body_disc.h"
 
 struct pl_render_settings;
 
-typedef struct pl_body_look {
+typedef struct pl_body_radiance {
   uint32_t body;
   pl_vec3 point; /* that it was made for */
   pl_disc_table table;
@@ -16,11 +16,11 @@ typedef struct pl_body_look {
   float wide_sr;         /* solid angle that as much light of one brightness would fill */
   double most;           /* as of the disc there */
   double part, turn_rad; /* of the disc: the middle of the light */
-} pl_body_look;
+} pl_body_radiance;
 
 /* `sun`: direction from the body to the sun. False if no light is found. Reads the settings' air,
- * veils and detail. */
-bool pl_body_look_make(const pl_snapshot *shot, const struct pl_render_settings *settings,
-                       uint32_t body, pl_vec3 sun, pl_vec3 point, pl_body_look *out);
+ * media and detail. */
+bool pl_body_radiance_make(const pl_snapshot *shot, const struct pl_render_settings *settings,
+                           uint32_t body, pl_vec3 sun, pl_vec3 point, pl_body_radiance *out);
 
 #endif

@@ -1,6 +1,6 @@
-/* Rings: flat layers in the plane of a body's equator. Of one ray they are one veil, also where its
- * cone meets them in several places. */
-#include "render/veil_kinds.h"
+/* Rings: flat layers in the plane of a body's equator. Of one ray they are one medium, also where
+ * its cone meets them in several places. */
+#include "render/medium_kinds.h"
 #include "rings/rings.h"
 
 typedef struct ring_item {
@@ -77,7 +77,7 @@ static pl_rings_ray ray_of(const pl_shot_body *body, pl_vec3 origin, pl_vec3 dir
 }
 
 /* Sunlight that a part of the rings scatters along the ray, and what it lets through. */
-static float look(const ring_item *item, const pl_veils *veils, const pl_snapshot *shot,
+static float look(const ring_item *item, const pl_media *media, const pl_snapshot *shot,
                   const pl_rings_ray *ray, const pl_rings_piece *piece, pl_vec3f *radiance) {
   const pl_shot_body *body = &shot->bodies[item->body];
   const pl_vec3 point = pl_vec3_add(body->center, pl_mat3_mul_vec(body->rotation, piece->point));
@@ -89,8 +89,8 @@ static float look(const ring_item *item, const pl_veils *veils, const pl_snapsho
                                            (float)light.scattered[2]);
   const float width_m = (float)(ray->width_m + ray->spread * piece->t);
   if (pl_vec3f_max(scattered) > 0.0f)
-    *radiance = pl_vec3f_mul(scattered,
-                             pl_veils_sunlight(veils, &pl_veil_rings, shot, point, &view, width_m));
+    *radiance = pl_vec3f_mul(
+        scattered, pl_media_sunlight(media, &pl_medium_rings, shot, point, &view, width_m));
   return (float)light.passed;
 }
 
@@ -99,8 +99,8 @@ static float straight(const pl_rings *rings, const pl_rings_piece *piece) {
          (float)pl_rings_average(rings, piece->low_m, piece->high_m, 1.0 / piece->sine).opacity;
 }
 
-static void cross_item(const ring_item *item, const pl_veils *veils, const pl_snapshot *shot,
-                       const pl_veil_ray *ray, pl_veil_list *out) {
+static void cross_item(const ring_item *item, const pl_media *media, const pl_snapshot *shot,
+                       const pl_medium_ray *ray, pl_medium_list *out) {
   const pl_shot_body *body = &shot->bodies[item->body];
   pl_rings_ray own = ray_of(body, ray->beam->origin, ray->beam->direction);
   pl_rings_piece pieces[PL_RINGS_PIECES];
@@ -110,14 +110,14 @@ static void cross_item(const ring_item *item, const pl_veils *veils, const pl_sn
   const size_t count = pl_rings_cut(item->rings, &own, pieces);
   /* The light of a body's rings is not seen from its ground. */
   const bool dark = ray->dark || ray->from_body == item->body;
-  pl_veil_crossing crossing = {0};
+  pl_medium_crossing crossing = {0};
   float held = 0.0f;
   double shares = 0.0;
   for (size_t i = 0; i < count; i++) {
     pl_vec3f radiance = {0.0f, 0.0f, 0.0f};
     const float share = (float)pieces[i].share;
     const float passed = dark ? straight(item->rings, &pieces[i])
-                              : look(item, veils, shot, &own, &pieces[i], &radiance);
+                              : look(item, media, shot, &own, &pieces[i], &radiance);
     held += share * (1.0f - passed);
     crossing.radiance = pl_vec3f_madd(crossing.radiance, share, radiance);
     crossing.t += pieces[i].share * pieces[i].t;
@@ -128,15 +128,15 @@ static void cross_item(const ring_item *item, const pl_veils *veils, const pl_sn
   const float left = pl_maxf(0.0f, 1.0f - held);
   crossing.t = fmin(crossing.t / shares, ray->t_max);
   crossing.passed = (pl_vec3f){left, left, left};
-  pl_veil_list_add(out, &crossing);
+  pl_medium_list_add(out, &crossing);
 }
 
-static void cross(const pl_veils *veils, const void *own, const pl_snapshot *shot,
-                  const pl_veil_ray *ray, pl_veil_list *out) {
+static void cross(const pl_media *media, const void *own, const pl_snapshot *shot,
+                  const pl_medium_ray *ray, pl_medium_list *out) {
   const ring_list *list = own;
   for (size_t i = 0; i < list->count; i++)
-    if (pl_veil_ray_sees(veils, ray, shot, list->items[i].body))
-      cross_item(&list->items[i], veils, shot, ray, out);
+    if (pl_medium_ray_sees(media, ray, shot, list->items[i].body))
+      cross_item(&list->items[i], media, shot, ray, out);
 }
 
 /* Opacities that differ by more are seen. */
@@ -162,11 +162,11 @@ static bool thin(const void *own, const pl_snapshot *shot, const pl_beam *pixel,
 static const double STRIP = 1.7320508075688772;
 
 /* Rings are cut by a cone as wide as the sun's disc and the footprint. */
-static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+static pl_vec3f toward_sun(const pl_media *media, const void *own, const pl_snapshot *shot,
                            pl_vec3 point, const pl_sun_view *sun, float width_m) {
   const ring_list *list = own;
   double out = 1.0;
-  (void)veils;
+  (void)media;
   for (size_t i = 0; i < list->count; i++) {
     const ring_item *item = &list->items[i];
     pl_rings_ray ray = ray_of(&shot->bodies[item->body], point, pl_vec3f_to_double(sun->direction));
@@ -178,7 +178,7 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
   return (pl_vec3f){(float)out, (float)out, (float)out};
 }
 
-const pl_veil_kind pl_veil_rings = {
+const pl_medium_kind pl_medium_rings = {
     .effect = &pl_effect_rings,
     .build = build,
     .in_cone = in_cone,

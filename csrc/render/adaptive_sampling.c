@@ -7,7 +7,7 @@
  * outlines of high contrast cross a pixel. */
 #include "math/color.h"
 #include "render/path.h"
-#include "render/share.h"
+#include "render/irradiance_record.h"
 
 /* The scatter of a pixel's samples, digital numbers, for which `samples` are the right number. By
  * measurement, and fitted to two close views of spacecraft: there the frame's error is that of
@@ -55,16 +55,16 @@ static float unseen_radiance(const pl_path_context *context, uint32_t thing) {
 
 /* A mesh may show where none is seen yet: as if one of the samples of these pixels had met this
  * part of white. */
-static const float UNSEEN_MESH = 0.3f, UNSEEN_POOL = 9.0f;
+static const float UNSEEN_MESH = 0.3f, UNSEEN_FILTERED = 9.0f;
 
 static float unseen_mesh(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
   const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
   if (b->points[pixel].thing < context->shot->object_count || b->counts[pixel] == 0 ||
-      !pl_reach_pixel(context->reach, x, y))
+      !pl_coverage_pixel(context->coverage, x, y))
     return 0.0f;
   const float step = UNSEEN_MESH * context->settings->white_radiance;
-  return step * step / (UNSEEN_POOL * (float)b->counts[pixel]);
+  return step * step / (UNSEEN_FILTERED * (float)b->counts[pixel]);
 }
 
 /* Variance of the light that is shared, in one pixel's mean, after pooling with its neighbours;
@@ -158,12 +158,14 @@ static bool is_finished(const pl_render_settings *settings, const moments *momen
   return n >= samples * error * sqrtf(n) / SCATTER_DN;
 }
 
-/* Of PL_SHARE_ROW paths so many are worth following: with the part f of them, of the cost of what
- * leads there, an error falls the fastest where f^2 is the ratio of the two variances. */
+/* Of PL_IRRADIANCE_ROW paths so many are worth following: with the part f of them, of the cost of
+ * what leads there, an error falls the fastest where f^2 is the ratio of the two variances. */
 static uint8_t worth_following(const moments *moments, size_t k) {
   const float shared = sum8(moments->followed, k);
   const float own = sum8(moments->variance, k) - sum8(moments->shared, k);
-  return shared > 0.5f * own ? PL_SHARE_ROW : shared > 0.125f * own ? PL_SHARE_ROW / 2 : 0;
+  return shared > 0.5f * own     ? PL_IRRADIANCE_ROW
+         : shared > 0.125f * own ? PL_IRRADIANCE_ROW / 2
+                                 : 0;
 }
 
 static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
@@ -186,17 +188,17 @@ static double faint_part(const pl_path_context *context) {
   return (double)s->noise_dn / BLACK_SLOPE * (double)white * PL_PI / fmax(sun, 1e-9);
 }
 
-/* Veils may be thinner than a pixel, as an outline's slivers are; beside it they may lie on the
+/* Media may be thinner than a pixel, as an outline's slivers are; beside it they may lie on the
  * edge between two. */
-static bool has_thin_veil(const pl_path_context *context, uint32_t pixel) {
+static bool has_thin_medium(const pl_path_context *context, uint32_t pixel) {
   static const int beside[5][2] = {{0, 0}, {0, -1}, {0, 1}, {-1, 0}, {1, 0}};
   const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
   const double faint = faint_part(context);
-  for (int i = 0; context->veils && i < 5; i++) {
+  for (int i = 0; context->media && i < 5; i++) {
     const pl_vec3 direction = pl_snapshot_ray(context->shot, x + beside[i][0], y + beside[i][1]);
     const pl_beam beam = {.direction = direction, .spread = (float)context->pixel_rad};
-    if (pl_veils_thin(context->settings->veils, context->shot, &beam, faint))
+    if (pl_media_thin(context->settings->media, context->shot, &beam, faint))
       return true;
   }
   return false;
@@ -217,7 +219,7 @@ static bool has_suns_limb(const pl_path_context *context, uint32_t pixel) {
 
 /* What a few samples of a pixel may all miss, though the plan knows that it may be there. */
 static bool may_miss(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
-  return b->narrow[pixel] || has_thin_veil(context, pixel) || has_suns_limb(context, pixel);
+  return b->narrow[pixel] || has_thin_medium(context, pixel) || has_suns_limb(context, pixel);
 }
 
 void pl_path_drop_single(pl_tile_buffers *b) {
@@ -228,7 +230,7 @@ void pl_path_drop_single(pl_tile_buffers *b) {
   b->active_count = kept;
 }
 
-void pl_path_prune(const pl_path_context *context, pl_tile_buffers *b) {
+void pl_path_adapt(const pl_path_context *context, pl_tile_buffers *b) {
   moments moments;
   measure(context, b, &moments);
   const int samples = context->settings->samples, least = samples / LEAST_PART;

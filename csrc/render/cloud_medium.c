@@ -2,7 +2,7 @@
  * level rays have in it. */
 #include "geom/ellipsoid.h"
 #include "math/color.h"
-#include "render/veil_kinds.h"
+#include "render/medium_kinds.h"
 #include "shade/body_map.h"
 #include "shade/clouds.h"
 
@@ -212,7 +212,7 @@ static void add_place(const cloud_item *item, const pl_snapshot *shot, const lig
 
 /* The same over parts x parts places of the footprint; they lie in the plane about `at`. */
 static void look_closer(const cloud_item *item, const pl_snapshot *shot, const meeting *m, double t,
-                        const pl_veil_ray *ray, const lighting *from, bool ground, place at,
+                        const pl_medium_ray *ray, const lighting *from, bool ground, place at,
                         means *sum) {
   const pl_shot_body *body = &shot->bodies[item->body];
   const double down = pl_vec3_dot(m->direction, at.normal);
@@ -233,9 +233,9 @@ static void look_closer(const cloud_item *item, const pl_snapshot *shot, const m
   }
 }
 
-static void cross_at(const cloud_item *item, const pl_veils *veils, const pl_snapshot *shot,
-                     const pl_veil_ray *ray, const meeting *m, double t, bool ground,
-                     pl_veil_list *out) {
+static void cross_at(const cloud_item *item, const pl_media *media, const pl_snapshot *shot,
+                     const pl_medium_ray *ray, const meeting *m, double t, bool ground,
+                     pl_medium_list *out) {
   place at;
   means mean = {0};
   lighting from;
@@ -250,44 +250,44 @@ static void cross_at(const cloud_item *item, const pl_veils *veils, const pl_sna
     look_closer(item, shot, m, t, ray, lit ? &from : NULL, ground, at, &mean);
   else
     add_place(item, shot, lit ? &from : NULL, &at, ground, 1.0f, &mean);
-  pl_veil_crossing crossing = {.t = t, .passed = {mean.passed, mean.passed, mean.passed}};
+  pl_medium_crossing crossing = {.t = t, .passed = {mean.passed, mean.passed, mean.passed}};
   if (mean.sent > 0.0f) {
     const float *c = item->clouds->color;
     const pl_vec3f light =
-        pl_veils_sunlight(veils, &pl_veil_clouds, shot, from.point, &from.sun, width_m);
+        pl_media_sunlight(media, &pl_medium_clouds, shot, from.point, &from.sun, width_m);
     crossing.radiance =
         pl_vec3f_scale(pl_vec3f_mul(light, pl_vec3f_make(c[0], c[1], c[2])), mean.sent);
   }
   crossing.unsure = mean.cover > 0.0f ? mean.unsure / mean.cover : 0.0f;
-  pl_veil_list_add(out, &crossing);
+  pl_medium_list_add(out, &crossing);
 }
 
-static void cross_item(const cloud_item *item, const pl_veils *veils, const pl_snapshot *shot,
-                       const pl_veil_ray *ray, pl_veil_list *out) {
+static void cross_item(const cloud_item *item, const pl_media *media, const pl_snapshot *shot,
+                       const pl_medium_ray *ray, pl_medium_list *out) {
   meeting m;
   if (!meet(item, shot, ray->beam->origin, ray->beam->direction, &m))
     return;
   const bool ground = lands(&shot->bodies[item->body], &m);
   for (int i = 0; i < 2; i++)
     if (m.t[i] > 0.0 && m.t[i] < ray->t_max)
-      cross_at(item, veils, shot, ray, &m, m.t[i], ground && i == 0, out);
+      cross_at(item, media, shot, ray, &m, m.t[i], ground && i == 0, out);
 }
 
-static void cross(const pl_veils *veils, const void *own, const pl_snapshot *shot,
-                  const pl_veil_ray *ray, pl_veil_list *out) {
+static void cross(const pl_media *media, const void *own, const pl_snapshot *shot,
+                  const pl_medium_ray *ray, pl_medium_list *out) {
   const cloud_list *list = own;
   for (size_t i = 0; i < list->count; i++)
-    if (pl_veil_ray_sees(veils, ray, shot, list->items[i].body))
-      cross_item(&list->items[i], veils, shot, ray, out);
+    if (pl_medium_ray_sees(media, ray, shot, list->items[i].body))
+      cross_item(&list->items[i], media, shot, ray, out);
 }
 
 /* Below the clouds all that they let through counts as coming from the sun. A body's own night is
  * no matter of its clouds. */
-static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snapshot *shot,
+static pl_vec3f toward_sun(const pl_media *media, const void *own, const pl_snapshot *shot,
                            pl_vec3 point, const pl_sun_view *sun, float width_m) {
   const cloud_list *list = own;
   pl_vec3f out = {1.0f, 1.0f, 1.0f};
-  (void)veils;
+  (void)media;
   for (size_t i = 0; i < list->count; i++) {
     const cloud_item *item = &list->items[i];
     meeting m;
@@ -306,7 +306,7 @@ static pl_vec3f toward_sun(const pl_veils *veils, const void *own, const pl_snap
   return out;
 }
 
-const pl_veil_kind pl_veil_clouds = {
+const pl_medium_kind pl_medium_clouds = {
     .effect = &pl_effect_clouds,
     .build = build,
     .in_cone = in_cone,

@@ -1,6 +1,6 @@
 /* The mask of pixels that a mesh may show in against rays: none that leaves by another pixel meets
  * a mesh. The tracer, which meets them, has its own test against brute force. */
-#include "render/reach.h"
+#include "render/coverage_mask.h"
 
 #include "jointed.h"
 #include "render/focus.h"
@@ -18,7 +18,7 @@ typedef struct world {
   pl_snapshot shot;
   pl_accelerators *kept;
   const pl_tracer *tracer;
-  pl_reach reach;
+  pl_coverage coverage;
 } world;
 
 static void world_init(world *w, double focal_px) {
@@ -33,11 +33,11 @@ static void world_set(world *w, int rays) {
   assert_int_equal(pl_snapshot_build(&w->stage.scene, &w->stage.placement, &w->arena, &w->shot),
                    PL_OK);
   assert_int_equal(pl_tracer_build(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
-  assert_int_equal(pl_reach_update(&w->reach, &w->shot, 0, HEIGHT, rays, 1), PL_OK);
+  assert_int_equal(pl_coverage_update(&w->coverage, &w->shot, 0, HEIGHT, rays, 1), PL_OK);
 }
 
 static void world_clear(world *w) {
-  pl_reach_clear(&w->reach);
+  pl_coverage_clear(&w->coverage);
   pl_accelerators_destroy(w->kept);
   pl_arena_clear(&w->arena);
   stage_clear(&w->stage);
@@ -92,7 +92,7 @@ static void check_world(world *w, test_random *random, sums *sums) {
       bool hit = false;
       for (int i = 0; i < TRIES && !hit; i++)
         hit = meets(w, random, x, y);
-      const bool marked = pl_reach_pixel(&w->reach, x, y);
+      const bool marked = pl_coverage_pixel(&w->coverage, x, y);
       if (hit && !marked)
         fail_msg("a mesh shows in pixel (%d, %d), which is not marked", x, y);
       sums->marked += marked;
@@ -247,10 +247,10 @@ static void test_pieces(void **state) {
 static void check_rows(world *w, int row0, int row1, int threads) {
   unsigned char alone[PIXELS];
   for (int i = 0; i < PIXELS; i++)
-    alone[i] = pl_reach_pixel(&w->reach, i % WIDTH, i / WIDTH);
-  memset((void *)w->reach.pixels, 2, PIXELS); /* of another frame */
-  assert_int_equal(pl_reach_update(&w->reach, &w->shot, row0, row1, 5, threads), PL_OK);
-  const unsigned char *pixels = (const unsigned char *)w->reach.pixels;
+    alone[i] = pl_coverage_pixel(&w->coverage, i % WIDTH, i / WIDTH);
+  memset((void *)w->coverage.pixels, 2, PIXELS); /* of another frame */
+  assert_int_equal(pl_coverage_update(&w->coverage, &w->shot, row0, row1, 5, threads), PL_OK);
+  const unsigned char *pixels = (const unsigned char *)w->coverage.pixels;
   for (int i = 0; i < PIXELS; i++)
     if (i / WIDTH < row0 || i / WIDTH >= row1)
       assert_int_equal(pixels[i], 2);
@@ -296,7 +296,7 @@ static void test_rows(void **state) {
     for (int i = 0; i < WIDTH * (row1 - row0); i++) {
       const int x = i % WIDTH, y = row0 + i / WIDTH;
       const bool hit = meets(&w, &random, x, y);
-      assert_true(!hit || pl_reach_pixel(&w.reach, x, y));
+      assert_true(!hit || pl_coverage_pixel(&w.coverage, x, y));
       hits += hit;
     }
   }

@@ -1,8 +1,8 @@
 /* Small bodies: a picture of SIDE pixels squared of each, whose light is put where it belongs. */
-#include "frame/dots.h"
+#include "frame/subpixel_bodies.h"
 
-/* Bodies below this diameter are dots: above, sixteen samples a pixel keep the light of a disc to
- * within a few hundredths, and of more pixels to less. */
+/* Bodies below this diameter are subpixel: above, sixteen samples a pixel keep the light of a disc
+ * to within a few hundredths, and of more pixels to less. */
 static const double DIAMETER_PX = 5.0;
 /* Side of the picture, and the part of it that the body's bounding sphere fills. The lattice of its
  * pixels counts the area of a disc to 2e-3. */
@@ -57,7 +57,8 @@ static double diameter_px(const pl_snapshot *shot, const ball *ball) {
 static const double HIGH = 0.02;
 
 /* Not where depth of field blurs: these pictures are sharp. */
-static bool is_dot(const pl_snapshot *shot, const pl_view *view, double tolerance_dn, size_t i) {
+static bool is_subpixel(const pl_snapshot *shot, const pl_view *view, double tolerance_dn,
+                        size_t i) {
   const pl_shot_body *body = &shot->bodies[i];
   const ball ball = ball_of(shot, i);
   const pl_view_thing *thing = &view->things[ball.thing];
@@ -68,14 +69,14 @@ static bool is_dot(const pl_snapshot *shot, const pl_view *view, double toleranc
          pl_view_sky_dn(view, 4.0 * covered * pl_view_light(thing)) > 0.125 * tolerance_dn;
 }
 
-pl_status pl_dots_find(const pl_snapshot *shot, const pl_view *view, double tolerance_dn,
-                       pl_arena *arena, const bool **out) {
-  bool *dots = pl_arena_alloc(arena, shot->body_count, sizeof *dots);
-  if (dots == NULL)
+pl_status pl_subpixel_find(const pl_snapshot *shot, const pl_view *view, double tolerance_dn,
+                           pl_arena *arena, const bool **out) {
+  bool *subpixel = pl_arena_alloc(arena, shot->body_count, sizeof *subpixel);
+  if (subpixel == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for small bodies");
   for (size_t i = 0; i < shot->body_count; i++)
-    dots[i] = is_dot(shot, view, tolerance_dn, i);
-  *out = dots;
+    subpixel[i] = is_subpixel(shot, view, tolerance_dn, i);
+  *out = subpixel;
   return PL_OK;
 }
 
@@ -121,13 +122,13 @@ enum { PIXELS = 16 * 16 };
 
 static void add(pl_frame_sky *sky, size_t first, uint32_t pixel, pl_vec3f light) {
   size_t i = first;
-  while (i < sky->dot_count && sky->dots[i].pixel != pixel)
+  while (i < sky->subpixel_count && sky->subpixel[i].pixel != pixel)
     i++;
   if (i == first + PIXELS)
     return;
-  if (i == sky->dot_count)
-    sky->dots[sky->dot_count++] = (pl_star_light){.pixel = pixel};
-  sky->dots[i].light = pl_vec3f_add(sky->dots[i].light, light);
+  if (i == sky->subpixel_count)
+    sky->subpixel[sky->subpixel_count++] = (pl_star_light){.pixel = pixel};
+  sky->subpixel[i].light = pl_vec3f_add(sky->subpixel[i].light, light);
 }
 
 /* Part of an interval of `width` about a place that lies in pixel `pixel` of an axis. */
@@ -157,7 +158,7 @@ static void spread(const gathering *g, const pl_snapshot *close, const pl_snapsh
                    pl_frame_sky *sky) {
   const pl_camera *camera = &shot->camera;
   const double width = fmax(camera->fx, camera->fy) / close->camera.fx;
-  const size_t first = sky->dot_count;
+  const size_t first = sky->subpixel_count;
   for (int i = 0; i < SIDE * SIDE; i++) {
     double at[2];
     const pl_vec3 ray = pl_snapshot_ray(close, i % SIDE, i / SIDE);
@@ -178,50 +179,50 @@ static pl_status render_dot(const pl_instant *instant, size_t body, pl_render_sc
   aim(shot, &ball, &close);
   g->thing = ball.thing;
   const pl_air_view *air = settings.air;
-  const pl_veils *veils = settings.veils;
-  pl_veils own; /* what it carries itself is part of its picture */
+  const pl_media *media = settings.media;
+  pl_media own; /* what it carries itself is part of its picture */
   settings.samples = 1;
   settings.noise_dn = 0.0f;
   settings.exact = false;
   settings.backdrop = NULL;
   settings.air = NULL;
-  if (veils != NULL) {
-    own = *veils;
+  if (media != NULL) {
+    own = *media;
     own.air = NULL;
-    own.dot = (uint32_t)body;
-    settings.veils = &own;
+    own.subpixel = (uint32_t)body;
+    settings.media = &own;
   }
-  settings.see_dots = true;
+  settings.see_subpixel = true;
   settings.row0 = settings.row1 = 0;
   settings.slice = NULL;
   PL_TRY(pl_render(&close, instant->tracer, &settings, scratch, gather_tile, g, cancel));
-  const size_t first = sky->dot_count;
+  const size_t first = sky->subpixel_count;
   spread(g, &close, shot, sky);
   const pl_vec3 toward = pl_vec3_unit(ball.center), here = {0.0, 0.0, 0.0};
   pl_vec3f passed = {1.0f, 1.0f, 1.0f};
   if (air != NULL)
     passed = pl_air_toward_sun(air, shot, here, pl_vec3_to_float(toward));
-  if (veils != NULL)
-    passed = pl_vec3f_mul(passed, pl_veils_passed(veils, shot, toward, pl_vec3_norm(ball.center)));
-  for (size_t i = first; i < sky->dot_count; i++)
-    sky->dots[i].light = pl_vec3f_mul(sky->dots[i].light, passed);
+  if (media != NULL)
+    passed = pl_vec3f_mul(passed, pl_media_passed(media, shot, toward, pl_vec3_norm(ball.center)));
+  for (size_t i = first; i < sky->subpixel_count; i++)
+    sky->subpixel[i].light = pl_vec3f_mul(sky->subpixel[i].light, passed);
   return PL_OK;
 }
 
-pl_status pl_dots_render(const pl_instant *instant, pl_render_scratch *scratch, pl_arena *arena,
-                         pl_cancel *cancel, pl_frame_sky *sky) {
+pl_status pl_subpixel_render(const pl_instant *instant, pl_render_scratch *scratch, pl_arena *arena,
+                             pl_cancel *cancel, pl_frame_sky *sky) {
   const pl_snapshot *shot = &instant->shot;
   size_t count = 0;
   for (size_t i = 0; i < shot->body_count; i++)
-    count += shot->bodies[i].dot;
+    count += shot->bodies[i].subpixel;
   if (count == 0)
     return PL_OK;
   gathering *g = pl_arena_alloc(arena, 1, sizeof *g);
-  sky->dots = pl_arena_alloc(arena, PIXELS * count, sizeof *sky->dots);
-  if (g == NULL || sky->dots == NULL)
+  sky->subpixel = pl_arena_alloc(arena, PIXELS * count, sizeof *sky->subpixel);
+  if (g == NULL || sky->subpixel == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for %zu small bodies", count);
   for (size_t i = 0; i < shot->body_count; i++)
-    if (shot->bodies[i].dot)
+    if (shot->bodies[i].subpixel)
       PL_TRY(render_dot(instant, i, scratch, cancel, g, sky));
   return PL_OK;
 }

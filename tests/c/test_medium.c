@@ -1,19 +1,19 @@
-/* Veils in frames, by the example of clouds. */
+/* Media in frames, by the example of clouds. */
 #include "harness.h"
 
 #include "airs.h"
 #include "clouds.h"
 #include "frames.h"
-#include "render/veil.h"
+#include "render/medium.h"
 
 enum { SIDE = 9 };
 
 static void test_list_is_sorted(void **state) {
   (void)state;
-  pl_veil_list list = {.count = 0};
+  pl_medium_list list = {.count = 0};
   for (int i = 0; i < 40; i++)
-    pl_veil_list_add(&list, &(pl_veil_crossing){.t = (double)(7 * i % 40)});
-  assert_int_equal(list.count, PL_VEIL_CROSSINGS);
+    pl_medium_list_add(&list, &(pl_medium_crossing){.t = (double)(7 * i % 40)});
+  assert_int_equal(list.count, PL_MEDIUM_CROSSINGS);
   for (size_t i = 0; i < list.count; i++)
     assert_true(list.items[i].t == (double)i);
 }

@@ -1,12 +1,12 @@
-/* Pools are made for cells, and of cells. */
-#include "render/pool.h"
+/* Filters are made for cells, and of cells. */
+#include "render/irradiance_filter.h"
 
 #include <string.h>
 
 #include "math/color.h"
 
-/* Cells that a pool reaches to each side at most: one is asked first, whether its paths are enough,
- * so many at least. */
+/* Cells that a filter reaches to each side at most: one is asked first, whether its paths are
+ * enough, so many at least. */
 enum { REACH = 3, FEWEST = 24 };
 /* With more samples less far: what is left of the noise is then less than what light changes by on
  * the way. By measurement: the error of a close view of a spacecraft is least so. */
@@ -17,10 +17,11 @@ static int reach_of(int samples) { return samples <= 8 ? REACH : samples <= 32 ?
 static const float FOUND = 8.0f;
 /* Nothing is made of fewer paths than these: one that found no light would show. */
 static const float FEWEST_USED = 7.7f; /* 8, but for rounding */
-/* A pool is quiet once its standard error is below so many tolerances. */
+/* A filter is quiet once its standard error is below so many tolerances. */
 static const float QUIET = 1.0f;
 
-/* What the paths of one surface bring, by the distance of their cell: squares about the pool's. */
+/* What the paths of one surface bring, by the distance of their cell: squares about the filter's.
+ */
 typedef struct ring {
   pl_vec3f shared, weight;
   float square;                                /* sum of squared luminances */
@@ -31,16 +32,16 @@ typedef struct ring {
 /* The cells of a tile and those around it. */
 enum { SIDE = PL_CELL_SIDE + 2 * REACH };
 typedef struct window {
-  const pl_share_cell *cells[SIDE * SIDE];
+  const pl_irradiance_cell *cells[SIDE * SIDE];
   uint32_t counts[SIDE * SIDE];
 } window;
 
-typedef struct pool {
+typedef struct filter {
   const window *window;
   const pl_spot *like;
   float depth_m;
   ring rings[REACH + 1];
-} pool;
+} filter;
 
 /* Variances of what paths bring for what they carry on, luminances: of one path's, times what that
  * carries on, and of the true values of pixels. */
@@ -48,7 +49,7 @@ typedef struct scatter {
   float noise, truth;
 } scatter;
 
-/* What a pool says of its cell's patches. */
+/* What a filter says of its cell's patches. */
 typedef struct answer {
   bool known;
   pl_vec3f light; /* for what patches carry on */
@@ -57,22 +58,23 @@ typedef struct answer {
 } answer;
 
 /* The tile so many columns and rows from another; NULL: none that is lit. */
-static const pl_share_tile *tile_beside(const pl_share *share, size_t item, int u, int v) {
+static const pl_irradiance_tile *tile_beside(const pl_irradiance_record *share, size_t item, int u,
+                                             int v) {
   const int column = (int)(item % (size_t)share->columns) + u;
   const int row = (int)(item / (size_t)share->columns) + v;
   if (column < 0 || column >= share->columns || row < 0 || row >= share->rows)
     return NULL;
-  const pl_share_tile *tile = &share->tiles[row * share->columns + column];
+  const pl_irradiance_tile *tile = &share->tiles[row * share->columns + column];
   return tile->lit ? tile : NULL;
 }
 
-static void look_around(const pl_share *share, size_t item, window *out) {
-  const pl_share_tile *tiles[9];
+static void look_around(const pl_irradiance_record *share, size_t item, window *out) {
+  const pl_irradiance_tile *tiles[9];
   for (int i = 0; i < 9; i++)
     tiles[i] = tile_beside(share, item, i % 3 - 1, i / 3 - 1);
   for (int k = 0; k < SIDE * SIDE; k++) {
     const int x = k % SIDE - REACH + PL_CELL_SIDE, y = k / SIDE - REACH + PL_CELL_SIDE;
-    const pl_share_tile *tile = tiles[y / PL_CELL_SIDE * 3 + x / PL_CELL_SIDE];
+    const pl_irradiance_tile *tile = tiles[y / PL_CELL_SIDE * 3 + x / PL_CELL_SIDE];
     out->counts[k] = 0;
     if (tile == NULL)
       continue;
@@ -82,12 +84,12 @@ static void look_around(const pl_share *share, size_t item, window *out) {
   }
 }
 
-static void add_cell(const pool *pool, int k, ring *ring) {
-  const pl_share_cell *cells = pool->window->cells[k];
-  const uint32_t count = pool->window->counts[k];
+static void add_cell(const filter *filter, int k, ring *ring) {
+  const pl_irradiance_cell *cells = filter->window->cells[k];
+  const uint32_t count = filter->window->counts[k];
   for (uint32_t i = 0; i < count; i++) {
-    const pl_share_cell *cell = &cells[i];
-    if (!pl_spot_fits(pool->like, &cell->spot, pool->depth_m))
+    const pl_irradiance_cell *cell = &cells[i];
+    if (!pl_spot_fits(filter->like, &cell->spot, filter->depth_m))
       continue;
     ring->shared = pl_vec3f_add(ring->shared, cell->shared);
     ring->weight = pl_vec3f_add(ring->weight, cell->weight);
@@ -100,16 +102,16 @@ static void add_cell(const pool *pool, int k, ring *ring) {
   }
 }
 
-static void add_ring(pool *pool, int k, int r) {
-  ring *ring = &pool->rings[r];
+static void add_ring(filter *filter, int k, int r) {
+  ring *ring = &filter->rings[r];
   for (int u = -r; u <= r; u++) {
-    add_cell(pool, k - r * SIDE + u, ring);
+    add_cell(filter, k - r * SIDE + u, ring);
     if (r > 0)
-      add_cell(pool, k + r * SIDE + u, ring);
+      add_cell(filter, k + r * SIDE + u, ring);
   }
   for (int v = 1 - r; v < r; v++) {
-    add_cell(pool, k + v * SIDE - r, ring);
-    add_cell(pool, k + v * SIDE + r, ring);
+    add_cell(filter, k + v * SIDE - r, ring);
+    add_cell(filter, k + v * SIDE + r, ring);
   }
 }
 
@@ -138,29 +140,29 @@ static float quiet_error(const pl_render_settings *settings, float level) {
 /* Rings count less and less up to the first that does not: no edges of squares are to be seen. */
 static float part_of(int r, float span) { return pl_maxf(1.0f - (float)r / span, 0.0f); }
 
-/* Paths that a pool is worth if rings count by their span. */
-static float worth(const pool *pool, float span, int most) {
+/* Paths that a filter is worth if rings count by their span. */
+static float worth(const filter *filter, float span, int most) {
   float sum = 0.0f, square = 0.0f;
   for (int r = 0; r <= most; r++) {
     const float part = part_of(r, span);
-    sum += part * pool->rings[r].count;
-    square += part * part * pool->rings[r].count;
+    sum += part * filter->rings[r].count;
+    square += part * part * filter->rings[r].count;
   }
   return sum * sum / square;
 }
 
-/* How far around light is taken from, within what the pool holds: to the end when it never is
+/* How far around light is taken from, within what the filter holds: to the end when it never is
  * quiet. It is decided by the scatter of all that is held: that of the light which is used would
- * stop pools that luck has kept in the dark. */
-static bool choose_span(const pool *pool, const pl_render_settings *settings,
-                        const pl_share_patch *patch, int most, float *span, float *enough) {
+ * stop filters that luck has kept in the dark. */
+static bool choose_span(const filter *filter, const pl_render_settings *settings,
+                        const pl_irradiance_patch *patch, int most, float *span, float *enough) {
   static const float spans[] = {1.0f, 1.125f, 1.25f, 1.5f, 2.0f, 2.5f, 3.0f, 4.0f};
   enum { SPANS = sizeof spans / sizeof *spans };
   float light = 0.0f, square = 0.0f, count = 0.0f;
   for (int r = 0; r <= most; r++) {
-    light += pl_luminance(pool->rings[r].shared);
-    square += pool->rings[r].square;
-    count += pool->rings[r].count;
+    light += pl_luminance(filter->rings[r].shared);
+    square += filter->rings[r].square;
+    count += filter->rings[r].count;
   }
   *span = (float)(most + 1);
   *enough = INFINITY;
@@ -171,7 +173,7 @@ static bool choose_span(const pool *pool, const pl_render_settings *settings,
   const float limit = quiet_error(settings, patch->level + patch->part * mean);
   *enough = pl_maxf(patch->part * patch->part * variance / (limit * limit), FEWEST_USED);
   for (int i = 0; i < SPANS && spans[i] <= (float)(most + 1); i++)
-    if (worth(pool, spans[i], most) >= *enough) {
+    if (worth(filter, spans[i], most) >= *enough) {
       *span = spans[i];
       return true;
     }
@@ -179,10 +181,10 @@ static bool choose_span(const pool *pool, const pl_render_settings *settings,
 }
 
 /* Sums over rings up to one, as one. */
-static ring sum_rings(const pool *pool, int most) {
-  ring sum = pool->rings[0];
+static ring sum_rings(const filter *filter, int most) {
+  ring sum = filter->rings[0];
   for (int r = 1; r <= most; r++) {
-    const ring *ring = &pool->rings[r];
+    const ring *ring = &filter->rings[r];
     sum.shared = pl_vec3f_add(sum.shared, ring->shared);
     sum.weight = pl_vec3f_add(sum.weight, ring->weight);
     sum.count += ring->count;
@@ -207,10 +209,11 @@ static float noise_of(const ring *sum, float assumed, float scattered) {
 
 /* One-way analysis of variance, pixels as groups of unequal size (Searle, Casella and McCulloch
  * 1992, Variance Components, 3.6): what their means differ by beyond the noise of their paths is
- * true. The noise is more and more that about the pool's own cell, for it is less in dark corners.
+ * true. The noise is more and more that about the filter's own cell, for it is less in dark
+ * corners.
  */
-static scatter scatter_of(const pool *pool, int most) {
-  const ring sum = sum_rings(pool, most);
+static scatter scatter_of(const filter *filter, int most) {
+  const ring sum = sum_rings(filter, most);
   const float light = pl_luminance(sum.shared), weight = pl_luminance(sum.weight);
   scatter out = {0.0f, 0.0f};
   const float groups = weight - ratio(sum.weight_square, weight);
@@ -220,36 +223,36 @@ static scatter scatter_of(const pool *pool, int most) {
   const float noise = noise_of(&sum, ASSUMED, pl_maxf(sum.each - mean, 0.0f) / (sum.count - 1.0f));
   const float between = sum.together - mean;
   out.truth = pl_maxf((between - (sum.pixels - 1.0f) * noise) / groups, 0.0f);
-  out.noise = noise_of(&pool->rings[0], ASSUMED, noise);
+  out.noise = noise_of(&filter->rings[0], ASSUMED, noise);
   return out;
 }
 
-/* What paths bring for what they carry on, in the pool about cell `k`. */
-static answer ask(pool *pool, const pl_render_settings *settings, const pl_share_patch *patch,
-                  int k) {
+/* What paths bring for what they carry on, in the filter about cell `k`. */
+static answer ask(filter *filter, const pl_render_settings *settings,
+                  const pl_irradiance_patch *patch, int k) {
   answer out = {.known = true};
   float span = 1.0f;
-  add_ring(pool, k, 0);
+  add_ring(filter, k, 0);
   const int reach = reach_of(settings->samples);
   for (int most = 1; most <= reach; most++) {
-    add_ring(pool, k, most);
-    out.scatter = scatter_of(pool, most);
-    if (choose_span(pool, settings, patch, most, &span, &out.enough))
+    add_ring(filter, k, most);
+    out.scatter = scatter_of(filter, most);
+    if (choose_span(filter, settings, patch, most, &span, &out.enough))
       break;
   }
   pl_vec3f all = {0.0f, 0.0f, 0.0f}, weight = all;
   for (int r = 0; (float)r < span; r++) {
-    all = pl_vec3f_madd(all, part_of(r, span), pool->rings[r].shared);
-    weight = pl_vec3f_madd(weight, part_of(r, span), pool->rings[r].weight);
+    all = pl_vec3f_madd(all, part_of(r, span), filter->rings[r].shared);
+    weight = pl_vec3f_madd(weight, part_of(r, span), filter->rings[r].weight);
   }
   out.light = light_of(all, weight);
   return out;
 }
 
-/* A patch's own light counts by how much of what tells it from its pool's is true: with more
- * samples it is less and less noise, so that in the end the pool counts for nothing (James and
+/* A patch's own light counts by how much of what tells it from its filter's is true: with more
+ * samples it is less and less noise, so that in the end the filter counts for nothing (James and
  * Stein 1961; Efron and Morris 1973). */
-static pl_vec3f blend(const answer *answer, const pl_share_patch *patch) {
+static pl_vec3f blend(const answer *answer, const pl_irradiance_patch *patch) {
   const pl_vec3f own = light_of(patch->shared, patch->lit_weight);
   if ((float)patch->lit >= answer->enough)
     return own;
@@ -258,20 +261,20 @@ static pl_vec3f blend(const answer *answer, const pl_share_patch *patch) {
   return pl_vec3f_madd(pl_vec3f_scale(answer->light, 1.0f - part), part, own);
 }
 
-static void light_cell(const pl_share_tile *tile, int i, const window *window,
+static void light_cell(const pl_irradiance_tile *tile, int i, const window *window,
                        const pl_render_settings *settings, float spread, pl_vec3f *radiance) {
-  const pl_share_cell *cells = tile->cells + tile->cell_start[i];
+  const pl_irradiance_cell *cells = tile->cells + tile->cell_start[i];
   const int k = (i / PL_CELL_SIDE + REACH) * SIDE + i % PL_CELL_SIDE + REACH;
   answer answers[PL_CELL * PL_CELL * PL_PATCHES];
   for (uint32_t j = 0; j < tile->cell_start[i + 1] - tile->cell_start[i]; j++)
     answers[j].known = false;
   for (uint32_t j = tile->patch_start[i]; j < tile->patch_start[i + 1]; j++) {
-    const pl_share_patch *patch = &tile->patches[j];
+    const pl_irradiance_patch *patch = &tile->patches[j];
     answer *answer = &answers[patch->cell];
     if (!answer->known) {
       const pl_spot *spot = &cells[patch->cell].spot;
-      pool pool = {.window = window, .like = spot, .depth_m = pl_spot_depth(spot, spread)};
-      *answer = ask(&pool, settings, patch, k);
+      filter filter = {.window = window, .like = spot, .depth_m = pl_spot_depth(spot, spread)};
+      *answer = ask(&filter, settings, patch, k);
     }
     const pl_vec3f light = blend(answer, patch);
     radiance[patch->pixel] =
@@ -279,9 +282,10 @@ static void light_cell(const pl_share_tile *tile, int i, const window *window,
   }
 }
 
-void pl_pool_light(const pl_share *share, size_t item, const pl_render_settings *settings,
-                   double pixel_rad, pl_vec3f radiance[PL_TILE_PIXELS]) {
-  const pl_share_tile *tile = &share->tiles[item];
+void pl_irradiance_filter_light(const pl_irradiance_record *share, size_t item,
+                                const pl_render_settings *settings, double pixel_rad,
+                                pl_vec3f radiance[PL_TILE_PIXELS]) {
+  const pl_irradiance_tile *tile = &share->tiles[item];
   window window;
   look_around(share, item, &window);
   memcpy(radiance, tile->rest, sizeof tile->rest);

@@ -1,5 +1,5 @@
 /* Projecting boxes and triangles. */
-#include "render/reach.h"
+#include "render/coverage_mask.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -49,7 +49,7 @@ typedef struct placed {
 } placed;
 
 typedef struct job {
-  const pl_reach *reach;
+  const pl_coverage *coverage;
   const pl_snapshot *shot;
   int rays;
   size_t slices;
@@ -220,26 +220,26 @@ static bool area_of(const area *in, const extent *e, area *out) {
   return out->x0 <= out->x1 && out->y0 <= out->y1;
 }
 
-static atomic_uchar *row_of(const pl_reach *reach, int y) {
-  return reach->pixels + (size_t)y * (size_t)reach->width;
+static atomic_uchar *row_of(const pl_coverage *coverage, int y) {
+  return coverage->pixels + (size_t)y * (size_t)coverage->width;
 }
 
 /* Of several threads that mark, none needs to know of another's marks. */
-static void mark_run(const pl_reach *reach, int y, int x0, int x1) {
-  atomic_uchar *row = row_of(reach, y);
+static void mark_run(const pl_coverage *coverage, int y, int x0, int x1) {
+  atomic_uchar *row = row_of(coverage, y);
   for (int x = x0; x <= x1; x++)
     atomic_store_explicit(&row[x], 1, memory_order_relaxed);
 }
 
-static void mark_area(const pl_reach *reach, const area *a) {
+static void mark_area(const pl_coverage *coverage, const area *a) {
   for (int y = a->y0; y <= a->y1; y++)
-    mark_run(reach, y, a->x0, a->x1);
+    mark_run(coverage, y, a->x0, a->x1);
 }
 
-static bool is_marked(const pl_reach *reach, const area *a) {
+static bool is_marked(const pl_coverage *coverage, const area *a) {
   for (int y = a->y0; y <= a->y1; y++)
     for (int x = a->x0; x <= a->x1; x++)
-      if (!pl_reach_pixel(reach, x, y))
+      if (!pl_coverage_pixel(coverage, x, y))
         return false;
   return true;
 }
@@ -256,7 +256,8 @@ static void span_edge(const double a[2], const double b[2], double slope, double
 }
 
 /* Row by row what squares of the margin about the triangle's points hold. */
-static void mark_rows(const pl_reach *reach, const double p[3][2], double margin, const area *a) {
+static void mark_rows(const pl_coverage *coverage, const double p[3][2], double margin,
+                      const area *a) {
   double slope[3];
   for (int k = 0; k < 3; k++) {
     const double *from = p[k], *to = p[(k + 1) % 3];
@@ -270,7 +271,7 @@ static void mark_rows(const pl_reach *reach, const double p[3][2], double margin
     if (x0 > a->x1 || x1 < a->x0)
       continue;
     const int first = x0 > a->x0 ? (int)x0 + (x0 > (int)x0) : a->x0;
-    mark_run(reach, y, first, x1 < a->x1 ? (int)x1 : a->x1);
+    mark_run(coverage, y, first, x1 < a->x1 ? (int)x1 : a->x1);
   }
 }
 
@@ -295,7 +296,7 @@ static double project_triangle(const placed *at, uint32_t triangle, double p[3][
   return nearest > 0.0 ? 1.0 / nearest : INFINITY;
 }
 
-static void mark_triangle(const placed *at, const pl_reach *reach, uint32_t triangle,
+static void mark_triangle(const placed *at, const pl_coverage *coverage, uint32_t triangle,
                           const area *in) {
   double p[3][2];
   const double by = project_triangle(at, triangle, p), margin = MARGIN_PX + at->rounding * by;
@@ -306,12 +307,12 @@ static void mark_triangle(const placed *at, const pl_reach *reach, uint32_t tria
                     greater(p[0][0], greater(p[1][0], p[2][0])) + margin,
                     greater(p[0][1], greater(p[1][1], p[2][1])) + margin};
   area a;
-  if (!area_of(in, &e, &a) || is_marked(reach, &a))
+  if (!area_of(in, &e, &a) || is_marked(coverage, &a))
     return;
   if (a.x1 - a.x0 < NARROW || a.y1 - a.y0 < NARROW || isinf(by))
-    mark_area(reach, &a);
+    mark_area(coverage, &a);
   else
-    mark_rows(reach, p, margin, &a);
+    mark_rows(coverage, p, margin, &a);
 }
 
 static double pixels_of(const area *a) {
@@ -320,7 +321,7 @@ static double pixels_of(const area *a) {
 
 /* Marks what a box shows in of some pixels, which *out becomes; true instead if what is inside it
  * should be looked at. */
-static bool visit(const placed *at, const pl_reach *reach, uint32_t index, const area *in,
+static bool visit(const placed *at, const pl_coverage *coverage, uint32_t index, const area *in,
                   area *out) {
   const pl_box *box = &at->cover->boxes[index];
   const bool pinhole = is_pinhole(&at->shot->camera), leaf = box->after == index + 1;
@@ -330,17 +331,17 @@ static bool visit(const placed *at, const pl_reach *reach, uint32_t index, const
     project_box(at, box, &e);
   else
     project_corners(at, box, &e);
-  if (!area_of(in, &e, out) || is_marked(reach, out))
+  if (!area_of(in, &e, out) || is_marked(coverage, out))
     return false;
   const bool small = pixels_of(out) <= AREA_LEAST || (!closely && box->count <= COARSE);
   if (!small && !leaf)
     return true;
   if (small || !closely || box->count > pixels_of(out) * at->rays) {
-    mark_area(reach, out);
+    mark_area(coverage, out);
     return false;
   }
   for (uint32_t i = box->first; i < box->first + box->count; i++)
-    mark_triangle(at, reach, at->cover->triangles[i], out);
+    mark_triangle(at, coverage, at->cover->triangles[i], out);
   return false;
 }
 
@@ -361,7 +362,7 @@ static void mark_cover(const job *job, const pl_shot_object *object, const pl_sh
     while (i >= open[last].after)
       last--;
     const uint32_t after = cover->boxes[i].after;
-    const bool into = visit(&at, job->reach, i, &open[last].area, &area);
+    const bool into = visit(&at, job->coverage, i, &open[last].area, &area);
     if (into)
       open[++last] = (opened){area, after};
     i = into ? i + 1 : after;
@@ -395,30 +396,30 @@ static size_t boxes_of(const pl_snapshot *shot) {
   return sum;
 }
 
-pl_status pl_reach_update(pl_reach *reach, const pl_snapshot *shot, int row0, int row1, int rays,
-                          int threads) {
-  reach->width = shot->camera.width;
-  reach->height = shot->camera.height;
-  const size_t count = (size_t)reach->width * (size_t)reach->height;
-  if (count > reach->room) {
-    atomic_uchar *grown = pl_realloc(reach->pixels, count, sizeof *grown);
+pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int row0, int row1,
+                             int rays, int threads) {
+  coverage->width = shot->camera.width;
+  coverage->height = shot->camera.height;
+  const size_t count = (size_t)coverage->width * (size_t)coverage->height;
+  if (count > coverage->room) {
+    atomic_uchar *grown = pl_realloc(coverage->pixels, count, sizeof *grown);
     if (grown == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for marks of %zu pixels", count);
-    reach->pixels = grown;
-    reach->room = count;
+    coverage->pixels = grown;
+    coverage->room = count;
   }
-  for (atomic_uchar *pixel = row_of(reach, row0); pixel < row_of(reach, row1); pixel++)
+  for (atomic_uchar *pixel = row_of(coverage, row0); pixel < row_of(coverage, row1); pixel++)
     atomic_init(pixel, 0);
-  job job = {.reach = reach,
+  job job = {.coverage = coverage,
              .shot = shot,
              .rays = rays,
              .slices = shot->object_count > SLICED_MOST ? 1 : SLICES,
-             .rows = {0, row0, reach->width - 1, row1 - 1}};
+             .rows = {0, row0, coverage->width - 1, row1 - 1}};
   const int workers = boxes_of(shot) > ALONE ? threads : 1;
   return pl_parallel_for(workers, shot->object_count * job.slices, mark_item, &job, NULL);
 }
 
-void pl_reach_clear(pl_reach *reach) {
-  pl_free(reach->pixels);
-  *reach = (pl_reach){0};
+void pl_coverage_clear(pl_coverage *coverage) {
+  pl_free(coverage->pixels);
+  *coverage = (pl_coverage){0};
 }

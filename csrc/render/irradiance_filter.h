@@ -1,0 +1,12 @@
+/* Filters of light that is shared between pixels, see irradiance_record.h. */
+#ifndef PL_RENDER_IRRADIANCE_FILTER_H
+#define PL_RENDER_IRRADIANCE_FILTER_H
+
+#include "render/irradiance_record.h"
+
+/* Radiance of a tile that is lit, when all are kept. */
+void pl_irradiance_filter_light(const pl_irradiance_record *share, size_t item,
+                                const pl_render_settings *settings, double pixel_rad,
+                                pl_vec3f radiance[PL_TILE_PIXELS]);
+
+#endif
