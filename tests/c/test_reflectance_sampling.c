@@ -163,8 +163,8 @@ static void test_weight_is_value_over_pdf(void **state) {
   for_all(check_weight);
 }
 
-/* Of the tabulated loss that multiple reflection gives back, and of a smooth coat's albedo where the
- * table's nodes are wider than its ridge at grazing incidence. */
+/* Of the tabulated loss that multiple reflection gives back, and of a smooth coat's albedo where
+ * the table's nodes are wider than its ridge at grazing incidence. */
 static const double TABLE_ERROR = 0.0065;
 static double largest_energy;
 
