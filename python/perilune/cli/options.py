@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 
 import perilune
-from perilune.config.errors import nearest
 from perilune.document import parse_override
 from perilune.simulation import Simulation, default_threads
 
@@ -26,18 +25,6 @@ def whole_number(smallest: int, largest: int | None = None) -> Callable[[str], i
         if largest is not None and value > largest:
             raise ArgumentTypeError(f"{value} is too large; at most {largest}")
         return value
-
-    return read
-
-
-def one_of(what: str, names: Iterable[str]) -> Callable[[str], str]:
-    """A reader of one of some names."""
-    allowed = list(names)
-
-    def read(text: str) -> str:
-        if text not in allowed:
-            raise ArgumentTypeError(f"no {what} '{text}'{nearest(text, allowed)}")
-        return text
 
     return read
 

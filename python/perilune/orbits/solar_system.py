@@ -166,11 +166,6 @@ def _heliocentric(name: str, date: Date) -> F64:
     return _HELIOCENTRIC[name](date)
 
 
-def heliocentric_m(name: str, date: Date) -> F64:
-    """Position relative to the Sun's centre."""
-    return _heliocentric(name, date)[:3]
-
-
 def relative_state(name: str, origin: str, date: Date) -> F64:
     """Position and velocity (6,), m and m/s, of a body relative to another's centre, ICRF axes.
 
