@@ -13,6 +13,7 @@ import numpy as np
 from perilune import _core
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, open_simulation, whole_number
+from perilune.cli.text_table import text_table
 from perilune.config.errors import ModelWarning, nearest
 from perilune.config.parts import Parts
 from perilune.frame.labels import part_class
@@ -132,16 +133,8 @@ def _cell(value: Any) -> str:
 def _table(rows: Sequence[dict[str, Any]]) -> str:
     columns = _NODE_COLUMNS if rows and "node" in rows[0] else _COLUMNS
     names = [name for name in columns if not rows or name in rows[0]]
-    lines = [{name: name for name in names}]
-    lines += [{name: _cell(row[name]) for name in names} for row in rows]
-    widths = {name: max(len(line[name]) for line in lines) for name in names}
-    return "\n".join(
-        "  ".join(
-            line[name].rjust(widths[name]) if name in _RIGHT else line[name].ljust(widths[name])
-            for name in names
-        ).rstrip()
-        for line in lines
-    )
+    cells = [[_cell(row[name]) for name in names] for row in rows]
+    return text_table(names, cells, [name for name in names if name in _RIGHT])
 
 
 def _run(args: Namespace) -> int:

@@ -10,6 +10,7 @@ from typing import Any
 
 from perilune.cli.command import OK, Command
 from perilune.cli.options import add_config, add_frame, open_simulation
+from perilune.cli.text_table import text_table
 from perilune.orbits.almanac import sources
 
 _COLUMNS = ("effect", "on", "bound", "cost", "reason")
@@ -41,27 +42,13 @@ def _json_rows(rows: Sequence[Any]) -> dict[str, Any]:
     return {"effects": effects}
 
 
-def _cells(row: Any) -> dict[str, str]:
-    return {
-        "effect": row["name"],
-        "on": "on" if row["on"] else "off",
-        "bound": f"{row['bound_dn']:.3g} DN",
-        "cost": f"{row['cost_ms']:.3g} ms",
-        "reason": row["reason"],
-    }
+def _cells(row: Any) -> list[str]:
+    bound, cost = f"{row['bound_dn']:.3g} DN", f"{row['cost_ms']:.3g} ms"
+    return [row["name"], "on" if row["on"] else "off", bound, cost, row["reason"]]
 
 
 def _table(rows: Sequence[Any]) -> str:
-    table = [{name: name for name in _COLUMNS}, *(_cells(row) for row in rows)]
-    widths = {name: max(len(row[name]) for row in table) for name in _COLUMNS}
-    lines = []
-    for row in table:
-        cells = [
-            row[name].rjust(widths[name]) if name in _RIGHT else row[name].ljust(widths[name])
-            for name in _COLUMNS
-        ]
-        lines.append("  ".join(cells).rstrip())
-    return "\n".join(lines)
+    return text_table(_COLUMNS, [_cells(row) for row in rows], _RIGHT)
 
 
 def _run(args: Namespace) -> int:

@@ -7,6 +7,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from perilune.cli.command import OK, Command
+from perilune.cli.text_table import text_table
 from perilune.export.stats import QUANTILES, bop_statistics
 
 
@@ -21,18 +22,13 @@ def _table(found: dict[str, Any]) -> str:
     if "sensors" in found:
         lines.append(", ".join(f"{name}: {n} images" for name, n in found["sensors"].items()))
     for obj_id, quantities in found["objects"].items():
-        rows = [head]
-        for name, numbers in quantities.items():
-            if isinstance(numbers, dict):
-                rows.append([name, *(f"{value:.4g}" for value in numbers.values())])
-        widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
+        rows = [
+            [name, *(f"{value:.4g}" for value in numbers.values())]
+            for name, numbers in quantities.items()
+            if isinstance(numbers, dict)
+        ]
         lines += ["", f"object {obj_id}: {quantities['instances']} instances"]
-        for row in rows:
-            cells = [
-                cell.rjust(width) if k else cell.ljust(width)
-                for k, (cell, width) in enumerate(zip(row, widths, strict=True))
-            ]
-            lines.append("  ".join(cells).rstrip())
+        lines.append(text_table(head, rows, head[1:]))
     return "\n".join(lines)
 
 

@@ -15,6 +15,7 @@ from tests.python.command_line import command
 
 import perilune
 from perilune.cli.options import frame_range
+from perilune.cli.text_table import text_table
 
 
 def start(*words, **options):
@@ -264,3 +265,13 @@ def test_reader_that_leaves_is_no_error(small_scene):
     process.stdout.close()
     assert "Traceback" not in process.stderr.read()
     assert process.wait(timeout=60) in (0, 1)
+
+
+def test_tables_leave_texts_as_they_are():
+    rows = [["bus", "1e3", ""], ["a/long_name", "-0.50", "007"]]
+    assert text_table(["part", "size", "class"], rows, ["size"]).split("\n") == [
+        "part          size  class",
+        "bus            1e3",
+        "a/long_name  -0.50  007",
+    ]
+    assert text_table(["part", "size"], [], ["size"]) == "part  size"
