@@ -14,7 +14,7 @@ from perilune.config.types import Strict
 
 HEAVY = {
     *("torch", "torchdata", "matplotlib", "PIL", "scipy", "IPython", "ipywidgets", "cv2"),
-    *("tifffile", "sgp4", "spiceypy", "pandas", "tqdm", "pycocotools"),
+    *("tifffile", "sgp4", "spiceypy", "pandas", "tqdm", "pycocotools", "tabulate"),
 }
 """Libraries that a frame of a common configuration needs none of."""
 
@@ -80,6 +80,10 @@ def test_defaults_that_are_sections_are_those_of_a_validated_section():
     assert count > 10
     for ghost in GENERIC:
         assert ghost == Ghost.model_validate(ghost.model_dump())
+
+
+def test_the_command_line_loads_what_a_command_needs():
+    assert not loaded("import perilune.cli") & (HEAVY - {"tqdm"})
 
 
 def test_all_names_are_there():
