@@ -1,4 +1,4 @@
-/* Building Embree scenes and placing instances of them. */
+/* Builds Embree scenes of models and places instances of them. */
 #include "trace/accelerator.h"
 
 #include <stdlib.h>
@@ -49,10 +49,10 @@ pl_status pl_accelerator_check(const pl_accelerators *kept, const char *doing) {
   return pl_fail(PL_E_DEVICE, "Embree error %d while %s", (int)error, doing);
 }
 
-/* Whether the surface is there for ray `i`, which looks along itself or, towards a light, is looked
- * along from its end: one that the light sees casts a shadow, and of two sheets back to back the
- * one that is lit is not shaded by the other, in either order. Below an opacity of one half there
- * is no surface. */
+/* Returns whether a surface exists at candidate hit `i`. With `to_light` the ray is a shadow ray
+ * and is considered from its far end: a face that the light sees casts a shadow, and of two
+ * back-to-back sheets the lit one is not shadowed by the other, in either order. Where the opacity
+ * is below one half there is no surface. */
 static bool is_there(const struct RTCFilterFunctionNArguments *arguments, unsigned i,
                      bool to_light) {
   const pl_model *model = arguments->geometryUserPtr;
@@ -89,7 +89,7 @@ static bool is_one_way(const pl_model *model) {
   return one_way;
 }
 
-/* Models that are opaque and have all their backs are traced without a filter. */
+/* Models that are opaque and have no missing back faces are traced without a filter. */
 static void set_filter(RTCGeometry geometry, const pl_model *model) {
   bool always_there = !is_one_way(model);
   for (size_t i = 0; i < model->material_count; i++)
@@ -179,14 +179,14 @@ static void place_whole(const pl_shot_object *object, pl_instance *out) {
                     object->radius_m);
 }
 
-/* In the sphere about the corners of its own box. */
+/* The sphere encloses the corners of the piece's own bounding box. */
 static void place_piece(const pl_shot_piece *piece, pl_instance *out) {
   const float *low = piece->model->bounds_min, *high = piece->model->bounds_max;
   const pl_vec3 half = {0.5 * ((double)high[0] - low[0]), 0.5 * ((double)high[1] - low[1]),
                         0.5 * ((double)high[2] - low[2])};
   const pl_vec3 middle = {low[0] + half.x, low[1] + half.y, low[2] + half.z};
   double radius_m = 0.0;
-  for (int k = 0; k < 4; k++) { /* the others are opposite */
+  for (int k = 0; k < 4; k++) { /* the other four are opposite to these */
     const pl_vec3 corner = {half.x, k & 1 ? half.y : -half.y, k & 2 ? half.z : -half.z};
     radius_m = fmax(radius_m, pl_vec3_norm(pl_mat3_mul_vec(piece->linear, corner)));
   }
@@ -214,12 +214,14 @@ pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *obje
   return PL_OK;
 }
 
-/* --- the tree of spheres ---------------------------------------------------------------------- */
+/* --- tree of bounding spheres ----------------------------------------------------------------- */
 
-/* So few spheres are tried one by one: a sphere about them would be one more. */
+/* At most this many spheres are tested one by one: a common bounding sphere would be one test more.
+ */
 enum { SPHERES_IN_LINE = 4 };
 
-/* The sphere about the box of some; each is in it with its own radius. */
+/* Returns a sphere about the centre of the bounding box of several spheres that encloses them all
+ * with their radii. */
 static pl_sphere sphere_about(const pl_sphere *spheres, size_t count) {
   pl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
   for (size_t i = 0; i < count; i++) {
@@ -258,7 +260,7 @@ static int by_z(const void *a, const void *b) {
   return order(s->center.z, t->center.z, s, t);
 }
 
-/* Sorts along the axis on which their centres lie farthest apart. */
+/* Sorts along the axis on which the centres span the widest range. */
 static void sort_spheres(pl_sphere *spheres, size_t count) {
   pl_vec3 low = spheres[0].center, high = low;
   for (size_t i = 1; i < count; i++) {
@@ -271,7 +273,7 @@ static void sort_spheres(pl_sphere *spheres, size_t count) {
   qsort(spheres, count, sizeof *spheres, on_x ? by_x : wide.y >= wide.z ? by_y : by_z);
 }
 
-/* Appends the tree of some spheres, which are sorted on the way, to the tracer's. */
+/* Appends the tree over some spheres to the tracer's array; sorts the spheres on the way. */
 static void add_tree(pl_tracer *tracer, pl_sphere *spheres, size_t count) {
   const size_t own = tracer->sphere_count;
   if (count <= SPHERES_IN_LINE) {
@@ -289,7 +291,7 @@ static void add_tree(pl_tracer *tracer, pl_sphere *spheres, size_t count) {
   tracer->spheres[own].after = (uint32_t)tracer->sphere_count;
 }
 
-/* `leaves`: room for as many as there are instances. */
+/* leaves: room for one sphere per instance. */
 static void build_tree(pl_sphere *leaves, pl_tracer *tracer) {
   for (size_t i = 0; i < tracer->instance_count; i++)
     leaves[i] = (pl_sphere){.center = tracer->instances[i].center,
@@ -318,7 +320,7 @@ pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *shot, pl_are
     most += shot->objects[i].kept ? pl_accelerator_count(&shot->objects[i]) : 0;
   pl_tracer *tracer = pl_arena_alloc(arena, 1, sizeof *tracer);
   pl_instance *instances = pl_arena_alloc(arena, most, sizeof *instances);
-  /* A tree has fewer inner spheres than leaves; behind it the leaves are sorted. */
+  /* A tree has fewer inner nodes than leaves; the leaves are sorted in the room behind it. */
   pl_sphere *spheres = pl_arena_alloc(arena, 3 * most, sizeof *spheres);
   if (tracer == NULL || instances == NULL || spheres == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for instances");

@@ -1,4 +1,4 @@
-/* Embree scenes of models, kept, and the instances of a frame in a tree of spheres. */
+/* Cached Embree scenes of models, and the instances of a frame in a tree of bounding spheres. */
 #ifndef PL_TRACE_ACCELERATOR_H
 #define PL_TRACE_ACCELERATOR_H
 
@@ -8,15 +8,15 @@ typedef struct pl_model_accelerator {
   const pl_model *model; /* borrowed; the key */
   RTCScene scene;        /* owned */
   uint8_t *coincident;   /* owned; see trace/coincident.h */
-  bool one_way;          /* some of its backs are not there */
+  bool one_way;          /* some of its back faces do not exist for rays */
 } pl_model_accelerator;
 
-/* A sphere about one instance, or about all spheres up to `after`. */
+/* Bounding sphere of one instance, or of all spheres from the next up to `after`. */
 typedef struct pl_sphere {
   pl_vec3 center; /* camera-relative, m */
   double radius_m;
-  uint32_t after;    /* index of the first sphere that is not inside this one */
-  uint32_t instance; /* PL_NOTHING: of several */
+  uint32_t after;    /* index of the first sphere behind its subtree */
+  uint32_t instance; /* PL_NOTHING for an inner node */
 } pl_sphere;
 
 struct pl_accelerators {
@@ -26,21 +26,24 @@ struct pl_accelerators {
 };
 
 struct pl_tracer {
-  pl_instance *instances; /* those of the snapshot that are present */
+  pl_instance *instances; /* the instances of the snapshot that are present */
   size_t instance_count;
-  pl_sphere *spheres; /* a tree: each is followed by all that is in it */
+  pl_sphere *spheres; /* tree in depth-first order: each sphere is followed by its subtree */
   size_t sphere_count;
   const pl_snapshot *snapshot; /* borrowed */
 };
 
-/* PL_E_DEVICE with Embree's error if there is one pending. */
+/* Returns PL_E_DEVICE (or PL_E_MEMORY) with Embree's error if one is pending; `doing` completes the
+ * error text. */
 pl_status pl_accelerator_check(const pl_accelerators *kept, const char *doing);
-/* The model's own accelerator, built when first asked for and kept; valid until the next call. */
+/* Returns the accelerator of a model, which is built on first use and cached; valid until the next
+ * call. */
 pl_status pl_accelerator_of_model(pl_accelerators *kept, const pl_model *model,
                                   const pl_model_accelerator **out);
-/* Instances of an object: itself or its pieces. */
+/* Returns the number of instances of an object: 1, or the number of its pieces. */
 size_t pl_accelerator_count(const pl_shot_object *object);
-/* Fills those that are present; *count says how many. `index`: of the object. */
+/* Places the instances that are present in `out` and their number in *count. `index` is the
+ * object's index. */
 pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *object, uint32_t index,
                                pl_instance *out, size_t *count);
 

@@ -1,12 +1,13 @@
-/* Short rays through each face, along its normal. */
+/* Finds back-to-back sheets by short rays through each face along its normal. */
 #include "trace/backing.h"
 
 #include "base/memory.h"
 #include "shade/material_surface.h"
 #include "trace/embree.h"
 
-/* Points of a face, the likeliest to have nothing behind them first; and faces that look the other
- * way: by more than 120 degrees. */
+/* Barycentric weights of the test points, those that are most likely to have nothing behind them
+ * first. OPPOSITE: the cosine below which two faces look in opposite directions, an angle of more
+ * than 120 degrees. */
 enum { POINTS = 7 };
 static const float WEIGHTS[POINTS][3] = {
     {1.0f / 3.0f, 1.0f / 3.0f, 1.0f / 3.0f},
@@ -23,7 +24,7 @@ typedef struct search {
   const pl_model *model;
   uint32_t triangle;
   pl_vec3f normal;       /* unit */
-  const uint8_t *others; /* only faces with such a mark count; NULL: all */
+  const uint8_t *others; /* if not NULL, only faces with a nonzero mark count */
   bool found;
 } search;
 
@@ -49,7 +50,7 @@ static int node_of(const pl_model *model, uint32_t triangle) {
   return model->parts[model->triangle_part[triangle]].node;
 }
 
-/* Looks at every candidate and takes none, so that Embree shows them all. */
+/* Examines every candidate and rejects it, so that Embree goes on to report all of them. */
 static void look(const struct RTCFilterFunctionNArguments *arguments) {
   search *s =
       (search *)(uintptr_t)((const pl_embree_query *)(const void *)arguments->context)->user;
@@ -104,9 +105,9 @@ static bool is_backed(RTCScene scene, const pl_model *model, uint32_t triangle) 
   return true;
 }
 
-/* Whether the back of a covered face is hidden: of one that its file has single-sided, and else if
- * what covers it in its middle is covered itself. A decal is shown whichever way it has been wound,
- * if its file says that it has two sides. */
+/* Returns whether the back of a covered face is hidden: always if its material is single-sided,
+ * otherwise if the face that covers its centre is covered itself. A decal with a double-sided
+ * material thus stays visible, whichever way it is wound. */
 static bool is_hidden(RTCScene scene, const pl_model *model, uint32_t triangle,
                       const uint8_t *covered) {
   const pl_material *material = pl_material_of(model, triangle);
@@ -119,7 +120,7 @@ static bool is_hidden(RTCScene scene, const pl_model *model, uint32_t triangle,
   return point_is_backed(scene, &s, WEIGHTS[0]);
 }
 
-/* The marks; NULL if no face is backed. */
+/* Sets *out to a mark per triangle, or to NULL if no face is backed. */
 static pl_status mark(RTCScene scene, const pl_model *model, uint8_t **out) {
   void *memory, *first;
   bool any = false;

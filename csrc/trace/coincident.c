@@ -1,4 +1,5 @@
-/* Planes are found by hashing when a model is built; hits are settled by a second, short ray. */
+/* Coplanar faces are found by hashing their planes when a model is built; a hit on one of them is
+ * resolved by a second, short ray. */
 #include "trace/coincident.h"
 
 #include <stdlib.h>
@@ -7,12 +8,15 @@
 #include "base/memory.h"
 #include "shade/material_surface.h"
 
-/* Steps of a plane's normal and, over the model's extent, of its distance: faces within rounding of
- * each other rarely part on one. */
+/* Quantisation steps of a plane's normal, and of its distance relative to the model's extent. SHIFT
+ * offsets the quantisation so that faces which differ by rounding rarely fall into different cells.
+ */
 static const double NORMAL_STEP = 1e-3, DISTANCE_STEP = 1e-5, SHIFT = 0.3819660113;
-/* Parts of a plane that are told apart; of more, all count as overlapping. */
+/* Largest number of parts in a plane that are compared; with more, all of them count as
+ * overlapping. */
 enum { PARTS_MAX = 32 };
-/* Surfaces so near along a ray, over its length in mesh units and 1, are one. */
+/* Surfaces that differ by less than this along a ray, relative to the ray length plus 1 in mesh
+ * units, count as coincident. */
 static const float WITHIN = 0x1p-18f;
 
 typedef struct face {
@@ -38,7 +42,8 @@ static const float *corner(const pl_model *model, uint32_t triangle, int k) {
 
 static pl_vec3 point_of(const float *p) { return (pl_vec3){p[0], p[1], p[2]}; }
 
-/* A key of the triangle's plane, whichever way it faces; 0 of a sliver. */
+/* Returns a key of the triangle's plane, independent of its orientation; 0 for a degenerate
+ * triangle. */
 static uint64_t plane_of(const pl_model *model, uint32_t triangle, double extent) {
   const pl_vec3 a = point_of(corner(model, triangle, 0));
   const pl_vec3 e1 = pl_vec3_sub(point_of(corner(model, triangle, 1)), a);
@@ -62,7 +67,7 @@ static int by_plane(const void *a, const void *b) {
   return x->triangle < y->triangle ? -1 : x->triangle > y->triangle;
 }
 
-/* With room for rounding: a flat range has no depth of its own. */
+/* Includes a margin for rounding, since a flat range has no extent along its normal. */
 static range range_of(const pl_model *model, uint32_t triangle) {
   range out = {.part = model->triangle_part[triangle]};
   const float room = (float)(extent_of(model) * DISTANCE_STEP);
@@ -89,7 +94,8 @@ static bool touches(const range *a, const range *b) {
   return true;
 }
 
-/* The ranges of the parts in a plane; PARTS_MAX + 1 for too many. */
+/* Collects the ranges of the parts in a plane. Returns their number, or PARTS_MAX + 1 if there are
+ * too many. */
 static size_t list_parts(const pl_model *model, const face *faces, size_t count,
                          range parts[PARTS_MAX]) {
   size_t found = 0;
@@ -108,7 +114,7 @@ static size_t list_parts(const pl_model *model, const face *faces, size_t count,
   return found;
 }
 
-/* Marks the triangles of one plane; returns whether there are any. */
+/* Marks the triangles of one plane that overlap another part. Returns whether there are any. */
 static bool mark_plane(const pl_model *model, const face *faces, size_t count, uint8_t *marks) {
   range parts[PARTS_MAX];
   const size_t found = list_parts(model, faces, count, parts);
@@ -171,22 +177,23 @@ typedef struct search {
   pl_candidate_fn counts;
   const void *context;
   pl_mesh_hit *best;
-  bool *looks; /* whether the best looks at the ray */
+  bool *looks; /* whether the best hit faces the ray */
 } search;
 
-/* Whether a triangle that the ray meets from behind counts as one that looks at it: those that a
- * file has double-sided do. */
+/* Returns whether the triangle counts as facing a ray that meets it from behind: true for
+ * double-sided materials. */
 static bool has_two_faces(const pl_model *model, uint32_t triangle) {
   const pl_material *material = pl_material_of(model, triangle);
   return material->double_sided && !material->dark_behind;
 }
 
-/* Whether a hit is a better one than the best so far: looks at the ray, or is later. */
+/* Returns whether a hit is preferred to the best one so far: because only it faces the ray, or
+ * because its index is higher. */
 static bool is_better(const search *search, uint32_t triangle, bool looks) {
   return looks != *search->looks ? looks : triangle > search->best->triangle;
 }
 
-/* Looks at every candidate and takes none, so that Embree shows them all. */
+/* Examines every candidate and rejects it, so that Embree goes on to report all of them. */
 static void look(const struct RTCFilterFunctionNArguments *arguments) {
   const search *search = ((const pl_embree_query *)(const void *)arguments->context)->user;
   const unsigned n = arguments->N;

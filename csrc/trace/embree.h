@@ -1,4 +1,5 @@
-/* One face of Embree 3.13 and 4: the calls whose signatures differ. Included only in trace/. */
+/* Common interface to Embree 3.13 and 4: wrappers of the calls whose signatures differ. Included
+ * only in trace/. */
 #ifndef PL_TRACE_EMBREE_H
 #define PL_TRACE_EMBREE_H
 
@@ -11,14 +12,14 @@
 #include <math.h>
 
 /* Fields of a candidate hit in a filter function: arrays of N in the order Ng.x, Ng.y, Ng.z, u, v,
- * primID (the accessors of rtcore_ray.h exist in C++ alone). */
+ * primID (the accessors of rtcore_ray.h exist only in C++). */
 static inline float pl_embree_hit_u(const struct RTCHitN *hit, unsigned n, unsigned i) {
   return ((const float *)hit)[3 * n + i];
 }
 static inline float pl_embree_hit_v(const struct RTCHitN *hit, unsigned n, unsigned i) {
   return ((const float *)hit)[4 * n + i];
 }
-/* Whether the ray meets the triangle from the side that its winding calls the back. */
+/* Returns whether the ray hits the back of the triangle, according to its winding. */
 static inline int pl_embree_from_behind(const struct RTCRayN *ray, const struct RTCHitN *hit,
                                         unsigned n, unsigned i) {
   const float *d = (const float *)ray + 4 * n + i, *ng = (const float *)hit + i;
@@ -31,7 +32,8 @@ static inline unsigned pl_embree_hit_triangle(const struct RTCHitN *hit, unsigne
 static inline float pl_embree_ray_far(const struct RTCRayN *ray, unsigned n, unsigned i) {
   return ((const float *)ray)[8 * n + i];
 }
-/* How high a ray starts above the plane of the triangle that it meets, in the ray's units. */
+/* Returns the height of the ray's origin above the plane of the triangle that it hits, in the ray's
+ * units. */
 static inline float pl_embree_height(const struct RTCRayN *ray, const struct RTCHitN *hit,
                                      unsigned n, unsigned i) {
   const float *d = (const float *)ray + 4 * n + i, *ng = (const float *)hit + i;
@@ -39,7 +41,7 @@ static inline float pl_embree_height(const struct RTCRayN *ray, const struct RTC
   const float square = ng[0] * ng[0] + ng[n] * ng[n] + ng[2 * n] * ng[2 * n];
   return pl_embree_ray_far(ray, n, i) * fabsf(along) / sqrtf(square);
 }
-/* The number that the caller gave the ray. */
+/* The id that the caller gave the ray. */
 static inline unsigned pl_embree_ray_id(const struct RTCRayN *ray, unsigned n, unsigned i) {
   return ((const unsigned *)ray)[10 * n + i];
 }
@@ -50,17 +52,17 @@ typedef struct RTCRayQueryContext pl_embree_context;
 typedef struct RTCIntersectContext pl_embree_context;
 #endif
 
-/* A query with a filter of its own, which runs after the geometry's and finds this struct in its
- * arguments' context. Where a function takes a query, NULL stands for one without. */
+/* A query with its own filter, which runs after the filter of the geometry and finds this struct in
+ * its arguments' context. Functions that take a query accept NULL for a query without a filter. */
 typedef struct pl_embree_query {
-  pl_embree_context context; /* first: Embree hands out its address */
+  pl_embree_context context; /* must be first: Embree passes its address to the filter */
   RTCFilterFunctionN filter; /* NULL for none */
   const void *user;
 } pl_embree_query;
 
 #if PL_EMBREE_VERSION >= 4
 
-/* A scene's flag without which queries' filters are not called. */
+/* Scene flag that enables the filters of queries. */
 #define PL_EMBREE_QUERY_FILTERS RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS
 
 #define PL_EMBREE_ARGUMENTS(Kind, coherence)                                                       \
@@ -99,7 +101,7 @@ static inline void pl_embree_occluded8(const int *valid, RTCScene scene, pl_embr
 
 #define PL_EMBREE_QUERY_FILTERS RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
 
-/* The context of a query, ready to be used: its own, or a plain one at `plain`. */
+/* Returns the initialised context of a query: its own, or `plain` if there is no query. */
 static inline struct RTCIntersectContext *pl_embree_ready(pl_embree_query *query,
                                                           struct RTCIntersectContext *plain,
                                                           enum RTCIntersectContextFlags flags) {

@@ -1,10 +1,11 @@
-/* Spheres and the ways to them, in double. */
+/* Intersects rays with bounding spheres and transforms them to mesh units, in double. */
 #include "trace/instance.h"
 
 #include "base/wide.h"
 #include "math/affine.h"
 
-/* What doubles lose of the distance to a sphere is added to its radius. */
+/* Relative rounding error of doubles over the distance to a sphere; the radius is enlarged by it.
+ */
 static const double LOST = 1e-15;
 
 void pl_instance_place(pl_instance *instance, const pl_mat3 *linear, pl_vec3 origin, pl_vec3 center,
@@ -29,8 +30,9 @@ void pl_packet_fill(pl_packet *packet, const pl_ray *rays, size_t count) {
   }
 }
 
-/* A line passes a sphere's centre at `along`, at a distance whose square is `beside`; it is in the
- * slab across it that holds the sphere from along - reach to along + reach. */
+/* The ray is closest to the sphere's centre at `along`. The interval from along - reach to along +
+ * reach contains all its points inside the sphere; `beside` is reach squared minus the squared
+ * distance from the centre to the line. */
 PL_WIDE bool pl_packet_enter(const pl_packet *packet, pl_vec3 center, double radius_m,
                              pl_entry *entry) {
   double inside[PL_PACKET];

@@ -1,5 +1,5 @@
-/* The tracer against Embree's own calls: in single precision from the camera on, through its own
- * instances. */
+/* Times the tracer against Embree's own calls, which work in single precision from the camera on
+ * and use Embree's instances. */
 #include "trace/measure.h"
 
 #include <stdlib.h>
@@ -27,7 +27,7 @@ static double median(double *values, int count) {
   return values[count / 2];
 }
 
-/* Rays packed for Embree, eight a packet; the last packet repeats its first ray. */
+/* Packs rays for Embree, eight per packet; the last packet repeats its first ray. */
 static void pack(const pl_ray *rays, size_t count, struct RTCRayHit8 *packets) {
   for (size_t i = 0; i < (count + PACKET - 1) / PACKET * PACKET; i++) {
     const pl_ray *ray = &rays[i < count ? i : i / PACKET * PACKET];
@@ -46,7 +46,7 @@ static void pack(const pl_ray *rays, size_t count, struct RTCRayHit8 *packets) {
   }
 }
 
-/* A scene of Embree's instances, as if there were no other way to place a mesh. */
+/* Returns a scene of Embree instances, the usual way to place meshes with Embree. */
 static RTCScene instances_of(const pl_accelerators *kept, const pl_tracer *tracer) {
   RTCScene top = rtcNewScene(kept->device);
   rtcSetSceneFlags(top, RTC_SCENE_FLAG_ROBUST);
@@ -88,7 +88,7 @@ static double time_raw(RTCScene top, const struct RTCRayHit8 *packets, size_t co
 
 static double time_ours(const pl_tracer *tracer, const pl_ray *rays, size_t count, bool shadow,
                         pl_hit *hits, bool *occluded) {
-  enum { BATCH = 1024 }; /* as the renderer does: a tile at a time */
+  enum { BATCH = 1024 }; /* as in the renderer: one tile at a time */
   const double start = now_s();
   for (size_t i = 0; i < count; i += BATCH) {
     const size_t n = count - i < BATCH ? count - i : BATCH;
@@ -109,7 +109,7 @@ pl_status pl_tracer_measure(const pl_accelerators *kept, const pl_tracer *tracer
   bool occluded[BATCH];
   if (repeats < 1 || repeats > REPEATS_MAX)
     return pl_fail(PL_E_RANGE, "repeats must be in 1..%d, not %d", REPEATS_MAX, repeats);
-  pl_arena arena; /* for its alignment */
+  pl_arena arena; /* used for its alignment */
   pl_arena_init(&arena);
   struct RTCRayHit8 *packets =
       pl_arena_alloc(&arena, (count + PACKET - 1) / PACKET, sizeof *packets);

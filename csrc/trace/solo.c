@@ -1,4 +1,4 @@
-/* One object alone: its instances, without those of others. */
+/* Traces one object alone: only its instances are placed. */
 #include "trace/solo.h"
 
 #include "base/memory.h"
@@ -7,9 +7,9 @@
 
 struct pl_solo {
   pl_accelerators *kept;  /* borrowed */
-  pl_instance *instances; /* owned; room for as many as any object has had */
+  pl_instance *instances; /* owned; room for the largest number so far */
   size_t room, count;
-  const pl_shot_object *object; /* that is placed; NULL if nothing cuts holes into it */
+  const pl_shot_object *object; /* the object that is placed; NULL if no graph cuts holes into it */
 };
 
 pl_status pl_solo_create(pl_accelerators *kept, pl_solo **out) {
@@ -44,10 +44,10 @@ pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
 typedef struct looks {
   const pl_shot_object *object;
   const pl_instance *instance;
-  const pl_vec3 *directions; /* by the number of the ray */
+  const pl_vec3 *directions; /* indexed by ray id */
 } looks;
 
-/* Lets rays pass where a graph leaves no surface. */
+/* Rejects hits where a graph leaves no surface. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
   const looks *looks = ((const pl_embree_query *)(const void *)arguments->context)->user;
   const unsigned n = arguments->N;
@@ -62,8 +62,8 @@ static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
   }
 }
 
-/* Whether valid rays meet anything. Where backs are not there the nearest is looked for: Embree's
- * test of occlusion is for rays towards lights. */
+/* Sets met[] for valid rays that hit anything. Meshes with missing back faces are tested with a
+ * closest-hit query, since the filter of Embree's occlusion query is made for shadow rays. */
 static void meet(const pl_instance *instance, const int32_t *valid, pl_embree_query *way,
                  struct RTCRayHit8 *query, bool met[PL_PACKET]) {
   for (int i = 0; i < PL_PACKET; i++)

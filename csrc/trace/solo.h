@@ -1,4 +1,4 @@
-/* Rays against one object alone, as if nothing else were there. */
+/* Traces rays against a single object and ignores all others. */
 #ifndef PL_TRACE_SOLO_H
 #define PL_TRACE_SOLO_H
 
@@ -6,16 +6,16 @@
 
 typedef struct pl_solo pl_solo;
 
-/* Borrows the accelerators of models; to be destroyed before them. */
+/* Borrows the accelerators of models; destroy it before them. */
 pl_status pl_solo_create(pl_accelerators *kept, pl_solo **out);
 void pl_solo_destroy(pl_solo *solo); /* NULL is allowed */
 
-/* Makes `object` the one that is tested; whether it is kept in its snapshot does not matter. */
+/* Selects the object to test, even if culling dropped it from its snapshot. */
 pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object);
 
-/* hits[i] is whether the ray from the camera along the unit direction i (root axes) meets the
- * object. Thread-safe. Directions go as packets of neighbours, by the same ways to the object and
- * with the same filters as in pl_tracer_closest. */
+/* Sets hits[i] if the ray from the camera along unit direction i (root axes) meets the object.
+ * Thread-safe. Neighbouring directions form packets, with the same transformation and filters as in
+ * pl_tracer_closest, so that rounding agrees. */
 void pl_solo_cast(const pl_solo *solo, const pl_vec3 *directions, bool *hits, size_t count);
 
 #endif

@@ -1,4 +1,5 @@
-/* Casting rays: at each mesh that they come near to, then at the few bodies; the nearest wins. */
+/* Casts rays: first at the meshes whose bounding spheres they enter, then at the few bodies. The
+ * nearest hit is returned. */
 #include "trace/tracer.h"
 
 #include "geom/ellipsoid.h"
@@ -14,16 +15,18 @@ const char *pl_tracer_version(void) {
   return PL_TEXT(RTC_VERSION_MAJOR) "." PL_TEXT(RTC_VERSION_MINOR) "." PL_TEXT(RTC_VERSION_PATCH);
 }
 
-/* What a query's filter needs to know: the rays, in metres, and where they are now. */
+/* Context of a query's filter: the rays in metres, and the transformation to their current
+ * distances. */
 typedef struct visit {
   const pl_tracer *tracer;
   const pl_instance *instance;
-  const pl_ray *rays; /* by the number that each has in the query */
+  const pl_ray *rays; /* indexed by ray id */
   const double *start_m, *per_metre;
 } visit;
 
-/* Whether ray `i`, which leaves the mesh that it meets, passes that here: it comes out of the
- * facet, or would of the smooth surface of the normals. */
+/* Returns whether ray `i`, which starts on this mesh, ignores this hit because it is about to leave
+ * the surface: it meets the facet from behind, or has an outward direction by the interpolated
+ * shading normal. */
 static bool is_left(const visit *visit, const struct RTCFilterFunctionNArguments *arguments,
                     unsigned i, uint32_t triangle) {
   const unsigned n = arguments->N, id = pl_embree_ray_id(arguments->ray, n, i);
@@ -42,22 +45,23 @@ static bool is_left(const visit *visit, const struct RTCFilterFunctionNArguments
          0.0f;
 }
 
-/* Whether ray `i` starts on one of two sheets back to back, and meets the other: rounding may have
- * put that before it, a hair away. */
+/* Returns whether ray `i` starts on one of two back-to-back sheets and meets the other, which
+ * rounding may have put in front of it within a distance of `hair`. */
 static bool is_between(const pl_instance *instance, const pl_ray *ray,
                        const struct RTCFilterFunctionNArguments *arguments, unsigned i,
                        uint32_t triangle) {
   const pl_model *model = instance->model;
-  const uint32_t from = ray->from_triangle - 1 - instance->first; /* beyond all: of another piece */
+  /* out of range for another piece */
+  const uint32_t from = ray->from_triangle - 1 - instance->first;
   if (model->backed == NULL || model->backed[triangle] == 0 || from >= model->triangle_count ||
       model->backed[from] == 0)
     return false;
   return pl_embree_height(arguments->ray, arguments->hit, arguments->N, i) <= model->hair;
 }
 
-/* Whether ray `i` meets what it can. Not the triangle that it starts on: however far the origin is
- * put off the surface, rounding in the units of a long mesh can put it behind again. Nor where a
- * graph leaves no surface. */
+/* Returns whether candidate `i` is a valid hit. Excluded are the triangle that the ray starts on
+ * (rounding in the units of a long mesh can put the origin behind it again, however far it was
+ * offset) and points where a graph leaves no surface. */
 static bool counts(const void *context, const struct RTCFilterFunctionNArguments *arguments,
                    unsigned i) {
   const visit *visit = context;
@@ -82,8 +86,8 @@ static void sort_out(const struct RTCFilterFunctionNArguments *arguments) {
       arguments->valid[i] = 0;
 }
 
-/* A query over `count` rays; without a filter where there are no holes and no ray starts on a
- * triangle of what it meets. */
+/* Returns a query over `count` rays. It has no filter if there are no holes and no ray starts on a
+ * triangle of the instance. */
 static pl_embree_query query_of(const visit *visit, size_t count) {
   pl_embree_query query = {.user = visit, .filter = visit->instance->cuts ? sort_out : NULL};
   for (size_t i = 0; i < count; i++)
@@ -92,14 +96,15 @@ static pl_embree_query query_of(const visit *visit, size_t count) {
   return query;
 }
 
-/* Faces of two objects within this part of their sizes along a ray are in one place. */
+/* Faces of two objects that differ by less than this fraction of their sizes along a ray count as
+ * coincident. */
 #define ONE_PLACE 0x1p-19
-/* A ray that starts on an object may start on a face of another in the same place, too: it cannot
- * meet what is so near, mesh units. */
+/* A ray that starts on an object may also start on a coincident face of another one: it ignores
+ * hits nearer than this, in mesh units. */
 static const float TOUCHING = 0x1p-20f;
 
-/* How far a hit on an instance may be to count before the best so far, m: on a later object that is
- * in the same place it may even be a little farther. */
+/* Returns the distance in m up to which a hit on an instance replaces the best one so far. A later
+ * object that coincides with it may even be slightly farther away. */
 static double limit_of(const pl_tracer *tracer, const pl_instance *instance, const pl_hit *best,
                        double t_max) {
   if (best->thing == PL_NOTHING)
@@ -136,7 +141,8 @@ static void fill_ray8(struct RTCRay8 *packet, const pl_approach *at, const pl_en
   }
 }
 
-/* Makes a hit on an instance the ray's, if it is. `hit->t`: from where the ray came to it. */
+/* Stores a hit on an instance as the ray's best, if it lies within the limit. hit->t is relative to
+ * the start of the approach. */
 static void take(const pl_tracer *tracer, const pl_instance *instance, const pl_ray *ray,
                  const pl_lone_approach *at, double limit_m, pl_mesh_hit *hit, pl_hit *best) {
   if (instance->coincident != NULL) {
@@ -182,7 +188,8 @@ static void closest_packet_in(const pl_tracer *tracer, const pl_instance *instan
   }
 }
 
-/* The next instance that rays of a packet enter from sphere *k on, or NULL. */
+/* Returns the next instance, from sphere *k on, whose bounding sphere a ray of the packet enters,
+ * or NULL. */
 static const pl_instance *next_of_packet(const pl_tracer *tracer, const pl_packet *packet,
                                          size_t *k, pl_entry *entry) {
   while (*k < tracer->sphere_count) {
@@ -205,7 +212,7 @@ static void closest_packet(const pl_tracer *tracer, const pl_ray *rays, pl_hit *
     closest_packet_in(tracer, instance, rays, hits, count, &packet, &entry);
 }
 
-/* Likewise of one ray, up to a limit. */
+/* The same for one ray, up to a limit. */
 static const pl_instance *next_of_ray(const pl_tracer *tracer, const pl_ray *ray, double limit_m,
                                       size_t *k, double *start_m) {
   while (*k < tracer->sphere_count) {
@@ -256,7 +263,8 @@ static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *h
   }
 }
 
-/* Distance to a body, or infinity. The bounding sphere is tried first, with room for rounding. */
+/* Returns the distance to a body, or infinity. Its bounding sphere is tested first, with a margin
+ * for rounding. */
 static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
   if (body->shape != NULL)
     return INFINITY;

@@ -1,4 +1,4 @@
-/* Closest hits and occlusion in a snapshot: meshes through Embree, bodies analytically. */
+/* Closest hits and occlusion in a snapshot: meshes with Embree, bodies analytically. */
 #ifndef PL_TRACE_TRACER_H
 #define PL_TRACE_TRACER_H
 
@@ -9,10 +9,10 @@
 #include "base/memory.h"
 #include "scene/snapshot.h"
 
-/* Things are numbered objects first, then bodies. */
+/* Surface ids: objects are numbered first, then bodies. */
 #define PL_NOTHING UINT32_MAX
 enum { PL_TRACER_PACKET = 8 };
-/* For pl_ray.skip_body: no body can be hit at all. */
+/* Value of pl_ray.skip_body: the ray ignores all bodies. */
 #define PL_EVERY_BODY (UINT32_MAX - 1)
 
 typedef struct pl_ray {
@@ -20,14 +20,15 @@ typedef struct pl_ray {
   pl_vec3 direction; /* unit */
   double t_max;      /* m */
   uint32_t
-      skip_body; /* index of a body that cannot be hit (its own convex surface), or PL_NOTHING */
-  /* The triangle that the ray starts on and so cannot hit: of an object, counted from 1; 0: none.
-   */
+      /* index of a body that cannot be hit (the ray starts on its convex surface), or PL_NOTHING */
+      skip_body;
+  /* Triangle that the ray starts on and therefore cannot hit: object, and triangle index + 1; 0 for
+   * none. */
   uint32_t from_thing, from_triangle;
-  /* So far, m, it cannot hit triangles of `from_thing` that it comes out of: by their backs, or by
-   * their corners' normals. */
+  /* Up to this distance, m, hits on `from_thing` are ignored where the ray meets a triangle from
+   * behind, or leaves the surface by its interpolated normal. */
   float leaves;
-  bool no_meshes; /* closest hits: of bodies alone */
+  bool no_meshes; /* closest hits: test bodies only */
 } pl_ray;
 
 typedef struct pl_hit {
@@ -37,31 +38,32 @@ typedef struct pl_hit {
   double t;          /* m along the unit direction */
 } pl_hit;
 
-/* The accelerators of models: each is built when first asked for, and kept. */
+/* Accelerators of models: each is built on first use and cached. */
 typedef struct pl_accelerators pl_accelerators;
-/* Opens an Embree device of one build thread, so that accelerators are the same everywhere. */
+/* Opens an Embree device with one build thread, so that accelerators are the same on every machine.
+ */
 pl_status pl_accelerators_create(pl_accelerators **out);
 void pl_accelerators_destroy(pl_accelerators *kept); /* NULL is allowed */
 
-/* What rays of one snapshot are cast in. Does not change any more: several may be used side by
- * side. */
+/* Scene in which the rays of one snapshot are cast. Immutable: several may be used side by side. */
 typedef struct pl_tracer pl_tracer;
-/* In `arena`. Borrows the snapshot and what is kept. */
+/* Allocated in `arena`. Borrows the snapshot and the cached accelerators. */
 pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *snapshot, pl_arena *arena,
                           const pl_tracer **out);
 
-/* Thread-safe. `coherent` rays (neighbours with similar directions) go as packets of
- * PL_TRACER_PACKET in their order. The choice, and what is in a packet, are part of the result's
- * definition: rounding depends on them. They must not depend on threads. `meshes` false skips
- * meshes: the caller knows that these rays can meet none.
+/* Finds the closest hit of each ray. Thread-safe. `coherent` rays (neighbours with similar
+ * directions) are traced in packets of PL_TRACER_PACKET, in their order. This choice and the
+ * content of packets are part of the definition of the result, since rounding depends on them; they
+ * must not depend on threads. `meshes` false skips meshes, if the caller knows that these rays
+ * cannot hit any.
  *
- * The backs of single-sided materials, and of sheets that others back, are not there.
- * Where faces of two objects lie in one place, but for rounding, the later object's is hit: hulls
- * and what is stuck on them do not speckle. */
+ * The backs of single-sided materials and of back-to-back sheets do not exist for rays. Where faces
+ * of two objects coincide within rounding, the later object is hit, so that a hull and the parts
+ * attached to it show no speckles. */
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
                        bool coherent, bool meshes);
-/* occluded[i] is true if anything lies on ray i before t_max, where a light is: faces are there
- * that the light sees. */
+/* Sets occluded[i] if anything lies on ray i before t_max, where the light is. A face exists if it
+ * exists as seen from the light. */
 void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occluded, size_t count,
                         bool coherent);
 
