@@ -1,32 +1,34 @@
-/* Filters are made for cells, and of cells. */
+/* The filter is computed once per surface in a cell, from the sums of the cells around it. */
 #include "render/irradiance_filter.h"
 
 #include <string.h>
 
 #include "math/color.h"
 
-/* Cells that a filter reaches to each side at most: one is asked first, whether its paths are
- * enough, so many at least. */
+/* Maximum radius of a filter, in cells; and minimum number of its paths. Radius 1 is tried first.
+ */
 enum { REACH = 3, FEWEST = 24 };
-/* With more samples less far: what is left of the noise is then less than what light changes by on
- * the way. By measurement: the error of a close view of a spacecraft is least so. */
+/* Maximum radius, cells. It shrinks with more samples, where the remaining noise is less than the
+ * light's change over the distance. Measured: these radii minimise the error of a close view of a
+ * spacecraft. */
 static int reach_of(int samples) { return samples <= 8 ? REACH : samples <= 32 ? 2 : 1; }
 
-/* Of so many paths that found light at least, counted as if all had found the same: where fewer
- * did, near ones may have missed it by luck, and farther ones are asked. */
+/* Minimum effective number of contributing paths, (sum L)^2 / sum L^2. With fewer, the paths nearby
+ * may have missed the light by chance, and the filter is widened. */
 static const float FOUND = 8.0f;
-/* Nothing is made of fewer paths than these: one that found no light would show. */
-static const float FEWEST_USED = 7.7f; /* 8, but for rounding */
-/* A filter is quiet once its standard error is below so many tolerances. */
+/* No filter counts as converged with fewer paths than this: a path without light would be visible.
+ */
+static const float FEWEST_USED = 7.7f; /* 8, with a margin for rounding */
+/* A filter counts as converged if its standard error is below this many tolerances. */
 static const float QUIET = 1.0f;
 
-/* What the paths of one surface bring, by the distance of their cell: squares about the filter's.
- */
+/* Sums over the paths of one surface in the cells at one distance: a square ring around the
+ * filter's cell. */
 typedef struct ring {
   pl_vec3f shared, weight;
   float square;                                /* sum of squared luminances */
-  float count;                                 /* of paths */
-  float pixels, each, together, weight_square; /* as of cells */
+  float count;                                 /* number of paths */
+  float pixels, each, together, weight_square; /* as in pl_irradiance_cell */
 } ring;
 
 /* The cells of a tile and those around it. */
@@ -43,21 +45,22 @@ typedef struct filter {
   ring rings[REACH + 1];
 } filter;
 
-/* Variances of what paths bring for what they carry on, luminances: of one path's, times what that
- * carries on, and of the true values of pixels. */
+/* Variances of the ratio of radiance to throughput, luminances: of one path, times its throughput;
+ * and of the pixels' true values. */
 typedef struct scatter {
   float noise, truth;
 } scatter;
 
-/* What a filter says of its cell's patches. */
+/* The filtered light of the patches of one surface in a cell. */
 typedef struct answer {
   bool known;
-  pl_vec3f light; /* for what patches carry on */
-  float enough;   /* paths: patches that have as many do not need it */
+  pl_vec3f light; /* radiance over throughput */
+  float enough;   /* number of paths; patches with at least as many are not filtered */
   scatter scatter;
 } answer;
 
-/* The tile so many columns and rows from another; NULL: none that is lit. */
+/* The tile at an offset in columns and rows from another; NULL if there is none, or it is not lit.
+ */
 static const pl_irradiance_tile *tile_beside(const pl_irradiance_record *share, size_t item, int u,
                                              int v) {
   const int column = (int)(item % (size_t)share->columns) + u;
@@ -122,8 +125,8 @@ static pl_vec3f light_of(pl_vec3f shared, pl_vec3f weight) {
                        ratio(shared.z, weight.z));
 }
 
-/* The standard error with which a level is quiet. Downwards too: what lies beyond white may be in
- * error by all that it is. */
+/* The largest standard error with which `level` counts as converged: it shifts the displayed value
+ * by at most `limit`, up or down. Light above white may be in error by all of its excess. */
 static float quiet_under(float white, float limit, float level) {
   const float shown = pl_srgb_encode(pl_minf(level / white, 1.0f));
   const float up = shown + limit < 1.0f ? white * pl_srgb_decode(shown + limit) - level : INFINITY;
@@ -137,10 +140,10 @@ static float quiet_error(const pl_render_settings *settings, float level) {
   return other > 0.0f ? pl_minf(found, quiet_under(other, limit, level)) : found;
 }
 
-/* Rings count less and less up to the first that does not: no edges of squares are to be seen. */
+/* Weight of a ring: falls linearly to 0 at `span`, so that the edges of squares do not show. */
 static float part_of(int r, float span) { return pl_maxf(1.0f - (float)r / span, 0.0f); }
 
-/* Paths that a filter is worth if rings count by their span. */
+/* Effective number of paths of a filter whose rings are weighted by `span`. */
 static float worth(const filter *filter, float span, int most) {
   float sum = 0.0f, square = 0.0f;
   for (int r = 0; r <= most; r++) {
@@ -151,9 +154,9 @@ static float worth(const filter *filter, float span, int most) {
   return sum * sum / square;
 }
 
-/* How far around light is taken from, within what the filter holds: to the end when it never is
- * quiet. It is decided by the scatter of all that is held: that of the light which is used would
- * stop filters that luck has kept in the dark. */
+/* Chooses the radius of the filter within the rings it holds: all of them if it does not converge.
+ * The variance is that of all paths held. That of the weighted paths alone would stop filters too
+ * early whose paths missed the light by chance. */
 static bool choose_span(const filter *filter, const pl_render_settings *settings,
                         const pl_irradiance_patch *patch, int most, float *span, float *enough) {
   static const float spans[] = {1.0f, 1.125f, 1.25f, 1.5f, 2.0f, 2.5f, 3.0f, 4.0f};
@@ -180,7 +183,7 @@ static bool choose_span(const filter *filter, const pl_render_settings *settings
   return false;
 }
 
-/* Sums over rings up to one, as one. */
+/* The sum of rings 0 to `most`. */
 static ring sum_rings(const filter *filter, int most) {
   ring sum = filter->rings[0];
   for (int r = 1; r <= most; r++) {
@@ -196,11 +199,11 @@ static ring sum_rings(const filter *filter, int most) {
   return sum;
 }
 
-/* As if so many paths more had scattered as all do together: few that have found nothing are no
- * proof that there is no noise. */
+/* Number of additional paths assumed to have the variance of all paths together: a few paths that
+ * found no light do not prove that there is no noise. */
 static const float ASSUMED = 24.0f;
 
-/* Noise of paths about the means of their pixels. */
+/* Variance of paths about the means of their pixels. */
 static float noise_of(const ring *sum, float assumed, float scattered) {
   const float within = pl_maxf(sum->each - sum->together, 0.0f);
   const float freedom = pl_maxf(sum->count - sum->pixels, 0.0f);
@@ -208,10 +211,9 @@ static float noise_of(const ring *sum, float assumed, float scattered) {
 }
 
 /* One-way analysis of variance, pixels as groups of unequal size (Searle, Casella and McCulloch
- * 1992, Variance Components, 3.6): what their means differ by beyond the noise of their paths is
- * true. The noise is more and more that about the filter's own cell, for it is less in dark
- * corners.
- */
+ * 1992, Variance Components, 3.6): the variance of the pixels' means beyond the noise of their
+ * paths is that of the true values. With more paths the noise tends to that of the filter's own
+ * cell, which is lower in dark corners. */
 static scatter scatter_of(const filter *filter, int most) {
   const ring sum = sum_rings(filter, most);
   const float light = pl_luminance(sum.shared), weight = pl_luminance(sum.weight);
@@ -227,7 +229,7 @@ static scatter scatter_of(const filter *filter, int most) {
   return out;
 }
 
-/* What paths bring for what they carry on, in the filter about cell `k`. */
+/* Radiance over throughput, filtered around cell `k`. */
 static answer ask(filter *filter, const pl_render_settings *settings,
                   const pl_irradiance_patch *patch, int k) {
   answer out = {.known = true};
@@ -249,9 +251,9 @@ static answer ask(filter *filter, const pl_render_settings *settings,
   return out;
 }
 
-/* A patch's own light counts by how much of what tells it from its filter's is true: with more
- * samples it is less and less noise, so that in the end the filter counts for nothing (James and
- * Stein 1961; Efron and Morris 1973). */
+/* Shrinks a patch's own light towards the filtered one. The own light is weighted by the part of
+ * the variance that is true: with more samples the noise falls, and in the limit the filter has no
+ * weight (James and Stein 1961; Efron and Morris 1973). */
 static pl_vec3f blend(const answer *answer, const pl_irradiance_patch *patch) {
   const pl_vec3f own = light_of(patch->shared, patch->lit_weight);
   if ((float)patch->lit >= answer->enough)

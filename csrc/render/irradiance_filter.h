@@ -1,10 +1,10 @@
-/* Filters of light that is shared between pixels, see irradiance_record.h. */
+/* Filters of the light that is shared between pixels, see irradiance_record.h. */
 #ifndef PL_RENDER_IRRADIANCE_FILTER_H
 #define PL_RENDER_IRRADIANCE_FILTER_H
 
 #include "render/irradiance_record.h"
 
-/* Radiance of a tile that is lit, when all are kept. */
+/* Writes the radiance of a tile that has `lit` set. All tiles must have been kept before. */
 void pl_irradiance_filter_light(const pl_irradiance_record *share, size_t item,
                                 const pl_render_settings *settings, double pixel_rad,
                                 pl_vec3f radiance[PL_TILE_PIXELS]);

@@ -1,4 +1,4 @@
-/* Following some paths, and keeping what they bring. */
+/* Selection of the paths that are followed, and the record of their light. */
 #include "render/irradiance_record.h"
 
 #include "base/memory.h"
@@ -6,18 +6,18 @@
 #include "shade/ggx.h"
 #include "shade/reflectance.h"
 
-/* Of PL_IRRADIANCE_ROW samples so many are followed: neighbours in the sequence of draws lie
- * evenly. The first on a patch is in any case. Quick frames spare what their filters can do
- * without: draws are spread over pixels there. */
+/* Of PL_IRRADIANCE_ROW samples this many are followed: consecutive points of the sequence of draws
+ * are evenly distributed. The first path of a patch is always followed. Frames with few samples
+ * follow only as many as their filters need, since draws are spread over pixels there. */
 enum { FOLLOWED = 2, FOLLOWED_FEW = 1 };
-/* Filters find little where less than so many of the pixels this far off, one to each side, show
- * the same surface: there quick frames spare nothing. */
+/* A filter finds few neighbours if fewer than ALIKE of the four pixels at distance BESIDE show the
+ * same surface. Frames with few samples leave out no path there. */
 enum { BESIDE = 2, ALIKE = 3 };
-/* A lobe is wide where the density of a draw is below this, 1/sr: a cosine lobe is so everywhere.
+/* A lobe is wide where the density of a draw is below this, 1/sr. A cosine lobe is wide everywhere.
  */
 static const float WIDE_PDF_MAX = 0.4f;
 
-/* Whether a pixel shows the surface of a spot; so it is said of pixels beyond the tile. */
+/* Whether a pixel shows the surface of a spot; true for pixels outside the tile. */
 static bool shows(const pl_path_context *context, const pl_tile_buffers *b, int x, int y,
                   const pl_spot *spot, float depth_m) {
   if (x < 0 || y < 0 || x >= context->tile.width || y >= context->tile.height)
@@ -29,7 +29,7 @@ static bool shows(const pl_path_context *context, const pl_tile_buffers *b, int 
   return false;
 }
 
-/* Whether filters of a patch find little: on thin and on crumpled things. */
+/* Whether the filter of a patch would find few neighbours, as on thin or crumpled objects. */
 static bool is_isolated(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
                         const pl_spot *spot) {
   const float depth_m = pl_spot_depth(spot, (float)context->pixel_rad);
@@ -42,7 +42,7 @@ static bool is_isolated(const pl_path_context *context, const pl_tile_buffers *b
   return alike < ALIKE;
 }
 
-/* Whether a path that goes on into a wide lobe is one of those that are followed. */
+/* Whether a path that continues into a wide lobe is one of those that are followed. */
 static bool is_turn(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
                     const pl_patch *patch) {
   const int turn = b->counts[pixel] % PL_IRRADIANCE_ROW;
@@ -52,7 +52,7 @@ static bool is_turn(const pl_path_context *context, const pl_tile_buffers *b, ui
                              is_isolated(context, b, pixel, &patch->spot));
 }
 
-/* Counts a path that goes on into a wide lobe; whether it is followed. */
+/* Counts a path that continues into a wide lobe; returns whether it is followed. */
 static bool count_wide(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
                        pl_vec3f carried, pl_patch *patch) {
   patch->wide++;
@@ -71,7 +71,7 @@ bool pl_path_follow(const pl_path_context *context, const pl_vertex *vertex, pl_
   if (next->shared || slot == PL_PATCH_NONE || next->lobe_pdf > WIDE_PDF_MAX ||
       !(pl_vec3f_dot(direction, vertex->surface.ng) > 0.0f))
     return true;
-  /* As if it were drawn by the lobe: evenly coloured however often bodies are drawn to. */
+  /* As if the lobe had drawn it: the colour does not depend on how often bodies are sampled. */
   const pl_vec3f carried = pl_vec3f_scale(next->throughput, next->pdf / next->lobe_pdf);
   pl_patch *patch = &b->patches[next->pixel].patch[slot];
   next->shared = count_wide(context, b, next->pixel, carried, patch);
@@ -160,7 +160,7 @@ static pl_status add_block(pl_irradiance_record *share) {
   return PL_OK;
 }
 
-/* Room for so many patches, with the lock held. */
+/* Takes room for `count` patches. The caller holds the lock. */
 static pl_status take_room(pl_irradiance_record *share, size_t count, pl_irradiance_tile *tile) {
   if (share->used + count > PL_IRRADIANCE_BLOCK) {
     share->block++;
@@ -176,8 +176,9 @@ static pl_status take_room(pl_irradiance_record *share, size_t count, pl_irradia
   return PL_OK;
 }
 
-/* A block is left when the next tile does not fit: then it lacks less than that to be full, and the
- * two together hold more than one block does. */
+/* A block is closed when the next tile does not fit. The block then has less unused room than that
+ * tile needs, and the two together hold more than one full block. Each bounds the number of blocks.
+ */
 pl_status pl_irradiance_reserve(pl_irradiance_record *share) {
   if (share->kept == 0)
     return PL_OK;
@@ -206,7 +207,7 @@ static size_t count_lit(const pl_tile_buffers *b, pl_tile tile) {
   return count;
 }
 
-/* Radiance of a pixel but for what is shared. */
+/* Radiance of a pixel without the shared light. */
 static pl_vec3f own_light(const pl_tile_buffers *b, uint32_t pixel) {
   const pl_pixel_patches *patches = &b->patches[pixel];
   pl_vec3f sum = b->radiance[pixel];
@@ -215,7 +216,8 @@ static pl_vec3f own_light(const pl_tile_buffers *b, uint32_t pixel) {
   return pl_vec3f_scale(sum, 1.0f / (float)b->counts[pixel]);
 }
 
-/* What tells the noise of paths from true differences between pixels, see irradiance_filter.c. */
+/* Adds the sums that separate the noise of paths from true differences between pixels, see
+ * irradiance_filter.c. */
 static void add_scatter(const pl_patch *patch, pl_irradiance_cell *cell) {
   const float weight = pl_luminance(patch->lit_weight), light = pl_luminance(patch->shared);
   if (!(weight > 0.0f))
@@ -226,7 +228,7 @@ static void add_scatter(const pl_patch *patch, pl_irradiance_cell *cell) {
   cell->weight_square += weight * weight;
 }
 
-/* Adds a patch to the one of its cell that it fits, or makes one; returns which. */
+/* Adds a patch to the matching entry of its cell, or appends a new one; returns the index. */
 static uint32_t merge(const pl_patch *patch, float spread, pl_irradiance_cell *cells,
                       uint32_t *count) {
   uint32_t i = 0;
@@ -244,12 +246,12 @@ static uint32_t merge(const pl_patch *patch, float spread, pl_irradiance_cell *c
   return i;
 }
 
-/* What is kept so far. */
+/* The tile that is being recorded, and what is recorded so far. */
 typedef struct keeping {
   const pl_tile_buffers *b;
   pl_irradiance_tile *tile;
   float spread;
-  uint32_t patches, cells; /* how many */
+  uint32_t patches, cells; /* their numbers */
 } keeping;
 
 static void keep_pixel(keeping *k, uint32_t pixel, pl_irradiance_cell *cells, uint32_t *count) {
@@ -272,7 +274,7 @@ static void keep_pixel(keeping *k, uint32_t pixel, pl_irradiance_cell *cells, ui
   }
 }
 
-/* Cells lie evenly over the image, rows of a tile may not. */
+/* Cells are aligned to the image; rows of a tile may not be. */
 static void keep_cell(keeping *k, int column, int row) {
   const pl_tile tile = k->tile->tile;
   uint32_t count = 0;

@@ -1,8 +1,9 @@
-/* Light from other surfaces, shared between pixels. What reaches a rough surface by way of others
- * changes little from pixel to pixel, but the paths of one pixel find it by luck. So only some are
- * followed, and patches of one smooth surface in neighbouring pixels pool what their paths bring,
- * over what these carry on: colours stay sharp. A pool reaches no farther than it must to be quiet,
- * so that with more samples it is the pixel's own. */
+/* Record of the indirect light of each pixel, for the irradiance filter. Light that reaches a rough
+ * surface by way of others changes little from pixel to pixel, but the few paths of one pixel find
+ * it by chance. So only some paths are followed, and patches of one smooth surface in neighbouring
+ * pixels share their paths' radiance, divided by the throughput so that colours stay sharp. The
+ * filter is no wider than it must be to be free of visible noise, so that with more samples it
+ * converges to the pixel's own light. */
 #ifndef PL_RENDER_IRRADIANCE_RECORD_H
 #define PL_RENDER_IRRADIANCE_RECORD_H
 
@@ -10,47 +11,48 @@
 
 #include "render/path.h"
 
-/* Of so many samples in a row the first few are followed beyond the first surface; fewer of them in
- * frames of no more samples. */
+/* Of each run of this many samples the first few are followed beyond the first surface; fewer of
+ * them in frames that have no more samples than one run. */
 enum { PL_IRRADIANCE_ROW = 8 };
 
-/* Pixels are merged into square cells, from an even row and column of the image on. */
+/* Pixels are grouped into square cells that start at even rows and columns of the image. */
 enum { PL_CELL = 2, PL_CELL_SIDE = PL_TILE_SIDE / PL_CELL, PL_CELLS = PL_CELL_SIDE * PL_CELL_SIDE };
 
-/* What a cell sees of one surface: what a pool takes from it. */
+/* One surface in one cell, as the filter reads it. */
 typedef struct pl_irradiance_cell {
   pl_spot spot;
-  pl_vec3f shared, weight; /* of its patches: sums over the paths that were followed */
+  pl_vec3f shared, weight; /* sums over the followed paths of its patches */
   float square;            /* sum of their squared luminances */
-  float count;             /* of these paths */
-  float pixels;            /* that have some */
-  /* Sums of what paths bring, squared, over what they carry on, luminances: of each path, and of
-   * all of a pixel together; and of what all of a pixel carry on, squared. */
+  float count;             /* number of these paths */
+  float pixels;            /* number of pixels that have such paths */
+  /* Sums for the analysis of variance, luminances: the squared radiance over the throughput, of
+   * each path and of all paths of a pixel together; and the squared throughput of all paths of a
+   * pixel. */
   float each, together, weight_square;
 } pl_irradiance_cell;
 
-/* What is left of a pixel's patch. */
+/* What is kept of a pixel's patch. */
 typedef struct pl_irradiance_patch {
-  uint16_t pixel;              /* of the tile */
-  uint16_t cell;               /* which of those of its cell it is in */
-  uint32_t lit;                /* paths that were followed */
-  float part;                  /* of the pixel's samples that went on into a wide lobe */
-  float level;                 /* luminance but for what is shared */
-  pl_vec3f weight;             /* of light that is shared, in the pixel's mean */
-  pl_vec3f shared, lit_weight; /* as of pl_patch */
+  uint16_t pixel;              /* index in the tile */
+  uint16_t cell;               /* index of the pl_irradiance_cell within its cell */
+  uint32_t lit;                /* number of followed paths */
+  float part;                  /* fraction of the pixel's samples that continued into a wide lobe */
+  float level;                 /* luminance without the shared light */
+  pl_vec3f weight;             /* weight of the shared light in the pixel's mean */
+  pl_vec3f shared, lit_weight; /* as in pl_patch */
 } pl_irradiance_patch;
 
-/* What is kept of a tile until all are sampled. */
+/* What is kept of a tile until all tiles are sampled. */
 typedef struct pl_irradiance_tile {
-  bool lit;                     /* by others, anywhere; what follows is not valid without */
-  pl_irradiance_patch *patches; /* in a block, cell by cell */
+  bool lit;                     /* some patch has indirect light; the rest is valid only if true */
+  pl_irradiance_patch *patches; /* in a block, ordered by cell */
   pl_irradiance_cell *cells;    /* likewise */
   pl_tile tile;
   uint32_t patch_start[PL_CELLS + 1], cell_start[PL_CELLS + 1];
-  pl_vec3f rest[PL_TILE_PIXELS]; /* radiance but for what is shared, W m-2 sr-1 */
+  pl_vec3f rest[PL_TILE_PIXELS]; /* radiance without the shared light, W m-2 sr-1 */
 } pl_irradiance_tile;
 
-/* Any tile's patches fit into a block, and their cells, which are no more. */
+/* The patches of any one tile fit into a block, and so do its cells, of which there are no more. */
 enum { PL_IRRADIANCE_BLOCK = PL_TILE_PIXELS * PL_PATCHES };
 
 typedef struct pl_irradiance_block {
@@ -58,31 +60,31 @@ typedef struct pl_irradiance_block {
   pl_irradiance_cell cells[PL_IRRADIANCE_BLOCK];
 } pl_irradiance_block;
 
-/* Kept from frame to frame: what moves from tile to tile takes no new memory. */
+/* Kept from frame to frame: light that moves from tile to tile needs no new memory. */
 typedef struct pl_irradiance_record {
-  pthread_mutex_t lock;         /* on the blocks */
-  pl_irradiance_block **blocks; /* owned, and what they point at */
+  pthread_mutex_t lock;         /* guards the blocks */
+  pl_irradiance_block **blocks; /* owned, as are the blocks */
   size_t block_count, block_room;
-  size_t block, used; /* the one that is being filled, and patches in it */
-  size_t kept, most;  /* patches of all tiles so far, and of the tile that has most */
+  size_t block, used; /* the block that is being filled, and the number of patches in it */
+  size_t kept, most;  /* number of patches of all tiles so far, and of the largest tile */
   pl_irradiance_tile
-      *tiles; /* owned, rows of `columns`; the first of them is `row0` of the image */
+      *tiles; /* owned, in rows of `columns`; the first row is row `row0` of the image */
   int columns, rows, row0;
-  size_t room; /* in tiles */
+  size_t room; /* capacity of `tiles` */
 } pl_irradiance_record;
 
 pl_status pl_irradiance_init(pl_irradiance_record *share);
-/* Forgets all tiles and makes room for those of an image, or of some rows of tiles. */
+/* Drops all tiles and makes room for those of an image, or of some of its rows of tiles. */
 pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows, int row0);
 void pl_irradiance_clear(pl_irradiance_record *share);
 
-/* Makes means of the sums of a tile that is sampled. If light is shared in it, what is needed for
- * that is kept, and radiance is without it. Each item by one worker. */
+/* Turns the sums of a sampled tile into means. If light is shared in the tile, keeps the data for
+ * the filter, and leaves that light out of the radiance. Each item is handled by one worker. */
 pl_status pl_irradiance_keep(pl_irradiance_record *share, size_t item,
                              const pl_path_context *context, pl_tile_buffers *buffers);
 
-/* When all are kept: makes room for the same tiles in any other order, which is that in which
- * threads finish them. */
+/* To be called when all tiles are kept: allocates enough blocks for the same tiles in any other
+ * order. Threads finish tiles in an order that varies from run to run. */
 pl_status pl_irradiance_reserve(pl_irradiance_record *share);
 
 #endif

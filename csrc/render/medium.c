@@ -1,10 +1,10 @@
-/* Media on the way of rays. */
+/* Participating media along rays. */
 #include "render/medium.h"
 
 #include "render/path.h"
 #include "render/medium_kinds.h"
 
-/* A line each. */
+/* One line per kind. */
 /* clang-format off */
 const pl_medium_kind *const pl_medium_kinds[] = {
     &pl_medium_clouds,
@@ -116,7 +116,7 @@ pl_vec3f pl_media_toward_sun(const pl_media *media, const pl_snapshot *shot, pl_
   return toward_sun_but(media, NULL, shot, point, sun, width_m);
 }
 
-/* The sky counts as a disc about the zenith of this sine of its radius. */
+/* For its transmittance the sky is a disc about the zenith with this sine of its angular radius. */
 static const float SKY_SINE = 0.5f;
 
 pl_vec3f pl_media_before_sky(const pl_media *media, const pl_snapshot *shot, pl_vec3 point,
@@ -138,21 +138,24 @@ pl_vec3f pl_media_dim_sky(const pl_media *media, const pl_snapshot *shot, const 
   return pl_vec3f_mul(sky, pl_media_before_sky(media, shot, vertex->position, vertex->ng, width_m));
 }
 
-/* Part of a disc of radius `a` that another of radius `b` leaves, whose centre is `apart`. */
+/* Fraction of a disc of radius `a` that a disc of radius `b` leaves visible; `apart`: the distance
+ * of their centres. */
 static double disc_left(double a, double b, double apart) {
   if (apart >= a + b)
     return 1.0;
   if (apart <= fabs(a - b))
     return b >= a ? 0.0 : 1.0 - b * b / (a * a);
-  const double x = (apart * apart + a * a - b * b) / (2.0 * apart); /* of the chord */
+  /* distance of the common chord from the first centre */
+  const double x = (apart * apart + a * a - b * b) / (2.0 * apart);
   const double y = sqrt(fmax(0.0, a * a - x * x));
   const double own = a * a * atan2(y, x) - x * y;
   const double other = b * b * atan2(y, apart - x) - (apart - x) * y;
   return fmin(1.0, fmax(0.0, 1.0 - (own + other) / (PL_PI * a * a)));
 }
 
-/* Part of the sun's even disc that a body leaves, whose outline counts as a circle: that which
- * passes where a ray to the sun's centre would be tangent, turned about the body's. */
+/* Fraction of the sun's disc, taken as uniform, that a body leaves visible. The body's outline is
+ * taken as the circle about its centre through the point where a ray towards the sun's centre would
+ * be tangent. */
 static double body_left(const pl_shot_body *body, pl_vec3 point, const pl_sun_view *sun) {
   const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
   const pl_vec3 to_body = pl_vec3_sub(body->center, point);
@@ -182,7 +185,7 @@ pl_vec3f pl_media_sunlight(const pl_media *media, const pl_medium_kind *kind,
   return pl_vec3f_scale(out, (float)left * sun->irradiance);
 }
 
-/* Without air. */
+/* Attenuates a path and adds the media's radiance, without air. */
 static void pass(pl_path *path, const pl_medium_list *list, pl_vec3f *sink) {
   for (size_t i = 0; i < list->count; i++) {
     *sink = pl_vec3f_add(*sink, pl_vec3f_mul(path->throughput, list->items[i].radiance));
@@ -204,7 +207,7 @@ void pl_media_apply(const pl_path_context *context, int bounce, size_t count, pl
     const pl_hit *hit = &b->hits[i];
     const bool miss = hit->thing == PL_NOTHING;
     if (bounce == 0 && !miss && b->prefiltered_thing[path->pixel] == hit->thing)
-      continue; /* all of it is known */
+      continue; /* its radiance is known already */
     const pl_medium_ray ray = {
         .beam = &path->beam,
         .t_max = miss ? INFINITY : (double)hit->t,

@@ -1,4 +1,4 @@
-/* Telling patches apart. */
+/* Assignment of hits to patches. */
 #include "render/patch.h"
 
 #include "geom/ellipsoid.h"
@@ -14,7 +14,7 @@ static pl_vec3f facet_normal(const pl_shot_object *object, uint32_t triangle) {
                          pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2]));
 }
 
-/* `point`: from the body's centre. */
+/* `point`: relative to the body's centre. */
 static pl_vec3f body_normal(const pl_shot_body *body, pl_vec3 point) {
   const pl_vec3 local = pl_mat3_mul_vec_t(body->rotation, point);
   return pl_vec3_to_float(

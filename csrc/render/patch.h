@@ -1,5 +1,4 @@
-/* Patches: what a pixel sees of one surface, and the light that reached it there by way of others.
- */
+/* Patches: the part of one surface that a pixel sees, and the indirect light that reached it. */
 #ifndef PL_RENDER_PATCH_H
 #define PL_RENDER_PATCH_H
 
@@ -9,25 +8,26 @@
 
 #include "trace/tracer.h"
 
-/* Samples that meet more surfaces than these, in one pixel, are on no patch. */
+/* If the samples of one pixel hit more surfaces than this, those on the others have no patch. */
 enum { PL_PATCHES = 4, PL_PATCH_NONE = PL_PATCHES };
 
-/* Where a patch is. */
+/* The location of a patch. */
 typedef struct pl_spot {
   uint32_t thing, part;
-  pl_vec3f point, normal; /* root axes; the point from the middle of the thing, m */
-  float range_m;          /* from the camera */
+  /* root axes; the point is relative to the centre of the object or body, m */
+  pl_vec3f point, normal;
+  float range_m; /* distance from the camera, m */
 } pl_spot;
 
 typedef struct pl_patch {
   pl_spot spot;                 /* of the first hit */
-  uint32_t triangle;            /* that was hit last */
-  uint32_t seen;                /* samples that hit it */
-  uint32_t wide;                /* of these: went on into a wide lobe */
-  uint32_t lit;                 /* of these: were followed */
-  pl_vec3f own;                 /* sum over seen of the radiance, but for what is shared */
-  pl_vec3f shared;              /* sum over lit of the radiance by light that is shared */
-  pl_vec3f weight, lit_weight;  /* sums over wide and over lit of what paths carry on */
+  uint32_t triangle;            /* triangle of the latest hit */
+  uint32_t seen;                /* number of samples that hit it */
+  uint32_t wide;                /* of these, continued into a wide lobe */
+  uint32_t lit;                 /* of these, followed */
+  pl_vec3f own;                 /* sum over `seen` of the radiance without shared light */
+  pl_vec3f shared;              /* sum over `lit` of the radiance of shared light */
+  pl_vec3f weight, lit_weight;  /* sums of the paths' throughput over `wide` and over `lit` */
   float own_square, lit_square; /* sums of squared luminances, of own and of shared */
 } pl_patch;
 
@@ -36,19 +36,19 @@ typedef struct pl_pixel_patches {
   uint32_t count;
 } pl_pixel_patches;
 
-/* Which patch the camera's ray meets: one is added where none fits, and counted as seen.
- * PL_PATCH_NONE if there is no room. `spread` of the pixel's cone. */
+/* The index of the patch that a camera ray hits, counted in `seen`. Appends a patch if none fits;
+ * PL_PATCH_NONE if there is no room. `spread`: that of the pixel's cone. */
 uint32_t pl_patch_meet(pl_pixel_patches *patches, const pl_snapshot *shot, const pl_hit *hit,
                        pl_vec3 direction, float spread);
 
-/* How far a smooth surface may leave the plane of a patch, m. */
+/* Maximum distance of a smooth surface from the plane of a patch, m. */
 static inline float pl_spot_depth(const pl_spot *spot, float spread) {
-  const float plane_widths = 1.0f; /* of the pixel */
+  const float plane_widths = 1.0f; /* widths of the pixel's footprint */
   return plane_widths * spread * spot->range_m;
 }
 
-/* Whether two patches may be of one smooth surface: their normals differ by less than 18 degrees.
- */
+/* Whether two patches may belong to one smooth surface: their normals differ by less than 18
+ * degrees. */
 static inline bool pl_spot_fits(const pl_spot *a, const pl_spot *b, float depth_m) {
   const float cosine_min = 0.95f;
   return a->thing == b->thing && a->part == b->part &&

@@ -1,6 +1,6 @@
-/* Unidirectional path tracing: the sun is sampled at every vertex and met by chance, both weighted
- * by the power heuristic (Veach 1997). Work is done in waves over a tile, so that shadow rays of a
- * wave go through the tracer together. */
+/* Unidirectional path tracing. Sunlight is found by sampling the sun at every vertex and by paths
+ * that hit it by chance, combined with the power heuristic (Veach 1997). Work is done in waves over
+ * a tile, so that the shadow rays of a wave are traced together. */
 #include "render/path.h"
 
 #include "light/sun.h"
@@ -15,8 +15,8 @@
 #include "shade/reflectance.h"
 
 enum { ROULETTE_AFTER = 3 };
-/* A way of drawing whose density is below this part of another's is none to be weighed against it:
- * by the power heuristic it would get its square. */
+/* A sampling technique whose density is below this fraction of another's is left out of the
+ * weights: the power heuristic would give it the square of this fraction. */
 static const float RIVAL_MIN = 0.01f;
 
 void pl_path_subpixel(uint32_t index, int samples, double offset[2]) {
@@ -37,7 +37,7 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
     const uint32_t pixel = b->active[i];
     const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
     const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-    /* Few samples lie about the centre unevenly: turned about at random, they shift nothing. */
+    /* A few samples are not symmetric about the centre. Random signs remove the mean shift. */
     const double u = b->seeds[pixel] & 1u ? -offset[0] : offset[0];
     const double v = b->seeds[pixel] & 2u ? -offset[1] : offset[1];
     const pl_vec3 direction = pl_snapshot_ray(context->shot, x + u, y + v);
@@ -57,7 +57,8 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
   return b->active_count;
 }
 
-/* Whether a path may point at the sun: by the camera's view of it, where parallax is small. */
+/* Whether a path may point at the sun. Uses the camera's view of the sun where parallax is small.
+ */
 static bool near_sun(const pl_path_context *context, const pl_path *path) {
   const pl_sun_view *sun = &context->camera_sun;
   const float parallax = 0.01f;
@@ -68,21 +69,21 @@ static bool near_sun(const pl_path_context *context, const pl_path *path) {
   return pl_vec3f_dot(across, across) < reach * reach;
 }
 
-/* Radiance of the sun in a direction over its mean; the second band's is also the density of draws
- * over that of an even disc. */
+/* Radiance of the sun in a direction over its mean. That of the second band is also the density of
+ * draws over the density for a uniform disc. */
 static pl_vec3f disc_ratio(const pl_path_context *context, const pl_sun_view *sun,
                            pl_vec3f direction) {
   const pl_limb *limb = context->settings->limb;
   return limb != NULL ? pl_limb_ratio(limb, sun, direction) : (pl_vec3f){1.0f, 1.0f, 1.0f};
 }
 
-/* A ray that leaves the scene sees the sun or nothing. */
+/* Shades a ray that leaves the scene: it sees the sun or nothing. */
 static void shade_miss(const pl_path_context *context, int bounce, const pl_path *path,
                        pl_tile_buffers *b) {
   if (bounce == 0 && context->settings->backdrop != NULL)
     add(&b->sample[path->pixel], pl_vec3f_mul(path->throughput, b->backdrop[path->pixel]));
   if (!context->settings->soft_sun && !isinf(path->pdf))
-    return; /* a point sun cannot be met by chance */
+    return; /* a point sun is never hit by chance */
   if (!near_sun(context, path))
     return;
   const pl_sun_view sun = pl_sun_view_at(&context->shot->sun, path->beam.origin);
@@ -95,8 +96,8 @@ static void shade_miss(const pl_path_context *context, int bounce, const pl_path
   add(pl_path_sink(b, path->pixel, path->shared), pl_vec3f_mul(light, ratio));
 }
 
-/* The sun at a vertex. Across an object it moves by the object's size over the sun's distance:
- * nothing, unless the object is a world of its own. */
+/* The sun as seen from a vertex. Across an object its direction changes by the object's size over
+ * the sun's distance, which is negligible unless the object is as large as a body. */
 static pl_sun_view sun_at(const pl_path_context *context, const pl_vertex *vertex) {
   const double negligible = 1e-6;
   if (vertex->thing < context->shot->object_count) {
@@ -107,7 +108,7 @@ static pl_sun_view sun_at(const pl_path_context *context, const pl_vertex *verte
   return pl_sun_view_at(&context->shot->sun, vertex->position);
 }
 
-/* Whether shadow rays are worth casting from here. */
+/* Whether shadow rays are needed from a vertex. */
 static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) {
   const size_t objects = context->shot->object_count;
   if (!context->settings->cast_shadows)
@@ -115,13 +116,14 @@ static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) 
   return vertex->thing < objects || context->shot->bodies[vertex->thing - objects].shadowed;
 }
 
-/* Whether every shadow ray from here would meet the body in whose umbra the object is. */
+/* Whether every shadow ray from a vertex would hit the body in whose umbra the object is. */
 static bool dark_at(const pl_path_context *context, const pl_vertex *vertex) {
   return context->settings->cast_shadows && vertex->thing < context->shot->object_count &&
          context->shot->objects[vertex->thing].dark;
 }
 
-/* A direction to the sun, and its light over the density of the draw; pdf is 0 of a point. */
+/* A direction to the sun, and the sun's light over the density of the draw; pdf is 0 for a point
+ * sun. */
 typedef struct sun_draw {
   pl_vec3f toward, light;
   float pdf;
@@ -140,8 +142,8 @@ static sun_draw draw_sun(const pl_path_context *context, const pl_sun_view *sun,
   return (sun_draw){toward, pl_vec3f_scale(ratio, light / ratio.y), ratio.y * even};
 }
 
-/* Queues the sun's light at the vertex, or adds it at once where shadows are off. `onward`: how the
- * path goes on, and meets the sun by chance too; NULL: this is all the sun there is. */
+/* Queues the sun's light on the vertex, or adds it at once where shadows are off. `onward`: how the
+ * path continues, which may hit the sun by chance too; NULL if the path ends here. */
 static size_t shade_sun(const pl_path_context *context, const pl_path *path,
                         const pl_vertex *vertex, const float u[2], pl_vec3f wo,
                         const pl_planetshine_ray *onward, size_t queued, pl_tile_buffers *b) {
@@ -153,7 +155,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   if (!pl_surface_admits(s, draw.toward))
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, draw.toward);
-  /* Lobes that are wide against the sun find it so seldom that its weight is 1. */
+  /* Lobes much wider than the sun hit it so rarely that the weight of this draw is 1. */
   const bool rivals = onward != NULL && draw.pdf > 0.0f &&
                       (RIVAL_MIN * draw.pdf < pl_surface_pdf_most(s, wo) ||
                        (onward->share > 0.0f && onward->mirrored > 0.0f));
@@ -175,7 +177,8 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
     add(pl_path_sink(b, path->pixel, path->shared), light);
     return queued;
   }
-  /* Up to the sun's surface, less rounding: a body that stands for the sun is no obstacle. */
+  /* Ends at the sun's surface, less a margin for rounding, so that a body that represents the sun
+   * does not occlude it. */
   const float reach = sun.distance_m * (1.0f - sun.sin_radius) * 0.999999f;
   b->shadow_rays[queued] = pl_vertex_ray(vertex, context->shot, draw.toward, reach);
   if (vertex->thing < context->shot->object_count &&
@@ -185,7 +188,7 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
   return queued + 1;
 }
 
-/* Survival by the throughput; the survivors carry the light of the dead. */
+/* Russian roulette by the throughput; the surviving paths are weighted up to keep the mean. */
 static bool roulette(pl_path *next, int bounce, float u) {
   if (bounce < ROULETTE_AFTER)
     return true;
@@ -196,18 +199,18 @@ static bool roulette(pl_path *next, int bounce, float u) {
   return true;
 }
 
-/* Whether what paths from a thing find on meshes goes unnoticed. */
+/* Whether light from meshes is negligible on an object or body. */
 static bool far_from_meshes(const pl_snapshot *shot, uint32_t thing) {
   return thing >= shot->object_count && !shot->bodies[thing - shot->object_count].near_meshes;
 }
 
-/* What may mirror the sun onto a vertex. */
+/* The caustics that may reach a vertex; NULL if there are none. */
 static const pl_caustics *caustics_at(const pl_path_context *context, const pl_vertex *vertex) {
   return far_from_meshes(context->shot, vertex->thing) ? NULL : context->settings->caustics;
 }
 
-/* Draws where the path goes on from the vertex. Its cone opens as the camera's does: whatever is
- * met is seen as it is, not as the mean over the lobe that one draw stands for. */
+/* Draws the next segment of a path from a vertex. Its cone spreads as the camera's does: what it
+ * hits is seen in full detail, not as the mean over the lobe that the draw represents. */
 static bool extend(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                    int bounce, const float u[2], const float choice[2], pl_vec3f wo,
                    const pl_planetshine_ray *shine, size_t kept, pl_tile_buffers *b) {
@@ -235,7 +238,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
   return roulette(next, bounce, choice[1]);
 }
 
-/* Whether paths go on from a thing. */
+/* Whether paths continue from an object or body. */
 static bool bounces_at(const pl_path_context *context, uint32_t thing) {
   const size_t objects = context->shot->object_count;
   const pl_render_settings *s = context->settings;
@@ -249,7 +252,7 @@ static bool goes_on(const pl_path_context *context, uint32_t thing, int bounce) 
   return bounces_at(context, thing) && bounce < (bounces > least ? bounces : least);
 }
 
-/* The draws of path `i` of the wave. */
+/* The random numbers of path `i` of the wave. */
 typedef struct vertex_draws {
   float sun[2], direction[2], choice[2];
 } vertex_draws;
@@ -260,7 +263,7 @@ static vertex_draws draws_of(const pl_tile_buffers *b, size_t i) {
                         {b->draws[4][i], b->draws[5][i]}};
 }
 
-/* Leaves out the lobes that the plan does. */
+/* Removes the lobes that the plan leaves out. */
 static void set_lobes(const pl_render_settings *settings, pl_surface *s) {
   if (!settings->clear_coat)
     s->lobes.coat = 0.0f;
@@ -268,8 +271,8 @@ static void set_lobes(const pl_render_settings *settings, pl_surface *s) {
     s->lobes.transmission = 0.0f;
 }
 
-/* The path met the boundary of a solid, if it is one: it may come through it, whose extinction is
- * by the length of the mesh's units. */
+/* Turns the vertex's layers to the viewer's side. If the path comes from inside a solid, attenuates
+ * it by the solid's extinction over the length of the segment in the mesh's units. */
 static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path) {
   pl_lobes *lobes = &vertex->surface.lobes;
   pl_vertex_face_layers(vertex);
@@ -279,7 +282,7 @@ static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path
   path->throughput = pl_vec3f_mul(path->throughput, pl_lobes_passed(lobes, (float)units));
 }
 
-/* What a vertex sends on of its sky's light. */
+/* Sky light that a vertex reflects. */
 static pl_vec3f sky_at(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                        pl_vec3f wo) {
   const pl_render_settings *s = context->settings;
@@ -288,7 +291,7 @@ static pl_vec3f sky_at(const pl_path_context *context, const pl_path *path, cons
                           sky);
 }
 
-/* What the vertex emits, weighed against drawing it as a light. */
+/* Adds the vertex's emission, weighted against sampling it as a light. */
 static void see_emission(const pl_path_context *context, const pl_path *path, const pl_ray *ray,
                          const pl_vertex *vertex, pl_tile_buffers *b) {
   const float weight = pl_emitters_met(context, path, ray, vertex);
@@ -296,8 +299,9 @@ static void see_emission(const pl_path_context *context, const pl_path *path, co
       pl_vec3f_scale(pl_vec3f_mul(path->throughput, vertex->surface.emission), weight));
 }
 
-/* Whether the path goes on, how, and what it is drawn to. Light of mirrors has edges, which pools
- * would blur, and is drawn well: it is the pixel's `own`. */
+/* Decides whether and how the path continues, and which bodies and mirrors are sampled. The light
+ * of mirrors has edges, which the irradiance filter would blur, and has little noise. It is
+ * therefore not shared: `own`. */
 static bool look_on(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
                     int bounce, pl_vec3f wo, pl_planetshine_ray *shine, pl_continuation *way,
                     bool *own, pl_tile_buffers *b) {
@@ -317,7 +321,7 @@ static bool look_on(const pl_path_context *context, const pl_path *path, const p
   return *way != PL_CONTINUATION_NONE;
 }
 
-/* Shades the located hit of path `i`; the continued path takes place `kept` <= i. */
+/* Shades the located hit of path `i`; the continued path is stored at index `kept` <= i. */
 static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_vertex *vertex,
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
   pl_path path = b->paths[i];
@@ -348,21 +352,22 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
         pl_vec3f_mul(path.throughput, sky_at(context, &path, vertex, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
-  path.shared =
-      path.shared || first == PL_CONTINUATION_SHARED; /* from here on: what is above is its own */
+  /* only from here on: the light added above is the pixel's own */
+  path.shared = path.shared || first == PL_CONTINUATION_SHARED;
   if (onward && extend(context, &path, vertex, bounce, u.direction, u.choice, wo, way, *kept, b) &&
       (own || pl_path_follow(context, vertex, &b->paths[*kept], b)))
     ++*kept;
 }
 
-/* A first hit on the body whose radiance by the sun is known for the whole pixel. */
+/* Whether this is the first hit of a path, on a body whose radiance in sunlight is known for the
+ * whole pixel. */
 static bool is_prefiltered(const pl_tile_buffers *b, int bounce, size_t i) {
   const uint32_t pixel = b->paths[i].pixel, thing = b->hits[i].thing;
   return bounce == 0 && b->prefiltered_thing[pixel] == thing &&
          (b->slot[pixel] != PL_PATCH_NONE || !b->lit[pixel]);
 }
 
-/* Light by way of others where that of the sun is prefiltered: one path a patch is enough. */
+/* Adds indirect light where that of the sun is prefiltered; one path per patch is enough. */
 static void follow_prefiltered(const pl_path_context *context, size_t i, size_t *kept,
                                pl_tile_buffers *b) {
   const pl_path path = b->paths[i];
@@ -386,7 +391,7 @@ static void follow_prefiltered(const pl_path_context *context, size_t i, size_t 
     ++*kept;
 }
 
-/* A body of which the camera's rays see nothing, but that it is there. */
+/* Whether an object or body is sub-pixel: the camera's rays do not shade it, they only hit it. */
 static bool is_subpixel(const pl_path_context *context, uint32_t thing) {
   const pl_snapshot *shot = context->shot;
   const bool dot = thing < shot->object_count ? shot->objects[thing].subpixel
@@ -394,13 +399,13 @@ static bool is_subpixel(const pl_path_context *context, uint32_t thing) {
   return dot && !context->settings->see_subpixel;
 }
 
-/* A hit of path `i`, whatever it is. */
+/* Shades the hit of path `i`, of any kind. */
 static void visit_hit(const pl_path_context *context, int bounce, size_t i, size_t *kept,
                       size_t *queued, pl_tile_buffers *b) {
   const uint32_t pixel = b->paths[i].pixel;
   pl_vertex vertex;
   if (bounce == 0 && is_subpixel(context, b->hits[i].thing))
-    return; /* its light is known, see frame/subpixel_bodies.h */
+    return; /* its light is computed in frame/subpixel_bodies.h */
   if (is_prefiltered(b, bounce, i)) {
     add(&b->sample[pixel], b->prefiltered[pixel]);
     follow_prefiltered(context, i, kept, b);
@@ -412,7 +417,8 @@ static void visit_hit(const pl_path_context *context, int bounce, size_t i, size
   shade_hit(context, bounce, i, &vertex, kept, queued, b);
 }
 
-/* What few paths of each of many pixels find is pooled: they are spread over these. */
+/* Draws the random numbers of a wave. Where each pixel has few samples that the irradiance filter
+ * combines, the draws are evenly distributed over pixels. */
 static void draw_wave(const pl_path_context *context, uint32_t index, int bounce, size_t count,
                       pl_tile_buffers *b) {
   enum { ROW_BITS = 5 };
@@ -453,7 +459,7 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
   return kept;
 }
 
-/* Adds the sample of a pixel to the sums of its patch, or to the pixel's own. */
+/* Adds the sample of a pixel to the sums of its patch, or to those of the pixel if it has none. */
 static void gather_pixel(uint32_t pixel, pl_tile_buffers *b) {
   const uint32_t slot = b->slot[pixel];
   const pl_vec3f sample = b->sample[pixel], shared = b->shared[pixel];
@@ -479,7 +485,7 @@ static void gather_sample(pl_tile_buffers *b) {
   }
 }
 
-/* Finds the patch that each path's hit is on. Light is shared where paths go on. */
+/* Finds the patch of each path's hit. Light is shared only on surfaces that paths continue from. */
 static void find_patches(const pl_path_context *context, size_t count, pl_tile_buffers *b) {
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->paths[i].pixel;
