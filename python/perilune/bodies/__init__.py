@@ -1,1 +1,1 @@
-"""Planets, moons and asteroids: shapes, maps, air, clouds, rings, grounds, photometry."""
+"""Planets, moons and asteroids: shapes, maps, atmospheres, clouds, rings, ground, photometry."""

@@ -1,5 +1,5 @@
-"""Atmospheres: what the presets hold, and the core's settings of a configuration. docs/air.md has
-their sources side by side with what published values say."""
+"""Atmospheres: the presets, and the core's settings for a configuration. docs/air.md compares their
+sources with published values."""
 
 from __future__ import annotations
 
@@ -26,24 +26,26 @@ _OZONE_M2 = 1e-27 * np.array(
         *(374.0, 266.2, 185.2, 120.9, 74.55, 51.05, 42.28, 24.51, 25.34, 14.65),
     ]
 )
-"""Cross-section of a molecule of ozone, at 293 K (Serdyuchenko et al. 2014, Atmospheric Measurement
-Techniques 7, 625), as rounded in Bruneton (2017), A Precomputed Atmospheric Scattering
+"""Absorption cross-section of an ozone molecule at 293 K (Serdyuchenko et al. 2014, Atmospheric
+Measurement Techniques 7, 625), as rounded in Bruneton (2017), A Precomputed Atmospheric Scattering
 Implementation."""
 _OZONE_PER_M3 = 4.478e18
-"""In the middle of the layer: 300 Dobson units in a tent of 18 km to each side."""
+"""Number density in the middle of the layer: 300 Dobson units in a triangular profile of 18 km to
+each side."""
 
 
 @dataclass(frozen=True)
 class _Layers:
-    """A density that falls by e over height_m below and upper_m above from_m; 0: one for all."""
+    """A density with scale height height_m below and upper_m above from_m; from_m = 0: one scale
+    height."""
 
     height_m: float
     from_m: float = 0.0
     upper_m: float = 0.0
 
     def column_m(self, top_m: float) -> float:
-        """Straight up from the surface, in metres of the density there. The corner is round: see
-        pl_air_layers in csrc/air/table.h."""
+        """Vertical column from the surface, in metres at the surface density. The transition is
+        smooth: see pl_air_layers in csrc/air/table.h."""
         heights = np.linspace(0.0, top_m, 20001)
         exponent = -heights / self.height_m
         if self.from_m:
@@ -55,13 +57,13 @@ class _Layers:
 
 @dataclass(frozen=True)
 class _Preset:
-    """Values at the surface are 1/m, at as many wavelengths as are asked for."""
+    """Coefficients at the surface, 1/m, at the requested wavelengths."""
 
     rayleigh: F64
     mie: F64
-    """Extinction."""
+    """Extinction coefficient."""
     mie_albedo: F64
-    """Scattering over extinction."""
+    """Single-scattering albedo."""
     mie_g: F64
     ozone: F64
     gas: _Layers = _Layers(8e3)
@@ -77,31 +79,31 @@ _AIR_DEPTH = (
     0.63031, 0.36022, 0.22111, 0.14336, 0.097069, 0.068092, 0.049188, 0.036424, 0.027552, 0.021228,
     0.016621,
 )  # fmt: skip
-"""Of the gas, straight up from the sea: Bodhaine et al. (1999), On Rayleigh optical depth
-calculations, Journal of Atmospheric and Oceanic Technology 16, 1854, table 3."""
+"""Vertical optical depth of the gas from sea level: Bodhaine et al. (1999), On Rayleigh optical
+depth calculations, Journal of Atmospheric and Oceanic Technology 16, 1854, table 3."""
 
 
 def _air_depth(um: F64) -> F64:
-    """A law of the fourth power times what the table has beside it, which hardly changes."""
+    """Interpolates lambda^-4 times the table's slowly varying factor."""
     beside = np.array(_AIR_DEPTH) * np.array(_AIR_UM) ** 4
     return np.asarray(np.interp(um, _AIR_UM, beside) / um**4)
 
 
 def _cornette(cosine: F64) -> F64:
-    """g of the law of Cornette and Shanks with this mean cosine, 3 g (4 + g^2) / (5 (2 + g^2))."""
+    """Parameter g of the Cornette-Shanks phase function for a mean cosine, 3 g (4 + g^2) / (5 (2 +
+    g^2))."""
     g = np.linspace(0.0, 0.98, 200)
     return np.asarray(np.interp(cosine, 3.0 * g * (4.0 + g * g) / (5.0 * (2.0 + g * g)), g))
 
 
 def _earth(um: F64) -> _Preset:
-    """The mean of the Earth, without its clouds.
+    """The mean atmosphere of the Earth, without its clouds.
 
-    Gas: depths of Bodhaine et al. (1999); two layers are within 10 % of the densities of the U.S.
-    Standard Atmosphere (1976) up to 50 km. Haze: depth, albedo and asymmetry of the mean aerosol of
-    Kinne (2019), The MACv2 aerosol climatology, Tellus B 71, 1623639, tables 2 and 3; the thin one
-    of the stratosphere is left out. Ozone: 300 Dobson units, with the middle of the layer of the
-    U.S. Standard Atmosphere, table 18.
-    """
+    Gas: optical depths of Bodhaine et al. (1999); two layers are within 10 % of the densities of
+    the U.S. Standard Atmosphere (1976) up to 50 km. Haze: optical depth, albedo and asymmetry of
+    the mean aerosol of Kinne (2019), The MACv2 aerosol climatology, Tellus B 71, 1623639, tables 2
+    and 3; the thin stratospheric aerosol is left out. Ozone: 300 Dobson units, with the middle of
+    the layer of the U.S. Standard Atmosphere, table 18."""
     gas = _Layers(9.1e3, 10.5e3, 6.5e3)
     haze = _Layers(1.9e3)
     top_m, known_um = 100e3, (0.45, 0.55, 1.0)
@@ -121,15 +123,14 @@ def _earth(um: F64) -> _Preset:
 
 
 def _mars(um: F64) -> _Preset:
-    """Carbon dioxide at 610 Pa, and dust of depth 0.375 at 0.7 um.
+    """Carbon dioxide at 610 Pa, and dust of optical depth 0.375 at 0.7 um.
 
-    The depth is the mean of the year of the Mars Climate Database (Montabone et al. 2015, Icarus
-    251, 65; 0.20 to 0.76 over the seasons). The dust scatters what Wolff et al. (2009), JGR 114,
-    E00D04, find: 0.73, 0.965 and 0.975 of what it meets at 388, 638 and 700 nm. Its scale height is
-    the middle of 6 to 12 km over the seasons (Vincendon and Langevin 2010, Icarus 207, 923). At
-    angles of 75 degrees and more it scatters as the two lobes of Chen-Chen et al. (2019), Icarus
-    330, 16, within 27 %; forward of that too much, up to 2.5 times at 35 degrees.
-    """
+    The depth is the annual mean of the Mars Climate Database (Montabone et al. 2015, Icarus 251,
+    65; 0.20 to 0.76 over the seasons). The dust's single-scattering albedo is that of Wolff et al.
+    (2009), JGR 114, E00D04: 0.73, 0.965 and 0.975 at 388, 638 and 700 nm. Its scale height is the
+    middle of 6 to 12 km over the seasons (Vincendon and Langevin 2010, Icarus 207, 923). At angles
+    of 75 degrees and more its phase function is within 27 % of the two lobes of Chen-Chen et al.
+    (2019), Icarus 330, 16; at smaller angles it is too large, by up to 2.5 times at 35 degrees."""
     gas, dust = _Layers(11e3), _Layers(9e3)
     top_m = 110e3
     depth = 0.375 * np.ones_like(um)
@@ -156,8 +157,8 @@ _PRESETS: dict[str, Callable[[F64], _Preset]] = {"earth": _earth, "mars": _mars,
 
 @lru_cache(maxsize=1)
 def _srgb() -> tuple[F64, F64]:
-    """Wavelengths (n,), um, and what each adds to red, green and blue of sRGB in sunlight, (3, n);
-    each colour's weights have the sum 1, some of them negative."""
+    """Wavelengths (n,), um, and their contributions to red, green and blue of sRGB in sunlight, (3,
+    n); the weights of each colour, some of them negative, have the sum 1."""
     um = np.linspace(0.38, 0.78, 201)
     sun = um**-5.0 / np.expm1(14387.77 / (um * 5850.0)) * np.where(um < 0.4, 0.7, 1.0)
     weights = spectra.srgb_response(um) * sun
@@ -180,17 +181,16 @@ def _m(given_km: float | None, default_m: float) -> float:
 def _layers(
     given_km: float | None, from_km: float | None, upper_km: float | None, preset: _Layers
 ) -> _Layers:
-    """A layer of one's own has none of the preset's above it."""
+    """The layers, where a scale height given by the user removes the preset's upper layer."""
     base = preset if given_km is None else _Layers(1e3 * given_km)
     return _Layers(base.height_m, _m(from_km, base.from_m), _m(upper_km, base.upper_m))
 
 
 def settings(given: Atmosphere, wavelengths_um: _Bands | None = None) -> _core.AirSettings:
-    """As the core takes them; wavelengths_um: of the colour bands.
+    """The core's settings; wavelengths_um: those of the colour bands.
 
-    Without them the bands are those of sRGB, and a preset's value is the mean over a band's light:
-    so thin air has the very colour that its spectrum has.
-    """
+    Without wavelengths the bands are those of sRGB, and a preset's value is the mean over a band's
+    light, so that thin air has exactly the colour of its spectrum."""
     um, weights = (np.array(wavelengths_um), np.eye(3)) if wavelengths_um is not None else _srgb()
     preset = _PRESETS[given.preset](um)
 
@@ -226,7 +226,7 @@ def settings(given: Atmosphere, wavelengths_um: _Bands | None = None) -> _core.A
 
 
 def air_of(config: Config, body: Body) -> _core.Air | None:
-    """The air of a body of a configuration."""
+    """The atmosphere of a body of a configuration."""
     if body.atmosphere is None:
         return None
     radius_m = float(np.cbrt(np.prod(orbits.radii_m(body))))

@@ -1,4 +1,4 @@
-"""Clouds: from the configuration and the time to the core's settings."""
+"""From the clouds of a configuration and the time to the core's settings."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ _HOUR_S = 3600.0
 
 
 def _turn_rad(given: Clouds, t_s: float) -> float:
-    """Of the shell against the body. The map's own centre counts as a turn of it."""
+    """Rotation of the shell relative to the body, including the centre longitude of its map."""
     turned = given.longitude_deg + given.rotation_deg_h * (t_s / _HOUR_S)
     center = given.map_center_lon_deg if given.map is not None else 0.0
     return math.radians(math.fmod(turned + center, 360.0))
 
 
 def settings(given: Clouds, t_s: float) -> _core.CloudSettings:
-    """As the core takes them; t_s: after the epoch."""
+    """The core's settings; t_s: seconds after the epoch."""
     noise = given.noise or CloudNoise(coverage=1.0)  # an overcast, or the map as it is
     coverage = noise.coverage
     if coverage is None:
@@ -45,7 +45,7 @@ def settings(given: Clouds, t_s: float) -> _core.CloudSettings:
 
 
 def rows(config: Config, t_s: float) -> list[_core.CloudSettings | None]:
-    """Of each body of a configuration; None for one without clouds."""
+    """Settings for each body of a configuration; None without clouds."""
     return [
         None if body.clouds is None else settings(body.clouds, t_s)
         for body in config.bodies.values()

@@ -1,4 +1,4 @@
-"""Filling gaps in maps of numbers from what lies around them."""
+"""Fills gaps in maps of numbers from their neighbours."""
 
 from __future__ import annotations
 
@@ -9,20 +9,19 @@ from numpy.typing import NDArray
 
 F64 = NDArray[np.float64]
 _SWEEPS = 16
-"""Of Jacobi's method a level: neighbours' means, of what the coarser level left uneven."""
+"""Jacobi iterations per level, which smooth what the coarser level left uneven."""
 
 
 def filled(values: NDArray[Any], missing: NDArray[np.bool_]) -> F64:
-    """Numbers (height, width) around a whole body, the missing ones from their surroundings.
+    """Numbers (height, width) around a whole body, with missing ones interpolated.
 
-    Smooth (a solution of Laplace's equation, nearly) and within the range of the rest; columns go
-    round, and at least one number is known.
-    """
+    The result is smooth (nearly a solution of Laplace's equation) and within the range of the known
+    numbers. Columns wrap around; at least one number must be known."""
     return _level(np.where(missing, 0.0, values).astype(np.float64), missing)
 
 
 def _level(values: F64, missing: NDArray[np.bool_]) -> F64:
-    """Fills `values` from a level of half the size, then evens out what it filled."""
+    """Fills `values` from a level of half the size, then smooths the filled numbers."""
     if not missing.any():
         return values
     known = (~missing).astype(np.float64)
@@ -41,7 +40,7 @@ def _level(values: F64, missing: NDArray[np.bool_]) -> F64:
 
 
 def _halved(values: F64) -> F64:
-    """Sums of two by two; an odd side's last is alone."""
+    """Sums of 2 by 2 cells; the last of an odd side is alone."""
     height, width = values.shape
     even = np.pad(values, ((0, height % 2), (0, width % 2)))
     return np.asarray(even.reshape(-(-height // 2), 2, -(-width // 2), 2).sum(axis=(1, 3)))

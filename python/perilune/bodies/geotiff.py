@@ -1,8 +1,7 @@
 """Numbers on an equirectangular grid from GeoTIFF files (GeoTIFF 1.1, OGC 19-008), by tifffile.
 
-The grid is geographic, in degrees, or equirectangular about the equator, in metres of a stated
-radius. Compressions beyond deflate need the package imagecodecs.
-"""
+The grid is geographic, in degrees, or equirectangular about the equator, in metres for a stated
+radius. Compressions beyond deflate need the package imagecodecs."""
 
 from __future__ import annotations
 
@@ -21,21 +20,21 @@ if TYPE_CHECKING:
     from tifffile import TiffPage
 
 _BYTES_MAX = 1 << 32
-"""Of the numbers of a file, unpacked: what its header claims is not believed beyond this."""
+"""Largest unpacked size to accept, whatever a file's header claims."""
 _PROJECTED, _GEOGRAPHIC = 1, 2
 _EQUIRECTANGULAR, _USER_DEFINED = 17, 32767
 
 
 @dataclass(frozen=True)
 class Raster:
-    """Values at cells of equal size in longitude and latitude."""
+    """Values of cells of equal size in longitude and latitude."""
 
     values: NDArray[Any]
     """(height, width, bands); rows from north to south."""
     west_deg: float
     north_deg: float
     step_deg: tuple[float, float]
-    """Of a cell, in longitude and latitude."""
+    """Size of a cell in longitude and latitude."""
 
     @property
     def south_deg(self) -> float:
@@ -48,7 +47,7 @@ class Raster:
 
 
 def read(path: Path) -> Raster:
-    """The grid of a file; ValueError that names it for what is not read."""
+    """The grid of a file; ValueError that names a file that cannot be read."""
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
     try:
@@ -84,8 +83,8 @@ def _raster(page: TiffPage) -> Raster:
 
 
 def place(page: TiffPage) -> tuple[float, float, tuple[float, float]]:
-    """West and north edge, and a cell's steps in longitude and latitude, of a page with GeoTIFF
-    keys, degrees; ValueError where they say none."""
+    """West and north edge and cell size in longitude and latitude, degrees, of a page with GeoTIFF
+    keys; ValueError if they do not define them."""
     keys = page.geotiff_tags or {}
     if missing := {"GTModelTypeGeoKey", "ModelTiepoint", "ModelPixelScale"} - set(keys):
         raise ValueError(f"GeoTIFF keys without {', '.join(sorted(missing))}")

@@ -1,4 +1,4 @@
-"""From the ground of bodies in the configuration to what the core takes."""
+"""From the ground of bodies in the configuration to the core's input."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from perilune.config.ground import NightLights, Relief
 
 F64 = NDArray[np.float64]
 LoadMap = Callable[..., _core.Map | None]
-"""Takes a path of the configuration, the key that it stands under, and options of _core.Map;
-`heights`: the key that says how high the map is, for one of heights."""
+"""Loads a path of the configuration, with its key and options of _core.Map; `heights`: the key with
+the height scale of a height map."""
 
 
 def _heights(relief: Relief) -> tuple[str | None, HeightKey]:
@@ -25,7 +25,7 @@ def _heights(relief: Relief) -> tuple[str | None, HeightKey]:
 
 
 def files(body: Body) -> tuple[Any, ...]:
-    """All that a scene keeps of a body's ground."""
+    """All inputs of a scene for a body's ground."""
     relief, ocean, lights = body.relief, body.ocean, body.night_lights
     return (
         relief and (*_heights(relief), relief.normal_map, relief.normal_green),
@@ -35,7 +35,7 @@ def files(body: Body) -> tuple[Any, ...]:
 
 
 def of_body(body: Body, load: LoadMap) -> _core.Ground | None:
-    """Maps of a body, or None where there are none."""
+    """Maps of a body; None without any."""
     relief, ocean, lights = body.relief, body.ocean, body.night_lights
     ground: _core.Ground = {}
     if relief is not None:

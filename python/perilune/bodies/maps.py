@@ -1,7 +1,7 @@
-"""Files of maps, for _core.Map: pictures of 8 bits a channel, and heights as they are.
+"""Map files for _core.Map: pictures with 8 bits per channel, and heights at full precision.
 
-The core reads PNG, JPEG and WebP itself, in 8 bits; here TIFF is read, and heights of more bits.
-"""
+The core reads PNG, JPEG and WebP with 8 bits itself; this module reads TIFF, and heights with more
+bits."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ if TYPE_CHECKING:
     from tifffile import TiffPage
 
 HeightKey: TypeAlias = Literal["height_m", "height_unit_m"]
-"""What says how high a map is: from black to white, or of one of the file's numbers."""
+"""Key with the height scale of a map: from black to white, or per unit of the file's numbers."""
 
 _SIDE_MAX, _TEXELS_MAX = 65536, 1 << 28  # as of the core's images
 _NO_DATA_TAG = 42113  # GDAL_NODATA
 _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB = 0, 1, 2  # PhotometricInterpretation
 _ENDLESS = 1e30
-"""Beyond it numbers are no heights, but what programs write where they have none."""
+"""Larger numbers are no heights but markers of missing values."""
 _TIFF_STARTS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _PNG_START = b"\x89PNG\r\n\x1a\n"
 
 
 @dataclass(frozen=True)
 class MapFile:
-    """A file as the core takes it."""
+    """A file in the core's form."""
 
     source: str | NDArray[np.uint8] | NDArray[np.float32]
-    """The file itself, (height, width, channels) texels or (height, width) numbers."""
+    """Path of the file, texels (height, width, channels), or numbers (height, width)."""
     remarks: tuple[str, ...] = ()
-    """What the user should know of it, one a line."""
+    """Remarks for the user, one per line."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +55,10 @@ class _Tiff:
 
 
 def picture(path: Path, center_lon_deg: float | None = None) -> MapFile:
-    """A picture; of TIFF uint8 and uint16, whose values v become round(255 v / 65535).
+    """A picture. For TIFF: uint8, and uint16, whose values v become round(255 v / 65535).
 
-    center_lon_deg: of a map of a whole body, the longitude of its centre column, which GeoTIFF tags
-    must agree with. Raises ValueError that names the file.
-    """
+    center_lon_deg: longitude of the centre column of a map of a whole body, which GeoTIFF tags must
+    agree with. Raises ValueError that names the file."""
     if not _start(path).startswith(_TIFF_STARTS):
         return MapFile(str(path))
     read = _read_tiff(path, center_lon_deg)
@@ -81,7 +80,7 @@ def picture(path: Path, center_lon_deg: float | None = None) -> MapFile:
 
 
 def told_picture(path: Path, where: str) -> str | NDArray[np.uint8] | NDArray[np.float32]:
-    """The source of a picture, with a warning of each remark. where: its key."""
+    """The source of a picture, with a warning for each remark. where: its key."""
     read = picture(path)
     for line in read.remarks:
         warnings.warn(f"{where}: {path}: {line}", ModelWarning, stacklevel=2)
@@ -89,12 +88,11 @@ def told_picture(path: Path, where: str) -> str | NDArray[np.uint8] | NDArray[np
 
 
 def heights(path: Path, key: HeightKey, center_lon_deg: float | None = None) -> MapFile:
-    """Heights, from 0 to 1 (height_m) or as the file's numbers less their mean (height_unit_m).
+    """Heights, from 0 to 1 (height_m) or as the file's numbers minus their mean (height_unit_m).
 
-    Grey PNG of 16 bits and TIFF keep all of their bits. Numbers that are missing (not finite,
-    beyond 1e30, equal to GDAL's no-data value, or the lowest of int16 and int32) are filled from
-    those around them, which is remarked. Raises ValueError that names the file.
-    """
+    Grey PNG with 16 bits and TIFF keep all of their bits. Missing numbers (not finite, beyond 1e30,
+    equal to GDAL's no-data value, or the lowest of int16 and int32) are filled from their
+    neighbours, with a remark. Raises ValueError that names the file."""
     start = _start(path)
     if start.startswith(_TIFF_STARTS):
         return _heights_of_tiff(path, key, _read_tiff(path, center_lon_deg))
@@ -161,7 +159,8 @@ def _missing(values: NDArray[Any], no_data: float | None) -> NDArray[np.bool_]:
 
 
 def _centred(values: NDArray[Any]) -> NDArray[np.float32]:
-    """Less their mean, which no slope shows and floats of 32 bits would spend their digits on."""
+    """The numbers minus their mean, which does not affect slopes but would cost 32-bit floats
+    precision."""
     wide = values if values.dtype.kind == "f" else values.astype(np.float64)
     return np.asarray(wide - wide.mean(dtype=np.float64), np.float32)
 
@@ -180,7 +179,7 @@ def _described(read: _Tiff) -> str:
 
 
 def _read_tiff(path: Path, center_lon_deg: float | None) -> _Tiff:
-    """The first image of a file; ValueError that names it for what is not read."""
+    """The first image of a file; ValueError that names a file that cannot be read."""
     try:
         with tiff.first_page(path) as page:
             read = _page(page)
@@ -218,7 +217,7 @@ def _check_whole(
     shape: tuple[int, ...],
     center_lon_deg: float,
 ) -> None:
-    """ValueError where the tags place a map elsewhere than over a whole body, about its centre."""
+    """ValueError if the tags do not place a map over a whole body, about its centre."""
     west, north, (across, down) = place
     east, south = west + across * shape[1], north - down * shape[0]
     if (

@@ -1,4 +1,4 @@
-"""Photometric laws of bodies: from the configuration and published maps to the core's arrays."""
+"""Photometric models of bodies: from the configuration and published maps to the core's arrays."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from perilune.config.schema import Config
 F64 = NDArray[np.float64]
 
 _KEYS = ("b", "c", "b_c0", "h_c", "b_s0", "h_s", "roughness_deg", "filling")
-"""The core's order, that of the published maps after w."""
+"""Parameters in the core's order, which is that of the published maps after w."""
 _ROUGHNESS = _KEYS.index("roughness_deg")
 _LOW = (0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _HIGH = (1.0, 0.95, 2.0, 10.0, 10.0, 10.0, 10.0, 60.0, 0.75)
-"""What the bands of a map may hold: the ranges of the configuration."""
+"""Upper limits of a map's bands: the ranges of the configuration."""
 
 
 def reads(reflectance: str) -> dict[str, tuple[float, float, float]]:
-    """What a law reads of the parameters, with the Moon's values; nothing if not photometric."""
+    """Parameters that a model uses, with the Moon's values; empty if it is not photometric."""
     sockets = {socket["name"]: socket["default"] for socket in _core.NODES[reflectance]["inputs"]}
     return {key: sockets[key] for key in (*_KEYS, "k") if "b_s0" in sockets and key in sockets}
 
 
 def _unread(given: Photometry, known: Collection[str], law: str) -> Iterator[tuple[str, str]]:
-    """Parameter and complaint of each that a law, which knows some, does not read."""
+    """(parameter, message) of each parameter that a model does not use."""
     stated = [key for key in Photometry.model_fields if key in given.model_fields_set]
     forms = ("h_function", "coherent_surge")  # of Hapke's laws, as the coherent surge is
     for key in stated:
@@ -43,7 +43,7 @@ def _unread(given: Photometry, known: Collection[str], law: str) -> Iterator[tup
 
 
 def check(config: Config) -> Iterator[tuple[str, str]]:
-    """Key and complaint of each parameter that a body's law does not read."""
+    """Key and message for each parameter that a body's model does not use."""
     for name, body in config.bodies.items():
         given = body.photometry
         if given is None or body.reflectance not in _core.NODES:
@@ -77,13 +77,13 @@ def _rows(body: Body) -> list[float]:
 
 
 def regolith(config: Config) -> F64:
-    """(bodies, 27), as `body_regolith` of the core's request."""
+    """(bodies, 27): `body_regolith` of the core's request."""
     rows = [_rows(body) for body in config.bodies.values()]
     return np.array(rows, dtype=np.float64).reshape(-1, 3 * len(_KEYS) + 3)
 
 
 def load_map(paths: Sequence[Path]) -> _core.Grid:
-    """The parameters of the three bands, of one file or three on the same grid."""
+    """Parameter maps of the three bands, from one file or three on the same grid."""
     rasters = [geotiff.read(path) for path in paths]
     for path, raster in zip(paths, rasters, strict=True):
         _check_raster(path, raster)

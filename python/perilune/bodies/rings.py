@@ -1,4 +1,4 @@
-"""Rings: the core's settings of a configuration."""
+"""From the rings of a configuration to the core's settings."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from perilune.config.rings import Rings
 F64 = NDArray[np.float64]
 
 _ALPHA_MAX = 1.0 - 0.5 / 255.0
-"""Opaque texels of 8 bits count as if they were half a step less: a depth of 6.2."""
+"""Opaque texels of 8 bits count as half a step less: an optical depth of 6.2."""
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Intervals of radius within which rings are even."""
+    """Radial intervals of uniform ring material."""
 
     edges_m: F64
-    """(n + 1,), rising."""
+    """(n + 1,) radii, ascending."""
     depth: F64
     """(n,) optical depth along the normal."""
     albedo: F64
-    """(n, 3) of single scattering, linear."""
+    """(n, 3) single-scattering albedo, linear."""
 
 
 def _of_map(given: Rings, columns: F64) -> Profile:
@@ -53,7 +53,7 @@ def _of_ringlets(given: Rings) -> Profile:
 
 
 def profile(given: Rings, columns: F64 | None) -> Profile:
-    """columns: (n, 4) mean linear RGBA of the columns of the map, where there is one."""
+    """columns: (n, 4) mean linear RGBA of the map's columns, if there is a map."""
     if given.ringlets:
         return _of_ringlets(given)
     if columns is not None:
@@ -65,7 +65,7 @@ def profile(given: Rings, columns: F64 | None) -> Profile:
 
 
 def rings_of(given: Rings, columns: F64 | None) -> _core.Rings:
-    """As the core takes them; columns: as of `profile`."""
+    """The core's settings; columns: see `profile`."""
     made = profile(given, columns)
     return _core.Rings(
         made.edges_m,

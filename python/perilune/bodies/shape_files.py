@@ -1,4 +1,4 @@
-"""Files of shapes: OBJ, plates and vertices of the Planetary Data System, glTF."""
+"""Shape files: OBJ, plates and vertices of the Planetary Data System, glTF."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from perilune.config.errors import nearest
 F64 = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Mesh = tuple[F64, Indices]
-"""Vertices (V, 3) in the file's units, and triangles (T, 3) of their indices."""
+"""Vertices (V, 3) in the file's units, and triangles (T, 3) as vertex indices."""
 
 _IGNORED = frozenset(("vt", "vn", "vp", "g", "o", "s", "l", "p", "mg", "mtllib", "usemtl", "lod"))
-"""Of OBJ: what is no vertex and no face."""
+"""Keywords of OBJ other than vertices and faces."""
 _WELD = 1e-7
-"""Vertices this near by, in parts of the size, are one: poles are often written many times."""
+"""Vertices closer than this fraction of the size are merged: poles are often repeated."""
 
 
 class Skin(NamedTuple):
-    """The model that a shape was made of, for its materials."""
+    """The model that a shape was made from, for its materials."""
 
     model: _core.Model
     corners: NDArray[np.uint32]
-    """(T, 3): its vertices at the corners of the shape's triangles."""
+    """(T, 3): the model's vertices at the corners of the shape's triangles."""
     faces: NDArray[np.uint32]
-    """(T,): its triangles."""
+    """(T,): the model's triangles."""
 
     @property
     def color(self) -> tuple[float, float, float]:
-        """Mean linear base colour by area, for light that is not traced."""
+        """Mean linear base colour by area, for untraced light."""
         mesh = self.model.mesh()
         points = mesh["positions"].astype(np.float64)[mesh["indices"][self.faces]]
         normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -49,14 +49,14 @@ class Skin(NamedTuple):
 
 
 def read(path: Path, remarks: list[str] | None = None) -> Mesh:
-    """A closed mesh, wound outwards, each place one vertex; ValueError that names the file.
+    """A closed mesh, wound outwards, without duplicate vertices; ValueError that names the file.
 
-    remarks: what is repaired or left out is appended there."""
+    remarks: receives messages about what is repaired or left out."""
     return read_dressed(path, remarks)[0]
 
 
 def read_dressed(path: Path, remarks: list[str] | None = None) -> tuple[Mesh, Skin | None]:
-    """The same, and the materials of a glTF file that has some."""
+    """The same, with the materials of a glTF file that has any."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise ValueError(f"{path}: no kind of shape file{nearest(path.suffix, _READERS)}")
@@ -71,7 +71,7 @@ def read_dressed(path: Path, remarks: list[str] | None = None) -> tuple[Mesh, Sk
 
 
 def _skin(model: _core.Model, kept: Kept) -> Skin | None:
-    """None for a file without materials: what glTF says of such is a bare metal."""
+    """None for a file without materials, for which glTF prescribes bare metal."""
     if model.materials == ("default",):
         return None
     corners = model.mesh()["indices"][kept.faces]
@@ -90,7 +90,8 @@ def _read_gltf(path: Path, remarks: list[str]) -> tuple[_core.Model | None, F64,
 
 
 def _read_text(path: Path, _: list[str]) -> tuple[_core.Model | None, F64, Indices]:
-    """By the first word: `v x y z` and `f i j k` lines, or a table of numbers."""
+    """Determines the format by the first word: `v x y z` and `f i j k` lines, or a table of
+    numbers."""
     text = files.text(path)
     words = text.split(maxsplit=1)
     is_table = bool(words) and _number(words[0]) is not None
@@ -105,7 +106,7 @@ def _number(word: str) -> float | None:
 
 
 def _lines(text: str) -> Mesh:
-    """OBJ, or the PDS's text in its manner. Faces count from 1; where one has vertex 0, from 0."""
+    """OBJ, or PDS text in the same form. Faces count from 1, or from 0 if one has vertex 0."""
     vertices: list[list[float]] = []
     faces: list[tuple[int, list[int]]] = []
     for number, line in enumerate(text.splitlines(), 1):
@@ -143,7 +144,8 @@ def _lines(text: str) -> Mesh:
 
 
 def _table(text: str) -> Mesh:
-    """The number of vertices, a row `i x y z` each, the number of plates, a row `i a b c` each."""
+    """The number of vertices, a row `i x y z` for each, the number of plates, a row `i a b c` for
+    each."""
     numbers = [_number(word) for word in text.split()]
     if None in numbers:
         raise ValueError(f"number {numbers.index(None) + 1} is none")
@@ -168,7 +170,7 @@ def _table(text: str) -> Mesh:
 
 
 class Kept(NamedTuple):
-    """Which of the file's faces are in a closed mesh, and whether they are turned."""
+    """Which of the file's faces are in a closed mesh, and whether they are reversed."""
 
     faces: Indices
     turned: bool
@@ -184,7 +186,7 @@ def _welded(vertices: F64, triangles: Indices, size: float) -> tuple[F64, Indice
 
 
 def _edges(triangles: Indices, count: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Numbers of the edges of all faces, in their direction and against it."""
+    """Indices of the edges of all faces, in both directions."""
     a, b = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
     return a * count + b, b * count + a
 

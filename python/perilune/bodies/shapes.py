@@ -1,4 +1,4 @@
-"""Shapes of bodies: the meshes that stand for their ellipsoids, and where their surfaces are."""
+"""Shapes of bodies: meshes that replace their ellipsoids, and distances to their surfaces."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ class BodyShape:
 
     model: _core.Model
     warnings: tuple[str, ...] = ()
-    """What the reader of its file left out or repaired."""
+    """Messages of the file's reader about what it left out or repaired."""
     color: tuple[float, float, float] | None = None
-    """Mean linear colour of the file's materials; None where it has none."""
+    """Mean linear colour of the file's materials; None without any."""
 
     @cached_property
     def corners(self) -> F64:
-        """(T, 3, 3): of each triangle, as the core has them."""
+        """(T, 3, 3): corners of each triangle, identical to the core's."""
         mesh = self.model.mesh()
         return np.asarray(mesh["positions"].astype(np.float64)[mesh["indices"]])
 
     @cached_property
     def radius_m(self) -> float:
-        """Of a sphere about the body's centre that holds it."""
+        """Radius of a bounding sphere about the body's centre."""
         return float(np.linalg.norm(self.corners, axis=2).max())
 
     def holds(self, point: F64) -> bool:
@@ -45,14 +45,14 @@ class BodyShape:
         return float(self.model.winding(point[np.newaxis])[0]) > 0.5
 
     def distance_m(self, point: F64) -> float:
-        """From a point (3,) to the surface, on either side."""
+        """Distance from a point (3,) to the surface, on either side."""
         a, b, c = self.corners.transpose(1, 0, 2)
         inside, height = _above(point, a, b, c)
         near = [_to_segment(point, p, q) for p, q in ((a, b), (b, c), (c, a))]
         return float(np.minimum(np.where(inside, height, np.inf), np.min(near, axis=0)).min())
 
     def hit_m(self, origin: F64, direction: F64) -> float | None:
-        """Distance to the first point ahead on a ray of unit direction; None: no hit."""
+        """Distance to the first intersection along a ray of unit direction; None without one."""
         along = -float(origin @ direction)
         if float(origin @ origin) - along**2 > self.radius_m**2:
             return None
@@ -70,8 +70,8 @@ class BodyShape:
         return float(t[met].min()) if met.any() else None
 
     def surface_m(self, direction: F64, origin: F64 | None = None) -> float | None:
-        """How far along a line, from the centre or `origin` on, the outermost surface is; negative
-        where that is behind, None where the line misses."""
+        """Distance of the outermost surface along a line from the centre or `origin`; negative if
+        it is behind, None if the line misses."""
         start = np.zeros(3) if origin is None else origin
         far = 2.0 * self.radius_m + float(np.linalg.norm(start))
         hit = self.hit_m(start + far * direction, -direction)
@@ -99,11 +99,12 @@ def _to_segment(point: F64, p: F64, q: F64) -> F64:
 
 
 LENGTHS_M = (1e-9, 1e18)
-"""Of shapes and models: what the core's single precision holds."""
+"""Limits of shapes and models, from the core's single precision."""
 
 
 def load(name: str, given: Shape, path: Path) -> BodyShape:
-    """The shape of the body `name`; ValueError that names key, below the section, and file."""
+    """The shape of the body `name`; ValueError that names the key, below the section, and the
+    file."""
     try:
         remarks: list[str] = []
         (vertices, triangles), skin = shape_files.read_dressed(path, remarks)

@@ -1,4 +1,4 @@
-"""The sky of a frame: from catalogues and pictures to what the core is asked."""
+"""The sky of a frame: from catalogues and pictures to the core's input."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ V_ZERO_W_M2_UM = 3.631e-8
 """Spectral irradiance of a star of V = 0 in the middle of that band (Bessell, Castelli and Plez
 1998, table A2)."""
 V_UM = (0.506, 0.594)
-"""A box for the band V: its width is the effective one (Bessell 2005, table 1)."""
+"""Limits of a box that approximates the band V; its width is the effective one (Bessell 2005, table
+1)."""
 _C2_UM_K = 1.438776877e4  # second radiation constant, CODATA 2018
 _C_M_S = 299792458.0
 _ARCSEC2_SR = (np.pi / 180.0 / 3600.0) ** 2
@@ -44,7 +45,7 @@ _YEAR_DAYS = 365.25
 
 
 def _planck(wavelength_um: F64, temperature_k: F64) -> F64:
-    """Spectral radiance of a black body over that in the middle of V."""
+    """Spectral radiance of a black body relative to that in the middle of V."""
     middle = np.full(1, 0.5 * (V_UM[0] + V_UM[1]))
 
     def density(um: F64) -> F64:
@@ -57,7 +58,8 @@ def _planck(wavelength_um: F64, temperature_k: F64) -> F64:
 def _sun_density(
     wavelengths_um: tuple[float, ...], spectrum: Spectrum | None, stamps: tuple[files.Stamp, ...]
 ) -> F64:
-    """(n,): part of the sun's irradiance in a micrometre, over a width of V about wavelengths."""
+    """(n,): fraction of the Sun's irradiance per micrometre, averaged over the width of V around
+    wavelengths."""
     curve = sun_curve(spectrum)
     half = 0.5 * (V_UM[1] - V_UM[0])
     boxes = [spectra.box(middle - half, middle + half) for middle in wavelengths_um]
@@ -66,12 +68,11 @@ def _sun_density(
 
 
 def irradiance(vmag: F64 | float, temperature_k: F64 | float, sun: Sun) -> F64:
-    """(..., 3): irradiance of stars in red, green and blue, W m-2, counted as the Sun's is.
+    """(..., 3): irradiance of stars in red, green and blue, W m-2, in the same unit as the Sun's.
 
-    That of red is what a Sun would have in all wavelengths, if around the red wavelength it were as
-    bright as the star: bands and sensors take the Sun's part of it, whatever its spectrum. Stars
-    have the spectral irradiance of their V magnitude there, and are black bodies elsewhere.
-    """
+    The value for red is the total irradiance of a Sun that is as bright as the star around the red
+    wavelength: bands and sensors take the Sun's fraction of it, whatever its spectrum. Stars have
+    the spectral irradiance of their magnitude in V, and the spectrum of a black body elsewhere."""
     files_of = () if sun.spectrum is None else (files.stamp(Path(sun.spectrum.file)),)
     parts = _sun_density(sun.wavelengths_um, sun.spectrum, files_of)
     temperatures = np.asarray(temperature_k, np.float64)[..., None]
@@ -81,16 +82,15 @@ def irradiance(vmag: F64 | float, temperature_k: F64 | float, sun: Sun) -> F64:
 
 
 def magnitude_arcsec2(radiance_w_m2_sr: float) -> float:
-    """Surface brightness (V) that shows as a grey of a radiance under the default Sun."""
+    """Surface brightness (V) of a grey with a given radiance under the default Sun."""
     zero = float(irradiance(0.0, SUN_K, Sun())[1]) / _ARCSEC2_SR
     return float(-2.5 * np.log10(radiance_w_m2_sr / zero))
 
 
 def directions(table: StarTable, years: float) -> F64:
-    """(n, 3) unit vectors, ICRF, so many Julian years after the catalogue's.
+    """(n, 3) unit vectors, ICRF, some Julian years after the catalogue's epoch.
 
-    Motion is along a straight line at the distance of the start, without a radial velocity.
-    """
+    Motion is along a straight line at the initial distance, without a radial velocity."""
     ra, dec = table.ra_rad, table.dec_rad
     place = np.stack([np.cos(dec) * np.cos(ra), np.cos(dec) * np.sin(ra), np.sin(dec)], axis=-1)
     east = np.stack([-np.sin(ra), np.cos(ra), np.zeros_like(ra)], axis=-1)
@@ -100,12 +100,12 @@ def directions(table: StarTable, years: float) -> F64:
 
 
 _MOTION_RAD = np.radians(0.01 / 3600.0)
-"""By which proper motion may leave the fastest star beside its place in a frame."""
+"""Largest error of a star's position from quantising the time of proper motion."""
 
 
 def years_since(table: StarTable, years: float) -> float:
-    """Julian years after the epoch, in steps within which no star moves by more than twice the
-    above: frames of a step share one catalogue. 0 at the epoch."""
+    """Julian years after the epoch, in steps within which no star moves by more than twice this
+    error, so that frames of a step share one catalogue. 0 at the epoch."""
     fastest = float(np.hypot(*table.motion_rad_yr.T).max(initial=0.0))
     if fastest == 0.0:
         return 0.0
@@ -114,7 +114,8 @@ def years_since(table: StarTable, years: float) -> float:
 
 
 def camera_velocity_m_s(world: World) -> F64:
-    """(3,): of the camera about the Sun, ICRF axes, as `sky.stars.aberration` says."""
+    """(3,): velocity of the camera about the Sun, ICRF axes, as defined by
+    `sky.stars.aberration`."""
     config, velocity = world.config, np.zeros(3)
     if config.sun.direction is None:
         root = ephemeris_name(config, config.root)
@@ -130,8 +131,8 @@ def camera_velocity_m_s(world: World) -> F64:
 
 
 def map_axes(background: Background) -> F64:
-    """(3, 3): ICRF to the axes of a map, x its centre column, z up, y a quarter turn to the right
-    of the centre (so the sky seen from within is mirrored)."""
+    """(3, 3): rotation from ICRF to the axes of a map: x at its centre column, z up, y a quarter
+    turn to the right of the centre (the sky seen from within is mirrored)."""
     if background.frame == "galactic":
         x, z = (erfa.s2c(*erfa.g2icrs(0.0, lat)) for lat in (0.0, 0.5 * np.pi))
         axes = np.stack([x, np.cross(z, x), z])
@@ -146,10 +147,10 @@ def map_axes(background: Background) -> F64:
 
 
 class Skies:
-    """Catalogues and pictures of a configuration, the last used of which are kept."""
+    """Catalogues and pictures of a configuration, with a cache of the last ones used."""
 
     def __init__(self, path: FilePath) -> None:
-        """path: the file that a text of the configuration means, its key for errors."""
+        """path: resolves a path of the configuration; its key is for errors."""
         self._path = path
         self._tables: Kept[StarTable] = Kept(2)
         self._stars: Kept[_core.Stars] = Kept(4)
@@ -209,7 +210,7 @@ class Skies:
         }
 
     def request(self, world: World) -> dict[str, Any] | None:
-        """The sky of a frame, as the core takes it; None without a section `sky`."""
+        """The core's input for the sky of a frame; None without a section `sky`."""
         given = world.config.sky
         if given is None:
             return None

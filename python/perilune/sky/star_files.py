@@ -1,4 +1,4 @@
-"""Reading catalogues of stars: CSV, and the Bright Star Catalogue as JSON."""
+"""Reads star catalogues: CSV, and the Bright Star Catalogue as JSON."""
 
 from __future__ import annotations
 
@@ -40,20 +40,20 @@ class StarTable:
     dec_rad: F64
     vmag: F64
     temperature_k: F64
-    """Of a black body of the star's colour; the Sun's where the file has none."""
+    """Temperature of a black body of the star's colour; the Sun's if the file has none."""
     motion_rad_yr: F64
-    """(n, 2): along the sky eastwards, and northwards."""
+    """(n, 2): proper motion along the sky, eastwards and northwards."""
     skipped: int
     """Rows without a magnitude."""
 
 
 def temperature_k(bv: float) -> float:
-    """Of a black body whose colour index is B - V (Ballesteros 2012, equation 14)."""
+    """Temperature of a black body with the colour index B - V (Ballesteros 2012, equation 14)."""
     return 4600.0 * (1.0 / (0.92 * bv + 1.7) + 1.0 / (0.92 * bv + 0.62))
 
 
 class _Row:
-    """One star of a file; errors say where it stands."""
+    """One star of a file, with its place for errors."""
 
     def __init__(self, where: str, fields: Mapping[str, Any]) -> None:
         self.where, self.fields = where, fields
@@ -66,7 +66,7 @@ class _Row:
         return ValueError(f"{self.where}: {key}: {complaint}, not '{self.text(key)}'")
 
     def number(self, key: str, low: float, high: float) -> float | None:
-        """None for an empty field."""
+        """A number; None for an empty field."""
         text = self.text(key)
         if not text:
             return None
@@ -93,7 +93,7 @@ class _Row:
         return int(text)
 
     def sexagesimal(self, key: str, pattern: re.Pattern[str], example: str) -> float:
-        """In the unit of the first number."""
+        """An angle in the unit of its first number."""
         match = pattern.fullmatch(self.text(key))
         if match is None:
             raise self.fail(key, f"must be such as {example}")
@@ -175,10 +175,9 @@ _READERS: dict[str, Callable[[Path], Iterator[_Star | None]]] = {
 
 
 def read_stars(path: Path) -> StarTable:
-    """The stars of a file in its order; those without a magnitude are left out and counted.
+    """The stars of a file in its order; those without a magnitude are skipped and counted.
 
-    ValueError with file, line (of JSON: star) and field for what cannot be read.
-    """
+    ValueError with file, line (in JSON: star) and field for invalid content."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise ValueError(f"{path}: a catalogue of stars is one of {', '.join(_READERS)}")

@@ -1,4 +1,4 @@
-"""Parts of models that move: joints and animations of the configuration, posed by the core."""
+"""Moving parts of models: joints and animations of the configuration, posed by the core."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ F64 = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rig:
-    """What moves on a spacecraft; the same in all frames."""
+    """Moving parts of a spacecraft; the same in all frames."""
 
     core: _core.Articulation
     nodes: tuple[str, ...]
     """Names of the moving nodes, unique, in the core's order."""
     joints: tuple[int, ...]
-    """Position in `nodes` of each joint of the configuration."""
+    """Index in `nodes` of each joint of the configuration."""
     offset: F64
-    """Of the model: p_object = scale * (p_model - offset)."""
+    """Offset of the model: p_object = scale * (p_model - offset)."""
     reach_units: float
-    """Distance from the offset beyond which no turn or animation takes a part; slides add to it."""
+    """Bound on the distance of any part from the offset under rotations and animations;
+    translations add to it."""
 
 
 def rig(model: _core.Model, craft: Spacecraft, offset: F64, scale: float, where: str) -> Rig | None:
-    """The rig of a spacecraft; None when nothing on it moves.
+    """The rig of a spacecraft; None if nothing on it moves.
 
     scale: metres per model unit at the ideal size. where: file and key of the spacecraft, for
-    errors.
-    """
+    errors."""
     if not craft.articulation and craft.animation is None:
         return None
     joints = [
@@ -124,7 +124,7 @@ def _reach_units(
     offset: F64,
     animations: Sequence[int],
 ) -> float:
-    """Farthest from the offset that anything comes, slides aside, whatever the angles."""
+    """Largest distance of any part from the offset at all angles, without translations."""
     reach = math.hypot(*np.abs(model.bounds - offset).max(axis=0))
     if animations:
         duration_s = max(model.animations[i]["duration_s"] for i in animations)
@@ -138,8 +138,9 @@ def _reach_units(
 def _animated_reach(
     model: _core.Model, core: _core.Articulation, offset: F64, duration_s: float, reach: float
 ) -> float:
-    """A wide bound: each moving node carries the whole model's box, at 33 instants of the
-    animations; and a turn takes a point at most twice its axis's distance farther out."""
+    """A loose bound: each moving node carries the bounding box of the whole model, at 33 instants
+    of the animations, and a rotation moves a point away by at most twice the distance of its
+    axis."""
     low, high = model.bounds
     corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, 8).T
     still = np.zeros(len(core.axes))
@@ -156,7 +157,7 @@ def _animated_reach(
 def _swept_sphere(
     model: _core.Model, core: _core.Articulation, joint_nodes: Sequence[int], node: int
 ) -> tuple[F64, float]:
-    """A sphere that holds what hangs on a moving node, whatever the angles of all joints: each
+    """A sphere that contains everything below a moving node at all angles of all joints: each
     joint, from the node's last upwards, moves the centre onto its axis."""
     parents = [row["parent"] for row in model.nodes]
     mesh = model.mesh()
@@ -183,7 +184,7 @@ def _is_below(parents: Sequence[int], node: int, above: int) -> bool:
 
 
 def moving_above(model: _core.Model, rigs: Iterable[Rig]) -> list[tuple[str, ...]]:
-    """Of each part of a model the nodes above it that some of its rigs move, the nearest first."""
+    """For each part of a model, the nodes above it that any of its rigs moves, nearest first."""
     names = {n: name for rig in rigs for n, name in zip(rig.core.nodes, rig.nodes, strict=True)}
     parents = [row["parent"] for row in model.nodes]
     chains = []
@@ -202,9 +203,9 @@ class Posed:
     """A rig in one frame."""
 
     motions: F64
-    """(nodes, 3, 4): the core's, model units."""
+    """(nodes, 3, 4): motions in the core's form, model units."""
     meta: dict[str, dict[str, Any]]
-    """What a sample's `meta["articulation"]` holds of the spacecraft."""
+    """The spacecraft's entry in a sample's `meta["articulation"]`."""
 
 
 def posed(rig: Rig, scene: World, name: str, scale: float) -> Posed:
@@ -232,12 +233,12 @@ def _value(joint: Joint, t_s: float, scale: float) -> float:
 
 
 def _middle(poses: F64) -> tuple[F64, F64]:
-    """Place and rotation in the middle of the exposure."""
+    """Position and rotation in the middle of the exposure."""
     return 0.5 * (poses[0, :3] + poses[1, :3]), rotations.middle(poses[0, 3:], poses[1, 3:])
 
 
 def _target(joint: Joint, scene: World, name: str) -> F64:
-    """The target in the object's frame, m; the origin when there is none."""
+    """Position of the target in the object's frame, m; the origin without a target."""
     if joint.towards is None:
         return np.zeros(3)
     place, turn = _middle(scene.poses[name])
@@ -247,7 +248,7 @@ def _target(joint: Joint, scene: World, name: str) -> F64:
 
 
 def in_object_frame(motions: F64, offset: F64, scale: float) -> list[F64]:
-    """Motions (nodes, 3, 4) of the model, its units, as (4, 4) each of the object's frame, m."""
+    """Motions (nodes, 3, 4) of the model, in its units, as (4, 4) in the object's frame, m."""
     matrices = []
     for motion in motions:
         matrix = np.eye(4)
@@ -272,10 +273,10 @@ def _meta(
 
 
 def slides_m(craft: Spacecraft) -> float:
-    """How far the slides of a spacecraft together can take a part."""
+    """Largest displacement of a part by all translations of a spacecraft together."""
     return sum(abs(joint.translation_m or 0.0) for joint in craft.articulation)
 
 
 def stacked(poses: Mapping[str, Posed]) -> F64:
-    """(all moving nodes, 3, 4): what the core's request takes."""
+    """(all moving nodes, 3, 4): motions for the core's request."""
     return np.concatenate([np.empty((0, 3, 4)), *(row.motions for row in poses.values())])

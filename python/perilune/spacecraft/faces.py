@@ -1,4 +1,4 @@
-"""Sides of a model's faces, by the names of its materials."""
+"""Visible sides of a model's faces, by the names of its materials."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ def _matches(pattern: str, name: str) -> bool:
 
 
 def _sides_of(faces: Faces, name: str) -> Sides:
-    """Of the first pattern that fits; of what none fits the default."""
+    """Sides of the first pattern that matches, or the default."""
     if isinstance(faces, str):
         return faces
     return next((sides for pattern, sides in faces.items() if _matches(pattern, name)), DEFAULT)
 
 
 def sides(faces: Faces) -> Callable[[str, bool], bool]:
-    """For _core.Model: a material's name, and whether the file has it double-sided -> whether rays
-    meet the backs of its faces."""
+    """For _core.Model: (a material's name, whether the file has it double-sided) -> whether rays
+    hit the backs of its faces."""
 
     def answer(name: str, double_sided: bool) -> bool:
         chosen = _sides_of(faces, name)
@@ -32,7 +32,8 @@ def sides(faces: Faces) -> Callable[[str, bool], bool]:
 
 
 def unmatched(faces: Faces, materials: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """(pattern, what is wrong) of those that no material fits, or that others before them take."""
+    """(pattern, message) for patterns that match no material, or only ones that earlier patterns
+    match."""
     if isinstance(faces, str):
         return
     first = {name: next((p for p in faces if _matches(p, name)), None) for name in materials}

@@ -1,4 +1,4 @@
-"""Reads the models of spacecraft, and says of other formats what to do with them."""
+"""Reads models of spacecraft, and tells users of other formats how to convert them."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ FOREIGN: dict[str, str] = {
     ".step": "STEP",
     ".stp": "STEP",
 }
-"""Suffix -> format, of models that are not read."""
+"""Suffix -> name, for model formats that are not supported."""
 
 
 def foreign(path: str) -> str:
-    """What is wrong with the name of a model; empty for one of ours, or without a known suffix."""
+    """What is wrong with the name of a model; empty for a supported format or an unknown suffix."""
     kind = FOREIGN.get(PurePath(path).suffix.lower())
     if kind is None:
         return ""
@@ -45,7 +45,7 @@ def read_model(
     stretch: tuple[float, float, float] = (1.0, 1.0, 1.0),
     faces: Faces = DEFAULT,
 ) -> _core.Model:
-    """A model; ValueError for another format, or one that is damaged, by its file.
+    """A model; ValueError that names the file if it is damaged or has another format.
 
     crease_angle_rad, stretch: see _core.Model; pi keeps the file's normals. faces: as the key."""
     if wrong := foreign(path):

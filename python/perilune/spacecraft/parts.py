@@ -1,4 +1,4 @@
-"""How a model's triangles are cut into parts: as the file has them, by connection, or by place."""
+"""Divides a model's triangles into parts: by the file's structure, connectivity, or position."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from perilune.config.parts import PartBox, Parts
 F64 = NDArray[np.float64]
 
 SMALL = "small"
-"""Part of the components that are too small for one of their own."""
+"""Name of the part of all components that are too small for a part of their own."""
 WHOLE = "model"
 
 
@@ -25,24 +25,24 @@ class PartEntry:
     """A part before it is labelled."""
 
     name: str
-    """Unique in its model: the second `panel` is `panel#2`."""
+    """Name, unique in its model: the second `panel` is `panel#2`."""
     base: str
-    """Without the number: what patterns are compared with too."""
+    """Name without the number, which patterns are matched with too."""
     material: str
-    """Of most of its triangles."""
+    """Material of most of its triangles."""
 
 
 @dataclass(frozen=True)
 class Partition:
-    """A model's parts, and which of them each triangle belongs to."""
+    """Parts of a model, and the part of each triangle."""
 
     entries: tuple[PartEntry, ...]
     triangle_part: NDArray[np.uint32] | None
-    """(T,) index into entries; None: the model's own."""
+    """(T,) index into entries; None: the model's own parts."""
 
 
 def unique_names(names: Iterable[str]) -> list[str]:
-    """`a, a, a#2, a` -> `a, a#3, a#2, a#4`: no two alike; a name's first use keeps it."""
+    """`a, a, a#2, a` -> `a, a#3, a#2, a#4`: all are unique; the first use of a name keeps it."""
     wanted = list(names)
     taken = set(wanted)
     last: dict[str, int] = {}
@@ -60,10 +60,9 @@ def unique_names(names: Iterable[str]) -> list[str]:
 
 
 def partition(model: _core.Model, settings: Parts, key: str = "parts") -> Partition:
-    """Cuts a model as `settings` say; `key` is where they stand, for errors.
+    """Divides a model as `settings` say; `key` is their path, for errors.
 
-    Numbers of components are those of the whole model, so that a box does not change them.
-    """
+    Components are numbered in the whole model, so that a box does not change their numbers."""
     own = model.parts
     if settings.split == "primitive" and not settings.boxes:
         bases = [part["name"] for part in own]
@@ -113,7 +112,7 @@ def components(model: _core.Model) -> tuple[NDArray[np.int64], list[str]]:
 def inside_box(
     model: _core.Model, mesh: dict[str, NDArray[Any]], box: PartBox, key: str
 ) -> NDArray[np.bool_]:
-    """(T,): which triangles have their centroid in a box; ConfigError with `key` for none."""
+    """(T,): whether a triangle's centroid is in a box; ConfigError with `key` if none is."""
     centroids = (mesh["positions"] / model.stretch)[mesh["indices"]].mean(axis=1)
     inside: NDArray[np.bool_] = ((centroids >= box.min) & (centroids <= box.max)).all(axis=1)
     if not inside.any():
@@ -157,7 +156,7 @@ def _main_materials(
     triangle_part: NDArray[np.intp],
     count: int,
 ) -> list[str]:
-    """The material with most triangles of each part; of equal ones the first in the file."""
+    """Material with most triangles of each part; on a tie the first in the file."""
     materials = list(dict.fromkeys(part["material"] for part in model.parts))
     of_part = np.array([materials.index(part["material"]) for part in model.parts])
     cells = triangle_part * len(materials) + of_part[model_part]
@@ -167,11 +166,11 @@ def _main_materials(
 
 @dataclass(frozen=True)
 class PartExtent:
-    """Size and place of a part, as `perilune parts` lists it."""
+    """Size and position of a part, as `perilune parts` lists it."""
 
     triangles: int
     low: F64
-    """(3,), the file's units."""
+    """(3,) lower corner, in the file's units."""
     high: F64
 
 

@@ -1,10 +1,9 @@
-"""Camera poses: one file a kind of trajectory, and the user's hooks.
+"""Camera poses: one file per kind of trajectory, and hooks.
 
 A trajectory takes the world of a frame and returns camera-to-root poses (2, 7), at the opening and
-the closing of the shutter. What it draws is keyed by the step, by `interval` steps or by the run it
-is in, never by the frame, so that all sensors of a step have one platform. To add a kind: its
-section in perilune.config.trajectory, its file here, its line in TRAJECTORIES.
-"""
+the closing of the shutter. Its random numbers are keyed by the step, by `interval` steps or by the
+run, never by the frame, so that all sensors of a step share one platform. To add a kind: its
+section in perilune.config.trajectory, its file here, its line in TRAJECTORIES."""
 
 from __future__ import annotations
 
@@ -49,7 +48,7 @@ TRAJECTORIES: dict[str, Trajectory] = {
 
 
 def platform_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
-    """Poses (2, 7) of the platform: the user's callable if there is one, else as configured."""
+    """Poses (2, 7) of the platform: the user's callable if given, else as configured."""
     if own is not None:
         target = getattr(world.camera.trajectory, "target", None)
         return called(world, own, "trajectory", {}, target)
@@ -57,7 +56,7 @@ def platform_poses(world: World, own: Callable[[World], Any] | None = None) -> F
 
 
 def mounted(platform: F64, sensor: Sensor) -> F64:
-    """A sensor's poses (2, 7) on the platform's."""
+    """Poses (2, 7) of a sensor on the platform."""
     place = sensor.transformation
     if isinstance(place, Mounting):
         offset, q = np.array(place.position_m), rotations.from_rpy_deg(place.rotation_deg)
@@ -77,11 +76,10 @@ def mounted(platform: F64, sensor: Sensor) -> F64:
 
 
 def camera_poses(world: World, own: Callable[[World], Any] | None = None) -> F64:
-    """Poses (2, 7) of the camera that takes the frame: the platform's, or a sensor's on it.
+    """Poses (2, 7) of the camera that takes the frame: the platform's, or those of a sensor on it.
 
-    A sensor off the platform may come nearer than `clearance_m`, but into nothing that the platform
-    keeps clear of.
-    """
+    A sensor beside the platform may be nearer than `clearance_m`, but must be outside of all that
+    the platform avoids."""
     poses = platform_poses(world, own)
     if world.sensor is not None:
         poses = mounted(poses, world.config.sensors[world.sensor])

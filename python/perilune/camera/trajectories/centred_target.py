@@ -1,4 +1,4 @@
-"""centred_target: on a line from a target, staying or landing."""
+"""centred_target: on a line from a target, at a fixed distance or landing."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ def _direction(world: World, spec: CentredTarget, run: Progress) -> F64:
 
 
 def _surface_m(world: World, spec: CentredTarget, direction: F64, when: int) -> float:
-    """From the centre to the surface on the line; of a spacecraft, to its bounding sphere."""
+    """Distance from the centre to the surface along the line; for a spacecraft, to its bounding
+    sphere."""
     if spec.target in world.craft_radius_m:
         return world.craft_radius_m[spec.target]
     line = rotations.rotate(axes(world, spec.target, spec.frame, when), direction)
@@ -33,7 +34,7 @@ def _surface_m(world: World, spec: CentredTarget, direction: F64, when: int) -> 
 
 
 def centred_target(world: World) -> F64:
-    """The distance to the surface goes as h0 (h1 / h0)^share when landing."""
+    """When landing, the distance to the surface is h0 (h1 / h0)^share."""
     spec = world.camera.trajectory
     assert isinstance(spec, CentredTarget)
     run = progress(world, spec)

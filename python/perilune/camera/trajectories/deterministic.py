@@ -29,17 +29,17 @@ class Rows:
     """The content of a file."""
 
     by_time: bool
-    """Whether keys are seconds after the epoch, not steps."""
+    """Whether keys are seconds after the epoch instead of steps."""
     keys: F64
-    """(n,), rising."""
+    """(n,), ascending."""
     positions: F64
-    """(n, 3), units of the file."""
+    """(n, 3), in units of the file."""
     turns: F64
     """(n, 4), unit quaternions."""
 
 
 def _columns(head: list[str], where: str) -> list[str] | None:
-    """The names of a header line, or None if it is a row of numbers."""
+    """Names in a header line, or None for a row of numbers."""
     names = [name.strip() for name in head]
     try:
         float(names[0])
@@ -108,7 +108,7 @@ def _key(names: list[str]) -> str:
 
 @lru_cache(maxsize=8)
 def _read(path: str, stamp: files.Stamp) -> Rows:
-    """Kept as long as the file stays as it is."""
+    """The rows of a file, cached until it changes."""
     return parse(files.text(Path(path)), path)
 
 
@@ -118,7 +118,7 @@ def read(path: str) -> Rows:
 
 
 def _keys(world: World, spec: Deterministic, rows: Rows) -> tuple[float, float]:
-    """The key at opening and closing."""
+    """Keys at opening and closing."""
     exposure, step_s = world.window_s, world.config.time.step_s
     first, last = float(rows.keys[0]), float(rows.keys[-1])
     if rows.by_time:
@@ -134,7 +134,7 @@ def _keys(world: World, spec: Deterministic, rows: Rows) -> tuple[float, float]:
 
 
 def pose_at(rows: Rows, key: float) -> tuple[F64, F64]:
-    """Place and turn between two rows; the first row's before it, the last row's after it."""
+    """Pose interpolated between two rows; the first row's before it, the last row's after it."""
     after = int(np.searchsorted(rows.keys, key, side="right"))
     if after == 0 or after == len(rows.keys):
         row = min(after, len(rows.keys) - 1)

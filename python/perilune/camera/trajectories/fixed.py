@@ -1,4 +1,4 @@
-"""fixed: one place relative to a target."""
+"""fixed: a position relative to a target."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from perilune.world import World
 
 
 def fixed(world: World) -> NDArray[np.float64]:
-    """A fixed place in the axes of a target, looking at it; it turns with them."""
+    """A fixed position in the axes of a target, with which it rotates, looking at the target."""
     spec = world.camera.trajectory
     assert isinstance(spec, Fixed)
     place = np.array(spec.position_m)

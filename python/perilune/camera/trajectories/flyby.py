@@ -1,4 +1,4 @@
-"""flyby: a straight pass of a target at even speed."""
+"""flyby: a straight pass of a target at constant speed."""
 
 from __future__ import annotations
 

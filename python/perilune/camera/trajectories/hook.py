@@ -1,4 +1,4 @@
-"""hook: poses from a function of the user's, and the check of what it answers."""
+"""hook: poses from a user's function, with checks of its result."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _REACH_M = 1e18  # as in the core: beyond, squares of float coordinates overflow
 
 
 def checked(poses: Any, what: str) -> F64:
-    """A hook's answer as (2, 7); refuses wrong shapes, non-finite values, zero quaternions."""
+    """A hook's result as (2, 7); refuses wrong shapes, non-finite values, zero quaternions."""
     try:
         array = np.asarray(poses, dtype=np.float64)
     except (TypeError, ValueError):
@@ -39,7 +39,7 @@ def checked(poses: Any, what: str) -> F64:
 
 
 def _nearest(world: World, place: F64) -> str:
-    """The thing whose surface, or bounding sphere, is nearest to a place at the opening."""
+    """The object whose surface, or bounding sphere, is nearest to a position at the opening."""
     things = [*world.craft_radius_m, *world.body_radii_m]
     return min(
         things,
@@ -50,8 +50,8 @@ def _nearest(world: World, place: F64) -> str:
 
 
 def beside(world: World, pose: F64, target: str | None) -> F64:
-    """Poses (2, 7) of a camera that keeps its place beside a thing (default: the nearest) while
-    the shutter is open. pose: (7,), at the opening."""
+    """Poses (2, 7) of a camera that moves with an object (default: the nearest) while the shutter
+    is open. pose: (7,), at the opening."""
     poses = world.poses[target or _nearest(world, pose[:3])]
     closing = pose.copy()
     closing[:3] += poses[1, :3] - poses[0, :3]
@@ -65,10 +65,9 @@ def called(
     params: Mapping[str, Any],
     target: str | None,
 ) -> F64:
-    """The poses that a function gives for the step; `key` names it in errors.
+    """The poses that a function returns for the step; `key` names it in errors.
 
-    target: what a camera of one pose moves with (default: what is nearest).
-    """
+    target: object that a camera with one pose moves with (default: the nearest)."""
     answer = hooks.call(
         function,
         key,
@@ -84,7 +83,8 @@ def called(
 
 
 def hook(world: World) -> F64:
-    """The user's module:function, called as function(world, **params); it may ask for `rng`."""
+    """The user's module:function, called as function(world, **params); it may have an argument
+    `rng`."""
     spec = world.camera.trajectory
     assert isinstance(spec, Hook)
     key = "camera.trajectory.hook"

@@ -1,4 +1,4 @@
-"""hover: over a point of a body's surface, looking down or aslant."""
+"""hover: above a point of a body's surface, looking down or obliquely."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _foot(radii_m: F64, direction: F64, geodetic: bool) -> tuple[F64, F64]:
 
 
 def hover(world: World) -> F64:
-    """The place and the view turn with the body."""
+    """Position and view rotate with the body."""
     spec = world.camera.trajectory
     assert isinstance(spec, Hover)
     rng = world.random("camera.place", spec.interval)

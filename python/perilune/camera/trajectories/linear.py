@@ -1,4 +1,4 @@
-"""linear: a straight way relative to a target, with a speed that changes evenly."""
+"""linear: a straight line relative to a target, at a speed that changes evenly."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ F64 = NDArray[np.float64]
 
 
 def way(spec: Linear, share: float) -> float:
-    """Share of the way after a share of the time, at constant acceleration; 0 to 0, 1 to 1."""
+    """Fraction of the path after a fraction of the time, at constant acceleration; 0 to 0, 1 to
+    1."""
     if spec.start_speed_m_s is None or spec.end_speed_m_s is None:
         return share
     # x(t) = v0 t + (v1 - v0) t^2 / 2T over x(T) = (v0 + v1) T / 2.
@@ -26,7 +27,7 @@ def way(spec: Linear, share: float) -> float:
 
 
 def between(a: F64, b: F64, share: float) -> F64:
-    """The rotation a share of the way from a to b, about one axis, the shorter way round."""
+    """The rotation at a fraction from a to b, along the shorter arc."""
     turn = rotations.multiply(rotations.conjugate(a), b)
     if turn[0] < 0.0:
         turn = -turn
@@ -38,7 +39,7 @@ def between(a: F64, b: F64, share: float) -> F64:
 
 
 def linear(world: World) -> F64:
-    """From the start to the end, looking at the target or turning from pose to pose."""
+    """From the start to the end, looking at the target or rotating from pose to pose."""
     spec = world.camera.trajectory
     assert isinstance(spec, Linear)
     shares = [way(spec, share) for share in progress(world, spec).share]

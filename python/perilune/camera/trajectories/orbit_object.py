@@ -1,4 +1,4 @@
-"""orbit_object: random places around a moving target within stated limits."""
+"""orbit_object: random positions around a moving target within given limits."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True)
 class _Band:
-    """Directions whose angle to a unit axis lies between two limits."""
+    """Directions whose angle to a unit axis is between two limits."""
 
     axis: F64
     low_rad: float
@@ -34,7 +34,7 @@ class _Band:
         return 2.0 * math.pi * (math.cos(self.low_rad) - math.cos(self.high_rad))
 
     def sample(self, rng: np.random.Generator) -> F64:
-        """Uniform over the band; a band of no width is a circle."""
+        """Uniform over the band; a band without width is a circle."""
         u, v = rng.random(2)
         low, high = math.cos(self.low_rad), math.cos(self.high_rad)
         z = low + (high - low) * u
@@ -55,7 +55,7 @@ def _unit(v: F64) -> F64:
 
 
 def _bands(world: World, spec: OrbitObject) -> dict[str, _Band]:
-    """The limits on the direction target -> camera, by the key that sets them."""
+    """Limits of the direction target -> camera, by the key that sets them."""
     target = world.position_m(spec.target)
     bands = {"any direction": _Band(_UP, 0.0, math.pi)}
     if spec.sun_angle_deg is not None:
@@ -75,7 +75,7 @@ def _bands(world: World, spec: OrbitObject) -> dict[str, _Band]:
 
 
 def _fault(world: World, spec: OrbitObject, direction: F64, camera: F64, shift: F64) -> str | None:
-    """Why a camera cannot be there; None when it can."""
+    """Reason why a camera cannot be at a position; None if it can."""
     target = world.position_m(spec.target)
     if spec.background is not None and world.hit_m(spec.background, target, -direction) is None:
         return f"{spec.background} is not behind the target"
@@ -110,7 +110,8 @@ def _no_pose(world: World, spec: OrbitObject, faults: Counter[str]) -> NoReturn:
 
 
 def _place(world: World, spec: OrbitObject) -> F64:
-    """From the target to the camera: directions from the narrowest limit until all are met."""
+    """Vector from the target to the camera: draws from the narrowest band until all limits are
+    met."""
     bands = _bands(world, spec)
     narrowest = min(bands, key=lambda key: bands[key].solid_angle)
     others = {key: band for key, band in bands.items() if key not in (narrowest, "background")}
@@ -135,11 +136,10 @@ def _place(world: World, spec: OrbitObject) -> F64:
 
 
 def orbit_object(world: World) -> F64:
-    """Random places around a target within the stated limits, looking at it.
+    """Random positions around a target within the given limits, looking at it.
 
-    The camera keeps its place relative to the target's centre, and its axes in the root frame,
-    while the shutter is open.
-    """
+    While the shutter is open, the camera keeps its position relative to the target's centre, and
+    its axes in the root frame."""
     spec = world.camera.trajectory
     assert isinstance(spec, OrbitObject)
     offset = _place(world.shared, spec)

@@ -1,4 +1,4 @@
-"""How far a run has come: which one it is, and the share of it at opening and closing."""
+"""Progress of a run: its number, and the fraction of it at opening and closing."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _MASK = (1 << 63) - 1
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a run stands in a frame."""
+    """Progress of a run in a frame."""
 
     run: int
-    """Counts repetitions; what a run draws, it draws by this."""
+    """Number of the repetition, which keys the run's random numbers."""
     share: tuple[float, float]
-    """0 at the start of the run, 1 at its end: at the shutter's opening and closing."""
+    """Fraction of the run, from 0 to 1, at the shutter's opening and closing."""
 
     def random(self, world: World, what: str) -> np.random.Generator:
         """The run's random numbers for `what`."""
@@ -50,7 +50,7 @@ def _by_steps(world: World, spec: Run, positions: int) -> Progress:
 
 
 def progress(world: World, spec: Run) -> Progress:
-    """By `positions`, by `duration_s`, by the duration a kind states, or by scenes."""
+    """By `positions`, by `duration_s`, by the kind's own duration, or by scenes."""
     duration_s = spec.duration_s
     if duration_s is None and spec.positions is None:
         duration_s = spec.natural_duration_s()

@@ -1,4 +1,4 @@
-"""random_box: random places in a box."""
+"""random_box: random positions in a box."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _TRIES = 2000
 
 
 def _in_box(rng: np.random.Generator, low: Corner, high: Corner) -> F64:
-    """Uniform; a box without extent is a point."""
+    """A uniform draw; a box without extent is a point."""
     return np.asarray(np.array(low) + np.subtract(high, low) * rng.random(3))
 
 
@@ -37,7 +37,7 @@ def _root_place(world: World, spec: RandomBox, place: F64, when: int) -> F64:
 
 
 def _place(world: World, spec: RandomBox) -> F64:
-    """The first of the places drawn that is clear at opening and closing."""
+    """The first drawn position that is clear at opening and closing."""
     rng = world.random("camera.place", spec.interval)
     faults: Counter[str] = Counter()
     for _ in range(_TRIES):
@@ -55,7 +55,7 @@ def _place(world: World, spec: RandomBox) -> F64:
 
 
 def random_box(world: World) -> F64:
-    """Uniform places; turned at random, or looking at a thing or at a random point."""
+    """Uniform positions with a random rotation, or looking at an object or a random point."""
     spec = world.camera.trajectory
     assert isinstance(spec, RandomBox)
     place = _place(world.shared, spec)

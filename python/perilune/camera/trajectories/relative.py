@@ -43,7 +43,7 @@ def clohessy_wiltshire(position_m: F64, velocity_m_s: F64, rate_rad_s: float, t_
 
 
 def ellipse_state(ellipse: RelativeEllipse, rate_rad_s: float) -> tuple[F64, F64]:
-    """Position and velocity at the start, rsw; without drift as vy = -2 n x."""
+    """Position and velocity at the start, rsw; vy = -2 n x avoids drift."""
     phase, across = math.radians(ellipse.phase_deg), math.radians(ellipse.normal_phase_deg)
     r, w, n = ellipse.radial_m, ellipse.normal_m, rate_rad_s
     s, c = math.sin(phase), math.cos(phase)
@@ -65,8 +65,8 @@ def _elapsed_s(world: World, spec: Relative, rate_rad_s: float) -> tuple[float, 
 
 
 def _default_up(spec: Relative, start_m: F64) -> tuple[float, float, float]:
-    """Along the orbit's normal, which a path about the target in its plane never looks along; away
-    from what is orbited where the run starts near the normal. start_m: in rsw."""
+    """The orbit's normal, along which a path in the orbital plane never looks; or away from the
+    central body if the run starts near the normal. start_m: in rsw."""
     steep = abs(float(start_m[2])) > math.cos(math.radians(30.0)) * float(np.linalg.norm(start_m))
     up = np.array([1.0, 0.0, 0.0] if steep else [0.0, 0.0, 1.0])
     x, y, z = (up if spec.frame == "rsw" else _FROM_LVLH.T @ up).tolist()
@@ -74,7 +74,7 @@ def _default_up(spec: Relative, start_m: F64) -> tuple[float, float, float]:
 
 
 def relative(world: World) -> F64:
-    """The camera's place in the axes of the target's orbit, which turn with it."""
+    """Position in the rotating axes of the target's orbit."""
     spec = world.camera.trajectory
     assert isinstance(spec, Relative)
     orbit_axes(world, spec.target, spec.frame, 0)  # refuses a target without an orbit's plane

@@ -35,7 +35,7 @@ def plane(spec: Spiral) -> tuple[F64, F64]:
 
 
 def spiral(world: World) -> F64:
-    """At share s: turned by 2 pi s rotations from the start, at r_start + s (r_end - r_start)."""
+    """At share s: rotated by 2 pi s rotations from the start, at r_start + s (r_end - r_start)."""
     spec = world.camera.trajectory
     assert isinstance(spec, Spiral)
     first, normal = plane(spec)

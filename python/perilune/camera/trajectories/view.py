@@ -1,4 +1,4 @@
-"""What the kinds of trajectory share: axes at a target, looking at it, noise, clearance."""
+"""Common parts of trajectories: axes at a target, viewing direction, noise, clearance."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ F64 = NDArray[np.float64]
 
 IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 _FROM_OPENGL = np.array([0.0, 1.0, 0.0, 0.0])
-"""Half a turn about x: a camera with y up, z backward has its axes after it."""
+"""Half a turn about x, which converts a camera with y up, z backward."""
 
 
 def refuse(world: World, text: str) -> NoReturn:
-    """The error of a trajectory that cannot be followed in this frame."""
+    """Error for a trajectory that cannot be followed in this frame."""
     raise ValueError(f"camera.trajectory: frame {world.index}: {text}")
 
 
 def orbit_axes(world: World, name: str, frame: Frame, when: int) -> F64:
-    """Columns are the axes rsw or lvlh of a thing's orbit, in the root frame."""
+    """The axes rsw or lvlh of an object's orbit as columns, in the root frame."""
     position, velocity = world.orbital_state(name, when)
     normal = rotations.cross(position, velocity)
     size, distance = rotations.norm(normal), rotations.norm(position)
@@ -40,7 +40,7 @@ def orbit_axes(world: World, name: str, frame: Frame, when: int) -> F64:
 
 
 def axes(world: World, name: str | None, frame: Frame, when: int) -> F64:
-    """Quaternion from the axes of `frame` at a thing to the root's; None is the root frame."""
+    """Quaternion from the axes of `frame` at an object to the root's; None is the root frame."""
     if name is None or frame == "icrf":
         return IDENTITY
     if frame == "target":
@@ -49,17 +49,18 @@ def axes(world: World, name: str | None, frame: Frame, when: int) -> F64:
 
 
 def origin(world: World, name: str | None, when: int) -> F64:
-    """Centre of a thing, or of the root frame."""
+    """Centre of an object, or of the root frame."""
     return np.zeros(3) if name is None else np.asarray(world.poses[name][when, :3])
 
 
 def camera_turn(q: F64, camera_axes: CameraAxes) -> F64:
-    """A stated rotation as one of a camera with x right, y down, z forward."""
+    """Converts a given rotation to that of a camera with x right, y down, z forward."""
     return rotations.multiply(q, _FROM_OPENGL) if camera_axes == "opengl" else q
 
 
 def look(world: World, place: F64, aim: F64, up: F64) -> F64:
-    """Looking from a place at a point, in any axes; the two must not coincide."""
+    """Rotation of a camera at a position that looks at a point, in any axes; the two must
+    differ."""
     forward = aim - place
     if not rotations.norm(forward) > 0.0:
         refuse(world, "the camera is at the point that it looks at")
@@ -67,8 +68,8 @@ def look(world: World, place: F64, aim: F64, up: F64) -> F64:
 
 
 def noise(world: World, spec: Pointing) -> list[F64]:
-    """The step's aim jitter, roll and pointing noise, turns one after the other; the same all
-    exposure long."""
+    """The step's aim jitter, roll and pointing noise as successive rotations, constant during the
+    exposure."""
     rng = world.random("camera.aim")
     low, high = spec.roll_deg
     roll = math.radians(low + (high - low) * float(rng.random()))
@@ -91,7 +92,7 @@ def noisy(q: F64, turns: list[F64]) -> F64:
 
 
 def unclear(world: World, place: F64, clearance_m: float | None, when: int) -> str | None:
-    """Why a camera cannot be at a place, as to what it would cut into; None when it can."""
+    """The object that a camera at a position would be too close to, as a message; None if clear."""
     body = world.inside(place, 0.0, when)
     if body is not None:
         return f"the camera is inside {body}"
@@ -111,10 +112,9 @@ def unclear(world: World, place: F64, clearance_m: float | None, when: int) -> s
 
 
 def finished(world: World, spec: Pointing, views: Callable[[int], tuple[F64, F64]]) -> F64:
-    """Poses (2, 7) of places and views at opening (0) and closing (1), with the step's noise.
+    """Poses (2, 7) from positions and views at opening (0) and closing (1), with the step's noise.
 
-    Refuses a place that is not clear, with the distance that it has.
-    """
+    Refuses a position that is not clear, and states its distance."""
     poses, turns = [], noise(world, spec)
     for when in range(1 if world.window_s == 0.0 else 2):
         place, q = views(when)
@@ -132,7 +132,7 @@ def finished(world: World, spec: Pointing, views: Callable[[int], tuple[F64, F64
 
 
 def aimed(world: World, spec: Aimed, place_of: Callable[[int], F64]) -> F64:
-    """Poses (2, 7) at places given in the axes of the target, looking at it."""
+    """Poses (2, 7) at positions in the axes of the target, looking at it."""
 
     def view(when: int) -> tuple[F64, F64]:
         q = axes(world, spec.target, spec.frame, when)
@@ -145,7 +145,7 @@ def aimed(world: World, spec: Aimed, place_of: Callable[[int], F64]) -> F64:
 
 
 def distance_noise_m(world: World, noise_m: float) -> float:
-    """The step's noise of a distance, uniform within plus and minus `noise_m`."""
+    """The step's deviation of a distance, uniform within plus and minus `noise_m`."""
     if noise_m == 0.0:
         return 0.0
     return float(world.random("camera.distance").uniform(-noise_m, noise_m))

@@ -1,8 +1,8 @@
-"""States of SPICE kernels (the package spiceypy): geometric, J2000 axes, which SPICE means as ICRF.
+"""States from SPICE kernels (the package spiceypy): geometric, J2000 axes, which SPICE identifies
+with ICRF.
 
-SPICE's pool of kernels is one for the process: ours are loaded when they are not the last ones that
-were asked for, so that two simulations with different kernels do not mix.
-"""
+SPICE has one pool of kernels per process. Ours are reloaded whenever others were used last, so that
+two simulations with different kernels do not mix."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ def _package() -> Any:
 
 
 def _load(spice: Any, kernels: tuple[Path, ...]) -> None:
-    """A fork shares the places at which its parent's open files are read: it opens its own."""
+    """Loads the kernels again in a fork, because it shares the file positions of its parent's open
+    files."""
     global _process
     if _loaded and _loaded[-1] == kernels and _process == os.getpid():
         return
@@ -47,7 +48,7 @@ def _load(spice: Any, kernels: tuple[Path, ...]) -> None:
 
 
 def objects(path: Path) -> tuple[int, ...]:
-    """SPICE's numbers of what a kernel of places holds; ValueError that names the file."""
+    """SPICE numbers of the objects in a kernel; ValueError that names the file."""
     spice = _package()
     try:
         return tuple(int(number) for number in spice.spkobj(str(path)))
@@ -56,14 +57,15 @@ def objects(path: Path) -> tuple[int, ...]:
 
 
 class Spice:
-    """Where one thing is from another."""
+    """Motion of an object relative to another."""
 
     def __init__(self, kernels: tuple[Path, ...], target: str, observer: str) -> None:
         self.kernels, self.target, self.observer = kernels, target, observer
         _package()
 
     def states(self, epoch: Date, t_s: F64) -> F64:
-        """(n, 6) m and m/s, ICRF axes, t_s seconds after an epoch; ValueError with SPICE's text."""
+        """(n, 6) m and m/s, ICRF axes, t_s seconds after an epoch; ValueError with SPICE's
+        message."""
         spice = _package()
         start = (epoch.day - _J2000_DAY) * 86400.0 + epoch.fraction * 86400.0
         with _POOL:

@@ -68,7 +68,7 @@ _ERRORS = {
 
 @dataclass(frozen=True)
 class ElementSet:
-    """A set as read: its lines, without blanks at their ends, and the name line before them."""
+    """A set: its lines without trailing blanks, and the name line before them."""
 
     name: str
     number: int
@@ -76,13 +76,13 @@ class ElementSet:
 
 
 def checksum(line: str) -> int:
-    """Sum of the digits of the first 68 columns, a minus counts 1, modulo 10."""
+    """Sum of the digits of the first 68 columns, where a minus counts 1, modulo 10."""
     digits = (int(c) if c.isdigit() else c == "-" for c in line[: _LENGTH - 1])
     return sum(digits) % 10
 
 
 def catalogue_number(text: str) -> int:
-    """Of five columns, Alpha-5 included: E8493 is 148493."""
+    """Number in five columns, including Alpha-5: E8493 is 148493."""
     first = text[0]
     if first in _LETTERS:
         return (10 + _LETTERS.index(first)) * 10000 + int(text[1:].replace(" ", "0"))
@@ -118,7 +118,7 @@ def parse(first: str, second: str, where: str, name: str = "") -> ElementSet:
 
 
 def sets(path: Path) -> Iterator[tuple[int, str, str, str]]:
-    """Number of the first line (from 1), name, and the two lines of each set of a file."""
+    """Line number (from 1), name, and the two lines of each set of a file."""
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
     name, k = "", 0
     while k < len(lines):
@@ -157,7 +157,7 @@ def read(path: Path, name: str | None, number: int | None) -> ElementSet:
 
 
 class Sgp4:
-    """A set's states; a path of its own, as SGP4 is not the core's."""
+    """States of a set; a path in Python, because SGP4 is not in the core."""
 
     def __init__(self, elements: ElementSet) -> None:
         try:
@@ -168,7 +168,8 @@ class Sgp4:
         self._record: Any = Satrec.twoline2rv(*elements.lines, WGS72)
 
     def teme(self, minutes: float) -> F64:
-        """(6,) m and m/s in TEME, minutes after the epoch of the set; ValueError by its name."""
+        """(6,) m and m/s in TEME, minutes after the epoch of the set; ValueError that names the
+        set."""
         code, r, v = self._record.sgp4_tsince(minutes)
         if code:
             raise ValueError(
@@ -178,7 +179,8 @@ class Sgp4:
         return np.array([*r, *v]) * 1e3
 
     def minutes(self, epoch: Date, t_s: F64) -> F64:
-        """From the epoch of the set: as days of UTC are counted, but leap seconds are time."""
+        """Minutes after the epoch of the set, which counts days of UTC; leap seconds are
+        included."""
         at = tt_of_utc(self._record.jdsatepoch, self._record.jdsatepochF)
         tt = tt_of(epoch, t_s)
         return np.asarray(((tt[0] - at[0]) + (tt[1] - at[1])) * 1440.0)

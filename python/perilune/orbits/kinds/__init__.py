@@ -1,1 +1,1 @@
-"""One file a kind of orbit; the table of them is perilune.orbits.paths.KINDS."""
+"""One file per kind of orbit; their table is perilune.orbits.paths.KINDS."""

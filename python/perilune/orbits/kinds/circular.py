@@ -1,4 +1,4 @@
-"""The paper's scaled circle, run through at a constant rate."""
+"""The scaled circle of the Space OAISYS paper, traversed at a constant rate."""
 
 from __future__ import annotations
 
@@ -26,6 +26,6 @@ def path(place: Place, scale: F64, q: F64, v_step: float, start: float) -> dict[
 
 
 def circular(orbit: Circular, place: Place) -> Motion:
-    """As stated."""
+    """A circular orbit from its section."""
     q = rotations.from_rpy_deg(orbit.rotation_deg)
     return path(place, np.array(orbit.scale), q, orbit.v_step, orbit.orbit_start)

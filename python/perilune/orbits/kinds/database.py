@@ -25,7 +25,7 @@ def _ranges(orbit: Database) -> dict[str, tuple[float, float]]:
 
 
 def _circle(orbit: Drawn, place: Place, elements: dict[str, Any], of_date: bool) -> Motion:
-    """The paper's circle for an orbit's size and plane: its altitude over each semi-axis."""
+    """A scaled circle with an orbit's size and plane: the same altitude above each semi-axis."""
     parent = place.parent
     assert orbit.v_step is not None  # the schema asks for it
     if "altitude_km" in elements:
@@ -39,7 +39,8 @@ def _circle(orbit: Drawn, place: Place, elements: dict[str, Any], of_date: bool)
 
 
 def database(orbit: Database, place: Place) -> Motion:
-    """A draw of the class; with propagator circular, a circle of the same size and plane."""
+    """An orbit drawn from the class; with propagator circular, a circle of the same size and
+    plane."""
     row = orbit_classes.CLASSES[orbit.class_]
     if orbit.propagator == "circular" and not row.round:
         raise ValueError(f"propagator: circular cannot run through an orbit of class {row.name}")

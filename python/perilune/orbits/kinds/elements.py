@@ -28,10 +28,9 @@ def periapsis_m(orbit: Elements, parent: Parent) -> float:
 def default_frame(equator: str | None) -> str:
     """The equator of the body's table entry; ICRF without one, and for the Earth.
 
-    ICRF's equator is the Earth's of J2000 (0.15 deg from that of 2026), and nodes of Earth orbits
-    are counted from the equinox, ICRF's x axis; the node of the equator of date on ICRF's equator,
-    from which `equator` counts, lies 90 deg from it.
-    """
+    The ICRF equator is the Earth's of J2000 (0.15 deg from that of 2026), and nodes of Earth orbits
+    refer to the equinox, the x axis of ICRF. The frame `equator` refers to the node of the equator
+    of date on the ICRF equator, which is 90 deg away."""
     return "icrf" if equator is None or equator == "earth" else "equator"
 
 

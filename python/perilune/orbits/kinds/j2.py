@@ -1,4 +1,4 @@
-"""Kepler orbits that drift by the parent's oblateness."""
+"""Kepler orbits with secular drift by the oblateness of the central body."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from perilune.orbits.place import Motion, Place
 
 
 def j2(orbit: J2, place: Place) -> Motion:
-    """Mean elements, or osculating ones (a state always is) turned to mean ones by the core."""
+    """Mean elements, or osculating ones (always for a state), which the core converts to mean
+    ones."""
     parent = place.parent
     zonals = ZONALS.get(parent.table or "")
     if orbit.j2 is not None:

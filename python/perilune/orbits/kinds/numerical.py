@@ -1,4 +1,4 @@
-"""Orbits integrated under forces."""
+"""Numerically integrated orbits."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _Z = np.array([0.0, 0.0, 1.0])
 
 
 def _turning(place: Place) -> dict[str, Any] | None:
-    """How the parent turns, as forces take it; None where that is not known."""
+    """Rotation of the central body in the form of the forces; None if unknown."""
     _, entry = sections(place.setting.config)[place.around]
     if isinstance(entry, Body) and isinstance(entry.rotation, Spin):
         q, axis, rate = spin_of(entry.rotation, place.step_s)
@@ -43,13 +43,13 @@ def _turning(place: Place) -> dict[str, Any] | None:
 
 
 def _start(orbit: Numerical, place: Place) -> F64:
-    """The state at the epoch: that of the two-body orbit through it; ICRF axes."""
+    """State at the epoch of the osculating two-body orbit; ICRF axes."""
     state: F64 = propagator(two_body(orbit, place), place.epoch).states(np.zeros(1))[0]
     return state
 
 
 def numerical(orbit: Numerical, place: Place) -> Motion:
-    """From the elements or the state as osculating at the epoch."""
+    """An orbit from elements or a state that osculate at the epoch."""
     parent = place.parent
     centre = forces.Centre(
         parent.name,

@@ -1,4 +1,4 @@
-"""States of SPICE kernels."""
+"""States from SPICE kernels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ F64 = NDArray[np.float64]
 
 
 def spice(orbit: section.Spice, place: Place) -> Motion:
-    """About the observer, which is what is orbited."""
+    """States relative to the observer, which is the central body."""
     observer = orbit.observer or place.parent.table
     if observer is None:
         raise ValueError(f"observer: SPICE's name or number of {orbit.around} is needed")

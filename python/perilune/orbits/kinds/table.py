@@ -1,4 +1,4 @@
-"""Interpolated states of a file: CCSDS OEM or CSV."""
+"""Interpolated states from a file: CCSDS OEM or CSV."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ F64 = NDArray[np.float64]
 
 _DEGREE = 7
 _BEYOND_S = 1e-5
-"""Dates of files are rounded: by so much a last step may lie beyond a table's last line; there it
-goes on straight."""
+"""Extrapolation allowed after a table's last line, because dates in files are rounded; the motion
+is straight there."""
 _CSV = (".csv", ".tsv")
 
 
 @dataclass(frozen=True)
 class _Piece:
-    """States between which one polynomial after the other goes; its arrays become read-only."""
+    """Consecutive states with an interpolating polynomial; its arrays become read-only."""
 
     t_s: F64
     states: F64
@@ -61,8 +61,8 @@ def _pieces(
 
 
 def _piece(segment: oem.Segment, epoch: Date, path: Path) -> _Piece:
-    """With INTERPOLATION = LAGRANGE the velocities are left out, as the file asks: those of some
-    makers are not the places' derivatives."""
+    """With INTERPOLATION = LAGRANGE the velocities are ignored, as the file asks: in some makers'
+    files they are not the derivatives of the positions."""
     t_s, states = oem.states(segment, epoch, path)
     lagrange = segment.meta.get("INTERPOLATION", "").upper() in ("LAGRANGE", "LINEAR")
     return _Piece(t_s, states[:, :3].copy() if lagrange else states, oem.degree(segment, path))
@@ -78,7 +78,7 @@ def _spec(piece: _Piece, degree: int | None) -> dict[str, Any]:
 
 
 def _joined(specs: Sequence[dict[str, Any]], path: Path, epoch: Date) -> Motion:
-    """Each segment answers within its own span, the first one where two meet."""
+    """Each segment covers its own span; where two meet, the first one counts."""
 
     def states(t_s: F64) -> F64:
         found = np.full((len(t_s), 6), np.nan)
@@ -100,7 +100,7 @@ def _joined(specs: Sequence[dict[str, Any]], path: Path, epoch: Date) -> Motion:
 
 
 def table(orbit: Table, place: Place) -> Motion:
-    """Polynomials through the states of the file."""
+    """Interpolating polynomials through the states of the file."""
     path = place.file(orbit.file, "file")
     root, centre = orbit.around == place.setting.config.root, place.parent.table
     pieces = _pieces(path, stamp(path), place.epoch, orbit.object, orbit.around, root, centre)
