@@ -33,23 +33,23 @@ _OWN, _UNREAD = "perilune", "perilune_unread"
 
 
 class ConfigError(ValueError):
-    """A configuration that cannot be used; the text names the file and every faulty key.
+    """An invalid configuration; the text names the file and every faulty key.
 
-    unread: key paths of those that nothing reads beside the others of their sections."""
+    unread: key paths that have no effect beside the others of their sections."""
 
     unread: Sequence[KeyPath] = ()
 
 
 class ConfigWarning(UserWarning):
-    """What a configuration asks for, and hardly means; the text names the file and the key."""
+    """A setting that is allowed but probably not intended; the text names the file and the key."""
 
 
 class ModelWarning(UserWarning):
-    """Something of a model's file that is not read, or not as it stands there."""
+    """Content of a model's file that is ignored or changed."""
 
 
 def warn(text: str) -> None:
-    """A ConfigWarning at the place outside the package that has asked for what it is about."""
+    """A ConfigWarning located at the caller outside the package."""
     level, frame = 2, sys._getframe(1)
     while frame.f_back and str(frame.f_globals.get("__name__", "")).startswith("perilune."):
         level, frame = level + 1, frame.f_back
@@ -57,18 +57,18 @@ def warn(text: str) -> None:
 
 
 def fail(path: str, text: str) -> NoReturn:
-    """Raises, inside a validator, an error at `path` below the value being validated."""
+    """Inside a validator: raises an error at `path` below the value being validated."""
     raise PydanticCustomError(_OWN, "{text}", {"text": text, "path": path})
 
 
 def fail_unread(key: str, text: str) -> NoReturn:
-    """As `fail`, of a key that nothing reads beside the others of its section."""
+    """As `fail`, for a key that has no effect beside the others of its section."""
     raise PydanticCustomError(_UNREAD, "{text}", {"text": text, "path": key})
 
 
 def unread(error: ValidationError, tree: Any) -> list[KeyPath]:
-    """Key paths of what `fail_unread` has refused, without what is not in the tree, as the values
-    of a preset are not."""
+    """Key paths that `fail_unread` has refused, if they are in the tree; values of a preset are
+    not."""
     found = []
     for detail in error.errors():
         if detail["type"] == _UNREAD:
@@ -79,7 +79,7 @@ def unread(error: ValidationError, tree: Any) -> list[KeyPath]:
 
 
 def _walk(tree: Any, loc: Sequence[Any], missing: bool) -> tuple[list[Any], Any]:
-    """The path in the file that pydantic's location means (no union tags), and its value."""
+    """Path in the file for pydantic's location (without union tags), and its value."""
     path: list[Any] = []
     value = tree
     tagged = False
@@ -100,13 +100,13 @@ def _walk(tree: Any, loc: Sequence[Any], missing: bool) -> tuple[list[Any], Any]
 
 
 def named(text: str, origins: Mapping[str, str]) -> str:
-    """A message `key: what is wrong` with the key as the file that was translated has it."""
+    """A message `key: fault` with the key as in the translated file."""
     key, colon, rest = text.partition(": ")
     return f"{origin(key, origins)}{colon}{rest}" if colon else text
 
 
 def origin(key: str, origins: Mapping[str, str]) -> str:
-    """A key of the tree as the file that was translated has it: `theirs (here: ours)`."""
+    """A key of the tree as in the translated file: `theirs (here: ours)`."""
     at = key
     while at:
         if at in origins:
@@ -141,7 +141,7 @@ def _describe(
 
 
 def _causes(details: Sequence[ErrorDetails]) -> list[ErrorDetails]:
-    """Without those of lists that are too short because their items are wrong."""
+    """Errors without those of lists that are too short only because their items are invalid."""
     return [
         detail
         for detail in details
@@ -155,14 +155,14 @@ def _causes(details: Sequence[ErrorDetails]) -> list[ErrorDetails]:
 
 
 def _is_short(detail: ErrorDetails) -> bool:
-    """Whether it says that a list lacks a value."""
+    """Whether an error reports a missing item of a list."""
     return detail["type"] == "missing" and isinstance(detail["loc"][-1], int)
 
 
 def _short_lists(
     details: Sequence[ErrorDetails], tree: Any, origins: Mapping[str, str]
 ) -> Iterator[str]:
-    """One line for each list that lacks values."""
+    """One line for each list with missing items."""
     needed: dict[str, tuple[int, Any]] = {}
     for detail in filter(_is_short, details):
         path, value = _walk(tree, detail["loc"][:-1], False)
@@ -181,12 +181,11 @@ def from_validation(
     driven: Mapping[str, str] | None = None,
     origins: Mapping[str, str] | None = None,
 ) -> ConfigError:
-    """A pydantic error in the words of the configuration file.
+    """A pydantic error in terms of the configuration file.
 
-    driven: key path of each driver -> which of its keys the value there is from, `.clip_min`; empty
-    for one that was drawn. origins: key paths of the tree -> those of the file, where it was
-    translated.
-    """
+    driven: key path of each driver -> the driver's key that the value comes from, such as
+    `.clip_min`; empty for a drawn value. origins: key paths of the tree -> those of the file, if it
+    was translated."""
     details = _causes(error.errors(include_url=False))
     lines = [*_short_lists(details, tree, origins or {})]
     rest = [detail for detail in details if not _is_short(detail)]

@@ -1,1 +1,1 @@
-"""Data sets: writing, checking and counting them."""
+"""Datasets: writing, checking and statistics."""

@@ -1,4 +1,4 @@
-"""Distributions over the labels of a written BOP dataset, object by object."""
+"""Distributions over the labels of a written BOP dataset, per object."""
 
 from __future__ import annotations
 
@@ -45,8 +45,7 @@ def _distribution(values: list[float]) -> dict[str, float]:
 def bop_statistics(folder: str | Path) -> dict[str, Any]:
     """Counts, and quantiles of each quantity by object id; scenes must be complete.
 
-    Where there are sensors, `sensors` says how many images each has taken.
-    """
+    With sensors, `sensors` has the number of images of each."""
     root = Path(folder)
     try:
         split = json.loads((root / SOURCE_FILE).read_text(encoding="utf-8"))["split"]

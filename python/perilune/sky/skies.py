@@ -225,7 +225,7 @@ class Skies:
 
 
 def seen(result: _core.SeenStars) -> NDArray[Any]:
-    """Rows of STAR, the brightest first."""
+    """Rows of STAR, brightest first."""
     rows = np.empty(len(result["number"]), STAR)
     rows["number"], rows["magnitude"] = result["number"], result["magnitude"]
     rows["u"], rows["v"] = result["pixel"].T

@@ -1,4 +1,4 @@
-"""Checks the files of channels that are written beside BOP."""
+"""Checks the files of channels that are written in addition to BOP's."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from perilune.export.check.records import Channel
 
 
 def fault(path: Path, channel: Channel, size: tuple[int, int]) -> str | None:
-    """Why a file is not what dataset_info.json says of its channel; None if it is, or is missing.
+    """Reason why a file does not match its channel in dataset_info.json; None if it does, or is
+    missing.
 
     size: width, height."""
     try:

@@ -1,4 +1,4 @@
-"""A simulation that renders the frames of another with few samples, for a comparison of colour."""
+"""Renders the frames of a simulation again with few samples, to compare colour."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from perilune.sample import Sample
 from perilune.simulation import Simulation
 
 _OTHER_NOISE = 0x5EED
-"""Changes the seed of the sampling alone: what a frame shows stays."""
+"""Changes only the seed of the sampling, so that a frame's content stays."""
 
 
 class Coarse(Simulation):
-    """The same frames, by `samples` samples a pixel."""
+    """The same frames with `samples` samples per pixel."""
 
     samples = 1
     beside: Sample | None = None
-    """A frame beside which the same one is rendered with other noise, at its exposure."""
+    """A frame that is rendered again with other noise, at its exposure."""
 
     @classmethod
     def of(cls, sim: Simulation, samples: int) -> Coarse:
-        """Shares the models, maps and scenes of the other."""
+        """Shares the models, maps and scenes of another simulation."""
         coarse = cls(*sim.__reduce__()[1])
         coarse._remarks = sim._remarks  # models are told of once
         coarse.samples = samples
@@ -48,7 +48,7 @@ class Coarse(Simulation):
 
 
 def _expose_as(request: _core.FrameRequest, meta: dict[str, Any]) -> None:
-    """Sets the exposure that was metered on another frame."""
+    """Applies the exposure that was metered on another frame."""
     white = meta["white_radiance"]
     if white is not None:
         request["exposure"]["mode"] = "fixed"

@@ -1,9 +1,9 @@
-"""Compares pictures with those that the configuration makes: some to the byte, all by few samples.
+"""Compares pictures with renderings of the configuration: some to the byte, all with few samples.
 
-A frame by few samples differs from the true one by noise. A second one, by other samples, tells how
-much: where the written picture is farther from the first than noise explains, the frame is rendered
-in full, and only that decides. So the comparison by few samples can cost time, but tells no lie.
-"""
+A frame with few samples differs from the true one by noise, which a second one with other samples
+estimates. If the written picture differs from the first by more than the noise explains, the frame
+is rendered in full, and only that result counts. The coarse comparison can thus cost time, but
+causes no false findings."""
 
 from __future__ import annotations
 
@@ -24,38 +24,39 @@ from perilune.sample import Sample
 F32 = NDArray[np.float32]
 
 _PART = 16
-"""Samples are divided by this for a comparison of all frames."""
+"""Divisor of the number of samples for the comparison of all frames."""
 _BLOCK = 8
-"""Pixels, of the means that are compared."""
+"""Side in pixels of the blocks whose means are compared."""
 _FLOOR = 1.0
-"""Digital numbers of 8 bits, of rounding: below it, the mean of a block tells nothing."""
+"""Rounding error in 8-bit digital numbers, below which the mean of a block is not tested."""
 _EDGES = 0.2
-"""Part of the contrast within a block by which few samples may miss its mean: of thin things they
-see all or nothing."""
+"""Fraction of the contrast within a block by which few samples may miss its mean, because they see
+all of a thin object or nothing."""
 _FAR = 4.0
 """Standard deviations of the noise beyond which a block is suspicious."""
 _FEW, _PART_OF_ALL = 2, 5e-4
 """Blocks, and part of all, that may be suspicious: glints that few samples miss."""
 _WILD = 12.0
-"""Levels by which a pixel is wild."""
+"""Levels by which a pixel is an outlier."""
 _FEW_PIXELS, _PART_OF_PIXELS, _PART_OF_NOISY = 8, 1e-4, 0.15
 """Pixels, part of all and part of the noisy ones that may be wild: thin things that few samples
 miss."""
 _OTHER_BUILD = 0.02
-"""Part of the pixels in which another build of the core may differ."""
+"""Fraction of the pixels in which another build of the core may differ."""
 
 
 def coarse_samples(samples: int) -> int:
-    """Samples of the comparison of all frames; all of them where fewer would save little."""
+    """Number of samples for the comparison of all frames; all samples if fewer would save
+    little."""
     few = max(1, samples // _PART)
     return few if 4 * few <= samples else samples
 
 
 class ColourCheck:
-    """Renders the frames for comparison, and compares their pictures."""
+    """Renders frames again and compares their pictures."""
 
     def __init__(self, report: Report, remake: Remake, exact: Collection[int] | None) -> None:
-        """exact: indices of the frames that are rendered in full; None: all."""
+        """exact: indices of the frames to render in full; None: all."""
         self.report = report
         self.remake = remake
         sim = remake.sim
@@ -71,7 +72,7 @@ class ColourCheck:
         return self.exact is None or index in self.exact
 
     def sample(self, index: int, channels: Sequence[str]) -> Sample:
-        """A frame with all its labels; its pictures are those of few samples, or exact."""
+        """A frame with all its labels; its pictures are coarse or exact."""
         self._full = self._noise = None
         if self._is_exact(index):
             self.in_full += 1
@@ -93,15 +94,17 @@ class ColourCheck:
         return self._noise
 
     def holds(self, folder: str) -> bool:
-        """Whether what the frame made again has for a folder beside BOP can be compared: labels,
-        which are the same by any number of samples, and in a frame rendered in full all."""
+        """Whether a folder of an additional channel can be compared with the frame rendered again:
+        labels always, because they do not depend on samples; others only in a frame rendered in
+        full."""
         if self._full is not None or folder not in COLOURS:
             return True
         self.report.note(f"{folder}/ was compared in the images alone that were rendered in full")
         return False
 
     def compare(self, path: Path, sample: Sample, folder: str) -> None:
-        """Compares a picture of a dataset with the frame made again. folder: of the scene."""
+        """Compares a picture of a dataset with the frame rendered again. folder: that of the
+        scene."""
         try:
             found = read_png(path)
         except (OSError, PngError):
@@ -122,7 +125,7 @@ class ColourCheck:
 
 
 def _blocks(image: NDArray[Any]) -> F32:
-    """Means of blocks of pixels; what is left over at the right and below counts with the last."""
+    """Means of blocks of pixels; the remainder at the right and bottom joins the last block."""
     planes: NDArray[Any] = image.reshape(*image.shape[:2], -1).astype(np.float32)
     for axis in (0, 1):
         size = planes.shape[axis]
@@ -134,7 +137,7 @@ def _blocks(image: NDArray[Any]) -> F32:
 
 
 def _spread(squares: F32) -> F32:
-    """Mean of the squares of a block and its neighbours."""
+    """Mean square of a block and its neighbours."""
     padded = np.pad(squares, ((1, 1), (1, 1), (0, 0)), mode="edge")
     rows, columns = squares.shape[:2]
     total = sum(padded[i : i + rows, j : j + columns] for i in range(3) for j in range(3))
@@ -149,9 +152,9 @@ def _in_levels(*images: NDArray[Any]) -> list[F32]:
 
 
 def distances(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]) -> F32:
-    """(rows, columns): how many standard deviations of its noise the mean of a block is off.
+    """(rows, columns): deviation of each block's mean in standard deviations of its noise.
 
-    found: the picture; first, second: of few samples, with other noise."""
+    found: the picture; first, second: coarse renderings with different noise."""
     a, b, c = _in_levels(found, first, second)
     low = _blocks(b)
     contrast = np.maximum(_blocks(b**2) - low**2, 0.0)
@@ -161,15 +164,15 @@ def distances(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]) ->
 
 
 def _highest(image: F32) -> F32:
-    """The largest value of a pixel and its neighbours, in each band."""
+    """Largest value of a pixel and its neighbours, in each band."""
     padded = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
     rows = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
     return np.asarray(np.maximum(np.maximum(rows[:, :-2], rows[:, 1:-1]), rows[:, 2:]))
 
 
 def wild_pixels(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]) -> tuple[int, int]:
-    """Pixels that are far out of the range of what few samples see there and beside; and pixels in
-    which those differ as far by noise."""
+    """Outliers, far beyond the range of the coarse renderings at a pixel and its neighbours; and
+    pixels in which these differ as much by noise."""
     a, b, c = _in_levels(found, first, second)
     above = a - _highest(np.maximum(b, c))
     below = -_highest(-np.minimum(b, c)) - a
@@ -178,7 +181,7 @@ def wild_pixels(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]) 
 
 
 def is_suspicious(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]) -> bool:
-    """Whether a picture is farther from one of few samples than the other of few is."""
+    """Whether a picture is farther from a coarse rendering than another coarse rendering is."""
     far = distances(found, first, second) > _FAR
     if int(np.count_nonzero(far)) > _FEW + _PART_OF_ALL * far.size:
         return True
@@ -187,7 +190,7 @@ def is_suspicious(found: NDArray[Any], first: NDArray[Any], second: NDArray[Any]
 
 
 def picture_difference(found: NDArray[Any], expected: NDArray[Any], count: int, path: Path) -> str:
-    """In words, with the likeliest cause."""
+    """Description of a difference, with its likeliest cause."""
     levels = int(np.abs(found.astype(np.int64) - expected.astype(np.int64)).max())
     text = (
         f"{count} of {found.shape[0] * found.shape[1]} pixels differ by up to {levels} from the "

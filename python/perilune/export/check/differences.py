@@ -1,4 +1,4 @@
-"""Where two values of JSON differ, in words: key by key, poses in degrees and millimetres."""
+"""Describes differences of two JSON values: key by key, poses in degrees and millimetres."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 
 _LONG = 6
-"""Lists beyond this are told by their first difference."""
+"""Longer lists are described by their first difference."""
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What two builds of the core may differ in; the same build gives the same bits."""
+    """Allowed differences between two builds of the core; the same build gives the same bits."""
 
     relative: float = 0.0
-    """Of numbers, and absolute where they are below 1."""
+    """Relative difference of numbers; absolute below 1."""
     pixels: float = 0.0
-    """Part of the pixels of a mask, and of what is counted in pixels."""
+    """Fraction of the pixels of a mask, and of counts of pixels."""
     few: int = 0
-    """Pixels beside that part."""
+    """Number of pixels in addition to that fraction."""
 
     def same(self, found: object, expected: object) -> bool:
-        """Whether two plain values are the same."""
+        """Whether two plain values are equal within the tolerance."""
         if type(found) is bool or type(expected) is bool:
             return found is expected
         if isinstance(found, int) and isinstance(expected, int):
@@ -36,14 +36,14 @@ class Tolerance:
         return found == expected
 
     def pixels_of(self, count: int) -> int:
-        """How many of so many pixels may be others."""
+        """Allowed number of different pixels among this many."""
         return int(self.few + self.pixels * abs(count))
 
 
 EXACT = Tolerance()
 OTHER_BUILD = Tolerance(1e-9, 1e-3, 3)
-"""For files that another version or instruction set has made: rounding differs, and with it pixels
-whose centre lies within it of an edge."""
+"""For files made by another version or instruction set: rounding differs, and with it pixels whose
+centre is on an edge."""
 
 
 def _is_list(value: object) -> bool:
@@ -51,7 +51,7 @@ def _is_list(value: object) -> bool:
 
 
 def _turned(found: Any, expected: Any) -> str:
-    """Of two rotations, by what angle they differ."""
+    """Angle between two rotations."""
     away = float(np.linalg.norm(np.subtract(found, expected)))
     angle = 2.0 * math.asin(min(1.0, away / math.sqrt(8.0)))
     return f"is turned by {math.degrees(angle):.3g} deg against"
@@ -68,7 +68,7 @@ _WORDS = {"cam_R_m2c": _turned, "cam_R_w2c": _turned, "cam_t_m2c": _moved, "cam_
 def differences(
     found: Any, expected: Any, tolerance: Tolerance, key: str = ""
 ) -> Iterator[tuple[str, str]]:
-    """(key path, what is there and what should be) of all that differs."""
+    """(key path, found and expected value) of all differences."""
     name = key.rpartition(".")[2]
     if isinstance(found, Mapping) and isinstance(expected, Mapping):
         for entry in sorted({*found, *expected}):

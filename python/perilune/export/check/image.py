@@ -41,21 +41,21 @@ F64 = NDArray[np.float64]
 
 _FRACTION = 1e-9
 _PIXELS = 0.02
-"""How far a pixel's centre may lie outside the projected model: rounding of single precision."""
+"""Largest distance of a pixel's centre from the projected model: rounding of single precision."""
 _ROW_PIXELS = 0.1
-"""The same where poses are stated of some rows of a rolling shutter."""
+"""The same for poses of some rows under a rolling shutter."""
 _BETWEEN = 7
-"""Places between two of these rows that are looked at."""
+"""Number of positions to test between two of these rows."""
 _DEPTH = 2e-6
-"""Relative error of depth in single precision, and of what it was computed from."""
+"""Relative error of depth in single precision, and of its inputs."""
 _SURFACE = 1e-5
-"""The same for the model's vertices, of its size."""
+"""The same for the model's vertices, relative to its size."""
 _DIRECTIONS = 16
 
 
 @dataclass
 class ImageLabels:
-    """What the JSON files say of one image."""
+    """Entries of the JSON files for one image."""
 
     camera: SceneCamera
     poses: list[Pose]
@@ -64,7 +64,7 @@ class ImageLabels:
 
 
 class ImageCheck:
-    """The checks of one image; `run` does them all."""
+    """The checks of one image; `run` runs them all."""
 
     def __init__(
         self,
@@ -127,7 +127,7 @@ class ImageCheck:
             self._retrace(whole, seen, depth)
 
     def _retrace(self, masks: list[Mask], seen: list[Mask], depth: NDArray[Any] | None) -> None:
-        """Rays against the models must meet what the labels say."""
+        """Compares the labels with rays cast at the models."""
         poses, scale = self.labels.poses, self.labels.camera.depth_scale
         why = self.tracer.shapes.why_not(poses)
         if why is not None:
@@ -221,7 +221,7 @@ class ImageCheck:
         self._whole_box(who, info, mask, inside)
 
     def _whole_box(self, who: str, info: Info, mask: Mask, inside: int) -> None:
-        """bbox_obj, of which the part inside the image is known from the mask."""
+        """Compares bbox_obj with the mask, as far as it is inside the image."""
         path, (width, height) = self._file(INFO_FILE), self.size
         x, y, w, h = info.bbox_obj
         cut = x < 0 or y < 0 or x + w >= width or y + h >= height
@@ -283,8 +283,8 @@ class ImageCheck:
 
     @staticmethod
     def _outline(mesh: Mesh, pose: Pose | PoseRow) -> F64:
-        """Points whose convex hull holds the model: with moving parts, the whole of it at rest and
-        wherever one of them has gone."""
+        """Points whose convex hull contains the model: with moving parts, the whole model at rest
+        and at every position of a part."""
         points = [mesh.outline]
         for values in (pose.articulation or {}).values():
             motion = np.reshape(values, (4, 4))
@@ -292,7 +292,7 @@ class ImageCheck:
         return np.concatenate(points)
 
     def _between_rows(self, mesh: Mesh, pose: Pose) -> list[F64]:
-        """Points of the model between rows that are stated: what turns leaves the hull of both."""
+        """Points of the model between given rows, because rotation leaves the hull of both."""
         placed = []
         for first, last in pairwise(pose.rows or ()):
             places = np.linspace(first.row, last.row, _BETWEEN + 2)[1:-1]
@@ -302,7 +302,7 @@ class ImageCheck:
         return placed
 
     def _projection(self, gt_id: int, pose: Pose, info: Info, mask: Mask) -> None:
-        """The convex hull of the model's projection must hold the mask and bbox_obj."""
+        """Checks that the convex hull of the model's projection contains the mask and bbox_obj."""
         mesh = self.meshes.get(pose.obj_id)
         if mesh is None:
             return
@@ -338,7 +338,7 @@ class ImageCheck:
         self._need(over <= slack, path, reason)
 
     def _surface(self, gt_id: int, pose: Pose, visible: Mask, depth: NDArray[Any]) -> None:
-        """Depth at visible pixels, taken into the model's frame, must lie in the model's box."""
+        """Checks that depth at visible pixels lies in the model's box, in the model's frame."""
         path = self.scene.depth(self.im_id)
         lines, columns = np.nonzero(visible)
         steps = depth[lines, columns].astype(np.float64)
@@ -367,7 +367,7 @@ class ImageCheck:
         self._need(not wrong.any(), path, reason)
 
     def _depth_scale(self, depth: NDArray[Any], annotated: Mask) -> None:
-        """The scale must be the finest that holds the farthest annotated surface."""
+        """Checks that the scale is the finest that covers the farthest annotated surface."""
         path, scale = self._file(CAMERA_FILE), self.labels.camera.depth_scale
         measured = depth[annotated] if annotated.any() else depth
         steps = int(measured.max(initial=0))

@@ -1,4 +1,4 @@
-"""What a dataset does not hold though its configuration asks for it."""
+"""Checks for content that the configuration asks for but the dataset lacks."""
 
 from __future__ import annotations
 
@@ -14,13 +14,15 @@ from perilune.frame.unseen import target_of
 from perilune.simulation import Simulation
 
 _FAR_OFF = 100.0
-"""Sizes of a target by which a camera that looks beside it does not mean it, as a star tracker."""
+"""Distance of the view from a target, in its sizes, beyond which the camera is not meant to see it,
+as in a star tracker."""
 _PIXELS = 4.0
-"""Of the sphere about a target that an image shows for certain: thin things miss the centres."""
+"""Size of a target's bounding sphere in pixels that is certain to show; pixel centres can miss thin
+objects."""
 
 
 def _seen(folders: Sequence[Path]) -> Iterator[tuple[int, bool]]:
-    """(object, whether it is visible) of all instances of all images."""
+    """(object, whether it is visible) for all instances of all images."""
     for folder in folders:
         told: dict[str, Any] = load_object(folder / INFO_FILE)
         for im_id, rows in load_object(folder / GT_FILE).items():
@@ -29,7 +31,7 @@ def _seen(folders: Sequence[Path]) -> Iterator[tuple[int, bool]]:
 
 
 def check_intent(report: Report, sim: Simulation, folders: Sequence[Path]) -> None:
-    """Classes of parts that no part has, and a camera's target that no image shows."""
+    """Reports classes of parts without a part, and a camera's target that no image shows."""
     path = report.folder / CONFIG_FILE
     for key, text in sim.unmatched_part_classes():
         report.add(path, f"{key}: {text}")
@@ -49,7 +51,7 @@ def check_intent(report: Report, sim: Simulation, folders: Sequence[Path]) -> No
 
 
 def _smallest_px(folders: Sequence[Path], obj_id: int, size_m: float) -> float:
-    """Size of an object in the image in which it is farthest; inf where it is in none."""
+    """Size of an object in the image where it is farthest; inf if it is in none."""
     sizes = [float("inf")]
     for folder in folders:
         cameras = load_object(folder / CAMERA_FILE)

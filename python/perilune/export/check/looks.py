@@ -1,4 +1,5 @@
-"""Compares pictures with labels where frames cannot be made again: what no true picture shows."""
+"""Compares pictures with labels if frames cannot be rendered again, by what no true picture
+shows."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ Mask = NDArray[np.bool_]
 F32 = NDArray[np.float32]
 
 _LEAST_OUTLINE = 40
-"""Pixels, of an outline that tells something."""
+"""Pixels of the shortest outline to test."""
 _CLEAR, _BETTER = 4.0, 2.5
 """How much steeper than everywhere a picture is on an outline that it shows; and than on that of
 its masks, where it shows another. On their own outlines untouched pictures are the steepest."""
@@ -31,7 +32,7 @@ _TURNS: dict[str, tuple[slice, slice]] = {
 
 
 def _steepness(image: NDArray[Any]) -> F32:
-    """(height, width): differences to the pixels on the right and below."""
+    """(height, width): differences from the pixels to the right and below."""
     grey: F32 = image.mean(axis=2, dtype=np.float32)
     steep: F32 = np.zeros(grey.shape, dtype=np.float32)
     across, down = np.abs(np.diff(grey, axis=1)), np.abs(np.diff(grey, axis=0))
@@ -54,13 +55,13 @@ def _outline(mask: Mask) -> Mask:
 
 
 def contrast(steep: F32, outline: Mask) -> float:
-    """How much steeper a picture is on an outline than everywhere."""
+    """Ratio of a picture's steepness on an outline to that elsewhere."""
     return float(steep[outline].mean() / max(float(steep.mean()), 1e-3))
 
 
 @dataclass
 class _Seen:
-    """What is kept of an image."""
+    """Data kept of an image."""
 
     path: Path
     outline: Mask
@@ -81,7 +82,8 @@ def _fits(steep: F32, outline: Mask, other: Mask) -> bool:
 
 
 def _turned(steep: F32, outline: Mask) -> str | None:
-    """As what the picture shows the outline that it does not show as it is."""
+    """The transformation of the picture that shows an outline which the picture itself does not
+    show."""
     for text, index in _TURNS.items():
         if _fits(steep, outline, outline[index]):
             return f"edges are not those of the masks, but they would be if it were {text}"

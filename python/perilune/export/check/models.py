@@ -18,16 +18,17 @@ from perilune.export.writers.diameter import diameter
 F64 = NDArray[np.float64]
 
 _SIZES = 1e-6
-"""Relative; sizes are exact but for the rounding of sums."""
+"""Relative tolerance; sizes are exact except for rounding in sums."""
 _CENTRE = 1e-5
-"""Of the diameter: how far the box's centre may lie from the origin in single precision."""
+"""Largest distance of the box's centre from the origin, relative to the diameter: single
+precision."""
 _NORMALS = 1e-3
 ROTATION = 1e-9
-"""How far R^T R may be from the identity."""
+"""Largest deviation of R^T R from the identity."""
 
 
 def rotation_fault(R: F64) -> str | None:
-    """Why a 3x3 matrix is no rotation."""
+    """Reason why a 3x3 matrix is no rotation."""
     off = float(np.abs(R @ R.T - np.eye(3)).max())
     if off > ROTATION:
         return f"is not orthonormal: R R^T differs from 1 by {off:.3g}"
@@ -78,7 +79,7 @@ def _check_info(report: Report, path: Path, key: str, info: ModelInfo, mesh: Mes
 
 
 def check_shapes(report: Report) -> Shapes:
-    """Checks all models, and the parts of them that move; returns what rays meet of them."""
+    """Checks all models and their moving parts; returns their geometry for rays."""
     infos, meshes = _check_models(report, MODELS, ModelInfo)
     if (report.folder / EVAL).exists():
         _check_models(report, EVAL, EvalInfo)
@@ -97,8 +98,8 @@ Kind = TypeVar("Kind", bound=ModelInfo)
 def _check_models(
     report: Report, name: str, kind: type[Kind]
 ) -> tuple[dict[int, Kind], dict[int, Mesh | None]]:
-    """Checks a folder of models; returns the entry and the mesh of every model it lists, None for a
-    mesh that is of no use."""
+    """Checks a folder of models; returns the entry and the mesh of every listed model, None for an
+    invalid mesh."""
     folder = report.folder / name
     infos = read_json(report, folder / "models_info.json", by_id(kind)) or {}
     meshes: dict[int, Mesh | None] = dict.fromkeys(map(int, infos))

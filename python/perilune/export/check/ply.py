@@ -16,7 +16,7 @@ _FACE_PROPERTY = ["list", "uchar", "int", "vertex_indices"]
 
 
 class PlyError(ValueError):
-    """The file is not the PLY it should be."""
+    """An invalid PLY file."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,8 @@ class Mesh:
 
     @cached_property
     def outline(self) -> NDArray[np.float64]:
-        """Points with the convex hull of all vertices: each place once, and of the places on a
-        line along x only the two ends."""
+        """Points with the convex hull of all vertices: without duplicates, and only the two ends of
+        points on a line along x."""
         points = self.points[np.lexsort(self.points.T)]  # by z, then y, then x
         new_line = (np.diff(points[:, 1:], axis=0) != 0.0).any(axis=1)
         ends = np.ones((2, len(points)), dtype=bool)
@@ -63,7 +63,7 @@ def _header(lines: list[list[str]]) -> tuple[int, np.dtype[Any], int]:
 
 
 def read_ply(path: Path) -> Mesh:
-    """The mesh of a file; PlyError says what is wrong with it."""
+    """The mesh of a file; PlyError with its fault."""
     header, mark, body = path.read_bytes().partition(b"end_header\n")
     try:
         if not mark:

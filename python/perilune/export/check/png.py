@@ -1,8 +1,6 @@
-"""Reads the PNG files of a dataset, strictly: 8-bit grey or RGB and 16-bit grey, whole and sound.
+"""Reads the PNG files of a dataset strictly: 8-bit grey or RGB and 16-bit grey, complete and valid.
 
-Pillow decodes. Whether chunks are whole, and hold as many pixels as the header says, is found here:
-Pillow takes a picture with too few rows, or too many, for a sound one.
-"""
+PNG specification, third edition (W3C): sections 5 (chunks), 9 (filters)."""
 
 from __future__ import annotations
 
@@ -22,12 +20,12 @@ _COLOR_NAMES = {0: "grey", 2: "RGB", 3: "palette", 4: "grey with alpha", 6: "RGB
 
 
 class PngError(ValueError):
-    """The file is not the PNG it should be."""
+    """An invalid PNG file."""
 
 
 @dataclass(frozen=True)
 class Kind:
-    """What sort of picture a file holds."""
+    """Pixel format of a picture."""
 
     bits: int
     color: int

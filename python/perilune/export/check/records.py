@@ -14,10 +14,10 @@ from perilune.export.check.findings import Report
 T = TypeVar("T")
 
 _SHOWN = 5
-"""Faults of one file that are told one by one."""
+"""Number of faults of one file that are listed."""
 
 LARGEST_SIDE = 32768
-"""Of an image, pixels: as in the configuration."""
+"""Largest side of an image in pixels, as in the configuration."""
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0.0)]
@@ -46,7 +46,7 @@ class Camera(_Exact):
 
 
 class Frame(_Exact):
-    """Which frame an image is, and what its drivers drew, by key path."""
+    """Index of a frame, and values of its drivers by key path."""
 
     index: Annotated[int, Field(ge=0)]
     drivers: dict[str, JsonValue]
@@ -72,7 +72,7 @@ class SceneCamera(_Exact):
     sensor: str | None = None
     frame: Frame | None = None
     rows: list[CameraRow] | None = None
-    """Of a rolling shutter."""
+    """Under a rolling shutter."""
 
 
 class PoseRow(_Exact):
@@ -93,7 +93,8 @@ class Pose(_Exact):
     articulation: dict[str, Sixteen] | None = None
     """Moving node -> its motion in the model's frame: 4 x 4, row by row, mm."""
     rows: list[PoseRow] | None = None
-    """Of a rolling shutter: between two, straight and by the shorter turn, in camera axes."""
+    """Under a rolling shutter. Interpolate linearly, rotations by the shorter arc, in camera
+    axes."""
 
 
 class Info(_Exact):
@@ -191,25 +192,25 @@ class ModelInfo(_Exact):
     symmetries_continuous: list[Line] = []
     symmetries_discrete: list[Sixteen] = []
     faces_one_sided: Count = 0
-    """Faces whose back is not rendered: renderers that draw backs see more."""
+    """Number of faces whose back is not rendered; renderers without culling show more."""
     faces_cut_in_part: Count = 0
-    """Faces, the last of the file, of which alpha leaves a part only."""
+    """Number of faces, the last of the file, of which alpha leaves only a part."""
     triangles_left_out: Count = 0
-    """Triangles of which alpha leaves nothing, and which are no faces."""
+    """Number of triangles that alpha removes completely, which are not written as faces."""
 
 
 class EvalInfo(ModelInfo):
-    """An entry of models_info.json of the evaluation models; their surface is only nearly the same,
-    so that their box need not be about the origin."""
+    """An entry of models_info.json of the evaluation models. Their surface is only approximately
+    the same, so their box need not be centred at the origin."""
 
 
 class PartInfo(ModelInfo):
-    """An entry of models_info.json of the parts that move."""
+    """An entry of models_info.json of the moving parts."""
 
     obj_id: Count
     nodes: list[str]
-    """Moving nodes that it hangs on, the nearest first; it moves by the first that `articulation`
-    of an instance names."""
+    """Moving nodes above it, nearest first; it moves with the first that `articulation` of an
+    instance names."""
 
 
 class SensorEntry(_Exact):
@@ -220,7 +221,7 @@ class SensorEntry(_Exact):
 
 
 class Channel(_Exact):
-    """An entry of `channels` of dataset_info.json: files beside BOP."""
+    """An entry of `channels` of dataset_info.json: files in addition to BOP's."""
 
     components: Count | None
     dtype: Literal["uint8", "uint16", "int32", "float32", "float64"]
@@ -228,7 +229,7 @@ class Channel(_Exact):
 
 
 class Source(BaseModel):
-    """dataset_info.json, as far as a check needs it; more keys are free."""
+    """dataset_info.json, as far as a check needs it; other keys are allowed."""
 
     model_config = ConfigDict(strict=True, frozen=True)
 
@@ -241,9 +242,9 @@ class Source(BaseModel):
     sensors: list[SensorEntry] = []
     """In the order in which they take frames; empty without sensors."""
     pictures: dict[Literal["rgb", "sensor_rgb", "raw"], Literal["rgb", "sensor_rgb", "raw"]] = {}
-    """Folder -> channel of the images that are no labels; empty: `rgb` alone."""
+    """Folder -> channel of the images other than labels; empty: `rgb` alone."""
     channels: dict[str, Channel] = {}
-    """What is written beside BOP, a folder each."""
+    """Channels in addition to BOP's, a folder each."""
     split: Annotated[str, Field(pattern="^[a-z0-9]+(_[a-z0-9]+)?$")]
 
 
@@ -260,7 +261,7 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def read_json(report: Report, path: Path, adapter: TypeAdapter[T]) -> T | None:
-    """The checked content of a file; None after noting why there is none."""
+    """The validated content of a file; None, with a finding, if it is invalid."""
     try:
         value = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_unique)
         return adapter.validate_python(value)

@@ -1,4 +1,4 @@
-"""Compares the labels of images with those that the configuration makes, file by file."""
+"""Compares the labels of images with those rendered from the configuration, file by file."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from perilune.sample import Sample
 
 
 def json_files(record: Any) -> dict[str, Any]:
-    """File -> what it must say of one image; annotations without their ids."""
+    """File -> expected content for one image; annotations without their ids."""
     entry = json.loads(json.dumps(vars(record)))
     names = {"camera": CAMERA_FILE, "gt": GT_FILE, "gt_info": INFO_FILE, "annotations": COCO_FILE}
     return {name: entry[key] for key, name in names.items() if key in entry}
 
 
 class RemadeScene:
-    """Makes the images of one scene again beside it, and compares."""
+    """Renders the images of a scene again in a separate folder, and compares."""
 
     def __init__(self, report: Report, remake: Remake, folder: Path, colour: ColourCheck) -> None:
         self.report = report
@@ -128,7 +128,7 @@ def _kind(array: NDArray[Any]) -> str:
 def label_difference(
     found: NDArray[Any], expected: NDArray[Any], tolerance: Tolerance
 ) -> str | None:
-    """How two label pictures of one shape differ; None if they do not."""
+    """Difference of two label pictures of the same shape; None if they are equal."""
     same = (found == expected) | ((found != found) & (expected != expected))
     other = ~(same if same.ndim == 2 else same.reshape(*same.shape[:2], -1).all(axis=2))
     count = int(np.count_nonzero(other))

@@ -1,4 +1,4 @@
-"""Makes a dataset again from the configuration that it holds, and compares every file of it."""
+"""Makes a dataset again from the configuration that it holds, and compares every file."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from perilune.export.writers.bop_files import CAMERA_FILE, load_object
 
 _MEMORY = "/dev/shm"
 _ROOM = 2 << 30
-"""Bytes that must be free there: for models, and one image at a time."""
+"""Bytes of free space needed there: for models, and one image at a time."""
 _OF_FILES = f"files_sha256 in {SOURCE_FILE} names"
 _SAME = "what is there now makes the very same dataset"
 
 
 def _scratch() -> str | None:
-    """A folder in memory, where files are written without waiting for a disk; None: any other."""
+    """A folder in memory, which needs no disk; None: any other."""
     try:
         roomy = shutil.disk_usage(_MEMORY).free >= _ROOM
     except OSError:
@@ -35,7 +35,7 @@ def _scratch() -> str | None:
 
 
 def _indices(folders: list[Path], chunk_size: int) -> dict[Path, dict[int, int]]:
-    """Scene folder -> image id -> index of the frame, of all that the cameras' file names."""
+    """Scene folder -> image id -> frame index, from the cameras' files."""
     found: dict[Path, dict[int, int]] = {}
     for folder in folders:
         im_ids = sorted(int(key) for key in load_object(folder / CAMERA_FILE) if key.isdecimal())
@@ -44,7 +44,7 @@ def _indices(folders: list[Path], chunk_size: int) -> dict[Path, dict[int, int]]
 
 
 def _spread_over(indices: Sequence[int], count: int) -> frozenset[int]:
-    """So many of the indices, evenly from the first part of them to the last."""
+    """This many of the indices, evenly spread over them."""
     total = len(indices)
     count = min(count, total)
     return frozenset(indices[(2 * k + 1) * total // (2 * count)] for k in range(count))
@@ -53,7 +53,7 @@ def _spread_over(indices: Sequence[int], count: int) -> frozenset[int]:
 def _compare_frames(
     report: Report, remake: Remake, folders: list[Path], rerender: int | None, step: Step
 ) -> None:
-    """Compares all images with the frames made again."""
+    """Compares all images with the frames rendered again."""
     frames = _indices(folders, remake.chunk_size)
     every = [index for rows in frames.values() for index in rows.values()]
     exact = None if rerender is None else _spread_over(every, rerender)
@@ -79,7 +79,7 @@ def compare_with_config(
     base: Path | None,
     step: Step,
 ) -> bool:
-    """Makes the dataset again from its configuration, and compares. False: it cannot be made."""
+    """Makes the dataset again from its configuration, and compares. False if that is impossible."""
     with tempfile.TemporaryDirectory(prefix="perilune-check-", dir=_scratch()) as name:
         remake = open_remake(report, source, Path(name), base)
         if remake is None:

@@ -1,5 +1,5 @@
-"""Opens the configuration that a dataset holds, and compares with what it makes: all files but
-those of scenes."""
+"""Opens the configuration of a dataset, and compares all files outside the scenes with its
+results."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from perilune.export.writers.bop_config import CONFIG_FILE
 from perilune.simulation import Simulation
 
 _FREE = {"versions", "files_sha256"}
-"""Keys of dataset_info.json that are compared in another way."""
+"""Keys of dataset_info.json that are compared separately."""
 
 
 class StoredConfig(BaseModel):
@@ -41,15 +41,15 @@ class StoredConfig(BaseModel):
 
 @dataclass(frozen=True)
 class Remake:
-    """What makes the frames of a dataset again."""
+    """A source of a dataset's frames, made again."""
 
     sim: Simulation
     job: Job
-    """Of a dataset beside the one that is checked."""
+    """Job of a separate dataset for comparison."""
     tolerance: Tolerance
     chunk_size: int
     changed: Sequence[str] = ()
-    """Keys of models and maps that are no longer those that the dataset was made of."""
+    """Keys of models and maps that have changed since the dataset was made."""
 
 
 def _opened(stored: StoredConfig, source: str, base: Path | None) -> Simulation:
@@ -72,11 +72,11 @@ def _check_hash(report: Report, source: Source, stored: StoredConfig) -> None:
 def open_remake(
     report: Report, source: Source, folder: Path, base: Path | None = None
 ) -> Remake | None:
-    """Opens the configuration of a dataset; None after a note that says why it cannot be.
+    """Opens the configuration of a dataset; None, after a note with the reason, if that is
+    impossible.
 
-    folder: of the dataset that is made for comparison. base: what relative paths refer to, where it
-    is no longer the folder that the dataset names.
-    """
+    folder: that of the dataset made for comparison. base: folder that relative paths refer to, if
+    it is no longer the recorded one."""
     path = report.folder / CONFIG_FILE
     stored = read_json(report, path, TypeAdapter(StoredConfig))
     without = "frames, models and colour were not made again for comparison:"
@@ -99,7 +99,8 @@ def open_remake(
 
 
 def _compared(report: Report, folder: Path) -> tuple[Tolerance, list[str]]:
-    """Compares dataset_info.json; tells how exact all else must be, and which files changed."""
+    """Compares dataset_info.json; returns the tolerance for everything else, and the changed
+    files."""
     path = report.folder / SOURCE_FILE
     found, made = (json.loads((root / SOURCE_FILE).read_text()) for root in (report.folder, folder))
     for key in sorted(set(made) - _FREE):
@@ -120,7 +121,7 @@ def _compared(report: Report, folder: Path) -> tuple[Tolerance, list[str]]:
 
 
 def _changed_files(report: Report, found: dict[str, Any], made: dict[str, Any]) -> list[str]:
-    """Keys of models and maps whose hashes are not those of the files that are there now."""
+    """Keys of models and maps whose hashes differ from those of the present files."""
     path, key = report.folder / SOURCE_FILE, "files_sha256"
     stated, now = found.get(key), made[key]
     if not isinstance(stated, dict) or set(stated) != set(now):
@@ -130,7 +131,7 @@ def _changed_files(report: Report, found: dict[str, Any], made: dict[str, Any]) 
 
 
 def compare_root(report: Report, remake: Remake, folder: Path) -> None:
-    """Compares the files that are no scene's with those made again, but for dataset_info.json."""
+    """Compares the files outside scenes with those made again, except dataset_info.json."""
     for made in sorted(path for path in folder.rglob("*") if path.is_file()):
         name = made.relative_to(folder)
         path = report.folder / name
@@ -144,7 +145,7 @@ def compare_root(report: Report, remake: Remake, folder: Path) -> None:
 
 
 def _explain(report: Report, path: Path, made: Path, tolerance: Tolerance) -> None:
-    """Says how a file differs from the one made again."""
+    """Reports how a file differs from the one made again."""
     if path.suffix == ".json":
         try:
             found, expected = json.loads(path.read_text()), json.loads(made.read_text())
@@ -165,7 +166,7 @@ def _explain(report: Report, path: Path, made: Path, tolerance: Tolerance) -> No
 
 
 def _mesh_difference(found: Mesh, made: Mesh, tolerance: Tolerance) -> str | None:
-    """In what two models differ most plainly."""
+    """Plainest difference of two models."""
     counts = (len(found.points), len(found.faces)), (len(made.points), len(made.faces))
     if counts[0] != counts[1]:
         return (

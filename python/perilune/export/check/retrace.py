@@ -1,4 +1,4 @@
-"""Traces the models of a dataset in the poses of its labels: what must be seen of them."""
+"""Casts rays at the models of a dataset in the poses of its labels: what must be visible."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ Mask = NDArray[np.bool_]
 _M_PER_MM = 1e-3
 _CAMERA = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
 _SUN_M = [0.0, 0.0, -1.5e11]
-"""Behind the camera; labels ask for no light."""
+"""Behind the camera; labels need no light."""
 _KEPT = 16
-"""Scenes that are kept; most datasets need one."""
+"""Number of scenes to cache; most datasets need one."""
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """The models of a dataset, as rays meet them."""
+    """The models of a dataset as geometry for rays."""
 
     meshes: Mapping[int, Mesh | None]
     infos: Mapping[int, ModelInfo]
     parts: Mapping[int, Sequence[tuple[PartInfo, Mesh]]] = field(default_factory=dict)
-    """Of objects with parts that move, by object."""
+    """Moving parts of articulated objects, by object."""
 
     def of(self, pose: Pose, cut: bool) -> tuple[F64, NDArray[np.int32]]:
-        """(vertices (V, 3) in mm, faces (F, 3)) of an instance, its parts where they have gone.
+        """(vertices (V, 3) in mm, faces (F, 3)) of an instance, with its parts in their poses.
 
-        cut: with the faces of which alpha leaves a part only."""
+        cut: include the faces of which alpha leaves only a part."""
         parts = self.parts.get(pose.obj_id) if pose.articulation else None
         if not parts:
             mesh, info = self.meshes[pose.obj_id], self.infos[pose.obj_id]
@@ -60,7 +60,7 @@ class Shapes:
         return any(self.infos[pose.obj_id].faces_cut_in_part for pose in poses)
 
     def why_not(self, poses: Sequence[Pose]) -> str | None:
-        """Why the poses cannot be traced."""
+        """Reason why the poses cannot be traced."""
         if any(self.meshes.get(pose.obj_id) is None for pose in poses):
             return "a model is of no use"
         if any(pose.rows and pose.articulation for pose in poses):
@@ -77,13 +77,13 @@ def _motion(pose: Pose, nodes: Sequence[str]) -> F64:
 
 
 def _uncut(mesh: Mesh, info: ModelInfo, cut: bool) -> NDArray[np.int32]:
-    """The faces, those at the end that alpha cuts left out if asked."""
+    """The faces, on request without those at the end that alpha cuts."""
     return mesh.faces if cut else mesh.faces[: len(mesh.faces) - info.faces_cut_in_part]
 
 
 @dataclass(frozen=True)
 class Traced:
-    """What rays through the centres of pixels meet of the models; nothing else is in their way."""
+    """First hits of rays through pixel centres with the models; nothing else occludes them."""
 
     masks: Mask  # (instances, height, width), each alone
     front: NDArray[np.int32]  # (height, width), index of the nearest instance, -1: none
@@ -92,7 +92,7 @@ class Traced:
 
 
 class Tracer:
-    """Traces images of one size; keeps the accelerators of models without moving parts."""
+    """Traces images of one size; caches acceleration structures of models without moving parts."""
 
     def __init__(self, shapes: Shapes, size: tuple[int, int]) -> None:
         self.shapes = shapes
@@ -100,7 +100,7 @@ class Tracer:
         self._kept: dict[tuple[Any, ...], _core.Renderer] = {}
 
     def trace(self, K: F64, poses: Sequence[Pose], cut: bool = True) -> Traced:
-        """cut: with the faces of which alpha leaves a part only, as if it left all."""
+        """cut: include the faces of which alpha leaves only a part, as if opaque."""
         width, height = self.size
         count = len(poses)
         out: dict[str, NDArray[Any]] = {
@@ -150,7 +150,7 @@ class Tracer:
 
 
 def _rolling(poses: Sequence[Pose], height: int) -> dict[str, Any]:
-    """Keys at every row, and between rows where there is an even number of them."""
+    """Keys at every row; if their number is even, also between rows."""
     places = np.linspace(0.0, height - 1.0, height if height % 2 else 2 * height - 1)
     objects = np.empty((len(poses), len(places), 7))
     for k, pose in enumerate(poses):
@@ -168,7 +168,7 @@ def _rolling(poses: Sequence[Pose], height: int) -> dict[str, Any]:
 
 
 def _request(K: F64, size: tuple[int, int], poses: Sequence[Pose]) -> _core.FrameRequest:
-    """Of a pinhole at the origin, in whose axes the poses are."""
+    """Request for a pinhole camera at the origin, whose axes the poses refer to."""
     objects = np.empty((len(poses), 2, 7))
     for k, pose in enumerate(poses):
         objects[k, :, :3] = np.multiply(pose.cam_t_m2c, _M_PER_MM)

@@ -1,4 +1,4 @@
-"""Compares the labels of an image with what rays meet of the models in the stated poses."""
+"""Compares the labels of an image with ray hits on the models in the given poses."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Need = Callable[[bool, Path, str], None]
 FEW, OF_OUTLINE = 2, 0.005
 """Pixels, and part of the outline's, that may differ: centres within rounding of an edge."""
 _OF_DEPTHS = 0.002
-"""Part of the pixels whose depth may be another one: where surfaces are seen edge on."""
+"""Fraction of the pixels whose depth may differ: surfaces seen edge-on."""
 _DEPTH = 4e-6
-"""Relative error of depth in single precision, beside half a step."""
+"""Relative error of depth in single precision, in addition to half a step."""
 
 
 def outline(mask: Mask) -> int:
-    """Pixels of a mask that have a neighbour outside of it."""
+    """Pixels of a mask with a neighbour outside of it."""
     inner = mask.copy()
     inner[1:] &= mask[:-1]
     inner[:-1] &= mask[1:]
@@ -46,7 +46,7 @@ class RetracedImage:
         poses: Sequence[Pose],
         infos: Sequence[Info],
     ) -> None:
-        """need: notes what is not so: (holds, file, reason)."""
+        """need: records faults: (holds, file, reason)."""
         self.need = need
         self.scene = scene
         self.im_id = im_id
@@ -62,7 +62,8 @@ class RetracedImage:
         depth_mm: F64 | None,
         step_mm: float,
     ) -> None:
-        """masks, visible: of all instances. depth_mm: (height, width), 0 where there is none."""
+        """masks, visible: those of all instances. depth_mm: (height, width), 0 where there is
+        none."""
         whole = tracer.trace(K, self.poses)
         least = (
             tracer.trace(K, self.poses, cut=False) if tracer.shapes.is_cut(self.poses) else whole
@@ -88,7 +89,7 @@ class RetracedImage:
     def _front(
         self, k: int, seen: Mask, whole: Traced, least: Traced, few: int, depth_mm: F64 | None
     ) -> None:
-        """An instance is seen where rays meet it first, but for bodies in between."""
+        """An instance is visible where rays hit it first, unless a body is in front."""
         path = self.scene.mask_visib(self.im_id, k)
         behind = int(np.count_nonzero(seen & (whole.front != k) & ~self._maybe(k, whole, least)))
         reason = f"at {behind} pixels rays meet another instance or none first; {few} may differ"
@@ -107,11 +108,11 @@ class RetracedImage:
 
     @staticmethod
     def _maybe(k: int, whole: Traced, least: Traced) -> Mask | bool:
-        """Where alpha decides which instance is seen."""
+        """Pixels where alpha decides which instance is visible."""
         return False if least is whole else whole.masks[k] & (whole.front != least.front)
 
     def _counts(self, k: int, most: Any, least: Any, edge: int, sure: bool) -> None:
-        """The whole silhouette, outside the image too; of hidden instances alike."""
+        """Counts of the whole silhouette, also outside the image and for hidden instances."""
         path, info, who = self.scene.folder / INFO_FILE, self.infos[k], f"instance {k}"
         high, low = int(most["px_count_all"]), int(least["px_count_all"])
         box = [int(value) for value in most["bbox_obj"]]

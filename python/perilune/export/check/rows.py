@@ -14,7 +14,7 @@ F64 = NDArray[np.float64]
 
 
 def stated(pose: Pose) -> list[Pose | PoseRow]:
-    """All poses that are stated of an instance: of the middle of the frame, and of some rows."""
+    """All poses given for an instance: in the middle of the frame, and of some rows."""
     return [pose, *(pose.rows or ())]
 
 
@@ -24,7 +24,7 @@ def matrices(at: Pose | PoseRow) -> tuple[F64, F64]:
 
 
 def fault(pose: Pose, height: int) -> str | None:
-    """Why the rows cannot be those of an image of that height."""
+    """Reason why the rows cannot belong to an image of that height."""
     rows = [at.row for at in pose.rows or ()]
     if not rows:
         return None
@@ -36,7 +36,7 @@ def fault(pose: Pose, height: int) -> str | None:
 
 
 def at_rows(pose: Pose, rows: NDArray[Any]) -> tuple[F64, F64]:
-    """R (n, 3, 3) and t (n, 3), mm, of each of the image's rows (n,), or of places between."""
+    """R (n, 3, 3) and t (n, 3), mm, at the image's rows (n,), or at positions between them."""
     if not pose.rows:
         R, t = matrices(pose)
         return np.broadcast_to(R, (len(rows), 3, 3)), np.broadcast_to(t, (len(rows), 3))

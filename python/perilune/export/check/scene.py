@@ -35,13 +35,13 @@ from perilune.export.writers.bop_files import (
 from perilune.export.writers.bop_labels import CocoHeader
 
 _FREE = {"aux"}
-"""Folder in which a scene may keep what is not of the format."""
+"""Folders in which a scene may keep files outside the format."""
 
 Step = Callable[[], None]
 
 
 def _same_images(report: Report, folder: Path, tables: Mapping[str, Mapping[str, object]]) -> bool:
-    """All tables must name the same images, in the order of numbers."""
+    """Checks that all tables have the same images, in numerical order."""
     first = list(tables[CAMERA_FILE])
     report.need(first == sorted(first, key=int), folder / CAMERA_FILE, "ids are out of order")
     good = True
@@ -57,7 +57,7 @@ def _same_images(report: Report, folder: Path, tables: Mapping[str, Mapping[str,
 
 
 def _check_files(report: Report, scene: SceneFolder, poses: Mapping[str, list[Pose]]) -> None:
-    """Exactly the files that the labels ask for."""
+    """Checks that exactly the files that the labels require are there."""
     folder = scene.folder
     wanted = set(SCENE_FILES)
     for key, instances in poses.items():
@@ -77,7 +77,7 @@ def _check_files(report: Report, scene: SceneFolder, poses: Mapping[str, list[Po
 def _check_coco(
     report: Report, path: Path, coco: Coco, header: CocoHeader
 ) -> dict[int, list[Annotation]]:
-    """Everything of the COCO file but the annotations' contents; those by image."""
+    """Checks the COCO file except for the annotations' contents; returns these by image."""
     im_ids = [image.id for image in coco.images]
     report.need(len(set(im_ids)) == len(im_ids), path, "an image occurs twice")
     expected = header.file({im_id: [] for im_id in im_ids})
@@ -105,7 +105,7 @@ def _check_coco(
 def _check_sensors(
     report: Report, folder: Path, source: Source, cameras: Mapping[str, SceneCamera]
 ) -> None:
-    """Each image must be of the sensor whose turn it is."""
+    """Checks that each image comes from the sensor whose turn it is."""
     timeline = Timeline(1, {row.name: row.trigger_interval for row in source.sensors})
     first = int(folder.name) * source.chunk_size
     for key, camera in cameras.items():

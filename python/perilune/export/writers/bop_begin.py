@@ -1,4 +1,4 @@
-"""What write_bop was asked: whether it can be, and whether the folder is free for it."""
+"""Checks the arguments of write_bop, and that the folder is free for the dataset."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _SHOWN = 60
 
 
 def check_simulation(sim: Any) -> None:
-    """TypeError for what is no simulation, such as the path of a configuration."""
+    """TypeError for an object that is no simulation, such as the path of a configuration."""
     if not hasattr(sim, "document"):  # what stands for a simulation, as a proxy, is one
         given = f"'{sim}'" if isinstance(sim, (str, Path)) else f"{sim!r:.60}"
         raise TypeError(
@@ -28,9 +28,9 @@ def check_simulation(sim: Any) -> None:
 
 
 def as_range(frames: Any) -> range:
-    """The frames as a range: also of a list or an array of evenly rising indices.
+    """The frames as a range, also from a list or an array of evenly spaced, ascending indices.
 
-    TypeError for what is no such thing, ValueError for indices that are not evenly spaced."""
+    TypeError for other types, ValueError for indices that are not evenly spaced."""
     if isinstance(frames, range):
         return frames
     if isinstance(frames, np.ndarray):
@@ -57,7 +57,7 @@ def _described(value: Any) -> str:
 
 
 def check_folder(out: Any) -> Path:
-    """The dataset's folder; ValueError if it holds other things than a dataset of ours."""
+    """The dataset's folder; ValueError if it holds anything else than a dataset of ours."""
     if not isinstance(out, (str, Path)):
         raise TypeError(f"out: must be the path of a folder, not {type(out).__name__} {out!r:.60}")
     root = Path(out)
@@ -78,7 +78,7 @@ def check_folder(out: Any) -> Path:
 
 
 def changed_keys(root: Path, tree: Mapping[str, Any]) -> str:
-    """The keys in which a configuration differs from that of a dataset; empty if that is lost."""
+    """Keys in which a configuration differs from that of a dataset; empty if that is lost."""
     try:
         kept = json.loads((root / CONFIG_FILE).read_text(encoding="utf-8"))["tree"]
     except (OSError, ValueError, KeyError, TypeError):

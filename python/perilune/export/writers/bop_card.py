@@ -1,4 +1,4 @@
-"""The card of a dataset: what it shows, how much of it, and how it was made."""
+"""The card of a dataset: its content, its size, and how it was made."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from perilune.export.writers.bop_labels import LEAST_VISIBLE
 
 SOURCE_FILE = "dataset_info.json"
 CARD_FILE = "dataset_info.md"
-"""Written last: a dataset without it is not finished."""
+"""Written last: a dataset without it is incomplete."""
 
 _SHOWN = {
     "rgb": "the colours as they are",
     "sensor_rgb": "as the sensor's electronics show them",
     "raw": "digital numbers of the sensor, 16 bit",
 }
-"""Channel -> what the card says of it."""
+"""Channel -> its description on the card."""
 _ROLLING = (
     "The shutter rolls: labels of a row are of the middle of its exposure. Poses are of the middle "
     "of the frame; `rows`, in scene_gt.json and scene_camera.json, gives those of some rows, and "
@@ -40,7 +40,7 @@ _PARTS = (
 
 @dataclass
 class ObjectRow:
-    """What the card says of one model."""
+    """The card's row for a model."""
 
     instances: int = 0
     visible: int = 0
@@ -50,12 +50,12 @@ class ObjectRow:
 
 @dataclass
 class Summary:
-    """Everything that targets and card need of the scenes."""
+    """Data of the scenes for targets and card."""
 
     scenes: int = 0
     images: int = 0
     empty: int = 0
-    """Images in which no object is seen."""
+    """Number of images without a visible object."""
     objects: dict[int, ObjectRow] = field(default_factory=dict)
     localisation: list[dict[str, int]] = field(default_factory=list)
     detection: list[dict[str, int]] = field(default_factory=list)
@@ -119,7 +119,7 @@ def card(
     parts: bool,
     found: Summary,
 ) -> str:
-    """The text. info, camera, models: the dataset's JSON files; parts: whether some move."""
+    """The text. info, camera, models: the dataset's JSON files; parts: whether some parts move."""
     empty = [f"* images in which no spacecraft is seen: {found.empty}"] if found.empty else []
     lines = [
         f"# {info['dataset_name']}",

@@ -1,9 +1,8 @@
-"""Channels beside BOP: a folder each in every scene, what its files hold, and names of the ids.
+"""Channels in addition to BOP's: a folder each in every scene, with names of the ids.
 
-Integers of up to three layers are PNG, with the ids as values: 8 bit where all fit, else 16 bit.
-Two or three layers are red, green and blue, 8 bit; blue is 0 where there are two. All else is NPY,
-the array of the sample as it is.
-"""
+Integers with up to three layers are PNG with the ids as values: 8 bit if all fit, else 16 bit. Two
+or three layers are red, green and blue, 8 bit; blue is 0 for two. All others are NPY with the array
+of the sample."""
 
 from __future__ import annotations
 
@@ -28,27 +27,27 @@ Array = NDArray[Any]
 PNG, NPY = "png", "npy"
 _LARGEST_8, _LARGEST_16 = 255, 65535
 _OF_BOP = {"rgb", "depth", OBJECTS, MASKS}
-"""What a BOP dataset holds whatever is asked."""
+"""Channels that a BOP dataset always has."""
 
 
 @dataclass(frozen=True)
 class ChannelFiles:
-    """How a channel is written."""
+    """File format of a channel."""
 
     suffix: str
     """png or npy."""
     dtype: str
-    """Of the values in the file, as NumPy names it."""
+    """NumPy name of the type of the values in the file."""
     components: int | None
-    """Values a pixel, 0: a plain image; None: another number for each sensor."""
+    """Values per pixel; 0: a plain image; None: differs between sensors."""
 
     def entry(self) -> dict[str, Any]:
-        """As dataset_info.json has it."""
+        """Entry in dataset_info.json."""
         return {"components": self.components, "dtype": self.dtype, "file": self.suffix}
 
     def write(self, path: Path, array: Array) -> None:
-        """Writes a sample's channel; the file is whole or not there. The note of the image brings
-        it to the disk."""
+        """Writes a sample's channel, completely or not at all. Recording the image flushes it to
+        the disk."""
         if self.suffix == NPY:
             file = io.BytesIO()
             np.lib.format.write_array(file, np.ascontiguousarray(array), version=(1, 0))
@@ -68,11 +67,10 @@ class ChannelFiles:
 
 
 def pictures(sim: Simulation) -> dict[str, str]:
-    """Folder -> channel of the images that are no labels, by the configuration's channels.
+    """Folder -> channel of the images other than labels, by the configuration's channels.
 
-    `rgb`, from which all are trained, holds what the user asks for: `sensor_rgb` if that is asked
-    for and `rgb` is not. What else there is of the sensor has a folder by its own name.
-    """
+    `rgb`, the folder for training, holds `sensor_rgb` if that is requested and `rgb` is not. Other
+    channels of the sensor have a folder of their own name."""
     asked = sim.config.render.channels
     main = "sensor_rgb" if "sensor_rgb" in asked and RGB_FOLDER not in asked else RGB_FOLDER
     others = [name for name in OF_SENSOR if name in asked and name != main]
@@ -81,11 +79,11 @@ def pictures(sim: Simulation) -> dict[str, str]:
 
 
 def channel_files(sim: Simulation) -> dict[str, ChannelFiles]:
-    """Channel, which is also its folder -> how it is written beside BOP, in the core's order.
+    """Channel, which is also its folder -> file format, for channels in addition to BOP's, in the
+    core's order.
 
-    Those that render.channels states, and that neither BOP itself nor `pictures` holds; none where
-    the configuration leaves render.channels at its default.
-    """
+    These are the channels in render.channels that are neither BOP's nor in `pictures`; none if the
+    configuration leaves render.channels at its default."""
     render = sim.config.render
     if "channels" not in render.model_fields_set:
         return {}
@@ -97,7 +95,7 @@ def channel_files(sim: Simulation) -> dict[str, ChannelFiles]:
 
 
 def label_names(sim: Simulation, channels: Iterable[str]) -> dict[str, Any]:
-    """What the ids of written channels mean: {"instance": {"0": "background", ..}, "part": ..,
+    """Names of the ids of written channels: {"instance": {"0": "background", ..}, "part": ..,
     "semantic": [{"level": "kind", "names": {..}}, ..]}."""
 
     def names_of(channel: str) -> dict[str, str]:

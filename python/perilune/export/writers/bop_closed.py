@@ -1,4 +1,4 @@
-"""Closed hulls of a model: the backs of their faces cannot be seen from outside."""
+"""Finds closed hulls of a model, whose backs cannot be seen from outside."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from perilune import _core
 
 
 def closed(model: _core.Model, presence: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """(T,): which triangles are of connected pieces without an edge or a hole, wound outwards.
+    """(T,): whether a triangle belongs to a connected piece without open edges or holes, wound
+    outwards.
 
-    Every edge of such a piece is used once each way, by triangles of one node, and the piece has a
-    positive volume. presence (T,): as Surfaces has it; a piece that alpha cuts is open. It is
-    assumed that no piece turns itself inside out where it meets itself."""
+    In such a piece, each edge is used once in each direction by triangles of one node, and the
+    volume is positive. presence (T,): as in Surfaces; a piece cut by alpha is open. Assumes that no
+    piece turns inside out by intersecting itself."""
     mesh = model.mesh()
     points, place = np.unique(mesh["positions"] + 0.0, axis=0, return_inverse=True)
     corners = place.reshape(-1)[mesh["indices"].astype(np.int64)]
@@ -29,7 +30,8 @@ def closed(model: _core.Model, presence: NDArray[np.uint8]) -> NDArray[np.bool_]
 
 
 def _has_open_edge(corners: NDArray[np.int64], node: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """(T,): whether an edge of a triangle is not used once each way by triangles of its node."""
+    """(T,): whether an edge of a triangle is not used once in each direction by triangles of its
+    node."""
     start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     ways = np.stack([np.repeat(node, 3), np.minimum(start, end), np.maximum(start, end)])
     _, edge, uses = np.unique(ways, axis=1, return_inverse=True, return_counts=True)

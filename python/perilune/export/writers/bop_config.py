@@ -1,4 +1,4 @@
-"""The effective configuration of a dataset, kept beside it: from it, frames can be made again."""
+"""The effective configuration of a dataset, stored with it so that frames can be rendered again."""
 
 from __future__ import annotations
 
@@ -9,18 +9,17 @@ from perilune.simulation import Simulation
 
 CONFIG_FILE = "config.json"
 _REPLAY = ("index", "drivers", "scene_drivers")
-"""What a replay reads of a sample's metadata."""
+"""Keys of a sample's metadata that a replay reads."""
 
 
 def config_entry(sim: Simulation) -> dict[str, Any]:
     """config.json.
 
-    tree: the configuration with all overrides, includes and defaults of files that it was made of;
-    its order is that of the instances, and of the frame's random draws. base: the folder that
-    relative paths in it refer to. functions: what was given in code, which no file can hold.
-    replay: the metadata that a frame's drivers are taken from. overrides: what of the tree was
-    changed since the configuration was opened, as each frame tells.
-    """
+    tree: the configuration with all overrides, includes and defaults of files; its order is that of
+    the instances and of the frame's random draws. base: folder that relative paths in it refer to.
+    functions: those given in code, which no file can hold. replay: metadata with the values of a
+    frame's drivers. overrides: changes since the configuration was opened, as recorded in each
+    frame."""
     document = sim.document
     entry: dict[str, Any] = {"base": str(document.base.resolve())}
     if sim.functions:
@@ -33,5 +32,6 @@ def config_entry(sim: Simulation) -> dict[str, Any]:
 
 
 def config_text(entry: dict[str, Any]) -> str:
-    """In the order of the configuration; numbers that YAML may hold, infinity too."""
+    """JSON in the order of the configuration, with the numbers that YAML allows, such as
+    infinity."""
     return json.dumps(entry, indent=1) + "\n"

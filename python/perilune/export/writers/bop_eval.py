@@ -1,9 +1,8 @@
-"""Evaluation models of BOP: coarser, and with vertices spread evenly.
+"""Evaluation models of BOP: coarser, and with evenly spread vertices.
 
-Pose errors of the BOP toolkit are means and largest values over vertices, so that their number is
-the cost, and their spread the weight. Edges are collapsed where the surface stays within a
-tolerance, then long ones are halved.
-"""
+Pose errors of the BOP toolkit are means and maxima over vertices, so the number of vertices
+determines the cost, and their distribution the weights. Edges are collapsed where the surface stays
+within a tolerance; then long edges are halved."""
 
 from __future__ import annotations
 
@@ -20,11 +19,11 @@ F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
 TOLERANCE = 0.002
-"""How far the surface may move, of the model's extent."""
+"""Largest displacement of the surface, relative to the model's extent."""
 _VERTICES = 8000
-"""About so many vertices where nothing asks for more."""
+"""Approximate number of vertices by default."""
 _HALVINGS = 40
-"""Rounds of halving: an edge is some 2^20 times the wanted length at most."""
+"""Largest number of halving passes: an edge is at most about 2^20 times the target length."""
 
 
 def evaluation_model(model: BopModel) -> BopModel:
@@ -49,7 +48,7 @@ def evaluation_model(model: BopModel) -> BopModel:
 
 
 def _welded(model: BopModel) -> tuple[I64, I64]:
-    """Corners (F, 3) with one number for each place, and a vertex of each place."""
+    """Corners (F, 3) as indices of distinct positions, and a vertex of each position."""
     places = np.stack([model.vertices[name] for name in "xyz"], axis=1)
     _, first, number = np.unique(places, axis=0, return_index=True, return_inverse=True)
     return number.reshape(-1)[model.faces], first
@@ -81,10 +80,10 @@ def _vertices(dtype: np.dtype[Any], values: F64) -> NDArray[Any]:
 
 
 def _longest(values: F64, faces: I64) -> float:
-    """The edge length of about the wanted number of even vertices on the surface.
+    """Edge length that gives about the target number of even vertices on the surface.
 
-    Halved edges are between half of it and all: the factor gives published models 9 000 to 25 000
-    vertices."""
+    Halved edges have between half of it and all of it; the factor gives published models 9 000 to
+    25 000 vertices."""
     a, b, c = (values[faces[:, k], :3] for k in range(3))
     area = 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
     extent = float(np.ptp(values[:, :3], axis=0).max())
@@ -92,7 +91,7 @@ def _longest(values: F64, faces: I64) -> float:
 
 
 def _halved(values: F64, faces: I64) -> tuple[F64, I64]:
-    """Halves edges longer than wanted, on both sides alike, until there are none."""
+    """Halves edges that are too long, in both adjacent faces alike, until there are none."""
     longest = _longest(values, faces)
     for _ in range(_HALVINGS):
         edges = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
@@ -109,7 +108,7 @@ def _halved(values: F64, faces: I64) -> tuple[F64, I64]:
 
 
 def _split(faces: I64, middle: I64) -> I64:
-    """Faces (n, 3) with the middles (n, 3) of their edges 01, 12, 20; -1: the edge stays."""
+    """Splits faces (n, 3) at the midpoints (n, 3) of their edges 01, 12, 20; -1: the edge stays."""
     cut = middle >= 0
     count = cut.sum(axis=1)
     out = [faces[count == 0]]

@@ -1,8 +1,7 @@
-"""The files of a BOP scene folder: names, number formats, whole-or-nothing writing, what is done.
+"""The files of a BOP scene folder: names, number formats, atomic writing, progress.
 
-Layout and number formats follow the BOP toolkit's format document: millimetres, ids of six digits
-in paths and without padding in JSON, 16-bit depth with a scale an image.
-"""
+Layout and number formats follow the BOP toolkit's format document: millimetres, ids with six digits
+in paths and without padding in JSON, 16-bit depth with one scale per image."""
 
 from __future__ import annotations
 
@@ -23,9 +22,9 @@ from perilune.export.writers.whole import is_whole
 
 MM_PER_M = 1000.0
 LARGEST_DEPTH = 65534
-"""Largest depth value written; 65535 is left out because readers take it for saturation."""
+"""Largest depth value written; readers take 65535 for saturation."""
 SMALLEST_EXPONENT = -3
-"""Finest depth scale is 10^-3 mm."""
+"""Exponent of the finest depth scale, 10^-3 mm."""
 
 CAMERA_FILE = "scene_camera.json"
 GT_FILE = "scene_gt.json"
@@ -42,7 +41,7 @@ PARTIAL = ".partial"
 
 
 def make_folder(folder: str | Path) -> None:
-    """Makes a folder that files can be written to; OSError that names it otherwise."""
+    """Creates a writable folder; OSError that names it otherwise."""
     path = Path(folder)
     try:
         path.mkdir(parents=True, exist_ok=True)
@@ -56,9 +55,9 @@ def make_folder(folder: str | Path) -> None:
 
 
 def write_bytes(path: Path, parts: Iterable[bytes | memoryview], sync: bool = True) -> None:
-    """Writes a file through a temporary one and a rename: it is whole or not there.
+    """Writes a file atomically, through a temporary one and a rename.
 
-    sync: its content is on the disk before it gets its name, whatever happens to the power."""
+    sync: flushes the content to the disk before the rename, in case of a power cut."""
     temporary = path.with_name(f"{path.name}.{os.getpid()}{TEMPORARY}")
     try:
         with open(temporary, "wb") as file:
@@ -77,12 +76,12 @@ def write_bytes(path: Path, parts: Iterable[bytes | memoryview], sync: bool = Tr
 
 
 def write_text(path: Path, text: str, sync: bool = True) -> None:
-    """The same for text."""
+    """The same for a text."""
     write_bytes(path, [text.encode("utf-8")], sync)
 
 
 def write_other_text(path: Path, text: str) -> None:
-    """The same, unless the file holds that very text already."""
+    """The same, unless the file has this content already."""
     try:
         if path.read_bytes() == text.encode("utf-8"):
             return
@@ -92,7 +91,7 @@ def write_other_text(path: Path, text: str) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """Brings the names of a folder's files to the disk."""
+    """Flushes the names of a folder's files to the disk."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(descriptor)
@@ -104,26 +103,26 @@ def sync_folder(folder: Path) -> None:
 
 
 def sync_files(paths: Iterable[Path]) -> None:
-    """Brings the content of files that are written to the disk."""
+    """Flushes the content of written files to the disk."""
     for path in paths:
         with open(path, "rb") as file:
             os.fsync(file.fileno())
 
 
 def remove_temporary(folder: Path) -> None:
-    """Removes what killed runs have left half written. Only who holds the folder's lock may."""
+    """Removes partial files of killed runs. Only for the holder of the folder's lock."""
     for name in _names(folder):
         if name.endswith(TEMPORARY):
             (folder / name).unlink(missing_ok=True)
 
 
 def json_text(value: Any) -> str:
-    """Sorted keys; Python's shortest digits that give the same double back."""
+    """JSON with sorted keys, and the shortest digits that give the same double."""
     return json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n"
 
 
 def json_by_id(entries: Mapping[int, Any]) -> str:
-    """An object keyed by ids in the order of numbers, one entry a line."""
+    """JSON of an object keyed by ids, in numerical order, one entry per line."""
     lines = [
         f'  "{key}": {json.dumps(entries[key], sort_keys=True, allow_nan=False)}'
         for key in sorted(entries)
@@ -132,13 +131,13 @@ def json_by_id(entries: Mapping[int, Any]) -> str:
 
 
 def json_rows(rows: Iterable[Any]) -> str:
-    """A list, one entry a line."""
+    """JSON of a list, one entry per line."""
     lines = [f"  {json.dumps(row, sort_keys=True, allow_nan=False)}" for row in rows]
     return "[\n" + ",\n".join(lines) + "\n]" if lines else "[]"
 
 
 def json_sections(sections: Mapping[str, Any]) -> str:
-    """An object of lists and of small values, every entry of a list on its own line."""
+    """JSON of an object with lists and small values, each entry of a list on its own line."""
     lines = []
     for name in sorted(sections):
         value = sections[name]
@@ -148,7 +147,7 @@ def json_sections(sections: Mapping[str, Any]) -> str:
 
 
 def depth_scale_mm(z_max_mm: float) -> float:
-    """Smallest of 1, 2, 5 x 10^k (k from -3) that brings z_max_mm into LARGEST_DEPTH steps."""
+    """Smallest of 1, 2, 5 x 10^k (k from -3) with which z_max_mm is at most LARGEST_DEPTH steps."""
     if not np.isfinite(z_max_mm) or z_max_mm < 0.0:
         raise ValueError(f"depth scale: largest depth is {z_max_mm} mm; must be finite")
     exponent = SMALLEST_EXPONENT
@@ -161,7 +160,7 @@ def depth_scale_mm(z_max_mm: float) -> float:
 
 
 def encode_depth(depth_m: NDArray[np.floating], scale_mm: float) -> NDArray[np.uint16]:
-    """Depth in steps of the scale; 0 where there is none or where it lies beyond the last step."""
+    """Depth in steps of the scale; 0 where there is none, or beyond the last step."""
     steps = np.rint(depth_m.astype(np.float64) * (MM_PER_M / scale_mm))
     steps[~((steps > 0.0) & (steps <= LARGEST_DEPTH))] = 0.0
     return steps.astype(np.uint16)
@@ -169,23 +168,23 @@ def encode_depth(depth_m: NDArray[np.floating], scale_mm: float) -> NDArray[np.u
 
 @dataclass(frozen=True)
 class Record:
-    """What the JSON files of a scene say of one image."""
+    """Entries of a scene's JSON files for one image."""
 
     camera: dict[str, Any]
     gt: list[dict[str, Any]]
     gt_info: list[dict[str, Any]]
     annotations: list[dict[str, Any]]
-    """Of the COCO file, without their ids, which count through the scene."""
+    """Annotations of the COCO file without their ids, which count through the scene."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Record | None:
-        """None if the value is not what `vars` of a record gives."""
+        """None if the value is not the `vars` of a record."""
         names = {field.name for field in fields(cls)}
         return cls(**value) if set(value) == names else None
 
 
 def load_object(path: Path) -> dict[str, Any]:
-    """A JSON object, or an empty one if the file is absent or broken: then it is made again."""
+    """A JSON object; an empty one if the file is missing or invalid, so that it is made again."""
     try:
         value = json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, json.JSONDecodeError, UnicodeDecodeError):
@@ -194,11 +193,10 @@ def load_object(path: Path) -> dict[str, Any]:
 
 
 class SceneFolder:
-    """One scene folder, and which of its images are finished.
+    """A scene folder and its finished images.
 
-    An image is finished when its files are there and the scene's JSON names it, or, while the scene
-    is being written, a record of it lies in a hidden folder. The record is written after the files.
-    """
+    An image is finished if its files exist and the scene's JSON names it, or, while the scene is
+    being written, a hidden folder has its record. The record is written after the files."""
 
     def __init__(
         self,
@@ -206,15 +204,15 @@ class SceneFolder:
         pictures: Iterable[str] = (RGB_FOLDER,),
         channels: Mapping[str, str] | None = None,
     ) -> None:
-        """pictures: the folders of the images that are no labels. channels: the folders of what is
-        written beside BOP, each with the suffix of its files."""
+        """pictures: folders of the images other than labels. channels: folders of additional
+        channels, each with the suffix of its files."""
         self.folder = folder
         self.pictures = tuple(pictures)
         self.channels = dict(channels or {})
         self._partial = folder / PARTIAL
 
     def prepare(self) -> None:
-        """Makes the folders, and removes what an interrupted run left half written."""
+        """Creates the folders, and removes partial files of an interrupted run."""
         for name in (*self.image_folders, PARTIAL):
             directory = self.folder / name
             directory.mkdir(parents=True, exist_ok=True)
@@ -227,25 +225,25 @@ class SceneFolder:
         return (*self.pictures, *LABEL_FOLDERS, *self.channels)
 
     def picture(self, im_id: int, name: str) -> Path:
-        """An image that is no label; name: one of `pictures`."""
+        """File of an image other than a label; name: one of `pictures`."""
         return self.folder / name / f"{im_id:06d}.png"
 
     def channel(self, im_id: int, name: str) -> Path:
-        """A file beside BOP; name: one of `channels`."""
+        """File of an additional channel; name: one of `channels`."""
         return self.folder / name / f"{im_id:06d}.{self.channels[name]}"
 
     def depth(self, im_id: int) -> Path:
         return self.folder / "depth" / f"{im_id:06d}.png"
 
     def mask(self, im_id: int, gt_id: int) -> Path:
-        """The whole silhouette, as if nothing hid it."""
+        """File of the whole silhouette, as if nothing hid it."""
         return self.folder / "mask" / f"{im_id:06d}_{gt_id:06d}.png"
 
     def mask_visib(self, im_id: int, gt_id: int) -> Path:
         return self.folder / "mask_visib" / f"{im_id:06d}_{gt_id:06d}.png"
 
     def listed(self) -> dict[int, Record]:
-        """Images that all JSON files of the scene name; none if one of the files is damaged."""
+        """Images that all JSON files of the scene name; none if one of these files is damaged."""
         cameras, gts, infos, coco = (load_object(self.folder / name) for name in SCENE_FILES)
         try:
             annotations: dict[str, list[dict[str, Any]]] = {
@@ -263,9 +261,9 @@ class SceneFolder:
             return {}
 
     def finished(self, known: Collection[int] | None = None) -> dict[int, Record]:
-        """Images that need not be rendered again: named, and with all their files whole.
+        """Images that need not be rendered again: listed, and with all their files intact.
 
-        known: those of which this has been found out before; their files are not read again."""
+        known: images known to be finished, whose files are not read again."""
         records = self.listed()
         for path in sorted(self._partial.glob("*.json")):
             record = Record.from_json(load_object(path))
@@ -289,27 +287,27 @@ class SceneFolder:
         return {path.relative_to(self.folder).as_posix() for path in paths}
 
     def is_complete(self) -> bool:
-        """True when nothing of the scene is still being written."""
+        """Whether no part of the scene is still being written."""
         return not (self._partial.exists() or self._has_temporary()) and all(
             (self.folder / name).is_file() for name in SCENE_FILES
         )
 
     def _has_temporary(self) -> bool:
-        """Whether a killed run has left something half written."""
+        """Whether a killed run has left partial files."""
         folders = [self.folder, *(self.folder / name for name in self.image_folders)]
         return any(name.endswith(TEMPORARY) for folder in folders for name in _names(folder))
 
     def keep(self, im_id: int, record: Record) -> None:
-        """Notes that the files of an image are complete, once they are on the disk."""
+        """Records that the files of an image are complete, once they are on the disk."""
         sync_files(self.folder / name for name in sorted(self.files_of(im_id, len(record.gt))))
         text = json.dumps(vars(record), sort_keys=True, allow_nan=False)
         # The note itself may be lost with the power: then the image is made again.
         write_text(self._partial / f"{im_id:06d}.json", text, sync=False)
 
     def complete(self, records: Mapping[int, Record], header: CocoHeader) -> None:
-        """Writes the scene's JSON files, the last step; then the records are not needed.
+        """Writes the scene's JSON files, the last step, after which the records are not needed.
 
-        Called again, it finishes what a stop has left of this."""
+        Calling it again finishes an interrupted call."""
         tables: dict[str, dict[int, Any]] = {
             CAMERA_FILE: {im_id: record.camera for im_id, record in records.items()},
             GT_FILE: {im_id: record.gt for im_id, record in records.items()},

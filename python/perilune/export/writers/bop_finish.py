@@ -1,4 +1,4 @@
-"""The last step of a dataset, made from its scenes as they lie on disk: targets and card."""
+"""The last step of a dataset: targets and card, from its scenes on the disk."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def summary(split: Path) -> Summary:
 
 
 def target_files(split: str, found: Summary) -> dict[str, str]:
-    """Name -> text of the targets; only a test split has some."""
+    """Name -> text of the targets; only for a test split."""
     if split.split("_")[0] != "test":
         return {}
     return {
@@ -89,7 +89,7 @@ def target_files(split: str, found: Summary) -> dict[str, str]:
 
 
 def closing_texts(root: Path, found: Summary) -> dict[str, str]:
-    """Name -> text of the files that say what the scenes of a dataset hold together."""
+    """Name -> text of the files that summarise the scenes of a dataset."""
     info, camera = _read(root / SOURCE_FILE), _read(root / "camera.json")
     models = _read(root / MODELS / MODELS_INFO)
     parts = (root / PARTS / MODELS_INFO).is_file()
@@ -100,7 +100,7 @@ def closing_texts(root: Path, found: Summary) -> dict[str, str]:
 
 
 def finish(root: Path) -> Summary:
-    """Writes the targets, then the card. Only who holds the whole folder may."""
+    """Writes the targets, then the card. Only for the holder of the whole folder's lock."""
     for folder in (root, *(root / name for name in FOLDERS)):
         remove_temporary(folder)
     found = summary(root / _read(root / SOURCE_FILE)["split"])
@@ -115,6 +115,6 @@ def finish(root: Path) -> Summary:
 
 
 def reopen(root: Path) -> None:
-    """Takes away what would no longer be true when more scenes are written."""
+    """Removes files that become outdated when more scenes are written."""
     for name in (CARD_FILE, LOCALISATION, DETECTION):
         (root / name).unlink(missing_ok=True)

@@ -1,8 +1,7 @@
-"""What BOP's JSON files say of the instances of one image, from the renderer's own masks.
+"""Entries of BOP's JSON files for the instances of one image, from the renderer's own masks.
 
-The two files have two conventions of boxes: scene_gt_info counts w = x_max - x_min on a canvas of
-three times the image; COCO counts w = x_max - x_min + 1 inside the image.
-"""
+The two files define boxes differently: scene_gt_info has w = x_max - x_min on a canvas three times
+the size of the image; COCO has w = x_max - x_min + 1 inside the image."""
 
 from __future__ import annotations
 
@@ -18,13 +17,13 @@ Mask = NDArray[np.bool_]
 NO_BOX = [-1, -1, -1, -1]
 """Both boxes of an instance without a visible pixel."""
 LEAST_VISIBLE = 0.1
-"""An instance of which less is seen is ignored by COCO's evaluation, and is no target."""
+"""Visible fraction below which COCO's evaluation ignores an instance, and it is no target."""
 DATE = "2000-01-01 00:00:00"
-"""Every time stamp: the same dataset has the same bytes."""
+"""Every time stamp, so that the same dataset has the same bytes."""
 
 
 def extent(mask: Mask) -> tuple[int, int, int, int] | None:
-    """Smallest and largest column and row that hold a pixel: x0, y0, x1, y1, inclusive."""
+    """Smallest and largest column and row with a pixel: x0, y0, x1, y1, inclusive."""
     columns, rows = np.flatnonzero(mask.any(axis=0)), np.flatnonzero(mask.any(axis=1))
     if columns.size == 0:
         return None
@@ -32,7 +31,7 @@ def extent(mask: Mask) -> tuple[int, int, int, int] | None:
 
 
 def coco_box(mask: Mask) -> list[int]:
-    """[x, y, w, h] of a mask that is not empty, the last pixel included."""
+    """[x, y, w, h] of a mask that is not empty, including the last pixel."""
     found = extent(mask)
     if found is None:
         raise ValueError("coco_box: the mask is empty")
@@ -41,7 +40,7 @@ def coco_box(mask: Mask) -> list[int]:
 
 
 def run_lengths(mask: Mask) -> dict[str, list[int]]:
-    """COCO's uncompressed code: runs down the columns, that of the background first (or 0)."""
+    """COCO's uncompressed run lengths: down the columns, starting with the background (or 0)."""
     pixels = mask.T.ravel()
     turns = np.flatnonzero(pixels[1:] != pixels[:-1]) + 1
     counts = np.diff(np.concatenate([[0], turns, [pixels.size]])).tolist()
@@ -51,7 +50,7 @@ def run_lengths(mask: Mask) -> dict[str, list[int]]:
 
 
 def decode_runs(counts: Iterable[int], size: tuple[int, int]) -> Mask:
-    """The mask that run lengths stand for; ValueError if they do not fill it."""
+    """The mask of run lengths; ValueError if they do not fill it."""
     runs = np.fromiter(counts, dtype=np.int64)
     height, width = size
     if runs.sum() != height * width or (runs < 0).any():
@@ -93,7 +92,7 @@ def annotation(
 
 @dataclass(frozen=True)
 class CocoHeader:
-    """What the COCO file of every scene of a dataset shares."""
+    """Content common to the COCO files of all scenes of a dataset."""
 
     dataset: str
     """Name of the dataset: lower-case letters and digits."""

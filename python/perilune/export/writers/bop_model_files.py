@@ -1,4 +1,4 @@
-"""The folders of models of a BOP dataset: what is in which, written where it is not there yet."""
+"""Writes the model folders of a BOP dataset, if they are not there yet."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ Models = Mapping[int, BopModel]
 
 @dataclass(frozen=True)
 class _Folder:
-    """What a folder holds."""
+    """Content of a folder."""
 
     name: str
     numbers: tuple[int, ...]
     make: Callable[[], Models]
     extra: Mapping[int, dict[str, Any]]
-    """Keys in models_info.json beyond those of all models."""
+    """Keys of models_info.json in addition to those of all models."""
     exact: bool
-    """Whether models that are there are compared: poses are of their frame."""
+    """Whether existing models are compared, because poses refer to their frame."""
 
 
 def _folders(models: Models) -> list[_Folder]:
-    """All that are needed. Parts that move are numbered through all objects."""
+    """All required folders. Moving parts are numbered through all objects."""
     pieces: dict[int, BopModel] = {}
     extra: dict[int, dict[str, Any]] = {}
     for obj_id in sorted(models):
@@ -78,12 +78,11 @@ def _is_there(root: Path, wanted: _Folder) -> bool:
 
 
 def complete_models(root: Path, models: Models) -> None:
-    """Writes the folders of models that are not there, or damaged: each PLY, then models_info.json.
+    """Writes missing or damaged folders of models: each PLY, then models_info.json.
 
-    ValueError for a folder with other models. Parts that move lie in the frame of their object's
-    model at rest; a part moves by the first of its `nodes` that the `articulation` of an instance
-    names. Evaluation models have the frame of the models.
-    """
+    ValueError for a folder with other models. Moving parts are in the frame of their object's model
+    at rest; a part moves with the first of its `nodes` that the `articulation` of an instance
+    names. Evaluation models have the frame of the models."""
     for wanted in _folders(models):
         if _is_there(root, wanted):
             continue

@@ -1,4 +1,5 @@
-"""Models of a BOP dataset: PLY files in millimetres about their box's centre, and their sizes."""
+"""Models of a BOP dataset: PLY files in millimetres about the centre of their box, and their
+sizes."""
 
 from __future__ import annotations
 
@@ -16,9 +17,9 @@ F64 = NDArray[np.float64]
 
 MODELS = "models"
 PARTS = "models_parts"
-"""Folder of the parts that move, of articulated objects."""
+"""Folder of the moving parts of articulated objects."""
 EVAL = "models_eval"
-"""Folder of the models that pose errors are evaluated with."""
+"""Folder of the models for the evaluation of pose errors."""
 FOLDERS = (MODELS, PARTS, EVAL)
 MODELS_INFO = "models_info.json"
 
@@ -28,28 +29,27 @@ _VERTEX = np.dtype(
 )
 _FACE = np.dtype([("count", "u1"), ("vertex_indices", "<i4", (3,))])
 _PLY_TYPE = {"f4": "float", "u1": "uchar"}
-"""The toolkit's reader knows the old type names only, not float32 and uint8."""
+"""Old names of types; the toolkit's reader does not know float32 and uint8."""
 
 
 @dataclass(frozen=True)
 class Surfaces:
-    """What rays meet of a model's triangles, and what they hang on."""
+    """Visibility of a model's triangles, and the moving nodes above them."""
 
     double_sided: NDArray[np.bool_]  # (T,), whose backs can be seen from outside
     presence: NDArray[np.uint8]  # (T,), 0: nothing of it, 1: perhaps a part, 2: all
     nodes: Sequence[tuple[str, ...]] = ()
-    """Chains of moving nodes, the nearest first."""
+    """Chains of moving nodes, nearest first."""
     triangle_nodes: NDArray[np.int64] | None = None  # (T,), index into `nodes`; None: nothing moves
 
 
 @dataclass(frozen=True)
 class BopModel:
-    """A model as BOP wants it, and where its origin lies in the object's own frame.
+    """A model in BOP's form, and the position of its origin in the object's own frame.
 
-    The faces are those that are rendered, so that a renderer that culls back faces sees the same:
+    It has the faces that are rendered, so that a renderer with back-face culling shows the same:
     single-sided triangles once, double-sided ones once from each side, those that alpha cuts in
-    part at the end, and none of which alpha leaves nothing.
-    """
+    part at the end, and none that alpha removes."""
 
     obj_id: int
     vertices: NDArray[Any]  # of _VERTEX, mm
@@ -58,9 +58,9 @@ class BopModel:
     symmetries_discrete: Sequence[tuple[F64, F64]]  # rotation (3, 3), about a point (3,), m, there
     symmetries_continuous: Sequence[tuple[F64, F64]]  # axis, offset in the object's frame (m)
     counts: Mapping[str, int]
-    """Keys of models_info.json beyond BOP's: how many faces are not what they look like."""
+    """Keys of models_info.json in addition to BOP's: numbers of special faces."""
     nodes: Sequence[tuple[str, ...]] = ()
-    """Chains of moving nodes, the nearest first; none where nothing moves."""
+    """Chains of moving nodes, nearest first; empty if nothing moves."""
     face_nodes: NDArray[np.int64] | None = None  # (F,), index into `nodes`
 
     @property
@@ -68,7 +68,7 @@ class BopModel:
         return np.stack([self.vertices[name].astype(np.float64) for name in "xyz"], axis=1)
 
     def pieces(self) -> list[tuple[tuple[str, ...], BopModel]]:
-        """The parts that move apart, in the frame of the whole, each with its moving nodes."""
+        """The parts that move separately, in the frame of the whole, with their moving nodes."""
         if self.face_nodes is None:
             return []
         found = []
@@ -91,7 +91,8 @@ class BopModel:
 
 
 def _vertex_colors(mesh: dict[str, NDArray[Any]], count: int) -> NDArray[np.uint8]:
-    """Mean colour of the triangles at each vertex. Materials share no vertex, so none blend."""
+    """Mean colour of the triangles at each vertex. Materials share no vertex, so their colours do
+    not mix."""
     corners = mesh["indices"].ravel()
     uses = np.maximum(np.bincount(corners, minlength=count), 1)
     colors = np.empty((count, 3), dtype=np.uint8)
@@ -130,11 +131,10 @@ def bop_model(
     symmetries_discrete: Sequence[tuple[F64, F64]] = (),
     symmetries_continuous: Sequence[tuple[F64, F64]] = (),
 ) -> BopModel:
-    """Turns a mesh in model units into a BOP model.
+    """Converts a mesh in model units to a BOP model.
 
     A model point p is at metres_per_unit * (p - offset) in the object's frame. BOP's origin is the
-    centre of the box of the vertices that faces use; `center_m` is where that lies.
-    """
+    centre of the bounding box of the vertices of faces, at `center_m` in the object's frame."""
     corners, triangles, counts = _faces(mesh["indices"].astype(np.int64), surfaces)
     used, faces = np.unique(corners, return_inverse=True)
     if used.size == 0:
@@ -205,7 +205,7 @@ def _continuous(model: BopModel) -> list[dict[str, list[float]]]:
 
 
 def model_info(model: BopModel) -> dict[str, Any]:
-    """One entry of models_info.json, of the vertices as written."""
+    """One entry of models_info.json, from the vertices as written."""
     positions = model.positions_mm
     low, high = positions.min(axis=0), positions.max(axis=0)
     info: dict[str, Any] = {"diameter": diameter(positions), **model.counts}

@@ -1,4 +1,4 @@
-"""How a dataset's frames are split: into chunks (scene folders), and chunks into shards."""
+"""Divides a dataset's frames into chunks (scene folders), and chunks into shards."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Shard = tuple[int, int]
 """(k, n): the k-th of n parts, k from 0."""
 
 NOTES = "shards"
-"""Folder of a dataset whose shards are not merged yet."""
+"""Folder with notes of shards that are not merged yet."""
 _IDS = 1_000_000
 
 
@@ -26,14 +26,14 @@ def chunks(frames: range, chunk_size: int) -> dict[int, dict[int, int]]:
 
 
 def shard_chunks(frames: range, chunk_size: int, shard: Shard) -> dict[int, dict[int, int]]:
-    """The chunks of one shard: a run of whole chunks; shards differ by one chunk at most."""
+    """The chunks of one shard, which are consecutive; shards differ by at most one chunk."""
     part, count = shard
     every = list(chunks(frames, chunk_size).items())
     return dict(every[len(every) * part // count : len(every) * (part + 1) // count])
 
 
 def check_frames(frames: range, chunk_size: int, shard: Shard) -> None:
-    """ValueError for frames, a chunk size or a shard that have no scene and image ids."""
+    """ValueError for frames, a chunk size or a shard without valid scene and image ids."""
     if len(frames) == 0 or min(frames) < 0:
         raise ValueError(f"frames: {frames} must hold at least one index and none below 0")
     if not 1 <= chunk_size <= _IDS:
@@ -46,13 +46,13 @@ def check_frames(frames: range, chunk_size: int, shard: Shard) -> None:
 
 @dataclass(frozen=True)
 class Note:
-    """What a shard leaves behind for the merge: which frames it is a part of."""
+    """A shard's record for the merge: its frames and those of the whole."""
 
     frames: range
     shard: Shard
 
     def write(self, root: Path) -> None:
-        """Into the dataset's folder; shards may share one."""
+        """Writes the note to the dataset's folder, which shards may share."""
         (root / NOTES).mkdir(exist_ok=True)
         part, count = self.shard
         frames = [self.frames.start, self.frames.stop, self.frames.step]

@@ -1,4 +1,4 @@
-"""What a BOP dataset says of its simulation as a whole: models, nominal camera, provenance."""
+"""Description of a simulation in a BOP dataset: models, nominal camera, provenance."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _varies_size(driver: Found) -> bool:
 
 
 def _refuse_driven_sizes(sim: Simulation) -> None:
-    """A BOP model has one size, so a size that varies from frame to frame has no place in it."""
+    """Refuses sizes that vary from frame to frame, because a BOP model has one size."""
     for driver in sim.document.drivers:
         if driver.path[0] == "spacecraft" and _varies_size(driver):
             raise ConfigError(
@@ -66,7 +66,7 @@ def _refuse_several_sizes(sim: Simulation) -> None:
 
 
 def refuse_unfit(sim: Simulation) -> None:
-    """ConfigError for what a configuration may say, but a BOP dataset cannot hold."""
+    """ConfigError for settings that a BOP dataset cannot represent."""
     _refuse_driven_sizes(sim)
     _refuse_several_sizes(sim)
     for name, camera in sim.config.cameras.items():
@@ -85,7 +85,7 @@ def refuse_unfit(sim: Simulation) -> None:
 
 
 def _surfaces(sim: Simulation, names: Sequence[str]) -> Surfaces:
-    """Of the model that some spacecraft share, each with its own materials and moving parts."""
+    """Surfaces of a model shared by spacecraft, each with its own materials and moving parts."""
     model = sim.models[names[0]].model
     rows = [sim.presence(name) for name in names]
     low, high = np.minimum.reduce(rows), np.maximum.reduce(rows)
@@ -102,8 +102,8 @@ def _surfaces(sim: Simulation, names: Sequence[str]) -> Surfaces:
 
 
 def _symmetries(sim: Simulation, names: Sequence[str]) -> tuple[str, Symmetries]:
-    """Key and value of the symmetries of spacecraft that share a model: those that one of them
-    states; ConfigError if two state different ones."""
+    """Key and value of the symmetries that one of the spacecraft with a common model states;
+    ConfigError if two differ."""
     stated = {name: sim.models[name].symmetries for name in names}
     told = [name for name, value in stated.items() if value != Symmetries()] or names[:1]
     for name in told[1:]:
@@ -117,7 +117,7 @@ def _symmetries(sim: Simulation, names: Sequence[str]) -> tuple[str, Symmetries]
 
 
 def bop_models(sim: Simulation) -> dict[int, BopModel]:
-    """Object id -> model; spacecraft that share an id share a model.
+    """Object id -> model; spacecraft with the same id share a model.
 
     ConfigError for symmetries that a model does not have."""
     crafts: dict[int, list[str]] = {}
@@ -140,12 +140,12 @@ def bop_models(sim: Simulation) -> dict[int, BopModel]:
 
 
 def nominal_camera(sim: Simulation) -> Camera:
-    """The camera of the dataset; of several sensors, the first."""
+    """The camera of the dataset; with several sensors, the first."""
     return next(iter(sim.config.cameras.values()))
 
 
 def camera_entry(sim: Simulation) -> dict[str, Any]:
-    """camera.json: the nominal camera; the truth of each image is in scene_camera.json."""
+    """camera.json: the nominal camera; scene_camera.json has the true one of each image."""
     camera = nominal_camera(sim)
     K = intrinsics(camera)
     return {
@@ -168,7 +168,7 @@ def _file_sha256(sim: Simulation, text: str, key: str) -> str:
 
 
 def _chosen_files(sim: Simulation, driver: Found) -> Iterator[tuple[str, str]]:
-    """(key, file) of all files that the values which a driver chooses from name."""
+    """(key, file) of all files in values that a driver may choose."""
     length = len(driver.path)
     for k, config in enumerate(sim.document.choices(lambda path: path == driver.path)):
         for path, text in file_names(config):
@@ -177,7 +177,7 @@ def _chosen_files(sim: Simulation, driver: Found) -> Iterator[tuple[str, str]]:
 
 
 def _files(sim: Simulation) -> dict[str, str]:
-    """Key of the configuration -> hash of the file it names."""
+    """Key of the configuration -> hash of its file."""
     named = {path_text(path): text for path, text in file_names(sim.config)}
     for driver in sim.document.drivers:
         if driver.kind is CHOICE:
@@ -188,12 +188,12 @@ def _files(sim: Simulation) -> dict[str, str]:
 
 
 def dataset_name(sim: Simulation) -> str:
-    """The configuration's name in lower-case letters and digits, all that BOP allows."""
+    """The configuration's name in lower-case letters and digits, as BOP requires."""
     return re.sub("[^a-z0-9]", "", sim.config.name.lower()) or "perilune"
 
 
 def dataset_info(sim: Simulation, chunk_size: int, split: str) -> dict[str, Any]:
-    """dataset_info.json: what makes the same dataset again. No time stamps."""
+    """dataset_info.json: everything needed to make the same dataset again. No time stamps."""
     tree = {key: value for key, value in sim.document.tree.items() if key != "seed"}
     text = json.dumps(tree, sort_keys=True, separators=(",", ":"))
     sensors = [

@@ -1,9 +1,8 @@
-"""Symmetries that a configuration states, tested on the model itself.
+"""Tests stated symmetries on the model itself.
 
 A symmetry of BOP is a transformation that moves the surface by less than a tenth of the diameter,
 or 15 mm (Hodan et al., "BOP Challenge 2020 on 6D Object Localization", section 2.2: the Hausdorff
-distance of the model and the model transformed).
-"""
+distance between the model and the transformed model)."""
 
 from __future__ import annotations
 
@@ -25,19 +24,19 @@ _log = logging.getLogger(__name__)
 
 _FRACTION, _LEAST_MM = 0.1, 15.0
 _NOTABLE = 0.02
-"""Of the diameter: from this on a symmetry that is accepted is told of."""
+"""Fraction of the diameter from which an accepted symmetry is reported."""
 _SAMPLES = 20_000
 _POINTS = 400
 _DIRECTIONS = 200
 _AT_ONCE = 32
 _ANGLES_DEG = (36.87, 90.0, 137.51, 180.0, 251.3)
-"""At which a continuous symmetry is tested: with no short period in common."""
+"""Test angles of a continuous symmetry, without a short common period."""
 
 
 def turns(
     symmetries: Symmetries,
 ) -> tuple[list[tuple[F64, F64]], list[tuple[F64, F64]]]:
-    """Discrete ones as (rotation (3, 3), point (3,), m), continuous ones as (axis, point)."""
+    """Discrete symmetries as (rotation (3, 3), point (3,), m), continuous ones as (axis, point)."""
 
     def matrix(rpy_deg: tuple[float, float, float]) -> F64:
         return rotations.to_matrix(rotations.from_rpy_deg(rpy_deg))
@@ -48,7 +47,7 @@ def turns(
 
 
 def _named(symmetries: Symmetries) -> Iterator[tuple[str, list[tuple[F64, F64]]]]:
-    """Key of each symmetry, and rotations with their points that it stands for."""
+    """Key of each symmetry, and its rotations with their points."""
     discrete, continuous = turns(symmetries)
     count = len(symmetries.discrete_deg)
     for k, turn in enumerate(discrete):
@@ -61,7 +60,7 @@ def _named(symmetries: Symmetries) -> Iterator[tuple[str, list[tuple[F64, F64]]]
 
 
 def _spread(model: BopModel) -> F64:
-    """About _SAMPLES points, evenly over the surface, mm; the same for the same model."""
+    """About _SAMPLES points, evenly spread over the surface, mm; the same for the same model."""
     a, b, c = (model.positions_mm[model.faces[:, k]] for k in range(3))
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     if not areas.sum() > 0.0:
@@ -77,7 +76,7 @@ def _spread(model: BopModel) -> F64:
 
 
 def _directions() -> F64:
-    """Unit vectors in all directions, evenly: a spiral on the sphere."""
+    """Evenly distributed unit vectors: a spiral on the sphere."""
     k = np.arange(_DIRECTIONS) + 0.5
     z, angle = 1.0 - 2.0 * k / _DIRECTIONS, np.pi * (1.0 + 5.0**0.5) * k
     flat = np.sqrt(1.0 - z * z)
@@ -85,7 +84,7 @@ def _directions() -> F64:
 
 
 def _farthest(points: F64, surface: F64) -> float:
-    """The largest distance from one of the points to its nearest of the surface."""
+    """Largest distance of one of the points from the nearest point of the surface."""
     squares = (surface**2).sum(axis=1)
     most = 0.0
     for start in range(0, len(points), _AT_ONCE):
@@ -96,7 +95,7 @@ def _farthest(points: F64, surface: F64) -> float:
 
 
 class Deviation:
-    """How far a model is from itself turned."""
+    """Distance of a model from itself after a rotation."""
 
     def __init__(self, model: BopModel) -> None:
         self._model = model
@@ -108,9 +107,9 @@ class Deviation:
         self._surface = np.concatenate([spread, vertices[::step], ends])
 
     def mm(self, rotation: F64, point_m: F64) -> float:
-        """Hausdorff distance between the model and the model turned about a point of the object's
-        frame, mm: of about a thousand points, those that stick out among them, to the spacing of
-        20 000 on the surface."""
+        """Hausdorff distance in mm between the model and the model rotated about a point of the
+        object's frame: for about a thousand points, including protruding ones, to the spacing of 20
+        000 points on the surface."""
         matrix = about_origin(self._model, rotation, point_m)
         turned = self._points @ matrix[:3, :3].T + matrix[:3, 3]
         back = (self._points - matrix[:3, 3]) @ matrix[:3, :3]
@@ -118,8 +117,8 @@ class Deviation:
 
 
 def check_symmetries(model: BopModel, symmetries: Symmetries, where: str) -> None:
-    """ConfigError for a stated symmetry that the model does not have; a warning for one that it has
-    only nearly. where: file and key of the symmetries."""
+    """ConfigError for a stated symmetry that the model does not have; a warning for an approximate
+    one. where: file and key of the symmetries."""
     named = list(_named(symmetries))
     if not named:
         return

@@ -1,9 +1,8 @@
-"""One writer at a time: locks on the scenes of a dataset's folder, which die with their process.
+"""Locks on the scenes of a dataset's folder for one writer at a time, released when a process dies.
 
-POSIX record locks on a hidden file: its byte k stands for scene k, and all bytes together for the
-dataset as a whole. Shards of one folder hold the bytes of their own scenes. A lock file that a
-killed process has left means nothing by itself; who next has the whole removes it.
-"""
+They are POSIX record locks on a hidden file: byte k stands for scene k, all bytes together for the
+whole dataset. Shards in one folder lock the bytes of their own scenes. A lock file left by a killed
+process locks nothing; the next holder of the whole dataset removes it."""
 
 from __future__ import annotations
 
@@ -21,14 +20,14 @@ from pathlib import Path
 LOCK_FILE = ".lock"
 _SCENES = 1_000_000
 _ALL = (0, _SCENES + 1)
-"""First byte and how many: all scenes, and what is no scene's."""
+"""First byte and number of bytes for all scenes and the rest of the dataset."""
 
 _log = logging.getLogger(__name__)
 
 _guard = threading.Lock()
 _mine: set[tuple[int, int, int]] = set()
-"""Process, device and inode of the lock files that are held: record locks do not keep the threads
-of a process apart."""
+"""Process, device and inode of held lock files, because record locks do not separate the threads of
+a process."""
 
 # struct flock of 64-bit Linux: l_type, l_whence, l_start, l_len, l_pid.
 _FLOCK = "@hhqqi4x"
@@ -40,7 +39,7 @@ class FolderInUseError(OSError):
 
 
 def _runs(scenes: Iterable[int]) -> list[tuple[int, int]]:
-    """Scene ids as runs: (first, how many)."""
+    """Scene ids as runs: (first, count)."""
     found: list[tuple[int, int]] = []
     for scene in sorted(scenes):
         if found and sum(found[-1]) == scene:
@@ -51,7 +50,7 @@ def _runs(scenes: Iterable[int]) -> list[tuple[int, int]]:
 
 
 def _holder(descriptor: int, run: tuple[int, int]) -> int:
-    """Id of a process that holds some of a run of bytes; 0 where that cannot be known."""
+    """Id of a process that holds some of a run of bytes; 0 if unknown."""
     if not sys.platform.startswith("linux"):
         return 0
     asked = struct.pack(_FLOCK, fcntl.F_WRLCK, os.SEEK_SET, *run, 0)
@@ -60,7 +59,7 @@ def _holder(descriptor: int, run: tuple[int, int]) -> int:
 
 
 def in_use(root: Path, pid: int) -> FolderInUseError:
-    """What to tell who wants to write too. pid: of who does, 0 if that is not known."""
+    """Message for a second writer. pid: that of the first, 0 if unknown."""
     who = f"process {pid}" if pid > 0 else "another process"
     if pid == os.getpid():
         who = "another thread of this process"
@@ -85,9 +84,8 @@ def _take(root: Path, descriptor: int, runs: list[tuple[int, int]]) -> None:
             return
 
 
-
 def _name(root: Path) -> tuple[int, int, int] | None:
-    """What a lock file is known by in this process; None where there is none."""
+    """Identity of a lock file in this process; None if there is none."""
     try:
         about = os.stat(root / LOCK_FILE)
     except FileNotFoundError:
@@ -96,7 +94,7 @@ def _name(root: Path) -> tuple[int, int, int] | None:
 
 
 def _open(root: Path) -> tuple[int, tuple[int, int, int]]:
-    """The lock file's descriptor, and what the file is known by."""
+    """Descriptor and identity of the lock file."""
     descriptor = os.open(root / LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
     about = os.fstat(descriptor)
     return descriptor, (os.getpid(), about.st_dev, about.st_ino)
@@ -111,10 +109,9 @@ def _remove_if_last(root: Path, descriptor: int) -> None:
 
 @contextlib.contextmanager
 def locked(root: Path, scenes: Iterable[int] | None = None) -> Iterator[None]:
-    """Holds some scenes of a dataset's folder, or None: all of it, while the context lasts.
+    """Holds some scenes of a dataset's folder, or all of it (None), within the context.
 
-    FolderInUseError, which names the process, if one holds any of them.
-    """
+    FolderInUseError, which names the process, if another holds any of them."""
     runs = [_ALL] if scenes is None else _runs(scenes)
     with _guard:
         # Closing any descriptor of a file drops all record locks of the process, so the file is
@@ -142,7 +139,7 @@ def locked(root: Path, scenes: Iterable[int] | None = None) -> Iterator[None]:
 
 
 def writing_process(root: Path) -> int | None:
-    """Id of a process that writes to the folder, 0 if it is not known; None if none does."""
+    """Id of a process that writes to the folder, 0 if unknown; None if there is none."""
     try:
         with _guard:
             if _name(root) in _mine:

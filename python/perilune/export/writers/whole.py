@@ -1,4 +1,4 @@
-"""Whether files are whole: what a killed run, a full disk or a power cut has left may not be."""
+"""Tests whether files are intact after a killed run, a full disk or a power cut."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def png_chunks(data: bytes) -> list[tuple[bytes, bytes]]:
 
 
 def _png(data: bytes) -> bool:
-    """Whether the last chunk is there, and all have right checksums."""
+    """Whether the last chunk exists, and all checksums are right."""
     try:
         png_chunks(data)
     except ValueError:
@@ -49,7 +49,7 @@ def _png(data: bytes) -> bool:
 
 
 def _npy(data: bytes) -> bool:
-    """As many values as the header says. NPY has no checksum."""
+    """Whether there are as many values as the header states. NPY has no checksum."""
     file = io.BytesIO(data)
     try:
         if np.lib.format.read_magic(file) != (1, 0):
@@ -61,7 +61,7 @@ def _npy(data: bytes) -> bool:
 
 
 def _ply(data: bytes) -> bool:
-    """As many bytes as the header says, of a binary file of triangles."""
+    """Whether a binary file of triangles has as many bytes as its header states."""
     header, mark, body = data.partition(_END_OF_HEADER)
     size, count = 0, 0
     try:
@@ -95,7 +95,7 @@ _KINDS: dict[str, Callable[[bytes], bool]] = {
 
 
 def is_whole(path: Path) -> bool:
-    """Whether a file of a dataset is there from its first byte to its last, by its format."""
+    """Whether a file of a dataset is complete and valid for its format."""
     try:
         return _KINDS[path.suffix](path.read_bytes())
     except FileNotFoundError:
