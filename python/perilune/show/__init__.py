@@ -1,1 +1,1 @@
-"""What people look at: sheets of a sample, plots, graphs of materials, notebooks."""
+"""Visualisation: contact sheets of samples, plots, graphs of materials, notebooks."""

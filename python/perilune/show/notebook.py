@@ -1,14 +1,14 @@
-"""Sheets of samples in Jupyter: `show(sample)`, and for older notebooks an extension.
+"""Contact sheets of samples in Jupyter: `show(sample)`, and an extension for older notebooks.
 
-Samples, their objects and plans, simulations, configurations, labels, graphs and plots show
-themselves: a cell ends in `sim[12]`, `sim`, `sim.plan(12)`, `sim.taxonomy`, `sim.config.camera` or
-`sim.plot_orbits()`, and nothing is loaded (see perilune.show.display; plots need the extra `plot`).
-`show(sample)` is the sheet with every channel in one picture, as `perilune preview` draws it; after
-`%load_ext perilune.show.notebook` samples have it beside their tables, for what shows no HTML.
+Samples, their objects and plans, simulations, configurations, labels, graphs and plots display
+themselves: end a cell with `sim[12]`, `sim`, `sim.plan(12)`, `sim.taxonomy`, `sim.config.camera` or
+`sim.plot_orbits()`; nothing needs to be loaded (see perilune.show.display; plots need the extra
+`plot`). `show(sample)` is a sheet with every channel in one picture, as from `perilune preview`.
+After `%load_ext perilune.show.notebook` samples have it in addition to their tables, for viewers
+without HTML.
 
-Nothing of Jupyter is imported: a notebook asks an object for `_repr_png_`, and hands its shell to
-`load_ipython_extension`.
-"""
+Nothing of Jupyter is imported: a notebook asks an object for `_repr_png_`, and passes its shell to
+`load_ipython_extension`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _FIGURE = "matplotlib.figure.Figure"
 
 
 class Sheet:
-    """The sheet of a sample; a notebook shows it as the value of a cell."""
+    """The contact sheet of a sample, which a notebook displays as the value of a cell."""
 
     def __init__(self, png: bytes) -> None:
         self.png = png
@@ -36,12 +36,12 @@ class Sheet:
 
 
 def show(sample: Sample, title: str = "", names: Names | None = None) -> Sheet:
-    """The sheet of the channels a sample holds. names: `sim.taxonomy.channel_names`."""
+    """The sheet of the channels that a sample holds. names: `sim.taxonomy.channel_names`."""
     return Sheet(preview.png_bytes(preview.draw(sample, title, names)))
 
 
 def _sample_png(sample: Sample) -> bytes | None:
-    """None, for a sample without pixel channels, leaves its text."""
+    """PNG of a sample's sheet; None, which leaves the text, without pixel channels."""
     return show(sample).png if len(sample) else None
 
 
@@ -52,14 +52,14 @@ def _figure_png(figure: Any) -> bytes:
 
 
 def load_ipython_extension(shell: Any) -> None:
-    """Makes samples show as their sheets, and matplotlib's figures as pictures."""
+    """Displays samples as their sheets, and matplotlib's figures as pictures."""
     formatter = shell.display_formatter.formatters["image/png"]
     formatter.for_type(_SAMPLE, _sample_png)
     formatter.for_type(_FIGURE, _figure_png)  # by name: matplotlib need not be there
 
 
 def unload_ipython_extension(shell: Any) -> None:
-    """Undoes it."""
+    """Reverts load_ipython_extension."""
     formatter = shell.display_formatter.formatters["image/png"]
     formatter.pop(_SAMPLE, None)
     formatter.pop(_FIGURE, None)

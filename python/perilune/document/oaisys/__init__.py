@@ -1,14 +1,13 @@
-"""The reader of OAISYS files: their JSON tree becomes a tree of our configuration.
+"""Reads OAISYS files: translates their JSON tree to a tree of Perilune's configuration.
 
-One file a section. What has no counterpart is a warning (OaisysWarning) that names its key; what
-cannot be is a ConfigError that does. Units: `metres_per_unit` at the top of the file (default: the
-mean radius of the body that is orbited and orbits nothing, 6.378e6 for the Earth; 1 in a scene
-without bodies and orbits) turns scene units into metres everywhere; a mesh's `scale` applies to its
-model's own units on top of that. Frames: the scene's axes are ICRF's. Time: batches are scenes,
+One module per section. Keys without a counterpart cause a warning (OaisysWarning) that names them,
+impossible values a ConfigError. Units: `metres_per_unit` at the top of the file converts scene
+units to metres everywhere. Its default is the mean radius of the central body that orbits nothing,
+6.378e6 for the Earth, and 1 in a scene without bodies and orbits. A mesh's `scale` applies to its
+model's own units in addition. Frames: the scene's axes are ICRF's. Time: batches are scenes,
 samples their steps, a step is 60 s. The keys name, description, seed and materials at the top are
-ours, and so are `materials` of a mesh and `material` of one that is a body; `material_drivers`
-drives the nodes of these graphs.
-"""
+Perilune's, and so are `materials` of a mesh and `material` of one that is a body;
+`material_drivers` drives the nodes of these graphs."""
 
 from __future__ import annotations
 
@@ -24,21 +23,21 @@ from perilune.document.oaisys.scene import Scene
 
 __all__ = ["OaisysWarning", "Translation", "is_oaisys", "translate"]
 
+
 @dataclass(frozen=True)
 class Translation:
-    """An OAISYS file as a configuration of ours."""
+    """An OAISYS file as a configuration of Perilune."""
 
     tree: dict[str, Any]
     origins: Mapping[str, str]
-    """Key path of the tree -> key path of the file that it, and what is below it, comes from."""
+    """Key path of the tree -> key path of the file that it, with everything below, comes from."""
 
 
 def translate(tree: Mapping[str, Any], base: Path, source: str) -> Translation:
-    """Our tree of an OAISYS file. base: the folder of its relative paths. source: its name.
+    """Perilune's tree of an OAISYS file. base: the folder of its relative paths. source: its name.
 
-    Warns (OaisysWarning) of every key that is not applied as it stands; ConfigError, by the key
-    path of the file, of what cannot be.
-    """
+    Warns (OaisysWarning) of every key that is not applied as given; ConfigError with the key path
+    in the file for impossible values."""
     notes = Notes(source)
     root = Node(tree, "", notes)
     scene = Scene(base, notes, metres_per_unit=1.0, tree={"version": 1})

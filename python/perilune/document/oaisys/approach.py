@@ -1,4 +1,4 @@
-"""sensorMovementType approach_trajectory: the runs towards a target, one over each batch."""
+"""sensorMovementType approach_trajectory: runs towards a target, one per batch."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _PLANES: dict[str, dict[str, Any]] = {
 
 
 def _from_quaternion_deg(q: list[float]) -> list[float]:
-    """Roll, pitch, yaw of a unit quaternion, about the fixed axes x, y, z one after the other."""
+    """Roll, pitch, yaw of a unit quaternion about the fixed axes x, y, z in this order."""
     m = rotations.to_matrix(np.array(q) / np.linalg.norm(q))
     pitch = math.asin(min(1.0, max(-1.0, -float(m[2, 0]))))
     if abs(m[2, 0]) < 1.0 - 1e-12:
@@ -48,7 +48,7 @@ def _pose(params: Node, key: str, scene: Scene) -> dict[str, Any]:
 
 
 def _linear(node: Node, params: Node, scene: Scene) -> dict[str, Any]:
-    """Straight from start to end; only the ratio of the speeds counts over a batch."""
+    """A straight line from start to end; only the ratio of the speeds matters over a batch."""
     found: dict[str, Any] = {
         "kind": "linear",
         "start": _pose(params, "start_pose", scene),
@@ -67,7 +67,7 @@ def _linear(node: Node, params: Node, scene: Scene) -> dict[str, Any]:
 
 
 def _spiral(node: Node, params: Node, scene: Scene) -> dict[str, Any]:
-    """Around the target; without r_start from orbit_radius, without r_end on a circle."""
+    """Around the target; r_start defaults to orbit_radius, r_end to a circle."""
     found: dict[str, Any] = {"kind": "spiral", "positions": scene.steps}
     if params.has("start_position"):
         found["start_m"] = scene.lengths_m(params.numbers("start_position", 3))
@@ -91,7 +91,7 @@ def _without_start(plane: dict[str, Any]) -> dict[str, Any]:
 
 
 def _custom(node: Node, params: Node, scene: Scene) -> dict[str, Any]:
-    """The user's function; what else the section holds is handed to it."""
+    """The user's function; other keys of the section are passed to it."""
     function = params.text("function")
     params.skip()
     rest = {key: value for key, value in params.raw.items() if key != "function"}
@@ -107,7 +107,7 @@ _KINDS: dict[str, Callable[[Node, Node, Scene], dict[str, Any]]] = {
 
 
 def read(node: Node, scene: Scene) -> dict[str, Any]:
-    """Our section `camera.trajectory` from SENSOR_SETUP.GENERAL."""
+    """Perilune's section `camera.trajectory` from SENSOR_SETUP.GENERAL."""
     target = scene.find(node, "orbit_mesh")
     kind = node.choice("approach_moving_type", _KINDS)
     params = node.child("approach_moving_params")

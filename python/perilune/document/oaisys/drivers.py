@@ -1,9 +1,8 @@
-"""`material_drivers`: of the graphs on a mesh, or at the top of the file of all graphs.
+"""`material_drivers`: for the graphs on a mesh, or, at the top of the file, for all graphs.
 
-Graphs come with our keys: `materials` at the top of the file, and those of a mesh that say which
-are on it: `materials`, uses as a spacecraft has them, or `material` of a body, a name. Graphs in
-the extras of a model's materials are driven too.
-"""
+Graphs use Perilune's keys: `materials` at the top of the file, and keys of a mesh that assign them:
+`materials`, uses as in a spacecraft, or `material` of a body, a name. Graphs in the extras of a
+model's materials are driven too."""
 
 from __future__ import annotations
 
@@ -17,10 +16,9 @@ _NUMBERS = ("clip_min", "clip_max", "ideal", "jitter_variance")
 
 
 def read(owner: Node, why_not: str | None, ours: str = _KEY) -> dict[str, Any]:
-    """The section below a mesh, a material or the file, as that at our key path; empty if none.
+    """The section below a mesh, a material or the file, for our key path; empty if there is none.
 
-    why_not: it is told that it is not applied, and why.
-    """
+    why_not: reason to warn that it is not applied."""
     if not owner.has(_KEY):
         return {}
     section = owner.child(_KEY)
@@ -54,7 +52,7 @@ def _driver(node: Node) -> dict[str, Any]:
 
 
 def read_graphs(root: Node, tree: dict[str, Any]) -> None:
-    """Our `materials`, and the drivers of all of them."""
+    """Perilune's `materials`, and the drivers of all of them."""
     if root.has("materials"):
         tree["materials"] = root.get("materials")
         root.comes("materials", "materials")
@@ -66,7 +64,7 @@ def read_graphs(root: Node, tree: dict[str, Any]) -> None:
 def read_mesh(
     owners: tuple[Node, ...], entry: dict[str, Any], ours: str, file: ModelFile, is_body: bool
 ) -> None:
-    """Our graphs of a mesh, and the drivers of those and of its model's; keys stand in any of
+    """Graphs of a mesh, with their drivers and those of its model's graphs; keys are in any of
     `owners`."""
     key = "material" if is_body else "materials"
     for owner in owners:

@@ -1,8 +1,7 @@
-"""ENVIRONMENT_EFFECTS_SETUP: the Sun of the sky, its air about the planet, and a picture around.
+"""ENVIRONMENT_EFFECTS_SETUP: the Sun of the sky, the planet's atmosphere, and a background picture.
 
-With a Sun from here frames are exposed alike, as Blender's are: what shows as white is a white wall
-that faces the Sun. Without one the date says where the Sun is, and exposure is automatic.
-"""
+If the section has a Sun, all frames have the same exposure, as in Blender: white is a white wall
+that faces the Sun. Otherwise the date gives the Sun's position, and exposure is automatic."""
 
 from __future__ import annotations
 
@@ -20,14 +19,14 @@ _AIR = {
     "DustDensity": ("mie_scattering_per_km", "mie_scattering"),
     "OzoneDensity": ("ozone_per_km", "ozone_absorption"),
 }
-"""Key -> ours, and what the core calls it."""
+"""Key -> Perilune's key, and the core's name."""
 _PRESETS = ("earth", "mars")
 _WHITE_W_M2_SR = _IRRADIANCE_W_M2 / math.pi
 _BRIGHTNESS = ("SunIntensity", "SunStrength")
 
 
 def _middle(params: Node, key: str) -> float:
-    """Of a range, for what does not vary here."""
+    """Middle of a range, for values that do not vary here."""
     low, high = params.span(key, (1.0, 1.0))
     if low < 0.0:
         params.fail(key, f"must not be negative: {low:g}")
@@ -38,8 +37,8 @@ def _middle(params: Node, key: str) -> float:
 
 
 def _air(params: Node, scene: Scene) -> None:
-    """Blender's sky is that of a planet: the first body that is an ellipsoid gets the air, of its
-    preset or the Earth's, and the densities are factors on it."""
+    """Blender's sky belongs to a planet: the first body that is an ellipsoid gets the atmosphere of
+    its preset or the Earth's, scaled by the densities."""
     # They see the whole schema, which is not there yet when this file is read.
     from perilune.bodies import atmospheres
     from perilune.config.atmosphere import Atmosphere
@@ -71,21 +70,24 @@ def _air(params: Node, scene: Scene) -> None:
 
 
 def _hdri(row: Node, scene: Scene) -> str | None:
-    """The picture of an entry of HDRIList, if there is one that is read."""
+    """Picture of an entry of HDRIList that can be read; None without one."""
     text = row.text("filePath")
     row.ignore("labelIDVec", "the background has class id 0 at every level")
     found = files.picture(text, scene.base)
     where = row.where("filePath")
     if found is None:
-        row.notes.warn(where, "not applied: .hdr and .exr are not read, and no picture (PNG, JPEG, "
-                       "WebP) of the same name is beside it")
+        row.notes.warn(
+            where,
+            "not applied: .hdr and .exr are not read, and no picture (PNG, JPEG, "
+            "WebP) of the same name is beside it",
+        )
     elif found != text:
         row.notes.warn(where, f"read from {found}, as .hdr and .exr are not")
     return found
 
 
 def _picture(entry: Node, scene: Scene, interval: int) -> None:
-    """A picture behind everything, as bright as Blender shows it: 1 is a white wall in sunlight."""
+    """A background picture with Blender's brightness: 1 is a white wall in sunlight."""
     from perilune.sky.skies import magnitude_arcsec2
 
     params = entry.child("environmentEffectsParams")
@@ -160,7 +162,7 @@ def _sky(entry: Node, scene: Scene, interval: int) -> None:
 
 
 def read(section: Node, scene: Scene) -> None:
-    """After the camera's section."""
+    """To be called after the camera's section was read."""
     general = section.child("GENERAL")
     interval = general.whole("stepInterval", 1, smallest=1)
     general.ignore("backgroundStrength", "not applied: space is black but for an EnvHDRI")

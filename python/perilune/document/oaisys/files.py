@@ -1,4 +1,4 @@
-"""Files that an OAISYS file names: models as glTF beside their .blend, maps beside models."""
+"""Files named in an OAISYS file: models as glTF next to their .blend, maps next to models."""
 
 from __future__ import annotations
 
@@ -24,34 +24,34 @@ _DATA = "data:"
 
 @dataclass(frozen=True)
 class ModelFile:
-    """The file of a mesh."""
+    """Files of a mesh."""
 
     text: str
-    """As the OAISYS file has it."""
+    """Path in the OAISYS file."""
     found: str | None
-    """As our configuration takes it; None: there is no such glTF file."""
+    """Path in our configuration; None if there is no such glTF file."""
     swapped: bool
-    """Whether it, or the shape, stands for another file."""
+    """Whether it, or the shape, replaces another file."""
     shape: str | None
-    """The file of a body's shape, for our configuration, where there is one and no glTF file."""
+    """File of a body's shape in our configuration, if there is one and no glTF file."""
     map: str | None
-    """A picture of the same name beside it, for our configuration."""
+    """Picture of the same name next to it, in our configuration."""
     base: Path
 
     @property
     def stem(self) -> str:
-        """The file's name without its ending."""
+        """The file's name without its suffix."""
         return Path(self.text).stem
 
     def missing(self) -> str:
-        """What is said when there is no glTF file."""
+        """Message if there is no glTF file."""
         stem = str(_located(self.text, self.base).with_suffix(""))
         endings = " or ".join(stem + ending for ending in (*_GLTF, *_SHAPES[:1]))
         return f"no such file: {endings} (.blend files are not read)"
 
 
 def _located(text: str, base: Path) -> Path:
-    """Where a path points; `data:` stands for the folder of the sample data, as elsewhere."""
+    """Resolves a path; `data:` is the folder of the sample data, as elsewhere."""
     if text.startswith(_DATA):
         return Path(os.environ.get("PERILUNE_DATA", "")) / text.removeprefix(_DATA).lstrip("/")
     return base / text
@@ -66,7 +66,7 @@ def _beside(text: str, base: Path, endings: tuple[str, ...]) -> str | None:
 
 
 def model(params: Node, key: str, base: Path) -> ModelFile:
-    """The model that a key names, and the map beside it."""
+    """The model named by a key, and the map next to it."""
     text = params.text(key)
     if not Path(text).name:
         params.fail(key, f"must name a file, not {text!r}")
@@ -81,13 +81,13 @@ def model(params: Node, key: str, base: Path) -> ModelFile:
 
 
 def picture(text: str, base: Path) -> str | None:
-    """The picture that a path names, or one of the same name in a format that is read."""
+    """The picture at a path, or one of the same name in a supported format."""
     suffix = Path(text).suffix.lower()
     return _beside(text, base, (suffix, *_PICTURES) if suffix in _PICTURES else _PICTURES)
 
 
 def first_frame(text: str, base: Path) -> int:
-    """The `frame` of a table of poses' first row; 0 where the table cannot tell."""
+    """The `frame` of the first row of a table of poses; 0 if the table has none."""
     try:
         with _located(text, base).open(encoding="utf-8-sig", newline="") as file:
             rows = [row for row in itertools.islice(csv.reader(file), 100) if "".join(row).strip()]
@@ -99,8 +99,8 @@ def first_frame(text: str, base: Path) -> int:
 
 
 def has_graphs(file: ModelFile) -> bool:
-    """Whether materials of the model have graphs in their extras; false for a broken file, of which
-    its reader tells."""
+    """Whether materials of the model have graphs in their extras; false for an invalid file, which
+    its reader reports."""
     if file.found is None:
         return False
     try:
@@ -110,8 +110,7 @@ def has_graphs(file: ModelFile) -> bool:
 
 
 def reach(file: ModelFile, params: Node, scale: float | Sequence[float]) -> float:
-    """Distance from a model's origin to its farthest vertex, once it is scaled: evenly, or by
-    axis."""
+    """Distance from a model's origin to its farthest vertex, after uniform or axis-wise scaling."""
     assert file.found is not None  # the caller has told of missing files
     try:
         positions = _core.Model(str(_located(file.found, file.base))).mesh()["positions"]
@@ -121,7 +120,7 @@ def reach(file: ModelFile, params: Node, scale: float | Sequence[float]) -> floa
 
 
 def semi_axes(text: str, file: ModelFile, params: Node) -> list[float]:
-    """How far a closed shape reaches along x, y and z from its origin, its own units."""
+    """Extent of a closed shape along x, y and z from its origin, in its own units."""
     try:
         vertices, _ = shape_files.read(_located(text, file.base))
     except (ValueError, OSError) as error:

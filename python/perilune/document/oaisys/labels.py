@@ -11,7 +11,7 @@ _LARGEST = 65535
 
 
 def _levels(node: Node) -> list[int]:
-    """The ids of a mesh, coarsest first; only its first label, as OAISYS does for meshes."""
+    """The ids of a mesh, coarsest first; only its first label is used, as in OAISYS."""
     rows = node.get("labelIDVec", [])
     row = rows[0] if isinstance(rows, list) and rows else []
     if not isinstance(rows, list) or not isinstance(row, list):
@@ -24,7 +24,7 @@ def _levels(node: Node) -> list[int]:
 
 
 def _class_of(entry: dict[str, Any], name: str, number: int, ids: dict[str, int]) -> str:
-    """The class of object with an id: that of the first mesh with it."""
+    """The class of objects with an id: that of the first mesh with it."""
     same = next((other for other, value in ids.items() if value == number), None)
     if same is not None:
         return same
@@ -37,11 +37,10 @@ def _level(depth: int) -> str:
 
 
 def read(meshes: list[tuple[str, Node]], scene: Scene) -> dict[str, Any]:
-    """Ids become classes; equal ids of a level make one.
+    """Turns ids into classes; equal ids of a level give one class.
 
-    With one level it is that of objects. With more, `semantic` has them in the order of the file,
-    coarsest first, the finest as the level `object`; then `part` and `kind`.
-    """
+    A single level is that of objects. Of several, `semantic` has all in the order of the file,
+    coarsest first, with the finest as the level `object`; then `part` and `kind`."""
     rows: list[tuple[str, Node, list[int]]] = []
     for name, params in meshes:
         passes = params.child("passParams")

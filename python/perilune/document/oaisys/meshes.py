@@ -1,11 +1,10 @@
 """ASSET_SETUP.MESHES: each mesh becomes a body or a spacecraft (a model).
 
-A mesh whose file is there as glTF is a spacecraft, whatever it shows, but for a planet that is
-scaled by axis: that is a body of its shape, and so is every .obj. Of the others, one whose file,
-instance or entry is named like a body of the table is that body, and one that something orbits is
-an ellipsoid with the Earth's gravity. An ellipsoid has the radii `scale`, in scene units; a body
-has the picture beside its file as map, and may have air, clouds and the like by our keys.
-"""
+A mesh with a glTF file is a spacecraft, whatever it shows, except for a planet with axis-wise
+scaling: that is a body with this shape, and so is every .obj. Other meshes are bodies: the body of
+the table that the file, instance or entry is named after; or, if something orbits it, an ellipsoid
+with the Earth's gravity. An ellipsoid has the radii `scale` in scene units. A body uses the picture
+next to its file as its map, and may have an atmosphere, clouds and so on by Perilune's keys."""
 
 from __future__ import annotations
 
@@ -19,7 +18,7 @@ from perilune.document.oaisys.scene import ORIGIN, Scene, Thing, clean_name
 from perilune.document.oaisys.units import known_body, metres_per_unit
 
 _ORIGIN_KM = 1e-12
-"""Radius of the speck at the origin of a scene without a body there: a nanometre."""
+"""Radius, a nanometre, of the placeholder at the origin of a scene without a body there."""
 _STANDS = "the mesh stands still at its position, as its file has it"
 _ASTEROID = {
     "location": _STANDS,
@@ -33,11 +32,11 @@ _ASTEROID = {
     "randomSwitchOnOff": "every mesh is in every scene",
     "numSamples": "numSamplesPerBatch says how many steps a scene has",
 }
-"""Keys of MeshAsteroid that are not applied, and why."""
+"""Keys of MeshAsteroid that are not applied -> the reason."""
 
 
 class Mesh:
-    """An entry while it is read: its nodes, and what its file is."""
+    """An entry while it is read: its nodes and its files."""
 
     def __init__(self, entry: Node, scene: Scene, taken: list[str]) -> None:
         self.entry = entry
@@ -87,7 +86,7 @@ class Mesh:
 
 
 def _pose(mesh: Mesh, ours: str) -> dict[str, Any]:
-    """rotation_deg and its spin: the same keys as ours."""
+    """rotation_deg and spin, which have the same keys as ours."""
     params = mesh.params
     turn: dict[str, Any] = {"rotation_deg": params.numbers("rotation_deg", 3, [0.0, 0.0, 0.0])}
     if params.has("rotation_deg_step_v"):
@@ -108,7 +107,7 @@ def _pose(mesh: Mesh, ours: str) -> dict[str, Any]:
 
 
 def _place(mesh: Mesh, scene: Scene, root: str, ours: str) -> dict[str, Any]:
-    """A fixed position, scene units from the scene's origin."""
+    """A fixed position in scene units from the scene's origin."""
     place = scene.lengths_m(mesh.position)
     mesh.params.comes(f"{ours}.orbit", "position")
     if root == ORIGIN and not any(place):
@@ -123,7 +122,7 @@ def _body(mesh: Mesh, scene: Scene) -> dict[str, Any]:
 
 
 def _metres_per_unit(mesh: Mesh, scene: Scene) -> float | list[float]:
-    """Blender's axes, which OAISYS scales along, are ours: z is up."""
+    """Scale of the model along Blender's axes, which are ours: z is up."""
     by_axis = scene.lengths_m(mesh.scale)
     return by_axis if len(set(by_axis)) > 1 else by_axis[0]
 
@@ -170,7 +169,7 @@ _KINDS: dict[str, Callable[[Node], None] | None] = {
     "MeshAsteroid": None,
     "MeshMultipleRandom": _unsupported,
 }
-"""type -> what leaves it out; None: it is read."""
+"""type -> function that skips it; None: it is read."""
 
 
 def _read_all(section: Node, scene: Scene) -> list[Mesh]:
@@ -190,7 +189,8 @@ def _read_all(section: Node, scene: Scene) -> list[Mesh]:
 
 
 def _unit_m(root: Node, meshes: list[Mesh]) -> float:
-    """A planet comes before its moons, which are orbited too, and before what nothing orbits."""
+    """Scene unit. Planets come before their moons, which are central bodies too, and before other
+    bodies."""
     bodies = sorted(
         (mesh for mesh in meshes if mesh.is_body or mesh.is_parent),
         key=lambda mesh: (not mesh.is_parent, mesh.orbit is not None),
@@ -200,7 +200,7 @@ def _unit_m(root: Node, meshes: list[Mesh]) -> float:
 
 
 def _entry(mesh: Mesh, scene: Scene) -> dict[str, Any]:
-    """Our entry of a mesh without its orbit; the scene gets to know the thing."""
+    """Our entry of a mesh without its orbit; adds the object to the scene."""
     if mesh.kind == "MeshAsteroid":
         for key, why in _ASTEROID.items():
             mesh.params.ignore(key, f"not applied: {why}")
@@ -221,7 +221,7 @@ def _entry(mesh: Mesh, scene: Scene) -> dict[str, Any]:
 
 
 def read(root: Node, section: Node, scene: Scene) -> None:
-    """Fills `bodies`, `spacecraft`, `labels` and `root` of our tree, and the scene's things."""
+    """Fills `bodies`, `spacecraft`, `labels` and `root` of our tree, and the scene's objects."""
     section.child("GENERAL")
     meshes = _read_all(section, scene)
     scene.metres_per_unit = _unit_m(root, meshes)
@@ -250,8 +250,6 @@ def _rests_at_origin(mesh: Mesh) -> bool:
 
 
 def _origin() -> dict[str, Any]:
-    """A speck where the scene's origin is, for a scene without a body there."""
+    """A placeholder at the scene's origin, if there is no body."""
     radii = [_ORIGIN_KM] * 3
     return {"kind": "ellipsoid", "radii_km": radii, "gm_km3_s2": 1e-20, "albedo": 0.0}
-
-

@@ -1,4 +1,4 @@
-"""SENSOR_SETUP.GENERAL: how the base of the sensors moves; one table of movement types."""
+"""SENSOR_SETUP.GENERAL: motion of the sensors' base, in a table of movement types."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from perilune.document.oaisys.scene import Scene, Thing
 
 Movement = Callable[[Node, Scene], dict[str, Any]]
 _DEFAULT_RADII = 3.0
-"""orbit_radius left out: so many radii of the target."""
+"""Default of orbit_radius, in radii of the target."""
 _UNUSED = ("hoverBase", "hoverTarget", "targetObject", "positionOffset")
-"""Groups of keys that one key of theirs switches on; they need terrain, or move what is looked at
-in ways that are not documented."""
+"""Groups of keys, each switched on by one of its keys, that need terrain or move the target in
+undocumented ways."""
 
 
 def _distance(node: Node, scene: Scene, target: Thing) -> dict[str, Any]:
-    """orbit_radius, and the noise that is added at every step."""
+    """orbit_radius, and the noise added at every step."""
     noise = scene.metres_per_unit * node.number("orbit_radius_noise", 0.0)
     if node.has("orbit_radius"):
         low, high = scene.lengths_m(list(node.span("orbit_radius")))
@@ -36,7 +36,7 @@ def _distance(node: Node, scene: Scene, target: Thing) -> dict[str, Any]:
 
 
 def _roll_deg(node: Node) -> list[float]:
-    """About the optical axis; OAISYS keeps its +z up in the image without it."""
+    """Roll about the optical axis; without it OAISYS keeps its +z up in the image."""
     node.comes("camera.trajectory.roll_deg", "randomTargetRollDeg")
     if node.has("randomTargetRollRad"):
         return [math.degrees(angle) for angle in node.span("randomTargetRollRad")]
@@ -44,14 +44,14 @@ def _roll_deg(node: Node) -> list[float]:
 
 
 def _orbit_object(node: Node, scene: Scene) -> dict[str, Any]:
-    """Random positions on a sphere around the target, which they move with."""
+    """Random positions on a sphere around the target, with which they move."""
     target = scene.find(node, "orbit_mesh")
     distance = _distance(node, scene, target)
     return {"kind": "orbit_object", "target": target.name, **distance, "roll_deg": _roll_deg(node)}
 
 
 def _deterministic(node: Node, scene: Scene) -> dict[str, Any]:
-    """Poses of a table, camera axes as OpenCV's; its first row is for the first sample."""
+    """Poses from a table, camera axes as OpenCV's; its first row is for the first sample."""
     node.comes("camera.trajectory.file", "sensorMovementPose")
     offset = node.numbers("deterministicSensorOffsetPos", 3, [0.0, 0.0, 0.0])
     if node.text("interpolationMode", "none") != "none":
@@ -143,7 +143,7 @@ _MOVEMENTS: dict[str, Movement] = {
 
 
 def _groups(general: Node) -> None:
-    """Keys that belong together: told of where they are switched on, else passed over."""
+    """Warns of groups of keys that are switched on; ignores the others."""
     for group in _UNUSED:
         keys = [key for key in general.raw if key.startswith(group)]
         switch = next((key for key in keys if key.endswith(("Enabled", "Active"))), None)
@@ -157,7 +157,7 @@ def _groups(general: Node) -> None:
 
 
 def read(general: Node, scene: Scene) -> dict[str, Any]:
-    """Our section `camera.trajectory`."""
+    """Perilune's section `camera.trajectory`."""
     kind = general.choice("sensorMovementType", _MOVEMENTS)
     general.comes("camera.trajectory")
     general.comes("camera.trajectory.kind", "sensorMovementType")

@@ -1,8 +1,7 @@
-"""Reads a section of an OAISYS file key by key, so that what nobody reads can be told.
+"""Reads a section of an OAISYS file key by key, so that unread keys can be reported.
 
-Every key that is read is ticked off; `close` warns of the others by their paths. What is read and
-not applied is told by `ignore`. Where a value of ours comes from is kept for later errors.
-"""
+Reading a key marks it; `close` warns of all others by their paths. `ignore` reports a key that is
+read but not applied. The origin of our values is recorded for later errors."""
 
 from __future__ import annotations
 
@@ -14,16 +13,16 @@ from typing import Any, NoReturn
 from perilune.config.errors import ConfigError, nearest
 
 REQUIRED: Any = object()
-"""As a default: the key must be there."""
+"""As a default: the key is required."""
 UNKNOWN = "has no counterpart here; it is not applied"
 
 
 class OaisysWarning(UserWarning):
-    """A key of an OAISYS file that is not applied, or is applied in another way."""
+    """A key of an OAISYS file that is not applied, or is applied differently."""
 
 
 class Notes:
-    """What is told of a file: warnings, and where values of our configuration come from."""
+    """Warnings about a file, and the origins of values in our configuration."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -32,13 +31,14 @@ class Notes:
         self._told: list[str] = []
 
     def warn(self, path: str, text: str) -> None:
-        """Keeps a warning; `issue` gives them out in order."""
+        """Records a warning; `issue` issues all in order."""
         line = f"{self.source}: {path}: {text}"
         if line not in self._told:
             self._told.append(line)
 
     def issue(self) -> None:
-        """Gives out the warnings, as Python's `warnings`, at the place that opens the file."""
+        """Issues the warnings through Python's `warnings`, located at the caller that opens the
+        file."""
         for line in self._told:
             warnings.warn(line, OaisysWarning, stacklevel=5)
 
@@ -48,7 +48,7 @@ class Notes:
 
 
 class Node:
-    """A mapping of the file and its path; an absent one reads as empty."""
+    """A mapping of the file with its path; a missing one reads as empty."""
 
     def __init__(self, raw: Mapping[str, Any], path: str, notes: Notes) -> None:
         self.raw = raw
@@ -66,7 +66,7 @@ class Node:
         self.notes.fail(self.where(key), text)
 
     def ignore(self, key: str, why: str) -> None:
-        """Ticks a key off with a warning, if it is there."""
+        """Marks a key as read, with a warning if it is there."""
         if key in self.raw:
             self._read.add(key)
             self.notes.warn(self.where(key), why)
@@ -76,11 +76,11 @@ class Node:
         return self.raw.get(key) is not None
 
     def comes(self, ours: str, key: str = "") -> None:
-        """Keeps that our key `ours` and what is below it come from `key`."""
+        """Records that our key `ours`, with everything below, comes from `key`."""
         self.notes.origins[ours] = self.where(key)
 
     def close(self) -> None:
-        """Warns of all keys below that nobody has read."""
+        """Warns of all unread keys below."""
         for key in self.raw:
             if key not in self._read:
                 self.notes.warn(self.where(key), UNKNOWN)
@@ -88,7 +88,7 @@ class Node:
             node.close()
 
     def get(self, key: str, default: Any = None) -> Any:
-        """The raw value; null is as absent."""
+        """The raw value; null counts as missing."""
         self._read.add(key)
         value = self.raw.get(key)
         if value is not None:
@@ -123,7 +123,7 @@ class Node:
         return value
 
     def text(self, key: str, default: Any = REQUIRED) -> str:
-        """A text, without the blanks that a wrapped listing puts around it."""
+        """A text without the blanks around it that wrapped listings have."""
         value = self.get(key, default)
         if value is default:
             return value  # type: ignore[no-any-return]
@@ -139,7 +139,7 @@ class Node:
         return value
 
     def numbers(self, key: str, count: int, default: Any = REQUIRED) -> list[float]:
-        """A list of so many finite numbers; with count 3 a number stands for all."""
+        """A list of `count` finite numbers; for count 3 a single number stands for all."""
         value = self.get(key, default)
         if value is default:
             return value  # type: ignore[no-any-return]
@@ -150,7 +150,7 @@ class Node:
         return [self._number(f"{key}[{k}]", item) for k, item in enumerate(value)]
 
     def span(self, key: str, default: Any = REQUIRED) -> tuple[float, float]:
-        """A range: v, [v] or [low, high]; from [high, low] too, as random.uniform takes it."""
+        """A range: v, [v] or [low, high]; also [high, low], which random.uniform accepts."""
         value = self.get(key, default)
         if value is default:
             return value  # type: ignore[no-any-return]
@@ -183,12 +183,12 @@ class Node:
         return node
 
     def leave(self, why: str) -> None:
-        """Ticks the whole mapping off with one warning."""
+        """Marks the whole mapping as read, with one warning."""
         self._read.update(self.raw)
         self.notes.warn(self.path, why)
 
     def skip(self) -> None:
-        """Ticks the whole mapping off in silence: what holds it has been told of."""
+        """Marks the whole mapping as read without a warning, because its parent has one."""
         self._read.update(self.raw)
 
     def _number(self, key: str, value: Any) -> float:

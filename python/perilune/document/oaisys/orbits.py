@@ -10,11 +10,11 @@ from perilune.document.oaisys.scene import Scene, Thing
 from perilune.document.oaisys.units import EARTH_M, synchronous_radius_m
 
 _CLASSES = ("LEO", "MEO", "GEO", "PO", "SSO", "LLO")
-"""Those of our database that a circle can stand for."""
+"""Classes of our database that a circle can represent."""
 
 
 def _circular(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
-    """The path in radii of the parent; the file has it in scene units."""
+    """A path in radii of the central body; the file has scene units."""
     scale = node.numbers("scale", 3)
     if not min(scale) > 0.0:
         node.fail("scale", f"must be positive, not {scale}")
@@ -25,7 +25,7 @@ def _circular(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
 
 
 def _database(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
-    """A class of orbits, drawn once a scene and run through at v_step."""
+    """A class of orbits, drawn once a scene and traversed at v_step."""
     kind = node.choice("orbit_type", _CLASSES)
     if kind == "GEO":
         return _stationary(node, parent)
@@ -38,8 +38,8 @@ def _database(node: Node, scene: Scene, parent: Thing) -> dict[str, Any]:
 
 
 def _stationary(node: Node, parent: Thing) -> dict[str, Any]:
-    """The circle over the equator of the parent as it is turned here, which our database, made for
-    the equators of the table, does not know; around unknown bodies at the Earth's 6.6 radii."""
+    """A circle above the equator of the central body as rotated here, which our database with its
+    equators of the table lacks; around unknown bodies at 6.6 radii, as for the Earth."""
     radii = parent.radii_m()
     if parent.table is not None:
         distance = synchronous_radius_m(parent.table)
@@ -74,7 +74,7 @@ _KINDS: dict[str, Callable[[Node, Scene, Thing], dict[str, Any]]] = {
 
 
 def read(node: Node, scene: Scene, ours: str) -> dict[str, Any]:
-    """Our section `orbit`, whose key path is `ours`."""
+    """Perilune's section `orbit`; `ours` is its key path."""
     kind = node.choice("type", _KINDS)
     parent = scene.find(node, "parent")
     orbit = {"around": parent.name, **_KINDS[kind](node, scene, parent)}

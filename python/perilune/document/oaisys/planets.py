@@ -1,4 +1,4 @@
-"""Meshes that become bodies: ellipsoids, with a picture as map, and shapes of .obj files."""
+"""Meshes that become bodies: ellipsoids with a picture as map, and shapes from .obj files."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ if TYPE_CHECKING:
     from perilune.document.oaisys.meshes import Mesh
 
 OURS = ("atmosphere", "clouds", "rings", "relief", "ocean", "night_lights")
-"""Keys of a body of ours that a mesh of the file may have as they stand here."""
+"""Keys of Perilune's bodies that a mesh of the file may have unchanged."""
 _SURFACE_GRAVITY = 9.8e-3  # km/s2, of bodies that nobody knows
 
 
 def _shape(mesh: Mesh, scene: Scene, entry: dict[str, Any], ours: str) -> str:
-    """A closed mesh as the surface; what is told of it."""
+    """A closed mesh as the surface, with its warnings."""
     text = mesh.file.shape or mesh.file.found
     assert text is not None  # else it is an ellipsoid
     units_m = [scene.metres_per_unit * scale for scale in mesh.scale]
@@ -36,7 +36,7 @@ def _ellipsoid(mesh: Mesh, scene: Scene, entry: dict[str, Any]) -> str:
 
 
 def _extras(mesh: Mesh, entry: dict[str, Any], ours: str) -> None:
-    """Air, clouds, rings and ground, which are keys of ours."""
+    """Atmosphere, clouds, rings and ground by Perilune's keys."""
     for owner in (mesh.params, mesh.entry):
         for key in OURS:
             if owner.has(key):

@@ -1,4 +1,5 @@
-"""RENDER_SETUP: passes become channels. RENDER_POST_PROCESSING_EFFECTS_SETUP: bloom is a lens's."""
+"""RENDER_SETUP: passes become channels. RENDER_POST_PROCESSING_EFFECTS_SETUP: bloom becomes
+glare."""
 
 from __future__ import annotations
 
@@ -26,7 +27,7 @@ def _labels(channel: str, params: Node) -> list[str]:
 
 
 def read(section: Node, effects: Node, scene: Scene) -> None:
-    """Channels, in our order; object labels always."""
+    """Channels in our order, always with object labels."""
     section.child("GENERAL")
     render: dict[str, Any] = {}
     found: set[str] = set()
@@ -65,13 +66,13 @@ def read(section: Node, effects: Node, scene: Scene) -> None:
 
 
 _ELECTRONS = 1e7
-"""That a pixel holds: so many that nobody sees their noise."""
+"""Full-well capacity with which noise is invisible."""
 _WINGS = 0.03
-"""Part of the light that Blender's strongest mix spreads: as much as the worst lenses do."""
+"""Fraction of light that Blender's strongest mix spreads, as in the worst lenses."""
 
 
 def _bloom(entry: Node, scene: Scene) -> None:
-    """The wings of a point spread, on a sensor without noise: the channel sensor_rgb."""
+    """Wings of a point-spread function, for a sensor without noise: the channel sensor_rgb."""
     mix = entry.number("mix", 0.0)
     size = entry.number("size", 8.0)
     if not -1.0 <= mix <= 1.0:

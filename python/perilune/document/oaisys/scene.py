@@ -1,4 +1,4 @@
-"""What the sections of a file share while it is translated: units, names, sizes, our tree."""
+"""State common to the sections of a file during translation: units, names, sizes, our tree."""
 
 from __future__ import annotations
 
@@ -12,48 +12,48 @@ from perilune.config.errors import nearest
 from perilune.document.oaisys.node import Node, Notes
 
 ORIGIN = "origin"
-"""Our entry at the scene's origin where no mesh of the file is a body that rests there."""
+"""Our entry at the scene's origin, if no mesh of the file is a body at rest there."""
 
 
 @dataclass
 class Thing:
-    """A mesh of the file, as a body or a spacecraft of ours."""
+    """A mesh of the file as a body or a spacecraft."""
 
     name: str
-    """Of our entry."""
+    """Name of our entry."""
     aliases: tuple[str, ...]
-    """`name` and `meshInstanceName` of the file."""
+    """`name` and `meshInstanceName` in the file."""
     node: Node
-    """Its entry of the file."""
+    """Its entry in the file."""
     section: str
     """`bodies` or `spacecraft`."""
     table: str | None
-    """The entry of the core's table of bodies that it is."""
+    """Its entry in the core's table of bodies, if any."""
     rotation_deg: list[float]
     """Roll, pitch, yaw at the epoch."""
     radii_m: Callable[[], tuple[float, float, float]]
-    """Semi-axes of a body; of a mesh its bounding radius about its origin, three times. Reads the
-    model, so it is asked for only when it is needed."""
+    """Semi-axes of a body; for a mesh, the bounding radius about its origin three times. Reads the
+    model, so it is called only when needed."""
 
 
 @dataclass
 class Scene:
-    """The state of one translation."""
+    """State of a translation."""
 
     base: Path
-    """The folder of relative paths."""
+    """Folder that relative paths refer to."""
     notes: Notes
     metres_per_unit: float
     tree: dict[str, Any] = field(default_factory=dict)
     things: dict[str, Thing] = field(default_factory=dict)
-    """Our name -> thing, in the order of the file."""
+    """Our name -> object, in the order of the file."""
     steps: int = 1
-    """Of a batch."""
+    """Steps per batch."""
     passes: set[str] = field(default_factory=set)
-    """Render passes that sensors ask for."""
+    """Render passes requested by sensors."""
 
     def find(self, node: Node, key: str) -> Thing:
-        """The thing that a key names: by `name`, then by `meshInstanceName`."""
+        """The object that a key names: by `name`, then by `meshInstanceName`."""
         wanted = node.text(key)
         for position in (0, 1):
             for thing in self.things.values():
@@ -63,12 +63,12 @@ class Scene:
         node.fail(key, f"no mesh named '{wanted}'{nearest(wanted, known)}")
 
     def lengths_m(self, units: list[float]) -> list[float]:
-        """From scene units."""
+        """Lengths in metres, from scene units."""
         return [self.metres_per_unit * value for value in units]
 
 
 def clean_name(text: str, taken: Any) -> str:
-    """A name that our configuration takes, unlike those taken."""
+    """A name that is valid in our configuration and not taken."""
     name = re.sub(r"[^A-Za-z0-9_-]", "_", text) or "mesh"
     if not re.match(r"[A-Za-z_]", name):
         name = f"_{name}"

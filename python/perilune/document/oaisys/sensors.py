@@ -1,4 +1,4 @@
-"""SENSOR_SETUP.SENSORS: cameras; their common movement is movement.py's."""
+"""SENSOR_SETUP.SENSORS: cameras; movement.py reads their common movement."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ _IDENTITY = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
 
 
 def _transformation(params: Node, scene: Scene) -> list[float]:
-    """Sensor to base; Blender's camera axes (y up, looking along -z) turned to ours.
+    """Sensor to base, converted from Blender's camera axes (y up, looking along -z) to ours.
 
-    With F the half turn about x between the two, p' = F p and R' = F R F, which for a quaternion
-    changes the signs of y and z.
-    """
+    With F the half turn about x between the two, p' = F p and R' = F R F, which changes the signs
+    of a quaternion's y and z."""
     x, y, z, qw, qx, qy, qz = params.numbers("transformation", 7, _IDENTITY)
     if not any((qw, qx, qy, qz)):
         where = params.where("transformation")
@@ -58,7 +57,7 @@ def _optics(params: Node, ours: str) -> dict[str, Any]:
 
 
 _SENSOR_MM = 36.0
-"""Width of Blender's sensor, which says what focal length a K is of."""
+"""Width of Blender's sensor, which gives the focal length of a K in millimetres."""
 
 
 def _focus(params: Node, scene: Scene, focal_widths: float, ours: str) -> dict[str, Any]:
@@ -96,10 +95,10 @@ def _sensor(entry: Node, scene: Scene, taken: dict[str, Any]) -> tuple[str, dict
 
 
 def read(section: Node, scene: Scene) -> None:
-    """Our `camera` is the base with the first sensor's optics; `sensors` only where they say more.
+    """Our `camera` is the base with the optics of the first sensor; `sensors` is used only if
+    needed.
 
-    One sensor at the base that is always triggered is the camera itself.
-    """
+    A single sensor at the base that is always triggered is the camera itself."""
     general = section.child("GENERAL")
     sensors: dict[str, Any] = {}
     for entry in section.children("SENSORS"):

@@ -1,4 +1,4 @@
-"""SIMULATION_SETUP: scenes and steps; where and how much is written is the command's to say."""
+"""SIMULATION_SETUP: scenes and steps. Outputs are options of the command instead."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from perilune.document.oaisys.node import Node
 from perilune.document.oaisys.scene import Scene
 
 EPOCH = "2026-03-20T12:00:00Z"
-"""OAISYS scenes have no date."""
+"""Date of OAISYS scenes, which have none."""
 STEP_S = 60.0
-"""Nor do steps have a duration: orbits and rotations of these files count by steps, so that it only
-moves the clock."""
+"""Duration of a step, which OAISYS does not define. Orbits and rotations of these files count by
+steps, so it only affects the clock."""
 
 _HINTS: dict[str, tuple[Any, str]] = {
     "outputPath": ("", "give the folder to the command: perilune render CONFIG --out DIR"),
@@ -21,11 +21,11 @@ _HINTS: dict[str, tuple[Any, str]] = {
     "saveBlenderFiles": (False, "there are no Blender files"),
     "defaultCfg": ("", "other files are not read; put their keys into this one"),
 }
-"""Key -> the value that needs no word, and what is said of others."""
+"""Key -> the value without a warning, and the warning for others."""
 
 
 def read(node: Node, scene: Scene) -> None:
-    """A batch is a scene, a sample a step of it."""
+    """A batch is a scene, a sample one of its steps."""
     samples = node.whole("numSamplesPerBatch", 1, smallest=1)
     scene.steps = samples
     batches = node.whole("numBatches", 1, smallest=1)

@@ -1,4 +1,4 @@
-"""ASSET_SETUP.STAGES and MATERIALS: terrain and its materials, which are not there yet."""
+"""ASSET_SETUP.STAGES and MATERIALS: terrain and its materials, which are not supported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The size of a scene unit: what one unit of an OAISYS scene is in metres."""
+"""Size of a unit of an OAISYS scene in metres."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from perilune.base import rotations
 from perilune.document.oaisys.node import Node
 
 EARTH_M = 6.378e6
-"""The Earth of the paper's listings: a scale of 1.06396989 is an altitude of 408 km."""
+"""Radius of the Earth in the paper's listings: a scale of 1.06396989 is an altitude of 408 km."""
 
 
 def known_body(*texts: str) -> str | None:
-    """The entry of the core's table that one of some texts names."""
+    """Entry of the core's table that one of some texts names."""
     for text in texts:
         name = text.lower()
         if name in _core.BODIES and name != "sun":
@@ -25,7 +25,7 @@ def known_body(*texts: str) -> str | None:
 
 
 def mean_radius_m(body: str) -> float:
-    """Of a body of the table; the Earth's is that of the listings."""
+    """Mean radius of a body of the table; for the Earth that of the listings."""
     if body == "earth":
         return EARTH_M
     radii = _core.BODIES[body]["radii_m"]
@@ -33,7 +33,7 @@ def mean_radius_m(body: str) -> float:
 
 
 def synchronous_radius_m(body: str) -> float:
-    """Of the circle that goes around a body of the table once in its sidereal day."""
+    """Radius of the synchronous circular orbit around a body of the table."""
     span_s = 600.0  # too short for half a turn of anything
     days = np.array([0.0, span_s / 86400.0])
     first, second = _core.body_orientation(body, 2451545.0, days)
@@ -43,13 +43,12 @@ def synchronous_radius_m(body: str) -> float:
 
 
 def metres_per_unit(root: Node, bodies: list[str | None], orbits: bool) -> float:
-    """As the file states it; else the mean radius of the first known body; else Earth's or 1 m.
+    """Scene unit as given in the file; else the mean radius of the first known body; else Earth's
+    or 1 m.
 
-    bodies: the table's names of what is a body in the scene, None for one that the table does not
-    have; those that are orbited come first, and of these those that stand still. orbits: whether
-    anything is in orbit. A scene without orbits and bodies is one of Blender's, whose unit is the
-    metre.
-    """
+    bodies: table names of the scene's bodies, None for one that is not in the table. Central bodies
+    come first, and of these the resting ones. orbits: whether anything is in orbit. A scene without
+    orbits and bodies is a plain Blender scene in metres."""
     stated: Any = root.number("metres_per_unit", None)
     if stated is not None:
         if not stated > 0.0:

@@ -1,4 +1,4 @@
-"""A bounded queue of writing tasks beside the rendering thread."""
+"""A bounded queue of writing tasks on separate threads."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
 
 WORKERS = 2
-"""Two: compressing one frame's images while another's are waited for by the disk."""
+"""Two, so that one frame is compressed while another waits for the disk."""
 WAITING = 4
-"""Frames held in memory at most, so that a slow disk slows rendering and not the machine."""
+"""Largest number of frames in memory, so that a slow disk slows down rendering instead of filling
+memory."""
 
 
 class WriteQueue:
     """Runs tasks in order of submission on a few threads; the first error stops it.
 
-    Used as a context: leaving it waits for the tasks that have begun or wait. After an error, or
-    when the body raises (ctrl-C too), those that have not begun are dropped.
-    """
+    As a context it waits at its end for all tasks. After an error, or if the body raises (ctrl-C
+    too), tasks that have not begun are dropped."""
 
     def __init__(self) -> None:
         self._pool = ThreadPoolExecutor(WORKERS, thread_name_prefix="perilune-write")
@@ -27,8 +27,7 @@ class WriteQueue:
     def put(self, task: Callable[[], None]) -> int:
         """Submits a task; waits while too many are pending. Raises a finished task's error.
 
-        Returns how many earlier tasks have been found finished.
-        """
+        Returns the number of earlier tasks found finished."""
         finished = 0
         while len(self._pending) >= WAITING or (self._pending and self._pending[0].done()):
             self._pending.popleft().result()
@@ -37,7 +36,7 @@ class WriteQueue:
         return finished
 
     def drain(self) -> int:
-        """Waits for all tasks; raises the first error. Returns how many have been waited for."""
+        """Waits for all tasks; raises the first error. Returns the number of tasks waited for."""
         finished = 0
         while self._pending:
             self._pending.popleft().result()

@@ -1,4 +1,4 @@
-"""The table of writers: a format's name, what it is, and the function that writes it."""
+"""Types of the table of writers: a format's name, description, and function."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from typing import Protocol
 from perilune.simulation import Simulation
 
 Progress = Callable[[int, int], None]
-"""Called with (frames on disk, frames asked for): once at the start, then after each frame."""
+"""Called with (frames on disk, frames requested): once at the start, then after each frame."""
 
 
 @dataclass(frozen=True)
 class WriteReport:
-    """What a writer did."""
+    """Result of a writer."""
 
     folder: Path
     written: int
-    """Frames rendered and written by this call."""
+    """Number of frames rendered and written by this call."""
     kept: int
-    """Frames that an earlier call had finished."""
+    """Number of frames that an earlier call had finished."""
 
 
 class WriteFunction(Protocol):

@@ -1,4 +1,4 @@
-"""A frame in a notebook: its pictures with names, shapes and units, its objects, its plan."""
+"""A frame in a notebook: pictures with names, shapes and units, objects, plan."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ def _thumbnail(panel: Panel, channel: str, values: NDArray[Any] | None, width: i
 
 
 def _channel(title: str, sample: Sample) -> str:
-    """The channel that a panel shows a part of."""
+    """The channel that a panel belongs to."""
     name = title.split("/")[0].split(" (")[0]
     return name if name in sample else ""
 
 
 def sample_html(sample: Sample) -> str:
-    """Thumbnails of all channels, the objects, and what else is known of the frame."""
+    """Thumbnails of all channels, the objects, and further data of the frame."""
     camera, meta = sample.camera, sample.meta
     sensor = f", sensor {camera.sensor}" if camera.sensor is not None else ""
     seed = f"seed {meta['seed']}" if "seed" in meta else ""

@@ -33,7 +33,7 @@ def _cameras(sim: Simulation) -> list[tuple[Any, ...]]:
 
 
 def simulation_html(sim: Simulation) -> str:
-    """What is in it, what takes its frames, and what varies."""
+    """Objects of a simulation, its cameras, and what varies."""
     config, document = sim.config, sim.document
     dim = f"{document.source}, seed {config.seed}, from {config.time.epoch}"
     drivers = [(row.name, row.kind.name, row.ideal, row.group) for row in document.drivers]

@@ -17,7 +17,7 @@ from perilune.show.graphs.write import write
 
 
 class GraphPicture:
-    """The picture of a graph; a notebook shows it as the value of a cell."""
+    """The picture of a graph, which a notebook displays as the value of a cell."""
 
     def __init__(self, name: str, svg: str) -> None:
         self.name = name
@@ -40,11 +40,10 @@ class GraphPicture:
 
 
 def draw(document: Document, name: str, thing: str | None = None) -> GraphPicture:
-    """The picture of an entry of `materials`, with the drivers that it has on a thing.
+    """The picture of an entry of `materials`, with the drivers that it has on an object.
 
-    thing: spacecraft or body; the default is the first that it is, or may be, on. ValueError for
-    names that are not there.
-    """
+    thing: spacecraft or body (default: the first that it is, or may be, on). ValueError for unknown
+    names."""
     config = document.config
     if name not in config.materials:
         raise ValueError(f"materials: no entry named '{name}'{nearest(name, config.materials)}")

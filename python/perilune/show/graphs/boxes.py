@@ -1,4 +1,4 @@
-"""From a graph to boxes with rows, and the links between rows."""
+"""From a graph to boxes with rows, and links between rows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from perilune.materials.drivers import driven, sections
 from perilune.materials.graph import links, reached, surface_of
 
 _SHOWN = 4
-"""Rows of a table, and values of a choice, that are shown."""
+"""Largest number of rows of a table, and of values of a choice, to show."""
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class Row:
     """Its type (scalar, vector, color), if a link can start or end here."""
     output: bool = False
     color: tuple[float, float, float] | None = None
-    """Linear RGB of a colour that is given."""
+    """Linear RGB of a constant colour."""
     driver: bool = False
-    """It tells of a driver."""
+    """Whether it describes a driver."""
 
 
 @dataclass
@@ -40,15 +40,15 @@ class Box:
     type: str
     """surface, or the type of its first output."""
     driver: bool
-    """It is driven by its name."""
+    """Whether a driver drives it by its name."""
     reached: bool
-    """The surface depends on it."""
+    """Whether the surface depends on it."""
     rows: list[Row] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class Link:
-    """From a row of a box to a row of another; type: of its start."""
+    """A link from a row of a box to a row of another; type: that of its start."""
 
     source: str
     source_row: int
@@ -58,7 +58,7 @@ class Link:
 
 
 def read(document: Document, name: str, owner: str | None) -> tuple[list[Box], list[Link]]:
-    """The boxes of an entry of `materials` on a thing, and the links."""
+    """The boxes of an entry of `materials` on an object, and the links."""
     config = document.config
     material = config.materials[name]
     by_name = {node.node: (key, value) for node, key, value in driven(config, name, owner)}
@@ -96,7 +96,7 @@ def _links(boxes: Sequence[Box], nodes: Mapping[str, Mapping[str, Any]]) -> Iter
 
 
 def _constants(kind: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterator[Row]:
-    """What is given when the graph is made; choices even where they are the default's."""
+    """Values fixed when the graph is made; choices even if they have their default."""
     for row in kind["constants"]:
         value = raw.get(row["name"])
         if row["type"] == "choice":
@@ -143,7 +143,7 @@ def _raw(document: Document, path: Sequence[str | int]) -> Any:
 
 
 def _driver_rows(document: Document, key: str, value: Any, kind: str) -> Iterator[Row]:
-    """Of the entry at a key path: its driver, or the fixed value that it gives."""
+    """Rows for the entry at a key path: its driver, or its fixed value."""
     color = _color(kind, value)
     rows = [row for row in document.drivers if row.name == key or row.name.startswith(f"{key}[")]
     if not rows:
@@ -156,7 +156,7 @@ def _driver_rows(document: Document, key: str, value: Any, kind: str) -> Iterato
 
 
 def _section_rows(document: Document, name: str, owner: str | None, key: str) -> Iterator[Row]:
-    """What the section of an entry says of all its drivers, and where it stands."""
+    """Settings of the entry's section for all its drivers, and its key path."""
     for at, section in sections(document.config, name, owner):
         if section is not None and key.startswith(f"{at}.drivers."):
             for setting in ("jitter_strength", "step_interval"):
@@ -169,7 +169,7 @@ def _section_rows(document: Document, name: str, owner: str | None, key: str) ->
 
 
 def _told(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """A driver's keys and values in words."""
+    """Text of a driver's keys and values."""
     for key, value in raw.items():
         if key == "clip_min":
             yield "clip", f"{text_of(value)} to {text_of(raw.get('clip_max'))}"
@@ -184,7 +184,7 @@ def _told(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def text_of(value: Any) -> str:
-    """A value in few characters."""
+    """A short text for a value."""
     if isinstance(value, bool) or not isinstance(value, (int, float, list, tuple)):
         return str(value)
     if isinstance(value, (int, float)):

@@ -1,10 +1,9 @@
 """Places boxes in columns from left to right, the surface last, with few crossings of links.
 
 After Sugiyama, Tagawa, Toda (1981), "Methods for visual understanding of hierarchical system
-structures": columns by the longest way to the right, links over several columns cut into pieces,
-order in the columns by barycentres. Heights then move towards those of the neighbours; the least
-squares with a fixed order are an isotonic regression.
-"""
+structures": columns follow the longest path to the right, links across several columns are cut into
+pieces, and the order in columns follows barycentres. Then heights move towards those of the
+neighbours; least squares with a fixed order is an isotonic regression."""
 
 from __future__ import annotations
 
@@ -22,20 +21,20 @@ PAD = 12.0
 _GAP_X, _GAP_Y = 70.0, 22.0
 _SWEEPS = 12
 _STRAIGHT = 4.0
-"""Weight of a piece of a long link against that of a box."""
+"""Weight of a piece of a long link relative to that of a box."""
 
 _NARROW, _WIDE = set(" .,:;'|!iIjlt[]()"), set("mwMW@%")
 
 
 def width(text: str, size: float = SIZE) -> float:
-    """About what a text in a sans-serif face takes, px; rather too much."""
+    """Approximate width of a text in a sans-serif font, px, rather too large."""
     units = sum(0.36 if c in _NARROW else 0.98 if c in _WIDE else 0.66 for c in text)
     return size * units
 
 
 @dataclass
 class Placed:
-    """A box, or a piece of a link on its way through a column (box None)."""
+    """A box, or a piece of a link that crosses a column (box None)."""
 
     box: Box | None
     column: int
@@ -55,7 +54,7 @@ class Picture:
 
     boxes: list[Placed]
     links: list[tuple[Link, list[tuple[float, float]]]]
-    """Each with the points that it goes through."""
+    """Links with the points that they pass through."""
     width: float
     height: float
 
@@ -86,7 +85,7 @@ class _Layers:
 
 
 def _columns(boxes: Sequence[Box], links: Sequence[Link]) -> dict[str, int]:
-    """Longest way to the right end, in links; the graph has no cycle."""
+    """Length in links of the longest path to the right end; the graph has no cycle."""
     targets: dict[str, list[str]] = {box.name: [] for box in boxes}
     for link in links:
         targets[link.source].append(link.target)
@@ -112,7 +111,7 @@ def size_of(box: Box) -> tuple[float, float]:
 
 
 def _layers(boxes: Sequence[Box], links: Sequence[Link]) -> tuple[_Layers, list[list[int]]]:
-    """Items and edges between columns that touch, and the items that each link goes through."""
+    """Items, edges between adjacent columns, and the items that each link passes through."""
     column = _columns(boxes, links)
     layers = _Layers(columns=[[] for _ in range(max(column.values()) + 1)])
 
@@ -149,7 +148,7 @@ def _crossings(layers: _Layers) -> int:
 
 
 def _centre(layers: _Layers, near: Sequence[tuple[int, int, int]], own: float) -> float:
-    """Mean place of an item's neighbours in the order of their columns."""
+    """Mean position of an item's neighbours in the order of their columns."""
     places = []
     for _, other, row in near:
         item = layers.items[other]
@@ -159,7 +158,8 @@ def _centre(layers: _Layers, near: Sequence[tuple[int, int, int]], own: float) -
 
 
 def _order(layers: _Layers) -> None:
-    """Sorts the columns by barycentres, to and fro; the order with the fewest crossings stays."""
+    """Sorts the columns by barycentres, back and forth, and keeps the order with the fewest
+    crossings."""
     best, fewest = [list(column) for column in layers.columns], _crossings(layers)
     for sweep in range(_SWEEPS):
         to_left = sweep % 2 == 1

@@ -1,4 +1,5 @@
-"""SVG of a placed graph. Presentation attributes only: styles would reach the page around it."""
+"""SVG of a placed graph. It uses presentation attributes only, because styles would affect the page
+around it."""
 
 from __future__ import annotations
 
@@ -103,7 +104,7 @@ def _box(item: Placed) -> Iterator[str]:
 
 
 def write(title: str, picture: Picture) -> str:
-    """The whole document."""
+    """The whole SVG document."""
     width = picture.width + 2.0 * _MARGIN
     height = picture.height + 2.0 * _MARGIN + _TITLE
     rows = [

@@ -1,9 +1,7 @@
-"""Plots of where things are (orbits, camera paths, ground tracks), and of the sunlight there.
+"""Plots of orbits, camera paths, ground tracks and sunlight.
 
-Needs matplotlib (extra `plot`).
-Each function returns a matplotlib Figure and opens no window: call `figure.savefig(...)`, or end a
-notebook's cell with it.
-"""
+They need matplotlib (extra `plot`). Each function returns a matplotlib Figure and opens no window:
+call `figure.savefig(...)`, or end a notebook's cell with it."""
 
 from __future__ import annotations
 

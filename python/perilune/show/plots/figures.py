@@ -1,4 +1,4 @@
-"""Figures without a window: what matplotlib is asked for, in one place."""
+"""Figures without a window: all uses of matplotlib's backend in one place."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 F64 = NDArray[np.float64]
 
 PALETTE = ("#d1495b", "#00798c", "#edae49", "#66499c", "#3a7d44", "#30638e", "#c17817", "#8d99ae")
-"""Colours of tracks, one a thing in the order of the configuration."""
+"""Colours of tracks, in the order of the configuration."""
 BODY_GREY = (0.62, 0.65, 0.70)
 _MAP_WIDTH = 720
-"""Columns of a colour map kept for a plot."""
+"""Width in pixels of a colour map kept for a plot."""
 
 
 def new_figure(width_in: float, height_in: float) -> Any:
-    """An empty figure of matplotlib; ImportError that says what to install without it."""
+    """An empty matplotlib figure; ImportError that says what to install without matplotlib."""
     try:
         import matplotlib.figure  # noqa: F401 (what may be missing)
 
@@ -45,7 +45,7 @@ def _read_map(path: str) -> NDArray[np.uint8]:
 
 
 def color_map(sim: Simulation, body: str) -> NDArray[np.uint8] | None:
-    """A body's colour map (H, W, 3), made small, longitude -180 in its first column; or None."""
+    """A body's colour map (H, W, 3), reduced, with longitude -180 in its first column; or None."""
     entry = sim.config.bodies[body]
     if entry.color_map is None:
         return None
@@ -56,5 +56,5 @@ def color_map(sim: Simulation, body: str) -> NDArray[np.uint8] | None:
 
 
 def length_unit(extent_m: float) -> tuple[str, float]:
-    """Name and size in metres of the unit in which a plot of this extent reads best."""
+    """Name and size in metres of a readable unit for a plot of this extent."""
     return ("km", 1e3) if extent_m >= 5e3 else ("m", 1.0)

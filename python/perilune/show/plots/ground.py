@@ -1,4 +1,4 @@
-"""The ground track: the points of a body under a spacecraft, over its colour map."""
+"""Ground tracks: the points of a body below a spacecraft, over its colour map."""
 
 from __future__ import annotations
 
@@ -32,14 +32,13 @@ def plot_ground_track(
     place: Any = 111,
     title: str | None = None,
 ) -> Any:
-    """East longitude and latitude under spacecraft, as the body's maps count them: of the point
-    below them along its normal (`latitudes: geodetic`), or on the line to the body's centre.
+    """East longitude and latitude below spacecraft, in the latitude of the body's maps: the point
+    below along the surface normal (`latitudes: geodetic`), or on the line to the body's centre.
 
-    frames: indices; each is a marker, and frames on one orbit are joined by the track between them,
-    followed in time; frames whose orbits differ (drivers, new scenes) are not joined. body: default
-    what the first spacecraft orbits. names: spacecraft (default: all in orbit about the body).
-    figure, place: as in plot_orbits. Returns the Figure.
-    """
+    frames: indices, each with a marker. Frames on one orbit are connected by the track between
+    them, computed over time; frames with different orbits (drivers, new scenes) are not. body:
+    default: the central body of the first spacecraft. names: spacecraft (default: all in orbit
+    about the body). figure, place: as in plot_orbits. Returns the Figure."""
     worlds = [sim.world(index) for index in frames]
     if not worlds:
         raise ValueError("frames: at least one frame")
@@ -84,8 +83,8 @@ def _is_under(sim: Simulation, name: str, ground: str) -> bool:
 
 
 def sub_point_deg(world: World, name: str, body: str, t_s: float) -> tuple[float, float]:
-    """East longitude in [-180, 180] and latitude of the point of a body under a spacecraft, as the
-    body's maps count them."""
+    """East longitude in [-180, 180] and latitude of the point of a body below a spacecraft, in the
+    latitude of the body's maps."""
     poses = world.system.states(np.array([t_s])).poses
     from_center = poses[name][0, :3] - poses[body][0, :3]
     x, y, z = rotations.rotate(rotations.conjugate(poses[body][0, 3:]), from_center).tolist()
@@ -96,10 +95,11 @@ def sub_point_deg(world: World, name: str, body: str, t_s: float) -> tuple[float
 
 
 def _geodetic_rad(rho: float, z: float, radii_m: F64) -> float:
-    """Latitude of the normal of a spheroid that runs through a point off its axis by rho, over z.
+    """Latitude of a spheroid's normal that passes through a point at distance rho from the axis and
+    height z.
 
-    Iterates the point on the spheroid whose normal does (Bowring's first guess comes of the
-    point's own direction); a few steps reach the last digit outside of the body."""
+    Iterates the point on the spheroid with this normal, from Bowring's first guess along the
+    point's own direction. A few steps reach full precision outside the body."""
     equator, pole = math.sqrt(float(radii_m[0] * radii_m[1])), float(radii_m[2])
     e2 = 1.0 - (pole / equator) ** 2
     lat = math.atan2(z, rho * (1.0 - e2))
@@ -110,10 +110,9 @@ def _geodetic_rad(rho: float, z: float, radii_m: F64) -> float:
 
 
 def wrapped(lon_deg: F64, lat_deg: F64) -> list[F64]:
-    """A track cut at the date line: pieces (n, 2) that reach the map's edges where they are cut.
+    """A track cut at the date line: pieces (n, 2) that reach the map's edges.
 
-    Steps of more than half a turn are taken as going the other, shorter way.
-    """
+    Steps of more than half a turn are taken in the other, shorter direction."""
     pieces: list[F64] = []
     piece = [(float(lon_deg[0]), float(lat_deg[0]))]
     for lon, lat in zip(lon_deg[1:].tolist(), lat_deg[1:].tolist(), strict=True):
@@ -132,7 +131,7 @@ def wrapped(lon_deg: F64, lat_deg: F64) -> list[F64]:
 
 
 def _between(run: list[World], name: str, body: str) -> F64:
-    """(n, 2) longitude and latitude along the frames of one orbit, followed in time."""
+    """(n, 2) longitude and latitude between the frames of one orbit, computed over time."""
     points = [sub_point_deg(run[0], name, body, run[0].t_s)]
     for before, after in itertools.pairwise(run):
         span = after.t_s - before.t_s
@@ -144,7 +143,7 @@ def _between(run: list[World], name: str, body: str) -> F64:
 
 
 def _rate_deg_s(world: World, name: str, body: str) -> float:
-    """How fast the point on the ground moves over the sphere of directions."""
+    """Angular speed of the ground point on the sphere of directions."""
     step = 1.0
     first = sub_point_deg(world, name, body, world.t_s)
     second = sub_point_deg(world, name, body, world.t_s + step)

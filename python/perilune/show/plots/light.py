@@ -1,4 +1,4 @@
-"""The plot of sunlight over time: eclipses as a curve."""
+"""Plot of sunlight over time, with eclipses."""
 
 from __future__ import annotations
 
@@ -30,10 +30,9 @@ def plot_light_curve(
 ) -> Any:
     """Irradiance on a surface that faces the Sun, W/m^2 in the green band, against time.
 
-    names: bodies, spacecraft or `camera`. frames: indices, in order; points are joined. options: as
-    those of Simulation.light_curve. figure, place: as in plot_orbits. Where a body hides a part of
-    the Sun from the first of the names, the background is grey. Returns the Figure.
-    """
+    names: bodies, spacecraft or `camera`. frames: indices, in order; points are connected. options:
+    as for Simulation.light_curve. figure, place: as in plot_orbits. The background is grey where a
+    body covers a part of the Sun as seen from the first of the names. Returns the Figure."""
     listed = list(frames)
     curves = [sim.light_curve(name, listed, **options) for name in names]
     if not curves or not listed:
@@ -70,7 +69,7 @@ def _unit(span_s: float) -> tuple[str, float]:
 
 
 def _shade(axes: Any, curve: LightCurve, unit_s: float) -> None:
-    """Grey where something is in the way."""
+    """Grey background during eclipses."""
     t = (curve.t_s - curve.t_s[0]) / unit_s
     hidden = curve.hides.any(axis=1)
     top = axes.get_xaxis_transform()

@@ -1,4 +1,4 @@
-"""The plot of orbits: bodies as ellipsoids, one revolution of every orbit, where things are."""
+"""Plot of orbits: bodies as ellipsoids, one revolution of every orbit, positions in frames."""
 
 from __future__ import annotations
 
@@ -29,15 +29,14 @@ def plot_orbits(
     place: Any = 111,
     title: str | None = None,
 ) -> Any:
-    """Orbits in three dimensions about one body, ICRF axes, every axis of the same scale.
+    """Orbits in three dimensions about one body, ICRF axes, with the same scale on all axes.
 
-    frames: indices; every thing is marked where it is in each of them. around: the body in the
-    middle (default: the outermost one that the things orbit). names: bodies and spacecraft to show
-    (default: all that orbit it, directly or not). track: `orbit`, a whole revolution of each orbit
-    that occurs in the frames, about its parent's place in the last frame that has it; `frames`, a
-    line from frame to frame. The view is stated by elevation and azimuth. figure, place: draw into
-    a part of an existing figure (as Figure.add_subplot takes it). Returns the Figure.
-    """
+    frames: indices; every object is marked at its position in each. around: the body in the middle
+    (default: the outermost central body). names: bodies and spacecraft to show (default: all that
+    orbit it, directly or not). track: `orbit`, a whole revolution of each orbit in the frames,
+    about the position of its central body in the last frame with this orbit; `frames`, a line from
+    frame to frame. elevation, azimuth: the view. figure, place: draw into a part of an existing
+    figure, as for Figure.add_subplot. Returns the Figure."""
     worlds = [sim.world(index) for index in frames]
     if not worlds:
         raise ValueError("frames: at least one frame")
@@ -60,7 +59,7 @@ def plot_orbits(
 
 
 def _center(sim: Simulation) -> str:
-    """The outermost body of the first spacecraft's chain of orbits; the root without any."""
+    """The outermost central body of the first spacecraft; the root without any."""
     for name in (*sim.config.spacecraft, *sim.config.bodies):
         at = name
         while (up := tracks.parent(sim.config, at)) is not None:
@@ -71,7 +70,7 @@ def _center(sim: Simulation) -> str:
 
 
 def _below(sim: Simulation, center: str) -> list[str]:
-    """Everything whose chain of orbits leads to `center`."""
+    """All objects that orbit `center`, directly or not."""
     found = []
     for name in (*sim.config.bodies, *sim.config.spacecraft):
         at = tracks.parent(sim.config, name)

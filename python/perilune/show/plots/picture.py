@@ -1,4 +1,4 @@
-"""Figures that show themselves in a notebook; needs matplotlib."""
+"""Figures that display themselves in a notebook; needs matplotlib."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 
 class Picture(Figure):
-    """A figure that a notebook shows though neither pyplot nor its own machinery is loaded."""
+    """A figure that a notebook displays without pyplot or matplotlib's own notebook support."""
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()

@@ -1,9 +1,8 @@
-"""Bodies and lines in three dimensions, each in front of what it hides.
+"""Bodies and lines in three dimensions with correct occlusion.
 
-matplotlib orders whole artists, not points, by depth. Lines are therefore cut where they pass the
-planes through the bodies' centres that face the viewer, and drawn before or after each body: exact
-for spheres as long as the view is the one the figure was made with.
-"""
+matplotlib sorts whole artists by depth, not points. Lines are therefore cut at the planes through
+the bodies' centres that face the viewer, and drawn before or after each body. This is exact for
+spheres as long as the view of the figure is unchanged."""
 
 from __future__ import annotations
 
@@ -22,7 +21,7 @@ F64 = NDArray[np.float64]
 _LATITUDES, _LONGITUDES = 120, 240
 _ZOOM = 0.82  # matplotlib leaves no room for the labels of the third axis
 _NIGHT = 0.35
-"""Brightness of a body's surface away from the Sun, so that it can still be seen."""
+"""Brightness of a body's night side, so that it remains visible."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +34,11 @@ class _Ball:
 
 
 class Scene3D:
-    """Collects in metres, draws in the unit that reads best; every axis has the same scale."""
+    """Collects objects in metres, and draws them in a readable unit with the same scale on all
+    axes."""
 
     def __init__(self, figure: Any, place: Any, elevation_deg: float, azimuth_deg: float) -> None:
-        """place: what Figure.add_subplot takes, such as 111."""
+        """place: position as for Figure.add_subplot, such as 111."""
         self.axes = figure.add_subplot(place, projection="3d", computed_zorder=False)
         self.axes.set_proj_type("ortho")
         self.axes.view_init(elev=elevation_deg, azim=azimuth_deg)
@@ -119,7 +119,7 @@ class Scene3D:
     def _draw_line(
         self, line: F64, style: dict[str, Any], depths: list[float], size: float
     ) -> None:
-        """In pieces that lie between the same bodies; the label goes to the first."""
+        """Draws pieces that lie between the same bodies; the label goes to the first."""
         ranks = np.searchsorted(depths, line @ self._towards)
         cuts = [0, *(np.flatnonzero(np.diff(ranks)) + 1), len(line)]
         rest = dict(style)
@@ -166,7 +166,7 @@ class Scene3D:
 
 
 def _sampled(image: NDArray[np.uint8]) -> F64:
-    """The map's mean over each quad, (latitudes from the south, longitudes from -180 deg, 3)."""
+    """Mean of the map over each quad, (latitudes from the south, longitudes from -180 deg, 3)."""
     height, width = image.shape[:2]
     rows = np.arange(_LATITUDES) * height // _LATITUDES
     columns = np.arange(_LONGITUDES) * width // _LONGITUDES

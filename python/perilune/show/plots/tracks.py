@@ -1,4 +1,4 @@
-"""Where things are over time, for the plots: positions at any time, one revolution of an orbit."""
+"""Motion over time for the plots: positions at any time, one revolution of an orbit."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ F64 = NDArray[np.float64]
 _TURN_RAD = math.radians(2.0)
 _MOST_POINTS = 720
 _FARTHEST = 12.0
-"""An open orbit is drawn until it is so many times farther than where it is now."""
+"""Distance at which an open orbit ends, relative to the present distance."""
 
 
 def parent(config: Config, name: str) -> str | None:
-    """What a body or spacecraft orbits; None for a body that an ephemeris places, and the root."""
+    """The central body of a body or spacecraft; None for the root and bodies with an ephemeris."""
     entry = config.bodies[name] if name in config.bodies else config.spacecraft[name]
     return entry.orbit.around if entry.orbit is not None else None
 
 
 def relative(world: World, name: str, around: str, t_s: float) -> tuple[F64, F64]:
-    """Position (3,) m and velocity m/s of a thing from another's centre, as the frame has it."""
+    """Position (3,), m, and velocity, m/s, of an object relative to another's centre in a frame."""
     found = world.system.states(np.array([t_s]))
     return (
         found.poses[name][0, :3] - found.poses[around][0, :3],
@@ -35,12 +35,12 @@ def relative(world: World, name: str, around: str, t_s: float) -> tuple[F64, F64
 
 
 def revolution_m(world: World, name: str, around: str) -> F64:
-    """One revolution from where a thing is in a frame, (n, 3) from its parent's centre, ICRF axes.
+    """One revolution from an object's position in a frame, (n, 3) from its central body's centre,
+    ICRF axes.
 
-    Followed in steps of about two degrees at the angular rate |r x v| / r^2 of the moment, so it
-    serves any propagator. An open orbit ends where it has gone far; a thing that stays where it is
-    has one point. Ends early where the propagator has no answer (a table's end).
-    """
+    Its steps are about two degrees at the present angular rate |r x v| / r^2, so it works for any
+    propagator. An open orbit ends far away; an object at rest has one point. The line ends where
+    the propagator has no state (at a table's end)."""
     t_s, turned = world.t_s, 0.0
     place, velocity = relative(world, name, around, t_s)
     first = float(np.linalg.norm(place))
@@ -61,7 +61,7 @@ def revolution_m(world: World, name: str, around: str) -> F64:
 
 
 def rows(worlds: list[World], name: str) -> list[list[World]]:
-    """Frames in runs that share one orbit of `name` (and of what it orbits), in their order."""
+    """Frames in runs that share one orbit of `name` (and of its central body), in their order."""
     runs: list[list[World]] = []
     for world in worlds:
         if runs and _chain(runs[-1][-1], name) == _chain(world, name):
@@ -72,7 +72,8 @@ def rows(worlds: list[World], name: str) -> list[list[World]]:
 
 
 def _chain(world: World, name: str) -> list[object]:
-    """The orbits that place a thing, its own first; what is drawn once a scene with its scene."""
+    """The orbits that determine an object's position, its own first; with the scene for those drawn
+    once a scene."""
     config, hooks = world.config, world.system.setting.hooks
     chain: list[object] = []
     at: str | None = name

@@ -1,4 +1,4 @@
-"""The plot of the camera's path relative to its target, with the frusta of the frames."""
+"""Plot of the camera's path relative to its target, with the frusta of the frames."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 F64 = NDArray[np.float64]
 _MOST_TRIANGLES = 4000
 _FRUSTUM = 0.16
-"""Length of a frustum, in the largest distance of a camera."""
+"""Length of a frustum, relative to the largest distance of a camera."""
 _ARROW = 0.45
-"""Length of an arrow, in the same."""
+"""Length of an arrow, relative to the same."""
 
 
 def plot_trajectory(
@@ -39,14 +39,13 @@ def plot_trajectory(
     place: Any = 111,
     title: str | None = None,
 ) -> Any:
-    """Camera places relative to the target's centre, each with its frustum, from dark to bright.
+    """Camera positions relative to the target's centre, each with its frustum, from dark to bright.
 
     frames: indices. target: a spacecraft or body (default: the trajectory's). axes: `icrf`, or
-    those of the `target`, in which it stands still. path: whether places are joined in the order of
-    the frames. every: a frustum at every so many of them. Arrows point to the Sun and to the body
-    that the target orbits, in the first frame.
-    figure, place: as in plot_orbits. Returns the Figure.
-    """
+    those of the `target`, in which it is at rest. path: whether to connect positions in the order
+    of the frames. every: interval between frames with a frustum. Arrows point to the Sun and to the
+    target's central body in the first frame. figure, place: as in plot_orbits. Returns the
+    Figure."""
     indices = list(frames)
     if not indices:
         raise ValueError("frames: at least one frame")
@@ -95,14 +94,14 @@ def _axes(world: World, name: str, axes: str) -> F64:
 
 
 def _relative(world: World, pose: F64, name: str, axes: str) -> tuple[F64, F64]:
-    """A camera's place and axes (columns right, down, forward) at shutter opening."""
+    """Position and axes of a camera (columns right, down, forward) at shutter opening."""
     turn = _axes(world, name, axes)
     where = turn @ (pose[:3] - world.position_m(name))
     return where, turn @ rotations.to_matrix(pose[3:])
 
 
 def _frustum(where: F64, turn: F64, request: FrameRequest, length: float) -> list[F64]:
-    """The image's edge at `length` ahead, and the four lines to it from the camera."""
+    """Edges of the image at the distance `length`, and the four lines to it from the camera."""
     right, bottom = request["width"] - 0.5, request["height"] - 0.5
     corners = np.array([[-0.5, -0.5, 1], [right, -0.5, 1], [right, bottom, 1], [-0.5, bottom, 1]])
     rays = corners @ np.linalg.inv(request["K"]).T
@@ -138,7 +137,7 @@ def _add_target(scene: Scene3D, sim: Simulation, world: World, name: str, axes: 
 
 
 def _add_arrows(scene: Scene3D, world: World, name: str, axes: str, length: float) -> None:
-    """To the Sun, and to what the target orbits."""
+    """Arrows to the Sun and to the target's central body."""
     entry = world.config.spacecraft.get(name) or world.config.bodies[name]
     around = entry.orbit.around if entry.orbit is not None else None
     goals = [("to the Sun", world.sun_position_m, PALETTE[2])]

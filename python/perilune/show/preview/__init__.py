@@ -1,4 +1,4 @@
-"""One picture of a frame with every channel, labelled: for looking, not for learning from."""
+"""A contact sheet of a frame: every channel with labels, for viewing."""
 
 from __future__ import annotations
 
@@ -26,9 +26,8 @@ __all__ = ["draw", "png_bytes", "render_sheet", "save"]
 def draw(sample: Sample, title: str = "", names: Names | None = None) -> NDArray[np.uint8]:
     """The sheet of the channels that `sample` holds, (H, W, 3).
 
-    title: the heading; parts after " | " are set smaller. names: names of ids per channel
-    ("instance", "part", "semantic/0") for the legends; ids are shown where a name is missing.
-    """
+    title: the heading; parts after " | " are smaller. names: names of ids per channel ("instance",
+    "part", "semantic/0") for the legends; ids without a name are shown as numbers."""
     units = {channel["name"]: channel["unit"] for channel in _core.CHANNELS}
     return draw_sheet(sample, title or frame_title(sample), names or {}, units)
 
@@ -44,14 +43,14 @@ def frame_title(sample: Sample, name: str = "frame") -> str:
 
 
 def render_sheet(sim: Simulation, index: int, threads: int | None = None) -> NDArray[np.uint8]:
-    """Renders a frame with every channel there is, and draws its sheet."""
+    """Renders a frame with every available channel, and draws its sheet."""
     names = pixel_channels(sim.config)
     sample = sim.frame(index, channels=[*names, "objects"], threads=threads)
     return draw(sample, frame_title(sample, sim.config.name), sim.taxonomy.channel_names)
 
 
 def save(sheet: NDArray[np.uint8], path: str | Path) -> None:
-    """Writes a sheet as PNG; OSError if it cannot be written, and then nothing is there."""
+    """Writes a sheet as PNG; OSError if it cannot be written, without leaving a file."""
     if Path(path).suffix.lower() != ".png":
         raise ValueError(f"{path}: a sheet is written as PNG; the name must end in .png")
     _core.png_write(os.fspath(path), sheet)

@@ -15,9 +15,10 @@ F64 = NDArray[np.float64]
 Color = Sequence[int] | U8
 
 _SUBPIXELS = 4
-"""Lines are drawn on so many subpixels a pixel and averaged: Pillow's own have hard edges."""
+"""Lines are drawn on this many subpixels per pixel and averaged, because Pillow's own have hard
+edges."""
 _FAR_PX = 1e6
-"""Ends of lines are kept this close: Pillow turns coordinates into 32-bit integers."""
+"""Limit of line coordinates, because Pillow converts them to 32-bit integers."""
 
 
 @lru_cache
@@ -27,12 +28,12 @@ def font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 
 
 def text_width(text: str, size: int) -> int:
-    """Columns that a line of text takes."""
+    """Width of a line of text in pixels."""
     return int(np.ceil(font(size).getlength(text)))
 
 
 def shortened(text: str, width: int, size: int) -> str:
-    """As much of a line as fits, ending in two dots where something is cut."""
+    """A line cut to a width, ending in two dots if something is cut."""
     if text_width(text, size) <= width:
         return text
     kept = len(text) - 1
@@ -48,7 +49,7 @@ def _rgb(color: Color) -> tuple[int, int, int]:
 
 @dataclass(frozen=True)
 class Canvas:
-    """A picture that is drawn on; what lies outside of it is cut."""
+    """A picture to draw on; everything outside is clipped."""
 
     image: Image.Image
     draw: ImageDraw.ImageDraw
@@ -63,11 +64,11 @@ class Canvas:
         self.draw.rectangle((left, top, left + width - 1, top + height - 1), fill=_rgb(color))
 
     def place(self, top: int, left: int, picture: U8) -> None:
-        """A picture (H, W, 3) with its upper left corner at (top, left)."""
+        """Places a picture (H, W, 3) with its upper left corner at (top, left)."""
         self.image.paste(Image.fromarray(picture), (left, top))
 
     def text(self, base: int, left: int, text: str, color: Color, size: int) -> None:
-        """One line of text on the base line, the row `base`."""
+        """Draws one line of text on the base line, the row `base`."""
         self.draw.text((left, base), text, fill=_rgb(color), font=font(size), anchor="ls")
 
     def pixels(self) -> U8:
@@ -82,10 +83,9 @@ def resize(image: U8, height: int, width: int) -> U8:
 
 
 def fitted(size: tuple[int, ...], box: tuple[int, int]) -> tuple[int, int]:
-    """The largest (height, width) of the same shape inside a box (height, width).
+    """The largest (height, width) of the same aspect ratio inside a box (height, width).
 
-    Small pictures are enlarged by whole factors, so that their pixels stay equal squares.
-    """
+    Small pictures are enlarged by whole factors, so that their pixels stay equal squares."""
     height, width = size[0], size[1]
     factor = min(box[0] / height, box[1] / width)
     if factor >= 1.0:
@@ -96,7 +96,7 @@ def fitted(size: tuple[int, ...], box: tuple[int, int]) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Line:
-    """Points (n, 2), x and y, joined; integers are pixel centres."""
+    """Connected points (n, 2), x and y; integers are pixel centres."""
 
     points: F64
     color: Color
@@ -104,8 +104,7 @@ class Line:
 
 
 def draw_lines(picture: U8, lines: Sequence[Line]) -> U8:
-    """The picture with lines of smooth edges over it; those with an end that is not finite are
-    left out."""
+    """The picture with smooth lines over it; lines with an end that is not finite are left out."""
     height, width = picture.shape[:2]
     fine = Image.fromarray(picture).resize((width * _SUBPIXELS, height * _SUBPIXELS), 0)
     draw = ImageDraw.Draw(fine)

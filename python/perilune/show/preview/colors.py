@@ -1,4 +1,4 @@
-"""Colour of the preview sheet: a perceptual ramp, a stable palette for ids, scaling of values."""
+"""Colours of the preview sheet: a perceptual ramp, a stable palette for ids, scaling of values."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -59,7 +59,7 @@ def ramp() -> U8:
 
 
 def id_colors(ids: NDArray[np.integer]) -> U8:
-    """A colour for each id (...,), the same in every sheet; id 0 is background."""
+    """A colour for each id (...,), the same in every sheet; id 0 is the background."""
     index = np.asarray(ids).astype(np.float64)
     lightness = 0.60 + 0.12 * np.mod(index, 3.0)
     colors = _lch_to_srgb(lightness, np.full_like(index, 0.13), index * _GOLDEN_ANGLE_RAD)
@@ -68,7 +68,7 @@ def id_colors(ids: NDArray[np.integer]) -> U8:
 
 
 def colored_ids(ids: NDArray[np.integer]) -> U8:
-    """(H, W) ids to (H, W, 3). Looks colours up once an id, not once a pixel."""
+    """(H, W) ids to (H, W, 3). Looks colours up once per id, not per pixel."""
     smallest, largest = int(ids.min()), int(ids.max())
     if largest - smallest < 1 << 16:
         palette = id_colors(np.arange(smallest, largest + 1))
@@ -79,7 +79,7 @@ def colored_ids(ids: NDArray[np.integer]) -> U8:
 
 @dataclass(frozen=True)
 class Scaled:
-    """Values brought to 0..1 for colouring."""
+    """Values scaled to 0..1 for colouring."""
 
     t: NDArray[np.float64]  # (H, W), 0 where undefined
     low: float
@@ -95,11 +95,11 @@ def _thinned(values: NDArray[np.floating]) -> F64:
 def scale_values(
     values: NDArray[np.floating], valid: NDArray[np.bool_], spread: bool = True
 ) -> Scaled | None:
-    """Monotonic map of the valid values to 0..1; None where there is none.
+    """Monotonic map of the valid values to 0..1; None if there are none.
 
-    With `spread`, positive values of a large ratio are set by the mean of their logarithm and their
-    rank, so that a spacecraft metres away and a limb thousands of kilometres away both show relief.
-    """
+    With `spread`, positive values of a large ratio are mapped by the mean of their logarithm and
+    their rank, so that a spacecraft metres away and a limb thousands of kilometres away both show
+    relief."""
     chosen = values[valid]
     if chosen.size == 0:
         return None
@@ -129,11 +129,10 @@ def colored_values(scaled: Scaled | None, valid: NDArray[np.bool_]) -> U8:
 def stretch_by_group(
     values: NDArray[np.floating], valid: NDArray[np.bool_], groups: NDArray[np.integer] | None
 ) -> U8:
-    """(H, W, 3) vectors as colours: each axis stretched to 0..255 within each group of pixels.
+    """(H, W, 3) vectors as colours: each axis is stretched to 0..255 within each group of pixels.
 
     Without groups the whole picture is one. Grouping by instance keeps the relief of a satellite
-    in view beside a planet whose coordinates are a million times larger.
-    """
+    visible beside a planet whose coordinates are a million times larger."""
     image = np.empty(values.shape, dtype=np.uint8)
     image[:] = EMPTY
     keys = np.zeros(valid.shape, dtype=np.int64) if groups is None else groups.astype(np.int64)

@@ -1,4 +1,4 @@
-"""The rgb picture with the visible boxes and the objects' axes drawn over it."""
+"""The rgb picture with visible boxes and the objects' axes drawn over it."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _AXIS_COLORS = ((255, 92, 82), (110, 220, 90), (90, 150, 255))
 _AXIS_PX, _BOX_PX = 2.0, 1.5
 """Thickness of lines."""
 _STEPS = 12
-"""Segments of an axis: lenses bend straight lines."""
+"""Segments of an axis, because lenses bend straight lines."""
 
 
 def axes_px(R_m2c: F64, t_m2c: F64, bbox: NDArray[Any], camera: CameraLabel) -> F64:
-    """(3, _STEPS + 1, 2): the object's axes from its origin, in pixels of the labels; nan where
-    the camera does not see. As long as half the visible box would be at the origin's distance."""
+    """(3, _STEPS + 1, 2): the object's axes from its origin, in pixels of the labels; nan where the
+    camera does not see. Their length is half the visible box at the origin's distance."""
     K = np.asarray(camera.K, dtype=np.float64)
     step_m = 1e-4 * float(np.linalg.norm(t_m2c))
     beside = _core.project(K, camera.lens, np.stack([t_m2c, t_m2c + np.array([step_m, 0, 0])]))

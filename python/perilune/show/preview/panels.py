@@ -1,4 +1,4 @@
-"""What each channel of a sample looks like on the sheet: one function a kind of channel."""
+"""Panels of the sheet: one function per kind of channel."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,7 +17,7 @@ Names = Mapping[str, Mapping[int, str]]
 
 @dataclass(frozen=True)
 class Panel:
-    """One titled picture with its legend."""
+    """A titled picture with its legend."""
 
     title: str
     image: U8  # (H, W, 3)
@@ -28,7 +28,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Context:
-    """What the kinds need besides their own channel."""
+    """Inputs of the panels besides their own channel."""
 
     hit: NDArray[np.bool_] | None  # (H, W), pixels where something is hit; None: not known
     instance: NDArray[np.integer] | None  # (H, W)
@@ -46,7 +46,7 @@ def format_value(value: float, unit: str) -> str:
 
 
 def _valid(values: Array, context: Context) -> NDArray[np.bool_]:
-    """Pixels with a value: finite, and hit where that is known."""
+    """Pixels with a value: finite, and hit if that is known."""
     finite = np.asarray(np.isfinite(values))
     if values.ndim == 3:
         finite = np.asarray(finite.all(axis=2))
@@ -83,7 +83,7 @@ def digital_panel(name: str, values: Array, context: Context) -> list[Panel]:
 
 
 def _titles(name: str, values: Array, context: Context) -> list[str]:
-    """Of the bands of a channel."""
+    """Titles of the bands of a channel."""
     known = context.names.get("bands", {})
     return [f"{name}/{known.get(band, band)}" for band in range(values.shape[2])]
 
@@ -161,7 +161,7 @@ def id_panel(name: str, values: Array, context: Context) -> list[Panel]:
 
 
 def levels_panel(name: str, values: Array, context: Context) -> list[Panel]:
-    """Class ids (H, W, L): a panel a level."""
+    """Class ids (H, W, L): a panel per level."""
     return [
         id_panel(f"{name}/{level}", values[:, :, level], context)[0]
         for level in range(values.shape[2])
@@ -169,7 +169,7 @@ def levels_panel(name: str, values: Array, context: Context) -> list[Panel]:
 
 
 def bands_panel(name: str, values: Array, context: Context) -> list[Panel]:
-    """Radiances in bands (H, W, B): a panel a band."""
+    """Radiances in bands (H, W, B): a panel per band."""
     titles = _titles(name, values, context)
     named = replace(context, units=dict.fromkeys(titles, context.units.get(name, "")))
     return [
@@ -190,11 +190,11 @@ KINDS: dict[str, Kind] = {
     "flow": flow_panel,
     "semantic": levels_panel,
 }
-"""Channels with a look of their own; the others are shown by the shape and type they have."""
+"""Channels with a panel of their own; others are shown by their shape and type."""
 
 
 def kind_of(name: str, values: Array) -> Kind:
-    """How a channel is shown."""
+    """Kind of panel for a channel."""
     if name in KINDS:
         return KINDS[name]
     is_real = np.issubdtype(values.dtype, np.floating)

@@ -1,4 +1,4 @@
-"""The layout of the sheet: the picture first and large, then every other channel in a grid."""
+"""Layout of the sheet: the picture first and large, then every other channel in a grid."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ _BAR = 8
 _TALLEST = 1.4
 _FLATTEST = 0.1
 _LONGEST_PX = 1280
-"""Labels of larger images are thinned to this before they are coloured and their values sought."""
+"""Labels of larger images are thinned to this size before they are coloured and their values
+read."""
 _BRIGHT = (236, 238, 243)
 _DIM = (158, 164, 178)
 
@@ -95,7 +96,7 @@ def _hit_mask(sample: Mapping[str, NDArray[Any]]) -> NDArray[np.bool_] | None:
 
 
 def _overlay_panel(sample: Sample, box: tuple[int, int]) -> Panel:
-    """rgb at the size it will have on the sheet, so that lines keep their thickness."""
+    """rgb at its size on the sheet, so that lines keep their thickness."""
     rgb = sample["rgb"]
     picture = canvas.resize(rgb, *canvas.fitted(rgb.shape, box))
     picture = with_objects(picture, sample.objects, sample.camera, rgb.shape[1])
@@ -120,8 +121,8 @@ def _panels(sample: Sample, names: Names, units: Mapping[str, str]) -> list[Pane
 
 
 def panels_of(sample: Sample, box: tuple[int, int], names: Names | None = None) -> list[Panel]:
-    """All panels of a sample, the picture first. box: height and width that the picture with boxes
-    and axes will be shown in."""
+    """All panels of a sample, the picture first. box: height and width of the picture with boxes
+    and axes on the sheet."""
     units = {channel["name"]: channel["unit"] for channel in _core.CHANNELS}
     found: list[Panel] = []
     if "rgb" in sample:
@@ -170,7 +171,7 @@ def _draw_grid(
 
 
 def _draw_header(sheet: Canvas, parts: Sequence[str]) -> None:
-    """The first part large, the others dim behind it."""
+    """Draws the first part large, the others dimmed after it."""
     width = sheet.image.width - 2 * GAP
     heading = shortened(parts[0], width // 2, _HEADING)
     sheet.text(_HEADER_BASE, GAP, heading, _BRIGHT, _HEADING)
