@@ -1,4 +1,4 @@
-/* From the radiance of a frame to its sensor's arrays. */
+/* Converts the radiance of a frame to its sensor's arrays. */
 #include "frame/renderer.h"
 
 #include <string.h>
@@ -13,11 +13,11 @@ bool pl_frame_wants_sensor(const pl_frame_request *request) {
   return request->raw != NULL || request->sensor_rgb != NULL;
 }
 
-/* Rays that say how much of the sun is seen: 8 x 8 over its disc. */
+/* Rays that measure the visible part of the sun: 8 x 8 over its disc. */
 enum { SUN_SIDE = 8, SUN_RAYS = SUN_SIDE * SUN_SIDE };
 
-/* Part of the sun's disc that nothing hides from the camera. Things that the plan culled hide
- * nothing. */
+/* Returns the fraction of the sun's disc that is visible from the camera. Things that the plan
+ * culled hide nothing. */
 static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
   pl_ray rays[SUN_RAYS];
   pl_hit hits[SUN_RAYS];
@@ -29,13 +29,14 @@ static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
                        .direction = pl_vec3_unit(pl_vec3f_to_double(pl_sun_sample(sun, u))),
                        .skip_body = PL_NOTHING};
   }
-  pl_tracer_closest(tracer, rays, hits, SUN_RAYS, true, true); /* as the camera sees */
+  pl_tracer_closest(tracer, rays, hits, SUN_RAYS, true, true); /* with the camera's visibility */
   for (int i = 0; i < SUN_RAYS; i++)
     seen += hits[i].thing == PL_NOTHING;
   return (double)seen / SUN_RAYS;
 }
 
-/* The sun as a source of ghosts. What falls on the aperture goes with the cosine of its angle. */
+/* The sun as a source of ghosts. Irradiance on the aperture is proportional to the cosine of the
+ * angle of incidence. */
 static pl_flare_sun flare_sun(const pl_instant *instant, const pl_flare *flare) {
   const pl_snapshot *shot = &instant->shot;
   const pl_camera *camera = &shot->camera;
@@ -52,7 +53,7 @@ static pl_flare_sun flare_sun(const pl_instant *instant, const pl_flare *flare) 
   return out;
 }
 
-/* Runs one image through the stages; `raw` may be NULL. */
+/* Runs one image through the stages of the sensor; `raw` may be NULL. */
 static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
                      const pl_instant *instant, const pl_sensor *sensor, const pl_plan *plan,
                      pl_vec3f *bands, uint16_t *raw, uint64_t index) {
@@ -88,7 +89,7 @@ static pl_status run(pl_renderer *renderer, const pl_frame_request *request,
   return pl_jpeg_cycle(&sensor->compression, frame.width, frame.height, frame.arena, frame.rgb);
 }
 
-/* One image after the other, by the same light and pixels with noise of its own. */
+/* Runs one image per plane: the same light and pixels, with independent noise. */
 static pl_status run_planes(pl_renderer *renderer, const pl_frame_request *request,
                             const pl_instant *instant, const pl_sensor *sensor, const pl_plan *plan,
                             const pl_vec3f *bands) {

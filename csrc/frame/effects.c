@@ -1,4 +1,4 @@
-/* The table of effect rows. */
+/* The table of all effect rows. */
 #include "frame/effects.h"
 
 #include <string.h>

@@ -7,7 +7,7 @@
 extern const pl_effect *const pl_effects[];
 extern const size_t pl_effect_count;
 
-/* Index by name, or -1. */
+/* Returns the index of the effect with this name, or -1. */
 int pl_effect_find(const char *name);
 
 #endif

@@ -1,4 +1,4 @@
-/* One frame from request to arrays. */
+/* Renders one frame from request to arrays. */
 #include "frame/frame.h"
 
 #include <string.h>
@@ -25,7 +25,7 @@ static double now_s(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Adds the time since *start to a stage and starts the next. */
+/* Adds the time since *start to a stage and restarts the clock. */
 static void lap(pl_frame_result *result, pl_stage stage, double *start) {
   const double now = now_s();
   result->seconds[stage] += now - *start;
@@ -62,7 +62,7 @@ void pl_renderer_destroy(pl_renderer *renderer) {
   pl_free(renderer);
 }
 
-/* Scratch memory for exactly this many workers. */
+/* Allocates scratch memory for exactly this many workers. */
 static pl_status ensure_scratch(pl_renderer *renderer, int threads) {
   if (renderer->scratch != NULL && pl_render_scratch_threads(renderer->scratch) == threads)
     return PL_OK;
@@ -105,10 +105,10 @@ static pl_status check_request(const pl_frame_request *request) {
   return request->sensor != NULL ? pl_sensor_check(request->sensor) : PL_OK;
 }
 
-/* --- the frame
- * ----------------------------------------------------------------------------------*/
+/* --- the frame -------------------------------------------------------------------------------- */
 
-/* A white Lambert surface facing the sun at the brightest thing of the scene. */
+/* Returns the radiance of a white Lambert surface that faces the sun, at the thing in the frame
+ * with the highest irradiance. */
 static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   double irradiance = pl_shot_sun_irradiance(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
   for (size_t i = 0; i < view->thing_count; i++)
@@ -117,15 +117,15 @@ static double sunlit_white(const pl_snapshot *shot, const pl_view *view) {
   return fmax(irradiance / PL_PI, 1e-30);
 }
 
-/* Whether the picture by the display's exposure counts: it is asked for, or what has no exposure of
- * its own; or nothing is, as where a plan alone is wanted. */
+/* Returns whether the image by the display's exposure counts: it, or an output without an exposure
+ * of its own, is requested; or no output is, as when only a plan is made. */
 static bool shows_display(const pl_frame_request *request) {
   return request->rgb != NULL || request->radiance != NULL || request->bands != NULL ||
          !pl_frame_wants_sensor(request);
 }
 
-/* What the pictures that are asked for show as white: of one its own; of two the least, and the
- * other one. */
+/* Finds the radiances that the requested images show as white. whites[0] is the lowest, whites[1]
+ * that of the other image, if there are two. */
 static void find_whites(const pl_frame_request *request, pl_view *view, double whites[2]) {
   const double display = view->display_white = view->white_radiance;
   const double sensor = view->sensor != NULL ? pl_sensor_white_radiance(view) : INFINITY;
@@ -136,7 +136,8 @@ static void find_whites(const pl_frame_request *request, pl_view *view, double w
   whites[0] = view->white_radiance;
 }
 
-/* Automatic exposures of the display and of the sensor (NULL: none), if `metered`. */
+/* Sets the exposures of the display and of the sensor (NULL: none); automatic ones are measured if
+ * `metered`. */
 static pl_status expose(pl_renderer *renderer, const pl_frame_request *request, bool metered,
                         pl_survey *survey, pl_sensor *sensor) {
   const bool automatic = request->exposure.automatic;
@@ -149,7 +150,7 @@ static pl_status expose(pl_renderer *renderer, const pl_frame_request *request, 
   return PL_OK;
 }
 
-/* What the frame is about to show, but for its exposure. */
+/* Prepares the survey of a frame, without its exposure. */
 static pl_status survey_frame(pl_renderer *renderer, const pl_frame_request *request,
                               pl_survey *out) {
   const pl_sky *sky = request->sky;
@@ -164,8 +165,9 @@ static pl_status survey_frame(pl_renderer *renderer, const pl_frame_request *req
   return PL_OK;
 }
 
-/* `metered`: automatic exposures are measured. They are not where labels alone are wanted, which no
- * effect changes. `sensor`: set to the request's with its exposure time, if `developed`. */
+/* Makes the plan. `metered`: automatic exposures are measured; they are not when only labels are
+ * requested, which no effect changes. `sensor`: set to the request's with its exposure time, if
+ * `developed`. */
 static pl_status plan_frame(pl_renderer *renderer, const pl_frame_request *request, bool metered,
                             bool developed, pl_survey *survey, pl_sensor *sensor,
                             pl_frame_result *result) {
@@ -226,7 +228,7 @@ pl_status pl_frame_render(pl_renderer *renderer, const pl_frame_request *request
                    request->cancel);
 }
 
-/* Renders the middle, or the instants about it. */
+/* Renders a still frame, or the instants of a moving one. */
 static pl_status render_frame(pl_renderer *renderer, const pl_frame_request *request,
                               const pl_survey *survey, const pl_choice *choice,
                               const pl_instant *instant, pl_frame_result *result,

@@ -1,4 +1,4 @@
-/* From a survey, by a choice, to an instant. */
+/* Makes an instant from a survey and a choice. */
 #include "frame/instant.h"
 
 #include "frame/subpixel_bodies.h"
@@ -11,7 +11,7 @@ static pl_render_settings settings_of(const pl_frame_request *request,
                                       const pl_frame_result *result) {
   const pl_plan *plan = &result->plan;
   const int samples = pl_plan_value(plan, &pl_effect_antialiasing);
-  /* Asked for by name, or at a tolerance of nothing: so many samples in every pixel. */
+  /* All samples in every pixel: if the effect is forced on by name, or at a tolerance of 0. */
   const bool exact = request->wish.tolerance_dn == 0.0;
   const bool all_samples =
       exact || (request->wish.force_on >> pl_effect_find("antialiasing") & 1u) != 0;
@@ -72,8 +72,8 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
   return colour ? out : pl_choice_of_labels(&out);
 }
 
-/* Metering: steps through air, with an error of a few per cent; media and emitters by these values
- * of their rows. */
+/* Metering: steps along rays through air, with an error of a few per cent; values of the rows of
+ * media and of emitters. */
 enum { PREVIEW_STEPS = 6, PREVIEW_MEDIA = 4, QUICK_EMITTERS = 2 };
 
 pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples) {
@@ -156,7 +156,8 @@ static void add_caustics(const pl_choice *choice, pl_instant *out) {
   out->settings.caustics = out->caustics.count > 0 ? &out->caustics : NULL;
 }
 
-/* The disc itself is seen where nothing is lit, too. */
+/* Limb darkening also counts where the disc itself is in the frame, even if nothing is lit by it.
+ */
 static void add_limb(const pl_choice *choice, pl_instant *out) {
   if (!choice->limb_darkening || !(choice->settings.soft_sun || out->shot.sun.in_frame))
     return;

@@ -1,46 +1,47 @@
-/* One instant of the world, ready for rays: the same for still frames, the instants of an exposure,
- * metering and the pictures of small bodies. */
+/* One instant of the world, ready for ray tracing. Still frames, the instants of an exposure,
+ * metering and the images of sub-pixel bodies all use it. */
 #ifndef PL_FRAME_INSTANT_H
 #define PL_FRAME_INSTANT_H
 
 #include "frame/survey.h"
 #include "render/render.h"
 
-/* What is made of a survey: of a frame by its plan, or by fixed values. */
+/* Settings for making an instant from a survey: derived from a frame's plan, or fixed. */
 typedef struct pl_choice {
-  pl_render_settings settings; /* without what is borrowed */
-  bool culls;                  /* what cannot matter is left out, by more than tolerance_dn */
+  pl_render_settings settings; /* without the borrowed pointers */
+  bool culls;                  /* leave out what changes no pixel by more than tolerance_dn */
   double tolerance_dn;
   bool distortion, depth_of_field;
-  bool colour;   /* or else labels alone: nothing below is looked at */
-  bool subpixel; /* bodies of a few pixels get pictures of their own, see subpixel_bodies.h */
-  int emitters, air_steps, media[PL_MEDIUM_KINDS_MAX]; /* values of these effects */
+  bool colour;   /* false: labels only, and the fields below are ignored */
+  bool subpixel; /* render sub-pixel bodies in images of their own, see subpixel_bodies.h */
+  int emitters, air_steps, media[PL_MEDIUM_KINDS_MAX]; /* values of the rows of these effects */
   bool skylight, multiple_scattering, planetshine, caustics, limb_darkening;
 } pl_choice;
 
-/* That of a frame's plan. */
+/* Returns the choice that a frame's plan makes. */
 pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_result *result,
                             bool colour);
-/* The same for labels alone. */
+/* Returns the same choice, reduced to labels. */
 pl_choice pl_choice_of_labels(const pl_choice *frame);
-/* A quick look at everything, by direct light. */
+/* Returns the choice for a fast preview of the whole scene by direct light. */
 pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples);
 
-/* Nothing in it changes once it is made; threads and frames' parts share it. */
+/* Immutable once it is made; shared by threads and by the stages of a frame. */
 typedef struct pl_instant {
-  pl_snapshot shot;        /* what the choice leaves of the survey's */
-  const pl_tracer *tracer; /* of it */
+  pl_snapshot shot;        /* the survey's snapshot after culling */
+  const pl_tracer *tracer; /* of this snapshot */
   pl_emitters emitters;
   pl_air_view air;
   pl_media media;
   pl_planetshine shine;
   pl_caustics caustics;
   pl_limb limb;
-  pl_render_settings settings; /* the choice's, with those of the above that there are */
+  /* those of the choice, with pointers to the structs above that are in use */
+  pl_render_settings settings;
 } pl_instant;
 
-/* Builds what lights a survey and what rays meet. In `arena`; borrows what the survey does, which
- * itself is not needed any more. */
+/* Culls the snapshot and builds its tracer, lights and media. Allocated in `arena`; borrows what
+ * the survey borrows, but not the survey itself. */
 pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_choice *choice,
                      pl_arena *arena, const pl_instant **out);
 

@@ -1,4 +1,4 @@
-/* Gathering what object labels and masks need, and writing them. */
+/* Gathers the data for object labels and masks, and writes them. */
 #include "frame/labels.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* Object labels and masks of one frame: memory before the rays, tiles as they come, the rest after.
- */
+/* Object labels and masks of one frame: prepared before rendering, gathered from tiles, then
+ * finished. */
 #ifndef PL_FRAME_LABELS_H
 #define PL_FRAME_LABELS_H
 
@@ -7,29 +7,29 @@
 #include "frame/frame.h"
 #include "render/render.h"
 
-/* What is gathered while a frame renders; NULL where nothing asked for needs it. */
+/* Data gathered while a frame renders. A pointer is NULL if no requested label needs it. */
 typedef struct pl_labels {
   const pl_frame_request *request;
   const pl_snapshot *shot;
-  pl_extent *extents;   /* workers x objects: with object labels or masks */
-  pl_outline *outlines; /* per object, then per piece: with amodal labels or masks */
-  pl_seen *seen;        /* the image: with masks, or when some object may be hidden or cut */
+  pl_extent *extents;   /* workers x objects: for object labels or masks */
+  pl_outline *outlines; /* per object, then per piece: for amodal labels or masks */
+  pl_seen *seen;        /* whole image: for masks, or when an object may be occluded or cut off */
 } pl_labels;
 
-/* What is kept from frame to frame; made when first needed. */
+/* Kept from frame to frame; created on first use. */
 typedef struct pl_label_tools {
   pl_solo *solo;
   pl_cluster_cache clusters;
 } pl_label_tools;
 void pl_label_tools_init(pl_label_tools *tools);
-void pl_label_tools_clear(pl_label_tools *tools); /* before the accelerators are destroyed */
+void pl_label_tools_clear(pl_label_tools *tools); /* call before the accelerators are destroyed */
 
-/* All memory is the arena's. Touches nothing when neither objects nor masks are asked for. */
+/* Allocates everything in the arena. Does nothing when neither objects nor masks are requested. */
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
                             pl_label_tools *tools, pl_arena *arena, pl_labels *out);
-/* Called on the workers. */
+/* Called by the worker threads. */
 void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int worker);
-/* Fills the request's objects and masks. */
+/* Writes the request's objects and masks. */
 pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_label_tools *tools,
                            pl_arena *arena);
 

@@ -1,4 +1,4 @@
-/* Gathering a frame's rays. */
+/* Gathers the rays of a frame. */
 #include "frame/measure.h"
 
 #include "light/sun.h"
@@ -10,7 +10,7 @@ typedef struct rays {
   size_t count;
 } rays;
 
-/* Primary rays in the order of rendering. */
+/* Collects primary rays in rendering order. */
 static void gather_primary(const pl_snapshot *shot, const pl_coverage *coverage, rays *out) {
   const int w = shot->camera.width, h = shot->camera.height;
   for (int y0 = 0; y0 < h; y0 += PL_TILE_SIDE)
@@ -23,7 +23,7 @@ static void gather_primary(const pl_snapshot *shot, const pl_coverage *coverage,
                                                 .skip_body = PL_NOTHING};
 }
 
-/* One ray to the sun from every sunlit side of a mesh that a primary ray hits. */
+/* Collects one ray to the sun from each sunlit mesh point that a primary ray hits. */
 static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, const rays *primary,
                           rays *out) {
   for (size_t i = 0; i < primary->count; i++) {

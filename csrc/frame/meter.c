@@ -1,22 +1,22 @@
-/* Automatic exposure: what a small image of the frame says about its brightness. */
+/* Automatic exposure, measured on a small image of the frame. */
 #include "frame/renderer.h"
 
 #include "math/color.h"
 #include "sensor/metering.h"
 
-/* Longer side of the metering pass, pixels, and its samples. */
+/* Longer side of the metering image in pixels, and its samples per pixel. */
 enum { METER_SIDE = 96, METER_SAMPLES = 4 };
 
 typedef struct meter {
   float *luminances; /* one per pixel */
-  float *signals;    /* likewise, in the sensor's pixels; NULL: not wanted */
+  float *signals;    /* one per pixel, as the sensor's pixels measure them; NULL: not needed */
   int width;
-  const pl_sensor *sensor; /* of the signals */
-  double response[3];      /* to the bands, of that to white light */
+  const pl_sensor *sensor; /* for the signals */
+  double response[3];      /* response to each band, relative to the response to white light */
 } meter;
 
-/* What a pixel of the sensor says of its light: the radiance of a white light that would fill the
- * pixels that fill first as much. */
+/* Returns a sensor pixel's signal as the radiance of white light that would give the same signal in
+ * the pixels that saturate first. */
 static float signal_of(const meter *meter, pl_vec3f light, int x, int y) {
   const pl_sensor *sensor = meter->sensor;
   const double *r = meter->response;
@@ -31,7 +31,7 @@ static float signal_of(const meter *meter, pl_vec3f light, int x, int y) {
 
 static pl_status meter_sensor(meter *meter, const pl_sensor *sensor, size_t count,
                               pl_arena *arena) {
-  pl_sensor second = *sensor; /* the ratio is of any time */
+  pl_sensor second = *sensor; /* the ratio does not depend on the exposure time */
   second.exposure_s = 1.0;
   meter->sensor = sensor;
   for (int band = 0; band < 3; band++)

@@ -1,13 +1,14 @@
-/* Instants, one after the other. */
+/* Renders the instants of a frame one after the other. */
 #include "frame/moving.h"
 
 #include "frame/effects.h"
 #include "plan/effects.h"
 #include "scene/shutter.h"
 
-/* Instants whose views the plan looks at. */
+/* Number of instants at which the plan's view is evaluated. */
 enum { LOOKS = 9 };
-/* Instants of a frame with blur and a rolling shutter: no more than this, and four a row. */
+/* Limit on the instants of a frame with blur and a rolling shutter: this many, plus four per row.
+ */
 enum { INSTANTS_MAX = 256, INSTANTS_ROW = 4 };
 
 static bool blurs(const pl_frame_request *request, const pl_plan *plan) {
@@ -45,7 +46,8 @@ pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
   return PL_OK;
 }
 
-/* Adds the stars of an instant: its part of the light of the rows that are exposed then. */
+/* Adds the stars of an instant, weighted for each row by the part of its exposure that falls into
+ * the instant. */
 static void add_stars(const pl_slice *slice, const pl_frame_sky *sky, const pl_camera *camera,
                       pl_vec3f *film) {
   const size_t tiles =
@@ -63,7 +65,7 @@ static void add_stars(const pl_slice *slice, const pl_frame_sky *sky, const pl_c
   }
 }
 
-/* What all instants of a frame share. */
+/* Shared by all instants of a frame. */
 typedef struct exposure {
   pl_renderer *renderer;
   const pl_frame_request *request;
@@ -72,7 +74,7 @@ typedef struct exposure {
   pl_output *output;
 } exposure;
 
-/* Renders an instant. */
+/* Renders one instant. */
 static pl_status render_at(const exposure *e, double time_s, const pl_choice *choice,
                            pl_tile_fn done) {
   pl_renderer *renderer = e->renderer;
@@ -97,7 +99,7 @@ static pl_status render_at(const exposure *e, double time_s, const pl_choice *ch
   return PL_OK;
 }
 
-/* Rows in bands, each in the middle of its exposure. */
+/* Renders bands of rows, each at the middle of its exposure. */
 static pl_status render_bands(const exposure *e, pl_choice choice) {
   const pl_shutter *shutter = &e->request->placement.shutter;
   const int height = e->request->placement.camera.height, bands = bands_of(e->request, e->plan);
@@ -111,7 +113,7 @@ static pl_status render_bands(const exposure *e, pl_choice choice) {
   return PL_OK;
 }
 
-/* Which samples are of which instants. */
+/* Returns the mapping of samples to instants. */
 static pl_slice slices_of(const pl_frame_request *request, const pl_plan *plan) {
   const pl_shutter *shutter = &request->placement.shutter;
   const int height = request->placement.camera.height;
@@ -130,7 +132,7 @@ static pl_slice slices_of(const pl_frame_request *request, const pl_plan *plan) 
                     .spread_s = e};
 }
 
-/* The rows that gather light at some time of an instant. */
+/* Sets the range of rows that are exposed at some time of an instant. */
 static void rows_of(const pl_slice *slice, int height, pl_render_settings *settings) {
   const double length_s = slice->span_s / slice->count;
   const double from_s = slice->start_s + slice->instant * length_s - slice->offset_s;
@@ -138,8 +140,8 @@ static void rows_of(const pl_slice *slice, int height, pl_render_settings *setti
   settings->row1 = height;
   if (!(slice->row_s > 0.0))
     return;
-  /* Rows that close before the instant's time, or open after it, have none; one more for rounding.
-   */
+  /* Rows that close before the instant or open after it have no samples. One more row on each side
+   * allows for rounding. */
   const double first = floor((from_s - slice->spread_s) / slice->row_s) - 1.0;
   const double last = ceil((from_s + length_s) / slice->row_s) + 1.0;
   settings->row0 = (int)fmin(fmax(first, 0.0), height - 1);
@@ -179,7 +181,7 @@ static pl_status render_blur(const exposure *e, pl_choice choice) {
   return PL_OK;
 }
 
-/* The labels of the middle of each row's exposure. */
+/* Renders labels at the middle of each row's exposure. */
 static pl_status render_labels(const exposure *e, const pl_choice *choice,
                                const pl_instant *middle) {
   if (bands_of(e->request, e->plan) > 1)
@@ -205,6 +207,6 @@ pl_status pl_moving_render(pl_renderer *renderer, const pl_frame_request *reques
       PL_TRY(render_blur(&e, *choice));
   }
   output->shot = &instant->shot;
-  output->sky = NULL; /* an instant's */
+  output->sky = NULL; /* the last one belonged to an instant */
   return PL_OK;
 }

@@ -1,4 +1,4 @@
-/* From tiles to the request's arrays. */
+/* Writes tiles to the request's arrays. */
 #include "frame/output.h"
 
 #include <string.h>
@@ -29,7 +29,7 @@ pl_status pl_output_tile(void *context, const pl_tile_result *result, int worker
   }
   if (result->points == NULL)
     return PL_OK;
-  /* By rows, whose points stay in the nearest cache from channel to channel. */
+  /* Row by row, so that the points stay in the L1 cache from channel to channel. */
   void *const *channels = output->request->channels;
   for (int y = 0; y < result->tile.height; y++) {
     const size_t first = (size_t)(result->tile.y0 + y) * width + (size_t)result->tile.x0;

@@ -1,4 +1,4 @@
-/* What the files of this folder share: the renderer's inside, and the steps of a frame. */
+/* Shared by the files of this folder: the renderer struct, and the stages of a frame. */
 #ifndef PL_FRAME_RENDERER_H
 #define PL_FRAME_RENDERER_H
 
@@ -10,36 +10,37 @@
 
 struct pl_renderer {
   const pl_scene *scene;         /* borrowed */
-  pl_accelerators *accelerators; /* of its models */
+  pl_accelerators *accelerators; /* of the scene's models */
   pl_label_tools label_tools;
   pl_render_scratch *scratch;
   pl_arena arena;
-  pl_arena sensor_arena; /* of one of a sensor's images */
-  pl_arena instants;     /* what one instant of a moving frame needs */
+  pl_arena sensor_arena; /* for one image of the sensor */
+  pl_arena instants;     /* for one instant of a moving frame */
   pl_encoder encoder;
 };
 
-/* From an instant to pixels: first what the sky has of it, small bodies too (`subpixel`) and the
- * stars that the plan keeps and nothing hides. In `arena`. `sky`: of the instant's survey. */
+/* First step from an instant to pixels: prepares the light of the sky, i.e. of sub-pixel bodies (if
+ * `subpixel`) and of the stars that the plan keeps and nothing hides. Allocated in `arena`; `sky`
+ * belongs to the instant's survey. */
 pl_status pl_frame_light_sky(pl_renderer *renderer, const pl_frame_request *request,
                              const pl_plan *plan, const pl_instant *instant, bool subpixel,
                              pl_arena *arena, pl_frame_sky *sky);
-/* Then its tiles. */
+/* Second step: renders the tiles. */
 pl_status pl_frame_render(pl_renderer *renderer, const pl_frame_request *request,
                           const pl_instant *instant, const pl_frame_sky *sky, pl_tile_fn done,
                           void *context);
 
-/* Exposures that are automatic, measured on the same instant, small, by direct light only: sets
- * *white_radiance where the request's is, and the exposure time of `sensor` (NULL: none) where its
- * is. `fallback` is the radiance of a sunlit white surface. */
+/* Measures automatic exposures on a small image of the same instant with direct light only. Sets
+ * *white_radiance if the request's exposure is automatic, and the exposure time of `sensor` (NULL:
+ * none) if its is. `fallback` is the radiance of a sunlit white surface. */
 pl_status pl_frame_meter(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_survey *survey, double fallback, double *white_radiance,
                          pl_sensor *sensor);
 
-/* Whether the request asks for what a sensor makes. */
+/* Returns whether the request has outputs of the sensor. */
 bool pl_frame_wants_sensor(const pl_frame_request *request);
-/* Takes `bands` (radiance, row-major; changed) of a rendered instant through the sensor to the
- * request's arrays. */
+/* Passes `bands` (radiance, row-major; modified) of a rendered instant through the sensor's stages
+ * and writes the request's arrays. */
 pl_status pl_frame_develop(pl_renderer *renderer, const pl_frame_request *request,
                            const pl_instant *instant, const pl_sensor *sensor, const pl_plan *plan,
                            pl_vec3f *bands);

@@ -1,4 +1,4 @@
-/* Stars between the tracer and the pixels, and the background's scale. */
+/* Visibility of stars, their light in pixels, and the scale of the background. */
 #include "frame/sky.h"
 
 #include "frame/effects.h"
@@ -16,8 +16,8 @@ static pl_status check(const pl_sky *sky) {
   return PL_OK;
 }
 
-/* A point-spread function may bring all of a star into one pixel, of which the four nearest share
- * here: no pixel of it gets more than so many times what the fullest of these do. */
+/* Here a star's light is shared by the four nearest pixels; a point-spread function may concentrate
+ * it in one. No pixel then gets more than this factor times the brightest of the four. */
 static const double GATHERED = 4.0;
 
 static double white_of(const pl_view *view) {
@@ -26,7 +26,8 @@ static double white_of(const pl_view *view) {
   return fmin(view->white_radiance, pl_sensor_white_radiance(view) / GATHERED);
 }
 
-/* Radiance that a cell's faint stars may have together: an eighth of the tolerance, at most. */
+/* Returns the total radiance that a cell's faint stars may have: at most an eighth of the
+ * tolerance. */
 static double faint_radiance(const pl_view *view, const pl_plan_wish *wish) {
   const bool all = (wish->force_on >> pl_effect_find("stars") & 1u) != 0;
   double radiance = all || !(wish->tolerance_dn > 0.0) ? 0.0 : view->sky.white_radiance;
@@ -55,9 +56,9 @@ pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl
                               &out->field, &view->sky);
 }
 
-/* --- after the plan */
+/* --- after the plan ----------------------------------------------------------------------------- */
 
-/* Part of a star's light that comes to the camera. */
+/* Returns the transmittance towards a star. */
 static pl_vec3f passed_of(const pl_snapshot *shot, const pl_render_settings *settings,
                           pl_vec3f direction) {
   const pl_vec3 here = {0.0, 0.0, 0.0};
@@ -70,7 +71,8 @@ static pl_vec3f passed_of(const pl_snapshot *shot, const pl_render_settings *set
   return out;
 }
 
-/* Keeps the stars that the plan does and nothing hides. A star is a point: it is seen or not. */
+/* Keeps the stars of the plan that nothing hides. A star is a point source: it is either visible or
+ * not. */
 static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
                            const pl_render_settings *settings, size_t count, pl_arena *arena,
                            pl_frame_sky *sky) {
@@ -82,12 +84,12 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
   for (size_t i = 0; i < count; i++)
     rays[i] = (pl_ray){
         .t_max = INFINITY, .direction = sky->field.stars[i].direction, .skip_body = PL_NOTHING};
-  pl_tracer_closest(tracer, rays, hits, count, false, true); /* as the camera sees */
+  pl_tracer_closest(tracer, rays, hits, count, false, true); /* with the camera's visibility */
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
   for (size_t i = 0; i < count; i++) {
     const pl_field_star *star = &sky->field.stars[i];
     double pixel[2];
-    /* Again: the plan may have left out the lens's distortion. */
+    /* Projected again, since the plan may have dropped the lens distortion. */
     const pl_vec3 view = pl_mat3_mul_vec_t(shot->camera_to_root, star->direction);
     if (hits[i].thing != PL_NOTHING || pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
         !pl_camera_project(&shot->camera, view, pixel))
@@ -103,7 +105,7 @@ static size_t tile_of(const pl_frame_sky *sky, uint32_t pixel) {
   return y / PL_TILE_SIDE * (size_t)sky->columns + x / PL_TILE_SIDE;
 }
 
-/* Sorts the light by tile; in a tile it stays in order. */
+/* Counting sort by tile; stable. */
 static void sort_light(const pl_star_light *light, size_t count, size_t tiles, pl_frame_sky *sky) {
   for (size_t i = 0; i <= tiles; i++)
     sky->first[i] = 0;
@@ -115,7 +117,7 @@ static void sort_light(const pl_star_light *light, size_t count, size_t tiles, p
     size_t *next = &sky->first[tile_of(sky, light[i].pixel)];
     sky->light[(*next)++] = light[i];
   }
-  for (size_t i = tiles; i > 0; i--) /* each now stands where the following began */
+  for (size_t i = tiles; i > 0; i--) /* each entry has moved to the start of the next tile */
     sky->first[i] = sky->first[i - 1];
   sky->first[0] = 0;
 }
@@ -177,7 +179,7 @@ const pl_vec3f *pl_frame_sky_tile(const pl_frame_sky *sky, const pl_tile_result 
   for (size_t i = sky->first[index]; i < sky->first[index + 1]; i++) {
     const int x = (int)(sky->light[i].pixel % (uint32_t)sky->width) - tile->x0;
     const int y = (int)(sky->light[i].pixel / (uint32_t)sky->width) - tile->y0;
-    if (y < 0 || y >= tile->height) /* of a band of rows */
+    if (y < 0 || y >= tile->height) /* outside this band of rows */
       continue;
     lit[y * PL_TILE_SIDE + x] = pl_vec3f_add(lit[y * PL_TILE_SIDE + x], sky->light[i].light);
   }

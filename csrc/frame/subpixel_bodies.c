@@ -1,16 +1,17 @@
-/* Small bodies: a picture of SIDE pixels squared of each, whose light is put where it belongs. */
+/* Renders each sub-pixel body in an image of SIDE x SIDE pixels and adds its light to the frame's
+ * pixels. */
 #include "frame/subpixel_bodies.h"
 
-/* Bodies below this diameter are subpixel: above, sixteen samples a pixel keep the light of a disc
- * to within a few hundredths, and of more pixels to less. */
+/* Bodies of a smaller diameter are sub-pixel bodies. Above it, sixteen samples per pixel integrate
+ * the light of a disc to within a few hundredths, and better for larger discs. */
 static const double DIAMETER_PX = 5.0;
-/* Side of the picture, and the part of it that the body's bounding sphere fills. The lattice of its
- * pixels counts the area of a disc to 2e-3. */
+/* Side of the image, and the fraction of it that the body's bounding sphere fills. Counting its
+ * pixels gives the area of a disc to 2e-3. */
 enum { SIDE = 2 * PL_TILE_SIDE };
 static const double FILLED = 0.97;
 
-/* Pixels between opposite places of a limb of the angular radius `angle` about the unit direction
- * `center`, camera axes; infinite where one has no image. */
+/* Returns the distance in pixels between opposite points of a limb of angular radius `angle` about
+ * the unit direction `center`, camera axes; infinite if a point has no image. */
 static double across_px(const pl_camera *camera, pl_vec3 center, pl_vec3 side, double angle) {
   const pl_vec3 middle = pl_vec3_scale(center, cos(angle));
   double a[2], b[2];
@@ -20,7 +21,7 @@ static double across_px(const pl_camera *camera, pl_vec3 center, pl_vec3 side, d
   return hypot(a[0] - b[0], a[1] - b[1]);
 }
 
-/* A body's bounding sphere: that of its shape, if it has one. */
+/* Bounding sphere of a body, or of its shape if it has one. */
 typedef struct ball {
   pl_vec3 center;
   double radius_m;
@@ -38,7 +39,7 @@ static ball ball_of(const pl_snapshot *shot, size_t index) {
                 body->in_frame};
 }
 
-/* The larger one of those along and across the direction to the axis: off it the image is wider. */
+/* Returns the larger one of the radial and the tangential diameter: off the axis they differ. */
 static double diameter_px(const pl_snapshot *shot, const ball *ball) {
   const double distance = pl_vec3_norm(ball->center);
   if (!(distance > ball->radius_m))
@@ -53,10 +54,11 @@ static double diameter_px(const pl_snapshot *shot, const ball *ball) {
               across_px(&shot->camera, center, pl_vec3_cross(turn, center), angle));
 }
 
-/* Clouds so high, over the body's radius, are not in its picture; nor are rings. */
+/* Clouds above this altitude, relative to the body's radius, do not fit into its image; nor do
+ * rings. */
 static const double HIGH = 0.02;
 
-/* Not where depth of field blurs: these pictures are sharp. */
+/* False with depth of field, since these images are sharp. */
 static bool is_subpixel(const pl_snapshot *shot, const pl_view *view, double tolerance_dn,
                         size_t i) {
   const pl_shot_body *body = &shot->bodies[i];
@@ -80,7 +82,7 @@ pl_status pl_subpixel_find(const pl_snapshot *shot, const pl_view *view, double 
   return PL_OK;
 }
 
-/* The camera that looks at a body alone. */
+/* Sets up a camera that frames one body. */
 static void aim(const pl_snapshot *shot, const ball *ball, pl_snapshot *out) {
   const pl_vec3 forward = pl_vec3_unit(ball->center);
   const pl_vec3 seed = fabs(forward.x) < 0.7 ? (pl_vec3){1, 0, 0} : (pl_vec3){0, 1, 0};
@@ -98,10 +100,10 @@ static void aim(const pl_snapshot *shot, const ball *ball, pl_snapshot *out) {
                             .cy = 0.5 * (SIDE - 1)};
 }
 
-/* What a dot's picture is gathered into. */
+/* Image of one sub-pixel body. */
 typedef struct gathering {
   uint32_t thing;
-  pl_vec3f light[SIDE * SIDE]; /* black where it is not seen */
+  pl_vec3f light[SIDE * SIDE]; /* black where another surface is hit */
 } gathering;
 
 static pl_status gather_tile(void *context, const pl_tile_result *result, int worker) {
@@ -117,7 +119,8 @@ static pl_status gather_tile(void *context, const pl_tile_result *result, int wo
   return PL_OK;
 }
 
-/* Pixels that a dot can touch: far fewer, unless the lens is wild within it. */
+/* Limit on the pixels that one body touches. The number is far lower, unless the lens distortion
+ * varies extremely within the body. */
 enum { PIXELS = 16 * 16 };
 
 static void add(pl_frame_sky *sky, size_t first, uint32_t pixel, pl_vec3f light) {
@@ -131,14 +134,16 @@ static void add(pl_frame_sky *sky, size_t first, uint32_t pixel, pl_vec3f light)
   sky->subpixel[i].light = pl_vec3f_add(sky->subpixel[i].light, light);
 }
 
-/* Part of an interval of `width` about a place that lies in pixel `pixel` of an axis. */
+/* Returns the fraction of an interval of length `width` centred on `place` that lies in pixel
+ * `pixel` of an axis. */
 static double overlap(double place, double width, double pixel) {
   const double low = fmax(place - 0.5 * width, pixel - 0.5);
   const double high = fmin(place + 0.5 * width, pixel + 0.5);
   return fmax(0.0, high - low) / width;
 }
 
-/* A pixel of the picture, `width` pixels of the frame wide, onto those that it lies on. */
+/* Distributes a pixel of the image, `width` pixels of the frame wide, over the pixels that it
+ * overlaps. */
 static void spread_pixel(const pl_camera *camera, const double at[2], double width, pl_vec3f energy,
                          size_t first, pl_frame_sky *sky) {
   const double x0 = floor(at[0] - 0.5 * width + 0.5), y0 = floor(at[1] - 0.5 * width + 0.5);
@@ -153,7 +158,7 @@ static void spread_pixel(const pl_camera *camera, const double at[2], double wid
   }
 }
 
-/* From the pixels of the picture to those of the frame. */
+/* Distributes all pixels of the image over the frame. */
 static void spread(const gathering *g, const pl_snapshot *close, const pl_snapshot *shot,
                    pl_frame_sky *sky) {
   const pl_camera *camera = &shot->camera;
@@ -180,7 +185,7 @@ static pl_status render_dot(const pl_instant *instant, size_t body, pl_render_sc
   g->thing = ball.thing;
   const pl_air_view *air = settings.air;
   const pl_media *media = settings.media;
-  pl_media own; /* what it carries itself is part of its picture */
+  pl_media own; /* media that the body carries itself are part of its image */
   settings.samples = 1;
   settings.noise_dn = 0.0f;
   settings.exact = false;

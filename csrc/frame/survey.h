@@ -1,4 +1,5 @@
-/* What a placement is about to show: all that a plan is made of. Nothing heavy is built for it. */
+/* Survey: the content of a placement before the plan. It holds everything that a plan is made from,
+ * and is cheap to build. */
 #ifndef PL_FRAME_SURVEY_H
 #define PL_FRAME_SURVEY_H
 
@@ -6,18 +7,18 @@
 #include "frame/sky.h"
 
 typedef struct pl_survey {
-  pl_snapshot shot; /* with everything in it, and all that the camera has */
-  pl_view view;     /* of it */
-  pl_frame_sky sky; /* its part before the plan */
+  pl_snapshot shot; /* not culled, with all features of the camera */
+  pl_view view;     /* of the snapshot */
+  pl_frame_sky sky; /* stars and background before the plan */
 } pl_survey;
 
-/* Places the scene and tells the view what the request asks for: exposures, the shutter and the sky
- * are still to come. In `arena`; borrows scene and placement. */
+/* Places the scene and copies the request's limits into the view; exposures, shutter and sky are
+ * filled in later. Allocated in `arena`; borrows scene and placement. */
 pl_status pl_survey_place(const pl_scene *scene, const pl_frame_request *request,
                           const pl_placement *placement, pl_arena *arena, pl_survey *out);
 
-/* The world at a part `u` of the frame's time, by the exposures of its middle. `lods`: what other
- * lods of reflectance make of it is measured, too. */
+/* Survey at the fraction `u` of the frame's time, with the exposures of its middle. `lods`: also
+ * fits the reflectance levels of detail. */
 pl_status pl_survey_at(const pl_scene *scene, const pl_frame_request *request, double u,
                        const pl_view *middle, bool lods, pl_arena *arena, pl_survey *out);
 
