@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from perilune import _core, materials
+from perilune import _core
 from perilune.base import arguments
 from perilune.base.hooks import Hook
+from perilune.base.same import Same
 from perilune.base.timeline import Timeline
 from perilune.bodies.shapes import BodyShape
 from perilune.camera import bands, trajectories
@@ -104,6 +105,7 @@ class Simulation:
             arguments.function("trajectory", trajectory, "of a perilune.world.World")
         self._epoch = solar_system.date_from_utc(document.config.time.utc_fields())
         self._drawn: Kept[Any] = Kept(64)
+        self._nodes: Same[list[dict[str, Any]]] = Same()
         self._remarks = Remarks()
         self._unseen = Unseen()
         self._store = store or _Store()
@@ -233,6 +235,7 @@ class Simulation:
             craft_radius_m=lambda name: self._mine().radii_m(config)[name],
             hooks=self._orbits,
             drawn=self._drawn,
+            nodes=self._nodes,
             first_of_scene=None if moment.step == self.timeline.at(first).step else first_of_scene,
         )
 
@@ -294,11 +297,10 @@ class Simulation:
             self._keys(scene),
             self._document.path,
         )
-        look = handles.looks.of(scene.config)
         request["sky"] = handles.skies.request(scene)
         if scene.config.volumes:
             request["volumes"] = handles.volumes.request(scene.config)
-        request["graph_parameters"] = materials.parameters(look.graphs, scene.config)
+        request["graph_parameters"] = handles.looks.parameters(scene.config)
         return request
 
     def _keys(self, scene: World) -> shutter.Keys | None:

@@ -232,7 +232,9 @@ def build(
         window_s = camera.window_s
         states = moving.states(np.array([t_s, t_s + window_s]))
         return World(
-            config=config.model_copy(update={"camera": camera}),
+            config=config
+            if camera is config.camera
+            else config.model_copy(update={"camera": camera}),
             moment=moment,
             epoch=epoch,
             t_s=t_s,

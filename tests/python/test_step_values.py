@@ -8,6 +8,7 @@ import pytest
 import perilune
 from perilune import _core
 from perilune.base.random import generator, stable_hash
+from perilune.base.same import Same
 from perilune.config.errors import ConfigError
 from perilune.config.schema import Config
 from perilune.document.loader import read_tree
@@ -116,3 +117,32 @@ def test_two_drivers_that_do_not_go_together_are_refused_as_ever(scene, repo_dir
         assert patched == whole
         refused += isinstance(whole, str)
     assert 0 < refused < 60
+
+
+def test_the_generator_is_philox_with_its_key_and_counter():
+    key = np.array([7, stable_hash("camera.aim")], dtype=np.uint64)
+    bits = np.random.Philox(key=key, counter=np.array([0, 0, 0, 9], dtype=np.uint64))
+    theirs, ours = np.random.Generator(bits), generator(7, "camera.aim", 9)
+    assert (ours.random(9) == theirs.random(9)).all()
+    assert (ours.standard_normal(99) == theirs.standard_normal(99)).all()
+    assert (ours.integers(0, 9, 9) == theirs.integers(0, 9, 9)).all()
+
+
+def test_what_is_kept_belongs_to_the_objects_it_was_made_from():
+    kept, made = Same(2), []
+    rows = [[k] for k in range(4)]
+    for row in (rows[0], rows[1], rows[0], rows[2], rows[3], rows[0]):
+        assert kept.of((row,), lambda row=row: made.append(row[0]) or [row[0]]) == row
+    assert made == [0, 1, 2, 3, 0]
+    assert kept.of((list(rows[0]),), lambda: "an equal one") == "an equal one"
+
+
+def test_steps_with_the_same_draws_share_what_is_made_of_them(repo_dir):
+    sim = perilune.open(repo_dir / "configs/rendezvous.yaml")
+    first, later, next_scene = (sim.config_at(index)[0] for index in (0, 7, 250))
+    assert first is later
+    assert first is not next_scene
+    request = sim.request(0)
+    assert request["body_albedo"] is sim.request(7)["body_albedo"]
+    with pytest.raises(ValueError, match="read-only"):
+        request["body_albedo"][:] = 0.5

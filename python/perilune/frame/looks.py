@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core, materials
+from perilune.base.same import Same
 from perilune.config.errors import ConfigError, named, nearest
 from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
@@ -60,6 +61,8 @@ class Looks:
         self._hooked = {row.path[1] for row in document.drivers if materials.is_drawn(row)}
         self._drawn: dict[tuple[str, str, bool, str], Graph] = {}
         self._triangles: dict[tuple[Any, ...], NDArray[np.int32]] = {}
+        self._last: Same[Look] = Same(2)
+        self._parameters: Same[NDArray[np.float64]] = Same(2)
         self._ideal: Look | None = None
         self._ideal = self.of(document.config)
         for config in document.choices(materials.is_choice):
@@ -71,6 +74,20 @@ class Looks:
         same = config.spacecraft is first.spacecraft and config.bodies is first.bodies
         if same and self._ideal is not None:
             return self._ideal
+        return self._last.of(_read(config), lambda: self._made(config))
+
+    def parameters(self, config: Config) -> NDArray[np.float64]:
+        """(n, 3): those of a frame's graphs, as the core's request takes them, read-only."""
+        look = self.of(config)
+
+        def make() -> NDArray[np.float64]:
+            found = materials.parameters(look.graphs, config)
+            found.flags.writeable = False
+            return found
+
+        return self._parameters.of((look, *_read(config)), make)
+
+    def _made(self, config: Config) -> Look:
         try:
             crafts = {
                 name: self._on_craft(name, config)
@@ -144,6 +161,12 @@ class Looks:
         if len(self._triangles) > _PATTERNS * len(self._models):
             del self._triangles[next(iter(self._triangles))]  # the one looked up first
         return found
+
+
+def _read(config: Config) -> tuple[object, ...]:
+    """The sections that decide which graphs are where, and their parameters."""
+    things = (config.spacecraft, config.bodies, config.volumes)
+    return (*things, config.materials, config.material_drivers)
 
 
 def _with_graphs(own: NDArray[np.uint8], placed: Placed | None) -> NDArray[np.uint8]:

@@ -5,6 +5,7 @@ of the rendering time, and threads wait for each other meanwhile."""
 
 from __future__ import annotations
 
+import math
 import sys
 from threading import Lock
 from typing import Any
@@ -44,7 +45,7 @@ class Pool:
 
     def take(self, name: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> Array:
         """An array for a channel, with arbitrary content."""
-        if dtype.itemsize * int(np.prod(shape)) < _LARGE:
+        if dtype.itemsize * math.prod(shape) < _LARGE:
             return np.empty(shape, dtype)
         with self._lock:
             kept = [a for a in self._kept.pop(name, []) if _is_whole(a, shape, dtype)]

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.base import rotations
+from perilune.base.same import Same
 from perilune.bodies import clouds, ground, photometry
 from perilune.camera import bands
 from perilune.camera.imaging import intrinsics, sensor_of
@@ -28,6 +29,38 @@ from perilune.world import World
 
 F64 = NDArray[np.float64]
 Array = NDArray[Any]
+
+
+class _Surfaces(NamedTuple):
+    """What the request says of bodies, and no time changes."""
+
+    radii: F64
+    albedo: F64
+    emission: F64
+    regolith: F64
+    ground: F64
+
+
+_surfaces: Same[_Surfaces] = Same(8)
+
+
+def _surfaces_of(scene: World) -> _Surfaces:
+    """Arrays that nobody may change: frames share them as long as no driver changes a body."""
+
+    def make() -> _Surfaces:
+        config = scene.config
+        found = _Surfaces(
+            _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
+            _albedos(scene),
+            np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
+            photometry.regolith(config),
+            ground.numbers(config),
+        )
+        for array in found:
+            array.flags.writeable = False
+        return found
+
+    return _surfaces.of((scene.config.bodies, *scene.shapes.values()), make)
 
 
 def _albedos(scene: World) -> F64:
@@ -61,6 +94,7 @@ def request_of(
     key for errors."""
     config = scene.config
     K = intrinsics(config.camera)
+    surfaces = _surfaces_of(scene)
     where = config.place(scene.sensor, "sensor")
     sensor = sensor_of(config.camera, path, config.sun.spectrum, where)
     return {
@@ -77,12 +111,12 @@ def request_of(
         "object_scale": np.array([scales[name] for name in config.spacecraft], dtype=np.float64),
         "body_poses": _stacked([scene.poses[name] for name in config.bodies], (2, 7)),
         "motion": _motion(config, keys),
-        "body_radii": _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
-        "body_albedo": _albedos(scene),
-        "body_emission": np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
-        "body_regolith": photometry.regolith(config),
+        "body_radii": surfaces.radii,
+        "body_albedo": surfaces.albedo,
+        "body_emission": surfaces.emission,
+        "body_regolith": surfaces.regolith,
         "body_clouds": clouds.rows(config, scene.t_s + 0.5 * scene.window_s),
-        "body_ground": ground.numbers(config),
+        "body_ground": surfaces.ground,
         "sun_position": scene.sun_position_m,
         "sun_radius": config.sun.radius_km * 1e3,
         "sun_irradiance": config.sun.irradiance_w_m2,

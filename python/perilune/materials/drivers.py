@@ -74,11 +74,19 @@ def sections(
 
 def driven(config: Config, name: str, owner: str | None) -> Iterator[tuple[Node, str, Any]]:
     """(node, key path of the entry with its value, value) for an entry of `materials`."""
+    rows = [(key, row) for key, row in sections(config, name, owner) if row is not None]
     for node in crawl(config.materials[name]):
-        for key, section in sections(config, name, owner):
-            if section is not None and node.name in section.drivers:
+        for key, section in rows:
+            if node.name in section.drivers:
                 yield node, f"{key}.drivers.{node.name}", section.drivers[node.name]
                 break
+
+
+def given_by_drivers(
+    config: Config, name: str, owner: str | None
+) -> dict[tuple[str, str], Any]:
+    """(node, input) -> value, of the nodes of an entry of `materials` that drivers set."""
+    return {(node.node, node.input): value for node, _, value in driven(config, name, owner)}
 
 
 def applied(config: Config, name: str, owner: str | None = None) -> Material:

@@ -70,9 +70,12 @@ def build(name: str, material: Material, wrap: bool, images: Images | None) -> G
     return Graph(core, tuple(parameters))
 
 
-def values(graph: Graph, material: Material) -> F64:
+def values(
+    graph: Graph, material: Material, given: Mapping[tuple[str, str], Any] | None = None
+) -> F64:
     """(n, 3): parameters of a graph in the configuration of a frame."""
-    rows = [_triple(material.nodes[node][name]) for node, name in graph.parameters]
+    own, given = material.nodes, given or {}
+    rows = [_triple(given[at] if at in given else own[at[0]][at[1]]) for at in graph.parameters]
     return np.array(rows, dtype=np.float64).reshape(-1, 3)
 
 

@@ -13,7 +13,7 @@ from perilune import _core
 from perilune.config.errors import nearest
 from perilune.config.materials import MaterialUse
 from perilune.config.schema import Config
-from perilune.materials.drivers import applied
+from perilune.materials.drivers import given_by_drivers
 from perilune.materials.graph import F64, Graph, values
 from perilune.spacecraft.parts import Partition, components, inside_box
 
@@ -84,7 +84,7 @@ def _matches(pattern: str, name: str) -> bool:
 def parameters(placed: Iterable[tuple[str, Placed]], config: Config) -> F64:
     """(n, 3) for the core's request, in the order of `placed`, each with its object."""
     rows = [
-        values(graph, applied(config, name, owner))
+        values(graph, config.materials[name], given_by_drivers(config, name, owner))
         for owner, row in placed
         for name, graph in zip(row.names, row.graphs, strict=True)
     ]

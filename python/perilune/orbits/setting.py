@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from perilune import _core
 from perilune.base.hooks import Hook
+from perilune.base.same import Same
 from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.schema import Config
@@ -43,6 +44,8 @@ class Setting:
     """Setting of the scene's first step; None if this is it."""
     drawn: Kept[Any] = field(default_factory=lambda: Kept(64), compare=False)
     """(Scene, name) -> path, for orbits drawn once a scene."""
+    nodes: Same[list[dict[str, Any]]] = field(default_factory=Same, compare=False)
+    """The tree's nodes, while no driver changes what they are made from."""
 
     @property
     def start(self) -> Setting:

@@ -52,17 +52,24 @@ class Date:
 
     def utc(self, digits: int = 3) -> str:
         """ISO 8601 text with 1 to 9 digits of a second."""
-        # The functions that erfa's own wrap, as every frame asks. A status above 0 is "dubious
-        # year": leap seconds of the future are not known; none are assumed.
-        call = erfa.ufunc
-        tt = call.tdbtt(self.day, self.fraction, _tdb_minus_tt(self.day, self.fraction))
-        tai = call.tttai(*tt[:2])
-        utc = call.taiutc(*tai[:2])
-        year, month, day, clock, status = call.d2dtf(b"UTC", digits, *utc[:2])
-        if min(utc[2], status) < 0:
-            raise ValueError(f"JD {self.day + self.fraction} (TDB) is no date of the calendar")
-        hms = f"{clock['h']:02d}:{clock['m']:02d}:{clock['s']:02d}.{clock['f']:0{digits}d}"
-        return f"{year:04d}-{month:02d}-{day:02d}T{hms}Z"
+        return _utc(self.day, self.fraction, digits)
+
+
+@lru_cache(maxsize=64)
+def _utc(jd_day: float, fraction: float, digits: int) -> str:
+    """Kept, as all sensors of a step ask."""
+    # The functions that erfa's own wrap, as every frame asks. A status above 0 is "dubious
+    # year": leap seconds of the future are not known; none are assumed.
+    call = erfa.ufunc
+    tt = call.tdbtt(jd_day, fraction, _tdb_minus_tt(jd_day, fraction))
+    tai = call.tttai(*tt[:2])
+    utc = call.taiutc(*tai[:2])
+    year, month, day, clock, status = call.d2dtf(b"UTC", digits, *utc[:2])
+    if min(utc[2], status) < 0:
+        raise ValueError(f"JD {jd_day + fraction} (TDB) is no date of the calendar")
+    clocks = clock.tolist()
+    hms = f"{clocks[0]:02d}:{clocks[1]:02d}:{clocks[2]:02d}.{clocks[3]:0{digits}d}"
+    return f"{year:04d}-{month:02d}-{day:02d}T{hms}Z"
 
 
 def date_from_utc(fields: tuple[int, int, int, int, int, float]) -> Date:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.base import rotations
+from perilune.config.attitude import AttitudeTable
 from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.orbit import Hook
@@ -165,6 +166,26 @@ def _nodes(setting: Setting, names: list[str]) -> list[Node]:
     return nodes
 
 
+_OF_NUMBERS = ("kepler", "circular", "j2")
+"""Kinds of orbits that need neither files nor what is drawn once a scene."""
+
+
+def _lasting(setting: Setting, names: list[str]) -> list[Node]:
+    """The nodes of all things, kept while nothing that they are made from changes."""
+    config = setting.config
+    orbits = all(
+        entry.orbit is None or entry.orbit.kind in _OF_NUMBERS
+        for _, entry in sections(config).values()
+    )
+    files = config.ephemeris.kernels or any(
+        isinstance(craft.attitude, AttitudeTable) for craft in config.spacecraft.values()
+    )
+    if setting.hooks or files or not orbits:
+        return _nodes(setting, names)
+    read = (config.bodies, config.spacecraft, config.time, config.sun, config.root)
+    return setting.nodes.of((*read, setting.epoch), lambda: _nodes(setting, names))
+
+
 def _named(error: Exception, key: str) -> Exception:
     """Keeps the error type of a missing file, which names its key itself."""
     return error if isinstance(error, OSError) else ValueError(f"{key}: {error}")
@@ -211,7 +232,7 @@ class System:
         """names: only these objects, which must include all their central bodies."""
         self.setting = setting
         self._names = list(sections(setting.config)) if names is None else names
-        self._nodes = _nodes(setting, self._names)
+        self._nodes = _lasting(setting, self._names) if names is None else _nodes(setting, names)
 
     def states(self, t_s: F64) -> States:
         """States of every body and spacecraft in the root frame, t_s (n,) seconds after the epoch.
