@@ -60,7 +60,7 @@ class _Frames:
         self._schedule = Schedule(self.simulation)
         self._keep(Ledger())
         self._came_from: str | None = None
-        """Path of the ledger of what this is a pickled copy of."""
+        """Path of the ledger of the original, if this is a pickled copy."""
         self._pid = os.getpid()
         tell_torch()
 
@@ -262,15 +262,15 @@ class Stream(_Frames):
         self.shard = shard
         self.batch_size = batch_size
         self._first = 0
-        """Position that this stream, or this worker's pass over it, begins at."""
+        """Position at which this stream, or this worker's pass over it, begins."""
         self._taken = 0
-        """Frames handed out since, by this process."""
+        """Frames that this process has handed out since then."""
         self._loaded = False
-        """Whether a worker was given a state, which says where its next pass begins."""
+        """Whether this worker has received a state, which defines the start of its next pass."""
         self._passes = 0
-        """Passes begun by this worker."""
+        """Number of passes that this worker has begun."""
         self._loop: int | None = None
-        """Which loop of a StreamLoader the workers are made in."""
+        """Number of the StreamLoader loop for which workers are being created."""
         _register_with_torch()
 
     @property  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""`perilune info`: versions, processor, ready sensors, data; of a configuration its models."""
+"""`perilune info`: versions, processor, ready sensors, data; for a configuration its models."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _facts() -> dict[str, str]:
 
 
 def _models(sim: Simulation) -> list[dict[str, Any]]:
-    """Of each spacecraft its model, of each body with a shape that."""
+    """Models of spacecraft, and shapes of bodies."""
     config, path = sim.config, sim.document.path
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ModelWarning)  # they are listed

@@ -8,9 +8,9 @@ import erfa
 
 
 def complaint(fields: tuple[int, int, int, int, int, float]) -> str:
-    """What is wrong with year, month, day, hour, minute, second; empty if that time exists.
+    """Fault of year, month, day, hour, minute, second; empty if that time exists.
 
-    Second 60 exists where there was a leap second."""
+    Second 60 exists only at leap seconds."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         try:

@@ -207,7 +207,7 @@ class Document:
 
     @cached_property
     def _choosing(self) -> list[KeyPath]:
-        """Of the drivers that may draw something else than numbers."""
+        """Paths of the drivers that may draw other values than numbers."""
         return [row.path for row in self.drivers if row.kind in (CHOICE, HOOK)]
 
     def scene_values(self, frame: int) -> dict[str, Any]:
@@ -369,7 +369,7 @@ def _unpickled(
 
 
 def _made(given: Given, changes: Mapping[str, Any], limits_known: bool = False) -> Document:
-    """With the overrides of perilune.open, then with the changes since."""
+    """A document with the overrides of perilune.open, followed by later changes."""
     tree, base, source = plain_tree(given.tree, given.source), given.base, given.source
     for overrides in (given.overrides, changes):
         apply_overrides(tree, plain_tree(overrides, "overrides"))

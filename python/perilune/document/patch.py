@@ -123,7 +123,8 @@ class _Section:
 
 
 def _copied(model: BaseModel, new: Mapping[str, Any]) -> BaseModel:
-    """What `model_copy` makes of a section, which has neither extra keys nor private ones."""
+    """A copy of a section as by `model_copy`, without extra and private keys, which it has none
+    of."""
     kind = type(model)
     made = kind.__new__(kind)
     object.__setattr__(made, "__dict__", {**model.__dict__, **new})

@@ -1,4 +1,5 @@
-"""What the normal and the log-normal distribution share: a middle, a variance, and two clips."""
+"""Common base of the normal and the log-normal distribution: a middle, a variance, and two
+clips."""
 
 from __future__ import annotations
 
@@ -21,10 +22,10 @@ from perilune.drivers.common import (
 
 @dataclass(frozen=True)
 class Clipped:
-    """One value or several; `count` is None for a number that stands alone."""
+    """One value or several; `count` is None for a single number."""
 
     KEYS: ClassVar[tuple[str, str, str, str]]
-    """Those of the middle, the variance and the two clips."""
+    """Keys of the middle, the variance and the two clips."""
 
     count: int | None
     middles: tuple[float, ...]
@@ -34,7 +35,7 @@ class Clipped:
     jointly: bool
 
     def varied(self, deviations: list[float], normals: list[float]) -> list[float]:
-        """The values of standard normals, without clips. deviations: standard deviations."""
+        """Unclipped values for standard normals. deviations: standard deviations."""
         raise NotImplementedError
 
     def standard_limits(self, strength: float) -> list[tuple[float, float]]:
@@ -61,7 +62,7 @@ class Clipped:
         return [math.sqrt(variance * strength) for variance in self.variances]
 
     def needs(self, strength: float) -> Need | None:
-        """Normals, where anything varies."""
+        """Normals, if anything varies."""
         if not any(self._deviations(strength)):
             return None
         return Need(True, 1 if self.jointly else len(self.variances))
@@ -71,7 +72,7 @@ class Clipped:
         return self.at(strength, lambda: source.normals(len(self.middles), self.jointly))
 
     def at(self, strength: float, normals: Callable[[], list[float]]) -> Any:
-        """The value of standard normals, which are asked for only where something varies."""
+        """Value for standard normals, which are requested only if something varies."""
         deviations = self._deviations(strength)
         if not any(deviations):
             return self.ideal
@@ -80,7 +81,7 @@ class Clipped:
 
     @classmethod
     def parse(cls, name: str, raw: Mapping[str, Any]) -> Self:
-        """From its mapping; `name` is the key path."""
+        """Parses its mapping; `name` is the key path."""
         need(name, raw, cls.KEYS)
         middle_key, variance_key = cls.KEYS[:2]
         count = size(f"{name}.{middle_key}", raw[middle_key])
@@ -100,7 +101,7 @@ class Clipped:
 
 
 def in_deviations(distance: float, variance: float) -> float:
-    """How many standard deviations a limit is away; endlessly many where nothing varies."""
+    """Distance of a limit in standard deviations; infinite if nothing varies."""
     deviation = math.sqrt(variance)
     if math.isinf(distance) or deviation == 0.0:
         return math.copysign(math.inf, distance)
@@ -114,7 +115,7 @@ def check_ideal(
     high: tuple[float, ...],
     key: str = "ideal",
 ) -> None:
-    """DriverError unless clip_min <= ideal <= clip_max throughout."""
+    """DriverError unless clip_min <= ideal <= clip_max for every number."""
     for value, least, most in zip(ideal, low, high, strict=True):
         if least > most:
             raise DriverError(f"{name}.clip_min", f"{least:g} is above clip_max = {most:g}")
@@ -126,7 +127,7 @@ def check_ideal(
 
 
 def need(name: str, raw: Mapping[str, Any], keys: tuple[str, ...]) -> None:
-    """DriverError naming the first key that is missing."""
+    """DriverError that names the first missing key."""
     for key in keys:
         if key not in raw:
             raise DriverError(name, f"a driver needs {', '.join(keys)}; {key} is missing")

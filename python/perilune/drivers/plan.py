@@ -107,24 +107,24 @@ class Defaults:
 
 
 _Draw: TypeAlias = tuple[int, float, int]
-"""What a draw is for: seed, strength, number."""
+"""Key of a draw: seed, strength, number."""
 
 
 @dataclass
 class _Row:
-    """What of a driver's draws is the same at all steps, and its last one."""
+    """A driver with everything about its draws that is the same at all steps, and its last draw."""
 
     driver: Found
     strength: float | tuple[float, ...]
     interval: int
     group: Group | None
-    """One that correlates."""
+    """Its group, if that correlates."""
     key: int
-    """Of the generator."""
+    """Key of the random number generator."""
     needs: dict[float, Need | None] = field(default_factory=dict)
-    """By strength."""
+    """Strength -> random numbers that a draw needs."""
     last: tuple[_Draw, Any] | None = None
-    """Replaced as a whole: threads draw for different steps."""
+    """The last draw. It is replaced as a whole, because threads draw for different steps."""
 
     def at(self, step: int) -> tuple[float, int]:
         """Strength and number of the draw at a step."""

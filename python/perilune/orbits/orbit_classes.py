@@ -98,7 +98,7 @@ class OrbitClass:
 
 
 def _altitudes(centre: Centre, earth: Range, others: Range | None = None) -> Range:
-    """The Earth's in km; for other bodies in radii (default: the Earth's, in its radii)."""
+    """The Earth's range in km; for other bodies in radii (default: the Earth's, in its radii)."""
     if centre.table == "earth":
         return earth
     low, high = others or (earth[0] / _EARTH_RADIUS_KM, earth[1] / _EARTH_RADIUS_KM)
@@ -134,7 +134,8 @@ def _stationary(centre: Centre) -> Ranges:
 
 
 def _over_longitude(centre: Centre, drawn: dict[str, float]) -> dict[str, float]:
-    """Mean anomaly of a station: to first order its longitude is node + anomaly - meridian."""
+    """Mean anomaly of a geostationary longitude: to first order, longitude is node + anomaly -
+    meridian."""
     if centre.meridian_deg is None:
         raise ValueError(f"a stationary orbit needs the equator of {centre.name}, not known here")
     radius = centre.synchronous_km("a stationary orbit")
@@ -264,7 +265,7 @@ KEYS = (
     *("altitude_km", "semi_major_axis_km", "eccentricity", "inclination_deg", "raan_deg"),
     *("arg_periapsis_deg", "mean_anomaly_deg", "ltan_h", "longitude_deg"),
 )
-"""What can be overridden in one class or another."""
+"""Keys that one class or another allows."""
 
 
 def _extent_km(centre: Centre, elements: Mapping[str, float]) -> Range:
@@ -278,7 +279,7 @@ def _extent_km(centre: Centre, elements: Mapping[str, float]) -> Range:
 
 
 def _fault(row: OrbitClass, centre: Centre, elements: Mapping[str, float]) -> str | None:
-    """Why an orbit cannot be; None when it can."""
+    """Reason why an orbit is impossible; None if it is possible."""
     low, high = _extent_km(centre, elements)
     floor = centre.radius_km + centre.floor_km
     if low < floor * (1.0 - 1e-12):
@@ -296,7 +297,7 @@ def _fault(row: OrbitClass, centre: Centre, elements: Mapping[str, float]) -> st
 
 
 def _possible(row: OrbitClass, centre: Centre, ranges: Ranges) -> Range:
-    """The default range of altitudes reduced to those that are possible."""
+    """The possible part of the default range of altitudes."""
     low, high = max(ranges["altitude_km"][0], centre.floor_km), ranges["altitude_km"][1]
     if "semi_major_axis_km" not in ranges:  # which would set the apoapsis
         e = ranges.get("eccentricity", (0.0, 0.0))[1]

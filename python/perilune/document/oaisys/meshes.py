@@ -69,7 +69,7 @@ class Mesh:
 
     @property
     def is_shape(self) -> bool:
-        """Whether it is a body of the shape of its file."""
+        """Whether it is a body with the shape of its file."""
         if self.file.found is None:
             return self.file.shape is not None
         return self.is_planet and len(set(self.scale)) > 1

@@ -35,12 +35,12 @@ all of a thin object or nothing."""
 _FAR = 4.0
 """Standard deviations of the noise beyond which a block is suspicious."""
 _FEW, _PART_OF_ALL = 2, 5e-4
-"""Blocks, and part of all, that may be suspicious: glints that few samples miss."""
+"""Number and fraction of blocks that may be suspicious: glints that few samples miss."""
 _WILD = 12.0
 """Levels by which a pixel is an outlier."""
 _FEW_PIXELS, _PART_OF_PIXELS, _PART_OF_NOISY = 8, 1e-4, 0.15
-"""Pixels, part of all and part of the noisy ones that may be wild: thin things that few samples
-miss."""
+"""Number, fraction of all and fraction of the noisy pixels that may be outliers: thin objects that
+few samples miss."""
 _OTHER_BUILD = 0.02
 """Fraction of the pixels in which another build of the core may differ."""
 

@@ -21,8 +21,8 @@ F32 = NDArray[np.float32]
 _LEAST_OUTLINE = 40
 """Pixels of the shortest outline to test."""
 _CLEAR, _BETTER = 4.0, 2.5
-"""How much steeper than everywhere a picture is on an outline that it shows; and than on that of
-its masks, where it shows another. On their own outlines untouched pictures are the steepest."""
+"""Least ratios of a picture's steepness on an outline that it shows: to that elsewhere, and to that
+on the outline of its masks. Unmodified pictures are steepest on their own outlines."""
 
 _TURNS: dict[str, tuple[slice, slice]] = {
     "mirrored left to right": np.s_[:, ::-1],
@@ -122,7 +122,7 @@ class LooksCheck:
             self._lost(one, steep, seen)
 
     def _twice(self, path: Path, image: NDArray[Any], gt: Any) -> None:
-        """The same picture of other poses; pictures of one colour are alike by right."""
+        """Reports the same picture with different poses; uniform pictures may be alike."""
         if not np.ptp(image):
             return
         digest = hashlib.sha256(image.tobytes()).digest()

@@ -18,7 +18,8 @@ Mask = NDArray[np.bool_]
 Need = Callable[[bool, Path, str], None]
 
 FEW, OF_OUTLINE = 2, 0.005
-"""Pixels, and part of the outline's, that may differ: centres within rounding of an edge."""
+"""Number of pixels, and fraction of the outline's, that may differ: centres within rounding of an
+edge."""
 _OF_DEPTHS = 0.002
 """Fraction of the pixels whose depth may differ: surfaces seen edge-on."""
 _DEPTH = 4e-6

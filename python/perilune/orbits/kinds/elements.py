@@ -16,7 +16,7 @@ F64 = NDArray[np.float64]
 
 
 def periapsis_m(orbit: Elements, parent: Parent) -> float:
-    """Distance of the periapsis from the body's centre."""
+    """Distance of the periapsis from the centre of the central body."""
     if orbit.periapsis_km is not None:
         return orbit.periapsis_km * KM
     if orbit.altitude_km is not None:

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from perilune.show.graphs.boxes import Box, Link
 
 HEADER, LINE, FOOT = 38.0, 18.0, 8.0
-"""Heights in a box, px: of its names, a row, and what is below the rows."""
+"""Heights in a box, px: header with names, a row, and the space below the rows."""
 SIZE, SMALL = 11.0, 9.5
-"""Of letters, px: of names and rows, and of the kinds of nodes."""
+"""Font sizes, px: of names and rows, and of the kinds of nodes."""
 PAD = 12.0
 """Between a box's side and its text, px."""
 _GAP_X, _GAP_Y = 70.0, 22.0
