@@ -137,7 +137,7 @@ class Simulation:
         """known: these changes were checked before."""
         document = self._document.changed(changes, known)
         made = Simulation(document, self._trajectory, self._orbits, self._store)
-        made._remarks = self._remarks  # models are read once, and told of once
+        made._remarks = self._remarks  # models are read and reported once
         return made
 
     def _repr_html_(self) -> str:

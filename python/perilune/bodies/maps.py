@@ -115,7 +115,7 @@ def _start(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(32)
     except OSError:
-        return b""  # the core says what is wrong with it
+        return b""  # the core reports its fault
 
 
 def _heights_of_tiff(path: Path, key: HeightKey, read: _Tiff) -> MapFile:

@@ -32,7 +32,7 @@ class Parser(ArgumentParser):
     ) -> tuple[Namespace, list[str]]:
         given = list(sys.argv[1:] if args is None else args)
         own = given if self._subparsers is None else takewhile(lambda a: a.startswith("-"), given)
-        for argument in own:  # before what is required is missed
+        for argument in own:  # before missing arguments are reported
             self._check_option(argument)
         found, rest = super().parse_known_args(joined(given), namespace)
         if rest:

@@ -124,7 +124,7 @@ def _describe(
     shown_key = origin(key, origins)
     if error["type"] == "missing":
         return f"{shown_key}: required, but missing"
-    if error["loc"] and error["loc"][-1] == "[key]":  # a name is wrong, not what it stands for
+    if error["loc"] and error["loc"][-1] == "[key]":  # the name is wrong, not its value
         value = path[-1]
     scalar = not below and not isinstance(value, (Mapping, list, tuple)) and value is not None
     mark = f" = {shown(value)}" if scalar else ""

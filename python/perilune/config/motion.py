@@ -30,7 +30,7 @@ def _check_cycles(things: Mapping[str, tuple[str, Any]]) -> None:
                 text = " -> ".join([*chain, start])
                 fail(f"{section}.{start}.orbit.around", f"a cycle: each is around the next: {text}")
             if at in chain:
-                break  # a cycle further on, told where it begins
+                break  # a later cycle, reported where it begins
             chain.append(at)
 
 

@@ -15,7 +15,7 @@ from perilune.config.materials import DriverSection
 from perilune.config.types import Fraction, Rgb, Strict, Vec3, triple
 
 _Fractions = Annotated[tuple[Fraction, Fraction, Fraction], BeforeValidator(triple)]
-# What single precision holds along any way through any volume; far beyond use.
+# Limits of single precision along any path through any volume; far beyond use.
 _Place = Annotated[float, Field(strict=True, ge=-1e15, le=1e15)]
 _SIZE_MIN_M = 1e-9
 _Size = Annotated[float, Field(strict=True, ge=_SIZE_MIN_M, le=1e15)]

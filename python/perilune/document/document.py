@@ -195,7 +195,7 @@ class Document:
             try:
                 config = patch.config(values)
             except (ValidationError, PydanticCustomError, ValueError):
-                config = None  # the words for what is wrong are those of the whole
+                config = None  # so that errors are those of the whole configuration
             if config is not None:
                 return config
         config = self._validate(values)

@@ -445,7 +445,7 @@ class Handles:
         try:
             self._dress(stage, self.looks.of(config))
         except Exception:
-            del self.assets.stages[key]  # who knows what is on it
+            del self.assets.stages[key]  # its state is unknown
             raise
         return stage.renderer
 

@@ -53,7 +53,7 @@ def _has_alpha(material: Material) -> bool:
     try:
         return "alpha" in material.nodes[surface_of("", material)]
     except ValueError:
-        return False  # told of elsewhere
+        return False  # reported elsewhere
 
 
 def _unused(name: str, body: Body, material: Material) -> Iterator[str]:

@@ -82,9 +82,7 @@ def driven(config: Config, name: str, owner: str | None) -> Iterator[tuple[Node,
                 break
 
 
-def given_by_drivers(
-    config: Config, name: str, owner: str | None
-) -> dict[tuple[str, str], Any]:
+def given_by_drivers(config: Config, name: str, owner: str | None) -> dict[tuple[str, str], Any]:
     """(node, input) -> value, of the nodes of an entry of `materials` that drivers set."""
     return {(node.node, node.input): value for node, _, value in driven(config, name, owner)}
 
@@ -96,7 +94,7 @@ def applied(config: Config, name: str, owner: str | None = None) -> Material:
         node.node: {**material.nodes[node.node], node.input: value}
         for node, _, value in driven(config, name, owner)
     }
-    # Not compared with what is there: a drawn number varies though its ideal be the same.
+    # Not compared with the present value: a drawn number varies even if its ideal is the same.
     return material.model_copy(update={"nodes": material.nodes | changed}) if changed else material
 
 

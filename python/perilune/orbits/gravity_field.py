@@ -136,7 +136,7 @@ def _parse(text: str, name: str, degree: int, order: int) -> GravityField:
     words = [line.split(maxsplit=1)[0] if line.strip() else "" for line in content]
     keyed = "end_of_head" in words
     if keyed:
-        if "begin_of_head" in words:  # what is above it is prose
+        if "begin_of_head" in words:  # the text above it is free
             for _, line in lines:
                 if line.startswith("begin_of_head"):
                     break

@@ -95,7 +95,7 @@ def first_frame(text: str, base: Path) -> int:
         number = rows[1][names.index("frame")] if "frame" in names else rows[0][0]
         return int(float(number))
     except (OSError, ValueError, OverflowError, IndexError, csv.Error):
-        return 0  # whoever reads the table tells what is wrong with it
+        return 0  # the reader of the table reports its faults
 
 
 def has_graphs(file: ModelFile) -> bool:
@@ -111,7 +111,7 @@ def has_graphs(file: ModelFile) -> bool:
 
 def reach(file: ModelFile, params: Node, scale: float | Sequence[float]) -> float:
     """Distance from a model's origin to its farthest vertex, after uniform or axis-wise scaling."""
-    assert file.found is not None  # the caller has told of missing files
+    assert file.found is not None  # the caller has reported missing files
     try:
         positions = _core.Model(str(_located(file.found, file.base))).mesh()["positions"]
     except (ValueError, OSError) as error:

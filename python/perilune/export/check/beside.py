@@ -22,7 +22,7 @@ def fault(path: Path, channel: Channel, size: tuple[int, int]) -> str | None:
         kind = RGB8 if channel.components else GREY16 if channel.dtype == "uint16" else GREY8
         read_png(path, kind, size)
     except FileNotFoundError:
-        return None  # the comparison of the folder with the labels has told it
+        return None  # reported by the comparison of folder and labels
     except (OSError, PngError) as error:
         return str(error)
     return None

@@ -23,7 +23,7 @@ class Coarse(Simulation):
     def of(cls, sim: Simulation, samples: int) -> Coarse:
         """Shares the models, maps and scenes of another simulation."""
         coarse = cls(*sim.__reduce__()[1])
-        coarse._remarks = sim._remarks  # models are told of once
+        coarse._remarks = sim._remarks  # models are reported once
         coarse.samples = samples
         return coarse
 

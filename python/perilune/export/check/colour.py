@@ -108,7 +108,7 @@ class ColourCheck:
         try:
             found = read_png(path)
         except (OSError, PngError):
-            return  # told when it was read
+            return  # reported when it was read
         channel, index = self.remake.job.pictures[folder], sample.meta["index"]
         expected = sample[channel]
         if found.shape != expected.shape or found.dtype != expected.dtype:

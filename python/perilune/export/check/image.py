@@ -156,7 +156,7 @@ class ImageCheck:
         try:
             return read_png(path, kind, self.size)
         except FileNotFoundError:
-            pass  # the comparison of the folder with the labels has told it
+            pass  # reported by the comparison of folder and labels
         except (OSError, PngError) as error:
             self.report.add(path, str(error))
         return None

@@ -106,7 +106,7 @@ class LooksCheck:
             try:
                 image, mask = read_png(path), _visible(folder, int(path.stem))
             except (OSError, ValueError, PngError):
-                continue  # told when it was read
+                continue  # reported when it was read
             gt = gts.get(str(int(path.stem)))
             self._twice(path, image, gt)
             if mask is None or image.ndim != 3 or mask.shape != image.shape[:2]:

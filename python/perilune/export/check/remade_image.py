@@ -60,7 +60,7 @@ class RemadeScene:
         for name, expected in json_files(record).items():
             found = self.tables[name].get(str(im_id))
             if found is None:
-                continue  # the comparison of the tables has told it
+                continue  # reported by the comparison of the tables
             for where, what in differences(found, expected, self.remake.tolerance):
                 self.report.add(self.folder / name, f"image {im_id}: {_who(where)} {what}")
         pictures = set(self.made.pictures)
@@ -68,7 +68,7 @@ class RemadeScene:
             path = self.folder / made.relative_to(self.made.folder)
             folder = made.parent.name
             if folder.startswith(".") or not path.is_file():
-                continue  # a missing one is told by the comparison of folder and labels
+                continue  # reported by the comparison of folder and labels
             if folder in pictures:
                 self.colour.compare(path, sample, folder)
             elif self.colour.holds(folder) and path.read_bytes() != made.read_bytes():
@@ -80,7 +80,7 @@ class RemadeScene:
         try:
             found, expected = _pixels(path), _pixels(made)
         except (OSError, ValueError, PngError):
-            return  # told when it was read
+            return  # reported when it was read
         if found.shape != expected.shape or found.dtype != expected.dtype:
             text = f"is {_kind(found)}, must be {_kind(expected)}"
             self.report.add(path, text)
@@ -102,7 +102,7 @@ def _load(path: Path) -> dict[str, Any]:
     try:
         value = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        return {}  # told when it was read
+        return {}  # reported when it was read
     return value if isinstance(value, dict) else {}
 
 

@@ -138,7 +138,7 @@ def compare_root(report: Report, remake: Remake, folder: Path) -> None:
         if name.name in (SOURCE_FILE, CONFIG_FILE):
             continue
         if not path.is_file():
-            if name.parts[0] != "models":  # the check of the models tells it
+            if name.parts[0] != "models":  # reported by the check of the models
                 report.add(path, "is missing")
         elif path.read_bytes() != made.read_bytes():
             _explain(report, path, made, remake.tolerance)
@@ -150,14 +150,14 @@ def _explain(report: Report, path: Path, made: Path, tolerance: Tolerance) -> No
         try:
             found, expected = json.loads(path.read_text()), json.loads(made.read_text())
         except ValueError:
-            return  # told when it was read
+            return  # reported when it was read
         for where, what in differences(found, expected, tolerance):
             report.add(path, f"{where} {what}")
     elif path.suffix == ".ply":
         try:
             found_mesh = read_ply(path)
         except (OSError, PlyError):
-            return  # told when it was read
+            return  # reported when it was read
         text = _mesh_difference(found_mesh, read_ply(made), tolerance)
         if text:
             report.add(path, f"is not the model that the frames show: {text}")

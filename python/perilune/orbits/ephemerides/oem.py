@@ -167,5 +167,5 @@ def write_segment(
         file.write(f"{key} = {value}\n")
     file.write("META_STOP\n\n")
     for time, row in zip(times_utc, states_m, strict=True):
-        # 17 digits: what is read back is what was computed.
+        # 17 digits give the same double when read back.
         file.write(" ".join([time, *(f"{value / 1e3:.16e}" for value in row)]) + "\n")
