@@ -1,4 +1,4 @@
-/* Letting parts of an object move. */
+/* Makes nodes of an object movable. */
 #include <string.h>
 
 #include "base/memory.h"
@@ -25,7 +25,7 @@ static pl_status find_cut(pl_scene *scene, const pl_model *model, const int *nod
   return PL_OK;
 }
 
-/* The user's parts of triangles, in the order of the pieces. */
+/* Sorts the user's parts of triangles into the order of the pieces. */
 static pl_status sort_parts(const pl_object *object, const pl_cut *cut, uint32_t **out) {
   void *memory;
   *out = NULL;
@@ -39,7 +39,7 @@ static pl_status sort_parts(const pl_object *object, const pl_cut *cut, uint32_t
   return PL_OK;
 }
 
-/* Frees what no object uses any more. */
+/* Frees a cover that no object uses any more. */
 static void drop_cover(pl_scene *scene, const pl_cover *cover) {
   for (size_t i = 0; i < scene->object_count; i++)
     if (scene->objects[i].cover == cover)

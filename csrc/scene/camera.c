@@ -1,7 +1,7 @@
-/* Between pixels and directions. */
+/* Conversion between pixels and directions. */
 #include "scene/scene.h"
 
-/* Where K takes pixels from: the image plane at unit focal length. */
+/* Inverse of K: from a pixel to the image plane at unit focal length. */
 static pl_vec3 plane_point(const pl_camera *camera, double u, double v) {
   const double y = (v - camera->cy) / camera->fy;
   return (pl_vec3){(u - camera->cx - camera->skew * y) / camera->fx, y, 1.0};
@@ -30,7 +30,8 @@ bool pl_camera_project(const pl_camera *camera, pl_vec3 direction, double pixel[
   return true;
 }
 
-/* The cone about the mean of the points' directions that holds them all. */
+/* Returns the half angle of the cone about the mean of the points' directions that contains them
+ * all. */
 static double cone_about(const pl_vec3 *points, size_t count, pl_vec3 *axis) {
   *axis = (pl_vec3){0.0, 0.0, 0.0};
   for (size_t i = 0; i < count; i++)
@@ -45,7 +46,8 @@ static double cone_about(const pl_vec3 *points, size_t count, pl_vec3 *axis) {
 }
 
 void pl_camera_bound(const pl_camera *camera, const pl_vec3 *points, size_t count, double rect[4]) {
-  const double rounding_rad = 1e-7, wide = 1.5; /* a cone is convex up to a right angle */
+  /* a cone is convex only up to a half angle of 90 degrees */
+  const double rounding_rad = 1e-7, wide = 1.5;
   pl_vec3 axis;
   const double half = cone_about(points, count, &axis) + rounding_rad;
   rect[0] = rect[1] = -INFINITY;
@@ -61,7 +63,7 @@ void pl_camera_bound(const pl_camera *camera, const pl_vec3 *points, size_t coun
   rect[3] = camera->fy * e.y1 + camera->cy;
 }
 
-/* Points a side at which the border, or a grid over the image, is looked at. */
+/* Number of samples per side on the image border, and of the grid over the image. */
 enum { BORDER = 64, GRID = 16 };
 
 pl_status pl_camera_check_lens(const pl_camera *camera) {

@@ -1,9 +1,9 @@
-/* The effect row `depth_of_field`: a lens of finite width. */
+/* The effect row `depth_of_field`: a thin lens of finite aperture. */
 #include "plan/effects.h"
 
 #include <math.h>
 
-/* Circles of confusion below this, pixels across, count as points. */
+/* Circles of confusion with a smaller diameter, pixels, count as points. */
 static const double SHARP_PX = 0.1;
 
 static const char *absent(const pl_view *view) {
@@ -12,8 +12,9 @@ static const char *absent(const pl_view *view) {
   return view->defocus_px < SHARP_PX ? "nothing spreads over a tenth of a pixel" : NULL;
 }
 
-/* Light comes by points of the lens that see the image shifted by up to half the circle, evenly
- * over its disc: by two thirds of that in the mean. */
+/* Light arrives through points of the aperture that see the image shifted by up to half the
+ * diameter of the circle of confusion, uniformly over its disc: the mean shift is two thirds of
+ * that. */
 static double bound_dn(const pl_view *view, int value) {
   return value > 0 ? 0.0 : pl_view_dn_shift(view, view->defocus_px / 3.0);
 }

@@ -1,10 +1,10 @@
-/* The effect row `distortion`: rays bent by the lens. */
+/* The effect row `distortion`: rays follow the lens's distortion model. */
 #include "plan/effects.h"
 
 #include <math.h>
 
-/* An edge that moves by a pixel changes one pixel from black to white; by less, in proportion. The
- * sRGB encoding is steepest at black: 12.92 (IEC 61966-2-1). */
+/* An edge that moves by a pixel changes one pixel from black to white; a smaller shift changes it
+ * in proportion. The sRGB encoding is steepest at black: 12.92 (IEC 61966-2-1). */
 static const double TOE = 12.92;
 
 static const char *absent(const pl_view *view) {

@@ -1,4 +1,4 @@
-/* Points for graphs from triangles and weights. */
+/* Makes graph points from triangles and barycentric weights. */
 #include "scene/graph_point.h"
 
 #include "scene/shot_frame.h"
@@ -34,7 +34,7 @@ pl_graph_point pl_shot_graph_point(const pl_shot_object *object, uint32_t triang
                           .offset = object->object->offset,
                           .scale = (float)object->scale};
   point.object = pl_graph_point_object(&point);
-  /* The first corner less the object's origin, then along the edges. */
+  /* First corner relative to the object's origin, then along the edges: avoids cancellation. */
   const pl_vec3 origin =
       piece != NULL ? pl_vec3_sub(piece->origin, object->position)
                     : pl_mat3_mul_vec(object->rotation,

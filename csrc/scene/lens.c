@@ -1,14 +1,14 @@
-/* The way there and back, whatever the model. */
+/* Projection, unprojection and bounds for any distortion model. */
 #include "scene/lens.h"
 
-/* Steps in which the radial curve is looked at for a fold. */
+/* SCAN: steps in which the radial curve is searched for a fold. */
 enum { SCAN = 512, ITERATIONS = 60 };
 
 static double radius_at(const pl_lens *lens, double theta, double *slope) {
   return lens->model->radius(lens->c, theta, slope);
 }
 
-/* The first angle at which the curve stops to grow, or the model's largest. */
+/* Returns the first angle at which the curve stops growing, or the model's largest angle. */
 static double find_limit(const pl_lens *lens) {
   const double most = lens->model->angle_max_rad;
   double low = 0.0, high = most, slope;
@@ -62,7 +62,7 @@ bool pl_lens_project(const pl_lens *lens, pl_vec3 d, pl_vec3 *out) {
   return true;
 }
 
-/* The angle whose radius is `radius`; Newton, kept in a bracket. */
+/* Returns the angle that maps to `radius`, by Newton iterations inside a bracket. */
 static double angle_of(const pl_lens *lens, double radius) {
   double low = 0.0, high = lens->limit_rad;
   double theta = fmin(atan(radius), 0.5 * (low + high));
@@ -90,7 +90,7 @@ static pl_vec3 direction_of(double theta, double x, double y) {
   return (pl_vec3){sine * x, sine * y, cos(theta)};
 }
 
-/* Of the undistorted (u, v): the image, and the Jacobian of it by rows. */
+/* Distorts the undistorted point (u, v); j receives the Jacobian, row-major. */
 static pl_vec3 distort(const pl_lens *lens, double u, double v, double j[4]) {
   const double square = u * u + v * v, r = sqrt(square);
   double slope;
@@ -105,7 +105,8 @@ static pl_vec3 distort(const pl_lens *lens, double u, double v, double j[4]) {
   return (pl_vec3){ratio * u + shift.x, ratio * v + shift.y, 1.0};
 }
 
-/* Newton from the answer without the shift. */
+/* Solves for the undistorted direction by Newton's method, starting from the solution without the
+ * shift. */
 static bool undo_shift(const pl_lens *lens, double x, double y, pl_vec3 *direction) {
   double u = direction->x / direction->z, v = direction->y / direction->z, last = INFINITY;
   for (int i = 0; i < ITERATIONS; i++) {
@@ -136,12 +137,13 @@ bool pl_lens_unproject(const pl_lens *lens, double x, double y, pl_vec3 *directi
   return !shifts || undo_shift(lens, x, y, direction);
 }
 
-/* Widens by the polar rectangle of radii r0..r1 and azimuths within `half` of `middle`. */
+/* Returns the bounding rectangle of the polar rectangle with radii r0..r1 and azimuths within
+ * `half` of `middle`. */
 static pl_lens_extent polar_extent(double r0, double r1, double middle, double half) {
   pl_lens_extent out = {INFINITY, INFINITY, -INFINITY, -INFINITY};
   const double radii[2] = {r0, r1};
   for (int k = -1; k <= 4; k++) {
-    /* Both ends, and the axes between them, where a coordinate is extreme. */
+    /* Both ends, and the axes between them, where a coordinate has its extremum. */
     double turn =
         k < 1 ? (k == 0 ? half : -half) : remainder(0.5 * PL_PI * k - middle, 2.0 * PL_PI);
     if (fabs(turn) > half)
@@ -163,7 +165,7 @@ pl_lens_extent pl_lens_bound(const pl_lens *lens, pl_vec3 axis, double half_angl
     return (pl_lens_extent){1.0, 1.0, -1.0, -1.0};
   double slope;
   const double r0 = radius_at(lens, from, &slope), r1 = radius_at(lens, to, &slope);
-  /* About the axis, and about the point behind, a cone holds every azimuth. */
+  /* A cone that contains the axis, or its opposite, spans all azimuths. */
   const bool around = half_angle_rad >= theta || half_angle_rad >= PL_PI - theta;
   const double half = around ? PL_PI : asin(fmin(1.0, sin(half_angle_rad) / sin(theta)));
   pl_lens_extent out = polar_extent(r0, r1, atan2(axis.y, axis.x), half);

@@ -1,4 +1,4 @@
-/* The table of distortion models; coefficients as in OpenCV. */
+/* The table of distortion models, with coefficients as in OpenCV. */
 #include "scene/lens.h"
 
 /* Brown (1966) and Conrady (1919), with the rational radial part of OpenCV: r (1 + k1 r^2 + k2 r^4
@@ -38,7 +38,7 @@ static double fisheye_radius(const double *c, double theta, double *slope) {
   return theta * (1.0 + s * (c[0] + s * (c[1] + s * (c[2] + s * c[3]))));
 }
 
-/* Short of the right angle, where tan theta is infinite: an image plane that wide is no lens's. */
+/* Below 90 degrees, where tan theta is infinite: no real lens has a wider image plane. */
 #define BROWN_CONRADY_MAX_RAD (89.9 * PL_PI / 180.0)
 
 const pl_lens_model pl_lens_models[] = {

@@ -1,4 +1,4 @@
-/* Which graph is on which triangle of an object. */
+/* Material assignment: which graph is on which triangle of an object. */
 #include "scene/materials.h"
 
 #include <string.h>
@@ -29,7 +29,7 @@ static pl_status fill(const char *name, const pl_graph *const *graphs, size_t co
   return PL_OK;
 }
 
-/* The upper 24 bits are all that a float holds. */
+/* A float holds no more than the upper 24 bits. */
 float pl_material_random(const char *name) {
   return (float)(pl_hash(PL_HASH_SEED, name, strlen(name)) >> 40) * 0x1p-24f;
 }

@@ -1,11 +1,11 @@
-/* The effect row `motion_blur`: the exposure as a mean of instants. */
+/* The effect row `motion_blur`: the exposure as the mean of several instants. */
 #include "plan/effects.h"
 
 #include <math.h>
 
-/* Motion below this, pixels, counts as none. */
+/* Motion of fewer pixels counts as none. */
 static const double STILL_PX = 0.1;
-/* Instants a pixel of motion, and in all. */
+/* Instants per pixel of motion, and their limit. */
 static const double PER_PX = 4.0;
 enum { INSTANTS_MAX = 256 };
 
@@ -20,13 +20,13 @@ static int ceiling(const pl_view *view) {
   return wanted >= INSTANTS_MAX ? INSTANTS_MAX : wanted > 2.0 ? (int)wanted : 2;
 }
 
-/* Of each of n parts of the exposure the middle stands for all: light in it comes from up to 1/2n
- * of the way, and 1/4n in the mean. */
+/* The middle of each of n parts of the exposure represents the part: light in it is displaced by up
+ * to 1/2n of the motion, 1/4n in the mean. */
 static double bound_dn(const pl_view *view, int value) {
   return pl_view_dn_shift(view, view->blur_px / (4.0 * (value > 0 ? value : 1)));
 }
 
-/* Every instant has its own accelerator of instances, and its own look at the tiles. */
+/* Every instant needs its own tree of instances and its own pass over the tiles. */
 static double cost_ms(const pl_view *view, int value) {
   return value * (0.1 + 0.02 * (double)view->thing_count + 1e-5 * view->width * view->height);
 }

@@ -1,22 +1,22 @@
-/* How far the image moves while the shutter is open: upper bounds, from key to key. */
+/* Upper bounds of image motion while the shutter is open, summed from key to key. */
 #include "scene/shutter.h"
 
-/* A sphere that moves with a thing, and what of the thing else moves. */
+/* Bounding sphere that moves with a thing, and its motion relative to the thing. */
 typedef struct mover {
   const pl_motion *motion;
   pl_vec3 local; /* centre in the thing's axes, m */
   double radius_m;
-  double inner_m;   /* most that its parts move by themselves, a key */
-  double glint_rad; /* width of its narrowest glints; infinite of dull things */
+  double inner_m; /* largest displacement of its parts relative to the thing between two keys, m */
+  double glint_rad; /* width of its narrowest specular highlights; infinite without any */
 } mover;
 
-/* Two instants, and how the camera gets from one to the other. */
+/* Two instants, and the camera's motion between them. */
 typedef struct step {
   pl_pose from, to;
   pl_vec3 sun_from, sun_to;
-  double turn_rad;       /* of the camera */
-  double half_angle_rad; /* of the image's corners off the axis */
-  double px_per_rad;     /* at most */
+  double turn_rad;       /* rotation of the camera */
+  double half_angle_rad; /* largest angle between the image's corners and the axis */
+  double px_per_rad;     /* upper bound */
 } step;
 
 static double turn_rad(pl_quat a, pl_quat b) {
@@ -35,7 +35,7 @@ static pl_vec3 center_of(const mover *mover, const pl_pose *pose) {
   return pl_vec3_add(pose->t, pl_mat3_mul_vec(pl_mat3_from_quat(pose->q), mover->local));
 }
 
-/* The sphere between the instants, if it may be seen at all. */
+/* Returns whether the sphere may be visible at any time between the instants. */
 static bool may_be_seen(const step *step, pl_vec3 from, pl_vec3 to, double radius_m) {
   const pl_mat3 axes = pl_mat3_from_quat(step->from.q);
   const pl_vec3 axis = pl_mat3_mul_vec(axes, (pl_vec3){0.0, 0.0, 1.0});
@@ -43,8 +43,9 @@ static bool may_be_seen(const step *step, pl_vec3 from, pl_vec3 to, double radiu
   return pl_sphere_in_cone(from, radius_m + way, axis, step->half_angle_rad + step->turn_rad);
 }
 
-/* Pixels that any seen point of the sphere moves by: where the camera turns with what it looks at,
- * less in the camera's axes than in the root's, and the other way round where it turns alone. */
+/* Returns an upper bound of the image motion in pixels of any visible point of the sphere. The
+ * smaller one of two bounds is used: motion in camera axes is small when the camera rotates with
+ * its target, motion in root axes when only the camera rotates. */
 static double sphere_px(const step *step, const mover *mover, const pl_pose *from,
                         const pl_pose *to) {
   const pl_vec3 a = pl_vec3_sub(center_of(mover, from), step->from.t);
@@ -72,7 +73,7 @@ static double sphere_px(const step *step, const mover *mover, const pl_pose *fro
   return px;
 }
 
-/* Farthest that a part goes by itself between two keys, m. */
+/* Returns the largest displacement of a part relative to its object between two keys, m. */
 static double inner_step_m(const pl_object *object, const pl_object_state *state, int key) {
   const size_t count = pl_object_mover_count(object);
   const float *low = object->model->bounds_min, *high = object->model->bounds_max;
@@ -134,7 +135,7 @@ static double body_px(const pl_placement *placement, const pl_snapshot *shot, si
   return sphere_px(step, &mover, &from, &to);
 }
 
-/* How far a point is from rings about `center`, whose normal is `axis`. */
+/* Returns the distance of a point from rings about `center` with the normal `axis`. */
 static double rings_gap_m(const pl_rings *rings, pl_vec3 center, pl_vec3 axis) {
   const double height = pl_vec3_dot(center, axis);
   const double across = pl_vec3_norm(pl_vec3_madd(center, -height, axis));
@@ -142,7 +143,7 @@ static double rings_gap_m(const pl_rings *rings, pl_vec3 center, pl_vec3 axis) {
   return hypot(height, fmax(0.0, fmax(in, out)));
 }
 
-/* Rings are the same all around: a turn about their axis moves nothing. */
+/* Rings are axisymmetric: rotation about their axis moves nothing. */
 static double rings_px(const pl_rings *rings, const pl_motion *motion, const step *step,
                        double u[2]) {
   const pl_pose from = pl_motion_at(motion, u[0]), to = pl_motion_at(motion, u[1]);
@@ -168,7 +169,7 @@ static double rings_px(const pl_rings *rings, const pl_motion *motion, const ste
   return step->px_per_rad * fmin(by_camera / nearest, step->turn_rad + by_root / nearest);
 }
 
-/* Volumes move with their parents. */
+/* Volumes move with their parent things. */
 static double volume_px(const pl_placement *placement, const pl_snapshot *shot, size_t i,
                         const step *step, double u[2]) {
   const pl_shot_volume *volume = &shot->volumes[i];

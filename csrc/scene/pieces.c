@@ -1,7 +1,8 @@
-/* Pieces: object pose * scale * motion. */
+/* Places pieces: object pose * scale * motion. */
 #include "scene/pieces.h"
 
-/* A piece thinner than this part of its extent has no inverse in float, which ray tracing needs. */
+/* A piece that is thinner than this fraction of its extent has no inverse in float, which ray
+ * tracing needs. */
 #define FLATNESS 1e-6
 
 static bool is_flat(pl_mat3 m) {
@@ -20,7 +21,8 @@ static void set_to_view(pl_shot_piece *piece) {
   }
 }
 
-/* Cofactors carry normals along; they grow with the square of lengths, which is taken out. */
+/* Normals transform with the cofactor matrix, which scales with the square of lengths; this scale
+ * is divided out. */
 static void set_normal(pl_shot_piece *piece) {
   const double determinant = pl_mat3_determinant(piece->linear);
   const double length = cbrt(fabs(determinant));
@@ -47,7 +49,7 @@ static void place(const pl_shot_object *object, size_t k, const pl_affine *motio
   set_normal(out);
 }
 
-/* Corner of a piece's box, camera-relative. */
+/* Returns a corner of a piece's bounding box, camera-relative. */
 static pl_vec3 corner_of(const pl_shot_piece *piece, int corner) {
   const float *low = piece->model->bounds_min, *high = piece->model->bounds_max;
   const pl_vec3 p = {corner & 1 ? high[0] : low[0], corner & 2 ? high[1] : low[1],
@@ -55,7 +57,8 @@ static pl_vec3 corner_of(const pl_shot_piece *piece, int corner) {
   return pl_vec3_add(piece->origin, pl_mat3_mul_vec(piece->linear, p));
 }
 
-/* The sphere about the middle of the box, along the root's axes, of all pieces' boxes. */
+/* Sets the bounding sphere about the centre of the box, in root axes, that contains the boxes of
+ * all pieces. */
 static void set_sphere(pl_shot_object *object) {
   pl_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
   for (size_t i = 0; i < 8 * object->piece_count; i++) {

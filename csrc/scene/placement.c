@@ -1,4 +1,4 @@
-/* Poses over the exposure, and the check of what a frame places. */
+/* Interpolates poses over the exposure and checks placements. */
 #include "scene/scene.h"
 
 #include "geom/shape.h"
@@ -25,16 +25,16 @@ pl_pose pl_motion_middle(const pl_motion *motion) {
   };
 }
 
-/* Lengths beyond which squares of float coordinates overflow. */
+/* Squares of float coordinates overflow beyond this length. */
 #define REACH_M 1e18
-/* Objects and bodies smaller than this have no float box. */
+/* Smaller objects and bodies have no bounding box in float. */
 #define SIZE_MIN_M 1e-9
-/* Largest radiometric quantity: sums over lights and samples stay finite in float. */
+/* Largest radiometric quantity; sums over lights and samples then stay finite in float. */
 #define RADIOMETRY_MAX 1e30
 
-/* Far beyond use: times of a frame stay exact. */
+/* Far above practical values; times within a frame stay exact. */
 #define SHUTTER_MAX_S 1e12
-/* The widest telescope there may be. */
+/* Largest aperture diameter. */
 #define APERTURE_MAX_M 100.0
 
 static bool in_reach(pl_vec3 v) {
@@ -133,8 +133,9 @@ static pl_status check_body(const pl_body *body, const pl_body_state *state) {
   return check_parameters("body", body->name, pl_body_parameter_count(body), state->parameters);
 }
 
-/* Moving nodes stay within a thousand times the model's extent and its distance from the origin of
- * its coordinates: what they reach is then as far as the object may be. */
+/* Requires moving nodes to stay within a thousand times the model's extent and the distance from
+ * its coordinate origin, so that the limits on the object's position also bound the positions of
+ * its parts. */
 static pl_status check_movers(const pl_object *object, const pl_object_state *state) {
   const double most = 1e3;
   const float *low = object->model->bounds_min, *high = object->model->bounds_max;
@@ -184,7 +185,8 @@ pl_object_state pl_placement_object(const pl_placement *placement, const pl_obje
   return (pl_object_state){.motion = placement->bodies[object->body].motion, .scale = 1.0};
 }
 
-/* Solid angles of all triangles are summed where the shape's box holds the camera alone. */
+/* Sums the solid angles of all triangles (winding number), but only if the shape's box contains the
+ * camera. */
 static pl_status check_outside(const pl_object *shape, const pl_object_state *state,
                                pl_vec3 camera) {
   const pl_pose pose = pl_motion_middle(&state->motion);

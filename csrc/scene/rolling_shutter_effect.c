@@ -1,9 +1,9 @@
-/* The effect row `rolling_shutter`: rows that see the world one after the other. */
+/* The effect row `rolling_shutter`: rows are exposed one after the other. */
 #include "plan/effects.h"
 
 #include <math.h>
 
-/* Motion below this between the first row and the last, pixels, counts as none. */
+/* Motion of fewer pixels between the first row and the last counts as none. */
 static const double STILL_PX = 0.1;
 
 static const char *absent(const pl_view *view) {
@@ -15,7 +15,8 @@ static const char *absent(const pl_view *view) {
 
 static int ceiling(const pl_view *view) { return view->skew_px > 0.0 ? view->height : 1; }
 
-/* A row's instant is off by half of its band's rows at most; without bands by half the image's. */
+/* The instant at which a row is rendered is off by at most half of the rows of its band; without
+ * bands by half the rows of the image. */
 static double bound_dn(const pl_view *view, int value) {
   const double rows = ceil((double)view->height / (value > 0 ? value : 1));
   const double gaps = view->height > 1 ? view->height - 1.0 : 1.0;

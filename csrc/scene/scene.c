@@ -1,4 +1,4 @@
-/* Growing and freeing a scene. */
+/* Adds to and frees a scene. */
 #include "scene/scene.h"
 
 #include <string.h>
@@ -61,7 +61,7 @@ static pl_status check_parts(const char *name, const pl_model *model, const pl_p
   return PL_OK;
 }
 
-/* The cover of a model, made when it is asked for first. */
+/* Returns the cover of a model, made on first use. */
 static pl_status find_cover(pl_scene *scene, const pl_model *model, pl_cover **out) {
   void *memory;
   for (size_t i = 0; i < scene->cover_count; i++)
@@ -83,7 +83,7 @@ static pl_status find_cover(pl_scene *scene, const pl_model *model, pl_cover **o
   return PL_OK;
 }
 
-/* Puts an object, which becomes the scene's, at `index` before those that are there from it on. */
+/* Inserts an object, which the scene then owns, at `index` before the existing ones. */
 static void insert_object(pl_scene *scene, size_t index, const pl_object *object) {
   pl_object *at = scene->objects + index;
   memmove(at + 1, at, (scene->object_count - index) * sizeof *at);
@@ -91,7 +91,7 @@ static void insert_object(pl_scene *scene, size_t index, const pl_object *object
   scene->object_count++;
 }
 
-/* `body`: whose shape it is, or -1. */
+/* `body`: index of the body that it is the shape of, or -1. */
 static pl_status add_object(pl_scene *scene, const char *name, const pl_model *model,
                             pl_vec3 offset, int32_t obj_id, int32_t instance_id, int body,
                             const pl_part_table *parts) {
@@ -163,7 +163,8 @@ pl_status pl_scene_set_materials(pl_scene *scene, size_t index, const pl_graph *
   return PL_OK;
 }
 
-/* Of a smooth soil along the normal, which is as bright as a rough one. */
+/* Returns the reflectance along the normal at zero phase angle of a smooth surface; roughness does
+ * not change it. */
 static double opposition(const pl_regolith_texel *texel) {
   const pl_vec3 up = {0.0, 0.0, 1.0};
   const pl_regolith_band *band = &texel->band;
@@ -236,7 +237,8 @@ static double reach_of(const pl_model *shape) {
 }
 
 static pl_status add_shape(pl_scene *scene, const pl_body *body, size_t index) {
-  uint32_t *whole = pl_alloc(body->shape->triangle_count, sizeof *whole); /* all of part 0 */
+  /* all triangles belong to part 0 */
+  uint32_t *whole = pl_alloc(body->shape->triangle_count, sizeof *whole);
   const pl_part_table parts = {
       .count = 1, .triangle_part = whole, .part_ids = &body->part_id, .class_ids = body->class_ids};
   if (whole == NULL)

@@ -1,4 +1,5 @@
-/* The scene: what stays from frame to frame (models, maps, label ids) and what a frame places. */
+/* The scene: what is constant between frames (models, maps, label ids), and the placement that each
+ * frame supplies. */
 #ifndef PL_SCENE_SCENE_H
 #define PL_SCENE_SCENE_H
 
@@ -23,132 +24,138 @@
 
 enum { PL_LEVELS_MAX = 8 };
 
-/* How a model is cut into parts, and their labels. */
+/* Assignment of a model's triangles to parts, and the labels of the parts. */
 typedef struct pl_part_table {
-  size_t count;                  /* parts */
-  const uint32_t *triangle_part; /* part of each of the model's triangles; NULL: the model's own,
-                                    then count is the model's part_count */
-  const int32_t *part_ids;       /* one per part */
-  const uint16_t *class_ids;     /* the scene's levels per part */
+  size_t count; /* number of parts */
+  /* part of each triangle; NULL for the parts of the model: then count is its part_count */
+  const uint32_t *triangle_part;
+  const int32_t *part_ids;   /* one per part */
+  const uint16_t *class_ids; /* the scene's number of levels per part */
 } pl_part_table;
 
-/* An instance of a model. A mesh point p lies at scale * (p - offset) in the object's frame, where
- * the scale is that of pl_shot_object. A
- * body with a shape has one too, which moves with it and is shaded as it. */
+/* Instance of a model. A mesh point p lies at scale * (p - offset) in the object's frame, with the
+ * scale of pl_shot_object. A body with a shape also has such an object, which moves and is shaded
+ * with the body. */
 typedef struct pl_object {
   char *name;            /* owned */
-  const pl_model *model; /* borrowed; of an articulated object the cut's whole */
+  const pl_model *model; /* borrowed; for an articulated object the whole of its cut */
   pl_vec3 offset;        /* mesh units */
   int32_t obj_id, instance_id;
   size_t part_count;
-  uint32_t *triangle_part;        /* owned, per triangle; NULL: the model's */
+  uint32_t *triangle_part;        /* owned, per triangle; NULL for the parts of the model */
   int32_t *part_ids;              /* owned, one per part */
-  uint16_t *class_ids;            /* owned, levels per part */
+  uint16_t *class_ids;            /* owned, the scene's number of levels per part */
   pl_model_summary model_summary; /* of the model's own materials */
-  pl_model_summary summary;       /* of these and the graphs */
-  pl_object_materials *materials; /* owned; NULL: the model's own on all triangles */
-  const pl_cover *cover;          /* the scene's; NULL of an articulated object */
-  const pl_cut *cut;              /* the scene's; NULL when nothing on the object moves */
-  int body;                       /* index of the body whose shape it is; -1: none */
-  double reach;                   /* of a shape: of its farthest vertex from the body's centre, m */
+  pl_model_summary summary;       /* of the model's materials and the graphs */
+  pl_object_materials *materials; /* owned; NULL: all triangles have the model's materials */
+  const pl_cover *cover;          /* owned by the scene; NULL for an articulated object */
+  const pl_cut *cut;              /* owned by the scene; NULL if no part of the object moves */
+  int body;     /* index of the body that this object is the shape of; -1 for none */
+  double reach; /* for a shape: distance of its farthest vertex from the body's centre, m */
 } pl_object;
 
-/* An ellipsoid with an equirectangular map. Its frame: x at longitude 0, z at the north pole. */
+/* Ellipsoid with equirectangular maps. Body axes: x at longitude 0, z at the north pole. */
 typedef struct pl_body {
-  char *name;            /* owned */
-  const pl_model *shape; /* borrowed: its surface instead of the ellipsoid's, in metres and
-                            body axes; NULL for none */
-  bool dressed;          /* its surface is of the shape's own materials, not of the keys below */
-  const pl_texture *map; /* borrowed, NULL for none */
-  double map_center_lon_rad;         /* longitude of the map's centre column */
-  bool geodetic;                     /* maps count by geodetic latitude, not by planetocentric */
-  const pl_reflectance *reflectance; /* row of the table */
-  const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel a cell */
+  char *name; /* owned */
+  /* borrowed: mesh that replaces the ellipsoid, in metres and body axes; NULL for none */
+  const pl_model *shape;
+  bool dressed; /* its surface has the shape's own materials and ignores the fields below */
+  const pl_texture *map;     /* borrowed, NULL for none */
+  double map_center_lon_rad; /* longitude of the map's centre column */
+  bool geodetic;             /* maps use geodetic latitude instead of planetocentric latitude */
+  const pl_reflectance *reflectance; /* entry of the table of reflectance models */
+  const pl_grid *regolith_map;       /* borrowed, NULL for none: three pl_regolith_texel per cell */
   const pl_air *air;                 /* borrowed, NULL for none */
-  const pl_texture *cloud_map;       /* borrowed, NULL for none: cover of its clouds */
-  bool geodetic_clouds;              /* the same of that map */
-  const pl_rings *rings;             /* borrowed, NULL for none: in the plane of x and y */
-  pl_ground ground;                  /* of a body without a graph; open water on Lambert's law */
+  const pl_texture *cloud_map;       /* borrowed, NULL for none: coverage of its clouds */
+  bool geodetic_clouds;              /* cloud_map uses geodetic latitude */
+  const pl_rings *rings;             /* borrowed, NULL for none: in the body's xy plane */
+  pl_ground ground; /* for a body without a graph; open water only with Lambert reflectance */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
-  const pl_graph *graph; /* borrowed: instead of, or around, the above surface; NULL for none */
+  const pl_graph *graph; /* borrowed: in place of or on top of the surface above; NULL for none */
   /* Set by pl_scene_add_body: */
-  pl_regolith_texel brightest[3]; /* of the map's cells in each band, seen with the sun behind */
+  pl_regolith_texel brightest[3]; /* brightest cell of the map in each band at zero phase angle */
   pl_model_summary summary;       /* of the graph */
-  float random;                   /* 0..1, of the name */
+  float random;                   /* 0..1, derived from the name */
 } pl_body;
 
 typedef struct pl_scene {
   int levels;
-  pl_object *objects;  /* owned: those that were added, then the shapes of bodies */
-  size_t craft_count;  /* those that were added: they have places and labels of their own */
-  size_t object_count; /* all */
+  pl_object *objects; /* owned: the objects that were added, then the shapes of bodies */
+  /* number of objects that were added; they have placements and labels of their own */
+  size_t craft_count;
+  size_t object_count; /* including shapes of bodies */
   pl_body *bodies;     /* owned */
   size_t body_count;
-  pl_cut **cuts; /* owned; shared by objects of the same model and moving nodes */
+  pl_cut **cuts; /* owned; shared by objects with the same model and moving nodes */
   size_t cut_count;
-  pl_cover **covers; /* owned; one a model of objects that are not articulated */
+  pl_cover **covers; /* owned; one per model of objects that are not articulated */
   size_t cover_count;
 } pl_scene;
 
-/* levels: of semantic labels, 1..PL_LEVELS_MAX. */
+/* levels: number of semantic label levels, 1..PL_LEVELS_MAX. */
 pl_status pl_scene_init(int levels, pl_scene *out);
 void pl_scene_clear(pl_scene *scene);
-/* Copies name and what the table points to; its index is the craft_count of before. `offset`: the
- * point of the model, in its units, that is the origin of the object's frame. PL_E_RANGE for a
- * triangle's part that is not in it. */
+/* Adds an object with the index craft_count (before the call). Copies the name and the arrays of
+ * the table. `offset`: the point of the model, in model units, that becomes the origin of the
+ * object's frame. Returns PL_E_RANGE if a triangle's part is not in the table. */
 pl_status pl_scene_add_object(pl_scene *scene, const char *name, const pl_model *model,
                               pl_vec3 offset, int32_t obj_id, int32_t instance_id,
                               const pl_part_table *parts);
-/* Puts graphs on an object's triangles (-1: the model's material) in the place of those that are
- * there, also between frames: accelerators do not depend on them. `triangle_graph`: as many as the
- * model's triangles, in the model's order; the graphs stay borrowed. A failure changes nothing. */
+/* Replaces the material assignment of an object: graphs on its triangles (-1: the model's
+ * material). May be called between frames, since accelerators do not depend on it.
+ * `triangle_graph`: one per triangle of the model, in the model's order; the graphs stay borrowed.
+ * On failure nothing changes. */
 pl_status pl_scene_set_materials(pl_scene *scene, size_t object, const pl_graph *const *graphs,
                                  size_t count, const int32_t *triangle_graph);
-/* Lets nodes of an object's model move, in every frame by a motion each (pl_object_state). Once an
- * object. Triangles are from then on in the order of the pieces. PL_E_RANGE for bad nodes. */
+/* Makes nodes of an object's model movable; each frame supplies their motions (pl_object_state).
+ * Call it at most once per object. The triangles are reordered by piece. Returns PL_E_RANGE for
+ * invalid nodes. */
 pl_status pl_scene_articulate(pl_scene *scene, size_t object, const int *nodes, size_t count);
-/* Values that each frame gives to an object's graphs. */
+/* Number of parameters that each frame supplies for an object's graphs. */
 static inline size_t pl_object_parameter_count(const pl_object *object) {
   return object->materials != NULL ? object->materials->parameter_count : 0;
 }
 static inline size_t pl_body_parameter_count(const pl_body *body) {
   return body->graph != NULL ? pl_graph_parameter_count(body->graph) : 0;
 }
-/* Moving nodes of an object. */
+/* Number of moving nodes of an object. */
 static inline size_t pl_object_mover_count(const pl_object *object) {
   return object->cut != NULL ? object->cut->count - 1 : 0;
 }
-/* Part of a triangle of the object's model: index into part_ids. */
+/* Returns the part of a triangle of the object's model, an index into part_ids. */
 static inline uint32_t pl_object_part(const pl_object *object, uint32_t triangle) {
   return object->triangle_part != NULL ? object->triangle_part[triangle]
                                        : object->model->triangle_part[triangle];
 }
-/* Copies *body and its name. A shape becomes an object of one part, behind those that are added. */
+/* Copies *body and its name. A shape is added as an object of one part, behind the objects that
+ * were added. */
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body);
-/* Replaces a body's graph (borrowed; NULL for none), also between frames. */
+/* Replaces a body's graph (borrowed; NULL for none); may be called between frames. */
 void pl_body_set_graph(pl_body *body, const pl_graph *graph);
 
-/* Child-to-root poses when the shutter opens on the first row and when it closes on the last; root
+/* Child-to-root poses, when the shutter opens on the first row and when it closes on the last; root
  * frame, metres. */
 typedef struct pl_motion {
   pl_pose open, close;
-  const pl_pose *keys; /* borrowed: evenly in time, from `open` to `close`; NULL: these two */
-  int key_count;       /* odd, at least 3; 0 without keys */
+  /* borrowed: poses at equal time steps from `open` to `close`; NULL: only these two */
+  const pl_pose *keys;
+  int key_count; /* odd, at least 3; 0 if there are no keys */
 } pl_motion;
-/* Pose in the middle of that time, the instant of all labels: the middle key. */
+/* Pose in the middle of the frame's time, for which labels are valid: the middle key. */
 pl_pose pl_motion_middle(const pl_motion *motion);
-/* Pose at a part u of that time, 0..1, between the keys about it: straight, and by the shorter
- * turn.
- */
+/* Pose at the fraction u (0..1) of the frame's time, interpolated between adjacent keys: linear in
+ * position, the shorter rotation in attitude. */
 pl_pose pl_motion_at(const pl_motion *motion, double u);
 
 typedef struct pl_object_state {
   pl_motion motion;
-  double scale;            /* metres per model unit */
-  const pl_affine *movers; /* of an articulated object: rest to now of each moving node, model axes
-                              and units (geom/articulation.h), in the middle of the exposure */
-  const pl_affine *mover_keys; /* the same at the keys, key by key; NULL: they keep their motion */
+  double scale; /* metres per model unit */
+  /* for an articulated object: transform of each moving node from its rest pose to its pose in the
+   * middle of the exposure, in model axes and units (geom/articulation.h) */
+  const pl_affine *movers;
+  /* the same at each key, key by key; NULL: the nodes do not move during the exposure */
+  const pl_affine *mover_keys;
   int mover_key_count;
   const pl_value *parameters; /* of the object's graphs, one graph after the other */
 } pl_object_state;
@@ -156,11 +163,12 @@ typedef struct pl_object_state {
 typedef struct pl_body_state {
   pl_motion motion;
   pl_vec3 radii_m;
-  float albedo[3];            /* factor on the map, or the albedo itself */
+  float albedo[3];            /* factor on the map, or the albedo if there is no map */
   float emission[3];          /* W m-2 sr-1 */
   const pl_value *parameters; /* of the body's graph */
   pl_clouds clouds;           /* none by default */
-  pl_regolith regolith;       /* for photometric rows; what is NAN is the map's, or 0 without one */
+  /* for photometric reflectance models; NAN: value of the map, or 0 without a map */
+  pl_regolith regolith;
   pl_ground_state ground;
 } pl_body_state;
 
@@ -168,54 +176,58 @@ typedef struct pl_sun {
   pl_vec3 position_m; /* root frame, in the middle of the exposure */
   double radius_m;
   double irradiance_au;     /* W m-2 at 1 AU, in every band */
-  double wavelengths_um[3]; /* of the bands, for the disc's darkening towards its edge */
-  const pl_vec3 *keys;      /* borrowed: its position at the keys; NULL: it stands */
+  double wavelengths_um[3]; /* of the bands, for limb darkening */
+  const pl_vec3 *keys;      /* borrowed: position at each key; NULL: constant */
   int key_count;
 } pl_sun;
 
-/* p_pixel = K p of what the lens makes of a point, OpenCV axes, integer pixel centres. */
+/* p_pixel = K p, with p the image of a point on the image plane of the lens; OpenCV axes, pixel
+ * centres at integers. */
 typedef struct pl_camera {
   int width, height;           /* pixels */
   double fx, fy, cx, cy, skew; /* pixels */
-  pl_lens lens;                /* a pinhole without a model */
-  double aperture_m;           /* diameter of the lens, which focuses; 0: all is sharp */
-  double focus_per_m;          /* 1 over the depth that is in focus; 0: infinity */
-  pl_motion motion;            /* camera to root */
+  pl_lens lens;                /* without a model: a pinhole */
+  double aperture_m;           /* aperture diameter of a thin lens; 0: everything is in focus */
+  double focus_per_m; /* inverse of the focus distance along the optical axis; 0: infinity */
+  pl_motion motion;   /* camera to root */
 } pl_camera;
-/* Direction of a pixel position in camera axes (not unit); zero where the lens has no ray. */
+/* Returns the direction of a pixel position in camera axes (not unit); zero if no ray of the lens
+ * goes there. */
 pl_vec3 pl_camera_ray(const pl_camera *camera, double u, double v);
-/* Pixel position of a direction in camera axes; false for none. */
+/* Finds the pixel position of a direction in camera axes; returns false if it has none. */
 bool pl_camera_project(const pl_camera *camera, pl_vec3 direction, double pixel[2]);
-/* With a lens: pixels that the convex hull of points in camera axes may cover, as x0, y0, x1, y1;
- * x0 > x1 for none. All of the plane where the hull may hold the camera. */
+/* Bounds the pixels that the convex hull of points in camera axes may cover, with the lens: x0, y0,
+ * x1, y1; x0 > x1 for none; the whole plane if the hull may contain the camera. */
 void pl_camera_bound(const pl_camera *camera, const pl_vec3 *points, size_t count, double rect[4]);
-/* PL_E_RANGE, saying where, if pixels of the image lie beyond what the lens can see. */
+/* Returns PL_E_RANGE, with the position, if pixels of the image lie outside the lens's field of
+ * view. */
 pl_status pl_camera_check_lens(const pl_camera *camera);
-/* By how many pixels the lens moves the image at most; infinite beyond a right angle. */
+/* Returns the largest displacement in pixels that the distortion causes in the image; infinite for
+ * half angles of 90 degrees or more. */
 double pl_camera_lens_shift(const pl_camera *camera);
 
-/* When rows gather light: row r from r line_s on, for exposure_s. */
+/* Exposure of rows: row r is exposed from r line_s on, for exposure_s. */
 typedef struct pl_shutter {
-  double exposure_s, line_s; /* both 0: an instant, the middle of what the motions say */
-  bool held; /* the keys are too far apart to say what is between them: each is a state that holds
-                until halfway to the next */
+  double exposure_s, line_s; /* both 0: a single instant, in the middle of the motions */
+  /* the keys are too far apart for interpolation: each state holds until halfway to the next key */
+  bool held;
 } pl_shutter;
 
-/* Everything that changes with the frame; arrays are borrowed. */
+/* Everything that varies between frames; arrays are borrowed. */
 typedef struct pl_placement {
-  const pl_object_state *objects; /* [craft_count] */
+  const pl_object_state *objects; /* craft_count elements */
   const pl_body_state *bodies;
   pl_sun sun;
   pl_camera camera;
   pl_shutter shutter;
-  const pl_volume *volumes; /* as many as it says */
+  const pl_volume *volumes; /* volume_count elements */
   size_t volume_count;
 } pl_placement;
-/* The state of the scene's object `index`: the shape of a body has the body's motion. */
+/* Returns the state of the scene's object `index`; the shape of a body has the body's motion. */
 pl_object_state pl_placement_object(const pl_placement *placement, const pl_object *object,
                                     size_t index);
-/* PL_E_RANGE naming the object or key for non-finite or non-positive values, and where the camera
- * is inside a body's shape in the middle of the exposure. */
+/* Returns PL_E_RANGE, naming the object or key, for values that are not finite or not positive, and
+ * if the camera is inside a body's shape in the middle of the exposure. */
 pl_status pl_placement_check(const pl_scene *scene, const pl_placement *placement);
 
 #endif

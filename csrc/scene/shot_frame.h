@@ -1,5 +1,5 @@
-/* Directions on the triangles of a snapshot's objects, in view axes. Inline: shading lives on them.
- */
+/* Directions on the triangles of a snapshot's objects, in view axes. Inline because shading calls
+ * them for every vertex. */
 #ifndef PL_SCENE_SHOT_FRAME_H
 #define PL_SCENE_SHOT_FRAME_H
 
@@ -7,14 +7,16 @@
 #include "scene/snapshot.h"
 #include "shade/surface.h"
 
-/* The edge between two corners in view axes; float, since the translation drops out. */
+/* Returns the edge between two corners in view axes. Float suffices, since the translation cancels.
+ */
 static inline pl_vec3f pl_shot_edge(const float m[12], const float *from, const float *to) {
   const float x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2];
   return pl_vec3f_make(m[0] * x + m[3] * y + m[6] * z, m[1] * x + m[4] * y + m[7] * z,
                        m[2] * x + m[5] * y + m[8] * z);
 }
 
-/* A point of the mesh where it is, camera-relative, m. `piece`: its triangle's, or NULL. */
+/* Returns the camera-relative position of a mesh point, m. `piece`: the triangle's piece, or NULL.
+ */
 static inline pl_vec3 pl_shot_corner(const pl_shot_object *object, const pl_shot_piece *piece,
                                      const float *p) {
   if (piece != NULL)
@@ -24,7 +26,8 @@ static inline pl_vec3 pl_shot_corner(const pl_shot_object *object, const pl_shot
   return pl_vec3_add(object->position, pl_mat3_mul_vec(object->rotation, local));
 }
 
-/* `tangent` need not be across n; zero, or along n: any frame about n. */
+/* Makes an orthonormal frame about n. `tangent` need not be perpendicular to n; if it is zero or
+ * parallel to n, any frame is returned. */
 static inline void pl_surface_set_frame(pl_surface *surface, pl_vec3f n, pl_vec3f tangent,
                                         float handedness) {
   const pl_vec3f t = pl_vec3f_madd(tangent, -pl_vec3f_dot(tangent, n), n);
@@ -49,7 +52,7 @@ static inline pl_vec3f pl_shot_mix3(const float *values, size_t stride, const ui
   return out;
 }
 
-/* A direction of the model's axes in view axes. */
+/* Rotates a direction from model axes to view axes. */
 static inline pl_vec3f pl_shot_rotate(const pl_mat3 *m, pl_vec3f v) {
   return pl_vec3f_make(
       (float)m->row[0].x * v.x + (float)m->row[0].y * v.y + (float)m->row[0].z * v.z,
@@ -57,8 +60,8 @@ static inline pl_vec3f pl_shot_rotate(const pl_mat3 *m, pl_vec3f v) {
       (float)m->row[2].x * v.x + (float)m->row[2].y * v.y + (float)m->row[2].z * v.z);
 }
 
-/* Interpolated normal on the side of the geometric one: in published files normals and winding may
- * disagree. */
+/* Interpolated normal, flipped to the side of the geometric one: in published files normals and
+ * winding may disagree. */
 static inline pl_vec3f pl_shot_normal(const pl_shot_object *object, uint32_t triangle,
                                       const float w[3], pl_vec3f ng) {
   const pl_model *model = object->object->model;
@@ -70,7 +73,7 @@ static inline pl_vec3f pl_shot_normal(const pl_shot_object *object, uint32_t tri
   return pl_vec3f_dot(n, ng) < 0.0f ? pl_vec3f_scale(n, -1.0f) : n;
 }
 
-/* The shading frame: n as interpolated, t along the tangents that the model has. */
+/* Shading frame: n is the interpolated normal, t follows the model's tangents if it has any. */
 static inline void pl_shot_frame(const pl_shot_object *object, uint32_t triangle, const float w[3],
                                  pl_vec3f ng, pl_surface *surface) {
   const pl_model *model = object->object->model;

@@ -1,4 +1,4 @@
-/* One instant of a moving world. */
+/* Makes the static world of one instant. */
 #include "scene/shutter.h"
 
 double pl_shutter_window_s(const pl_placement *placement) {
@@ -12,7 +12,8 @@ static pl_vec3 lerp3(pl_vec3 a, pl_vec3 b, double u) {
   return (pl_vec3){lerp(a.x, b.x, u), lerp(a.y, b.y, u), lerp(a.z, b.z, u)};
 }
 
-/* Which keys of `count` an instant lies between, and where. */
+/* Finds the interval between two of `count` keys that contains an instant, and the fraction of it.
+ */
 static int key_at(int count, double u, double *part) {
   const double at = u * (count - 1);
   const int first = (int)fmin(at, count - 2);
@@ -46,7 +47,7 @@ static pl_status stop_movers(const pl_object *object, double u, pl_arena *arena,
   return PL_OK;
 }
 
-/* The nearest key, for those that do not tell what is between them. */
+/* Returns the time of the nearest key, for keys that must not be interpolated. */
 static double held(const pl_motion *camera, double u) {
   const int steps = camera->keys != NULL ? camera->key_count - 1 : 1;
   return floor(u * steps + 0.5) / steps;

@@ -1,4 +1,4 @@
-/* Re-basing the world on the camera. */
+/* Transforms the world to camera-relative coordinates. */
 #include "scene/snapshot.h"
 
 #include "scene/pieces.h"
@@ -21,8 +21,8 @@ bool pl_sphere_in_cone(pl_vec3 center, double radius_m, pl_vec3 axis, double hal
   return atan2(across, along) <= half_angle_rad + asin(radius_m / distance);
 }
 
-/* A ray by a point o of the lens has the direction d - o / F, where d has unit depth: it starts
- * within the lens's radius, and is turned by no more than asin(radius / F). */
+/* A ray through the point o of the aperture has the direction d - o / F, where d has unit depth: it
+ * starts within the aperture radius and deviates by at most asin(radius / F). */
 bool pl_snapshot_sees(const pl_snapshot *shot, pl_vec3 center, double radius_m, pl_vec3 axis,
                       double half_angle_rad) {
   const double lens_m = 0.5 * shot->camera.aperture_m;
@@ -36,7 +36,7 @@ double pl_shot_sun_irradiance(const pl_shot_sun *sun, pl_vec3 point) {
          pl_vec3_dot(to_sun, to_sun);
 }
 
-/* Points a side of a rectangle that bends, and room for what lies between them. */
+/* Samples per side of a rectangle that distortion bends, and the margin for points between them. */
 enum { BENT = 8 };
 static const double BENT_ROOM = 1.05;
 
@@ -122,7 +122,7 @@ static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_
   return PL_OK;
 }
 
-/* Whether camera rays may touch a body, its air and its clouds. */
+/* Sets whether camera rays may touch a body, its atmosphere, clouds and rings. */
 static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_angle,
                           pl_shot_body *body) {
   const pl_air *air = body->body->air;
@@ -158,7 +158,7 @@ static pl_status place_objects(const pl_scene *scene, const pl_placement *placem
   return PL_OK;
 }
 
-/* After the objects, of which some are shapes of bodies. */
+/* Called after the objects are placed, since some of them are shapes of bodies. */
 static pl_status place_bodies(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,
                               pl_vec3 axis, double half_angle, pl_snapshot *out) {
   pl_shot_body *bodies = pl_arena_alloc(arena, scene->body_count, sizeof *bodies);

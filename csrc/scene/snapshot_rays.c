@@ -1,8 +1,8 @@
-/* Rays of neighbouring pixels abreast. */
+/* Vectorised rays of neighbouring pixels. */
 #include "base/wide.h"
 #include "scene/snapshot.h"
 
-/* As pl_camera_ray without a lens, and pl_snapshot_ray. */
+/* The same operations as in pl_camera_ray without a lens and in pl_snapshot_ray. */
 PL_WIDE static void fill_pinhole(const pl_camera *camera, const pl_mat3 *to_root, double u0,
                                  double v, size_t count, double *restrict x, double *restrict y,
                                  double *restrict z) {

@@ -1,4 +1,4 @@
-/* The plan's view of a snapshot, and culling by it. */
+/* Makes the plan's view of a snapshot, and culls by it. */
 #include "scene/snapshot.h"
 
 #include "plan/view_tree.h"
@@ -40,10 +40,10 @@ static pl_view_thing craft_thing(const pl_snapshot *shot, const pl_shot_object *
   return thing;
 }
 
-/* Fewest texels of a body's map a metre of its surface. A step s on the tangent plane turns the
- * direction from the centre by at least s cos(e)/r, where e is the angle between normal and
- * direction (cos(e) >= 2ab/(a^2 + b^2) for semi-axes of a to b: Kantorovich's inequality), and a
- * turn is at least as much in longitude and latitude together. */
+/* Lower bound of the texels of a body's map per metre of its surface. A step s on the tangent plane
+ * rotates the direction from the centre by at least s cos(e)/r, where e is the angle between normal
+ * and direction (cos(e) >= 2ab/(a^2 + b^2) for semi-axes from a to b: Kantorovich's inequality).
+ * The combined step in longitude and latitude is at least as large as this rotation. */
 static double map_density(const pl_body_state *state, const pl_texture *map) {
   int width, height, channels;
   pl_texture_size(map, &width, &height, &channels);
@@ -53,7 +53,8 @@ static double map_density(const pl_body_state *state, const pl_texture *map) {
   return texels_per_rad * 2.0 * low / (low * low + high * high);
 }
 
-/* What a body's graph gives replaces what the body is, or is added where it uses that. */
+/* Applies a body's graph: its values replace those of the body, or combine with them if the graph
+ * uses them. */
 static void add_graph(const pl_body *body, pl_view_thing *thing) {
   const pl_model_summary *summary = &body->summary;
   const bool own = pl_graph_uses_own(body->graph);
@@ -69,11 +70,11 @@ static void add_graph(const pl_body *body, pl_view_thing *thing) {
   thing->bumped = summary->bumped;
   thing->diffuse = summary->diffuse && (thing->diffuse || !own);
   thing->graphed = true;
-  thing->map_ranges = NULL; /* no bound is known of what the graph makes of a map */
+  thing->map_ranges = NULL; /* there is no bound on how the graph transforms a map */
 }
 
-/* What the brightest soil of the body reflects where it is brightest. Coats over a diffuse base
- * reflect up to everything at grazing angles. */
+/* Upper bound of the albedo: the reflectance of the body's brightest soil in its brightest
+ * direction. Coats over a diffuse base can reflect all light at grazing angles. */
 static double albedo_max(const pl_body *body, const pl_body_state *state) {
   const double albedo = fmax(state->albedo[0], fmax(state->albedo[1], state->albedo[2]));
   if (body->reflectance == &pl_reflectance_lambert)
@@ -92,7 +93,7 @@ static double albedo_max(const pl_body *body, const pl_body_state *state) {
   return pl_regolith_peak(&surface);
 }
 
-/* No place of the rings is nearer to the sun than by their radius. */
+/* No point of the rings is nearer to the sun than the centre's distance less their radius. */
 static void add_rings(const pl_snapshot *shot, const pl_shot_body *body, pl_view_thing *thing) {
   const pl_rings_reach reach = pl_rings_reach_of(body->body->rings);
   const pl_vec3 axis = pl_mat3_mul_vec(body->rotation, (pl_vec3){0.0, 0.0, 1.0});
@@ -111,8 +112,8 @@ static bool varies(const pl_texture *map) {
   return map != NULL && pl_texture_ranges(map, &levels)[0] > 0.0f;
 }
 
-/* Open water mirrors up to everything at grazing angles; how much at most in one direction follows
- * from its waves as from microfacets (tests/c/test_water.c). */
+/* Open water can reflect all light at grazing angles; its radiance in one direction is bounded by
+ * its waves as for microfacets (tests/c/test_water.c). */
 static void add_ground(const pl_ground *ground, const pl_ground_state *state,
                        pl_view_thing *thing) {
   const pl_texture *maps[] = {ground->heights, ground->normals,
@@ -164,7 +165,7 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
     add_graph(body->body, &thing);
   else
     add_ground(&body->body->ground, &state->ground, &thing);
-  for (int k = 0; thing.clouds != NULL && k < 3; k++) /* they may be brighter than the ground */
+  for (int k = 0; thing.clouds != NULL && k < 3; k++) /* clouds may be brighter than the ground */
     thing.albedo_max = fmax(thing.albedo_max, (double)state->clouds.color[k]);
   if (body->body->rings != NULL)
     add_rings(shot, body, &thing);
@@ -172,9 +173,9 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
   return thing;
 }
 
-/* The shape of a body: the body's surface on a mesh. What is known of a map on an ellipsoid is not
- * of one that is anywhere; other lods never stand for its own. */
-/* Materials of a shape's file, beside what its graph gives. */
+/* Shape of a body: the body's surface on a mesh. Bounds of a map on an ellipsoid do not hold on an
+ * arbitrary mesh, and reflectance levels of detail are not used. */
+/* Adds the materials of the shape's file to the properties that the graph gives. */
 static void add_materials(const pl_model_summary *summary, pl_view_thing *thing) {
   thing->textured |= summary->textured;
   thing->pictured |= summary->pictured;
@@ -201,7 +202,7 @@ static pl_view_thing shape_thing(const pl_snapshot *shot, const pl_shot_object *
   return thing;
 }
 
-/* A body whose shape stands for it: nothing. */
+/* Thing of a body that its shape replaces: it has no surface. */
 static pl_view_thing hollow_thing(const pl_shot_body *body) {
   pl_view_thing thing = {.ggx_alpha_min = 1.0, .diffuse = true};
   set_center(&thing, body->center);
@@ -223,14 +224,16 @@ static double corner_tangent(const pl_camera *camera) {
   return hypot(x, y);
 }
 
-/* Diameter of the circle of confusion at a depth, pixels of the image without distortion. */
+/* Returns the diameter of the circle of confusion at a depth, in pixels of the undistorted image.
+ */
 static double confusion_px(const pl_camera *camera, double depth_m) {
   const double off = fabs(1.0 / depth_m - camera->focus_per_m);
   return depth_m > 0.0 ? fmax(camera->fx, camera->fy) * camera->aperture_m * off : INFINITY;
 }
 
-/* The widest of what a sphere holds. Of what the image shows at a distance d no depth is less than
- * d cos(half), where `half` is the angle of its corners off the axis. */
+/* Returns the largest circle of confusion of any point in a sphere. A visible point at distance d
+ * has a depth of at least d cos(half), where `half` is the angle between the image's corners and
+ * the axis. */
 static double sphere_defocus_px(const pl_snapshot *shot, double half, pl_vec3 center,
                                 double radius_m) {
   const double depth = pl_mat3_mul_vec_t(shot->camera_to_root, center).z;
@@ -266,7 +269,7 @@ static double defocus_px(const pl_snapshot *shot, const pl_view *view) {
   return most;
 }
 
-/* Of many things: their tree, and which of them shadows fall on. */
+/* For large views: builds the tree of things and marks those that shadows fall on. */
 static pl_status index_things(pl_arena *arena, pl_view *view) {
   PL_TRY(pl_view_tree_build(arena, view));
   if (view->tree == NULL)
@@ -311,15 +314,15 @@ pl_status pl_snapshot_view(const pl_snapshot *shot, pl_arena *arena, pl_view *ou
   return PL_OK;
 }
 
-/* What culling asks of things, or of spheres about several. */
+/* Arguments of culling tests, which are applied to things or to spheres around several things. */
 typedef struct query {
   const pl_view *view;
   const pl_view_thing *thing, *source;
   double brightest, tolerance_dn, hidden;
 } query;
 
-/* Whether the light that `thing` sends to, or hides from, what is in the frame exceeds the
- * tolerance. What it hides is at most as bright as the brightest thing. */
+/* Returns whether the light that `thing` sends to things in the frame, or blocks from them, exceeds
+ * the tolerance. Blocked light is at most as bright as the brightest thing. */
 static bool reflects(const pl_view_thing *seen, bool several, void *context) {
   const query *q = context;
   (void)several;
@@ -327,9 +330,9 @@ static bool reflects(const pl_view_thing *seen, bool several, void *context) {
          pl_view_dn(q->view, pl_view_transfer(seen, q->thing) * q->brightest) > q->tolerance_dn;
 }
 
-/* Whether the shadow of `thing` on `source` takes more than the tolerance from the light that
- * `source` sends to what is in the frame. The light taken is that of a source of the shadow's
- * size, wherever on the source it falls. */
+/* Returns whether the shadow of `thing` on `source` removes more than the tolerance from the light
+ * that `source` sends to things in the frame. The removed light is bounded by that of a source of
+ * the shadow's size anywhere on `source`. */
 static bool dims(const pl_view_thing *seen, bool several, void *context) {
   const query *q = context;
   (void)several;
@@ -342,7 +345,8 @@ static bool dims(const pl_view_thing *seen, bool several, void *context) {
   return pl_view_dn(q->view, part * pl_view_light(q->source)) > q->tolerance_dn;
 }
 
-/* Whether its shadow changes what is seen by way of a receiver. */
+/* Returns whether its shadow on a receiver changes the image, directly or through light that the
+ * receiver sends on. */
 static bool shades(const pl_view_thing *receiver, bool several, void *context) {
   const query *q = context;
   query inner = *q;
@@ -353,7 +357,7 @@ static bool shades(const pl_view_thing *receiver, bool several, void *context) {
          (q->view->max_bounces > 0 && pl_view_any(q->view, dims, &inner));
 }
 
-/* Whether leaving `thing` out can change anything in the frame by more than the tolerance. */
+/* Returns whether leaving `thing` out can change any pixel by more than the tolerance. */
 static bool matters(const pl_view *view, const pl_view_thing *thing, double brightest,
                     double tolerance_dn) {
   query q = {.view = view, .thing = thing, .brightest = brightest, .tolerance_dn = tolerance_dn};
@@ -362,11 +366,11 @@ static bool matters(const pl_view *view, const pl_view_thing *thing, double brig
 }
 
 static double of_mesh(const pl_view_thing *source, const void *context) {
-  const pl_view_thing *const *bodies = context; /* behind all meshes */
+  const pl_view_thing *const *bodies = context; /* bodies follow after all meshes */
   return source < *bodies ? 1.0 : 0.0;
 }
 
-/* Adds up what casters hide of the sun. */
+/* Sums the fraction of the sun that casters hide. */
 static bool hide(const pl_view_thing *caster, bool several, void *context) {
   query *q = context;
   if (several)
@@ -394,10 +398,10 @@ static bool is_eclipsed(const pl_view *view, const pl_view_thing *receiver) {
   return pl_view_any(view, eclipses, &q);
 }
 
-/* Whether a sphere lies wholly in a body's umbra. From its centre a ball smaller than the body by
- * the sphere's radius must hide a sun that is larger by it: going from the centre to another place
- * of the sphere moves both by no more. MARGIN_RAD is what rays in single precision may be off by.
- */
+/* Returns whether a sphere lies entirely in a body's umbra. Test: seen from the sphere's centre, a
+ * ball smaller than the body by the sphere's radius hides a sun enlarged by that radius; moving
+ * from the centre to any point of the sphere shifts each by no more than the radius. MARGIN_RAD
+ * allows for rays in single precision. */
 static bool is_dark(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   static const double MARGIN_RAD = 1e-6;
   const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
@@ -419,7 +423,7 @@ static bool is_dark(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   return false;
 }
 
-/* What any thing is at the brightest, with what others send it, W m-2 sr-1. */
+/* Returns an upper bound of the radiance of any thing, including interreflection, W m-2 sr-1. */
 static double brightest_of(const pl_view *view) {
   double brightest = 0.0;
   for (size_t i = 0; i < view->thing_count; i++)
@@ -442,7 +446,7 @@ static void cull_objects(const pl_snapshot *placed, const pl_culling *culling, d
   }
 }
 
-/* `objects`: those that are culled, where shapes of bodies are. */
+/* `objects`: the culled objects, which include the shapes of bodies. */
 static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, double brightest,
                         pl_shot_object *objects, pl_shot_body *out) {
   const pl_view *view = culling->view;
@@ -456,7 +460,8 @@ static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, do
     body->shadowed = is_shadowed(view, &view->things[thing], culling->tolerance_dn);
     body->bounced =
         pl_view_dn(view, pl_view_received(view, thing) * series) > culling->tolerance_dn;
-    /* objects hide or send at most what comes from as much of its sky at the brightest */
+    /* objects block or send at most the light of the part of its sky that they cover, at the
+     * highest radiance */
     const double part = pl_view_sum(view, &view->things[thing], of_mesh, &meshes_end);
     body->near_meshes = pl_view_dn(view, part * brightest) > culling->tolerance_dn;
     body->lods = view->things[thing].lods;

@@ -1,9 +1,9 @@
-/* Checks of volumes. */
+/* Checks volumes. */
 #include "scene/volume.h"
 
 #include <math.h>
 
-/* Sizes whose squares stay far from the limits of single precision. */
+/* Limits on sizes; their squares stay far from the limits of single precision. */
 static const double SIZE_MAX_M = 1e15, SIZE_MIN_M = 1e-9, PLACE_MAX_M = 1e15;
 static const float VALUE_MAX = 1e30f, G_MAX = 0.98f;
 

@@ -1,4 +1,5 @@
-/* Bounded volumes: dust, gas or light within a shape that moves with a thing. */
+/* Bounded volumes: scattering, absorbing or emitting media inside a shape that moves with a thing.
+ */
 #ifndef PL_SCENE_VOLUME_H
 #define PL_SCENE_VOLUME_H
 
@@ -7,30 +8,33 @@
 #include "math/rotation.h"
 #include "shade/graph.h"
 
-enum { PL_VOLUMES_MAX = 16 }; /* in a frame */
+enum { PL_VOLUMES_MAX = 16 }; /* per frame */
 
-/* A frame's volume. What it is made of is the same everywhere, times a graph's density. */
+/* A volume of a frame. Its medium is homogeneous, or scaled by the density of a graph. */
 typedef struct pl_volume {
-  const char *name; /* borrowed, for errors */
+  const char *name; /* borrowed, for error messages */
   const pl_bound *bound;
-  double size[3]; /* m, the bound's */
-  size_t parent;  /* the thing that it moves with: an object, or a body after the craft_count */
-  pl_pose local;  /* axes of the bound in those of the parent, m */
-  float extinction[3];   /* 1/m in each band */
-  float albedo[3];       /* part of it that is scattered, 0..1 */
-  float g;               /* mean cosine of the angle of scattering, -1..1 */
-  float emission[3];     /* W m-3 sr-1 */
-  double core_m;         /* steps along rays are this short near the origin of the bound, and longer
-                            farther off; 0: all alike */
-  const pl_graph *graph; /* borrowed; NULL: as dense everywhere. See shade/graph_medium.h */
+  double size[3];      /* m, of the bound */
+  size_t parent;       /* thing that it moves with: an object, or craft_count + body index */
+  pl_pose local;       /* axes of the bound in the parent's axes, m */
+  float extinction[3]; /* 1/m in each band */
+  float albedo[3];     /* single-scattering albedo in each band, 0..1 */
+  float g;             /* mean cosine of the scattering angle, -1..1 */
+  float emission[3];   /* W m-3 sr-1 */
+  /* step length along rays near the origin of the bound; steps grow with the distance from it. 0:
+   * uniform steps */
+  double core_m;
+  const pl_graph *graph;      /* borrowed; NULL: homogeneous. See shade/graph_medium.h */
   const pl_value *parameters; /* of the graph, borrowed */
-  float random;               /* 0..1, of the name */
+  float random;               /* 0..1, derived from the name */
 } pl_volume;
 
-/* PL_E_RANGE naming the volume for values out of range. things: so many may be parents. */
+/* Returns PL_E_RANGE, naming the volume, for values out of range. `things`: number of possible
+ * parents. */
 pl_status pl_volumes_check(const pl_volume *volumes, size_t count, size_t things);
 
-/* Largest value of the phase function, 1/sr: Henyey and Greenstein's, forwards. */
+/* Returns the largest value of the phase function, 1/sr: that of Henyey and Greenstein in its peak.
+ */
 double pl_volume_phase_max(const pl_volume *volume);
 
 #endif

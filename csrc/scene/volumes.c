@@ -33,8 +33,9 @@ pl_status pl_volumes_place(const pl_placement *placement, pl_arena *arena, pl_ve
   return PL_OK;
 }
 
-/* Upper bounds over the bands. No chord is longer than the sphere's diameter; what is lit by the
- * sun sends on no more than is scattered of a light of its irradiance along it. */
+/* Returns upper bounds over the bands. No chord is longer than the diameter of the bounding sphere.
+ * The radiance from sunlight is at most what a chord scatters of light with the sun's irradiance.
+ */
 static pl_view_volume volume_of(const pl_snapshot *shot, const pl_shot_volume *from) {
   const pl_volume *volume = from->volume;
   const double way = 2.0 * from->radius_m;
