@@ -1,42 +1,47 @@
-/* Adaptive sampling: which pixels get no more samples. Decided after fixed numbers of samples, from
- * the samples of a pixel and its neighbours in the tile alone: the same for any number of threads.
+/* Adaptive sampling: decides which pixels need no more samples. The decision is made after fixed
+ * sample counts and uses only samples of the pixel and its neighbours within the tile, so that it
+ * is the same for any number of threads.
  *
- * A sample is spent where it lowers the frame's mean square error the most. With n samples that
- * scatter by s, one more gains s^2/n^2, so that equal gains everywhere mean numbers in proportion
- * to the scatter (Neyman 1934, optimal allocation): few in quiet places, more than `samples` where
- * outlines of high contrast cross a pixel. */
+ * A sample is spent where it lowers the frame's mean square error the most. If n samples have
+ * standard deviation s, one more sample lowers the squared error by s^2/n^2. Equal gains everywhere
+ * mean sample counts in proportion to s (Neyman 1934, optimal allocation): few in quiet places,
+ * more than `samples` where high-contrast outlines cross a pixel. */
 #include "math/color.h"
 #include "render/path.h"
 #include "render/irradiance_record.h"
 
-/* The scatter of a pixel's samples, digital numbers, for which `samples` are the right number. By
- * measurement, and fitted to two close views of spacecraft: there the frame's error is that of
- * `samples` in every pixel, or less (benchmarks/samples.py). It is no bound: clean frames, whose
- * error is below QUIET tolerances anyway, come out noisier (tests/c/test_prune.c: a tenth). */
+/* Standard deviation of a pixel's samples, in digital numbers, for which `samples` is the right
+ * count. Measured, and fitted to two close views of spacecraft: there the frame's error is at most
+ * that of `samples` in every pixel (benchmarks/samples.py). It is not a bound: clean frames, whose
+ * error is below QUIET tolerances anyway, come out noisier (tests/c/test_adaptive_sampling.c: by a
+ * tenth). */
 static const float SCATTER_DN = 56.0f;
-/* In flat places noise is seen that the mean over the frame forgives: up to `samples`, a pixel goes
- * on until its standard error is below so many tolerances. */
+/* Noise is visible in flat regions even if it is negligible in the mean over the frame. A pixel is
+ * therefore sampled, up to `samples` times, until its standard error is below this many tolerances.
+ */
 static const float QUIET = 3.0f;
-/* Samples before which nothing ends: on bodies, which are smooth; where a mesh may show; where the
- * centre rays of a pixel and its neighbours meet different things. Outlines have slivers that few
- * samples miss. */
+/* Minimum number of samples before a pixel may be finished: on bodies, which are smooth; where a
+ * mesh may be visible; and where the centre rays of a pixel and its neighbours hit different
+ * things. Outlines contain slivers that a small number of samples misses. */
 enum { BODY_MIN = 2, MESH_MIN = 4, OUTLINE_MIN = 8 };
-/* And at least this part of `samples`, on outlines that: whatever luck says of a pixel, with more
- * samples it gets more. */
+/* A pixel also gets at least samples / LEAST_PART samples, and on outlines samples / OUTLINE_PART,
+ * so that a higher `samples` raises the count even in pixels that look quiet by chance. */
 enum { LEAST_PART = 16, OUTLINE_PART = 2 };
 
-/* Pixels whose light is pooled with a pixel's, as a rule; fewer, for what is left of the noise is
- * alike in neighbours, which makes it easier to see. */
+/* Typical number of pixels over which the irradiance filter averages. The value is lower than the
+ * actual number because the remaining noise is correlated between neighbours, which makes it easier
+ * to see. */
 static const float POOL = 8.0f;
 
-/* A tile with a border of zeros: sums over neighbours need no cases. */
+/* Side of a tile padded with a border of zeros, so that neighbourhood sums need no bounds checks.
+ */
 enum { SIDE = PL_TILE_SIDE + 2 };
 
 typedef struct moments {
-  float mean[SIDE * SIDE];     /* of the luminance */
-  float variance[SIDE * SIDE]; /* of one sample's */
-  float shared[SIDE * SIDE];   /* the part of that which is of light that is shared */
-  float followed[SIDE * SIDE]; /* likewise, as if all paths were followed */
+  float mean[SIDE * SIDE];     /* mean luminance */
+  float variance[SIDE * SIDE]; /* variance of the luminance of one sample */
+  float shared[SIDE * SIDE];   /* part of the variance due to filtered irradiance */
+  float followed[SIDE * SIDE]; /* the same as if all paths were followed */
   float weight[SIDE * SIDE];   /* 1 in the tile, 0 on the border */
 } moments;
 
@@ -44,17 +49,17 @@ static size_t bordered(uint32_t pixel) {
   return (pixel / PL_TILE_SIDE + 1) * SIDE + pixel % PL_TILE_SIDE + 1;
 }
 
-/* Radiance that a path from a thing may find and has not: that of a white surface in the sun. In a
- * body's umbra there is none but the bodies. */
+/* Radiance that a path from a thing may find but has not found yet: that of a white surface in the
+ * sun. In the umbra of a body there is none except from the bodies. */
 static float unseen_radiance(const pl_path_context *context, uint32_t thing) {
   const pl_snapshot *shot = context->shot;
   if (thing >= shot->object_count)
-    return 0.0f; /* what lights bodies is convex and drawn to, or too little to count */
+    return 0.0f; /* sources that light bodies are convex and sampled explicitly, or negligible */
   return shot->objects[thing].dark ? 0.0f : context->suns[thing].irradiance / PL_PI_F;
 }
 
-/* A mesh may show where none is seen yet: as if one of the samples of these pixels had met this
- * part of white. */
+/* A mesh may be visible in a pixel in which no sample has hit one yet. The variance is set as if
+ * one of the samples of the pixel and its neighbours had differed by this part of white. */
 static const float UNSEEN_MESH = 0.3f, UNSEEN_FILTERED = 9.0f;
 
 static float unseen_mesh(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
@@ -67,8 +72,9 @@ static float unseen_mesh(const pl_path_context *context, const pl_tile_buffers *
   return step * step / (UNSEEN_FILTERED * (float)b->counts[pixel]);
 }
 
-/* Variance of the light that is shared, in one pixel's mean, after pooling with its neighbours;
- * `unseen`: as if one path of all their pixels had found that. */
+/* Variance of the filtered irradiance in the mean of one pixel, after averaging with its
+ * neighbours. `unseen`: radiance that one path of all these pixels is assumed to have found in
+ * addition. */
 static float shared_variance(const pl_patch *patch, float n, float unseen) {
   if (patch->lit == 0)
     return 0.0f;
@@ -81,7 +87,7 @@ static float shared_variance(const pl_patch *patch, float n, float unseen) {
   return part * part * variance / (POOL * pl_maxf(lit - 1.0f, 1.0f));
 }
 
-/* Light that is shared counts in a sample as what it is in the mean; its noise comes after. */
+/* Filtered irradiance enters each sample with its mean; its noise is added afterwards. */
 static void measure_pixel(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel,
                           size_t k, moments *out) {
   const pl_pixel_patches *patches = &b->patches[pixel];
@@ -127,7 +133,7 @@ float pl_path_error_dn(const pl_render_settings *settings, float mean, float err
   return other > 0.0f ? pl_maxf(found, error_dn(other, mean, error)) : found;
 }
 
-/* Over the neighbours of a pixel. */
+/* Sum over the eight neighbours of a pixel. */
 static float sum8(const float *values, size_t k) {
   float sum = values[k - 1] + values[k + 1];
   for (size_t row = k - SIDE; row <= k + SIDE; row += 2 * SIDE)
@@ -135,14 +141,14 @@ static float sum8(const float *values, size_t k) {
   return sum;
 }
 
-/* Standard error of a pixel's mean after n samples, digital numbers: by its neighbours alone. Its
- * own samples would end it where they are alike by luck, and go on where one is bright: what few
- * paths find would be too dark in the mean. */
+/* Standard error of a pixel's mean after n samples, in digital numbers, estimated from its
+ * neighbours only. With its own samples, a pixel would finish early where they agree by chance and
+ * continue where one is bright. Features that few paths find would then be too dark in the mean. */
 static float standard_error_dn(const pl_render_settings *settings, const moments *moments, size_t k,
                                float n) {
   const float count = sum8(moments->weight, k);
   if (!(count > 0.0f))
-    return INFINITY; /* the one pixel of its tile: nobody says that it is quiet */
+    return INFINITY; /* a tile of one pixel has no neighbours to estimate the noise from */
   const float around = sqrtf(sum8(moments->variance, k) / (count * n));
   return pl_path_error_dn(settings, sum8(moments->mean, k) / count, around);
 }
@@ -158,8 +164,9 @@ static bool is_finished(const pl_render_settings *settings, const moments *momen
   return n >= samples * error * sqrtf(n) / SCATTER_DN;
 }
 
-/* Of PL_IRRADIANCE_ROW paths so many are worth following: with the part f of them, of the cost of
- * what leads there, an error falls the fastest where f^2 is the ratio of the two variances. */
+/* Number of paths of PL_IRRADIANCE_ROW that are worth following. If following a path costs as much
+ * as tracing it up to there, the error falls fastest for a followed part f of the paths whose
+ * square is the ratio of the two variances. */
 static uint8_t worth_following(const moments *moments, size_t k) {
   const float shared = sum8(moments->followed, k);
   const float own = sum8(moments->variance, k) - sum8(moments->shared, k);
@@ -178,7 +185,7 @@ static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b,
   return false;
 }
 
-/* Part of a pixel that a white thing in the sun must fill to be noticed before black. */
+/* Part of a pixel that a white object in the sun must fill to be distinguishable from black. */
 static double faint_part(const pl_path_context *context) {
   static const double BLACK_SLOPE = 12.92 * 255.0; /* of sRGB */
   const pl_render_settings *s = context->settings;
@@ -188,8 +195,8 @@ static double faint_part(const pl_path_context *context) {
   return (double)s->noise_dn / BLACK_SLOPE * (double)white * PL_PI / fmax(sun, 1e-9);
 }
 
-/* Media may be thinner than a pixel, as an outline's slivers are; beside it they may lie on the
- * edge between two. */
+/* True if a medium thinner than the pixel may cross it, as slivers do on outlines. The four
+ * neighbours are tested too, since such a medium may lie on the edge between two pixels. */
 static bool has_thin_medium(const pl_path_context *context, uint32_t pixel) {
   static const int beside[5][2] = {{0, 0}, {0, -1}, {0, 1}, {-1, 0}, {1, 0}};
   const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
@@ -204,7 +211,8 @@ static bool has_thin_medium(const pl_path_context *context, uint32_t pixel) {
   return false;
 }
 
-/* Whether the sun's limb may cross the pixel: no part of its disc is too small to be seen. */
+/* True if the sun's limb may cross the pixel. The disc is so bright that any part of it is visible.
+ */
 static bool has_suns_limb(const pl_path_context *context, uint32_t pixel) {
   if (!context->sun)
     return false;
@@ -217,13 +225,14 @@ static bool has_suns_limb(const pl_path_context *context, uint32_t pixel) {
   return pl_vec3_dot(ray, toward) > 0.0 && fabs(off - (double)sun->sin_radius) < context->pixel_rad;
 }
 
-/* What a few samples of a pixel may all miss, though the plan knows that it may be there. */
+/* True if the pixel may contain something that the plan expects but a small number of samples may
+ * miss. */
 static bool may_miss(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
   return b->narrow[pixel] || has_thin_medium(context, pixel) || has_suns_limb(context, pixel);
 }
 
 void pl_path_drop_single(pl_tile_buffers *b) {
-  size_t kept = b->active_meshes; /* they cover what is behind */
+  size_t kept = b->active_meshes; /* mesh pixels stay active: meshes occlude what is behind them */
   for (size_t i = kept; i < b->active_count; i++)
     if (!b->single[b->active[i]])
       b->active[kept++] = b->active[i];

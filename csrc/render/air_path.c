@@ -1,4 +1,4 @@
-/* Air along rays and over vertices. Rays from the camera in pixels whose air is known come cheap:
+/* Atmospheres along rays and at vertices. Camera rays in pixels with interpolated air are cheap:
  * see air_tile.c. */
 #include "render/air_path.h"
 
@@ -26,7 +26,8 @@ static pl_air_item item_of(const pl_snapshot *shot, uint32_t index) {
   };
 }
 
-/* In the order in which rays from the camera meet them: nearer centres first. */
+/* Sorts by the distance of body centres from the camera, which is the order in which camera rays
+ * cross the atmospheres. */
 static void sort_items(const pl_snapshot *shot, pl_air_view *view) {
   for (size_t i = 1; i < view->count; i++)
     for (size_t k = i; k > 0; k--) {
@@ -69,7 +70,7 @@ bool pl_air_item_ray(const pl_air_item *item, const pl_snapshot *shot, pl_vec3 o
   const pl_shot_body *body = &shot->bodies[item->body];
   const pl_vec3 scaled = pl_mat3_mul_vec(body->to_unit, direction);
   const double norm = pl_vec3_norm(scaled);
-  if (!(norm > 0.0)) /* of a lens that has no ray */
+  if (!(norm > 0.0)) /* no ray: the pixel is outside the lens's field */
     return false;
   *ray = (pl_air_ray){
       .origin = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, origin)),
@@ -81,7 +82,8 @@ bool pl_air_item_ray(const pl_air_item *item, const pl_snapshot *shot, pl_vec3 o
   return pl_air_meets(item->air, ray);
 }
 
-/* Whether a pixel's own air is what the ray of a camera's path passes on its way to a hit. */
+/* True if the air stored for the pixel is the air that a camera path crosses on its way to the hit.
+ */
 static bool is_known(const pl_path_context *context, const pl_air_tile *tile, uint32_t pixel,
                      const pl_hit *hit) {
   const uint32_t first = (uint32_t)context->shot->object_count;
@@ -90,19 +92,21 @@ static bool is_known(const pl_path_context *context, const pl_air_tile *tile, ui
   return tile->known[pixel] == PL_AIR_SPACE && hit->thing == PL_NOTHING;
 }
 
-/* A ray through the air of one item. */
+/* A ray through the atmosphere of one item. */
 typedef struct passage {
   const pl_air_item *item;
   pl_air_ray ray;
-  pl_air_light light; /* along all of the ray */
-  bool known;         /* for all of its pixel */
+  pl_air_light light; /* along the whole ray */
+  bool known;         /* whether `light` is stored for the whole pixel */
 } passage;
 
-/* Media of a pixel whose air is even are so far from each other, in parts of the way to them. */
+/* Samples of a pixel with stored air share the light up to a medium if their distances to it differ
+ * by less than this relative amount. */
 static const double VEIL_STEP = 0.002;
 
-/* Pixels of a block whose media are so far from each other share an integral: along all of the ray
- * each has its own light, with which that up to the medium changes. */
+/* Pixels of a block share one integral if their distances to the medium differ by less than this
+ * relative amount. Each pixel has its own light along the whole ray; the light up to the medium is
+ * scaled in proportion. */
 static const double BLOCK_STEP = 0.02;
 
 static pl_air_block *block_of(pl_air_tile *tile, uint32_t pixel) {
@@ -116,7 +120,8 @@ static pl_vec3f ratios(pl_vec3f a, pl_vec3f b) {
   return pl_vec3f_make(ratio(a.x, b.x), ratio(a.y, b.y), ratio(a.z, b.z));
 }
 
-/* Half of the air, about, is before a medium: its depth changes by half as much. */
+/* Scales the block's light up to a medium to a pixel. About half of the air is assumed to lie
+ * before the medium, so that its optical depth changes by half as much as that of the whole ray. */
 static pl_air_light light_of_block(const pl_air_block *block, const pl_air_light *whole) {
   const pl_vec3f dims = ratios(whole->transmitted, block->whole.transmitted);
   const pl_vec3f half = pl_vec3f_make(sqrtf(dims.x), sqrtf(dims.y), sqrtf(dims.z));
@@ -125,7 +130,8 @@ static pl_air_light light_of_block(const pl_air_block *block, const pl_air_light
                         .transmitted = pl_vec3f_mul(block->to_medium.transmitted, half)};
 }
 
-/* Light along a ray up to a medium. In pixels whose air is known samples share it. */
+/* Light along a ray up to a medium; false if there is no air before it. In pixels with stored air,
+ * samples share the result. */
 static bool light_to_medium(const pl_air_view *view, const passage *p, double t, double norm,
                             pl_air_tile *tile, uint32_t pixel, pl_air_light *out) {
   pl_air_ray ray = p->ray;
@@ -152,8 +158,9 @@ static bool light_to_medium(const pl_air_view *view, const passage *p, double t,
   return true;
 }
 
-/* Adds what an air scatters along a ray, where each medium lets through a part of what is beyond
- * it; way[k]: what comes through the airs up to medium k. */
+/* Returns the light that an atmosphere scatters along a ray on which each medium transmits a part
+ * of the light from beyond it. way[k] is multiplied by the transmittance of the air up to medium k.
+ */
 static pl_vec3f scatter_between(const pl_air_view *view, const passage *p,
                                 const pl_medium_list *list, pl_vec3f *way, pl_air_tile *tile,
                                 uint32_t pixel) {
@@ -171,7 +178,8 @@ static pl_vec3f scatter_between(const pl_air_view *view, const passage *p,
   return pl_vec3f_add(sum, pl_vec3f_mul(left, pl_vec3f_sub(p->light.scattered, before)));
 }
 
-/* Adds what media send through the airs before them; returns what they let through. */
+/* Adds the light of the media, attenuated by the air before them; returns the product of their
+ * transmittances. */
 static pl_vec3f add_media(const pl_medium_list *list, const pl_vec3f *way, pl_vec3f *sum) {
   pl_vec3f left = {1.0f, 1.0f, 1.0f};
   for (size_t k = 0; k < list->count; k++) {
@@ -182,8 +190,8 @@ static pl_vec3f add_media(const pl_medium_list *list, const pl_vec3f *way, pl_ve
   return left;
 }
 
-/* Along the ray of path i through the air of out->item to its hit; false if there is none. The ray
- * itself is set where `pieces` of it are wanted, or where its light is not known. */
+/* Sets the passage of path i's ray through the air of out->item up to its hit; false if there is no
+ * air. The ray itself is set only if `pieces` of it are needed or its light is not stored. */
 static bool find_passage(const pl_path_context *context, int bounce, size_t i, bool pieces,
                          const pl_tile_buffers *b, passage *out) {
   const pl_air_item *item = out->item;
@@ -206,7 +214,7 @@ static bool find_passage(const pl_path_context *context, int bounce, size_t i, b
   return true;
 }
 
-/* What is scattered onto a body from its own air is its skylight, and is not added twice. */
+/* Light that a body's own air scatters onto it is part of its skylight and is not added twice. */
 void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_medium_list *list,
                  pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
@@ -254,11 +262,11 @@ pl_vec3f pl_air_toward_sun(const pl_air_view *view, const pl_snapshot *shot, pl_
   return out;
 }
 
-/* Skylight comes from everywhere: it counts as coming from this far from the zenith, the mean of an
- * even sky, for surfaces that are not Lambert's. */
+/* Cosine of the zenith angle from which skylight is taken to arrive on surfaces without a closed
+ * form for it: the mean over a uniform sky, weighted by irradiance. */
 static const float SKY_COSINE = 2.0f / 3.0f;
 
-/* Skylight from the sun's height over a vertex of the item's body. */
+/* Skylight by the sun's height over a vertex on the item's body. */
 static pl_vec3f skylight_at(const pl_air_view *view, const pl_air_item *item,
                             const pl_snapshot *shot, pl_vec3 position) {
   const pl_shot_body *body = &shot->bodies[item->body];
@@ -273,7 +281,7 @@ static pl_vec3f reflect_sky(const pl_surface *s, pl_vec3f wo, pl_vec3f irradianc
                           1.0f / PL_PI_F);
   const float across = sqrtf(0.5f * (1.0f - SKY_COSINE * SKY_COSINE));
   const pl_vec3f wi = {across, across, SKY_COSINE};
-  const pl_vec3f sent = s->reflectance->evaluate(s, wo, wi); /* with the cosine */
+  const pl_vec3f sent = s->reflectance->evaluate(s, wo, wi); /* includes the cosine */
   return pl_vec3f_scale(pl_vec3f_mul(sent, irradiance), 1.0f / SKY_COSINE);
 }
 
@@ -289,7 +297,7 @@ pl_vec3f pl_air_sky_reflected(const pl_air_view *view, const pl_snapshot *shot,
   return (pl_vec3f){0.0f, 0.0f, 0.0f};
 }
 
-/* The pixel's own values where they are known, or the vertex's. */
+/* Uses the values stored for the pixel if there are any, otherwise those of the vertex. */
 pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
                              const pl_vertex *vertex, pl_vec3f direct, float width_m,
                              const pl_tile_buffers *b) {
@@ -316,7 +324,8 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
                       pl_media_dim_sky(context->settings->media, shot, vertex, width_m, sky));
 }
 
-/* From the camera through the air of out->item to a pixel's point; false if there is none. */
+/* Sets the passage from the camera through the air of out->item to a pixel's point; false if there
+ * is no air. */
 static bool find_seen(const pl_path_context *context, const pl_vertex *point, bool pieces,
                       const pl_air_pixel *pixel, passage *out) {
   const pl_air_view *view = context->settings->air;

@@ -1,29 +1,31 @@
-/* The air of a tile's pixels, where it changes evenly: worked out at nine corners of pixels of a
- * square, and of second order in between. A square with places that are not what the nine say is
- * cut in four, in the end into pixels, each of which gets its mean. Where that is not known either
- * it is up to each sample. */
+/* Air in the pixels of a tile, where it varies smoothly. It is evaluated at nine pixel corners of a
+ * square and interpolated to second order in between. A square in which test points disagree with
+ * the interpolation is divided into four, down to single pixels, each of which gets its mean. If
+ * that is not accurate either, the air is evaluated for each sample. */
 #include <string.h>
 
 #include "math/color.h"
 #include "render/air_path.h"
 #include "render/path.h"
 
-enum { WHOLE = 16, LEAST = 4 };  /* pixels a side of squares */
-static const float SHARE = 0.5f; /* of the noise that samples may leave */
-/* By so many times that the corners of a pixel may miss its middle: the mean of the two by
- * Simpson's rule is off by a fortieth of it or less, for air that thins out by e^3 across the
- * pixel. */
+enum { WHOLE = 16, LEAST = 4 };  /* sides of squares, in pixels */
+static const float SHARE = 0.5f; /* largest error, as a part of the noise that samples may leave */
+/* Factor by which the mean of a pixel's corners may be off at its centre. The mean of the two by
+ * Simpson's rule is then off by at most a fortieth of that, for air whose density falls by e^3
+ * across the pixel. */
 static const float SIMPSON = 10.0f;
-/* Errors of what the ground sends count beside the least that it may send: of this albedo. */
+/* Errors of the reflected light are weighed against the darkest level that the ground may have:
+ * that of this albedo. */
 static const float DARK = 0.05f;
 
 typedef struct square {
   const pl_path_context *context;
   pl_tile_buffers *b;
-  int x, y, side; /* pixels in the tile */
+  int x, y, side; /* in pixels of the tile */
 } square;
 
-/* Where a ray that comes down meets the ground, in the body's scaled axes; false if it does not. */
+/* Point where a descending ray meets the ground, in the body's scaled axes; false if it does not.
+ */
 static bool meet_ground(const pl_air_ray *ray, pl_vec3 *point) {
   const double along = pl_vec3_dot(ray->origin, ray->direction);
   const pl_vec3 lowest = pl_vec3_madd(ray->origin, -along, ray->direction);
@@ -63,7 +65,7 @@ static const pl_air_corner *corner_at(const pl_path_context *context, pl_tile_bu
   return corner;
 }
 
-/* Sum of values, each times its weight. */
+/* Adds a value times its weight to the sum. */
 static void add_weighted(const pl_air_pixel *value, float weight, pl_air_pixel *sum) {
   sum->light.scattered = pl_vec3f_madd(sum->light.scattered, weight, value->light.scattered);
   sum->light.transmitted = pl_vec3f_madd(sum->light.transmitted, weight, value->light.transmitted);
@@ -73,19 +75,19 @@ static void add_weighted(const pl_air_pixel *value, float weight, pl_air_pixel *
 
 enum { NODES = 9 };
 
-/* Lagrange's polynomials of second order on 0, 1/2, 1. */
+/* Lagrange polynomials of second order on the nodes 0, 1/2, 1. */
 static void parabolas(float x, float out[3]) {
   out[0] = (1.0f - x) * (1.0f - 2.0f * x);
   out[1] = 4.0f * x * (1.0f - x);
   out[2] = x * (2.0f * x - 1.0f);
 }
 
-/* Parabolas swing below what ends in nothing. */
+/* Parabolas undershoot where a value falls to zero. */
 static pl_vec3f not_negative(pl_vec3f v) {
   return pl_vec3f_make(pl_maxf(v.x, 0.0f), pl_maxf(v.y, 0.0f), pl_maxf(v.z, 0.0f));
 }
 
-/* At a place of the square, 0..1. */
+/* Interpolates at (u, v) of the square, each 0..1. */
 static pl_air_pixel mix(const pl_air_corner *const nodes[NODES], float u, float v) {
   float across[3], down[3];
   pl_air_pixel sum = {0};
@@ -100,8 +102,8 @@ static pl_air_pixel mix(const pl_air_corner *const nodes[NODES], float u, float 
   return sum;
 }
 
-/* Radiance of a white ground under the air, over the sun's irradiance: with the sun overhead, which
- * is more than it is, so that errors count for more. */
+/* Radiance of a white ground under the air, over the sun's irradiance. The sun is taken to be
+ * overhead, which overestimates the radiance and so the errors. */
 static pl_vec3f white_ground(const pl_air_pixel *air) {
   return pl_vec3f_scale(
       pl_vec3f_mul(air->light.transmitted, pl_vec3f_add(air->sunlight, air->skylight)),
@@ -110,8 +112,8 @@ static pl_vec3f white_ground(const pl_air_pixel *air) {
 
 static float encode(float value) { return pl_srgb_encode(pl_minf(pl_maxf(value, 0.0f), 1.0f)); }
 
-/* Digital numbers between what the corners say of the middle and what is there, where `white` is
- * the irradiance over what is shown as white. */
+/* Error of an interpolated value, in digital numbers. `white` is the irradiance over the radiance
+ * displayed as white. */
 static float off_under(float white, const pl_air_pixel *said, const pl_air_pixel *is) {
   const pl_vec3f a = white_ground(said), b = white_ground(is);
   const float gray[2][3] = {{a.x, a.y, a.z}, {b.x, b.y, b.z}};
@@ -123,7 +125,7 @@ static float off_under(float white, const pl_air_pixel *said, const pl_air_pixel
     const float error = fabsf(haze[0][k] - haze[1][k]) + fabsf(gray[0][k] - gray[1][k]);
     const float shown = encode(white * level);
     worst = pl_maxf(worst, encode(white * (level + error)) - shown);
-    /* What is over white hides it, but may be said to be less than it is, down to black. */
+    /* An error above white is clipped, but the value may also be underestimated, down to black. */
     if (white * (level + error) > 1.0f)
       worst = pl_maxf(worst, shown - encode(white * (level - error)));
   }
@@ -137,7 +139,7 @@ static float off_dn(const pl_render_settings *settings, float irradiance, const 
   return other > 0.0f ? pl_maxf(worst, off_under(irradiance / other, said, is)) : worst;
 }
 
-/* Whether nothing but the black of space can be behind the square's air. */
+/* True if only black space can be behind the square's air. */
 static bool is_clear(const square *s) {
   pl_vec3 axis;
   double half_angle;
@@ -154,7 +156,7 @@ static float share_of(const square *s, const pl_air_pixel *said, const pl_air_pi
   return off_dn(settings, s->b->air.item->irradiance, said, is) / (SHARE * settings->noise_dn);
 }
 
-/* Whether the nodes say what is a quarter of the way along the diagonals. */
+/* True if the interpolation from the nodes is accurate a quarter of the way along the diagonals. */
 static bool is_even(const square *s, const pl_air_corner *const nodes[NODES]) {
   for (int i = 1; i < NODES; i++)
     if (nodes[i]->known != nodes[0]->known)
@@ -182,7 +184,7 @@ static void fill(const square *s, const pl_air_corner *const nodes[NODES]) {
     }
 }
 
-/* The mean over a pixel, of its corners and its middle. */
+/* Stores the mean over a pixel, from its corners and its centre. */
 static void take_pixel(const square *s) {
   pl_air_corner middle;
   pl_air_pixel around = {0}, mean = {0};
@@ -225,7 +227,7 @@ static void take_square(const square *s) {
     }
 }
 
-/* The only air in the tile, if no other body may be in it. */
+/* The only atmosphere in the tile, if no other body may be in it; otherwise NULL. */
 static const pl_air_item *only_item(const pl_path_context *context, bool *any) {
   const pl_air_view *view = context->settings->air;
   const pl_snapshot *shot = context->shot;

@@ -1,4 +1,4 @@
-/* The effect row `antialiasing`: how many colour samples a pixel gets. */
+/* The effect row `antialiasing`: the number of colour samples per pixel. */
 #include "plan/effects.h"
 
 #include <math.h>
@@ -17,8 +17,8 @@ static const char *absent(const pl_view *view) {
 
 static int ceiling(const pl_view *view) { return view->samples; }
 
-/* A pixel on an edge is off by at most the whole step with one sample, and by 1/sqrt(n) of it
- * with n stratified ones (the discrepancy of half planes). Glints reach the display's white. */
+/* For a pixel on an edge, one sample is off by at most the whole step, and n stratified samples by
+ * at most 1/sqrt(n) of it (the discrepancy of half planes). Glints reach the display's white. */
 static double bound_dn(const pl_view *view, int value) {
   return pl_view_dn(view, pl_view_step(view) / sqrt(value > 0 ? value : 1));
 }

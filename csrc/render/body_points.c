@@ -1,10 +1,11 @@
-/* Ellipsoids met by a tile's centre rays, pixels abreast. */
+/* Intersects ellipsoids with the centre rays of a tile, with pixels side by side in vector lanes.
+ */
 #include "render/body_points.h"
 
 #include "base/wide.h"
 #include "geom/ellipsoid.h"
 
-/* A row of pixels: their rays, and the nearest body that each meets. */
+/* A row of pixels: their rays, and the nearest body that each ray hits. */
 typedef struct row {
   const double *x, *y, *z;
   double *t;
@@ -12,7 +13,8 @@ typedef struct row {
   size_t count;
 } row;
 
-/* Puts the body where it is met before what is there; as pl_unit_sphere_intersect. */
+/* Records the body where its hit is nearer than the one stored; same arithmetic as
+ * pl_unit_sphere_intersect. */
 PL_WIDE static void meet(size_t count, const pl_shot_body *body, uint32_t thing,
                          const double *restrict x, const double *restrict y,
                          const double *restrict z, double *restrict nearest,
@@ -36,10 +38,10 @@ PL_WIDE static void meet(size_t count, const pl_shot_body *body, uint32_t thing,
   }
 }
 
-/* Points of a run on one body; vectors are three arrays each. */
+/* Points of a run of pixels on one body; vectors are stored as three arrays each. */
 typedef struct surface_run {
   double position[3][PL_TILE_SIDE];
-  float normal[3][PL_TILE_SIDE], facing[3][PL_TILE_SIDE]; /* outwards; on the viewer's side */
+  float normal[3][PL_TILE_SIDE], facing[3][PL_TILE_SIDE]; /* outward; towards the viewer */
 } surface_run;
 
 PL_WIDE static void locate(size_t count, const pl_shot_body *body, const double *restrict x,

@@ -1,4 +1,5 @@
-/* Rays at the cells of a disc, one each, by the lods that paths go by but in closed form. */
+/* Casts one ray at each cell of a disc, shaded in closed form with the reflectance levels of detail
+ * that paths use. */
 #include "render/body_radiance.h"
 
 #include "geom/ellipsoid.h"
@@ -9,7 +10,7 @@
 #include "render/medium.h"
 #include "shade/reflectance.h"
 
-/* Colour of bodies that are shapes: their facets are not looked at. */
+/* Albedo of bodies that have a shape: their facets are not evaluated. */
 static const float SHAPE = 0.2f;
 
 static double meet(const pl_shot_body *body, const pl_beam *beam) {
@@ -20,7 +21,8 @@ static double meet(const pl_shot_body *body, const pl_beam *beam) {
   return pl_unit_sphere_intersect(origin, direction, 0.0, &t) ? t : INFINITY;
 }
 
-/* Whether another body is before what is seen at distance t; not the one that the ray starts in. */
+/* True if another body hides the point at distance t. The body in which the ray starts is ignored.
+ */
 static bool is_hidden(const pl_snapshot *shot, uint32_t body, const pl_beam *beam, double t) {
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *other = &shot->bodies[i];
@@ -56,7 +58,7 @@ static pl_vec3f ground_light(const pl_snapshot *shot, const pl_render_settings *
   return pl_vec3f_add(out, pl_media_dim_sky(media, shot, &vertex, width_m, sky));
 }
 
-/* Through the body's own air. */
+/* Adds scattering and attenuation by the body's own air. */
 static pl_vec3f through_air(const pl_snapshot *shot, const pl_air_view *air, uint32_t body,
                             const pl_beam *beam, pl_vec3f behind) {
   for (size_t i = 0; air != NULL && i < air->count; i++) {
@@ -93,7 +95,7 @@ static float look(const pl_snapshot *shot, const pl_render_settings *settings, u
 
 /* Sums over the cells. */
 typedef struct sums {
-  double light, square, x, y; /* times solid angles */
+  double light, square, x, y; /* weighted by solid angle */
 } sums;
 
 static void add_cell(const pl_body_disc *disc, const pl_disc_table *table, int turn, int ring,

@@ -1,6 +1,7 @@
-/* How bright a body's disc is as one point sees it: looked at once in the middle of each cell of
- * its table (light/body_disc.h), with its map, photometry, air, media, night and eclipses by other
- * bodies. Draws go by it; what they meet is shaded as anything else. */
+/* Radiance of a body's disc as seen from one point. It is evaluated once in the centre of each cell
+ * of the body's table (light/body_disc.h), with the map, photometry, air, media, night side and
+ * eclipses by other bodies. It serves only as a sampling density: what the sampled rays hit is
+ * shaded like anything else. */
 #ifndef PL_RENDER_BODY_RADIANCE_H
 #define PL_RENDER_BODY_RADIANCE_H
 
@@ -10,16 +11,16 @@ struct pl_render_settings;
 
 typedef struct pl_body_radiance {
   uint32_t body;
-  pl_vec3 point; /* that it was made for */
+  pl_vec3 point; /* the point it was made for */
   pl_disc_table table;
-  float irradiance;      /* of a plate there that faces the light, W m-2 */
-  float wide_sr;         /* solid angle that as much light of one brightness would fill */
-  double most;           /* as of the disc there */
-  double part, turn_rad; /* of the disc: the middle of the light */
+  float irradiance;      /* on a plate at the point that faces the light, W m-2 */
+  float wide_sr;         /* solid angle that the same light would fill with uniform radiance */
+  double most;           /* as pl_body_disc's */
+  double part, turn_rad; /* centroid of the light on the disc */
 } pl_body_radiance;
 
-/* `sun`: direction from the body to the sun. False if no light is found. Reads the settings' air,
- * media and detail. */
+/* `sun`: direction from the body to the sun. Returns false if no light is found. Reads the air,
+ * media and detail of the settings. */
 bool pl_body_radiance_make(const pl_snapshot *shot, const struct pl_render_settings *settings,
                            uint32_t body, pl_vec3 sun, pl_vec3 point, pl_body_radiance *out);
 

@@ -1,4 +1,5 @@
-/* Maps are read where the ray meets the body, over the ray's footprint; positions in double. */
+/* Maps are sampled where the ray hits the body, over the ray's footprint. Positions are in double
+ * precision. */
 #include "render/body_surface.h"
 
 #include "render/ground.h"
@@ -7,7 +8,7 @@
 #include "shade/body_map.h"
 #include "shade/reflectance.h"
 
-/* What a body's maps count by. */
+/* Oblateness for the latitude of the body's maps: 0 for planetocentric latitudes. */
 static double oblate_of(const pl_shot_body *body) {
   return body->body->geodetic ? pl_body_map_oblate(body->state->radii_m) : 0.0;
 }
@@ -38,7 +39,7 @@ static void body_color(const pl_shot_body *body, const pl_body_place *place, pl_
     pl_texture_mean(body->body->map, out);
 }
 
-/* The surface of the materials that the shape's file has, with their frame. */
+/* The surface with the materials in the shape's file, and with their frame. */
 static void dressed_surface(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
                             pl_vertex *vertex) {
   pl_triangle_point point = {.triangle = vertex->triangle,
@@ -52,7 +53,7 @@ static void dressed_surface(const pl_shot_body *body, const pl_beam *beam, pl_de
   vertex->surface.emission = pl_vec3f_make(light[0], light[1], light[2]);
 }
 
-/* The body's own surface, but for its frame. */
+/* The body's own surface, without its frame. */
 static void own_surface(const pl_shot_body *body, const pl_beam *beam, const pl_body_place *place,
                         pl_detail detail, pl_vertex *vertex) {
   const pl_body_state *state = body->state;
@@ -75,13 +76,13 @@ static void own_surface(const pl_shot_body *body, const pl_beam *beam, const pl_
     pl_regolith_shade(body, beam, detail.maps, vertex);
 }
 
-/* The outward normal that is shaded: smooth on the shape of a body. */
+/* The outward shading normal; interpolated on a body with a shape. */
 static pl_vec3f normal_at(const pl_shot_body *body, const pl_vertex *vertex) {
   return body->shape == NULL ? vertex->ng
                              : pl_shot_normal(body->shape, vertex->triangle, vertex->w, vertex->ng);
 }
 
-/* The surface by the body's graph; its frame's t points east. */
+/* The surface from the body's graph; its frame's t points east. */
 static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
                              pl_vertex *vertex) {
   const pl_graph *graph = body->body->graph;

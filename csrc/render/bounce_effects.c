@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Whether a thing has another in its sky; a mesh may have itself. */
+/* True if a thing can receive light from another. A mesh can receive it from itself. */
 static bool has_sky(const pl_view *view, const pl_view_thing *thing) {
   return !thing->is_body || view->thing_count > 1 || view->volume_count > 0;
 }
@@ -27,11 +27,11 @@ static double whole(const pl_view_thing *source, const void *context) {
   return 1.0;
 }
 
-/* Upper bound of the part of a thing's sky that other things, or the thing itself, fill, times its
+/* Upper bound of the part of a thing's sky that is filled by other things, or by itself, times its
  * albedo. */
 static double return_of(const pl_view *view, const pl_view_thing *thing) {
   if (!thing->is_body)
-    return fmin(thing->albedo_max, 1.0); /* itself fills it */
+    return fmin(thing->albedo_max, 1.0); /* its sky may be filled by itself */
   double sum = pl_view_sum(view, thing, whole, NULL);
   for (size_t k = 0; (view->tree == NULL || view->tree->ringed) && k < view->thing_count; k++) {
     const pl_view_thing rings = pl_view_rings(&view->things[k]);
@@ -41,8 +41,9 @@ static double return_of(const pl_view *view, const pl_view_thing *thing) {
   return fmin(1.0, sum);
 }
 
-/* What paths of more than `value` bounces can add: each bounce keeps at most the largest return, a
- * geometric series. Paths on bodies have one bounce more from the row `body_bounces`. */
+/* Upper bound of what paths of more than `value` bounces add: each bounce retains at most the
+ * largest return, which gives a geometric series. Paths on bodies have one more bounce from the row
+ * `body_bounces`. */
 static double bound_dn(const pl_view *view, int value) {
   double largest = 0.0, light = 0.0, radiance = 0.0, volumes = 0.0;
   pl_view_weigh(view, whole, NULL);
@@ -56,7 +57,7 @@ static double bound_dn(const pl_view *view, int value) {
     if (!thing->in_frame || !has_sky(view, thing))
       continue;
     if (largest >= 1.0 || thing->ggx_alpha_min < 1.0)
-      return pl_view_dn(view, view->white_radiance); /* may show the sun itself */
+      return pl_view_dn(view, view->white_radiance); /* may reflect the sun itself */
     const double bounces = thing->is_body && value == 0 ? 1 : value;
     const double all = (return_of(view, thing) * light + volumes) / (1.0 - largest);
     radiance = fmax(radiance, all * pow(largest, bounces));
@@ -86,7 +87,7 @@ static const char *body_absent(const pl_view *view) {
   return "no body in the frame has anything in its sky";
 }
 
-/* Light that sources reflect onto a body, by their view factors. */
+/* Upper bound of the light that sources reflect onto bodies, by their view factors. */
 static double body_bound_dn(const pl_view *view, int value) {
   if (value > 0)
     return 0.0;

@@ -1,4 +1,4 @@
-/* Which surfaces mirror the sun onto others in a frame. */
+/* Builds the table of surfaces that mirror the sun onto others in a frame. */
 #include "light/sun.h"
 #include "math/color.h"
 #include "render/caustics.h"
@@ -7,34 +7,35 @@
 #include "shade/reflectance.h"
 
 static const float ALPHA_MAX = (float)PL_CAUSTIC_ALPHA_MAX;
-/* Curved mirrors show the sun in a place that depends on the point: their lobes would be too wide
- * to find it. By the squared slope of normals over that of the lobe. */
+/* On a curved mirror, the place of the sun's image depends on the receiving point, and a lobe that
+ * covers all of these places would be too wide to find the sun. The limit is the mean square slope
+ * of the normals over that of the lobe. */
 static const float SPREAD_MAX = 2.0f;
-/* Where flat mirrors send on less than this part of what all mirrors do, the light of bent ones is
- * the noise that is seen, and the table not worth its while. */
+/* If flat mirrors reflect less than this part of the light of all mirrors, the visible noise is
+ * that of curved ones, and the table is not worth its cost. */
 static const float LISTED_MIN = 0.2f;
-/* The least part of the sun's light that a mirror sends on. */
+/* Smallest part of the sun's light that a mirror in the table reflects. */
 static const float LIGHT_MIN = 0.01f;
-/* Mirrors that the sun only grazes, by the cosine. */
+/* Smallest cosine of incidence; mirrors that the sun only grazes are left out. */
 static const float COSINE_MIN = 0.02f;
-/* What stands higher over a mirror's plane than this part of its size may get its light; less is
- * the mirror itself. */
+/* A receiver must stand higher above a mirror's plane than this part of the mirror's size. Anything
+ * lower is the mirror itself. */
 static const float HEIGHT_MIN = 0.02f;
-/* The beam of a mirror is so many alphas wider than the mirror; as far as it is this many times as
- * wide as that. */
+/* The beam is wider than the mirror by BEAM_ALPHAS times alpha times the distance. It ends where
+ * alpha times the distance is FAR times the mirror's size. */
 static const float BEAM_ALPHAS = 4.0f, FAR = 8.0f;
-/* Boxes of a cover that hold a smaller part of its triangles are not looked into. */
+/* Boxes of a cover with less than 1/BOXES of its triangles are not subdivided. */
 enum { BOXES = 64 };
-/* Points of a mirror, a side, of which is asked whether they lie in the sun. */
+/* Points per side of a mirror that are tested for direct sunlight. */
 enum { SIDE = 4 };
-/* Points of a facet where bumps are looked at, and where they lie: the corners' weights follow the
- * sequence of Roberts 2018, folded into the triangle. */
+/* Points of a facet at which bumps are evaluated. Their barycentric coordinates follow the sequence
+ * of Roberts 2018, folded into the triangle. */
 enum { BUMPS = 12 };
 static const double STEP_U = 0.7548776662466927, STEP_V = 0.5698402909980532;
 
 /* --- the rectangle ---------------------------------------------------------------------------- */
 
-/* Where a group of facets of an object, or of a piece of one, is. */
+/* Sets the rectangle of a group of facets of an object, or of one of its pieces. */
 static void place(const pl_shot_object *object, const pl_shot_piece *piece,
                   const pl_facet_group *group, pl_caustic_mirror *out) {
   const float *m = piece != NULL ? piece->to_view : object->to_view;
@@ -63,9 +64,9 @@ static void turn_over(pl_basis *basis) {
 
 /* --- its lobe --------------------------------------------------------------------------------- */
 
-/* A point of the group's largest facet, by the weights of its second and third corner, as a ray
- * from the sun sees it, with all of the mirror in its footprint. `triangle`: of the object's model.
- */
+/* Shades a point of the group's largest facet, given by the weights uv of its second and third
+ * corner, as seen by a ray from the sun whose footprint covers the whole mirror. `triangle`: index
+ * in the object's model. False if the sun is below the shading normal's horizon or grazes it. */
 static bool shade(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, const double uv[2],
                   pl_detail detail, const pl_caustic_mirror *m, pl_vertex *out) {
   const pl_shot_object *object = &shot->objects[thing];
@@ -89,8 +90,8 @@ static bool shade(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, co
   return pl_vec3f_dot(out->surface.n, m->sun) > COSINE_MIN;
 }
 
-/* Variance of the slopes that bumps of a graph give the facet: to its image of the sun they are a
- * wider lobe. Of other surfaces 0. */
+/* Variance of the normals' slopes due to a graph's bumps on the facet; they widen the lobe about
+ * the image of the sun. 0 for other surfaces. */
 static float bumpiness(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, pl_detail detail,
                        const pl_caustic_mirror *m) {
   const pl_shot_object *object = &shot->objects[thing];
@@ -112,13 +113,14 @@ static float bumpiness(const pl_snapshot *shot, uint32_t thing, uint32_t triangl
   return pl_maxf(square - x * x - y * y, 0.0f);
 }
 
-/* Density of drawing mirror directions over the density of microfacets. */
+/* Density of sampled mirror directions over the density of microfacets. */
 static float peak_of(float alpha, pl_vec3f sun) {
   return 1.0f / (4.0f * sun.z * (1.0f + pl_ggx_lambda(alpha, sun)));
 }
 
-/* Sets alpha and light by what a surface sends on in the direction of a mirror; false if that is
- * little, or goes wide. Of a coat and its base the sharper counts that mirrors. */
+/* Sets alpha and light from what a surface reflects in the mirror direction; false if that is too
+ * little or the lobe too wide. Of a coat and its base, the sharper one that reflects enough is
+ * used. */
 static bool set_lobe(const pl_surface *s, float spread, float irradiance, float sin_sun,
                      pl_caustic_mirror *m) {
   const pl_vec3f wo = pl_surface_to_local(s, m->sun), wi = {-wo.x, -wo.y, wo.z};
@@ -133,7 +135,8 @@ static bool set_lobe(const pl_surface *s, float spread, float irradiance, float 
     alpha = pl_ggx_alpha(broad);
     light = value / (peak_of(alpha, wo) * pl_ggx_density(alpha, alpha, top));
   }
-  /* A slope's square is twice its component's; half an angle of the sun's tilts a facet as much. */
+  /* The mean square of a slope is twice that of a component. An offset of the sun's direction tilts
+   * the half vector by half as much. */
   const float disc = 0.35f * sin_sun;
   m->alpha = sqrtf(alpha * alpha + disc * disc + spread);
   m->light = pl_minf(light, 1.0f) * irradiance;
@@ -142,19 +145,20 @@ static bool set_lobe(const pl_surface *s, float spread, float irradiance, float 
 
 /* --- what it lights --------------------------------------------------------------------------- */
 
-/* A box about what may be lit: its middle from the mirror's centre, and its half axes. */
+/* Box about a possible receiver: its centre relative to the mirror's centre, and its half axes, m.
+ */
 typedef struct receiver {
   pl_vec3f from, half[3];
 } receiver;
 
-/* Half of the box's width along an axis. */
+/* Half of the box's extent along an axis. */
 static float width_along(const receiver *r, pl_vec3f axis) {
   return fabsf(pl_vec3f_dot(r->half[0], axis)) + fabsf(pl_vec3f_dot(r->half[1], axis)) +
          fabsf(pl_vec3f_dot(r->half[2], axis));
 }
 
-/* Whether a box lies within the beam along a side of the mirror. Points go back along the beam to
- * the mirror's plane, which is linear in them. */
+/* True if a box overlaps the beam along one side of the mirror. Points are projected along the beam
+ * onto the mirror's plane, which is linear in their position. */
 static bool lies_within(const pl_caustic_mirror *m, const receiver *r, pl_vec3f side, float half) {
   const float lean = pl_vec3f_dot(m->image, side) / m->local.z;
   const pl_vec3f axis = pl_vec3f_madd(side, lean, m->basis.n);
@@ -190,7 +194,7 @@ static receiver box_receiver(const pl_caustic_mirror *m, const pl_shot_object *o
 
 static bool lights_cover(const pl_caustic_mirror *m, const pl_shot_object *object,
                          const pl_shot_piece *piece, const pl_cover *cover) {
-  /* Boxes of no more triangles are not looked into. */
+  /* Boxes of at most this many triangles are not subdivided. */
   const uint32_t fine = cover->count > 0 ? cover->boxes[0].count / BOXES : 0;
   for (size_t i = 0; i < cover->count;) {
     const pl_box *box = &cover->boxes[i];
@@ -222,7 +226,7 @@ static bool lights_object(const pl_caustic_mirror *m, const pl_shot_object *obje
   return false;
 }
 
-/* A body counts where its surface is near. */
+/* A body is a receiver if its surface is near. */
 static bool lights_body(const pl_caustic_mirror *m, const pl_shot_body *body) {
   const double height = pl_vec3_norm(pl_vec3_sub(body->center, m->center)) - body->radius_m;
   const pl_vec3 down = pl_vec3_unit(pl_vec3_sub(body->center, m->center));
@@ -241,7 +245,7 @@ static bool lights_anything(const pl_snapshot *shot, const pl_caustic_mirror *m)
   return false;
 }
 
-/* The part of the mirror that lies in the sun. */
+/* Part of the mirror that is in direct sunlight. */
 static float lit_part(const pl_tracer *tracer, const pl_caustic_mirror *m) {
   pl_ray rays[SIDE * SIDE];
   bool occluded[SIDE * SIDE];
@@ -266,14 +270,14 @@ static float lit_part(const pl_tracer *tracer, const pl_caustic_mirror *m) {
 
 /* --- the table -------------------------------------------------------------------------------- */
 
-/* Whether the spread of normals adds little to the lobe. */
+/* True if the spread of normals adds little to the lobe. */
 static bool is_flat(const pl_caustic_mirror *m, float spread) {
   return spread < SPREAD_MAX * (m->alpha * m->alpha - spread);
 }
 
 static float power_of(const pl_caustic_mirror *m) { return m->light * m->area * m->local.z; }
 
-/* Keeps those that send on most. */
+/* Inserts a mirror; the table keeps those of the largest power. */
 static void insert(const pl_caustic_mirror *m, pl_caustics *out) {
   size_t at = out->count;
   if (at == PL_CAUSTIC_MIRRORS) {
@@ -292,10 +296,11 @@ typedef struct builder {
   const pl_tracer *tracer;
   pl_detail detail;
   pl_caustics *out;
-  float listed, bent; /* power of flat mirrors, and of such as are too bent */
+  float listed, bent; /* power of listed flat mirrors, and of mirrors that are too curved */
 } builder;
 
-/* Sets the rectangle on the side of the sun, and the sun. False if it does not light it. */
+/* Turns the rectangle to the sun's side and sets the direction and image of the sun. False if the
+ * sun does not light it. */
 static bool face_sun(const builder *b, uint32_t triangle, const pl_sun_view *sun,
                      pl_caustic_mirror *m) {
   const pl_shot_object *object = &b->shot->objects[m->thing];
@@ -310,7 +315,7 @@ static bool face_sun(const builder *b, uint32_t triangle, const pl_sun_view *sun
   return m->area > 0.0f && m->local.z > COSINE_MIN;
 }
 
-/* `triangle`: of the object's model. */
+/* `triangle`: index in the object's model. */
 static void add_group(builder *b, uint32_t thing, uint32_t triangle, const pl_shot_piece *piece,
                       const pl_facet_group *group) {
   pl_caustic_mirror m = {.thing = thing};

@@ -1,19 +1,21 @@
-/* Drawing from one point to the mirrors of the table. */
+/* Sampling of the mirrors in the table from one point. */
 #include "render/caustics.h"
 
 #include "math/color.h"
 #include "shade/ggx.h"
 #include "shade/reflectance.h"
 
-/* Mirrors that send a point less than this part of the light in their beam are left to chance. */
+/* Mirrors that give a point less than this part of the light in their beam are left to BSDF
+ * sampling. */
 static const float REACH_MIN = 1e-3f;
-/* Either way of drawing to a mirror has this chance at least. */
+/* Minimum probability of either strategy for sampling a mirror. */
 static const float WAY_MIN = 0.05f;
-/* A lobe that finds a mirror's light about as well as the table does needs none. */
+/* If BSDF sampling finds a mirror's light at this part of the table's density or more, the mirror
+ * is left to it. */
 static const float LOBE_FINDS = 0.5f;
 
-/* Density of the mirror's lobe at a unit direction towards it: that of drawing visible normals of
- * its microfacets as seen from the sun. */
+/* Density of the mirror's lobe at a unit direction towards it: that of sampling visible normals of
+ * its microfacets as seen from the sun, 1/sr. */
 static float lobe_pdf(const pl_caustic_mirror *m, pl_vec3f direction) {
   const pl_vec3f out = pl_vec3f_scale(direction, -1.0f);
   if (!(pl_vec3f_dot(out, m->basis.n) > 0.0f))
@@ -29,7 +31,7 @@ static bool sample_lobe(const pl_caustic_mirror *m, const float u[2], pl_vec3f *
   return out.z > 0.0f;
 }
 
-/* Density of drawing evenly by area to the rectangle. */
+/* Density of sampling the rectangle uniformly by area, 1/sr. */
 static float rectangle_pdf(const pl_caustic_draw *draw, pl_vec3f direction) {
   const pl_caustic_mirror *m = draw->mirror;
   const float facing = -pl_vec3f_dot(direction, m->basis.n);
@@ -50,9 +52,9 @@ static void sample_rectangle(const pl_caustic_draw *draw, const float u[2], pl_v
   *direction = pl_vec3f_unit(pl_vec3f_sub(at, draw->from));
 }
 
-/* The part of a mirror's beam that a point gets: 1 if its lobe is within its rectangle as seen from
- * there; by the density of the lobe where the two are closest, times the rectangle's solid angle.
- * `direction`: to that place. */
+/* Part of a mirror's beam that a point receives: 1 if the lobe lies within the rectangle as seen
+ * from the point. Estimated as the density of the lobe at the point of the rectangle nearest to the
+ * sun's image, times the rectangle's solid angle. `direction`: set to that point. */
 static float reach(const pl_caustic_mirror *m, pl_vec3f from, pl_vec3f *direction) {
   const float height = pl_vec3f_dot(from, m->basis.n);
   if (!(height > 1e-3f * (m->half[0] + m->half[1])))
@@ -71,7 +73,7 @@ static float reach(const pl_caustic_mirror *m, pl_vec3f from, pl_vec3f *directio
   return ratio / (1.0f + ratio);
 }
 
-/* Keeps the brightest. */
+/* Inserts a candidate; the list keeps the brightest. */
 static void insert(pl_caustic_draws *out, const pl_caustic_draw *draw) {
   int at = out->count;
   if (at == PL_CAUSTIC_DRAWS) {

@@ -1,37 +1,38 @@
-/* Caustics: sunlight by way of surfaces that mirror it, onto others. A diffuse surface finds such a
- * mirror by chance, and in it the sun, so seldom that what it finds are fireflies. But of a flat
- * mirror it is known where the sun is to be seen in it: about the sun's mirror image, as wide as
- * the mirror's lobe. Each frame has a table of flat, sunlit mirrors. Paths that go on from a
- * surface are drawn by its lobe, to bodies (planetshine.h), or to the table: to the lobe about a
- * mirror's image of the sun, or to the mirror's rectangle where that is the smaller of the two. The
- * density of all of these together weighs them (Veach 1997, the balance heuristic of one sample):
- * what a path meets is shaded as ever, so that a mirror that is bent, hidden or not in the table
- * makes noise, never an error. */
+/* Caustics: sunlight reflected by mirrors onto other surfaces. Paths from a diffuse surface hit
+ * such a mirror, and the sun in it, so rarely that the result is fireflies. In a flat mirror,
+ * however, the place of the sun is known: its mirror image, blurred by the mirror's lobe. Each
+ * frame has a table of flat, sunlit mirrors. The next direction of a path is sampled from the
+ * surface's BSDF, towards bodies (planetshine.h), or from the table: from the lobe about a mirror's
+ * image of the sun, or over the mirror's rectangle where that is the smaller of the two. The sample
+ * is weighted by the combined density of all these strategies (Veach 1997, one-sample balance
+ * heuristic). What a path hits is shaded as usual, so that a mirror that is curved, hidden or
+ * missing from the table adds noise but no bias. */
 #ifndef PL_RENDER_CAUSTICS_H
 #define PL_RENDER_CAUSTICS_H
 
 #include "math/sampling.h"
 #include "render/vertex.h"
 
-/* Mirrors of a frame, and those of them that are drawn to from one point. */
+/* Number of mirrors of a frame, and of those that are sampled from one point. */
 enum { PL_CAUSTIC_MIRRORS = 24, PL_CAUSTIC_DRAWS = 6 };
 
-/* Rougher lobes find the sun often enough by chance; by measurement (benchmarks/caustics.py). */
+/* BSDF sampling finds the sun often enough in rougher lobes; measured with benchmarks/caustics.py.
+ */
 #define PL_CAUSTIC_ALPHA_MAX 0.15
 
-/* A rectangle about facets that mirror the sun. */
+/* A rectangle that bounds facets which mirror the sun. */
 typedef struct pl_caustic_mirror {
   uint32_t thing;
   pl_vec3 center; /* camera-relative, root axes, m */
-  pl_basis basis; /* t, b: along the sides; n: on the side of the sun */
-  float half[2];  /* of the sides, m */
+  pl_basis basis; /* t, b: along the sides; n: on the sun's side */
+  float half[2];  /* half lengths of the sides, m */
   float area;     /* of the rectangle, m2 */
-  float alpha;    /* GGX alpha of its lobe, with what its facets and the sun's disc add */
-  pl_vec3f sun;   /* unit, root axes */
+  float alpha;  /* GGX alpha of its lobe, widened by the spread of its facets and the sun's disc */
+  pl_vec3f sun; /* direction to the sun: unit, root axes */
   pl_vec3f local; /* the same in the basis */
-  pl_vec3f image; /* from anywhere towards the image of the sun: root axes, unit */
-  float peak;     /* of the lobe: D(h) times this is the density of mirror directions, 1/sr */
-  float light;    /* irradiance across the mirrored light, luminance, W m-2 */
+  pl_vec3f image; /* direction from any point to the image of the sun: unit, root axes */
+  float peak;     /* D(h) times this is the density of mirror directions, 1/sr */
+  float light;    /* luminance of the irradiance across the reflected beam, W m-2 */
 } pl_caustic_mirror;
 
 /* Read-only once built; shared by all workers. */
@@ -41,32 +42,34 @@ typedef struct pl_caustics {
   float sun; /* irradiance of the sun, W m-2 */
 } pl_caustics;
 
-/* Lists the mirrors of what the snapshot keeps whose light reaches other surfaces; `tracer` is set
- * to it. */
+/* Lists the mirrors on objects kept in the snapshot whose light reaches other surfaces. `tracer`
+ * must be set to the snapshot. */
 void pl_caustics_build(const pl_snapshot *shot, const pl_tracer *tracer, pl_detail detail,
                        pl_caustics *out);
 
-/* What a point is drawn to. */
+/* A mirror as it is sampled from a point. */
 typedef struct pl_caustic_draw {
   const pl_caustic_mirror *mirror; /* borrowed */
   pl_vec3f from;                   /* the point from the mirror's centre, m */
-  float chance;                    /* of the mirror; of all together 1 */
-  float by_lobe;                   /* part of its draws that are by the lobe */
+  float chance;                    /* probability of this mirror; all together 1 */
+  float by_lobe;                   /* probability that a sample of it is drawn from its lobe */
 } pl_caustic_draw;
 typedef struct pl_caustic_draws {
   int count;
   pl_caustic_draw draws[PL_CAUSTIC_DRAWS];
 } pl_caustic_draws;
 
-/* The mirrors that light a vertex. `wo` in the surface's frame. Returns a guess of the light that
- * it sends on of theirs, radiance; 0: none, `out` is not valid then. */
+/* Selects the mirrors that light a vertex. `wo` in the surface's frame. Returns an estimate of the
+ * radiance that the vertex reflects of their light, W m-2 sr-1; if it is 0 there are none and `out`
+ * is not valid. */
 float pl_caustics_at(const pl_caustics *caustics, const pl_vertex *vertex, pl_vec3f wo,
                      pl_caustic_draws *out);
 
-/* A unit direction, root axes; u in [0, 1)^2, `choice` in [0, 1). False if there is none. */
+/* Samples a unit direction, root axes; u in [0, 1)^2, `choice` in [0, 1). False if the sample is
+ * invalid. */
 bool pl_caustics_sample(const pl_caustic_draws *draws, const float u[2], float choice,
                         pl_vec3f *direction);
-/* Density of that, 1/sr. */
+/* Density of pl_caustics_sample at a direction, 1/sr. */
 float pl_caustics_pdf(const pl_caustic_draws *draws, pl_vec3f direction);
 
 #endif

@@ -1,4 +1,4 @@
-/* The effect row `caustics`: sunlight that mirrors throw onto other surfaces. */
+/* The effect row `caustics`: sunlight that mirrors reflect onto other surfaces. */
 #include <math.h>
 #include <stddef.h>
 
@@ -20,8 +20,8 @@ static const char *absent(const pl_view *view) {
   return "no mesh is smooth enough to mirror the sun";
 }
 
-/* What is left to chance without the row: all light of the sun by way of mirrors. A thing sees at
- * most the sun's own radiance in them, in the part of its sky that they fill. */
+/* Without the row, sunlight reflected by mirrors is found by BSDF sampling only. A thing receives
+ * at most the sun's own radiance from them, over the part of its sky that they fill. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value > 0)
@@ -33,7 +33,7 @@ static double bound_dn(const pl_view *view, int value) {
       if (!mirrors(source))
         continue;
       if (source == seen)
-        return pl_view_dn(view, view->white_radiance); /* its parts onto each other */
+        return pl_view_dn(view, view->white_radiance); /* its parts light each other */
       const double disc = PI * view->sun_radius_rad * view->sun_radius_rad;
       radiance = fmax(radiance, pl_view_transfer(seen, source) * source->irradiance / disc);
     }

@@ -1,5 +1,5 @@
-/* Clouds: shells about bodies. A shell is an ellipsoid, and as thin as a sheet but for the way that
- * level rays have in it. */
+/* Clouds: shells about bodies. A shell is an infinitely thin ellipsoid, except that rays near the
+ * horizontal have a path of finite length in it. */
 #include "geom/ellipsoid.h"
 #include "math/color.h"
 #include "render/medium_kinds.h"
@@ -60,14 +60,14 @@ static bool in_cone(const void *own, const pl_snapshot *shot, pl_vec3 axis, doub
 
 static pl_vec3 divide(pl_vec3 a, pl_vec3 b) { return (pl_vec3){a.x / b.x, a.y / b.y, a.z / b.z}; }
 
-/* A ray and a shell, in body axes. */
+/* Intersection of a ray and a shell, in body axes. */
 typedef struct meeting {
   pl_vec3 origin, direction; /* m from the body's centre */
   double t[2];               /* entry and exit */
 } meeting;
 
-/* A ray that starts so near to the shell, over its radius, starts on it, and does not cross it
- * there: rounding would let some do and others not. */
+/* A ray whose start is closer to the shell than this, relative to its radius, starts on it and does
+ * not cross it there. Otherwise rounding would make some rays cross it and others not. */
 static const double ON_SHELL = 1e-12;
 
 static bool meet(const cloud_item *item, const pl_snapshot *shot, pl_vec3 origin, pl_vec3 direction,
@@ -77,7 +77,7 @@ static bool meet(const cloud_item *item, const pl_snapshot *shot, pl_vec3 origin
   out->direction = pl_mat3_mul_vec_t(body->rotation, direction);
   const pl_vec3 o = divide(out->origin, item->radii_m), d = divide(out->direction, item->radii_m);
   const double a = pl_vec3_dot(d, d);
-  if (!(a > 0.0)) /* of a lens that has no ray */
+  if (!(a > 0.0)) /* no ray: the pixel is outside the lens's field */
     return false;
   const double middle = -pl_vec3_dot(o, d) / a;
   const pl_vec3 lowest = pl_vec3_madd(o, middle, d);
@@ -87,26 +87,26 @@ static bool meet(const cloud_item *item, const pl_snapshot *shot, pl_vec3 origin
   const double half = sqrt(left / a);
   out->t[0] = middle - half;
   out->t[1] = middle + half;
-  if (fabs(pl_vec3_dot(o, o) - 1.0) < ON_SHELL) { /* one of the two is where the ray starts */
+  if (fabs(pl_vec3_dot(o, o) - 1.0) < ON_SHELL) { /* one of the two is at the start of the ray */
     out->t[0] = fmin(0.0, 2.0 * middle);
     out->t[1] = fmax(0.0, 2.0 * middle);
   }
   return out->t[1] > 0.0;
 }
 
-/* Whether a ray from outside the body's surface comes down on it. */
+/* True if a ray from outside the body meets its surface. */
 static bool lands(const pl_shot_body *body, const meeting *m) {
   const pl_vec3 r = body->state->radii_m;
   double t;
   return pl_ellipsoid_intersect(r, m->origin, m->direction, 0.0, &t);
 }
 
-/* A place of the shell, and how a ray goes through it. */
+/* A point of the shell, and how a ray crosses it there. */
 typedef struct place {
   pl_vec3 point, normal; /* body axes */
-  float mu;              /* cosine to the normal, of a layer that is round */
+  float mu;              /* cosine to the normal, for a curved layer */
   float cover, depth, unsure;
-  pl_vec3f slope; /* of the tops */
+  pl_vec3f slope; /* of the cloud tops */
 } place;
 
 static float mu_of(const cloud_item *item, double cosine) {
@@ -114,7 +114,7 @@ static float mu_of(const cloud_item *item, double cosine) {
   return (float)fmin(1.0, sqrt(cosine * cosine + fmin(bent, 1.0)));
 }
 
-/* What a footprint about the place shows of the clouds. */
+/* Sets the cloud properties seen by a footprint about the point. */
 static void cover_place(const cloud_item *item, pl_vec3 across, pl_vec3 along, bool tops,
                         place *at) {
   const pl_cloud_place seen = pl_cloud_place_at(&item->cover, at->point, across, along, tops);
@@ -139,9 +139,9 @@ static void find_place(const cloud_item *item, const meeting *m, double t, float
   cover_place(item, across, along, tops, out);
 }
 
-/* Light that comes through a covered place: over the ground all that is not sent back, since what
- * is scattered on the way was as much elsewhere; of other things what comes straight. What the
- * ground sends up and clouds send back is left out. */
+/* Transmittance of a covered point. Over the ground, all light that is not reflected counts, since
+ * on average as much light is scattered into the ray as out of it. For other things only direct
+ * transmittance counts. Light reflected between ground and clouds is neglected. */
 static float through(const place *at, bool ground) {
   return ground ? 1.0f - pl_cloud_reflected(at->depth, at->mu)
                 : pl_cloud_straight(at->depth, at->mu);
@@ -151,8 +151,9 @@ static float passed_at(const place *at, bool ground) {
   return 1.0f - at->cover * (1.0f - through(at, ground));
 }
 
-/* By which part more of the sun's light meets tops that are turned to it, or less. As much of one
- * as of the other, so that the mean over the slopes stays: what shades and lights each other. */
+/* Relative change of the sunlight on tops that are tilted towards the sun or away from it. It is
+ * limited symmetrically so that the mean over the slopes is preserved: this stands for shadowing
+ * and interreflection between the tops. */
 static const float TILT_MAX = 0.8f;
 static float tilt_of(const pl_shot_body *body, const place *at, const pl_sun_view *sun,
                      float height) {
@@ -163,12 +164,12 @@ static float tilt_of(const pl_shot_body *body, const place *at, const pl_sun_vie
   return -pl_maxf(-most, pl_minf(rise, most)) / pl_maxf(height, 1e-6f);
 }
 
-/* How the sun stands over a place, seen from where the ray came from. */
+/* The sun at a point of the shell, as seen from the start of the ray. */
 typedef struct lighting {
   pl_vec3 point; /* camera-relative, root axes */
   pl_sun_view sun;
-  float height, mu; /* cosines to the normal; the second of a layer that is round */
-  bool same_side;   /* of the shell, as the ray's start */
+  float height, mu; /* cosines to the normal; `mu` for a curved layer */
+  bool same_side;   /* the sun and the start of the ray are on the same side of the shell */
 } lighting;
 
 static lighting light_place(const cloud_item *item, const pl_snapshot *shot, const meeting *m,
@@ -184,8 +185,8 @@ static lighting light_place(const cloud_item *item, const pl_snapshot *shot, con
   return out;
 }
 
-/* Part of the sunlight there that the place sends to where the ray came from, 1/sr: Lambert's, like
- * that of a layer in which light has forgotten where it came from. */
+/* Part of the sunlight at the point that it scatters towards the start of the ray, 1/sr. It is
+ * Lambertian, as for a layer in which multiple scattering has made the light isotropic. */
 static float sent_by(const cloud_item *item, const pl_snapshot *shot, const lighting *from,
                      const place *at) {
   float part = pl_cloud_reflected(at->depth, from->mu);
@@ -196,7 +197,7 @@ static float sent_by(const cloud_item *item, const pl_snapshot *shot, const ligh
   return part * at->cover * from->height / PL_PI_F;
 }
 
-/* Means over what a ray sees of the shell in one crossing. */
+/* Means over the footprint of a ray in one crossing of the shell. */
 typedef struct means {
   float cover, passed, sent, unsure;
 } means;
@@ -205,12 +206,12 @@ static void add_place(const cloud_item *item, const pl_snapshot *shot, const lig
                       const place *at, bool ground, float part, means *sum) {
   sum->cover += part * at->cover;
   sum->passed += part * passed_at(at, ground);
-  sum->unsure = hypotf(sum->unsure, part * at->unsure); /* what hides in each is independent */
+  sum->unsure = hypotf(sum->unsure, part * at->unsure); /* errors of the parts are independent */
   if (from != NULL)
     sum->sent += part * sent_by(item, shot, from, at);
 }
 
-/* The same over parts x parts places of the footprint; they lie in the plane about `at`. */
+/* The same, averaged over parts x parts points of the footprint in the tangent plane at `at`. */
 static void look_closer(const cloud_item *item, const pl_snapshot *shot, const meeting *m, double t,
                         const pl_medium_ray *ray, const lighting *from, bool ground, place at,
                         means *sum) {
@@ -281,8 +282,8 @@ static void cross(const pl_media *media, const void *own, const pl_snapshot *sho
       cross_item(&list->items[i], media, shot, ray, out);
 }
 
-/* Below the clouds all that they let through counts as coming from the sun. A body's own night is
- * no matter of its clouds. */
+/* Below the clouds, all light that they transmit counts as coming from the sun. The night side of a
+ * body is handled elsewhere. */
 static pl_vec3f toward_sun(const pl_media *media, const void *own, const pl_snapshot *shot,
                            pl_vec3 point, const pl_sun_view *sun, float width_m) {
   const cloud_list *list = own;
