@@ -1,10 +1,10 @@
-/* Projecting boxes and triangles. */
+/* Marks the pixels in which meshes may be visible, by projecting boxes and triangles. */
 #include "render/coverage_mask.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 
-/* Pixels, inclusive; places are from the centre of pixel (0, 0). */
+/* In pixels, inclusive, with the origin at the centre of pixel (0, 0). */
 typedef struct extent {
   double x0, y0, x1, y1;
 } extent;
@@ -12,40 +12,42 @@ typedef struct area {
   int x0, y0, x1, y1;
 } area;
 
-/* Rays leave through any place of a pixel, and a little beyond: pl_path_subpixel goes to 0.542 with
+/* Rays leave through any point of a pixel, and slightly beyond: pl_path_subpixel reaches 0.542 with
  * three samples. */
 static const double MARGIN_PX = 0.55;
-/* Meshes are traced in single precision: hits are off by less than this part of the lengths that
- * are added up there, some sixteen roundings; on the way to them, in double, by less than that. */
+/* Meshes are traced in single precision. Hits are off by less than ROUNDING times the lengths that
+ * are summed in the model's frame (some sixteen roundings), and by less than ROUNDING_AWAY times
+ * the distance to the model, which is handled in double precision. */
 static const double ROUNDING = 1e-6, ROUNDING_AWAY = 1e-15;
 
-/* Boxes that touch so many pixels need no closer look; nor do those with so few triangles where
- * none is paid for. */
+/* Boxes that touch at most AREA_LEAST pixels are not subdivided. Nor are boxes of at most COARSE
+ * triangles if triangles are not projected. */
 enum { AREA_LEAST = 9, COARSE = 64 };
-/* Triangles cost about as much as a ray that each of their pixels saves: no frame of labels alone
- * is faster by them. */
+/* Minimum number of rays per pixel for which triangles are projected. A triangle costs about as
+ * much as one ray in each of its pixels, so that frames of labels alone would not become faster. */
 enum { CLOSE_RAYS = 2 };
-/* Triangles that touch no more than so many columns or rows of pixels mark all of their rectangle.
- */
+/* Triangles that touch at most this many columns or rows of pixels mark their whole bounding
+ * rectangle. */
 enum { NARROW = 2 };
-/* For projections of corners: between those the nearest point of a box is nearer. */
+/* Margin for projections of corners: a point between the corners of a box may be nearer than all of
+ * them. */
 static const double CORNER_ROOM_PX = 0.2;
-/* Boxes for which it does not pay to start threads; slices of an object's boxes, and of how many
- * objects. */
+/* Up to ALONE boxes, starting threads does not pay. The boxes of each object are divided into
+ * SLICES jobs, unless there are more than SLICED_MOST objects. */
 enum { ALONE = 1024, SLICES = 32, SLICED_MOST = 64 };
 
-/* A mesh as the camera has it. Without a lens and an aperture a point p of the model is seen at
- * (cx + u/w, cy + v/w) of (u, v, w) = linear p + origin, w in m. */
+/* A mesh in camera coordinates. Without lens distortion and aperture, a point p of the model
+ * projects to (cx + u/w, cy + v/w) with (u, v, w) = linear p + origin, w in m. */
 typedef struct placed {
   const pl_snapshot *shot;
   const pl_shot_object *object;
-  const pl_shot_piece *piece; /* NULL of an object that has none */
+  const pl_shot_piece *piece; /* NULL for an object without pieces */
   const pl_cover *cover;
   pl_mat3 linear;
   pl_vec3 origin;
-  double rounding_m; /* of hits */
-  double rounding;   /* px m: over w it is added to the margin */
-  double rays;       /* that a pixel gets */
+  double rounding_m; /* bound of the position error of hits */
+  double rounding;   /* px m: divided by w and added to the margin */
+  double rays;       /* per pixel */
 } placed;
 
 typedef struct job {
@@ -53,22 +55,24 @@ typedef struct job {
   const pl_snapshot *shot;
   int rays;
   size_t slices;
-  area rows; /* of the image, that are asked for */
+  area rows; /* the rows of the image to fill */
 } job;
 
-/* A box that is being looked into, and the pixels that what is inside it may mark: no others, lest
- * marks depend on whether another thread had marked them all before it was looked at. */
+/* A box being traversed, and the pixels that its contents may mark. Marks are limited to these
+ * pixels; otherwise they would depend on whether another thread had marked all of the box before it
+ * was visited. */
 typedef struct opened {
   area area;
-  uint32_t after; /* as of pl_box */
+  uint32_t after; /* as in pl_box */
 } opened;
 
-/* fmin and fmax are calls of the library. */
+/* fmin and fmax are library calls. */
 static double lesser(double a, double b) { return a < b ? a : b; }
 static double greater(double a, double b) { return a > b ? a : b; }
 
-/* Corners of a box as the middle of the lens sees them, or as four points about it do whose square
- * holds the lens: by a point o, a point p looks as p - o (1 - depth / F) does by the middle. */
+/* Corners of a box as seen from the centre of the lens or, with an aperture, from the four corners
+ * of a square that encloses it. From a point o of the lens, a point p appears where p - o (1 -
+ * depth / F) appears from the centre. */
 enum { BOX_POINTS = 32 };
 
 static pl_vec3 by_lens(const pl_camera *camera, int point, pl_vec3 p) {
@@ -80,7 +84,7 @@ static bool is_pinhole(const pl_camera *camera) {
   return camera->lens.model == NULL && !(camera->aperture_m > 0.0);
 }
 
-/* From model units to metres in camera axes. */
+/* Transform from model units to metres in camera axes. */
 static void view_of(const placed *at, pl_mat3 *linear, pl_vec3 *origin) {
   const pl_shot_object *object = at->object;
   pl_mat3 turn = object->rotation;
@@ -97,7 +101,7 @@ static void view_of(const placed *at, pl_mat3 *linear, pl_vec3 *origin) {
   *origin = pl_mat3_mul_vec_t(at->shot->camera_to_root, place);
 }
 
-/* How far hits may be off. */
+/* Bound of the position error of hits, m. */
 static double rounding_of(const pl_mat3 *linear, pl_vec3 origin, const pl_box *whole) {
   const pl_mat3 columns = pl_mat3_transpose(*linear);
   double length = 0.0;
@@ -129,14 +133,14 @@ static placed place(const pl_snapshot *shot, const pl_shot_object *object,
   return at;
 }
 
-/* Widest |row p| for points p within `half` about 0. */
+/* Largest |row . p| over points p within `half` of the origin. */
 static double reach_of(pl_vec3 row, pl_vec3 half) {
   return fabs(row.x) * half.x + fabs(row.y) * half.y + fabs(row.z) * half.z;
 }
 
-/* What a box may show in by a pinhole: without bounds if part of it is beside or behind the camera.
- * If its centre is seen at (x, y), a point (u, v, w) off it is seen (u - x w) over its depth to the
- * side. */
+/* Extent in which a box may be visible through a pinhole, infinite if part of the box is beside or
+ * behind the camera. If the centre is seen at (x, y), a point offset from it by (u, v, w) is
+ * displaced in x by (u - x w) over its depth. */
 static void project_box(const placed *at, const pl_box *box, extent *out) {
   const pl_vec3 low = {(double)box->low[0], (double)box->low[1], (double)box->low[2]};
   const pl_vec3 high = {(double)box->high[0], (double)box->high[1], (double)box->high[2]};
@@ -148,7 +152,7 @@ static void project_box(const placed *at, const pl_box *box, extent *out) {
   const double near_m = c.z - deep;
   *out = (extent){1.0, 1.0, -1.0, -1.0};
   if (c.z + deep < -at->rounding_m)
-    return; /* no ray leaves to the back */
+    return; /* no ray leaves backwards */
   *out = (extent){-INFINITY, -INFINITY, INFINITY, INFINITY};
   if (!(near_m > 0.0))
     return;
@@ -161,7 +165,7 @@ static void project_box(const placed *at, const pl_box *box, extent *out) {
       (extent){camera->cx + x - dx, camera->cy + y - dy, camera->cx + x + dx, camera->cy + y + dy};
 }
 
-/* Corners of a box in camera axes. */
+/* Computes the corners of a box in camera axes; returns their number. */
 static size_t corners_of(const placed *at, const pl_box *box, pl_vec3 corners[BOX_POINTS]) {
   const pl_camera *camera = &at->shot->camera;
   const size_t count = camera->aperture_m > 0.0 ? BOX_POINTS : 8;
@@ -179,7 +183,7 @@ static size_t corners_of(const placed *at, const pl_box *box, pl_vec3 corners[BO
   return count;
 }
 
-/* The same by a lens or an aperture, from the box's corners. */
+/* The same for a lens with distortion or an aperture, from the box's corners. */
 static void project_corners(const placed *at, const pl_box *box, extent *out) {
   const pl_camera *camera = &at->shot->camera;
   pl_vec3 corners[BOX_POINTS];
@@ -208,8 +212,8 @@ static void project_corners(const placed *at, const pl_box *box, extent *out) {
     *out = (extent){rect[0] - margin, rect[1] - margin, rect[2] + margin, rect[3] + margin};
 }
 
-/* Those of some pixels that are within an extent; false: none. What is not a number counts as far
- * out. */
+/* Intersects an area with an extent; false if that is empty. An extent of NaN counts as unbounded.
+ */
 static bool area_of(const area *in, const extent *e, area *out) {
   if (e->x0 > e->x1 || e->x1 < in->x0 || e->y1 < in->y0 || e->x0 > in->x1 || e->y0 > in->y1)
     return false;
@@ -224,7 +228,7 @@ static atomic_uchar *row_of(const pl_coverage *coverage, int y) {
   return coverage->pixels + (size_t)y * (size_t)coverage->width;
 }
 
-/* Of several threads that mark, none needs to know of another's marks. */
+/* Relaxed stores suffice: no thread depends on the marks of another. */
 static void mark_run(const pl_coverage *coverage, int y, int x0, int x1) {
   atomic_uchar *row = row_of(coverage, y);
   for (int x = x0; x <= x1; x++)
@@ -244,7 +248,7 @@ static bool is_marked(const pl_coverage *coverage, const area *a) {
   return true;
 }
 
-/* Widens a span by the part of an edge that is between two heights; `slope` is 0 of level ones. */
+/* Widens a span by the part of an edge between two heights. `slope` is 0 for horizontal edges. */
 static void span_edge(const double a[2], const double b[2], double slope, double low, double high,
                       double span[2]) {
   if ((a[1] < low && b[1] < low) || (a[1] > high && b[1] > high))
@@ -255,7 +259,7 @@ static void span_edge(const double a[2], const double b[2], double slope, double
   span[1] = greater(span[1], greater(from, to));
 }
 
-/* Row by row what squares of the margin about the triangle's points hold. */
+/* Marks, row by row, the pixels covered by the triangle dilated by a square of the margin. */
 static void mark_rows(const pl_coverage *coverage, const double p[3][2], double margin,
                       const area *a) {
   double slope[3];
@@ -275,8 +279,9 @@ static void mark_rows(const pl_coverage *coverage, const double p[3][2], double 
   }
 }
 
-/* Corners as a pinhole sees them, x and y in pixels; returns the inverse of the least depth: 0 of a
- * triangle behind the camera, infinite of one that is partly beside or behind it. */
+/* Projects the corners of a triangle through a pinhole, x and y in pixels. Returns the inverse of
+ * the smallest depth: 0 for a triangle behind the camera, infinity for one that is partly beside or
+ * behind it. */
 static double project_triangle(const placed *at, uint32_t triangle, double p[3][2]) {
   const pl_camera *camera = &at->shot->camera;
   const uint32_t *corners = at->cover->model->indices + 3 * (size_t)triangle;
@@ -319,8 +324,8 @@ static double pixels_of(const area *a) {
   return (double)(a->x1 - a->x0 + 1) * (double)(a->y1 - a->y0 + 1);
 }
 
-/* Marks what a box shows in of some pixels, which *out becomes; true instead if what is inside it
- * should be looked at. */
+/* Marks the pixels of an area in which a box may be visible; *out is set to them. Returns true, and
+ * marks nothing, if the contents of the box should be visited instead. */
 static bool visit(const placed *at, const pl_coverage *coverage, uint32_t index, const area *in,
                   area *out) {
   const pl_box *box = &at->cover->boxes[index];
@@ -345,8 +350,9 @@ static bool visit(const placed *at, const pl_coverage *coverage, uint32_t index,
   return false;
 }
 
-/* One slice of the boxes of an object, or of its piece. What is in a box that another slice begins
- * with is looked at there too; which boxes are does not depend on threads. */
+/* Marks one slice of the boxes of an object, or of its piece. A slice may begin within a box that
+ * belongs to an earlier slice; the contents of that box are then visited here as well. The slices
+ * do not depend on the number of threads. */
 static void mark_cover(const job *job, const pl_shot_object *object, const pl_shot_piece *piece,
                        size_t slice) {
   const pl_cover *cover = piece != NULL ? piece->cover : object->object->cover;

@@ -1,5 +1,5 @@
-/* Which pixels a mesh can show in: the projections of boxes about it and, where it pays, of its
- * triangles. */
+/* Coverage mask: the pixels in which a mesh may be visible, from projections of its bounding boxes
+ * and, where that pays, of its triangles. */
 #ifndef PL_RENDER_COVERAGE_MASK_H
 #define PL_RENDER_COVERAGE_MASK_H
 
@@ -14,9 +14,9 @@ typedef struct pl_coverage {
   size_t room;          /* bytes allocated */
 } pl_coverage;
 
-/* Fills the pixels of rows row0 to row1 - 1 for a snapshot; those of others are not valid. Memory
- * is kept and grows as needed. `rays`: how many a pixel gets about, which is what it pays to look
- * closely for; at least 1. The result is the same for any number of threads. */
+/* Fills the mask of rows row0 to row1 - 1 for a snapshot; other rows are not valid. Memory is kept
+ * and grows as needed. `rays`: approximate number of rays per pixel, at least 1, which decides how
+ * much work a tighter mask is worth. The result is the same for any number of threads. */
 pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int row0, int row1,
                              int rays, int threads);
 void pl_coverage_clear(pl_coverage *coverage);

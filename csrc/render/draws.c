@@ -1,4 +1,4 @@
-/* One loop a dimension pair, made for the machine's vectors where it has them. */
+/* One loop per dimension pair, vectorised where the machine supports it. */
 #include "render/draws.h"
 
 #include "base/wide.h"
@@ -24,7 +24,7 @@ void pl_draws_fill(const pl_draws *draws, const uint32_t *seeds, size_t count, u
   fill_pair(draws->choice[0], draws->choice[1], seeds, count, index, PAIRS * bounce + 2);
 }
 
-/* Bits of x at the even places. */
+/* Spreads the low 8 bits of x to the even bit positions. */
 static inline uint32_t part_bits(uint32_t x) {
   x = (x | (x << 4)) & 0x0f0fu;
   x = (x | (x << 2)) & 0x3333u;
@@ -35,13 +35,13 @@ static inline float flip_bits(float u, float by) {
   return (float)((uint32_t)(u * 0x1p24f) ^ (uint32_t)(by * 0x1p24f)) * 0x1p-24f;
 }
 
-/* All pixels have the same sequence, each flipped bit by bit by a point of another one, in the
- * order of Morton (1966): what is a net over samples, and over pixels, is so after a flip of all.
- */
+/* All pixels use the same sequence. Each pixel XORs it bitwise with its point of a second sequence,
+ * taken in Morton order (1966). A digital net over samples, and over pixels, remains a net after an
+ * XOR of all its points with one value. */
 PL_WIDE static void flip_pair(float *restrict first, float *restrict second,
                               const uint32_t *restrict pixels, size_t count, uint32_t row_bits,
                               uint32_t seed, const float base[2]) {
-  const uint32_t flips = 0x5eedu; /* no other dimension */
+  const uint32_t flips = 0x5eedu; /* not used as a dimension elsewhere */
   for (size_t i = 0; i < count; i++) {
     const uint32_t x = pixels[i] & ((1u << row_bits) - 1u), y = pixels[i] >> row_bits;
     float by[2];

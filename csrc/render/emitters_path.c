@@ -6,10 +6,11 @@
 #include "math/sampling.h"
 #include "shade/reflectance.h"
 
-/* Dimension pair of the draws here, one a vertex: behind those of the longest path. */
+/* First dimension pair of the samples here, one per vertex; larger than those of the longest path.
+ */
 enum { FIRST_DIMENSION = 1 << 10 };
 
-/* Whether emitters are drawn at vertices on meshes (or bodies). */
+/* True if emitters are sampled at vertices on bodies (or on meshes). */
 static bool drawn_on(const pl_render_settings *settings, bool on_body) {
   return settings->emitters != NULL && (!on_body || settings->emitters_on_bodies);
 }
@@ -33,9 +34,9 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   const pl_surface *s = &vertex->surface;
   if (!drawn_on(context->settings, vertex->thing >= context->shot->object_count))
     return queued;
-  const uint32_t index = (uint32_t)b->counts[path->pixel]; /* samples before this one */
-  /* Drawn from where the shadow ray starts, so that a target seen edge-on is not its own obstacle.
-   */
+  const uint32_t index = (uint32_t)b->counts[path->pixel]; /* number of samples before this one */
+  /* Sampled from the origin of the shadow ray, so that a target seen edge-on does not occlude
+   * itself. */
   pl_ray ray = pl_vertex_ray(vertex, context->shot, s->ng, 0.0f);
   float u[2];
   pl_emitter_sample drawn;
@@ -43,7 +44,8 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   if (!pl_emitters_sample(context->settings->emitters, ray.origin, u, &drawn) ||
       !pl_surface_admits(s, drawn.direction))
     return queued;
-  /* A body is drawn by a sphere about it, from inside of which it would light itself. */
+  /* A body is sampled by a sphere about it. A point of its own surface lies inside that sphere and
+   * would light itself. */
   if (drawn.thing == vertex->thing && vertex->thing >= context->shot->object_count)
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, drawn.direction);
@@ -54,7 +56,8 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   const pl_vec3f light = pl_vec3f_scale(pl_vec3f_mul(reflected, drawn.radiance), weight);
   if (!(pl_vec3f_max(light) > 0.0f))
     return queued;
-  if (pl_vec3f_dot(drawn.direction, s->ng) < 0.0f) /* passes from behind, starts there */
+  /* transmitted light: the ray starts on the other side */
+  if (pl_vec3f_dot(drawn.direction, s->ng) < 0.0f)
     ray = pl_vertex_ray(vertex, context->shot, drawn.direction, 0.0f);
   ray.direction = pl_vec3_unit(pl_vec3f_to_double(drawn.direction));
   ray.t_max = drawn.distance_m;

@@ -1,12 +1,13 @@
-/* The thin lens: Potmesil and Chakravarty 1981 for its circle of confusion; Cook, Porter and
- * Carpenter 1984 for sampling it. The pinhole's image is that of the plane of focus, so that with
- * fx in pixels a point at depth z spreads over a disc of fx D |1/z - 1/F| pixels across. */
+/* The thin lens: circle of confusion after Potmesil and Chakravarty 1981, sampling after Cook,
+ * Porter and Carpenter 1984. In the plane of focus F, the image equals that of a pinhole. With fx
+ * in pixels and an aperture of diameter D, a point at depth z therefore spreads over a disc of fx D
+ * |1/z - 1/F| pixels in diameter. */
 #include "render/focus.h"
 
 #include "math/sampler.h"
 #include "math/sampling.h"
 
-/* A dimension pair that no path comes to: they are counted from 0, three a bounce. */
+/* A dimension pair that no path reaches: those of paths are counted from 0, three per bounce. */
 static const uint32_t LENS_DIMENSION = UINT32_C(0x4c454e53);
 
 static pl_vec3 optical_axis(const pl_snapshot *shot) {

@@ -1,4 +1,4 @@
-/* Maps are read where the row of the effect is on, and what they say is not nothing. */
+/* Maps are read only if the row of the effect is on and the map has an effect at the point. */
 #include "render/ground.h"
 
 #include "scene/shot_frame.h"
@@ -13,7 +13,7 @@ static void read_map(const pl_texture *map, const pl_body_place *place, pl_detai
     pl_texture_mean(map, out);
 }
 
-/* The mean of all slopes of a whole body is nothing. */
+/* Without maps there is nothing to do: the mean slope over a whole body is zero. */
 void pl_ground_bend(const pl_shot_body *body, const pl_body_place *place, pl_detail detail,
                     pl_surface *surface) {
   if (!detail.relief || !detail.maps || !pl_ground_has_relief(&body->body->ground))
@@ -51,11 +51,12 @@ void pl_ground_flood(const pl_shot_body *body, const pl_body_place *place, pl_de
 /* Sine of 6 deg. */
 static const float TWILIGHT = 0.10452846f;
 
-/* Cells of texels that are a large part of the body would be no towns. */
+/* Cells of the city-light pattern are at most this part of the body's radius. Coarse maps have
+ * texels that are a large part of the body, which is no size for towns. */
 static const double TOWNS_PER_RADIUS = 100.0;
 
-/* What the towns make of a map's brightness, at the footprint's longer side: a slanting view must
- * not flicker. */
+/* Factor by which the pattern of towns changes a map's brightness, for a footprint as wide as its
+ * longer side, so that oblique views do not flicker. */
 static float towns_at(const pl_shot_body *body, const pl_body_place *place, float share) {
   const float asked_m = body->state->ground.towns_m;
   double size_m = (double)asked_m;
