@@ -1,4 +1,4 @@
-/* What an atmosphere is: its settings checked, densities and phase functions. */
+/* Atmospheres: checks of the settings, densities and phase functions. */
 #include "air/air.h"
 
 #include <math.h>
@@ -18,7 +18,7 @@ static pl_status check_bands(const char *name, const double values[3], double lo
   return PL_OK;
 }
 
-/* Of an upper layer, if there is one. */
+/* Checks the numbers of an upper layer, if there is one. */
 static pl_status check_upper(const char *name, double from_m, double height_m, double low,
                              double high) {
   PL_TRY(check_number("where the upper height begins", from_m, 0.0, high));
@@ -50,7 +50,7 @@ static pl_status check(const pl_air_settings *s, double radius_m) {
   return PL_OK;
 }
 
-/* The corner of the two layers is rounded over so many of their mean scale heights. */
+/* The corner between the two layers is rounded over this multiple of their mean scale height. */
 static const double ROUND = 0.5;
 
 static double hyperbola(const pl_air_layers *layers, double height_m) {

@@ -1,4 +1,5 @@
-/* The effect row `atmosphere`: light scattered and taken by air, in steps of the integral. */
+/* The effect row `atmosphere`: light scattered and absorbed by air. Its value is the number of
+ * steps of the integral along a ray. */
 #include "plan/effects.h"
 
 #include <math.h>
@@ -20,8 +21,8 @@ static int ceiling(const pl_view *view) {
   return 32;
 }
 
-/* The encoding's slope at x, over white, is at most SLOPE x^-PL_AIR_POWER, and no more than that
- * at KNEE. */
+/* At x, relative to white, the slope of the encoding is at most SLOPE x^-PL_AIR_POWER, and never
+ * more than that at KNEE. */
 static const double SLOPE = 255.0 * 1.055 / 2.4, KNEE = 0.003;
 
 static double residual_dn(const pl_view *view, const pl_view_thing *body, int steps, double share) {
@@ -33,8 +34,9 @@ static double residual_dn(const pl_view *view, const pl_view_thing *body, int st
               pl_view_dn(view, share * body->irradiance * (reach.scattered + reach.several)));
 }
 
-/* What is left out altogether: light that is scattered, and dimming on the way from the sun and to
- * the camera; the sun's disc itself may be dimmed. */
+/* Upper bound if the atmosphere is left out altogether: scattered light is missing, and so is the
+ * attenuation on the way from the sun and to the camera. The sun's disc itself may be attenuated.
+ */
 static double missing_dn(const pl_view *view, const pl_view_thing *body, double share) {
   const pl_air_reach reach = pl_air_reach_of(body->air);
   const double dimmed = -expm1(-2.0 * reach.depth);
@@ -43,7 +45,7 @@ static double missing_dn(const pl_view *view, const pl_view_thing *body, double 
   const double added =
       share * body->irradiance * (reach.scattered + reach.several + reach.sky / 3.14159265358979);
   const double gone = pl_view_dn_dimming(dimmed);
-  const double sky = pl_view_sky_dn(view, pl_view_sky_max(view)); /* stars are dimmed, too */
+  const double sky = pl_view_sky_dn(view, pl_view_sky_max(view)); /* stars are attenuated too */
   return fmin(
       255.0,
       pl_view_dn(view, added) +

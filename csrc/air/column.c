@@ -1,13 +1,14 @@
-/* Columns of air: the table of transmittances, held as corrections of a closed form so that a small
- * one is accurate from the zenith to the horizon. */
+/* Columns of air: the table of transmittances. It holds corrections to a closed form, so that a
+ * small table is accurate from the zenith to the horizon. */
 #include <math.h>
 
 #include "air/table.h"
 
-/* Nodes of the integrals that make the table. */
+/* Nodes of the integrals that fill the table. */
 enum { FINE = 48 };
 
-/* Nodes in height are even, or dense at the surface where the air is high beside the radius. */
+/* Parameter of the spacing of nodes in height. They are evenly spaced, or denser at the surface if
+ * the atmosphere is high compared with the radius. */
 static double bend_of(const pl_air *air, const pl_air_column *column) {
   const double high = 0.1;
   return column->top_m > high * air->radius_m ? column->top_m / air->radius_m : 0.0;
@@ -23,16 +24,17 @@ static float node_at(const pl_air_column *column, double height_m) {
   return (float)(x * (1.0 + column->bend) / (1.0 + column->bend * x)) * (PL_AIR_HEIGHTS - 1);
 }
 
-/* In the cosine they are dense about that where the air mass bends, s. */
+/* Nodes in the cosine are denser near s, where the air mass bends. */
 static double cosine_at(double s, int node) {
   const double v = (double)node / (PL_AIR_COSINES - 1);
   return s * v / (1.0 + s - v);
 }
 
-/* Metres from a height to another one above it, under zenith cosine mu >= 0; 0 to one below. */
+/* Distance in metres from a height to a higher one, for zenith cosine mu >= 0; 0 to a lower one. */
 static double reach(const pl_air *air, double height_m, double mu, double upper_m) {
   const double r = air->radius_m + height_m;
-  const double rise = (upper_m - height_m) * (upper_m + air->radius_m + r); /* of the squares */
+  /* difference of the squared radii */
+  const double rise = (upper_m - height_m) * (upper_m + air->radius_m + r);
   return upper_m <= height_m ? 0.0 : rise / (sqrt(r * r * mu * mu + rise) + r * mu);
 }
 
@@ -43,7 +45,7 @@ static double height_along(const pl_air *air, double height_m, double mu, double
   return height_m + rise / (sqrt(r * r + rise) + r);
 }
 
-/* Of a density of layers over that at the height itself. */
+/* Column of a layered density along a ray, over the density at the starting height, m. */
 static double integrate_layers(const pl_air *air, const pl_air_rule *rule, int part,
                                double height_m, double mu) {
   const pl_air_layers *layers = &air->layers[part];
@@ -65,7 +67,8 @@ static double tent(const pl_air_settings *s, double height_m) {
   return fmax(0.0, 1.0 - fabs(height_m - s->ozone_center_m) / s->ozone_width_m);
 }
 
-/* Between the heights where the tent bends. */
+/* Column of the ozone layer along a ray, m, integrated piecewise between the heights where the
+ * triangular profile has corners. */
 static double integrate_tent(const pl_air *air, const pl_air_rule *rule, double height_m, double mu,
                              double top_m) {
   const pl_air_settings *s = &air->settings;
@@ -82,14 +85,15 @@ static double integrate_tent(const pl_air *air, const pl_air_rule *rule, double 
   return sum;
 }
 
-/* Of the tent of width 1 about 0, from x upwards. */
+/* Integral from x upwards of the triangular profile of half width 1 about 0. */
 static double tent_above(double x) {
   if (x >= 0.0)
     return x >= 1.0 ? 0.0 : 0.5 * (1.0 - x) * (1.0 - x);
   return x <= -1.0 ? 1.0 : 1.0 - 0.5 * (1.0 + x) * (1.0 + x);
 }
 
-/* Straight up, over the density at the height where that is exponential, and straight. */
+/* Vertical column: for an exponential density, over the density at the height; for ozone, the
+ * column itself. */
 static double vertical(const pl_air *air, int part, double height_m) {
   const pl_air_settings *s = &air->settings;
   const double top_m = air->columns[part].top_m;
@@ -103,7 +107,7 @@ static double vertical(const pl_air *air, int part, double height_m) {
 static void build_column(pl_air *air, const pl_air_rule *rule, int part) {
   pl_air_column *column = &air->columns[part];
   for (int i = 0; i < PL_AIR_HEIGHTS; i++) {
-    /* At the very top all columns are 0; what counts is their ratio just below. */
+    /* At the very top all columns are 0; the ratio is taken from just below. */
     const double h = fmin(height_at(air, column, i), column->top_m * (1.0 - 1e-6));
     const bool bent = part < 2 && air->layers[part].bent;
     const double up = bent ? integrate_layers(air, rule, part, h, 1.0) : vertical(air, part, h);
@@ -138,7 +142,7 @@ void pl_air_build_columns(pl_air *air) {
   }
 }
 
-/* The column straight up from a place between nodes i and i + 1. */
+/* Vertical column above a point between nodes i and i + 1. */
 static float up_from(const pl_air *air, int part, const pl_air_place *place, int i) {
   const float *up = air->columns[part].up + i;
   if (part == 2)
@@ -166,7 +170,7 @@ pl_air_place pl_air_place_of(const pl_air *air, double squared_r_less_1) {
   return place;
 }
 
-/* The air mass under a zenith cosine mu >= 0. */
+/* Air mass for a zenith cosine mu >= 0. */
 static float mass_of(const pl_air_column *column, float node, float s, float mu) {
   const int i = node < PL_AIR_HEIGHTS - 2 ? (int)node : PL_AIR_HEIGHTS - 2;
   const float y = node - (float)i;
@@ -187,8 +191,8 @@ void pl_air_column_up(const pl_air *air, const pl_air_place *place, double mu,
                     : 0.0f;
 }
 
-/* A ray that goes down comes back up to where it started: past its lowest point it has all of the
- * column that is grazing there, twice, less what lay behind its start. */
+/* A descending ray passes its lowest point and rises again to the height of its start. Its column
+ * is twice the horizontal column at the lowest point, less the column behind its start. */
 void pl_air_column_any(const pl_air *air, const pl_air_place *place, double mu,
                        double lowest2_less_1, float out[PL_AIR_PARTS]) {
   if (mu >= 0.0) {

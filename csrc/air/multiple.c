@@ -1,21 +1,21 @@
-/* Light that is scattered more than once. Its mean over all directions, by height and by the sun's,
- * is worked out order by order: light scattered once by its phase functions, and from then on
- * evenly to all sides, with what the ground sends back. After Hillaire (2020), A Scalable and
- * Production Ready Sky and Atmosphere Rendering Technique, section 5.5, whose orders are a
- * geometric series throughout; here that is but the end of it. And the irradiance of the sky on the
- * ground. */
+/* Multiple scattering. The mean radiance over all directions is tabulated by height and solar
+ * elevation, one order of scattering at a time. The first order scatters with the phase functions
+ * and later orders isotropically. All orders include light reflected by the ground. After Hillaire
+ * (2020), A Scalable and Production Ready Sky and Atmosphere Rendering Technique, section 5.5.
+ * There all orders form a geometric series; here only the remainder does. Also computes the
+ * irradiance of the sky on the ground. */
 #include <math.h>
 #include <string.h>
 
 #include "air/table.h"
 
-/* Directions and nodes of the integrals: zenith angles, azimuths of half a turn, steps. */
+/* Directions and nodes of the integrals: zenith angles, azimuths over half a turn, steps. */
 enum { ZENITHS = 6, FIRST_AZIMUTHS = 6, AZIMUTHS = 2, STEPS = 6 };
 enum { SKY_ZENITHS = 8, SKY_AZIMUTHS = 6, SKY_STEPS = 8 };
-/* Orders that are worked out before the series. */
+/* Orders that are computed before the geometric series. */
 enum { ORDERS = 4 };
-/* Sines of the sun's height in the tables begin where no light counts any more, and are dense about
- * the horizon, within this. */
+/* The tables begin at the sine of solar elevation LOWEST, below which the light is negligible. They
+ * are dense within BEND of the horizon. */
 static const double LOWEST = -0.3, BEND = 0.1;
 
 static double bent(double sine) { return sine / (BEND + fabs(sine)); }
@@ -34,7 +34,7 @@ static pl_vec3f mix(pl_vec3f a, pl_vec3f b, float t) {
   return pl_vec3f_madd(pl_vec3f_scale(a, 1.0f - t), t, b);
 }
 
-/* Of a table by the sun's sine. */
+/* Interpolates a table over the sine of solar elevation. */
 static pl_vec3f from_sines(const pl_vec3f *table, int count, double sine) {
   if (sine <= LOWEST)
     return (pl_vec3f){0.0f, 0.0f, 0.0f};
@@ -43,7 +43,7 @@ static pl_vec3f from_sines(const pl_vec3f *table, int count, double sine) {
   return mix(table[k], table[k + 1], x - (float)k);
 }
 
-/* A sun on a round body, at height `sine` over a point on the z axis. */
+/* The sun over a spherical body, with this sine of elevation at a point on the z axis. */
 static pl_air_sun sun_at(double sine) {
   const double across = sqrt(fmax(0.0, (1.0 - sine) * (1.0 + sine)));
   return (pl_air_sun){{across, 0.0, sine}, 1.0, 0.00465};
@@ -60,7 +60,7 @@ static pl_air_ray ray_at(const pl_air *air, double height_m, double mu, double a
   return ray;
 }
 
-/* Where a ray ends on the ground; false if it does not. */
+/* Point where a ray ends on the ground; false if it does not. */
 static bool meet_ground(const pl_air_ray *ray, pl_vec3 *point) {
   const double along = pl_vec3_dot(ray->origin, ray->direction);
   const pl_vec3 lowest = pl_vec3_madd(ray->origin, -along, ray->direction);
@@ -73,8 +73,9 @@ static bool meet_ground(const pl_air_ray *ray, pl_vec3 *point) {
 
 typedef pl_vec3f order_table[PL_AIR_MULTIPLE_HEIGHTS][PL_AIR_MULTIPLE_SINES];
 
-/* One order of scattering: irradiance of the ground from the order before (NULL: from the sun), by
- * its sine, and the rule of the rays. What the air scatters is taken from air->several. */
+/* One order of scattering. `ground`: irradiance of the ground from the previous order, by the sine
+ * of solar elevation (NULL: from the sun). The other fields are the quadrature rules. The radiance
+ * that the air scatters is read from air->several. */
 typedef struct order {
   const pl_air *air;
   const pl_vec3f *ground;
@@ -82,7 +83,7 @@ typedef struct order {
   pl_air_rule zeniths, steps;
 } order;
 
-/* Radiance of the ground where a ray ends on it. */
+/* Radiance of the ground at the end of a ray; 0 if the ray does not end there. */
 static pl_vec3f ground(const order *o, const pl_air_ray *ray, const pl_air_sun *sun) {
   pl_vec3 point;
   pl_vec3f light;
@@ -97,7 +98,7 @@ static pl_vec3f ground(const order *o, const pl_air_ray *ray, const pl_air_sun *
                         1.0f / PL_PI_F);
 }
 
-/* Mean radiance at a height over all directions, and irradiance from above. */
+/* Mean radiance over all directions at a height, and irradiance from above. */
 static pl_vec3f gather(const order *o, double height_m, double sun_sine, pl_vec3f *from_above) {
   const pl_air_sun sun = sun_at(sun_sine);
   const pl_air_mode mode = o->ground == NULL ? PL_AIR_ONCE : PL_AIR_AGAIN;
@@ -120,7 +121,7 @@ static pl_vec3f gather(const order *o, double height_m, double sun_sine, pl_vec3
   return mean;
 }
 
-/* Heights are dense at the surface, by a square law, up to where the air is thin. */
+/* Heights are spaced quadratically up to the top, and so are dense at the surface. */
 static double height_of(const pl_air *air, int node) {
   const double v = (double)node / (PL_AIR_MULTIPLE_HEIGHTS - 1);
   return v * v * air->settings.top_m;
@@ -134,9 +135,10 @@ static void work_out(const order *o, order_table out, pl_vec3f irradiance[PL_AIR
                          i == 0 ? &irradiance[k] : &above);
 }
 
-/* All that follows an order, when each is to the next as the one before was to it. */
+/* Sum of the orders after the last one, if the ratio of successive orders stays that of the last
+ * two. */
 static float rest_of(float last, float before) {
-  const float most = 0.98f; /* of air that absorbs nothing and fills space */
+  const float most = 0.98f; /* bound for air that fills space and does not absorb */
   const float ratio = before > 0.0f ? pl_minf(last / before, most) : 0.0f;
   return last * ratio / (1.0f - ratio);
 }

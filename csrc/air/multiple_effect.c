@@ -13,7 +13,8 @@ static const char *absent(const pl_view *view) {
   return "no atmosphere that is seen, or lights what is, has it";
 }
 
-/* What it adds to the air's own light, and by way of the sky to the ground's. */
+/* Upper bound of what it adds to the light of the air itself and, through skylight, to that of the
+ * ground. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   for (size_t i = 0; value == 0 && i < view->thing_count; i++) {

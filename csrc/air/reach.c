@@ -1,4 +1,4 @@
-/* Bounds of what the air of a body does. */
+/* Upper bounds of the effect of a body's atmosphere. */
 #include "air/reach.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 
 #include "air/table.h"
 
-/* The largest value of the phase function of Mie scattering is forwards or backwards. */
+/* Maximum of the Mie phase function: forward or backward scattering. */
 static double peak(const pl_air_settings *s) {
   double largest = 0.0;
   for (int k = 0; k < 3; k++)
@@ -15,7 +15,7 @@ static double peak(const pl_air_settings *s) {
   return largest;
 }
 
-/* Optical depth of one constituent alone along the longest way. */
+/* Optical depth of one constituent along the longest path, in the band where it is largest. */
 static double longest(const pl_air *air, int part) {
   float column[PL_AIR_PARTS], most = 0.0f;
   const pl_air_place ground = pl_air_place_of(air, 0.0);
@@ -25,14 +25,15 @@ static double longest(const pl_air *air, int part) {
   return 2.0 * (double)(column[part] * most);
 }
 
-/* What is scattered on the way of a ray is less than what it loses, times the phase function. An
- * oblate body's rays may be longer than its mean radius says: by less than this. */
+/* Light scattered along a ray is less than the light lost along it, times the phase function. On an
+ * oblate body, rays may be longer than the mean radius gives, by less than this factor. */
 static const double OBLATE = 1.1;
 
 void pl_air_build_reach(pl_air *air) {
   pl_air_reach out = {0};
   const double depths[2] = {OBLATE * longest(air, 0), OBLATE * longest(air, 1)};
-  const double ozone = OBLATE * 2.0 * longest(air, 2); /* its layer is above the ground */
+  /* factor 2 because the layer lies above the ground */
+  const double ozone = OBLATE * 2.0 * longest(air, 2);
   out.depth = depths[0] + depths[1] + ozone;
   const double rayleigh = (double)pl_air_rayleigh_phase(1.0f);
   out.scattered = rayleigh * -expm1(-depths[0]) + peak(&air->settings) * -expm1(-depths[1]);

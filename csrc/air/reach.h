@@ -1,34 +1,35 @@
-/* What airs can do to a frame at most: shared by the rows of this folder. */
+/* Upper bounds of the effect of atmospheres on a frame, shared by the effect rows of this folder.
+ */
 #ifndef PL_AIR_REACH_H
 #define PL_AIR_REACH_H
 
 #include "air/air.h"
 #include "plan/view.h"
 
-/* What the integral along a ray is off by with so many steps: so many times the light, under a sun
- * of irradiance 1, to the power of PL_AIR_POWER, where displays encode it by its 2.4th root; what
- * is darker than PL_AIR_DARK counts as that. */
+/* Error of the integral along a ray with a given number of steps, for a solar irradiance of 1. It
+ * is a factor on the light to the power of PL_AIR_POWER, since displays encode light by its 2.4th
+ * root. Light below PL_AIR_DARK counts as PL_AIR_DARK. */
 #define PL_AIR_POWER (1.4 / 2.4)
 #define PL_AIR_DARK 1e-4
 enum { PL_AIR_RULES = 13 };
 
-/* Upper bounds over all bands, for a sun of irradiance 1. */
+/* Upper bounds over all bands, for a solar irradiance of 1. */
 typedef struct pl_air_reach {
-  double depth;     /* optical, of the longest way through the air, past the limb */
-  double scattered; /* radiance of what is scattered once, 1/sr */
-  double several;   /* and of what is scattered again */
-  double sky;       /* irradiance of the ground */
+  double depth;     /* optical depth of the longest path through the air, past the limb */
+  double scattered; /* radiance of single scattering, 1/sr */
+  double several;   /* radiance of higher orders, 1/sr */
+  double sky;       /* irradiance of the sky on the ground */
   double steps_off[PL_AIR_RULES];
 } pl_air_reach;
 pl_air_reach pl_air_reach_of(const pl_air *air);
 
 double pl_air_step_error(const pl_air_reach *reach, int steps);
-/* What it is an upper bound of, for one ray: the largest error of a band over its light to the
- * power PL_AIR_POWER. */
+/* The error of one ray that pl_air_step_error bounds: the largest over the bands of the error
+ * divided by the light to the power of PL_AIR_POWER. */
 double pl_air_off_by(pl_vec3f is, pl_vec3f exact);
 
-/* How a body's air gets into a frame: it is seen itself (1), or only by the light that it sends to
- * things in the frame or keeps from them (less; 0: not at all). */
+/* Weight of a body's air in a frame: 1 if the air itself is in view; less if it only adds light to
+ * things in the frame or attenuates their light; 0 if it has no effect. */
 double pl_air_share(const pl_view *view, const pl_view_thing *body);
 
 #endif

@@ -1,4 +1,4 @@
-/* Light along a ray: the integral of what the air scatters towards its origin. */
+/* Integral along a ray of the light that air scatters towards the ray's origin. */
 #include <math.h>
 
 #include "air/table.h"
@@ -14,7 +14,7 @@ pl_air_rule pl_air_rule_make(int count) {
   return rule;
 }
 
-/* Area of a disc of radius 1 on the near side of a line at distance -x from its middle, over pi. */
+/* Fraction of a unit disc on one side of a line at signed distance x from its centre. */
 static double part_above(double x) {
   if (x >= 1.0)
     return 1.0;
@@ -26,13 +26,13 @@ pl_vec3f pl_air_depth_sun(const pl_air *air, const pl_air_sun *sun, const pl_air
   float column[PL_AIR_PARTS];
   *part = 1.0f;
   if (mu < sun->radius_rad) {
-    /* The horizon lies below the horizontal by the dip. */
+    /* The horizon lies below the horizontal by the dip angle. */
     const double dip = asin(sqrt(fmax(0.0, (place->r - 1.0) * (place->r + 1.0))) / place->r);
     const double height = asin(fmax(-1.0, fmin(1.0, mu))) + dip;
     *part = (float)part_above(height / fmax(sun->radius_rad, 1e-9));
     if (*part == 0.0f)
       return (pl_vec3f){0.0f, 0.0f, 0.0f};
-    if (height < sun->radius_rad) /* the middle of what is seen */
+    if (height < sun->radius_rad) /* centre of the visible part */
       mu = sin(0.5 * (height + sun->radius_rad) - dip);
   }
   const double low = place->r * place->r * (1.0 - mu) * (1.0 + mu) - 1.0;
@@ -48,18 +48,20 @@ pl_vec3f pl_air_sunlight(const pl_air *air, const pl_air_sun *sun, pl_vec3 point
   return pl_vec3f_scale(pl_air_dimmed(depth), part);
 }
 
-/* A ray by its lowest point: places on it are distances from there, in radii, and grow along it. */
+/* A ray relative to its lowest point. Positions on it are distances from there, in radii, that
+ * increase along the ray. */
 typedef struct chord {
   const pl_air *air;
   const pl_air_ray *ray;
   const pl_air_sun *sun;
   pl_air_mode mode;
   pl_vec3 lowest;
-  double low;        /* its squared norm, less 1 */
-  double from, to;   /* the part in the air, before the end */
-  double sun0, sun1; /* products of the lowest point and the direction with the sun's */
+  double low;      /* squared norm of `lowest`, less 1 */
+  double from, to; /* the part inside the air and before the end of the ray */
+  /* dot products of the lowest point and of the direction with the sun's direction */
+  double sun0, sun1;
   float phases[2][3];
-  float length; /* metres in a metre of column */
+  float length; /* metres along the ray per metre of column */
 } chord;
 
 /* False if the ray meets no air. */
@@ -88,7 +90,7 @@ static pl_air_place place_at(const chord *c, double x) {
   return pl_air_place_of(c->air, c->low + x * x);
 }
 
-/* From a place on the chord up to the end of the air, along it. */
+/* Optical depth from a point on the chord along it to the top of the air. */
 static pl_vec3f depth_at(const chord *c, const pl_air_place *place, double x) {
   float column[PL_AIR_PARTS];
   pl_air_column_up(c->air, place, fmin(1.0, fabs(x) / place->r), column);
@@ -109,8 +111,7 @@ static void set_phases(chord *c) {
   }
 }
 
-/* What a metre of air scatters of the light of radiance 1 from all sides; or, times the phase
- * functions, of sunlight. */
+/* Scattering coefficient, 1/m, for isotropic light; or times the phase functions, for sunlight. */
 static pl_vec3f sent_on(const chord *c, const float density[PL_AIR_PARTS], bool phases) {
   float sent[3];
   for (int k = 0; k < 3; k++) {
@@ -121,7 +122,8 @@ static pl_vec3f sent_on(const chord *c, const float density[PL_AIR_PARTS], bool 
   return pl_vec3f_make(sent[0], sent[1], sent[2]);
 }
 
-/* Of the sun's light, which stands under the cosine mu. */
+/* Scattered sunlight per metre. mu: cosine of the sun's zenith angle at the point. depth: from
+ * there to the start of the ray. */
 static pl_vec3f sunlit(const chord *c, const pl_air_place *place, double mu, pl_vec3f depth) {
   float part;
   const pl_vec3f toward = pl_air_depth_sun(c->air, c->sun, place, mu, &part);
@@ -131,7 +133,7 @@ static pl_vec3f sunlit(const chord *c, const pl_air_place *place, double mu, pl_
   return pl_vec3f_scale(pl_vec3f_mul(sent_on(c, place->density, true), dimmed), part);
 }
 
-/* What a metre of air at x sends along the ray, dimmed by `depth` on its way. */
+/* Radiance that a metre of air at x adds to the ray, attenuated by `depth` on its way. */
 static pl_vec3f source(const chord *c, const pl_air_place *place, double x, pl_vec3f depth) {
   const float *density = place->density;
   pl_vec3f light = {0.0f, 0.0f, 0.0f};
@@ -144,8 +146,9 @@ static pl_vec3f source(const chord *c, const pl_air_place *place, double x, pl_v
   return pl_vec3f_add(light, pl_vec3f_mul(sent_on(c, density, false), around));
 }
 
-/* Distance, in radii, over which the air thins out along the chord from a low place: its depth over
- * its extinction there. Nodes are placed exponentially with so many times that. */
+/* Distance, in radii, over which the air thins out along the chord from a low point: the depth over
+ * the extinction at the point, times SPREAD. Nodes are distributed exponentially with this
+ * distance. */
 static const double SPREAD = 2.5;
 static double thinning(const chord *c, const pl_air_place *place, pl_vec3f depth) {
   const float *density = place->density;
@@ -157,7 +160,8 @@ static double thinning(const chord *c, const pl_air_place *place, pl_vec3f depth
   return here > 0.0f ? SPREAD * all / (double)here / c->air->radius_m : INFINITY;
 }
 
-/* Depth from the chord's start to a place: `depth`, plus or minus what lies above the place. */
+/* Optical depth from the start of the chord to a point: `depth` plus or minus the depth above the
+ * point. */
 typedef struct way {
   pl_vec3f depth;
   float side;
@@ -169,10 +173,10 @@ static pl_vec3f way_depth(const chord *c, const way *w, double x) {
 
 static float least(pl_vec3f v) { return pl_minf(v.x, pl_minf(v.y, v.z)); }
 
-/* Beyond this depth in every band nothing is seen. */
+/* Light from beyond this depth in every band is negligible. */
 static const float OPAQUE = 12.0f;
 
-/* The end of what is seen of the part from x = a to b. */
+/* End of the visible part of the interval from x = a to b. */
 static double cut(const chord *c, const way *w, double a, double b) {
   enum { HALVINGS = 12 };
   if (!(least(way_depth(c, w, b)) > OPAQUE))
@@ -188,12 +192,12 @@ static double cut(const chord *c, const way *w, double a, double b) {
   return far;
 }
 
-/* The part of the chord between x = low and high, of one sign, |low| < |high|. */
+/* Integral over the chord from x = low to high, which have the same sign and |low| < |high|. */
 static pl_vec3f integrate(const chord *c, const pl_air_rule *rule, double low, double high,
                           const way *w) {
   const double length = fabs(high - low), sign = high > low ? 1.0 : -1.0;
   pl_vec3f sum = {0.0f, 0.0f, 0.0f};
-  if (!(length > 0.0)) /* two bends at one place */
+  if (!(length > 0.0)) /* two breakpoints coincide */
     return sum;
   const pl_air_place lowest = place_at(c, low);
   const double scale = fmin(thinning(c, &lowest, depth_at(c, &lowest, low)), 1e3 * length);
@@ -209,8 +213,9 @@ static pl_vec3f integrate(const chord *c, const pl_air_rule *rule, double low, d
   return sum;
 }
 
-/* Where the integrand bends: the chord's ends, its lowest point, and where it crosses the edge of
- * the body's shadow, a cylinder; in rising order. Returns how many. */
+/* Sets the breakpoints of the integrand in ascending order: the ends of the chord, its lowest
+ * point, and its intersections with the edge of the body's shadow, a cylinder. Returns their
+ * number. */
 enum { BENDS = 5 };
 static int find_bends(const chord *c, double bends[BENDS]) {
   int count = 0;
@@ -245,7 +250,8 @@ pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const p
   c.sun0 = pl_vec3_dot(c.lowest, sun->direction);
   c.sun1 = pl_vec3_dot(ray->direction, sun->direction);
   set_phases(&c);
-  /* Depths from the ends up to the end of the air; `ahead`: of all that lies before the start. */
+  /* Depths from the ends to the top of the air. `ahead`: from the start along the ray to the top.
+   */
   const pl_vec3f at_from = depth_of(&c, c.from), at_to = depth_of(&c, c.to);
   const pl_vec3f behind = pl_vec3f_scale(at_from, -1.0f);
   pl_vec3f ahead = at_from;

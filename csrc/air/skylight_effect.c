@@ -1,4 +1,4 @@
-/* The effect row `skylight`: light of its sky on a body's ground. */
+/* The effect row `skylight`: light from the sky on a body's ground. */
 #include "plan/effects.h"
 
 #include <math.h>

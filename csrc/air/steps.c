@@ -1,5 +1,5 @@
-/* What the integral along a ray is off by, by its steps: measured for each air as it is made, on
- * rays of all sorts. */
+/* Error of the integral along a ray as a function of the number of steps. It is measured for each
+ * atmosphere when it is built, on rays of many kinds. */
 #include <math.h>
 
 #include "air/reach.h"
@@ -7,14 +7,15 @@
 
 static const int rules[PL_AIR_RULES] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 24, 32};
 
-/* Rays that were not tried may be off by more than those that were: by less than these, as
- * tests/c/test_air_steps.c finds. The second is for air that is opaque many times over along the
- * horizon: so little of it is seen that few rays are like another one. */
+/* Safety factors, since rays that were not tried may have larger errors than those that were;
+ * verified by tests/c/test_air_steps.c. The second is for air whose optical depth along the horizon
+ * exceeds OPAQUE: so little of it is visible that few rays are alike. */
 static const double MARGIN[2] = {3.0, 15.0}, OPAQUE = 100.0;
 
-/* Lowest points of rays from outside, and of ones that end on the ground, over the top; heights of
- * eyes in the air, and the cosines of what they look at; suns over a ray's lowest point or start,
- * by the cosine of their zenith angle, each ahead, aside and behind. */
+/* Lowest points of rays from outside and of rays that end on the ground, and heights of viewpoints
+ * in the air, all as parts of the top's height; zenith cosines of the rays from these viewpoints;
+ * and cosines of the sun's zenith angle over a ray's lowest point or start, each with the sun
+ * ahead, aside and behind. */
 static const double lows[] = {-0.5, -0.1, -0.03, -0.003, 0.0, 0.01, 0.04, 0.1, 0.2, 0.35};
 static const double eyes[] = {0.0, 0.03, 0.2};
 static const double cosines[] = {-0.3, -0.06, -0.02, 0.0, 0.02, 0.1, 0.4, 1.0};
@@ -32,7 +33,8 @@ double pl_air_off_by(pl_vec3f is, pl_vec3f exact) {
   return worst;
 }
 
-/* A ray from r under the cosine mu, with the sun over the place where it is lowest, or starts. */
+/* Tries a ray from radius r with zenith cosine mu, with the suns over its lowest point or its
+ * start. */
 static void try_ray(const pl_air *air, const pl_air_rule rule[PL_AIR_RULES + 1], double r,
                     double mu, double off[PL_AIR_RULES]) {
   const double across = sqrt((1.0 - mu) * (1.0 + mu)), along = fmax(0.0, -r * mu);

@@ -1,41 +1,43 @@
-/* The tables of an atmosphere, for the files of this folder. */
+/* Tables of an atmosphere, private to this folder. */
 #ifndef PL_AIR_TABLE_H
 #define PL_AIR_TABLE_H
 
 #include "air/air.h"
 #include "air/reach.h"
 
-/* Nodes in height and in the cosine of the zenith angle. */
+/* Numbers of nodes in height and in the cosine of the zenith angle. */
 enum { PL_AIR_HEIGHTS = 97, PL_AIR_COSINES = 48 };
 enum { PL_AIR_SKY = 64, PL_AIR_MULTIPLE_HEIGHTS = 16, PL_AIR_MULTIPLE_SINES = 32 };
 
-/* A column of one constituent from a height upwards under the zenith angle of cosine mu >= 0, of
- * density 1 at the reference height, is that straight up times the air mass
- * 2/(mu + sqrt(mu^2 + s^2)), times the ratio. s is such that the air mass is right at the horizon;
- * for an exponential density it is near the asymptote of Chapman's function, sqrt(8 H/(pi r)), and
- * the rest follows a bound of the error function (Abramowitz and Stegun 7.1.13) that the ratio,
- * between 0.9 and 1.1 or so, mends. */
+/* Column of one constituent from a height upwards, for a zenith cosine mu >= 0 and density 1 at the
+ * reference height. It is the vertical column times the air mass 2/(mu + sqrt(mu^2 + s^2)) times
+ * the ratio. s is such that the air mass is exact at the horizon. For an exponential density s is
+ * near the asymptote of Chapman's function, sqrt(8 H/(pi r)), and the form of the air mass follows
+ * a bound of the error function (Abramowitz and Stegun 7.1.13). The ratio, about 0.9 to 1.1,
+ * corrects the rest. */
 typedef struct pl_air_column {
-  double top_m;            /* where the density ends */
-  double per_height, bend; /* of the nodes in height */
-  double above;            /* of ozone: part of its layer that is above the top */
+  double top_m;            /* height where the density ends */
+  double per_height, bend; /* parameters of the node spacing in height */
+  double above;            /* ozone: part of its layer above the top */
   float grazing[PL_AIR_HEIGHTS];
-  float up[PL_AIR_HEIGHTS]; /* of a bent density: straight up, over the density there */
+  /* vertical column over the density at the node, m; for a density with two scale heights */
+  float up[PL_AIR_HEIGHTS];
   float ratio[PL_AIR_HEIGHTS][PL_AIR_COSINES];
 } pl_air_column;
 
-/* A density that thins out by e over scale_m[0] at the surface and over scale_m[1] far above
- * bend_m: its logarithm is a hyperbola, round over `round_m`, so that integrals along rays meet no
- * corner. Straight where there is one scale height. */
+/* A density with scale height scale_m[0] at the surface and scale_m[1] far above bend_m. Its
+ * logarithm is a hyperbola, rounded over `round_m`, so that integrands along rays have no corner.
+ * With a single scale height it is a straight line. */
 typedef struct pl_air_layers {
   bool bent;
   double scale_m[2], bend_m, round_m;
-  double lower, upper; /* minus one over the first; half of what the second's differs by */
-  double offset_m;     /* of the hyperbola at the surface */
-  float rest;          /* density at the top */
+  /* minus the inverse of the first scale height; half of the difference of the inverses */
+  double lower, upper;
+  double offset_m; /* value of the hyperbola at the surface */
+  float rest;      /* density at the top */
 } pl_air_layers;
 float pl_air_layers_density(const pl_air_layers *layers, double height_m);
-/* Of the density at another height over that at a first one. */
+/* Ratio of the density at other_m to that at height_m. */
 double pl_air_layers_ratio(const pl_air_layers *layers, double height_m, double other_m);
 
 struct pl_air {
@@ -43,55 +45,58 @@ struct pl_air {
   double radius_m;
   float extinction[PL_AIR_PARTS][3];
   float scattering[2][3];     /* Rayleigh, Mie */
-  bool present[PL_AIR_PARTS]; /* with any extinction */
-  pl_air_layers layers[2];    /* of Rayleigh, Mie */
+  bool present[PL_AIR_PARTS]; /* has any extinction */
+  pl_air_layers layers[2];    /* Rayleigh, Mie */
   pl_air_column columns[PL_AIR_PARTS];
-  pl_vec3f sky[2][PL_AIR_SKY]; /* irradiance by the sine of the sun's height; with multiple */
-  /* Mean radiance, over the sphere, of light scattered several times. */
+  /* irradiance by the sine of solar elevation: [0] single scattering, [1] multiple scattering */
+  pl_vec3f sky[2][PL_AIR_SKY];
+  /* Mean radiance over the sphere of light that was scattered, or reflected by the ground, at least
+   * once; by height and sine of solar elevation. */
   pl_vec3f several[PL_AIR_MULTIPLE_HEIGHTS][PL_AIR_MULTIPLE_SINES];
   pl_air_reach reach;
 };
 
-/* A place in the air: its height, the distance from the centre over the radius, and of each
- * constituent the density, the column straight up and s. */
+/* A point in the air: its height, its distance from the centre over the radius, and for each
+ * constituent the density, the vertical column and s. */
 typedef struct pl_air_place {
   double height_m, r;
   float density[PL_AIR_PARTS], up[PL_AIR_PARTS], grazing[PL_AIR_PARTS];
-  float node[PL_AIR_PARTS]; /* in height */
+  float node[PL_AIR_PARTS]; /* position in the table's nodes in height */
 } pl_air_place;
 pl_air_place pl_air_place_of(const pl_air *air, double squared_r_less_1);
 
 /* Fills air->columns. */
 void pl_air_build_columns(pl_air *air);
-/* Metres of density 1 of each constituent, upwards: mu >= 0. */
+/* Columns of the constituents upwards, as metres at density 1; mu >= 0. */
 void pl_air_column_up(const pl_air *air, const pl_air_place *place, double mu,
                       float out[PL_AIR_PARTS]);
-/* In any direction, from anywhere outside the surface; see pl_air_depth. lowest2: the squared
- * distance of the whole line from the centre. */
+/* The same in any direction from any point outside the surface; see pl_air_depth. lowest2_less_1:
+ * squared distance of the whole line from the centre, less 1. */
 void pl_air_column_any(const pl_air *air, const pl_air_place *place, double mu,
                        double lowest2_less_1, float out[PL_AIR_PARTS]);
-/* Optical depths of columns. */
+/* Optical depths of columns, times a length. */
 pl_vec3f pl_air_depth_of(const pl_air *air, const float column[PL_AIR_PARTS], float length);
 pl_vec3f pl_air_dimmed(pl_vec3f depth); /* exp(-depth) */
 
-/* Depth of the air towards the sun at a place where the sun's height has sine mu; *part: of the
- * disc that is above the horizon, 0..1. With none the depth is not set. */
+/* Optical depth towards the sun at a point where the sine of the solar elevation is mu. *part:
+ * fraction of the disc above the horizon, 0..1; if it is 0, the depth is not set. */
 pl_vec3f pl_air_depth_sun(const pl_air *air, const pl_air_sun *sun, const pl_air_place *place,
                           double mu, float *part);
-/* What is scattered: sunlight by its phase functions; that and light scattered before, evenly to
- * all sides; or such light alone. */
+/* Light that is scattered: sunlight by the phase functions; that plus already scattered light,
+ * isotropically; or already scattered light alone. */
 typedef enum pl_air_mode { PL_AIR_ONCE, PL_AIR_SEVERAL, PL_AIR_AGAIN } pl_air_mode;
 pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const pl_air_sun *sun,
                                const pl_air_rule *rule, pl_air_mode mode);
 
-/* Fills air->several; then air->sky. */
+/* Fill air->several, and then air->sky. */
 void pl_air_build_multiple(pl_air *air);
 void pl_air_build_sky(pl_air *air);
-/* Fills air->reach, of all the rest. */
+/* Fills air->reach; all else must be filled before. */
 void pl_air_build_reach(pl_air *air);
-/* What so many steps along a ray are off by: see pl_air_step_error. depth: of the longest way. */
+/* Errors for a given number of steps along a ray: see pl_air_step_error. depth: of the longest
+ * path. */
 void pl_air_measure_steps(const pl_air *air, double depth, double off[PL_AIR_RULES]);
-/* Mean radiance at a place of light that was scattered before. */
+/* Mean radiance at a point of light that has been scattered before. */
 pl_vec3f pl_air_several(const pl_air *air, const pl_air_place *place, double sun_sine);
 
 #endif
