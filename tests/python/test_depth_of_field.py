@@ -81,7 +81,9 @@ def test_is_the_mean_of_pinholes_over_the_lens(repo_dir):
     error = np.abs(lens - brute)
     assert np.abs(sharp - brute).mean() > 10 * error.mean()  # the test would see no blur
     assert error.mean() < 0.01 * brute.max()
-    assert error.max() < 0.12 * brute.max()
+    # Glints of its foil, which one sample in thousands meets, are in a few pixels of either image.
+    assert np.quantile(error, 0.99) < 0.06 * brute.max()
+    assert np.quantile(error, 0.999) < 0.12 * brute.max()
 
 
 @settings(max_examples=15, deadline=None)
