@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 
 @dataclass(frozen=True)
@@ -36,8 +37,9 @@ class Timeline:
 
     def at(self, index: int) -> Moment:
         """Step, scene and sensor of a frame; index >= 0."""
-        step, sensor = self._step_and_sensor(index) if self.trigger_intervals else (index, None)
-        return Moment(index, step, step // self.frames_per_scene, sensor)
+        if not self.trigger_intervals:
+            return Moment(index, index, index // self.frames_per_scene, None)
+        return _moment(self.frames_per_scene, tuple(self.trigger_intervals.items()), index)
 
     def frames_before(self, step: int) -> int:
         """Number of frames in the steps 0 to step - 1."""
@@ -80,3 +82,10 @@ class Timeline:
             else:
                 high = middle - 1
         return low, self.sensors_of(low)[index - self.frames_before(low)]
+
+
+@lru_cache(maxsize=256, typed=True)
+def _moment(frames_per_scene: int, intervals: tuple[tuple[str, int], ...], index: int) -> Moment:
+    """Cached, as making a frame asks for its moment several times."""
+    step, sensor = Timeline(frames_per_scene, dict(intervals))._step_and_sensor(index)
+    return Moment(index, step, step // frames_per_scene, sensor)
