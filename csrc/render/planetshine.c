@@ -1,41 +1,42 @@
-/* Which bodies are drawn to, and how often; drawing. */
+/* Selection of the bodies that are sampled, the fraction of draws for each, and the sampling. */
 #include "render/planetshine.h"
 
 #include "math/color.h"
 #include "render/render.h"
 #include "shade/reflectance.h"
 
-/* The least radiance of a white surface, of what is shown as white, for which a body is drawn. */
+/* Minimum radiance of a white surface lit by a body that is sampled, relative to white. */
 static const float INVISIBLE = 1e-5f;
-/* Colours that stand for those of surfaces whose mean no one has: soils, and graphs. Guesses. */
+/* Assumed colours of surfaces whose mean is not known: soils, and graphs. */
 static const float SOIL = 0.15f, GRAPH = 0.3f;
-/* Part of the sun's light that a mesh may get by way of itself and other meshes. A guess as well:
- * it keeps paths for that light. Bodies are convex and have little of it. */
+/* Assumed fraction of the sun's light that a mesh gets by way of itself and other meshes. It
+ * reserves paths for that light. Bodies are convex and get little of it. */
 static const float BY_MESHES = 0.02f;
-/* Bodies of which a surface sends on less than this part of what a diffuse one would are behind its
- * gloss: other things are in it. */
+/* If a surface reflects less than this fraction of what a white diffuse surface would reflect of a
+ * body's light, the body is outside its glossy lobe, which then reflects other light. */
 static const float GLOSS = 0.02f;
-/* Paths are drawn by the lobe in any case, with this chance at least: meshes light each other. And
- * by it alone where bodies would get so few that finding them is not worth the while. */
+/* Minimum fraction of paths that the lobe draws: meshes light each other. Below SHARE_MIN bodies
+ * would get so few paths that sampling them is not worth its cost, and the lobe draws all. */
 static const float LOBE_MIN = 0.4f, LOBE_MIN_ON_BODIES = 0.1f, SHARE_MIN = 0.04f;
-/* Bodies whose light is wider than this, sr, are found by the lobe's own draws as well, which
- * lie where the light counts. By measurement. */
+/* Bodies whose light is wider than this, sr, are left to the lobe's draws, which find them well
+ * enough and are denser where the light contributes more. Measured. */
 static const float WIDE_SR = 1.5f;
-/* Of all paths so many are to meet bodies at least: weak light is noise that is seen, too. */
+/* Minimum fraction of all paths that are to hit bodies: noise of weak light is visible, too. */
 static const float WANTED_MIN = 0.1f;
 
-/* Mirrors of the sun get this share of draws at most. */
+/* Maximum fraction of draws towards mirrors of the sun. */
 static const float MIRRORS_MAX = 0.8f;
 
-/* A thing so small for the distance of a body, and for its size, sees it in one direction: draws to
- * it are those of the thing's centre, and what parallax hides of it is left to the lobe. */
+/* An object whose radius is below this fraction of the distance to a body and of the body's radius
+ * sees the body in one direction. Draws towards it are those from the object's centre. The parts of
+ * the body that are visible only through parallax are left to the lobe. */
 static const double PARALLAX_MAX = 0.003;
 
-/* Things so near to each other for the distance of a body share a look at it; and so many looks are
- * made in a frame: others go by the nearest. */
+/* Objects closer to each other than LIKE of a body's distance share one estimate of its radiance. A
+ * frame makes at most LOOKS estimates; after that the nearest one is used. */
 static const double LIKE = 0.05;
 enum { LOOKS = 64 };
-/* The least colour that stands for a body with clouds or air. */
+/* Minimum colour assumed for a body with clouds or air. */
 static const float VEILED = 0.3f;
 
 static float mean_color(const pl_shot_body *body) {
@@ -53,7 +54,7 @@ static float mean_color(const pl_shot_body *body) {
                  veiled ? VEILED : 0.0f);
 }
 
-/* The bodies in one sky that look the brightest, in falling order; the rest is other light. */
+/* The brightest bodies in one sky, in descending order; `other`: the light of the rest. */
 typedef struct ranking {
   uint32_t body[PL_PLANETSHINE_LIGHTS];
   float light[PL_PLANETSHINE_LIGHTS];
@@ -79,11 +80,11 @@ static void insert(ranking *r, uint32_t body, float found) {
   r->body[at] = body;
 }
 
-/* A thing whose sky is filled. */
+/* An object or body whose sky is computed. */
 typedef struct place {
   pl_vec3 center;
   double radius_m;
-  int own; /* the body that it is, or -1 */
+  int own; /* index of the body if it is one, or -1 */
 } place;
 
 static ranking rank_bodies(const pl_planetshine *p, const place *at) {
@@ -99,7 +100,8 @@ static ranking rank_bodies(const pl_planetshine *p, const place *at) {
   return out;
 }
 
-/* A look at a body from about there that is made already; the nearest one, once all are made. */
+/* An existing estimate of a body's radiance from near a point; the nearest one if no more can be
+ * made; NULL if there is none. */
 static const pl_body_radiance *find_radiance(const pl_planetshine *p, uint32_t body, pl_vec3 point,
                                              double gap_m) {
   const pl_body_radiance *out = NULL;
@@ -114,7 +116,8 @@ static const pl_body_radiance *find_radiance(const pl_planetshine *p, uint32_t b
   return out;
 }
 
-/* What a thing sees of a body: from its centre, or of bodies from below the other. */
+/* The radiance of a body as seen from an object's centre, or from the point of a body's surface
+ * that is nearest to the other body. */
 static const pl_body_radiance *look_from(pl_planetshine *p, const pl_render_settings *settings,
                                          const place *at, uint32_t body) {
   const pl_vec3 to = pl_vec3_sub(p->shot->bodies[body].center, at->center);
@@ -210,12 +213,13 @@ bool pl_planetshine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t f
   return thing != from && (thing >= shot->object_count || shot->objects[thing].object->body >= 0);
 }
 
-/* What a body in the sky may bring: the light that the surface sends on, and the part of the lobe's
- * own draws that meet it; both by one direction, in the middle of what is lit, or between that and
- * the zenith for a body that reaches far up from the horizon. */
+/* Estimates for a body in the sky: the light that the surface reflects, and the fraction of the
+ * lobe's draws that hit the body. Both are evaluated for one direction: to the centre of the body's
+ * light, or, if that is below the horizon, tilted from there towards the zenith by the sine of the
+ * body's angular radius, for bodies that extend far above the horizon. */
 typedef struct guess {
   float light, met;
-  float white; /* what a white diffuse surface that faces the body would send on */
+  float white; /* radiance of a white diffuse surface that faces the body */
 } guess;
 
 static guess guess_at(const pl_planetshine_light *light, const pl_surface *s, pl_vec3f wo) {
@@ -233,7 +237,9 @@ static guess guess_at(const pl_planetshine_light *light, const pl_surface *s, pl
   return out;
 }
 
-/* What a vertex sees: light of the bodies that are drawn to, and what else is known of. */
+/* Sums over the bodies that a vertex sees: reflected light of those that are sampled, the fraction
+ * of the lobe's draws that hit them, the sum of their GLOSS thresholds, and the reflected light of
+ * wide bodies. */
 typedef struct sums {
   float light, met, gloss, wide;
 } sums;
@@ -263,7 +269,8 @@ static void list_bodies(const pl_planetshine *p, const pl_planetshine_sky *sky,
   }
 }
 
-/* Sets the share of bodies; returns a guess of the light that the surface sends on of theirs. */
+/* Sets the fraction of draws towards bodies; returns an estimate of the light of bodies that the
+ * surface reflects. */
 static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_vec3f wo,
                           pl_planetshine_ray *out) {
   const pl_surface *s = &vertex->surface;
@@ -274,7 +281,7 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
   const float all = sums.light + sums.wide;
   if (!(sums.light > 0.0f) || !(sums.met < 1.0f))
     return all;
-  /* Of all paths so many are to meet bodies, of which the lobe's own draws find some. */
+  /* The wanted fraction of all paths is to hit bodies; the lobe's own draws provide part of it. */
   const float other = (sky->other + sums.gloss) * color + sums.wide;
   const float part = sums.light / (sums.light + pl_minf(other, p->white));
   const bool least = sums.light > sums.gloss * color && !(sums.wide > 0.0f);
@@ -290,7 +297,7 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
   return all;
 }
 
-/* Takes the share of mirrors from what bodies and the lobe have; `known`: light of bodies. */
+/* Takes the fraction for mirrors from that of bodies and of the lobe; `known`: light of bodies. */
 static void share_mirrors(const pl_caustics *caustics, const pl_vertex *vertex, pl_vec3f wo,
                           float known, pl_planetshine_ray *out) {
   const float light = pl_caustics_at(caustics, vertex, wo, &out->mirrors);
@@ -323,7 +330,8 @@ static float density(const pl_planetshine_ray *shine, float lobe, float bodies) 
   return (1.0f - shine->share) * lobe + shine->share * bodies;
 }
 
-/* Density of drawing to bodies and mirrors; `drawn`: a body whose own density is known, or -1. */
+/* Density of the draws towards bodies and mirrors; `drawn`: index of a body whose own density
+ * `known` is given, or -1. */
 static float bodies_pdf(const pl_planetshine_ray *shine, pl_vec3f direction, int drawn,
                         float known) {
   float sum = 0.0f;
@@ -354,8 +362,8 @@ static bool sample_lobe(const pl_surface *s, pl_vec3f wo, const float u[2], floa
   return out->wi.z > 0.0f ? side > 0.0f : out->wi.z < 0.0f && side < 0.0f;
 }
 
-/* A direction to one of the bodies, or mirrors (-1), by `choice` in [0, 1); a body's own density.
- */
+/* Draws a direction towards one of the bodies, or a mirror (body -1), by `choice` in [0, 1);
+ * `known`: the density of the body's draw. */
 static bool sample_target(const pl_planetshine_ray *shine, const float u[2], float choice,
                           int *body, pl_vec3f *direction, float *known) {
   *body = -1;

@@ -1,4 +1,4 @@
-/* The effect row `planetshine`: bodies as lights of others. */
+/* The effect row `planetshine`: bodies as light sources for other objects and bodies. */
 #include "plan/effects.h"
 #include "plan/view_tree.h"
 
@@ -21,21 +21,21 @@ static const char *absent(const pl_view *view) {
   return seen ? NULL : "nothing is in the frame";
 }
 
-/* The sun's light that a body reflects. */
+/* Sunlight that a body reflects. */
 static double reflected(const pl_view_thing *body, const void *context) {
   (void)context;
   return body->is_world ? pl_view_light(body) - body->emission_max : 0.0;
 }
 
-/* What things in the frame get from bodies, and by way of others what these get; bodies may be
- * brighter by what others give them. */
+/* Light that things in the frame receive from bodies, and by way of other things that are lit by
+ * bodies. Bodies in turn may be brighter through light from others. */
 static double bound_dn(const pl_view *view, int value) {
   double seen = 0.0, any = 0.0;
   if (value > 0)
     return 0.0;
   pl_view_weigh(view, reflected, NULL);
   for (size_t i = 0; i < view->thing_count; i++) {
-    /* upper bound of what it sends on of that, by one reflection */
+    /* upper bound of the light of bodies that it reflects, by one reflection */
     const double sent = pl_view_sum(view, &view->things[i], reflected, NULL);
     any = fmax(any, sent);
     seen = view->things[i].in_frame ? fmax(seen, sent) : seen;

@@ -1,7 +1,7 @@
-/* Pixels whose colour needs no sampling: the middle of a body, away from terminator and shadow. A
- * Lambert surface under a sun that is wholly above (or below) the horizon has a closed form, a
- * photometric law away from opposition all but one, and the map is filtered over the pixel's
- * footprint, so one shading is the pixel's mean. */
+/* Prefiltering: pixels whose colour needs no sampling, on a body away from terminator and shadows.
+ * A Lambert surface has a closed form if the sun's disc is entirely above (or below) the horizon;
+ * photometric laws away from opposition nearly have one. The map is filtered over the pixel's
+ * footprint, so that shading once gives the pixel's mean. */
 #include <string.h>
 
 #include "light/sun.h"
@@ -10,19 +10,19 @@
 #include "render/path.h"
 #include "shade/water.h"
 
-/* The whole disc clears the horizon when the sun is higher than its radius, by this for rounding
- * and by the turn of the normal across a pixel. */
+/* The whole disc clears the horizon if the sun is higher than its radius times this. The margin is
+ * for rounding and for the change of the normal across a pixel. */
 static const float HORIZON_MARGIN = 1.5f;
-/* The same for bodies that rise: normals are in single precision. */
+/* The same for bodies above the horizon: normals are in single precision. */
 static const double HORIZON_ROUNDING = 1e-5;
-/* Towards the limb a pixel's footprint grows until one value is no mean any more: the view must be
- * this steep, and the footprint this short against the body's radius; shorter
- * where air, relief or water change faster than plain ground. */
+/* Towards the limb a pixel's footprint grows until one value no longer is its mean. Minimum cosine
+ * of the view angle, and maximum length of the footprint over the body's radius; it is shorter
+ * where air, relief or water vary faster than plain ground. */
 static const float COSINE_MIN = 0.15f, ARC_MAX_RAD = 0.03f, ARC_MAX_VARIED_RAD = 0.01f;
 
-/* Whether a sphere, widened by `margin_m`, covers part of the sun's disc as seen from a point: the
- * angle to its centre is less than the sum of both radii. By sines and cosines of that sum; the
- * cosine alone has too few digits for a far sun. */
+/* Whether a sphere, enlarged by `margin_m`, covers part of the sun's disc as seen from a point: the
+ * angle to its centre is less than the sum of both angular radii. Compares sines and cosines of
+ * that sum, because the cosine alone has too few digits for a distant sun. */
 static bool overlaps_sun(pl_vec3 center, double radius_m, double margin_m, pl_vec3 point,
                          const pl_sun_view *sun) {
   const pl_vec3 to_center = pl_vec3_sub(center, point);
@@ -33,13 +33,14 @@ static bool overlaps_sun(pl_vec3 center, double radius_m, double margin_m, pl_ve
   const pl_vec3 toward = pl_vec3f_to_double(sun->direction);
   const pl_vec3 across = pl_vec3_cross(to_center, toward);
   const double besides = sqrt(besides2), sine = sun->sin_radius, cosine = 1.0 - sun->one_minus_cos;
-  const double most = reach * cosine + besides * sine; /* of the distance across */
+  /* maximum distance of the sphere's centre from the line to the sun's centre */
+  const double most = reach * cosine + besides * sine;
   const bool ahead = pl_vec3_dot(to_center, toward) > 0.0;
   const bool less = pl_vec3_dot(across, across) < most * most;
   return besides * cosine > reach * sine ? ahead && less : ahead || !less;
 }
 
-/* Whether a shadow's edge or inside may come near a point of a body. */
+/* Whether the point of a body may be in or near a shadow. */
 static bool near_shadow(const pl_snapshot *shot, const pl_vertex *vertex, const pl_sun_view *sun,
                         double margin_m) {
   const pl_vec3 p = vertex->position;
@@ -53,7 +54,7 @@ static bool near_shadow(const pl_snapshot *shot, const pl_vertex *vertex, const 
   return false;
 }
 
-/* Whether a volume may shade a part of the pixel. */
+/* Whether a volume may shadow a part of the pixel. */
 static bool near_volume(const pl_path_context *context, const pl_vertex *vertex,
                         const pl_sun_view *sun, double margin_m) {
   const pl_snapshot *shot = context->shot;
@@ -64,8 +65,9 @@ static bool near_volume(const pl_path_context *context, const pl_vertex *vertex,
   return false;
 }
 
-/* Whether the body is a Lambert surface whose map alone varies. The colours of a graph that varies
- * are at best functions of filtered patterns, whose value at the centre is not the pixel's mean. */
+/* Whether the body is a Lambert surface of which only the map varies. The colours of a varying
+ * graph are at best functions of filtered patterns, whose value at the centre is not the pixel's
+ * mean. */
 static bool is_plain(const pl_body *body) {
   if (body->graph == NULL)
     return body->reflectance == &pl_reflectance_lambert;
@@ -73,10 +75,10 @@ static bool is_plain(const pl_body *body) {
          pl_graph_is_uniform(body->graph);
 }
 
-/* Whether the body follows a photometric law that hardly bends over the sun's disc here. What the
- * surges, sharp as they may be, and the lobes of b up to 0.6 change by taking the disc for its
- * centre is rho^2/8 of their second derivative, at most rho^2/(4 g^2): 3e-4 at this angle for the
- * sun at 1 AU. */
+/* Whether the body follows a photometric law that is nearly linear over the sun's disc here. If the
+ * disc is replaced by its centre, opposition surges, however narrow, and the lobes of b up to 0.6
+ * change by rho^2/8 of their second derivative, which is at most rho^2/(4 g^2): 3e-4 at this angle
+ * for the sun at 1 AU. */
 static const float PHASE_MIN_RAD = 0.15f;
 static bool is_calm(const pl_body *body, pl_vec3f toward, const pl_sun_view *sun) {
   if (body->graph != NULL || !body->reflectance->photometric || sun->sin_radius > 0.01f)
@@ -85,7 +87,7 @@ static bool is_calm(const pl_body *body, pl_vec3f toward, const pl_sun_view *sun
   return fabsf(cosine) < cosf(PHASE_MIN_RAD);
 }
 
-/* What the shaded body sends on of the sun's light, W m-2 sr-1. */
+/* Sunlight that the shaded body reflects, W m-2 sr-1. */
 static pl_vec3f reflected(const pl_surface *s, pl_vec3f toward, const pl_sun_view *sun,
                           float height) {
   if (s->reflectance == &pl_reflectance_lambert)
@@ -97,9 +99,10 @@ static pl_vec3f reflected(const pl_surface *s, pl_vec3f toward, const pl_sun_vie
   return pl_vec3f_scale(s->reflectance->evaluate(s, wo, wi), sun->irradiance);
 }
 
-/* Relief and water change within a pixel. The slopes that it hides turn none of it away from a sun
- * that is so high over them; and over waves of at least the calm sea's slopes the disc of a small
- * sun counts as its centre: by rho^2/(2 alpha^2), 4e-3 of the glint for the sun at 1 AU. */
+/* Relief and water vary within a pixel. If the sun is this high above the surface, no slope within
+ * the pixel faces away from it. Over waves with at least the slopes of a calm sea, a small sun is
+ * replaced by its centre: the relative error is rho^2/(2 alpha^2), 4e-3 of the glint for the sun at
+ * 1 AU. */
 static const float HEIGHT_OVER_RELIEF = 0.3f, WAVES_MIN = 0.05f;
 static bool is_even(const pl_surface *s, const pl_sun_view *sun, float height) {
   if (s->reflectance == &pl_reflectance_water &&
@@ -117,13 +120,13 @@ static bool rises(pl_vec3 center, double radius_m, const pl_vertex *vertex) {
          -radius_m * (1.0 + HORIZON_ROUNDING);
 }
 
-/* Of a body with its clouds and rings. */
+/* Radius of a body with its clouds and rings, m. */
 static double reach_of(const pl_shot_body *body) {
   const double rings = body->body->rings != NULL ? pl_rings_outer_m(body->body->rings) : 0.0;
   return fmax(body->radius_m + body->state->clouds.altitude_m, rings);
 }
 
-/* Whether anything that may light a body noticeably rises above the horizon of a point on it. */
+/* Whether anything that may noticeably light a body is above the horizon of a point on it. */
 static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *vertex) {
   const pl_snapshot *shot = context->shot;
   const uint32_t own = vertex->thing - (uint32_t)shot->object_count;
@@ -138,7 +141,7 @@ static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *ve
   return shot->bodies[own].near_meshes;
 }
 
-/* Whether bodies of this kind can be prefiltered in the tile at all. */
+/* Whether the body can be prefiltered in the tile at all. */
 static bool may_prefilter(const pl_path_context *context, const pl_shot_body *body) {
   const pl_render_settings *settings = context->settings;
   if ((body->subpixel && !settings->see_subpixel) || !context->sharp || context->rough_media ||
@@ -151,7 +154,7 @@ static bool may_prefilter(const pl_path_context *context, const pl_shot_body *bo
            (!context->filters_irradiance || settings->air != NULL));
 }
 
-/* Whether one value is the mean of the footprint about a point, but for its map. */
+/* Whether one value is the mean over the footprint of a point, apart from the map. */
 static bool spans_little(const pl_path_context *context, const pl_shot_body *body,
                          const pl_vertex *vertex, pl_vec3f toward, const pl_sun_view *sun,
                          double *footprint_m) {
@@ -170,9 +173,9 @@ static bool spans_little(const pl_path_context *context, const pl_shot_body *bod
   return is_plain(body->body) || is_calm(body->body, toward, sun);
 }
 
-/* By how many digital numbers what a pixel sees may be off by what it hides of media, before
- * `light`: where they are, they add their own and keep some of that back. Air between the two is
- * left out, which dims one as it adds to the other. */
+/* Error of a pixel's value, in DN, from detail of media finer than the beam, in front of `light`: a
+ * medium adds its own radiance and blocks part of the light. Air between media and surface is
+ * ignored: it attenuates the light as it adds its own. */
 static float unsure_dn(const pl_render_settings *settings, const pl_medium_list *list,
                        pl_vec3f light, pl_vec3f seen) {
   float unsure = 0.0f;
@@ -184,7 +187,7 @@ static float unsure_dn(const pl_render_settings *settings, const pl_medium_list 
   return unsure > 0.0f ? pl_path_error_dn(settings, pl_luminance(seen), unsure) : 0.0f;
 }
 
-/* What a pixel meets of media in front of a vertex, seen in parts x parts places. */
+/* Crossings of a pixel's beam with media in front of a vertex, in parts x parts beams. */
 static void cross_media(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
                         int parts, pl_medium_list *out) {
   const pl_snapshot *shot = context->shot;
@@ -203,13 +206,13 @@ static void cross_media(const pl_path_context *context, uint32_t pixel, const pl
   pl_media_cross(context->settings->media, shot, &ray, out);
 }
 
-/* Tolerances, of the standard error that clouds finer than a pixel may leave: as many as noise may
- * (QUIET in adaptive_sampling.c). */
+/* Limit of the standard error that clouds finer than a pixel may leave, in tolerances: the same as
+ * for noise (QUIET in adaptive_sampling.c). */
 static const float HIDDEN = 3.0f;
 
-/* What the camera sees of light from a point: through air and media. Where a beam hides detail of
- * clouds that matters, narrower ones look for it: what n x n of them miss falls as n^3. False where
- * they are not enough. */
+/* Light of a point as the camera sees it through air and media. If a beam leaves too large an error
+ * from the detail of clouds, narrower ones are used: the error of n x n beams falls as n^-3. False
+ * if the error stays too large. */
 static bool see_through(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
                         pl_vec3f light, pl_tile_buffers *b) {
   enum { PARTS_MOST = 4 };
@@ -231,7 +234,7 @@ static bool see_through(const pl_path_context *context, uint32_t pixel, const pl
   return false;
 }
 
-/* The prefiltered light of a shaded point as the camera sees it; false where that is not known. */
+/* The prefiltered light of a shaded point as the camera sees it; false if it must be sampled. */
 static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_vertex *vertex,
                        const pl_sun_view *sun, pl_vec3f toward, double footprint_m,
                        pl_tile_buffers *b) {
@@ -249,7 +252,7 @@ static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_
   return see_through(context, pixel, vertex, light, b);
 }
 
-/* Radiance of the body at the pixel's centre for the pixel as a whole; false if it must be sampled.
+/* Computes the mean radiance of the pixel from the body at its centre; false if it must be sampled.
  */
 static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
@@ -278,17 +281,17 @@ static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_t
   if (!is_even(&vertex.surface, &sun, pl_vec3f_dot(sun.direction, vertex.ng)))
     return false;
   b->lit[pixel] = is_lit_by_others(context, &vertex);
-  if (b->lit[pixel] && context->media) /* that light would be seen through them */
+  if (b->lit[pixel] && context->media) /* the indirect light would have to be attenuated by them */
     return false;
   if (b->lit[pixel])
     b->prefiltered_surface[pixel] = vertex.surface;
   return seen_light(context, pixel, &vertex, &sun, toward, footprint_m, b);
 }
 
-/* A tile and a pixel more to each side. */
+/* A tile with a border of one pixel. */
 enum { BORDERED = PL_TILE_SIDE + 2 };
 
-/* Whether a pixel of the tile, or one of those around it, is out of the meshes' reach. */
+/* Whether a pixel of the tile, or one of its neighbours, is outside the coverage of meshes. */
 static bool leaves_coverage(const pl_path_context *context, int x, int y) {
   const pl_tile tile = context->tile;
   for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < tile.height; v++)
@@ -298,8 +301,8 @@ static bool leaves_coverage(const pl_path_context *context, int x, int y) {
   return false;
 }
 
-/* The body that a pixel's centre is on, in the tile or beside it; behind a mesh too, where a pixel
- * without one asks for it. Where the lens has no ray, none that is in the tile. */
+/* The body at a pixel's centre, in the tile or next to it; also behind a mesh, if a neighbour
+ * without meshes needs it. Where the lens has no ray, a value that differs from all in the tile. */
 static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b, int x, int y) {
   const pl_tile tile = context->tile;
   if (x >= 0 && y >= 0 && x < tile.width && y < tile.height) {
@@ -316,12 +319,12 @@ static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b
   return hit.thing;
 }
 
-/* Whether the centres of a pixel and of those around it lie on one body: its outline is convex, so
- * all of the pixel does. Or whether all lie on none. Another body would have one of these centres
- * or stay outside the pixel: its outline is a union of discs as large as its sharpest bend, and one
- * that comes half a pixel deep between two centres without touching them is smaller than a pixel
- * (its sagitta over a chord of one pixel is half a pixel only if its radius is). For bodies that
- * bend more sharply than a few pixels see find_narrow. */
+/* Whether a pixel lies on one body: if its centre and those around it do, since the body's outline
+ * is convex. Likewise whether it lies on none. Another body would cover one of these centres or
+ * stay outside the pixel: its outline is a union of discs of its smallest radius of curvature, and
+ * a disc that extends half a pixel between two centres without covering them is smaller than a
+ * pixel (the sagitta over a chord of one pixel is half a pixel only if the radius is). For bodies
+ * whose radius of curvature is less than a few pixels see find_narrow. */
 static void compare_centres(const uint32_t thing[BORDERED][BORDERED], pl_tile tile,
                             bool covered[PL_TILE_PIXELS]) {
   bool row[BORDERED][PL_TILE_SIDE];
@@ -346,12 +349,12 @@ static void cover_pixels(const pl_path_context *context, const pl_tile_buffers *
     covered[i] = covered[i] && !b->narrow[i];
 }
 
-/* Bodies of up to so many pixels may lie between centres, and between samples; and longer ones with
- * ends as sharp. */
+/* Bodies up to this size, in pixels, may lie between centres, and between samples. So may the tips
+ * of longer ones that are as sharply curved. */
 static const double NARROW_PX = 5.0;
 
-/* An ellipsoid bends nowhere more than about a radius of b^2/a, of its shortest and longest axis.
- */
+/* The smallest radius of curvature of an ellipsoid is about b^2/a, b its shortest and a its longest
+ * semi-axis. */
 static bool is_narrow(const pl_shot_body *body, double pixel_m) {
   const pl_vec3 radii = body->state->radii_m;
   const double least = fmin(radii.x, fmin(radii.y, radii.z));
@@ -359,8 +362,8 @@ static bool is_narrow(const pl_shot_body *body, double pixel_m) {
          (body->subpixel || 2.0 * least * least < NARROW_PX * pixel_m * body->radius_m);
 }
 
-/* Whether a narrow body may touch what a pixel's centre is on, or hide it. The light of subpixel is
- * added to the sky later, and black is as black behind them. */
+/* Whether a narrow body may touch what a pixel's centre hits, or hide it. The light of sub-pixel
+ * bodies is added to the sky later, and the sky behind them is as black as they are. */
 static bool may_hide(const pl_path_context *context, const pl_shot_body *body,
                      const pl_vertex *point) {
   const pl_render_settings *settings = context->settings;
@@ -369,7 +372,7 @@ static bool may_hide(const pl_path_context *context, const pl_shot_body *body,
   return point->t > pl_vec3_norm(body->center) - body->radius_m;
 }
 
-/* Marks the pixels that a narrow body may touch before what their centres are on. */
+/* Marks the pixels in which a narrow body may be in front of what their centres hit. */
 static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
   memset(b->narrow, 0, sizeof b->narrow);
@@ -392,8 +395,8 @@ static void find_narrow(const pl_path_context *context, pl_tile_buffers *b) {
   }
 }
 
-/* Whether a pixel outside the meshes' reach sees only what is behind everything: covered by none.
- * Of a slice not all centres are known. */
+/* Whether a pixel outside the coverage of meshes sees only the background: no body covers it. For a
+ * slice, not all centres are known. */
 static bool is_sky(const pl_path_context *context, uint32_t pixel, bool covered,
                    const pl_tile_buffers *b) {
   if (context->sun || context->air || context->media)
@@ -402,7 +405,7 @@ static bool is_sky(const pl_path_context *context, uint32_t pixel, bool covered,
                               b->points[pixel].thing == PL_NOTHING);
 }
 
-/* How a pixel outside the meshes' reach is dealt with: true when its radiance is known. */
+/* Decides how a pixel outside the coverage of meshes is rendered; true if its radiance is known. */
 static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool covered,
                          pl_tile_buffers *b) {
   const bool sky = is_sky(context, pixel, covered, b);
@@ -432,7 +435,7 @@ static void reset_pixel(uint32_t pixel, pl_tile_buffers *b) {
   b->patches[pixel].count = 0;
 }
 
-/* Appends a pixel to the active ones; those that may see a mesh stay in front. */
+/* Appends a pixel to the active ones; those that may see a mesh come first. */
 static void activate(uint32_t pixel, bool mesh, pl_tile_buffers *b) {
   b->active[b->active_count++] = pixel;
   if (!mesh)
@@ -442,7 +445,7 @@ static void activate(uint32_t pixel, bool mesh, pl_tile_buffers *b) {
 }
 
 void pl_path_prefilter(const pl_path_context *context, pl_tile_buffers *b) {
-  /* Of slices with few of the pixels it is quicker to trace those than all corners. */
+  /* If few pixels have a sample in the slice, tracing them is cheaper than testing all centres. */
   const pl_slice *slice = context->settings->slice;
   const bool sparse = slice != NULL && slice->count > context->settings->samples;
   bool covered[PL_TILE_PIXELS] = {false};

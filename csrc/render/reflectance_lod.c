@@ -1,4 +1,4 @@
-/* The angles in view are sampled on a grid of rays and along the body's edge. */
+/* The angles in view are sampled on a grid of rays and along the body's outline. */
 #include "render/reflectance_lod.h"
 
 #include <string.h>
@@ -7,17 +7,17 @@
 #include "light/sun.h"
 #include "shade/reflectance.h"
 
-/* From the cheapest on; without the body's own. */
+/* In ascending order of cost; without the body's own law. */
 static const pl_reflectance *const cheaper[PL_VIEW_LODS - 1] = {
     &pl_reflectance_lambert, &pl_reflectance_minnaert, &pl_reflectance_lunar_lambert,
     &pl_reflectance_lommel_seeliger, &pl_reflectance_hapke_smooth};
 
-/* Rays of the grid along a side, steps to the edge, and the factors on the albedo that each point
- * of a body with maps is tried with: what they may have between the points. */
+/* Rays of the grid per side; bisection steps to the outline; and factors on the albedo that each
+ * point of a body with maps is tried with, for albedos that occur between the points. */
 enum { GRID = 12, POINTS = GRID * GRID, STEPS = 16, ALBEDOS = 3, VALUES = 3 * ALBEDOS };
 static const float ALBEDO[ALBEDOS] = {1.0f, 0.7f, 1.4f};
 
-/* The body's radiance at a place of the image, by all laws; 0 where it is dark. */
+/* The body's radiance at a point of the image, by all laws; 0 where it is dark. */
 typedef struct law_point {
   bool seen;
   float exact[VALUES], cheap[PL_VIEW_LODS - 1][VALUES];
@@ -27,9 +27,9 @@ typedef struct law_samples {
   const pl_snapshot *shot;
   uint32_t thing;
   bool mapped;
-  double x0, y0, dx, dy; /* pixels: of the first ray, and from one to the next */
+  double x0, y0, dx, dy; /* pixels: position of the first ray, and spacing of the rays */
   law_point points[POINTS];
-  law_point edges[POINTS][2]; /* where the body ends towards the next ray in x and in y */
+  law_point edges[POINTS][2]; /* points of the outline towards the next ray in x and in y */
 } law_samples;
 
 static void set3(pl_vec3f v, float scale, float out[3]) {
@@ -55,7 +55,7 @@ static void evaluate(const law_samples *s, pl_surface *surface, pl_vec3f wo, pl_
   }
 }
 
-/* False where the ray through (u, v) does not meet the body first. */
+/* False if the ray through (u, v) does not hit the body first. */
 static bool meets(const law_samples *s, double u, double v, pl_beam *beam, pl_vertex *vertex) {
   *beam = (pl_beam){.direction = pl_snapshot_ray(s->shot, u, v),
                     .spread = (float)(1.0 / s->shot->camera.fx)};
@@ -80,7 +80,7 @@ static void measure(const law_samples *s, double u, double v, law_point *out) {
            pl_surface_to_local(surface, sun.direction), sun.irradiance, out);
 }
 
-/* The last point of the body on the way from (u, v), which is on it, to a step further. */
+/* Measures at the body's outline between (u, v), which is on the body, and (u + du, v + dv). */
 static void measure_edge(const law_samples *s, double u, double v, double du, double dv,
                          law_point *out) {
   double on = 0.0, off = 1.0;
@@ -96,7 +96,7 @@ static void measure_edge(const law_samples *s, double u, double v, double du, do
   measure(s, u + on * du, v + on * dv, out);
 }
 
-/* Towards the next point, the side of whichever of the two is on the body. */
+/* Measures the outline between a point and the next one, if exactly one of them is on the body. */
 static void find_edge(law_samples *s, int x, int y, int axis) {
   const double u = s->x0 + x * s->dx, v = s->y0 + y * s->dy;
   const double du = axis == 0 ? s->dx : 0.0, dv = axis == 0 ? 0.0 : s->dy;
@@ -122,13 +122,13 @@ static void take_samples(law_samples *s) {
     }
 }
 
-/* The part of the image in which the body can be: about its centre, or all of it. */
+/* Sets the part of the image that may show the body: around its centre, or the whole image. */
 static void set_window(const pl_shot_body *body, law_samples *s) {
   const pl_camera *camera = &s->shot->camera;
   const pl_vec3 c = pl_mat3_mul_vec_t(s->shot->camera_to_root, body->center);
   const double distance = pl_vec3_norm(c), sine = body->radius_m / distance;
   double low[2] = {-0.5, -0.5}, high[2] = {camera->width - 0.5, camera->height - 0.5};
-  if (sine < 0.2 && c.z > 0.9 * distance) { /* lenses bend this by less than a third */
+  if (sine < 0.2 && c.z > 0.9 * distance) { /* lenses change this by less than a third */
     const double focal[2] = {camera->fx, camera->fy};
     const double middle[2] = {camera->cx + camera->fx * c.x / c.z + camera->skew * c.y / c.z,
                               camera->cy + camera->fy * c.y / c.z};
@@ -144,13 +144,13 @@ static void set_window(const pl_shot_body *body, law_samples *s) {
   s->dy = (high[1] - low[1]) / (GRID - 1);
 }
 
-/* Calls for all points that are seen, edges last. */
+/* The i-th point of the grid, or of the outline after those. */
 static const law_point *point_of(const law_samples *s, size_t i) {
   return i < POINTS ? &s->points[i] : &s->edges[(i - POINTS) / 2][(i - POINTS) % 2];
 }
 enum { ALL = 3 * POINTS };
 
-/* The factor of least squares for each band. */
+/* The least-squares factor on the cheaper law, for each band. */
 static void fit(const law_samples *s, int law, float factor[3]) {
   for (int band = 0; band < 3; band++) {
     double both = 0.0, square = 0.0;
@@ -169,8 +169,8 @@ static float off_by(const law_point *p, int law, const float factor[3], int k) {
   return factor[k % 3] * p->cheap[law][k] - p->exact[k];
 }
 
-/* How far a law is off at a point; and between it and its neighbours, where the error may turn
- * round: by as much as it changes from one to the other. */
+/* Error of a law at a point, plus the largest change of the error to a neighbour, because the
+ * error may have its extremum in between. */
 static float margin(const law_samples *s, size_t i, int law, const float factor[3], int k) {
   const law_point *p = point_of(s, i);
   const float here = off_by(p, law, factor, k);
@@ -214,8 +214,7 @@ static pl_status summarise(const law_samples *s, pl_arena *arena, pl_view_lods *
   return PL_OK;
 }
 
-/* Whether the grid has met enough of the lit part: what lies between its rays is otherwise anyone's
- * guess. */
+/* Whether enough points of the grid are lit. Otherwise the errors between its rays are unknown. */
 static bool is_covered(const law_samples *s) {
   const int enough = 16;
   int lit = 0;
@@ -228,7 +227,7 @@ static bool is_covered(const law_samples *s) {
   return lit >= enough;
 }
 
-/* Whether other lods may stand for a body's own, where it is seen. */
+/* Whether cheaper laws may replace the body's own. */
 static bool has_others(const pl_shot_body *body) {
   return body->in_frame && body->body->graph == NULL &&
          !pl_ground_has_relief(&body->body->ground) &&

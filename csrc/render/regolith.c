@@ -1,4 +1,4 @@
-/* Parameters from maps, and those that the frame gives over them. */
+/* Parameters from maps, and those that the frame sets in their place. */
 #include "render/regolith.h"
 
 #include <string.h>
@@ -6,7 +6,7 @@
 #include "geom/ellipsoid.h"
 #include "shade/body_map.h"
 
-/* The map at the vertex. */
+/* Reads the map at a vertex. */
 static void read_map(const pl_shot_body *body, const pl_beam *beam, bool maps,
                      const pl_vertex *vertex, pl_regolith_texel out[3]) {
   const pl_grid *map = body->body->regolith_map;
@@ -21,7 +21,7 @@ static void read_map(const pl_shot_body *body, const pl_beam *beam, bool maps,
   double lon, lat;
   const double oblate = body->body->geodetic ? pl_body_map_oblate(body->state->radii_m) : 0.0;
   pl_ellipsoid_lon_lat(pl_body_map_stretch(local, oblate), &lon, &lat);
-  /* A circle as large as the pixel's ellipse on the ground. */
+  /* A circle with the area of the pixel's ellipse on the ground. */
   pl_grid_sample(map, lon, lat, width / (body->radius_m * sqrt(fmax(cosine, 0.02))), (float *)out);
 }
 

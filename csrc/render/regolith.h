@@ -4,9 +4,9 @@
 
 #include "render/vertex.h"
 
-/* Fills surface->regolith from the body's map and what the frame gives instead; where no colour map
- * says the albedo, the map's colours surface->color. Without `maps` the map counts as its mean.
- * Only for rows that are photometric. */
+/* Fills surface->regolith from the body's map and from the frame's values, which take precedence.
+ * Without a colour map, the regolith map's albedo also sets surface->color. Without `maps` the map
+ * is replaced by its mean. Only for photometric reflectances. */
 void pl_regolith_shade(const pl_shot_body *body, const pl_beam *beam, bool maps, pl_vertex *vertex);
 
 #endif

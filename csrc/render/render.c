@@ -1,4 +1,5 @@
-/* Tiles: skip what can only see black space, fill the geometry buffer, sample colour. */
+/* Rendering of tiles: skips those that see only black space, fills the geometry buffer, samples
+ * colour. */
 #include "render/render.h"
 
 #include "base/hash.h"
@@ -11,16 +12,17 @@
 #include "render/coverage_mask.h"
 #include "render/irradiance_record.h"
 
-/* Samples after which the noise is looked at for the first time; then at every doubling. */
+/* Number of samples after which the noise is checked first; then at every doubling. */
 enum { FIRST_CHECK = 2 };
-/* Pixels crossed by outlines of full contrast deserve so many times the usual samples. */
+/* Maximum number of samples per pixel, relative to the usual number: as many as pixels need that
+ * outlines of full contrast cross. */
 enum { MOST = 2 };
 
 struct pl_render_scratch {
   int threads;
   pl_tile_buffers *buffers; /* owned, one per worker */
   pl_sun_view *suns;        /* owned, one per object */
-  size_t sun_count;         /* room in suns */
+  size_t sun_count;         /* capacity of suns */
   pl_coverage coverage;
   pl_irradiance_record share;
 };
@@ -67,7 +69,7 @@ typedef struct job {
   pl_render_scratch *scratch;
   pl_tile_fn done;
   void *context;
-  int columns; /* tiles a row */
+  int columns; /* tiles per row */
   int row0, row1;
   double pixel_rad;
 } job;
@@ -81,7 +83,7 @@ static pl_tile tile_of(const job *job, size_t item) {
   return (pl_tile){x0, y0, w < PL_TILE_SIDE ? w : PL_TILE_SIDE, h};
 }
 
-/* What the tile's cone can meet. */
+/* What the cone of a tile may contain. */
 typedef struct content {
   bool meshes, bodies, sun, air, media, rough_media;
   pl_vec3 axis; /* of the cone */
@@ -104,13 +106,13 @@ static content tile_content(const job *job, pl_tile tile) {
   out.rough_media =
       pl_media_rough_in_cone(job->settings->media, shot, out.axis, out.half_angle_rad);
   for (size_t i = 0; i < shot->body_count && !out.bodies; i++)
-    out.bodies = shot->bodies[i].shape == NULL && /* its mesh is among the meshes */
+    out.bodies = shot->bodies[i].shape == NULL && /* the mesh of a shape is one of the meshes */
                  pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, out.axis,
                                   out.half_angle_rad);
   return out;
 }
 
-/* One word of randomness a pixel, keyed by (seed, "render", frame, pixel). */
+/* One random word per pixel, keyed by (seed, "render", frame, pixel). */
 static void draw_seeds(const job *job, pl_tile tile, uint32_t *seeds) {
   const uint64_t key[2] = {job->settings->seed, pl_hash(PL_HASH_SEED, "render", 6)};
   for (int y = 0; y < tile.height; y++) {
@@ -125,10 +127,11 @@ static void draw_seeds(const job *job, pl_tile tile, uint32_t *seeds) {
   }
 }
 
-/* Packets of rays are of the image's own tiles, of which bands of rows may leave a tile only a
- * part: a place of such a whole tile may be beside this one. */
+/* A position relative to a tile. Packets of rays follow the full tiles of the image. A band of rows
+ * may contain only a part of a full tile; positions of the full tile may then lie outside `tile`.
+ */
 typedef struct place {
-  int x, y; /* from the tile's corner */
+  int x, y; /* pixels from the tile's corner */
 } place;
 
 static place place_of(pl_tile tile, uint32_t nth) {
@@ -137,7 +140,8 @@ static place place_of(pl_tile tile, uint32_t nth) {
   return (place){(int)(pixel % PL_TILE_SIDE), (int)(pixel / PL_TILE_SIDE) - cut};
 }
 
-/* Place `nth` of the packet that begins at one, in one number, and back. */
+/* Packs position `nth` of the packet that begins at `first` into one number; unpack_place reverses
+ * it. */
 static uint32_t pack_place(place first, uint32_t nth) {
   const uint32_t pixel = pl_tile_pixel(nth);
   const uint32_t x = (uint32_t)first.x + pixel % PL_TILE_SIDE;
@@ -153,7 +157,7 @@ static bool is_inside(pl_tile tile, place at) {
   return at.x < tile.width && at.y >= 0 && at.y < tile.height;
 }
 
-/* Whether one of the pixels of the packet that begins at a place may see a mesh. */
+/* Whether a pixel of the packet that begins at a position may see a mesh. */
 static bool packet_may_see(const job *job, pl_tile tile, place at) {
   enum { WIDE = 4, HIGH = 2 };
   _Static_assert(WIDE * HIGH == PL_TRACER_PACKET, "a block of the Z-order curve");
@@ -166,9 +170,10 @@ static bool packet_may_see(const job *job, pl_tile tile, place at) {
   return false;
 }
 
-/* Places in whose packet a pixel may see a mesh; returns how many. A packet has the same rays
- * whatever else is known of the frame, as rounding depends on them: those of all its places. So
- * labels are the same with and without colour, at any number of samples, and in bands of rows. */
+/* Lists the positions of all packets in which a pixel may see a mesh; returns their number. The
+ * rays of a packet affect rounding, so a packet always has the rays of all of its positions. Labels
+ * are therefore the same with and without colour, for any number of samples, and in bands of rows.
+ */
 static size_t list_mesh_places(const job *job, pl_tile tile, uint32_t *places) {
   size_t count = 0;
   for (uint32_t i = 0; i < PL_TILE_PIXELS; i += PL_TRACER_PACKET) {
@@ -181,7 +186,8 @@ static size_t list_mesh_places(const job *job, pl_tile tile, uint32_t *places) {
   return count;
 }
 
-/* Of a place that the lens has no ray for, one that meets nothing. */
+/* Direction through the centre of a pixel; zero where the lens has no ray, for which centre_ray
+ * makes a ray that hits nothing. */
 static pl_vec3 centre_direction(const job *job, pl_tile tile, place at, const pl_tile_buffers *b) {
   const int pixel = at.y * PL_TILE_SIDE + at.x;
   if (is_inside(tile, at))
@@ -196,8 +202,8 @@ static pl_ray centre_ray(const job *job, pl_tile tile, place at, const pl_tile_b
   return (pl_ray){.t_max = -1.0, .direction = {0.0, 0.0, 1.0}, .skip_body = PL_EVERY_BODY};
 }
 
-/* What pixels see of meshes, at the first `count` places of `active`, before the bodies that they
- * meet. */
+/* Fills the points of pixels whose first hit is on a mesh, for the first `count` positions in
+ * `active`. The points on bodies must be filled before. */
 static void fill_mesh_points(const job *job, pl_tile tile, size_t count, pl_tile_buffers *b) {
   for (size_t i = 0; i < count; i++)
     b->rays[i] = centre_ray(job, tile, unpack_place(b->active[i]), b);
@@ -231,14 +237,15 @@ static void fill_body_points(const job *job, pl_tile tile, const content *conten
     }
 }
 
-/* The geometry buffer: what the pixels' centre rays hit. */
+/* Fills the geometry buffer: the hits of the rays through the pixels' centres. */
 static void fill_points(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
   fill_body_points(job, tile, content, b);
   if (content->meshes)
     fill_mesh_points(job, tile, list_mesh_places(job, tile, b->active), b);
 }
 
-/* A few samples of a blurred outline may all miss it: then nothing says that more are needed. */
+/* Whether sampling is adaptive. With an aperture it is not: a few samples of a blurred outline may
+ * all miss it, and then do not show that more are needed. */
 static bool is_adaptive(const job *job) {
   return job->settings->noise_dn > 0.0f && !(job->shot->camera.aperture_m > 0.0) &&
          job->settings->slice == NULL;
@@ -267,7 +274,8 @@ static pl_path_context context_of(const job *job, pl_tile tile, const content *c
   };
 }
 
-/* Pixels that have no sample at this instant see nothing: only they are left out here. */
+/* Fills the points on bodies for a slice. Pixels without a sample at this instant, and pixels that
+ * may see a mesh, get none. */
 static void fill_slice_points(const job *job, pl_tile tile, const content *content,
                               pl_tile_buffers *b) {
   fill_body_points(job, tile, content, b);
@@ -280,7 +288,7 @@ static void fill_slice_points(const job *job, pl_tile tile, const content *conte
     }
 }
 
-/* The samples of one instant, over those of all. */
+/* Renders the samples of one instant; radiance is their sum over the number of all samples. */
 static void sample_slice(const job *job, pl_tile tile, const content *content, pl_tile_buffers *b) {
   const pl_path_context context = context_of(job, tile, content);
   draw_seeds(job, tile, b->seeds);
@@ -318,7 +326,7 @@ static pl_status sample_colour(const job *job, size_t item, int worker, const co
   return pl_irradiance_keep(&job->scratch->share, item, &context, b);
 }
 
-/* What is behind everything, in all pixels of the tile. */
+/* Fills the radiance behind everything, for all pixels of the tile. */
 static void fill_backdrop(const job *job, pl_tile tile, pl_vec3f *out) {
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++)
@@ -353,7 +361,7 @@ static pl_status render_tile(void *context, size_t item, int worker) {
   return job->done(job->context, &result, worker);
 }
 
-/* Once more, with the light that was shared. */
+/* Delivers a tile again, with the shared light added. */
 static pl_status light_tile(void *context, size_t item, int worker) {
   const job *job = context;
   const pl_irradiance_record *share = &job->scratch->share;
@@ -365,7 +373,7 @@ static pl_status light_tile(void *context, size_t item, int worker) {
   return job->done(job->context, &result, worker);
 }
 
-/* The sun as each object's centre sees it. */
+/* Computes the sun as seen from each object's centre. */
 static pl_status view_suns(pl_render_scratch *scratch, const pl_snapshot *shot) {
   if (shot->object_count > scratch->sun_count) {
     pl_sun_view *grown = pl_realloc(scratch->suns, shot->object_count, sizeof *grown);
@@ -379,7 +387,7 @@ static pl_status view_suns(pl_render_scratch *scratch, const pl_snapshot *shot) 
   return PL_OK;
 }
 
-/* Rays that a pixel gets about: through its centre, and one a sample. */
+/* Approximate number of rays per pixel: one through its centre, and one per sample. */
 static int rays_of(const pl_render_settings *settings) {
   const int count = settings->slice != NULL ? settings->slice->count : 0;
   return count > 0 ? (settings->samples + count - 1) / count : 1 + settings->samples;

@@ -1,4 +1,5 @@
-/* The loop over tiles: geometry buffer by the pixels' centre rays, colour by path tracing. */
+/* The loop over tiles: the geometry buffer from the rays through the pixels' centres, and colour by
+ * path tracing. */
 #ifndef PL_RENDER_RENDER_H
 #define PL_RENDER_RENDER_H
 
@@ -15,9 +16,9 @@
 #include "render/vertex.h"
 #include "sky/backdrop.h"
 
-/* One instant of an exposure that is the mean of several: sample j of so many of a pixel of row y
- * is of the time offset_s + y row_s + spread_s (j + r) / samples, with r random, and is drawn at
- * the instant that is nearest of `count`, which are evenly in span_s from start_s on. */
+/* One instant of an exposure that is the mean over several. Sample j of `samples` of a pixel in row
+ * y has the time offset_s + y row_s + spread_s (j + r) / samples, with r random in 0..1. It is
+ * rendered at the nearest of `count` instants, which are evenly spaced over span_s from start_s. */
 typedef struct pl_slice {
   int instant, count;
   double start_s, span_s;
@@ -25,44 +26,47 @@ typedef struct pl_slice {
 } pl_slice;
 
 typedef struct pl_render_settings {
-  uint64_t seed, frame; /* key all randomness */
-  int samples;          /* colour samples a pixel; 0: no colour, labels alone */
-  int bounces;          /* on meshes */
-  bool body_bounces;    /* paths go on from bodies */
-  bool planetshine;     /* what bodies reflect lights other things */
-  const pl_limb *limb;  /* of the sun's disc, with soft_sun; NULL: of even brightness */
+  uint64_t seed, frame; /* part of the key of all random numbers */
+  int samples;          /* colour samples per pixel; 0: no colour, only labels */
+  int bounces;          /* maximum number, on meshes */
+  bool body_bounces;    /* paths continue from bodies */
+  bool planetshine;     /* light that bodies reflect reaches other things */
+  const pl_limb *limb;  /* limb darkening of the sun's disc, with soft_sun; NULL: uniform disc */
   bool soft_sun, cast_shadows, clear_coat, transmission;
-  bool emission;    /* what emits is seen to */
+  bool emission;    /* emission is visible to the camera */
   pl_detail detail; /* of surfaces */
-  bool exact;       /* every pixel is sampled: no closed form stands for its mean */
+  bool exact;       /* every pixel is sampled; no closed form replaces its mean */
   int lods_down;    /* steps down from Hapke's law to cheaper ones, see reflectance_lod.h */
-  const pl_emitters *emitters; /* borrowed; NULL: what emits is seen and lights nothing */
+  const pl_emitters *emitters; /* borrowed; NULL: emitters are visible but light nothing */
   const pl_air_view *air;      /* borrowed; NULL: none */
   const pl_media *media;       /* borrowed; NULL: none */
   const pl_caustics
-      *caustics; /* borrowed; NULL: what mirrors the sun onto others is met by chance */
-  const pl_planetshine *shine; /* borrowed; NULL: bodies that light others are met by chance */
-  bool emitters_on_bodies;     /* or else on meshes alone */
-  const pl_backdrop *backdrop; /* borrowed: what the camera sees behind everything; NULL: black */
-  bool see_subpixel;           /* bodies that are subpixel are seen as others are, not black */
-  float noise_dn; /* pixels quieter than this get no more samples, see adaptive_sampling.c, and
-                   * busy ones more than `samples`; 0: all get `samples` */
-  int row0, row1; /* of the image; row1 0: all */
-  const pl_slice *slice; /* borrowed; NULL: all samples are of this instant. Else radiance is
-                          * the part of it that this instant's samples give, and points are
-                          * not filled */
-  /* What noise_dn refers to, W m-2 sr-1 encoded as 255: the least of the pictures that are asked
-   * for, and of another one, whose lights that are brighter count; 0: there is none. */
+      *caustics; /* borrowed; NULL: mirror reflections of the sun are found only by chance */
+  /* borrowed; NULL: bodies that light others are found only by chance */
+  const pl_planetshine *shine;
+  bool emitters_on_bodies;     /* emitters light bodies too, not only meshes */
+  const pl_backdrop *backdrop; /* borrowed; radiance behind everything; NULL: black */
+  bool see_subpixel;           /* sub-pixel bodies are shaded like others, not black */
+  /* pixels with less noise than this get no more samples, see adaptive_sampling.c, and noisy ones
+   * more than `samples`; 0: all get `samples` */
+  float noise_dn;
+  int row0, row1; /* rows of the image to render; row1 0: all */
+  /* borrowed; NULL: all samples are of this instant. Otherwise radiance is the contribution of this
+   * instant's samples to the mean, and points are not filled */
+  const pl_slice *slice;
+  /* Radiance encoded as 255, which noise_dn refers to, W m-2 sr-1: the lower one of the requested
+   * images, and that of the other image, which shows brighter lights too; 0: there is one image. */
   float white_radiance, white_other;
 } pl_render_settings;
 
-/* A finished tile. Arrays have PL_TILE_SIDE pixels a row; valid until the callback returns. A pixel
- * that sees nothing has points[i].thing == PL_NOTHING. */
+/* A finished tile. Arrays have PL_TILE_SIDE pixels per row and are valid until the callback
+ * returns. A pixel that sees nothing has points[i].thing == PL_NOTHING. */
 typedef struct pl_tile_result {
   pl_tile tile;
-  bool empty;               /* nothing was or could be hit; points are all PL_NOTHING */
-  const pl_vertex *points;  /* what the centre ray hits; surface holds only the frame's ng */
-  const pl_vec3f *radiance; /* W m-2 sr-1; zeros when samples is 0 */
+  bool empty; /* nothing was or could be hit; all points are PL_NOTHING */
+  /* hits of the rays through the pixels' centres; of `surface` only the frame and ng are set */
+  const pl_vertex *points;
+  const pl_vec3f *radiance; /* W m-2 sr-1; zero if samples is 0 */
 } pl_tile_result;
 
 typedef pl_status (*pl_tile_fn)(void *context, const pl_tile_result *result, int worker);
@@ -73,7 +77,7 @@ pl_status pl_render_scratch_create(int threads, pl_render_scratch **out);
 void pl_render_scratch_destroy(pl_render_scratch *scratch);
 int pl_render_scratch_threads(const pl_render_scratch *scratch);
 
-/* The instant of a sample, see above; `part`: r, 0..1. */
+/* The instant of a sample, see pl_slice; `part`: r, 0..1. */
 static inline int pl_slice_of(const pl_slice *slice, int row, int sample, int samples,
                               double part) {
   const double t_s =
@@ -82,9 +86,9 @@ static inline int pl_slice_of(const pl_slice *slice, int row, int sample, int sa
   return (int)fmin(fmax(at, 0.0), slice->count - 1);
 }
 
-/* Renders the snapshot that `tracer` was set to. `done` is called once a tile, on the worker that
- * made it; and again without points, when all are made, for those whose radiance was not yet
- * whole: only with a noise_dn. Results do not depend on the number of threads. */
+/* Renders the snapshot that `tracer` was set to. Calls `done` once per tile, on the worker that
+ * made it. With noise_dn set, calls it again, without points, for tiles whose radiance is complete
+ * only after all tiles are made. Results do not depend on the number of threads. */
 pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
                     const pl_render_settings *settings, pl_render_scratch *scratch, pl_tile_fn done,
                     void *context, pl_cancel *cancel);

@@ -1,5 +1,5 @@
-/* Rings: flat layers in the plane of a body's equator. Of one ray they are one medium, also where
- * its cone meets them in several places. */
+/* Rings: flat layers in the equatorial plane of a body. A ray crosses them as one medium, even
+ * where its cone intersects them in several places. */
 #include "render/medium_kinds.h"
 #include "rings/rings.h"
 
@@ -27,9 +27,9 @@ static pl_status build(const pl_snapshot *shot, int value, pl_arena *arena, cons
   return PL_OK;
 }
 
-/* Whether a cone may hold places of a circle about the z axis, in whose axes all is: none is
- * farther than half a step from one of ARCS places. slack_m: by which the cone's apex may be off.
- */
+/* Whether a cone may contain points of a circle about the z axis, with all vectors in the body's
+ * axes. No point of the circle is farther than half a step from one of ARCS points. slack_m:
+ * maximum error of the cone's apex. */
 enum { ARCS = 64 };
 static bool circle_in_cone(double radius_m, pl_vec3 apex, pl_vec3 axis, double half_angle,
                            double slack_m) {
@@ -46,8 +46,8 @@ static bool circle_in_cone(double radius_m, pl_vec3 apex, pl_vec3 axis, double h
   return false;
 }
 
-/* The part of the plane that a cone holds has no holes: it meets the rings where its middle or one
- * of their edges is within. */
+/* The intersection of a cone with the plane has no holes. It therefore meets the rings if its
+ * centre lies on them, or if one of their edges is inside the cone. */
 static bool may_see(const ring_item *item, const pl_snapshot *shot, pl_vec3 axis,
                     double half_angle) {
   const pl_shot_body *body = &shot->bodies[item->body];
@@ -76,7 +76,7 @@ static pl_rings_ray ray_of(const pl_shot_body *body, pl_vec3 origin, pl_vec3 dir
                         .direction = pl_mat3_mul_vec_t(body->rotation, direction)};
 }
 
-/* Sunlight that a part of the rings scatters along the ray, and what it lets through. */
+/* Sets the sunlight that a part of the rings scatters along the ray; returns its transmittance. */
 static float look(const ring_item *item, const pl_media *media, const pl_snapshot *shot,
                   const pl_rings_ray *ray, const pl_rings_piece *piece, pl_vec3f *radiance) {
   const pl_shot_body *body = &shot->bodies[item->body];
@@ -108,7 +108,7 @@ static void cross_item(const ring_item *item, const pl_media *media, const pl_sn
   own.spread = (double)ray->beam->spread;
   own.end_m = ray->t_max;
   const size_t count = pl_rings_cut(item->rings, &own, pieces);
-  /* The light of a body's rings is not seen from its ground. */
+  /* Light that a body's rings scatter to its own ground is left out. */
   const bool dark = ray->dark || ray->from_body == item->body;
   pl_medium_crossing crossing = {0};
   float held = 0.0f;
@@ -139,11 +139,11 @@ static void cross(const pl_media *media, const void *own, const pl_snapshot *sho
       cross_item(&list->items[i], media, shot, ray, out);
 }
 
-/* Opacities that differ by more are seen. */
+/* Larger differences of the opacity are visible. */
 static const double ALIKE = 0.01;
 
-/* Sharp edges and lines are where the middle of a pixel is not as the whole. Where the middle meets
- * nothing few samples may find nothing, and all that the beam meets counts. */
+/* A pixel contains sharp edges or lines of the rings if its centre differs from its mean. If the
+ * centre hits nothing, a few samples may miss all, and any opacity in the beam counts. */
 static bool thin(const void *own, const pl_snapshot *shot, const pl_beam *pixel, double faint) {
   const ring_list *list = own;
   for (size_t i = 0; i < list->count; i++) {
@@ -158,10 +158,11 @@ static bool thin(const void *own, const pl_snapshot *shot, const pl_beam *pixel,
   return false;
 }
 
-/* An even strip so wide has the spread of an even disc of radius 1, about any line across it. */
+/* Width of a uniform strip whose variance across it is that of a uniform disc of radius 1 along any
+ * diameter. */
 static const double STRIP = 1.7320508075688772;
 
-/* Rings are cut by a cone as wide as the sun's disc and the footprint. */
+/* The rings are intersected with a cone as wide as the sun's disc and the footprint. */
 static pl_vec3f toward_sun(const pl_media *media, const void *own, const pl_snapshot *shot,
                            pl_vec3 point, const pl_sun_view *sun, float width_m) {
   const ring_list *list = own;

@@ -12,13 +12,14 @@ static const char *absent(const pl_view *view) {
   return "no shadow can fall on anything in the frame";
 }
 
-/* What a thing that shadows fall on sends. */
+/* Light from a thing that shadows may fall on. */
 static double shadowed_light(const pl_view_thing *source, const void *context) {
   const pl_view *view = context;
   return pl_view_shadowed(view, (size_t)(source - view->things)) ? pl_view_light(source) : 0.0;
 }
 
-/* A shadow in the frame takes all direct light; others take what the shadowed things reflect. */
+/* A shadow in the frame may remove all direct light; other shadows remove what the shadowed things
+ * would reflect. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value > 0)
@@ -33,7 +34,7 @@ static double bound_dn(const pl_view *view, int value) {
       radiance = fmax(radiance, thing->ggx_alpha_min < 1.0
                                     ? view->white_radiance
                                     : thing->albedo_max * thing->irradiance / 3.14159265358979);
-    /* and what reaches it by way of others that shadows fall on */
+    /* and the light that reaches it from others that shadows fall on */
     radiance = fmax(radiance, pl_view_sum(view, thing, shadowed_light, view) * series);
   }
   return pl_view_dn(view, radiance);

@@ -1,18 +1,18 @@
-/* Samples of one instant of an exposure. A pixel's samples keep their numbers, whatever instant
- * each is of: over all instants they are the well spread set that the pixel has without motion, and
- * (position, time) is a Hammersley set where the instants divide the samples. */
+/* Samples of one instant of an exposure. A sample keeps its number, whatever its instant: over all
+ * instants the samples are the well-distributed set of a pixel without motion, and (position, time)
+ * is a Hammersley set if the number of instants divides that of the samples. */
 #include "math/sampler.h"
 #include "render/path.h"
 
-/* A dimension pair that no path comes to, see focus.c. */
+/* A pair of dimensions that no path uses, see focus.c. */
 static const uint32_t TIME_DIMENSION = UINT32_C(0x54494d45);
 
-/* Where in its part of the exposure a sample of a pixel is, 0..1. */
+/* Time of a sample within its own part of the exposure, 0..1. */
 static double part_of(uint32_t seed, int sample) {
   return 0x1p-32 * pl_sampler_mix(seed ^ pl_sampler_mix((uint32_t)sample + TIME_DIMENSION));
 }
 
-/* The first sample of a row that may be of the slice, and the one after the last. */
+/* The first sample of a row that may belong to the slice, and the end of the range. */
 static void range_of(const pl_slice *slice, int row, int samples, int range[2]) {
   const double rounding = 1e-6;
   range[0] = 0;
@@ -54,8 +54,8 @@ bool pl_path_share(const pl_path_context *context, pl_tile_buffers *b) {
   return any;
 }
 
-/* Keeps of the `count` pixels of `all` those that have sample j in the slice; meshes stay in front.
- */
+/* Sets the active pixels to those of `all` that have sample j in the slice; those with meshes stay
+ * first. */
 static void choose(const pl_path_context *context, const uint32_t *all, size_t count, size_t meshes,
                    int j, pl_tile_buffers *b) {
   b->active_count = b->active_meshes = 0;
@@ -82,7 +82,7 @@ void pl_path_slice(const pl_path_context *context, pl_tile_buffers *b) {
     range_of(context->settings->slice, context->tile.y0 + y, samples, range);
     low = range[0] < low ? range[0] : low;
     high = range[1] > high ? range[1] : high;
-    for (int x = 0; x < context->tile.width; x++) { /* those that are known as a whole */
+    for (int x = 0; x < context->tile.width; x++) { /* the pixels that need no samples */
       const int pixel = y * PL_TILE_SIDE + x;
       b->radiance[pixel] = pl_vec3f_scale(b->radiance[pixel], (float)b->shares[pixel]);
     }

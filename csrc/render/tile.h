@@ -1,4 +1,4 @@
-/* Tiles of the image: squares of pixels that one worker deals with at a time. */
+/* Tiles of the image: square blocks of pixels, each of which one worker renders. */
 #ifndef PL_RENDER_TILE_H
 #define PL_RENDER_TILE_H
 
@@ -11,7 +11,7 @@ typedef struct pl_tile {
   int x0, y0, width, height; /* pixels */
 } pl_tile;
 
-/* The bits of `i` at even places, one beside the other. */
+/* Compacts the bits of `i` at even positions. */
 static inline uint32_t pl_even_bits(uint32_t i) {
   i &= UINT32_C(0x55555555);
   i = (i | i >> 1) & UINT32_C(0x33333333);
@@ -19,13 +19,13 @@ static inline uint32_t pl_even_bits(uint32_t i) {
   return (i | i >> 4) & UINT32_C(0x00ff00ff);
 }
 
-/* Pixel `nth` of a whole tile along the Z-order curve (Morton 1966): rays of a packet are those
- * of a square, or two, and keep together. */
+/* Pixel `nth` of a full tile along the Z-order curve (Morton 1966): the rays of a packet come from
+ * one or two squares, and stay coherent. */
 static inline uint32_t pl_tile_pixel(uint32_t nth) {
   return pl_even_bits(nth >> 1) * PL_TILE_SIDE + pl_even_bits(nth);
 }
 
-/* Whether a tile at the image's edge has the pixel. */
+/* Whether the pixel lies in a tile, which may be cut off at the image's edge. */
 static inline bool pl_tile_has(pl_tile tile, uint32_t pixel) {
   return (int)(pixel % PL_TILE_SIDE) < tile.width && (int)(pixel / PL_TILE_SIDE) < tile.height;
 }

@@ -1,4 +1,4 @@
-/* Positions in double; shading in float. */
+/* Vertices of paths. Positions are in double precision, shading in single. */
 #include "render/vertex.h"
 
 #include "geom/ellipsoid.h"
@@ -12,7 +12,7 @@ static void set_weights(pl_vertex *vertex, double u, double v) {
   vertex->w[0] = 1.0f - vertex->w[1] - vertex->w[2];
 }
 
-/* The tracer's own hit. */
+/* Copies the tracer's hit. */
 static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const pl_hit *hit,
                         pl_vertex *out) {
   const pl_model *model = object->object->model;
@@ -30,8 +30,8 @@ static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const
   set_weights(out, hit->u, hit->v);
 }
 
-/* Plane of the winning triangle in double; weights from areas. A sliver whose plane is undefined or
- * seen edge-on keeps the tracer's answer. */
+/* Intersects the plane of the hit triangle in double precision, with barycentric weights from
+ * areas. A sliver whose plane is undefined or seen edge-on keeps the tracer's result. */
 static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const pl_hit *hit,
                         pl_vertex *out) {
   const uint32_t *corner = object->object->model->indices + 3 * (size_t)hit->triangle;
@@ -61,7 +61,7 @@ static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const
               pl_vec3_dot(pl_vec3_cross(e1, p), normal) / area2);
 }
 
-/* At distance t along the beam. */
+/* Sets the point at distance t along the beam. */
 static void set_body_point(const pl_shot_body *body, const pl_beam *beam, double t,
                            pl_vertex *out) {
   const pl_mat3 m = body->rotation;
@@ -130,8 +130,8 @@ void pl_vertex_footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f 
   *b = pl_vec3f_scale(pl_vec3f_cross(across, n), width / cosine);
 }
 
-/* The surface by a graph. Without maps its footprint is infinite: patterns count as their means.
- */
+/* Evaluates the surface's graph. Without maps its footprint is infinite, so that patterns are
+ * replaced by their means. */
 static void shade_graph(const pl_shot_object *object, const pl_object_graph *graph,
                         const pl_triangle_point *triangle, pl_detail detail, const pl_beam *beam,
                         pl_vertex *vertex) {
@@ -159,7 +159,7 @@ static void shade_graph(const pl_shot_object *object, const pl_object_graph *gra
   pl_graph_surface(graph->graph, &point, own != NULL ? own + graph->first_parameter : NULL, s);
 }
 
-/* The back of what shines by its front. */
+/* Whether the beam sees the back of a material that emits from its front only. */
 static bool is_dark(const pl_shot_object *object, const pl_beam *beam, const pl_vertex *vertex) {
   return pl_material_of(object->object->model, vertex->triangle)->dark_behind &&
          pl_vec3_dot(pl_vec3f_to_double(vertex->ng), beam->direction) > 0.0;
@@ -183,15 +183,15 @@ static void shade_mesh(const pl_shot_object *object, const pl_beam *beam, pl_det
     vertex->surface.emission = (pl_vec3f){0.0f, 0.0f, 0.0f};
 }
 
-/* An interpolated normal can lean away from the viewer, who sees the surface all the same; it is
- * brought back to this cosine. */
+/* An interpolated normal can face away from a viewer who sees the surface. It is bent back to this
+ * cosine. */
 #define GRAZING 1e-3f
 
 static pl_vec3f bring_back(pl_vec3f n, float cosine, pl_vec3f view) {
   return pl_vec3f_unit(pl_vec3f_madd(n, GRAZING - cosine, view));
 }
 
-/* Surfaces are two-sided: published models are not reliably wound. */
+/* Surfaces are two-sided, because the winding of published models is not reliable. */
 static void face_viewer(pl_surface *surface, pl_vec3f ng, pl_vec3f view) {
   surface->ng = ng;
   if (pl_vec3f_dot(ng, view) < 0.0f) {
@@ -222,7 +222,7 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
   vertex->surface.n = behind ? pl_vec3f_scale(n, -1.0f) : n;
   const pl_vec3f view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0));
   const float cosine = pl_vec3f_dot(vertex->surface.n, view);
-  if (on_mesh && cosine < GRAZING) /* those of bodies are exact */
+  if (on_mesh && cosine < GRAZING) /* normals of bodies are exact */
     vertex->surface.n = bring_back(vertex->surface.n, cosine, view);
 }
 
@@ -241,23 +241,24 @@ void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail det
     pl_body_surface_shade(shot, &shot->bodies[vertex->thing - shot->object_count], beam, detail,
                           vertex);
   face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
-  if (on_shape(shot, vertex->thing)) /* what the lifted rays leave, see below */
+  /* the hemisphere of rays that start at the lifted origin, see lift */
+  if (on_shape(shot, vertex->thing))
     vertex->surface.ng = pl_shot_normal(&shot->objects[vertex->thing], vertex->triangle, vertex->w,
                                         vertex->surface.ng);
 }
 
-/* How far rays leave a shape by its normals: in hollows the smooth surface is below the facets, and
- * some that are turned away from the sun, or are in the shade of these, are on its bright side.
- * What is farther away truly casts a shadow. */
+/* pl_ray.leaves of a ray that leaves a shape, m. In hollows the smooth surface is below the facets,
+ * and facets that face away from the sun, or are in the shadow of these, are on its lit side.
+ * Triangles farther away cast true shadows. */
 static float facet_size(const pl_vertex *vertex) {
   return pl_maxf(pl_vec3f_norm(vertex->edge1), pl_vec3f_norm(vertex->edge2));
 }
 
-/* From a point of a facet to the smooth surface that its normals speak of: the mean, by the
- * point's weights, of its places over the planes across the normals of the corners (Hanika 2021,
- * "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). Rays from there do not meet the
- * neighbours that only the cut into facets puts before them: shadows on round ground would begin
- * with teeth. Never inwards, and nothing on flat facets. */
+/* Offset from a point of a facet to the smooth surface that the vertex normals describe: the mean,
+ * with barycentric weights, of its offsets to the tangent planes at the corners (Hanika 2021,
+ * "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4). Rays from there do not hit
+ * neighbouring facets only because of the tessellation, which would make shadows on round ground
+ * start with jagged edges. Never inwards, and zero on flat facets. */
 static pl_vec3f lift(const pl_shot_object *object, const pl_vertex *vertex) {
   const pl_model *model = object->object->model;
   const uint32_t *corner = model->indices + 3 * (size_t)vertex->triangle;
@@ -274,7 +275,8 @@ static pl_vec3f lift(const pl_shot_object *object, const pl_vertex *vertex) {
   return out;
 }
 
-/* How far rays start off a mesh, of its radius: some sixteen roundings of its coordinates. */
+/* Offset of secondary rays from a mesh, over its radius: about sixteen rounding errors of its
+ * coordinates. */
 static const double CLEARANCE = 0x1p-20;
 
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,

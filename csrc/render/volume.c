@@ -1,11 +1,11 @@
-/* The volumes of a frame, and which of them are on a ray where. */
+/* The volumes of a frame, and their intervals along a ray. */
 #include "render/volume.h"
 
 #include <math.h>
 
 #include "render/volume_march.h"
 
-/* Cells of the shadows' tables across and along. */
+/* Number of cells of the shadow tables, across and along. */
 enum { SIDE_MIN = 8, SIDE_MAX = 64 };
 
 static int side_of(int steps) {
@@ -46,7 +46,7 @@ static pl_vec3 local_point(const pl_shot_volume *shot, pl_vec3 point) {
   return pl_mat3_mul_vec_t(shot->rotation, pl_vec3_sub(point, shot->origin));
 }
 
-/* Of one volume: density times length towards the sun, m. */
+/* Column density of one volume towards the sun: density times length, m. */
 static float column_of(const pl_volume_item *item, pl_vec3 point) {
   const pl_volume *volume = item->shot->volume;
   const pl_vec3 at = local_point(item->shot, point);
@@ -71,7 +71,7 @@ pl_vec3f pl_volume_toward_sun(const pl_volume_view *view, pl_vec3 point) {
   return pl_vec3f_make(expf(-depth.x), expf(-depth.y), expf(-depth.z));
 }
 
-/* Where a ray is in each volume; false: nowhere. */
+/* The interval of a ray within a volume; false if it misses it. */
 static bool span_of(const pl_volume_item *item, const pl_volume_ray *ray, double t[2]) {
   const pl_shot_volume *shot = item->shot;
   const pl_volume *volume = shot->volume;
@@ -86,7 +86,7 @@ static bool span_of(const pl_volume_item *item, const pl_volume_ray *ray, double
   return t[0] < t[1];
 }
 
-/* All places where a volume begins or ends, in order. */
+/* All ends of the volumes' intervals along the ray, in ascending order. */
 static size_t sort_ends(const pl_volume_spans *spans, double ends[2 * PL_VOLUMES_MAX]) {
   size_t count = 0;
   for (size_t i = 0; i < spans->count; i++)
@@ -104,7 +104,7 @@ size_t pl_volume_cross(const pl_volume_view *view, const pl_volume_ray *ray,
   pl_volume_spans spans = {.count = 0};
   double ends[2 * PL_VOLUMES_MAX];
   size_t found = 0;
-  if (!(pl_vec3_dot(ray->direction, ray->direction) > 0.0)) /* of a lens that has no ray */
+  if (!(pl_vec3_dot(ray->direction, ray->direction) > 0.0)) /* the lens has no ray here */
     return 0;
   for (size_t i = 0; i < view->count; i++)
     if (span_of(&view->items[i], ray, spans.t[spans.count]))

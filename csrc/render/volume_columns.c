@@ -1,4 +1,4 @@
-/* Columns of density on lines to the sun, a grid of them across the shape. */
+/* Column density along lines towards the sun, on a grid across the shape. */
 #include "render/volume_columns.h"
 
 #include <math.h>
@@ -6,8 +6,9 @@
 #include "math/sampling.h"
 #include "shade/graph_medium.h"
 
-/* A line: its part in the shape along the direction to the sun; equal: it misses the shape. Columns
- * are side + 1 sums, from each place to the last. Places and lines are even in warped lengths. */
+/* A line: its interval within the shape along the direction to the sun; equal ends: it misses the
+ * shape. Columns are side + 1 sums, from each node of the line to the last. Nodes and lines are
+ * evenly spaced in warped lengths. */
 typedef struct line {
   double start, end; /* warped */
 } line;
@@ -15,14 +16,14 @@ typedef struct line {
 struct pl_volume_columns {
   pl_vec3 across[2], toward; /* orthonormal, axes of the bound */
   double low[2], step[2];    /* of the grid of lines, warped */
-  double core_m;             /* of the volume */
-  int side;                  /* cells */
+  double core_m;             /* as in pl_volume */
+  int side;                  /* number of cells */
   line *lines;               /* [(side + 1)^2], the first axis runs fastest */
-  float *columns;            /* [line * (side + 1) + place], m */
+  float *columns;            /* [line * (side + 1) + node], m */
 };
 
-/* Lengths from the shape's origin, such that steps of the same size are shortest there and grow
- * with the square of the distance beyond the core; without a core they are lengths. */
+/* Warped length from the shape's origin: equal steps are shortest at the origin, and grow with the
+ * square of the distance beyond the core. Without a core it is the length itself. */
 static double warp(const pl_volume_columns *c, double x) {
   return c->core_m > 0.0 ? x / (c->core_m + fabs(x)) : x;
 }
@@ -65,7 +66,7 @@ static void fill_line(const pl_shot_volume *shot, const pl_volume_columns *c, pl
   for (int k = c->side; k-- > 0;) {
     const double a = unwarp(c, out->start + (out->end - out->start) * k / c->side);
     const double b = unwarp(c, out->start + (out->end - out->start) * (k + 1) / c->side);
-    /* Between the two so that what falls off with the square of the distance has its mean there. */
+    /* Where a density that falls with the square of the distance has its mean over the cell. */
     const double at = c->core_m > 0.0 && a * b > 0.0 ? copysign(sqrt(a * b), a) : 0.5 * (a + b);
     const pl_vec3 place = pl_vec3_madd(foot, at, c->toward);
     const float radius = (float)(0.5 * fmax(b - a, across_m));
@@ -114,7 +115,7 @@ pl_status pl_volume_columns_build(const pl_shot_volume *shot, pl_vec3 toward, in
   return PL_OK;
 }
 
-/* Of one line, from a place on it. */
+/* Column density of one line, from a point on it. */
 static float column_on(const pl_volume_columns *c, size_t at, double w) {
   const line *l = &c->lines[at];
   const float *columns = c->columns + at * ((size_t)c->side + 1);

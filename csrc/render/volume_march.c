@@ -1,4 +1,4 @@
-/* Marching through a part of a ray that is in the same volumes all along. */
+/* Ray marching through a part of a ray on which the set of volumes is constant. */
 #include "render/volume_march.h"
 
 #include <math.h>
@@ -6,24 +6,24 @@
 #include "math/sampling.h"
 #include "shade/graph_medium.h"
 
-/* Less than this part of the light from beyond is not followed any more. */
+/* Marching ends below this transmittance. */
 static const float DARK = 1e-4f;
-/* Sums of lights stay finite. */
+/* Upper bound that keeps sums of lights finite. */
 static const float LIGHT_MAX = 1e30f;
-/* Fewest steps through a volume whose density varies; and rays that come from surfaces take so many
- * times fewer. */
+/* Minimum number of steps through a volume whose density varies; and divisor of the number of steps
+ * for rays that start at surfaces. */
 enum { STEPS_MIN = 4, OF_SURFACES = 4 };
 
-/* Henyey and Greenstein 1941, 1/sr; cosine: of the angle by which light is turned. */
+/* Phase function of Henyey and Greenstein 1941, 1/sr; cosine: of the scattering angle. */
 static float phase(float g, float cosine) {
   const float base = 1.0f + g * g - 2.0f * g * cosine;
   return (1.0f - g * g) / (4.0f * PL_PI_F * base * sqrtf(base));
 }
 
-/* A metre of all media at a point. */
+/* The sum of all media at a point, per metre. */
 typedef struct mixture {
   pl_vec3f extinction; /* 1/m */
-  pl_vec3f scattered;  /* times the phase functions, 1/(m sr) */
+  pl_vec3f scattered;  /* scattering coefficient times phase function, 1/(m sr) */
   pl_vec3f emission;   /* W m-3 sr-1 */
 } mixture;
 
@@ -52,7 +52,8 @@ static void add_medium(const pl_volume_item *item, const pl_volume_ray *ray, pl_
   sum->emission = pl_vec3f_madd(sum->emission, medium.density, pl_vec3f_add(own, medium.emission));
 }
 
-/* What a step sends on of a source of 1 all along it, over its length: (1 - exp(-x)) / x, m. */
+/* Light that leaves a step with a uniform source of 1, per source: (1 - exp(-x)) / x times the
+ * length, m. */
 static float seen_m(float extinction, float length) {
   const float x = extinction * length;
   return x > 1e-3f ? -expm1f(-x) / extinction : length * (1.0f - 0.5f * x);
@@ -68,7 +69,7 @@ static pl_vec3f cut_off(pl_vec3f light) {
                        pl_minf(light.z, LIGHT_MAX));
 }
 
-/* One step, from `start` on, whose medium is that at `middle`. */
+/* One step from `start` to `end`, with the medium at `middle`. */
 static void step(const pl_volume_view *view, const pl_volume_ray *ray, const pl_volume_part *part,
                  double start, double end, double middle, pl_volume_stretch *sum) {
   const float length = (float)(end - start);
@@ -92,15 +93,16 @@ static void step(const pl_volume_view *view, const pl_volume_ray *ray, const pl_
       sum->passed, pl_vec3f_make(expf(-e.x * length), expf(-e.y * length), expf(-e.z * length)));
 }
 
-/* Of steps that each take as much of the light, of which `depth` is taken in all: the end of a part
- * of them. Where the medium is the same all along, what scatters comes most from the near part. */
+/* End of the fraction `part` of the steps, if each step extinguishes the same amount of light;
+ * `depth`: optical depth over `length`. In a uniform medium most of the scattered light comes from
+ * the near part. */
 static double even_place(double part, double depth, double length) {
   if (depth < 1e-3)
     return part * length;
   return fmin(length, -log1p(part * expm1(-depth)) / depth * length);
 }
 
-/* Sum of the extinctions of the media in the band where it is largest, 1/m. */
+/* Sum of the media's extinction coefficients in the band with the largest sum, 1/m. */
 static double extinction_of(const pl_volume_part *part) {
   double sum[3] = {0.0, 0.0, 0.0};
   for (size_t i = 0; i < part->count; i++)
@@ -109,8 +111,8 @@ static double extinction_of(const pl_volume_part *part) {
   return fmax(sum[0], fmax(sum[1], sum[2]));
 }
 
-/* Half of the steps are for the densest band; the others are alike, for bands that see farther, and
- * for light that comes from behind. */
+/* Half of the steps are placed for the densest band. The others are of equal length, for bands of
+ * lower extinction and for light from behind. */
 static void march_even(const pl_volume_view *view, const pl_volume_ray *ray,
                        const pl_volume_part *part, pl_volume_stretch *sum) {
   const double length = part->end - part->start, dense = extinction_of(part);
@@ -131,11 +133,13 @@ static void march_even(const pl_volume_view *view, const pl_volume_ray *ray,
   }
 }
 
-/* Steps of a part of a ray: as many as the volume asks for whose density is the finest there. Of
- * one with a core they are seen from its origin: even in the angle between them (equiangular, Kulla
- * and Fajardo 2012), as if the ray passed it no nearer than the core. */
+/* Distribution of the steps over a part of a ray. It follows the volume that needs the most steps.
+ * If that has a core, steps subtend equal angles at its origin (equiangular sampling, Kulla and
+ * Fajardo 2012), as if the ray passed the origin no closer than the core. */
 typedef struct spacing {
-  double middle, off; /* m: where the ray is nearest to it, and how near; off 0: all are alike */
+  /* m: distance along the ray to the point closest to the origin, and that point's distance from
+   * the origin, combined with the core's radius; off 0: steps of equal length */
+  double middle, off;
   double angles[2];
   double steps;
 } spacing;
@@ -155,8 +159,8 @@ static spacing spacing_in(const pl_volume_ray *ray, const pl_volume_part *part,
   return out;
 }
 
-/* Shorter ways take fewer steps, and so do rays that come from surfaces: they are many to a pixel.
- */
+/* The distribution for a part of a ray. Shorter parts take fewer steps, and so do rays that start
+ * at surfaces, because a pixel has many of them. */
 static spacing spacing_of(const pl_volume_view *view, const pl_volume_ray *ray,
                           const pl_volume_part *part) {
   spacing out = {.steps = -1.0};
@@ -173,7 +177,7 @@ static spacing spacing_of(const pl_volume_view *view, const pl_volume_ray *ray,
   return out;
 }
 
-/* Ends of step `i` of so many. */
+/* Ends of step `i` of `steps`, and the point where its medium is evaluated. */
 static void step_of(const spacing *s, const pl_volume_part *part, int i, int steps, double ends[2],
                     double *middle) {
   for (int side = 0; side < 2; side++) {
@@ -186,8 +190,8 @@ static void step_of(const spacing *s, const pl_volume_part *part, int i, int ste
   *middle = 0.5 * (ends[0] + ends[1]);
   if (!(s->off > 0.0))
     return;
-  /* Where a metre is as much of an angle as in the whole step: so steps are exact for what falls
-   * off with the square of the distance, and for what is the same everywhere. */
+  /* Where the angle per metre equals its mean over the step. Steps are then exact for densities
+   * that fall with the square of the distance, and for uniform ones. */
   const double angle = (s->angles[1] - s->angles[0]) / steps;
   const double along2 = (ends[1] - ends[0]) / angle * s->off - s->off * s->off;
   const double along = copysign(sqrt(fmax(0.0, along2)), *middle - s->middle);

@@ -1,4 +1,4 @@
-/* Bounded volumes as media. */
+/* Bounded volumes as participating media. */
 #include "render/medium_kinds.h"
 #include "render/volume.h"
 
@@ -19,7 +19,7 @@ static bool in_cone(const void *own, const pl_snapshot *shot, pl_vec3 axis, doub
   return false;
 }
 
-/* For the sun at points of volumes. */
+/* Context of sun_at. */
 typedef struct place {
   const pl_media *media;
   const pl_snapshot *shot;
@@ -30,8 +30,8 @@ static pl_vec3f sun_at(const void *context, pl_vec3 point, const pl_sun_view *su
   return pl_media_sunlight(p->media, &pl_medium_volumes, p->shot, point, sun, 0.0f);
 }
 
-/* Each stretch counts as being in its middle. A dot's picture has no volumes: they are in the
- * frame's own. */
+/* Each stretch is represented by a crossing at its middle. The image of a sub-pixel body has no
+ * volumes: they are in the frame's own image. */
 static void cross(const pl_media *media, const void *own, const pl_snapshot *shot,
                   const pl_medium_ray *ray, pl_medium_list *out) {
   if (ray->camera && media->subpixel != PL_NOTHING)

@@ -1,9 +1,10 @@
-/* The effect row `volumes`: dust, gas and light within bounds, in so many steps along a ray. */
+/* The effect row `volumes`: dust, gas and light within bounds. Its value is the number of steps
+ * along a ray. */
 #include "plan/effects.h"
 
 #include <math.h>
 
-/* A volume as others see it: a thing that may shade and light them. */
+/* A volume as a thing of the view that may shadow and light others. */
 static pl_view_thing thing_of(const pl_view_volume *volume) {
   return (pl_view_thing){
       .distance_m = volume->distance_m,
@@ -12,13 +13,13 @@ static pl_view_thing thing_of(const pl_view_volume *volume) {
   };
 }
 
-/* How a volume gets into a frame. */
+/* How a volume affects a frame. */
 typedef struct share {
-  bool shades;   /* it keeps light of the sun from things */
-  double lights; /* most of its radiance that a thing in the frame sends on */
+  bool shades;   /* it blocks sunlight from things */
+  double lights; /* maximum fraction of its radiance that a thing in the frame reflects */
 } share;
 
-/* Whether there is what else the light is kept from: other volumes, clouds, rings. */
+/* Whether there are other media that a volume may shadow: other volumes, clouds, rings. */
 static bool shades_media(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].clouds != NULL || view->things[i].rings_radius_m > 0.0)
@@ -42,8 +43,8 @@ static share share_of(const pl_view *view, const pl_view_volume *volume) {
   return out;
 }
 
-/* Without any of them: their light is missing, of what is behind them nothing is taken, and of the
- * sun's light neither. */
+/* Error without volumes: their light is missing, and nothing attenuates the light from behind them
+ * or the sun's light. */
 static double missing_dn(const pl_view *view) {
   double added = 0.0, depth = 0.0, sky_depth = 0.0;
   for (size_t i = 0; i < view->volume_count; i++) {
@@ -72,7 +73,8 @@ static const char *absent(const pl_view *view) {
 
 static int ceiling(const pl_view *view) { return view->volume_steps > 1 ? view->volume_steps : 1; }
 
-/* Of fewer steps than asked for no bound is known: densities are as a graph makes them. */
+/* With fewer steps than requested the error has no known bound, because a graph may define any
+ * density. The bound without volumes is used. */
 static double bound_dn(const pl_view *view, int value) {
   return value >= ceiling(view) ? 0.0 : missing_dn(view);
 }
