@@ -6,12 +6,13 @@
 #include "shade/ggx.h"
 #include "shade/reflectance.h"
 
-/* Of PL_IRRADIANCE_ROW samples this many are followed: consecutive points of the sequence of draws
- * are evenly distributed. The first path of a patch is always followed. Frames with few samples
- * follow only as many as their filters need, since draws are spread over pixels there. */
+/* Of PL_IRRADIANCE_ROW samples the first FOLLOWED are followed: consecutive points of the sequence
+ * of draws are evenly distributed. Frames with at most PL_IRRADIANCE_ROW samples follow
+ * FOLLOWED_FEW where filters find neighbours, because draws are spread over pixels there. The first
+ * path of a patch is always followed. */
 enum { FOLLOWED = 2, FOLLOWED_FEW = 1 };
 /* A filter finds few neighbours if fewer than ALIKE of the four pixels at distance BESIDE show the
- * same surface. Frames with few samples leave out no path there. */
+ * same surface. There all frames follow FOLLOWED paths. */
 enum { BESIDE = 2, ALIKE = 3 };
 /* A lobe is wide where the density of a draw is below this, 1/sr. A cosine lobe is wide everywhere.
  */

@@ -31,7 +31,7 @@ typedef struct pl_irradiance_cell {
   float each, together, weight_square;
 } pl_irradiance_cell;
 
-/* What is kept of a pixel's patch. */
+/* Record of a pixel's patch. */
 typedef struct pl_irradiance_patch {
   uint16_t pixel;              /* index in the tile */
   uint16_t cell;               /* index of the pl_irradiance_cell within its cell */
@@ -42,7 +42,7 @@ typedef struct pl_irradiance_patch {
   pl_vec3f shared, lit_weight; /* as in pl_patch */
 } pl_irradiance_patch;
 
-/* What is kept of a tile until all tiles are sampled. */
+/* Record of a tile, kept until all tiles are sampled. */
 typedef struct pl_irradiance_tile {
   bool lit;                     /* some patch has indirect light; the rest is valid only if true */
   pl_irradiance_patch *patches; /* in a block, ordered by cell */

@@ -20,7 +20,7 @@ typedef struct pl_spot {
 } pl_spot;
 
 typedef struct pl_patch {
-  pl_spot spot;                 /* of the first hit */
+  pl_spot spot;                 /* location of the first hit */
   uint32_t triangle;            /* triangle of the latest hit */
   uint32_t seen;                /* number of samples that hit it */
   uint32_t wide;                /* of these, continued into a wide lobe */

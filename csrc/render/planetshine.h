@@ -23,7 +23,7 @@ typedef struct pl_planetshine_light {
   float irradiance, wide_sr; /* as in pl_body_radiance */
 } pl_planetshine_light;
 
-/* What is computed in advance for the sky of one object or body. */
+/* The bodies in the sky of one object or body, computed once per frame. */
 typedef struct pl_planetshine_sky {
   const pl_body_radiance *look[PL_PLANETSHINE_LIGHTS];
   int count;

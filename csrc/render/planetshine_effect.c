@@ -27,8 +27,8 @@ static double reflected(const pl_view_thing *body, const void *context) {
   return body->is_world ? pl_view_light(body) - body->emission_max : 0.0;
 }
 
-/* Light that things in the frame receive from bodies, and by way of other things that are lit by
- * bodies. Bodies in turn may be brighter through light from others. */
+/* Light that objects and bodies in the frame receive from bodies, directly and by way of others
+ * that bodies light. Bodies may in turn be brighter through light from others. */
 static double bound_dn(const pl_view *view, int value) {
   double seen = 0.0, any = 0.0;
   if (value > 0)

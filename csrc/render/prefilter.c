@@ -83,7 +83,7 @@ static const float PHASE_MIN_RAD = 0.15f;
 static bool is_calm(const pl_body *body, pl_vec3f toward, const pl_sun_view *sun) {
   if (body->graph != NULL || !body->reflectance->photometric || sun->sin_radius > 0.01f)
     return false;
-  const float cosine = -pl_vec3f_dot(toward, sun->direction); /* of the phase angle */
+  const float cosine = -pl_vec3f_dot(toward, sun->direction); /* cosine of the phase angle */
   return fabsf(cosine) < cosf(PHASE_MIN_RAD);
 }
 

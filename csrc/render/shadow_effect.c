@@ -12,14 +12,14 @@ static const char *absent(const pl_view *view) {
   return "no shadow can fall on anything in the frame";
 }
 
-/* Light from a thing that shadows may fall on. */
+/* Light from an object or body that shadows may fall on. */
 static double shadowed_light(const pl_view_thing *source, const void *context) {
   const pl_view *view = context;
   return pl_view_shadowed(view, (size_t)(source - view->things)) ? pl_view_light(source) : 0.0;
 }
 
-/* A shadow in the frame may remove all direct light; other shadows remove what the shadowed things
- * would reflect. */
+/* A shadow in the frame may remove all direct light. Shadows elsewhere remove the light that the
+ * shadowed surfaces would reflect into the frame. */
 static double bound_dn(const pl_view *view, int value) {
   double radiance = 0.0;
   if (value > 0)

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* A volume as a thing of the view that may shadow and light others. */
+/* A volume as an entry of the view, which may shadow and light objects and bodies. */
 static pl_view_thing thing_of(const pl_view_volume *volume) {
   return (pl_view_thing){
       .distance_m = volume->distance_m,
@@ -15,8 +15,8 @@ static pl_view_thing thing_of(const pl_view_volume *volume) {
 
 /* How a volume affects a frame. */
 typedef struct share {
-  bool shades;   /* it blocks sunlight from things */
-  double lights; /* maximum fraction of its radiance that a thing in the frame reflects */
+  bool shades;   /* it blocks sunlight from objects, bodies or other media */
+  double lights; /* maximum fraction of its radiance that an object or body in the frame reflects */
 } share;
 
 /* Whether there are other media that a volume may shadow: other volumes, clouds, rings. */
