@@ -50,7 +50,7 @@ def crowd(root):
 
 def demo(root):
     tree = read_tree(root / "configs/demo.yaml")
-    tree["camera"] |= {"width": 64, "height": 48, "sensor": {"mosaic": "mono"}}
+    tree["camera"] |= {"width": 40, "height": 30, "sensor": {"mosaic": "mono"}}  # several tiles
     tree["render"] |= {"samples": 4, "max_bounces": 2}
     for craft in tree["spacecraft"].values():
         craft["model"] = str((root / "configs" / craft["model"]).resolve())
