@@ -56,7 +56,7 @@ pl_status pl_frame_sky_view(const pl_sky *sky, const pl_snapshot *shot, const pl
                               &out->field, &view->sky);
 }
 
-/* --- after the plan ----------------------------------------------------------------------------- */
+/* --- after the plan --------------------------------------------------------------------------- */
 
 /* Returns the transmittance towards a star. */
 static pl_vec3f passed_of(const pl_snapshot *shot, const pl_render_settings *settings,

@@ -238,7 +238,7 @@ size_t pl_articulation_joints(const pl_articulation *self, const pl_joint **join
   return self->joint_count;
 }
 
-/* --- evaluation of one frame ----------------------------------------------------------------- */
+/* --- evaluation of one frame ------------------------------------------------------------------ */
 
 /* Sets the local transforms of the nodes at the times of the animations. */
 static void animate(pl_articulation *self, double play_s, pl_loop loop) {

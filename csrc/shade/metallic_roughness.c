@@ -153,7 +153,7 @@ static bool sample(const pl_surface *s, pl_vec3f wo, const float u[2], float cho
   return true;
 }
 
-/* --- as a node of material graphs ------------------------------------------------------------ */
+/* --- as a node of material graphs ------------------------------------------------------------- */
 
 enum { METALLIC, ROUGHNESS };
 

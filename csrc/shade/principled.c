@@ -145,7 +145,7 @@ static float eta_of(const pl_lobes *l) {
   return l->inside ? 1.0f / l->ior : l->ior;
 }
 
-/* --- transmission into the layers ------------------------------------------------------------ */
+/* --- transmission into the layers ------------------------------------------------------------- */
 
 /* An anisotropic lobe is assumed to reflect `rise` like the isotropic one of the same width along
  * the direction. This is too much where facets are tilted sideways: the base is then too dark,
