@@ -13,7 +13,8 @@ static const char *absent(const pl_view *view) {
       return NULL;
     any |= view->things[i].air != NULL;
   }
-  return any ? "no atmosphere is seen, or lights what is" : "no body has an atmosphere";
+  return any ? "no atmosphere is visible, and none lights anything in the frame"
+             : "no body has an atmosphere";
 }
 
 static int ceiling(const pl_view *view) {
@@ -69,8 +70,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_atmosphere = {
     .name = "atmosphere",
-    .doc = "Air of bodies that scatters the sun's light and dims what is behind it or lit through "
-           "it, in so many steps along a ray",
+    .doc = "Air of bodies that scatters sunlight and attenuates light that passes through it; "
+           "the value is the number of steps along a ray",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

@@ -10,7 +10,7 @@ static const char *absent(const pl_view *view) {
     if (pl_air_share(view, &view->things[i]) > 0.0 &&
         pl_air_settings_of(view->things[i].air)->multiple)
       return NULL;
-  return "no atmosphere that is seen, or lights what is, has it";
+  return "no atmosphere that is visible or lights anything in the frame has multiple scattering";
 }
 
 /* Upper bound of what it adds to the light of the air itself and, through skylight, to that of the
@@ -36,9 +36,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_multiple_scattering = {
     .name = "multiple_scattering",
-    .doc = "Light that air scatters more than once, evenly from the second time on (docs/air.md "
-           "has how "
-           "far off that is); off: once",
+    .doc = "Light that air scatters more than once, isotropic from the second time on "
+           "(docs/air.md gives the error); off: single scattering",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

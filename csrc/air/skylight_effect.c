@@ -26,7 +26,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_skylight = {
     .name = "skylight",
-    .doc = "Light of the sky on the ground of a body with an atmosphere; off: the sun alone",
+    .doc = "Light of the sky on the ground of a body with an atmosphere; off: direct sunlight "
+           "only",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -37,7 +37,7 @@ static const char *absent(const pl_view *view) {
   const char *none = pl_sensor_absent(view);
   if (none != NULL)
     return none;
-  return view->sensor->compression.quality > 0 ? NULL : "the picture is not compressed";
+  return view->sensor->compression.quality > 0 ? NULL : "the image is not compressed";
 }
 
 /* Grey stays grey. Subsampled chroma is averaged over several pixels, so there is no bound below
@@ -59,7 +59,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_compression = {
     .name = "compression",
-    .doc = "Sensor: what JPEG leaves of the picture",
+    .doc = "Sensor: compression artefacts of JPEG",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -27,8 +27,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_emission = {
     .name = "emission",
-    .doc = "Light of emissive surfaces, bodies and volumes as the camera sees it; off: they look "
-           "as others do, though they may light them",
+    .doc = "Emitted light of surfaces, bodies and volumes as seen by the camera; off: they "
+           "appear unlit, but may still light other things",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

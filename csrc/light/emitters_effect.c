@@ -51,8 +51,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_emitters = {
     .name = "emitters",
-    .doc = "Light that emissive surfaces and bodies give to others: 1 on meshes, 2 on bodies too; "
-           "off: they are seen and light nothing",
+    .doc = "Light of emissive surfaces and bodies on others: 1 on meshes, 2 on bodies too; off: "
+           "they are visible but light nothing",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

@@ -34,7 +34,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_limb_darkening = {
     .name = "limb_darkening",
-    .doc = "The sun's disc darker and redder towards its edge, with soft_sun; off: even",
+    .doc = "The sun's disc darker and redder towards its edge, with soft_sun; off: uniform disc",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

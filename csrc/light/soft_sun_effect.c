@@ -83,7 +83,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_soft_sun = {
     .name = "soft_sun",
-    .doc = "The sun as a disc: penumbrae, soft terminators, round glints; off: a point",
+    .doc = "The sun as a disc: penumbrae, soft terminators, round glints; off: a point source",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

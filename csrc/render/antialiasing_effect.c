@@ -29,9 +29,9 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_antialiasing = {
     .name = "antialiasing",
-    .doc =
-        "Colour samples: about the error of so many in every pixel; quiet pixels, to within "
-        "three tolerances, get fewer and outlines up to twice as many. Off: one through the centre",
+    .doc = "Monte Carlo samples per pixel: the error is about that of this many in every pixel. "
+           "Quiet pixels, to within three tolerances, get fewer, outlines up to twice as many. "
+           "Off: one through the centre",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

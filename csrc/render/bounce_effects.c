@@ -16,7 +16,7 @@ static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].in_frame && has_sky(view, &view->things[i]))
       return NULL;
-  return "nothing in the frame has anything in its sky";
+  return "nothing in the frame can receive light from anything else";
 }
 
 static int ceiling(const pl_view *view) { return view->max_bounces > 0 ? view->max_bounces : 1; }
@@ -71,7 +71,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_bounces = {
     .name = "bounces",
-    .doc = "Light reflected between surfaces, counted in bounces, as seen on meshes",
+    .doc = "Light reflected between surfaces, as seen on meshes; the value is the number of "
+           "bounces",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,
@@ -84,7 +85,7 @@ static const char *body_absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].in_frame && view->things[i].is_body && has_sky(view, &view->things[i]))
       return NULL;
-  return "no body in the frame has anything in its sky";
+  return "no body in the frame can receive light from anything else";
 }
 
 /* Upper bound of the light that sources reflect onto bodies, by their view factors. */

@@ -48,8 +48,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_caustics = {
     .name = "caustics",
-    .doc = "Sunlight that flat mirror-like parts throw onto others, drawn on purpose; off: it is "
-           "met by chance, as noise",
+    .doc = "Sunlight that flat, mirror-like parts reflect onto others, sampled directly; off: "
+           "found by chance, as noise",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -51,8 +51,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_planetshine = {
     .name = "planetshine",
-    .doc = "Light that surfaces of bodies reflect onto other things; that of their clouds, rings "
-           "and air is in the rows of these",
+    .doc = "Sunlight that surfaces of bodies reflect onto other things; light of their clouds, "
+           "rings and air belongs to the rows of these",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

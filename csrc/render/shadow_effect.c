@@ -47,7 +47,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_cast_shadows = {
     .name = "cast_shadows",
-    .doc = "Shadows and eclipses: sun rays are tested against meshes and bodies",
+    .doc = "Shadows and eclipses: shadow rays to the sun are tested against meshes and bodies",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -68,7 +68,7 @@ static const char *absent(const pl_view *view) {
     if (view->volumes[i].in_frame || s.shades || s.lights > 0.0)
       return NULL;
   }
-  return "no volume is seen, or lights or shades what is";
+  return "no volume is visible, and none lights or shadows anything in the frame";
 }
 
 static int ceiling(const pl_view *view) { return view->volume_steps > 1 ? view->volume_steps : 1; }
@@ -85,8 +85,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_volumes = {
     .name = "volumes",
-    .doc = "Volumes that scatter the sun's light, emit, and dim what is behind them or in their "
-           "shadow, in so many steps along a ray",
+    .doc = "Volumes that scatter sunlight, emit, attenuate the light behind them and cast "
+           "shadows; the value is the number of steps along a ray",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

@@ -80,7 +80,7 @@ static const char *absent(const pl_view *view) {
       return NULL;
     any = true;
   }
-  return any ? "no rings are seen, or before the light of what is" : "no body has rings";
+  return any ? "no rings are visible or cast shadows in the frame" : "no body has rings";
 }
 
 static double missing_dn(const pl_view *view, const pl_view_thing *body) {
@@ -116,7 +116,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_rings = {
     .name = "rings",
-    .doc = "Rings of bodies: sunlight that they scatter once, what they hide and their shadow",
+    .doc = "Rings of bodies: single scattering of sunlight, attenuation of what is behind them, "
+           "and shadows",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -8,8 +8,8 @@ static const double SHARP_PX = 0.1;
 
 static const char *absent(const pl_view *view) {
   if (!(view->defocus_px > 0.0))
-    return "the camera has a pinhole, or sees nothing out of focus";
-  return view->defocus_px < SHARP_PX ? "nothing spreads over a tenth of a pixel" : NULL;
+    return "the camera is a pinhole, or everything in the frame is in focus";
+  return view->defocus_px < SHARP_PX ? "no blur is as wide as a tenth of a pixel" : NULL;
 }
 
 /* Light arrives through points of the aperture that see the image shifted by up to half the
@@ -26,7 +26,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_depth_of_field = {
     .name = "depth_of_field",
-    .doc = "Blur of what is out of focus, by rays through all of the lens; labels stay sharp",
+    .doc = "Defocus blur of a lens with a finite aperture; labels stay sharp",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

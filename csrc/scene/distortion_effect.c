@@ -8,7 +8,7 @@
 static const double TOE = 12.92;
 
 static const char *absent(const pl_view *view) {
-  return view->lens_shift_px > 0.0 ? NULL : "the camera has no lens, or one that moves nothing";
+  return view->lens_shift_px > 0.0 ? NULL : "the camera has no lens model, or it displaces nothing";
 }
 
 static double bound_dn(const pl_view *view, int value) {
@@ -24,7 +24,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_distortion = {
     .name = "distortion",
-    .doc = "Rays bent by the lens, for colour and labels alike; off: a pinhole camera",
+    .doc = "Lens distortion, for colour and labels; off: a pinhole camera",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -11,7 +11,7 @@ enum { INSTANTS_MAX = 256 };
 
 static const char *absent(const pl_view *view) {
   if (!(view->blur_px > 0.0))
-    return "the exposure has no length, or nothing moves in it";
+    return "the exposure time is zero, or nothing moves";
   return view->blur_px < STILL_PX ? "nothing moves by a tenth of a pixel" : NULL;
 }
 
@@ -33,9 +33,9 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_motion_blur = {
     .name = "motion_blur",
-    .doc =
-        "Blur by what moves while the shutter is open: so many instants of the exposure, at most "
-        "256. Each pixel has its usual samples, spread over them; labels are of the middle",
+    .doc = "Blur by motion during the exposure; the value is the number of instants, at most "
+           "256. The samples of each pixel are spread over the instants; labels are valid in the "
+           "middle",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

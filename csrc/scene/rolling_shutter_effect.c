@@ -8,9 +8,10 @@ static const double STILL_PX = 0.1;
 
 static const char *absent(const pl_view *view) {
   if (!(view->skew_px > 0.0))
-    return "all rows see at once, or nothing moves";
-  return view->skew_px < STILL_PX ? "from first row to last nothing moves by a tenth of a pixel"
-                                  : NULL;
+    return "all rows are exposed at once, or nothing moves";
+  return view->skew_px < STILL_PX
+             ? "nothing moves by a tenth of a pixel from the first row to the last"
+             : NULL;
 }
 
 static int ceiling(const pl_view *view) { return view->skew_px > 0.0 ? view->height : 1; }
@@ -29,8 +30,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_rolling_shutter = {
     .name = "rolling_shutter",
-    .doc = "Rows exposed one after the other, for colour and labels alike: so many bands of rows, "
-           "each at its own instant",
+    .doc = "Rows exposed one after the other, for colour and labels; the value is the number of "
+           "row bands, each at its own instant",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

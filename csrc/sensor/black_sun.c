@@ -26,7 +26,9 @@ static const char *absent(const pl_view *view) {
   if (none != NULL)
     return none;
   const pl_sensor *s = view->sensor;
-  return s->reset_s > 0.0 && s->exposure_s > 0.0 ? NULL : "the reset is sampled at once";
+  return s->reset_s > 0.0 && s->exposure_s > 0.0
+             ? NULL
+             : "no time passes between reset and sample, or the exposure time is zero";
 }
 
 /* The largest charge that is lost. Blooming does not change its sources and fills other pixels at
@@ -45,7 +47,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_black_sun = {
     .name = "black_sun",
-    .doc = "Sensor: charge between a pixel's reset and its sample is missing; the sun is black",
+    .doc = "Sensor: charge collected before the reset sample is subtracted, so the sun is black",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

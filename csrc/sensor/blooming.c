@@ -40,8 +40,8 @@ static const char *absent(const pl_view *view) {
   if (none != NULL)
     return none;
   if (!(view->sensor->drain < 1.0))
-    return "the drain takes all excess";
-  return pl_sensor_charge_max(view) > view->sensor->full_well ? NULL : "no pixel is full";
+    return "the drain removes all excess charge";
+  return pl_sensor_charge_max(view) > view->sensor->full_well ? NULL : "no pixel is saturated";
 }
 
 /* The excess of a whole column may end up in one pixel. */
@@ -56,7 +56,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_blooming = {
     .name = "blooming",
-    .doc = "Sensor: charge of full pixels flows along their columns",
+    .doc = "Sensor: charge of saturated pixels spills along their columns",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -52,7 +52,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_dark_current = {
     .name = "dark_current",
-    .doc = "Sensor: electrons freed by warmth, uneven between pixels",
+    .doc = "Sensor: thermally generated electrons, with non-uniformity",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -27,7 +27,8 @@ static const char *absent(const pl_view *view) {
   const char *none = pl_sensor_absent(view);
   if (none != NULL)
     return none;
-  return view->sensor->hot_pixels + view->sensor->dead_pixels > 0.0 ? NULL : "no pixel is spoilt";
+  return view->sensor->hot_pixels + view->sensor->dead_pixels > 0.0 ? NULL
+                                                                    : "no pixel is defective";
 }
 
 static double bound_dn(const pl_view *view, int value) {

@@ -34,7 +34,7 @@ static const char *absent(const pl_view *view) {
   const char *none = pl_sensor_absent(view);
   if (none != NULL)
     return none;
-  return foreign(view->sensor) > 0.0 ? NULL : "no filters that see several colours";
+  return foreign(view->sensor) > 0.0 ? NULL : "every filter transmits only its own colour";
 }
 
 /* The other colours may have any radiance between 0 and the brightest light. */
@@ -51,7 +51,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_filters = {
     .name = "filters",
-    .doc = "Sensor: colours as its filters see them; off: each filter sees its own colour alone",
+    .doc = "Sensor: spectral overlap of the colour filters; off: each passes its own colour only",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -22,7 +22,7 @@ pl_status pl_stage_fixed_pattern(pl_sensor_frame *frame, int value) {
 
 static const char *absent(const pl_view *view) {
   const char *none = pl_sensor_absent(view);
-  return none != NULL ? none : view->sensor->prnu > 0.0 ? NULL : "all pixels respond alike";
+  return none != NULL ? none : view->sensor->prnu > 0.0 ? NULL : "all pixels respond equally";
 }
 
 static double bound_dn(const pl_view *view, int value) {
@@ -35,7 +35,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_fixed_pattern = {
     .name = "fixed_pattern",
-    .doc = "Sensor: pixels that respond differently, the same way in every frame",
+    .doc = "Sensor: pixel response non-uniformity, the same in every frame",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -217,10 +217,10 @@ static const char *absent(const pl_view *view) {
   if (view->sensor->flare.count == 0)
     return "the lens has no ghosts";
   if (!(view->sensor->exposure_s > 0.0))
-    return "no light is gathered";
+    return "the exposure time is zero";
   if (sun_part(view) > 0.0 || over_bright(view, pl_sensor_radiance_max(view)))
     return NULL;
-  return "the sun is kept out, and nothing is brighter than white";
+  return "the baffle blocks the sun, and nothing is brighter than white";
 }
 
 static double bound_dn(const pl_view *view, int value) {
@@ -236,7 +236,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_lens_flare = {
     .name = "lens_flare",
-    .doc = "Sensor: ghosts of the sun and of what is over-bright, mirrored in the lens",
+    .doc = "Sensor: ghost images of the sun and of light brighter than white in the lens",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -215,7 +215,8 @@ static const char *absent(const pl_view *view) {
   if (none != NULL)
     return none;
   const pl_psf *psf = &view->sensor->psf;
-  return psf->core == PL_PSF_POINT && psf->wings == 0.0 ? "the lens images points as points" : NULL;
+  return psf->core == PL_PSF_POINT && psf->wings == 0.0 ? "the lens images points without blur"
+                                                        : NULL;
 }
 
 static int ceiling(const pl_view *view) {
@@ -253,7 +254,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_point_spread = {
     .name = "point_spread",
-    .doc = "Sensor: blur and glare of the lens; counts 1 for its middle alone, 2 for its wings too",
+    .doc = "Sensor: blur and glare of the lens; 1: core of the point-spread function, 2: core "
+           "and wings",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

@@ -50,7 +50,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_read_noise = {
     .name = "read_noise",
-    .doc = "Sensor: noise of reading out, and rows and columns with offsets of their own",
+    .doc = "Sensor: noise of the readout, and offsets of rows and columns",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

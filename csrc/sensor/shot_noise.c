@@ -33,7 +33,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_shot_noise = {
     .name = "shot_noise",
-    .doc = "Sensor: the Poisson noise of counted electrons",
+    .doc = "Sensor: Poisson noise of the collected electrons",
     .absent = pl_sensor_absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

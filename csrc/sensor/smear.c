@@ -27,7 +27,9 @@ static const char *absent(const pl_view *view) {
   if (none != NULL)
     return none;
   const pl_sensor *sensor = view->sensor;
-  return sensor->shift_s > 0.0 && sensor->exposure_s > 0.0 ? NULL : "nothing is smeared";
+  return sensor->shift_s > 0.0 && sensor->exposure_s > 0.0
+             ? NULL
+             : "the shift takes no time, or the exposure time is zero";
 }
 
 static double bound_dn(const pl_view *view, int value) {
@@ -42,7 +44,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_smear = {
     .name = "smear",
-    .doc = "Sensor: light that columns gather while they are shifted out",
+    .doc = "Sensor: light that columns collect while they are shifted out",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

@@ -122,7 +122,8 @@ double pl_sensor_charge_max(const pl_view *view) {
 }
 
 const char *pl_sensor_absent(const pl_view *view) {
-  return view->sensor == NULL ? "no sensor is configured, or none of its channels asked for" : NULL;
+  return view->sensor == NULL ? "no sensor is configured, or none of its channels is requested"
+                              : NULL;
 }
 
 double pl_sensor_cost_ms(const pl_view *view, double ns) {

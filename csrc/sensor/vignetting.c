@@ -44,7 +44,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_vignetting = {
     .name = "vignetting",
-    .doc = "Sensor: light falls off with the angle to the axis",
+    .doc = "Sensor: light falls off with the angle to the optical axis",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

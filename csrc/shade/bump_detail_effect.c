@@ -53,7 +53,7 @@ static double cost_ms(const pl_view *view, int value) {
 }
 
 static const char *bump_absent(const pl_view *view) {
-  return any(view, is_bumped) ? NULL : "no normal in the scene is bent";
+  return any(view, is_bumped) ? NULL : "nothing in the scene has a normal map or bump";
 }
 
 static double bump_bound_dn(const pl_view *view, int value) {
@@ -62,7 +62,7 @@ static double bump_bound_dn(const pl_view *view, int value) {
 
 const pl_effect pl_effect_bump_detail = {
     .name = "bump_detail",
-    .doc = "Normals bent by normal maps and bumps; off: those of the mesh",
+    .doc = "Normal maps and bumps; off: the normals of the mesh",
     .absent = bump_absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bump_bound_dn,
@@ -79,7 +79,7 @@ static double relief_bound_dn(const pl_view *view, int value) {
 
 const pl_effect pl_effect_relief = {
     .name = "relief",
-    .doc = "Height and normal maps of bodies; off: they are smooth",
+    .doc = "Height and normal maps of bodies; off: a smooth surface",
     .absent = relief_absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = relief_bound_dn,

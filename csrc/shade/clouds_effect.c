@@ -21,7 +21,8 @@ static const char *absent(const pl_view *view) {
       return NULL;
     any |= view->things[i].clouds != NULL;
   }
-  return any ? "no clouds are seen, or light or shade what is" : "no body has clouds";
+  return any ? "no clouds are visible, and none light or shadow anything in the frame"
+             : "no body has clouds";
 }
 
 static int ceiling(const pl_view *view) {
@@ -82,8 +83,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_clouds = {
     .name = "clouds",
-    .doc = "Clouds that scatter the sun's light, shade the ground and hide what is behind them, "
-           "with so many octaves of their noise",
+    .doc = "Clouds that scatter sunlight, shadow the ground and hide what is behind them; the "
+           "value is the number of octaves of their noise",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

@@ -61,7 +61,7 @@ static double glint_bound_dn(const pl_view *view, int value) {
 
 const pl_effect pl_effect_glint = {
     .name = "glint",
-    .doc = "Open water that mirrors the sun on waves; off: it is as the colour map has it",
+    .doc = "Sun glint on the waves of open water; off: the colour map alone",
     .absent = glint_absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = glint_bound_dn,
@@ -71,7 +71,7 @@ const pl_effect pl_effect_glint = {
 static double lights_of(const pl_view_thing *thing) { return thing->lights_max; }
 
 static const char *lights_absent(const pl_view *view) {
-  return any(view, lights_of) ? NULL : "no body in the scene has lights of the night";
+  return any(view, lights_of) ? NULL : "no body in the scene has night lights";
 }
 
 static double lights_bound_dn(const pl_view *view, int value) {
@@ -86,7 +86,7 @@ static double lights_bound_dn(const pl_view *view, int value) {
 
 const pl_effect pl_effect_night_lights = {
     .name = "night_lights",
-    .doc = "Lights of the night on bodies, where the sun is down; off: dark",
+    .doc = "Night lights on bodies, where the sun is down; off: dark",
     .absent = lights_absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = lights_bound_dn,

@@ -55,7 +55,7 @@ static double coat_bound_dn(const pl_view *view, int value) {
 
 const pl_effect pl_effect_clear_coat = {
     .name = "clear_coat",
-    .doc = "Clear coats over materials; off: the material alone",
+    .doc = "Clear coats on materials; off: the materials without them",
     .absent = coat_absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = coat_bound_dn,
@@ -65,7 +65,7 @@ const pl_effect pl_effect_clear_coat = {
 static const char *transmission_absent(const pl_view *view) {
   if (view->max_bounces == 0)
     return "max_bounces is 0";
-  return any(view, passing) ? NULL : "nothing in the scene lets light pass";
+  return any(view, passing) ? NULL : "nothing in the scene transmits light";
 }
 
 static double transmission_bound_dn(const pl_view *view, int value) {
@@ -74,7 +74,7 @@ static double transmission_bound_dn(const pl_view *view, int value) {
 
 const pl_effect pl_effect_transmission = {
     .name = "transmission",
-    .doc = "Light that passes thin walls and solids; off: they scatter it back",
+    .doc = "Light that passes through thin walls and solids; off: it is scattered back",
     .absent = transmission_absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = transmission_bound_dn,

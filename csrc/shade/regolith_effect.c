@@ -8,7 +8,7 @@ static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
     if (view->things[i].lods != NULL)
       return NULL;
-  return "no body follows Hapke's law over much of the frame";
+  return "no body with Hapke's reflectance covers much of the frame";
 }
 
 static int ceiling(const pl_view *view) {
@@ -46,9 +46,9 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_regolith = {
     .name = "regolith",
-    .doc = "The law of bodies that follow Hapke's: 5 as stated; 4 without roughness, 3 "
-           "Lommel-Seeliger, 2 lunar-Lambert, 1 Minnaert, 0 Lambert, each as bright as it on the "
-           "mean of what is seen",
+    .doc = "Reflectance of bodies with Hapke's model: 5 as configured, 4 without roughness, 3 "
+           "Lommel-Seeliger, 2 lunar-Lambert, 1 Minnaert, 0 Lambert; each is fitted to the mean "
+           "brightness of the visible surface",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

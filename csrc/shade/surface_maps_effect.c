@@ -52,7 +52,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_surface_maps = {
     .name = "surface_maps",
-    .doc = "Colour, roughness, normal and emission maps; off: each counts as its mean",
+    .doc = "Colour, roughness, normal and emission maps; off: the mean of each map",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

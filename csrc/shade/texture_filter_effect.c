@@ -17,7 +17,7 @@ static const char *absent(const pl_view *view) {
   for (size_t i = 0; i < view->thing_count; i++)
     if (is_pictured(&view->things[i]))
       return NULL;
-  return "no picture in the scene has more than one colour";
+  return "all textures in the scene are uniform";
 }
 
 static int ceiling(const pl_view *view) { return view->texture_filter; }
@@ -91,8 +91,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_texture_filter = {
     .name = "texture_filter",
-    .doc = "How pictures are filtered: 1 nearest texel of a mip level, 2 bilinear, 3 trilinear, 4 "
-           "to 7 anisotropic by 2 to 16 reads; off: the nearest texel of the picture itself",
+    .doc = "Texture filter: 1 nearest texel of a mip level, 2 bilinear, 3 trilinear, 4 to 7 "
+           "anisotropic with 2 to 16 samples; off: nearest texel of the full image",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

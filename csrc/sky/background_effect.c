@@ -15,7 +15,7 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_sky_background = {
     .name = "sky_background",
-    .doc = "A map of the sky, or a picture, behind everything",
+    .doc = "A sky map or an image behind everything",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,

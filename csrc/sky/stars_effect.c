@@ -2,7 +2,7 @@
 #include "plan/effects.h"
 
 static const char *absent(const pl_view *view) {
-  return view->sky.catalogued ? NULL : "there is no catalogue of stars";
+  return view->sky.catalogued ? NULL : "there is no star catalogue";
 }
 
 static int ceiling(const pl_view *view) {
@@ -22,8 +22,8 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_stars = {
     .name = "stars",
-    .doc = "Stars of the catalogue; counts tenths of a magnitude from the brightest in the frame "
-           "down to the faintest that is shown",
+    .doc = "Stars of the catalogue; the value counts tenths of a magnitude from the brightest in "
+           "the frame to the faintest that is rendered",
     .absent = absent,
     .ceiling = ceiling,
     .bound_dn = bound_dn,

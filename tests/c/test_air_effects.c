@@ -123,7 +123,8 @@ static void test_absent(void **state) {
   s.bodies[0].motion = still((pl_vec3){0, 0, -3e6}, PL_QUAT_IDENTITY);
   assert_int_equal(pl_renderer_plan(renderer, &request, &result), PL_OK);
   assert_int_equal(result.plan.rows[row].value, 0);
-  assert_string_equal(result.plan.rows[row].reason, "no atmosphere is seen, or lights what is");
+  assert_string_equal(result.plan.rows[row].reason,
+                      "no atmosphere is visible, and none lights anything in the frame");
   pl_renderer_destroy(renderer);
   film_clear(&f);
   stage_clear(&s);

@@ -111,7 +111,7 @@ static void test_absent(void **state) {
   assert_int_equal(pl_renderer_plan(renderer, &request, &result), PL_OK);
   assert_int_equal(result.plan.rows[row].value, 0);
   assert_string_equal(result.plan.rows[row].reason,
-                      "no clouds are seen, or light or shade what is");
+                      "no clouds are visible, and none light or shadow anything in the frame");
   pl_renderer_destroy(renderer);
   film_clear(&f);
   stage_clear(&s);

@@ -138,7 +138,7 @@ static void test_absent(void **state) {
   assert_int_equal(pl_renderer_plan(renderer, &request, &result), PL_OK);
   assert_int_equal(result.plan.rows[row].value, 0);
   assert_string_equal(result.plan.rows[row].reason,
-                      "no rings are seen, or before the light of what is");
+                      "no rings are visible or cast shadows in the frame");
   pl_renderer_destroy(renderer);
   film_clear(&f);
   stage_clear(&s);

@@ -58,7 +58,7 @@ def test_only_where_it_shows(tree):
     def row(sample):
         return next(row for row in sample.plan if row["name"] == "compression")
 
-    assert row(taken(tree, None))["reason"] == "the picture is not compressed"
+    assert row(taken(tree, None))["reason"] == "the image is not compressed"
     assert row(taken(tree, {"quality": 95}))["value"] == 1
     off = taken(tree, {"quality": 5}, **{"render.force_off": ["compression"]})
     assert np.array_equal(off["sensor_rgb"], taken(tree, None)["sensor_rgb"])

@@ -89,7 +89,10 @@ def test_the_baffle_keeps_the_sun_out():
     ratio = 0.5 * np.cos(np.radians(25.0)) / np.cos(np.radians(19.0))
     assert half == pytest.approx(ratio * near, rel=0.1)
     assert far == 0.0
-    assert value(opened(31.0)) == (0, "the sun is kept out, and nothing is brighter than white")
+    assert value(opened(31.0)) == (
+        0,
+        "the baffle blocks the sun, and nothing is brighter than white",
+    )
 
 
 def test_a_hidden_sun_has_no_ghost():
