@@ -364,7 +364,7 @@ def test_ladder_is_only_for_hapke() -> None:
     plan = _core.Renderer(moon.scene("minnaert")).plan(moon.request(16, 30))["plan"]
     row = next(row for row in plan if row["name"] == "regolith")
     assert row["value"] == 0
-    assert "no body follows Hapke's law" in row["reason"]
+    assert "no body with Hapke's reflectance" in row["reason"]
 
 
 def test_slivers_keep_their_law() -> None:
