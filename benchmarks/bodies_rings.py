@@ -124,8 +124,11 @@ def part(width: int) -> tuple[str, dict[str, Any], list[str]]:
             row += [error, took_ms]
         errors.append(row)
     head = ["rings", *(text for n in SAMPLES for text in (f"{n} samples, DN", "ms"))]
-    return "rings", result, [
-        report.table(["rings", "off, ms", "on, ms", "ratio"], costs),
-        report.table(head, errors),
-    ]
-
+    return (
+        "rings",
+        result,
+        [
+            report.table(["rings", "off, ms", "on, ms", "ratio"], costs),
+            report.table(head, errors),
+        ],
+    )

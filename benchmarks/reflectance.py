@@ -76,8 +76,7 @@ def rendered(config: dict[str, Any], repeats: int, **render: Any) -> tuple[Any, 
 def compare(view: tuple[str, float, float, float], size: int, repeats: int) -> list[list[object]]:
     """A row for each law."""
     frames = {
-        law: rendered(scene(view, law, size), repeats, samples=16, tolerance_dn=0.0)
-        for law in LAWS
+        law: rendered(scene(view, law, size), repeats, samples=16, tolerance_dn=0.0) for law in LAWS
     }
     exact, base_s = frames["hapke"][0]["radiance"].astype(float), frames["lambert"][1]
     white = float(np.percentile(exact[exact > 0.0], 99.0)) / 0.8

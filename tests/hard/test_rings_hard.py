@@ -60,9 +60,7 @@ def unit(v) -> F64:
 def test_lit_and_unlit_side_are_those_of_the_integral(radius_m: float, side: float) -> None:
     at = radius_m * np.array([0.0, -1.7, 0.0])
     camera = at + radius_m * np.array([3.0, 0.3, 1.5 * side])
-    found = middle(
-        worlds(even(radius_m, 0.7)), thin_ray(camera, at, radii_m=[[radius_m] * 3])
-    )
+    found = middle(worlds(even(radius_m, 0.7)), thin_ray(camera, at, radii_m=[[radius_m] * 3]))
     to_sun = unit(air_worlds.AU_M * unit(SUN) - at)
     mu = abs(unit(at - camera)[2])
     part = theory.single_scattering(0.7, mu, side * to_sun[2])
@@ -89,9 +87,7 @@ def test_the_bodys_shadow_has_the_suns_penumbra() -> None:
         at = np.array([away, y, 0.0])
         camera = at + SATURN_M * np.array([-1.0, 2.0, 3.0])
         found = middle(scene, thin_ray(camera, at, sun=list(sun)))
-        free = middle(
-            scene, thin_ray(camera, at, sun=list(sun), radii_m=[[1.0] * 3])
-        )
+        free = middle(scene, thin_ray(camera, at, sun=list(sun), radii_m=[[1.0] * 3]))
         lit = found / free
         # The true angle from the sun's centre to the limb, over the sun's radius.
         to_sun = air_worlds.AU_M * sun - at
@@ -256,8 +252,6 @@ def test_the_same_bits_for_any_threads() -> None:
         size=(80, 60), fov_deg=60.0,
     )  # fmt: skip
     scene = worlds(even(SATURN_M, 0.7))
-    pictures = [
-        air_worlds.render(scene, asked, threads)["radiance"] for threads in (1, 2, 3)
-    ]
+    pictures = [air_worlds.render(scene, asked, threads)["radiance"] for threads in (1, 2, 3)]
     assert np.array_equal(pictures[0], pictures[1])
     assert np.array_equal(pictures[0], pictures[2])

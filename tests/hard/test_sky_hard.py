@@ -49,9 +49,7 @@ def test_the_sun_in_the_frame_hides_stars_and_adds_no_glare(tmp_path):
     sensor's."""
     path = tmp_path / "stars.csv"
     ra, dec = 90.0, math.degrees(math.asin(-0.8))  # of the sun, as the scene has it
-    path.write_text(
-        f"number,ra_deg,dec_deg,vmag\n1,{ra},{dec + 0.1},-20\n2,{ra},{dec + 1.5},-20\n"
-    )
+    path.write_text(f"number,ra_deg,dec_deg,vmag\n1,{ra},{dec + 0.1},-20\n2,{ra},{dec + 1.5},-20\n")
     tree = scene()
     tree["sky"] = {"stars": {"catalogue": str(path), "aberration": False}}
     tree["render"]["tolerance_dn"] = 0

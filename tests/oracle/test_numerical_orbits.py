@@ -213,8 +213,8 @@ def harmonic_potential(c: Any, s: Any, degree: int, gm: float, radius: float) ->
                 )
                 p = (-1) ** m * special.lpmv(m, n, z) * norm
                 k = n * (n + 1) // 2 + m
-                total += (radius / d) ** n * p * (
-                    c[k] * math.cos(m * lon) + s[k] * math.sin(m * lon)
+                total += (
+                    (radius / d) ** n * p * (c[k] * math.cos(m * lon) + s[k] * math.sin(m * lon))
                 )
         return gm / d * total
 
@@ -247,9 +247,7 @@ def test_harmonics_against_scipy(
     v = rng.normal(size=3) * 3e3
     v -= min(v @ r, 0.0) / (r @ r) * r  # not down: deep inside, high degrees have no bounds
     states = propagator(np.concatenate([r, v]), [force]).states(np.linspace(0.0, 600.0, 5))
-    energy = [
-        0.5 * y[3:] @ y[3:] - GM / np.linalg.norm(y[:3]) - potential(y[:3]) for y in states
-    ]
+    energy = [0.5 * y[3:] @ y[3:] - GM / np.linalg.norm(y[:3]) - potential(y[:3]) for y in states]
     # Of the harmonics' own 1e-5 of gm/r eight digits are seen.
     assert np.ptp(energy) < 1e-13 * GM / np.linalg.norm(r) * (1.0 + 10.0 * degree)
 

@@ -82,5 +82,3 @@ def points(asked: dict[str, Any], frame: dict[str, Any]) -> tuple[F64, NDArray[n
     distance = np.where(hit, frame["range"], 1.0)[..., None]
     at = asked["camera_pose"][0, :3] + distance * air_worlds.directions(asked)
     return at / np.linalg.norm(at, axis=-1, keepdims=True), hit
-
-

@@ -352,9 +352,7 @@ CAMERAS = [
         Flyby,
         AT_PLACES,
         {"kind": "flyby", "target": "b", "closest_m": 2e6, "before_m": 1e6},
-        AIMED
-        | RUN
-        | {"direction": [0.0, 1.0, 0.0], "side": [0.0, 1.0, 1.0], "after_m": 3e6},
+        AIMED | RUN | {"direction": [0.0, 1.0, 0.0], "side": [0.0, 1.0, 1.0], "after_m": 3e6},
     ),
     Section(
         CentredTarget,
@@ -379,9 +377,7 @@ CAMERAS = [
             "target": "s",
             "state": {"position_m": [0.0, -9e5, 0.0], "velocity_m_s": [1.0, 10.0, 0.0]},
         },
-        AIMED
-        | RUN
-        | {"frame": "lvlh", "ellipse": {"radial_m": 5e5}, "duration_s": 100.0},
+        AIMED | RUN | {"frame": "lvlh", "ellipse": {"radial_m": 5e5}, "duration_s": 100.0},
     ),
     Section(
         Deterministic,

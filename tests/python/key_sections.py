@@ -183,9 +183,7 @@ THINGS = [
         {"materials.m": LAMBERT},
     ),
     Section(Body, AT_BODY, {**BODY, "color_map": MAP}, {"latitudes": "geodetic"}),
-    Section(
-        Body, AT_BODY, BODY, {"classes": {"origin": "found"}}, {"labels.levels": ["origin"]}
-    ),
+    Section(Body, AT_BODY, BODY, {"classes": {"origin": "found"}}, {"labels.levels": ["origin"]}),
     Section(Clouds, (*AT_BODY, "clouds"), {"map": MAP}, {"latitudes": "geodetic"}),
     Section(
         Shape,
@@ -205,9 +203,7 @@ THINGS = [
         {"height_map": GREY_MAP, "height_unit_m": 1e3},
         {},
     ),
-    Section(
-        Ocean, (*AT_BODY, "ocean"), {"map": MAP}, {"wind_m_s": 2.0, "albedo": 0.1}
-    ),
+    Section(Ocean, (*AT_BODY, "ocean"), {"map": MAP}, {"wind_m_s": 2.0, "albedo": 0.1}),
     Section(
         NightLights,
         (*AT_BODY, "night_lights"),
@@ -301,9 +297,7 @@ THINGS = [
         {"preset": "earth", "multiple_scattering": False},
         {"ground_albedo": 0.9},
     ),
-    Section(
-        Atmosphere, (*AT_BODY, "atmosphere"), {"preset": "mars"}, {"ozone_center_km": 30.0}
-    ),
+    Section(Atmosphere, (*AT_BODY, "atmosphere"), {"preset": "mars"}, {"ozone_center_km": 30.0}),
     Section(
         Rings,
         (*AT_BODY, "rings"),

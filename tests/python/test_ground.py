@@ -285,8 +285,11 @@ def test_wind_may_be_driven() -> None:
     [
         ("relief", {}, "height_map: give height_map, normal_map or both"),
         ("relief", {"height_map": "a.png"}, "relief.height_m: height_map needs height_m (white"),
-        ("relief", {"height_map": "a.png", "height_m": 1.0, "height_unit_m": 1.0},
-         "relief: give only one of height_m, height_unit_m"),
+        (
+            "relief",
+            {"height_map": "a.png", "height_m": 1.0, "height_unit_m": 1.0},
+            "relief: give only one of height_m, height_unit_m",
+        ),
         ("relief", {"normal_map": "a.png", "height_m": 1.0}, "height_m: does nothing without"),
         ("relief", {"normal_map": "a.png", "height_unit_m": 1.0}, "height_unit_m: does nothing"),
         ("relief", {"normal_map": "a.png", "normal_gren": "south"}, "normal_green"),

@@ -16,9 +16,7 @@ from perilune.document.loader import read_tree
 WHITE, SUN_BELOW_DEG = 200.0, 5.0
 
 
-def opened(
-    model: Path, height_km: float, **render: Any
-) -> perilune.Simulation:
+def opened(model: Path, height_km: float, **render: Any) -> perilune.Simulation:
     """A mirror of 20 m over the night of a small moon, which it lights; seen from high above."""
     scene = read_tree(Path(__file__).with_name("scene.yaml"))
     below = math.radians(SUN_BELOW_DEG)

@@ -379,7 +379,7 @@ def _poisoned(tree: Any, action: Any, rng: random.Random) -> Any:
     return tree
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning") # of finalizers
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of finalizers
 @pytest.mark.parametrize("seed", range(40))
 def test_any_code_at_any_moment(world, reference, seed):
     """Every value of a request is hostile, and does something else each time it is read. What comes

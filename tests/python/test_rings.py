@@ -24,9 +24,7 @@ EDGES_M = np.array([1e8, 2e8])
 
 def even(depth: float, albedo: float = 0.6) -> _core.Rings:
     """Rings whose particles scatter to all sides alike."""
-    return _core.Rings(
-        EDGES_M, np.array([depth]), np.full((1, 3), albedo), 0.0, 0.0, 0.0
-    )
+    return _core.Rings(EDGES_M, np.array([depth]), np.full((1, 3), albedo), 0.0, 0.0, 0.0)
 
 
 def sun(sine: float) -> tuple[float, float, float]:
@@ -97,9 +95,7 @@ def test_a_wide_cone_is_the_mean_of_narrow_ones() -> None:
     steps = spread * ((np.arange(count) + 0.5) / count - 0.5)
     lines = middle + steps[:, None] * across
     lines /= np.linalg.norm(lines, axis=1)[:, None]
-    thin, thin_passed = made.scatter(
-        np.tile(origin, (count, 1)), lines, sun(0.4), 1e-6, 0.0, 1e-9
-    )
+    thin, thin_passed = made.scatter(np.tile(origin, (count, 1)), lines, sun(0.4), 1e-6, 0.0, 1e-9)
     wide, wide_passed = made.scatter(origin[None], middle[None], sun(0.4), 1e-6, 0.0, spread)
     assert wide_passed[0] == pytest.approx(thin_passed.mean(), abs=0.01)
     np.testing.assert_allclose(wide[0], thin.mean(axis=0), rtol=0.03)

@@ -94,6 +94,7 @@ def test_facets_are_flat_where_asked(tmp_path):
 
 # --- shadows, eclipses, light -------------------------------------------------------------------
 
+
 def test_two_lobes_shade_each_other(tmp_path):
     """One body of two balls, apart: the far one lies in the near one's shadow, half of the near one
     by itself; a convex body has no shadow on itself."""

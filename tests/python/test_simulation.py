@@ -112,9 +112,7 @@ def test_frames_do_not_depend_on_the_channels_asked_for(sim):
 
 def test_other_seeds_give_other_frames(scene, base):
     frames = [
-        digest(
-            perilune.open(scene, seed, {"camera.sensor": {}}, base=base).frame(0, channels=ALL)
-        )
+        digest(perilune.open(scene, seed, {"camera.sensor": {}}, base=base).frame(0, channels=ALL))
         for seed in (1, 2)
     ]
     assert frames[0] != frames[1]

@@ -192,8 +192,10 @@ def test_centroid_through_the_point_spread(opened, tree):
     }
     tree["render"]["channels"] = ["raw", "rgb"]
     rng = np.random.default_rng(2)
-    rows = [(i, ORION[0] - 12 + 6 * i, ORION[1] + 7 * rng.uniform(-1, 1), 2.0, 0.6, 0, 0)
-            for i in range(5)]
+    rows = [
+        (i, ORION[0] - 12 + 6 * i, ORION[1] + 7 * rng.uniform(-1, 1), 2.0, 0.6, 0, 0)
+        for i in range(5)
+    ]
     sample = opened(rows)[0]
     raw = sample["raw"].astype(float) - 64.0
     assert len(sample.stars) == 5

@@ -71,9 +71,7 @@ def test_pointing_noise_is_about_three_axes(scene):
         first = rotations.multiply(
             trajectories.camera_poses(a)[0][3:], rotations.axis_angle((0, 0, 1), math.radians(20))
         )
-        turn = rotations.multiply(
-            rotations.conjugate(first), trajectories.camera_poses(b)[0][3:]
-        )
+        turn = rotations.multiply(rotations.conjugate(first), trajectories.camera_poses(b)[0][3:])
         errors.append(np.degrees(2 * turn[1:] * np.sign(turn[0])))
     sigma = np.std(errors, axis=0)
     assert (np.abs(sigma / 0.5 - 1.0) < 5.0 / math.sqrt(2.0 * count)).all()

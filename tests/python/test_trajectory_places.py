@@ -90,9 +90,7 @@ def test_hover_at_random(scene):
     trajectory = {"kind": "hover", "target": "earth", "height_m": [1e4, 2e4], "interval": 2,
                   "lat_deg": [-90, 30]}  # fmt: skip
     places = worlds(scene, trajectory, range(300))
-    own = np.array(
-        [w.body_axes("earth", trajectories.camera_poses(w)[0][:3]) for w in places]
-    )
+    own = np.array([w.body_axes("earth", trajectories.camera_poses(w)[0][:3]) for w in places])
     assert close(own[::2], own[1::2], 1e-8)
     sine = own[::2, 2] / np.linalg.norm(own[::2], axis=1)
     assert sine.max() < 0.5
@@ -107,9 +105,7 @@ def test_hover_at_random(scene):
     st.floats(-math.pi / 2, math.pi / 2),
 )
 def test_surface_points_have_their_normal(radii, lon, lat):
-    normal = np.array(
-        [math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)]
-    )
+    normal = np.array([math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)])
     point = surface(np.array(radii), normal)
     assert abs(np.sum((point / radii) ** 2) - 1) < 1e-12
     gradient = point / np.square(radii)

@@ -62,9 +62,7 @@ def test_linear_slows_down(scene):
     assert close(offsets(by_time)[4, 1], -100)  # t = T begins again
     by_steps = worlds(scene, {**LINEAR, **speeds, "positions": 5}, range(5))
     assert close(offsets(by_steps)[:, 1], expected)
-    held = worlds(
-        scene, {**LINEAR, **speeds, "after": "hold"}, range(6), **{"time.step_s": 10.0}
-    )
+    held = worlds(scene, {**LINEAR, **speeds, "after": "hold"}, range(6), **{"time.step_s": 10.0})
     assert close(offsets(held)[:, 1], [*expected, -20])
 
 

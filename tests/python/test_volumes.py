@@ -106,9 +106,7 @@ def test_graph_is_scipys() -> None:
         assert found[row, column, 1] == pytest.approx(0.5 * found[row, column, 0], rel=1e-5)
 
 
-@given(
-    st.floats(1e-3, 1e3), st.floats(-0.95, 0.95), st.sampled_from(["box", "ellipsoid", "cone"])
-)
+@given(st.floats(1e-3, 1e3), st.floats(-0.95, 0.95), st.sampled_from(["box", "ellipsoid", "cone"]))
 @settings(max_examples=12, deadline=None)
 def test_energy(extinction: float, g: float, shape: str) -> None:
     """No more is scattered than is met, whatever the mist."""
@@ -159,9 +157,9 @@ def test_drivers() -> None:
     assert not np.array_equal(first["radiance"], second["radiance"])
     again = pickle.loads(pickle.dumps(sim))[1]
     assert np.array_equal(again["radiance"], second["radiance"])
-    replayed = perilune.open(
-        config({"mist": ball}, materials={"fog": graph}), replay=second.meta
-    )[1]
+    replayed = perilune.open(config({"mist": ball}, materials={"fog": graph}), replay=second.meta)[
+        1
+    ]
     assert np.array_equal(replayed["radiance"], second["radiance"])
     thick = first.meta["drivers"]["materials.fog.drivers.drivers.thick"]
     fixed = mist(

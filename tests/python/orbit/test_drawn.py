@@ -155,9 +155,7 @@ def test_hooks_return_elements(scene, repo_dir, tmp_path, monkeypatch):
     heights = [np.linalg.norm(state(sim, index=k)[0][:3]) for k in range(3)]
     assert np.allclose(np.array(heights) - equator_m(sim)[0], 7e5)
     orbit["hook"] = "my_orbits:lwo"
-    assert "spacecraft.sat.orbit.hook = 'my_orbits:lwo'" in refused(
-        scene, repo_dir, orbit=orbit
-    )
+    assert "spacecraft.sat.orbit.hook = 'my_orbits:lwo'" in refused(scene, repo_dir, orbit=orbit)
 
 
 @pytest.mark.parametrize(

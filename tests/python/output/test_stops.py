@@ -49,8 +49,6 @@ def truth(sim, tmp_path_factory):
     return tree_bytes(out)
 
 
-
-
 STEP = int(os.environ.get("PERILUNE_STOP_STEP", "0"))
 """Operations from one stop to the next, in place of each test's own; 1 for all."""
 
@@ -82,9 +80,7 @@ def test_a_run_goes_on_from_any_operation(sim, truth, tmp_path, kill, step):
 
 @pytest.mark.parametrize(("kill", "step"), [(True, 3), (False, 5)], ids=["kill", "ctrl-C"])
 @pytest.mark.parametrize("place", ["in place", "elsewhere", "copied"])
-def test_a_merge_goes_on_from_any_operation(
-    sim, truth, tmp_path, monkeypatch, kill, step, place
-):
+def test_a_merge_goes_on_from_any_operation(sim, truth, tmp_path, monkeypatch, kill, step, place):
     folders = [tmp_path / "one", tmp_path / ("one" if place == "in place" else "two")]
     for k, folder in enumerate(folders):
         write(sim, folder, shard=(k, 2))
