@@ -277,7 +277,9 @@ def test_full_disk(tree, base, tmp_path, limit):
     def limited():
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    result = render(scene, out, run=process, preexec_fn=limited)
+    # Python would write its compiled modules cut short, and later processes would read them.
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
+    result = render(scene, out, run=process, preexec_fn=limited, env=environment)
     refused(result, out)
     whole(out)
     assert not list(out.rglob("scene_gt.json"))

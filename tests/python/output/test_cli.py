@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import shutil
 import signal
@@ -250,7 +251,10 @@ def test_full_disk_is_a_message_and_leaves_no_half_file(small_scene, tmp_path):
     words = ["--frames", "0:3", "--set", "camera.width=640", "--set", "camera.height=480"]
     assert render(small_scene, out, *words)[0] == 0
     shutil.rmtree(out / "train")
-    code, _, err = render(small_scene, out, *words, run=shell, preexec_fn=limit_file_size)
+    # Python would write its compiled modules cut short, and later processes would read them.
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
+    limited = {"preexec_fn": limit_file_size, "env": environment}
+    code, _, err = render(small_scene, out, *words, run=shell, **limited)
     assert code == 1
     assert "Traceback" not in err
     assert ".png: cannot be written" in err
