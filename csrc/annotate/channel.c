@@ -57,11 +57,11 @@ PL_WIDE static void fill_angle(size_t count, const double (*restrict a)[PL_LABEL
 /* Returns NULL when the run is on a body. */
 static const pl_shot_object *object_of(const pl_label_run *run) {
   const pl_snapshot *shot = run->shot;
-  return run->thing < shot->object_count ? &shot->objects[run->thing] : NULL;
+  return pl_surface_is_mesh(run->surface_id) ? pl_shot_object_of(shot, run->surface_id) : NULL;
 }
 
 static const pl_shot_body *body_of(const pl_label_run *run) {
-  return &run->shot->bodies[run->thing - run->shot->object_count];
+  return pl_shot_body_of(run->shot, run->surface_id);
 }
 
 /* Camera axes: x right, y down, z forward. */
@@ -239,7 +239,7 @@ static void gather(const pl_vertex *points, pl_label_run *run) {
 /* Returns the number of leading pixels with the same surface id, at most `count`. */
 static size_t length_of(const pl_vertex *points, size_t count) {
   size_t length = 1;
-  while (length < count && points[length].thing == points[0].thing)
+  while (length < count && pl_surface_same(points[length].surface_id, points[0].surface_id))
     length++;
   return length;
 }
@@ -251,8 +251,8 @@ void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t 
   for (size_t x = 0; x < count; x += run.count) {
     const size_t left = count - x;
     run.count = length_of(points + x, left < PL_LABEL_RUN ? left : PL_LABEL_RUN);
-    run.thing = points[x].thing;
-    if (run.thing == PL_NOTHING) {
+    run.surface_id = points[x].surface_id;
+    if (pl_surface_is_none(run.surface_id)) {
       pl_channels_blank(shot, run.count, first + x, images);
       continue;
     }

@@ -12,7 +12,7 @@ enum { PL_LABEL_RUN = 32 }; /* largest number of pixels */
  * three arrays, so that loops over pixels vectorise; root axes. */
 typedef struct pl_label_run {
   const pl_snapshot *shot;
-  uint32_t thing;
+  pl_surface_id surface_id;
   size_t count;
   double position[3][PL_LABEL_RUN]; /* camera-relative, m */
   double normal[3][PL_LABEL_RUN];   /* unit shading normal, facing the viewer */

@@ -1,15 +1,14 @@
 /* Collects the extents of visible objects and writes object labels. */
 #include "annotate/object_label.h"
 
-void pl_extent_add(pl_extent *extents, size_t object_count, const pl_vertex *points, size_t stride,
-                   const int tile[4]) {
+void pl_extent_add(pl_extent *extents, const pl_vertex *points, size_t stride, const int tile[4]) {
   for (int y = 0; y < tile[3]; y++) {
     for (int x = 0; x < tile[2]; x++) {
-      const uint32_t thing = points[(size_t)y * stride + (size_t)x].thing;
-      if (thing >= object_count)
+      const pl_surface_id id = points[(size_t)y * stride + (size_t)x].surface_id;
+      if (pl_surface_kind_of(id) != PL_SURFACE_MESH)
         continue;
       const pl_extent pixel = {tile[0] + x, tile[1] + y, tile[0] + x, tile[1] + y, 1};
-      pl_extent_merge(&extents[thing], &pixel);
+      pl_extent_merge(&extents[pl_surface_index(id)], &pixel);
     }
   }
 }

@@ -35,9 +35,8 @@ typedef struct pl_extent {
 } pl_extent;
 #define PL_EXTENT_NONE ((pl_extent){INT32_MAX, INT32_MAX, INT32_MIN, INT32_MIN, 0})
 
-/* Adds the pixels of a tile; `extents` has one element per object. */
-void pl_extent_add(pl_extent *extents, size_t object_count, const pl_vertex *points, size_t stride,
-                   const int tile[4]);
+/* Adds the pixels of a tile; `extents` has one element per object with a label. */
+void pl_extent_add(pl_extent *extents, const pl_vertex *points, size_t stride, const int tile[4]);
 void pl_extent_merge(pl_extent *into, const pl_extent *from);
 
 void pl_object_label_fill(const pl_snapshot *shot, const pl_shot_object *object,

@@ -16,8 +16,8 @@ void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], in
     pl_seen *out = seen + (size_t)(tile[1] + y) * (size_t)image_width + (size_t)tile[0];
     const pl_vertex *row = points + (size_t)y * stride;
     for (int x = 0; x < tile[2]; x++) {
-      out[x].thing = row[x].thing;
-      out[x].range_m = row[x].thing != PL_NOTHING ? (float)row[x].t : 0.0f;
+      out[x].surface_id = row[x].surface_id;
+      out[x].range_m = !pl_surface_is_none(row[x].surface_id) ? (float)row[x].t : 0.0f;
     }
   }
 }
@@ -26,7 +26,7 @@ void pl_seen_write(const pl_vertex *points, size_t stride, const int tile[4], in
 typedef struct search {
   const pl_silhouette_job *job;
   const pl_outline *outline;
-  uint32_t thing;
+  pl_surface_id surface_id;
   pl_rect box;        /* the outline's rectangle, and the visible pixels */
   int columns;        /* tiles per row */
   size_t cell_stride; /* cells per row, counted in whole tiles */
@@ -76,10 +76,10 @@ static void look(const search *search, const int tile[4], int x, int y, bool pos
   const int u = tile[0] + x, v = tile[1] + y;
   if (in_image(&shot->camera, u, v)) {
     const pl_seen *seen = &search->job->seen[(size_t)v * (size_t)shot->camera.width + (size_t)u];
-    if (seen->thing == search->thing)
+    if (pl_surface_same(seen->surface_id, search->surface_id))
       add_pixel(search, u, v, into);
-    if (seen->thing == search->thing || seen->thing == PL_NOTHING ||
-        seen->range_m > search->outline->far_m)
+    if (pl_surface_same(seen->surface_id, search->surface_id) ||
+        pl_surface_is_none(seen->surface_id) || seen->range_m > search->outline->far_m)
       return;
   }
   if (!possible)
@@ -202,7 +202,7 @@ static pl_silhouette from_extent(const pl_extent *extent) {
 
 static search search_of(const pl_silhouette_job *job, size_t index, const pl_outline *outline,
                         const pl_extent *extent) {
-  search search = {.job = job, .outline = outline, .thing = (uint32_t)index};
+  search search = {.job = job, .outline = outline, .surface_id = job->shot->objects[index].id};
   pl_extent box = *extent;
   if (!outline->whole) {
     const pl_rect r = outline->rect;

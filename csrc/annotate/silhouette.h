@@ -16,7 +16,7 @@
 
 /* What the centre ray of a pixel hits. */
 typedef struct pl_seen {
-  uint32_t thing; /* surface id, or PL_NOTHING */
+  pl_surface_id surface_id; /* or PL_NO_SURFACE */
   float range_m;
 } pl_seen;
 

@@ -27,11 +27,11 @@ static double sun_seen(const pl_tracer *tracer, const pl_sun_view *sun) {
                         ((float)(i / SUN_SIDE) + 0.5f) / SUN_SIDE};
     rays[i] = (pl_ray){.t_max = sun->distance_m,
                        .direction = pl_vec3_unit(pl_vec3f_to_double(pl_sun_sample(sun, u))),
-                       .skip_body = PL_NOTHING};
+                       .skip_body = PL_NO_BODY};
   }
   pl_tracer_closest(tracer, rays, hits, SUN_RAYS, true, true); /* with the camera's visibility */
   for (int i = 0; i < SUN_RAYS; i++)
-    seen += hits[i].thing == PL_NOTHING;
+    seen += pl_surface_is_none(hits[i].surface_id);
   return (double)seen / SUN_RAYS;
 }
 

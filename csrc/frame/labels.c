@@ -60,8 +60,7 @@ void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int w
   if (labels->seen != NULL)
     pl_seen_write(result->points, PL_TILE_SIDE, tile, labels->shot->camera.width, labels->seen);
   if (labels->extents != NULL && !result->empty)
-    pl_extent_add(labels->extents + (size_t)worker * count, count, result->points, PL_TILE_SIDE,
-                  tile);
+    pl_extent_add(labels->extents + (size_t)worker * count, result->points, PL_TILE_SIDE, tile);
 }
 
 static pl_status find_silhouette(const pl_labels *labels, const pl_silhouette_job *job,

@@ -20,7 +20,7 @@ static void gather_primary(const pl_snapshot *shot, const pl_coverage *coverage,
           if (pl_coverage_pixel(coverage, x, y))
             out->items[out->count++] = (pl_ray){.t_max = INFINITY,
                                                 .direction = pl_snapshot_ray(shot, x, y),
-                                                .skip_body = PL_NOTHING};
+                                                .skip_body = PL_NO_BODY};
 }
 
 /* Collects one ray to the sun from each sunlit mesh point that a primary ray hits. */
@@ -30,7 +30,7 @@ static void gather_shadow(const pl_snapshot *shot, const pl_tracer *tracer, cons
     pl_hit hit;
     pl_vertex vertex;
     pl_tracer_closest(tracer, &primary->items[i], &hit, 1, true, true);
-    if (hit.thing >= shot->object_count)
+    if (!pl_surface_is_mesh(hit.surface_id))
       continue;
     const pl_beam beam = {.direction = primary->items[i].direction};
     pl_vertex_locate(shot, &beam, &hit, false, &vertex);

@@ -83,7 +83,7 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
     return pl_fail(PL_E_MEMORY, "out of memory for %zu stars", count);
   for (size_t i = 0; i < count; i++)
     rays[i] = (pl_ray){
-        .t_max = INFINITY, .direction = sky->field.stars[i].direction, .skip_body = PL_NOTHING};
+        .t_max = INFINITY, .direction = sky->field.stars[i].direction, .skip_body = PL_NO_BODY};
   pl_tracer_closest(tracer, rays, hits, count, false, true); /* with the camera's visibility */
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, (pl_vec3){0.0, 0.0, 0.0});
   for (size_t i = 0; i < count; i++) {
@@ -91,7 +91,8 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
     double pixel[2];
     /* Projected again, since the plan may have dropped the lens distortion. */
     const pl_vec3 view = pl_mat3_mul_vec_t(shot->camera_to_root, star->direction);
-    if (hits[i].thing != PL_NOTHING || pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
+    if (!pl_surface_is_none(hits[i].surface_id) ||
+        pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
         !pl_camera_project(&shot->camera, view, pixel))
       continue;
     const pl_vec3f passed = passed_of(shot, settings, pl_vec3_to_float(star->direction));

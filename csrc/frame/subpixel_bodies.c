@@ -25,7 +25,7 @@ static double across_px(const pl_camera *camera, pl_vec3 center, pl_vec3 side, d
 typedef struct ball {
   pl_vec3 center;
   double radius_m;
-  uint32_t thing;
+  pl_surface_id surface_id;
   bool in_frame;
 } ball;
 
@@ -33,10 +33,8 @@ static ball ball_of(const pl_snapshot *shot, size_t index) {
   const pl_shot_body *body = &shot->bodies[index];
   const pl_shot_object *shape = body->shape;
   if (shape != NULL)
-    return (ball){shape->center, shape->radius_m, (uint32_t)(shape - shot->objects),
-                  shape->in_frame};
-  return (ball){body->center, body->radius_m, (uint32_t)(shot->object_count + index),
-                body->in_frame};
+    return (ball){shape->center, shape->radius_m, shape->id, shape->in_frame};
+  return (ball){body->center, body->radius_m, pl_surface_of_body(index), body->in_frame};
 }
 
 /* Returns the larger one of the radial and the tangential diameter: off the axis they differ. */
@@ -63,7 +61,7 @@ static bool is_subpixel(const pl_snapshot *shot, const pl_view *view, double tol
                         size_t i) {
   const pl_shot_body *body = &shot->bodies[i];
   const ball ball = ball_of(shot, i);
-  const pl_view_thing *thing = &view->things[ball.thing];
+  const pl_view_thing *thing = &view->things[pl_shot_slot(shot, ball.surface_id)];
   const double size = ball.in_frame ? diameter_px(shot, &ball) : INFINITY;
   const double covered = fmin(1.0, size * size);
   return shot->camera.aperture_m == 0.0 && body->body->rings == NULL &&
@@ -102,7 +100,7 @@ static void aim(const pl_snapshot *shot, const ball *ball, pl_snapshot *out) {
 
 /* Image of one sub-pixel body. */
 typedef struct gathering {
-  uint32_t thing;
+  pl_surface_id surface_id;
   pl_vec3f light[SIDE * SIDE]; /* black where another surface is hit */
 } gathering;
 
@@ -113,8 +111,9 @@ static pl_status gather_tile(void *context, const pl_tile_result *result, int wo
     for (int x = 0; x < result->tile.width; x++) {
       const int from = y * PL_TILE_SIDE + x;
       const int to = (result->tile.y0 + y) * SIDE + result->tile.x0 + x;
-      g->light[to] = result->points[from].thing == g->thing ? result->radiance[from]
-                                                            : (pl_vec3f){0.0f, 0.0f, 0.0f};
+      g->light[to] = pl_surface_same(result->points[from].surface_id, g->surface_id)
+                         ? result->radiance[from]
+                         : (pl_vec3f){0.0f, 0.0f, 0.0f};
     }
   return PL_OK;
 }
@@ -182,7 +181,7 @@ static pl_status render_dot(const pl_instant *instant, size_t body, pl_render_sc
   pl_snapshot close;
   const ball ball = ball_of(shot, body);
   aim(shot, &ball, &close);
-  g->thing = ball.thing;
+  g->surface_id = ball.surface_id;
   const pl_air_view *air = settings.air;
   const pl_media *media = settings.media;
   pl_media own; /* media that the body carries itself are part of its image */

@@ -106,10 +106,10 @@ static size_t count_triangles(const pl_snapshot *shot) {
 }
 
 /* Appends an object's emissive triangles after the first `used` ones. */
-static void add_object(pl_emitters *list, size_t thing, size_t *used) {
-  const pl_shot_object *object = &list->shot->objects[thing];
+static void add_object(pl_emitters *list, size_t index, size_t *used) {
+  const pl_shot_object *object = &list->shot->objects[index];
   const pl_model *model = object->object->model;
-  pl_emitter item = {.thing = (uint32_t)thing,
+  pl_emitter item = {.surface_id = object->id,
                      .center = object->center,
                      .radius_m = object->radius_m,
                      .first = *used};
@@ -141,7 +141,7 @@ static void add_body(pl_emitters *list, size_t index) {
   const double luminance = (double)pl_luminance(body_emission(body));
   if (luminance > 0.0)
     list->items[list->count++] =
-        (pl_emitter){.thing = (uint32_t)(list->shot->object_count + index),
+        (pl_emitter){.surface_id = pl_surface_of_body(index),
                      .center = body->center,
                      .radius_m = body->radius_m,
                      .power = luminance * PL_PI * body->radius_m * body->radius_m};
@@ -241,7 +241,7 @@ static double mesh_pdf(const pl_emitter *item, float luminance, double distance,
 
 static bool sample_mesh(const pl_emitters *list, const pl_emitter *item, pl_vec3 point,
                         const float u[2], pl_emitter_sample *out) {
-  const pl_shot_object *object = &list->shot->objects[item->thing];
+  const pl_shot_object *object = pl_shot_object_of(list->shot, item->surface_id);
   const pl_model *model = object->object->model;
   float along = u[0];
   const size_t chosen = choose_triangle(list, item, &along);
@@ -295,7 +295,7 @@ static float cone_of(const pl_emitter *item, pl_vec3 point, pl_vec3 *axis) {
 
 static bool sample_body(const pl_emitters *list, const pl_emitter *item, pl_vec3 point,
                         const float u[2], pl_emitter_sample *out) {
-  const pl_shot_body *body = &list->shot->bodies[item->thing - list->shot->object_count];
+  const pl_shot_body *body = pl_shot_body_of(list->shot, item->surface_id);
   pl_vec3 axis;
   const float cone = cone_of(item, point, &axis);
   const pl_basis basis = pl_basis_make(pl_vec3_to_float(axis));
@@ -319,12 +319,11 @@ bool pl_emitters_sample(const pl_emitters *list, pl_vec3 point, const float u[2]
   double probability;
   float v[2] = {u[0], u[1]};
   const pl_emitter *item = choose(list, point, &v[1], &probability);
-  const bool found = item->thing < list->shot->object_count
-                         ? sample_mesh(list, item, point, v, out)
-                         : sample_body(list, item, point, v, out);
+  const bool found = pl_surface_is_mesh(item->surface_id) ? sample_mesh(list, item, point, v, out)
+                                                          : sample_body(list, item, point, v, out);
   if (!found)
     return false;
-  out->thing = item->thing;
+  out->surface_id = item->surface_id;
   out->pdf = (float)((double)out->pdf * probability);
   return out->pdf > 0.0f;
 }
@@ -332,11 +331,11 @@ bool pl_emitters_sample(const pl_emitters *list, pl_vec3 point, const float u[2]
 float pl_emitters_pdf(const pl_emitters *list, pl_vec3 point, const pl_emitter_hit *hit) {
   for (size_t i = 0; i < list->count; i++) {
     const pl_emitter *item = &list->items[i];
-    if (item->thing != hit->thing)
+    if (!pl_surface_same(item->surface_id, hit->surface_id))
       continue;
     const double probability = importance(item, point) / total_importance(list, point);
     pl_vec3 axis;
-    if (hit->thing >= list->shot->object_count)
+    if (!pl_surface_is_mesh(hit->surface_id))
       return (float)(probability * (double)pl_cone_pdf(cone_of(item, point, &axis)));
     const float luminance = listed_luminance(list, item, hit->triangle);
     if (!(luminance > 0.0f) || !(hit->cosine > 1e-6f))

@@ -12,7 +12,7 @@
 
 /* One emitter: all emissive triangles of one object, or one body. */
 typedef struct pl_emitter {
-  uint32_t thing; /* index: objects first, then bodies */
+  pl_surface_id surface_id;
   pl_vec3 center; /* camera-relative, m */
   double radius_m;
   double power;        /* luminance times projected area, W sr-1 */
@@ -33,11 +33,11 @@ typedef struct pl_emitters {
 
 /* A sampled connection from a point to a point on an emitter. */
 typedef struct pl_emitter_sample {
-  uint32_t thing;     /* the emitter */
-  pl_vec3f direction; /* unit */
-  double distance_m;  /* length of the shadow ray, short of the surface by more than rounding */
-  float pdf;          /* per solid angle */
-  pl_vec3f radiance;  /* incident radiance, if unoccluded */
+  pl_surface_id surface_id; /* the emitter */
+  pl_vec3f direction;       /* unit */
+  double distance_m; /* length of the shadow ray, short of the surface by more than rounding */
+  float pdf;         /* per solid angle */
+  pl_vec3f radiance; /* incident radiance, if unoccluded */
 } pl_emitter_sample;
 
 /* Lists the emitters among the objects and bodies that the snapshot keeps. Memory comes from
@@ -53,7 +53,8 @@ bool pl_emitters_sample(const pl_emitters *emitters, pl_vec3 point, const float 
 /* Density per solid angle with which pl_emitters_sample draws the direction of a ray from `point`
  * that hits an emitter. */
 typedef struct pl_emitter_hit {
-  uint32_t thing, triangle;
+  pl_surface_id surface_id;
+  uint32_t triangle;
   double t;     /* distance along the ray, m */
   float cosine; /* absolute cosine between the ray and the geometric normal */
 } pl_emitter_hit;

@@ -49,13 +49,15 @@ static size_t bordered(uint32_t pixel) {
   return (pixel / PL_TILE_SIDE + 1) * SIDE + pixel % PL_TILE_SIDE + 1;
 }
 
-/* Radiance that a path from a thing may find but has not found yet: that of a white surface in the
- * sun. In the umbra of a body there is none except from the bodies. */
-static float unseen_radiance(const pl_path_context *context, uint32_t thing) {
+/* Radiance that a path from a surface may find but has not found yet: that of a white surface in
+ * the sun. In the umbra of a body there is none except from the bodies. */
+static float unseen_radiance(const pl_path_context *context, pl_surface_id id) {
   const pl_snapshot *shot = context->shot;
-  if (thing >= shot->object_count)
+  if (!pl_surface_is_mesh(id))
     return 0.0f; /* sources that light bodies are convex and sampled explicitly, or negligible */
-  return shot->objects[thing].dark ? 0.0f : context->suns[thing].irradiance / PL_PI_F;
+  return pl_shot_object_of(shot, id)->dark
+             ? 0.0f
+             : context->suns[pl_surface_index(id)].irradiance / PL_PI_F;
 }
 
 /* A mesh may be visible in a pixel in which no sample has hit one yet. The variance is set as if
@@ -65,7 +67,7 @@ static const float UNSEEN_MESH = 0.3f, UNSEEN_FILTERED = 9.0f;
 static float unseen_mesh(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
   const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-  if (b->points[pixel].thing < context->shot->object_count || b->counts[pixel] == 0 ||
+  if (pl_surface_is_mesh(b->points[pixel].surface_id) || b->counts[pixel] == 0 ||
       !pl_coverage_pixel(context->coverage, x, y))
     return 0.0f;
   const float step = UNSEEN_MESH * context->settings->white_radiance;
@@ -100,7 +102,8 @@ static void measure_pixel(const pl_path_context *context, const pl_tile_buffers 
     const float lit = each * pl_luminance(patch->shared);
     sum += own + seen * lit;
     square += patch->own_square + lit * (2.0f * own + seen * lit);
-    const float shared = n * shared_variance(patch, n, unseen_radiance(context, patch->spot.thing));
+    const float shared =
+        n * shared_variance(patch, n, unseen_radiance(context, patch->spot.surface_id));
     out->shared[k] += shared;
     if (patch->wide > 0)
       out->followed[k] += shared * (float)patch->lit / (float)patch->wide;
@@ -180,7 +183,7 @@ static bool on_outline(const pl_path_context *context, const pl_tile_buffers *b,
   const int right = context->tile.width - 1, bottom = context->tile.height - 1;
   for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v <= bottom; v++)
     for (int u = x > 0 ? x - 1 : 0; u <= x + 1 && u <= right; u++)
-      if (b->points[v * PL_TILE_SIDE + u].thing != b->points[pixel].thing)
+      if (!pl_surface_same(b->points[v * PL_TILE_SIDE + u].surface_id, b->points[pixel].surface_id))
         return true;
   return false;
 }

@@ -84,12 +84,10 @@ bool pl_air_item_ray(const pl_air_item *item, const pl_snapshot *shot, pl_vec3 o
 
 /* True if the air stored for the pixel is the air that a camera path crosses on its way to the hit.
  */
-static bool is_known(const pl_path_context *context, const pl_air_tile *tile, uint32_t pixel,
-                     const pl_hit *hit) {
-  const uint32_t first = (uint32_t)context->shot->object_count;
+static bool is_known(const pl_air_tile *tile, uint32_t pixel, const pl_hit *hit) {
   if (tile->known[pixel] == PL_AIR_GROUND)
-    return hit->thing == first + tile->item->body;
-  return tile->known[pixel] == PL_AIR_SPACE && hit->thing == PL_NOTHING;
+    return pl_surface_same(hit->surface_id, pl_surface_of_body(tile->item->body));
+  return tile->known[pixel] == PL_AIR_SPACE && pl_surface_is_none(hit->surface_id);
 }
 
 /* A ray through the atmosphere of one item. */
@@ -198,8 +196,8 @@ static bool find_passage(const pl_path_context *context, int bounce, size_t i, b
   const pl_air_view *view = context->settings->air;
   const pl_hit *hit = &b->hits[i];
   const pl_path *path = &b->paths[i];
-  const bool miss = hit->thing == PL_NOTHING;
-  const bool ground = hit->thing == context->shot->object_count + item->body;
+  const bool miss = pl_surface_is_none(hit->surface_id);
+  const bool ground = pl_surface_same(hit->surface_id, pl_surface_of_body(item->body));
   if (out->known)
     out->light = b->air.pixels[path->pixel].light;
   if (out->known && !pieces)
@@ -221,7 +219,7 @@ void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_
   pl_path *path = &b->paths[i];
   pl_vec3f *sink = pl_path_sink(b, path->pixel, path->shared), through = path->throughput;
   pl_vec3f way[PL_MEDIUM_CROSSINGS];
-  const bool known = bounce == 0 && is_known(context, &b->air, path->pixel, &b->hits[i]);
+  const bool known = bounce == 0 && is_known(&b->air, path->pixel, &b->hits[i]);
   for (size_t k = 0; k < list->count; k++)
     way[k] = through;
   for (size_t n = 0; n < (known ? 1 : view->count) && (bounce > 0 || b->air.any); n++) {
@@ -243,8 +241,8 @@ void pl_air_apply(const pl_path_context *context, int bounce, size_t count, pl_t
     return;
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->paths[i].pixel;
-    if (bounce > 0 || b->prefiltered_thing[pixel] != b->hits[i].thing ||
-        b->hits[i].thing == PL_NOTHING)
+    if (bounce > 0 || !pl_surface_same(b->prefiltered_id[pixel], b->hits[i].surface_id) ||
+        pl_surface_is_none(b->hits[i].surface_id))
       pl_air_pass(context, bounce, i, &none, b);
   }
 }
@@ -289,7 +287,7 @@ pl_vec3f pl_air_sky_reflected(const pl_air_view *view, const pl_snapshot *shot,
                               const pl_vertex *vertex, pl_vec3f wo) {
   for (size_t i = 0; view->skylight && i < view->count; i++) {
     const pl_air_item *item = &view->items[i];
-    if (vertex->thing != shot->object_count + item->body)
+    if (!pl_surface_same(vertex->surface_id, pl_surface_of_body(item->body)))
       continue;
     const pl_vec3f sky = skylight_at(view, item, shot, vertex->position);
     return pl_vec3f_scale(reflect_sky(&vertex->surface, wo, sky), item->irradiance);
@@ -308,7 +306,7 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
   const pl_vec3f wo = pl_surface_to_local(
       &vertex->surface, pl_vec3_to_float(pl_vec3_scale(pl_vec3_unit(vertex->position), -1.0)));
   if (b->air.known[pixel] != PL_AIR_GROUND || b->air.item == NULL ||
-      vertex->thing != shot->object_count + b->air.item->body) {
+      !pl_surface_same(vertex->surface_id, pl_surface_of_body(b->air.item->body))) {
     const pl_vec3f sky = pl_air_sky_reflected(view, shot, vertex, wo);
     return pl_vec3f_add(
         pl_vec3f_mul(direct, pl_air_toward_sun(view, shot, vertex->position, toward)),
@@ -329,7 +327,7 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
 static bool find_seen(const pl_path_context *context, const pl_vertex *point, bool pieces,
                       const pl_air_pixel *pixel, passage *out) {
   const pl_air_view *view = context->settings->air;
-  const bool ground = point->thing == context->shot->object_count + out->item->body;
+  const bool ground = pl_surface_same(point->surface_id, pl_surface_of_body(out->item->body));
   if (out->known)
     out->light = pixel->light;
   if (out->known && !pieces)
@@ -348,7 +346,7 @@ pl_vec3f pl_air_seen(const pl_path_context *context, uint32_t pixel, pl_vec3f ra
   const pl_air_view *view = context->settings->air;
   const pl_vertex *point = &b->points[pixel];
   const bool known = b->air.item != NULL && b->air.known[pixel] == PL_AIR_GROUND &&
-                     point->thing == context->shot->object_count + b->air.item->body;
+                     pl_surface_same(point->surface_id, pl_surface_of_body(b->air.item->body));
   pl_vec3f sum = {0.0f, 0.0f, 0.0f}, through = {1.0f, 1.0f, 1.0f};
   pl_vec3f way[PL_MEDIUM_CROSSINGS];
   for (size_t k = 0; k < list->count; k++)

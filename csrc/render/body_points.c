@@ -9,16 +9,16 @@
 typedef struct row {
   const double *x, *y, *z;
   double *t;
-  uint32_t *thing;
+  uint32_t *body; /* index; PL_NO_BODY where none is hit */
   size_t count;
 } row;
 
 /* Records the body where its hit is nearer than the one stored; same arithmetic as
  * pl_unit_sphere_intersect. */
-PL_WIDE static void meet(size_t count, const pl_shot_body *body, uint32_t thing,
+PL_WIDE static void meet(size_t count, const pl_shot_body *body, uint32_t index,
                          const double *restrict x, const double *restrict y,
                          const double *restrict z, double *restrict nearest,
-                         uint32_t *restrict things) {
+                         uint32_t *restrict bodies) {
   const pl_mat3 m = body->to_unit;
   const pl_vec3 zero = {0.0, 0.0, 0.0};
   const pl_vec3 f = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(m, zero));
@@ -34,7 +34,7 @@ PL_WIDE static void meet(size_t count, const pl_shot_body *body, uint32_t thing,
     const double t = low > 0.0 ? low : high;
     const bool met = (discriminant >= 0.0) & (t > 0.0) & (t < nearest[i]);
     nearest[i] = met ? t : nearest[i];
-    things[i] = met ? thing : things[i];
+    bodies[i] = met ? index : bodies[i];
   }
 }
 
@@ -69,13 +69,13 @@ PL_WIDE static void locate(size_t count, const pl_shot_body *body, const double 
   }
 }
 
-static void put(const surface_run *run, const double *t, uint32_t thing, size_t count,
+static void put(const surface_run *run, const double *t, pl_surface_id id, size_t count,
                 pl_vertex *points) {
   for (size_t i = 0; i < count; i++) {
     pl_vertex *point = &points[i];
     point->position = (pl_vec3){run->position[0][i], run->position[1][i], run->position[2][i]};
     point->t = t[i];
-    point->thing = thing;
+    point->surface_id = id;
     point->triangle = 0;
     point->w[0] = point->w[1] = point->w[2] = 0.0f;
     point->ng = (pl_vec3f){run->normal[0][i], run->normal[1][i], run->normal[2][i]};
@@ -87,33 +87,32 @@ static void put(const surface_run *run, const double *t, uint32_t thing, size_t 
 static void fill_row(const pl_snapshot *shot, const row *row, pl_vertex *points) {
   surface_run run;
   for (size_t i = 0, end; i < row->count; i = end) {
-    const uint32_t thing = row->thing[i];
-    for (end = i + 1; end < row->count && row->thing[end] == thing;)
+    const uint32_t body = row->body[i];
+    for (end = i + 1; end < row->count && row->body[end] == body;)
       end++;
-    if (thing == PL_NOTHING) {
+    if (body == PL_NO_BODY) {
       for (size_t k = i; k < end; k++)
-        points[k].thing = PL_NOTHING;
+        points[k].surface_id = PL_NO_SURFACE;
       continue;
     }
-    locate(end - i, &shot->bodies[thing - shot->object_count], row->x + i, row->y + i, row->z + i,
-           row->t + i, &run);
-    put(&run, row->t + i, thing, end - i, points + i);
+    locate(end - i, &shot->bodies[body], row->x + i, row->y + i, row->z + i, row->t + i, &run);
+    put(&run, row->t + i, pl_surface_of_body(body), end - i, points + i);
   }
 }
 
 void pl_body_points(const pl_snapshot *shot, pl_tile tile, pl_vec3 axis, double half_angle_rad,
                     double directions[3][PL_TILE_PIXELS], pl_vertex *points) {
   double t[PL_TILE_PIXELS];
-  uint32_t thing[PL_TILE_PIXELS];
+  uint32_t hit[PL_TILE_PIXELS];
   row rows[PL_TILE_SIDE];
   for (int y = 0; y < tile.height; y++) {
     const size_t first = (size_t)y * PL_TILE_SIDE, count = (size_t)tile.width;
     double *d[3] = {directions[0] + first, directions[1] + first, directions[2] + first};
-    rows[y] = (row){d[0], d[1], d[2], t + first, thing + first, count};
+    rows[y] = (row){d[0], d[1], d[2], t + first, hit + first, count};
     pl_snapshot_rays(shot, tile.x0, tile.y0 + y, count, d[0], d[1], d[2]);
     for (size_t x = 0; x < count; x++) {
       rows[y].t[x] = INFINITY;
-      rows[y].thing[x] = PL_NOTHING;
+      rows[y].body[x] = PL_NO_BODY;
     }
   }
   for (size_t i = 0; i < shot->body_count; i++) {
@@ -122,8 +121,8 @@ void pl_body_points(const pl_snapshot *shot, pl_tile tile, pl_vec3 axis, double 
         !pl_snapshot_sees(shot, body->center, body->radius_m, axis, half_angle_rad))
       continue;
     for (int y = 0; y < tile.height; y++)
-      meet(rows[y].count, body, (uint32_t)(shot->object_count + i), rows[y].x, rows[y].y, rows[y].z,
-           rows[y].t, rows[y].thing);
+      meet(rows[y].count, body, (uint32_t)i, rows[y].x, rows[y].y, rows[y].z, rows[y].t,
+           rows[y].body);
   }
   for (int y = 0; y < tile.height; y++)
     fill_row(shot, &rows[y], points + (size_t)y * PL_TILE_SIDE);

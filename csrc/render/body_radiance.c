@@ -36,7 +36,7 @@ static bool is_hidden(const pl_snapshot *shot, uint32_t body, const pl_beam *bea
 static pl_vec3f ground_light(const pl_snapshot *shot, const pl_render_settings *settings,
                              const pl_media *media, uint32_t body, const pl_beam *beam, double t) {
   const pl_shot_body *own = &shot->bodies[body];
-  const pl_hit hit = {.thing = (uint32_t)(shot->object_count + body), .t = (float)t};
+  const pl_hit hit = {.surface_id = pl_surface_of_body(body), .t = (float)t};
   pl_vertex vertex;
   pl_vertex_locate(shot, beam, &hit, false, &vertex);
   const pl_sun_view sun = pl_sun_view_at(&shot->sun, vertex.position);
@@ -77,7 +77,7 @@ static pl_vec3f through_air(const pl_snapshot *shot, const pl_air_view *air, uin
 
 static float look(const pl_snapshot *shot, const pl_render_settings *settings, uint32_t body,
                   const pl_beam *beam) {
-  const pl_media none = {.air = settings->air, .subpixel = PL_NOTHING};
+  const pl_media none = {.air = settings->air, .subpixel = PL_NO_BODY};
   const pl_media *media = settings->media != NULL ? settings->media : &none;
   const double t = meet(&shot->bodies[body], beam);
   pl_vec3f light = {0.0f, 0.0f, 0.0f};
@@ -86,7 +86,7 @@ static float look(const pl_snapshot *shot, const pl_render_settings *settings, u
     return 0.0f;
   if (t < INFINITY)
     light = ground_light(shot, settings, media, body, beam, t);
-  const pl_medium_ray ray = {.beam = beam, .t_max = t, .from_body = PL_NOTHING};
+  const pl_medium_ray ray = {.beam = beam, .t_max = t, .from_body = PL_NO_BODY};
   pl_media_cross(media, shot, &ray, &list);
   light = through_air(shot, settings->air, body, beam, pl_media_seen(&list, light));
   const float out = pl_luminance(light);

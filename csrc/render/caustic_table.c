@@ -67,9 +67,9 @@ static void turn_over(pl_basis *basis) {
 /* Shades a point of the group's largest facet, given by the weights uv of its second and third
  * corner, as seen by a ray from the sun whose footprint covers the whole mirror. `triangle`: index
  * in the object's model. False if the sun is below the shading normal's horizon or grazes it. */
-static bool shade(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, const double uv[2],
+static bool shade(const pl_snapshot *shot, pl_surface_id id, uint32_t triangle, const double uv[2],
                   pl_detail detail, const pl_caustic_mirror *m, pl_vertex *out) {
-  const pl_shot_object *object = &shot->objects[thing];
+  const pl_shot_object *object = pl_shot_object_of(shot, id);
   const pl_model *model = object->object->model;
   const pl_shot_piece *piece = pl_shot_piece_of(object, triangle);
   const uint32_t *corner = model->indices + 3 * (size_t)triangle;
@@ -84,7 +84,7 @@ static bool shade(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, co
                         .direction = pl_vec3_scale(pl_vec3_unit(sun), -1.0),
                         .width_m = 2.0f * pl_minf(m->half[0], m->half[1])};
   const pl_hit hit = {
-      .thing = thing, .triangle = triangle, .u = (float)uv[0], .v = (float)uv[1], .t = size};
+      .surface_id = id, .triangle = triangle, .u = (float)uv[0], .v = (float)uv[1], .t = size};
   pl_vertex_locate(shot, &beam, &hit, false, out);
   pl_vertex_shade(shot, &beam, detail, out);
   return pl_vec3f_dot(out->surface.n, m->sun) > COSINE_MIN;
@@ -92,9 +92,9 @@ static bool shade(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, co
 
 /* Variance of the normals' slopes due to a graph's bumps on the facet; they widen the lobe about
  * the image of the sun. 0 for other surfaces. */
-static float bumpiness(const pl_snapshot *shot, uint32_t thing, uint32_t triangle, pl_detail detail,
-                       const pl_caustic_mirror *m) {
-  const pl_shot_object *object = &shot->objects[thing];
+static float bumpiness(const pl_snapshot *shot, pl_surface_id id, uint32_t triangle,
+                       pl_detail detail, const pl_caustic_mirror *m) {
+  const pl_shot_object *object = pl_shot_object_of(shot, id);
   float x = 0.0f, y = 0.0f, square = 0.0f;
   if (pl_object_materials_at(object->object->materials, triangle) == NULL)
     return 0.0f;
@@ -103,7 +103,7 @@ static float bumpiness(const pl_snapshot *shot, uint32_t thing, uint32_t triangl
     const bool beyond = u + v > 1.0;
     const double uv[2] = {beyond ? 1.0 - u : u, beyond ? 1.0 - v : v};
     pl_vertex vertex;
-    shade(shot, thing, triangle, uv, detail, m, &vertex);
+    shade(shot, id, triangle, uv, detail, m, &vertex);
     const pl_vec3f n = pl_basis_to_local(&m->basis, vertex.surface.n);
     const float along = n.x / pl_maxf(n.z, COSINE_MIN), aside = n.y / pl_maxf(n.z, COSINE_MIN);
     x += along / BUMPS;
@@ -259,8 +259,8 @@ static float lit_part(const pl_tracer *tracer, const pl_caustic_mirror *m) {
     rays[i] = (pl_ray){.origin = pl_vec3_add(m->center, pl_vec3f_to_double(off)),
                        .direction = pl_vec3_unit(pl_vec3f_to_double(m->sun)),
                        .t_max = INFINITY,
-                       .skip_body = PL_NOTHING,
-                       .from_thing = PL_NOTHING};
+                       .skip_body = PL_NO_BODY,
+                       .from_surface = PL_NO_SURFACE};
   }
   pl_tracer_occluded(tracer, rays, occluded, SIDE * SIDE, false);
   for (int i = 0; i < SIDE * SIDE; i++)
@@ -303,7 +303,7 @@ typedef struct builder {
  * sun does not light it. */
 static bool face_sun(const builder *b, uint32_t triangle, const pl_sun_view *sun,
                      pl_caustic_mirror *m) {
-  const pl_shot_object *object = &b->shot->objects[m->thing];
+  const pl_shot_object *object = pl_shot_object_of(b->shot, m->surface_id);
   m->sun = sun->direction;
   if (pl_vec3f_dot(m->basis.n, m->sun) < 0.0f) {
     if (!pl_back_is_there(object->object->model, triangle))
@@ -316,18 +316,18 @@ static bool face_sun(const builder *b, uint32_t triangle, const pl_sun_view *sun
 }
 
 /* `triangle`: index in the object's model. */
-static void add_group(builder *b, uint32_t thing, uint32_t triangle, const pl_shot_piece *piece,
+static void add_group(builder *b, pl_surface_id id, uint32_t triangle, const pl_shot_piece *piece,
                       const pl_facet_group *group) {
-  pl_caustic_mirror m = {.thing = thing};
+  pl_caustic_mirror m = {.surface_id = id};
   pl_vertex vertex;
-  place(&b->shot->objects[thing], piece, group, &m);
+  place(pl_shot_object_of(b->shot, id), piece, group, &m);
   const pl_sun_view sun = pl_sun_view_at(&b->shot->sun, m.center);
   const double middle[2] = {1.0 / 3.0, 1.0 / 3.0};
   if (!face_sun(b, triangle, &sun, &m) ||
-      !shade(b->shot, thing, triangle, middle, b->detail, &m, &vertex) ||
+      !shade(b->shot, id, triangle, middle, b->detail, &m, &vertex) ||
       !set_lobe(&vertex.surface, group->spread, sun.irradiance, sun.sin_radius, &m))
     return;
-  const float bumps = bumpiness(b->shot, thing, triangle, b->detail, &m);
+  const float bumps = bumpiness(b->shot, id, triangle, b->detail, &m);
   m.alpha = sqrtf(m.alpha * m.alpha + bumps);
   const float sides = 4.0f * pl_vec3f_norm(group->half[0]) * pl_vec3f_norm(group->half[1]);
   const float filled = sides > 0.0f ? pl_minf(group->area / sides, 1.0f) : 0.0f;
@@ -345,23 +345,23 @@ static void add_group(builder *b, uint32_t thing, uint32_t triangle, const pl_sh
   insert(&m, b->out);
 }
 
-static void add_groups(builder *b, uint32_t thing, const pl_shot_piece *piece, uint32_t first,
+static void add_groups(builder *b, pl_surface_id id, const pl_shot_piece *piece, uint32_t first,
                        const pl_cover *cover) {
   for (size_t i = 0; i < cover->facets.count; i++) {
     const pl_facet_group *group = &cover->facets.groups[i];
-    add_group(b, thing, first + group->triangle, piece, group);
+    add_group(b, id, first + group->triangle, piece, group);
   }
 }
 
-static void add_object(builder *b, uint32_t thing) {
-  const pl_shot_object *object = &b->shot->objects[thing];
+static void add_object(builder *b, pl_surface_id id) {
+  const pl_shot_object *object = pl_shot_object_of(b->shot, id);
   if (object->pieces == NULL) {
-    add_groups(b, thing, NULL, 0, object->object->cover);
+    add_groups(b, id, NULL, 0, object->object->cover);
     return;
   }
   for (size_t k = 0; k < object->piece_count; k++)
     if (object->pieces[k].present)
-      add_groups(b, thing, &object->pieces[k], (uint32_t)object->object->cut->first[k],
+      add_groups(b, id, &object->pieces[k], (uint32_t)object->object->cut->first[k],
                  object->pieces[k].cover);
 }
 
@@ -375,7 +375,7 @@ void pl_caustics_build(const pl_snapshot *shot, const pl_tracer *tracer, pl_deta
     const pl_model_summary *summary = &object->object->summary;
     if (object->kept && !object->dark &&
         (summary->ggx_alpha_min < PL_CAUSTIC_ALPHA_MAX || summary->coat_max > 0.0))
-      add_object(&b, (uint32_t)i);
+      add_object(&b, object->id);
   }
   if (b.listed < LISTED_MIN * (b.listed + b.bent))
     out->count = 0;

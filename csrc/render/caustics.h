@@ -22,7 +22,7 @@ enum { PL_CAUSTIC_MIRRORS = 24, PL_CAUSTIC_DRAWS = 6 };
 
 /* A rectangle that bounds facets which mirror the sun. */
 typedef struct pl_caustic_mirror {
-  uint32_t thing;
+  pl_surface_id surface_id;
   pl_vec3 center; /* camera-relative, root axes, m */
   pl_basis basis; /* t, b: along the sides; n: on the sun's side */
   float half[2];  /* half lengths of the sides, m */

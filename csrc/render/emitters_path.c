@@ -19,10 +19,10 @@ float pl_emitters_met(const pl_path_context *context, const pl_path *path, const
                       const pl_vertex *vertex) {
   if (isinf(path->pdf))
     return context->settings->emission ? 1.0f : 0.0f;
-  if (!drawn_on(context->settings, ray->skip_body != PL_NOTHING))
+  if (!drawn_on(context->settings, ray->skip_body != PL_NO_BODY))
     return 0.0f;
   const pl_vec3f direction = pl_vec3_to_float(path->beam.direction);
-  const pl_emitter_hit hit = {vertex->thing, vertex->triangle, vertex->t,
+  const pl_emitter_hit hit = {vertex->surface_id, vertex->triangle, vertex->t,
                               fabsf(pl_vec3f_dot(direction, vertex->ng))};
   const float rival = pl_emitters_pdf(context->settings->emitters, path->beam.origin, &hit);
   return pl_power_heuristic(path->pdf, rival);
@@ -32,7 +32,7 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
                          const pl_vertex *vertex, int bounce, pl_vec3f wo,
                          const pl_planetshine_ray *onward, size_t queued, pl_tile_buffers *b) {
   const pl_surface *s = &vertex->surface;
-  if (!drawn_on(context->settings, vertex->thing >= context->shot->object_count))
+  if (!drawn_on(context->settings, !pl_surface_is_mesh(vertex->surface_id)))
     return queued;
   const uint32_t index = (uint32_t)b->counts[path->pixel]; /* number of samples before this one */
   /* Sampled from the origin of the shadow ray, so that a target seen edge-on does not occlude
@@ -46,7 +46,8 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
     return queued;
   /* A body is sampled by a sphere about it. A point of its own surface lies inside that sphere and
    * would light itself. */
-  if (drawn.thing == vertex->thing && vertex->thing >= context->shot->object_count)
+  if (pl_surface_same(drawn.surface_id, vertex->surface_id) &&
+      !pl_surface_is_mesh(vertex->surface_id))
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, drawn.direction);
   const float rival =

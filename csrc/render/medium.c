@@ -33,7 +33,7 @@ void pl_medium_list_add(pl_medium_list *list, const pl_medium_crossing *crossing
 
 pl_status pl_media_build(const pl_snapshot *shot, const int *values, const pl_air_view *air,
                          pl_arena *arena, pl_media *out, bool *any) {
-  *out = (pl_media){.air = air, .subpixel = PL_NOTHING, .emission = true};
+  *out = (pl_media){.air = air, .subpixel = PL_NO_BODY, .emission = true};
   *any = false;
   for (size_t k = 0; k < pl_medium_kind_count; k++) {
     if (values[k] > 0)
@@ -75,7 +75,7 @@ bool pl_medium_ray_sees(const pl_media *media, const pl_medium_ray *ray, const p
                         uint32_t body) {
   if (!ray->camera)
     return true;
-  return media->subpixel != PL_NOTHING ? media->subpixel == body : !shot->bodies[body].subpixel;
+  return media->subpixel != PL_NO_BODY ? media->subpixel == body : !shot->bodies[body].subpixel;
 }
 
 void pl_media_cross(const pl_media *media, const pl_snapshot *shot, const pl_medium_ray *ray,
@@ -90,7 +90,7 @@ pl_vec3f pl_media_passed(const pl_media *media, const pl_snapshot *shot, pl_vec3
                          double t_max) {
   const pl_beam beam = {.direction = direction};
   const pl_medium_ray ray = {
-      .beam = &beam, .t_max = t_max, .camera = true, .dark = true, .from_body = PL_NOTHING};
+      .beam = &beam, .t_max = t_max, .camera = true, .dark = true, .from_body = PL_NO_BODY};
   pl_medium_list list;
   pl_vec3f out = ALL;
   pl_media_cross(media, shot, &ray, &list);
@@ -205,14 +205,14 @@ void pl_media_apply(const pl_path_context *context, int bounce, size_t count, pl
   for (size_t i = 0; i < count; i++) {
     pl_path *path = &b->paths[i];
     const pl_hit *hit = &b->hits[i];
-    const bool miss = hit->thing == PL_NOTHING;
-    if (bounce == 0 && !miss && b->prefiltered_thing[path->pixel] == hit->thing)
+    const bool miss = pl_surface_is_none(hit->surface_id);
+    if (bounce == 0 && !miss && pl_surface_same(b->prefiltered_id[path->pixel], hit->surface_id))
       continue; /* its radiance is known already */
     const pl_medium_ray ray = {
         .beam = &path->beam,
         .t_max = miss ? INFINITY : (double)hit->t,
         .camera = bounce == 0,
-        .from_body = bounce > 0 ? b->rays[i].skip_body : PL_NOTHING,
+        .from_body = bounce > 0 ? b->rays[i].skip_body : PL_NO_BODY,
     };
     pl_medium_list list;
     list.count = 0;

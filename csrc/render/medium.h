@@ -36,7 +36,7 @@ enum { PL_MEDIUM_KINDS_MAX = 8 };
 /* The media of a frame, read-only once built. */
 typedef struct pl_media {
   const struct pl_air_view *air; /* borrowed; NULL: none */
-  uint32_t subpixel;             /* body whose sub-pixel image is being rendered, or PL_NOTHING */
+  uint32_t subpixel;             /* body whose sub-pixel image is being rendered, or PL_NO_BODY */
   bool emission;                 /* the camera sees their emission */
   const void *own[PL_MEDIUM_KINDS_MAX]; /* by kind: what its `build` made; NULL: none */
 } pl_media;
@@ -47,7 +47,7 @@ typedef struct pl_medium_ray {
   double t_max; /* crossings are 0 < t < t_max */
   bool camera;  /* whether it starts at the camera */
   bool dark;    /* only the transmittance is wanted, no radiance */
-  /* body on whose surface it starts, or PL_NOTHING: light that its media scatter down is part of
+  /* body on whose surface it starts, or PL_NO_BODY: light that its media scatter down is part of
    * pl_media_toward_sun, and is left out here */
   uint32_t from_body;
   /* The beam of a pixel is split into parts x parts beams where that shows more than a filter does;

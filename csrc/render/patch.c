@@ -23,14 +23,14 @@ static pl_vec3f body_normal(const pl_shot_body *body, pl_vec3 point) {
 
 static pl_spot spot_at(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 direction) {
   const pl_vec3 point = pl_vec3_scale(direction, hit->t);
-  pl_spot spot = {.thing = hit->thing, .range_m = (float)hit->t};
-  if (hit->thing < shot->object_count) {
-    const pl_shot_object *object = &shot->objects[hit->thing];
+  pl_spot spot = {.surface_id = hit->surface_id, .range_m = (float)hit->t};
+  if (pl_surface_is_mesh(hit->surface_id)) {
+    const pl_shot_object *object = pl_shot_object_of(shot, hit->surface_id);
     spot.point = pl_vec3_to_float(pl_vec3_sub(point, object->center));
     spot.part = pl_object_part(object->object, hit->triangle);
     spot.normal = facet_normal(object, hit->triangle);
   } else {
-    const pl_shot_body *body = &shot->bodies[hit->thing - shot->object_count];
+    const pl_shot_body *body = pl_shot_body_of(shot, hit->surface_id);
     const pl_vec3 from_center = pl_vec3_sub(point, body->center);
     spot.point = pl_vec3_to_float(from_center);
     spot.normal = body_normal(body, from_center);
@@ -42,7 +42,8 @@ uint32_t pl_patch_meet(pl_pixel_patches *patches, const pl_snapshot *shot, const
                        pl_vec3 direction, float spread) {
   for (uint32_t i = 0; i < patches->count; i++) {
     pl_patch *patch = &patches->patch[i];
-    if (patch->triangle == hit->triangle && patch->spot.thing == hit->thing)
+    if (patch->triangle == hit->triangle &&
+        pl_surface_same(patch->spot.surface_id, hit->surface_id))
       return patch->seen++, i;
   }
   const pl_spot met = spot_at(shot, hit, direction);

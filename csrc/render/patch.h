@@ -13,7 +13,8 @@ enum { PL_PATCHES = 4, PL_PATCH_NONE = PL_PATCHES };
 
 /* The location of a patch. */
 typedef struct pl_spot {
-  uint32_t thing, part;
+  pl_surface_id surface_id;
+  uint32_t part;
   /* root axes; the point is relative to the centre of the object or body, m */
   pl_vec3f point, normal;
   float range_m; /* distance from the camera, m */
@@ -51,7 +52,7 @@ static inline float pl_spot_depth(const pl_spot *spot, float spread) {
  * degrees. */
 static inline bool pl_spot_fits(const pl_spot *a, const pl_spot *b, float depth_m) {
   const float cosine_min = 0.95f;
-  return a->thing == b->thing && a->part == b->part &&
+  return pl_surface_same(a->surface_id, b->surface_id) && a->part == b->part &&
          pl_vec3f_dot(a->normal, b->normal) > cosine_min &&
          fabsf(pl_vec3f_dot(a->normal, pl_vec3f_sub(b->point, a->point))) < depth_m;
 }

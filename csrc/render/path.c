@@ -52,7 +52,7 @@ static size_t start_paths(const pl_path_context *context, uint32_t index, pl_til
     b->rays[i] = (pl_ray){.origin = b->paths[i].beam.origin,
                           .t_max = INFINITY,
                           .direction = b->paths[i].beam.direction,
-                          .skip_body = context->bodies ? PL_NOTHING : PL_EVERY_BODY};
+                          .skip_body = context->bodies ? PL_NO_BODY : PL_EVERY_BODY};
   }
   return b->active_count;
 }
@@ -100,9 +100,10 @@ static void shade_miss(const pl_path_context *context, int bounce, const pl_path
  * the sun's distance, which is negligible unless the object is as large as a body. */
 static pl_sun_view sun_at(const pl_path_context *context, const pl_vertex *vertex) {
   const double negligible = 1e-6;
-  if (vertex->thing < context->shot->object_count) {
-    const pl_sun_view *sun = &context->suns[vertex->thing];
-    if (context->shot->objects[vertex->thing].radius_m < negligible * sun->distance_m)
+  if (pl_surface_is_mesh(vertex->surface_id)) {
+    const pl_sun_view *sun = &context->suns[pl_surface_index(vertex->surface_id)];
+    if (pl_shot_object_of(context->shot, vertex->surface_id)->radius_m <
+        negligible * sun->distance_m)
       return *sun;
   }
   return pl_sun_view_at(&context->shot->sun, vertex->position);
@@ -110,16 +111,16 @@ static pl_sun_view sun_at(const pl_path_context *context, const pl_vertex *verte
 
 /* Whether shadow rays are needed from a vertex. */
 static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) {
-  const size_t objects = context->shot->object_count;
   if (!context->settings->cast_shadows)
     return false;
-  return vertex->thing < objects || context->shot->bodies[vertex->thing - objects].shadowed;
+  return pl_surface_is_mesh(vertex->surface_id) ||
+         pl_shot_body_of(context->shot, vertex->surface_id)->shadowed;
 }
 
 /* Whether every shadow ray from a vertex would hit the body in whose umbra the object is. */
 static bool dark_at(const pl_path_context *context, const pl_vertex *vertex) {
-  return context->settings->cast_shadows && vertex->thing < context->shot->object_count &&
-         context->shot->objects[vertex->thing].dark;
+  return context->settings->cast_shadows && pl_surface_is_mesh(vertex->surface_id) &&
+         pl_shot_object_of(context->shot, vertex->surface_id)->dark;
 }
 
 /* A direction to the sun, and the sun's light over the density of the draw; pdf is 0 for a point
@@ -181,8 +182,8 @@ static size_t shade_sun(const pl_path_context *context, const pl_path *path,
    * does not occlude it. */
   const float reach = sun.distance_m * (1.0f - sun.sin_radius) * 0.999999f;
   b->shadow_rays[queued] = pl_vertex_ray(vertex, context->shot, draw.toward, reach);
-  if (vertex->thing < context->shot->object_count &&
-      !context->shot->objects[vertex->thing].eclipsed)
+  if (pl_surface_is_mesh(vertex->surface_id) &&
+      !pl_shot_object_of(context->shot, vertex->surface_id)->eclipsed)
     b->shadow_rays[queued].skip_body = PL_EVERY_BODY;
   b->pending[queued] = (pl_pending){light, path->pixel, path->shared};
   return queued + 1;
@@ -200,13 +201,13 @@ static bool roulette(pl_path *next, int bounce, float u) {
 }
 
 /* Whether light from meshes is negligible on an object or body. */
-static bool far_from_meshes(const pl_snapshot *shot, uint32_t thing) {
-  return thing >= shot->object_count && !shot->bodies[thing - shot->object_count].near_meshes;
+static bool far_from_meshes(const pl_snapshot *shot, pl_surface_id id) {
+  return !pl_surface_is_mesh(id) && !pl_shot_body_of(shot, id)->near_meshes;
 }
 
 /* The caustics that may reach a vertex; NULL if there are none. */
 static const pl_caustics *caustics_at(const pl_path_context *context, const pl_vertex *vertex) {
-  return far_from_meshes(context->shot, vertex->thing) ? NULL : context->settings->caustics;
+  return far_from_meshes(context->shot, vertex->surface_id) ? NULL : context->settings->caustics;
 }
 
 /* Draws the next segment of a path from a vertex. Its cone spreads as the camera's does: what it
@@ -223,7 +224,7 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
     return false;
   }
   *ray = pl_vertex_ray(vertex, context->shot, drawn.direction, INFINITY);
-  ray->no_meshes = far_from_meshes(context->shot, vertex->thing);
+  ray->no_meshes = far_from_meshes(context->shot, vertex->surface_id);
   *next = (pl_path){
       .beam = {.origin = ray->origin,
                .direction = ray->direction,
@@ -239,17 +240,16 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
 }
 
 /* Whether paths continue from an object or body. */
-static bool bounces_at(const pl_path_context *context, uint32_t thing) {
-  const size_t objects = context->shot->object_count;
+static bool bounces_at(const pl_path_context *context, pl_surface_id id) {
   const pl_render_settings *s = context->settings;
-  return thing < objects ? s->bounces > 0
-                         : s->body_bounces && context->shot->bodies[thing - objects].bounced;
+  return pl_surface_is_mesh(id) ? s->bounces > 0
+                                : s->body_bounces && pl_shot_body_of(context->shot, id)->bounced;
 }
 
-static bool goes_on(const pl_path_context *context, uint32_t thing, int bounce) {
+static bool goes_on(const pl_path_context *context, pl_surface_id id, int bounce) {
   const int bounces = context->settings->bounces;
-  const int least = thing >= context->shot->object_count ? 1 : 0;
-  return bounces_at(context, thing) && bounce < (bounces > least ? bounces : least);
+  const int least = !pl_surface_is_mesh(id) ? 1 : 0;
+  return bounces_at(context, id) && bounce < (bounces > least ? bounces : least);
 }
 
 /* The random numbers of path `i` of the wave. */
@@ -278,7 +278,7 @@ static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path
   pl_vertex_face_layers(vertex);
   if (!lobes->inside)
     return;
-  const double units = vertex->t / shot->objects[vertex->thing].scale;
+  const double units = vertex->t / pl_shot_object_of(shot, vertex->surface_id)->scale;
   path->throughput = pl_vec3f_mul(path->throughput, pl_lobes_passed(lobes, (float)units));
 }
 
@@ -307,7 +307,7 @@ static bool look_on(const pl_path_context *context, const pl_path *path, const p
                     bool *own, pl_tile_buffers *b) {
   *way = PL_CONTINUATION_DRAWN;
   *own = bounce > 0;
-  if (!goes_on(context, vertex->thing, bounce))
+  if (!goes_on(context, vertex->surface_id, bounce))
     return false;
   const pl_caustics *caustics = caustics_at(context, vertex);
   if (caustics != NULL) {
@@ -337,7 +337,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   if (pl_vec3f_max(s->emission) > 0.0f)
     see_emission(context, &path, &b->rays[i], vertex, b);
   if (bounce > 0 && !context->settings->planetshine &&
-      pl_planetshine_is_light(context->shot, vertex->thing, b->rays[i].from_thing))
+      pl_planetshine_is_light(vertex->surface_id, b->rays[i].from_surface))
     return;
   const pl_vec3f wo =
       pl_surface_to_local(s, pl_vec3_to_float(pl_vec3_scale(path.beam.direction, -1.0)));
@@ -362,8 +362,8 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
 /* Whether this is the first hit of a path, on a body whose radiance in sunlight is known for the
  * whole pixel. */
 static bool is_prefiltered(const pl_tile_buffers *b, int bounce, size_t i) {
-  const uint32_t pixel = b->paths[i].pixel, thing = b->hits[i].thing;
-  return bounce == 0 && b->prefiltered_thing[pixel] == thing &&
+  const uint32_t pixel = b->paths[i].pixel;
+  return bounce == 0 && pl_surface_same(b->prefiltered_id[pixel], b->hits[i].surface_id) &&
          (b->slot[pixel] != PL_PATCH_NONE || !b->lit[pixel]);
 }
 
@@ -392,10 +392,10 @@ static void follow_prefiltered(const pl_path_context *context, size_t i, size_t 
 }
 
 /* Whether an object or body is sub-pixel: the camera's rays do not shade it, they only hit it. */
-static bool is_subpixel(const pl_path_context *context, uint32_t thing) {
+static bool is_subpixel(const pl_path_context *context, pl_surface_id id) {
   const pl_snapshot *shot = context->shot;
-  const bool dot = thing < shot->object_count ? shot->objects[thing].subpixel
-                                              : shot->bodies[thing - shot->object_count].subpixel;
+  const bool dot = pl_surface_is_mesh(id) ? pl_shot_object_of(shot, id)->subpixel
+                                          : pl_shot_body_of(shot, id)->subpixel;
   return dot && !context->settings->see_subpixel;
 }
 
@@ -404,7 +404,7 @@ static void visit_hit(const pl_path_context *context, int bounce, size_t i, size
                       size_t *queued, pl_tile_buffers *b) {
   const uint32_t pixel = b->paths[i].pixel;
   pl_vertex vertex;
-  if (bounce == 0 && is_subpixel(context, b->hits[i].thing))
+  if (bounce == 0 && is_subpixel(context, b->hits[i].surface_id))
     return; /* its light is computed in frame/subpixel_bodies.h */
   if (is_prefiltered(b, bounce, i)) {
     add(&b->sample[pixel], b->prefiltered[pixel]);
@@ -447,7 +447,7 @@ static size_t shade_wave(const pl_path_context *context, uint32_t index, int bou
   else if (context->settings->air != NULL)
     pl_air_apply(context, bounce, count, b);
   for (size_t i = 0; i < count; i++) {
-    if (b->hits[i].thing == PL_NOTHING)
+    if (pl_surface_is_none(b->hits[i].surface_id))
       shade_miss(context, bounce, &b->paths[i], b);
     else
       visit_hit(context, bounce, i, &kept, &queued, b);
@@ -490,8 +490,8 @@ static void find_patches(const pl_path_context *context, size_t count, pl_tile_b
   for (size_t i = 0; i < count; i++) {
     const uint32_t pixel = b->paths[i].pixel;
     b->slot[pixel] = PL_PATCH_NONE;
-    if (context->filters_irradiance && b->hits[i].thing != PL_NOTHING &&
-        bounces_at(context, b->hits[i].thing))
+    if (context->filters_irradiance && !pl_surface_is_none(b->hits[i].surface_id) &&
+        bounces_at(context, b->hits[i].surface_id))
       b->slot[pixel] = pl_patch_meet(&b->patches[pixel], context->shot, &b->hits[i],
                                      b->rays[i].direction, (float)context->pixel_rad);
   }

@@ -47,8 +47,8 @@ typedef struct pl_tile_buffers {
   uint32_t active[PL_TILE_PIXELS];
   size_t active_count, active_meshes;
   /* Radiance of the body that a pixel's centre hits, where one value holds for the whole pixel. All
-   * samples that hit that body use it. PL_NOTHING: every sample is shaded. */
-  uint32_t prefiltered_thing[PL_TILE_PIXELS];
+   * samples that hit that body use it. PL_NO_SURFACE: every sample is shaded. */
+  pl_surface_id prefiltered_id[PL_TILE_PIXELS];
   pl_vec3f prefiltered[PL_TILE_PIXELS];
   bool lit[PL_TILE_PIXELS]; /* where prefiltered: other surfaces light the body */
   pl_surface prefiltered_surface[PL_TILE_PIXELS]; /* where `lit`: at the pixel's centre */
@@ -89,7 +89,7 @@ typedef struct pl_path_context {
   bool rough_media;            /* likewise, of the kinds that are not filtered */
 } pl_path_context;
 
-/* Fills prefiltered_thing, prefiltered and the list of active pixels. Sets the radiance of pixels
+/* Fills prefiltered_id, prefiltered and the list of active pixels. Sets the radiance of pixels
  * that need no samples. Reads points and center_hits. */
 void pl_path_prefilter(const pl_path_context *context, pl_tile_buffers *buffers);
 

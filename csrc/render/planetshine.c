@@ -209,8 +209,8 @@ pl_status pl_planetshine_build(const pl_snapshot *shot, const pl_render_settings
   return PL_OK;
 }
 
-bool pl_planetshine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t from) {
-  return thing != from && (thing >= shot->object_count || shot->objects[thing].object->body >= 0);
+bool pl_planetshine_is_light(pl_surface_id id, pl_surface_id from) {
+  return !pl_surface_same(id, from) && pl_surface_kind_of(id) != PL_SURFACE_MESH;
 }
 
 /* Estimates for a body in the sky: the light that the surface reflects, and the fraction of the
@@ -276,7 +276,7 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
   const pl_surface *s = &vertex->surface;
   const float color = pl_luminance(s->color);
   sums sums = {0.0f, 0.0f, 0.0f, 0.0f};
-  const pl_planetshine_sky *sky = &p->skies[vertex->thing];
+  const pl_planetshine_sky *sky = &p->skies[pl_shot_slot(p->shot, vertex->surface_id)];
   list_bodies(p, sky, vertex, wo, out, &sums);
   const float all = sums.light + sums.wide;
   if (!(sums.light > 0.0f) || !(sums.met < 1.0f))
@@ -286,7 +286,7 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
   const float part = sums.light / (sums.light + pl_minf(other, p->white));
   const bool least = sums.light > sums.gloss * color && !(sums.wide > 0.0f);
   const float wanted = least ? pl_maxf(part, WANTED_MIN) : part;
-  const bool on_body = vertex->thing >= p->shot->object_count;
+  const bool on_body = !pl_surface_is_mesh(vertex->surface_id);
   const float most = 1.0f - (on_body ? LOBE_MIN_ON_BODIES : LOBE_MIN);
   const float share = pl_minf((wanted - sums.met) / (1.0f - sums.met), most);
   if (!(share > SHARE_MIN))
@@ -320,7 +320,7 @@ void pl_planetshine_at(const pl_planetshine *p, const pl_caustics *caustics,
   out->count = 0;
   if (s->reflectance->layered && s->lobes.inside)
     return;
-  if (p != NULL && p->skies[vertex->thing].count > 0)
+  if (p != NULL && p->skies[pl_shot_slot(p->shot, vertex->surface_id)].count > 0)
     known = share_bodies(p, vertex, wo, out);
   if (caustics != NULL)
     share_mirrors(caustics, vertex, wo, known, out);

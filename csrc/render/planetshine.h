@@ -50,8 +50,8 @@ typedef struct pl_planetshine {
 pl_status pl_planetshine_build(const pl_snapshot *shot, const struct pl_render_settings *settings,
                                pl_arena *arena, pl_planetshine *out);
 
-/* Whether light that a path from `from` finds on `thing` is planetshine. */
-bool pl_planetshine_is_light(const pl_snapshot *shot, uint32_t thing, uint32_t from);
+/* Whether light that a path from `from` finds on `id` is planetshine. */
+bool pl_planetshine_is_light(pl_surface_id id, pl_surface_id from);
 
 /* The bodies in the sky of one shaded vertex, and the mirrors that reflect the sun onto it. */
 typedef struct pl_planetshine_ray {

@@ -48,7 +48,7 @@ static bool near_shadow(const pl_snapshot *shot, const pl_vertex *vertex, const 
     if (overlaps_sun(shot->objects[i].center, shot->objects[i].radius_m, margin_m, p, sun))
       return true;
   for (size_t i = 0; i < shot->body_count; i++)
-    if (vertex->thing != shot->object_count + i &&
+    if (!pl_surface_same(vertex->surface_id, pl_surface_of_body(i)) &&
         overlaps_sun(shot->bodies[i].center, shot->bodies[i].radius_m, margin_m, p, sun))
       return true;
   return false;
@@ -129,7 +129,7 @@ static double reach_of(const pl_shot_body *body) {
 /* Whether anything that may noticeably light a body is above the horizon of a point on it. */
 static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *vertex) {
   const pl_snapshot *shot = context->shot;
-  const uint32_t own = vertex->thing - (uint32_t)shot->object_count;
+  const uint32_t own = pl_surface_index(vertex->surface_id);
   if (!context->settings->body_bounces || !shot->bodies[own].bounced)
     return false;
   for (size_t i = 0; i < shot->body_count; i++)
@@ -196,7 +196,7 @@ static void cross_media(const pl_path_context *context, uint32_t pixel, const pl
   const pl_beam beam = {.direction = pl_snapshot_ray(shot, x, y),
                         .spread = (float)context->pixel_rad};
   pl_medium_ray ray = {
-      .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NOTHING, .parts = parts};
+      .beam = &beam, .t_max = vertex->t, .camera = true, .from_body = PL_NO_BODY, .parts = parts};
   if (parts > 1) {
     ray.pixel[0] =
         pl_vec3_sub(pl_snapshot_ray(shot, x + 0.5, y), pl_snapshot_ray(shot, x - 0.5, y));
@@ -256,10 +256,10 @@ static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_
  */
 static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
-  const uint32_t thing = b->points[pixel].thing;
-  if (thing == PL_NOTHING || thing < shot->object_count)
+  const pl_surface_id id = b->points[pixel].surface_id;
+  if (pl_surface_is_none(id) || pl_surface_is_mesh(id))
     return false;
-  const pl_shot_body *body = &shot->bodies[thing - shot->object_count];
+  const pl_shot_body *body = pl_shot_body_of(shot, id);
   const pl_render_settings *settings = context->settings;
   if (!may_prefilter(context, body))
     return false;
@@ -301,22 +301,26 @@ static bool leaves_coverage(const pl_path_context *context, int x, int y) {
   return false;
 }
 
+/* Stands for the surface at a position where the lens has no ray; it equals no other. */
+static const pl_surface_id no_ray = {UINT32_MAX - 1};
+
 /* The body at a pixel's centre, in the tile or next to it; also behind a mesh, if a neighbour
  * without meshes needs it. Where the lens has no ray, a value that differs from all in the tile. */
-static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b, int x, int y) {
+static pl_surface_id body_at(const pl_path_context *context, const pl_tile_buffers *b, int x,
+                             int y) {
   const pl_tile tile = context->tile;
   if (x >= 0 && y >= 0 && x < tile.width && y < tile.height) {
-    const uint32_t thing = b->points[y * PL_TILE_SIDE + x].thing;
-    if (thing >= context->shot->object_count || !leaves_coverage(context, x, y))
-      return thing;
+    const pl_surface_id id = b->points[y * PL_TILE_SIDE + x].surface_id;
+    if (!pl_surface_is_mesh(id) || !leaves_coverage(context, x, y))
+      return id;
   }
   pl_hit hit;
   const pl_vec3 direction = pl_snapshot_ray(context->shot, tile.x0 + x, tile.y0 + y);
   if (pl_vec3_norm(direction) == 0.0)
-    return PL_EVERY_BODY;
-  const pl_ray ray = {.t_max = INFINITY, .direction = direction, .skip_body = PL_NOTHING};
+    return no_ray;
+  const pl_ray ray = {.t_max = INFINITY, .direction = direction, .skip_body = PL_NO_BODY};
   pl_tracer_closest(context->tracer, &ray, &hit, 1, false, false);
-  return hit.thing;
+  return hit.surface_id;
 }
 
 /* Whether a pixel lies on one body: if its centre and those around it do, since the body's outline
@@ -325,26 +329,27 @@ static uint32_t body_at(const pl_path_context *context, const pl_tile_buffers *b
  * a disc that extends half a pixel between two centres without covering them is smaller than a
  * pixel (the sagitta over a chord of one pixel is half a pixel only if the radius is). For bodies
  * whose radius of curvature is less than a few pixels see find_narrow. */
-static void compare_centres(const uint32_t thing[BORDERED][BORDERED], pl_tile tile,
+static void compare_centres(const pl_surface_id at[BORDERED][BORDERED], pl_tile tile,
                             bool covered[PL_TILE_PIXELS]) {
   bool row[BORDERED][PL_TILE_SIDE];
   for (int y = 0; y < tile.height + 2; y++)
     for (int x = 0; x < tile.width; x++)
-      row[y][x] = (thing[y][x] == thing[y][x + 1]) & (thing[y][x] == thing[y][x + 2]);
+      row[y][x] = pl_surface_same(at[y][x], at[y][x + 1]) & pl_surface_same(at[y][x], at[y][x + 2]);
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
-      const bool column = (thing[y][x] == thing[y + 1][x]) & (thing[y][x] == thing[y + 2][x]);
+      const bool column =
+          pl_surface_same(at[y][x], at[y + 1][x]) & pl_surface_same(at[y][x], at[y + 2][x]);
       covered[y * PL_TILE_SIDE + x] = row[y][x] & row[y + 1][x] & row[y + 2][x] & column;
     }
 }
 
 static void cover_pixels(const pl_path_context *context, const pl_tile_buffers *b,
                          bool covered[PL_TILE_PIXELS]) {
-  uint32_t thing[BORDERED][BORDERED];
+  pl_surface_id at[BORDERED][BORDERED];
   for (int y = 0; y < context->tile.height + 2; y++)
     for (int x = 0; x < context->tile.width + 2; x++)
-      thing[y][x] = body_at(context, b, x - 1, y - 1);
-  compare_centres(thing, context->tile, covered);
+      at[y][x] = body_at(context, b, x - 1, y - 1);
+  compare_centres(at, context->tile, covered);
   for (int i = 0; i < PL_TILE_PIXELS; i++)
     covered[i] = covered[i] && !b->narrow[i];
 }
@@ -367,7 +372,7 @@ static bool is_narrow(const pl_shot_body *body, double pixel_m) {
 static bool may_hide(const pl_path_context *context, const pl_shot_body *body,
                      const pl_vertex *point) {
   const pl_render_settings *settings = context->settings;
-  if (point->thing == PL_NOTHING)
+  if (pl_surface_is_none(point->surface_id))
     return !body->subpixel || settings->see_subpixel || settings->backdrop != NULL;
   return point->t > pl_vec3_norm(body->center) - body->radius_m;
 }
@@ -402,7 +407,7 @@ static bool is_sky(const pl_path_context *context, uint32_t pixel, bool covered,
   if (context->sun || context->air || context->media)
     return false;
   return !context->bodies || (covered && context->sharp && context->settings->slice == NULL &&
-                              b->points[pixel].thing == PL_NOTHING);
+                              pl_surface_is_none(b->points[pixel].surface_id));
 }
 
 /* Decides how a pixel outside the coverage of meshes is rendered; true if its radiance is known. */
@@ -416,8 +421,8 @@ static bool finish_pixel(const pl_path_context *context, uint32_t pixel, bool co
     b->counts[pixel] = 1;
     return true;
   }
-  const uint32_t thing = b->prefiltered_thing[pixel];
-  const bool prefiltered = covered && thing != PL_NOTHING;
+  const pl_surface_id id = b->prefiltered_id[pixel];
+  const bool prefiltered = covered && !pl_surface_is_none(id);
   b->single[pixel] = prefiltered && b->lit[pixel];
   if (!sky && (!prefiltered || b->single[pixel]))
     return false;
@@ -461,7 +466,7 @@ void pl_path_prefilter(const pl_path_context *context, pl_tile_buffers *b) {
         pl_coverage_pixel(context->coverage, context->tile.x0 + (int)(pixel % PL_TILE_SIDE),
                           context->tile.y0 + (int)(pixel / PL_TILE_SIDE));
     const bool prefiltered = prefilter_pixel(context, pixel, b);
-    b->prefiltered_thing[pixel] = prefiltered ? b->points[pixel].thing : PL_NOTHING;
+    b->prefiltered_id[pixel] = prefiltered ? b->points[pixel].surface_id : PL_NO_SURFACE;
     reset_pixel(pixel, b);
     if (mesh || !finish_pixel(context, pixel, covered[pixel], b))
       activate(pixel, mesh, b);

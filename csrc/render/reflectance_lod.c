@@ -25,7 +25,7 @@ typedef struct law_point {
 
 typedef struct law_samples {
   const pl_snapshot *shot;
-  uint32_t thing;
+  pl_surface_id surface_id;
   bool mapped;
   double x0, y0, dx, dy; /* pixels: position of the first ray, and spacing of the rays */
   law_point points[POINTS];
@@ -60,7 +60,8 @@ static bool meets(const law_samples *s, double u, double v, pl_beam *beam, pl_ve
   *beam = (pl_beam){.direction = pl_snapshot_ray(s->shot, u, v),
                     .spread = (float)(1.0 / s->shot->camera.fx)};
   return pl_vec3_dot(beam->direction, beam->direction) > 0.0 &&
-         pl_vertex_meet_bodies(s->shot, beam, vertex) && vertex->thing == s->thing;
+         pl_vertex_meet_bodies(s->shot, beam, vertex) &&
+         pl_surface_same(vertex->surface_id, s->surface_id);
 }
 
 static void measure(const law_samples *s, double u, double v, law_point *out) {
@@ -246,7 +247,7 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_vi
     if (things == NULL || samples == NULL)
       return pl_fail(PL_E_MEMORY, "out of memory for photometric laws");
     samples->shot = shot;
-    samples->thing = (uint32_t)(shot->object_count + i);
+    samples->surface_id = pl_surface_of_body(i);
     samples->mapped = body->body->map != NULL || body->body->regolith_map != NULL;
     set_window(body, samples);
     take_samples(samples);
@@ -254,7 +255,7 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_vi
       continue;
     pl_view_lods *lods;
     PL_TRY(summarise(samples, arena, &lods));
-    things[samples->thing].lods = lods;
+    things[pl_shot_slot(shot, samples->surface_id)].lods = lods;
     view->things = things;
   }
   return PL_OK;
@@ -262,9 +263,9 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_vi
 
 void pl_reflectance_lod_apply(const pl_snapshot *shot, const pl_render_settings *settings,
                               pl_vertex *vertex) {
-  if (settings->lods_down == 0 || vertex->thing < shot->object_count)
+  if (settings->lods_down == 0 || pl_surface_is_mesh(vertex->surface_id))
     return;
-  const pl_shot_body *body = &shot->bodies[vertex->thing - shot->object_count];
+  const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
   if (body->lods == NULL || settings->emitters_on_bodies ||
       (settings->body_bounces && body->bounced))
     return;

@@ -212,10 +212,10 @@ static void fill_mesh_points(const job *job, pl_tile tile, size_t count, pl_tile
     const place at = unpack_place(b->active[i]);
     const int pixel = at.y * PL_TILE_SIDE + at.x;
     const pl_hit *hit = &b->hits[i];
-    if (hit->thing == PL_NOTHING || !is_inside(tile, at))
+    if (pl_surface_is_none(hit->surface_id) || !is_inside(tile, at))
       continue;
     pl_vertex *point = &b->points[pixel];
-    if (point->thing != PL_NOTHING && point->t < hit->t)
+    if (!pl_surface_is_none(point->surface_id) && point->t < hit->t)
       continue;
     const pl_beam beam = {.direction = b->rays[i].direction, .spread = (float)job->pixel_rad};
     b->center_hits[pixel] = *hit;
@@ -231,9 +231,9 @@ static void fill_body_points(const job *job, pl_tile tile, const content *conten
     for (int x = 0; x < tile.width; x++) {
       const int pixel = y * PL_TILE_SIDE + x;
       const pl_vertex *point = &b->points[pixel];
-      b->center_hits[pixel] = (pl_hit){.thing = PL_NOTHING};
-      if (point->thing != PL_NOTHING)
-        b->center_hits[pixel] = (pl_hit){.thing = point->thing, .t = (float)point->t};
+      b->center_hits[pixel] = (pl_hit){.surface_id = PL_NO_SURFACE};
+      if (!pl_surface_is_none(point->surface_id))
+        b->center_hits[pixel] = (pl_hit){.surface_id = point->surface_id, .t = (float)point->t};
     }
 }
 
@@ -284,7 +284,7 @@ static void fill_slice_points(const job *job, pl_tile tile, const content *conte
       const int pixel = y * PL_TILE_SIDE + x;
       if (b->shares[pixel] == 0 ||
           pl_coverage_pixel(&job->scratch->coverage, tile.x0 + x, tile.y0 + y))
-        b->points[pixel].thing = PL_NOTHING;
+        b->points[pixel].surface_id = PL_NO_SURFACE;
     }
 }
 
@@ -355,7 +355,7 @@ static pl_status render_tile(void *context, size_t item, int worker) {
       PL_TRY(sample_colour(job, item, worker, &content));
   } else {
     for (int i = 0; i < PL_TILE_PIXELS; i++)
-      b->points[i].thing = PL_NOTHING;
+      b->points[i].surface_id = PL_NO_SURFACE;
   }
   const pl_tile_result result = {tile, !anything, b->points, b->radiance};
   return job->done(job->context, &result, worker);

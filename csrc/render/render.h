@@ -60,10 +60,10 @@ typedef struct pl_render_settings {
 } pl_render_settings;
 
 /* A finished tile. Arrays have PL_TILE_SIDE pixels per row and are valid until the callback
- * returns. A pixel that sees nothing has points[i].thing == PL_NOTHING. */
+ * returns. A pixel that sees nothing has points[i].surface_id = PL_NO_SURFACE. */
 typedef struct pl_tile_result {
   pl_tile tile;
-  bool empty; /* nothing was or could be hit; all points are PL_NOTHING */
+  bool empty; /* nothing was or could be hit; no point has a surface */
   /* hits of the rays through the pixels' centres; of `surface` only the frame and ng are set */
   const pl_vertex *points;
   const pl_vec3f *radiance; /* W m-2 sr-1; zero if samples is 0 */

@@ -96,26 +96,26 @@ bool pl_vertex_meet_bodies(const pl_snapshot *shot, const pl_beam *beam, pl_vert
     if (!meet_body(body, beam, &t) || !(t < nearest))
       continue;
     nearest = t;
-    out->thing = (uint32_t)(shot->object_count + i);
+    out->surface_id = pl_surface_of_body(i);
   }
   if (nearest == INFINITY)
     return false;
   out->triangle = 0;
-  set_body_point(&shot->bodies[out->thing - shot->object_count], beam, nearest, out);
+  set_body_point(pl_shot_body_of(shot, out->surface_id), beam, nearest, out);
   return true;
 }
 
 void pl_vertex_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
                       pl_vertex *out) {
-  out->thing = hit->thing;
+  out->surface_id = hit->surface_id;
   out->triangle = hit->triangle;
-  if (hit->thing >= shot->object_count) {
-    locate_body(&shot->bodies[hit->thing - shot->object_count], beam, hit, out);
+  if (!pl_surface_is_mesh(hit->surface_id)) {
+    locate_body(pl_shot_body_of(shot, hit->surface_id), beam, hit, out);
     return;
   }
-  locate_mesh(&shot->objects[hit->thing], beam, hit, out);
+  locate_mesh(pl_shot_object_of(shot, hit->surface_id), beam, hit, out);
   if (exact)
-    refine_mesh(&shot->objects[hit->thing], beam, hit, out);
+    refine_mesh(pl_shot_object_of(shot, hit->surface_id), beam, hit, out);
 }
 
 void pl_vertex_footprint(const pl_vertex *vertex, const pl_beam *beam, pl_vec3f *a, pl_vec3f *b) {
@@ -213,9 +213,9 @@ void pl_vertex_face_layers(pl_vertex *vertex) {
 }
 
 void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *vertex) {
-  const bool on_mesh = vertex->thing < shot->object_count;
-  const pl_vec3f n = on_mesh ? pl_shot_normal(&shot->objects[vertex->thing], vertex->triangle,
-                                              vertex->w, vertex->ng)
+  const bool on_mesh = pl_surface_is_mesh(vertex->surface_id);
+  const pl_vec3f n = on_mesh ? pl_shot_normal(pl_shot_object_of(shot, vertex->surface_id),
+                                              vertex->triangle, vertex->w, vertex->ng)
                              : vertex->ng;
   const bool behind = pl_vec3_dot(pl_vec3f_to_double(vertex->ng), beam->direction) > 0.0;
   vertex->surface.ng = behind ? pl_vec3f_scale(vertex->ng, -1.0f) : vertex->ng;
@@ -226,25 +226,21 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
     vertex->surface.n = bring_back(vertex->surface.n, cosine, view);
 }
 
-static bool on_shape(const pl_snapshot *shot, uint32_t thing) {
-  return thing >= shot->craft_count && thing < shot->object_count;
-}
-
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                      pl_vertex *vertex) {
-  if (vertex->thing < shot->craft_count)
-    shade_mesh(&shot->objects[vertex->thing], beam, detail, vertex);
-  else if (on_shape(shot, vertex->thing))
-    pl_body_surface_shade(shot, &shot->bodies[shot->objects[vertex->thing].object->body], beam,
-                          detail, vertex);
+  if (pl_surface_kind_of(vertex->surface_id) == PL_SURFACE_MESH)
+    shade_mesh(pl_shot_object_of(shot, vertex->surface_id), beam, detail, vertex);
+  else if (pl_surface_is_shape(vertex->surface_id))
+    pl_body_surface_shade(shot,
+                          &shot->bodies[pl_shot_object_of(shot, vertex->surface_id)->object->body],
+                          beam, detail, vertex);
   else
-    pl_body_surface_shade(shot, &shot->bodies[vertex->thing - shot->object_count], beam, detail,
-                          vertex);
+    pl_body_surface_shade(shot, pl_shot_body_of(shot, vertex->surface_id), beam, detail, vertex);
   face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
   /* the hemisphere of rays that start at the lifted origin, see lift */
-  if (on_shape(shot, vertex->thing))
-    vertex->surface.ng = pl_shot_normal(&shot->objects[vertex->thing], vertex->triangle, vertex->w,
-                                        vertex->surface.ng);
+  if (pl_surface_is_shape(vertex->surface_id))
+    vertex->surface.ng = pl_shot_normal(pl_shot_object_of(shot, vertex->surface_id),
+                                        vertex->triangle, vertex->w, vertex->surface.ng);
 }
 
 /* pl_ray.leaves of a ray that leaves a shape, m. In hollows the smooth surface is below the facets,
@@ -281,20 +277,22 @@ static const double CLEARANCE = 0x1p-20;
 
 pl_ray pl_vertex_ray(const pl_vertex *vertex, const pl_snapshot *shot, pl_vec3f direction,
                      double t_max) {
-  const bool on_body = vertex->thing >= shot->object_count;
+  const bool on_body = !pl_surface_is_mesh(vertex->surface_id);
   const float side = pl_vec3f_dot(direction, vertex->surface.ng) < 0.0f ? -1.0f : 1.0f;
   const double offset =
-      on_body ? 0.0 : (double)side * CLEARANCE * shot->objects[vertex->thing].radius_m;
+      on_body ? 0.0
+              : (double)side * CLEARANCE * pl_shot_object_of(shot, vertex->surface_id)->radius_m;
   pl_vec3 origin = pl_vec3_madd(vertex->position, offset, pl_vec3f_to_double(vertex->surface.ng));
-  const bool outwards = on_shape(shot, vertex->thing) && side > 0.0f;
+  const bool outwards = pl_surface_is_shape(vertex->surface_id) && side > 0.0f;
   if (outwards)
-    origin = pl_vec3_add(origin, pl_vec3f_to_double(lift(&shot->objects[vertex->thing], vertex)));
+    origin = pl_vec3_add(
+        origin, pl_vec3f_to_double(lift(pl_shot_object_of(shot, vertex->surface_id), vertex)));
   return (pl_ray){
       .origin = origin,
       .t_max = t_max,
       .direction = pl_vec3_unit(pl_vec3f_to_double(direction)),
-      .skip_body = on_body ? vertex->thing - (uint32_t)shot->object_count : PL_NOTHING,
-      .from_thing = vertex->thing,
+      .skip_body = on_body ? pl_surface_index(vertex->surface_id) : PL_NO_BODY,
+      .from_surface = vertex->surface_id,
       .from_triangle = on_body ? 0 : vertex->triangle + 1,
       .leaves = outwards ? facet_size(vertex) : 0.0f,
   };

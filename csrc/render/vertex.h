@@ -21,7 +21,7 @@ static inline float pl_beam_width(const pl_beam *beam, double t) {
 typedef struct pl_vertex {
   pl_vec3 position; /* camera-relative, root axes, m */
   double t;         /* along the beam, m */
-  uint32_t thing;
+  pl_surface_id surface_id;
   uint32_t triangle;
   float w[3];            /* barycentric weights */
   pl_vec3f edge1, edge2; /* of a mesh's triangle: corner 1 - corner 0, corner 2 - corner 0, m */

@@ -34,7 +34,7 @@ static pl_vec3f sun_at(const void *context, pl_vec3 point, const pl_sun_view *su
  * volumes: they are in the frame's own image. */
 static void cross(const pl_media *media, const void *own, const pl_snapshot *shot,
                   const pl_medium_ray *ray, pl_medium_list *out) {
-  if (ray->camera && media->subpixel != PL_NOTHING)
+  if (ray->camera && media->subpixel != PL_NO_BODY)
     return;
   const place p = {media, shot};
   const pl_volume_ray asked = {

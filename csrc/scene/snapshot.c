@@ -150,6 +150,7 @@ static pl_status place_objects(const pl_scene *scene, const pl_placement *placem
     pl_shot_object *object = &objects[i];
     const pl_object_state state = pl_placement_object(placement, &scene->objects[i], i);
     build_object(&scene->objects[i], &state, out->camera_position, object);
+    object->id = pl_surface_make(i < scene->craft_count ? PL_SURFACE_MESH : PL_SURFACE_SHAPE, i);
     if (scene->objects[i].cut != NULL)
       PL_TRY(pl_pieces_place(&placement->objects[i], arena, object));
     object->in_frame = pl_snapshot_sees(out, object->center, object->radius_m, axis, half_angle);

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "plan/view.h"
 #include "scene/scene.h"
+#include "scene/surface_id.h"
 
 /* Piece of an articulated object that moves on its own. */
 typedef struct pl_shot_piece {
@@ -22,6 +23,7 @@ typedef struct pl_shot_piece {
 } pl_shot_piece;
 
 typedef struct pl_shot_object {
+  pl_surface_id id;           /* a mesh or a shape */
   const pl_object *object;    /* borrowed */
   const pl_value *parameters; /* of the object's graphs; borrowed */
   double scale;               /* metres per mesh unit */
@@ -109,6 +111,21 @@ static inline const pl_shot_piece *pl_shot_piece_of(const pl_shot_object *object
                                                     uint32_t triangle) {
   return object->pieces == NULL ? NULL
                                 : &object->pieces[pl_cut_piece(object->object->cut, triangle)];
+}
+
+/* Returns the object of a surface with a mesh. */
+static inline const pl_shot_object *pl_shot_object_of(const pl_snapshot *shot, pl_surface_id id) {
+  return &shot->objects[pl_surface_index(id)];
+}
+
+/* Returns the body of an ellipsoid. */
+static inline const pl_shot_body *pl_shot_body_of(const pl_snapshot *shot, pl_surface_id id) {
+  return &shot->bodies[pl_surface_index(id)];
+}
+
+/* Returns the index of a surface where objects are numbered first, then bodies, as in a view. */
+static inline size_t pl_shot_slot(const pl_snapshot *shot, pl_surface_id id) {
+  return (pl_surface_is_mesh(id) ? 0 : shot->object_count) + pl_surface_index(id);
 }
 
 /* Builds a snapshot in `arena`; borrows scene and placement for its lifetime. Returns PL_E_RANGE if

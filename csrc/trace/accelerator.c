@@ -156,14 +156,14 @@ size_t pl_accelerator_count(const pl_shot_object *object) {
   return object->pieces != NULL ? object->piece_count : 1;
 }
 
-static pl_status open_instance(pl_accelerators *kept, const pl_shot_object *object, uint32_t index,
+static pl_status open_instance(pl_accelerators *kept, const pl_shot_object *object,
                                const pl_model *model, pl_instance *out) {
   const pl_model_accelerator *own = NULL;
   PL_TRY(pl_accelerator_of_model(kept, model, &own));
   *out = (pl_instance){.model = model,
                        .scene = own->scene,
                        .coincident = own->coincident,
-                       .object = index,
+                       .surface_id = object->id,
                        .size_m = object->radius_m,
                        .cuts = pl_object_cuts(object->object),
                        .one_way = own->one_way};
@@ -195,11 +195,11 @@ static void place_piece(const pl_shot_piece *piece, pl_instance *out) {
                     radius_m * (1.0 + 1e-6));
 }
 
-pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *object, uint32_t index,
+pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *object,
                                pl_instance *out, size_t *count) {
   *count = 0;
   if (object->pieces == NULL) {
-    PL_TRY(open_instance(kept, object, index, object->object->model, out));
+    PL_TRY(open_instance(kept, object, object->object->model, out));
     place_whole(object, &out[(*count)++]);
     return PL_OK;
   }
@@ -207,7 +207,7 @@ pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *obje
     const pl_shot_piece *piece = &object->pieces[k];
     if (!piece->present)
       continue;
-    PL_TRY(open_instance(kept, object, index, piece->model, &out[*count]));
+    PL_TRY(open_instance(kept, object, piece->model, &out[*count]));
     out[*count].first = (uint32_t)object->object->cut->first[k];
     place_piece(piece, &out[(*count)++]);
   }
@@ -230,7 +230,7 @@ static pl_sphere sphere_about(const pl_sphere *spheres, size_t count) {
     low = (pl_vec3){fmin(low.x, c.x - r), fmin(low.y, c.y - r), fmin(low.z, c.z - r)};
     high = (pl_vec3){fmax(high.x, c.x + r), fmax(high.y, c.y + r), fmax(high.z, c.z + r)};
   }
-  pl_sphere out = {.center = pl_vec3_scale(pl_vec3_add(low, high), 0.5), .instance = PL_NOTHING};
+  pl_sphere out = {.center = pl_vec3_scale(pl_vec3_add(low, high), 0.5), .instance = PL_INNER_NODE};
   for (size_t i = 0; i < count; i++) {
     const double away = pl_vec3_norm(pl_vec3_sub(spheres[i].center, out.center));
     out.radius_m = fmax(out.radius_m, away + spheres[i].radius_m);
@@ -306,8 +306,8 @@ static pl_status place_instances(pl_accelerators *kept, pl_tracer *tracer) {
     size_t count;
     if (!shot->objects[i].kept)
       continue;
-    PL_TRY(pl_accelerator_place(kept, &shot->objects[i], (uint32_t)i,
-                                tracer->instances + tracer->instance_count, &count));
+    PL_TRY(pl_accelerator_place(kept, &shot->objects[i], tracer->instances + tracer->instance_count,
+                                &count));
     tracer->instance_count += count;
   }
   return PL_OK;

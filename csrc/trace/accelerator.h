@@ -11,12 +11,13 @@ typedef struct pl_model_accelerator {
   bool one_way;          /* some of its back faces do not exist for rays */
 } pl_model_accelerator;
 
+#define PL_INNER_NODE UINT32_MAX
 /* Bounding sphere of one instance, or of all spheres from the next up to `after`. */
 typedef struct pl_sphere {
   pl_vec3 center; /* camera-relative, m */
   double radius_m;
   uint32_t after;    /* index of the first sphere behind its subtree */
-  uint32_t instance; /* PL_NOTHING for an inner node */
+  uint32_t instance; /* PL_INNER_NODE for an inner node */
 } pl_sphere;
 
 struct pl_accelerators {
@@ -42,9 +43,8 @@ pl_status pl_accelerator_of_model(pl_accelerators *kept, const pl_model *model,
                                   const pl_model_accelerator **out);
 /* Returns the number of instances of an object: 1, or the number of its pieces. */
 size_t pl_accelerator_count(const pl_shot_object *object);
-/* Places the instances that are present in `out` and their number in *count. `index` is the
- * object's index. */
-pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *object, uint32_t index,
+/* Places the instances that are present in `out` and their number in *count. */
+pl_status pl_accelerator_place(pl_accelerators *kept, const pl_shot_object *object,
                                pl_instance *out, size_t *count);
 
 #endif

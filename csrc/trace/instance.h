@@ -16,7 +16,8 @@ typedef struct pl_instance {
   const pl_model *model;     /* NULL when absent */
   RTCScene scene;            /* of the model; borrowed */
   const uint8_t *coincident; /* of the model, borrowed; NULL for none */
-  uint32_t object, first;    /* object index; offset of its triangles in the object's model */
+  pl_surface_id surface_id;  /* of the object */
+  uint32_t first;            /* offset of its triangles in the object's model */
   double size_m;             /* bounding radius of the whole object */
   pl_vec3 center;            /* of the bounding sphere, camera-relative, m */
   double radius_m;           /* of the bounding sphere */
@@ -27,7 +28,7 @@ typedef struct pl_instance {
 } pl_instance;
 
 /* Sets the transformation: mesh point p lies at linear p + origin, m. `center` and `radius_m`
- * describe a sphere that encloses the mesh. The caller fills in model, scene and object. */
+ * describe a sphere that encloses the mesh. The caller fills in model, scene and id. */
 void pl_instance_place(pl_instance *instance, const pl_mat3 *linear, pl_vec3 origin, pl_vec3 center,
                        double radius_m);
 

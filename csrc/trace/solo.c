@@ -38,7 +38,7 @@ pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
     solo->room = count;
   }
   solo->object = pl_object_cuts(object->object) ? object : NULL;
-  return pl_accelerator_place(solo->kept, object, 0, solo->instances, &solo->count);
+  return pl_accelerator_place(solo->kept, object, solo->instances, &solo->count);
 }
 
 typedef struct looks {

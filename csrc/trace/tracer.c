@@ -36,7 +36,7 @@ static bool is_left(const visit *visit, const struct RTCFilterFunctionNArguments
     return false;
   if (pl_embree_from_behind(arguments->ray, arguments->hit, n, i))
     return true;
-  const pl_shot_object *object = &visit->tracer->snapshot->objects[ray->from_thing];
+  const pl_shot_object *object = pl_shot_object_of(visit->tracer->snapshot, ray->from_surface);
   const pl_model *model = object->object->model;
   const float u = pl_embree_hit_u(arguments->hit, n, i), v = pl_embree_hit_v(arguments->hit, n, i);
   const float w[3] = {1.0f - u - v, u, v};
@@ -69,13 +69,13 @@ static bool counts(const void *context, const struct RTCFilterFunctionNArguments
   const unsigned n = arguments->N;
   const pl_ray *ray = &visit->rays[pl_embree_ray_id(arguments->ray, n, i)];
   const uint32_t triangle = instance->first + pl_embree_hit_triangle(arguments->hit, n, i);
-  if (instance->object == ray->from_thing &&
+  if (pl_surface_same(instance->surface_id, ray->from_surface) &&
       (triangle + 1 == ray->from_triangle || is_left(visit, arguments, i, triangle) ||
        is_between(instance, ray, arguments, i, triangle - instance->first)))
     return false;
   return !instance->cuts ||
-         pl_shot_is_there(&visit->tracer->snapshot->objects[instance->object], triangle,
-                          pl_embree_hit_u(arguments->hit, n, i),
+         pl_shot_is_there(pl_shot_object_of(visit->tracer->snapshot, instance->surface_id),
+                          triangle, pl_embree_hit_u(arguments->hit, n, i),
                           pl_embree_hit_v(arguments->hit, n, i), pl_vec3_to_float(ray->direction));
 }
 
@@ -91,7 +91,8 @@ static void sort_out(const struct RTCFilterFunctionNArguments *arguments) {
 static pl_embree_query query_of(const visit *visit, size_t count) {
   pl_embree_query query = {.user = visit, .filter = visit->instance->cuts ? sort_out : NULL};
   for (size_t i = 0; i < count; i++)
-    if (visit->rays[i].from_triangle != 0 && visit->rays[i].from_thing == visit->instance->object)
+    if (visit->rays[i].from_triangle != 0 &&
+        pl_surface_same(visit->rays[i].from_surface, visit->instance->surface_id))
       query.filter = sort_out;
   return query;
 }
@@ -107,17 +108,20 @@ static const float TOUCHING = 0x1p-20f;
  * object that coincides with it may even be slightly farther away. */
 static double limit_of(const pl_tracer *tracer, const pl_instance *instance, const pl_hit *best,
                        double t_max) {
-  if (best->thing == PL_NOTHING)
+  if (pl_surface_is_none(best->surface_id))
     return t_max;
-  const bool same = best->thing == instance->object;
-  const double size = instance->size_m + tracer->snapshot->objects[best->thing].radius_m;
-  const bool later = same ? instance->first > best->triangle : instance->object > best->thing;
+  const bool same = pl_surface_same(best->surface_id, instance->surface_id);
+  const double size =
+      instance->size_m + pl_shot_object_of(tracer->snapshot, best->surface_id)->radius_m;
+  const bool later =
+      same ? instance->first > best->triangle
+           : pl_surface_index(instance->surface_id) > pl_surface_index(best->surface_id);
   return best->t + (later ? size : -size) * (same ? 0.5 * ONE_PLACE : ONE_PLACE);
 }
 
 static float near_of(const pl_ray *ray, const pl_instance *instance, double start_m) {
-  const bool touches =
-      start_m == 0.0 && ray->from_triangle != 0 && ray->from_thing != instance->object;
+  const bool touches = start_m == 0.0 && ray->from_triangle != 0 &&
+                       !pl_surface_same(ray->from_surface, instance->surface_id);
   return touches ? TOUCHING : 0.0f;
 }
 
@@ -151,7 +155,7 @@ static void take(const pl_tracer *tracer, const pl_instance *instance, const pl_
   }
   const double t = at->start_m + (double)hit->t / at->per_metre;
   if (t <= limit_m)
-    *best = (pl_hit){.thing = instance->object,
+    *best = (pl_hit){.surface_id = instance->surface_id,
                      .triangle = instance->first + hit->triangle,
                      .u = hit->u,
                      .v = hit->v,
@@ -196,7 +200,7 @@ static const pl_instance *next_of_packet(const pl_tracer *tracer, const pl_packe
     const pl_sphere *sphere = &tracer->spheres[*k];
     const bool entered = pl_packet_enter(packet, sphere->center, sphere->radius_m, entry);
     *k = entered ? *k + 1 : sphere->after;
-    if (entered && sphere->instance != PL_NOTHING)
+    if (entered && sphere->instance != PL_INNER_NODE)
       return &tracer->instances[sphere->instance];
   }
   return NULL;
@@ -219,7 +223,7 @@ static const pl_instance *next_of_ray(const pl_tracer *tracer, const pl_ray *ray
     const pl_sphere *sphere = &tracer->spheres[*k];
     const bool entered = pl_ray_enter(ray, limit_m, sphere->center, sphere->radius_m, start_m);
     *k = entered ? *k + 1 : sphere->after;
-    if (entered && sphere->instance != PL_NOTHING)
+    if (entered && sphere->instance != PL_INNER_NODE)
       return &tracer->instances[sphere->instance];
   }
   return NULL;
@@ -259,7 +263,7 @@ static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *h
   double limit_m = ray->t_max;
   for (size_t k = 0; (instance = next_of_ray(tracer, ray, limit_m, &k, &start_m)) != NULL;) {
     closest_single_in(tracer, instance, ray, start_m, hit);
-    limit_m = hit->thing != PL_NOTHING ? hit->t : ray->t_max;
+    limit_m = !pl_surface_is_none(hit->surface_id) ? hit->t : ray->t_max;
   }
 }
 
@@ -287,9 +291,9 @@ static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit
     if (ray->skip_body == b)
       continue;
     const double t = body_distance(&shot->bodies[b], ray);
-    const double limit = hit->thing != PL_NOTHING ? hit->t : ray->t_max;
+    const double limit = !pl_surface_is_none(hit->surface_id) ? hit->t : ray->t_max;
     if (t < limit)
-      *hit = (pl_hit){.thing = (uint32_t)(shot->object_count + b), .t = t};
+      *hit = (pl_hit){.surface_id = pl_surface_of_body(b), .t = t};
   }
 }
 
@@ -297,7 +301,7 @@ void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits
                        bool coherent, bool meshes) {
   meshes = meshes && tracer->instance_count > 0;
   for (size_t i = 0; i < count; i++)
-    hits[i].thing = PL_NOTHING;
+    hits[i].surface_id = PL_NO_SURFACE;
   if (meshes && coherent)
     for (size_t i = 0; i < count; i += PL_PACKET)
       closest_packet(tracer, rays + i, hits + i, count - i < PL_PACKET ? count - i : PL_PACKET);

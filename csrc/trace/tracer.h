@@ -9,8 +9,6 @@
 #include "base/memory.h"
 #include "scene/snapshot.h"
 
-/* Surface ids: objects are numbered first, then bodies. */
-#define PL_NOTHING UINT32_MAX
 enum { PL_TRACER_PACKET = 8 };
 /* Value of pl_ray.skip_body: the ray ignores all bodies. */
 #define PL_EVERY_BODY (UINT32_MAX - 1)
@@ -20,22 +18,23 @@ typedef struct pl_ray {
   pl_vec3 direction; /* unit */
   double t_max;      /* m */
   uint32_t
-      /* index of a body that cannot be hit (the ray starts on its convex surface), or PL_NOTHING */
+      /* index of a body that cannot be hit (the ray starts on its convex surface), or PL_NO_BODY */
       skip_body;
-  /* Triangle that the ray starts on and therefore cannot hit: object, and triangle index + 1; 0 for
-   * none. */
-  uint32_t from_thing, from_triangle;
-  /* Up to this distance, m, hits on `from_thing` are ignored where the ray meets a triangle from
+  /* Triangle that the ray starts on and therefore cannot hit: surface, and triangle index + 1; 0
+   * for none. */
+  pl_surface_id from_surface;
+  uint32_t from_triangle;
+  /* Up to this distance, m, hits on `from_surface` are ignored where the ray meets a triangle from
    * behind, or leaves the surface by its interpolated normal. */
   float leaves;
   bool no_meshes; /* closest hits: test bodies only */
 } pl_ray;
 
 typedef struct pl_hit {
-  uint32_t thing;    /* object index; object_count + body index; or PL_NOTHING */
-  uint32_t triangle; /* of the object's model */
-  float u, v;        /* barycentric weights of corners 1 and 2 */
-  double t;          /* m along the unit direction */
+  pl_surface_id surface_id; /* or PL_NO_SURFACE */
+  uint32_t triangle;        /* of the object's model */
+  float u, v;               /* barycentric weights of corners 1 and 2 */
+  double t;                 /* m along the unit direction */
 } pl_hit;
 
 /* Accelerators of models: each is built on first use and cached. */

@@ -43,19 +43,19 @@ static void test_sheets_back_to_back(void **state) {
         pl_ray ray = {.origin = {0.2 - 5.0 * x, 0.1, above ? 10 : 0},
                       .direction = pl_vec3_unit((pl_vec3){x, 0, above ? -1 : 1}),
                       .t_max = INFINITY,
-                      .skip_body = PL_NOTHING,
-                      .from_thing = 1};
+                      .skip_body = PL_NO_BODY,
+                      .from_surface = PL_NO_SURFACE};
         if (starts) { /* on the sheet that looks there */
           ray.origin = (pl_vec3){0.2, 0.1, 5.0 + (above ? 0.0 : (double)gaps[g])};
           ray.direction = pl_vec3_unit((pl_vec3){x, 0, above ? 1 : -1});
-          ray.from_thing = 0;
+          ray.from_surface = w.shot.objects[0].id;
           ray.from_triangle = above ? 1 : 3;
         }
         pl_hit hit;
         bool occluded;
         pl_tracer_closest(w.tracer, &ray, &hit, 1, coherent, true);
         pl_tracer_occluded(w.tracer, &ray, &occluded, 1, coherent);
-        assert_int_equal(hit.thing, starts ? PL_NOTHING : 0);
+        assert_int_equal(pl_surface_is_none(hit.surface_id), starts);
         assert_int_equal(occluded, !starts);
         if (!starts)
           assert_int_equal(hit.triangle / 2, above ? 0 : 1);

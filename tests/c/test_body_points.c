@@ -27,14 +27,14 @@ static void fill_stage(stage *s, test_random *random) {
 static void assert_same(const pl_snapshot *shot, int x, int y, const pl_vec3 direction,
                         const pl_vertex *point) {
   const pl_beam beam = {.direction = pl_snapshot_ray(shot, x, y)};
-  pl_vertex vertex = {.thing = PL_NOTHING};
+  pl_vertex vertex = {.surface_id = PL_NO_SURFACE};
   assert_memory_equal(&direction, &beam.direction, sizeof direction);
   if (!pl_vertex_meet_bodies(shot, &beam, &vertex)) {
-    assert_true(point->thing == PL_NOTHING);
+    assert_true(pl_surface_is_none(point->surface_id));
     return;
   }
   pl_vertex_orient(shot, &beam, &vertex);
-  assert_int_equal(point->thing, vertex.thing);
+  assert_int_equal(point->surface_id.value, vertex.surface_id.value);
   assert_int_equal(point->triangle, vertex.triangle);
   assert_memory_equal(&point->position, &vertex.position, sizeof vertex.position);
   assert_memory_equal(&point->t, &vertex.t, sizeof vertex.t);
@@ -63,7 +63,7 @@ static size_t check_tiles(const pl_snapshot *shot) {
         const int k = y * PL_TILE_SIDE + x;
         const pl_vec3 d = {directions[0][k], directions[1][k], directions[2][k]};
         assert_same(shot, x0 + x, y0 + y, d, &points[k]);
-        met += points[k].thing != PL_NOTHING;
+        met += !pl_surface_is_none(points[k].surface_id);
       }
   }
   return met;

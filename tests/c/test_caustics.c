@@ -335,7 +335,7 @@ static void test_density(void **state) {
   assert_int_equal(caustics.count, 1);
   const pl_caustic_mirror *m = &caustics.mirrors[0];
   for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-    pl_vertex vertex = {.thing = 0, .position = places[i]};
+    pl_vertex vertex = {.position = places[i]};
     pl_caustic_draws draws;
     vertex.surface = (pl_surface){.color = {0.5f, 0.5f, 0.5f},
                                   .reflectance = &pl_reflectance_lambert,

@@ -39,7 +39,7 @@ static void fixture_clear(fixture *f) {
 
 /* One pixel of one channel; `vertex` NULL: it hits nothing. */
 static void write_one(const fixture *f, size_t channel, const pl_vertex *vertex, void *out) {
-  const pl_vertex none = {.thing = PL_NOTHING};
+  const pl_vertex none = {.surface_id = PL_NO_SURFACE};
   void *images[PL_FRAME_CHANNELS_MAX] = {NULL};
   images[channel] = out;
   pl_channels_write(&f->shot, vertex != NULL ? vertex : &none, 1, 0, images);
@@ -64,7 +64,8 @@ static pl_vertex vertex_at(const fixture *f, uint32_t thing, pl_vec3 local, pl_v
       thing == 0 ? f->stage.objects[0].motion.open : f->stage.bodies[thing - 1].motion.open;
   *root = pl_pose_apply(pose, local);
   const pl_vec3 p = pl_vec3_sub(*root, f->stage.placement.camera.motion.open.t);
-  pl_vertex vertex = {.position = p, .t = pl_vec3_norm(p), .thing = thing, .triangle = 3};
+  pl_vertex vertex = {.position = p, .t = pl_vec3_norm(p), .triangle = 3};
+  vertex.surface_id = thing == 0 ? f->shot.objects[0].id : pl_surface_of_body(thing - 1);
   vertex.surface.n = pl_vec3_to_float(pl_vec3_unit(pl_vec3_scale(p, -1.0)));
   vertex.surface.ng = pl_vec3_to_float(pl_vec3_unit((pl_vec3){-p.y, p.x, -p.z}));
   return vertex;
@@ -198,7 +199,7 @@ static void fill_row(const fixture *f, test_random *random, pl_vertex *points) {
       points[x].triangle = (uint32_t)x % 12;
       points[x].surface.n = pl_vec3_to_float(random_direction(random));
       if (thing == 2)
-        points[x].thing = PL_NOTHING;
+        points[x].surface_id = PL_NO_SURFACE;
     }
   }
 }

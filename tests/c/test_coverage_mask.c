@@ -78,7 +78,7 @@ static bool meets(const world *w, test_random *random, int x, int y) {
                       .direction = beam.direction,
                       .skip_body = PL_EVERY_BODY};
   pl_tracer_closest(w->tracer, &ray, &hit, 1, false, true);
-  return hit.thing != PL_NOTHING;
+  return !pl_surface_is_none(hit.surface_id);
 }
 
 /* Pixels: marked ones, and those of them that some of the rays hit in. */

@@ -315,15 +315,16 @@ static void test_density_of_draws(void **state) {
     const pl_ray ray = {.origin = point,
                         .direction = pl_vec3f_to_double(sample.direction),
                         .t_max = INFINITY,
-                        .skip_body = PL_NOTHING};
+                        .skip_body = PL_NO_BODY};
     pl_hit hit;
     pl_tracer_closest(tracer, &ray, &hit, 1, false, true);
-    if (hit.thing == PL_NOTHING || fabs(hit.t - sample.distance_m) > 2e-3 * hit.t)
+    if (pl_surface_is_none(hit.surface_id) || fabs(hit.t - sample.distance_m) > 2e-3 * hit.t)
       continue; /* grazed past, or something else is nearer */
     float cosine = 0.0f;
-    if (hit.thing == 0)
+    const size_t slot = pl_shot_slot(&shot, hit.surface_id);
+    if (slot == 0)
       cosine = fabsf(sample.direction.z);
-    if (hit.thing == 1) { /* a face of an upright cube */
+    if (slot == 1) { /* a face of an upright cube */
       const pl_vec3f d = sample.direction;
       const pl_vec3f p = pl_vec3_to_float(pl_vec3_madd(ray.origin, hit.t, ray.direction));
       const float x = fabsf(p.x - 3.0f), y = fabsf(p.y - 1.0f), z = fabsf(p.z - 12.0f);
@@ -331,13 +332,13 @@ static void test_density_of_draws(void **state) {
       if (x + y + z - fmaxf(x, fmaxf(y, z)) - fminf(x, fminf(y, z)) > 0.23f)
         continue; /* by an edge, where the hit may be on the face beside the one drawn */
     }
-    if (hit.thing == 1 && cosine < 0.05f)
+    if (slot == 1 && cosine < 0.05f)
       continue;
-    const pl_emitter_hit at = {hit.thing, hit.triangle, hit.t, cosine};
+    const pl_emitter_hit at = {hit.surface_id, hit.triangle, hit.t, cosine};
     const float pdf = pl_emitters_pdf(&list, point, &at);
     if (fabsf(pdf - sample.pdf) > 5e-3f * pdf)
-      fail_msg("thing %u: drawn with %g, told %g", hit.thing, (double)sample.pdf, (double)pdf);
-    met[hit.thing]++;
+      fail_msg("surface %zu: drawn with %g, told %g", slot, (double)sample.pdf, (double)pdf);
+    met[slot]++;
   }
   print_message("seed 31: %d draws, met %d %d %d\n", drawn, met[0], met[1], met[2]);
   assert_true(met[0] > 1000 && met[1] > 50 && met[2] > 1000);

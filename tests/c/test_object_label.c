@@ -14,16 +14,17 @@ static void test_extents(void **state) {
   test_random random = {.seed = 71};
   print_message("seed 71\n");
   for (int round = 0; round < 50; round++) {
-    static uint32_t image[HEIGHT][WIDTH];
+    static pl_surface_id image[HEIGHT][WIDTH];
     pl_extent workers[3][OBJECTS], merged[OBJECTS];
     for (int i = 0; i < OBJECTS; i++)
       merged[i] = workers[0][i] = workers[1][i] = workers[2][i] = PL_EXTENT_NONE;
     for (int y = 0; y < HEIGHT; y++)
       for (int x = 0; x < WIDTH; x++) {
-        const int thing = random_below(&random, 200);
-        image[y][x] = thing < OBJECTS - 1 ? (uint32_t)thing
-                      : thing < 50        ? OBJECTS /* a body */
-                                          : PL_NOTHING;
+        const int k = random_below(&random, 200);
+        image[y][x] = k < OBJECTS - 1 ? pl_surface_make(PL_SURFACE_MESH, (size_t)k)
+                      : k < 25        ? pl_surface_make(PL_SURFACE_SHAPE, (size_t)k % OBJECTS)
+                      : k < 50        ? pl_surface_of_body((size_t)k % OBJECTS)
+                                      : PL_NO_SURFACE;
       }
     for (int y0 = 0; y0 < HEIGHT; y0 += SIDE)
       for (int x0 = 0; x0 < WIDTH; x0 += SIDE) {
@@ -31,11 +32,11 @@ static void test_extents(void **state) {
         const int tile[4] = {x0, y0, WIDTH - x0 < SIDE ? WIDTH - x0 : SIDE,
                              HEIGHT - y0 < SIDE ? HEIGHT - y0 : SIDE};
         for (int i = 0; i < SIDE * SIDE; i++) /* beyond the tile lies rubbish */
-          points[i].thing = 0;
+          points[i].surface_id = pl_surface_make(PL_SURFACE_MESH, 0);
         for (int y = 0; y < tile[3]; y++)
           for (int x = 0; x < tile[2]; x++)
-            points[y * SIDE + x].thing = image[y0 + y][x0 + x];
-        pl_extent_add(workers[random_below(&random, 3)], OBJECTS, points, SIDE, tile);
+            points[y * SIDE + x].surface_id = image[y0 + y][x0 + x];
+        pl_extent_add(workers[random_below(&random, 3)], points, SIDE, tile);
       }
     for (int w = 0; w < 3; w++)
       for (int i = 0; i < OBJECTS; i++)
@@ -44,7 +45,7 @@ static void test_extents(void **state) {
       pl_extent expected = PL_EXTENT_NONE;
       for (int y = 0; y < HEIGHT; y++)
         for (int x = 0; x < WIDTH; x++)
-          if (image[y][x] == i) {
+          if (pl_surface_same(image[y][x], pl_surface_make(PL_SURFACE_MESH, i))) {
             const pl_extent pixel = {x, y, x, y, 1};
             pl_extent_merge(&expected, &pixel);
           }

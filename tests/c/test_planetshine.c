@@ -254,7 +254,7 @@ static void test_noise(void **state) {
     pl_arena_init(&arena);
     assert_int_equal(pl_snapshot_build(&s.scene, &s.placement, &arena, &shot), PL_OK);
     assert_int_equal(pl_planetshine_build(&shot, &settings, &arena, &planetshine), PL_OK);
-    pl_vertex vertex = {.thing = 0, .position = PLATE};
+    pl_vertex vertex = {.position = PLATE};
     vertex.surface = (pl_surface){.color = {0.5f, 0.5f, 0.5f},
                                   .reflectance = &pl_reflectance_lambert,
                                   .ng = pl_vec3_to_float(FACING)};

@@ -180,6 +180,16 @@ static void test_objects_come_first(void **state) {
   assert_true(shot.objects[1].position.y == 2.0 && shot.objects[2].position.x == 7.0);
   assert_ptr_equal(shot.bodies[0].shape, &shot.objects[2]);
   assert_null(shot.bodies[1].shape);
+  const pl_surface_kind kinds[3] = {PL_SURFACE_MESH, PL_SURFACE_MESH, PL_SURFACE_SHAPE};
+  for (size_t i = 0; i < 3; i++) {
+    assert_true(pl_surface_same(shot.objects[i].id, pl_surface_make(kinds[i], i)));
+    assert_int_equal(pl_shot_slot(&shot, shot.objects[i].id), i);
+    assert_ptr_equal(pl_shot_object_of(&shot, shot.objects[i].id), &shot.objects[i]);
+    assert_true(pl_surface_is_mesh(shot.objects[i].id));
+  }
+  assert_int_equal(pl_shot_slot(&shot, pl_surface_of_body(1)), 4);
+  assert_ptr_equal(pl_shot_body_of(&shot, pl_surface_of_body(1)), &shot.bodies[1]);
+  assert_false(pl_surface_is_mesh(pl_surface_of_body(1)) || pl_surface_is_mesh(PL_NO_SURFACE));
   assert_true(shot.bodies[1].in_frame && !shot.bodies[0].in_frame && shot.objects[2].in_frame);
   pl_view view;
   assert_int_equal(pl_snapshot_view(&shot, &arena, &view), PL_OK);

@@ -324,15 +324,15 @@ static void bench_init(bench *b, const stage *s) {
   for (int y = 0; y < HEIGHT; y++)
     for (int x = 0; x < WIDTH; x++) {
       const pl_ray ray = {
-          .t_max = INFINITY, .direction = pl_snapshot_ray(&b->shot, x, y), .skip_body = PL_NOTHING};
+          .t_max = INFINITY, .direction = pl_snapshot_ray(&b->shot, x, y), .skip_body = PL_NO_BODY};
       pl_hit hit;
       pl_vertex point = {0};
       const int pixel[4] = {x, y, 1, 1};
       pl_tracer_closest(b->tracer, &ray, &hit, 1, true, true);
-      point.thing = hit.thing;
+      point.surface_id = hit.surface_id;
       point.t = hit.t;
       pl_seen_write(&point, 1, pixel, WIDTH, b->seen);
-      pl_extent_add(b->extents, s->scene.object_count, &point, 1, pixel);
+      pl_extent_add(b->extents, &point, 1, pixel);
     }
   pl_cluster_cache_init(&b->clusters);
   assert_int_equal(pl_outline_build(&b->shot, &b->clusters, b->outlines), PL_OK);

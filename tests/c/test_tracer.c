@@ -15,16 +15,17 @@ enum { RAYS = 64 };
 /* The nearest hits, each with how far the ray passes from the edges of its triangle (of 1) or the
  * rim of its body: rays within `EDGE` of a rim may fall on either side. */
 typedef struct truth {
-  uint32_t thing, triangle;
+  pl_surface_id surface_id;
+  uint32_t triangle;
   double t, next; /* m; `next` of the second nearest surface */
   bool doubtful;
 } truth;
 static const double EDGE = 1e-4;
 
-static void offer(truth *best, uint32_t thing, uint32_t triangle, double t) {
+static void offer(truth *best, pl_surface_id id, uint32_t triangle, double t) {
   if (t < best->t) {
     best->next = best->t;
-    best->thing = thing;
+    best->surface_id = id;
     best->triangle = triangle;
     best->t = t;
   } else {
@@ -32,8 +33,8 @@ static void offer(truth *best, uint32_t thing, uint32_t triangle, double t) {
   }
 }
 
-static void offer_triangle(truth *best, const pl_shot_object *object, uint32_t thing, uint32_t i,
-                           pl_vec3 origin, pl_vec3 direction, double t_max) {
+static void offer_triangle(truth *best, const pl_shot_object *object, uint32_t i, pl_vec3 origin,
+                           pl_vec3 direction, double t_max) {
   const pl_model *model = object->object->model;
   pl_vec3 corner[3];
   for (int k = 0; k < 3; k++) {
@@ -56,10 +57,10 @@ static void offer_triangle(truth *best, const pl_shot_object *object, uint32_t t
   best->doubtful |=
       inside < EDGE || t < EDGE || t > t_max * (1 - EDGE) || fabs(facing) < 1e-3 * sqrt(area2);
   if (inside >= 0.0 && t > 0.0 && t < t_max)
-    offer(best, thing, i, t);
+    offer(best, object->id, i, t);
 }
 
-static void offer_body(truth *best, const pl_shot_body *body, uint32_t thing, pl_vec3 origin,
+static void offer_body(truth *best, const pl_shot_body *body, pl_surface_id id, pl_vec3 origin,
                        pl_vec3 direction, double t_max) {
   const pl_vec3 r = body->state->radii_m;
   const pl_vec3 o = pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(origin, body->center));
@@ -74,20 +75,20 @@ static void offer_body(truth *best, const pl_shot_body *body, uint32_t thing, pl
   const double near = (b - root) / a, far = (b + root) / a, t = near > 0.0 ? near : far;
   best->doubtful |= fabs(t) < EDGE || fabs(t - t_max) < EDGE * t_max;
   if (t > 0.0 && t < t_max)
-    offer(best, thing, 0, t);
+    offer(best, id, 0, t);
 }
 
 static truth brute_force(const pl_snapshot *shot, const pl_ray *ray) {
-  truth best = {.thing = PL_NOTHING, .t = INFINITY, .next = INFINITY};
+  truth best = {.surface_id = PL_NO_SURFACE, .t = INFINITY, .next = INFINITY};
   const pl_vec3 o = ray->origin, d = ray->direction;
   const double t_max = ray->t_max;
   for (uint32_t i = 0; i < shot->object_count; i++)
     for (uint32_t k = 0;
          shot->objects[i].kept && k < shot->objects[i].object->model->triangle_count; k++)
-      offer_triangle(&best, &shot->objects[i], i, k, o, d, t_max);
+      offer_triangle(&best, &shot->objects[i], k, o, d, t_max);
   for (uint32_t b = 0; b < shot->body_count; b++)
     if (ray->skip_body != b)
-      offer_body(&best, &shot->bodies[b], (uint32_t)shot->object_count + b, o, d, t_max);
+      offer_body(&best, &shot->bodies[b], pl_surface_of_body(b), o, d, t_max);
   best.doubtful |= best.next - best.t < EDGE * (1.0 + best.t);
   return best;
 }
@@ -103,7 +104,7 @@ static void random_rays(test_random *random, pl_ray *rays) {
         .origin = {o.x, o.y, o.z + 8.0},
         .direction = pl_vec3_unit(pl_vec3_sub(target, o)),
         .t_max = limited ? random_range(random, 0.1, 6.0) : INFINITY,
-        .skip_body = random_unit(random) < 0.2 ? 0 : PL_NOTHING,
+        .skip_body = random_unit(random) < 0.2 ? 0 : PL_NO_BODY,
     };
   }
 }
@@ -122,16 +123,16 @@ static int compare(const world *w, const pl_ray *rays, int *hit_count) {
     if (expected.doubtful)
       continue;
     compared++;
-    *hit_count += expected.thing != PL_NOTHING;
-    assert_int_equal(single[i].thing, expected.thing);
-    assert_int_equal(packet[i].thing, expected.thing);
-    assert_int_equal(shadow[i], expected.thing != PL_NOTHING);
-    assert_int_equal(shadow_packet[i], expected.thing != PL_NOTHING);
-    if (expected.thing == PL_NOTHING)
+    *hit_count += !pl_surface_is_none(expected.surface_id);
+    assert_int_equal(single[i].surface_id.value, expected.surface_id.value);
+    assert_int_equal(packet[i].surface_id.value, expected.surface_id.value);
+    assert_int_equal(shadow[i], !pl_surface_is_none(expected.surface_id));
+    assert_int_equal(shadow_packet[i], !pl_surface_is_none(expected.surface_id));
+    if (pl_surface_is_none(expected.surface_id))
       continue;
     assert_true(fabs((double)single[i].t - expected.t) < 1e-6 * (20.0 + expected.t));
     assert_true(fabs((double)packet[i].t - expected.t) < 1e-6 * (20.0 + expected.t));
-    if (expected.thing >= w->shot.object_count)
+    if (!pl_surface_is_mesh(expected.surface_id))
       continue;
     assert_int_equal(single[i].triangle, expected.triangle);
     assert_int_equal(packet[i].triangle, expected.triangle);
@@ -206,20 +207,20 @@ static void test_ragged_counts(void **state) {
   for (size_t count = 0; count < 20; count++) {
     pl_hit hits[21];
     bool occluded[21];
-    hits[count].thing = 77;
+    hits[count].surface_id.value = 77;
     occluded[count] = true;
     pl_tracer_closest(w.tracer, rays, hits, count, true, true);
     pl_tracer_occluded(w.tracer, rays, occluded, count, true);
     for (size_t i = 0; i < count; i++) {
-      assert_int_equal(hits[i].thing, all[i].thing);
-      assert_int_equal(occluded[i], all[i].thing != PL_NOTHING);
+      assert_int_equal(hits[i].surface_id.value, all[i].surface_id.value);
+      assert_int_equal(occluded[i], !pl_surface_is_none(all[i].surface_id));
     }
-    assert_int_equal(hits[count].thing, 77);
+    assert_int_equal(hits[count].surface_id.value, 77);
     assert_true(occluded[count]);
   }
   pl_tracer_closest(w.tracer, rays, all, RAYS, true, false); /* meshes left out */
   for (int i = 0; i < RAYS; i++)
-    assert_int_equal(all[i].thing, PL_NOTHING);
+    assert_true(pl_surface_is_none(all[i].surface_id));
   world_clear(&w);
   pl_model_destroy(model);
 }
@@ -259,10 +260,11 @@ static void test_order_of_body_and_mesh(void **state) {
     stage_add_object(&w.stage, model, (pl_vec3){0, 0, 1e6 + 2.0 * side}, PL_QUAT_IDENTITY, 1.0);
     stage_add_body(&w.stage, (pl_vec3){0, 0, 2e6}, (pl_vec3){1e6, 1e6, 1e6}, 0.5f);
     world_set(&w);
-    const pl_ray ray = {.direction = {0, 0, 1}, .t_max = INFINITY, .skip_body = PL_NOTHING};
+    const pl_ray ray = {.direction = {0, 0, 1}, .t_max = INFINITY, .skip_body = PL_NO_BODY};
     pl_hit hit;
     pl_tracer_closest(w.tracer, &ray, &hit, 1, true, true);
-    assert_int_equal(hit.thing, side < 0 ? 0 : 1);
+    assert_int_equal(hit.surface_id.value,
+                     side < 0 ? w.shot.objects[0].id.value : pl_surface_of_body(0).value);
     world_clear(&w);
   }
   pl_model_destroy(model);
@@ -292,13 +294,13 @@ static void test_cut_out(void **state) {
     const pl_ray ray = {.origin = {i == 0 ? -0.8 : 0.8, 0.3, 0},
                         .direction = {0, 0, 1},
                         .t_max = INFINITY,
-                        .skip_body = PL_NOTHING};
+                        .skip_body = PL_NO_BODY};
     for (int coherent = 0; coherent < 2; coherent++) {
       pl_hit hit;
       bool occluded;
       pl_tracer_closest(w.tracer, &ray, &hit, 1, coherent, true);
       pl_tracer_occluded(w.tracer, &ray, &occluded, 1, coherent);
-      assert_int_equal(hit.thing, i == 0 ? PL_NOTHING : 0);
+      assert_int_equal(pl_surface_is_none(hit.surface_id), i == 0);
       assert_int_equal(occluded, i == 1);
     }
   }
@@ -320,13 +322,13 @@ static void test_single_sided(void **state) {
     const pl_ray ray = {.origin = {0.3, 0.2, front ? 10 : 0},
                         .direction = {0, 0, front ? -1 : 1},
                         .t_max = INFINITY,
-                        .skip_body = PL_NOTHING};
+                        .skip_body = PL_NO_BODY};
     for (int coherent = 0; coherent < 2; coherent++) {
       pl_hit hit;
       bool occluded;
       pl_tracer_closest(w.tracer, &ray, &hit, 1, coherent, true);
       pl_tracer_occluded(w.tracer, &ray, &occluded, 1, coherent);
-      assert_int_equal(hit.thing, front ? 0 : PL_NOTHING);
+      assert_int_equal(pl_surface_is_none(hit.surface_id), !front);
       assert_int_equal(occluded, !front);
     }
   }
@@ -350,8 +352,8 @@ static void test_leaving(void **state) {
     const pl_ray ray = {.origin = {0.3, 0.2, front ? 10 : 0},
                         .direction = {0, 0, front ? -1 : 1},
                         .t_max = INFINITY,
-                        .skip_body = PL_NOTHING,
-                        .from_thing = own ? 0 : 1,
+                        .skip_body = PL_NO_BODY,
+                        .from_surface = own ? w.shot.objects[0].id : PL_NO_SURFACE,
                         .from_triangle = 9,
                         .leaves = far ? 5.1f : 4.9f};
     const bool passes = own && far && (!front || turned);
@@ -359,7 +361,7 @@ static void test_leaving(void **state) {
     bool occluded;
     pl_tracer_closest(w.tracer, &ray, &hit, 1, i & 8, true);
     pl_tracer_occluded(w.tracer, &ray, &occluded, 1, i & 8);
-    assert_int_equal(hit.thing, passes ? PL_NOTHING : 0);
+    assert_int_equal(pl_surface_is_none(hit.surface_id), passes);
     assert_int_equal(occluded, !passes);
   }
   world_clear(&w);
@@ -396,8 +398,8 @@ static void test_threads_agree(void **state) {
   assert_int_equal(pl_parallel_for(4, 32, trace_item, &s, NULL), PL_OK);
   for (size_t i = 2; i < 32; i++)
     for (size_t k = 0; k < RAYS; k++) {
-      assert_int_equal(s.hits[i][k].thing, s.hits[i % 2][k].thing);
-      if (s.hits[i][k].thing != PL_NOTHING)
+      assert_int_equal(s.hits[i][k].surface_id.value, s.hits[i % 2][k].surface_id.value);
+      if (!pl_surface_is_none(s.hits[i][k].surface_id))
         assert_true(s.hits[i][k].t == s.hits[i % 2][k].t);
     }
   world_clear(&w);

@@ -52,12 +52,12 @@ static size_t count_self_hits(const pl_snapshot *shot, const pl_tracer *tracer, 
           pl_mat3_mul_vec(shot->objects[0].rotation, pl_vec3_scale(p, shot->objects[0].scale)));
       const pl_beam beam = {.direction = pl_vec3_unit(p)};
       const pl_ray first = {
-          .t_max = INFINITY, .direction = beam.direction, .skip_body = PL_NOTHING};
+          .t_max = INFINITY, .direction = beam.direction, .skip_body = PL_NO_BODY};
       pl_hit hit;
       pl_vertex vertex;
       pl_tracer_closest(tracer, &first, &hit, 1, false, true);
       rays[k] = first;
-      if (hit.thing == PL_NOTHING)
+      if (pl_surface_is_none(hit.surface_id))
         continue;
       found++;
       pl_vertex_locate(shot, &beam, &hit, false, &vertex);
@@ -70,7 +70,7 @@ static size_t count_self_hits(const pl_snapshot *shot, const pl_tracer *tracer, 
       if (!skip)
         rays[k].from_triangle = 0;
       pl_tracer_closest(tracer, &rays[k], &hit, 1, false, true);
-      hits += hit.thing != PL_NOTHING;
+      hits += !pl_surface_is_none(hit.surface_id);
     }
     for (int k = 0; k < BATCH; k++)
       if (rays[k].origin.x == 0.0 && rays[k].origin.y == 0.0) /* the camera's, which missed */
@@ -78,7 +78,7 @@ static size_t count_self_hits(const pl_snapshot *shot, const pl_tracer *tracer, 
     pl_tracer_occluded(tracer, rays, occluded, BATCH, true);
     pl_tracer_closest(tracer, rays, again, BATCH, true, true);
     for (int k = 0; k < BATCH; k++)
-      hits += (size_t)occluded[k] + (size_t)(again[k].thing != PL_NOTHING);
+      hits += (size_t)occluded[k] + (size_t)(!pl_surface_is_none(again[k].surface_id));
   }
   assert_true(found > RAYS * 9 / 10);
   return hits;
