@@ -1,0 +1,40 @@
+/* Kinds of geometry: one table, indexed by pl_surface_kind. Its rows say how a hit is located,
+ * shaded and left. Each kind has a file of its own. */
+#ifndef PL_RENDER_GEOMETRY_H
+#define PL_RENDER_GEOMETRY_H
+
+#include "render/vertex.h"
+
+typedef struct pl_geometry_kind {
+  const char *name;
+  /* Sets position, t, edges, weights and geometric normal of a hit; see pl_vertex_locate. */
+  void (*locate)(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
+                 pl_vertex *out);
+  /* Returns the interpolated normal of a located vertex, on the side of its geometric normal; NULL
+   * if that is the geometric normal. */
+  pl_vec3f (*smooth_normal)(const pl_snapshot *shot, const pl_vertex *vertex);
+  /* Fills the surface of a located vertex, before it is turned to the viewer's side. */
+  void (*shade)(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail, pl_vertex *vertex);
+  /* Changes the geometric normal of a shaded vertex, on the viewer's side, to that of the surface
+   * which secondary rays leave; NULL if they leave the surface itself. */
+  void (*set_horizon)(const pl_snapshot *shot, pl_vertex *vertex);
+  /* Sets the origin of a secondary ray and what it cannot hit. `side`: 1 to the viewer's side, else
+   * -1. */
+  void (*leave)(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray);
+} pl_geometry_kind;
+
+extern const pl_geometry_kind pl_geometry_mesh, pl_geometry_shape, pl_geometry_ellipsoid;
+extern const pl_geometry_kind *const pl_geometry_kinds[PL_SURFACE_KINDS];
+
+/* Returns the row of a surface; not for PL_NO_SURFACE. */
+static inline const pl_geometry_kind *pl_geometry_of(pl_surface_id id) {
+  return pl_geometry_kinds[pl_surface_kind_of(id)];
+}
+
+/* What shapes share with other meshes. */
+void pl_mesh_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
+                    pl_vertex *out);
+pl_vec3f pl_mesh_smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex);
+void pl_mesh_leave(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray);
+
+#endif

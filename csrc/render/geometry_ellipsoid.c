@@ -1,0 +1,69 @@
+/* Ellipsoids of bodies. */
+#include "geom/ellipsoid.h"
+#include "render/body_surface.h"
+#include "render/geometry.h"
+
+/* Sets the point at distance t along the beam. */
+static void set_body_point(const pl_shot_body *body, const pl_beam *beam, double t,
+                           pl_vertex *out) {
+  const pl_mat3 m = body->rotation;
+  out->t = t;
+  out->position = pl_vec3_madd(beam->origin, t, beam->direction);
+  const pl_vec3 local = pl_mat3_mul_vec_t(m, pl_vec3_sub(out->position, body->center));
+  const pl_vec3 normal = pl_ellipsoid_normal(body->state->radii_m, local);
+  out->ng = pl_vec3_to_float(pl_mat3_mul_vec(m, normal));
+  out->w[0] = out->w[1] = out->w[2] = 0.0f;
+}
+
+static bool meet_body(const pl_shot_body *body, const pl_beam *beam, double *t) {
+  if (body->shape != NULL)
+    return false;
+  const pl_vec3 origin =
+      pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, beam->origin));
+  return pl_unit_sphere_intersect(origin, pl_mat3_mul_vec(body->to_unit, beam->direction), 0.0, t);
+}
+
+static void locate_body(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
+                        pl_vertex *out) {
+  const pl_shot_body *body = pl_shot_body_of(shot, hit->surface_id);
+  double t = hit->t;
+  (void)exact; /* it always is */
+  meet_body(body, beam, &t);
+  set_body_point(body, beam, t, out);
+}
+
+bool pl_vertex_meet_bodies(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *out) {
+  double nearest = INFINITY;
+  for (size_t i = 0; i < shot->body_count; i++) {
+    const pl_shot_body *body = &shot->bodies[i];
+    double t;
+    if (!meet_body(body, beam, &t) || !(t < nearest))
+      continue;
+    nearest = t;
+    out->surface_id = pl_surface_of_body(i);
+  }
+  if (nearest == INFINITY)
+    return false;
+  out->triangle = 0;
+  set_body_point(pl_shot_body_of(shot, out->surface_id), beam, nearest, out);
+  return true;
+}
+
+static void shade_body(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
+                       pl_vertex *vertex) {
+  pl_body_surface_shade(shot, pl_shot_body_of(shot, vertex->surface_id), beam, detail, vertex);
+}
+
+static void leave_body(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray) {
+  (void)shot;
+  (void)side;
+  ray->origin = vertex->position;
+  ray->skip_body = pl_surface_index(vertex->surface_id);
+}
+
+const pl_geometry_kind pl_geometry_ellipsoid = {
+    .name = "ellipsoid",
+    .locate = locate_body,
+    .shade = shade_body,
+    .leave = leave_body,
+};

@@ -1,0 +1,144 @@
+/* Meshes of objects, with materials and graphs. */
+#include "render/geometry.h"
+#include "scene/shot_frame.h"
+
+static void set_weights(pl_vertex *vertex, double u, double v) {
+  vertex->w[1] = pl_minf(pl_maxf((float)u, 0.0f), 1.0f);
+  vertex->w[2] = pl_minf(pl_maxf((float)v, 0.0f), 1.0f - vertex->w[1]);
+  vertex->w[0] = 1.0f - vertex->w[1] - vertex->w[2];
+}
+
+/* Copies the tracer's hit. */
+static void locate_mesh(const pl_shot_object *object, const pl_beam *beam, const pl_hit *hit,
+                        pl_vertex *out) {
+  const pl_model *model = object->object->model;
+  const uint32_t *corner = model->indices + 3 * (size_t)hit->triangle;
+  const float *a = model->positions + 3 * (size_t)corner[0];
+  const pl_shot_piece *piece = pl_shot_piece_of(object, hit->triangle);
+  const float *to_view = piece != NULL ? piece->to_view : object->to_view;
+  out->edge1 = pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[1]);
+  out->edge2 = pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2]);
+  out->ng = pl_vec3f_across(out->edge1, out->edge2);
+  if (piece != NULL)
+    out->ng = pl_vec3f_scale(out->ng, piece->side);
+  out->t = hit->t;
+  out->position = pl_vec3_madd(beam->origin, out->t, beam->direction);
+  set_weights(out, hit->u, hit->v);
+}
+
+/* Intersects the plane of the hit triangle in double precision, with barycentric weights from
+ * areas. A sliver whose plane is undefined or seen edge-on keeps the tracer's result. */
+static void refine_mesh(const pl_shot_object *object, const pl_beam *beam, const pl_hit *hit,
+                        pl_vertex *out) {
+  const uint32_t *corner = object->object->model->indices + 3 * (size_t)hit->triangle;
+  const pl_shot_piece *piece = pl_shot_piece_of(object, hit->triangle);
+  const float *positions = object->object->model->positions;
+  const pl_vec3 a = pl_shot_corner(object, piece, positions + 3 * (size_t)corner[0]);
+  const pl_vec3 e1 =
+      pl_vec3_sub(pl_shot_corner(object, piece, positions + 3 * (size_t)corner[1]), a);
+  const pl_vec3 e2 =
+      pl_vec3_sub(pl_shot_corner(object, piece, positions + 3 * (size_t)corner[2]), a);
+  const pl_vec3 normal = pl_vec3_cross(e1, e2);
+  const pl_vec3 from = pl_vec3_sub(beam->origin, a);
+  const double facing = pl_vec3_dot(normal, beam->direction);
+  const double area2 = pl_vec3_dot(normal, normal);
+  if (!(fabs(facing) > 1e-9 * sqrt(area2)))
+    return;
+  const double t = -pl_vec3_dot(normal, from) / facing;
+  if (!(fabs(t - out->t) <= 1e-3 * object->radius_m))
+    return;
+  const pl_vec3 p = pl_vec3_madd(from, t, beam->direction);
+  out->t = t;
+  out->position = pl_vec3_madd(beam->origin, t, beam->direction);
+  out->ng = pl_vec3_to_float(pl_vec3_unit(normal));
+  if (piece != NULL)
+    out->ng = pl_vec3f_scale(out->ng, piece->side);
+  set_weights(out, pl_vec3_dot(pl_vec3_cross(p, e2), normal) / area2,
+              pl_vec3_dot(pl_vec3_cross(e1, p), normal) / area2);
+}
+
+void pl_mesh_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
+                    pl_vertex *out) {
+  const pl_shot_object *object = pl_shot_object_of(shot, hit->surface_id);
+  locate_mesh(object, beam, hit, out);
+  if (exact)
+    refine_mesh(object, beam, hit, out);
+}
+
+pl_vec3f pl_mesh_smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex) {
+  return pl_shot_normal(pl_shot_object_of(shot, vertex->surface_id), vertex->triangle, vertex->w,
+                        vertex->ng);
+}
+
+/* Evaluates the surface's graph. Without maps its footprint is infinite, so that patterns are
+ * replaced by their means. */
+static void shade_graph(const pl_shot_object *object, const pl_object_graph *graph,
+                        const pl_triangle_point *triangle, pl_detail detail, const pl_beam *beam,
+                        pl_vertex *vertex) {
+  pl_surface *s = &vertex->surface;
+  /* A circle with the area of the pixel's parallelogram. */
+  const float area = pl_vec3f_norm(triangle->footprint_a) * pl_vec3f_norm(triangle->footprint_b);
+  pl_graph_point point = {
+      .world = pl_vec3_to_float(pl_vec3_sub(vertex->position, object->position)),
+      .t = s->t,
+      .b = s->b,
+      .n = s->n,
+      .ng = vertex->ng,
+      .view = pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)),
+      .filter = detail.filter,
+      .bumps = detail.bumps,
+      .radius = detail.maps ? sqrtf(area / PL_PI_F) : INFINITY,
+      .random = object->object->materials->random,
+      .model = object->object->model,
+      .triangle = *triangle,
+      .offset = object->object->offset,
+      .scale = (float)object->scale,
+  };
+  point.object = pl_graph_point_object(&point);
+  const pl_value *own = object->parameters;
+  pl_graph_surface(graph->graph, &point, own != NULL ? own + graph->first_parameter : NULL, s);
+}
+
+/* Whether the beam sees the back of a material that emits from its front only. */
+static bool is_dark(const pl_shot_object *object, const pl_beam *beam, const pl_vertex *vertex) {
+  return pl_material_of(object->object->model, vertex->triangle)->dark_behind &&
+         pl_vec3_dot(pl_vec3f_to_double(vertex->ng), beam->direction) > 0.0;
+}
+
+static void shade_mesh(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
+                       pl_vertex *vertex) {
+  const pl_shot_object *object = pl_shot_object_of(shot, vertex->surface_id);
+  pl_shot_frame(object, vertex->triangle, vertex->w, vertex->ng, &vertex->surface);
+  pl_triangle_point point = {.triangle = vertex->triangle,
+                             .w = {vertex->w[0], vertex->w[1], vertex->w[2]},
+                             .edge1 = vertex->edge1,
+                             .edge2 = vertex->edge2};
+  pl_vertex_footprint(vertex, beam, &point.footprint_a, &point.footprint_b);
+  const pl_object_graph *graph =
+      pl_object_materials_at(object->object->materials, vertex->triangle);
+  if (graph == NULL || pl_graph_wraps(graph->graph))
+    pl_material_surface(object->object->model, &point, detail, &vertex->surface);
+  if (graph != NULL)
+    shade_graph(object, graph, &point, detail, beam, vertex);
+  if (is_dark(object, beam, vertex))
+    vertex->surface.emission = (pl_vec3f){0.0f, 0.0f, 0.0f};
+}
+
+/* Offset of secondary rays from a mesh, over its radius: about sixteen rounding errors of its
+ * coordinates. */
+static const double CLEARANCE = 0x1p-20;
+
+void pl_mesh_leave(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray) {
+  const double offset =
+      (double)side * CLEARANCE * pl_shot_object_of(shot, vertex->surface_id)->radius_m;
+  ray->origin = pl_vec3_madd(vertex->position, offset, pl_vec3f_to_double(vertex->surface.ng));
+  ray->from_triangle = vertex->triangle + 1;
+}
+
+const pl_geometry_kind pl_geometry_mesh = {
+    .name = "mesh",
+    .locate = pl_mesh_locate,
+    .smooth_normal = pl_mesh_smooth_normal,
+    .shade = shade_mesh,
+    .leave = pl_mesh_leave,
+};
