@@ -54,16 +54,6 @@ PL_WIDE static void fill_angle(size_t count, const double (*restrict a)[PL_LABEL
 
 /* --- the channels ----------------------------------------------------------------------------- */
 
-/* Returns NULL when the run is on a body. */
-static const pl_shot_object *object_of(const pl_label_run *run) {
-  const pl_snapshot *shot = run->shot;
-  return pl_surface_is_mesh(run->surface_id) ? pl_shot_object_of(shot, run->surface_id) : NULL;
-}
-
-static const pl_shot_body *body_of(const pl_label_run *run) {
-  return pl_shot_body_of(run->shot, run->surface_id);
-}
-
 /* Camera axes: x right, y down, z forward. */
 static void write_depth(const pl_label_run *run, void *pixels) {
   fill_third(run->count, run->position, run->shot->camera_to_root, pixels);
@@ -86,39 +76,27 @@ static void write_position(const pl_label_run *run, void *pixels) {
 }
 
 static void write_object_coords(const pl_label_run *run, void *pixels) {
-  const pl_shot_object *object = object_of(run);
-  if (object != NULL)
-    fill_turned(run->count, run->position, object->position, object->rotation, pixels);
-  else
-    fill_turned(run->count, run->position, body_of(run)->center, body_of(run)->rotation, pixels);
+  fill_turned(run->count, run->position, run->label.origin, run->label.rotation, pixels);
 }
 
 static void write_semantic(const pl_label_run *run, void *pixels) {
-  const pl_shot_object *object = object_of(run);
   const size_t levels = (size_t)run->shot->levels;
   uint16_t *out = pixels;
-  for (size_t level = 0; level < levels; level++) {
-    const uint16_t *ids =
-        (object != NULL ? object->object->class_ids : body_of(run)->body->class_ids) + level;
-    const uint16_t first = *ids;
+  for (size_t level = 0; level < levels; level++)
     for (size_t i = 0; i < run->count; i++)
-      out[i * levels + level] = object != NULL ? ids[run->parts[i] * levels] : first;
-  }
+      out[i * levels + level] = run->label.class_ids[run->parts[i] * levels + level];
 }
 
 static void write_part(const pl_label_run *run, void *pixels) {
-  const pl_shot_object *object = object_of(run);
   int32_t *out = pixels;
   for (size_t i = 0; i < run->count; i++)
-    out[i] = object != NULL ? object->object->part_ids[run->parts[i]] : body_of(run)->body->part_id;
+    out[i] = run->label.part_ids[run->parts[i]];
 }
 
 static void write_instance(const pl_label_run *run, void *pixels) {
-  const pl_shot_object *object = object_of(run);
-  const int32_t id = object != NULL ? object->object->instance_id : body_of(run)->body->instance_id;
   int32_t *out = pixels;
   for (size_t i = 0; i < run->count; i++)
-    out[i] = id;
+    out[i] = run->label.instance_id;
 }
 
 static void write_incidence(const pl_label_run *run, void *pixels) {
@@ -206,9 +184,10 @@ void pl_channels_blank(const pl_snapshot *shot, size_t count, size_t first, void
   }
 }
 
-static void find_parts(const pl_object *object, const pl_vertex *points, pl_label_run *run) {
+static void find_parts(const pl_vertex *points, pl_label_run *run) {
+  const pl_object *parts = run->label.parts;
   for (size_t i = 0; i < run->count; i++)
-    run->parts[i] = pl_object_part(object, points[i].triangle);
+    run->parts[i] = parts != NULL ? pl_object_part(parts, points[i].triangle) : 0;
 }
 
 static void gather(const pl_vertex *points, pl_label_run *run) {
@@ -232,8 +211,7 @@ static void gather(const pl_vertex *points, pl_label_run *run) {
       run->to_sun[k][i] = to[k] - run->position[k][i];
       run->to_viewer[k][i] = -run->position[k][i];
     }
-  if (object_of(run) != NULL)
-    find_parts(object_of(run)->object, points, run);
+  find_parts(points, run);
 }
 
 /* Returns the number of leading pixels with the same surface id, at most `count`. */
@@ -251,11 +229,12 @@ void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t 
   for (size_t x = 0; x < count; x += run.count) {
     const size_t left = count - x;
     run.count = length_of(points + x, left < PL_LABEL_RUN ? left : PL_LABEL_RUN);
-    run.surface_id = points[x].surface_id;
-    if (pl_surface_is_none(run.surface_id)) {
+    const pl_surface_id id = points[x].surface_id;
+    if (pl_surface_is_none(id)) {
       pl_channels_blank(shot, run.count, first + x, images);
       continue;
     }
+    pl_geometry_of(id)->label(shot, id, &run.label);
     gather(points + x, &run);
     for (size_t i = 0; i < pl_channel_count; i++) {
       size_t bytes;

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "render/vertex.h"
+#include "render/geometry.h"
 
 enum { PL_LABEL_RUN = 32 }; /* largest number of pixels */
 
@@ -12,13 +12,13 @@ enum { PL_LABEL_RUN = 32 }; /* largest number of pixels */
  * three arrays, so that loops over pixels vectorise; root axes. */
 typedef struct pl_label_run {
   const pl_snapshot *shot;
-  pl_surface_id surface_id;
+  pl_geometry_label label;
   size_t count;
   double position[3][PL_LABEL_RUN]; /* camera-relative, m */
   double normal[3][PL_LABEL_RUN];   /* unit shading normal, facing the viewer */
   double facet[3][PL_LABEL_RUN];    /* unit geometric normal, facing the viewer */
   double to_sun[3][PL_LABEL_RUN], to_viewer[3][PL_LABEL_RUN]; /* m */
-  uint32_t parts[PL_LABEL_RUN]; /* part of an object; not set on bodies */
+  uint32_t parts[PL_LABEL_RUN];                               /* part of an object; 0 on bodies */
 } pl_label_run;
 
 /* Value of pixels where nothing is hit. */

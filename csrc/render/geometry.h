@@ -3,7 +3,18 @@
 #ifndef PL_RENDER_GEOMETRY_H
 #define PL_RENDER_GEOMETRY_H
 
+#include "render/patch.h"
 #include "render/vertex.h"
+
+/* What labels say of a surface; arrays are borrowed. */
+typedef struct pl_geometry_label {
+  pl_vec3 origin;            /* of its own axes, camera-relative, m */
+  pl_mat3 rotation;          /* own axes to root axes */
+  const pl_object *parts;    /* tells the part of a triangle; NULL: there is one part */
+  const uint16_t *class_ids; /* the scene's number of levels per part */
+  const int32_t *part_ids;   /* one per part */
+  int32_t instance_id;
+} pl_geometry_label;
 
 typedef struct pl_geometry_kind {
   const char *name;
@@ -21,6 +32,10 @@ typedef struct pl_geometry_kind {
   /* Sets the origin of a secondary ray and what it cannot hit. `side`: 1 to the viewer's side, else
    * -1. */
   void (*leave)(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray);
+  /* Sets part, point and normal of a patch's location; `point` is where the hit is, camera-relative
+   * in root axes. */
+  void (*set_spot)(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, pl_spot *spot);
+  void (*label)(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
 } pl_geometry_kind;
 
 extern const pl_geometry_kind pl_geometry_mesh, pl_geometry_shape, pl_geometry_ellipsoid;
@@ -36,5 +51,7 @@ void pl_mesh_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *
                     pl_vertex *out);
 pl_vec3f pl_mesh_smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex);
 void pl_mesh_leave(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray);
+void pl_mesh_set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, pl_spot *spot);
+void pl_mesh_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
 
 #endif

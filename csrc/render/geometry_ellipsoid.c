@@ -61,9 +61,35 @@ static void leave_body(const pl_snapshot *shot, const pl_vertex *vertex, float s
   ray->skip_body = pl_surface_index(vertex->surface_id);
 }
 
+/* `point`: relative to the body's centre. */
+static pl_vec3f body_normal(const pl_shot_body *body, pl_vec3 point) {
+  const pl_vec3 local = pl_mat3_mul_vec_t(body->rotation, point);
+  return pl_vec3_to_float(
+      pl_mat3_mul_vec(body->rotation, pl_ellipsoid_normal(body->state->radii_m, local)));
+}
+
+static void set_body_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point,
+                          pl_spot *spot) {
+  const pl_shot_body *body = pl_shot_body_of(shot, hit->surface_id);
+  const pl_vec3 from_center = pl_vec3_sub(point, body->center);
+  spot->point = pl_vec3_to_float(from_center);
+  spot->normal = body_normal(body, from_center);
+}
+
+static void label_body(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
+  const pl_shot_body *body = pl_shot_body_of(shot, id);
+  *out = (pl_geometry_label){.origin = body->center,
+                             .rotation = body->rotation,
+                             .class_ids = body->body->class_ids,
+                             .part_ids = &body->body->part_id,
+                             .instance_id = body->body->instance_id};
+}
+
 const pl_geometry_kind pl_geometry_ellipsoid = {
     .name = "ellipsoid",
     .locate = locate_body,
     .shade = shade_body,
     .leave = leave_body,
+    .set_spot = set_body_spot,
+    .label = label_body,
 };

@@ -135,10 +135,39 @@ void pl_mesh_leave(const pl_snapshot *shot, const pl_vertex *vertex, float side,
   ray->from_triangle = vertex->triangle + 1;
 }
 
+static pl_vec3f facet_normal(const pl_shot_object *object, uint32_t triangle) {
+  const pl_model *model = object->object->model;
+  const uint32_t *corner = model->indices + 3 * (size_t)triangle;
+  const float *a = model->positions + 3 * (size_t)corner[0];
+  const pl_shot_piece *piece = pl_shot_piece_of(object, triangle);
+  const float *to_view = piece != NULL ? piece->to_view : object->to_view;
+  return pl_vec3f_across(pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[1]),
+                         pl_shot_edge(to_view, a, model->positions + 3 * (size_t)corner[2]));
+}
+
+void pl_mesh_set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, pl_spot *spot) {
+  const pl_shot_object *object = pl_shot_object_of(shot, hit->surface_id);
+  spot->point = pl_vec3_to_float(pl_vec3_sub(point, object->center));
+  spot->part = pl_object_part(object->object, hit->triangle);
+  spot->normal = facet_normal(object, hit->triangle);
+}
+
+void pl_mesh_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
+  const pl_shot_object *object = pl_shot_object_of(shot, id);
+  *out = (pl_geometry_label){.origin = object->position,
+                             .rotation = object->rotation,
+                             .parts = object->object,
+                             .class_ids = object->object->class_ids,
+                             .part_ids = object->object->part_ids,
+                             .instance_id = object->object->instance_id};
+}
+
 const pl_geometry_kind pl_geometry_mesh = {
     .name = "mesh",
     .locate = pl_mesh_locate,
     .smooth_normal = pl_mesh_smooth_normal,
     .shade = shade_mesh,
     .leave = pl_mesh_leave,
+    .set_spot = pl_mesh_set_spot,
+    .label = pl_mesh_label,
 };

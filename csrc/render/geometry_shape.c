@@ -59,4 +59,6 @@ const pl_geometry_kind pl_geometry_shape = {
     .shade = shade_shape,
     .set_horizon = set_horizon,
     .leave = leave_shape,
+    .set_spot = pl_mesh_set_spot,
+    .label = pl_mesh_label,
 };
