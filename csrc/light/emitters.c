@@ -335,7 +335,7 @@ float pl_emitters_pdf(const pl_emitters *list, pl_vec3 point, const pl_emitter_h
       continue;
     const double probability = importance(item, point) / total_importance(list, point);
     pl_vec3 axis;
-    if (!pl_surface_is_mesh(hit->surface_id))
+    if (pl_surface_is_ellipsoid(hit->surface_id))
       return (float)(probability * (double)pl_cone_pdf(cone_of(item, point, &axis)));
     const float luminance = listed_luminance(list, item, hit->triangle);
     if (!(luminance > 0.0f) || !(hit->cosine > 1e-6f))

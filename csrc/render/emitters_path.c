@@ -32,7 +32,7 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
                          const pl_vertex *vertex, int bounce, pl_vec3f wo,
                          const pl_planetshine_ray *onward, size_t queued, pl_tile_buffers *b) {
   const pl_surface *s = &vertex->surface;
-  if (!drawn_on(context->settings, !pl_surface_is_mesh(vertex->surface_id)))
+  if (!drawn_on(context->settings, pl_surface_is_ellipsoid(vertex->surface_id)))
     return queued;
   const uint32_t index = (uint32_t)b->counts[path->pixel]; /* number of samples before this one */
   /* Sampled from the origin of the shadow ray, so that a target seen edge-on does not occlude
@@ -47,7 +47,7 @@ size_t pl_emitters_shade(const pl_path_context *context, const pl_path *path,
   /* A body is sampled by a sphere about it. A point of its own surface lies inside that sphere and
    * would light itself. */
   if (pl_surface_same(drawn.surface_id, vertex->surface_id) &&
-      !pl_surface_is_mesh(vertex->surface_id))
+      pl_surface_is_ellipsoid(vertex->surface_id))
     return queued;
   const pl_vec3f wi = pl_surface_to_local(s, drawn.direction);
   const float rival =

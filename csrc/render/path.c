@@ -202,7 +202,7 @@ static bool roulette(pl_path *next, int bounce, float u) {
 
 /* Whether light from meshes is negligible on an object or body. */
 static bool far_from_meshes(const pl_snapshot *shot, pl_surface_id id) {
-  return !pl_surface_is_mesh(id) && !pl_shot_body_of(shot, id)->near_meshes;
+  return pl_surface_is_ellipsoid(id) && !pl_shot_body_of(shot, id)->near_meshes;
 }
 
 /* The caustics that may reach a vertex; NULL if there are none. */
@@ -248,7 +248,7 @@ static bool bounces_at(const pl_path_context *context, pl_surface_id id) {
 
 static bool goes_on(const pl_path_context *context, pl_surface_id id, int bounce) {
   const int bounces = context->settings->bounces;
-  const int least = !pl_surface_is_mesh(id) ? 1 : 0;
+  const int least = pl_surface_is_ellipsoid(id) ? 1 : 0;
   return bounces_at(context, id) && bounce < (bounces > least ? bounces : least);
 }
 

@@ -286,7 +286,7 @@ static float share_bodies(const pl_planetshine *p, const pl_vertex *vertex, pl_v
   const float part = sums.light / (sums.light + pl_minf(other, p->white));
   const bool least = sums.light > sums.gloss * color && !(sums.wide > 0.0f);
   const float wanted = least ? pl_maxf(part, WANTED_MIN) : part;
-  const bool on_body = !pl_surface_is_mesh(vertex->surface_id);
+  const bool on_body = pl_surface_is_ellipsoid(vertex->surface_id);
   const float most = 1.0f - (on_body ? LOBE_MIN_ON_BODIES : LOBE_MIN);
   const float share = pl_minf((wanted - sums.met) / (1.0f - sums.met), most);
   if (!(share > SHARE_MIN))

@@ -257,7 +257,7 @@ static bool seen_light(const pl_path_context *context, uint32_t pixel, const pl_
 static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_tile_buffers *b) {
   const pl_snapshot *shot = context->shot;
   const pl_surface_id id = b->points[pixel].surface_id;
-  if (pl_surface_is_none(id) || pl_surface_is_mesh(id))
+  if (!pl_surface_is_ellipsoid(id))
     return false;
   const pl_shot_body *body = pl_shot_body_of(shot, id);
   const pl_render_settings *settings = context->settings;

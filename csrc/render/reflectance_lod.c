@@ -263,7 +263,7 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_vi
 
 void pl_reflectance_lod_apply(const pl_snapshot *shot, const pl_render_settings *settings,
                               pl_vertex *vertex) {
-  if (settings->lods_down == 0 || pl_surface_is_mesh(vertex->surface_id))
+  if (settings->lods_down == 0 || !pl_surface_is_ellipsoid(vertex->surface_id))
     return;
   const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
   if (body->lods == NULL || settings->emitters_on_bodies ||

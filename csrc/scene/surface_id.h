@@ -50,8 +50,9 @@ static inline bool pl_surface_is_mesh(pl_surface_id id) {
   return id.value < (uint32_t)PL_SURFACE_ELLIPSOID << PL_SURFACE_INDEX_BITS;
 }
 
-static inline bool pl_surface_is_shape(pl_surface_id id) {
-  return pl_surface_kind_of(id) == PL_SURFACE_SHAPE;
+/* Whether it is convex and has a closed form: the index is that of a body. */
+static inline bool pl_surface_is_ellipsoid(pl_surface_id id) {
+  return pl_surface_kind_of(id) == PL_SURFACE_ELLIPSOID;
 }
 
 static inline pl_surface_id pl_surface_of_body(size_t body) {
