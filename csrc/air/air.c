@@ -97,6 +97,7 @@ pl_status pl_air_create(const pl_air_settings *settings, double radius_m, pl_air
   air->radius_m = radius_m;
   set_optics(air);
   pl_air_build_columns(air);
+  pl_air_set_twilight(air);
   if (settings->multiple)
     pl_air_build_multiple(air);
   pl_air_build_sky(air);

@@ -14,20 +14,27 @@ enum { ZENITHS = 6, FIRST_AZIMUTHS = 6, AZIMUTHS = 2, STEPS = 6 };
 enum { SKY_ZENITHS = 8, SKY_AZIMUTHS = 6, SKY_STEPS = 8 };
 /* Orders that are computed before the geometric series. */
 enum { ORDERS = 4 };
-/* The tables begin at the sine of solar elevation LOWEST, below which the light is negligible. They
- * are dense within BEND of the horizon. */
-static const double LOWEST = -0.3, BEND = 0.1;
 
-static double bent(double sine) { return sine / (BEND + fabs(sine)); }
-
-static double sine_at(int node, int count) {
-  const double low = bent(LOWEST), w = low + (bent(1.0) - low) * node / (count - 1);
-  return BEND * w / (1.0 - fabs(w));
+/* The tables hold all solar elevations, since air that is high compared with the radius carries
+ * light deep into the night. They are dense within air->twilight, a sine, of the horizon: a few
+ * times the angle from which a scale height of air is seen over the horizon. */
+static double twilight_of(const pl_air *air) {
+  const double least = 0.1, most = 1.0;
+  double scale_m = 0.0;
+  for (int part = 0; part < 2; part++)
+    for (int layer = 0; layer < 2 && air->present[part]; layer++)
+      scale_m = fmax(scale_m, air->layers[part].scale_m[layer]);
+  return fmin(most, fmax(least, 2.0 * sqrt(2.0 * scale_m / air->radius_m)));
 }
 
-static float node_of(double sine, int count) {
-  const double low = bent(LOWEST);
-  return (float)((bent(fmin(sine, 1.0)) - low) / (bent(1.0) - low) * (count - 1));
+static double sine_at(const pl_air *air, int node, int count) {
+  const double w = (2.0 * node / (count - 1) - 1.0) / (1.0 + air->twilight);
+  return fmin(1.0, fmax(-1.0, air->twilight * w / (1.0 - fabs(w))));
+}
+
+static float node_of(const pl_air *air, double sine, int count) {
+  const double s = fmin(1.0, fmax(-1.0, sine)), w = s / (air->twilight + fabs(s));
+  return (float)(0.5 * (1.0 + w * (1.0 + air->twilight)) * (count - 1));
 }
 
 static pl_vec3f mix(pl_vec3f a, pl_vec3f b, float t) {
@@ -35,10 +42,8 @@ static pl_vec3f mix(pl_vec3f a, pl_vec3f b, float t) {
 }
 
 /* Interpolates a table over the sine of solar elevation. */
-static pl_vec3f from_sines(const pl_vec3f *table, int count, double sine) {
-  if (sine <= LOWEST)
-    return (pl_vec3f){0.0f, 0.0f, 0.0f};
-  const float x = node_of(sine, count);
+static pl_vec3f from_sines(const pl_air *air, const pl_vec3f *table, int count, double sine) {
+  const float x = node_of(air, sine, count);
   const int k = x < count - 2 ? (int)x : count - 2;
   return mix(table[k], table[k + 1], x - (float)k);
 }
@@ -93,7 +98,7 @@ static pl_vec3f ground(const order *o, const pl_air_ray *ray, const pl_air_sun *
   if (o->ground == NULL)
     light = pl_vec3f_scale(pl_air_sunlight(o->air, sun, point), (float)fmax(0.0, sine));
   else
-    light = from_sines(o->ground, PL_AIR_MULTIPLE_SINES, sine);
+    light = from_sines(o->air, o->ground, PL_AIR_MULTIPLE_SINES, sine);
   return pl_vec3f_scale(pl_vec3f_mul(light, pl_vec3f_make((float)a[0], (float)a[1], (float)a[2])),
                         1.0f / PL_PI_F);
 }
@@ -131,7 +136,7 @@ static void work_out(const order *o, order_table out, pl_vec3f irradiance[PL_AIR
   pl_vec3f above;
   for (int i = 0; i < PL_AIR_MULTIPLE_HEIGHTS; i++)
     for (int k = 0; k < PL_AIR_MULTIPLE_SINES; k++)
-      out[i][k] = gather(o, height_of(o->air, i), sine_at(k, PL_AIR_MULTIPLE_SINES),
+      out[i][k] = gather(o, height_of(o->air, i), sine_at(o->air, k, PL_AIR_MULTIPLE_SINES),
                          i == 0 ? &irradiance[k] : &above);
 }
 
@@ -154,6 +159,8 @@ static void add_order(order_table sum, order_table now) {
       sum[i][k] = pl_vec3f_add(sum[i][k], now[i][k]);
 }
 
+void pl_air_set_twilight(pl_air *air) { air->twilight = twilight_of(air); }
+
 void pl_air_build_multiple(pl_air *air) {
   order_table sum = {0}, now, before;
   pl_vec3f irradiance[2][PL_AIR_MULTIPLE_SINES];
@@ -174,11 +181,9 @@ void pl_air_build_multiple(pl_air *air) {
 }
 
 pl_vec3f pl_air_several(const pl_air *air, const pl_air_place *place, double sun_sine) {
-  if (sun_sine <= LOWEST)
-    return (pl_vec3f){0.0f, 0.0f, 0.0f};
   const float y = sqrtf((float)fmin(1.0, place->height_m / air->settings.top_m)) *
                   (PL_AIR_MULTIPLE_HEIGHTS - 1);
-  const float x = node_of(sun_sine, PL_AIR_MULTIPLE_SINES);
+  const float x = node_of(air, sun_sine, PL_AIR_MULTIPLE_SINES);
   const int i = y < PL_AIR_MULTIPLE_HEIGHTS - 2 ? (int)y : PL_AIR_MULTIPLE_HEIGHTS - 2;
   const int k = x < PL_AIR_MULTIPLE_SINES - 2 ? (int)x : PL_AIR_MULTIPLE_SINES - 2;
   const float u = x - (float)k;
@@ -203,12 +208,12 @@ static pl_vec3f sky_at(const pl_air *air, double sun_sine, bool multiple) {
 
 void pl_air_build_sky(pl_air *air) {
   for (int k = 0; k < PL_AIR_SKY; k++) {
-    const double sine = sine_at(k, PL_AIR_SKY);
+    const double sine = sine_at(air, k, PL_AIR_SKY);
     air->sky[0][k] = sky_at(air, sine, false);
     air->sky[1][k] = air->settings.multiple ? sky_at(air, sine, true) : air->sky[0][k];
   }
 }
 
 pl_vec3f pl_air_skylight(const pl_air *air, double sun_sine, bool multiple) {
-  return from_sines(air->sky[multiple], PL_AIR_SKY, sun_sine);
+  return from_sines(air, air->sky[multiple], PL_AIR_SKY, sun_sine);
 }

@@ -48,6 +48,7 @@ struct pl_air {
   bool present[PL_AIR_PARTS]; /* has any extinction */
   pl_air_layers layers[2];    /* Rayleigh, Mie */
   pl_air_column columns[PL_AIR_PARTS];
+  double twilight; /* sine of solar elevation in which the nodes of the tables below are dense */
   /* irradiance by the sine of solar elevation: [0] single scattering, [1] multiple scattering */
   pl_vec3f sky[2][PL_AIR_SKY];
   /* Mean radiance over the sphere of light that was scattered, or reflected by the ground, at least
@@ -88,7 +89,8 @@ typedef enum pl_air_mode { PL_AIR_ONCE, PL_AIR_SEVERAL, PL_AIR_AGAIN } pl_air_mo
 pl_air_light pl_air_scatter_by(const pl_air *air, const pl_air_ray *ray, const pl_air_sun *sun,
                                const pl_air_rule *rule, pl_air_mode mode);
 
-/* Fill air->several, and then air->sky. */
+/* Fill air->twilight, air->several, and then air->sky. */
+void pl_air_set_twilight(pl_air *air);
 void pl_air_build_multiple(pl_air *air);
 void pl_air_build_sky(pl_air *air);
 /* Fills air->reach; all else must be filled before. */

@@ -237,10 +237,12 @@ def radiance(
     paths: int,
     seed: int = 0,
 ) -> Radiance:
-    """Along a ray from `point`, (3,), about the body's centre; `sun`: unit, towards it."""
+    """Along a ray from `point`, (3,), about the body's centre, or the mean over as many rays as
+    there are paths: `direction` (3,) or (paths, 3); `sun`: unit, towards it."""
     rng = np.random.default_rng(seed)
     world = World(air, radius_m, np.asarray(sun, np.float64), np.asarray(albedo, np.float64))
-    at, along = np.tile(point, (paths, 1)), np.tile(direction, (paths, 1))
+    at = np.tile(point, (paths, 1))
+    along = np.broadcast_to(direction, (paths, 3)).copy()
     bands = len(world.g)
     parts = np.zeros((3, paths, bands))
     through, owner = np.ones((paths, bands)), np.arange(paths)
