@@ -36,10 +36,9 @@ static double cost_ms(const pl_view *view, int value) {
 
 const pl_effect pl_effect_multiple_scattering = {
     .name = "multiple_scattering",
-    .doc =
-        "Light that air scatters more than once, isotropic from the second time on, so that light "
-        "of the air is off by up to 15 % for the Earth's and 40 % for Mars's, 2 % in gas alone "
-        "(docs/air.md); off: single scattering",
+    .doc = "Light that air scatters more than once, isotropic from the second time on, so that the "
+           "air's light is off by up to 15 % for the Earth's, 40 % for Mars's, and 2 % for gas "
+           "alone as deep as the Earth's (docs/air.md); off: single scattering",
     .absent = absent,
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,
