@@ -1,0 +1,193 @@
+/* Makes rasters: checks, connections of edges, and the pyramid of means. */
+#include "terrain/raster_levels.h"
+
+#include <float.h>
+
+#include "base/memory.h"
+
+enum { SIDE_MAX = 1 << 24 };
+/* Fraction of a post by which a raster may miss a full turn or a pole, as of rounded steps. */
+static const double FIT = 0.01;
+
+static pl_status check_size(const pl_raster_frame *f) {
+  if (f->samples == NULL || !(f->type < PL_RASTER_TYPE_COUNT))
+    return pl_fail(PL_E_ARGUMENT, "a raster without samples of a known type");
+  if (f->width < 1 || f->height < 1 || f->width > SIDE_MAX || f->height > SIDE_MAX)
+    return pl_fail(PL_E_RANGE, "a raster of %zu x %zu posts; a side has 1 to %d", f->width,
+                   f->height, (int)SIDE_MAX);
+  if (f->stride < f->width)
+    return pl_fail(PL_E_RANGE, "rows of a raster are %zu samples apart, but have %zu", f->stride,
+                   f->width);
+  if (!(isfinite(f->scale) && isfinite(f->offset)))
+    return pl_fail(PL_E_RANGE, "scale %g and offset %g of a raster", f->scale, f->offset);
+  if (!(isfinite(f->x0) && isfinite(f->y0) && isfinite(f->dx) && isfinite(f->dy) && f->dx != 0.0 &&
+        f->dy != 0.0))
+    return pl_fail(PL_E_RANGE, "a raster from (%g, %g) in steps of (%g, %g)", f->x0, f->y0, f->dx,
+                   f->dy);
+  return PL_OK;
+}
+
+/* Whether the posts lie on the body: no latitude beyond a pole, no longitude twice, nothing beyond
+ * the edge of an orthographic map. */
+static pl_status check_place(const pl_raster_frame *f) {
+  const double x1 = f->x0 + (double)(f->width - 1) * f->dx;
+  const double y1 = f->y0 + (double)(f->height - 1) * f->dy;
+  const double turn = 2.0 * PL_PI / fabs(f->dx), pole = 0.5 * PL_PI + FIT * fabs(f->dy);
+  if (f->projection.kind == PL_PROJECTION_CYLINDRICAL) {
+    if (fmax(fabs(f->y0), fabs(y1)) > pole)
+      return pl_fail(PL_E_RANGE, "rows of a raster from latitude %g to %g deg",
+                     f->y0 * 180.0 / PL_PI, y1 * 180.0 / PL_PI);
+    if ((double)f->width > turn + 1.0 + FIT)
+      return pl_fail(PL_E_RANGE, "columns of a raster from longitude %g to %g deg",
+                     f->x0 * 180.0 / PL_PI, x1 * 180.0 / PL_PI);
+  }
+  if (f->projection.kind == PL_PROJECTION_ORTHOGRAPHIC) {
+    const double x = fmax(fabs(f->x0), fabs(x1)), y = fmax(fabs(f->y0), fabs(y1));
+    if (!(sqrt(x * x + y * y) < f->projection.radius_m))
+      return pl_fail(PL_E_RANGE,
+                     "an orthographic raster reaches %g m from its centre on a sphere of %g m",
+                     sqrt(x * x + y * y), f->projection.radius_m);
+  }
+  return PL_OK;
+}
+
+/* Finds whether the raster goes around the body, and over its poles. */
+static void connect(pl_raster *r) {
+  pl_raster_frame *f = &r->frame;
+  r->columns = (int)f->width;
+  r->rows = (int)f->height;
+  if (f->projection.kind != PL_PROJECTION_CYLINDRICAL)
+    return;
+  const double turn = 2.0 * PL_PI / fabs(f->dx), count = rint(turn);
+  r->wraps = fabs(turn - count) <= FIT && (double)f->width >= count;
+  if (!r->wraps)
+    return;
+  r->columns = (int)count;
+  f->dx = copysign(2.0 * PL_PI / count, f->dx);
+  for (int end = 0; end < 2; end++) {
+    const double pole = (end == 0) == (f->dy < 0.0) ? 0.5 * PL_PI : -0.5 * PL_PI;
+    const double row = (pole - f->y0) / f->dy, beyond = end == 0 ? -row : row - (r->rows - 1);
+    r->pole_rows[end] = row;
+    r->crosses[end] = fabs(beyond) <= FIT || fabs(beyond - 0.5) <= FIT;
+  }
+}
+
+/* Rounding of directions (a few times DBL_EPSILON) in posts, at least 1e-9. */
+static void set_snap(pl_raster *r) {
+  const pl_raster_frame *f = &r->frame;
+  const double size =
+      f->projection.kind == PL_PROJECTION_CYLINDRICAL ? 2.0 * PL_PI : f->projection.radius_m;
+  r->snap_u = fmin(1e-9 + 4.0 * DBL_EPSILON * size / fabs(f->dx), 1e-3);
+  r->snap_v = fmin(1e-9 + 4.0 * DBL_EPSILON * size / fabs(f->dy), 1e-3);
+}
+
+static int half(int n) { return n > 1 ? n - n / 2 : 1; }
+
+/* Sets the sizes of all levels; returns the number of values above level 0. */
+static size_t lay_out(pl_raster *r) {
+  const pl_raster_frame *f = &r->frame;
+  size_t values = 0;
+  r->levels[0] = (pl_raster_level){f->samples, f->type, f->stride, r->columns, r->rows};
+  for (r->level_count = 1;; r->level_count++) {
+    const pl_raster_level *fine = &r->levels[r->level_count - 1];
+    if (fine->width == 1 && fine->height == 1)
+      return values;
+    pl_raster_level *coarse = &r->levels[r->level_count];
+    *coarse = (pl_raster_level){NULL, PL_RASTER_FLOAT32, 0, half(fine->width), half(fine->height)};
+    coarse->stride = (size_t)coarse->width;
+    values += coarse->stride * (size_t)coarse->height;
+  }
+}
+
+/* Fine cells under coarse cell j, and their weights, which sum to 1. */
+typedef struct overlap {
+  int first, count;
+  double weights[3];
+} overlap;
+
+static overlap overlap_of(int j, int coarse, int fine) {
+  const double ratio = (double)fine / coarse, low = j * ratio, high = (j + 1) * ratio;
+  overlap o = {.first = (int)((int64_t)j * fine / coarse)};
+  for (int i = o.first; i < fine && i < high && o.count < 3; i++)
+    o.weights[o.count++] = (fmin(high, i + 1.0) - fmax(low, i)) / ratio;
+  return o;
+}
+
+static void reduce_row(const pl_raster_level *from, const pl_raster_level *to, int row,
+                       float *out) {
+  const overlap y = overlap_of(row, to->height, from->height);
+  for (int column = 0; column < to->width; column++) {
+    const overlap x = overlap_of(column, to->width, from->width);
+    double sum = 0.0;
+    for (int j = 0; j < y.count; j++)
+      for (int i = 0; i < x.count; i++)
+        sum += y.weights[j] * x.weights[i] * pl_raster_cell(from, x.first + i, y.first + j);
+    out[column] = (float)sum;
+  }
+}
+
+static void fill(pl_raster *r) {
+  float *next = r->memory;
+  for (int k = 1; k < r->level_count; k++) {
+    pl_raster_level *level = &r->levels[k];
+    level->samples = next;
+    for (int row = 0; row < level->height; row++, next += level->width)
+      reduce_row(level - 1, level, row, next);
+  }
+}
+
+/* Finds the range of the samples; PL_E_RANGE if one is not finite. */
+static pl_status survey(pl_raster *r) {
+  const pl_raster_level *level = &r->levels[0];
+  r->least = INFINITY;
+  r->greatest = -INFINITY;
+  for (int row = 0; row < level->height; row++)
+    for (int column = 0; column < level->width; column++) {
+      const double value = pl_raster_cell(level, column, row);
+      if (!isfinite(value))
+        return pl_fail(PL_E_RANGE, "the sample in column %d, row %d of a raster is not finite",
+                       column, row);
+      r->least = fmin(r->least, value);
+      r->greatest = fmax(r->greatest, value);
+    }
+  return PL_OK;
+}
+
+static pl_status make(pl_raster *r) {
+  void *memory;
+  PL_TRY(pl_projection_init(&r->frame.projection));
+  PL_TRY(check_size(&r->frame));
+  PL_TRY(check_place(&r->frame));
+  connect(r);
+  set_snap(r);
+  const size_t values = lay_out(r);
+  PL_TRY(survey(r));
+  PL_TRY(pl_alloc_or_fail(values, sizeof(float), "means of a raster", &memory));
+  r->memory = memory;
+  fill(r);
+  return PL_OK;
+}
+
+pl_status pl_raster_create(const pl_raster_frame *frame, pl_raster **out) {
+  void *memory;
+  *out = NULL;
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_raster), "a raster", &memory));
+  pl_raster *r = memory;
+  r->frame = *frame;
+  if (r->frame.stride == 0)
+    r->frame.stride = r->frame.width;
+  const pl_status status = make(r);
+  if (status != PL_OK) {
+    pl_raster_destroy(r);
+    return status;
+  }
+  *out = r;
+  return PL_OK;
+}
+
+void pl_raster_destroy(pl_raster *r) {
+  if (r == NULL)
+    return;
+  pl_free(r->memory);
+  pl_free(r);
+}

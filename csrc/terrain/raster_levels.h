@@ -1,0 +1,48 @@
+/* What a raster keeps: its levels and how its edges are connected. */
+#ifndef PL_TERRAIN_RASTER_LEVELS_H
+#define PL_TERRAIN_RASTER_LEVELS_H
+
+#include <stdint.h>
+
+#include "terrain/raster.h"
+
+enum { PL_RASTER_LEVELS_MAX = 40 };
+
+typedef struct pl_raster_level {
+  const void *samples;
+  pl_raster_type type;
+  size_t stride;
+  int width, height;
+} pl_raster_level;
+
+struct pl_raster {
+  pl_raster_frame frame;
+  bool wraps;      /* column `columns` is column 0 */
+  bool crosses[2]; /* whether rows continue beyond the pole before the first row, after the last */
+  double pole_rows[2]; /* rows of these poles: of a post, or half a post beyond it */
+  int columns, rows;   /* without a column that repeats the first */
+  double snap_u, snap_v;
+  double least, greatest; /* of the samples */
+  int level_count;
+  pl_raster_level levels[PL_RASTER_LEVELS_MAX];
+  float *memory; /* owned; levels from 1 */
+};
+
+static inline double pl_raster_sample(const pl_raster_level *level, size_t index) {
+  switch (level->type) {
+  case PL_RASTER_UINT8:
+    return ((const uint8_t *)level->samples)[index];
+  case PL_RASTER_INT16:
+    return ((const int16_t *)level->samples)[index];
+  case PL_RASTER_UINT16:
+    return ((const uint16_t *)level->samples)[index];
+  default:
+    return (double)((const float *)level->samples)[index];
+  }
+}
+
+static inline double pl_raster_cell(const pl_raster_level *level, int column, int row) {
+  return pl_raster_sample(level, (size_t)row * level->stride + (size_t)column);
+}
+
+#endif
