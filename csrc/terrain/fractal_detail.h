@@ -1,0 +1,66 @@
+/* Fractal detail of a ground: octaves of noise, interpolated by cubic B-splines, which have
+ * continuous curvature and so leave no creases.
+ *
+ * An octave is a cubic lattice of numbers in space, cut by the sphere of directions: it has no
+ * poles, faces or seams, and is nearly the same in all directions. Its numbers are a hash of (seed,
+ * level, cell), sums of four uniform ones: nearly normal, of bounded size. The cells of level k are
+ * as wide as those of level k of the cube (`terrain/cube.h`). A value depends on the direction and
+ * the levels alone: the same bits alone or in any block. */
+#ifndef PL_TERRAIN_FRACTAL_DETAIL_H
+#define PL_TERRAIN_FRACTAL_DETAIL_H
+
+#include "terrain/detail_law.h"
+
+/* No sum of octaves is beyond this many of its standard deviations: it is cut off there. Of
+ * independent places, two in 1e9 reach it. */
+#define PL_DETAIL_BOUND 6.0
+/* Octaves at least this many levels coarser than the nodes are summed in double. */
+#define PL_DETAIL_NEAR 6
+
+typedef struct pl_fractal_detail {
+  int first, last; /* levels with an octave; last < first if there is none */
+  double sigma_m[PL_CUBE_LEVELS];
+  uint32_t key[PL_CUBE_LEVELS];
+} pl_fractal_detail;
+
+/* `detail` must pass pl_terrain_detail_check. */
+void pl_fractal_detail_init(const pl_terrain_detail *detail, double radius_m,
+                            pl_fractal_detail *out);
+
+/* Unit directions. */
+enum { PL_DETAIL_STRIP = 64 };
+typedef struct pl_detail_strip {
+  size_t count; /* at most PL_DETAIL_STRIP */
+  double x[PL_DETAIL_STRIP], y[PL_DETAIL_STRIP], z[PL_DETAIL_STRIP];
+} pl_detail_strip;
+
+/* The numbers of the cell that was asked last, of each level: strips of a block share them. */
+typedef struct pl_detail_cell {
+  bool known;
+  uint32_t cell[3];
+  double numbers[64];
+} pl_detail_cell;
+typedef struct pl_detail_cache {
+  pl_detail_cell cells[PL_CUBE_LEVELS];
+} pl_detail_cache;
+void pl_detail_cache_init(pl_detail_cache *cache);
+
+/* Adds one octave, as seen by nodes of `level`. */
+void pl_fractal_detail_add(const pl_fractal_detail *detail, const pl_detail_strip *strip,
+                           int octave, int level, pl_detail_cache *cache, double *sums_m);
+/* Returns the sum of the octaves from `coarsest` to `level`, cut off at the bound; the bits are
+ * those of adding them from the finest to the coarsest. */
+double pl_fractal_detail_height(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
+                                int level);
+/* Returns the standard deviation of that sum. */
+double pl_fractal_detail_deviation_m(const pl_fractal_detail *detail, int coarsest, int level);
+/* Cuts off a sum at a bound: PL_DETAIL_BOUND of these. */
+static inline double pl_fractal_detail_cut(double sum_m, double bound_m) {
+  return sum_m > bound_m ? bound_m : sum_m < -bound_m ? -bound_m : sum_m;
+}
+/* Returns the gradient of that sum along the ground: a vector perpendicular to `direction`, rise in
+ * m by distance in units of the radius; divide by the radius for a slope. */
+pl_vec3 pl_fractal_detail_gradient(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
+                                   int level);
+
+#endif

@@ -1,0 +1,135 @@
+/* Heights of a body's ground: creation, levels, bounds. */
+#include "terrain/terrain.h"
+
+#include <math.h>
+
+#include "base/memory.h"
+#include "terrain/terrain_parts.h"
+
+static pl_status check_layer(const pl_terrain_layer *layer, size_t n) {
+  if (layer->raster == NULL || !(layer->interpolation < PL_INTERPOLATION_COUNT))
+    return pl_fail(PL_E_ARGUMENT, "layer %zu of a terrain has no raster or no interpolation", n);
+  if (!(isfinite(layer->border_posts) && layer->border_posts >= 0.0))
+    return pl_fail(PL_E_RANGE, "layer %zu of a terrain: a border of %g posts", n,
+                   layer->border_posts);
+  if (!(isfinite(layer->datum_m) && layer->datum_m >= 0.0))
+    return pl_fail(PL_E_RANGE, "layer %zu of a terrain: a datum with a radius of %g m", n,
+                   layer->datum_m);
+  return PL_OK;
+}
+
+static pl_status check(const pl_terrain_frame *frame) {
+  const pl_vec3 r = frame->radii_m;
+  if (!pl_vec3_finite(r) || !(r.x > 0.0 && r.y > 0.0 && r.z > 0.0))
+    return pl_fail(PL_E_RANGE, "radii of a terrain must be above 0, not %g, %g and %g m", r.x, r.y,
+                   r.z);
+  if (frame->layer_count > PL_TERRAIN_LAYERS)
+    return pl_fail(PL_E_RANGE, "a terrain of %zu rasters; at most %d are supported",
+                   frame->layer_count, PL_TERRAIN_LAYERS);
+  for (size_t n = 0; n < frame->layer_count; n++)
+    PL_TRY(check_layer(&frame->layers[n], n));
+  return frame->detail.on ? pl_terrain_detail_check(&frame->detail) : PL_OK;
+}
+
+pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
+  void *memory;
+  *out = NULL;
+  PL_TRY(check(frame));
+  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_terrain), "a terrain", &memory));
+  pl_terrain *t = memory;
+  t->radii_m = frame->radii_m;
+  const pl_vec3 r = frame->radii_m;
+  t->radius_m = r.x * cbrt((r.y / r.x) * (r.z / r.x)); /* exact on a sphere */
+  pl_fractal_detail_init(&frame->detail, t->radius_m, &t->detail);
+  t->layer_count = frame->layer_count;
+  for (size_t n = 0; n < t->layer_count; n++) {
+    pl_layer *layer = &t->layers[n];
+    layer->given = frame->layers[n];
+    layer->spacing_m = pl_raster_spacing_m(layer->given.raster, t->radius_m);
+    layer->coarsest = pl_cube_level(PL_TERRAIN_OVERLAP * layer->spacing_m, t->radius_m);
+    if (layer->coarsest < t->detail.first)
+      layer->coarsest = t->detail.first;
+  }
+  *out = t;
+  return PL_OK;
+}
+
+void pl_terrain_destroy(pl_terrain *terrain) { pl_free(terrain); }
+
+double pl_terrain_radius_m(const pl_terrain *terrain) { return terrain->radius_m; }
+
+double pl_terrain_datum_m(const pl_terrain *terrain, pl_vec3 direction) {
+  const pl_vec3 r = terrain->radii_m;
+  const double x = direction.x / r.x, y = direction.y / r.y, z = direction.z / r.z;
+  return 1.0 / sqrt(x * x + y * y + z * z);
+}
+
+int pl_terrain_level_of(const pl_terrain *terrain, double cell_m) {
+  return pl_cube_level(cell_m, terrain->radius_m);
+}
+
+/* Rasters end where nodes are half a post apart: without detail, cells between posts are not flat,
+ * but nearly so. */
+int pl_terrain_finest_level(const pl_terrain *terrain) {
+  int finest = terrain->detail.last > 0 ? terrain->detail.last : 0;
+  for (size_t n = 0; n < terrain->layer_count; n++) {
+    const int level = pl_cube_level(0.5 * terrain->layers[n].spacing_m, terrain->radius_m);
+    finest = level > finest ? level : finest;
+  }
+  return finest;
+}
+
+static void widen(double from_m, double to_m, double *low_m, double *high_m) {
+  *low_m = fmin(*low_m, from_m);
+  *high_m = fmax(*high_m, to_m);
+}
+
+/* Bounds of one layer: U(Z) + q - U(q), over the ellipsoid. */
+static void layer_bounds(const pl_terrain *t, const pl_layer *layer, double *low_m,
+                         double *high_m) {
+  const pl_terrain_layer *given = &layer->given;
+  double from_m, to_m;
+  pl_raster_bounds(given->raster, given->interpolation, &from_m, &to_m);
+  /* The absolute weights of posts sum to at most 1, of cubic interpolation to (5/4)^2. */
+  const double weights = given->interpolation == PL_INTERPOLATION_CUBIC ? 25.0 / 16.0 : 1.0;
+  const double q_m = PL_DETAIL_BOUND *
+                     pl_fractal_detail_deviation_m(&t->detail, layer->coarsest, PL_CUBE_LEVELS - 1);
+  double lift_low_m = 0.0, lift_high_m = 0.0;
+  if (given->datum_m > 0.0) {
+    const pl_vec3 r = t->radii_m;
+    lift_low_m = given->datum_m - fmax(r.x, fmax(r.y, r.z));
+    lift_high_m = given->datum_m - fmin(r.x, fmin(r.y, r.z));
+  }
+  const double spare_m = 1e-9 * (fabs(from_m) + fabs(to_m) + given->datum_m); /* rounding */
+  widen(from_m + lift_low_m - (1.0 + weights) * q_m - spare_m,
+        to_m + lift_high_m + (1.0 + weights) * q_m + spare_m, low_m, high_m);
+}
+
+/* Whether some ground is below all rasters. */
+static bool bare(const pl_terrain *t) {
+  for (size_t n = 0; n < t->layer_count; n++)
+    if (pl_raster_whole(t->layers[n].given.raster))
+      return false;
+  return true;
+}
+
+void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m) {
+  *low_m = INFINITY;
+  *high_m = -INFINITY;
+  for (size_t n = 0; n < terrain->layer_count; n++)
+    layer_bounds(terrain, &terrain->layers[n], low_m, high_m);
+  if (bare(terrain)) {
+    const double q_m =
+        PL_DETAIL_BOUND * pl_fractal_detail_deviation_m(&terrain->detail, 0, PL_CUBE_LEVELS - 1);
+    widen(-q_m, q_m, low_m, high_m);
+  }
+}
+
+double pl_terrain_relief_m(const pl_terrain *terrain, int level) {
+  return pl_fractal_detail_deviation_m(&terrain->detail, level + 1, PL_CUBE_LEVELS - 1);
+}
+
+pl_vec3 pl_terrain_detail_gradient(const pl_terrain *terrain, pl_vec3 direction, int from, int to) {
+  const pl_vec3 rise = pl_fractal_detail_gradient(&terrain->detail, direction, from, to);
+  return pl_vec3_scale(rise, 1.0 / terrain->radius_m);
+}

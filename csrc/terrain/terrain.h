@@ -1,0 +1,85 @@
+/* Heights of a body's ground: rasters, from coarse to fine, and fractal detail below their posts.
+ *
+ * A height is over the ellipsoid of the body's radii, along the direction from its centre: on an
+ * ellipsoid that is not a sphere not quite along its normal. It is a function of the direction and
+ * of a level of the cube's lattice (`terrain/cube.h`), which says how much is drawn: the same bits
+ * alone, in any block, on any thread.
+ *
+ *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d)
+ *
+ * U interpolates a raster's posts Z, or means of them where cells of the lattice are wider. q is
+ * the detail (`terrain/fractal_detail.h`) of wavelengths below a few posts; without U(q), its own
+ * interpolation from the same posts, only what the posts cannot hold is added, and posts keep their
+ * heights to the bit. Where no raster reaches, h is q alone, from the longest wavelength. */
+#ifndef PL_TERRAIN_TERRAIN_H
+#define PL_TERRAIN_TERRAIN_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/status.h"
+#include "math/vec.h"
+#include "terrain/detail_law.h"
+#include "terrain/raster.h"
+
+#define PL_TERRAIN_LAYERS 16
+
+typedef struct pl_terrain_layer {
+  const pl_raster *raster; /* borrowed */
+  pl_interpolation interpolation;
+  double border_posts; /* width of its blending into the layers below */
+  double datum_m; /* radius of the sphere that its heights are over; 0: over the body's ellipsoid */
+} pl_terrain_layer;
+
+typedef struct pl_terrain_frame {
+  pl_vec3 radii_m;                /* of the body's ellipsoid */
+  const pl_terrain_layer *layers; /* copied; each lies over those before it */
+  size_t layer_count;             /* at most PL_TERRAIN_LAYERS */
+  pl_terrain_detail detail;
+} pl_terrain_frame;
+
+typedef struct pl_terrain pl_terrain;
+
+/* PL_E_RANGE with a text that names what is wrong. Rasters must outlive the terrain. */
+pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out);
+void pl_terrain_destroy(pl_terrain *terrain);
+
+/* Geometric mean of the radii, of which the lattice's cells are a fraction. */
+double pl_terrain_radius_m(const pl_terrain *terrain);
+/* Distance of the ellipsoid from the centre, along a unit direction. */
+double pl_terrain_datum_m(const pl_terrain *terrain, pl_vec3 direction);
+
+/* Returns the height in a unit direction, with all that the lattice of this level resolves. */
+double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level);
+
+/* Writes the heights in `count` unit directions, to the same bits; faster than one by one. */
+void pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
+                        int level, double *heights_m);
+
+/* Nodes (i0 + column, j0 + row) of a face, which may lie a few beyond its edges. */
+typedef struct pl_terrain_nodes {
+  int face, level;
+  int64_t i0, j0;
+  int width, height;
+} pl_terrain_nodes;
+
+/* Writes the heights of nodes, row by row: those of pl_terrain_height to the bit. `directions`, if
+ * not NULL, receives those of the nodes: pl_cube_direction to the bit. */
+void pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes, double *heights_m,
+                      pl_vec3 *directions);
+
+/* Returns the coarsest level with cells of at most `cell_m`, at most PL_CUBE_LEVELS - 1. */
+int pl_terrain_level_of(const pl_terrain *terrain, double cell_m);
+/* Returns the level beyond which detail adds nothing. */
+int pl_terrain_finest_level(const pl_terrain *terrain);
+/* Writes bounds of all heights at all levels. */
+void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m);
+/* Returns the standard deviation of the detail that levels beyond this one add; what rasters hold
+ * below the cells of a coarse level is not in it. */
+double pl_terrain_relief_m(const pl_terrain *terrain, int level);
+
+/* Returns the slope of the detail of levels `from` to `to` alone (rise over distance, as a vector
+ * along the ground in body axes): of what is drawn too fine for cells. */
+pl_vec3 pl_terrain_detail_gradient(const pl_terrain *terrain, pl_vec3 direction, int from, int to);
+
+#endif

@@ -1,0 +1,175 @@
+/* Heights of strips of nodes: layers of rasters and detail. */
+#include <math.h>
+
+#include "terrain/terrain_parts.h"
+
+enum { STRIP = PL_DETAIL_STRIP };
+
+/* A layer at the nodes of a strip. */
+typedef struct layer_strip {
+  bool used, detailed;
+  bool here[STRIP], fractal[STRIP]; /* whether the layer counts; whether detail is added to it */
+  double u[STRIP], v[STRIP], weight[STRIP];
+  double sums_m[STRIP]; /* detail */
+} layer_strip;
+
+typedef struct work {
+  const pl_terrain *terrain;
+  int level, finest; /* of the lattice; of detail on it */
+  pl_detail_strip strip;
+  pl_vec3 directions[STRIP];
+  bool bare[STRIP]; /* whether something below all rasters is seen */
+  layer_strip layers[PL_TERRAIN_LAYERS];
+  pl_posts posts;
+} work;
+
+static void begin(work *w, const pl_terrain *terrain, int level) {
+  w->terrain = terrain;
+  w->level = level < 0 ? 0 : level < PL_CUBE_LEVELS ? level : PL_CUBE_LEVELS - 1;
+  w->finest = w->level < terrain->detail.last ? w->level : terrain->detail.last;
+  pl_posts_init(&w->posts, w->level);
+}
+
+/* Finds the layers that are seen: from the uppermost down to the first that covers all others. */
+static void find_layers(work *w) {
+  const size_t count = w->strip.count;
+  for (size_t k = 0; k < count; k++)
+    w->bare[k] = true;
+  for (size_t n = w->terrain->layer_count; n-- > 0;) {
+    const pl_layer *layer = &w->terrain->layers[n];
+    layer_strip *at = &w->layers[n];
+    at->used = false;
+    at->detailed = pl_cube_cell_m(w->level, w->terrain->radius_m) < layer->spacing_m &&
+                   w->finest >= layer->coarsest && w->finest >= w->terrain->detail.first;
+    for (size_t k = 0; k < count; k++) {
+      at->here[k] =
+          w->bare[k] && pl_raster_find(layer->given.raster, w->directions[k], &at->u[k], &at->v[k]);
+      if (!at->here[k])
+        continue;
+      at->weight[k] =
+          pl_raster_weight(layer->given.raster, at->u[k], at->v[k], layer->given.border_posts);
+      at->here[k] = at->weight[k] > 0.0;
+      w->bare[k] = at->weight[k] < 1.0;
+      at->used = at->used || at->here[k];
+      /* At posts, q - U(q) is 0 by definition, not but for rounding. */
+      at->fractal[k] = at->detailed && at->here[k] &&
+                       !(at->u[k] == floor(at->u[k]) && at->v[k] == floor(at->v[k]));
+    }
+  }
+}
+
+static void cut(const work *w, int coarsest, double *sums_m) {
+  const double bound_m =
+      PL_DETAIL_BOUND * pl_fractal_detail_deviation_m(&w->terrain->detail, coarsest, w->level);
+  for (size_t k = 0; k < w->strip.count; k++)
+    sums_m[k] = pl_fractal_detail_cut(sums_m[k], bound_m);
+}
+
+/* Sums octaves from the finest; each layer takes the sum of those that it needs. `sums_m` returns
+ * the sum of all if it is needed, else less. */
+static void sum_detail(work *w, double *sums_m) {
+  const pl_fractal_detail *detail = &w->terrain->detail;
+  int coarsest = w->finest + 1;
+  for (size_t k = 0; k < w->strip.count; k++) {
+    sums_m[k] = 0.0;
+    if (w->bare[k])
+      coarsest = detail->first;
+  }
+  for (size_t n = 0; n < w->terrain->layer_count; n++)
+    if (w->layers[n].used && w->layers[n].detailed && w->terrain->layers[n].coarsest < coarsest)
+      coarsest = w->terrain->layers[n].coarsest;
+  for (int octave = w->finest; octave >= coarsest; octave--) {
+    pl_fractal_detail_add(detail, &w->strip, octave, w->level, &w->posts.cache, sums_m);
+    for (size_t n = 0; n < w->terrain->layer_count; n++)
+      if (w->terrain->layers[n].coarsest == octave)
+        for (size_t k = 0; k < w->strip.count; k++)
+          w->layers[n].sums_m[k] = sums_m[k];
+  }
+  cut(w, detail->first, sums_m);
+}
+
+/* The level of the raster's pyramid whose posts are about as far apart as nodes, or closer. */
+static int pyramid_level(const work *w, const pl_layer *layer) {
+  const double posts = pl_cube_cell_m(w->level, w->terrain->radius_m) / layer->spacing_m;
+  return posts > 1.0 ? (int)floor(log2(posts) + 0.25) : 0;
+}
+
+/* Lays one layer over the heights. */
+static void lay(work *w, int n, double *heights_m) {
+  const pl_layer *layer = &w->terrain->layers[n];
+  const pl_terrain_layer *given = &layer->given;
+  layer_strip *at = &w->layers[n];
+  const int pyramid = pyramid_level(w, layer);
+  double posts_m[STRIP];
+  if (at->detailed) {
+    cut(w, layer->coarsest, at->sums_m);
+    pl_posts_interpolate(&w->posts, w->terrain, n, w->strip.count, at->u, at->v, at->fractal,
+                         posts_m);
+  }
+  for (size_t k = 0; k < w->strip.count; k++) {
+    if (!at->here[k])
+      continue;
+    double height_m =
+        pl_raster_value(given->raster, pyramid, at->u[k], at->v[k], given->interpolation);
+    if (at->fractal[k])
+      height_m += at->sums_m[k] - posts_m[k];
+    if (given->datum_m > 0.0)
+      height_m += given->datum_m - pl_terrain_datum_m(w->terrain, w->directions[k]);
+    heights_m[k] =
+        at->weight[k] < 1.0 ? heights_m[k] + at->weight[k] * (height_m - heights_m[k]) : height_m;
+  }
+}
+
+/* Heights in w->directions. */
+static void evaluate(work *w, double *heights_m) {
+  for (size_t k = 0; k < w->strip.count; k++) {
+    w->strip.x[k] = w->directions[k].x;
+    w->strip.y[k] = w->directions[k].y;
+    w->strip.z[k] = w->directions[k].z;
+  }
+  find_layers(w);
+  sum_detail(w, heights_m);
+  for (size_t n = 0; n < w->terrain->layer_count; n++)
+    if (w->layers[n].used)
+      lay(w, (int)n, heights_m);
+}
+
+void pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
+                        int level, double *heights_m) {
+  work w;
+  begin(&w, terrain, level);
+  for (size_t done = 0; done < count; done += w.strip.count) {
+    w.strip.count = count - done < STRIP ? count - done : STRIP;
+    for (size_t k = 0; k < w.strip.count; k++)
+      w.directions[k] = directions[done + k];
+    evaluate(&w, heights_m + done);
+  }
+}
+
+double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level) {
+  double height_m;
+  pl_terrain_heights(terrain, &direction, 1, level, &height_m);
+  return height_m;
+}
+
+void pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes, double *heights_m,
+                      pl_vec3 *directions) {
+  work w;
+  double tangents[STRIP];
+  begin(&w, terrain, nodes->level);
+  for (int from = 0; from < nodes->width; from += STRIP) {
+    w.strip.count = (size_t)(nodes->width - from < STRIP ? nodes->width - from : STRIP);
+    for (size_t k = 0; k < w.strip.count; k++)
+      tangents[k] = pl_cube_tangent(pl_cube_node(nodes->level, nodes->i0 + from + (int64_t)k));
+    for (int row = 0; row < nodes->height; row++) {
+      const double tangent = pl_cube_tangent(pl_cube_node(nodes->level, nodes->j0 + row));
+      const size_t at = (size_t)row * (size_t)nodes->width + (size_t)from;
+      for (size_t k = 0; k < w.strip.count; k++) {
+        w.directions[k] = pl_cube_tangent_direction(nodes->face, tangents[k], tangent);
+        if (directions != NULL)
+          directions[at + k] = w.directions[k];
+      }
+      evaluate(&w, heights_m + at);
+    }
+  }
+}

@@ -1,0 +1,50 @@
+/* What a terrain keeps, and the work space of its heights. */
+#ifndef PL_TERRAIN_TERRAIN_PARTS_H
+#define PL_TERRAIN_TERRAIN_PARTS_H
+
+#include "terrain/fractal_detail.h"
+#include "terrain/terrain.h"
+
+/* Detail is drawn from the level whose cells are at most this many posts wide: wider waves are the
+ * raster's own, and U(q) takes them away but for a fraction of 1/256 or less. */
+#define PL_TERRAIN_OVERLAP 4.0
+
+typedef struct pl_layer {
+  pl_terrain_layer given;
+  double spacing_m;
+  int coarsest; /* level of detail */
+} pl_layer;
+
+struct pl_terrain {
+  pl_vec3 radii_m;
+  double radius_m;
+  pl_fractal_detail detail;
+  size_t layer_count;
+  pl_layer layers[PL_TERRAIN_LAYERS];
+};
+
+/* Detail at posts of rasters: a hash table of those that the nodes at hand need. */
+enum { PL_POSTS = 4096, PL_STENCIL = 16 };
+
+typedef struct pl_post {
+  bool used;
+  int layer, column, row;
+  double q_m;
+} pl_post;
+
+typedef struct pl_posts {
+  int level, count;
+  pl_detail_cache cache;
+  /* Posts that are in the table, but have no value yet, all of one layer. */
+  pl_detail_strip strip;
+  int pending[PL_DETAIL_STRIP];
+  pl_post posts[PL_POSTS];
+} pl_posts;
+
+void pl_posts_init(pl_posts *posts, int level);
+/* Writes the interpolation of the detail, from the posts of the layer, for nodes at the columns and
+ * rows u, v: only where `wanted`. */
+void pl_posts_interpolate(pl_posts *posts, const pl_terrain *terrain, int layer, size_t count,
+                          const double *u, const double *v, const bool *wanted, double *out_m);
+
+#endif
