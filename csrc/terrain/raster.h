@@ -16,11 +16,11 @@ typedef enum pl_raster_type {
   PL_RASTER_TYPE_COUNT
 } pl_raster_type; /* in the machine's byte order */
 
-typedef enum pl_interpolation {
+typedef enum pl_raster_interpolation {
   PL_INTERPOLATION_BILINEAR,
   PL_INTERPOLATION_CUBIC, /* Catmull-Rom: smooth slopes, posts are kept */
   PL_INTERPOLATION_COUNT
-} pl_interpolation;
+} pl_raster_interpolation;
 
 /* The sample of column c and row r (a post) is at (x0 + c dx, y0 + r dy) of the projection, rad or
  * m; rows from north to south have a negative dy. Value = scale * sample + offset. A cylindrical
@@ -64,12 +64,13 @@ pl_vec3 pl_raster_direction(const pl_raster *raster, double u, double v);
  * the last: the last). Beyond the outermost posts of a raster that ends there, the value is that of
  * its edge. At posts, level 0 gives scale * sample + offset, to the bit. */
 double pl_raster_value(const pl_raster *raster, int level, double u, double v,
-                       pl_interpolation how);
+                       pl_raster_interpolation how);
 /* Returns 1 inside; falls to 0 at the edge over `border_posts`, with continuous first and second
  * derivatives; 0 outside. The border is at most half of the raster. Edges where a raster continues
  * around the body have no border. */
 double pl_raster_weight(const pl_raster *raster, double u, double v, double border_posts);
 /* Writes bounds of pl_raster_value on all levels. */
-void pl_raster_bounds(const pl_raster *raster, pl_interpolation how, double *low, double *high);
+void pl_raster_bounds(const pl_raster *raster, pl_raster_interpolation how, double *low,
+                      double *high);
 
 #endif

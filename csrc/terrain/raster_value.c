@@ -159,7 +159,8 @@ static double in_level(double u, int fine, int coarse, bool before, bool after) 
   return !after && place > coarse - 1.0 ? coarse - 1.0 : place;
 }
 
-double pl_raster_value(const pl_raster *r, int level, double u, double v, pl_interpolation how) {
+double pl_raster_value(const pl_raster *r, int level, double u, double v,
+                       pl_raster_interpolation how) {
   const int k = level < 0 ? 0 : level < r->level_count ? level : r->level_count - 1;
   const pl_raster_level *at = &r->levels[k];
   const double x = in_level(u, r->columns, at->width, r->wraps, r->wraps);
@@ -173,7 +174,7 @@ double pl_raster_value(const pl_raster *r, int level, double u, double v, pl_int
 
 /* A product of two Catmull-Rom curves has weights of which the negative ones sum to -9/32 at
  * most. */
-void pl_raster_bounds(const pl_raster *r, pl_interpolation how, double *low, double *high) {
+void pl_raster_bounds(const pl_raster *r, pl_raster_interpolation how, double *low, double *high) {
   const double a = r->frame.scale * r->least + r->frame.offset;
   const double b = r->frame.scale * r->greatest + r->frame.offset;
   const double beyond = how == PL_INTERPOLATION_CUBIC ? 9.0 / 32.0 * fabs(b - a) : 0.0;

@@ -220,6 +220,42 @@ class Grid:
         """(channels,) mean of all cells."""
 
 @final
+class Raster:
+    """Georeferenced numbers on a body: scale * sample + offset. Posts stay to the bit. Directions are
+    from the body's centre, in body axes."""
+    def __new__(
+        cls, samples: NDArray[Any], projection: str, x0: float, y0: float, dx: float, dy: float,
+        scale: float = 1.0, offset: float = 0.0, lon0_rad: float = 0.0, lat0_rad: float = 0.0,
+        radius_m: float = 0.0, map_scale: float = 1.0, axis_ratio: float = 1.0
+    ) -> Self:
+        """samples: (height, width) of uint8, int16, uint16 or float32, finite; borrowed, so they must
+        not change. The post of column c and row r is at (x0 + c dx, y0 + r dy). projection:
+        "cylindrical" (longitude and latitude, rad; axis_ratio: polar over equatorial radius, where
+        latitudes are geodetic), "stereographic" or "orthographic" (m, about the centre lon0_rad,
+        lat0_rad, of a sphere of radius_m; map_scale: scale at the centre, stereographic)."""
+    def values(
+        self, directions: F64, interpolation: str = "bilinear", level: int = 0
+    ) -> F64:
+        """(n,) values in directions (n, 3), NaN outside; of level `level` of the pyramid, whose cells
+        are 2^level posts wide. interpolation: "bilinear" | "cubic"."""
+    def weights(self, directions: F64, border_posts: float) -> F64:
+        """(n,) 1 inside, 0 outside, smooth over the border."""
+    def posts(self, directions: F64, /) -> F64:
+        """(n, 2) column and row of directions (n, 3), NaN outside."""
+    def directions(self, posts: F64, /) -> F64:
+        """(n, 3) unit directions of columns and rows (n, 2)."""
+    def spacing_m(self, radius_m: float, /) -> float:
+        """Distance of posts on a body of this radius."""
+    def bounds(self, interpolation: str = "bilinear", /) -> tuple[float, float]:
+        """Bounds of all values."""
+    @property
+    def levels(self) -> int:
+        """Number of levels of its pyramid."""
+    @property
+    def whole(self) -> bool:
+        """Whether it covers the whole body."""
+
+@final
 class Air:
     """An atmosphere about a round body at the origin; points lie outside it, directions are unit."""
     def __new__(cls, settings: AirSettings, radius_m: float) -> Self:

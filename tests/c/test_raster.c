@@ -8,7 +8,7 @@
 #include "terrain/raster.h"
 
 static const double DEGREE = PL_PI / 180.0, RADIUS_M = 1737400.0;
-static const pl_interpolation BOTH[2] = {PL_INTERPOLATION_BILINEAR, PL_INTERPOLATION_CUBIC};
+static const pl_raster_interpolation BOTH[2] = {PL_INTERPOLATION_BILINEAR, PL_INTERPOLATION_CUBIC};
 
 static pl_raster *make(const pl_raster_frame *frame) {
   pl_raster *raster;
@@ -18,7 +18,7 @@ static pl_raster *make(const pl_raster_frame *frame) {
 
 static void assert_close(double a, double b, double within) { assert_true(fabs(a - b) <= within); }
 
-static double value_at(const pl_raster *raster, pl_vec3 d, pl_interpolation how) {
+static double value_at(const pl_raster *raster, pl_vec3 d, pl_raster_interpolation how) {
   double u, v;
   assert_true(pl_raster_find(raster, d, &u, &v));
   return pl_raster_value(raster, 0, u, v, how);
