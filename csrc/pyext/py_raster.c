@@ -62,9 +62,9 @@ static int lend(PyObject *samples, PyObject *kept, pl_raster_frame *out) {
   }
   const npy_intp size = PyArray_ITEMSIZE(array), *shape = PyArray_DIMS(array);
   const npy_intp row = PyArray_STRIDE(array, 0);
-  const int dense = shape[1] < 2 || PyArray_STRIDE(array, 1) == size;
+  const int dense = PyArray_SIZE(array) == 0 || shape[1] < 2 || PyArray_STRIDE(array, 1) == size;
   if (!PyArray_ISALIGNED(array) || !PyArray_ISNOTSWAPPED(array) || !dense ||
-      (shape[0] > 1 && (row < shape[1] * size || row % size != 0))) {
+      (shape[0] > 1 && shape[1] > 0 && (row < shape[1] * size || row % size != 0))) {
     PyErr_SetString(PyExc_ValueError, "samples must be aligned, in native byte order, and rows of "
                                       "adjacent numbers from first to last");
     return -1;

@@ -26,7 +26,7 @@
 
 typedef struct pl_terrain_layer {
   const pl_raster *raster; /* borrowed */
-  pl_interpolation interpolation;
+  pl_raster_interpolation interpolation;
   double border_posts; /* width of its blending into the layers below */
   double datum_m; /* radius of the sphere that its heights are over; 0: over the body's ellipsoid */
 } pl_terrain_layer;

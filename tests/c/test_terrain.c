@@ -58,7 +58,7 @@ static void teardown(ground *g) {
   pl_raster_destroy(g->body);
 }
 
-static pl_terrain *make(const ground *g, size_t layers, pl_interpolation how, bool detail) {
+static pl_terrain *make(const ground *g, size_t layers, pl_raster_interpolation how, bool detail) {
   const pl_terrain_layer given[2] = {{g->body, how, 0.0, 0.0}, {g->patch, how, 4.0, 0.0}};
   pl_terrain_frame frame = {
       .radii_m = {RADIUS_M, RADIUS_M, RADIUS_M},
@@ -77,7 +77,7 @@ static void test_posts(void **state) {
   static ground g;
   setup(&g, 1);
   for (int how = 0; how < PL_INTERPOLATION_COUNT; how++) {
-    pl_terrain *terrain = make(&g, 2, (pl_interpolation)how, true);
+    pl_terrain *terrain = make(&g, 2, (pl_raster_interpolation)how, true);
     int moved = 0;
     for (int row = 5; row < SIDE - 5; row++)
       for (int column = 5; column < SIDE - 5; column++) {
@@ -88,7 +88,7 @@ static void test_posts(void **state) {
         double u, v;
         assert_true(pl_raster_find(g.patch, beside, &u, &v));
         moved += fabs(pl_terrain_height(terrain, beside, 28) -
-                      pl_raster_value(g.patch, 0, u, v, (pl_interpolation)how)) > 0.05;
+                      pl_raster_value(g.patch, 0, u, v, (pl_raster_interpolation)how)) > 0.05;
       }
     assert_true(moved > 700); /* of 900: detail is there */
     pl_terrain_destroy(terrain);
