@@ -129,6 +129,22 @@ double pl_terrain_relief_m(const pl_terrain *terrain, int level) {
   return pl_fractal_detail_deviation_m(&terrain->detail, level + 1, PL_CUBE_LEVELS - 1);
 }
 
+pl_vec3 pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double baseline_m) {
+  const double half = 0.5 * baseline_m / pl_terrain_datum_m(terrain, direction);
+  const pl_vec3 axis =
+      fabs(direction.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
+  const pl_vec3 east = pl_vec3_unit(pl_vec3_cross(axis, direction));
+  const pl_vec3 north = pl_vec3_cross(direction, east);
+  const pl_vec3 places[4] = {pl_vec3_unit(pl_vec3_madd(direction, -half, east)),
+                             pl_vec3_unit(pl_vec3_madd(direction, half, east)),
+                             pl_vec3_unit(pl_vec3_madd(direction, -half, north)),
+                             pl_vec3_unit(pl_vec3_madd(direction, half, north))};
+  double h[4];
+  pl_terrain_heights(terrain, places, 4, pl_terrain_level_of(terrain, baseline_m), h);
+  return pl_vec3_madd(pl_vec3_scale(east, (h[1] - h[0]) / baseline_m), (h[3] - h[2]) / baseline_m,
+                      north);
+}
+
 pl_vec3 pl_terrain_detail_gradient(const pl_terrain *terrain, pl_vec3 direction, int from, int to) {
   const pl_vec3 rise = pl_fractal_detail_gradient(&terrain->detail, direction, from, to);
   return pl_vec3_scale(rise, 1.0 / terrain->radius_m);

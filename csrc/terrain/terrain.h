@@ -78,8 +78,12 @@ void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m)
  * below the cells of a coarse level is not in it. */
 double pl_terrain_relief_m(const pl_terrain *terrain, int level);
 
-/* Returns the slope of the detail of levels `from` to `to` alone (rise over distance, as a vector
- * along the ground in body axes): of what is drawn too fine for cells. */
+/* Returns the slope (rise over distance, as a vector along the ground in body axes) between points
+ * `baseline_m` apart, with all that a lattice with cells of that width resolves. */
+pl_vec3 pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double baseline_m);
+
+/* Returns the slope of the detail of levels `from` to `to` alone: of what is drawn too fine for
+ * cells. */
 pl_vec3 pl_terrain_detail_gradient(const pl_terrain *terrain, pl_vec3 direction, int from, int to);
 
 #endif

@@ -256,6 +256,44 @@ class Raster:
         """Whether it covers the whole body."""
 
 @final
+class Terrain:
+    """Heights of a body's ground over its ellipsoid, along directions from its centre: rasters, from
+    coarse to fine, and fractal detail of wavelengths below their posts, which stay to the bit."""
+    def __new__(
+        cls, radii_m: F64, layers: Sequence[tuple[Raster, str, float, float]] = ...,
+        detail: Mapping[str, object] | None = None
+    ) -> Self:
+        """radii_m: (3,) of the ellipsoid. layers: (raster, interpolation, border_posts, datum_m), each
+        over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
+        into the layers below; datum_m: radius of the sphere that heights are over, 0 for the
+        ellipsoid. detail: None for none; keys, all optional: seed (0 to 2^64 - 1), ranges [(from_m,
+        hurst), ...] (the first from 0), baseline_m and deviation_m (RMS difference of heights over
+        that baseline), strength (factor of heights), longest_m and finest_m (widest and narrowest
+        cells of noise). The defaults are the highlands of the Moon, without a seed: 0."""
+    def heights(self, directions: F64, cell_m: float = 0.0) -> F64:
+        """(n,) heights, m, in directions (n, 3) in body axes, as a lattice with cells of at most
+        cell_m resolves them; 0: of the finest level."""
+    def block(
+        self, face: int, level: int, i0: int, j0: int, width: int, height: int
+    ) -> F64:
+        """(height, width) heights, m, of nodes (i0 + column, j0 + row) of a face of the cube."""
+    def slopes(self, directions: F64, baseline_m: float) -> F64:
+        """(n, 3) slopes, rise over distance, between points baseline_m apart, as vectors along the
+        ground in body axes."""
+    def level(self, cell_m: float, /) -> int:
+        """Coarsest level of the lattice with cells of at most cell_m; 0: the finest level."""
+    def cell_m(self, level: int, /) -> float:
+        """Width of the cells of a level."""
+    def relief_m(self, cell_m: float, /) -> float:
+        """Standard deviation, m, of the detail that levels finer than cell_m add."""
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Bounds of all heights, m."""
+    @property
+    def finest_level(self) -> int:
+        """Level beyond which nothing is added."""
+
+@final
 class Air:
     """An atmosphere about a round body at the origin; points lie outside it, directions are unit."""
     def __new__(cls, settings: AirSettings, radius_m: float) -> Self:

@@ -1,0 +1,349 @@
+/* The type Terrain: heights of a body's ground. */
+#include <string.h>
+
+#include "pyext/py_read.h"
+#include "pyext/py_types.h"
+#include "terrain/terrain.h"
+
+typedef struct terrain_object {
+  PyObject_HEAD pl_terrain *terrain; /* owned */
+  PyObject *kept;                    /* list of the rasters */
+} terrain_object;
+
+static void terrain_dealloc(PyObject *self) {
+  PyTypeObject *type = Py_TYPE(self);
+  pl_terrain_destroy(((terrain_object *)self)->terrain);
+  Py_XDECREF(((terrain_object *)self)->kept);
+  ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
+  Py_DECREF(type);
+}
+
+const pl_terrain *pl_py_terrain_of(PyObject *object) {
+  if (!pl_py_is(object, (void *)terrain_dealloc)) {
+    PyErr_SetString(PyExc_TypeError, "terrain must be a perilune._core.Terrain");
+    return NULL;
+  }
+  return ((terrain_object *)object)->terrain;
+}
+
+/* ---- creation ------------------------------------------------------------------------------- */
+
+static int interpolation_of(const char *name, pl_raster_interpolation *out) {
+  static const char *const names[PL_INTERPOLATION_COUNT] = {"bilinear", "cubic"};
+  for (int k = 0; k < PL_INTERPOLATION_COUNT; k++)
+    if (strcmp(name, names[k]) == 0) {
+      *out = (pl_raster_interpolation)k;
+      return 0;
+    }
+  PyErr_Format(PyExc_ValueError, "interpolation is '%s'; allowed: bilinear, cubic", name);
+  return -1;
+}
+
+/* Reads (raster, interpolation, border_posts, datum_m); the list `kept` gets the raster. */
+static int layer_of(PyObject *item, PyObject *kept, pl_terrain_layer *out) {
+  PyObject *raster;
+  const char *name;
+  if (!PyTuple_Check(item)) {
+    PyErr_SetString(PyExc_TypeError, "must be (raster, interpolation, border_posts, datum_m)");
+    return -1;
+  }
+  if (!PyArg_ParseTuple(item, "Osdd:layer", &raster, &name, &out->border_posts, &out->datum_m) ||
+      interpolation_of(name, &out->interpolation) < 0)
+    return -1;
+  out->raster = pl_py_raster_of(raster);
+  return out->raster != NULL ? PyList_Append(kept, raster) : -1;
+}
+
+static int layers_of(PyObject *layers, PyObject *kept, pl_terrain_layer out[PL_TERRAIN_LAYERS],
+                     size_t *count) {
+  const Py_ssize_t size = PySequence_Size(layers);
+  if (size < 0)
+    return -1;
+  if (size > PL_TERRAIN_LAYERS) {
+    PyErr_Format(PyExc_ValueError, "layers: %zd rasters; at most %d are supported", size,
+                 PL_TERRAIN_LAYERS);
+    return -1;
+  }
+  for (Py_ssize_t n = 0; n < size; n++) {
+    char where[32];
+    PyOS_snprintf(where, sizeof where, "layer %zd", n);
+    PyObject *item = PySequence_GetItem(layers, n);
+    const int failed = item == NULL || layer_of(item, kept, &out[n]) < 0;
+    Py_XDECREF(item);
+    if (failed)
+      return pl_py_prefix_error(where);
+  }
+  *count = (size_t)size;
+  return 0;
+}
+
+static int seed_of(PyObject *detail, uint64_t *out) {
+  PyObject *seed;
+  if (pl_py_member(detail, "seed", 1, "detail", &seed) < 0)
+    return -1;
+  if (seed != Py_None) {
+    *out = PyLong_AsUnsignedLongLong(seed);
+    if (PyErr_Occurred()) {
+      Py_DECREF(seed);
+      PyErr_Clear();
+      PyErr_SetString(PyExc_ValueError, "detail: seed must be an integer from 0 to 2^64 - 1");
+      return -1;
+    }
+  }
+  Py_DECREF(seed);
+  return 0;
+}
+
+static int ranges_of(PyObject *detail, pl_terrain_detail *out) {
+  const npy_intp shape[2] = {-1, 2};
+  PyObject *given;
+  if (pl_py_member(detail, "ranges", 1, "detail", &given) < 0)
+    return -1;
+  PyArrayObject *array =
+      given != Py_None ? pl_py_array(given, "detail: ranges", NPY_DOUBLE, 2, shape) : NULL;
+  const int failed = given != Py_None && array == NULL;
+  Py_DECREF(given);
+  if (array == NULL)
+    return failed ? -1 : 0;
+  out->range_count = (size_t)PyArray_DIM(array, 0);
+  const double *from = PyArray_DATA(array);
+  for (size_t k = 0; k < out->range_count && k < PL_DETAIL_RANGES; k++)
+    out->ranges[k] = (pl_detail_range){from[2 * k], from[2 * k + 1]};
+  Py_DECREF((PyObject *)array);
+  return 0;
+}
+
+/* Keys that are absent keep their defaults. */
+static int detail_of(PyObject *detail, double radius_m, pl_terrain_detail *out) {
+  *out = pl_terrain_detail_default(radius_m);
+  out->on = detail != Py_None;
+  if (!out->on)
+    return 0;
+  if (seed_of(detail, &out->seed) < 0 || ranges_of(detail, out) < 0)
+    return -1;
+  const struct {
+    const char *key;
+    double *to;
+  } numbers[] = {{"baseline_m", &out->baseline_m},
+                 {"deviation_m", &out->deviation_m},
+                 {"strength", &out->strength},
+                 {"longest_m", &out->longest_m},
+                 {"finest_m", &out->finest_m}};
+  for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
+    if (pl_py_optional_double(detail, numbers[k].key, "detail", numbers[k].to) < 0)
+      return -1;
+  return 0;
+}
+
+static int create(terrain_object *self, const double radii_m[3], PyObject *layers,
+                  PyObject *detail) {
+  pl_terrain_layer given[PL_TERRAIN_LAYERS];
+  pl_terrain_frame frame = {.radii_m = {radii_m[0], radii_m[1], radii_m[2]}, .layers = given};
+  self->kept = PyList_New(0);
+  if (self->kept == NULL ||
+      (layers != NULL && layers_of(layers, self->kept, given, &frame.layer_count) < 0) ||
+      detail_of(detail, radii_m[0], &frame.detail) < 0)
+    return -1;
+  const pl_status status = pl_terrain_create(&frame, &self->terrain);
+  if (status == PL_OK)
+    return 0;
+  pl_py_raise(status);
+  return -1;
+}
+
+static PyObject *terrain_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"radii_m", "layers", "detail", NULL};
+  PyObject *radii, *layers = NULL, *detail = Py_None;
+  const npy_intp shape[1] = {3};
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OO:Terrain", names, &radii, &layers, &detail))
+    return NULL;
+  PyArrayObject *array = pl_py_array(radii, "radii_m", NPY_DOUBLE, 1, shape);
+  if (array == NULL)
+    return NULL;
+  terrain_object *self = (terrain_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  const int failed = self == NULL || create(self, PyArray_DATA(array), layers, detail) < 0;
+  Py_DECREF((PyObject *)array);
+  if (!failed)
+    return (PyObject *)self;
+  Py_XDECREF((PyObject *)self);
+  return NULL;
+}
+
+/* ---- heights -------------------------------------------------------------------------------- */
+
+/* Reads directions (n, 3), which are made unit; those that are already keep their bits. */
+static PyArrayObject *directions_of(PyObject *object) {
+  const npy_intp shape[2] = {-1, 3};
+  PyArrayObject *array = pl_py_array(object, "directions", NPY_DOUBLE, 2, shape);
+  pl_vec3 *d = array != NULL ? PyArray_DATA(array) : NULL;
+  for (npy_intp k = 0; array != NULL && k < PyArray_DIM(array, 0); k++) {
+    const double square = pl_vec3_dot(d[k], d[k]);
+    if (!(square > 0.0 && isfinite(square))) {
+      Py_DECREF((PyObject *)array);
+      PyErr_Format(PyExc_ValueError, "direction %zd is 0 or not finite", (Py_ssize_t)k);
+      return NULL;
+    }
+    if (fabs(square - 1.0) > 1e-15)
+      d[k] = pl_vec3_unit(d[k]);
+  }
+  return array;
+}
+
+/* Level of cells of at most cell_m; the finest of all for 0. */
+static int level_of(const pl_terrain *terrain, double cell_m, int *out) {
+  if (!(cell_m >= 0.0)) {
+    PyErr_SetString(PyExc_ValueError, "cell_m must be at least 0");
+    return -1;
+  }
+  *out = cell_m > 0.0 ? pl_terrain_level_of(terrain, cell_m) : pl_terrain_finest_level(terrain);
+  return 0;
+}
+
+static PyObject *heights(PyObject *self, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"directions", "cell_m", NULL};
+  const pl_terrain *terrain = ((terrain_object *)self)->terrain;
+  PyObject *object;
+  double cell_m = 0.0;
+  int level;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|d:heights", names, &object, &cell_m) ||
+      level_of(terrain, cell_m, &level) < 0)
+    return NULL;
+  PyArrayObject *directions = directions_of(object);
+  if (directions == NULL)
+    return NULL;
+  npy_intp count = PyArray_DIM(directions, 0);
+  PyArrayObject *out = (PyArrayObject *)PyArray_SimpleNew(1, &count, NPY_DOUBLE);
+  if (out != NULL) {
+    const pl_vec3 *d = PyArray_DATA(directions);
+    double *h = PyArray_DATA(out);
+    Py_BEGIN_ALLOW_THREADS pl_terrain_heights(terrain, d, (size_t)count, level, h);
+    Py_END_ALLOW_THREADS
+  }
+  Py_DECREF((PyObject *)directions);
+  return (PyObject *)out;
+}
+
+static PyObject *block(PyObject *self, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"face", "level", "i0", "j0", "width", "height", NULL};
+  long long i0, j0;
+  pl_terrain_nodes nodes;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "iiLLii:block", names, &nodes.face, &nodes.level,
+                                   &i0, &j0, &nodes.width, &nodes.height))
+    return NULL;
+  if (nodes.face < 0 || nodes.face >= PL_CUBE_FACES || nodes.level < 0 ||
+      nodes.level >= PL_CUBE_LEVELS || nodes.width < 1 || nodes.height < 1)
+    return PyErr_Format(PyExc_ValueError,
+                        "face must be in [0, %d], level in [0, %d], and width "
+                        "and height at least 1",
+                        PL_CUBE_FACES - 1, PL_CUBE_LEVELS - 1);
+  const long long end = (1LL << nodes.level) + 8;
+  if (i0 < -8 || j0 < -8 || i0 > end - nodes.width || j0 > end - nodes.height)
+    return PyErr_Format(PyExc_ValueError, "nodes must lie at most 8 beyond the edges of the face");
+  nodes.i0 = i0;
+  nodes.j0 = j0;
+  npy_intp shape[2] = {nodes.height, nodes.width};
+  PyArrayObject *out = (PyArrayObject *)PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  if (out != NULL) {
+    double *h = PyArray_DATA(out);
+    Py_BEGIN_ALLOW_THREADS pl_terrain_block(((terrain_object *)self)->terrain, &nodes, h, NULL);
+    Py_END_ALLOW_THREADS
+  }
+  return (PyObject *)out;
+}
+
+static PyObject *slopes(PyObject *self, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"directions", "baseline_m", NULL};
+  const pl_terrain *terrain = ((terrain_object *)self)->terrain;
+  PyObject *object;
+  double baseline_m;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "Od:slopes", names, &object, &baseline_m))
+    return NULL;
+  if (!(baseline_m > 0.0 && isfinite(baseline_m)))
+    return PyErr_Format(PyExc_ValueError, "baseline_m must be above 0");
+  PyArrayObject *directions = directions_of(object);
+  if (directions == NULL)
+    return NULL;
+  const npy_intp shape[2] = {PyArray_DIM(directions, 0), 3};
+  PyArrayObject *out = (PyArrayObject *)PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  if (out != NULL) {
+    const pl_vec3 *d = PyArray_DATA(directions);
+    pl_vec3 *to = PyArray_DATA(out);
+    Py_BEGIN_ALLOW_THREADS for (npy_intp k = 0; k < shape[0]; k++) to[k] =
+        pl_terrain_slope(terrain, d[k], baseline_m);
+    Py_END_ALLOW_THREADS
+  }
+  Py_DECREF((PyObject *)directions);
+  return (PyObject *)out;
+}
+
+static PyObject *level_of_cell(PyObject *self, PyObject *cell) {
+  int level;
+  const double cell_m = PyFloat_AsDouble(cell);
+  if (PyErr_Occurred() || level_of(((terrain_object *)self)->terrain, cell_m, &level) < 0)
+    return NULL;
+  return PyLong_FromLong(level);
+}
+
+static PyObject *cell_of_level(PyObject *self, PyObject *level) {
+  const long k = PyLong_AsLong(level);
+  if (PyErr_Occurred())
+    return NULL;
+  if (k < 0 || k >= PL_CUBE_LEVELS)
+    return PyErr_Format(PyExc_ValueError, "level must be in [0, %d]", PL_CUBE_LEVELS - 1);
+  const double radius_m = pl_terrain_radius_m(((terrain_object *)self)->terrain);
+  return PyFloat_FromDouble(pl_cube_cell_m((int)k, radius_m));
+}
+
+static PyObject *relief_m(PyObject *self, PyObject *cell) {
+  int level;
+  const pl_terrain *terrain = ((terrain_object *)self)->terrain;
+  const double cell_m = PyFloat_AsDouble(cell);
+  if (PyErr_Occurred() || level_of(terrain, cell_m, &level) < 0)
+    return NULL;
+  return PyFloat_FromDouble(pl_terrain_relief_m(terrain, level));
+}
+
+static PyObject *get_bounds(PyObject *self, void *closure) {
+  (void)closure;
+  double low_m, high_m;
+  pl_terrain_bounds(((terrain_object *)self)->terrain, &low_m, &high_m);
+  return Py_BuildValue("(dd)", low_m, high_m);
+}
+
+static PyObject *get_finest(PyObject *self, void *closure) {
+  (void)closure;
+  return PyLong_FromLong(pl_terrain_finest_level(((terrain_object *)self)->terrain));
+}
+
+static PyMethodDef terrain_methods[] = {
+    {"heights", (PyCFunction)(void (*)(void))heights, METH_VARARGS | METH_KEYWORDS,
+     "heights($self, directions, cell_m=0.0)\n--\n\n(n,) heights, m."},
+    {"block", (PyCFunction)(void (*)(void))block, METH_VARARGS | METH_KEYWORDS,
+     "block($self, face, level, i0, j0, width, height)\n--\n\n(height, width) heights of nodes."},
+    {"slopes", (PyCFunction)(void (*)(void))slopes, METH_VARARGS | METH_KEYWORDS,
+     "slopes($self, directions, baseline_m)\n--\n\n(n, 3) slopes along the ground."},
+    {"level", level_of_cell, METH_O,
+     "level($self, cell_m, /)\n--\n\nCoarsest level of cells of at most cell_m."},
+    {"cell_m", cell_of_level, METH_O, "cell_m($self, level, /)\n--\n\nWidth of a level's cells."},
+    {"relief_m", relief_m, METH_O,
+     "relief_m($self, cell_m, /)\n--\n\nStandard deviation of detail finer than cells."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyGetSetDef terrain_getset[] = {
+    {"bounds", get_bounds, NULL, "Bounds of all heights, m.", NULL},
+    {"finest_level", get_finest, NULL, "Level beyond which nothing is added.", NULL},
+    {NULL, NULL, NULL, NULL, NULL},
+};
+
+static PyType_Slot terrain_slots[] = {
+    {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None)\n--\n\nHeights of a body's ground."},
+    {Py_tp_new, (void *)terrain_new},
+    {Py_tp_dealloc, (void *)terrain_dealloc},
+    {Py_tp_methods, terrain_methods},
+    {Py_tp_getset, terrain_getset},
+    {0, NULL},
+};
+
+PyType_Spec pl_py_terrain_spec = {"perilune._core.Terrain", sizeof(terrain_object), 0,
+                                  Py_TPFLAGS_DEFAULT, terrain_slots};
