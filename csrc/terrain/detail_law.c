@@ -106,6 +106,9 @@ static void set_up(const pl_terrain_detail *detail, double radius_m, int first, 
   }
 }
 
+enum { FIT_STEPS = 300 };
+static const double SMOOTHING = 0.1; /* weight of the neighbours' mean */
+
 /* One step of the multiplicative algorithm for least squares with variances that are not negative
  * (Daube-Witherspoon and Muehllehner 1986). */
 static void improve(const octave_fit *fit, double *variance) {
@@ -123,7 +126,19 @@ static void improve(const octave_fit *fit, double *variance) {
     variance[k] *= above[k] / below[k];
 }
 
-enum { FIT_STEPS = 300 };
+/* Evens the strengths of neighbouring octaves, relative to the law: nu(L) hardly depends on how
+ * variance is divided between neighbours, and where H is near 1 or changes, the fit would else put
+ * most of it into single octaves. */
+static void smooth(const double *law, int levels, double *variance) {
+  double logs[PL_CUBE_LEVELS];
+  for (int k = 0; k < levels; k++)
+    logs[k] = log(variance[k] / law[k]);
+  for (int k = 0; k < levels && levels > 1; k++) {
+    const double before = k > 0 ? logs[k - 1] : 2.0 * logs[0] - logs[1];
+    const double after = k < levels - 1 ? logs[k + 1] : 2.0 * logs[k] - logs[k - 1];
+    variance[k] = law[k] * exp((1.0 - SMOOTHING) * logs[k] + SMOOTHING * 0.5 * (before + after));
+  }
+}
 
 void pl_detail_octaves(const pl_terrain_detail *detail, double radius_m,
                        double sigma_m[PL_CUBE_LEVELS]) {
@@ -134,14 +149,18 @@ void pl_detail_octaves(const pl_terrain_detail *detail, double radius_m,
   octave_fit fit;
   const int first = pl_cube_level(detail->longest_m, radius_m);
   const int last = pl_cube_level(detail->finest_m, radius_m);
-  double variance[PL_CUBE_LEVELS];
+  double variance[PL_CUBE_LEVELS], law[PL_CUBE_LEVELS];
   fit.levels = last - first + 1;
   set_up(detail, radius_m, first, &fit);
-  for (int k = 0; k < fit.levels; k++)
-    variance[k] =
-        0.1 * pow(pl_terrain_detail_deviation_m(detail, pl_cube_cell_m(first + k, radius_m)), 2.0);
-  for (int step = 0; step < FIT_STEPS; step++)
+  for (int k = 0; k < fit.levels; k++) {
+    const double cell_m = pl_cube_cell_m(first + k, radius_m);
+    law[k] = pow(pl_terrain_detail_deviation_m(detail, cell_m), 2.0);
+    variance[k] = 0.1 * law[k];
+  }
+  for (int step = 0; step < FIT_STEPS; step++) {
     improve(&fit, variance);
+    smooth(law, fit.levels, variance);
+  }
   for (int k = 0; k < fit.levels; k++)
     sigma_m[first + k] = detail->strength * sqrt(variance[k]);
 }
