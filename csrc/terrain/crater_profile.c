@@ -33,12 +33,13 @@ pl_crater_dimensions pl_crater_fresh(double diameter_m) {
   /* Fit to the depths by size of Stopar et al. (2017), D in m below 850 m. */
   const double small =
       d * (0.123447427 + d * (1.49135061e-4 + d * (-6.16681361e-8 + d * 7.08449143e-12)));
-  double simple_depth = 196.0 * pow(km, 1.010);
-  if (diameter_m < 850.0)
-    simple_depth = fmin(simple_depth, small);
+  const double pike_depth = 196.0 * pow(km, 1.010);
+  const double simple_depth = diameter_m < 850.0 ? fmin(pike_depth, small) : pike_depth;
+  /* The rims of shallower craters are lower, too: what was thrown out comes from inside. */
+  const double simple_rim = 36.0 * pow(km, 1.014) * simple_depth / pike_depth;
   pl_crater_dimensions fresh;
   fresh.depth_m = pow(simple_depth, 1.0 - complex) * pow(1044.0 * pow(km, 0.301), complex);
-  fresh.rim_m = pow(36.0 * pow(km, 1.014), 1.0 - complex) * pow(236.0 * pow(km, 0.399), complex);
+  fresh.rim_m = pow(simple_rim, 1.0 - complex) * pow(236.0 * pow(km, 0.399), complex);
   fresh.ejecta_m = fmin(0.14 * pow(0.5 * diameter_m, 0.74), 0.5 * fresh.rim_m);
   fresh.peak_m = fmin(complex * 32.0 * pow(km, 0.9), 0.5 * fresh.depth_m);
   const double floor = 0.187 * pow(km, 0.249);
@@ -74,7 +75,7 @@ static double bowl(double x, double floor) {
 /* Falls as a power of the distance outside, flat at the crest itself; 1 inside. */
 static double flank(double x, double power) {
   const double u = fmax(x - 1.0, 0.0);
-  return pow(1.0 + u * u / (u + 0.1), power) * (1.0 - smooth(0.5 * (x - 2.0)));
+  return pow(1.0 + u * u / (u + 0.05), power) * (1.0 - smooth(0.5 * (x - 2.0)));
 }
 
 static double part_at(int part, double x) {

@@ -24,8 +24,9 @@ typedef struct pl_crater_dimensions {
 } pl_crater_dimensions;
 
 /* Pike (1977) for simple and complex craters, joined between 10 and 20 km; depths of craters below
- * 1 km by Stopar et al. (2017), who found them shallower; ejecta by McGetchin et al. (1973), at
- * most half of the rim. Peaks are at most half of the depth: larger craters have rings instead. */
+ * 0.7 km by Stopar et al. (2017), who found them shallower, with rims lower in proportion; ejecta
+ * by McGetchin et al. (1973), at most half of the rim. Peaks are at most half of the depth: larger
+ * craters have rings instead. */
 pl_crater_dimensions pl_crater_fresh(double diameter_m);
 
 /* Time of diffusion over R^2/diffusivity. Diffusivity (m^2 per Myr) grows as D^exponent from its

@@ -1,0 +1,87 @@
+/* Internal: the cells of a field of craters, and what is drawn in them. */
+#ifndef PL_TERRAIN_CRATER_CELLS_H
+#define PL_TERRAIN_CRATER_CELLS_H
+
+#include "terrain/crater_field.h"
+#include "terrain/crater_profile.h"
+#include "terrain/cube.h"
+#include "terrain/size_table.h"
+
+enum { PL_CRATER_LEVELS = 26, PL_CRATER_CELL_MOST = 1023 };
+
+/* Harmonics of the rim's radius, from order 2 on, and of its height, from order 1 on. */
+enum { PL_CRATER_RADIUS_ORDERS = 4, PL_CRATER_HEIGHT_ORDERS = 3 };
+
+/* One octave of sizes and its lattice; empty if low_m >= high_m. */
+typedef struct pl_crater_octave {
+  double low_m, high_m;
+  const double *shares; /* shares[k]: probability of k craters or fewer in a cell */
+  size_t count;         /* of shares */
+} pl_crater_octave;
+
+struct pl_crater_field {
+  pl_crater_frame frame;
+  double *table; /* the law's table, owned */
+  pl_size_table *sizes;
+  pl_crater_shapes *shapes;
+  double *shares;                  /* of all octaves */
+  int first, last;                 /* levels in use */
+  double stretch;                  /* bound of a rim's radius over R */
+  pl_vec3 faces[PL_CUBE_FACES][3]; /* outward, s, t */
+  pl_crater_octave octaves[PL_CRATER_LEVELS];
+};
+
+/* Bound of a rim's radius over R, by the ellipse and the harmonics of a frame. */
+double pl_crater_stretch(const pl_crater_frame *frame);
+
+/* A crater as drawn: where and how large. */
+typedef struct pl_crater_site {
+  uint64_t id;
+  pl_vec3 direction;
+  double diameter_m;
+} pl_crater_site;
+
+/* Selects craters: those whose centre is within `angle_rad` plus `reach` of their radii (0: the
+ * centre itself) of an axis, with diameters in [min_m, max_m). */
+typedef struct pl_crater_query {
+  const pl_crater_model *model; /* or NULL */
+  pl_vec3 axis;
+  double angle_rad, reach, min_m, max_m;
+} pl_crater_query;
+
+typedef pl_status (*pl_crater_visit_fn)(void *context, const pl_crater_site *site);
+
+/* Visits the craters by level, face, i, j and number, which is the order of their ids. */
+pl_status pl_crater_visit(const pl_crater_field *field, const pl_crater_query *query,
+                          pl_crater_visit_fn visit, void *context);
+
+/* What else is drawn for a crater; words are independent of those of its site. */
+typedef struct pl_crater_draw {
+  double age_ga, tau, axis_ratio;
+  pl_vec3 major, minor; /* unit, tangent to the sphere */
+  double offset[2];     /* of the floor along major and minor, over R */
+  /* cosine and sine amplitudes by order */
+  double radius[PL_CRATER_RADIUS_ORDERS][2], height[PL_CRATER_HEIGHT_ORDERS][2];
+} pl_crater_draw;
+void pl_crater_draw_age(const pl_crater_field *field, const pl_crater_site *site,
+                        pl_crater_draw *draw); /* age_ga and tau */
+void pl_crater_draw_shape(const pl_crater_field *field, const pl_crater_site *site,
+                          pl_crater_draw *draw); /* the others */
+
+/* Whether crater a is younger than b; the later id of two of the same age. */
+static inline bool pl_crater_younger(double age_a, uint64_t id_a, double age_b, uint64_t id_b) {
+  return age_a < age_b || (age_a == age_b && id_a > id_b);
+}
+
+/* Radius over R up to which a crater removes older ones wholly, and at all. */
+#define PL_CRATER_ERASE_FROM 1.0
+#define PL_CRATER_ERASE_TO 1.3
+/* Least ratio of diameters at which the younger removes some of the older; at its inverse all. */
+#define PL_CRATER_ERASE_RATIO 0.70710678118654752
+
+/* Share of an older crater that a younger one removes within its rim, by their diameters. */
+double pl_crater_erasure(double younger_m, double older_m);
+/* Share of that at a chord^2 from the centre of a crater of a radius (over the body's radius). */
+double pl_crater_erasure_at(double chord2, double radius);
+
+#endif

@@ -1,0 +1,90 @@
+/* Craters of a whole body as a function of place: nothing is stored, nothing depends on the view.
+ *
+ * Sizes are cut into octaves, each with a lattice of the cube (terrain/cube.h) whose cells are 8 to
+ * 16 diameters wide. The craters of a cell are drawn from random numbers keyed by (seed, cell):
+ * their number is Poisson, their centres are uniform on the sphere. A crater on an edge of cells or
+ * of the cube is found from both sides.
+ *
+ * Relief is the sum of the profiles of craters. Inside the rim of a crater, older ones that are
+ * smaller or about as large are gone; those that are larger stay, as the slope that it lies on.
+ * Sums are taken in a fixed order, so the height of a point has the same bits in any block. */
+#ifndef PL_TERRAIN_CRATER_FIELD_H
+#define PL_TERRAIN_CRATER_FIELD_H
+
+#include <stdint.h>
+
+#include "math/vec.h"
+#include "terrain/crater_sizes.h"
+
+/* Craters are left out below 2 footprints of diameter, and at full height from 4 on. */
+#define PL_CRATER_FADE_FROM 2.0
+#define PL_CRATER_FADE_TO 4.0
+/* Greatest diameter over the body's radius: an eighth of a face of the cube. */
+#define PL_CRATER_MAX_OF_RADIUS 0.196
+/* Least diameter over the body's radius: 5 mm on the Moon. */
+#define PL_CRATER_MIN_OF_RADIUS 3e-9
+/* Greatest density times D^2; geometric saturation is 1.54. */
+#define PL_CRATER_DENSEST 2.5
+/* Most craters that a list may be expected to have. */
+#define PL_CRATER_LIST_MOST 2e6
+
+typedef struct pl_crater_frame {
+  double radius_m; /* of the body; an oblate body's mean: densities are those of this sphere */
+  pl_crater_law law;
+  uint64_t seed;
+  double min_m, max_m;           /* diameters */
+  double diffusivity_m2_per_myr; /* that degrades craters of 1 km; 0 or more */
+  double diffusivity_exponent;   /* by diameter */
+  double ellipticity;  /* greatest 1 - minor/major axis, [0, 0.6]; drawn uniformly from 0 on */
+  double irregularity; /* of rims and floors: 1 as real ones, 0 to 3 */
+  double model_posts;  /* an elevation model shows craters of so many of its posts or more; > 0 */
+} pl_crater_frame;
+
+typedef struct pl_crater_field pl_crater_field;
+
+/* PL_E_RANGE for numbers that are not valid, and for laws denser than PL_CRATER_DENSEST. The law's
+ * table is copied. The field is immutable, so that threads can share it. */
+pl_status pl_crater_field_create(const pl_crater_frame *frame, pl_crater_field **out);
+void pl_crater_field_destroy(pl_crater_field *field);
+const pl_crater_frame *pl_crater_field_frame(const pl_crater_field *field);
+
+/* Elevation model under the craters: the spacing of its posts (m) in a direction, infinite where
+ * there is none. Craters that it shows, by their diameter and the spacing at their centre, are not
+ * drawn again. Must be pure. */
+typedef struct pl_crater_model {
+  double (*spacing_m)(const void *context, pl_vec3 direction);
+  const void *context;
+} pl_crater_model;
+
+/* Adds the heights (m) of craters at unit directions, for a footprint (the width of a cell of the
+ * mesh, m). Fast if the directions are near each other. `model` may be NULL. */
+pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_model *model,
+                                const pl_vec3 *directions, size_t count, double footprint_m,
+                                double *heights);
+
+/* Bounds of relief (m) by all craters of at most `largest_m`: heights lie between them but for
+ * chance overlaps of many large craters. */
+void pl_crater_bounds(const pl_crater_field *field, double largest_m, double *low_m,
+                      double *high_m);
+
+typedef struct pl_crater {
+  uint64_t id; /* below 2^63, not 0; the same in any query */
+  pl_vec3 direction;
+  pl_vec3 major;     /* unit direction of the major axis at the centre */
+  double diameter_m; /* geometric mean of both axes */
+  double axis_ratio; /* minor over major axis */
+  double age_ga;
+  double tau;     /* degradation: time of diffusion over R^2/diffusivity */
+  double depth_m; /* rim to floor, degraded */
+  double rim_m;   /* rim over the surface before the impact, degraded */
+  double kept;    /* share of the height at its centre that younger craters left */
+} pl_crater;
+
+/* Lists the craters with centres within radius_m (along the ground) of a direction, with diameters
+ * in [min_m, max_m), larger octaves first. *out is freed with pl_free. PL_E_RANGE if more than
+ * PL_CRATER_LIST_MOST are to be expected. */
+pl_status pl_crater_list(const pl_crater_field *field, const pl_crater_model *model,
+                         pl_vec3 direction, double radius_m, double min_m, double max_m,
+                         pl_crater **out, size_t *count);
+
+#endif

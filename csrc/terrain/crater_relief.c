@@ -1,0 +1,203 @@
+/* Relief of a field of craters: gathers the craters that touch a block, then sums their profiles.
+ */
+#include <string.h>
+
+#include "base/memory.h"
+#include "terrain/crater_cells.h"
+
+/* A crater over a block. */
+typedef struct touching {
+  pl_vec3 direction;
+  pl_vec3 u, v;  /* tangent axes over the semi-axes: they give x along major and minor */
+  double reach2; /* chord^2 beyond which it has no relief */
+  double radius; /* over that of the body */
+  double fade;
+  double offset[2];
+  double by_radius[PL_CRATER_RADIUS_ORDERS][2], by_height[PL_CRATER_HEIGHT_ORDERS][2];
+  double age_ga, diameter_m;
+  uint64_t id;
+  size_t first_eraser, eraser_count;
+  float profile[PL_CRATER_KNOTS]; /* m */
+} touching;
+
+/* A younger crater that removes a share of an older one within its rim. */
+typedef struct eraser {
+  size_t crater;
+  double share;
+} eraser;
+
+typedef struct gathered {
+  const pl_crater_field *field;
+  double footprint_m;
+  touching *craters;
+  eraser *erasers;
+  size_t count, capacity, eraser_count, eraser_capacity;
+} gathered;
+
+static pl_status grow(void **items, size_t size, size_t count, size_t *capacity) {
+  if (count < *capacity)
+    return PL_OK;
+  const size_t more = *capacity > 0 ? 2 * *capacity : 64;
+  void *grown = pl_realloc(*items, more, size);
+  if (grown == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for %zu craters", more);
+  *items = grown;
+  *capacity = more;
+  return PL_OK;
+}
+
+static double fade_of(double diameter_m, double footprint_m) {
+  if (diameter_m >= PL_CRATER_FADE_TO * footprint_m)
+    return 1.0;
+  const double t =
+      (diameter_m / footprint_m - PL_CRATER_FADE_FROM) / (PL_CRATER_FADE_TO - PL_CRATER_FADE_FROM);
+  return t > 0.0 ? t * t * (3.0 - 2.0 * t) : 0.0;
+}
+
+static pl_status touch(void *context, const pl_crater_site *site) {
+  gathered *all = context;
+  const pl_crater_field *field = all->field;
+  PL_TRY(grow((void **)&all->craters, sizeof *all->craters, all->count, &all->capacity));
+  pl_crater_draw draw;
+  pl_crater_draw_age(field, site, &draw);
+  pl_crater_draw_shape(field, site, &draw);
+  touching *crater = &all->craters[all->count++];
+  crater->direction = site->direction;
+  crater->radius = 0.5 * site->diameter_m / field->frame.radius_m;
+  const double root = sqrt(draw.axis_ratio);
+  crater->u = pl_vec3_scale(draw.major, root / crater->radius);
+  crater->v = pl_vec3_scale(draw.minor, 1.0 / (root * crater->radius));
+  const double chord =
+      2.0 * sin(0.5 * fmin(PL_CRATER_REACH * field->stretch * crater->radius, PL_PI));
+  crater->reach2 = chord * chord;
+  crater->fade = fade_of(site->diameter_m, all->footprint_m);
+  memcpy(crater->offset, draw.offset, sizeof draw.offset);
+  memcpy(crater->by_radius, draw.radius, sizeof draw.radius);
+  memcpy(crater->by_height, draw.height, sizeof draw.height);
+  crater->age_ga = draw.age_ga;
+  crater->diameter_m = site->diameter_m;
+  crater->id = site->id;
+  crater->first_eraser = crater->eraser_count = 0;
+  const pl_crater_dimensions fresh = pl_crater_fresh(site->diameter_m);
+  pl_crater_profile(field->shapes, &fresh, draw.tau, crater->profile);
+  return PL_OK;
+}
+
+static bool overlap(const touching *younger, const touching *older) {
+  const pl_vec3 to = pl_vec3_sub(younger->direction, older->direction);
+  const double reach = PL_CRATER_ERASE_TO * younger->radius + sqrt(older->reach2);
+  return pl_vec3_dot(to, to) < reach * reach;
+}
+
+/* Lists for each crater the younger ones that remove some of it. */
+static pl_status find_erasers(gathered *all) {
+  for (size_t k = 0; k < all->count; k++) {
+    touching *older = &all->craters[k];
+    older->first_eraser = all->eraser_count;
+    for (size_t m = 0; m < all->count; m++) {
+      const touching *younger = &all->craters[m];
+      /* Octaves come in the order of size: behind are only smaller ones. */
+      if (younger->diameter_m < 0.25 * older->diameter_m)
+        break;
+      if (younger->diameter_m <= PL_CRATER_ERASE_RATIO * older->diameter_m ||
+          !pl_crater_younger(younger->age_ga, younger->id, older->age_ga, older->id) ||
+          !overlap(younger, older))
+        continue;
+      PL_TRY(grow((void **)&all->erasers, sizeof *all->erasers, all->eraser_count,
+                  &all->eraser_capacity));
+      all->erasers[all->eraser_count++] =
+          (eraser){m, younger->fade * pl_crater_erasure(younger->diameter_m, older->diameter_m)};
+    }
+    older->eraser_count = all->eraser_count - older->first_eraser;
+  }
+  return PL_OK;
+}
+
+static double chord2_to(const touching *crater, pl_vec3 direction) {
+  const pl_vec3 to = pl_vec3_sub(direction, crater->direction);
+  return pl_vec3_dot(to, to);
+}
+
+/* Height of one crater at a direction: its profile, at a radius and with a height that vary with
+ * the azimuth. */
+static double relief(const touching *crater, pl_vec3 direction) {
+  const pl_vec3 to = pl_vec3_sub(direction, crater->direction);
+  const double chord2 = pl_vec3_dot(to, to);
+  if (chord2 >= crater->reach2)
+    return 0.0;
+  /* Tangent components are sines of angles; the series gives angles, to 1e-3 at the reach of the
+   * largest craters. */
+  const double sine2 = chord2 * (1.0 - 0.25 * chord2);
+  const double arc = 1.0 + sine2 * (1.0 / 6.0 + sine2 * (3.0 / 40.0));
+  double u = arc * pl_vec3_dot(crater->u, to), v = arc * pl_vec3_dot(crater->v, to);
+  const double inside = fmax(1.0 - u * u - v * v, 0.0);
+  u += crater->offset[0] * inside * inside;
+  v += crater->offset[1] * inside * inside;
+  const double r2 = u * u + v * v, r = sqrt(r2);
+  const double c = r > 0.0 ? u / r : 1.0, s = r > 0.0 ? v / r : 0.0;
+  double radius = 1.0, height = 0.0, cm = c, sm = s;
+  for (int order = 1; order < PL_CRATER_RADIUS_ORDERS + 2; order++) {
+    if (order >= 2)
+      radius += crater->by_radius[order - 2][0] * cm + crater->by_radius[order - 2][1] * sm;
+    if (order <= PL_CRATER_HEIGHT_ORDERS)
+      height += crater->by_height[order - 1][0] * cm + crater->by_height[order - 1][1] * sm;
+    const double next = cm * c - sm * s;
+    sm = sm * c + cm * s;
+    cm = next;
+  }
+  const double z = pl_crater_profile_height(crater->profile, r / radius);
+  return crater->fade * z * (1.0 + height * r2 / (r2 + 0.25));
+}
+
+static double height_at(const gathered *all, pl_vec3 direction) {
+  double sum = 0.0;
+  for (size_t k = 0; k < all->count; k++) {
+    const touching *crater = &all->craters[k];
+    double z = relief(crater, direction);
+    if (z == 0.0)
+      continue;
+    const eraser *erasers = all->erasers + crater->first_eraser;
+    for (size_t m = 0; m < crater->eraser_count; m++) {
+      const touching *younger = &all->craters[erasers[m].crater];
+      z *= 1.0 -
+           erasers[m].share * pl_crater_erasure_at(chord2_to(younger, direction), younger->radius);
+    }
+    sum += z;
+  }
+  return sum;
+}
+
+/* A cone that contains the directions. */
+static void cone_of(const pl_vec3 *directions, size_t count, pl_crater_query *query) {
+  pl_vec3 sum = {0.0, 0.0, 0.0};
+  for (size_t k = 0; k < count; k++)
+    sum = pl_vec3_add(sum, directions[k]);
+  query->axis = pl_vec3_norm(sum) > 0.0 ? pl_vec3_unit(sum) : directions[0];
+  double chord2 = 0.0;
+  for (size_t k = 0; k < count; k++) {
+    const pl_vec3 to = pl_vec3_sub(directions[k], query->axis);
+    chord2 = fmax(chord2, pl_vec3_dot(to, to));
+  }
+  query->angle_rad = 2.0 * asin(fmin(0.5 * sqrt(chord2), 1.0));
+}
+
+pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_model *model,
+                                const pl_vec3 *directions, size_t count, double footprint_m,
+                                double *heights) {
+  if (count == 0)
+    return PL_OK;
+  pl_crater_query query = {.model = model,
+                           .reach = PL_CRATER_REACH * field->stretch,
+                           .min_m = PL_CRATER_FADE_FROM * footprint_m,
+                           .max_m = INFINITY};
+  cone_of(directions, count, &query);
+  gathered all = {.field = field, .footprint_m = footprint_m};
+  pl_status status = pl_crater_visit(field, &query, touch, &all);
+  if (status == PL_OK)
+    status = find_erasers(&all);
+  for (size_t k = 0; status == PL_OK && k < count; k++)
+    heights[k] += height_at(&all, directions[k]);
+  pl_free(all.craters);
+  pl_free(all.erasers);
+  return status;
+}
