@@ -107,7 +107,7 @@ static void set_up(const pl_terrain_detail *detail, double radius_m, int first, 
 }
 
 enum { FIT_STEPS = 300 };
-static const double SMOOTHING = 0.1; /* weight of the neighbours' mean */
+static const double SMOOTHING = 0.05; /* weight of the neighbours' mean */
 
 /* One step of the multiplicative algorithm for least squares with variances that are not negative
  * (Daube-Witherspoon and Muehllehner 1986). */
