@@ -105,8 +105,7 @@ static void test_against_plain_sum(void **state) {
     pl_crater *craters;
     size_t count;
     /* All that touch: the largest reach 300 m and are erased by others 100 m on. */
-    assert_int_equal(pl_crater_list(field, NULL, centre, PL_DRAWS(420.0, 20.0), PL_DRAWS(2.0, 2.0),
-                                    INFINITY, &craters, &count),
+    assert_int_equal(pl_crater_list(field, NULL, centre, 420.0, 0.0, INFINITY, &craters, &count),
                      PL_OK);
     for (int k = 0; k < PL_DRAWS(30, 2); k++) {
       const pl_vec3 at =
