@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "terrain/size_points.h"
+
 #define OLDEST_SURFACE_GA 4.5
 
 /* Chronology of Neukum, Ivanov and Hartmann (2001, Space Sci. Rev. 96, 55), per km^2. */
@@ -91,13 +93,8 @@ static double density_power(const pl_crater_law *law, double d) {
   return law->coefficient * pow(d, law->exponent);
 }
 static double density_table(const pl_crater_law *law, double d) {
-  size_t k = 0;
-  while (k + 2 < law->count && law->diameters_m[k + 1] <= d)
-    k++;
-  const double a = law->densities[k], b = law->densities[k + 1];
-  const double f =
-      log(d / law->diameters_m[k]) / log(law->diameters_m[k + 1] / law->diameters_m[k]);
-  return a > 0.0 && b > 0.0 ? a * pow(b / a, f) : fmax(a + f * (b - a), 0.0);
+  const pl_size_points points = {law->diameters_m, law->densities, law->count};
+  return pl_size_points_density(&points, d);
 }
 
 const pl_crater_law_row pl_crater_laws[PL_CRATER_LAWS] = {
@@ -126,26 +123,6 @@ double pl_crater_density(const void *law, double diameter_m) {
   return at->factor * pl_crater_laws[at->kind].density(at, diameter_m);
 }
 
-static pl_status check_table(const pl_crater_law *law, double min_m, double max_m) {
-  if (law->count < 2 || law->diameters_m == NULL || law->densities == NULL)
-    return pl_fail(PL_E_RANGE, "a table of craters needs 2 entries or more, not %zu", law->count);
-  for (size_t k = 0; k < law->count; k++) {
-    const double d = law->diameters_m[k], n = law->densities[k];
-    if (!(d > 0.0 && isfinite(d) && n >= 0.0 && isfinite(n)) ||
-        (k > 0 && !(d > law->diameters_m[k - 1] && n <= law->densities[k - 1])))
-      return pl_fail(
-          PL_E_RANGE,
-          "entry %zu of the table of craters: %g per m^2 of %g m or more; diameters must "
-          "rise from above 0, densities must not rise and be 0 or more",
-          k, n, d);
-  }
-  const double first = law->diameters_m[0], last = law->diameters_m[law->count - 1];
-  if (min_m < first || max_m > last)
-    return pl_fail(PL_E_RANGE, "craters of %g to %g m; the table of craters has %g to %g m", min_m,
-                   max_m, first, last);
-  return PL_OK;
-}
-
 pl_status pl_crater_law_check(const pl_crater_law *law, double min_m, double max_m) {
   if ((int)law->kind < 0 || law->kind >= PL_CRATER_LAWS)
     return pl_fail(PL_E_ARGUMENT, "law %d of craters; there are %d", (int)law->kind,
@@ -161,7 +138,9 @@ pl_status pl_crater_law_check(const pl_crater_law *law, double min_m, double max
                    "power law of craters %g D^%g; the coefficient must be 0 or more, the exponent "
                    "0 or less",
                    law->coefficient, law->exponent);
-  return law->kind == PL_CRATERS_TABLE ? check_table(law, min_m, max_m) : PL_OK;
+  const pl_size_points points = {law->diameters_m, law->densities, law->count};
+  return law->kind == PL_CRATERS_TABLE ? pl_size_points_check(&points, "craters", min_m, max_m)
+                                       : PL_OK;
 }
 
 double pl_crater_oldest_ga(const pl_crater_law *law, double diameter_m) {
