@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from perilune import _core
 from perilune.base import tiff
 from perilune.bodies import geotiff
-from perilune.bodies.gaps import filled
+from perilune.bodies.gaps import filled, missing_in, share
 from perilune.config.errors import ModelWarning
 
 if TYPE_CHECKING:
@@ -28,8 +28,6 @@ HeightKey: TypeAlias = Literal["height_m", "height_unit_m"]
 _SIDE_MAX, _TEXELS_MAX = 65536, 1 << 28  # as of the core's images
 _NO_DATA_TAG = 42113  # GDAL_NODATA
 _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB = 0, 1, 2  # PhotometricInterpretation
-_ENDLESS = 1e30
-"""Larger numbers are no heights but markers of missing values."""
 _TIFF_STARTS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _PNG_START = b"\x89PNG\r\n\x1a\n"
 
@@ -71,7 +69,7 @@ def picture(path: Path, center_lon_deg: float | None = None) -> MapFile:
     remarks: tuple[str, ...] = ()
     if read.no_data is not None and (missing := (values == read.no_data).all(axis=2)).any():
         kept = f"marked as no-data ({read.no_data:g}) and read as this number"
-        remarks = (f"{_share(missing, 'texels')} {kept}",)
+        remarks = (f"{share(missing, 'texels')} {kept}",)
     if read.photometric == _WHITE_IS_ZERO:
         values = np.concatenate([read.top - values[..., :1], values[..., 1:]], axis=2)
     if values.dtype == np.uint16:  # to the nearest, as libpng has it
@@ -129,7 +127,7 @@ def _heights_of_tiff(path: Path, key: HeightKey, read: _Tiff) -> MapFile:
             "metres of one of its numbers, in the place of height_m"
         )
     values = read.values[..., 0]
-    missing = _missing(values, read.no_data)
+    missing = missing_in(values, read.no_data)
     if missing.all():
         raise ValueError(f"{path}: holds no heights: all of its numbers are no-data")
     if key == "height_m" and values.dtype == np.uint8 and read.top == 255 and not missing.any():
@@ -137,7 +135,7 @@ def _heights_of_tiff(path: Path, key: HeightKey, read: _Tiff) -> MapFile:
     remarks: tuple[str, ...] = ()
     if missing.any():
         values = filled(values, missing)
-        remarks = (f"{_share(missing, 'heights')} no-data: filled from those around them",)
+        remarks = (f"{share(missing, 'heights')} no-data: filled from those around them",)
     if key == "height_unit_m":
         return MapFile(_centred(values), remarks)
     levels = values / np.float32(read.top) if read.top < 1 << 24 else values / float(read.top)
@@ -145,29 +143,11 @@ def _heights_of_tiff(path: Path, key: HeightKey, read: _Tiff) -> MapFile:
     return MapFile((1.0 - levels if white_is_zero else levels).astype(np.float32), remarks)
 
 
-def _missing(values: NDArray[Any], no_data: float | None) -> NDArray[np.bool_]:
-    if values.dtype.kind == "f":
-        missing = ~(np.abs(values) < _ENDLESS)
-    elif values.dtype.kind == "i" and values.dtype.itemsize in (2, 4):
-        missing = values == np.iinfo(values.dtype).min
-    else:
-        missing = np.zeros(values.shape, np.bool_)
-    if no_data is not None:
-        exact = values.dtype.type(no_data) if values.dtype.kind == "f" else no_data
-        missing |= values == exact
-    return np.asarray(missing)
-
-
 def _centred(values: NDArray[Any]) -> NDArray[np.float32]:
     """The numbers minus their mean, which does not affect slopes but would cost 32-bit floats
     precision."""
     wide = values if values.dtype.kind == "f" else values.astype(np.float64)
     return np.asarray(wide - wide.mean(dtype=np.float64), np.float32)
-
-
-def _share(missing: NDArray[np.bool_], what: str) -> str:
-    count = int(missing.sum())
-    return f"{count} of {missing.size} {what} ({100.0 * count / missing.size:.2g} %) are"
 
 
 def _described(read: _Tiff) -> str:

@@ -1,0 +1,165 @@
+"""Elevation models of bodies: heights over the ellipsoid, from files of any supported kind."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.bodies import places
+from perilune.bodies.destep import destepped
+from perilune.bodies.elevation_files import ElevationFile, read
+from perilune.bodies.gaps import filled, missing_in, share
+from perilune.bodies.places import Place
+from perilune.config.elevation import Elevation
+from perilune.config.types import Latitudes
+
+F64 = NDArray[np.float64]
+_SAMPLES = (np.uint8, np.int16, np.uint16, np.float32)
+"""Types of _core.Raster."""
+_MARK = -32768.0
+"""Lowest of int16, which marks missing heights in files of floats, too."""
+
+
+@dataclass(frozen=True)
+class ElevationRaster:
+    """Heights over a body's ellipsoid, along lines from its centre: scale_m * sample + offset_m."""
+
+    samples: NDArray[Any]
+    """(rows, columns) of uint8, int16, uint16 or float32, finite; may be a memory map."""
+    place: Place
+    scale_m: float
+    offset_m: float
+    name: str
+    """The file."""
+    interpolation: str = "bilinear"
+    border_posts: float = 0.0
+    missing: float = 0.0
+    """Fraction of the heights that were filled."""
+    remarks: tuple[str, ...] = ()
+    """Remarks for the user, one per line."""
+
+    @cached_property
+    def raster(self) -> _core.Raster:
+        """The core's raster of these heights."""
+        scale, offset = self.scale_m, self.offset_m
+        return _core.Raster(self.samples, scale=scale, offset=offset, **self.place.arguments())
+
+    def heights(self, directions: F64) -> F64:
+        """(n,) heights, m, in directions (n, 3) from the centre; NaN outside."""
+        return self.raster.values(directions, self.interpolation)
+
+
+def read_elevation(
+    given: Elevation,
+    path: Path,
+    radii_m: tuple[float, float, float],
+    latitudes: Latitudes = "geocentric",
+) -> ElevationRaster:
+    """Heights of a file. radii_m: of the body's ellipsoid, along its axes; latitudes: of its maps.
+
+    Raises ValueError that names the key, below the section, and the file."""
+    file = read(path, given.raw)
+    if given.scale_m is None and file.scale_m is None and path.suffix.lower() == ".png":
+        raise ValueError(f"scale_m: {path}: is a PNG; give the metres of one of its levels")
+    datum_m = file.datum_m if given.datum_radius_km is None else 1e3 * given.datum_radius_km
+    place = _place(given, file, path, datum_m or radii_m[0], radii_m, latitudes)
+    values = file.values
+    if place.dy > 0.0:  # from south to north
+        values, place = values[::-1], place.flipped(values.shape[0])
+    values, missing, remarks = _complete(values, given, file, path, place)
+    if given.destep:
+        if file.values.dtype.kind == "f":
+            raise ValueError(f"destep: {path}: holds floats, which have no steps")
+        values = destepped(values, place.goes_round(values.shape[1]))
+    scale_m = _first(given.scale_m, file.scale_m, 1.0)
+    offset_m = _first(given.offset_m, file.offset_m, 0.0)
+    samples, mean = _samples(values)
+    found = ElevationRaster(
+        samples, place, scale_m, offset_m + scale_m * mean, str(path), given.interpolation,
+        given.border_posts, missing, remarks,
+    )  # fmt: skip
+    found = found if datum_m is None else _over_ellipsoid(found, datum_m, np.array(radii_m))
+    try:
+        _ = found.raster  # which checks the place
+    except ValueError as error:
+        raise ValueError(f"projection: {path}: {error}") from None
+    return found
+
+
+def _first(*values: float | None) -> float:
+    return next(value for value in values if value is not None)
+
+
+def _place(
+    given: Elevation,
+    file: ElevationFile,
+    path: Path,
+    radius_m: float,
+    radii_m: tuple[float, float, float],
+    latitudes: Latitudes,
+) -> Place:
+    if given.projection is None:
+        if file.place is None:
+            why = file.misplaced or "does not say where it lies"
+            raise ValueError(f"projection: {path}: {why}; give projection")
+        return file.place
+    wanted = getattr(given.projection, "latitudes", None) or latitudes
+    ratio = radii_m[2] / math.sqrt(radii_m[0] * radii_m[1]) if wanted == "geodetic" else 1.0
+    rows, columns = file.values.shape
+    return places.given(given.projection, (rows, columns), radius_m, ratio)
+
+
+def _complete(
+    values: NDArray[Any], given: Elevation, file: ElevationFile, path: Path, place: Place
+) -> tuple[NDArray[Any], float, tuple[str, ...]]:
+    """The numbers without gaps, the fraction that was filled, and remarks."""
+    missing = missing_in(values, file.no_data)
+    if given.missing is not None:
+        missing |= missing_in(values, given.missing)
+    if values.dtype.kind == "f":
+        missing |= values == _MARK
+    if not missing.any():
+        return values, 0.0, ()
+    if missing.all():
+        raise ValueError(f"missing: {path}: holds no heights: all of its numbers are no-data")
+    remark = f"{share(missing, 'heights')} no-data: filled from those around them"
+    whole = filled(values, missing, place.goes_round(values.shape[1]))
+    exact = values.dtype.newbyteorder("=").type in _SAMPLES  # float32 holds the known ones
+    return whole.astype(np.float32) if exact else whole, float(missing.mean()), (remark,)
+
+
+def _samples(values: NDArray[Any]) -> tuple[NDArray[Any], float]:
+    """The numbers in a type of the core, and a number to be added to them; a copy only where it is
+    needed. Of wider types the mean is taken away, which would cost 32-bit floats precision."""
+    native = values.dtype.newbyteorder("=")
+    dense = values.strides[1] == values.itemsize and values.strides[0] >= 0
+    if native.type in _SAMPLES:
+        if dense and values.dtype.isnative and values.flags.aligned:
+            return values, 0.0
+        return np.ascontiguousarray(values, native), 0.0
+    wide = values.astype(np.float64)
+    mean = float(np.rint(wide.mean()))
+    return (wide - mean).astype(np.float32), mean
+
+
+def _over_ellipsoid(found: ElevationRaster, datum_m: float, radii_m: F64) -> ElevationRaster:
+    """From heights over a sphere to those over the ellipsoid."""
+    if np.allclose(radii_m, radii_m[0], rtol=1e-12, atol=0.0):
+        return replace(found, offset_m=found.offset_m + (datum_m - float(radii_m[0])))
+    rows, columns = found.samples.shape
+    frame = _core.Raster(np.zeros((1, 1), np.uint8), **found.place.arguments())
+    heights = np.empty((rows, columns), np.float32)
+    across = np.arange(columns, dtype=np.float64)
+    for row in range(rows):
+        posts = np.stack([across, np.full(columns, float(row))], axis=1)
+        ellipsoid_m = 1.0 / np.linalg.norm(frame.directions(posts) / radii_m, axis=1)
+        sphere_m = found.scale_m * found.samples[row] + (found.offset_m + datum_m)
+        heights[row] = sphere_m - ellipsoid_m
+    return replace(found, samples=heights, scale_m=1.0, offset_m=0.0)
