@@ -233,6 +233,8 @@ class Simulation:
             scene=moment.scene,
             file=self._document.path,
             craft_radius_m=lambda name: self._mine().radii_m(config)[name],
+            grounds=lambda name: self._mine().ground_of(config, name),
+            craft_bounds_m=lambda name: self._mine().bounds_m(config, name),
             hooks=self._orbits,
             drawn=self._drawn,
             nodes=self._nodes,

@@ -18,6 +18,7 @@ from perilune.bodies.shapes import BodyShape
 from perilune.config.camera import Camera
 from perilune.config.orbit import Circular
 from perilune.config.schema import Config
+from perilune.orbits.ground import Ground
 from perilune.orbits.solar_system import Date
 
 F64 = NDArray[np.float64]
@@ -159,6 +160,10 @@ class World:
             if float(p @ p) <= 1.0:
                 return name
         return None
+
+    def ground(self, name: str) -> Ground:
+        """The ground of a body, in its axes."""
+        return self.system.setting.ground(name)
 
     def surface_m(self, name: str, direction: F64) -> float:
         """Distance from a body's centre to its surface along a unit direction in body axes. For a

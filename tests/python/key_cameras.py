@@ -17,9 +17,11 @@ from perilune.config.trajectory import (
     Hover,
     Linear,
     OrbitObject,
+    PoweredDescent,
     RandomBox,
     Relative,
     Spiral,
+    Traverse,
 )
 
 AT_CAMERA = ("camera",)
@@ -38,6 +40,12 @@ AIMED = POINTING | {
     "frame": "target",
     "aim_offset_m": [1e5, 0.0, 1e5],
     "up": [1.0, 0.7, 0.2],
+}
+OVER_GROUND = {
+    "lon_deg": 240.0,
+    "lat_deg": 20.0,
+    "latitudes": "geodetic",
+    "altitude_above": "datum",
 }
 RUN = {"positions": 5, "duration_s": 100.0, "after": "hold"}
 LENS = {"focus_distance_m": 100.0, "aperture_mm": 5e4, "labels": "undistorted"}
@@ -305,6 +313,7 @@ CAMERAS = [
             "lon_deg": 20.0,
             "lat_deg": 20.0,
             "latitudes": "geodetic",
+            "altitude_above": "datum",
             "distance_noise_m": 1e5,
             "off_nadir_deg": 20.0,
             "azimuth_deg": 20.0,
@@ -378,6 +387,73 @@ CAMERAS = [
             "state": {"position_m": [0.0, -9e5, 0.0], "velocity_m_s": [1.0, 10.0, 0.0]},
         },
         AIMED | RUN | {"frame": "lvlh", "ellipse": {"radial_m": 5e5}, "duration_s": 100.0},
+    ),
+    Section(
+        Traverse,
+        AT_PLACES,
+        {
+            "kind": "traverse",
+            "target": "b",
+            "lon_deg": 250.0,
+            "lat_deg": 10.0,
+            "waypoints_m": [[0.0, 0.0], [2e5, 0.0], [2e5, 1e5]],
+            "height_m": 5e5,
+            "positions": 4,
+        },
+        POINTING
+        | OVER_GROUND
+        | {
+            "positions": 5,
+            "duration_s": 100.0,
+            "after": "hold",
+            "speed_m_s": 100.0,
+            "footprint_m": 6e5,
+            "level": True,
+            "yaw_deg": 40.0,
+            "pitch_deg": -40.0,
+            "waypoints_m": [[0.0, 0.0], [2e5, 0.0], [1e5, 3e5]],
+        },
+    ),
+    Section(
+        Traverse,
+        AT_PLACES,
+        {
+            "kind": "traverse",
+            "target": "b",
+            "lon_deg": 250.0,
+            "lat_deg": 10.0,
+            "waypoints_m": [[0.0, 0.0], [2e5, 0.0]],
+            "height_m": 5e5,
+        },
+        {"duration_s": 100.0, "speed_m_s": 100.0},
+    ),
+    Section(
+        PoweredDescent,
+        AT_PLACES,
+        {
+            "kind": "powered_descent",
+            "target": "b",
+            "lon_deg": 250.0,
+            "lat_deg": 10.0,
+            "height_m": 1e4,
+            "start_height_m": 2e4,
+            "horizontal_speed_m_s": 400.0,
+        },
+        POINTING
+        | OVER_GROUND
+        | {
+            "place": "start",
+            "heading_deg": 40.0,
+            "descent_speed_m_s": 100.0,
+            "touchdown_speed_m_s": 30.0,
+            "final_height_m": 1e4,
+            "specific_impulse_s": 150.0,
+            "max_acceleration_m_s2": 0.1,
+            "look": "thrust",
+            "tilt_deg": 30.0,
+            "positions": 5,
+            "after": "repeat",
+        },
     ),
     Section(
         Deterministic,

@@ -57,7 +57,7 @@ MODELS = {
     **dict.fromkeys(("PointSpread", "CosmicRays", "LensFlare", "Compression"), rule("sensor")),
     **dict.fromkeys(
         ("CentredTarget", "OrbitObject", "Fixed", "RandomBox", "Hover", "Linear", "Spiral",
-         "Flyby", "Relative", "Deterministic"),
+         "Flyby", "Relative", "Deterministic", "Traverse", "PoweredDescent"),
         MOVES,
     ),
 }  # fmt: skip

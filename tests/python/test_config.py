@@ -458,6 +458,7 @@ def test_every_physical_key_has_its_unit():
         "_km3_s2",
         "_w_m2",
         "_km_s",
+        "_m_s2",
         "_m2_kg",
         "_kg_m2",
         "_h",

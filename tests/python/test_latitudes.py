@@ -13,8 +13,8 @@ from PIL import Image
 
 import perilune
 from perilune import document as cfg
-from perilune.camera.trajectories.hover import surface
 from perilune.config import ConfigError
+from perilune.orbits.ground import surface
 from perilune.show.plots.ground import sub_point_deg
 
 A_M, F = 6378137.0, 1.0 / 298.257223563

@@ -147,4 +147,6 @@ def test_distances_and_clearances_are_kept(repo_dir, low, width, share, clearanc
 
 
 def test_every_kind_has_a_test(scene):
-    assert {*AIMED, "hover", "deterministic", "hook"} == set(trajectories.TRAJECTORIES)
+    assert {*AIMED, "hover", "traverse", "powered_descent", "deterministic", "hook"} == set(
+        trajectories.TRAJECTORIES
+    )

@@ -13,9 +13,9 @@ from tests.python.camera_worlds import RADIUS_M, close, columns, offsets, orbit_
 
 from perilune import document as cfg
 from perilune.camera import trajectories
-from perilune.camera.trajectories.hover import surface
 from perilune.config import ConfigError
 from perilune.document.loader import read_tree
+from perilune.orbits.ground import surface
 
 
 @pytest.fixture

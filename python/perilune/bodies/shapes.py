@@ -77,6 +77,11 @@ class BodyShape:
         hit = self.hit_m(start + far * direction, -direction)
         return None if hit is None else far - hit
 
+    def surfaces_m(self, directions: F64) -> F64:
+        """Distance (n,) of the outermost surface along unit directions (n, 3) from the centre; 0
+        where there is none."""
+        return np.array([self.surface_m(direction) or 0.0 for direction in directions])
+
 
 def _above(point: F64, a: F64, b: F64, c: F64) -> tuple[NDArray[np.bool_], F64]:
     """Whether a point is over each triangle, and how far from its plane."""

@@ -19,6 +19,7 @@ UNITS: dict[str, str] = {
     "w_m3_sr": "W m-3 sr-1",
     "w_m2": "W m-2",
     "km3_s2": "km3 s-2",
+    "m_s2": "m s-2",
     "m2_kg": "m2 kg-1",
     "kg_m2": "kg m2",
     "deg_step_v": "deg a step",

@@ -82,6 +82,14 @@ class TargetPointing(Spin):
     """Up direction in ICRF axes. Default: the orbit normal."""
 
 
+class GroundPointing(Spin):
+    """Relative to the axes of what is on the ground: x forward, y to the left, z the normal of the
+    ground under the footprint (orbits of the kinds surface and traverse) or along the thrust
+    (powered_descent). Default for these kinds of orbits, and only for them."""
+
+    pointing: Literal["ground"]
+
+
 _Tensor = tuple[Vec3, Vec3, Vec3]
 
 
@@ -124,10 +132,12 @@ Attitude = Annotated[
     | Annotated[VelocityPointing, Tag("velocity")]
     | Annotated[TargetPointing, Tag("target")]
     | Annotated[Tumble, Tag("tumble")]
-    | Annotated[AttitudeTable, Tag("table")],
+    | Annotated[AttitudeTable, Tag("table")]
+    | Annotated[GroundPointing, Tag("ground")],
     Discriminator(_pointing),
 ]
-"""Orientation of a spacecraft; `pointing` selects the reference axes. Default: inertial."""
+"""Orientation of a spacecraft; `pointing` selects the reference axes. Default: inertial;
+on the ground (orbits of the kinds surface, traverse, powered_descent): ground."""
 
 
 def _rotation_tag(value: Any) -> str:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from perilune.config.attitude import Spin, TargetPointing
+from perilune.config.attitude import GroundPointing, Spin, TargetPointing
 from perilune.config.errors import fail, nearest
-from perilune.config.orbit import Circular, Database, Hook, Kepler, Table, Tle
+from perilune.config.orbit import ON_GROUND, Circular, Database, Hook, Kepler, Table, Tle
+from perilune.config.standing import check_datum
 
 if TYPE_CHECKING:
     from perilune.config.body import Body
@@ -41,7 +42,7 @@ def _needs_gm(orbit: Any) -> bool:
         return orbit.propagator != "circular"
     if isinstance(orbit, Hook):  # without a propagator, what the function returns decides
         return orbit.propagator in ("kepler", "j2")
-    return not isinstance(orbit, (Circular, Table, Tle))
+    return not isinstance(orbit, (Circular, Table, Tle, *ON_GROUND))
 
 
 def _steps(entry: Any) -> list[tuple[str, bool]]:
@@ -54,6 +55,21 @@ def _steps(entry: Any) -> list[tuple[str, bool]]:
         if isinstance(turn, Spin):
             found.append((f"{key}.rotation_deg_step_v", turn.turns_by_step))
     return found
+
+
+def _check_ground(config: Config, path: str, entry: Any) -> None:
+    """Orbits on the ground are of spacecraft, about bodies."""
+    orbit, attitude = entry.orbit, getattr(entry, "attitude", None)
+    if isinstance(attitude, GroundPointing) and not isinstance(orbit, ON_GROUND):
+        text = "ground: only with orbit.kind surface, traverse or powered_descent"
+        fail(f"{path}.attitude.pointing", text)
+    if not isinstance(orbit, ON_GROUND):
+        return
+    if attitude is None:
+        fail(f"{path}.orbit.kind", f"{orbit.kind}: only for a spacecraft")
+    if orbit.around not in config.bodies:
+        fail(f"{path}.orbit.around", f"kind {orbit.kind} needs a body; {orbit.around} is none")
+    check_datum(config, f"{path}.orbit", orbit, orbit.around)
 
 
 def check_motion(config: Config) -> None:
@@ -73,6 +89,7 @@ def check_motion(config: Config) -> None:
             if parent is not None and parent.gm_km3_s2 is None and _needs_gm(entry.orbit):
                 text = f"an orbit about a spacecraft needs spacecraft.{around}.gm_km3_s2"
                 fail(f"{path}.orbit.around", text)
+        _check_ground(config, path, entry)
         attitude = getattr(entry, "attitude", None)
         if isinstance(attitude, TargetPointing) and attitude.target not in others:
             target = attitude.target

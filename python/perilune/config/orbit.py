@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 
 from perilune.config.errors import fail, fail_unread
+from perilune.config.standing import Descent, Footprint, Standing, Way
 from perilune.config.types import (
     AngleRange,
     FileName,
@@ -276,6 +277,41 @@ class Spice(Around):
     """NAIF name or number of the central body. Default: from the table of bodies."""
 
 
+class Surface(Around, Standing):
+    """At rest on the ground of a body: the lowest point of the spacecraft's box is on the plane
+    that fits the ground under it best."""
+
+    kind: Literal["surface"]
+    height_m: Finite = 0.0
+    """Height of the lowest point over the ground, along the spacecraft's axis z; negative: it has
+    sunk in."""
+    footprint_m: Footprint | None = None
+    """Length and width of the ground that it stands on, one number for both. Default: those of the
+    model's box."""
+
+
+class Traverse(Around, Way):
+    """A drive over the ground at a constant speed, from the epoch to the end of the way."""
+
+    kind: Literal["traverse"]
+    speed_m_s: Positive
+    """Speed along the way."""
+    height_m: Finite = 0.0
+    """Height of the lowest point over the ground, along the spacecraft's axis z."""
+    footprint_m: Footprint | None = None
+    """Length and width of the ground that it stands on, one number for both. Default: those of the
+    model's box."""
+
+
+class PoweredDescent(Around, Descent):
+    """A powered descent to the ground, on which the spacecraft then stands (see `Descent`)."""
+
+    kind: Literal["powered_descent"]
+    footprint_m: Footprint | None = None
+    """Length and width of the ground that it stands on after the touch-down, one number for both.
+    Default: those of the model's box."""
+
+
 class Drawn(Around):
     """Common keys of orbits that are drawn once a scene.
 
@@ -352,6 +388,10 @@ class Hook(Drawn):
         return self
 
 
+ON_GROUND = (Surface, Traverse, PoweredDescent)
+"""Kinds of orbits that have axes of their own, those of `attitude.pointing: ground`."""
+
+
 def _kind(value: Any) -> str:
     mapping = isinstance(value, Mapping)
     found = value.get("kind") if mapping else getattr(value, "kind", None)
@@ -367,6 +407,9 @@ Orbit = Annotated[
     | Annotated[Table, Tag("table")]
     | Annotated[Spice, Tag("spice")]
     | Annotated[Database, Tag("database")]
+    | Annotated[Surface, Tag("surface")]
+    | Annotated[Traverse, Tag("traverse")]
+    | Annotated[PoweredDescent, Tag("powered_descent")]
     | Annotated[Hook, Tag("hook")],
     Discriminator(_kind),
 ]

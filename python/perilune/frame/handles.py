@@ -28,6 +28,7 @@ from perilune.frame.looks import Look, Looks
 from perilune.frame.pool import Pool
 from perilune.frame.remarks import Remarks
 from perilune.frame.volumes import Volumes
+from perilune.orbits.ground import Ground
 from perilune.sky.skies import Skies
 from perilune.spacecraft import articulation, faces
 from perilune.spacecraft.model_files import read_model
@@ -164,6 +165,7 @@ class Assets:
         self.regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
         self.shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
+        self.grounds: dict[tuple[Any, ...], Ground] = {}
         self.airs: dict[tuple[Any, ...], _core.Air | None] = {}
         self.ring_systems: dict[Rings, _core.Rings] = {}
         self.stages: dict[tuple[Any, ...], _Stage] = {}
@@ -298,6 +300,25 @@ class Handles:
             reach = row.reach_units if rig is None else rig.reach_units
             radii_m[name] = scale * reach + articulation.slides_m(config.spacecraft[name])
         return radii_m
+
+    def bounds_m(self, config: Config, name: str) -> F64:
+        """(2, 3): the box of a spacecraft's model as stored, in its axes about its origin."""
+        row = self.models[name]
+        bounds = np.asarray(row.model.bounds, dtype=np.float64)
+        return np.asarray(self.scales(config)[name] * (bounds - row.offset))
+
+    def ground_of(self, config: Config, name: str) -> Ground | None:
+        """The ground of a body with a shape; None for a smooth ellipsoid."""
+        body = config.bodies[name]
+        if body.shape is None:
+            return None
+        radii = orbits.radii_m(body)
+        key = (name, body.shape, tuple(radii.tolist()), body.is_geodetic)
+        if key not in self.assets.grounds:
+            _make_room(self.assets.grounds)
+            shape = self.shapes_of(config)[name]
+            self.assets.grounds[key] = Ground(radii, body.is_geodetic, shape.surfaces_m)
+        return self.assets.grounds[key]
 
     def posed(self, scene: World) -> dict[str, articulation.Posed]:
         """Spacecraft entry -> poses of its moving parts in a frame, for those that have any."""

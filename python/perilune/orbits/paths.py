@@ -14,9 +14,12 @@ from perilune.orbits.kinds.database import database
 from perilune.orbits.kinds.elements import kepler
 from perilune.orbits.kinds.j2 import j2
 from perilune.orbits.kinds.numerical import numerical
+from perilune.orbits.kinds.powered_descent import powered_descent
 from perilune.orbits.kinds.spice import spice
+from perilune.orbits.kinds.surface import surface
 from perilune.orbits.kinds.table import table
 from perilune.orbits.kinds.tle import tle
+from perilune.orbits.kinds.traverse import traverse
 from perilune.orbits.place import Motion, Place
 
 KINDS: dict[str, Callable[[Any, Place], Motion]] = {
@@ -28,6 +31,9 @@ KINDS: dict[str, Callable[[Any, Place], Motion]] = {
     "table": table,
     "spice": spice,
     "database": database,
+    "surface": surface,
+    "traverse": traverse,
+    "powered_descent": powered_descent,
 }
 """`kind` of an orbit's section -> function that makes its path. Hooks are not here but in the
 system, because they need the positions of other objects."""

@@ -43,6 +43,24 @@ class Place:
         """Time from one step to the next."""
         return self.setting.config.time.step_s
 
+    @property
+    def _bounds_m(self) -> F64:
+        """(2, 3): the spacecraft's box, in its axes about its origin."""
+        if self.setting.craft_bounds_m is not None:
+            return self.setting.craft_bounds_m(self.name)
+        return np.outer([-1.0, 1.0], np.full(3, self.setting.craft_radius_m(self.name)))
+
+    @property
+    def feet_m(self) -> float:
+        """Height of the spacecraft's origin over its lowest point, along its axis z."""
+        return -float(self._bounds_m[0, 2])
+
+    @property
+    def footprint_m(self) -> tuple[float, float]:
+        """Length and width of the spacecraft along its axes x and y."""
+        low, high = self._bounds_m
+        return float(high[0] - low[0]), float(high[1] - low[1])
+
     def file(self, text: str, key: str) -> Path:
         """The file that a key of the section names."""
         return self.setting.file(text, f"{self.key}.{key}")

@@ -19,6 +19,7 @@ from perilune.config.motion import sections
 from perilune.config.schema import Config
 from perilune.orbits import solar_system
 from perilune.orbits.almanac import almanac
+from perilune.orbits.ground import Ground, smooth
 from perilune.orbits.motion import Kept
 from perilune.orbits.solar_system import Date
 
@@ -42,6 +43,11 @@ class Setting:
     """Object's name -> function given in code that replaces the configured orbit."""
     first_of_scene: Callable[[], Setting] | None = None
     """Setting of the scene's first step; None if this is it."""
+    grounds: Callable[[str], Ground | None] = lambda name: None
+    """Ground of a body with a shape; None for a smooth ellipsoid. May load files."""
+    craft_bounds_m: Callable[[str], F64] | None = None
+    """(2, 3): lower and upper corner of a spacecraft's box, in its axes about its origin. Default:
+    the box about its bounding sphere."""
     drawn: Kept[Any] = field(default_factory=lambda: Kept(64), compare=False)
     """(Scene, name) -> path, for orbits drawn once a scene."""
     nodes: Same[list[dict[str, Any]]] = field(default_factory=Same, compare=False)
@@ -51,6 +57,12 @@ class Setting:
     def start(self) -> Setting:
         """Setting of the scene's first step, from which the scene's orbits are drawn."""
         return self if self.first_of_scene is None else self.first_of_scene()
+
+    def ground(self, name: str) -> Ground:
+        """The ground of a body; the same object as long as nothing changes it."""
+        body = self.config.bodies[name]
+        x, y, z = radii_m(body).tolist()
+        return self.grounds(name) or smooth((x, y, z), body.is_geodetic)
 
     @property
     def start_s(self) -> float:

@@ -11,17 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune.base import rotations
-from perilune.config.attitude import AttitudeTable
+from perilune.config.attitude import AttitudeTable, GroundPointing, Spin
 from perilune.config.body import Body
 from perilune.config.motion import sections
-from perilune.config.orbit import Hook
+from perilune.config.orbit import ON_GROUND, Hook
+from perilune.config.schema import Spacecraft
 from perilune.orbits import hooked, paths
 from perilune.orbits.almanac import almanac
 from perilune.orbits.motion import Kept, States, evaluate, propagator
 from perilune.orbits.place import Motion, Place
+from perilune.orbits.riding import Ride
 from perilune.orbits.setting import KM, Setting, ephemeris_name, parent_of, radii_m, sun_position_m
 from perilune.orbits.solar_system import Date
-from perilune.orbits.turns import SUN, body_turn, craft_turn
+from perilune.orbits.turns import SUN, body_turn, craft_turn, riding_turn
 
 F64 = NDArray[np.float64]
 Node = dict[str, Any]
@@ -153,7 +155,10 @@ def _nodes(setting: Setting, names: list[str]) -> list[Node]:
                 # A target that is not known yet cannot be pointed at yet.
                 target = getattr(entry.attitude, "target", name)
                 turn = {"frame": "inertial"}
-                if target in index:
+                stands = _stands(entry)
+                if isinstance(motion, Ride) and stands is not None:
+                    turn = riding_turn(stands, motion.axes, setting)
+                elif target in index:
                     turn = craft_turn(name, entry.attitude, setting, index)
         except (ValueError, OSError) as error:
             raise _named(error, f"{section}.{name}") from None
@@ -164,6 +169,14 @@ def _nodes(setting: Setting, names: list[str]) -> list[Node]:
         sun = {"motion": _sun(setting), "rotation": {"frame": "inertial"}}
         nodes.append({"name": SUN, "parent": index[config.root], **sun})
     return nodes
+
+
+def _stands(craft: Spacecraft) -> Spin | None:
+    """The attitude of a spacecraft, if relative to the axes of its place on the ground when it is
+    there."""
+    given = craft.attitude
+    stated = "attitude" in craft.model_fields_set
+    return given if isinstance(given, GroundPointing if stated else Spin) else None
 
 
 _OF_NUMBERS = ("kepler", "circular", "j2")
@@ -197,6 +210,8 @@ def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) ->
     for name in names:
         section, entry = things[name]
         if entry.orbit is None or entry.orbit.around not in setting.config.bodies:
+            continue
+        if isinstance(entry.orbit, ON_GROUND):
             continue
         around = entry.orbit.around
         radii = radii_m(setting.config.bodies[around])

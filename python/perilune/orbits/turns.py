@@ -117,6 +117,11 @@ def _attitudes(path: Path, stamp: Stamp, epoch: Date, name: str | None) -> tuple
     return t_s, q
 
 
+def riding_turn(attitude: Spin, axes: Callable[[F64], F64], setting: Setting) -> Turn:
+    """Attitude relative to axes (n, 4) of a path's own."""
+    return _on(axes, attitude, setting.config.time.step_s)
+
+
 def craft_turn(name: str, attitude: Any, setting: Setting, index: Mapping[str, int]) -> Turn:
     """Attitude of a spacecraft; index: name -> node."""
     step_s = setting.config.time.step_s

@@ -22,9 +22,11 @@ from perilune.camera.trajectories.hook import called, hook
 from perilune.camera.trajectories.hover import hover
 from perilune.camera.trajectories.linear import linear
 from perilune.camera.trajectories.orbit_object import orbit_object
+from perilune.camera.trajectories.powered_descent import powered_descent
 from perilune.camera.trajectories.random_box import random_box
 from perilune.camera.trajectories.relative import relative
 from perilune.camera.trajectories.spiral import spiral
+from perilune.camera.trajectories.traverse import traverse
 from perilune.camera.trajectories.view import refuse, unclear
 from perilune.config.sensors import Mounting, Sensor
 from perilune.world import World
@@ -42,6 +44,8 @@ TRAJECTORIES: dict[str, Trajectory] = {
     "flyby": flyby,
     "centred_target": centred_target,
     "relative": relative,
+    "traverse": traverse,
+    "powered_descent": powered_descent,
     "deterministic": deterministic,
     "hook": hook,
 }

@@ -10,27 +10,18 @@ from numpy.typing import NDArray
 from perilune.base import rotations
 from perilune.camera.trajectories.view import distance_noise_m, finished, uniform
 from perilune.config.trajectory import Hover
+from perilune.orbits.ground import foot, spherical
 from perilune.world import World
 
 F64 = NDArray[np.float64]
 
 
-def surface(radii_m: F64, normal: F64) -> F64:
-    """The point of an ellipsoid whose outward normal is the unit vector `normal`, body axes.
-
-    The gradient of sum (x_i / r_i)^2 is along `normal` where x_i is r_i^2 n_i over the root of
-    sum (r_i n_i)^2; for two equal axes this is the usual geodetic formula.
-    """
-    return np.asarray(radii_m**2 * normal / np.linalg.norm(radii_m * normal))
-
-
-def _foot(radii_m: F64, direction: F64, geodetic: bool) -> tuple[F64, F64]:
-    """The point of an ellipsoid at a longitude and latitude, and its normal, body axes."""
-    if geodetic:
-        return surface(radii_m, direction), direction
-    point = direction / np.linalg.norm(direction / radii_m)
-    gradient = point / radii_m**2
-    return point, gradient / np.linalg.norm(gradient)
+def _ground_m(world: World, name: str, place: F64, normal: F64) -> float:
+    """Height of the ground over a point of the ellipsoid, along the vertical."""
+    shape = world.shapes.get(name)
+    if shape is not None:
+        return shape.surface_m(normal, place) or 0.0
+    return world.ground(name).over(place, normal)
 
 
 def hover(world: World) -> F64:
@@ -46,12 +37,10 @@ def hover(world: World) -> F64:
     height = uniform(rng, spec.height_m) + distance_noise_m(world, spec.distance_noise_m)
     lean = math.radians(uniform(rng, spec.off_nadir_deg))
     azimuth = math.radians(uniform(rng, spec.azimuth_deg))
-    direction = np.array(
-        [math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)]
-    )
+    direction = spherical(lon, lat)
     body = world.config.bodies[spec.target]
     geodetic = body.is_geodetic if spec.latitudes is None else spec.latitudes == "geodetic"
-    ground, normal = _foot(world.body_radii_m[spec.target], direction, geodetic)
+    ground, normal = foot(world.body_radii_m[spec.target], direction, geodetic)
     east = np.array([-math.sin(lon), math.cos(lon), 0.0])
     east -= (east @ normal) * normal  # none, but of three axes
     east /= np.linalg.norm(east)
@@ -59,9 +48,8 @@ def hover(world: World) -> F64:
     towards = math.cos(azimuth) * north + math.sin(azimuth) * east
     forward = math.sin(lean) * towards - math.cos(lean) * normal
     up = math.cos(lean) * towards + math.sin(lean) * normal
-    shape = world.shapes.get(spec.target)
-    if shape is not None:  # the heights count from it, where the vertical meets it
-        height += shape.surface_m(normal, ground) or 0.0
+    if spec.altitude_above != "datum":
+        height += _ground_m(world, spec.target, ground, normal)
     place = ground + height * normal
 
     def view(when: int) -> tuple[F64, F64]:

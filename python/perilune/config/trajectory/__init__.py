@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 from pydantic import Field
 
 from perilune.config.errors import fail, nearest
+from perilune.config.standing import check_datum
 from perilune.config.trajectory.common import Aimed, Pointing, Redrawn, Run
 from perilune.config.trajectory.given import Deterministic, Hook
+from perilune.config.trajectory.over_ground import PoweredDescent, Traverse
 from perilune.config.trajectory.places import Fixed, Hover, OrbitObject, RandomBox
 from perilune.config.trajectory.runs import CentredTarget, Flyby, Linear, Relative, Spiral
 
@@ -30,12 +32,14 @@ __all__ = [
     "Linear",
     "OrbitObject",
     "Pointing",
+    "PoweredDescent",
     "RandomBox",
     "Redrawn",
     "Relative",
     "Run",
     "Spiral",
     "Trajectory",
+    "Traverse",
     "check_trajectory",
 ]
 
@@ -49,10 +53,15 @@ Trajectory = Annotated[
     | Flyby
     | CentredTarget
     | Relative
+    | Traverse
+    | PoweredDescent
     | Deterministic
     | Hook,
     Field(discriminator="kind"),
 ]
+
+
+_OVER_GROUND = (Hover, Traverse, PoweredDescent)
 
 
 def check_trajectory(config: Config) -> None:
@@ -61,7 +70,7 @@ def check_trajectory(config: Config) -> None:
     bodies = list(config.bodies)
     things = [*config.spacecraft, *bodies]
     for key, allowed in (
-        ("target", bodies if isinstance(spec, Hover) else things),
+        ("target", bodies if isinstance(spec, _OVER_GROUND) else things),
         ("background", bodies),
         ("around", things),
     ):
@@ -72,6 +81,7 @@ def check_trajectory(config: Config) -> None:
     name = getattr(spec, "around" if isinstance(spec, RandomBox) else "target", None)
     if getattr(spec, "frame", "icrf") in moving and name == config.root:
         fail("camera.trajectory.frame", f"{name} is the root body and orbits nothing")
+    check_datum(config, "camera.trajectory", spec, getattr(spec, "target", None))
     if isinstance(spec, Run):
         _check_run(spec, config)
 

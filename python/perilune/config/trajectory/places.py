@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import model_validator
 
 from perilune.config.errors import fail
+from perilune.config.standing import AltitudeAbove
 from perilune.config.trajectory.common import Aimed, CameraAxes, Frame, Pointing, Redrawn
 from perilune.config.types import (
     AngleRange,
@@ -136,6 +137,9 @@ class Hover(Pointing, Redrawn):
     height_m: PositiveRange
     """Height above the point along the normal: a number, or [smallest, largest], drawn
     uniformly."""
+    altitude_above: AltitudeAbove | None = None
+    """What heights count from. terrain (default): the ground itself, that of a `shape` too. datum:
+    the ellipsoid `radii_km`."""
     distance_noise_m: NonNegative = 0.0
     """Half width of a uniform deviation that is added to the height at every step."""
     off_nadir_deg: AngleRange = (0.0, 0.0)
