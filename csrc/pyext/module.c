@@ -199,12 +199,15 @@ static const char *turn_doc(size_t i) {
   return pl_turn_kinds(&count)[i].doc;
 }
 
+static const char *crater_law_name(size_t i) { return pl_crater_laws[i].name; }
+static const char *crater_law_doc(size_t i) { return pl_crater_laws[i].doc; }
+
 static int execute(PyObject *module) {
-  PyType_Spec *const specs[] = {&pl_py_model_spec,        &pl_py_map_spec,        &pl_py_scene_spec,
-                                &pl_py_renderer_spec,     &pl_py_propagator_spec, &pl_py_tree_spec,
-                                &pl_py_articulation_spec, &pl_py_graph_spec,      &pl_py_grid_spec,
-                                &pl_py_stars_spec,        &pl_py_air_spec,        &pl_py_rings_spec,
-                                &pl_py_raster_spec,       &pl_py_terrain_spec};
+  PyType_Spec *const specs[] = {
+      &pl_py_model_spec,      &pl_py_map_spec,     &pl_py_scene_spec,        &pl_py_renderer_spec,
+      &pl_py_propagator_spec, &pl_py_tree_spec,    &pl_py_articulation_spec, &pl_py_graph_spec,
+      &pl_py_grid_spec,       &pl_py_stars_spec,   &pl_py_air_spec,          &pl_py_rings_spec,
+      &pl_py_raster_spec,     &pl_py_terrain_spec, &pl_py_craters_spec};
   if (PyArray_ImportNumPyAPI() < 0)
     return -1;
   for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++)
@@ -224,7 +227,9 @@ static int execute(PyObject *module) {
   if (add(module, "PROPAGATORS", named_rows(propagators, propagator_name, propagator_doc)) < 0 ||
       add(module, "TURNS", named_rows(turns, turn_name, turn_doc)) < 0 ||
       add(module, "FORCES", pl_py_forces()) < 0 || add(module, "NODES", pl_py_nodes()) < 0 ||
-      add(module, "LENSES", pl_py_lenses()) < 0)
+      add(module, "LENSES", pl_py_lenses()) < 0 ||
+      add(module, "CRATER", pl_py_crater_record()) < 0 ||
+      add(module, "CRATER_LAWS", named_rows(PL_CRATER_LAWS, crater_law_name, crater_law_doc)) < 0)
     return -1;
   return pl_py_orbit_add_constants(module);
 }

@@ -11,6 +11,18 @@
 /* Diameters of an octave are from 1/16 to 1/8 of its lattice's cells. */
 #define CELLS_OVER_LEAST 16.0
 
+pl_crater_frame pl_crater_frame_default(double radius_m) {
+  return (pl_crater_frame){
+      .radius_m = radius_m,
+      .law = {.kind = PL_CRATERS_NEUKUM_EQUILIBRIUM, .surface_age_ga = 3.5, .factor = 1.0},
+      .min_m = fmax(0.1, PL_CRATER_MIN_OF_RADIUS * radius_m),
+      .max_m = fmin(300e3, PL_CRATER_MAX_OF_RADIUS * radius_m),
+      .diffusivity_m2_per_myr = 5.5,
+      .diffusivity_exponent = 0.9,
+      .irregularity = 1.0,
+      .model_posts = 6.0};
+}
+
 static pl_status check_frame(const pl_crater_frame *frame) {
   const double r = frame->radius_m;
   if (!(r > 0.0 && isfinite(r)))

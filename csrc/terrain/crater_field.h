@@ -40,6 +40,11 @@ typedef struct pl_crater_frame {
   double model_posts;  /* an elevation model shows craters of so many of its posts or more; > 0 */
 } pl_crater_frame;
 
+/* The Moon's craters on a body of this radius: neukum_equilibrium on a surface of 3.5 Ga, from 0.1
+ * m (or the least possible) to 300 km (or the greatest possible), diffusivity of Fassett and
+ * Thomson, round, irregular as real ones, left to models of 6 posts a diameter. */
+pl_crater_frame pl_crater_frame_default(double radius_m);
+
 typedef struct pl_crater_field pl_crater_field;
 
 /* PL_E_RANGE for numbers that are not valid, and for laws denser than PL_CRATER_DENSEST. The law's
@@ -57,7 +62,8 @@ typedef struct pl_crater_model {
 } pl_crater_model;
 
 /* Adds the heights (m) of craters at unit directions, for a footprint (the width of a cell of the
- * mesh, m). Fast if the directions are near each other. `model` may be NULL. */
+ * mesh, m; 0: all craters). Fast if neighbours in the array are near each other. `model` may be
+ * NULL. */
 pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_model *model,
                                 const pl_vec3 *directions, size_t count, double footprint_m,
                                 double *heights);

@@ -181,6 +181,10 @@ static void cone_of(const pl_vec3 *directions, size_t count, pl_crater_query *qu
   query->angle_rad = 2.0 * asin(fmin(0.5 * sqrt(chord2), 1.0));
 }
 
+/* Radius of a block over its footprint beyond which it is halved: far more craters would touch it
+ * than each of its points. */
+#define WIDEST_BLOCK 128.0
+
 pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_model *model,
                                 const pl_vec3 *directions, size_t count, double footprint_m,
                                 double *heights) {
@@ -191,6 +195,13 @@ pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_mo
                            .min_m = PL_CRATER_FADE_FROM * footprint_m,
                            .max_m = INFINITY};
   cone_of(directions, count, &query);
+  const double finest_m = fmax(footprint_m, field->frame.min_m / PL_CRATER_FADE_FROM);
+  if (count > 1 && query.angle_rad * field->frame.radius_m > WIDEST_BLOCK * finest_m) {
+    const size_t half = count / 2;
+    PL_TRY(pl_crater_add_heights(field, model, directions, half, footprint_m, heights));
+    return pl_crater_add_heights(field, model, directions + half, count - half, footprint_m,
+                                 heights + half);
+  }
   gathered all = {.field = field, .footprint_m = footprint_m};
   pl_status status = pl_crater_visit(field, &query, touch, &all);
   if (status == PL_OK)

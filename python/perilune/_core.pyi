@@ -71,6 +71,17 @@ EFFECTS: tuple[dict[str, str], ...]
 REFLECTANCES: tuple[dict[str, str], ...]
 """Every reflectance model: {"name", "doc"}."""
 
+CRATER_LAWS: tuple[dict[str, str], ...]
+"""Every size-frequency law of craters: {"name", "doc"}."""
+
+CRATER: Sequence[tuple[Any, ...]]
+"""Description (name, type, shape) for numpy.dtype of one crater:
+
+id (below 2^63, the same in any list); direction (3,) of the centre and major (3,) along the major
+axis, unit, in body axes; diameter_m (mean of both axes), axis_ratio; age_ga; tau (degradation: time
+of diffusion over R^2/diffusivity); depth_m and rim_m (degraded: rim to floor, and over the surface
+before the impact); kept (share of the height at its centre that younger craters left)."""
+
 OBJECT_LABEL: Sequence[tuple[Any, ...]]
 """Description (name, type, shape) for numpy.dtype of one row of the object labels:
 
@@ -254,6 +265,26 @@ class Raster:
     @property
     def whole(self) -> bool:
         """Whether it covers the whole body."""
+
+@final
+class CraterField:
+    """Craters of a body as a function of place: their relief, and lists of them."""
+    def __new__(cls, settings: Mapping[str, object]) -> Self:
+        """settings: radius_m (of the body), and, all optional, law (a name of CRATER_LAWS),
+        surface_age_ga, density (factor), coefficient and exponent (of law "power"), table (of law
+        "table": (n, 2) diameters, m, and densities of craters of these or more, 1/m^2), seed (0 to
+        2^64 - 1), min_diameter_m, max_diameter_m, diffusivity_m2_per_myr (of craters of 1 km),
+        diffusivity_exponent, ellipticity (greatest 1 - minor/major axis), irregularity (1: as real
+        rims), model_posts (posts of an elevation model over a crater that it shows). The defaults
+        are the Moon's."""
+    def heights(self, directions: F64, footprint_m: float = 0.0) -> F64:
+        """(n,) relief of craters, m, in directions (n, 3); those of less than 2 to 4 footprints of
+        diameter are left out."""
+    def list(
+        self, direction: F64, radius_m: float, min_diameter_m: float = 0.0,
+        max_diameter_m: float = 1e300
+    ) -> NDArray[np.void]:
+        """(n,) of CRATER, with centres within radius_m of a direction (3,)."""
 
 @final
 class Terrain:

@@ -153,6 +153,23 @@ static void test_same_bits(void **state) {
   pl_crater_field_destroy(field);
 }
 
+/* Points all over the Moon in one call, which together touch 1e12 craters. */
+static void test_wide_blocks(void **state) {
+  (void)state;
+  enum { N = 12 };
+  const pl_crater_frame frame = pl_crater_frame_default(1737400.0);
+  pl_crater_field *field = field_of(&frame);
+  test_random random = {.seed = 2};
+  pl_vec3 directions[N];
+  double heights[N];
+  for (int k = 0; k < N; k++)
+    directions[k] = random_direction(&random);
+  add(field, directions, N, 0.0, heights);
+  for (int k = 0; k < N; k++)
+    assert_true(heights[k] == height(field, directions[k], 0.0));
+  pl_crater_field_destroy(field);
+}
+
 /* The same point is as high after any other step towards it: no seam at edges, corners, poles. */
 static void test_continuous(void **state) {
   (void)state;
@@ -275,13 +292,10 @@ static void test_bounds(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_against_plain_sum),
-      cmocka_unit_test(test_same_bits),
-      cmocka_unit_test(test_continuous),
-      cmocka_unit_test(test_footprint),
-      cmocka_unit_test(test_one_crater),
-      cmocka_unit_test(test_erasure),
-      cmocka_unit_test(test_bounds),
+      cmocka_unit_test(test_against_plain_sum), cmocka_unit_test(test_same_bits),
+      cmocka_unit_test(test_wide_blocks),       cmocka_unit_test(test_continuous),
+      cmocka_unit_test(test_footprint),         cmocka_unit_test(test_one_crater),
+      cmocka_unit_test(test_erasure),           cmocka_unit_test(test_bounds),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,246 @@
+/* The type CraterField: craters of a body as a function of place. */
+#include <string.h>
+
+#include "base/memory.h"
+#include "pyext/py_read.h"
+#include "pyext/py_types.h"
+#include "terrain/crater_field.h"
+
+typedef struct craters_object {
+  PyObject_HEAD pl_crater_field *field; /* owned */
+} craters_object;
+
+static void craters_dealloc(PyObject *self) {
+  PyTypeObject *type = Py_TYPE(self);
+  pl_crater_field_destroy(((craters_object *)self)->field);
+  ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
+  Py_DECREF(type);
+}
+
+const pl_crater_field *pl_py_craters_of(PyObject *object) {
+  if (!pl_py_is(object, (void *)craters_dealloc)) {
+    PyErr_SetString(PyExc_TypeError, "craters must be a perilune._core.CraterField");
+    return NULL;
+  }
+  return ((craters_object *)object)->field;
+}
+
+/* ---- creation ------------------------------------------------------------------------------- */
+
+static int seed_of(PyObject *settings, uint64_t *out) {
+  PyObject *seed;
+  if (pl_py_member(settings, "seed", 1, "craters", &seed) < 0)
+    return -1;
+  if (seed != Py_None) {
+    *out = PyLong_AsUnsignedLongLong(seed);
+    if (PyErr_Occurred()) {
+      Py_DECREF(seed);
+      PyErr_Clear();
+      PyErr_SetString(PyExc_ValueError, "craters: seed must be an integer from 0 to 2^64 - 1");
+      return -1;
+    }
+  }
+  Py_DECREF(seed);
+  return 0;
+}
+
+static int law_of(PyObject *settings, pl_crater_law_kind *out) {
+  const char *names[PL_CRATER_LAWS];
+  PyObject *law;
+  if (pl_py_member(settings, "law", 1, "craters", &law) < 0)
+    return -1;
+  const int absent = law == Py_None;
+  Py_DECREF(law);
+  if (absent)
+    return 0;
+  for (int k = 0; k < PL_CRATER_LAWS; k++)
+    names[k] = pl_crater_laws[k].name;
+  const int kind = pl_py_member_choice(settings, "law", "craters", names, PL_CRATER_LAWS);
+  *out = (pl_crater_law_kind)kind;
+  return kind < 0 ? -1 : 0;
+}
+
+/* The law's table: two columns, copied to rows of `*owner`, which pl_free frees. */
+static int table_of(PyObject *settings, pl_crater_law *law, double **owner) {
+  const npy_intp shape[2] = {-1, 2};
+  PyObject *given;
+  if (pl_py_member(settings, "table", 1, "craters", &given) < 0)
+    return -1;
+  PyArrayObject *array =
+      given != Py_None ? pl_py_array(given, "craters: table", NPY_DOUBLE, 2, shape) : NULL;
+  const int failed = given != Py_None && array == NULL;
+  Py_DECREF(given);
+  if (array == NULL)
+    return failed ? -1 : 0;
+  law->count = (size_t)PyArray_DIM(array, 0);
+  *owner = pl_alloc(2 * law->count, sizeof **owner);
+  if (*owner == NULL) {
+    Py_DECREF((PyObject *)array);
+    PyErr_NoMemory();
+    return -1;
+  }
+  const double *from = PyArray_DATA(array);
+  for (size_t k = 0; k < law->count; k++) {
+    (*owner)[k] = from[2 * k];
+    (*owner)[law->count + k] = from[2 * k + 1];
+  }
+  law->diameters_m = *owner;
+  law->densities = *owner + law->count;
+  Py_DECREF((PyObject *)array);
+  return 0;
+}
+
+static int frame_of(PyObject *settings, pl_crater_frame *frame, double **table) {
+  double radius_m;
+  if (pl_py_member_double(settings, "radius_m", "craters", &radius_m) < 0)
+    return -1;
+  *frame = pl_crater_frame_default(radius_m);
+  const struct {
+    const char *key;
+    double *to;
+  } numbers[] = {{"surface_age_ga", &frame->law.surface_age_ga},
+                 {"density", &frame->law.factor},
+                 {"coefficient", &frame->law.coefficient},
+                 {"exponent", &frame->law.exponent},
+                 {"min_diameter_m", &frame->min_m},
+                 {"max_diameter_m", &frame->max_m},
+                 {"diffusivity_m2_per_myr", &frame->diffusivity_m2_per_myr},
+                 {"diffusivity_exponent", &frame->diffusivity_exponent},
+                 {"ellipticity", &frame->ellipticity},
+                 {"irregularity", &frame->irregularity},
+                 {"model_posts", &frame->model_posts}};
+  for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
+    if (pl_py_optional_double(settings, numbers[k].key, "craters", numbers[k].to) < 0)
+      return -1;
+  if (seed_of(settings, &frame->seed) < 0 || law_of(settings, &frame->law.kind) < 0)
+    return -1;
+  return table_of(settings, &frame->law, table);
+}
+
+static PyObject *craters_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"settings", NULL};
+  PyObject *settings;
+  pl_crater_frame frame;
+  double *table = NULL;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O:CraterField", names, &settings))
+    return NULL;
+  craters_object *self = NULL;
+  if (frame_of(settings, &frame, &table) == 0)
+    self = (craters_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  const pl_status status = self != NULL ? pl_crater_field_create(&frame, &self->field) : PL_OK;
+  pl_free(table);
+  if (status == PL_OK)
+    return (PyObject *)self;
+  Py_DECREF((PyObject *)self);
+  return pl_py_raise(status);
+}
+
+/* ---- queries -------------------------------------------------------------------------------- */
+
+static PyObject *heights(PyObject *self, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"directions", "footprint_m", NULL};
+  const npy_intp shape[2] = {-1, 3};
+  PyObject *object;
+  double footprint_m = 0.0;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|d:heights", names, &object, &footprint_m))
+    return NULL;
+  if (!(footprint_m >= 0.0))
+    return PyErr_Format(PyExc_ValueError, "footprint_m must be at least 0");
+  PyArrayObject *array = pl_py_array(object, "directions", NPY_DOUBLE, 2, shape);
+  if (array == NULL)
+    return NULL;
+  npy_intp count = PyArray_DIM(array, 0);
+  pl_vec3 *d = PyArray_DATA(array);
+  for (npy_intp k = 0; k < count; k++) {
+    const double square = pl_vec3_dot(d[k], d[k]);
+    if (!(square > 0.0 && isfinite(square))) {
+      Py_DECREF((PyObject *)array);
+      return PyErr_Format(PyExc_ValueError, "direction %zd is 0 or not finite", (Py_ssize_t)k);
+    }
+    if (fabs(square - 1.0) > 1e-15)
+      d[k] = pl_vec3_unit(d[k]);
+  }
+  PyObject *out = PyArray_ZEROS(1, &count, NPY_DOUBLE, 0);
+  pl_status status = PL_OK;
+  if (out != NULL) {
+    double *h = PyArray_DATA((PyArrayObject *)out);
+    const pl_crater_field *field = ((craters_object *)self)->field;
+    Py_BEGIN_ALLOW_THREADS status =
+        pl_crater_add_heights(field, NULL, d, (size_t)count, footprint_m, h);
+    Py_END_ALLOW_THREADS
+  }
+  Py_DECREF((PyObject *)array);
+  if (status == PL_OK)
+    return out;
+  Py_DECREF(out);
+  return pl_py_raise(status);
+}
+
+PyObject *pl_py_crater_record(void) {
+  /* The struct has no padding, so the compiler's layout equals NumPy's packed layout. */
+  _Static_assert(sizeof(pl_crater) == 8 + 13 * 8, "pl_crater has padding");
+  return Py_BuildValue("[(ss),(ss(i)),(ss(i)),(ss),(ss),(ss),(ss),(ss),(ss),(ss)]", "id", "<u8",
+                       "direction", "<f8", 3, "major", "<f8", 3, "diameter_m", "<f8", "axis_ratio",
+                       "<f8", "age_ga", "<f8", "tau", "<f8", "depth_m", "<f8", "rim_m", "<f8",
+                       "kept", "<f8");
+}
+
+static PyObject *records_of(const pl_crater *craters, size_t count) {
+  PyArray_Descr *descr = NULL;
+  PyObject *record = pl_py_crater_record();
+  npy_intp shape[1] = {(npy_intp)count};
+  const int known = record != NULL && PyArray_DescrConverter(record, &descr) == NPY_SUCCEED;
+  Py_XDECREF(record);
+  if (!known)
+    return NULL;
+  /* Steals the description. */
+  PyObject *out = PyArray_NewFromDescr(&PyArray_Type, descr, 1, shape, NULL, NULL, 0, NULL);
+  if (out != NULL && count > 0)
+    memcpy(PyArray_DATA((PyArrayObject *)out), craters, count * sizeof *craters);
+  return out;
+}
+
+static PyObject *list(PyObject *self, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"direction", "radius_m", "min_diameter_m", "max_diameter_m", NULL};
+  const npy_intp shape[1] = {3};
+  PyObject *object;
+  double radius_m, min_m = 0.0, max_m = 1e300;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "Od|dd:list", names, &object, &radius_m, &min_m,
+                                   &max_m))
+    return NULL;
+  PyArrayObject *array = pl_py_array(object, "direction", NPY_DOUBLE, 1, shape);
+  if (array == NULL)
+    return NULL;
+  const pl_vec3 direction = *(const pl_vec3 *)PyArray_DATA(array);
+  Py_DECREF((PyObject *)array);
+  const pl_crater_field *field = ((craters_object *)self)->field;
+  pl_crater *craters;
+  size_t count;
+  pl_status status;
+  Py_BEGIN_ALLOW_THREADS status =
+      pl_crater_list(field, NULL, direction, radius_m, min_m, max_m, &craters, &count);
+  Py_END_ALLOW_THREADS if (status != PL_OK) return pl_py_raise(status);
+  PyObject *out = records_of(craters, count);
+  pl_free(craters);
+  return out;
+}
+
+static PyMethodDef craters_methods[] = {
+    {"heights", (PyCFunction)(void (*)(void))heights, METH_VARARGS | METH_KEYWORDS,
+     "heights($self, directions, footprint_m=0.0)\n--\n\n(n,) relief of craters, m."},
+    {"list", (PyCFunction)(void (*)(void))list, METH_VARARGS | METH_KEYWORDS,
+     "list($self, direction, radius_m, min_diameter_m=0.0, max_diameter_m=1e300)\n--\n\n"
+     "Craters of a region."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot craters_slots[] = {
+    {Py_tp_doc, "CraterField(settings)\n--\n\nCraters of a body as a function of place."},
+    {Py_tp_new, (void *)craters_new},
+    {Py_tp_dealloc, (void *)craters_dealloc},
+    {Py_tp_methods, craters_methods},
+    {0, NULL},
+};
+
+PyType_Spec pl_py_craters_spec = {"perilune._core.CraterField", sizeof(craters_object), 0,
+                                  Py_TPFLAGS_DEFAULT, craters_slots};
