@@ -5,23 +5,28 @@
 #ifndef PL_TERRAIN_HEIGHT_FIELD_H
 #define PL_TERRAIN_HEIGHT_FIELD_H
 
-#include "terrain/tile.h"
+#include "terrain/ground_tile.h"
 
 typedef struct pl_height_field {
-  const pl_terrain *terrain;   /* borrowed */
-  const pl_tile *const *tiles; /* borrowed: valid until the tiles are next trimmed */
+  const pl_terrain *terrain;          /* borrowed */
+  const pl_ground_tile *const *tiles; /* borrowed: valid until the tiles are next trimmed */
   size_t count;
   /* Origin of the mesh of the ground, body axes, m: mesh units are metres, its axes are the body's.
    */
   pl_vec3 origin;
   void *scene;     /* RTCScene with an instance a tile, of the index of the tile; borrowed */
   double radius_m; /* of a sphere around the body's centre that encloses the ground */
-  double widened;  /* factor by which cells are wider than asked, for the limit of tiles; 1: none */
+  /* Of a sphere around the body's centre that is wholly below the ground: a ray that meets it has
+   * met the ground before. (At the very vertices of meshes, Embree misses one ray in ten thousand.)
+   */
+  double core_m;
+  double widened; /* factor by which cells are wider than asked, for the limit of tiles; 1: none */
 } pl_height_field;
 
 /* Place of a hit on the grid of its tile. */
 typedef struct pl_height_field_cell {
-  int column, row; /* of the cell, from 0 to PL_TILE_CELLS - 1; -1 and PL_TILE_CELLS on the skirt */
+  int column, row; /* of the cell, from 0 to PL_GROUND_TILE_CELLS - 1; -1 and PL_GROUND_TILE_CELLS
+                      on the skirt */
   double x, y;     /* place in it, from 0 to 1 */
 } pl_height_field_cell;
 

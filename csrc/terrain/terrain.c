@@ -2,6 +2,7 @@
 #include "terrain/terrain.h"
 
 #include <math.h>
+#include <stdatomic.h>
 
 #include "base/memory.h"
 #include "terrain/terrain_parts.h"
@@ -37,6 +38,8 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   PL_TRY(check(frame));
   PL_TRY(pl_alloc_or_fail(1, sizeof(pl_terrain), "a terrain", &memory));
   pl_terrain *t = memory;
+  static atomic_ullong numbers;
+  t->number = atomic_fetch_add(&numbers, 1) + 1;
   t->radii_m = frame->radii_m;
   const pl_vec3 r = frame->radii_m;
   t->radius_m = r.x * cbrt((r.y / r.x) * (r.z / r.x)); /* exact on a sphere */
@@ -55,6 +58,8 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
 }
 
 void pl_terrain_destroy(pl_terrain *terrain) { pl_free(terrain); }
+
+uint64_t pl_terrain_number(const pl_terrain *terrain) { return terrain->number; }
 
 double pl_terrain_radius_m(const pl_terrain *terrain) { return terrain->radius_m; }
 

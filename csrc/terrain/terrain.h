@@ -44,6 +44,9 @@ typedef struct pl_terrain pl_terrain;
 pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out);
 void pl_terrain_destroy(pl_terrain *terrain);
 
+/* Returns a number that no other terrain of the process has or will have: a key for what is kept.
+ */
+uint64_t pl_terrain_number(const pl_terrain *terrain);
 /* Geometric mean of the radii, of which the lattice's cells are a fraction. */
 double pl_terrain_radius_m(const pl_terrain *terrain);
 /* Distance of the ellipsoid from the centre, along a unit direction. */

@@ -16,6 +16,7 @@ typedef struct pl_layer {
 } pl_layer;
 
 struct pl_terrain {
+  uint64_t number;
   pl_vec3 radii_m;
   double radius_m;
   pl_fractal_detail detail;

@@ -35,6 +35,7 @@ void pl_accelerators_destroy(pl_accelerators *kept) {
     return;
   for (size_t i = 0; i < kept->model_count; i++)
     free_model(&kept->models[i]);
+  pl_ground_tiles_destroy(kept);
   rtcReleaseDevice(kept->device);
   pl_free(kept->models);
   pl_free(kept);

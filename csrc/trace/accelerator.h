@@ -20,10 +20,13 @@ typedef struct pl_sphere {
   uint32_t instance; /* PL_INNER_NODE for an inner node */
 } pl_sphere;
 
+typedef struct pl_ground_tiles pl_ground_tiles;
+
 struct pl_accelerators {
   RTCDevice device;
   pl_model_accelerator *models; /* owned */
   size_t model_count;
+  pl_ground_tiles *ground; /* owned; NULL before the first use */
 };
 
 struct pl_tracer {
@@ -33,6 +36,9 @@ struct pl_tracer {
   size_t sphere_count;
   const pl_snapshot *snapshot; /* borrowed */
 };
+
+/* Frees the tiles of all grounds (trace/height_field.c). */
+void pl_ground_tiles_destroy(pl_accelerators *kept);
 
 /* Returns PL_E_DEVICE (or PL_E_MEMORY) with Embree's error if one is pending; `doing` completes the
  * error text. */

@@ -1,10 +1,10 @@
 /* Keeps tiles of ground with their Embree grids across frames, and builds the ground of a frame. */
-#ifndef PL_TRACE_GROUND_TILES_H
-#define PL_TRACE_GROUND_TILES_H
+#ifndef PL_TRACE_HEIGHT_FIELD_H
+#define PL_TRACE_HEIGHT_FIELD_H
 
 #include "base/parallel.h"
 #include "terrain/height_field.h"
-#include "terrain/tile_tree.h"
+#include "terrain/ground_tile_tree.h"
 #include "trace/tracer.h"
 
 /* Tiles are evicted above this many bytes, unless pl_ground_tiles_limit says otherwise. */
@@ -15,18 +15,19 @@
  * until the next pl_ground_tiles_trim. Its bits depend on terrain and view alone. Not thread-safe.
  * `cancel` may be NULL. */
 pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain,
-                                const pl_tile_view *view, int threads, pl_cancel *cancel,
+                                const pl_ground_tile_view *view, int threads, pl_cancel *cancel,
                                 pl_arena *arena, const pl_height_field **out);
 
 /* Call at the start of a frame, when no ground is in use any more: releases the scenes of all
  * grounds, and evicts the tiles that were least recently used while all together are above the
  * limit of bytes. */
 void pl_ground_tiles_trim(pl_accelerators *kept);
-/* Evicts all tiles of a terrain, before it is destroyed; no ground of it may be in use. */
-void pl_ground_tiles_forget(pl_accelerators *kept, const pl_terrain *terrain);
+/* Releases all grounds and evicts all tiles of a terrain (pl_terrain_number), which may have been
+ * destroyed already: no other terrain gets its number. */
+void pl_ground_tiles_forget(pl_accelerators *kept, uint64_t terrain);
 
 /* The limit of bytes, and what is kept at present. */
-void pl_ground_tiles_limit(pl_accelerators *kept, size_t bytes);
+pl_status pl_ground_tiles_limit(pl_accelerators *kept, size_t bytes);
 typedef struct pl_ground_tiles_use {
   size_t tiles, bytes; /* bytes with those of Embree */
   uint64_t made;       /* tiles made so far */

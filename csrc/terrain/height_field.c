@@ -1,0 +1,76 @@
+/* Places, points and normals of hits on the ground. */
+#include "terrain/height_field.h"
+
+enum { SIDE = PL_GROUND_TILE_SIDE, POSTS = PL_GROUND_TILE_POSTS, CELLS = PL_GROUND_TILE_CELLS };
+
+static int cell_of(double along) {
+  const int cell = (int)floor(along);
+  return cell < 0 ? 0 : cell > SIDE - 2 ? SIDE - 2 : cell;
+}
+
+pl_height_field_cell pl_height_field_locate(float u, float v) {
+  const double along = (double)u * (SIDE - 1), up = (double)v * (SIDE - 1);
+  const int column = cell_of(along), row = cell_of(up);
+  return (pl_height_field_cell){column - 1, row - 1, along - column, up - row};
+}
+
+/* Embree splits the quad of a cell along the diagonal between its second and its last post, counted
+ * around it, and turns u and v of the upper triangle by half a turn. */
+void pl_height_field_corners(const pl_height_field *field, uint32_t tile, float u, float v,
+                             pl_vec3 out[3], double weights[3]) {
+  const pl_height_field_cell at = pl_height_field_locate(u, v);
+  const pl_ground_tile *of = field->tiles[tile];
+  const int low = (at.row + 1) * SIDE + at.column + 1, high = low + SIDE;
+  const bool upper = at.x + at.y > 1.0;
+  const int posts[3] = {upper ? high + 1 : low, upper ? high : low + 1, upper ? low + 1 : high};
+  const pl_vec3 from = pl_vec3_sub(of->origin, field->origin);
+  for (int k = 0; k < 3; k++) {
+    const float *p = of->positions[posts[k]];
+    out[k] = pl_vec3_add(from, (pl_vec3){p[0], p[1], p[2]});
+  }
+  weights[1] = upper ? 1.0 - at.x : at.x;
+  weights[2] = upper ? 1.0 - at.y : at.y;
+  weights[0] = 1.0 - weights[1] - weights[2];
+}
+
+pl_vec3 pl_height_field_point(const pl_height_field *field, uint32_t tile, float u, float v) {
+  pl_vec3 corners[3], out = field->origin;
+  double weights[3];
+  pl_height_field_corners(field, tile, u, v, corners, weights);
+  for (int k = 0; k < 3; k++)
+    out = pl_vec3_madd(out, weights[k], corners[k]);
+  return out;
+}
+
+pl_vec3 pl_height_field_facet_normal(const pl_height_field *field, uint32_t tile, float u,
+                                     float v) {
+  pl_vec3 p[3];
+  double weights[3];
+  pl_height_field_corners(field, tile, u, v, p, weights);
+  return pl_vec3_unit(pl_vec3_cross(pl_vec3_sub(p[1], p[0]), pl_vec3_sub(p[2], p[0])));
+}
+
+/* Cell and place in it, moved from the skirt to the edge. */
+static int to_edge(int cell, double *in) {
+  if (cell >= 0 && cell < CELLS)
+    return cell;
+  *in = cell < 0 ? 0.0 : 1.0;
+  return cell < 0 ? 0 : CELLS - 1;
+}
+
+pl_vec3 pl_height_field_normal(const pl_height_field *field, uint32_t tile, float u, float v) {
+  pl_height_field_cell at = pl_height_field_locate(u, v);
+  const int column = to_edge(at.column, &at.x), row = to_edge(at.row, &at.y);
+  const pl_ground_tile *of = field->tiles[tile];
+  const int16_t(*low)[2] = &of->slopes[row * POSTS + column], (*high)[2] = low + POSTS;
+  const pl_vec3 up = pl_vec3_unit(pl_height_field_point(field, tile, u, v));
+  pl_vec3 axis[2], normal = up;
+  pl_ground_tile_axes(of->id.face, up, &axis[0], &axis[1]);
+  for (int a = 0; a < 2; a++) {
+    const double south = low[0][a] * (1.0 - at.x) + low[1][a] * at.x;
+    const double north = high[0][a] * (1.0 - at.x) + high[1][a] * at.x;
+    const double slope = (south * (1.0 - at.y) + north * at.y) * (double)of->slope_unit;
+    normal = pl_vec3_madd(normal, -slope, axis[a]);
+  }
+  return pl_vec3_unit(normal);
+}

@@ -1,0 +1,150 @@
+/* Makes the tiles of a frame and the scene of their instances. */
+#include "trace/ground_tile_cache.h"
+
+/* One build. */
+typedef struct build {
+  pl_accelerators *kept;
+  pl_ground_tiles *tiles;
+  const pl_terrain *terrain;
+  uint64_t number; /* of the terrain */
+  size_t first;    /* index of the first new tile in the list */
+} build;
+
+/* Embree reads whole vectors of 16 bytes at the last post: behind it lie the slopes. */
+_Static_assert(offsetof(pl_ground_tile, slopes) + 16 <= sizeof(pl_ground_tile),
+               "posts must have room behind");
+
+static pl_status build_grid(const pl_accelerators *kept, pl_kept_tile *tile) {
+  RTCScene scene = rtcNewScene(kept->device);
+  RTCGeometry grid = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_GRID);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT | PL_EMBREE_QUERY_FILTERS);
+  rtcSetSharedGeometryBuffer(grid, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                             tile->tile.positions, 0, 3 * sizeof(float),
+                             PL_GROUND_TILE_SIDE * PL_GROUND_TILE_SIDE);
+  struct RTCGrid *shape =
+      rtcSetNewGeometryBuffer(grid, RTC_BUFFER_TYPE_GRID, 0, RTC_FORMAT_GRID, sizeof *shape, 1);
+  if (shape != NULL)
+    *shape = (struct RTCGrid){0, PL_GROUND_TILE_SIDE, PL_GROUND_TILE_SIDE, PL_GROUND_TILE_SIDE};
+  rtcCommitGeometry(grid);
+  rtcAttachGeometry(scene, grid);
+  rtcReleaseGeometry(grid);
+  rtcCommitScene(scene);
+  tile->scene = scene;
+  return pl_accelerator_check(kept, "building a tile of ground");
+}
+
+static pl_status make_tile(void *context, size_t item, int worker) {
+  (void)worker;
+  const build *build = context;
+  pl_kept_tile *tile = build->tiles->list[build->first + item];
+  const pl_ground_tile_id id = tile->tile.id;
+  PL_TRY(pl_ground_tile_make(build->terrain, id, &tile->tile));
+  return build_grid(build->kept, tile);
+}
+
+/* Each of the new tiles counts with an equal share of what Embree allocated. */
+static void count_new(const build *build, long long before) {
+  pl_ground_tiles *tiles = build->tiles;
+  const long long grids = atomic_load(&tiles->embree_bytes) - before;
+  for (size_t k = build->first; k < tiles->count; k++) {
+    const size_t made = tiles->count - build->first;
+    tiles->list[k]->bytes = sizeof(pl_kept_tile) + (size_t)(grids > 0 ? grids : 0) / made;
+    tiles->bytes += tiles->list[k]->bytes;
+  }
+}
+
+static pl_status make_missing(build *build, const pl_ground_tile_id *ids, size_t count, int threads,
+                              pl_cancel *cancel) {
+  pl_ground_tiles *tiles = build->tiles;
+  const long long before = atomic_load(&tiles->embree_bytes);
+  build->first = tiles->count;
+  pl_status status = pl_ground_tiles_add(tiles, build->number, ids, count);
+  if (status == PL_OK)
+    status = pl_parallel_for(threads, tiles->count - build->first, make_tile, build, cancel);
+  if (status == PL_OK)
+    count_new(build, before);
+  else
+    pl_ground_tiles_drop(tiles, build->first);
+  return status;
+}
+
+static void attach(const pl_accelerators *kept, RTCScene scene, const pl_kept_tile *tile,
+                   unsigned index, pl_vec3 origin) {
+  const pl_vec3f shift = pl_vec3_to_float(pl_vec3_sub(tile->tile.origin, origin));
+  const float place[12] = {1.0f, 0.0f, 0.0f, 0.0f,    1.0f,    0.0f,
+                           0.0f, 0.0f, 1.0f, shift.x, shift.y, shift.z};
+  RTCGeometry instance = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(instance, tile->scene);
+  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, place);
+  rtcCommitGeometry(instance);
+  rtcAttachGeometryByID(scene, instance, index);
+  rtcReleaseGeometry(instance);
+}
+
+static pl_status build_scene(const build *build, const pl_ground_tile_id *ids,
+                             pl_height_field *field) {
+  const pl_accelerators *kept = build->kept;
+  RTCScene scene = rtcNewScene(kept->device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | PL_EMBREE_QUERY_FILTERS);
+  for (size_t k = 0; k < field->count; k++)
+    attach(kept, scene, pl_ground_tiles_find(build->tiles, build->number, ids[k]), (unsigned)k,
+           field->origin);
+  rtcCommitScene(scene);
+  PL_TRY(pl_ground_tiles_hold(build->tiles, scene));
+  field->scene = scene;
+  return pl_accelerator_check(kept, "building the ground");
+}
+
+/* Least distance of the datum from the centre: on one of the axes. */
+static double least_datum(const pl_terrain *terrain) {
+  const double x = pl_terrain_datum_m(terrain, (pl_vec3){1.0, 0.0, 0.0});
+  const double y = pl_terrain_datum_m(terrain, (pl_vec3){0.0, 1.0, 0.0});
+  return fmin(fmin(x, y), pl_terrain_datum_m(terrain, (pl_vec3){0.0, 0.0, 1.0}));
+}
+
+/* Sets the spheres and the origin. This is that of a finest tile, of these the nearest to the eye:
+ * there, sums of floats must be finest. */
+static void measure(pl_height_field *field, pl_vec3 eye) {
+  const double datum_m = least_datum(field->terrain);
+  double nearest = INFINITY;
+  int level = -1;
+  field->core_m = INFINITY;
+  for (size_t k = 0; k < field->count; k++) {
+    const pl_ground_tile *tile = field->tiles[k];
+    const double away = pl_vec3_norm(pl_vec3_sub(tile->origin, eye));
+    field->radius_m = fmax(field->radius_m, pl_vec3_norm(tile->origin) + tile->radius_m);
+    /* The middles of cells are below their corners, by c^2 / 4 R of a sphere. */
+    const double sag_m = 0.5 * tile->cell_m * tile->cell_m / datum_m;
+    field->core_m = fmin(field->core_m, datum_m + (double)tile->low_m - sag_m);
+    if (tile->id.level < level || (tile->id.level == level && away >= nearest))
+      continue;
+    level = tile->id.level;
+    nearest = away;
+    field->origin = tile->origin;
+  }
+  field->radius_m *= 1.0 + 1e-9;
+}
+
+pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain,
+                                const pl_ground_tile_view *view, int threads, pl_cancel *cancel,
+                                pl_arena *arena, const pl_height_field **out) {
+  build build = {.kept = kept, .terrain = terrain, .number = pl_terrain_number(terrain)};
+  pl_ground_tile_id *ids;
+  PL_TRY(pl_ground_tiles_open(kept, &build.tiles));
+  pl_height_field *field = pl_arena_alloc(arena, 1, sizeof *field);
+  if (field == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the ground");
+  *field = (pl_height_field){.terrain = terrain};
+  PL_TRY(pl_ground_tile_tree_choose(terrain, view, arena, &ids, &field->count, &field->widened));
+  PL_TRY(make_missing(&build, ids, field->count, threads, cancel));
+  const pl_ground_tile **tiles = pl_arena_alloc(arena, field->count, sizeof *tiles);
+  if (tiles == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the ground");
+  for (size_t k = 0; k < field->count; k++)
+    tiles[k] = &pl_ground_tiles_find(build.tiles, build.number, ids[k])->tile;
+  field->tiles = tiles;
+  measure(field, view->eye);
+  PL_TRY(build_scene(&build, ids, field));
+  *out = field;
+  return PL_OK;
+}
