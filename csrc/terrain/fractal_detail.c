@@ -11,10 +11,9 @@
 enum { STRIP = PL_DETAIL_STRIP };
 #define PRIME 0x9e3779b1u /* the odd number nearest 2^32/phi */
 
-/* The sum of four bytes has mean 510 and variance 4 (256^2 - 1) / 12. The squares of the spline's
- * weights have the mean sum 151/315 an axis. */
-#define BYTES_MEAN 510
-#define BYTES_VARIANCE 21845.0
+/* Variance of a number, uniform among all integers of 32 bits. The squares of the spline's weights
+ * have the mean sum 151/315 an axis. */
+#define NUMBER_VARIANCE (0x1p64 / 12.0)
 #define WEIGHTS (151.0 / 315.0)
 
 void pl_fractal_detail_init(const pl_terrain_detail *detail, double radius_m,
@@ -34,8 +33,8 @@ void pl_fractal_detail_init(const pl_terrain_detail *detail, double radius_m,
 }
 
 void pl_detail_cache_init(pl_detail_cache *cache) {
-  for (int level = 0; level < PL_CUBE_LEVELS; level++)
-    cache->cells[level].known = false;
+  for (int k = 0; k < PL_DETAIL_CELLS; k++)
+    cache->cells[k].octave = -1;
 }
 
 /* ---- places in the lattice ----------------------------------------------------------------- */
@@ -53,19 +52,23 @@ static inline uint32_t split(double x, double *fraction) {
   return (uint32_t)bits;
 }
 
-static inline uint32_t hash(uint32_t key, uint32_t coordinate) {
-  return pl_sampler_mix(key + coordinate * PRIME);
-}
+/* Cells are kept as multiples of PRIME: neighbours are PRIME apart. */
+static inline uint32_t hash(uint32_t key, uint32_t cell) { return pl_sampler_mix(key + cell); }
 
-/* The number of a hash: the sum of its four bytes, without its mean. */
-static inline int32_t number(uint32_t h) {
-  const uint32_t pairs = (h & 0x00ff00ffu) + ((h >> 8) & 0x00ff00ffu);
-  return (int32_t)((pairs & 0xffffu) + (pairs >> 16)) - BYTES_MEAN;
+/* The number of a cell of a row. As pl_sampler_mix, but for its last step, which mixes the high
+ * bits into the low ones; it is the high ones that count. */
+static inline int32_t number(uint32_t key, uint32_t cell) {
+  uint32_t h = key + cell;
+  h ^= h >> 16;
+  h *= 0x7feb352du;
+  h ^= h >> 15;
+  h *= 0x846ca68bu;
+  return (int32_t)h;
 }
 
 /* Factor of an octave's weighted sum of numbers, m. */
 static double unit_of(const pl_fractal_detail *detail, int octave) {
-  return detail->sigma_m[octave] / sqrt(BYTES_VARIANCE * WEIGHTS * WEIGHTS * WEIGHTS);
+  return detail->sigma_m[octave] / sqrt(NUMBER_VARIANCE * WEIGHTS * WEIGHTS * WEIGHTS);
 }
 
 /* ---- fine octaves: nodes lie in different cells, so numbers are hashed for each ------------- */
@@ -79,7 +82,7 @@ PL_WIDE static void place_near(const double *restrict along, size_t count, doubl
                                near_axis *restrict out) {
   for (size_t k = 0; k < count; k++) {
     double fraction;
-    out->cell[k] = split(along[k] * cells, &fraction) - 1u;
+    out->cell[k] = (split(along[k] * cells, &fraction) - 1u) * PRIME;
     const float f = (float)fraction, g = 1.0f - f;
     out->weight[0][k] = g * g * g * (1.0f / 6.0f);
     out->weight[1][k] = (4.0f - 3.0f * f * f * (2.0f - f)) * (1.0f / 6.0f);
@@ -99,10 +102,10 @@ PL_WIDE static void add_row(const uint32_t *restrict key, const near_axis *restr
                             const float *restrict weight_z, const float *restrict weight_y,
                             size_t count, float *restrict sums) {
   for (size_t k = 0; k < count; k++) {
-    const float row = x->weight[0][k] * (float)number(hash(key[k], x->cell[k])) +
-                      x->weight[1][k] * (float)number(hash(key[k], x->cell[k] + 1u)) +
-                      (x->weight[2][k] * (float)number(hash(key[k], x->cell[k] + 2u)) +
-                       x->weight[3][k] * (float)number(hash(key[k], x->cell[k] + 3u)));
+    const float row = x->weight[0][k] * (float)number(key[k], x->cell[k]) +
+                      x->weight[1][k] * (float)number(key[k], x->cell[k] + 1u * PRIME) +
+                      (x->weight[2][k] * (float)number(key[k], x->cell[k] + 2u * PRIME) +
+                       x->weight[3][k] * (float)number(key[k], x->cell[k] + 3u * PRIME));
     sums[k] += weight_z[k] * weight_y[k] * row;
   }
 }
@@ -112,7 +115,7 @@ static void add_near(const pl_fractal_detail *detail, const pl_detail_strip *str
   near_axis x, y, z;
   uint32_t key[STRIP], key_z[STRIP], key_y[STRIP];
   float sums[STRIP];
-  const size_t count = strip->count;
+  const size_t count = pl_detail_strip_lanes(strip);
   const double cells = cells_of(octave), unit = unit_of(detail, octave);
   place_near(strip->x, count, cells, &x);
   place_near(strip->y, count, cells, &y);
@@ -122,13 +125,13 @@ static void add_near(const pl_fractal_detail *detail, const pl_detail_strip *str
     sums[k] = 0.0f;
   }
   for (uint32_t a = 0; a < 4; a++) {
-    hash_along(key, z.cell, a, count, key_z);
+    hash_along(key, z.cell, a * PRIME, count, key_z);
     for (uint32_t b = 0; b < 4; b++) {
-      hash_along(key_z, y.cell, b, count, key_y);
+      hash_along(key_z, y.cell, b * PRIME, count, key_y);
       add_row(key_y, &x, z.weight[a], y.weight[b], count, sums);
     }
   }
-  for (size_t k = 0; k < count; k++)
+  for (size_t k = 0; k < strip->count; k++)
     sums_m[k] += unit * (double)sums[k];
 }
 
@@ -143,7 +146,7 @@ PL_WIDE static void place_far(const double *restrict along, size_t count, double
                               far_axis *restrict out) {
   for (size_t k = 0; k < count; k++) {
     double f;
-    out->cell[k] = split(along[k] * cells, &f) - 1u;
+    out->cell[k] = (split(along[k] * cells, &f) - 1u) * PRIME;
     const double g = 1.0 - f;
     out->weight[0][k] = g * g * g * (1.0 / 6.0);
     out->weight[1][k] = (4.0 - 3.0 * f * f * (2.0 - f)) * (1.0 / 6.0);
@@ -152,28 +155,32 @@ PL_WIDE static void place_far(const double *restrict along, size_t count, double
   }
 }
 
-/* Numbers in the order z, y, x. */
-static const double *numbers_of(uint32_t key, uint32_t x, uint32_t y, uint32_t z,
-                                pl_detail_cell *kept) {
-  if (kept->known && kept->cell[0] == x && kept->cell[1] == y && kept->cell[2] == z)
-    return kept->numbers;
+/* Writes the numbers from a cell on, in the order z, y, x. */
+static void draw(uint32_t key, const pl_detail_cell *cell, double numbers[64]) {
   for (uint32_t a = 0; a < 4; a++)
     for (uint32_t b = 0; b < 4; b++) {
-      const uint32_t key_y = hash(hash(key, z + a), y + b);
+      const uint32_t key_y = hash(hash(key, cell->z + a * PRIME), cell->y + b * PRIME);
       for (uint32_t c = 0; c < 4; c++)
-        kept->numbers[16 * a + 4 * b + c] = (double)number(hash(key_y, x + c));
+        numbers[16 * a + 4 * b + c] = (double)number(key_y, cell->x + c * PRIME);
     }
-  kept->known = true;
-  kept->cell[0] = x;
-  kept->cell[1] = y;
-  kept->cell[2] = z;
-  return kept->numbers;
 }
 
-/* Sums the numbers of one cell, for the nodes from `from` to `to`. */
-PL_WIDE static void sum_cell(const double *restrict numbers, const far_axis *restrict x,
-                             const far_axis *restrict y, const far_axis *restrict z, size_t from,
-                             size_t to, double unit, double *restrict sums_m) {
+static const double *numbers_of(uint32_t key, const pl_detail_cell *cell, pl_detail_cache *cache) {
+  const uint32_t mixed = cell->x + 3u * cell->y + 5u * cell->z + 7u * (uint32_t)cell->octave;
+  const uint32_t slot = mixed % PL_DETAIL_CELLS;
+  pl_detail_cell *kept = &cache->cells[slot];
+  if (kept->octave != cell->octave || kept->x != cell->x || kept->y != cell->y ||
+      kept->z != cell->z) {
+    *kept = *cell;
+    draw(key, cell, cache->numbers[slot]);
+  }
+  return cache->numbers[slot];
+}
+
+/* Weighs the numbers of one cell, for the nodes from `from` to `to`. */
+PL_WIDE static void weigh_cell(const double *restrict numbers, const far_axis *restrict x,
+                               const far_axis *restrict y, const far_axis *restrict z, size_t from,
+                               size_t to, double *restrict sums) {
   for (size_t k = from; k < to; k++) {
     double sum = 0.0;
     for (int a = 0; a < 4; a++) {
@@ -185,26 +192,33 @@ PL_WIDE static void sum_cell(const double *restrict numbers, const far_axis *res
       }
       sum += z->weight[a][k] * plane;
     }
-    sums_m[k] += unit * sum;
+    sums[k] = sum;
   }
 }
 
+/* The last lanes of a run are computed with the wrong numbers, then again by the next run. */
 static void add_far(const pl_fractal_detail *detail, const pl_detail_strip *strip, int octave,
-                    pl_detail_cell *kept, double *sums_m) {
+                    pl_detail_cache *cache, double *sums_m) {
+  enum { LANES = 4 };
   far_axis x, y, z;
+  double sums[STRIP];
+  const size_t lanes = pl_detail_strip_lanes(strip);
   const double cells = cells_of(octave), unit = unit_of(detail, octave);
-  place_far(strip->x, strip->count, cells, &x);
-  place_far(strip->y, strip->count, cells, &y);
-  place_far(strip->z, strip->count, cells, &z);
+  place_far(strip->x, lanes, cells, &x);
+  place_far(strip->y, lanes, cells, &y);
+  place_far(strip->z, lanes, cells, &z);
   for (size_t from = 0, to; from < strip->count; from = to) {
-    for (to = from + 1; to < strip->count && x.cell[to] == x.cell[from] &&
-                        y.cell[to] == y.cell[from] && z.cell[to] == z.cell[from];
+    const pl_detail_cell cell = {octave, x.cell[from], y.cell[from], z.cell[from]};
+    for (to = from + 1;
+         to < strip->count && x.cell[to] == cell.x && y.cell[to] == cell.y && z.cell[to] == cell.z;
          to++) {
     }
-    const double *numbers =
-        numbers_of(detail->key[octave], x.cell[from], y.cell[from], z.cell[from], kept);
-    sum_cell(numbers, &x, &y, &z, from, to, unit, sums_m);
+    const size_t end = from + (to - from + LANES - 1) / LANES * LANES;
+    weigh_cell(numbers_of(detail->key[octave], &cell, cache), &x, &y, &z, from,
+               end < lanes ? end : lanes, sums);
   }
+  for (size_t k = 0; k < strip->count; k++)
+    sums_m[k] += unit * sums[k];
 }
 
 /* ---- sums ---------------------------------------------------------------------------------- */
@@ -216,7 +230,7 @@ void pl_fractal_detail_add(const pl_fractal_detail *detail, const pl_detail_stri
   if (level - octave < PL_DETAIL_NEAR)
     add_near(detail, strip, octave, sums_m);
   else
-    add_far(detail, strip, octave, &cache->cells[octave], sums_m);
+    add_far(detail, strip, octave, cache, sums_m);
 }
 
 double pl_fractal_detail_deviation_m(const pl_fractal_detail *detail, int coarsest, int level) {
@@ -236,21 +250,13 @@ static int coarsest_of(const pl_fractal_detail *detail, int coarsest) {
 
 double pl_fractal_detail_height(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
                                 int level) {
-  pl_detail_strip strip;
-  strip.count = 1;
-  strip.x[0] = direction.x;
-  strip.y[0] = direction.y;
-  strip.z[0] = direction.z;
+  pl_detail_strip strip = {.count = 1, .x = {direction.x}, .y = {direction.y}, .z = {direction.z}};
+  pl_detail_cache cache;
+  pl_detail_cache_init(&cache);
+  pl_detail_strip_close(&strip);
   double sum_m = 0.0;
-  for (int k = finest_of(detail, level); k >= coarsest_of(detail, coarsest); k--) {
-    if (level - k < PL_DETAIL_NEAR) {
-      add_near(detail, &strip, k, &sum_m);
-    } else {
-      pl_detail_cell cell;
-      cell.known = false;
-      add_far(detail, &strip, k, &cell, &sum_m);
-    }
-  }
+  for (int k = finest_of(detail, level); k >= coarsest_of(detail, coarsest); k--)
+    pl_fractal_detail_add(detail, &strip, k, level, &cache, &sum_m);
   const double deviation_m = pl_fractal_detail_deviation_m(detail, coarsest, level);
   return pl_fractal_detail_cut(sum_m, PL_DETAIL_BOUND * deviation_m);
 }
@@ -258,7 +264,7 @@ double pl_fractal_detail_height(const pl_fractal_detail *detail, pl_vec3 directi
 /* Weights of four cells and their slopes along one axis; returns the first cell. */
 static uint32_t slopes_along(double x, double weight[4], double slope[4]) {
   double f;
-  const uint32_t cell = split(x, &f) - 1u;
+  const uint32_t cell = (split(x, &f) - 1u) * PRIME;
   const double g = 1.0 - f;
   weight[0] = g * g * g * (1.0 / 6.0);
   weight[1] = (4.0 - 3.0 * f * f * (2.0 - f)) * (1.0 / 6.0);
@@ -278,12 +284,12 @@ static pl_vec3 octave_gradient(uint32_t key, pl_vec3 place) {
   const uint32_t z = slopes_along(place.z, wz, sz);
   pl_vec3 sum = {0.0, 0.0, 0.0};
   for (uint32_t a = 0; a < 4; a++) {
-    const uint32_t key_z = hash(key, z + a);
+    const uint32_t key_z = hash(key, z + a * PRIME);
     for (uint32_t b = 0; b < 4; b++) {
-      const uint32_t key_y = hash(key_z, y + b);
+      const uint32_t key_y = hash(key_z, y + b * PRIME);
       double row = 0.0, along = 0.0;
       for (uint32_t c = 0; c < 4; c++) {
-        const double value = (double)number(hash(key_y, x + c));
+        const double value = (double)number(key_y, x + c * PRIME);
         row += wx[c] * value;
         along += sx[c] * value;
       }

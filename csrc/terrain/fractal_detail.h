@@ -2,20 +2,20 @@
  * continuous curvature and so leave no creases.
  *
  * An octave is a cubic lattice of numbers in space, cut by the sphere of directions: it has no
- * poles, faces or seams, and is nearly the same in all directions. Its numbers are a hash of (seed,
- * level, cell), sums of four uniform ones: nearly normal, of bounded size. The cells of level k are
- * as wide as those of level k of the cube (`terrain/cube.h`). A value depends on the direction and
- * the levels alone: the same bits alone or in any block. */
+ * poles, faces or seams, and is nearly the same in all directions. Its numbers are uniform, a hash
+ * of (seed, level, cell); heights, weighted sums of 64 of them, are nearly normal. The cells of
+ * level k are as wide as those of level k of the cube (`terrain/cube.h`). A value depends on the
+ * direction and the levels alone: the same bits alone or in any block. */
 #ifndef PL_TERRAIN_FRACTAL_DETAIL_H
 #define PL_TERRAIN_FRACTAL_DETAIL_H
 
 #include "terrain/detail_law.h"
 
-/* No sum of octaves is beyond this many of its standard deviations: it is cut off there. Of
- * independent places, two in 1e9 reach it. */
+/* No sum of octaves is beyond this many of its standard deviations: it is cut off there. Sums of
+ * uniform numbers exceed it less often than normal ones do, twice in 1e9 independent places. */
 #define PL_DETAIL_BOUND 6.0
 /* Octaves at least this many levels coarser than the nodes are summed in double. */
-#define PL_DETAIL_NEAR 6
+#define PL_DETAIL_NEAR 4
 
 typedef struct pl_fractal_detail {
   int first, last; /* levels with an octave; last < first if there is none */
@@ -27,21 +27,35 @@ typedef struct pl_fractal_detail {
 void pl_fractal_detail_init(const pl_terrain_detail *detail, double radius_m,
                             pl_fractal_detail *out);
 
-/* Unit directions. */
-enum { PL_DETAIL_STRIP = 64 };
+/* Unit directions; pl_detail_strip_close must have been called. */
+enum { PL_DETAIL_STRIP = 64, PL_DETAIL_LANES = 8 };
 typedef struct pl_detail_strip {
   size_t count; /* at most PL_DETAIL_STRIP */
   double x[PL_DETAIL_STRIP], y[PL_DETAIL_STRIP], z[PL_DETAIL_STRIP];
 } pl_detail_strip;
 
-/* The numbers of the cell that was asked last, of each level: strips of a block share them. */
+/* Returns the count rounded up to whole vectors. */
+static inline size_t pl_detail_strip_lanes(const pl_detail_strip *strip) {
+  return (strip->count + PL_DETAIL_LANES - 1) / PL_DETAIL_LANES * PL_DETAIL_LANES;
+}
+/* Fills the last vector with copies of the last direction. */
+static inline void pl_detail_strip_close(pl_detail_strip *strip) {
+  for (size_t k = strip->count; k > 0 && k < pl_detail_strip_lanes(strip); k++) {
+    strip->x[k] = strip->x[k - 1];
+    strip->y[k] = strip->y[k - 1];
+    strip->z[k] = strip->z[k - 1];
+  }
+}
+
+/* Numbers of cells that were asked before: nodes of a block share them. */
+enum { PL_DETAIL_CELLS = 128 };
 typedef struct pl_detail_cell {
-  bool known;
-  uint32_t cell[3];
-  double numbers[64];
+  int32_t octave; /* -1 for none */
+  uint32_t x, y, z;
 } pl_detail_cell;
 typedef struct pl_detail_cache {
-  pl_detail_cell cells[PL_CUBE_LEVELS];
+  pl_detail_cell cells[PL_DETAIL_CELLS];
+  double numbers[PL_DETAIL_CELLS][64];
 } pl_detail_cache;
 void pl_detail_cache_init(pl_detail_cache *cache);
 

@@ -127,6 +127,7 @@ static void evaluate(work *w, double *heights_m) {
     w->strip.y[k] = w->directions[k].y;
     w->strip.z[k] = w->directions[k].z;
   }
+  pl_detail_strip_close(&w->strip);
   find_layers(w);
   sum_detail(w, heights_m);
   for (size_t n = 0; n < w->terrain->layer_count; n++)
@@ -152,24 +153,39 @@ double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level
   return height_m;
 }
 
+/* Heights of at most STRIP columns of a block, whose nodes are taken row by row. */
+static void columns(work *w, const pl_terrain_nodes *nodes, int from, int count, double *heights_m,
+                    pl_vec3 *directions) {
+  double tangents[STRIP], tangent = 0.0, found_m[STRIP];
+  size_t places[STRIP];
+  for (int k = 0; k < count; k++)
+    tangents[k] = pl_cube_tangent(pl_cube_node(nodes->level, nodes->i0 + from + k));
+  w->strip.count = 0;
+  for (int row = 0; row < nodes->height; row++)
+    for (int k = 0; k < count; k++) {
+      if (k == 0)
+        tangent = pl_cube_tangent(pl_cube_node(nodes->level, nodes->j0 + row));
+      const size_t n = w->strip.count++;
+      w->directions[n] = pl_cube_tangent_direction(nodes->face, tangents[k], tangent);
+      places[n] = (size_t)row * (size_t)nodes->width + (size_t)(from + k);
+      if (w->strip.count < STRIP && (row < nodes->height - 1 || k < count - 1))
+        continue;
+      evaluate(w, found_m);
+      for (size_t m = 0; m < w->strip.count; m++) {
+        heights_m[places[m]] = found_m[m];
+        if (directions != NULL)
+          directions[places[m]] = w->directions[m];
+      }
+      w->strip.count = 0;
+    }
+}
+
 void pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes, double *heights_m,
                       pl_vec3 *directions) {
   work w;
-  double tangents[STRIP];
   begin(&w, terrain, nodes->level);
   for (int from = 0; from < nodes->width; from += STRIP) {
-    w.strip.count = (size_t)(nodes->width - from < STRIP ? nodes->width - from : STRIP);
-    for (size_t k = 0; k < w.strip.count; k++)
-      tangents[k] = pl_cube_tangent(pl_cube_node(nodes->level, nodes->i0 + from + (int64_t)k));
-    for (int row = 0; row < nodes->height; row++) {
-      const double tangent = pl_cube_tangent(pl_cube_node(nodes->level, nodes->j0 + row));
-      const size_t at = (size_t)row * (size_t)nodes->width + (size_t)from;
-      for (size_t k = 0; k < w.strip.count; k++) {
-        w.directions[k] = pl_cube_tangent_direction(nodes->face, tangents[k], tangent);
-        if (directions != NULL)
-          directions[at + k] = w.directions[k];
-      }
-      evaluate(&w, heights_m + at);
-    }
+    const int rest = nodes->width - from;
+    columns(&w, nodes, from, rest < STRIP ? rest : STRIP, heights_m, directions);
   }
 }

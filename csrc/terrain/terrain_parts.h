@@ -27,19 +27,15 @@ struct pl_terrain {
 /* Detail at posts of rasters: a hash table of those that the nodes at hand need. */
 enum { PL_POSTS = 4096, PL_STENCIL = 16 };
 
-typedef struct pl_post {
-  bool used;
-  int layer, column, row;
-  double q_m;
-} pl_post;
-
 typedef struct pl_posts {
   int level, count;
   pl_detail_cache cache;
   /* Posts that are in the table, but have no value yet, all of one layer. */
   pl_detail_strip strip;
   int pending[PL_DETAIL_STRIP];
-  pl_post posts[PL_POSTS];
+  int8_t layer[PL_POSTS]; /* -1: no post */
+  int column[PL_POSTS], row[PL_POSTS];
+  double q_m[PL_POSTS];
 } pl_posts;
 
 void pl_posts_init(pl_posts *posts, int level);

@@ -2,14 +2,14 @@
 #include "terrain/terrain_parts.h"
 
 #include <math.h>
+#include <string.h>
 
 void pl_posts_init(pl_posts *posts, int level) {
   posts->level = level;
   posts->count = 0;
   pl_detail_cache_init(&posts->cache);
   posts->strip.count = 0;
-  for (int k = 0; k < PL_POSTS; k++)
-    posts->posts[k].used = false;
+  memset(posts->layer, -1, sizeof posts->layer);
 }
 
 /* Gives the posts in the strip their values. */
@@ -17,12 +17,13 @@ static void flush(pl_posts *posts, const pl_terrain *terrain, int layer) {
   const pl_fractal_detail *detail = &terrain->detail;
   const int coarsest = terrain->layers[layer].coarsest;
   double sums_m[PL_DETAIL_STRIP] = {0.0};
+  pl_detail_strip_close(&posts->strip);
   for (int k = posts->level < detail->last ? posts->level : detail->last; k >= coarsest; k--)
     pl_fractal_detail_add(detail, &posts->strip, k, posts->level, &posts->cache, sums_m);
   const double bound_m =
       PL_DETAIL_BOUND * pl_fractal_detail_deviation_m(detail, coarsest, posts->level);
   for (size_t k = 0; k < posts->strip.count; k++)
-    posts->posts[posts->pending[k]].q_m = pl_fractal_detail_cut(sums_m[k], bound_m);
+    posts->q_m[posts->pending[k]] = pl_fractal_detail_cut(sums_m[k], bound_m);
   posts->strip.count = 0;
 }
 
@@ -34,12 +35,12 @@ static uint32_t slot_of(int layer, int column, int row) {
 /* Returns the index of a post in the table, into which it is put if it is not there. */
 static int find(pl_posts *posts, const pl_terrain *terrain, int layer, int column, int row) {
   uint32_t slot = slot_of(layer, column, row);
-  for (; posts->posts[slot].used; slot = (slot + 1) % PL_POSTS) {
-    const pl_post *post = &posts->posts[slot];
-    if (post->column == column && post->row == row && post->layer == layer)
+  for (; posts->layer[slot] >= 0; slot = (slot + 1) % PL_POSTS)
+    if (posts->column[slot] == column && posts->row[slot] == row && posts->layer[slot] == layer)
       return (int)slot;
-  }
-  posts->posts[slot] = (pl_post){true, layer, column, row, 0.0};
+  posts->layer[slot] = (int8_t)layer;
+  posts->column[slot] = column;
+  posts->row[slot] = row;
   posts->count++;
   pl_detail_strip *strip = &posts->strip;
   const pl_vec3 direction =
@@ -89,7 +90,7 @@ static double interpolate(const pl_posts *posts, const stencil *at, double fu, d
   for (int b = 0; b < at->side; b++) {
     double row = 0.0;
     for (int a = 0; a < at->side; a++)
-      row += across[a] * posts->posts[at->slots[b * at->side + a]].q_m;
+      row += across[a] * posts->q_m[at->slots[b * at->side + a]];
     sum += down[b] * row;
   }
   return sum;

@@ -151,6 +151,7 @@ static void test_strips(void **state) {
       strip.y[k] = p.y;
       strip.z[k] = p.z;
     }
+    pl_detail_strip_close(&strip);
     for (int octave = level; octave >= coarsest; octave--)
       pl_fractal_detail_add(&detail, &strip, octave, level, &cache, sums_m);
     for (size_t k = 0; k < strip.count; k++) {
