@@ -132,7 +132,7 @@ static void improve(const octave_fit *fit, double *variance) {
 static void smooth(const double *law, int levels, double *variance) {
   double logs[PL_CUBE_LEVELS];
   for (int k = 0; k < levels; k++)
-    logs[k] = log(variance[k] / law[k]);
+    logs[k] = log(fmax(variance[k] / law[k], 1e-12)); /* H = 1 drives all but one to 0 */
   for (int k = 0; k < levels && levels > 1; k++) {
     const double before = k > 0 ? logs[k - 1] : 2.0 * logs[0] - logs[1];
     const double after = k < levels - 1 ? logs[k + 1] : 2.0 * logs[k] - logs[k - 1];

@@ -53,6 +53,25 @@ static void test_law(void **state) {
   }
 }
 
+/* Any law and body has finite octaves. */
+static void test_any_law(void **state) {
+  (void)state;
+  test_random random = {.seed = 8};
+  for (int n = 0; n < PL_DRAWS(60, 10); n++) {
+    pl_terrain_detail given = law(n % 3 < 2 ? n % 3 : random_unit(&random));
+    const double radius_m = random_scale(&random, 1e3, 7.1e7);
+    pl_fractal_detail detail;
+    given.deviation_m = random_scale(&random, 1e-7, 1e5);
+    given.longest_m = random_scale(&random, 1.0, radius_m);
+    given.finest_m = random_scale(&random, 1e-2, given.longest_m);
+    assert_int_equal(pl_terrain_detail_check(&given), PL_OK);
+    pl_fractal_detail_init(&given, radius_m, &detail);
+    assert_true(detail.first <= detail.last);
+    for (int k = detail.first; k <= detail.last; k++)
+      assert_true(isfinite(detail.sigma_m[k]) && detail.sigma_m[k] > 0.0);
+  }
+}
+
 /* Octaves one by one, at the centres of faces, on edges and at corners of the cube, whose
  * directions cut the lattice differently: the same variance, and the correlation in any direction
  * that the law assumes. */
@@ -195,10 +214,10 @@ static void test_off(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_law),      cmocka_unit_test(test_octaves),
-      cmocka_unit_test(test_gradient), cmocka_unit_test(test_near_and_far),
-      cmocka_unit_test(test_strips),   cmocka_unit_test(test_seeds),
-      cmocka_unit_test(test_off),
+      cmocka_unit_test(test_law),          cmocka_unit_test(test_any_law),
+      cmocka_unit_test(test_octaves),      cmocka_unit_test(test_gradient),
+      cmocka_unit_test(test_near_and_far), cmocka_unit_test(test_strips),
+      cmocka_unit_test(test_seeds),        cmocka_unit_test(test_off),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
