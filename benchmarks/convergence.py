@@ -1,14 +1,22 @@
 """Error against samples: every configuration, with every sample in every pixel and adaptively.
 
 The error is the root mean square over pixels and bands, in digital numbers of 255 before rounding,
-of frame 0 at the exposure of the reference. That is two frames of `--reference` samples each at a
-tolerance of 0, with seeds of the sampler of their own: the mean product of the differences to the
-one and to the other is the square of the error, without the noise of the reference. The positions
-of samples in a pixel are one sequence whatever the seed, of which the reference has many more.
+of frame 0 at the exposure of the reference. The reference is `--seeds` frames of `--reference`
+samples each at a tolerance of 0, in two halves whose radiances are averaged: the mean product of
+the differences to the one and to the other is the square of the error, without the noise of the
+reference. These frames are the curve's last point at a tolerance of 0 too, each beside the others.
+
+Every point is the mean square of several frames whose samplers have seeds of their own, more where
+samples are few, and has a standard error: a few pixels that meet the sun by chance hold most of the
+error of a frame, so one frame alone says little. The positions of samples in a pixel are one
+sequence for all seeds, but for its signs along both axes.
 
 `slope` is that of the error in logarithms from the first number of samples to the last, by least
-squares; `last` the error at the last. A curve converges if its slope is -0.4 or less, or if it ends
-below the tolerance.
+squares, with its standard error; `last step` that from the last number but one. A curve converges
+if its slope is -0.4 or less, or if it ends below the tolerance (0.1 at a tolerance of 0). `late`
+are those whose last step alone is so steep: light that fewer than one sample in some hundreds
+finds, so bright that one is enough for white, is an error that does not fall until it is found.
+`open` are those within two standard errors of any of this.
 
 `--keep` makes a run one that can be ended and taken up again: what is measured is kept a
 configuration at a time, with how it was measured, and another run of the same measures goes on.
@@ -19,6 +27,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +43,10 @@ NIGHT = report.ROOT / "tests" / "python" / "night_side.yaml"
 SAMPLES = (4, 16, 64, 256, 1024)
 TOLERANCES = (0.0, 1.0)
 SLOPE = -0.4
-REFERENCE_SEEDS = (0x5EED, 0xFACADE)
+REFERENCE_SEED = 0x5EED0000
+SEEDS_MOST = 4
+"""Frames of few samples are so many times as many as those of the most."""
+LEAST_DN = 1e-3
 
 F64 = NDArray[np.float64]
 
@@ -76,6 +88,43 @@ class Asked(Simulation):
         return None if self.white is not None else super()._metered(*args)
 
 
+@dataclass(frozen=True)
+class Curve:
+    """Squared errors of frames that differ in their seeds, by number of samples."""
+
+    samples: Sequence[int]
+    squares: Sequence[Sequence[float]]
+
+    @property
+    def errors(self) -> F64:
+        """(samples,): root mean square error, digital numbers."""
+        return np.sqrt(np.maximum([np.mean(s) for s in self.squares], LEAST_DN**2))
+
+    @property
+    def deviations(self) -> F64:
+        """(samples,): standard errors of `errors`, digital numbers; NaN for single frames."""
+        means = [np.std(s, ddof=1) / np.sqrt(len(s)) if len(s) > 1 else np.nan
+                 for s in self.squares]  # fmt: skip
+        return np.asarray(means) / (2.0 * self.errors)
+
+    def slope(self, last: int = 0) -> tuple[float, float]:
+        """Exponent of the error in the number of samples, and its standard error; of so many points
+        at the end, or of all."""
+        errors, deviations = self.errors[-last:], self.deviations[-last:]
+        x = np.log(self.samples[-last:])
+        weights = (x - x.mean()) / np.sum((x - x.mean()) ** 2)
+        deviation = np.sqrt(np.sum((weights * deviations / errors) ** 2))
+        return float(weights @ np.log(errors)), float(deviation)
+
+    def verdict(self, tolerance_dn: float) -> str:
+        if self.slope()[0] <= SLOPE or self.errors[-1] < max(tolerance_dn, 0.1):
+            return "yes"
+        if self.slope(2)[0] <= SLOPE:
+            return "late"
+        least = min(slope - 2.0 * deviation for slope, deviation in (self.slope(), self.slope(2)))
+        return "open" if least <= SLOPE else "NO"
+
+
 class Scene:
     """A frame of a configuration beside its reference."""
 
@@ -86,6 +135,7 @@ class Scene:
         reference: int,
         threads: int = 1,
         changes: Mapping[str, Any] | None = None,
+        seeds: int = 2,
     ) -> None:
         overrides = {"camera.width": size[0], "camera.height": size[1]} | dict(changes or {})
         opened = perilune.open(str(path), overrides=overrides)
@@ -93,64 +143,80 @@ class Scene:
         self._threads = threads
         first = self._sim.frame(0, channels=["rgb"], threads=threads)
         self._sim.white = first.meta["white_radiance"]
-        self.reference = [self.picture(reference, 0.0, seed) for seed in REFERENCE_SEEDS]
+        self._samples = reference
+        self._frames = [self.radiance(reference, 0.0, REFERENCE_SEED + k) for k in range(seeds)]
+        self.reference = self._halves(self._frames)
+
+    def _halves(self, frames: Sequence[NDArray[np.float32]]) -> tuple[F64, F64]:
+        assert self._sim.white is not None
+        one, other = (np.mean(frames[k::2], axis=0) for k in range(2))
+        return encode(one, self._sim.white), encode(other, self._sim.white)
+
+    def radiance(self, samples: int, tolerance_dn: float, noise: int = 0) -> NDArray[np.float32]:
+        """(height, width, 3), W m-2 sr-1."""
+        self._sim.quality = {"samples": samples, "tolerance_dn": tolerance_dn}
+        self._sim.noise = noise
+        # rgb too, as sampling serves the pictures that are asked for
+        return self._sim.frame(0, channels=["rgb", "radiance"], threads=self._threads)["radiance"]
 
     def picture(self, samples: int, tolerance_dn: float, noise: int = 0) -> F64:
         """(height, width, 3): display values."""
-        self._sim.quality = {"samples": samples, "tolerance_dn": tolerance_dn}
-        self._sim.noise = noise
-        channels = ["rgb", "radiance"]
-        sample = self._sim.frame(0, channels=channels, threads=self._threads)
         assert self._sim.white is not None
-        return encode(sample["radiance"], self._sim.white)
+        return encode(self.radiance(samples, tolerance_dn, noise), self._sim.white)
+
+    def square(self, picture: F64, reference: tuple[F64, F64] | None = None) -> float:
+        """Mean square error; its expectation is free of the reference's noise, so that small ones
+        may be negative."""
+        one, other = reference or self.reference
+        return float(np.mean((picture - one) * (picture - other)))
 
     def error(self, picture: F64) -> float:
         """Root mean square error, digital numbers."""
-        one, other = self.reference
-        return float(np.sqrt(max(np.mean((picture - one) * (picture - other)), 0.0)))
+        return float(np.sqrt(max(self.square(picture), 0.0)))
 
-    def curve(self, samples: Sequence[int], tolerance_dn: float, repeats: int = 1) -> list[float]:
-        """Errors; root mean squares of so many frames that differ in their noise."""
-        return [
-            float(
-                np.sqrt(
-                    np.mean(
-                        [
-                            self.error(self.picture(count, tolerance_dn, noise)) ** 2
-                            for noise in range(repeats)
-                        ]
-                    )
-                )
-            )
-            for count in samples
+    def _own_squares(self) -> list[float]:
+        """Of the frames of the reference, each beside the halves of the others."""
+        assert self._sim.white is not None
+        out = []
+        for k, frame in enumerate(self._frames):
+            others = self._frames[:k] + self._frames[k + 1 :]
+            out.append(self.square(encode(frame, self._sim.white), self._halves(others)))
+        return out
+
+    def squares(self, samples: int, tolerance_dn: float, seeds: int) -> list[float]:
+        """Square errors of so many frames, each with a seed of its own."""
+        if tolerance_dn == 0.0 and samples == self._samples and len(self._frames) == seeds > 2:
+            return self._own_squares()
+        noises = (samples * 1000 + k for k in range(seeds))
+        return [self.square(self.picture(samples, tolerance_dn, noise)) for noise in noises]
+
+    def curve(self, samples: Sequence[int], tolerance_dn: float, seeds: int = 1) -> Curve:
+        """Of so many frames at the most samples, of up to four times as many at fewer."""
+        counts = [seeds * min(SEEDS_MOST, int(np.sqrt(max(samples) / n))) for n in samples]
+        squares = [
+            self.squares(n, tolerance_dn, count) for n, count in zip(samples, counts, strict=True)
         ]
+        return Curve(samples, squares)
 
 
-def slope(samples: Sequence[int], errors: Sequence[float]) -> float:
-    """Exponent of the error in the number of samples."""
-    least = np.maximum(errors, 1e-3)
-    return float(np.polyfit(np.log(samples), np.log(least), 1)[0])
-
-
-def converges(samples: Sequence[int], errors: Sequence[float], tolerance_dn: float) -> bool:
-    return slope(samples, errors) <= SLOPE or errors[-1] < max(tolerance_dn, 0.1)
-
-
-def draw(results: Mapping[str, Mapping[str, list[float]]], samples: Sequence[int], to: str) -> None:
+def draw(results: Mapping[str, Mapping[str, Curve]], to: str) -> None:
     """One panel a configuration: both tolerances, and n^-0.4 through the first error. Those without
     an error at any number of samples, whose frame no sampled light is in, have none."""
     from matplotlib.figure import Figure
 
-    results = {name: curves for name, curves in results.items() if max(map(max, curves.values()))}
+    results = {name: curves for name, curves in results.items() if has_error(curves)}
     columns = 6
     rows = -(-len(results) // columns)
     figure = Figure(figsize=(2.1 * columns, 1.75 * rows), layout="constrained")
     axes = np.atleast_1d(figure.subplots(rows, columns, sharex=True)).ravel()
     for axis, (name, curves) in zip(axes, results.items(), strict=False):
-        for (key, errors), colour in zip(curves.items(), ("0.55", "C0"), strict=True):
-            axis.loglog(samples, np.maximum(errors, 0.01), color=colour, marker=".", label=key)
-        first = max(curves["1"][0], 0.01)
-        axis.loglog(samples, first * (np.array(samples) / samples[0]) ** SLOPE, "k:", lw=0.8)
+        for (key, curve), colour in zip(curves.items(), ("0.55", "C0"), strict=True):
+            shown = np.maximum(curve.errors, 0.01)
+            bars = np.minimum(2.0 * np.nan_to_num(curve.deviations), 0.9 * shown)
+            axis.errorbar(curve.samples, shown, bars, color=colour, marker=".", lw=1, label=key)
+        samples = np.asarray(curves["1"].samples)
+        first = max(curves["1"].errors[0], 0.01)
+        axis.loglog(samples, first * (samples / samples[0]) ** SLOPE, "k:", lw=0.8)
         axis.axhline(1.0, color="C3", lw=0.6)
         axis.set_title(name, fontsize=8)
         axis.tick_params(labelsize=7)
@@ -159,8 +225,12 @@ def draw(results: Mapping[str, Mapping[str, list[float]]], samples: Sequence[int
         axis.set_visible(False)
     axes[0].legend(title="tolerance_dn", fontsize=6, title_fontsize=6)
     figure.supxlabel("samples a pixel", fontsize=9)
-    figure.supylabel("RMS error, digital numbers", fontsize=9)
+    figure.supylabel("RMS error, digital numbers; bars: two standard errors", fontsize=9)
     figure.savefig(to, dpi=110)
+
+
+def has_error(curves: Mapping[str, Curve]) -> bool:
+    return any(float(curve.errors.max()) > LEAST_DN for curve in curves.values())
 
 
 class Kept:
@@ -169,55 +239,76 @@ class Kept:
     def __init__(self, path: str | None, measured: Mapping[str, Any]) -> None:
         self._path = Path(path) if path else None
         self._measured = json.loads(json.dumps(measured))
-        self.curves: dict[str, dict[str, list[float]]] = {}
+        self.curves: dict[str, dict[str, Curve]] = {}
         if self._path is None or not self._path.exists():
             return
         stored = json.loads(self._path.read_text())
         if stored["measured"] != self._measured:
             raise SystemExit(f"{path}: measured with {stored['measured']}, not {self._measured}")
-        self.curves = stored["curves"]
+        samples = self._measured["samples"]
+        for name, curves in stored["curves"].items():
+            self.curves[name] = {key: Curve(samples, squares) for key, squares in curves.items()}
 
-    def add(self, name: str, curves: dict[str, list[float]]) -> None:
+    def squares(self) -> dict[str, dict[str, Any]]:
+        return {
+            name: {key: curve.squares for key, curve in curves.items()}
+            for name, curves in self.curves.items()
+        }
+
+    def add(self, name: str, curves: dict[str, Curve]) -> None:
         self.curves[name] = curves
         if self._path is not None:
-            text = json.dumps({"measured": self._measured, "curves": self.curves})
+            text = json.dumps({"measured": self._measured, "curves": self.squares()})
             part = self._path.with_suffix(".part")
             part.write_text(text)
             part.replace(self._path)
 
 
+def row(name: str, key: str, curve: Curve) -> list[object]:
+    errors, deviations = curve.errors, curve.deviations
+    points = (0, len(errors) // 2, -1)
+    slopes = (curve.slope(), curve.slope(2))
+    return [name, key, *(f"{errors[k]:.2f} +- {deviations[k]:.2f}" for k in points),
+            *(f"{slope:.2f} +- {deviation:.2f}" for slope, deviation in slopes),
+            curve.verdict(float(key))]  # fmt: skip
+
+
 def main() -> None:
     parser = report.arguments(__doc__)
     parser.add_argument("--only", nargs="*", help="names of configurations; all without")
-    parser.add_argument("--width", type=int, default=40)
-    parser.add_argument("--reference", type=int, default=1024, help="samples, twice")
+    parser.add_argument("--width", type=int, default=20)
+    parser.add_argument("--reference", type=int, default=1024, help="samples of each of its frames")
+    parser.add_argument("--seeds", type=int, default=6, help="frames of the reference")
     parser.add_argument("--samples", type=int, nargs="+", default=SAMPLES)
     parser.add_argument("--figure", help="file to draw the curves to; needs the extra `plot`")
     parser.add_argument("--keep", help="file of JSON that results are added to, and taken from")
     options = parser.parse_args()
-    samples = list(options.samples)
+    samples, seeds = list(options.samples), options.seeds
     size = (options.width, options.width * 3 // 4)
-    kept = Kept(options.keep, {"samples": samples, "size": size, "reference": options.reference})
-    results = kept.curves
-    for name, path in shipped().items():
-        skipped = needs_data(path) and "PERILUNE_DATA" not in os.environ
-        if name in results or skipped or (options.only and name not in options.only):
+    how = {"samples": samples, "size": size, "reference": options.reference, "seeds": seeds}
+    kept = Kept(options.keep, how)
+    found = shipped()
+    for name in options.only or found:
+        skipped = needs_data(found[name]) and "PERILUNE_DATA" not in os.environ
+        if name in kept.curves or skipped:
             continue
-        scene = Scene(path, size, options.reference, options.threads)
-        kept.add(name, {f"{dn:g}": scene.curve(samples, dn) for dn in TOLERANCES})
-    rows = [
-        [name, key, curve[0], slope(samples, curve), curve[-1],
-         "yes" if converges(samples, curve, float(key)) else "NO"]
-        for name, curves in results.items()
-        for key, curve in curves.items()
-    ]  # fmt: skip
+        scene = Scene(found[name], size, options.reference, options.threads, seeds=seeds)
+        kept.add(name, {f"{dn:g}": scene.curve(samples, dn, seeds) for dn in TOLERANCES})
+    results = {name: kept.curves[name] for name in found if name in kept.curves}
+    rows = [row(name, key, curve) for name, curves in results.items()
+            for key, curve in curves.items() if has_error(curves)]  # fmt: skip
     if options.figure:
-        draw(results, samples, options.figure)
-    first, last = f"at {samples[0]}", f"at {samples[-1]}"
-    head = ["configuration", "tolerance", first, "slope", last, "converges"]
-    report.publish(
-        options.json, {"samples": samples, "rms_dn": results}, [report.table(head, rows)]
-    )
+        draw(results, options.figure)
+    points = (samples[0], samples[len(samples) // 2], samples[-1])
+    head = [
+        "configuration",
+        "tolerance",
+        *(f"at {n}" for n in points),
+        "slope",
+        "last step",
+        "converges",
+    ]
+    report.publish(options.json, how | {"squares_dn": kept.squares()}, [report.table(head, rows)])
 
 
 if __name__ == "__main__":

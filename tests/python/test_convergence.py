@@ -32,12 +32,63 @@ def params() -> list:
 @pytest.mark.parametrize("name", params())
 def test_errors_fall_with_samples(name):
     scene = convergence.Scene(CONFIGS[name], (16, 12), 256)
-    errors = scene.curve(SAMPLES, TOLERANCE_DN)
-    if convergence.converges(SAMPLES, errors, TOLERANCE_DN):
+    curve = scene.curve(SAMPLES, TOLERANCE_DN)
+    if curve.verdict(TOLERANCE_DN) == "yes":
         return
     # Frames of few pixels whose noise has a slope of its own: as that of all samples everywhere.
-    even = scene.curve(SAMPLES[-1:], 0.0)[0]
-    assert errors[-1] < 1.3 * even, (errors, even)
+    even = scene.curve(SAMPLES[-1:], 0.0).errors[0]
+    assert curve.errors[-1] < 1.3 * even, (curve.errors, even)
+
+
+class Stuck(convergence.Scene):
+    """An estimator that stops converging: it draws no more than so many samples."""
+
+    most = 16
+
+    def radiance(self, samples, tolerance_dn, noise=0):
+        reference = noise >= convergence.REFERENCE_SEED
+        fewer = samples if reference else min(samples, self.most)
+        return super().radiance(fewer, tolerance_dn, noise)
+
+
+class Slow(convergence.Scene):
+    """An estimator whose error falls with a quarter of the slope that it should have."""
+
+    def radiance(self, samples, tolerance_dn, noise=0):
+        reference = noise >= convergence.REFERENCE_SEED
+        fewer = samples if reference else round(4 * (samples / 4) ** 0.25)
+        return super().radiance(fewer, tolerance_dn, noise)
+
+
+class Bright(convergence.Scene):
+    """An estimator that is too bright by 5 %, at any number of samples."""
+
+    def radiance(self, samples, tolerance_dn, noise=0):
+        reference = noise >= convergence.REFERENCE_SEED
+        return super().radiance(samples, tolerance_dn, noise) * (1.0 if reference else 1.05)
+
+
+@pytest.mark.parametrize(
+    ("kind", "verdict"),
+    [(convergence.Scene, "yes"), (Stuck, "NO"), (Slow, "NO"), (Bright, "NO")],
+)
+def test_an_estimator_that_stops_converging_is_seen(kind, verdict):
+    scene = kind(ROOT / "configs" / "oaisys" / "custom.json", (16, 12), 256, seeds=4)
+    curve = scene.curve((4, 16, 64, 256), 0.0, seeds=2)
+    assert curve.verdict(0.0) == verdict, (curve.errors, curve.slope())
+
+
+def test_slopes_have_the_standard_errors_that_are_stated():
+    """Errors of eight frames a point that fall as n^-0.5, their squares as uneven as those of a few
+    bright pixels (gamma, k = 4)."""
+    draw = np.random.default_rng(7)
+    off = []
+    for _ in range(400):
+        squares = [draw.gamma(4.0, 0.25 / n, 8) for n in (4, 16, 64, 256)]
+        slope, deviation = convergence.Curve((4, 16, 64, 256), squares).slope()
+        off.append((slope + 0.5) / deviation)
+    assert 0.85 < np.std(off) < 1.3
+    assert abs(np.mean(off)) < 0.25
 
 
 def stands_dark(name, changes, samples=128):
