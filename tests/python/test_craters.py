@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import get_args
+
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from perilune import _core
+from perilune.bodies.craters import crater_field, read_catalogue
+from perilune.config.craters import CraterLaw, Craters
 
 MOON_M = 1737400.0
 PLACE = np.array([0.2, -0.5, 0.8]) / np.linalg.norm([0.2, -0.5, 0.8])
@@ -94,3 +100,106 @@ def test_errors_of_queries() -> None:
         craters.heights(np.array([[1.0, 0.0, 0.0]]), -1.0)
     with pytest.raises(ValueError, match="radius_m"):
         _core.CraterField({})
+
+
+def test_configured_laws_are_those_of_the_core() -> None:
+    assert list(get_args(CraterLaw)) == [row["name"] for row in _core.CRATER_LAWS]
+
+
+def test_defaults_are_those_of_the_core() -> None:
+    ours = crater_field(Craters(), MOON_M).list(PLACE, 1000.0, 3.0)
+    np.testing.assert_array_equal(
+        ours, _core.CraterField({"radius_m": MOON_M}).list(PLACE, 1000.0, 3.0)
+    )
+
+
+def test_every_key_acts() -> None:
+    def seen(**keys: object) -> tuple[object, ...]:
+        made = crater_field(Craters(**keys), MOON_M)
+        craters = made.list(PLACE, 400.0, 4.0)
+        return (craters.tobytes(), made.heights(craters["direction"][:50], 1.0).tobytes())
+
+    plain = seen()
+    changes: list[dict[str, object]] = [
+        {"law": "trask", "surface_age_ga": 1.0},
+        {"surface_age_ga": 0.05},
+        {"density": 1.2},
+        {"law": "power", "coefficient": 0.07, "exponent": -1.9},
+        {"law": "table", "table": ((1.0, 0.05), (300.0, 1e-6))},
+        {"min_diameter_m": 5.0},
+        {"max_diameter_m": 5.0},
+        {"seed": 1},
+        {"diffusivity_m2_per_myr": 3.0},
+        {"diffusivity_exponent": 0.8},
+        {"ellipticity": 0.2},
+        {"irregularity": 0.0},
+    ]
+    for change in changes:
+        assert seen(**change) != plain, change
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"law": "power", "coefficient": 1.0}, "required by law: power"),
+        ({"law": "table"}, "required by law: table"),
+        ({"exponent": -2.0}, "does nothing without law: power"),
+        ({"law": "table", "table": ((2.0, 1.0), (1.0, 0.5))}, "diameters rise"),
+        ({"law": "table", "table": ((1.0, 1.0), (2.0, 1.5))}, "numbers do not rise"),
+        ({"min_diameter_m": 5.0, "max_diameter_m": 5.0}, "must be below max_diameter_m, 5"),
+        ({"law": "neukum"}, "neukum_equilibrium"),
+        ({"ages": 1}, "unknown key"),
+    ],
+)
+def test_configuration_errors(keys: dict[str, object], words: str) -> None:
+    with pytest.raises(ValidationError, match=words):
+        Craters(**keys)
+
+
+def test_catalogues(tmp_path: Path) -> None:
+    """Columns of Robbins, of Povilaitis et al., of Head et al. with carriage returns, and in m."""
+    texts = [
+        "lat,lon,diam\n-10.0,350.0,7.5\n",
+        ",Unnamed: 0,Diameter (km),Long,Lat,tag\n0,0,7.5,-10.0,-10.0,standard\n",
+        "Lon,Lat,Diam_km\r-10.0,-10.0,7.5\r",
+        "Name,Latitude,Longitude,Diameter (m)\nBiot,-10.0,-10.0,7500.0\n\n",
+    ]
+    for k, text in enumerate(texts):
+        path = tmp_path / f"{k}.csv"
+        path.write_bytes(text.encode())
+        (crater,) = read_catalogue(path)
+        assert crater["id"] == 1
+        assert crater["name"] == ("Biot" if k == 3 else "")
+        assert crater["diameter_m"] == 7500.0
+        a = np.radians(10.0)
+        there = [np.cos(a) ** 2, -np.cos(a) * np.sin(a), -np.sin(a)]
+        np.testing.assert_allclose(crater["direction"], there, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "empty"),
+        ("lat,lon\n1,2\n", "no column of diam: must be named diam or diameter"),
+        ("lat,lon,diam\n1,2,3\n95,0,1\n", "line 3: lat is '95'; must be -90 to 90"),
+        ("lat,lon,diam\n1,2,wide\n", "line 2: diam is 'wide'"),
+        ("lat,lon,diam\n1,2\n", "line 2: 2 of 3 columns"),
+    ],
+)
+def test_catalogue_errors(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / "craters.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=words) as error:
+        read_catalogue(path)
+    assert str(path) in str(error.value)
+
+
+def test_real_catalogues(data_dir: Path) -> None:
+    """Of Tycho, 85 km across at 43.3 S, 11.4 W, in Robbins (2018) and in Head et al. (2010)."""
+    for name in ("robbins2018_moon_ge20km.csv", "head2010_craters_ge20km.csv"):
+        craters = read_catalogue(data_dir / "craters" / name)
+        lat, lon = np.radians(-43.3), np.radians(-11.4)
+        tycho = [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)]
+        near = craters[craters["direction"] @ tycho > np.cos(10e3 / MOON_M)]
+        assert len(near) > 0
+        assert np.abs(near["diameter_m"] - 85e3).min() < 5e3
