@@ -61,6 +61,14 @@ def test_lola_reproduces_its_posts_and_the_highest_point(data_dir: Path) -> None
     assert isinstance(found.samples, np.memmap)  # nothing was copied
     assert found.raster.whole
     assert found.missing == 0.0
+    assert found.remarks == (  # holes about the north pole
+        "1412 of 1440 heights of a row about a pole are exactly 0: if they are missing, give "
+        "missing: 0",
+    )
+    mended = read(path, projection=WHOLE, scale_m=0.5, missing=0.0)
+    assert mended.remarks[0].startswith("2200 of 1036800 heights (0.21 %) are no-data")
+    known = 0.5 * stored[:3][stored[:3] != 0]
+    assert known.min() <= posts_of(mended)[0].min() < posts_of(mended)[0].max() <= known.max()
     stored = np.fromfile(path, "<i2").reshape(720, 1440)
     np.testing.assert_array_equal(posts_of(found), 0.5 * stored)
     rows, columns = np.unravel_index(stored.argmax(), stored.shape)
@@ -480,6 +488,12 @@ def test_rows_from_south_to_north(tmp_path: Path) -> None:
     found = read(path)
     assert found.heights(at([25.0], [-85.0]))[0] == values[0, 2]
     assert found.heights(at([25.0], [85.0]))[0] == values[17, 2]
+
+
+def test_a_body_of_zeros_has_no_holes(tmp_path: Path) -> None:
+    for rows in (1, 3, 18):
+        values = np.zeros((rows, 36), np.int16)
+        assert read(save(tmp_path / "a.npy", values), projection=WHOLE).remarks == ()
 
 
 @pytest.mark.parametrize("around", [True, False])

@@ -126,13 +126,27 @@ def _complete(
     if values.dtype.kind == "f":
         missing |= values == _MARK
     if not missing.any():
-        return values, 0.0, ()
+        return values, 0.0, () if given.missing is not None else _holes(values, place)
     if missing.all():
         raise ValueError(f"missing: {path}: holds no heights: all of its numbers are no-data")
     remark = f"{share(missing, 'heights')} no-data: filled from those around them"
     whole = filled(values, missing, place.goes_round(values.shape[1]))
     exact = values.dtype.newbyteorder("=").type in _SAMPLES  # float32 holds the known ones
     return whole.astype(np.float32) if exact else whole, float(missing.mean()), (remark,)
+
+
+def _holes(values: NDArray[Any], place: Place) -> tuple[str, ...]:
+    """A remark on rows about a pole that are mostly zeros, in a raster that has few: some grids
+    have zeros where orbits left no data."""
+    if not place.goes_round(values.shape[1]):
+        return ()
+    ends = values[:2], values[-2:]
+    zeros = np.concatenate([np.count_nonzero(rows == 0, axis=1) for rows in ends])
+    most = int(zeros.max())
+    if most < 0.3 * values.shape[1] or np.count_nonzero(values == 0) > 0.02 * values.size:
+        return ()
+    text = f"{most} of {values.shape[1]} heights of a row about a pole are exactly 0"
+    return (f"{text}: if they are missing, give missing: 0",)
 
 
 def _samples(values: NDArray[Any]) -> tuple[NDArray[Any], float]:

@@ -108,9 +108,9 @@ class Elevation(Strict):
     """Heights from one file: a whole body, or a patch that is laid over what comes before it.
 
     Posts keep their values to the bit, unless `destep` is on. Missing heights are filled from those
-    around them, with a warning. Where a cylindrical raster reaches a pole, it is smoothed over
-    about a post within 3.6 degrees of the pole, since there its columns are more than 16 times
-    closer than its rows."""
+    around them, with a warning. At a pole the columns of a cylindrical raster meet; there it is
+    smoothed over about a post, in full within 5.7 degrees of the pole (less for fine rasters) and
+    not at all beyond 10, so that it has one height at the pole and no spokes about it."""
 
     file: FileName
     """PDS image (.img, beside it its label .lbl if there is one), TIFF with or without
