@@ -58,6 +58,7 @@ def save(path: Path, values: NDArray[Any]) -> Path:
 def test_lola_reproduces_its_posts_and_the_highest_point(data_dir: Path) -> None:
     path = data_dir / "lunar_dem" / "ldem_4.img"
     found = read(path, projection=WHOLE, scale_m=0.5, datum_radius_km=1737.4)
+    stored = np.fromfile(path, "<i2").reshape(720, 1440)
     assert isinstance(found.samples, np.memmap)  # nothing was copied
     assert found.raster.whole
     assert found.missing == 0.0
@@ -69,7 +70,6 @@ def test_lola_reproduces_its_posts_and_the_highest_point(data_dir: Path) -> None
     assert mended.remarks[0].startswith("2200 of 1036800 heights (0.21 %) are no-data")
     known = 0.5 * stored[:3][stored[:3] != 0]
     assert known.min() <= posts_of(mended)[0].min() < posts_of(mended)[0].max() <= known.max()
-    stored = np.fromfile(path, "<i2").reshape(720, 1440)
     np.testing.assert_array_equal(posts_of(found), 0.5 * stored)
     rows, columns = np.unravel_index(stored.argmax(), stored.shape)
     lat, lon = 90.0 - (rows + 0.5) / 4.0, (columns + 0.5) / 4.0
