@@ -6,6 +6,8 @@
 
 #include "base/hash.h"
 #include "base/wide.h"
+#include "math/philox.h"
+#include "math/rotation.h"
 #include "math/sampler.h"
 
 enum { STRIP = PL_DETAIL_STRIP };
@@ -16,6 +18,21 @@ enum { STRIP = PL_DETAIL_STRIP };
 #define NUMBER_VARIANCE (0x1p64 / 12.0)
 #define WEIGHTS (151.0 / 315.0)
 
+/* Axes of a uniformly distributed rotation (Shoemake 1992), as long as the radius is wide in cells
+ * of the level. */
+static void turn(const uint64_t key[2], int level, pl_vec3 axes[3]) {
+  const uint64_t counter[4] = {0};
+  uint64_t words[4];
+  pl_philox(key, counter, words);
+  const double u = pl_philox_double(words[0]), v = 2.0 * PL_PI * pl_philox_double(words[1]);
+  const double w = 2.0 * PL_PI * pl_philox_double(words[2]), cells = ldexp(2.0 / PL_PI, level);
+  const pl_quat q = {sqrt(u) * cos(w), sqrt(1.0 - u) * sin(v), sqrt(1.0 - u) * cos(v),
+                     sqrt(u) * sin(w)};
+  axes[0] = pl_vec3_scale(pl_quat_rotate(q, (pl_vec3){1.0, 0.0, 0.0}), cells);
+  axes[1] = pl_vec3_scale(pl_quat_rotate(q, (pl_vec3){0.0, 1.0, 0.0}), cells);
+  axes[2] = pl_vec3_scale(pl_quat_rotate(q, (pl_vec3){0.0, 0.0, 1.0}), cells);
+}
+
 void pl_fractal_detail_init(const pl_terrain_detail *detail, double radius_m,
                             pl_fractal_detail *out) {
   pl_detail_octaves(detail, radius_m, out->sigma_m);
@@ -24,6 +41,7 @@ void pl_fractal_detail_init(const pl_terrain_detail *detail, double radius_m,
   for (int level = 0; level < PL_CUBE_LEVELS; level++) {
     const uint64_t words[2] = {detail->seed, (uint64_t)level};
     const uint64_t hash = pl_hash(PL_HASH_SEED, words, sizeof words);
+    turn(words, level, out->axes[level]);
     out->key[level] = pl_sampler_mix((uint32_t)(hash >> 32) ^ pl_sampler_mix((uint32_t)hash));
     if (out->sigma_m[level] > 0.0) {
       out->first = level < out->first ? level : out->first;
@@ -38,9 +56,6 @@ void pl_detail_cache_init(pl_detail_cache *cache) {
 }
 
 /* ---- places in the lattice ----------------------------------------------------------------- */
-
-/* Coordinates of unit directions in cells of a level: radius over width of a cell. */
-static double cells_of(int level) { return ldexp(2.0 / PL_PI, level); }
 
 /* The cell of a coordinate, modulo 2^32, and the place in it, in [0, 1]: rounds in the last bits of
  * the mantissa, which vectors can. */
@@ -71,6 +86,11 @@ static double unit_of(const pl_fractal_detail *detail, int octave) {
   return detail->sigma_m[octave] / sqrt(NUMBER_VARIANCE * WEIGHTS * WEIGHTS * WEIGHTS);
 }
 
+/* A coordinate of a node, in cells. */
+static inline double along(const pl_detail_strip *strip, pl_vec3 axis, size_t k) {
+  return axis.x * strip->x[k] + axis.y * strip->y[k] + axis.z * strip->z[k];
+}
+
 /* ---- fine octaves: nodes lie in different cells, so numbers are hashed for each ------------- */
 
 typedef struct near_axis {
@@ -78,11 +98,11 @@ typedef struct near_axis {
   float weight[4][STRIP];
 } near_axis;
 
-PL_WIDE static void place_near(const double *restrict along, size_t count, double cells,
+PL_WIDE static void place_near(const pl_detail_strip *restrict strip, size_t count, pl_vec3 axis,
                                near_axis *restrict out) {
   for (size_t k = 0; k < count; k++) {
     double fraction;
-    out->cell[k] = (split(along[k] * cells, &fraction) - 1u) * PRIME;
+    out->cell[k] = (split(along(strip, axis, k), &fraction) - 1u) * PRIME;
     const float f = (float)fraction, g = 1.0f - f;
     out->weight[0][k] = g * g * g * (1.0f / 6.0f);
     out->weight[1][k] = (4.0f - 3.0f * f * f * (2.0f - f)) * (1.0f / 6.0f);
@@ -116,10 +136,11 @@ static void add_near(const pl_fractal_detail *detail, const pl_detail_strip *str
   uint32_t key[STRIP], key_z[STRIP], key_y[STRIP];
   float sums[STRIP];
   const size_t count = pl_detail_strip_lanes(strip);
-  const double cells = cells_of(octave), unit = unit_of(detail, octave);
-  place_near(strip->x, count, cells, &x);
-  place_near(strip->y, count, cells, &y);
-  place_near(strip->z, count, cells, &z);
+  const double unit = unit_of(detail, octave);
+  const pl_vec3 *axes = detail->axes[octave];
+  place_near(strip, count, axes[0], &x);
+  place_near(strip, count, axes[1], &y);
+  place_near(strip, count, axes[2], &z);
   for (size_t k = 0; k < count; k++) {
     key[k] = detail->key[octave];
     sums[k] = 0.0f;
@@ -142,11 +163,11 @@ typedef struct far_axis {
   double weight[4][STRIP];
 } far_axis;
 
-PL_WIDE static void place_far(const double *restrict along, size_t count, double cells,
+PL_WIDE static void place_far(const pl_detail_strip *restrict strip, size_t count, pl_vec3 axis,
                               far_axis *restrict out) {
   for (size_t k = 0; k < count; k++) {
     double f;
-    out->cell[k] = (split(along[k] * cells, &f) - 1u) * PRIME;
+    out->cell[k] = (split(along(strip, axis, k), &f) - 1u) * PRIME;
     const double g = 1.0 - f;
     out->weight[0][k] = g * g * g * (1.0 / 6.0);
     out->weight[1][k] = (4.0 - 3.0 * f * f * (2.0 - f)) * (1.0 / 6.0);
@@ -203,10 +224,11 @@ static void add_far(const pl_fractal_detail *detail, const pl_detail_strip *stri
   far_axis x, y, z;
   double sums[STRIP];
   const size_t lanes = pl_detail_strip_lanes(strip);
-  const double cells = cells_of(octave), unit = unit_of(detail, octave);
-  place_far(strip->x, lanes, cells, &x);
-  place_far(strip->y, lanes, cells, &y);
-  place_far(strip->z, lanes, cells, &z);
+  const double unit = unit_of(detail, octave);
+  const pl_vec3 *axes = detail->axes[octave];
+  place_far(strip, lanes, axes[0], &x);
+  place_far(strip, lanes, axes[1], &y);
+  place_far(strip, lanes, axes[2], &z);
   for (size_t from = 0, to; from < strip->count; from = to) {
     const pl_detail_cell cell = {octave, x.cell[from], y.cell[from], z.cell[from]};
     for (to = from + 1;
@@ -305,9 +327,13 @@ pl_vec3 pl_fractal_detail_gradient(const pl_fractal_detail *detail, pl_vec3 dire
                                    int level) {
   pl_vec3 sum = {0.0, 0.0, 0.0};
   for (int k = finest_of(detail, level); k >= coarsest_of(detail, coarsest); k--) {
-    const double cells = cells_of(k);
-    const pl_vec3 slope = octave_gradient(detail->key[k], pl_vec3_scale(direction, cells));
-    sum = pl_vec3_madd(sum, unit_of(detail, k) * cells, slope);
+    const pl_vec3 *axes = detail->axes[k];
+    const pl_vec3 place = {pl_vec3_dot(axes[0], direction), pl_vec3_dot(axes[1], direction),
+                           pl_vec3_dot(axes[2], direction)};
+    const pl_vec3 slope = pl_vec3_scale(octave_gradient(detail->key[k], place), unit_of(detail, k));
+    sum = pl_vec3_madd(sum, slope.x, axes[0]);
+    sum = pl_vec3_madd(sum, slope.y, axes[1]);
+    sum = pl_vec3_madd(sum, slope.z, axes[2]);
   }
   return pl_vec3_madd(sum, -pl_vec3_dot(sum, direction), direction);
 }

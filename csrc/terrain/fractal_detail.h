@@ -2,10 +2,12 @@
  * continuous curvature and so leave no creases.
  *
  * An octave is a cubic lattice of numbers in space, cut by the sphere of directions: it has no
- * poles, faces or seams, and is nearly the same in all directions. Its numbers are uniform, a hash
- * of (seed, level, cell); heights, weighted sums of 64 of them, are nearly normal. The cells of
- * level k are as wide as those of level k of the cube (`terrain/cube.h`). A value depends on the
- * direction and the levels alone: the same bits alone or in any block. */
+ * poles, faces or seams. Octaves are turned by random rotations, so that no lattice is aligned with
+ * another, or with the surface at some special place, and their sum is the same in all directions.
+ * Its numbers are uniform, a hash of (seed, level, cell); heights, weighted sums of 64 of them, are
+ * nearly normal. The cells of level k are as wide as those of level k of the cube
+ * (`terrain/cube.h`). A value depends on the direction and the levels alone: the same bits alone or
+ * in any block. */
 #ifndef PL_TERRAIN_FRACTAL_DETAIL_H
 #define PL_TERRAIN_FRACTAL_DETAIL_H
 
@@ -21,6 +23,7 @@ typedef struct pl_fractal_detail {
   int first, last; /* levels with an octave; last < first if there is none */
   double sigma_m[PL_CUBE_LEVELS];
   uint32_t key[PL_CUBE_LEVELS];
+  pl_vec3 axes[PL_CUBE_LEVELS][3]; /* of the lattice, of the length of a radius in cells */
 } pl_fractal_detail;
 
 /* `detail` must pass pl_terrain_detail_check. */
