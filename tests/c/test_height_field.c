@@ -11,8 +11,10 @@
 #include "trace/embree.h"
 #include "trace/height_field.h"
 
-static const double DEGREE = PL_PI / 180.0, MOON_M = 1737400.0;
+static const double DEGREE = PL_PI / 180.0, MOON_M = 1737400.0, SMALL_M = 5000.0;
 static const pl_vec3 SOMEWHERE = {0.9, 0.35, 0.2};
+
+enum { PIXELS = PL_DRAWS(48, 12) };
 
 typedef struct fixture {
   pl_terrain *terrain;
@@ -84,8 +86,7 @@ static pl_vec3 hard_point(const pl_height_field *field, test_random *random, uin
 
 /* Mixed levels, beside an edge of the cube. */
 static pl_ground_tile_view mixed_view(const fixture *f, pl_vec3 direction, double height_m) {
-  pl_ground_tile_view view =
-      ground_view(f->terrain, direction, height_m, 80.0 * DEGREE, PL_DRAWS(48, 16));
+  pl_ground_tile_view view = ground_view(f->terrain, direction, height_m, 80.0 * DEGREE, PIXELS);
   view.half_angle_rad = PL_PI;
   view.side_count = 0;
   return view;
@@ -128,8 +129,8 @@ static void check_closed_from_afar(const fixture *f, uint64_t seed) {
 static void no_ray_goes_through(void **state) {
   (void)state;
   const pl_vec3 spots[] = {{0.9, 0.35, 0.2}, {1.0, 1.0, 1.0}, {-1.0, 0.3, -0.9999}};
-  for (int k = 0; k < 3; k++) {
-    const double radius_m = k == 1 ? 3000.0 : MOON_M;
+  for (int k = 0; k < PL_DRAWS(3, 2); k++) {
+    const double radius_m = k == 1 ? SMALL_M : MOON_M;
     fixture f;
     open_fixture(&f, (pl_vec3){radius_m, radius_m, 0.9 * radius_m}, k == 2 ? 1.5 : 1.0);
     const pl_ground_tile_view view = mixed_view(&f, spots[k], k == 0 ? 2.0 : 300.0);
@@ -173,7 +174,7 @@ static void hits_are_decoded(void **state) {
   (void)state;
   fixture f;
   test_random random = {.seed = 9};
-  open_fixture(&f, (pl_vec3){MOON_M, MOON_M, MOON_M}, 1.0);
+  open_fixture(&f, (pl_vec3){SMALL_M, SMALL_M, SMALL_M}, 1.0);
   const pl_ground_tile_view view = mixed_view(&f, SOMEWHERE, 20.0);
   build(&f, &view, 1);
   size_t hits = 0;
@@ -234,10 +235,11 @@ static uint64_t print_of(const fixture *f, pl_vec3 eye) {
 static void bits_do_not_depend_on_threads_or_what_is_kept(void **state) {
   (void)state;
   fixture fresh, used;
-  open_fixture(&fresh, (pl_vec3){MOON_M, MOON_M, MOON_M}, 1.0);
-  open_fixture(&used, (pl_vec3){MOON_M, MOON_M, MOON_M}, 1.0);
-  pl_ground_tile_view view = ground_view(fresh.terrain, SOMEWHERE, 20.0, 70.0 * DEGREE, 48);
-  const pl_ground_tile_view other = ground_view(fresh.terrain, SOMEWHERE, 80.0, 70.0 * DEGREE, 48);
+  open_fixture(&fresh, (pl_vec3){SMALL_M, SMALL_M, SMALL_M}, 1.0);
+  open_fixture(&used, (pl_vec3){SMALL_M, SMALL_M, SMALL_M}, 1.0);
+  pl_ground_tile_view view = ground_view(fresh.terrain, SOMEWHERE, 20.0, 70.0 * DEGREE, PIXELS);
+  const pl_ground_tile_view other =
+      ground_view(fresh.terrain, SOMEWHERE, 80.0, 70.0 * DEGREE, PIXELS);
   build(&fresh, &view, 1);
   const uint64_t wanted = print_of(&fresh, view.eye);
   build(&used, &other, 3);
@@ -258,10 +260,10 @@ static void bits_do_not_depend_on_threads_or_what_is_kept(void **state) {
 static void tiles_above_the_limit_are_evicted(void **state) {
   (void)state;
   fixture f;
-  open_fixture(&f, (pl_vec3){MOON_M, MOON_M, MOON_M}, 1.0);
-  const pl_ground_tile_view near = ground_view(f.terrain, SOMEWHERE, 20.0, 70.0 * DEGREE, 48);
+  open_fixture(&f, (pl_vec3){SMALL_M, SMALL_M, SMALL_M}, 1.0);
+  const pl_ground_tile_view near = ground_view(f.terrain, SOMEWHERE, 20.0, 70.0 * DEGREE, PIXELS);
   const pl_ground_tile_view other =
-      ground_view(f.terrain, (pl_vec3){-1.0, 0.2, 0.5}, 20.0, 1.0, 48);
+      ground_view(f.terrain, (pl_vec3){-1.0, 0.2, 0.5}, 20.0, 1.0, PIXELS);
   build(&f, &near, 2);
   const uint64_t wanted = print_of(&f, near.eye);
   pl_ground_tiles_use use = pl_ground_tiles_used(f.kept);
@@ -297,10 +299,10 @@ static void tiles_above_the_limit_are_evicted(void **state) {
 static void terrains_are_kept_apart(void **state) {
   (void)state;
   fixture f;
-  open_fixture(&f, (pl_vec3){MOON_M, MOON_M, MOON_M}, 1.0);
-  pl_terrain *second = ground_rough((pl_vec3){MOON_M, MOON_M, MOON_M}, 2.0);
+  open_fixture(&f, (pl_vec3){SMALL_M, SMALL_M, SMALL_M}, 1.0);
+  pl_terrain *second = ground_rough((pl_vec3){SMALL_M, SMALL_M, SMALL_M}, 2.0);
   assert_true(pl_terrain_number(second) != pl_terrain_number(f.terrain));
-  const pl_ground_tile_view view = ground_view(f.terrain, SOMEWHERE, 200.0, 0.0, 48);
+  const pl_ground_tile_view view = ground_view(f.terrain, SOMEWHERE, 200.0, 0.0, PIXELS);
   const pl_height_field *rough;
   build(&f, &view, 1);
   const uint64_t wanted = print_of(&f, view.eye);
@@ -326,8 +328,8 @@ static bool stop(void *context) {
 static void builds_can_be_cancelled(void **state) {
   (void)state;
   fixture f;
-  open_fixture(&f, (pl_vec3){MOON_M, MOON_M, MOON_M}, 1.0);
-  const pl_ground_tile_view view = ground_view(f.terrain, SOMEWHERE, 200.0, 0.0, 48);
+  open_fixture(&f, (pl_vec3){SMALL_M, SMALL_M, SMALL_M}, 1.0);
+  const pl_ground_tile_view view = ground_view(f.terrain, SOMEWHERE, 200.0, 0.0, PIXELS);
   int left = 10;
   pl_cancel cancel = {.poll = stop, .context = &left};
   assert_int_equal(pl_height_field_build(f.kept, f.terrain, &view, 2, &cancel, &f.arena, &f.field),
@@ -346,8 +348,8 @@ static void *fail_after(void *context, size_t size) {
 static void every_failed_allocation_is_an_error(void **state) {
   (void)state;
   fixture f;
-  open_fixture(&f, (pl_vec3){MOON_M, MOON_M, MOON_M}, 1.0);
-  pl_ground_tile_view view = ground_view(f.terrain, SOMEWHERE, 20000.0, 0.0, 32);
+  open_fixture(&f, (pl_vec3){SMALL_M, SMALL_M, SMALL_M}, 1.0);
+  pl_ground_tile_view view = ground_view(f.terrain, SOMEWHERE, 20000.0, 0.0, 8);
   pl_status status = PL_E_MEMORY;
   int most = 0;
   for (; status != PL_OK; most++) {
