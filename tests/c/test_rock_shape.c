@@ -1,0 +1,107 @@
+/* Shapes of rocks: sizes, families, meshes of spheres. */
+#include "harness.h"
+
+#include <math.h>
+
+#include "random.h"
+#include "terrain/rock_shape.h"
+
+static pl_rock_shape draw(test_random *random, int family) {
+  uint64_t words[4];
+  for (int k = 0; k < 4; k++)
+    words[k] = (uint64_t)(random_unit(random) * 0x1p53) * 2047u;
+  pl_rock_shape shape;
+  pl_rock_shape_draw((pl_rock_family_kind)family, words, &shape);
+  return shape;
+}
+
+static void test_points(void **state) {
+  (void)state;
+  test_random random = {.seed = 57};
+  for (int family = 0; family < PL_ROCK_FAMILIES; family++)
+    for (int k = 0; k < 20; k++) {
+      const pl_rock_shape shape = draw(&random, family);
+      for (int n = 0; n < 20; n++) {
+        const pl_vec3 p = pl_rock_shape_point(&shape, random_direction(&random));
+        const double r = pl_vec3_norm(p);
+        assert_true(r > 0.02 && r <= shape.radius);
+        assert_true(fabs(pl_rock_shape_depth(&shape, p) - 1.0) < 1e-9);
+        assert_true(fabs(pl_rock_shape_depth(&shape, pl_vec3_scale(p, 0.5)) - 0.5) < 1e-9);
+      }
+      assert_true(pl_rock_shape_depth(&shape, (pl_vec3){0.0, 0.0, 0.0}) == 0.0);
+    }
+}
+
+/* Plan diameters are 1; the 64 points that measure them miss at most a few percent. Heights over
+ * plan diameters are about 0.6 for all families together (Demidov and Basilevsky 2014). */
+static void test_extent(void **state) {
+  (void)state;
+  test_random random = {.seed = 58};
+  double sum = 0.0;
+  enum { EACH = 20 };
+  for (int family = 0; family < PL_ROCK_FAMILIES; family++)
+    for (int k = 0; k < EACH; k++) {
+      const pl_rock_shape shape = draw(&random, family);
+      pl_vec3 low = {0.0, 0.0, 0.0}, high = low;
+      for (int n = 0; n < 2000; n++) {
+        const pl_vec3 p = pl_rock_shape_point(&shape, random_direction(&random));
+        low = (pl_vec3){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
+        high = (pl_vec3){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
+      }
+      const double plan = sqrt((high.x - low.x) * (high.y - low.y));
+      if (!(plan > 0.97 && plan < 1.25))
+        fail_msg("%s: plan diameter %g", shape.family->name, plan);
+      sum += (high.z - low.z) / plan;
+    }
+  const double mean = sum / (PL_ROCK_FAMILIES * EACH);
+  if (!(mean > 0.54 && mean < 0.66))
+    fail_msg("mean height over plan diameter %g", mean);
+}
+
+/* Every edge of a closed mesh is in two triangles, once in each direction. */
+static void check_closed(const pl_rock_sphere *sphere) {
+  enum { MOST = 10242 };
+  static int balance[MOST], degree[MOST];
+  for (int k = 0; k < sphere->vertex_count; k++)
+    balance[k] = degree[k] = 0;
+  double volume = 0.0;
+  for (int k = 0; k < sphere->triangle_count; k++) {
+    const uint16_t *t = sphere->triangles[k];
+    for (int c = 0; c < 3; c++) {
+      const int from = t[c], to = t[(c + 1) % 3];
+      assert_true(from != to && from < sphere->vertex_count);
+      /* Weights that no other edges cancel, but by chance. */
+      balance[from] += to * 31 % 1009;
+      balance[to] -= from * 31 % 1009;
+      degree[from]++;
+    }
+    volume += pl_vec3_dot(sphere->vertices[t[0]],
+                          pl_vec3_cross(sphere->vertices[t[1]], sphere->vertices[t[2]])) /
+              6.0;
+  }
+  for (int k = 0; k < sphere->vertex_count; k++) {
+    assert_true(degree[k] == 5 || degree[k] == 6);
+    assert_int_equal(balance[k], 0);
+  }
+  assert_true(volume > 2.5 && volume < 4.19);
+  assert_int_equal(sphere->vertex_count, sphere->triangle_count / 2 + 2);
+}
+
+static void test_spheres(void **state) {
+  (void)state;
+  pl_rock_sphere *spheres;
+  assert_int_equal(pl_rock_spheres_create(&spheres), PL_OK);
+  for (int lod = 0; lod < PL_ROCK_LODS; lod++) {
+    assert_int_equal(spheres[lod].triangle_count, 20 << (2 * lod));
+    check_closed(&spheres[lod]);
+    assert_true(spheres[lod].scale > 1.0 && spheres[lod].scale < 1.2);
+    assert_true(lod == 0 || spheres[lod].scale < spheres[lod - 1].scale);
+  }
+  pl_rock_spheres_destroy(spheres);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_points), cmocka_unit_test(test_extent),
+                                     cmocka_unit_test(test_spheres)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
