@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "annotate/ground_channels.h"
 #include "base/wide.h"
 #include "math/angle.h"
 
@@ -142,6 +143,15 @@ const pl_channel pl_channels[] = {
      PL_BLANK_NAN, write_emission},
     {"phase", "float32", 4, 0, "rad", "viewer to sun at the surface; nan where nothing is hit",
      PL_BLANK_NAN, write_phase},
+    {"elevation", "float32", 4, 0, "m",
+     "height of the ground over the body's ellipsoid, along the radius; nan off the ground",
+     PL_BLANK_NAN, pl_write_elevation},
+    {"altitude", "float32", 4, 0, "m",
+     "height of the camera over the point that is seen, along the radius; nan off the ground",
+     PL_BLANK_NAN, pl_write_altitude},
+    {"slope", "float32", 4, 0, "rad",
+     "shading normal of the ground to its vertical, the radius; nan off the ground", PL_BLANK_NAN,
+     pl_write_slope},
 };
 const size_t pl_channel_count = sizeof pl_channels / sizeof pl_channels[0];
 
@@ -234,6 +244,7 @@ void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t 
       pl_channels_blank(shot, run.count, first + x, images);
       continue;
     }
+    run.surface_id = id;
     pl_geometry_of(id)->label(shot, id, &run.label);
     gather(points + x, &run);
     for (size_t i = 0; i < pl_channel_count; i++) {

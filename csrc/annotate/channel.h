@@ -12,6 +12,7 @@ enum { PL_LABEL_RUN = 32 }; /* largest number of pixels */
  * three arrays, so that loops over pixels vectorise; root axes. */
 typedef struct pl_label_run {
   const pl_snapshot *shot;
+  pl_surface_id surface_id;
   pl_geometry_label label;
   size_t count;
   double position[3][PL_LABEL_RUN]; /* camera-relative, m */

@@ -168,10 +168,10 @@ static bool object_hides(const pl_camera *camera, const pl_outline *other,
 static bool body_hides(const pl_shot_body *body, const pl_shot_object *object,
                        const pl_outline *outline) {
   const double distance = pl_vec3_norm(object->center);
-  if (!body->in_frame || pl_vec3_norm(body->center) - body->radius_m > outline->far_m)
+  if (!body->in_frame || pl_vec3_norm(body->center) - body->outer_m > outline->far_m)
     return false;
   return distance <= object->radius_m ||
-         pl_sphere_in_cone(body->center, body->radius_m, pl_vec3_unit(object->center),
+         pl_sphere_in_cone(body->center, body->outer_m, pl_vec3_unit(object->center),
                            asin(object->radius_m / distance) + 1e-6);
 }
 

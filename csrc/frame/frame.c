@@ -13,6 +13,7 @@
 #include "render/reflectance_lod.h"
 #include "scene/shutter.h"
 #include "sensor/stage.h"
+#include "trace/height_field.h"
 
 static const char *const stage_names[PL_STAGE_COUNT] = {"snapshot", "meter", "plan",  "realise",
                                                         "render",   "label", "sensor"};
@@ -158,6 +159,7 @@ static pl_status survey_frame(pl_renderer *renderer, const pl_frame_request *req
   PL_TRY(pl_placement_check(renderer->scene, &request->placement));
   PL_TRY(ensure_scratch(renderer, request->threads));
   pl_arena_reset(&renderer->arena);
+  pl_ground_tiles_trim(renderer->accelerators);
   PL_TRY(pl_survey_place(renderer->scene, request, &request->placement, &renderer->arena, out));
   pl_shutter_measure(&request->placement, &out->shot,
                      sky != NULL && (sky->stars != NULL || sky->backdrop.kind == PL_BACKDROP_MAP),

@@ -1,6 +1,7 @@
 /* Makes an instant from a survey and a choice. */
 #include "frame/instant.h"
 
+#include "frame/height_fields.h"
 #include "frame/subpixel_bodies.h"
 #include "frame/effects.h"
 #include "plan/effects.h"
@@ -54,9 +55,13 @@ pl_choice pl_choice_of_plan(const pl_frame_request *request, const pl_frame_resu
   pl_choice out = {
       .settings = settings_of(request, result),
       .culls = true,
+      .threads = request->threads,
+      .cancel = request->cancel,
       .tolerance_dn = request->wish.tolerance_dn,
       .distortion = pl_plan_value(plan, &pl_effect_distortion) > 0,
       .depth_of_field = pl_plan_value(plan, &pl_effect_depth_of_field) > 0,
+      .terrain = pl_plan_value(plan, &pl_effect_terrain) > 0,
+      .far_casters = pl_plan_value(plan, &pl_effect_far_casters) > 0,
       .colour = true,
       .subpixel = true,
       .emitters = pl_plan_value(plan, &pl_effect_emitters),
@@ -85,8 +90,12 @@ pl_choice pl_choice_of_metering(const pl_frame_request *request, int samples) {
                    .emission = true,
                    .detail = PL_DETAIL_FULL,
                    .clear_coat = true},
+      .threads = request->threads,
+      .cancel = request->cancel,
       .distortion = true,
       .depth_of_field = true,
+      .terrain = true,
+      .far_casters = true,
       .colour = true,
       .emitters = QUICK_EMITTERS,
       .air_steps = PREVIEW_STEPS,
@@ -172,6 +181,7 @@ pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_ch
     return pl_fail(PL_E_MEMORY, "out of memory for an instant");
   made->settings = choice->settings;
   PL_TRY(cull(survey, choice, arena, &made->shot));
+  PL_TRY(pl_height_fields_place(kept, choice, arena, &made->shot));
   PL_TRY(pl_tracer_build(kept, &made->shot, arena, &made->tracer));
   if (choice->colour) {
     add_limb(choice, made);

@@ -11,7 +11,10 @@ typedef struct pl_choice {
   pl_render_settings settings; /* without the borrowed pointers */
   bool culls;                  /* leave out what changes no pixel by more than tolerance_dn */
   double tolerance_dn;
+  int threads;       /* that build height fields; the result is the same for any number */
+  pl_cancel *cancel; /* borrowed; may be NULL */
   bool distortion, depth_of_field;
+  bool terrain, far_casters;
   bool colour;   /* false: labels only, and the fields below are ignored */
   bool subpixel; /* render sub-pixel bodies in images of their own, see subpixel_bodies.h */
   int emitters, air_steps, media[PL_MEDIUM_KINDS_MAX]; /* values of the rows of these effects */

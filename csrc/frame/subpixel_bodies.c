@@ -34,7 +34,7 @@ static ball ball_of(const pl_snapshot *shot, size_t index) {
   const pl_shot_object *shape = body->shape;
   if (shape != NULL)
     return (ball){shape->center, shape->radius_m, shape->id, shape->in_frame};
-  return (ball){body->center, body->radius_m, pl_surface_of_body(index), body->in_frame};
+  return (ball){body->center, body->outer_m, pl_shot_surface_of(body, index), body->in_frame};
 }
 
 /* Returns the larger one of the radial and the tangential diameter: off the axis they differ. */

@@ -165,7 +165,7 @@ pl_status pl_emitters_build(const pl_snapshot *shot, pl_detail detail, pl_arena 
     if (emits(shot, &shot->objects[i]))
       add_object(out, i, &used);
   for (size_t i = 0; i < shot->body_count; i++)
-    if (shot->bodies[i].shape == NULL)
+    if (pl_shot_is_smooth(&shot->bodies[i])) /* light of terrain is found by chance */
       add_body(out, i);
   return PL_OK;
 }

@@ -25,6 +25,8 @@
   X(planetshine) \
   X(caustics) \
   X(surface_maps) \
+  X(terrain) \
+  X(far_casters) \
   X(bump_detail) \
   X(relief) \
   X(glint) \

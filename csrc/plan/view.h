@@ -47,6 +47,7 @@ typedef struct pl_view_thing {
   bool diffuse; /* purely Lambertian: radiance is proportional to its colour times the irradiance */
   bool relief;  /* body whose normals are perturbed by a relief map */
   bool ocean;   /* body with open water */
+  bool terrain; /* body whose surface is a height field */
   double lights_max; /* largest radiance of a body's night lights, W m-2 sr-1 */
   /* borrowed; used only by the rows in air/; NULL without an atmosphere */
   const struct pl_air *air;

@@ -109,17 +109,19 @@ static const pl_reflectance *find_reflectance(const char *name) {
 
 /* Arguments of add_body that the core borrows and the scene keeps alive; each may be None. */
 typedef struct body_arguments {
-  PyObject *map, *regolith, *air, *shape, *rings, *cloud_map;
+  PyObject *map, *regolith, *air, *shape, *rings, *cloud_map, *terrain;
 } body_arguments;
 
 static int borrow(const body_arguments *in, PyObject *kept, pl_body *out) {
-  PyObject *const all[] = {in->map, in->regolith, in->air, in->shape, in->rings, in->cloud_map};
+  PyObject *const all[] = {in->map,   in->regolith,  in->air,    in->shape,
+                           in->rings, in->cloud_map, in->terrain};
   if ((in->map != Py_None && (out->map = pl_py_map_of(in->map)) == NULL) ||
       (in->regolith != Py_None && (out->regolith_map = pl_py_grid_of(in->regolith)) == NULL) ||
       (in->air != Py_None && (out->air = pl_py_air_of(in->air)) == NULL) ||
       (in->shape != Py_None && (out->shape = pl_py_model_of(in->shape)) == NULL) ||
       (in->rings != Py_None && (out->rings = pl_py_rings_of(in->rings)) == NULL) ||
-      (in->cloud_map != Py_None && (out->cloud_map = pl_py_map_of(in->cloud_map)) == NULL))
+      (in->cloud_map != Py_None && (out->cloud_map = pl_py_map_of(in->cloud_map)) == NULL) ||
+      (in->terrain != Py_None && (out->terrain = pl_py_terrain_of(in->terrain)) == NULL))
     return -1;
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
     if (PyList_Append(kept, all[i]) < 0)
@@ -154,17 +156,21 @@ static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) 
                           "geodetic",
                           "geodetic_clouds",
                           "dressed",
+                          "terrain",
+                          "cells_per_pixel",
+                          "finest_cell_m",
                           NULL};
   PyObject *classes, *ground = Py_None;
-  body_arguments in = {.shape = Py_None, .rings = Py_None, .cloud_map = Py_None};
+  body_arguments in = {
+      .shape = Py_None, .rings = Py_None, .cloud_map = Py_None, .terrain = Py_None};
   const char *name, *reflectance;
   int geodetic = 0, geodetic_clouds = 0, dressed = 0;
-  pl_body body = {0};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOOppp:add_body", names, &name,
-                                   &in.map, &body.map_center_lon_rad, &reflectance,
-                                   &body.instance_id, &body.part_id, &classes, &in.regolith,
-                                   &in.air, &in.shape, &in.rings, &in.cloud_map, &ground, &geodetic,
-                                   &geodetic_clouds, &dressed))
+  pl_body body = {.cells_per_pixel = 1.0, .finest_cell_m = 0.01};
+  if (!PyArg_ParseTupleAndKeywords(
+          args, kwargs, "sOdsiiOOO|$OOOOpppOdd:add_body", names, &name, &in.map,
+          &body.map_center_lon_rad, &reflectance, &body.instance_id, &body.part_id, &classes,
+          &in.regolith, &in.air, &in.shape, &in.rings, &in.cloud_map, &ground, &geodetic,
+          &geodetic_clouds, &dressed, &in.terrain, &body.cells_per_pixel, &body.finest_cell_m))
     return NULL;
   body.dressed = dressed != 0 && in.shape != Py_None;
   body.geodetic = geodetic != 0;

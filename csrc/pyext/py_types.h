@@ -21,11 +21,11 @@ const pl_graph *pl_py_graph_of(PyObject *object);
 const pl_grid *pl_py_grid_of(PyObject *object);
 const pl_air *pl_py_air_of(PyObject *object);
 const pl_rings *pl_py_rings_of(PyObject *object);
-const pl_raster *pl_py_raster_of(PyObject *object);
 const pl_terrain *pl_py_terrain_of(PyObject *object);
 const pl_crater_field *pl_py_craters_of(PyObject *object);
 /* Returns CRATER, the description of CraterField.list's records, as documented in the stub. */
 PyObject *pl_py_crater_record(void);
+const pl_raster *pl_py_raster_of(PyObject *object);
 /* Returns NODES, as documented in the stub; a new reference. */
 PyObject *pl_py_nodes(void);
 /* The function band_gather, as documented in the stub. */

@@ -53,8 +53,10 @@ static size_t bordered(uint32_t pixel) {
  * the sun. In the umbra of a body there is none except from the bodies. */
 static float unseen_radiance(const pl_path_context *context, pl_surface_id id) {
   const pl_snapshot *shot = context->shot;
-  if (!pl_surface_is_mesh(id))
+  if (pl_surface_is_ellipsoid(id) || pl_surface_is_none(id))
     return 0.0f; /* sources that light bodies are convex and sampled explicitly, or negligible */
+  if (!pl_surface_is_mesh(id))
+    return context->camera_sun.irradiance / PL_PI_F;
   return pl_shot_object_of(shot, id)->dark
              ? 0.0f
              : context->suns[pl_surface_index(id)].irradiance / PL_PI_F;
@@ -67,8 +69,9 @@ static const float UNSEEN_MESH = 0.3f, UNSEEN_FILTERED = 9.0f;
 static float unseen_mesh(const pl_path_context *context, const pl_tile_buffers *b, uint32_t pixel) {
   const int x = context->tile.x0 + (int)(pixel % PL_TILE_SIDE);
   const int y = context->tile.y0 + (int)(pixel / PL_TILE_SIDE);
-  if (pl_surface_is_mesh(b->points[pixel].surface_id) || b->counts[pixel] == 0 ||
-      !pl_coverage_pixel(context->coverage, x, y))
+  const pl_surface_id id = b->points[pixel].surface_id;
+  const bool met = !pl_surface_is_ellipsoid(id) && !pl_surface_is_none(id);
+  if (met || b->counts[pixel] == 0 || !pl_coverage_pixel(context->coverage, x, y))
     return 0.0f;
   const float step = UNSEEN_MESH * context->settings->white_radiance;
   return step * step / (UNSEEN_FILTERED * (float)b->counts[pixel]);

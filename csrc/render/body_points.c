@@ -117,7 +117,7 @@ void pl_body_points(const pl_snapshot *shot, pl_tile tile, pl_vec3 axis, double 
   }
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
-    if (body->shape != NULL ||
+    if (!pl_shot_is_smooth(body) ||
         !pl_snapshot_sees(shot, body->center, body->radius_m, axis, half_angle_rad))
       continue;
     for (int y = 0; y < tile.height; y++)

@@ -2,6 +2,7 @@
  * precision. */
 #include "render/body_surface.h"
 
+#include "render/geometry.h"
 #include "render/ground.h"
 #include "render/regolith.h"
 #include "scene/shot_frame.h"
@@ -76,19 +77,19 @@ static void own_surface(const pl_shot_body *body, const pl_beam *beam, const pl_
     pl_regolith_shade(body, beam, detail.maps, vertex);
 }
 
-/* The outward shading normal; interpolated on a body with a shape. */
-static pl_vec3f normal_at(const pl_shot_body *body, const pl_vertex *vertex) {
-  return body->shape == NULL ? vertex->ng
-                             : pl_shot_normal(body->shape, vertex->triangle, vertex->w, vertex->ng);
+/* The outward shading normal; interpolated on a body with a shape or terrain. */
+static pl_vec3f normal_at(const pl_snapshot *shot, const pl_vertex *vertex) {
+  const pl_geometry_kind *kind = pl_geometry_of(vertex->surface_id);
+  return kind->smooth_normal != NULL ? kind->smooth_normal(shot, vertex) : vertex->ng;
 }
 
 /* The surface from the body's graph; its frame's t points east. */
-static void shade_body_graph(const pl_shot_body *body, const pl_beam *beam, pl_detail detail,
-                             pl_vertex *vertex) {
+static void shade_body_graph(const pl_snapshot *shot, const pl_shot_body *body, const pl_beam *beam,
+                             pl_detail detail, pl_vertex *vertex) {
   const pl_graph *graph = body->body->graph;
   const pl_body_place place = place_of(body, vertex, beam);
   const pl_vec3 east = {-place.point.y, place.point.x, 0.0};
-  pl_surface_set_frame(&vertex->surface, normal_at(body, vertex),
+  pl_surface_set_frame(&vertex->surface, normal_at(shot, vertex),
                        pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, pl_vec3_unit(east))), 1.0f);
   if (pl_graph_wraps(graph))
     own_surface(body, beam, &place, detail, vertex);
@@ -127,14 +128,14 @@ static bool has_ground(const pl_ground *ground) {
 void pl_body_surface_shade(const pl_snapshot *shot, const pl_shot_body *body, const pl_beam *beam,
                            pl_detail detail, pl_vertex *vertex) {
   if (body->body->graph != NULL) {
-    shade_body_graph(body, beam, detail, vertex);
+    shade_body_graph(shot, body, beam, detail, vertex);
     return;
   }
   const bool ground = has_ground(&body->body->ground);
   pl_body_place place = {0};
   if (detail.maps && (ground || body->body->map != NULL))
     place = place_of(body, vertex, beam);
-  pl_surface_set_frame(&vertex->surface, normal_at(body, vertex), (pl_vec3f){0.0f, 0.0f, 0.0f},
+  pl_surface_set_frame(&vertex->surface, normal_at(shot, vertex), (pl_vec3f){0.0f, 0.0f, 0.0f},
                        1.0f);
   own_surface(body, beam, &place, detail, vertex);
   if (!ground)

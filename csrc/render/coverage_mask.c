@@ -402,6 +402,24 @@ static size_t boxes_of(const pl_snapshot *shot) {
   return sum;
 }
 
+enum { BLOCK = 16 };
+
+/* Marks the blocks of pixels in which a sphere may be visible. */
+static void mark_sphere(const job *job, pl_vec3 center, double radius_m) {
+  const int x_end = job->rows.x1 + 1, y_end = job->rows.y1 + 1;
+  for (int y = job->rows.y0; y < y_end; y += BLOCK)
+    for (int x = 0; x < x_end; x += BLOCK) {
+      const area block = {x, y, (x + BLOCK < x_end ? x + BLOCK : x_end) - 1,
+                          (y + BLOCK < y_end ? y + BLOCK : y_end) - 1};
+      const double rect[4] = {block.x0 - 0.5, block.y0 - 0.5, block.x1 + 0.5, block.y1 + 0.5};
+      pl_vec3 axis;
+      double half_angle_rad;
+      pl_snapshot_cone(job->shot, rect, &axis, &half_angle_rad);
+      if (pl_snapshot_sees(job->shot, center, radius_m, axis, half_angle_rad))
+        mark_area(job->coverage, &block);
+    }
+}
+
 pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int row0, int row1,
                              int rays, int threads) {
   coverage->width = shot->camera.width;
@@ -421,6 +439,9 @@ pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int
              .rays = rays,
              .slices = shot->object_count > SLICED_MOST ? 1 : SLICES,
              .rows = {0, row0, coverage->width - 1, row1 - 1}};
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].field != NULL && shot->bodies[i].in_frame)
+      mark_sphere(&job, shot->bodies[i].center, shot->bodies[i].outer_m);
   const int workers = boxes_of(shot) > ALONE ? threads : 1;
   return pl_parallel_for(workers, shot->object_count * job.slices, mark_item, &job, NULL);
 }

@@ -37,7 +37,7 @@ bool pl_vertex_meet_bodies(const pl_snapshot *shot, const pl_beam *beam, pl_vert
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_shot_body *body = &shot->bodies[i];
     double t;
-    if (!meet_body(body, beam, &t) || !(t < nearest))
+    if (body->has_terrain || !meet_body(body, beam, &t) || !(t < nearest))
       continue;
     nearest = t;
     out->surface_id = pl_surface_of_body(i);
@@ -76,7 +76,7 @@ static void set_body_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 po
   spot->normal = body_normal(body, from_center);
 }
 
-static void label_body(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
+void pl_body_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
   const pl_shot_body *body = pl_shot_body_of(shot, id);
   *out = (pl_geometry_label){.origin = body->center,
                              .rotation = body->rotation,
@@ -91,5 +91,5 @@ const pl_geometry_kind pl_geometry_ellipsoid = {
     .shade = shade_body,
     .leave = leave_body,
     .set_spot = set_body_spot,
-    .label = label_body,
+    .label = pl_body_label,
 };

@@ -113,7 +113,7 @@ static pl_sun_view sun_at(const pl_path_context *context, const pl_vertex *verte
 static bool shadows_at(const pl_path_context *context, const pl_vertex *vertex) {
   if (!context->settings->cast_shadows)
     return false;
-  return pl_surface_is_mesh(vertex->surface_id) ||
+  return !pl_surface_is_ellipsoid(vertex->surface_id) ||
          pl_shot_body_of(context->shot, vertex->surface_id)->shadowed;
 }
 
@@ -242,8 +242,9 @@ static bool extend(const pl_path_context *context, const pl_path *path, const pl
 /* Whether paths continue from an object or body. */
 static bool bounces_at(const pl_path_context *context, pl_surface_id id) {
   const pl_render_settings *s = context->settings;
-  return pl_surface_is_mesh(id) ? s->bounces > 0
-                                : s->body_bounces && pl_shot_body_of(context->shot, id)->bounced;
+  return pl_surface_is_ellipsoid(id)
+             ? s->body_bounces && pl_shot_body_of(context->shot, id)->bounced
+             : s->bounces > 0;
 }
 
 static bool goes_on(const pl_path_context *context, pl_surface_id id, int bounce) {

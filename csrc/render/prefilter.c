@@ -363,7 +363,7 @@ static const double NARROW_PX = 5.0;
 static bool is_narrow(const pl_shot_body *body, double pixel_m) {
   const pl_vec3 radii = body->state->radii_m;
   const double least = fmin(radii.x, fmin(radii.y, radii.z));
-  return body->shape == NULL &&
+  return pl_shot_is_smooth(body) &&
          (body->subpixel || 2.0 * least * least < NARROW_PX * pixel_m * body->radius_m);
 }
 

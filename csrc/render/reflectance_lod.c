@@ -230,7 +230,7 @@ static bool is_covered(const law_samples *s) {
 
 /* Whether cheaper laws may replace the body's own. */
 static bool has_others(const pl_shot_body *body) {
-  return body->in_frame && body->body->graph == NULL &&
+  return body->in_frame && pl_shot_is_smooth(body) && body->body->graph == NULL &&
          !pl_ground_has_relief(&body->body->ground) &&
          body->body->reflectance == &pl_reflectance_hapke;
 }

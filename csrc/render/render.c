@@ -106,7 +106,7 @@ static content tile_content(const job *job, pl_tile tile) {
   out.rough_media =
       pl_media_rough_in_cone(job->settings->media, shot, out.axis, out.half_angle_rad);
   for (size_t i = 0; i < shot->body_count && !out.bodies; i++)
-    out.bodies = shot->bodies[i].shape == NULL && /* the mesh of a shape is one of the meshes */
+    out.bodies = pl_shot_is_smooth(&shot->bodies[i]) && /* others are meshes for rays */
                  pl_snapshot_sees(shot, shot->bodies[i].center, shot->bodies[i].radius_m, out.axis,
                                   out.half_angle_rad);
   return out;

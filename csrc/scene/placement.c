@@ -110,12 +110,27 @@ static pl_status check_ground(const char *name, const pl_ground_state *ground) {
   return PL_OK;
 }
 
+/* The terrain was made for an ellipsoid, which must be the body's. */
+static pl_status check_terrain(const pl_body *body, pl_vec3 radii) {
+  static const double ALIKE = 1e-9;
+  const double r[3] = {radii.x, radii.y, radii.z};
+  const pl_vec3 axes[3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+  for (int k = 0; body->terrain != NULL && k < 3; k++) {
+    const double own = pl_terrain_datum_m(body->terrain, axes[k]);
+    if (!(fabs(own - r[k]) <= ALIKE * own))
+      return pl_fail(PL_E_RANGE, "body '%s': its radius %d is %.9g m, that of its terrain %.9g m",
+                     body->name, k + 1, r[k], own);
+  }
+  return PL_OK;
+}
+
 static pl_status check_body(const pl_body *body, const pl_body_state *state) {
   PL_TRY(check_motion("body", body->name, &state->motion));
   const pl_vec3 r = state->radii_m;
   if (!in_reach(r) || !(r.x >= SIZE_MIN_M) || !(r.y >= SIZE_MIN_M) || !(r.z >= SIZE_MIN_M))
     return pl_fail(PL_E_RANGE, "body '%s': radii must be %g..%g m", body->name, SIZE_MIN_M,
                    REACH_M);
+  PL_TRY(check_terrain(body, r));
   for (int k = 0; k < 3; k++)
     if (!(state->albedo[k] >= 0.0f && state->albedo[k] <= 10.0f) ||
         !(state->emission[k] >= 0.0f && state->emission[k] <= (float)RADIOMETRY_MAX))

@@ -251,12 +251,30 @@ static pl_status add_shape(pl_scene *scene, const pl_body *body, size_t index) {
   return status;
 }
 
+static pl_status check_terrain(const pl_body *body) {
+  if (body->terrain == NULL)
+    return PL_OK;
+  if (body->shape != NULL)
+    return pl_fail(PL_E_ARGUMENT,
+                   "body '%s' has a shape and terrain; only one of them can replace "
+                   "its ellipsoid",
+                   body->name);
+  if (!(body->cells_per_pixel > 0.0 && body->cells_per_pixel <= 16.0))
+    return pl_fail(PL_E_RANGE, "body '%s': cells_per_pixel must be above 0 and at most 16, not %g",
+                   body->name, body->cells_per_pixel);
+  if (!(body->finest_cell_m >= 1e-3 && isfinite(body->finest_cell_m)))
+    return pl_fail(PL_E_RANGE, "body '%s': finest_cell_m must be at least 0.001, not %g",
+                   body->name, body->finest_cell_m);
+  return PL_OK;
+}
+
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   pl_body *grown = pl_realloc(scene->bodies, scene->body_count + 1, sizeof *grown);
   if (grown == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for body '%s'", body->name);
   scene->bodies = grown;
   PL_TRY(check_regolith_map(body));
+  PL_TRY(check_terrain(body));
   pl_body added = *body;
   find_brightest(&added);
   added.name = pl_strdup(body->name);

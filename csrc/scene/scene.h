@@ -21,6 +21,7 @@
 #include "shade/ground.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
+#include "terrain/terrain.h"
 
 enum { PL_LEVELS_MAX = 8 };
 
@@ -59,6 +60,9 @@ typedef struct pl_body {
   char *name; /* owned */
   /* borrowed: mesh that replaces the ellipsoid, in metres and body axes; NULL for none */
   const pl_model *shape;
+  const pl_terrain *terrain; /* borrowed: heights over the ellipsoid; NULL for a smooth body */
+  double cells_per_pixel;    /* resolution of the terrain's mesh, > 0 */
+  double finest_cell_m;      /* its cells are never smaller, > 0 */
   bool dressed; /* its surface has the shape's own materials and ignores the fields below */
   const pl_texture *map;     /* borrowed, NULL for none */
   double map_center_lon_rad; /* longitude of the map's centre column */

@@ -100,6 +100,33 @@ static void build_object(const pl_object *object, const pl_object_state *state, 
   }
 }
 
+pl_status pl_shot_check_outside(const pl_shot_body *body) {
+  const double part = pl_vec3_norm(body->camera_unit);
+  if (!pl_shot_is_smooth(body) || part > 1.0)
+    return PL_OK;
+  return pl_fail(PL_E_RANGE, "the camera is inside body '%s' (%.6g of its radius)",
+                 body->body->name, part);
+}
+
+/* Bounds the surface, and checks that the camera is above it. */
+static pl_status place_terrain(pl_shot_body *body) {
+  const pl_terrain *terrain = body->body->terrain;
+  double low_m, high_m;
+  pl_terrain_bounds(terrain, &low_m, &high_m);
+  body->outer_m = body->radius_m + fmax(high_m, 0.0);
+  const double far = pl_vec3_norm(body->camera);
+  if (far > body->outer_m)
+    return PL_OK;
+  const pl_vec3 up = far > 0.0 ? pl_vec3_scale(body->camera, 1.0 / far) : (pl_vec3){0.0, 0.0, 1.0};
+  const int finest = pl_terrain_level_of(terrain, body->body->finest_cell_m);
+  const double above_m =
+      far - pl_terrain_datum_m(terrain, up) - pl_terrain_height(terrain, up, finest);
+  if (above_m > 0.0)
+    return PL_OK;
+  return pl_fail(PL_E_RANGE, "the camera is %.6g m below the ground of body '%s'", -above_m,
+                 body->body->name);
+}
+
 static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_vec3 camera,
                             pl_shot_body *out) {
   const pl_pose pose = pl_motion_middle(&state->motion);
@@ -109,17 +136,15 @@ static pl_status build_body(const pl_body *body, const pl_body_state *state, pl_
   out->center = pl_vec3_sub(pose.t, camera);
   out->camera = pl_mat3_mul_vec_t(out->rotation, pl_vec3_scale(out->center, -1.0));
   const pl_vec3 r = state->radii_m;
-  out->radius_m = fmax(r.x, fmax(r.y, r.z));
+  out->radius_m = out->outer_m = fmax(r.x, fmax(r.y, r.z));
   const pl_vec3 scaled = {out->camera.x / r.x, out->camera.y / r.y, out->camera.z / r.z};
   out->camera_unit = scaled;
   out->to_unit = pl_mat3_transpose(out->rotation);
   const double radii[3] = {r.x, r.y, r.z};
   for (int i = 0; i < 3; i++)
     out->to_unit.row[i] = pl_vec3_scale(out->to_unit.row[i], 1.0 / radii[i]);
-  if (body->shape == NULL && !(pl_vec3_norm(scaled) > 1.0))
-    return pl_fail(PL_E_RANGE, "the camera is inside body '%s' (%.6g of its radius)", body->name,
-                   pl_vec3_norm(scaled));
-  return PL_OK;
+  out->has_terrain = body->terrain != NULL;
+  return out->has_terrain ? place_terrain(out) : pl_shot_check_outside(out);
 }
 
 /* Sets whether camera rays may touch a body, its atmosphere, clouds and rings. */
@@ -127,7 +152,7 @@ static void look_for_body(const pl_snapshot *shot, pl_vec3 axis, double half_ang
                           pl_shot_body *body) {
   const pl_air *air = body->body->air;
   body->in_frame = body->body->shape == NULL &&
-                   pl_snapshot_sees(shot, body->center, body->radius_m, axis, half_angle);
+                   pl_snapshot_sees(shot, body->center, body->outer_m, axis, half_angle);
   body->air_in_frame =
       air != NULL &&
       pl_snapshot_sees(shot, body->center, pl_air_reach_m(air, body->radius_m), axis, half_angle);

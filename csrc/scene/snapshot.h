@@ -43,19 +43,26 @@ typedef struct pl_shot_object {
   size_t piece_count;
 } pl_shot_object;
 
+struct pl_height_field;
+
 typedef struct pl_shot_body {
   const pl_body *body;         /* borrowed */
   const pl_body_state *state;  /* borrowed */
   const pl_shot_object *shape; /* mesh that rays meet in place of the ellipsoid; NULL for none */
-  pl_mat3 rotation;            /* body axes to root axes */
-  pl_vec3 center;              /* camera-relative, m */
-  pl_vec3 camera;              /* camera position in body axes relative to the body's centre, m */
+  /* terrain that rays meet in place of the ellipsoid; made after culling, borrowed; NULL before,
+   * and for other bodies */
+  const struct pl_height_field *field;
+  bool has_terrain; /* rays meet its terrain; false also where the plan leaves terrain out */
+  pl_mat3 rotation; /* body axes to root axes */
+  pl_vec3 center;   /* camera-relative, m */
+  pl_vec3 camera;   /* camera position in body axes relative to the body's centre, m */
   /* root axes to body axes divided by the radii, where the ellipsoid is a unit sphere */
   pl_mat3 to_unit;
-  pl_vec3 camera_unit; /* camera position in these coordinates */
-  double radius_m;     /* largest semi-axis */
-  bool in_frame;     /* camera rays may meet the ellipsoid; always false for a body with a shape */
-  bool air_in_frame; /* its atmosphere, if any, touches the frustum */
+  pl_vec3 camera_unit;  /* camera position in these coordinates */
+  double radius_m;      /* largest semi-axis */
+  double outer_m;       /* no point of the surface is farther from the centre */
+  bool in_frame;        /* camera rays may meet the surface; always false for a body with a shape */
+  bool air_in_frame;    /* its atmosphere, if any, touches the frustum */
   bool clouds_in_frame; /* the same for clouds */
   bool rings_in_frame;  /* the same for rings */
   bool subpixel;        /* sub-pixel body, see pl_culling */
@@ -67,6 +74,17 @@ typedef struct pl_shot_body {
    * pl_culling's view. */
   const pl_view_lods *lods;
 } pl_shot_body;
+
+/* Whether rays meet the ellipsoid itself: neither a shape nor terrain replaces it. */
+static inline bool pl_shot_is_smooth(const pl_shot_body *body) {
+  return body->shape == NULL && !body->has_terrain;
+}
+
+/* Returns the id of the surface that rays meet on body `index`, which has no shape. */
+static inline pl_surface_id pl_shot_surface_of(const pl_shot_body *body, size_t index) {
+  return body->has_terrain ? pl_surface_make(PL_SURFACE_HEIGHT_FIELD, index)
+                           : pl_surface_of_body(index);
+}
 
 typedef struct pl_shot_volume {
   const pl_volume *volume; /* borrowed */
@@ -118,7 +136,7 @@ static inline const pl_shot_object *pl_shot_object_of(const pl_snapshot *shot, p
   return &shot->objects[pl_surface_index(id)];
 }
 
-/* Returns the body of an ellipsoid. */
+/* Returns the body of an ellipsoid or a height field. */
 static inline const pl_shot_body *pl_shot_body_of(const pl_snapshot *shot, pl_surface_id id) {
   return &shot->bodies[pl_surface_index(id)];
 }
@@ -132,6 +150,9 @@ static inline size_t pl_shot_slot(const pl_snapshot *shot, pl_surface_id id) {
  * the camera is inside a body. */
 pl_status pl_snapshot_build(const pl_scene *scene, const pl_placement *placement, pl_arena *arena,
                             pl_snapshot *out);
+
+/* Returns PL_E_RANGE if the camera is inside a body that is a smooth ellipsoid. */
+pl_status pl_shot_check_outside(const pl_shot_body *body);
 
 /* Makes the view of a snapshot, in `arena`; its things are the objects, then the bodies. The caller
  * fills in the exposure and the user's limits. */

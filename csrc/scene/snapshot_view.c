@@ -202,6 +202,18 @@ static pl_view_thing shape_thing(const pl_snapshot *shot, const pl_shot_object *
   return thing;
 }
 
+/* Terrain: the body's surface on a height field, which shades and lights itself as a mesh does. */
+static pl_view_thing terrain_thing(const pl_snapshot *shot, const pl_shot_body *body) {
+  pl_view_thing thing = body_thing(shot, body);
+  thing.is_body = false;
+  thing.terrain = true;
+  thing.radius_m = body->outer_m;
+  thing.irradiance = pl_shot_irradiance_max(shot, body->center, body->outer_m);
+  thing.pictured = thing.pictured || thing.map_ranges != NULL;
+  thing.map_ranges = NULL;
+  return thing;
+}
+
 /* Thing of a body that its shape replaces: it has no surface. */
 static pl_view_thing hollow_thing(const pl_shot_body *body) {
   pl_view_thing thing = {.ggx_alpha_min = 1.0, .diffuse = true};
@@ -215,7 +227,9 @@ static pl_view_thing thing_of(const pl_snapshot *shot, size_t index) {
   if (index < shot->object_count)
     return shape_thing(shot, &shot->objects[index]);
   const pl_shot_body *body = &shot->bodies[index - shot->object_count];
-  return body->shape == NULL ? body_thing(shot, body) : hollow_thing(body);
+  if (body->shape != NULL)
+    return hollow_thing(body);
+  return body->has_terrain ? terrain_thing(shot, body) : body_thing(shot, body);
 }
 
 static double corner_tangent(const pl_camera *camera) {
@@ -407,7 +421,7 @@ static bool is_dark(const pl_snapshot *shot, pl_vec3 center, double radius_m) {
   const pl_vec3 to_sun = pl_vec3_sub(shot->sun.position, center);
   const double sun_m = pl_vec3_norm(to_sun), wide = shot->sun.radius_m + radius_m;
   for (size_t i = 0; i < shot->body_count; i++) {
-    if (shot->bodies[i].shape != NULL)
+    if (!pl_shot_is_smooth(&shot->bodies[i]))
       continue;
     const pl_vec3 radii = shot->bodies[i].state->radii_m;
     const double ball = fmin(radii.x, fmin(radii.y, radii.z)) - radius_m;

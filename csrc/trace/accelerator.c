@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "scene/graph_point.h"
+#include "terrain/height_field.h"
 #include "trace/coincident.h"
 
 pl_status pl_accelerators_create(pl_accelerators **out) {
@@ -301,6 +302,17 @@ static void build_tree(pl_sphere *leaves, pl_tracer *tracer) {
   add_tree(tracer, leaves, tracer->instance_count);
 }
 
+/* Rays in the axes of the body, relative to the origin of the field. */
+static void place_field(const pl_shot_body *body, size_t index, pl_instance *out) {
+  const pl_vec3 origin =
+      pl_vec3_add(body->center, pl_mat3_mul_vec(body->rotation, body->field->origin));
+  *out = (pl_instance){.scene = body->field->scene,
+                       .surface_id = pl_surface_make(PL_SURFACE_HEIGHT_FIELD, index),
+                       .size_m = body->outer_m,
+                       .tiled = true};
+  pl_instance_place(out, &body->rotation, origin, body->center, body->outer_m * (1.0 + 1e-6));
+}
+
 static pl_status place_instances(pl_accelerators *kept, pl_tracer *tracer) {
   const pl_snapshot *shot = tracer->snapshot;
   for (size_t i = 0; i < shot->object_count; i++) {
@@ -311,6 +323,9 @@ static pl_status place_instances(pl_accelerators *kept, pl_tracer *tracer) {
                                 &count));
     tracer->instance_count += count;
   }
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].field != NULL)
+      place_field(&shot->bodies[i], i, &tracer->instances[tracer->instance_count++]);
   return PL_OK;
 }
 
@@ -319,6 +334,8 @@ pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *shot, pl_are
   size_t most = 0;
   for (size_t i = 0; i < shot->object_count; i++)
     most += shot->objects[i].kept ? pl_accelerator_count(&shot->objects[i]) : 0;
+  for (size_t i = 0; i < shot->body_count; i++)
+    most += shot->bodies[i].field != NULL ? 1 : 0;
   pl_tracer *tracer = pl_arena_alloc(arena, 1, sizeof *tracer);
   pl_instance *instances = pl_arena_alloc(arena, most, sizeof *instances);
   /* A tree has fewer inner nodes than leaves; the leaves are sorted in the room behind it. */

@@ -13,8 +13,8 @@
 enum { PL_PACKET = PL_TRACER_PACKET };
 
 typedef struct pl_instance {
-  const pl_model *model;     /* NULL when absent */
-  RTCScene scene;            /* of the model; borrowed */
+  const pl_model *model;     /* NULL when absent, and for a height field */
+  RTCScene scene;            /* of the model or height field; borrowed */
   const uint8_t *coincident; /* of the model, borrowed; NULL for none */
   pl_surface_id surface_id;  /* of the object */
   uint32_t first;            /* offset of its triangles in the object's model */
@@ -25,6 +25,7 @@ typedef struct pl_instance {
   pl_mat3 to_mesh;           /* from root axes in m to mesh units */
   bool cuts;                 /* graphs may cut holes into it */
   bool one_way;              /* some of its back faces do not exist for rays */
+  bool tiled; /* a height field: its scene consists of instances, which are its tiles */
 } pl_instance;
 
 /* Sets the transformation: mesh point p lies at linear p + origin, m. `center` and `radius_m`

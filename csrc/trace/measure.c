@@ -109,6 +109,9 @@ pl_status pl_tracer_measure(const pl_accelerators *kept, const pl_tracer *tracer
   bool occluded[BATCH];
   if (repeats < 1 || repeats > REPEATS_MAX)
     return pl_fail(PL_E_RANGE, "repeats must be in 1..%d, not %d", REPEATS_MAX, repeats);
+  for (size_t i = 0; i < tracer->instance_count; i++)
+    if (tracer->instances[i].tiled) /* instances within instances */
+      return pl_fail(PL_E_RANGE, "rays at terrain cannot be compared with Embree's instances");
   pl_arena arena; /* used for its alignment */
   pl_arena_init(&arena);
   struct RTCRayHit8 *packets =

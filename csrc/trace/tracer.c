@@ -110,6 +110,8 @@ static double limit_of(const pl_tracer *tracer, const pl_instance *instance, con
                        double t_max) {
   if (pl_surface_is_none(best->surface_id))
     return t_max;
+  if (instance->tiled || !pl_surface_is_mesh(best->surface_id))
+    return best->t;
   const bool same = pl_surface_same(best->surface_id, instance->surface_id);
   const double size =
       instance->size_m + pl_shot_object_of(tracer->snapshot, best->surface_id)->radius_m;
@@ -186,7 +188,8 @@ static void closest_packet_in(const pl_tracer *tracer, const pl_instance *instan
         entry->start_m[i],
         at.per_metre[i],
     };
-    pl_mesh_hit hit = {query.hit.primID[i], query.ray.tfar[i], query.hit.u[i], query.hit.v[i]};
+    pl_mesh_hit hit = {instance->tiled ? query.hit.instID[0][i] : query.hit.primID[i],
+                       query.ray.tfar[i], query.hit.u[i], query.hit.v[i]};
     take(tracer, instance, &rays[i], &lone, limit_m[i], &hit, &hits[i]);
     packet->limit[i] = hits[i].t;
   }
@@ -252,7 +255,8 @@ static void closest_single_in(const pl_tracer *tracer, const pl_instance *instan
   const visit visit = {tracer, instance, ray, &at.start_m, &at.per_metre};
   pl_embree_query way = query_of(&visit, 1);
   pl_embree_intersect1(instance->scene, &way, &query);
-  pl_mesh_hit hit = {query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
+  pl_mesh_hit hit = {instance->tiled ? query.hit.instID[0] : query.hit.primID, query.ray.tfar,
+                     query.hit.u, query.hit.v};
   if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
     take(tracer, instance, ray, &at, limit_m, &hit, best);
 }
@@ -270,7 +274,7 @@ static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *h
 /* Returns the distance to a body, or infinity. Its bounding sphere is tested first, with a margin
  * for rounding. */
 static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
-  if (body->shape != NULL)
+  if (!pl_shot_is_smooth(body))
     return INFINITY;
   const pl_vec3 o = ray->origin, d = ray->direction;
   const pl_vec3 to_center = pl_vec3_sub(body->center, o);

@@ -1,0 +1,77 @@
+/* Heights are radial, from the body's centre; so is the vertical of slopes. */
+#include "annotate/ground_channels.h"
+
+#include <math.h>
+
+#include "geom/ellipsoid.h"
+
+/* Returns the body whose surface a run shows; NULL for an object. */
+static const pl_shot_body *body_of(const pl_label_run *run) {
+  const pl_snapshot *shot = run->shot;
+  switch (pl_surface_kind_of(run->surface_id)) {
+  case PL_SURFACE_SHAPE:
+    return &shot->bodies[pl_shot_object_of(shot, run->surface_id)->object->body];
+  case PL_SURFACE_ELLIPSOID:
+  case PL_SURFACE_HEIGHT_FIELD:
+    return pl_shot_body_of(shot, run->surface_id);
+  default:
+    return NULL;
+  }
+}
+
+static void fill(const pl_label_run *run, float value, float *out) {
+  for (size_t i = 0; i < run->count; i++)
+    out[i] = value;
+}
+
+/* Position of pixel `i` from the body's centre, root axes, m. */
+static pl_vec3 from_center(const pl_label_run *run, const pl_shot_body *body, size_t i) {
+  const pl_vec3 p = {run->position[0][i], run->position[1][i], run->position[2][i]};
+  return pl_vec3_sub(p, body->center);
+}
+
+/* Distance of the datum ellipsoid from the body's centre in the direction of a point, m. */
+static double datum_m(const pl_shot_body *body, pl_vec3 point) {
+  const pl_vec3 p = pl_mat3_mul_vec_t(body->rotation, point), r = body->state->radii_m;
+  const pl_vec3 scaled = {p.x / r.x, p.y / r.y, p.z / r.z};
+  return pl_vec3_norm(p) / pl_vec3_norm(scaled);
+}
+
+void pl_write_elevation(const pl_label_run *run, void *pixels) {
+  const pl_shot_body *body = body_of(run);
+  float *out = pixels;
+  if (body == NULL) {
+    fill(run, NAN, out);
+    return;
+  }
+  for (size_t i = 0; i < run->count; i++) {
+    const pl_vec3 p = from_center(run, body, i);
+    out[i] = pl_surface_is_ellipsoid(run->surface_id) ? 0.0f
+                                                      : (float)(pl_vec3_norm(p) - datum_m(body, p));
+  }
+}
+
+void pl_write_altitude(const pl_label_run *run, void *pixels) {
+  const pl_shot_body *body = body_of(run);
+  float *out = pixels;
+  if (body == NULL) {
+    fill(run, NAN, out);
+    return;
+  }
+  const double camera_m = pl_vec3_norm(body->center);
+  for (size_t i = 0; i < run->count; i++)
+    out[i] = (float)(camera_m - pl_vec3_norm(from_center(run, body, i)));
+}
+
+void pl_write_slope(const pl_label_run *run, void *pixels) {
+  const pl_shot_body *body = body_of(run);
+  float *out = pixels;
+  if (body == NULL) {
+    fill(run, NAN, out);
+    return;
+  }
+  for (size_t i = 0; i < run->count; i++)
+    out[i] =
+        (float)pl_vec3_angle(from_center(run, body, i),
+                             (pl_vec3){run->normal[0][i], run->normal[1][i], run->normal[2][i]});
+}
