@@ -1,4 +1,4 @@
-/* Makes rasters: checks, connections of edges, and the pyramid of means. */
+/* Makes rasters: checks, connections of edges, and layout of the pyramid. */
 #include "terrain/raster_levels.h"
 
 #include <float.h>
@@ -99,60 +99,6 @@ static size_t lay_out(pl_raster *r) {
   }
 }
 
-/* Fine cells under coarse cell j, and their weights, which sum to 1. */
-typedef struct overlap {
-  int first, count;
-  double weights[3];
-} overlap;
-
-static overlap overlap_of(int j, int coarse, int fine) {
-  const double ratio = (double)fine / coarse, low = j * ratio, high = (j + 1) * ratio;
-  overlap o = {.first = (int)((int64_t)j * fine / coarse)};
-  for (int i = o.first; i < fine && i < high && o.count < 3; i++)
-    o.weights[o.count++] = (fmin(high, i + 1.0) - fmax(low, i)) / ratio;
-  return o;
-}
-
-static void reduce_row(const pl_raster_level *from, const pl_raster_level *to, int row,
-                       float *out) {
-  const overlap y = overlap_of(row, to->height, from->height);
-  for (int column = 0; column < to->width; column++) {
-    const overlap x = overlap_of(column, to->width, from->width);
-    double sum = 0.0;
-    for (int j = 0; j < y.count; j++)
-      for (int i = 0; i < x.count; i++)
-        sum += y.weights[j] * x.weights[i] * pl_raster_cell(from, x.first + i, y.first + j);
-    out[column] = (float)sum;
-  }
-}
-
-static void fill(pl_raster *r) {
-  float *next = r->memory;
-  for (int k = 1; k < r->level_count; k++) {
-    pl_raster_level *level = &r->levels[k];
-    level->samples = next;
-    for (int row = 0; row < level->height; row++, next += level->width)
-      reduce_row(level - 1, level, row, next);
-  }
-}
-
-/* Finds the range of the samples; PL_E_RANGE if one is not finite. */
-static pl_status survey(pl_raster *r) {
-  const pl_raster_level *level = &r->levels[0];
-  r->least = INFINITY;
-  r->greatest = -INFINITY;
-  for (int row = 0; row < level->height; row++)
-    for (int column = 0; column < level->width; column++) {
-      const double value = pl_raster_cell(level, column, row);
-      if (!isfinite(value))
-        return pl_fail(PL_E_RANGE, "the sample in column %d, row %d of a raster is not finite",
-                       column, row);
-      r->least = fmin(r->least, value);
-      r->greatest = fmax(r->greatest, value);
-    }
-  return PL_OK;
-}
-
 static pl_status make(pl_raster *r) {
   void *memory;
   PL_TRY(pl_projection_init(&r->frame.projection));
@@ -160,12 +106,9 @@ static pl_status make(pl_raster *r) {
   PL_TRY(check_place(&r->frame));
   connect(r);
   set_snap(r);
-  const size_t values = lay_out(r);
-  PL_TRY(survey(r));
-  PL_TRY(pl_alloc_or_fail(values, sizeof(float), "means of a raster", &memory));
+  PL_TRY(pl_alloc_or_fail(lay_out(r), sizeof(float), "means of a raster", &memory));
   r->memory = memory;
-  fill(r);
-  return PL_OK;
+  return pl_raster_fill(r);
 }
 
 pl_status pl_raster_create(const pl_raster_frame *frame, pl_raster **out) {

@@ -45,4 +45,8 @@ static inline double pl_raster_cell(const pl_raster_level *level, int column, in
   return pl_raster_sample(level, (size_t)row * level->stride + (size_t)column);
 }
 
+/* Finds the range of the samples, and computes the means of all levels from 1. Returns PL_E_RANGE
+ * for a sample that is not finite. */
+pl_status pl_raster_fill(pl_raster *raster);
+
 #endif

@@ -53,6 +53,7 @@ def test_the_pole_is_single_and_without_spokes(posts_at_poles: bool) -> None:
     base = whole(noise.astype(np.float32), posts_at_poles)
     layers = with_patches(base, RADIUS_M)
     assert len(layers) == 3
+    assert with_patches(base, RADIUS_M)[1] is layers[1]
     step = math.radians(1.0)
     for sign in (1.0, -1.0):
         near = blended(layers, circle(1e-9, sign))

@@ -27,9 +27,11 @@ _MARK = -32768.0
 """Lowest of int16, which marks missing heights in files of floats, too."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ElevationRaster:
-    """Heights over a body's ellipsoid, along lines from its centre: scale_m * sample + offset_m."""
+    """Heights over a body's ellipsoid, along lines from its centre: scale_m * sample + offset_m.
+
+    Equal only to itself."""
 
     samples: NDArray[Any]
     """(rows, columns) of uint8, int16, uint16 or float32, finite; may be a memory map."""

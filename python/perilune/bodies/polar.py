@@ -7,6 +7,7 @@ has one height at the pole, and the same detail in all directions."""
 from __future__ import annotations
 
 import math
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,19 +31,29 @@ _PER_POST = 4
 """Means along a row, per post."""
 
 
+_PATCHES: WeakKeyDictionary[ElevationRaster, tuple[ElevationRaster, ...]] = WeakKeyDictionary()
+"""What was made before."""
+
+
 def with_patches(found: ElevationRaster, radius_m: float) -> tuple[ElevationRaster, ...]:
-    """A raster, and patches over the poles that it reaches, which belong over it. radius_m: of the
-    body, for the scale of the patches only."""
+    """A raster, and patches over the poles that it reaches, which belong over it; made once.
+    radius_m: of the body, for the scale of the patches only."""
+    if found not in _PATCHES:
+        _PATCHES[found] = _patches(found, radius_m)
+    return (found, *_PATCHES[found])
+
+
+def _patches(found: ElevationRaster, radius_m: float) -> tuple[ElevationRaster, ...]:
     rows, columns = found.samples.shape
     place = found.place
     if not place.goes_round(columns):
-        return (found,)
+        return ()
     patches = []
     for sign, edge in ((1.0, 0), (-1.0, rows - 1)):
         beyond = (0.5 * math.pi - sign * (place.y0 + edge * place.dy)) / abs(place.dy)
         if min(abs(beyond), abs(beyond - 0.5)) <= _FIT:
             patches.append(_patch(found, sign, radius_m))
-    return (found, *patches)
+    return tuple(patches)
 
 
 def _patch(found: ElevationRaster, sign: float, radius_m: float) -> ElevationRaster:
