@@ -19,4 +19,21 @@
 #define PL_DRAWS(all, few) (all)
 #endif
 
+/* A test that runs on one thread, in a program that has others on several: ThreadSanitizer has
+ * nothing to find in it, and does not run it. */
+#if defined(__SANITIZE_THREAD__)
+static inline void pl_skip_test(void **state) {
+  (void)state;
+  skip();
+}
+static inline CMUnitTestFunction pl_skip_instead(CMUnitTestFunction test) {
+  (void)test;
+  return pl_skip_test;
+}
+#define serial_unit_test(test)                                                                     \
+  { #test, pl_skip_instead(test), NULL, NULL, NULL }
+#else
+#define serial_unit_test(test) cmocka_unit_test(test)
+#endif
+
 #endif

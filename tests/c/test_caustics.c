@@ -371,11 +371,11 @@ static void test_density(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_second_sun),    cmocka_unit_test(test_converges),
-      cmocka_unit_test(test_hidden_mirror), cmocka_unit_test(test_same_bits),
-      cmocka_unit_test(test_table),         cmocka_unit_test(test_bumps_count_as_roughness),
-      cmocka_unit_test(test_density),       cmocka_unit_test(test_edges),
-      cmocka_unit_test(test_moving_part),
+      serial_unit_test(test_second_sun),    serial_unit_test(test_converges),
+      serial_unit_test(test_hidden_mirror), cmocka_unit_test(test_same_bits),
+      serial_unit_test(test_table),         serial_unit_test(test_bumps_count_as_roughness),
+      serial_unit_test(test_density),       serial_unit_test(test_edges),
+      serial_unit_test(test_moving_part),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -307,10 +307,10 @@ static void test_rows(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_large),   cmocka_unit_test(test_small),
-      cmocka_unit_test(test_slivers), cmocka_unit_test(test_around_the_camera),
-      cmocka_unit_test(test_cameras), cmocka_unit_test(test_far_away),
-      cmocka_unit_test(test_pieces),  cmocka_unit_test(test_threads),
+      serial_unit_test(test_large),   serial_unit_test(test_small),
+      serial_unit_test(test_slivers), serial_unit_test(test_around_the_camera),
+      serial_unit_test(test_cameras), serial_unit_test(test_far_away),
+      serial_unit_test(test_pieces),  cmocka_unit_test(test_threads),
       cmocka_unit_test(test_rows),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -339,14 +339,14 @@ static void test_empty_scene(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_threads_do_not_matter),
-      cmocka_unit_test(test_history_does_not_matter),
-      cmocka_unit_test(test_keys_matter),
+      serial_unit_test(test_history_does_not_matter),
+      serial_unit_test(test_keys_matter),
       cmocka_unit_test(test_memory_runs_out),
-      cmocka_unit_test(test_steady_state_allocates_nothing),
+      serial_unit_test(test_steady_state_allocates_nothing),
       cmocka_unit_test(test_cancel),
-      cmocka_unit_test(test_bad_requests),
-      cmocka_unit_test(test_parts_of_a_request),
-      cmocka_unit_test(test_empty_scene),
+      serial_unit_test(test_bad_requests),
+      serial_unit_test(test_parts_of_a_request),
+      serial_unit_test(test_empty_scene),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -159,9 +159,13 @@ static void fail_every_allocation(int threads, bool moving) {
   set_clear(&s);
 }
 
-static void test_memory_runs_out(void **state) {
+static void test_memory_runs_out_alone(void **state) {
   (void)state;
   fail_every_allocation(1, false);
+}
+
+static void test_memory_runs_out(void **state) {
+  (void)state;
   fail_every_allocation(3, false);
   fail_every_allocation(2, true);
 }
@@ -201,6 +205,7 @@ static void test_steady_state_allocates_nothing(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      serial_unit_test(test_memory_runs_out_alone),
       cmocka_unit_test(test_memory_runs_out),
       cmocka_unit_test(test_steady_state_allocates_nothing),
   };

@@ -78,7 +78,7 @@ static void test_sizes(void **state) {
   test_random random = {.seed = 21};
   pl_model *model = cube_create(0.5);
   for (int kind = 0; kind < KINDS; kind++)
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < PL_DRAWS(2, 1); i++)
       check_size(model, &random, kind);
   pl_model_destroy(model);
 }

@@ -52,7 +52,7 @@ static double sphere_radiance(const stage *s, double radius, pl_vec3 center, dou
   return 0.5 / PL_PI * irradiance * lit_cosine(height, SUN_RADIUS_M / distance);
 }
 
-enum { FINE = PL_DRAWS(96, 64) };
+enum { FINE = 64 };
 
 /* As the plan renders it and with every effect forced on, every pixel against the mean of FINE^2
  * analytic points. The 256 samples of a pixel that an edge
@@ -67,7 +67,7 @@ static void check_sphere(double focal, double distance, double radius, pl_vec3 s
   film films[2] = {shoot(&s, 256, 2, 0), shoot(&s, 256, 2, all_effects())};
   double flux[2] = {0.0}, expected_flux = 0.0, worst = 0.0;
   for (int y = 0; y < 40; y++)
-    for (int x = 0; x < 48; x++) {
+    for (int x = y % PL_DRAWS(1, 3); x < 48; x += PL_DRAWS(1, 3)) {
       double mean = 0.0, low = INFINITY, high = 0.0;
       for (int i = 0; i < FINE * FINE; i++) {
         const double value = sphere_radiance(&s, radius, center, x + (i % FINE + 0.5) / FINE - 0.5,
@@ -94,7 +94,7 @@ static void check_sphere(double focal, double distance, double radius, pl_vec3 s
    */
   assert_true(expected_flux > 0.0);
   for (int forced = 0; forced < 2; forced++) {
-    assert_true(fabs(flux[forced] / expected_flux - 1.0) < 5e-3);
+    assert_true(fabs(flux[forced] / expected_flux - 1.0) < PL_DRAWS(5e-3, 0.02));
     film_clear(&films[forced]);
   }
   stage_clear(&s);

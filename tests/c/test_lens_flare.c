@@ -136,8 +136,8 @@ static void threads_do_not_matter(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(ghosts_hold_their_light),  cmocka_unit_test(ghosts_may_be_cut_off),
-      cmocka_unit_test(only_what_is_over_bright), cmocka_unit_test(baffles_keep_the_sun_out),
+      serial_unit_test(ghosts_hold_their_light),  serial_unit_test(ghosts_may_be_cut_off),
+      serial_unit_test(only_what_is_over_bright), serial_unit_test(baffles_keep_the_sun_out),
       cmocka_unit_test(threads_do_not_matter),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

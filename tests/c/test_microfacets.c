@@ -9,7 +9,10 @@
 #include "random.h"
 #include "shade/reflectance.h"
 
-enum { WALKS = 400000, DRAWS = 400000, STEPS = 40, RINGS = 12, SECTORS = 16 };
+enum { WALKS = PL_DRAWS(400000, 40000), DRAWS = WALKS, STEPS = 40, RINGS = 12, SECTORS = 16 };
+
+/* Allowed differences grow with the scatter of fewer walks. */
+static const double LOOSER = PL_DRAWS(1.0, 3.2);
 
 typedef struct vec {
   double x, y, z;
@@ -167,8 +170,8 @@ static void test_goes_where_walks_go(void **state) {
     const double off = misplaced(&row, &walks);
     print_message("roughness %g at %g deg: %.4f of the light, by walks %.4f; misplaced %.2f\n",
                   cases[i].roughness, cases[i].degrees, row.sum, walks.sum, off);
-    assert_true(fabs(row.sum - walks.sum) < 0.002 + 0.02 * walks.sum);
-    assert_true(off < cases[i].misplaced);
+    assert_true(fabs(row.sum - walks.sum) < LOOSER * (0.002 + 0.02 * walks.sum));
+    assert_true(off < LOOSER * cases[i].misplaced);
   }
 }
 
@@ -191,7 +194,7 @@ static void test_takes_the_colour_of_walks(void **state) {
       by_row(&s, &m, wo, &row);
       print_message("roughness %.1f, F0 %.1f: %.4f of the light, by walks %.4f\n", 0.1 * r, f0,
                     row.sum, walks.sum);
-      assert_true(fabs(row.sum - walks.sum) < 0.03);
+      assert_true(fabs(row.sum - walks.sum) < 0.03 * LOOSER);
     }
 }
 
@@ -221,8 +224,8 @@ static void test_stretched_lobes(void **state) {
     print_message("alphas %.2f and %.2f, %g deg, turned by %.1f: %.4f of the light, by walks %.4f; "
                   "misplaced %.2f\n",
                   m.ax, m.ay, cases[i].degrees, cases[i].turn, row.sum, walks.sum, off);
-    assert_true(fabs(row.sum - walks.sum) < 0.006 + 0.02 * walks.sum);
-    assert_true(off < cases[i].misplaced);
+    assert_true(fabs(row.sum - walks.sum) < LOOSER * (0.006 + 0.02 * walks.sum));
+    assert_true(off < LOOSER * cases[i].misplaced);
   }
 }
 

@@ -466,13 +466,13 @@ static void test_bad_specs(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_energy),        cmocka_unit_test(test_kepler),
-      cmocka_unit_test(test_node_rate),     cmocka_unit_test(test_sun_synchronous),
-      cmocka_unit_test(test_shadow_edges),  cmocka_unit_test(test_order_does_not_matter),
-      cmocka_unit_test(test_steady_memory), cmocka_unit_test(test_threads),
-      cmocka_unit_test(test_surface),       cmocka_unit_test(test_infall),
-      cmocka_unit_test(test_long_span),     cmocka_unit_test(test_every_allocation_fails),
-      cmocka_unit_test(test_bad_specs),
+      serial_unit_test(test_energy),        serial_unit_test(test_kepler),
+      serial_unit_test(test_node_rate),     serial_unit_test(test_sun_synchronous),
+      serial_unit_test(test_shadow_edges),  serial_unit_test(test_order_does_not_matter),
+      serial_unit_test(test_steady_memory), cmocka_unit_test(test_threads),
+      serial_unit_test(test_surface),       serial_unit_test(test_infall),
+      serial_unit_test(test_long_span),     serial_unit_test(test_every_allocation_fails),
+      serial_unit_test(test_bad_specs),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -383,15 +383,15 @@ static void impossible_motions_are_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(moved_pieces_look_like_baked_ones),
-      cmocka_unit_test(exact_motions_give_equal_labels),
-      cmocka_unit_test(bounds_follow_the_pieces),
-      cmocka_unit_test(flattened_pieces_vanish),
-      cmocka_unit_test(covers_are_shared),
-      cmocka_unit_test(memory_runs_out),
+      serial_unit_test(moved_pieces_look_like_baked_ones),
+      serial_unit_test(exact_motions_give_equal_labels),
+      serial_unit_test(bounds_follow_the_pieces),
+      serial_unit_test(flattened_pieces_vanish),
+      serial_unit_test(covers_are_shared),
+      serial_unit_test(memory_runs_out),
       cmocka_unit_test(threads_and_memory),
-      cmocka_unit_test(part_tables_follow_the_order),
-      cmocka_unit_test(impossible_motions_are_refused),
+      serial_unit_test(part_tables_follow_the_order),
+      serial_unit_test(impossible_motions_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -249,13 +249,13 @@ static void measured_kernels_have_wings_and_bounds(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(airy_has_its_encircled_energy),
-      cmocka_unit_test(a_core_smaller_than_a_pixel_stays_in_it),
-      cmocka_unit_test(flux_is_kept),
-      cmocka_unit_test(both_ways_agree),
-      cmocka_unit_test(the_middle_keeps_its_bound),
-      cmocka_unit_test(measured_kernels_are_convolved),
-      cmocka_unit_test(measured_kernels_have_wings_and_bounds),
+      serial_unit_test(airy_has_its_encircled_energy),
+      serial_unit_test(a_core_smaller_than_a_pixel_stays_in_it),
+      serial_unit_test(flux_is_kept),
+      serial_unit_test(both_ways_agree),
+      serial_unit_test(the_middle_keeps_its_bound),
+      serial_unit_test(measured_kernels_are_convolved),
+      serial_unit_test(measured_kernels_have_wings_and_bounds),
       cmocka_unit_test(any_image_is_spread),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

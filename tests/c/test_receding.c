@@ -12,7 +12,7 @@
 enum { SIDE = 136, OCTAVES = 4, AROUND = 64, ACROSS = 32 };
 static const double FOCAL_PX = 400.0;
 static const double NEAR_PX = 64.0; /* radius of the sphere in the first image */
-static const double TOLERANCE = 0.005;
+static const double TOLERANCE = PL_DRAWS(0.005, 0.03);
 
 /* Squares of white and black, `cells` around; 8 bits hold both exactly. */
 static pl_texture *checker(int width, int height, int cells) {
@@ -124,7 +124,7 @@ static fluxes recede_body(const pl_texture *map) {
   open_stage(&s);
   const size_t body = stage_add_body(&s, (pl_vec3){0, 0, 20}, (pl_vec3){1, 1, 1}, 1.0f);
   s.scene.bodies[body].map = map;
-  const fluxes out = recede(&s, 64);
+  const fluxes out = recede(&s, PL_DRAWS(64, 16));
   stage_clear(&s);
   return out;
 }
@@ -161,13 +161,13 @@ static void test_maps_on_bodies(void **state) {
 static void test_maps_on_meshes(void **state) {
   (void)state;
   pl_model *model = sphere_create();
-  const fluxes plain = recede_mesh(model, NULL, 64);
+  const fluxes plain = recede_mesh(model, NULL, PL_DRAWS(64, 16));
   model->textures = pl_alloc(1, sizeof(pl_texture *));
   assert_non_null(model->textures);
   model->textures[0] = checker(1024, 512, 128);
   model->texture_count = 1;
   model->materials[0].base_color_map.texture = 0;
-  const fluxes mapped = recede_mesh(model, NULL, 64);
+  const fluxes mapped = recede_mesh(model, NULL, PL_DRAWS(64, 16));
   assert_true(check("mesh map", &mapped, &plain) < TOLERANCE);
   pl_model_destroy(model);
 }
@@ -221,11 +221,11 @@ static void test_patterns(void **state) {
       {"wave", 0, "path", "rings_z"},
   };
   pl_model *model = sphere_create();
-  const fluxes plain = recede_mesh(model, NULL, 16);
+  const fluxes plain = recede_mesh(model, NULL, PL_DRAWS(16, 4));
   double worst = 0.0;
   for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
     pl_graph *graph = pattern(&rows[i]);
-    const fluxes mapped = recede_mesh(model, graph, 16);
+    const fluxes mapped = recede_mesh(model, graph, PL_DRAWS(16, 4));
     worst =
         fmax(worst, check(rows[i].chosen != NULL ? rows[i].chosen : rows[i].kind, &mapped, &plain));
     pl_graph_destroy(graph);

@@ -47,17 +47,17 @@ static double midpoint(const sight *seen, const pl_basis *basis, size_t cell, in
   return sum * 2.0 * PL_PI / SECTORS / RINGS / (fine * fine);
 }
 
-/* The same, refined until it changes by a tenth of the draws' own scatter. Cells that nothing was
+/* The same, refined until it changes by a fifth of the draws' own scatter. Cells that nothing was
  * drawn in are looked at coarsely: a stripe that is missed there is missing from the sum. */
 static double cell_mass(const sight *seen, const pl_basis *basis, size_t cell, bool drawn) {
   const bool stripe = seen->surface.lobes.anisotropy > 0.0f && seen->surface.alpha < 0.1f;
-  int fine = drawn ? (stripe ? 24 : 10) : 5;
+  int fine = drawn ? (stripe ? 12 : 6) : 5;
   double last = midpoint(seen, basis, cell, fine);
   if (!drawn && last * DRAWS < 1.0)
     return last;
   for (fine = 2 * fine + 1; fine < 100; fine *= 2) {
     const double mass = midpoint(seen, basis, cell, fine);
-    if (fabs(mass - last) * DRAWS < 0.1 * sqrt(fmax(mass * DRAWS, 1.0)))
+    if (fabs(mass - last) * DRAWS < 0.2 * sqrt(fmax(mass * DRAWS, 1.0)))
       return mass;
     last = mass;
   }

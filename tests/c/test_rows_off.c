@@ -252,7 +252,7 @@ static void test_rows_that_are_off(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_rows_that_are_off),
+      serial_unit_test(test_rows_that_are_off),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

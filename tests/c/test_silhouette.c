@@ -387,7 +387,7 @@ static void test_against_casting_every_ray(void **state) {
   static bench b;
   int64_t rays = 0, all_rays = 0, whole = 0;
   print_message("seed 92\n");
-  for (int round = 0; round < 40; round++) {
+  for (int round = 0; round < PL_DRAWS(40, 8); round++) {
     crowd c;
     crowd_init(&c, &random);
     bench_init(&b, &c.stage);
@@ -413,7 +413,7 @@ static void test_against_casting_every_ray(void **state) {
     crowd_clear(&c);
   }
   print_message("%d objects whole; %d of %d rays cast\n", (int)whole, (int)rays, (int)all_rays);
-  assert_true(whole > 10);
+  assert_true(whole > PL_DRAWS(10, 0));
   assert_true(rays > 0 && rays < all_rays / 4);
 }
 
@@ -550,16 +550,16 @@ static void test_cancelled(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_counted_by_hand),
+      serial_unit_test(test_counted_by_hand),
       cmocka_unit_test(test_around_the_camera),
-      cmocka_unit_test(test_switched_off),
+      serial_unit_test(test_switched_off),
       cmocka_unit_test(test_against_each_object_alone),
       cmocka_unit_test(test_against_casting_every_ray),
-      cmocka_unit_test(test_rays_are_cast_only_where_needed),
+      serial_unit_test(test_rays_are_cast_only_where_needed),
       cmocka_unit_test(test_frames_repeat),
-      cmocka_unit_test(test_memory),
+      serial_unit_test(test_memory),
       cmocka_unit_test(test_no_objects),
-      cmocka_unit_test(test_cancelled),
+      serial_unit_test(test_cancelled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

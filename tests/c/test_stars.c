@@ -324,15 +324,15 @@ static void test_faint_cells_are_skipped(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_every_star_is_in_its_cell),
-      cmocka_unit_test(test_bad_stars_are_refused),
-      cmocka_unit_test(test_aberration),
-      cmocka_unit_test(test_energy_and_place),
-      cmocka_unit_test(test_edge_and_behind),
-      cmocka_unit_test(test_limb_hides),
+      serial_unit_test(test_every_star_is_in_its_cell),
+      serial_unit_test(test_bad_stars_are_refused),
+      serial_unit_test(test_aberration),
+      serial_unit_test(test_energy_and_place),
+      serial_unit_test(test_edge_and_behind),
+      serial_unit_test(test_limb_hides),
       cmocka_unit_test(test_threads),
-      cmocka_unit_test(test_bound),
-      cmocka_unit_test(test_faint_cells_are_skipped),
+      serial_unit_test(test_bound),
+      serial_unit_test(test_faint_cells_are_skipped),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

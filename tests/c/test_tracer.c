@@ -408,10 +408,10 @@ static void test_threads_agree(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_random_scenes), cmocka_unit_test(test_ragged_counts),
-      cmocka_unit_test(test_models_change), cmocka_unit_test(test_order_of_body_and_mesh),
-      cmocka_unit_test(test_cut_out),       cmocka_unit_test(test_single_sided),
-      cmocka_unit_test(test_leaving),       cmocka_unit_test(test_threads_agree),
+      serial_unit_test(test_random_scenes), serial_unit_test(test_ragged_counts),
+      serial_unit_test(test_models_change), serial_unit_test(test_order_of_body_and_mesh),
+      serial_unit_test(test_cut_out),       serial_unit_test(test_single_sided),
+      serial_unit_test(test_leaving),       cmocka_unit_test(test_threads_agree),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
