@@ -7,7 +7,7 @@
 
 typedef struct terrain_object {
   PyObject_HEAD pl_terrain *terrain; /* owned */
-  PyObject *kept;                    /* list of the rasters */
+  PyObject *kept;                    /* list of the rasters and craters */
 } terrain_object;
 
 static void terrain_dealloc(PyObject *self) {
@@ -135,14 +135,22 @@ static int detail_of(PyObject *detail, double radius_m, pl_terrain_detail *out) 
   return 0;
 }
 
-static int create(terrain_object *self, const double radii_m[3], PyObject *layers,
-                  PyObject *detail) {
+static int craters_of(PyObject *craters, PyObject *kept, const pl_crater_field **out) {
+  if (craters == Py_None)
+    return 0;
+  *out = pl_py_craters_of(craters);
+  return *out != NULL ? PyList_Append(kept, craters) : -1;
+}
+
+static int create(terrain_object *self, const double radii_m[3], PyObject *layers, PyObject *detail,
+                  PyObject *craters) {
   pl_terrain_layer given[PL_TERRAIN_LAYERS];
   pl_terrain_frame frame = {.radii_m = {radii_m[0], radii_m[1], radii_m[2]}, .layers = given};
   self->kept = PyList_New(0);
   if (self->kept == NULL ||
       (layers != NULL && layers_of(layers, self->kept, given, &frame.layer_count) < 0) ||
-      detail_of(detail, radii_m[0], &frame.detail) < 0)
+      detail_of(detail, radii_m[0], &frame.detail) < 0 ||
+      craters_of(craters, self->kept, &frame.craters) < 0)
     return -1;
   const pl_status status = pl_terrain_create(&frame, &self->terrain);
   if (status == PL_OK)
@@ -152,16 +160,17 @@ static int create(terrain_object *self, const double radii_m[3], PyObject *layer
 }
 
 static PyObject *terrain_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"radii_m", "layers", "detail", NULL};
-  PyObject *radii, *layers = NULL, *detail = Py_None;
+  static char *names[] = {"radii_m", "layers", "detail", "craters", NULL};
+  PyObject *radii, *layers = NULL, *detail = Py_None, *craters = Py_None;
   const npy_intp shape[1] = {3};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OO:Terrain", names, &radii, &layers, &detail))
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOO:Terrain", names, &radii, &layers, &detail,
+                                   &craters))
     return NULL;
   PyArrayObject *array = pl_py_array(radii, "radii_m", NPY_DOUBLE, 1, shape);
   if (array == NULL)
     return NULL;
   terrain_object *self = (terrain_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
-  const int failed = self == NULL || create(self, PyArray_DATA(array), layers, detail) < 0;
+  const int failed = self == NULL || create(self, PyArray_DATA(array), layers, detail, craters) < 0;
   Py_DECREF((PyObject *)array);
   if (!failed)
     return (PyObject *)self;
@@ -199,6 +208,15 @@ static int level_of(const pl_terrain *terrain, double cell_m, int *out) {
   return 0;
 }
 
+/* Returns `array`, or NULL with an exception. */
+static PyArrayObject *checked(PyArrayObject *array, pl_status status) {
+  if (status == PL_OK)
+    return array;
+  Py_DECREF((PyObject *)array);
+  pl_py_raise(status);
+  return NULL;
+}
+
 static PyObject *heights(PyObject *self, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"directions", "cell_m", NULL};
   const pl_terrain *terrain = ((terrain_object *)self)->terrain;
@@ -216,8 +234,9 @@ static PyObject *heights(PyObject *self, PyObject *args, PyObject *kwargs) {
   if (out != NULL) {
     const pl_vec3 *d = PyArray_DATA(directions);
     double *h = PyArray_DATA(out);
-    Py_BEGIN_ALLOW_THREADS pl_terrain_heights(terrain, d, (size_t)count, level, h);
-    Py_END_ALLOW_THREADS
+    pl_status status;
+    Py_BEGIN_ALLOW_THREADS status = pl_terrain_heights(terrain, d, (size_t)count, level, h);
+    Py_END_ALLOW_THREADS out = checked(out, status);
   }
   Py_DECREF((PyObject *)directions);
   return (PyObject *)out;
@@ -245,8 +264,10 @@ static PyObject *block(PyObject *self, PyObject *args, PyObject *kwargs) {
   PyArrayObject *out = (PyArrayObject *)PyArray_SimpleNew(2, shape, NPY_DOUBLE);
   if (out != NULL) {
     double *h = PyArray_DATA(out);
-    Py_BEGIN_ALLOW_THREADS pl_terrain_block(((terrain_object *)self)->terrain, &nodes, h, NULL);
-    Py_END_ALLOW_THREADS
+    pl_status status;
+    Py_BEGIN_ALLOW_THREADS status =
+        pl_terrain_block(((terrain_object *)self)->terrain, &nodes, h, NULL);
+    Py_END_ALLOW_THREADS out = checked(out, status);
   }
   return (PyObject *)out;
 }
@@ -268,9 +289,10 @@ static PyObject *slopes(PyObject *self, PyObject *args, PyObject *kwargs) {
   if (out != NULL) {
     const pl_vec3 *d = PyArray_DATA(directions);
     pl_vec3 *to = PyArray_DATA(out);
-    Py_BEGIN_ALLOW_THREADS for (npy_intp k = 0; k < shape[0]; k++) to[k] =
-        pl_terrain_slope(terrain, d[k], baseline_m);
-    Py_END_ALLOW_THREADS
+    pl_status status = PL_OK;
+    Py_BEGIN_ALLOW_THREADS for (npy_intp k = 0; k < shape[0] && status == PL_OK; k++) status =
+        pl_terrain_slope(terrain, d[k], baseline_m, &to[k]);
+    Py_END_ALLOW_THREADS out = checked(out, status);
   }
   Py_DECREF((PyObject *)directions);
   return (PyObject *)out;
@@ -337,7 +359,8 @@ static PyGetSetDef terrain_getset[] = {
 };
 
 static PyType_Slot terrain_slots[] = {
-    {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None)\n--\n\nHeights of a body's ground."},
+    {Py_tp_doc,
+     "Terrain(radii_m, layers=(), detail=None, craters=None)\n--\n\nHeights of a body's ground."},
     {Py_tp_new, (void *)terrain_new},
     {Py_tp_dealloc, (void *)terrain_dealloc},
     {Py_tp_methods, terrain_methods},

@@ -42,15 +42,16 @@ void pl_ground_tile_axes(int face, pl_vec3 direction, pl_vec3 *east, pl_vec3 *no
 }
 
 /* Fills nodes from lattice node (i0, j0) on. */
-static void fill(const pl_terrain *terrain, int face, int level, int64_t i0, int64_t j0,
-                 const nodes *out) {
+static pl_status fill(const pl_terrain *terrain, int face, int level, int64_t i0, int64_t j0,
+                      const nodes *out) {
   const pl_terrain_nodes block = {
       .face = face, .level = level, .i0 = i0, .j0 = j0, .width = out->width, .height = out->height};
-  pl_terrain_block(terrain, &block, out->heights, out->directions);
+  PL_TRY(pl_terrain_block(terrain, &block, out->heights, out->directions));
   for (int k = 0; k < out->width * out->height; k++) {
     const pl_vec3 d = out->directions[k];
     out->radii[k] = pl_terrain_datum_m(terrain, d) + out->heights[k];
   }
+  return PL_OK;
 }
 
 /* Slopes of the surface at an inner node: the gradient of the distance from the centre, from its
@@ -151,7 +152,7 @@ static void set_middles(work *work, const seam *seam) {
   }
 }
 
-static void set_seam(work *work, const seam *seam) {
+static pl_status set_seam(work *work, const seam *seam) {
   enum { MOST = 3 * COARSE };
   double heights[MOST], radii[MOST];
   pl_vec3 directions[MOST];
@@ -161,15 +162,16 @@ static void set_seam(work *work, const seam *seam) {
                         .heights = heights,
                         .radii = radii,
                         .directions = directions};
-  fill(work->terrain, id.face, pl_ground_tile_lattice(id) - 1,
-       (int64_t)id.i * (CELLS / 2) + (seam->i - 1) / 2 - 1,
-       (int64_t)id.j * (CELLS / 2) + (seam->j - 1) / 2 - 1, &coarse);
+  PL_TRY(fill(work->terrain, id.face, pl_ground_tile_lattice(id) - 1,
+              (int64_t)id.i * (CELLS / 2) + (seam->i - 1) / 2 - 1,
+              (int64_t)id.j * (CELLS / 2) + (seam->j - 1) / 2 - 1, &coarse));
   set_coarse_nodes(work, seam, &coarse);
   set_middles(work, seam);
+  return PL_OK;
 }
 
 /* Where posts belong to a coarser neighbour. Corners come first: their skirts lead diagonally. */
-static void set_seams(work *work) {
+static pl_status set_seams(work *work) {
   enum { LAST = POSTS, EDGE = CELLS / 2 + 1 };
   static const seam seams[8] = {
       {1, 1, 0, 1, -1, 0, EDGE},   {LAST, 1, 0, 1, 1, 0, EDGE}, {1, 1, 1, 0, 0, -1, EDGE},
@@ -178,7 +180,8 @@ static void set_seams(work *work) {
   };
   for (int k = 7; k >= 0; k--)
     if (work->tile->id.coarse >> k & 1)
-      set_seam(work, &seams[k]);
+      PL_TRY(set_seam(work, &seams[k]));
+  return PL_OK;
 }
 
 static void set_positions(const work *work) {
@@ -225,14 +228,14 @@ pl_status pl_ground_tile_make(const pl_terrain *terrain, pl_ground_tile_id id,
   work.tile = out;
   work.step_m = ldexp(1.0, ilogb(cell_m) - 17);
   work.fine = (nodes){SIDE, SIDE, work.heights, work.radii, work.directions};
-  fill(terrain, id.face, pl_ground_tile_lattice(id), (int64_t)id.i * CELLS - 1,
-       (int64_t)id.j * CELLS - 1, &work.fine);
+  PL_TRY(fill(terrain, id.face, pl_ground_tile_lattice(id), (int64_t)id.i * CELLS - 1,
+              (int64_t)id.j * CELLS - 1, &work.fine));
   out->low_m = out->high_m = (float)work.heights[SIDE + 1];
   for (int j = 1; j <= POSTS; j++)
     for (int i = 1; i <= POSTS; i++)
       bound_height(out, work.heights[j * SIDE + i]);
   set_fine(&work);
-  set_seams(&work);
+  PL_TRY(set_seams(&work));
   set_positions(&work);
   set_slopes(&work);
   return PL_OK;

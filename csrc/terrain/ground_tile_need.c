@@ -68,7 +68,7 @@ void pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_tile_n
     y[k] = pl_cube_tangent(pl_cube_node(node->level + 1, 2 * (int64_t)node->j + k));
   }
   const pl_vec3 up = pl_cube_tangent_direction(node->face, x[1], y[1]);
-  const double height = pl_terrain_height(need->terrain, up, node->level + HEIGHT_LEVELS);
+  const double height = pl_terrain_base_height(need->terrain, up, node->level + HEIGHT_LEVELS);
   const double far_m = pl_terrain_datum_m(need->terrain, up) + height;
   const double radius_m = pl_terrain_radius_m(need->terrain);
   double across = 0.0;

@@ -19,6 +19,20 @@ static pl_status check_layer(const pl_terrain_layer *layer, size_t n) {
   return PL_OK;
 }
 
+static double mean_radius_m(pl_vec3 r) {
+  return r.x * cbrt((r.y / r.x) * (r.z / r.x)); /* exact on a sphere */
+}
+
+static pl_status check_craters(const pl_terrain_frame *frame) {
+  const double radius_m = mean_radius_m(frame->radii_m);
+  const double given_m =
+      frame->craters != NULL ? pl_crater_field_frame(frame->craters)->radius_m : radius_m;
+  if (fabs(given_m - radius_m) > 0.01 * radius_m)
+    return pl_fail(PL_E_RANGE, "craters of a body with a radius of %g m on one of %g m", given_m,
+                   radius_m);
+  return PL_OK;
+}
+
 static pl_status check(const pl_terrain_frame *frame) {
   const pl_vec3 r = frame->radii_m;
   if (!pl_vec3_finite(r) || !(r.x > 0.0 && r.y > 0.0 && r.z > 0.0))
@@ -29,6 +43,7 @@ static pl_status check(const pl_terrain_frame *frame) {
                    frame->layer_count, PL_TERRAIN_LAYERS);
   for (size_t n = 0; n < frame->layer_count; n++)
     PL_TRY(check_layer(&frame->layers[n], n));
+  PL_TRY(check_craters(frame));
   return frame->detail.on ? pl_terrain_detail_check(&frame->detail) : PL_OK;
 }
 
@@ -41,9 +56,9 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   static atomic_ullong numbers;
   t->number = atomic_fetch_add(&numbers, 1) + 1;
   t->radii_m = frame->radii_m;
-  const pl_vec3 r = frame->radii_m;
-  t->radius_m = r.x * cbrt((r.y / r.x) * (r.z / r.x)); /* exact on a sphere */
+  t->radius_m = mean_radius_m(frame->radii_m);
   pl_fractal_detail_init(&frame->detail, t->radius_m, &t->detail);
+  t->craters = frame->craters;
   t->layer_count = frame->layer_count;
   for (size_t n = 0; n < t->layer_count; n++) {
     pl_layer *layer = &t->layers[n];
@@ -118,6 +133,15 @@ static bool bare(const pl_terrain *t) {
   return true;
 }
 
+/* Diameter of the largest craters that are drawn: the widest posts anywhere leave smaller ones. */
+static double largest_crater_m(const pl_terrain *t) {
+  const pl_crater_frame *frame = pl_crater_field_frame(t->craters);
+  double spacing_m = 0.0;
+  for (size_t n = 0; n < t->layer_count; n++)
+    spacing_m = fmax(spacing_m, t->layers[n].spacing_m);
+  return bare(t) ? frame->max_m : fmin(frame->max_m, frame->model_posts * spacing_m);
+}
+
 void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m) {
   *low_m = INFINITY;
   *high_m = -INFINITY;
@@ -128,13 +152,20 @@ void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m)
         PL_DETAIL_BOUND * pl_fractal_detail_deviation_m(&terrain->detail, 0, PL_CUBE_LEVELS - 1);
     widen(-q_m, q_m, low_m, high_m);
   }
+  if (terrain->craters != NULL) {
+    double below_m, above_m;
+    pl_crater_bounds(terrain->craters, largest_crater_m(terrain), &below_m, &above_m);
+    *low_m += fmin(below_m, 0.0);
+    *high_m += fmax(above_m, 0.0);
+  }
 }
 
 double pl_terrain_relief_m(const pl_terrain *terrain, int level) {
   return pl_fractal_detail_deviation_m(&terrain->detail, level + 1, PL_CUBE_LEVELS - 1);
 }
 
-pl_vec3 pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double baseline_m) {
+pl_status pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double baseline_m,
+                           pl_vec3 *out) {
   const double half = 0.5 * baseline_m / pl_terrain_datum_m(terrain, direction);
   const pl_vec3 axis =
       fabs(direction.z) < 0.7 ? (pl_vec3){0.0, 0.0, 1.0} : (pl_vec3){1.0, 0.0, 0.0};
@@ -145,9 +176,10 @@ pl_vec3 pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double ba
                              pl_vec3_unit(pl_vec3_madd(direction, -half, north)),
                              pl_vec3_unit(pl_vec3_madd(direction, half, north))};
   double h[4];
-  pl_terrain_heights(terrain, places, 4, pl_terrain_level_of(terrain, baseline_m), h);
-  return pl_vec3_madd(pl_vec3_scale(east, (h[1] - h[0]) / baseline_m), (h[3] - h[2]) / baseline_m,
+  PL_TRY(pl_terrain_heights(terrain, places, 4, pl_terrain_level_of(terrain, baseline_m), h));
+  *out = pl_vec3_madd(pl_vec3_scale(east, (h[1] - h[0]) / baseline_m), (h[3] - h[2]) / baseline_m,
                       north);
+  return PL_OK;
 }
 
 pl_vec3 pl_terrain_detail_gradient(const pl_terrain *terrain, pl_vec3 direction, int from, int to) {

@@ -5,12 +5,14 @@
  * of a level of the cube's lattice (`terrain/cube.h`), which says how much is drawn: the same bits
  * alone, in any block, on any thread.
  *
- *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d)
+ *     h(d) = layers blended of U(Z)(d) + q(d) - U(q)(d), + craters(d)
  *
  * U interpolates a raster's posts Z, or means of them where cells of the lattice are wider. q is
  * the detail (`terrain/fractal_detail.h`) of wavelengths below a few posts; without U(q), its own
  * interpolation from the same posts, only what the posts cannot hold is added, and posts keep their
- * heights to the bit. Where no raster reaches, h is q alone, from the longest wavelength. */
+ * heights to the bit. Where no raster reaches, h is q alone, from the longest wavelength. Craters
+ * (`terrain/crater_field.h`) are added to all of it, wider than 2 to 4 cells, and too small for the
+ * uppermost raster at their centre; they do move posts. */
 #ifndef PL_TERRAIN_TERRAIN_H
 #define PL_TERRAIN_TERRAIN_H
 
@@ -19,6 +21,7 @@
 
 #include "base/status.h"
 #include "math/vec.h"
+#include "terrain/crater_field.h"
 #include "terrain/detail_law.h"
 #include "terrain/raster.h"
 
@@ -36,11 +39,12 @@ typedef struct pl_terrain_frame {
   const pl_terrain_layer *layers; /* copied; each lies over those before it */
   size_t layer_count;             /* at most PL_TERRAIN_LAYERS */
   pl_terrain_detail detail;
+  const pl_crater_field *craters; /* borrowed; NULL: none */
 } pl_terrain_frame;
 
 typedef struct pl_terrain pl_terrain;
 
-/* PL_E_RANGE with a text that names what is wrong. Rasters must outlive the terrain. */
+/* PL_E_RANGE with a text that names what is wrong. Rasters and craters must outlive the terrain. */
 pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out);
 void pl_terrain_destroy(pl_terrain *terrain);
 
@@ -52,12 +56,15 @@ double pl_terrain_radius_m(const pl_terrain *terrain);
 /* Distance of the ellipsoid from the centre, along a unit direction. */
 double pl_terrain_datum_m(const pl_terrain *terrain, pl_vec3 direction);
 
-/* Returns the height in a unit direction, with all that the lattice of this level resolves. */
+/* Writes the heights in `count` unit directions, with all that the lattice of this level resolves.
+ * Fails only if there is no memory for craters. Faster than one by one, most of all where
+ * neighbours in the array are near each other. */
+pl_status pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
+                             int level, double *heights_m);
+/* Returns the height in one direction, to the same bits; NAN if there is no memory for craters. */
 double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level);
-
-/* Writes the heights in `count` unit directions, to the same bits; faster than one by one. */
-void pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
-                        int level, double *heights_m);
+/* Returns the height without craters: fast. */
+double pl_terrain_base_height(const pl_terrain *terrain, pl_vec3 direction, int level);
 
 /* Nodes (i0 + column, j0 + row) of a face, which may lie a few beyond its edges. */
 typedef struct pl_terrain_nodes {
@@ -68,22 +75,23 @@ typedef struct pl_terrain_nodes {
 
 /* Writes the heights of nodes, row by row: those of pl_terrain_height to the bit. `directions`, if
  * not NULL, receives those of the nodes: pl_cube_direction to the bit. */
-void pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes, double *heights_m,
-                      pl_vec3 *directions);
+pl_status pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes,
+                           double *heights_m, pl_vec3 *directions);
 
 /* Returns the coarsest level with cells of at most `cell_m`, at most PL_CUBE_LEVELS - 1. */
 int pl_terrain_level_of(const pl_terrain *terrain, double cell_m);
 /* Returns the level beyond which detail adds nothing. */
 int pl_terrain_finest_level(const pl_terrain *terrain);
-/* Writes bounds of all heights at all levels. */
+/* Writes bounds of all heights at all levels; those of craters as pl_crater_bounds states. */
 void pl_terrain_bounds(const pl_terrain *terrain, double *low_m, double *high_m);
 /* Returns the standard deviation of the detail that levels beyond this one add; what rasters hold
  * below the cells of a coarse level is not in it. */
 double pl_terrain_relief_m(const pl_terrain *terrain, int level);
 
-/* Returns the slope (rise over distance, as a vector along the ground in body axes) between points
+/* Writes the slope (rise over distance, as a vector along the ground in body axes) between points
  * `baseline_m` apart, with all that a lattice with cells of that width resolves. */
-pl_vec3 pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double baseline_m);
+pl_status pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double baseline_m,
+                           pl_vec3 *out);
 
 /* Returns the slope of the detail of levels `from` to `to` alone: of what is drawn too fine for
  * cells. */

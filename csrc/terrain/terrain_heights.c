@@ -1,5 +1,6 @@
 /* Heights of strips of nodes: layers of rasters and detail. */
 #include <math.h>
+#include <string.h>
 
 #include "terrain/terrain_parts.h"
 
@@ -135,57 +136,92 @@ static void evaluate(work *w, double *heights_m) {
       lay(w, (int)n, heights_m);
 }
 
-void pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
-                        int level, double *heights_m) {
+/* Heights without craters, of any number of directions. */
+static void base_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
+  for (size_t done = 0; done < count; done += w->strip.count) {
+    w->strip.count = count - done < STRIP ? count - done : STRIP;
+    for (size_t k = 0; k < w->strip.count; k++)
+      w->directions[k] = directions[done + k];
+    evaluate(w, heights_m + done);
+  }
+}
+
+/* Spacing of the posts of the uppermost raster in a direction, for pl_crater_model. */
+static double posts_m(const void *context, pl_vec3 direction) {
+  const pl_terrain *terrain = context;
+  for (size_t n = terrain->layer_count; n-- > 0;) {
+    const pl_layer *layer = &terrain->layers[n];
+    double u, v;
+    if (pl_raster_find(layer->given.raster, direction, &u, &v) &&
+        pl_raster_weight(layer->given.raster, u, v, layer->given.border_posts) >= 0.5)
+      return layer->spacing_m;
+  }
+  return INFINITY;
+}
+
+static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
+  const pl_terrain *terrain = w->terrain;
+  base_heights(w, directions, count, heights_m);
+  if (terrain->craters == NULL)
+    return PL_OK;
+  const pl_crater_model model = {posts_m, terrain};
+  const double cell_m = pl_cube_cell_m(w->level, terrain->radius_m);
+  return pl_crater_add_heights(terrain->craters, &model, directions, count, cell_m, heights_m);
+}
+
+pl_status pl_terrain_heights(const pl_terrain *terrain, const pl_vec3 *directions, size_t count,
+                             int level, double *heights_m) {
   work w;
   begin(&w, terrain, level);
-  for (size_t done = 0; done < count; done += w.strip.count) {
-    w.strip.count = count - done < STRIP ? count - done : STRIP;
-    for (size_t k = 0; k < w.strip.count; k++)
-      w.directions[k] = directions[done + k];
-    evaluate(&w, heights_m + done);
-  }
+  return full_heights(&w, directions, count, heights_m);
 }
 
 double pl_terrain_height(const pl_terrain *terrain, pl_vec3 direction, int level) {
   double height_m;
-  pl_terrain_heights(terrain, &direction, 1, level, &height_m);
+  return pl_terrain_heights(terrain, &direction, 1, level, &height_m) == PL_OK ? height_m
+                                                                               : (double)NAN;
+}
+
+double pl_terrain_base_height(const pl_terrain *terrain, pl_vec3 direction, int level) {
+  work w;
+  double height_m;
+  begin(&w, terrain, level);
+  base_heights(&w, &direction, 1, &height_m);
   return height_m;
 }
 
-/* Heights of at most STRIP columns of a block, whose nodes are taken row by row. */
-static void columns(work *w, const pl_terrain_nodes *nodes, int from, int count, double *heights_m,
-                    pl_vec3 *directions) {
-  double tangents[STRIP], tangent = 0.0, found_m[STRIP];
-  size_t places[STRIP];
-  for (int k = 0; k < count; k++)
-    tangents[k] = pl_cube_tangent(pl_cube_node(nodes->level, nodes->i0 + from + k));
-  w->strip.count = 0;
-  for (int row = 0; row < nodes->height; row++)
-    for (int k = 0; k < count; k++) {
-      if (k == 0)
-        tangent = pl_cube_tangent(pl_cube_node(nodes->level, nodes->j0 + row));
-      const size_t n = w->strip.count++;
-      w->directions[n] = pl_cube_tangent_direction(nodes->face, tangents[k], tangent);
-      places[n] = (size_t)row * (size_t)nodes->width + (size_t)(from + k);
-      if (w->strip.count < STRIP && (row < nodes->height - 1 || k < count - 1))
-        continue;
-      evaluate(w, found_m);
-      for (size_t m = 0; m < w->strip.count; m++) {
-        heights_m[places[m]] = found_m[m];
-        if (directions != NULL)
-          directions[places[m]] = w->directions[m];
-      }
-      w->strip.count = 0;
-    }
+/* Blocks are evaluated in parts of at most this many nodes on a side; a tile is one of them. */
+enum { PART = 36 };
+
+static pl_status part_heights(work *w, const pl_terrain_nodes *nodes, int column, int row,
+                              double *heights_m, pl_vec3 *directions) {
+  const int width = nodes->width - column < PART ? nodes->width - column : PART;
+  const int height = nodes->height - row < PART ? nodes->height - row : PART;
+  double across[PART], found_m[PART * PART];
+  pl_vec3 found[PART * PART];
+  for (int i = 0; i < width; i++)
+    across[i] = pl_cube_tangent(pl_cube_node(nodes->level, nodes->i0 + column + i));
+  for (int j = 0; j < height; j++) {
+    const double along = pl_cube_tangent(pl_cube_node(nodes->level, nodes->j0 + row + j));
+    for (int i = 0; i < width; i++)
+      found[j * width + i] = pl_cube_tangent_direction(nodes->face, across[i], along);
+  }
+  PL_TRY(full_heights(w, found, (size_t)width * (size_t)height, found_m));
+  for (int j = 0; j < height; j++) {
+    const size_t at = (size_t)(row + j) * (size_t)nodes->width + (size_t)column;
+    memcpy(heights_m + at, found_m + j * width, (size_t)width * sizeof *heights_m);
+    if (directions != NULL)
+      memcpy(directions + at, found + j * width, (size_t)width * sizeof *directions);
+  }
+  return PL_OK;
 }
 
-void pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes, double *heights_m,
-                      pl_vec3 *directions) {
+pl_status pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes,
+                           double *heights_m, pl_vec3 *directions) {
   work w;
   begin(&w, terrain, nodes->level);
-  for (int from = 0; from < nodes->width; from += STRIP) {
-    const int rest = nodes->width - from;
-    columns(&w, nodes, from, rest < STRIP ? rest : STRIP, heights_m, directions);
-  }
+  for (int row = 0; row < nodes->height; row += PART)
+    for (int column = 0; column < nodes->width; column += PART)
+      PL_TRY(part_heights(&w, nodes, column, row, heights_m, directions));
+  return PL_OK;
 }

@@ -20,6 +20,7 @@ struct pl_terrain {
   pl_vec3 radii_m;
   double radius_m;
   pl_fractal_detail detail;
+  const pl_crater_field *craters;
   size_t layer_count;
   pl_layer layers[PL_TERRAIN_LAYERS];
 };

@@ -292,7 +292,7 @@ class Terrain:
     coarse to fine, and fractal detail of wavelengths below their posts, which stay to the bit."""
     def __new__(
         cls, radii_m: F64, layers: Sequence[tuple[Raster, str, float, float]] = ...,
-        detail: Mapping[str, object] | None = None
+        detail: Mapping[str, object] | None = None, craters: CraterField | None = None
     ) -> Self:
         """radii_m: (3,) of the ellipsoid. layers: (raster, interpolation, border_posts, datum_m), each
         over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
@@ -300,7 +300,8 @@ class Terrain:
         ellipsoid. detail: None for none; keys, all optional: seed (0 to 2^64 - 1), ranges [(from_m,
         hurst), ...] (the first from 0), baseline_m and deviation_m (RMS difference of heights over
         that baseline), strength (factor of heights), longest_m and finest_m (widest and narrowest
-        cells of noise). The defaults are the highlands of the Moon, without a seed: 0."""
+        cells of noise). The defaults are the highlands of the Moon, without a seed: 0. craters: of a
+        body of the geometric mean of the radii; added where the uppermost raster cannot show them."""
     def heights(self, directions: F64, cell_m: float = 0.0) -> F64:
         """(n,) heights, m, in directions (n, 3) in body axes, as a lattice with cells of at most
         cell_m resolves them; 0: of the finest level."""

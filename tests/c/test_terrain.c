@@ -114,12 +114,12 @@ static void test_blocks(void **state) {
     const int64_t i = half + (int64_t)floor(s * (double)half),
                   j = half + (int64_t)floor(t * (double)half);
     const pl_terrain_nodes whole = {face, level, i - 60, j - 30, LARGE, LARGE};
-    pl_terrain_block(terrain, &whole, large, NULL);
+    assert_int_equal(pl_terrain_block(terrain, &whole, large, NULL), PL_OK);
     for (int k = 0; k < PL_DRAWS(4, 1); k++) {
       const int di = random_below(&random, LARGE - SMALL),
                 dj = random_below(&random, LARGE - SMALL);
       const pl_terrain_nodes part = {face, level, whole.i0 + di, whole.j0 + dj, SMALL, SMALL};
-      pl_terrain_block(terrain, &part, small, directions);
+      assert_int_equal(pl_terrain_block(terrain, &part, small, directions), PL_OK);
       for (int row = 0; row < SMALL; row++)
         assert_memory_equal(&small[row * SMALL], &large[(row + dj) * LARGE + di],
                             SMALL * sizeof(double));
@@ -254,6 +254,58 @@ static void expect_refused(pl_terrain_frame frame, pl_status status) {
   assert_null(terrain);
 }
 
+/* Craters: over all, below 6 posts of the patch only where it is; blocks have the bits of points.
+ */
+static void test_craters(void **state) {
+  (void)state;
+  static ground g;
+  setup(&g, 12);
+  pl_crater_frame settings = pl_crater_frame_default(RADIUS_M);
+  pl_crater_field *craters;
+  settings.min_m = 20.0;
+  settings.max_m = 3000.0;
+  assert_int_equal(pl_crater_field_create(&settings, &craters), PL_OK);
+  const pl_terrain_layer layer = {g.patch, PL_INTERPOLATION_CUBIC, 4.0, 0.0};
+  pl_terrain_frame frame = {.radii_m = {RADIUS_M, RADIUS_M, RADIUS_M},
+                            .layers = &layer,
+                            .layer_count = 1,
+                            .craters = craters};
+  pl_terrain *with, *without;
+  assert_int_equal(pl_terrain_create(&frame, &with), PL_OK);
+  frame.craters = NULL;
+  assert_int_equal(pl_terrain_create(&frame, &without), PL_OK);
+  const int level = pl_terrain_level_of(with, 5.0);
+  double most_in = 0.0, most_out = 0.0;
+  for (int k = 0; k < PL_DRAWS(300, 60); k++) {
+    const double step = k % 2 == 0 ? 12.0 + k % 16 : 4000.0 + 10.0 * k;
+    const pl_vec3 d = pl_raster_direction(g.patch, step, 8.0 + (k / 2) % 20);
+    const double relief_m =
+        pl_terrain_height(with, d, level) - pl_terrain_height(without, d, level);
+    assert_true(pl_terrain_base_height(with, d, level) == pl_terrain_height(without, d, level));
+    double *most = k % 2 == 0 ? &most_in : &most_out;
+    *most = fmax(*most, fabs(relief_m));
+  }
+  assert_true(most_in > 0.2 && most_in < 40.0); /* craters of up to 120 m */
+  assert_true(most_out > 0.5);
+  double block[48 * 40], low_m, high_m;
+  pl_vec3 directions[48 * 40];
+  pl_terrain_bounds(with, &low_m, &high_m);
+  const pl_terrain_nodes nodes = {0,  level, (int64_t)1 << (level - 1), (int64_t)1 << (level - 2),
+                                  48, 40};
+  assert_int_equal(pl_terrain_block(with, &nodes, block, directions), PL_OK);
+  for (int k = 0; k < 48 * 40; k += PL_DRAWS(53, 401)) {
+    assert_true(pl_terrain_height(with, directions[k], level) == block[k]);
+    assert_true(block[k] >= low_m && block[k] <= high_m);
+  }
+  frame.craters = craters;
+  frame.radii_m.x *= 2.0;
+  expect_refused(frame, PL_E_RANGE);
+  pl_terrain_destroy(with);
+  pl_terrain_destroy(without);
+  pl_crater_field_destroy(craters);
+  teardown(&g);
+}
+
 static void test_refusals(void **state) {
   (void)state;
   static ground g;
@@ -294,6 +346,7 @@ int main(void) {
       cmocka_unit_test(test_datum),
       cmocka_unit_test(test_bounds),
       cmocka_unit_test(test_levels),
+      cmocka_unit_test(test_craters),
       cmocka_unit_test(test_refusals),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

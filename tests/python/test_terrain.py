@@ -174,3 +174,22 @@ def test_bounds_hold(
     assert low <= h.min() <= h.max() <= high
     posts = posts_of(raster, shape[1], shape[0])
     assert np.array_equal(terrain.heights(posts), samples.ravel().astype(float))
+
+
+def test_craters() -> None:
+    """Where posts are wide or absent craters are added, as the field itself gives them."""
+    field = _core.CraterField({"radius_m": RADIUS_M, "min_diameter_m": 10.0, "max_diameter_m": 1e3})
+    terrain = _core.Terrain(RADII_M, craters=field)
+    gc.collect()
+    d = directions(200)
+    cell_m = terrain.cell_m(terrain.level(2.0))
+    relief = terrain.heights(d, 2.0)
+    assert np.array_equal(relief, field.heights(d, cell_m))
+    assert np.std(relief) > 0.1
+    raster = patch(np.zeros((40, 40), np.float32))
+    within = raster.directions(np.random.default_rng(1).uniform(8.0, 31.0, (200, 2)))
+    over = _core.Terrain(RADII_M, [(raster, "cubic", 0.0, 0.0)], craters=field)
+    shown = np.std(over.heights(within, 2.0))
+    assert 0.0 < shown < 0.7 * np.std(terrain.heights(within, 2.0))
+    with pytest.raises(ValueError, match="craters of a body with a radius of"):
+        _core.Terrain(2.0 * RADII_M, craters=field)
