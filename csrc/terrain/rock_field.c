@@ -15,8 +15,14 @@ pl_rock_frame pl_rock_frame_default(double radius_m) {
                          .least_burial = 0.1,
                          .most_burial = 0.5,
                          .repose_rad = 35.0 * PL_PI / 180.0};
+  static const double shares[PL_ROCK_FAMILIES] = {
+      [PL_ROCK_BLOCK] = 3.0, [PL_ROCK_CUBE] = 1.0,    [PL_ROCK_WEDGE] = 2.0,
+      [PL_ROCK_SLAB] = 1.0,  [PL_ROCK_TABLET] = 0.5,  [PL_ROCK_SHARD] = 0.5,
+      [PL_ROCK_SPLIT] = 1.0, [PL_ROCK_COBBLE] = 1.0,  [PL_ROCK_BOULDER] = 4.0,
+      [PL_ROCK_EGG] = 0.5,   [PL_ROCK_BRECCIA] = 2.0, [PL_ROCK_PITTED] = 2.0,
+  };
   for (int k = 0; k < PL_ROCK_FAMILIES; k++)
-    frame.families[k] = 1.0;
+    frame.families[k] = shares[k];
   return frame;
 }
 

@@ -34,7 +34,8 @@ typedef struct pl_rock_frame {
   double families[PL_ROCK_FAMILIES]; /* shares of the families, of any sum above 0 */
 } pl_rock_frame;
 
-/* Burial of 0.1 to 0.5, repose of 35 degrees, all families alike. */
+/* The law of VIPER with few rocks above 3 m, burial of 0.1 to 0.5, repose of 35 degrees, angular
+ * families more often than round ones. */
 pl_rock_frame pl_rock_frame_default(double radius_m);
 
 typedef struct pl_rock_field pl_rock_field;

@@ -114,7 +114,7 @@ static void check_seat(const pl_terrain *terrain, const pl_rock *rock, const pl_
     const pl_vec3 along = pl_vec3_madd(pl_vec3_scale(a, cos(turn)), sin(turn), b);
     const double outline_m =
         rock->diameter_m / pl_rock_shape_depth(shape, pl_mat3_mul_vec_t(rock->rotation, along));
-    directions[k] = pl_vec3_unit(pl_vec3_madd(rock->direction, 0.45 * outline_m / RADIUS_M, along));
+    directions[k] = pl_vec3_unit(pl_vec3_madd(rock->direction, 0.35 * outline_m / RADIUS_M, along));
   }
   pl_terrain_heights(terrain, directions, AROUND, pl_terrain_level_of(terrain, 0.01), heights);
   for (int k = 0; k < AROUND; k++) {
