@@ -14,8 +14,8 @@ static const double bowl_floors[3] = {0.2, 0.4, 0.8};
 /* Shapes are kept for tau = 0 and for TAU_MIN 2^(k/2). */
 #define TAU_MIN 1e-4
 enum { TIMES = 30, KNOTS = PL_CRATER_KNOTS - 2 };
-/* Rings of the solution: two a knot, up to twice the reach. */
-enum { RINGS_PER_KNOT = 2, RINGS = 2 * RINGS_PER_KNOT * (KNOTS - 1) };
+/* Rings of the solution: two a knot, up to x = 8. */
+enum { RINGS_PER_KNOT = 2, RINGS = 8 * RINGS_PER_KNOT * PL_CRATER_KNOTS_PER_RADIUS };
 enum { STEPS = 8, FIRST_STEPS = 16 };
 
 struct pl_crater_shapes {
@@ -75,7 +75,7 @@ static double bowl(double x, double floor) {
 /* Falls as a power of the distance outside, flat at the crest itself; 1 inside. */
 static double flank(double x, double power) {
   const double u = fmax(x - 1.0, 0.0);
-  return pow(1.0 + u * u / (u + 0.05), power) * (1.0 - smooth(0.5 * (x - 2.0)));
+  return pow(1.0 + u * u / (u + 0.05), power) * (1.0 - smooth(x - (PL_CRATER_REACH - 1.0)));
 }
 
 static double part_at(int part, double x) {

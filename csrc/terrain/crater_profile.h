@@ -6,11 +6,11 @@
 
 #include "base/status.h"
 
-/* A crater ends here: ejecta fade to 0 between x = 2 and x = 4. */
-#define PL_CRATER_REACH 4.0
+/* A crater ends here. Ejecta fade to 0 from x = 2 on, where they are 3 % of the rim. */
+#define PL_CRATER_REACH 3.0
 #define PL_CRATER_KNOTS_PER_RADIUS 32
 /* Knots of a profile: one before the centre, and those up to the reach and one beyond. */
-#define PL_CRATER_KNOTS (PL_CRATER_KNOTS_PER_RADIUS * 4 + 3)
+#define PL_CRATER_KNOTS (PL_CRATER_KNOTS_PER_RADIUS * 3 + 3)
 /* Greatest tau of a shape: there a crater has 2 % of its depth. */
 #define PL_CRATER_TAU_MAX 2.0
 

@@ -5,12 +5,16 @@
 #include "base/memory.h"
 #include "terrain/crater_cells.h"
 
+/* What most tests need of a crater over a block; apart, so that it stays in the nearest cache. */
+typedef struct bound {
+  pl_vec3 direction;
+  double reach;  /* chord beyond which it has no relief */
+  double radius; /* over that of the body */
+} bound;
+
 /* A crater over a block. */
 typedef struct touching {
-  pl_vec3 direction;
-  pl_vec3 u, v;  /* tangent axes over the semi-axes: they give x along major and minor */
-  double reach2; /* chord^2 beyond which it has no relief */
-  double radius; /* over that of the body */
+  pl_vec3 u, v; /* tangent axes over the semi-axes: they give x along major and minor */
   double fade;
   double offset[2];
   double by_radius[PL_CRATER_RADIUS_ORDERS][2], by_height[PL_CRATER_HEIGHT_ORDERS][2];
@@ -29,9 +33,11 @@ typedef struct eraser {
 typedef struct gathered {
   const pl_crater_field *field;
   double footprint_m;
+  bound *bounds; /* of the craters */
   touching *craters;
   eraser *erasers;
-  size_t count, capacity, eraser_count, eraser_capacity;
+  size_t *near; /* craters near the points at hand: `count` elements */
+  size_t count, capacity, bound_capacity, eraser_count, eraser_capacity;
 } gathered;
 
 static pl_status grow(void **items, size_t size, size_t count, size_t *capacity) {
@@ -58,18 +64,17 @@ static pl_status touch(void *context, const pl_crater_site *site) {
   gathered *all = context;
   const pl_crater_field *field = all->field;
   PL_TRY(grow((void **)&all->craters, sizeof *all->craters, all->count, &all->capacity));
+  PL_TRY(grow((void **)&all->bounds, sizeof *all->bounds, all->count, &all->bound_capacity));
   pl_crater_draw draw;
   pl_crater_draw_age(field, site, &draw);
   pl_crater_draw_shape(field, site, &draw);
+  const double radius = 0.5 * site->diameter_m / field->frame.radius_m;
+  const double chord = 2.0 * sin(0.5 * fmin(PL_CRATER_REACH * field->stretch * radius, PL_PI));
+  all->bounds[all->count] = (bound){site->direction, chord, radius};
   touching *crater = &all->craters[all->count++];
-  crater->direction = site->direction;
-  crater->radius = 0.5 * site->diameter_m / field->frame.radius_m;
   const double root = sqrt(draw.axis_ratio);
-  crater->u = pl_vec3_scale(draw.major, root / crater->radius);
-  crater->v = pl_vec3_scale(draw.minor, 1.0 / (root * crater->radius));
-  const double chord =
-      2.0 * sin(0.5 * fmin(PL_CRATER_REACH * field->stretch * crater->radius, PL_PI));
-  crater->reach2 = chord * chord;
+  crater->u = pl_vec3_scale(draw.major, root / radius);
+  crater->v = pl_vec3_scale(draw.minor, 1.0 / (root * radius));
   crater->fade = fade_of(site->diameter_m, all->footprint_m);
   memcpy(crater->offset, draw.offset, sizeof draw.offset);
   memcpy(crater->by_radius, draw.radius, sizeof draw.radius);
@@ -83,9 +88,9 @@ static pl_status touch(void *context, const pl_crater_site *site) {
   return PL_OK;
 }
 
-static bool overlap(const touching *younger, const touching *older) {
+static bool overlap(const bound *younger, const bound *older) {
   const pl_vec3 to = pl_vec3_sub(younger->direction, older->direction);
-  const double reach = PL_CRATER_ERASE_TO * younger->radius + sqrt(older->reach2);
+  const double reach = PL_CRATER_ERASE_TO * younger->radius + older->reach;
   return pl_vec3_dot(to, to) < reach * reach;
 }
 
@@ -101,7 +106,7 @@ static pl_status find_erasers(gathered *all) {
         break;
       if (younger->diameter_m <= PL_CRATER_ERASE_RATIO * older->diameter_m ||
           !pl_crater_younger(younger->age_ga, younger->id, older->age_ga, older->id) ||
-          !overlap(younger, older))
+          !overlap(&all->bounds[m], &all->bounds[k]))
         continue;
       PL_TRY(grow((void **)&all->erasers, sizeof *all->erasers, all->eraser_count,
                   &all->eraser_capacity));
@@ -113,17 +118,17 @@ static pl_status find_erasers(gathered *all) {
   return PL_OK;
 }
 
-static double chord2_to(const touching *crater, pl_vec3 direction) {
+static double chord2_to(const bound *crater, pl_vec3 direction) {
   const pl_vec3 to = pl_vec3_sub(direction, crater->direction);
   return pl_vec3_dot(to, to);
 }
 
 /* Height of one crater at a direction: its profile, at a radius and with a height that vary with
  * the azimuth. */
-static double relief(const touching *crater, pl_vec3 direction) {
-  const pl_vec3 to = pl_vec3_sub(direction, crater->direction);
+static double relief(const touching *crater, const bound *at, pl_vec3 direction) {
+  const pl_vec3 to = pl_vec3_sub(direction, at->direction);
   const double chord2 = pl_vec3_dot(to, to);
-  if (chord2 >= crater->reach2)
+  if (chord2 >= at->reach * at->reach)
     return 0.0;
   /* Tangent components are sines of angles; the series gives angles, to 1e-3 at the reach of the
    * largest craters. */
@@ -149,22 +154,57 @@ static double relief(const touching *crater, pl_vec3 direction) {
   return crater->fade * z * (1.0 + height * r2 / (r2 + 0.25));
 }
 
-static double height_at(const gathered *all, pl_vec3 direction) {
+static double height_at(const gathered *all, size_t near_count, pl_vec3 direction) {
   double sum = 0.0;
-  for (size_t k = 0; k < all->count; k++) {
-    const touching *crater = &all->craters[k];
-    double z = relief(crater, direction);
+  for (size_t k = 0; k < near_count; k++) {
+    const touching *crater = &all->craters[all->near[k]];
+    double z = relief(crater, &all->bounds[all->near[k]], direction);
     if (z == 0.0)
       continue;
     const eraser *erasers = all->erasers + crater->first_eraser;
     for (size_t m = 0; m < crater->eraser_count; m++) {
-      const touching *younger = &all->craters[erasers[m].crater];
+      const bound *younger = &all->bounds[erasers[m].crater];
       z *= 1.0 -
            erasers[m].share * pl_crater_erasure_at(chord2_to(younger, direction), younger->radius);
     }
     sum += z;
   }
   return sum;
+}
+
+/* Finds the craters that touch any of a few points, in their order. Returns their number. */
+static size_t find_near(const gathered *all, const pl_vec3 *directions, size_t count) {
+  pl_vec3 middle = {0.0, 0.0, 0.0};
+  for (size_t k = 0; k < count; k++)
+    middle = pl_vec3_madd(middle, 1.0 / (double)count, directions[k]);
+  double spread2 = 0.0;
+  for (size_t k = 0; k < count; k++) {
+    const pl_vec3 to = pl_vec3_sub(directions[k], middle);
+    spread2 = fmax(spread2, pl_vec3_dot(to, to));
+  }
+  const double spread = sqrt(spread2) + 1e-12;
+  size_t found = 0;
+  for (size_t k = 0; k < all->count; k++) {
+    const double reach = all->bounds[k].reach + spread;
+    if (chord2_to(&all->bounds[k], middle) < reach * reach)
+      all->near[found++] = k;
+  }
+  return found;
+}
+
+/* Points that share a list of craters near them: half of a row of a tile. */
+enum { RUN = 18 };
+
+static pl_status add_all(gathered *all, const pl_vec3 *directions, size_t count, double *heights) {
+  PL_TRY(find_erasers(all));
+  PL_TRY(pl_alloc_or_fail(all->count, sizeof *all->near, "craters", (void **)&all->near));
+  for (size_t k = 0; k < count; k += RUN) {
+    const size_t run = count - k < RUN ? count - k : RUN;
+    const size_t near_count = find_near(all, directions + k, run);
+    for (size_t m = k; m < k + run; m++)
+      heights[m] += height_at(all, near_count, directions[m]);
+  }
+  return PL_OK;
 }
 
 /* A cone that contains the directions. */
@@ -205,10 +245,10 @@ pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_mo
   gathered all = {.field = field, .footprint_m = footprint_m};
   pl_status status = pl_crater_visit(field, &query, touch, &all);
   if (status == PL_OK)
-    status = find_erasers(&all);
-  for (size_t k = 0; status == PL_OK && k < count; k++)
-    heights[k] += height_at(&all, directions[k]);
+    status = add_all(&all, directions, count, heights);
+  pl_free(all.bounds);
   pl_free(all.craters);
   pl_free(all.erasers);
+  pl_free(all.near);
   return status;
 }
