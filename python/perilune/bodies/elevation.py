@@ -25,6 +25,8 @@ _SAMPLES = (np.uint8, np.int16, np.uint16, np.float32)
 """Types of _core.Raster."""
 _MARK = -32768.0
 """Lowest of int16, which marks missing heights in files of floats, too."""
+_BLOCK = 1 << 22
+"""Numbers that are looked at together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,12 +124,9 @@ def _complete(
     values: NDArray[Any], given: Elevation, file: ElevationFile, path: Path, place: Place
 ) -> tuple[NDArray[Any], float, tuple[str, ...]]:
     """The numbers without gaps, the fraction that was filled, and remarks."""
-    missing = missing_in(values, file.no_data)
-    if given.missing is not None:
-        missing |= missing_in(values, given.missing)
-    if values.dtype.kind == "f":
-        missing |= values == _MARK
-    if not missing.any():
+    marks = [file.no_data, given.missing, _MARK if values.dtype.kind == "f" else None]
+    missing = _missing(values, marks)
+    if missing is None:
         return values, 0.0, () if given.missing is not None else _holes(values, place)
     if missing.all():
         raise ValueError(f"missing: {path}: holds no heights: all of its numbers are no-data")
@@ -135,6 +134,21 @@ def _complete(
     whole = filled(values, missing, place.goes_round(values.shape[1]))
     exact = values.dtype.newbyteorder("=").type in _SAMPLES  # float32 holds the known ones
     return whole.astype(np.float32) if exact else whole, float(missing.mean()), (remark,)
+
+
+def _missing(values: NDArray[Any], marks: list[float | None]) -> NDArray[np.bool_] | None:
+    """Which numbers are missing, None without any; by blocks, since a file may be larger than the
+    memory."""
+    height, width = values.shape
+    rows = max(1, _BLOCK // width)
+    found: NDArray[np.bool_] | None = None
+    for start in range(0, height, rows):
+        block = values[start : start + rows]
+        missing = np.logical_or.reduce([missing_in(block, mark) for mark in marks])
+        if missing.any():
+            found = np.zeros((height, width), np.bool_) if found is None else found
+            found[start : start + rows] = missing
+    return found
 
 
 def _holes(values: NDArray[Any], place: Place) -> tuple[str, ...]:
@@ -145,7 +159,7 @@ def _holes(values: NDArray[Any], place: Place) -> tuple[str, ...]:
     ends = values[:2], values[-2:]
     zeros = np.concatenate([np.count_nonzero(rows == 0, axis=1) for rows in ends])
     most = int(zeros.max())
-    if most < 0.3 * values.shape[1] or np.count_nonzero(values == 0) > 0.02 * values.size:
+    if most < 0.3 * values.shape[1] or values.size - np.count_nonzero(values) > 0.02 * values.size:
         return ()
     text = f"{most} of {values.shape[1]} heights of a row about a pole are exactly 0"
     return (f"{text}: if they are missing, give missing: 0",)
