@@ -95,34 +95,23 @@ static pl_status build_scene(const build *build, const pl_ground_tile_id *ids,
   return pl_accelerator_check(kept, "building the ground");
 }
 
-/* Least distance of the datum from the centre: on one of the axes. */
-static double least_datum(const pl_terrain *terrain) {
-  const double x = pl_terrain_datum_m(terrain, (pl_vec3){1.0, 0.0, 0.0});
-  const double y = pl_terrain_datum_m(terrain, (pl_vec3){0.0, 1.0, 0.0});
-  return fmin(fmin(x, y), pl_terrain_datum_m(terrain, (pl_vec3){0.0, 0.0, 1.0}));
-}
-
 /* Sets the spheres and the origin. This is that of a finest tile, of these the nearest to the eye:
  * there, sums of floats must be finest. */
 static void measure(pl_height_field *field, pl_vec3 eye) {
-  const double datum_m = least_datum(field->terrain);
   double nearest = INFINITY;
   int level = -1;
   field->core_m = INFINITY;
   for (size_t k = 0; k < field->count; k++) {
     const pl_ground_tile *tile = field->tiles[k];
     const double away = pl_vec3_norm(pl_vec3_sub(tile->origin, eye));
-    field->radius_m = fmax(field->radius_m, pl_vec3_norm(tile->origin) + tile->radius_m);
-    /* The middles of cells are below their corners, by c^2 / 4 R of a sphere. */
-    const double sag_m = 0.5 * tile->cell_m * tile->cell_m / datum_m;
-    field->core_m = fmin(field->core_m, datum_m + (double)tile->low_m - sag_m);
+    field->radius_m = fmax(field->radius_m, tile->most_m);
+    field->core_m = fmin(field->core_m, tile->least_m);
     if (tile->id.level < level || (tile->id.level == level && away >= nearest))
       continue;
     level = tile->id.level;
     nearest = away;
     field->origin = tile->origin;
   }
-  field->radius_m *= 1.0 + 1e-9;
 }
 
 pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain,
