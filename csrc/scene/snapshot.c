@@ -102,7 +102,7 @@ static void build_object(const pl_object *object, const pl_object_state *state, 
 
 pl_status pl_shot_check_outside(const pl_shot_body *body) {
   const double part = pl_vec3_norm(body->camera_unit);
-  if (!pl_shot_is_smooth(body) || part > 1.0)
+  if (body->body->shape != NULL || body->has_terrain || part > 1.0)
     return PL_OK;
   return pl_fail(PL_E_RANGE, "the camera is inside body '%s' (%.6g of its radius)",
                  body->body->name, part);
