@@ -113,6 +113,8 @@ class Simulation:
         self._pid = 0
         try:
             self.system(0).states(np.zeros(1))
+        except ConfigError:
+            raise
         except ValueError as error:
             text = named(str(error), document.origins)
             raise ConfigError(f"{document.source}:\n  {text}") from error

@@ -131,7 +131,10 @@ class World:
             return self.craft_radius_m[name]
         if name in self.shapes:
             return self.shapes[name].radius_m
-        return float(self.body_radii_m[name].max())
+        high = 0.0
+        if self.config.bodies[name].terrain is not None:
+            high = (self.ground(name).bounds_m or (0.0, 0.0))[1]
+        return float(self.body_radii_m[name].max()) + max(high, 0.0)
 
     def random(self, what: str, interval: int = 1) -> np.random.Generator:
         """The step's random numbers for `what`, independent of all other draws.
@@ -152,6 +155,10 @@ class World:
         None."""
         for name, radii in self.body_radii_m.items():
             own = self.body_axes(name, point_m - self.poses[name][when, :3], when)
+            if self._under(name, own, clearance_m):
+                return name
+            if self.config.bodies[name].terrain is not None:
+                continue
             if name in self.shapes:
                 if _near_shape(self.shapes[name], own, clearance_m):
                     return name
@@ -165,10 +172,30 @@ class World:
         """The ground of a body, in its axes."""
         return self.system.setting.ground(name)
 
+    def _under(self, name: str, point: F64, clearance_m: float) -> bool:
+        """Whether a point in body axes is in the terrain of a body, or less than about the
+        clearance over it."""
+        if self.config.bodies[name].terrain is None:
+            return False
+        ground = self.ground(name)
+        assert ground.bounds_m is not None  # it is of a terrain
+        high = float(ground.radii_m.max()) + ground.bounds_m[1] + clearance_m
+        return float(np.linalg.norm(point)) <= high and ground.height_m(point) <= clearance_m
+
+    def depth_m(self, name: str, point_m: F64, when: int = 0) -> float | None:
+        """How far a point of the root frame is below the terrain of a body; None for a body
+        without one."""
+        if self.config.bodies[name].terrain is None:
+            return None
+        own = self.body_axes(name, point_m - self.poses[name][when, :3], when)
+        return -self.ground(name).height_m(own)
+
     def surface_m(self, name: str, direction: F64) -> float:
-        """Distance from a body's centre to its surface along a unit direction in body axes. For a
-        shape, the outermost surface, or that of its ellipsoid if there is none in this
-        direction."""
+        """Distance from a body's centre to its surface, or its terrain's, along a unit direction in
+        body axes. For a shape, the outermost surface, or that of its ellipsoid if there is none in
+        this direction."""
+        if self.config.bodies[name].terrain is not None:
+            return float(self.ground(name).ground_m(direction[np.newaxis])[0])
         shape = self.shapes.get(name)
         found = shape.surface_m(direction) if shape is not None else None
         if found is not None:
@@ -182,6 +209,8 @@ class World:
         From inside a body the distance is 0."""
         radii = self.body_radii_m[name]
         own = self.body_axes(name, origin_m - self.position_m(name))
+        if self.config.bodies[name].terrain is not None:
+            return self.ground(name).hit_m(own, self.body_axes(name, direction))
         if name in self.shapes:
             shape = self.shapes[name]
             return 0.0 if shape.holds(own) else shape.hit_m(own, self.body_axes(name, direction))
@@ -247,7 +276,7 @@ def build(
             velocities_m_s=states.velocities_m_s,
             body_radii_m=radii_m,
             craft_radius_m=craft_radius_m,
-            sun_position_m=orbits.sun_position_m(config, epoch.after(t_s + 0.5 * window_s)),
+            sun_position_m=orbits.sun_position_m(config, epoch, t_s + 0.5 * window_s),
             system=moving,
             drivers=drivers,
             window_s=window_s,

@@ -40,12 +40,12 @@ FOCUS = rule("light", "sensor")
 MODELS = {
     **dict.fromkeys(
         ("Body", "Photometry", "Relief", "Ocean", "NightLights", "Clouds", "CloudNoise",
-         "Atmosphere", "Rings", "Sun", "Sky", "Background", "BoxVolume", "EllipsoidVolume",
-         "ConeVolume"),
+         "Atmosphere", "Rings", "Sun", "SiteSun", "Sky", "Background", "BoxVolume",
+         "EllipsoidVolume", "ConeVolume"),
         LIGHT,
     ),
     "Stars": rule("light stars"),
-    "Shape": PLACED,
+    **dict.fromkeys(("Shape", "Terrain", "Detail"), PLACED),
     "Spacecraft": rule("names", "ids objects"),
     "Inertial": PLACED,
     "Circular": rule("objects", SEEN),
@@ -65,6 +65,7 @@ MODELS = {
 
 KEYS = {
     ("Body", "shape"): PLACED,
+    ("Body", "terrain"): PLACED,
     ("Body", "class"): rule("names"),
     ("Shape", "smooth"): LIGHT,
     ("Spacecraft", "centre"): PLACED,

@@ -16,9 +16,10 @@ from perilune.config.ground import NightLights, Ocean, Relief
 from perilune.config.orbit import Circular
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
-from perilune.config.schema import Spacecraft, Sun
+from perilune.config.schema import SiteSun, Spacecraft, Sun
 from perilune.config.shape import Shape
 from perilune.config.sky import Background, Sky, Stars
+from perilune.config.terrain import Detail, Terrain
 from perilune.config.types import Strict
 from perilune.config.volumes import BoxVolume, ConeVolume, EllipsoidVolume
 
@@ -130,6 +131,14 @@ LAW_KEYS = {
     "coherent_surge": "2012",
 }
 
+SITE_SUN = {"lon_deg": 250.0, "lat_deg": 20.0, "azimuth_deg": 90.0, "elevation_deg": 50.0}
+
+HEIGHTS = {
+    "file": GREY_MAP,
+    "scale_m": 400.0,
+    "projection": {"kind": "cylindrical", "west_deg": -180.0},
+}
+
 THINGS = [
     Section(
         Body,
@@ -158,6 +167,7 @@ THINGS = [
         {
             "ephemeris": "mars",
             "shape": "ball.obj",
+            "terrain": {"elevation": [HEIGHTS], "detail": None},
             "color_map": MAP,
             "map_center_lon_deg": 30.0,
             "emission_w_m2_sr": 20.0,
@@ -190,6 +200,33 @@ THINGS = [
         (*AT_BODY, "shape"),
         {"file": "ball.obj"},
         {"metres_per_unit": 900.0, "smooth": False},
+    ),
+    Section(
+        Terrain,
+        (*AT_BODY, "terrain"),
+        {},
+        {
+            "elevation": [HEIGHTS],
+            "detail": None,
+            "cells_per_pixel": 0.25,
+            "finest_cell_m": 4e4,
+        },
+        {"camera.fov_deg": 2.0},
+    ),
+    Section(
+        Detail,
+        (*AT_BODY, "terrain", "detail"),
+        {},
+        {
+            "seed": 5,
+            "baseline_m": 100.0,
+            "deviation_m": 100.0,
+            "hurst": 0.9,
+            "ranges": [{"from_m": 0.0, "hurst": 0.9}],
+            "strength": 2.0,
+            "longest_m": 1e5,
+            "finest_m": 3e5,
+        },
     ),
     Section(
         Relief,
@@ -382,9 +419,22 @@ THINGS = [
             "spectrum": {"file": "sun.csv", "irradiance_unit": "relative"},
             "band_wavelengths_um": [0.7, 0.6, 0.5],
             "direction": [1.0, -1.0, 0.0],
+            "at": SITE_SUN,
             "distance_au": 0.5,
         },
         {"bodies.b.atmosphere": {"preset": "earth"}},
+    ),
+    Section(
+        SiteSun,
+        ("sun", "at"),
+        SITE_SUN,
+        {
+            "lon_deg": 200.0,
+            "lat_deg": -40.0,
+            "latitudes": "geodetic",
+            "azimuth_deg": 20.0,
+            "elevation_deg": 80.0,
+        },
     ),
     Section(
         Sky,

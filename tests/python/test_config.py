@@ -501,6 +501,7 @@ def test_every_physical_key_has_its_unit():
         "coverage", "octaves", "roughness", "softness", "warp", "phase", "opacity",  # of clouds
         "color",
         "normal_strength", "radiance_w_m2_sr", "black", "wind_m_s",  # of the ground
+        "hurst", "cells_per_pixel", "border_posts", "missing",  # of terrain
     }  # fmt: skip
     schema = Config.model_json_schema()
     found = 0

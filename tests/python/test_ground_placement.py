@@ -127,7 +127,7 @@ def test_a_way_goes_east_and_north():
 def opened(scene, repo_dir, orbit, attitude=None):
     craft = scene["spacecraft"]["sat"]
     craft["orbit"] = {"around": "moon", "lon_deg": 10.0, "lat_deg": 20.0, **orbit}
-    craft.pop("attitude")
+    craft.pop("attitude", None)
     if attitude is not None:
         craft["attitude"] = attitude
     return perilune.open(scene, base=repo_dir / "tests/python")
@@ -224,6 +224,38 @@ def test_only_a_spacecraft_stands_and_only_on_a_body(scene, repo_dir):
     scene["bodies"]["rock"] = {"kind": "phobos", "orbit": {"around": "moon", **stands}}
     with pytest.raises(ConfigError, match=r"bodies\.rock\.orbit\.kind.*only for a spacecraft"):
         perilune.open(scene, base=repo_dir / "tests/python")
+
+
+# -- the Sun ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("azimuth", "elevation"), [(90.0, 1.5), (200.0, -3.0), (0.0, 60.0)])
+def test_the_sun_stays_in_its_place_in_the_sky(scene, repo_dir, azimuth, elevation):
+    scene["sun"] = {"at": {"lon_deg": 10.0, "lat_deg": 20.0, "azimuth_deg": azimuth,
+                           "elevation_deg": elevation}}  # fmt: skip
+    sim = opened(scene, repo_dir, {"kind": "surface"}, {"pointing": "sun"})
+    for frame in (0, 10_000):  # a week
+        world = sim.world(frame)
+        place = world.body_axes("moon", world.position_m("sat"))
+        east, north, up = local(place)
+        to_sun = world.body_axes("moon", world.sun_position_m) - place
+        size = np.linalg.norm(to_sun)
+        assert size == pytest.approx(1.495978707e11, rel=1e-4)
+        assert math.degrees(math.asin(to_sun @ up / size)) == pytest.approx(elevation, abs=1e-6)
+        found = math.degrees(math.atan2(to_sun @ east, to_sun @ north)) % 360.0
+        assert found == pytest.approx(azimuth, abs=1e-5) or azimuth == 0.0
+        x = columns(world.poses["sat"][0])[:, 0]
+        assert x @ (world.sun_position_m - world.position_m("sat")) == pytest.approx(size)
+
+
+def test_the_sun_is_in_one_place(scene, repo_dir):
+    at = {"lon_deg": 0.0, "lat_deg": 0.0, "azimuth_deg": 0.0, "elevation_deg": 5.0}
+    scene["sun"] = {"at": at, "direction": [1, 0, 0]}
+    with pytest.raises(ConfigError, match="sun: give only one of direction, at"):
+        opened(scene, repo_dir, {"kind": "surface"})
+    scene["sun"] = {"distance_au": 2.0}
+    with pytest.raises(ConfigError, match="does nothing without direction or at"):
+        opened(scene, repo_dir, {"kind": "surface"})
 
 
 # -- cameras ---------------------------------------------------------------------------------------

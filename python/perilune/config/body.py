@@ -17,6 +17,7 @@ from perilune.config.orbit import Orbit
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.shape import Shape, named
+from perilune.config.terrain import Terrain
 from perilune.config.types import FileName, Latitudes, Positive, Rgb, StaticFinite, Strict, triple
 
 # In kilometres what the core's floats hold, 1e-9 to 1e18 m.
@@ -48,6 +49,8 @@ class Body(Strict):
     earth."""
     shape: Annotated[Shape, BeforeValidator(named)] | None = None
     """Mesh that replaces the ellipsoid: a file, or a mapping with one."""
+    terrain: Terrain | None = None
+    """True ground in place of the smooth ellipsoid: elevation models and fractal detail."""
     color_map: FileName | None = None
     """Colour map: equirectangular PNG, JPEG, WebP or TIFF; relative to this file, or data:... under
     PERILUNE_DATA."""
@@ -161,6 +164,13 @@ class Body(Strict):
             fail("ocean", f"only with reflectance: lambert, not {self.reflectance}")
         if self.ocean is not None and self.ocean.map is None and self.color_map is None:
             fail("ocean.map", "required without a color_map, whose blue would be the water")
+        return self
+
+    @model_validator(mode="after")
+    def _one_ground(self) -> Body:
+        for key in ("shape", "relief"):
+            if self.terrain is not None and getattr(self, key) is not None:
+                fail("terrain", f"not with {key}: it is the ground, and has its slopes")
         return self
 
     @model_validator(mode="after")

@@ -40,6 +40,7 @@ from perilune.config.types import (
     FileName,
     Finite,
     Integer,
+    Latitudes,
     NonNegative,
     Positive,
     PositiveByAxis,
@@ -125,6 +126,22 @@ SRGB_UM = (0.612, 0.549, 0.465)
 """Dominant wavelengths of the sRGB primaries red, green and blue, in micrometres."""
 
 
+class SiteSun(Strict):
+    """A place in the sky, seen from a site on the ellipsoid of the root body."""
+
+    lon_deg: Finite
+    """East longitude of the site."""
+    lat_deg: Annotated[float, Field(strict=True, ge=-90.0, le=90.0)]
+    """Latitude of the site."""
+    latitudes: Latitudes | None = None
+    """geodetic: latitude of the surface normal; geocentric: of the line from the body's centre.
+    Default: the same as the body's maps."""
+    azimuth_deg: Finite
+    """Azimuth of the Sun's centre, from north towards east."""
+    elevation_deg: Annotated[float, Field(strict=True, ge=-90.0, le=90.0)]
+    """Elevation of the Sun's centre over the horizontal plane of the site."""
+
+
 class Sun(Strict):
     """The Sun. Its position follows from the date, unless a direction is given."""
 
@@ -151,18 +168,27 @@ class Sun(Strict):
     ) = None
     """Direction from the root body to the Sun in ICRF axes, instead of that of the date: a vector,
     or {azimuth_deg, elevation_deg}."""
+    at: SiteSun | None = None
+    """Place of the Sun in the sky of a site on the root body, instead of that of the date; it stays
+    there as the body rotates."""
     distance_au: Positive = 1.0
-    """Distance of the Sun from the root body; used only with `direction`."""
+    """Distance of the Sun from the root body; used only with `direction` or `at`."""
 
     @property
     def wavelengths_um(self) -> tuple[float, float, float]:
         """Wavelengths of red, green and blue, in micrometres."""
         return self.band_wavelengths_um or SRGB_UM
 
+    @property
+    def by_date(self) -> bool:
+        """Whether the date says where the Sun is."""
+        return self.direction is None and self.at is None
+
     @model_validator(mode="after")
     def _given(self) -> Sun:
-        if self.direction is None:
-            self._only_with("a direction: the date says where the Sun is", "distance_au")
+        self._exactly_one("direction", "at", optional=True)
+        if self.by_date:
+            self._only_with("direction or at: the date says where the Sun is", "distance_au")
         return self
 
 

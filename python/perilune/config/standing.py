@@ -123,5 +123,5 @@ def check_datum(config: Config, path: str, section: Any, body: str | None) -> No
     """Inside a validator: refuses altitude_above where the datum is the ground."""
     if getattr(section, "altitude_above", None) is None or body not in config.bodies:
         return
-    if config.bodies[body].shape is None:
+    if config.bodies[body].shape is None and config.bodies[body].terrain is None:
         fail(f"{path}.altitude_above", f"{body} is a smooth ellipsoid: the datum is its ground")

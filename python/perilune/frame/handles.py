@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 
 from perilune import _core, orbits
 from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
+from perilune.bodies import terrain as terrains
+from perilune.bodies.elevation import ElevationRaster, read_elevation
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, origin
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.config.shape import Shape
+from perilune.config.types import Latitudes
 from perilune.document.document import Document
 from perilune.document.fixed import fixed
 from perilune.frame.labels import Taxonomy, object_class, taxonomy, unmatched
@@ -39,11 +42,13 @@ F64 = NDArray[np.float64]
 
 _STAGES = 4
 """Number of scenes with renderers, and of atmospheres, to cache."""
+_GROUNDS = 16
+"""Number of grounds to cache, of which a body has one for each value of its drivers."""
 
 
-def _make_room(kept: dict[Any, Any]) -> None:
+def _make_room(kept: dict[Any, Any], most: int = _STAGES) -> None:
     """Removes the oldest entry if there are too many."""
-    if len(kept) >= _STAGES:
+    if len(kept) >= most:
         del kept[next(iter(kept))]
 
 
@@ -165,6 +170,8 @@ class Assets:
         self.regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
         self.shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
+        self.elevations: dict[tuple[Any, ...], ElevationRaster] = {}
+        self.terrains: dict[tuple[Any, ...], tuple[_core.Terrain, Ground]] = {}
         self.grounds: dict[tuple[Any, ...], Ground] = {}
         self.airs: dict[tuple[Any, ...], _core.Air | None] = {}
         self.ring_systems: dict[Rings, _core.Rings] = {}
@@ -310,15 +317,52 @@ class Handles:
     def ground_of(self, config: Config, name: str) -> Ground | None:
         """The ground of a body with a shape; None for a smooth ellipsoid."""
         body = config.bodies[name]
+        radii = orbits.radii_m(body)
+        if body.terrain is not None:
+            return self.terrain_of(config, name)[1]
         if body.shape is None:
             return None
-        radii = orbits.radii_m(body)
         key = (name, body.shape, tuple(radii.tolist()), body.is_geodetic)
         if key not in self.assets.grounds:
-            _make_room(self.assets.grounds)
+            _make_room(self.assets.grounds, _GROUNDS)
             shape = self.shapes_of(config)[name]
             self.assets.grounds[key] = Ground(radii, body.is_geodetic, shape.surfaces_m)
         return self.assets.grounds[key]
+
+    def _elevation(self, name: str, k: int, body: Body) -> ElevationRaster:
+        """An elevation model of a body; each is read once."""
+        assert body.terrain is not None  # it has elevation models
+        given, key = body.terrain.elevation[k], f"bodies.{name}.terrain.elevation[{k}]"
+        path = self.document.path(given.file, f"{key}.file")
+        x, y, z = orbits.radii_m(body).tolist()
+        latitudes: Latitudes = "geodetic" if body.is_geodetic else "geocentric"
+        read = (path, given, (x, y, z), latitudes)
+        if read not in self.assets.elevations:
+            try:
+                self.assets.elevations[read] = read_elevation(given, path, (x, y, z), latitudes)
+            except ValueError as error:
+                raise ConfigError(f"{self.document.source}:\n  {key}.{error}") from error
+        found = self.assets.elevations[read]
+        self._tell(f"{key}.file", str(path), found.remarks)
+        return found
+
+    def terrain_of(self, config: Config, name: str) -> tuple[_core.Terrain, Ground]:
+        """The terrain of a body that has one; the same objects as long as no driver changes it."""
+        body = config.bodies[name]
+        assert body.terrain is not None  # it has one
+        given, radii = body.terrain, orbits.radii_m(body)
+        key = (name, given.elevation, given.detail, tuple(radii), body.is_geodetic)
+        if key not in self.assets.terrains:
+            rasters = [self._elevation(name, k, body) for k in range(len(given.elevation))]
+            _make_room(self.assets.terrains, _GROUNDS)
+            try:
+                core = terrains.core_terrain(given, radii, rasters)
+            except ValueError as error:
+                where = f"{self.document.source}:\n  bodies.{name}.terrain"
+                raise ConfigError(f"{where}: {error}") from error
+            ground = terrains.ground_of(core, radii, body.is_geodetic)
+            self.assets.terrains[key] = core, ground
+        return self.assets.terrains[key]
 
     def posed(self, scene: World) -> dict[str, articulation.Posed]:
         """Spacecraft entry -> poses of its moving parts in a frame, for those that have any."""
@@ -455,6 +499,8 @@ class Handles:
                 body.is_geodetic,
                 body.has_geodetic_clouds,
                 ground.files(body),
+                body.terrain,
+                body.terrain and tuple(orbits.radii_m(body)),
             )
             for body in config.bodies.values()
         )
@@ -519,6 +565,9 @@ class Handles:
                 shape=meshes[name].model if name in meshes else None,
                 rings=self._rings(name, config),
                 cloud_map=self._cloud_map(name, body),
+                terrain=None if body.terrain is None else self.terrain_of(config, name)[0],
+                cells_per_pixel=1.0 if body.terrain is None else body.terrain.cells_per_pixel,
+                finest_cell_m=0.01 if body.terrain is None else body.terrain.finest_cell_m,
                 ground=ground.of_body(body, partial(self._map, name, body.map_center_lon_deg)),
                 geodetic=body.is_geodetic,
                 geodetic_clouds=body.has_geodetic_clouds,

@@ -109,7 +109,7 @@ def instant(world: World, t_s: float, states: orbits.States, k: int) -> World:
         window_s=0.0,
         poses={name: rows[[k, k]] for name, rows in states.poses.items()},
         velocities_m_s={name: rows[[k, k]] for name, rows in states.velocities_m_s.items()},
-        sun_position_m=orbits.sun_position_m(world.config, world.epoch.after(t_s)),
+        sun_position_m=orbits.sun_position_m(world.config, world.epoch, t_s),
     )
 
 

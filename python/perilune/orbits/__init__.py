@@ -10,9 +10,9 @@ from perilune.orbits.setting import (
     gm_m3_s2,
     parent_of,
     radii_m,
-    sun_position_m,
     table_name,
 )
+from perilune.orbits.sun import sun_position_m
 from perilune.orbits.system import System
 
 __all__ = [

@@ -111,7 +111,7 @@ def sources(config: Config) -> dict[str, str]:
         table = body.ephemeris if body.kind == "ellipsoid" else body.kind
         if body.orbit is None and name != config.root and table is not None:
             found[f"bodies.{name}"] = places.source(table)
-    if config.sun.direction is None:
+    if config.sun.by_date:
         root = config.bodies[config.root]
         table = (root.ephemeris if root.kind == "ellipsoid" else root.kind) or "earth"
         found["sun"] = places.source("sun" if places.kernels else table)

@@ -17,6 +17,7 @@ F64 = NDArray[np.float64]
 Surface = Callable[[F64], F64]
 """Unit directions (n, 3) from a body's centre -> distance of its ground from there (n,)."""
 
+_MARCH = 1024
 _GRID = 5
 """Heights along each side of a footprint."""
 
@@ -68,6 +69,18 @@ class Stance:
     """(3, 3), columns: forward, left, up."""
 
 
+def _through(origin: F64, direction: F64, radii_m: F64) -> tuple[float, float] | None:
+    """Distances at which a line enters and leaves an ellipsoid; None if it misses."""
+    p, d = origin / radii_m, direction / radii_m
+    a, b = float(d @ d), float(p @ d)
+    nearest = p - d * (b / a)
+    inside = 1.0 - float(nearest @ nearest)
+    if inside < 0.0:
+        return None
+    half = math.sqrt(inside / a)
+    return -b / a - half, -b / a + half
+
+
 @dataclass(frozen=True, eq=False)
 class Ground:
     """The ellipsoid of a body, and what lies over it. Compared by identity, so that what follows
@@ -78,6 +91,9 @@ class Ground:
     """Whether latitudes are geodetic unless a section says otherwise."""
     surface_m: Surface | None = None
     """The true ground; None for a smooth ellipsoid."""
+    bounds_m: tuple[float, float] | None = None
+    """Bounds of the heights of a terrain over the ellipsoid; None for a shape or a smooth
+    ellipsoid."""
 
     def datum_m(self, directions: F64) -> F64:
         """Distance (n,) of the ellipsoid from the centre along unit directions (n, 3)."""
@@ -90,9 +106,45 @@ class Ground:
     def height_m(self, point: F64, above: str | None = None) -> float:
         """Height of a point over the ground, or above: datum over the ellipsoid, radially."""
         distance = float(np.linalg.norm(point))
-        direction = (point / distance)[np.newaxis]
+        direction = (point / distance if distance > 0.0 else np.eye(3)[0])[np.newaxis]
         base = self.datum_m if above == "datum" else self.ground_m
         return distance - float(base(direction)[0])
+
+    def hit_m(self, origin: F64, direction: F64) -> float | None:
+        """Distance to a terrain along a ray of unit direction (3,); None without a hit, 0 from
+        below it.
+
+        Heights are asked for at places along the ray that get closer towards its origin: hills
+        narrower than 1/500 of their distance may be missed."""
+        assert self.bounds_m is not None  # of a terrain only
+        low, high = self.bounds_m
+        if self.height_m(origin) <= 0.0:
+            return 0.0
+        span = _through(origin, direction, self.radii_m + high)
+        if span is None or span[1] <= 0.0:
+            return None
+        start, end = max(span[0], 0.0), span[1]
+        inner = _through(origin, direction, self.radii_m + low)
+        if inner is not None and inner[0] > start:
+            end = min(end, inner[0])
+        steps = np.concatenate(
+            [[0.0], np.geomspace(min(0.01, 0.5 * (end - start)), end - start, _MARCH)]
+        )
+        along = start + np.union1d(steps, np.linspace(0.0, end - start, _MARCH))
+        below = np.flatnonzero(self._heights_m(origin + along[:, None] * direction) <= 0.0)
+        if not len(below):
+            return None if inner is None or inner[0] <= start else end
+        k = max(int(below[0]), 1)
+        a, b = float(along[k - 1]), float(along[k])
+        for _ in range(60):
+            middle = 0.5 * (a + b)
+            under = self.height_m(origin + middle * direction) <= 0.0
+            a, b = (a, middle) if under else (middle, b)
+        return b
+
+    def _heights_m(self, points: F64) -> F64:
+        distances = np.linalg.norm(points, axis=1)
+        return np.asarray(distances - self.ground_m(points / distances[:, None]))
 
     def over(self, place: F64, normal: F64) -> float:
         """Height of the ground over a point of the ellipsoid, along its normal."""

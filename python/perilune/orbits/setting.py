@@ -17,8 +17,6 @@ from perilune.base.same import Same
 from perilune.config.body import Body
 from perilune.config.motion import sections
 from perilune.config.schema import Config
-from perilune.orbits import solar_system
-from perilune.orbits.almanac import almanac
 from perilune.orbits.ground import Ground, smooth
 from perilune.orbits.motion import Kept
 from perilune.orbits.solar_system import Date
@@ -132,12 +130,3 @@ def parent_of(setting: Setting, name: str) -> Parent:
         return Parent(name, table_name(entry), True, gm_m3_s2(entry), lambda: radii_m(entry))
     gm = None if entry.gm_km3_s2 is None else entry.gm_km3_s2 * 1e9
     return Parent(name, None, False, gm, lambda: np.full(3, setting.craft_radius_m(name)))
-
-
-def sun_position_m(config: Config, date: Date) -> F64:
-    """Position of the Sun's centre in the root frame."""
-    if config.sun.direction is not None:
-        return np.array(config.sun.direction) * (config.sun.distance_au * solar_system.AU_M)
-    origin = ephemeris_name(config, config.root)
-    assert origin is not None  # the root always has one
-    return almanac(config).relative_m("sun", origin, date)

@@ -127,7 +127,7 @@ def _places(
     else:
         ends = np.array([sim.camera_poses(index)[:, :3] for index in run])
         points = ends[:, 0] + at * (ends[:, 1] - ends[:, 0])
-    sun = np.array([sun_position_m(config, epoch.after(t)) for t in t_s.tolist()])
+    sun = np.array([sun_position_m(config, epoch, t) for t in t_s.tolist()])
     poses = [states.poses[body] for body in bodies]
     return _Places(
         points=np.ascontiguousarray(points),

@@ -13,16 +13,18 @@ from numpy.typing import NDArray
 from perilune.base import rotations
 from perilune.config.attitude import AttitudeTable, GroundPointing, Spin
 from perilune.config.body import Body
+from perilune.config.errors import ConfigError
 from perilune.config.motion import sections
 from perilune.config.orbit import ON_GROUND, Hook
-from perilune.config.schema import Spacecraft
+from perilune.config.schema import Config, Spacecraft
 from perilune.orbits import hooked, paths
 from perilune.orbits.almanac import almanac
 from perilune.orbits.motion import Kept, States, evaluate, propagator
 from perilune.orbits.place import Motion, Place
 from perilune.orbits.riding import Ride
-from perilune.orbits.setting import KM, Setting, ephemeris_name, parent_of, radii_m, sun_position_m
+from perilune.orbits.setting import KM, Setting, ephemeris_name, parent_of, radii_m
 from perilune.orbits.solar_system import Date
+from perilune.orbits.sun import sun_position_m
 from perilune.orbits.turns import SUN, body_turn, craft_turn, riding_turn
 
 F64 = NDArray[np.float64]
@@ -49,10 +51,19 @@ def _ephemeris(setting: Setting, name: str) -> Motion:
     return path
 
 
+def _beside_site(config: Config, epoch: Date, t_s: F64) -> F64:
+    """States (n, 6) of a Sun that keeps its place in the sky of a site; its velocity serves
+    nothing, because no orbit is about it."""
+    places = np.stack([sun_position_m(config, epoch, t) for t in t_s.tolist()])
+    return np.hstack([places, np.zeros_like(places)])
+
+
 def _sun(setting: Setting) -> Motion:
     config, epoch = setting.config, setting.epoch
     if config.sun.direction is not None:
-        return {"kind": "fixed", "position_m": sun_position_m(config, epoch)}
+        return {"kind": "fixed", "position_m": sun_position_m(config, epoch, 0.0)}
+    if config.sun.at is not None:
+        return lambda t_s: _beside_site(config, epoch, t_s)
     origin = ephemeris_name(config, config.root)
     assert origin is not None  # the root always has one
     places = almanac(config)
@@ -200,8 +211,26 @@ def _lasting(setting: Setting, names: list[str]) -> list[Node]:
 
 
 def _named(error: Exception, key: str) -> Exception:
-    """Keeps the error type of a missing file, which names its key itself."""
-    return error if isinstance(error, OSError) else ValueError(f"{key}: {error}")
+    """Keeps errors that name their key themselves: of missing files, and of grounds."""
+    return error if isinstance(error, (OSError, ConfigError)) else ValueError(f"{key}: {error}")
+
+
+def _check_over_ground(setting: Setting, found: States, t_s: F64, name: str, around: str) -> None:
+    """The same for a central body with terrain."""
+    section, _ = sections(setting.config)[name]
+    ground = setting.ground(around)
+    assert ground.bounds_m is not None  # it is of a terrain
+    high = float(ground.radii_m.max()) + ground.bounds_m[1]
+    for k, (pose, parent) in enumerate(zip(found.poses[name], found.poses[around], strict=True)):
+        own = rotations.rotate(rotations.conjugate(parent[3:]), pose[:3] - parent[:3])
+        distance = float(np.linalg.norm(own))
+        depth = -ground.height_m(own) if 0.0 < distance <= high else 0.0
+        if depth > 0.0 or distance == 0.0:
+            when = setting.epoch.after(float(t_s[k])).utc()
+            raise ValueError(
+                f"{section}.{name}.orbit: at {when} it is {max(depth, 0.0):.6g} m below the ground "
+                f"of {around}"
+            )
 
 
 def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) -> None:
@@ -214,6 +243,9 @@ def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) ->
         if isinstance(entry.orbit, ON_GROUND):
             continue
         around = entry.orbit.around
+        if setting.config.bodies[around].terrain is not None:
+            _check_over_ground(setting, found, t_s, name, around)
+            continue
         radii = radii_m(setting.config.bodies[around])
         for k, pose in enumerate(found.poses[name]):
             parent = found.poses[around][k]
@@ -232,6 +264,8 @@ def _check_above(setting: Setting, found: States, t_s: F64, names: list[str]) ->
 
 def _with_section(error: ValueError, setting: Setting) -> ValueError:
     """Adds the entry to errors that name only the node, such as "node 'iss'" from the core."""
+    if isinstance(error, ConfigError):
+        return error
     name, _, text = str(error).removeprefix("node ").partition(": ")
     name = name.strip("'")
     found = sections(setting.config).get(name)

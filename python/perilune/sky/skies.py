@@ -117,7 +117,7 @@ def camera_velocity_m_s(world: World) -> F64:
     """(3,): velocity of the camera about the Sun, ICRF axes, as defined by
     `sky.stars.aberration`."""
     config, velocity = world.config, np.zeros(3)
-    if config.sun.direction is None:
+    if config.sun.by_date:
         root = ephemeris_name(config, config.root)
         assert root is not None  # the root always has one
         velocity = almanac(config).relative_state(root, "sun", world.date)[3:]

@@ -95,6 +95,9 @@ def unclear(world: World, place: F64, clearance_m: float | None, when: int) -> s
     """The object that a camera at a position would be too close to, as a message; None if clear."""
     body = world.inside(place, 0.0, when)
     if body is not None:
+        depth = world.depth_m(body, place, when)
+        if depth is not None:
+            return f"the camera is {depth:.4g} m below the ground of {body}"
         return f"the camera is inside {body}"
     if clearance_m is None:
         return None

@@ -1,0 +1,49 @@
+"""The ground of a body from its section `terrain`: the core's heights, and what stands on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.bodies.elevation import ElevationRaster
+from perilune.bodies.polar import with_patches
+from perilune.config.terrain import Detail, Terrain
+from perilune.orbits.ground import Ground
+
+F64 = NDArray[np.float64]
+
+
+def _detail(given: Detail) -> dict[str, Any]:
+    """The keys of the core's detail that are given."""
+    keys: dict[str, Any] = {"seed": given.seed, "strength": given.strength}
+    for name in ("baseline_m", "deviation_m", "longest_m", "finest_m"):
+        if getattr(given, name) is not None:
+            keys[name] = getattr(given, name)
+    if given.hurst is not None:
+        keys["ranges"] = [(0.0, given.hurst)]
+    if given.ranges is not None:
+        keys["ranges"] = [(row.from_m, row.hurst) for row in given.ranges]
+    return keys
+
+
+def core_terrain(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster]) -> _core.Terrain:
+    """The core's heights of a section. rasters: what its `elevation` was read to; those that
+    reach a pole get a patch over it. Raises ValueError."""
+    whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
+    layers = [(row.raster, row.interpolation, row.border_posts, 0.0) for row in whole]
+    detail = None if given.detail is None else _detail(given.detail)
+    return _core.Terrain(radii_m, layers, detail)
+
+
+def ground_of(terrain: _core.Terrain, radii_m: F64, geodetic: bool) -> Ground:
+    """What stands on the ground asks this: its heights with all detail."""
+
+    def surface_m(directions: F64) -> F64:
+        datum = 1.0 / np.linalg.norm(directions / radii_m, axis=-1)
+        return np.asarray(datum + terrain.heights(directions))
+
+    return Ground(radii_m, geodetic, surface_m, terrain.bounds)

@@ -1,0 +1,92 @@
+"""The section `terrain` of a body: its ground, from elevation models and fractal detail."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from perilune.config.elevation import Elevation
+from perilune.config.errors import fail
+from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
+
+_Seed = Annotated[int, Field(strict=True, ge=0, lt=2**64)]
+_Hurst = Annotated[float, Field(strict=True, ge=0.0, le=1.0)]
+_Cells = Annotated[float, Field(strict=True, ge=1.0 / 16.0, le=16.0), BeforeValidator(refuse_drawn)]
+_Cell = Annotated[float, Field(strict=True, ge=1e-4, le=1e6), BeforeValidator(refuse_drawn)]
+
+
+class HurstRange(Strict):
+    """Hurst exponent of a range of baselines."""
+
+    from_m: NonNegative
+    """Shortest baseline of the range; it goes up to the next range."""
+    hurst: _Hurst
+    """Exponent H: the RMS difference of heights grows as the baseline to this power."""
+
+
+class Detail(Strict):
+    """Fractal detail below the posts of elevation models, or everywhere without any.
+
+    The RMS difference nu(L) of heights over a baseline L is a power L^H, whose exponent may change
+    with scale. By default it is that of the highlands of the Moon (Rosenburg et al. 2011): nu(17 m)
+    = 1.9 m with H = 0.95 between 0.1 m and 1 km, 0.5 beyond, and 0.85 below 0.1 m. Posts keep their
+    heights."""
+
+    seed: _Seed = 0
+    """Number of the ground: another seed gives other detail of the same roughness."""
+    baseline_m: Positive | None = None
+    """Baseline of deviation_m. Default: 17 m."""
+    deviation_m: NonNegative | None = None
+    """RMS difference of heights over baseline_m. Default: 1.9 m."""
+    hurst: _Hurst | None = None
+    """Hurst exponent at all scales, instead of ranges."""
+    ranges: Annotated[tuple[HurstRange, ...], Field(min_length=1, max_length=8)] | None = None
+    """Hurst exponents by baseline, from 0 upwards."""
+    strength: NonNegative = 1.0
+    """Factor on all heights of the detail; 0: none."""
+    longest_m: Positive | None = None
+    """Longest wavelength, where there is no elevation model. Default: 0.4 radii."""
+    finest_m: Positive | None = None
+    """Shortest wavelength. Default: 1 cm."""
+
+    @model_validator(mode="after")
+    def _one_law(self) -> Detail:
+        self._exactly_one("hurst", "ranges", optional=True)
+        if (self.baseline_m is None) != (self.deviation_m is None):
+            key = "deviation_m" if self.deviation_m is None else "baseline_m"
+            fail(key, "baseline_m and deviation_m go together")
+        rows = self.ranges or ()
+        if rows and rows[0].from_m != 0.0:
+            fail("ranges[0].from_m", "must be 0")
+        for k in range(1, len(rows)):
+            if rows[k].from_m <= rows[k - 1].from_m:
+                fail(f"ranges[{k}].from_m", f"must be above that before it, {rows[k - 1].from_m:g}")
+        longest = math.inf if self.longest_m is None else self.longest_m
+        if self.finest_m is not None and self.finest_m > longest:
+            fail("finest_m", f"must not be above longest_m, {longest:g}")
+        return self
+
+
+class Terrain(Strict):
+    """The true ground of a body, in place of its smooth ellipsoid: heights over `radii_km`, along
+    lines from the centre.
+
+    It is built as a mesh, as fine as the pixels of the frame ask, from the limb to the feet of the
+    camera. Heights at a place do not depend on the camera. See docs/terrain.md."""
+
+    elevation: Annotated[tuple[Elevation, ...], Field(max_length=16)] = ()
+    """Elevation models, from coarse to fine: each lies over those before it."""
+    detail: Detail | None = Detail.of_defaults()
+    """Fractal detail below the posts, or everywhere without elevation. null: none."""
+    cells_per_pixel: _Cells = 1.0
+    """Accuracy: cells of the mesh along a pixel. Half as many build four times faster."""
+    finest_cell_m: _Cell = 0.01
+    """Smallest cell of the mesh."""
+
+    @model_validator(mode="after")
+    def _some_ground(self) -> Terrain:
+        if not self.elevation and self.detail is None:
+            fail("detail", "null: without elevation there is then no ground; leave terrain out")
+        return self
