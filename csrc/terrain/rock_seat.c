@@ -46,7 +46,7 @@ static pl_vec3 around(pl_vec3 a, pl_vec3 b, double turn) {
 
 /* Replaces offsets from the site by the ground there, relative to the body's centre. */
 static void find_ground(const footing *at, pl_vec3 *points, size_t count) {
-  pl_vec3 directions[1 + RING];
+  pl_vec3 directions[1 + RING] = {{0.0, 0.0, 0.0}}; /* all are set: for GCC with sanitizers */
   double heights[1 + RING];
   for (size_t k = 0; k < count; k++)
     directions[k] = pl_vec3_unit(pl_vec3_madd(at->direction, 1.0 / at->radius_m, points[k]));
