@@ -6,10 +6,11 @@
 #include "plan/view_tree.h"
 
 static const double PI = 3.14159265358979323846;
-/* Smallest GGX alpha assumed of surfaces that light others. This is an assumption, not a bound: a
- * flat mirror reflects the sun as a spot that is as bright as sunlight up to some 200 mirror sizes
- * away, where the spot becomes wider than the mirror, and falls beyond as (200 sizes / distance)^2.
- * To render such spots on dark surfaces, set the tolerance to 0 or force the rows on. */
+/* Smallest GGX alpha that pl_view_light assumes. This is an assumption, not a bound: a flat mirror
+ * reflects the sun as a spot that is as bright as sunlight up to some 200 mirror sizes away, where
+ * the spot becomes wider than the mirror, and falls beyond as (200 sizes / distance)^2. The rows
+ * that decide whether such spots are rendered (`body_bounces`, `planetshine`) use
+ * pl_view_light_most. */
 static const double LIGHT_ALPHA_MIN = 0.3;
 /* Relative slack of the shadow test for rounding errors at the scale of the solar system. */
 static const double SLACK = 1e-9;
@@ -190,6 +191,26 @@ double pl_view_transfer_most(const pl_view_thing *receiver, double factor) {
 double pl_view_light(const pl_view_thing *source) {
   const double lobe = gain(fmax(source->ggx_alpha_min, LIGHT_ALPHA_MIN));
   return source->albedo_max * lobe * source->irradiance / PI + source->emission_max;
+}
+
+double pl_view_light_most(const pl_view *view, const pl_view_thing *source) {
+  const double sine =
+      view->sun_radius_m / (distance_m(source->center_m, view->sun_position_m) + source->radius_m);
+  const double lobe = fmin(gain(fmax(source->ggx_alpha_min, 1e-3)), 1.0 / (sine * sine));
+  return source->albedo_max * lobe * source->irradiance / PI + source->emission_max;
+}
+
+/* The factor of a pair takes all of the source to be at its centre, while a facet may be nearer by
+ * its radius. */
+double pl_view_light_at(const pl_view *view, const pl_view_thing *receiver,
+                        const pl_view_thing *source) {
+  const double most = pl_view_light_most(view, source);
+  const double gap = distance_m(receiver->center_m, source->center_m) - receiver->radius_m;
+  if (!(gap > source->radius_m && source->sent_gain > 0.0))
+    return most;
+  const double nearer = gap / (gap - source->radius_m);
+  const double sent = source->albedo_max * source->sent_gain * nearer * nearer;
+  return fmin(most, sent * source->irradiance / PI + source->emission_max);
 }
 
 double pl_view_series(const pl_view *view, int bounces) {

@@ -23,15 +23,18 @@ struct pl_clouds;
 
 /* One mesh object or body, reduced to what the bounds need. */
 typedef struct pl_view_thing {
-  bool is_body;            /* convex ellipsoid; otherwise a mesh */
-  bool is_world;           /* a body of the scene, whether ellipsoid or mesh */
-  bool in_frame;           /* its bounding sphere touches the frustum */
-  bool textured;           /* has a colour map */
-  double distance_m;       /* camera to the centre of the bounding sphere */
-  double radius_m;         /* of the bounding sphere */
-  double center_m[3];      /* camera-relative, root axes */
-  double albedo_max;       /* upper bound of the reflectance in any band, 0..1 */
-  double ggx_alpha_min;    /* smallest GGX alpha of its materials; 1 when no material is glossy */
+  bool is_body;         /* convex ellipsoid; otherwise a mesh */
+  bool is_world;        /* a body of the scene, whether ellipsoid or mesh */
+  bool in_frame;        /* its bounding sphere touches the frustum */
+  bool textured;        /* has a colour map */
+  double distance_m;    /* camera to the centre of the bounding sphere */
+  double radius_m;      /* of the bounding sphere */
+  double center_m[3];   /* camera-relative, root axes */
+  double albedo_max;    /* upper bound of the reflectance in any band, 0..1 */
+  double ggx_alpha_min; /* smallest GGX alpha of its materials; 1 when no material is glossy */
+  /* Upper bound of the sunlight that a mesh sends into any one direction over that of a white
+   * Lambertian disc as large as the bounding sphere; 0 where it is not known */
+  double sent_gain;
   double irradiance;       /* of the unshadowed sun at the point nearest to it, W m-2 per band */
   double emission_max;     /* W m-2 sr-1, night lights included */
   double coat_max;         /* largest weight of a clear coat, 0..1 */
@@ -172,9 +175,15 @@ double pl_view_factor(const pl_view_thing *receiver, const pl_view_thing *source
 double pl_view_transfer(const pl_view_thing *receiver, const pl_view_thing *source);
 /* The same for several sources whose view factors, each less than 1, sum to `factor`. */
 double pl_view_transfer_most(const pl_view_thing *receiver, double factor);
-/* Upper bound of the radiance of an object or body that lights others: reflected sunlight and
- * emission, W m-2 sr-1. */
+/* Radiance of an object or body that lights others: reflected sunlight and emission, W m-2 sr-1.
+ * Not a bound for mirrors: of lobes it takes those of alpha 0.3. */
 double pl_view_light(const pl_view_thing *source);
+/* The same as an upper bound, mirrors included: the sun's own radiance at most. */
+double pl_view_light_most(const pl_view *view, const pl_view_thing *source);
+/* Upper bound of what counts as its radiance at a receiver with pl_view_factor: from afar a mesh
+ * sends no more than the sum of its facets. */
+double pl_view_light_at(const pl_view *view, const pl_view_thing *receiver,
+                        const pl_view_thing *source);
 /* Upper bound of the radiance that `receiver` reflects of the light of volumes, W m-2 sr-1. */
 double pl_view_from_volumes(const pl_view *view, const pl_view_thing *receiver);
 /* Returns the rings of a body as if they were an object: the sphere that encloses them. */

@@ -7,6 +7,7 @@
 /* A group counts as far away from this many of its radii on. Its members are at most two radii
  * farther, so that their solid angles are overestimated at most three times. */
 static const double FAR = 3.0;
+static const double PI = 3.14159265358979323846;
 
 static pl_view_node leaf_of(const pl_view *view, size_t index) {
   const pl_view_thing *thing = &view->things[index];
@@ -114,9 +115,12 @@ void pl_view_weigh(const pl_view *view, pl_view_weight_fn weight, const void *co
     add_up(view->tree);
 }
 
+/* From afar: a node's distance is that of its sphere, so no facet is nearer. */
 static double light_of(const pl_view_thing *source, const void *context) {
-  (void)context;
-  return pl_view_light(source);
+  const pl_view *view = context;
+  const double most = pl_view_light_most(view, source);
+  const double sent = source->albedo_max * source->sent_gain * source->irradiance / PI;
+  return source->sent_gain > 0.0 ? fmin(most, sent + source->emission_max) : most;
 }
 
 pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
@@ -137,7 +141,7 @@ pl_status pl_view_tree_build(pl_arena *arena, pl_view *view) {
   }
   add_tree(tree, leaves, count);
   view->tree = tree;
-  pl_view_weigh(view, light_of, NULL);
+  pl_view_weigh(view, light_of, view);
   for (size_t n = 0; n < tree->count; n++)
     nodes[n].light = nodes[n].weighed;
   return PL_OK;
@@ -165,7 +169,8 @@ static double sum_of(const pl_view *view, const pl_view_thing *receiver, bool li
       sum += pl_view_transfer_most(receiver, weighed / (gap * gap));
     else if (one && weighed > 0.0 && &view->things[node->thing] != receiver)
       sum += pl_view_transfer(receiver, &view->things[node->thing]) *
-             weight(&view->things[node->thing], context);
+             (light ? pl_view_light_at(view, receiver, &view->things[node->thing])
+                    : weight(&view->things[node->thing], context));
     n = far || !(weighed > 0.0) ? node->after : n + 1;
   }
   return sum;
@@ -181,6 +186,15 @@ static double sum_all(const pl_view *view, const pl_view_thing *receiver, pl_vie
   return sum;
 }
 
+static double sum_pairs(const pl_view *view, const pl_view_thing *receiver) {
+  double sum = 0.0;
+  for (size_t k = 0; k < view->thing_count; k++)
+    if (&view->things[k] != receiver)
+      sum += pl_view_transfer(receiver, &view->things[k]) *
+             pl_view_light_at(view, receiver, &view->things[k]);
+  return sum;
+}
+
 double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
                    const void *context) {
   return view->tree != NULL ? sum_of(view, receiver, false, weight, context)
@@ -188,8 +202,7 @@ double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_w
 }
 
 double pl_view_sum_light(const pl_view *view, const pl_view_thing *receiver) {
-  return view->tree != NULL ? sum_of(view, receiver, true, light_of, NULL)
-                            : sum_all(view, receiver, light_of, NULL);
+  return view->tree != NULL ? sum_of(view, receiver, true, NULL, NULL) : sum_pairs(view, receiver);
 }
 
 bool pl_view_any(const pl_view *view, pl_view_test_fn test, void *context) {

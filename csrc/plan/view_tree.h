@@ -12,7 +12,7 @@ typedef struct pl_view_node {
   pl_view_thing ball; /* inner node: has the largest albedo and the smallest alpha of its members */
   size_t after;       /* index of the first node that is not inside this one */
   size_t thing;       /* index of the object or body; PL_VIEW_SEVERAL for an inner node */
-  double light;       /* sum over the members of squared radius times pl_view_light */
+  double light;       /* sum over the members of squared radius times light from afar */
   double weighed;     /* the same with the weights of pl_view_weigh */
 } pl_view_node;
 #define PL_VIEW_SEVERAL ((size_t)-1)
@@ -41,7 +41,7 @@ void pl_view_weigh(const pl_view *view, pl_view_weight_fn weight, const void *co
  * their sphere. */
 double pl_view_sum(const pl_view *view, const pl_view_thing *receiver, pl_view_weight_fn weight,
                    const void *context);
-/* The same with pl_view_light as the weight; needs no call of pl_view_weigh. */
+/* The same with pl_view_light_at as the weight; needs no call of pl_view_weigh. */
 double pl_view_sum_light(const pl_view *view, const pl_view_thing *receiver);
 
 /* Returns true if a test holds for any object or body. With a tree the test is first called for

@@ -50,7 +50,8 @@ static double bound_dn(const pl_view *view, int value) {
   for (size_t i = 0; i < view->thing_count; i++) {
     largest = fmax(largest, return_of(view, &view->things[i]));
     volumes = fmax(volumes, pl_view_from_volumes(view, &view->things[i]));
-    light = fmax(light, fmax(pl_view_light(&view->things[i]), view->things[i].rings_light));
+    light =
+        fmax(light, fmax(pl_view_light_most(view, &view->things[i]), view->things[i].rings_light));
   }
   for (size_t i = 0; i < view->thing_count; i++) {
     const pl_view_thing *thing = &view->things[i];

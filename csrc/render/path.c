@@ -7,6 +7,7 @@
 #include "math/color.h"
 #include "math/sampler.h"
 #include "math/sampling.h"
+#include "render/body_light.h"
 #include "render/draws.h"
 #include "render/emitters_path.h"
 #include "render/focus.h"
@@ -247,10 +248,20 @@ static bool bounces_at(const pl_path_context *context, pl_surface_id id) {
              : s->bounces > 0;
 }
 
-static bool goes_on(const pl_path_context *context, pl_surface_id id, int bounce) {
-  const int bounces = context->settings->bounces;
-  const int least = pl_surface_is_ellipsoid(id) ? 1 : 0;
-  return bounces_at(context, id) && bounce < (bounces > least ? bounces : least);
+/* Whether they do from most of it, so that sharing their light between pixels pays. */
+static bool shares_at(const pl_path_context *context, pl_surface_id id) {
+  return bounces_at(context, id) &&
+         (!pl_surface_is_ellipsoid(id) || pl_shot_body_of(context->shot, id)->senders == NULL);
+}
+
+static bool goes_on(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
+                    int bounce) {
+  const bool ellipsoid = pl_surface_is_ellipsoid(vertex->surface_id);
+  const int bounces = context->settings->bounces, least = ellipsoid ? 1 : 0;
+  if (!bounces_at(context, vertex->surface_id) || bounce >= (bounces > least ? bounces : least))
+    return false;
+  return !ellipsoid ||
+         pl_body_lit_by_others(context->shot, vertex, pl_vec3_to_float(path->beam.direction));
 }
 
 /* The random numbers of path `i` of the wave. */
@@ -308,7 +319,7 @@ static bool look_on(const pl_path_context *context, const pl_path *path, const p
                     bool *own, pl_tile_buffers *b) {
   *way = PL_CONTINUATION_DRAWN;
   *own = bounce > 0;
-  if (!goes_on(context, vertex->surface_id, bounce))
+  if (!goes_on(context, path, vertex, bounce))
     return false;
   const pl_caustics *caustics = caustics_at(context, vertex);
   if (caustics != NULL) {
@@ -492,7 +503,7 @@ static void find_patches(const pl_path_context *context, size_t count, pl_tile_b
     const uint32_t pixel = b->paths[i].pixel;
     b->slot[pixel] = PL_PATCH_NONE;
     if (context->filters_irradiance && !pl_surface_is_none(b->hits[i].surface_id) &&
-        bounces_at(context, b->hits[i].surface_id))
+        shares_at(context, b->hits[i].surface_id))
       b->slot[pixel] = pl_patch_meet(&b->patches[pixel], context->shot, &b->hits[i],
                                      b->rays[i].direction, (float)context->pixel_rad);
   }

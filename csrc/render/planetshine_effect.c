@@ -23,8 +23,8 @@ static const char *absent(const pl_view *view) {
 
 /* Sunlight that a body reflects. */
 static double reflected(const pl_view_thing *body, const void *context) {
-  (void)context;
-  return body->is_world ? pl_view_light(body) - body->emission_max : 0.0;
+  const pl_view *view = context;
+  return body->is_world ? pl_view_light_most(view, body) - body->emission_max : 0.0;
 }
 
 /* Light that objects and bodies in the frame receive from bodies, directly and by way of others
@@ -33,10 +33,10 @@ static double bound_dn(const pl_view *view, int value) {
   double seen = 0.0, any = 0.0;
   if (value > 0)
     return 0.0;
-  pl_view_weigh(view, reflected, NULL);
+  pl_view_weigh(view, reflected, view);
   for (size_t i = 0; i < view->thing_count; i++) {
     /* upper bound of the light of bodies that it reflects, by one reflection */
-    const double sent = pl_view_sum(view, &view->things[i], reflected, NULL);
+    const double sent = pl_view_sum(view, &view->things[i], reflected, view);
     any = fmax(any, sent);
     seen = view->things[i].in_frame ? fmax(seen, sent) : seen;
   }

@@ -6,6 +6,7 @@
 
 #include "light/sun.h"
 #include "math/color.h"
+#include "render/body_light.h"
 #include "render/reflectance_lod.h"
 #include "render/path.h"
 #include "shade/water.h"
@@ -127,10 +128,11 @@ static double reach_of(const pl_shot_body *body) {
 }
 
 /* Whether anything that may noticeably light a body is above the horizon of a point on it. */
-static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *vertex) {
+static bool is_lit_by_others(const pl_path_context *context, const pl_vertex *vertex,
+                             pl_vec3f toward) {
   const pl_snapshot *shot = context->shot;
   const uint32_t own = pl_surface_index(vertex->surface_id);
-  if (!context->settings->body_bounces || !shot->bodies[own].bounced)
+  if (!context->settings->body_bounces || !pl_body_lit_by_others(shot, vertex, toward))
     return false;
   for (size_t i = 0; i < shot->body_count; i++)
     if (i != own && rises(shot->bodies[i].center, reach_of(&shot->bodies[i]), vertex))
@@ -150,7 +152,7 @@ static bool may_prefilter(const pl_path_context *context, const pl_shot_body *bo
   if (!is_plain(body->body) && !body->body->reflectance->photometric)
     return false;
   return !settings->emitters_on_bodies &&
-         !(settings->body_bounces && body->bounced &&
+         !(settings->body_bounces && body->bounced && body->senders == NULL &&
            (!context->filters_irradiance || settings->air != NULL));
 }
 
@@ -280,7 +282,10 @@ static bool prefilter_pixel(const pl_path_context *context, uint32_t pixel, pl_t
   pl_reflectance_lod_apply(shot, settings, &vertex);
   if (!is_even(&vertex.surface, &sun, pl_vec3f_dot(sun.direction, vertex.ng)))
     return false;
-  b->lit[pixel] = is_lit_by_others(context, &vertex);
+  b->lit[pixel] = is_lit_by_others(context, &vertex, toward);
+  /* light on a part of a body is not shared */
+  if (b->lit[pixel] && (body->senders != NULL || !context->filters_irradiance))
+    return false;
   if (b->lit[pixel] && context->media) /* the indirect light would have to be attenuated by them */
     return false;
   if (b->lit[pixel])

@@ -114,6 +114,7 @@ static pl_status add_object(pl_scene *scene, const char *name, const pl_model *m
       .body = body,
   };
   object.summary = object.model_summary;
+  object.sent = pl_sent_light_of(model, &object.model_summary, NULL);
   if (parts->triangle_part != NULL)
     object.triangle_part =
         copy(parts->triangle_part, model->triangle_count, sizeof *parts->triangle_part);
@@ -160,6 +161,7 @@ pl_status pl_scene_set_materials(pl_scene *scene, size_t index, const pl_graph *
   object->summary = object->model_summary;
   for (size_t i = 0; i < count; i++)
     pl_graph_summarise(graphs[i], &object->summary);
+  object->sent = pl_sent_light_of(object->model, &object->model_summary, made);
   return PL_OK;
 }
 

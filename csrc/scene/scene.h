@@ -16,6 +16,7 @@
 #include "rings/rings.h"
 #include "scene/lens.h"
 #include "scene/materials.h"
+#include "scene/sent_light.h"
 #include "scene/volume.h"
 #include "shade/clouds.h"
 #include "shade/ground.h"
@@ -48,6 +49,7 @@ typedef struct pl_object {
   uint16_t *class_ids;            /* owned, the scene's number of levels per part */
   pl_model_summary model_summary; /* of the model's own materials */
   pl_model_summary summary;       /* of the model's materials and the graphs */
+  pl_sent_light sent;             /* of the model with its materials and graphs */
   pl_object_materials *materials; /* owned; NULL: all triangles have the model's materials */
   const pl_cover *cover;          /* owned by the scene; NULL for an articulated object */
   const pl_cut *cut;              /* owned by the scene; NULL if no part of the object moves */

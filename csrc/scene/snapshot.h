@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "plan/view.h"
 #include "scene/scene.h"
+#include "scene/senders.h"
 #include "scene/surface_id.h"
 
 /* Piece of an articulated object that moves on its own. */
@@ -68,6 +69,8 @@ typedef struct pl_shot_body {
   bool subpixel;        /* sub-pixel body, see pl_culling */
   bool shadowed; /* a shadow of more than the tolerance may fall on it; set by pl_snapshot_cull */
   bool bounced;  /* light reflected by others may exceed the tolerance; set by pl_snapshot_cull */
+  /* where on it that is, if only light of meshes may; NULL: anywhere. Set by pl_snapshot_cull */
+  const pl_senders *senders;
   bool near_meshes; /* objects may contribute to or block that light; set by pl_snapshot_cull */
   /* Reflectance levels of detail: factors on the radiance with which cheaper models best
    * approximate its own over the visible surface; NULL if they may not replace it. Taken from

@@ -20,6 +20,36 @@ static void set_center(pl_view_thing *thing, pl_vec3 center) {
   thing->distance_m = pl_vec3_norm(center);
 }
 
+/* True if a piece is placed without stretching it. */
+static bool is_rigid(const pl_shot_piece *piece, double scale) {
+  const double tolerance = 1e-6;
+  double length[3], skew = 0.0;
+  pl_vec3 axis[3];
+  for (int k = 0; k < 3; k++) {
+    axis[k] = pl_mat3_mul_vec(piece->linear, (pl_vec3){k == 0, k == 1, k == 2});
+    length[k] = pl_vec3_norm(axis[k]);
+  }
+  for (int k = 0; k < 3; k++) {
+    skew = fmax(skew, fabs(pl_vec3_dot(axis[k], axis[(k + 1) % 3])) / (scale * scale));
+    skew = fmax(skew, fabs(length[k] / scale - 1.0));
+  }
+  return skew < tolerance;
+}
+
+/* As pl_view_thing.sent_gain. Mirrors send the sun's radiance. */
+static double sent_gain(const pl_snapshot *shot, const pl_shot_object *object) {
+  const pl_sent_light *sent = &object->object->sent;
+  for (size_t k = 0; k < object->piece_count; k++)
+    if (object->pieces[k].present && !is_rigid(&object->pieces[k], object->scale))
+      return 0.0;
+  const double far =
+      pl_vec3_norm(pl_vec3_sub(shot->sun.position, object->center)) + object->radius_m;
+  const double ratio = far / shot->sun.radius_m, size = object->radius_m / object->scale;
+  if (!(size > 0.0))
+    return 0.0;
+  return (sent->area_gain + sent->mirrors * ratio * ratio) / (PL_PI * size * size);
+}
+
 static pl_view_thing craft_thing(const pl_snapshot *shot, const pl_shot_object *object) {
   const pl_model_summary *summary = &object->object->summary;
   pl_view_thing thing = {
@@ -28,6 +58,7 @@ static pl_view_thing craft_thing(const pl_snapshot *shot, const pl_shot_object *
       .radius_m = object->radius_m,
       .albedo_max = summary->albedo_max,
       .ggx_alpha_min = summary->ggx_alpha_min,
+      .sent_gain = sent_gain(shot, object),
       .irradiance = pl_shot_irradiance_max(shot, object->center, object->radius_m),
       .emission_max = summary->emission_max,
       .coat_max = summary->coat_max,
@@ -340,8 +371,12 @@ typedef struct query {
 static bool reflects(const pl_view_thing *seen, bool several, void *context) {
   const query *q = context;
   (void)several;
-  return seen != q->thing && seen->in_frame &&
-         pl_view_dn(q->view, pl_view_transfer(seen, q->thing) * q->brightest) > q->tolerance_dn;
+  if (seen == q->thing || !seen->in_frame)
+    return false;
+  const double light =
+      pl_view_light_at(q->view, seen, q->thing) * pl_view_series(q->view, q->view->max_bounces);
+  const double part = pl_view_transfer(seen, q->thing);
+  return pl_view_dn(q->view, part * fmax(light, q->brightest)) > q->tolerance_dn;
 }
 
 /* Returns whether the shadow of `thing` on `source` removes more than the tolerance from the light
@@ -460,11 +495,25 @@ static void cull_objects(const pl_snapshot *placed, const pl_culling *culling, d
   }
 }
 
+/* Where on an ellipsoid the light of others may matter. */
+static pl_status make_senders(const pl_snapshot *placed, const pl_culling *culling, size_t thing,
+                              pl_arena *arena, pl_shot_body *body) {
+  pl_senders *made = NULL;
+  if (body->bounced && body->shape == NULL)
+    PL_TRY(pl_senders_make(culling->view, placed->object_count, thing, culling->tolerance_dn, arena,
+                           &made));
+  body->senders = made;
+  return PL_OK;
+}
+
 /* `objects`: the culled objects, which include the shapes of bodies. */
-static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, double brightest,
-                        pl_shot_object *objects, pl_shot_body *out) {
+static pl_status cull_bodies(const pl_snapshot *placed, const pl_culling *culling, double brightest,
+                             pl_arena *arena, pl_shot_object *objects, pl_shot_body *out) {
   const pl_view *view = culling->view;
   const double series = pl_view_series(view, view->max_bounces);
+  double mirrored = 0.0;
+  for (size_t i = 0; i < placed->object_count; i++)
+    mirrored = fmax(mirrored, series * pl_view_light_most(view, &view->things[i]));
   const pl_view_thing *meshes_end = view->things + placed->object_count;
   pl_view_weigh(view, of_mesh, &meshes_end);
   for (size_t i = 0; i < placed->body_count; i++) {
@@ -474,10 +523,11 @@ static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, do
     body->shadowed = is_shadowed(view, &view->things[thing], culling->tolerance_dn);
     body->bounced =
         pl_view_dn(view, pl_view_received(view, thing) * series) > culling->tolerance_dn;
+    PL_TRY(make_senders(placed, culling, thing, arena, body));
     /* objects block or send at most the light of the part of its sky that they cover, at the
      * highest radiance */
     const double part = pl_view_sum(view, &view->things[thing], of_mesh, &meshes_end);
-    body->near_meshes = pl_view_dn(view, part * brightest) > culling->tolerance_dn;
+    body->near_meshes = pl_view_dn(view, part * fmax(brightest, mirrored)) > culling->tolerance_dn;
     body->lods = view->things[thing].lods;
     body->subpixel = culling->subpixel != NULL && culling->subpixel[i];
     if (body->shape == NULL)
@@ -486,6 +536,7 @@ static void cull_bodies(const pl_snapshot *placed, const pl_culling *culling, do
     shape->subpixel = body->subpixel;
     body->shape = shape;
   }
+  return PL_OK;
 }
 
 pl_status pl_snapshot_cull(const pl_snapshot *placed, const pl_culling *culling, pl_arena *arena,
@@ -496,7 +547,7 @@ pl_status pl_snapshot_cull(const pl_snapshot *placed, const pl_culling *culling,
   if (objects == NULL || bodies == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for the snapshot");
   cull_objects(placed, culling, brightest, objects);
-  cull_bodies(placed, culling, brightest, objects, bodies);
+  PL_TRY(cull_bodies(placed, culling, brightest, arena, objects, bodies));
   *out = *placed;
   out->objects = objects;
   out->bodies = bodies;

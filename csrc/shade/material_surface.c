@@ -201,28 +201,36 @@ static void summarise_layers(const pl_material_layers *l, pl_model_summary *out)
   out->ggx_alpha_min = fmin(out->ggx_alpha_min, roughness * roughness) * cbrt(0.5);
 }
 
+static void add_material(const pl_model *model, const pl_material *m, pl_model_summary *out) {
+  for (int k = 0; k < 3; k++) {
+    /* The specular lobe over a diffuse base reflects at most all light. */
+    out->albedo_max = fmax(out->albedo_max, m->lambert ? m->base_color[k] : 1.0);
+    out->emission_max = fmax(out->emission_max, m->emissive[k]);
+  }
+  const double roughness = m->metallic_roughness_map.texture >= 0 ? 0.0 : m->roughness;
+  out->diffuse &= m->lambert;
+  out->bumped |= m->normal_map.texture >= 0 && model->tangents != NULL;
+  if (!m->lambert)
+    out->ggx_alpha_min = fmin(out->ggx_alpha_min, roughness * roughness);
+  if (m->layered && !m->lambert)
+    summarise_layers(&m->layers, out);
+  out->textured |= m->base_color_map.texture >= 0 || m->normal_map.texture >= 0 ||
+                   m->metallic_roughness_map.texture >= 0 || m->emissive_map.texture >= 0;
+}
+
+pl_model_summary pl_material_summarise(const pl_model *model, const pl_material *material) {
+  pl_model_summary out = {.ggx_alpha_min = 1.0, .diffuse = true};
+  add_material(model, material, &out);
+  return out;
+}
+
 pl_model_summary pl_model_summarise(const pl_model *model) {
   pl_model_summary out = {.ggx_alpha_min = 1.0, .diffuse = true};
   for (size_t i = 0; i < model->texture_count; i++) {
     int levels;
     out.pictured |= pl_texture_ranges(model->textures[i], &levels)[0] > 0.0f;
   }
-  for (size_t i = 0; i < model->material_count; i++) {
-    const pl_material *m = &model->materials[i];
-    for (int k = 0; k < 3; k++) {
-      /* The specular lobe over a diffuse base reflects at most all light. */
-      out.albedo_max = fmax(out.albedo_max, m->lambert ? m->base_color[k] : 1.0);
-      out.emission_max = fmax(out.emission_max, m->emissive[k]);
-    }
-    const double roughness = m->metallic_roughness_map.texture >= 0 ? 0.0 : m->roughness;
-    out.diffuse &= m->lambert;
-    out.bumped |= m->normal_map.texture >= 0 && model->tangents != NULL;
-    if (!m->lambert)
-      out.ggx_alpha_min = fmin(out.ggx_alpha_min, roughness * roughness);
-    if (m->layered && !m->lambert)
-      summarise_layers(&m->layers, &out);
-    out.textured |= m->base_color_map.texture >= 0 || m->normal_map.texture >= 0 ||
-                    m->metallic_roughness_map.texture >= 0 || m->emissive_map.texture >= 0;
-  }
+  for (size_t i = 0; i < model->material_count; i++)
+    add_material(model, &model->materials[i], &out);
   return out;
 }

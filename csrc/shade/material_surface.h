@@ -86,5 +86,7 @@ typedef struct pl_model_summary {
   double coat_max, transmission_max; /* 0..1 */
 } pl_model_summary;
 pl_model_summary pl_model_summarise(const pl_model *model);
+/* The same for one material of the model. */
+pl_model_summary pl_material_summarise(const pl_model *model, const pl_material *material);
 
 #endif
