@@ -61,19 +61,27 @@ static double narrowing(double x, double y) {
   return sqrt((1.0 + x * x) * (1.0 + y * y) / (square * sqrt(square)));
 }
 
-void pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_tile_node *node) {
+/* Tangent-plane coordinates of the sides and the middle of a node. */
+typedef struct extent {
   double x[3], y[3];
+} extent;
+
+static extent extent_of(const pl_ground_tile_node *node) {
+  extent out;
   for (int k = 0; k < 3; k++) {
-    x[k] = pl_cube_tangent(pl_cube_node(node->level + 1, 2 * (int64_t)node->i + k));
-    y[k] = pl_cube_tangent(pl_cube_node(node->level + 1, 2 * (int64_t)node->j + k));
+    out.x[k] = pl_cube_tangent(pl_cube_node(node->level + 1, 2 * (int64_t)node->i + k));
+    out.y[k] = pl_cube_tangent(pl_cube_node(node->level + 1, 2 * (int64_t)node->j + k));
   }
-  const pl_vec3 up = pl_cube_tangent_direction(node->face, x[1], y[1]);
-  const double height = pl_terrain_base_height(need->terrain, up, node->level + HEIGHT_LEVELS);
-  const double far_m = pl_terrain_datum_m(need->terrain, up) + height;
+  return out;
+}
+
+static void place(const pl_ground_tile_need *need, pl_ground_tile_node *node, const extent *at,
+                  pl_vec3 up, double height_m) {
+  const double far_m = pl_terrain_datum_m(need->terrain, up) + height_m;
   const double radius_m = pl_terrain_radius_m(need->terrain);
   double across = 0.0;
   for (int k = 0; k < 4; k++) {
-    const pl_vec3 corner = pl_cube_tangent_direction(node->face, x[k & 2], y[2 * (k & 1)]);
+    const pl_vec3 corner = pl_cube_tangent_direction(node->face, at->x[k & 2], at->y[2 * (k & 1)]);
     across = fmax(across, pl_vec3_norm(pl_vec3_sub(corner, up)));
   }
   node->center = pl_vec3_scale(up, far_m);
@@ -81,10 +89,26 @@ void pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_tile_n
   const double steep = fmin(STEEP * pl_cube_cell_m(node->level, radius_m), need->relief_m);
   node->radius_m = sqrt(across * across * (1.0 + steep / far_m) + steep * steep);
   node->cell_m =
-      pl_cube_cell_m(node->level + PL_GROUND_TILE_SHIFT, radius_m) * narrowing(x[1], y[1]);
+      pl_cube_cell_m(node->level + PL_GROUND_TILE_SHIFT, radius_m) * narrowing(at->x[1], at->y[1]);
   node->child = 0;
   node->seen = in_frame(need, pl_vec3_sub(node->center, need->view->eye), node->radius_m) &&
                !is_hidden(need, node);
+}
+
+pl_status pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_tile_node *nodes,
+                                    int count) {
+  extent at[PL_GROUND_TILE_PLACED];
+  pl_vec3 up[PL_GROUND_TILE_PLACED] = {{0.0, 0.0, 0.0}};
+  double heights_m[PL_GROUND_TILE_PLACED];
+  for (int k = 0; k < count; k++) {
+    at[k] = extent_of(&nodes[k]);
+    up[k] = pl_cube_tangent_direction(nodes[k].face, at[k].x[1], at[k].y[1]);
+  }
+  PL_TRY(pl_terrain_heights(need->terrain, up, (size_t)count, nodes[0].level + HEIGHT_LEVELS,
+                            heights_m));
+  for (int k = 0; k < count; k++)
+    place(need, &nodes[k], &at[k], up[k], heights_m[k]);
+  return PL_OK;
 }
 
 /* Returns whether the parts of a node would have cells that are narrower than the view allows. */

@@ -28,8 +28,10 @@ typedef struct pl_ground_tile_need {
 pl_ground_tile_need pl_ground_tile_need_of(const pl_terrain *terrain,
                                            const pl_ground_tile_view *view, double factor);
 
-/* Fills in a node from its place. */
-void pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_tile_node *node);
+enum { PL_GROUND_TILE_PLACED = 6 };
+/* Fills in nodes of one level from their places, at most PL_GROUND_TILE_PLACED. */
+pl_status pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_tile_node *nodes,
+                                    int count);
 /* Returns whether the node's cells are too wide for the frame, and may be halved. */
 bool pl_ground_tile_need_split(const pl_ground_tile_need *need, const pl_ground_tile_node *node);
 /* Returns whether a leaf's cells are too wide for the shadows that it may cast on seen tiles. Of

@@ -10,8 +10,14 @@ typedef struct tree {
   pl_cube_seams seams;
   pl_ground_tile_node *nodes;
   uint32_t count, room;
-  bool full; /* there was no room for all */
+  bool full;        /* there was no room for all, or heights failed */
+  pl_status status; /* of heights */
 } tree;
+
+static void place(tree *tree, pl_ground_tile_node *nodes, int count) {
+  tree->status = pl_ground_tile_need_place(&tree->need, nodes, count);
+  tree->full = tree->status != PL_OK;
+}
 
 static void split(tree *tree, uint32_t index) {
   pl_ground_tile_node *node = &tree->nodes[index];
@@ -19,26 +25,24 @@ static void split(tree *tree, uint32_t index) {
     tree->full = true;
     return;
   }
+  pl_ground_tile_node *parts = &tree->nodes[tree->count];
   node->child = tree->count;
   for (uint32_t k = 0; k < 4; k++) {
-    pl_ground_tile_node *part = &tree->nodes[tree->count++];
-    *part = (pl_ground_tile_node){.i = 2 * node->i + (k & 1),
-                                  .j = 2 * node->j + (k >> 1),
-                                  .face = node->face,
-                                  .level = (uint8_t)(node->level + 1)};
-    pl_ground_tile_need_place(&tree->need, part);
+    parts[k] = (pl_ground_tile_node){.i = 2 * node->i + (k & 1),
+                                     .j = 2 * node->j + (k >> 1),
+                                     .face = node->face,
+                                     .level = (uint8_t)(node->level + 1)};
   }
+  tree->count += 4;
+  place(tree, parts, 4);
 }
 
 /* As fine as the frame asks. New parts come behind, and are looked at in their turn. */
 static void refine_for_sight(tree *tree) {
   tree->count = 0;
-  tree->full = false;
-  for (uint8_t face = 0; face < PL_CUBE_FACES; face++) {
-    pl_ground_tile_node *root = &tree->nodes[tree->count++];
-    *root = (pl_ground_tile_node){.face = face};
-    pl_ground_tile_need_place(&tree->need, root);
-  }
+  for (uint8_t face = 0; face < PL_CUBE_FACES; face++)
+    tree->nodes[tree->count++] = (pl_ground_tile_node){.face = face};
+  place(tree, tree->nodes, PL_CUBE_FACES);
   for (uint32_t n = 0; n < tree->count && !tree->full; n++)
     if (pl_ground_tile_need_split(&tree->need, &tree->nodes[n]))
       split(tree, n);
@@ -200,6 +204,7 @@ pl_status pl_ground_tile_tree_choose(const pl_terrain *terrain, const pl_ground_
   *widened = 1.0;
   tree.need = pl_ground_tile_need_of(terrain, view, *widened);
   for (int step = 1; !build(&tree); step++) {
+    PL_TRY(tree.status);
     *widened = exp2(0.5 * step);
     tree.need = pl_ground_tile_need_of(terrain, view, *widened);
   }
