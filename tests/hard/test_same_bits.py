@@ -124,8 +124,9 @@ def test_order(sim, reference, order):
     same([found[index] for index in FRAMES], reference)
 
 
-def test_every_frame_by_a_simulation_of_its_own(tree, reference):
-    same([frame_hashes(perilune.open(tree), index, 2) for index in FRAMES], reference)
+def test_frames_by_simulations_of_their_own(tree, reference):
+    found = [frame_hashes(perilune.open(tree), index, 2) for index in FRAMES[::3]]
+    same(found, reference[::3])
 
 
 def test_pickled(sim, reference):
@@ -179,16 +180,17 @@ def test_stream_shards(sim, reference, shards):
 
 
 def test_resumed_stream(tree, reference):
-    """Stopped after every second frame and continued from its state by a new stream."""
+    """Stopped after one frame, after four and after all, each time continued from its state by a
+    new stream."""
     state, found = None, []
-    while len(found) < len(FRAMES):
+    for count in (1, 3, 6):
         stream = perilune.Stream(
             perilune.open(tree), channels=channel_names(), transform=hashes, threads=2
         )
         if state is not None:
             stream.load_state_dict(state)
         frames = iter(stream)
-        found += [next(frames), next(frames)]
+        found += [next(frames) for _ in range(count)]
         state = pickle.loads(pickle.dumps(stream.state_dict()))
     same(found, reference)
 
@@ -218,9 +220,10 @@ def run(*arguments):
 
 
 @pytest.fixture(scope="module")
-def config(tree, tmp_path_factory):
+def config(request, tmp_path_factory):
+    """The small scene: what a frame shows does not matter to files, and it is quick to open."""
     path = tmp_path_factory.mktemp("config") / "scene.yaml"
-    path.write_text(yaml.safe_dump(tree))
+    path.write_text(yaml.safe_dump(crowd(request.config.rootpath)))
     return path
 
 
