@@ -19,9 +19,11 @@ def write_glb(
     positions: NDArray[np.float32],
     indices: NDArray[np.uint32],
     attributes: Mapping[str, NDArray[np.float32]] | None = None,
+    nodes: list[dict[str, Any]] | None = None,
 ) -> Path:
     """Positions in model axes (z up), turned to the file's y up; indices (T, 3). Further attributes
-    by their glTF name, (V, 2) or (V, 4), as they are."""
+    by their glTF name, (V, 2) or (V, 4), as they are. Nodes: the root first; by default one, with
+    mesh 0."""
     points = np.asarray(positions, dtype=np.float32)
     # The reader turns (x, y, z) of a file into (x, -z, y).
     points = np.ascontiguousarray(points[:, [0, 2, 1]] * np.float32([1, 1, -1]))
@@ -31,7 +33,7 @@ def write_glb(
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0, "name": "shape"}],
+        "nodes": nodes or [{"mesh": 0, "name": "shape"}],
         "materials": [{"name": "plain", "doubleSided": True}],
         "meshes": [
             {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.hard.glb import cube, write_glb
 
 import perilune
 from perilune.config import ConfigError
@@ -70,6 +71,17 @@ def full(tree):
     return tree
 
 
+def cubes(path):
+    """A model of four cubes with the nodes of JOINTS, which is read in no time."""
+    nodes = [
+        {"mesh": 0, "name": "bus", "children": [1, 3]},
+        {"mesh": 0, "name": "panel_left", "translation": [1.2, 0.0, 0.0], "children": [2]},
+        {"mesh": 0, "name": "panel_left_3", "translation": [1.2, 0.0, 0.0]},
+        {"mesh": 0, "name": "panel_right", "translation": [-1.2, 0.0, 0.0]},
+    ]
+    return write_glb(path, *cube(0.5), nodes=nodes)
+
+
 def put(tree, path, value):
     for part in path[:-1]:
         tree = tree[part]
@@ -91,10 +103,11 @@ def test_numbers_that_are_not_finite(tree, base):
             assert str(path[-1] if isinstance(path[-1], str) else path[-2]) in str(caught.value)
 
 
-def test_numbers_that_are_finite_but_absurd(tree, base):
+def test_numbers_that_are_finite_but_absurd(tree, base, tmp_path):
     """Every number, one at a time, set to zero, to minus one, to the tiny and to the huge: an error
     of one of the stated kinds, or a frame without a single nan where none may be."""
     good = full(tree)
+    good["spacecraft"]["sat"]["model"] = str(cubes(tmp_path / "cubes.glb"))
     results = {"error": 0, "frame": 0}
     for path in numbers(good):
         whole = {"width", "height", "samples", "max_bounces", "version", "seed"} & set(path)

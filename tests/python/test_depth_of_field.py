@@ -68,7 +68,7 @@ def test_is_the_mean_of_pinholes_over_the_lens(repo_dir):
     lens = opened(scene, repo_dir).frame(0, COLOUR)["radiance"]
     del scene["camera"]["lens"], scene["camera"]["focal_px"]
     scene["render"]["samples"] = 4
-    total, count = np.zeros(lens.shape), 150
+    total, count = np.zeros(lens.shape), 100
     for i in range(count):  # Vogel's spiral: evenly over the disc
         r, a = radius_m * np.sqrt((i + 0.5) / count), i * np.pi * (3.0 - np.sqrt(5.0))
         x, y = r * np.cos(a), r * np.sin(a)
