@@ -430,12 +430,18 @@ def test_heights_over_a_sphere_of_an_oblate_body(tmp_path: Path) -> None:
     values = numbers()
     path = save(tmp_path / "a.npy", values)
     found = read(path, mars, projection=WHOLE, datum_radius_km=3396.0)
+    np.testing.assert_array_equal(posts_of(found), values)
+    layers = [(found.raster, "bilinear", 0.0, found.datum_m)]
+    terrain = _core.Terrain(np.array(mars), layers, None)
     rows, columns = np.mgrid[:18, :36]
-    directions = at(5.0 + 10.0 * columns, 85.0 - 10.0 * rows)
-    ellipsoid = 1.0 / np.linalg.norm(directions / np.array(mars), axis=-1)
-    np.testing.assert_allclose(posts_of(found) + ellipsoid, 3396000.0 + values, atol=2e-3)
+    directions = at(5.0 + 10.0 * columns, 85.0 - 10.0 * rows).reshape(-1, 3)
+    surface = terrain.heights(directions) + 1.0 / np.linalg.norm(directions / mars, axis=-1)
+    np.testing.assert_allclose(surface, 3396000.0 + values.ravel(), atol=1e-6)
     over = read(path, mars, projection=WHOLE)
-    np.testing.assert_array_equal(posts_of(over), values)
+    assert over.datum_m == 0.0
+    of_moon = read(path, projection=WHOLE, datum_radius_km=1738.0)
+    assert of_moon.datum_m == 0.0
+    np.testing.assert_allclose(posts_of(of_moon), values + 600.0, rtol=1e-12)
 
 
 def test_geodetic_latitudes(tmp_path: Path) -> None:

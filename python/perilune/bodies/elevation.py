@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ _BLOCK = 1 << 22
 
 @dataclass(frozen=True, eq=False)
 class ElevationRaster:
-    """Heights over a body's ellipsoid, along lines from its centre: scale_m * sample + offset_m.
+    """Heights along lines from a body's centre: scale_m * sample + offset_m.
 
     Equal only to itself."""
 
@@ -44,6 +44,8 @@ class ElevationRaster:
     """The file."""
     interpolation: str = "bilinear"
     border_posts: float = 0.0
+    datum_m: float = 0.0
+    """Radius of the sphere that heights are over; 0: over the body's ellipsoid."""
     missing: float = 0.0
     """Fraction of the heights that were filled."""
     remarks: tuple[str, ...] = ()
@@ -56,7 +58,7 @@ class ElevationRaster:
         return _core.Raster(self.samples, scale=scale, offset=offset, **self.place.arguments())
 
     def heights(self, directions: F64) -> F64:
-        """(n,) heights, m, in directions (n, 3) from the centre; NaN outside."""
+        """(n,) heights over the datum, m, in directions (n, 3); NaN outside."""
         return self.raster.values(directions, self.interpolation)
 
 
@@ -85,11 +87,13 @@ def read_elevation(
     scale_m = _first(given.scale_m, file.scale_m, 1.0)
     offset_m = _first(given.offset_m, file.offset_m, 0.0)
     samples, mean = _samples(values)
+    offset_m += scale_m * mean
+    if datum_m is not None and max(radii_m) - min(radii_m) <= 1e-12 * max(radii_m):
+        offset_m, datum_m = offset_m + (datum_m - radii_m[0]), None  # over the body's own sphere
     found = ElevationRaster(
-        samples, place, scale_m, offset_m + scale_m * mean, str(path), given.interpolation,
-        given.border_posts, missing, remarks,
+        samples, place, scale_m, offset_m, str(path), given.interpolation, given.border_posts,
+        datum_m or 0.0, missing, remarks,
     )  # fmt: skip
-    found = found if datum_m is None else _over_ellipsoid(found, datum_m, np.array(radii_m))
     try:
         _ = found.raster  # which checks the place
     except ValueError as error:
@@ -177,19 +181,3 @@ def _samples(values: NDArray[Any]) -> tuple[NDArray[Any], float]:
     wide = values.astype(np.float64)
     mean = float(np.rint(wide.mean()))
     return (wide - mean).astype(np.float32), mean
-
-
-def _over_ellipsoid(found: ElevationRaster, datum_m: float, radii_m: F64) -> ElevationRaster:
-    """From heights over a sphere to those over the ellipsoid."""
-    if np.allclose(radii_m, radii_m[0], rtol=1e-12, atol=0.0):
-        return replace(found, offset_m=found.offset_m + (datum_m - float(radii_m[0])))
-    rows, columns = found.samples.shape
-    frame = _core.Raster(np.zeros((1, 1), np.uint8), **found.place.arguments())
-    heights = np.empty((rows, columns), np.float32)
-    across = np.arange(columns, dtype=np.float64)
-    for row in range(rows):
-        posts = np.stack([across, np.full(columns, float(row))], axis=1)
-        ellipsoid_m = 1.0 / np.linalg.norm(frame.directions(posts) / radii_m, axis=1)
-        sphere_m = found.scale_m * found.samples[row] + (found.offset_m + datum_m)
-        heights[row] = sphere_m - ellipsoid_m
-    return replace(found, samples=heights, scale_m=1.0, offset_m=0.0)

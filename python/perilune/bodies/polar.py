@@ -80,7 +80,14 @@ def _patch(found: ElevationRaster, sign: float, radius_m: float) -> ElevationRas
     )  # fmt: skip
     name = f"{found.name} ({'north' if sign > 0.0 else 'south'} pole)"
     return ElevationRaster(
-        fitted.astype(np.float32), place, 1.0, mean, name, found.interpolation, float(border)
+        fitted.astype(np.float32),
+        place,
+        1.0,
+        mean,
+        name,
+        found.interpolation,
+        float(border),
+        found.datum_m,
     )
 
 

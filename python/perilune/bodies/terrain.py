@@ -34,7 +34,7 @@ def core_terrain(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster
     """The core's heights of a section. rasters: what its `elevation` was read to; those that
     reach a pole get a patch over it. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
-    layers = [(row.raster, row.interpolation, row.border_posts, 0.0) for row in whole]
+    layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
     return _core.Terrain(radii_m, layers, detail)
 
