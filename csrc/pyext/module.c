@@ -151,6 +151,7 @@ static PyMethodDef functions[] = {
     {"png_write", (PyCFunction)(void (*)(void))png_write, METH_VARARGS | METH_KEYWORDS,
      "Writes an image array as PNG, atomically."},
     {"project", pl_py_project, METH_VARARGS, "Pixels of points in camera axes."},
+    {"rim_images", pl_py_rim_images, METH_VARARGS, "Images of the rims of craters."},
     {"simplify", simplify, METH_VARARGS, "Indices of a mesh with fewer triangles."},
     {"sunlight", (PyCFunction)(void (*)(void))pl_py_sunlight, METH_VARARGS | METH_KEYWORDS,
      "The fraction of the sun's light that bodies let through."},
@@ -229,6 +230,7 @@ static int execute(PyObject *module) {
       add(module, "FORCES", pl_py_forces()) < 0 || add(module, "NODES", pl_py_nodes()) < 0 ||
       add(module, "LENSES", pl_py_lenses()) < 0 ||
       add(module, "CRATER", pl_py_crater_record()) < 0 ||
+      add(module, "RIM_IMAGE", pl_py_rim_record()) < 0 ||
       add(module, "CRATER_LAWS", named_rows(PL_CRATER_LAWS, crater_law_name, crater_law_doc)) < 0)
     return -1;
   return pl_py_orbit_add_constants(module);

@@ -1,6 +1,4 @@
 /* The type CraterField: craters of a body as a function of place. */
-#include <string.h>
-
 #include "base/memory.h"
 #include "pyext/py_read.h"
 #include "pyext/py_types.h"
@@ -185,44 +183,41 @@ PyObject *pl_py_crater_record(void) {
                        "kept", "<f8");
 }
 
-static PyObject *records_of(const pl_crater *craters, size_t count) {
-  PyArray_Descr *descr = NULL;
-  PyObject *record = pl_py_crater_record();
-  npy_intp shape[1] = {(npy_intp)count};
-  const int known = record != NULL && PyArray_DescrConverter(record, &descr) == NPY_SUCCEED;
-  Py_XDECREF(record);
-  if (!known)
-    return NULL;
-  /* Steals the description. */
-  PyObject *out = PyArray_NewFromDescr(&PyArray_Type, descr, 1, shape, NULL, NULL, 0, NULL);
-  if (out != NULL && count > 0)
-    memcpy(PyArray_DATA((PyArrayObject *)out), craters, count * sizeof *craters);
+PyObject *pl_py_crater_list(pl_status status, pl_crater *craters, size_t count) {
+  if (status != PL_OK)
+    return pl_py_raise(status);
+  PyObject *out = pl_py_records(pl_py_crater_record(), craters, count, sizeof *craters);
+  pl_free(craters);
   return out;
 }
 
-static PyObject *list(PyObject *self, PyObject *args, PyObject *kwargs) {
+int pl_py_crater_region_of(PyObject *args, PyObject *kwargs, pl_py_crater_region *out) {
   static char *names[] = {"direction", "radius_m", "min_diameter_m", "max_diameter_m", NULL};
   const npy_intp shape[1] = {3};
   PyObject *object;
-  double radius_m, min_m = 0.0, max_m = 1e300;
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "Od|dd:list", names, &object, &radius_m, &min_m,
-                                   &max_m))
-    return NULL;
+  *out = (pl_py_crater_region){.max_m = 1e300};
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "Od|dd:craters", names, &object, &out->radius_m,
+                                   &out->min_m, &out->max_m))
+    return -1;
   PyArrayObject *array = pl_py_array(object, "direction", NPY_DOUBLE, 1, shape);
   if (array == NULL)
-    return NULL;
-  const pl_vec3 direction = *(const pl_vec3 *)PyArray_DATA(array);
+    return -1;
+  out->direction = *(const pl_vec3 *)PyArray_DATA(array);
   Py_DECREF((PyObject *)array);
+  return 0;
+}
+
+static PyObject *list(PyObject *self, PyObject *args, PyObject *kwargs) {
   const pl_crater_field *field = ((craters_object *)self)->field;
+  pl_py_crater_region at;
+  if (pl_py_crater_region_of(args, kwargs, &at) < 0)
+    return NULL;
   pl_crater *craters;
   size_t count;
   pl_status status;
   Py_BEGIN_ALLOW_THREADS status =
-      pl_crater_list(field, NULL, direction, radius_m, min_m, max_m, &craters, &count);
-  Py_END_ALLOW_THREADS if (status != PL_OK) return pl_py_raise(status);
-  PyObject *out = records_of(craters, count);
-  pl_free(craters);
-  return out;
+      pl_crater_list(field, NULL, at.direction, at.radius_m, at.min_m, at.max_m, &craters, &count);
+  Py_END_ALLOW_THREADS return pl_py_crater_list(status, craters, count);
 }
 
 static PyMethodDef craters_methods[] = {

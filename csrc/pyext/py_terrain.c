@@ -337,7 +337,23 @@ static PyObject *get_finest(PyObject *self, void *closure) {
   return PyLong_FromLong(pl_terrain_finest_level(((terrain_object *)self)->terrain));
 }
 
+static PyObject *craters(PyObject *self, PyObject *args, PyObject *kwargs) {
+  const pl_terrain *terrain = ((terrain_object *)self)->terrain;
+  pl_py_crater_region at;
+  if (pl_py_crater_region_of(args, kwargs, &at) < 0)
+    return NULL;
+  pl_crater *found;
+  size_t count;
+  pl_status status;
+  Py_BEGIN_ALLOW_THREADS status =
+      pl_terrain_craters(terrain, at.direction, at.radius_m, at.min_m, at.max_m, &found, &count);
+  Py_END_ALLOW_THREADS return pl_py_crater_list(status, found, count);
+}
+
 static PyMethodDef terrain_methods[] = {
+    {"craters", (PyCFunction)(void (*)(void))craters, METH_VARARGS | METH_KEYWORDS,
+     "craters($self, direction, radius_m, min_diameter_m=0.0, max_diameter_m=1e300)\n--\n\n"
+     "Craters of a region that are drawn."},
     {"heights", (PyCFunction)(void (*)(void))heights, METH_VARARGS | METH_KEYWORDS,
      "heights($self, directions, cell_m=0.0)\n--\n\n(n,) heights, m."},
     {"block", (PyCFunction)(void (*)(void))block, METH_VARARGS | METH_KEYWORDS,

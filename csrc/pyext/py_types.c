@@ -1,6 +1,8 @@
 /* Checks that all types of the module use. */
 #include "pyext/py_types.h"
 
+#include <string.h>
+
 int pl_py_is(PyObject *object, void *dealloc) {
   return (PyType_GetFlags(Py_TYPE(object)) & Py_TPFLAGS_HEAPTYPE) != 0 &&
          PyType_GetSlot(Py_TYPE(object), Py_tp_dealloc) == dealloc;
@@ -68,4 +70,18 @@ PyArrayObject *pl_py_array(PyObject *object, const char *what, int type, int nd,
     return NULL;
   }
   return array;
+}
+
+PyObject *pl_py_records(PyObject *description, const void *records, size_t count, size_t size) {
+  PyArray_Descr *descr = NULL;
+  const npy_intp shape[1] = {(npy_intp)count};
+  const int known =
+      description != NULL && PyArray_DescrConverter(description, &descr) == NPY_SUCCEED;
+  Py_XDECREF(description);
+  if (!known)
+    return NULL;
+  PyObject *out = PyArray_NewFromDescr(&PyArray_Type, descr, 1, shape, NULL, NULL, 0, NULL);
+  if (out != NULL && count > 0)
+    memcpy(PyArray_DATA((PyArrayObject *)out), records, count * size);
+  return out;
 }

@@ -23,6 +23,17 @@ const pl_air *pl_py_air_of(PyObject *object);
 const pl_rings *pl_py_rings_of(PyObject *object);
 const pl_terrain *pl_py_terrain_of(PyObject *object);
 const pl_crater_field *pl_py_craters_of(PyObject *object);
+/* Arguments of the methods that list craters, and their result: a new array, or NULL with an
+ * exception. Frees the craters. */
+typedef struct pl_py_crater_region {
+  pl_vec3 direction;
+  double radius_m, min_m, max_m;
+} pl_py_crater_region;
+int pl_py_crater_region_of(PyObject *args, PyObject *kwargs, pl_py_crater_region *out);
+PyObject *pl_py_crater_list(pl_status status, pl_crater *craters, size_t count);
+/* The function rim_images, as documented in the stub, and the description of its records. */
+PyObject *pl_py_rim_images(PyObject *module, PyObject *args);
+PyObject *pl_py_rim_record(void);
 /* Returns CRATER, the description of CraterField.list's records, as documented in the stub. */
 PyObject *pl_py_crater_record(void);
 const pl_raster *pl_py_raster_of(PyObject *object);
@@ -57,6 +68,10 @@ PyArrayObject *pl_py_own_array(PyObject *object, int type);
 /* As pl_py_own_array, with exactly these dimensions (-1: any); a ValueError names `what`. */
 PyArrayObject *pl_py_array(PyObject *object, const char *what, int type, int nd,
                            const npy_intp *shape);
+
+/* Returns a copy of `count` packed structs as an array of records, or NULL with an exception.
+ * Steals the description, which may be NULL with an exception. */
+PyObject *pl_py_records(PyObject *description, const void *records, size_t count, size_t size);
 
 /* For large arrays that are not copied: appends `array` to the list `kept`, and prevents its memory
  * from moving while `kept` exists. */

@@ -78,6 +78,10 @@ typedef struct pl_terrain_nodes {
 pl_status pl_terrain_block(const pl_terrain *terrain, const pl_terrain_nodes *nodes,
                            double *heights_m, pl_vec3 *directions);
 
+/* Lists the craters that are drawn in a region, as pl_crater_list; none without a field of them. */
+pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, double radius_m,
+                             double min_m, double max_m, pl_crater **out, size_t *count);
+
 /* Returns the coarsest level with cells of at most `cell_m`, at most PL_CUBE_LEVELS - 1. */
 int pl_terrain_level_of(const pl_terrain *terrain, double cell_m);
 /* Returns the level beyond which detail adds nothing. */

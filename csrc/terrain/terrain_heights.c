@@ -159,6 +159,16 @@ static double posts_m(const void *context, pl_vec3 direction) {
   return INFINITY;
 }
 
+pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, double radius_m,
+                             double min_m, double max_m, pl_crater **out, size_t *count) {
+  *out = NULL;
+  *count = 0;
+  const pl_crater_model model = {posts_m, terrain};
+  return terrain->craters == NULL ? PL_OK
+                                  : pl_crater_list(terrain->craters, &model, direction, radius_m,
+                                                   min_m, max_m, out, count);
+}
+
 static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, double *heights_m) {
   const pl_terrain *terrain = w->terrain;
   base_heights(w, directions, count, heights_m);

@@ -82,6 +82,14 @@ axis, unit, in body axes; diameter_m (mean of both axes), axis_ratio; age_ga; ta
 of diffusion over R^2/diffusivity); depth_m and rim_m (degraded: rim to floor, and over the surface
 before the impact); kept (share of the height at its centre that younger craters left)."""
 
+RIM_IMAGE: Sequence[tuple[Any, ...]]
+"""Description (name, type, shape) for numpy.dtype of the image of a rim:
+
+kind (0: behind the near plane, nothing else is set; 1: partly behind it, only the box of the rest is
+set; 2: an ellipse), centre (2,), semi_axes (2,) (major first) and box (4,) (least u and v, greatest
+u and v; beyond the image, too) in pixels; angle_rad of the major axis from u towards v; facing
+(cosine between the outward normal and the direction to the camera)."""
+
 OBJECT_LABEL: Sequence[tuple[Any, ...]]
 """Description (name, type, shape) for numpy.dtype of one row of the object labels:
 
@@ -312,6 +320,11 @@ class Terrain:
     def slopes(self, directions: F64, baseline_m: float) -> F64:
         """(n, 3) slopes, rise over distance, between points baseline_m apart, as vectors along the
         ground in body axes."""
+    def craters(
+        self, direction: F64, radius_m: float, min_diameter_m: float = 0.0,
+        max_diameter_m: float = 1e300
+    ) -> NDArray[np.void]:
+        """(n,) of CRATER that are drawn, with centres within radius_m of a direction (3,)."""
     def level(self, cell_m: float, /) -> int:
         """Coarsest level of the lattice with cells of at most cell_m; 0: the finest level."""
     def cell_m(self, level: int, /) -> float:
@@ -527,6 +540,12 @@ class Tree:
 def philox(key: tuple[int, int], counter: tuple[int, int, int, int], count: int) -> NDArray[np.uint64]:
     """`count` words of Philox4x64-10, as numpy.random.Philox gives them (for tests)."""
 
+def rim_images(
+    rims: F64, camera: tuple[float, float, float, float, float], near_m: float, /
+) -> NDArray[np.void]:
+    """(n,) of RIM_IMAGE of rims (n, 3, 3), m: centre, major and minor semi-axis in camera axes, with
+    major x minor outwards. camera: fx, fy, cx, cy, skew; near_m: distance of the plane at which rims
+    are cut."""
 def project(K: F64, lens: tuple[str, F64] | None, points: F64) -> F64:
     """(N, 2): pixels of (N, 3) points in camera axes; nan where there is no image."""
 

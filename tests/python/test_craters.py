@@ -203,3 +203,39 @@ def test_real_catalogues(data_dir: Path) -> None:
         near = craters[craters["direction"] @ tycho > np.cos(10e3 / MOON_M)]
         assert len(near) > 0
         assert np.abs(near["diameter_m"] - 85e3).min() < 5e3
+
+
+def test_ground_lists_the_craters_that_it_draws() -> None:
+    radii_m = np.full(3, MOON_M)
+    craters = field()
+    bare = _core.Terrain(radii_m, craters=craters)
+    np.testing.assert_array_equal(
+        bare.craters(PLACE, 3000.0, 100.0), craters.list(PLACE, 3000.0, 100.0)
+    )
+    posts = np.zeros((64, 128), np.float32)
+    step = 2e-5  # 35 m: craters of 210 m and more are left to the model
+    lat, lon = np.arcsin(PLACE[2]), np.arctan2(PLACE[1], PLACE[0])
+    raster = _core.Raster(posts, "cylindrical", lon - 64 * step, lat + 32 * step, step, -step)
+    shown = _core.Terrain(radii_m, [(raster, "cubic", 0.0, 0.0)], craters=craters)
+    listed = shown.craters(PLACE, 500.0, 20.0)
+    assert listed["diameter_m"].max() < 6.0 * step * MOON_M
+    expected = craters.list(PLACE, 500.0, 20.0, 6.0 * step * MOON_M)
+    np.testing.assert_array_equal(listed, expected)
+    assert len(_core.Terrain(radii_m).craters(PLACE, 500.0)) == 0
+
+
+def test_images_of_rims() -> None:
+    """A rim seen from above is a circle; seen by a camera behind it, nothing."""
+    rim = np.array([[[0.0, 0.0, 100.0], [10.0, 0.0, 0.0], [0.0, -10.0, 0.0]]])
+    camera = (1000.0, 1000.0, 320.0, 240.0, 0.0)
+    (image,) = _core.rim_images(rim, camera, 1.0)
+    assert image["kind"] == 2
+    np.testing.assert_allclose(image["centre"], [320.0, 240.0])
+    np.testing.assert_allclose(image["semi_axes"], [100.0, 100.0])
+    np.testing.assert_allclose(image["box"], [220.0, 140.0, 420.0, 340.0])
+    assert image["facing"] == 1.0
+    (behind,) = _core.rim_images(-rim, camera, 1.0)
+    assert behind["kind"] == 0
+    assert len(_core.rim_images(np.zeros((0, 3, 3)), camera, 1.0)) == 0
+    with pytest.raises(ValueError, match="near_m"):
+        _core.rim_images(rim, camera, 0.0)
