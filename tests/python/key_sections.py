@@ -208,6 +208,7 @@ THINGS = [
         {
             "elevation": [HEIGHTS],
             "detail": None,
+            "craters": {"density": 30.0},
             "cells_per_pixel": 0.25,
             "finest_cell_m": 4e4,
         },

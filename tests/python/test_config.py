@@ -459,6 +459,8 @@ def test_every_physical_key_has_its_unit():
         "_w_m2",
         "_km_s",
         "_m_s2",
+        "_ga",
+        "_m2_per_myr",
         "_m2_kg",
         "_kg_m2",
         "_h",
@@ -502,6 +504,8 @@ def test_every_physical_key_has_its_unit():
         "color",
         "normal_strength", "radiance_w_m2_sr", "black", "wind_m_s",  # of the ground
         "hurst", "cells_per_pixel", "border_posts", "missing",  # of terrain
+        "coefficient", "exponent", "density", "ellipticity", "irregularity", "model_posts",
+        "diffusivity_exponent", "table",  # of craters
     }  # fmt: skip
     schema = Config.model_json_schema()
     found = 0

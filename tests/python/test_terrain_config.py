@@ -57,7 +57,7 @@ def refused(scene, repo_dir, text):
 @pytest.mark.parametrize(
     ("keys", "text"),
     [
-        ({"detail": None}, "null: without elevation there is then no ground"),
+        ({"detail": None}, "null: without elevation or craters there is then no ground"),
         ({"cells_per_pixel": 0.0}, "cells_per_pixel"),
         ({"finest_cell_m": 0.0}, "finest_cell_m"),
         ({"detail": {"hurst": 0.5, "ranges": [{"from_m": 0.0, "hurst": 0.9}]}},
@@ -195,6 +195,19 @@ def test_rasters_are_read_once(scene, repo_dir, monkeypatch):
         other = sim.with_overrides({"bodies.moon.terrain.detail.strength": strength})
         assert (other.camera_poses(0) != sim.camera_poses(0)).any()
         assert len(read) == 1, k
+
+
+def test_craters_are_in_the_ground(scene, repo_dir):
+    terrain = scene["bodies"]["moon"]["terrain"]
+    terrain["craters"] = {"law": "power", "coefficient": 0.05, "exponent": -2.0, "seed": 3}
+    sim = opened(scene, repo_dir)
+    found = [sim] + [
+        sim.with_overrides({f"bodies.moon.terrain.craters{key}": value})
+        for key, value in ((".seed", 4), (".density", 0.0), ("", None))
+    ]
+    heights = [height_m(other, other.camera_poses(0)[0, :3]) for other in found]
+    assert len(set(heights[:3])) == 3
+    assert heights[2] == pytest.approx(heights[3], abs=1e-9)  # a density of 0 is none
 
 
 def test_a_driver_draws_the_roughness(scene, repo_dir):

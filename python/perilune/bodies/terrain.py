@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.bodies.craters import crater_field
 from perilune.bodies.elevation import ElevationRaster
 from perilune.bodies.polar import with_patches
 from perilune.config.terrain import Detail, Terrain
@@ -36,7 +37,10 @@ def core_terrain(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
     layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
-    return _core.Terrain(radii_m, layers, detail)
+    field = None
+    if given.craters is not None:
+        field = crater_field(given.craters, float(np.cbrt(np.prod(radii_m))))
+    return _core.Terrain(radii_m, layers, detail, field)
 
 
 def ground_of(terrain: _core.Terrain, radii_m: F64, geodetic: bool) -> Ground:

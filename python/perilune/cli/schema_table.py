@@ -21,6 +21,7 @@ UNITS: dict[str, str] = {
     "km3_s2": "km3 s-2",
     "m_s2": "m s-2",
     "m2_kg": "m2 kg-1",
+    "m2_per_myr": "m2 Myr-1",
     "kg_m2": "kg m2",
     "deg_step_v": "deg a step",
     "deg_s": "deg s-1",
@@ -50,6 +51,7 @@ UNITS: dict[str, str] = {
     "k": "K",
     "c": "deg C",
     "year": "year",
+    "ga": "Ga",
     "magnitude": "mag",
 }
 """Suffix of a key's name -> its unit, longer ones first."""

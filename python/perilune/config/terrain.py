@@ -7,6 +7,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from perilune.config.craters import Craters
 from perilune.config.elevation import Elevation
 from perilune.config.errors import fail
 from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
@@ -80,6 +81,8 @@ class Terrain(Strict):
     """Elevation models, from coarse to fine: each lies over those before it."""
     detail: Detail | None = Detail.of_defaults()
     """Fractal detail below the posts, or everywhere without elevation. null: none."""
+    craters: Craters | None = None
+    """Craters where elevation models do not show them; none by default."""
     cells_per_pixel: _Cells = 1.0
     """Accuracy: cells of the mesh along a pixel. Half as many build four times faster."""
     finest_cell_m: _Cell = 0.01
@@ -87,6 +90,7 @@ class Terrain(Strict):
 
     @model_validator(mode="after")
     def _some_ground(self) -> Terrain:
-        if not self.elevation and self.detail is None:
-            fail("detail", "null: without elevation there is then no ground; leave terrain out")
+        if not self.elevation and self.detail is None and self.craters is None:
+            text = "null: without elevation or craters there is then no ground; leave terrain out"
+            fail("detail", text)
         return self

@@ -351,7 +351,8 @@ class Handles:
         body = config.bodies[name]
         assert body.terrain is not None  # it has one
         given, radii = body.terrain, orbits.radii_m(body)
-        key = (name, given.elevation, given.detail, tuple(radii), body.is_geodetic)
+        heights = given.elevation, given.detail, given.craters
+        key = (name, *heights, tuple(radii), body.is_geodetic)
         if key not in self.assets.terrains:
             rasters = [self._elevation(name, k, body) for k in range(len(given.elevation))]
             _make_room(self.assets.terrains, _GROUNDS)
