@@ -40,11 +40,12 @@ def spinning(rate_deg_s=30.0, size=(48, 40), **camera):
     return scene
 
 
-def at_instant(scene, root, t_s, channels, **options):
+INSTANT = {"camera.exposure_time_s": 0.0, "camera.line_time_us": 0.0}
+
+
+def at_instant(sim, t_s, channels, **changes):
     """A frame of no exposure, number 1: its step is as long as it takes."""
-    camera = {**scene["camera"], "exposure_time_s": 0.0, "line_time_us": 0.0}
-    scene = {**scene, "camera": camera, "time": {**scene["time"], "step_s": float(t_s)}}
-    return opened(scene, root, **options).frame(1, channels)
+    return sim.with_overrides(INSTANT | {"time.step_s": float(t_s)}, **changes).frame(1, channels)
 
 
 def test_blur_is_the_mean_of_256_instants(repo_dir):
@@ -52,17 +53,17 @@ def test_blur_is_the_mean_of_256_instants(repo_dir):
     differs is what two seeds of the same frame differ by. Glints that last less than an instant are
     met by few of a pixel's 64 samples, and make up most of it."""
     scene = spinning(60.0, exposure_time_s=1.0)
-    options = {"trajectory": sliding(0.6)}
+    sim = opened(scene, repo_dir, trajectory=sliding(0.6))
     blurred = []
     for seed in (0, 1):
-        sample = opened({**scene, "seed": seed}, repo_dir, **options).frame(0, COLOUR)
+        sample = sim.with_overrides(seed=seed).frame(0, COLOUR)
         assert row(sample, "motion_blur")["on"]
         blurred.append(sample["radiance"])
-    sharp = at_instant(scene, repo_dir, 0.5, COLOUR, **options)["radiance"]
+    sharp = at_instant(sim, 0.5, COLOUR)["radiance"]
     mean = np.zeros(sharp.shape)
     for i in range(256):  # seeds differ, so that their noise does not add up
-        few = {**scene, "seed": i, "render": {**scene["render"], "samples": 4}}
-        frame = at_instant(few, repo_dir, (i + 0.5) / 256, COLOUR, **options)
+        few = {"seed": i, "render.samples": 4}
+        frame = at_instant(sim, (i + 0.5) / 256, COLOUR, **few)
         mean += frame["radiance"] / 256
     noise = np.abs(blurred[0] - blurred[1]).mean()
     error = blurred[0] - mean
@@ -78,18 +79,18 @@ def test_rows_are_those_of_instants(repo_dir):
     scene["render"]["samples"] = 4
     scene["time"]["step_s"] = 1e-9
     names = ["radiance", "depth", "instance"]
-    camera = sliding(0.6)
-    rolled = opened(scene, repo_dir, trajectory=camera).frame(1, names)
+    sim = opened(scene, repo_dir, trajectory=sliding(0.6))
+    rolled = sim.frame(1, names)
     assert row(rolled, "rolling_shutter")["value"] == 12
     total = 0.0
     for y in range(12):
-        still = at_instant(scene, repo_dir, y / 24 + 1e-9, names, trajectory=camera)
+        still = at_instant(sim, y / 24 + 1e-9, names)
         assert (rolled["instance"][y] != still["instance"][y]).sum() <= 2
         same = rolled["instance"][y] == still["instance"][y]
         depth, expected = rolled["depth"][y][same], still["depth"][y][same]
         assert np.median(np.abs(depth - expected)) < 1e-3
         total += np.abs(rolled["radiance"][y] - still["radiance"][y]).mean() / 12
-    middle = at_instant(scene, repo_dir, 11 / 48, names, trajectory=camera)
+    middle = at_instant(sim, 11 / 48, names)
     skew = np.abs(rolled["radiance"] - middle["radiance"]).mean()
     assert total < 0.1 * skew
 
