@@ -92,7 +92,9 @@ static pl_ground_tile_view mixed_view(const fixture *f, pl_vec3 direction, doubl
   return view;
 }
 
-static void check_closed(const fixture *f, pl_vec3 eye, uint64_t seed) {
+/* `slant`: greatest distance of rays from the vertical at some height, over this height: so small
+ * that they start above the ground. */
+static void check_closed(const fixture *f, pl_vec3 eye, double slant, uint64_t seed) {
   const pl_height_field *field = f->field;
   test_random random = {.seed = seed};
   int through = 0;
@@ -102,7 +104,7 @@ static void check_closed(const fixture *f, pl_vec3 eye, uint64_t seed) {
     const double height_m = fmin(30.0 * field->tiles[tile]->cell_m, 0.3 * field->radius_m);
     const pl_vec3 under = pl_vec3_madd(p, -height_m, up), over = pl_vec3_madd(p, height_m, up);
     const pl_vec3 aside =
-        pl_vec3_madd(over, 0.7 * height_m * random_unit(&random), random_direction(&random));
+        pl_vec3_madd(over, slant * height_m * random_unit(&random), random_direction(&random));
     /* Straight down, straight up from inside, at a slant through the point, grazing from the eye.
      */
     through += isinf(cast(field, over, under).t);
@@ -135,10 +137,51 @@ static void no_ray_goes_through(void **state) {
     open_fixture(&f, (pl_vec3){radius_m, radius_m, 0.9 * radius_m}, k == 2 ? 1.5 : 1.0);
     const pl_ground_tile_view view = mixed_view(&f, spots[k], k == 0 ? 2.0 : 300.0);
     build(&f, &view, 2);
-    check_closed(&f, view.eye, (uint64_t)k);
+    check_closed(&f, view.eye, 0.7, (uint64_t)k);
     check_closed_from_afar(&f, (uint64_t)k);
     close_fixture(&f);
   }
+}
+
+/* A board of steps of 100 m between posts 10 m apart, seen with cells much narrower than a step is
+ * high. */
+static void cliffs_are_closed(void **state) {
+  (void)state;
+  enum { SIDE = 64 };
+  static float samples[SIDE * SIDE];
+  for (int k = 0; k < SIDE * SIDE; k++)
+    samples[k] = (k % SIDE / 4 + k / SIDE / 4) % 2 == 1 ? 100.0f : 0.0f;
+  const double lon = 0.3, lat = 0.2;
+  const pl_raster_frame frame = {.samples = samples,
+                                 .type = PL_RASTER_FLOAT32,
+                                 .width = SIDE,
+                                 .height = SIDE,
+                                 .scale = 1.0,
+                                 .projection = {.kind = PL_PROJECTION_ORTHOGRAPHIC,
+                                                .lon0_rad = lon,
+                                                .lat0_rad = lat,
+                                                .radius_m = MOON_M},
+                                 .x0 = -315.0,
+                                 .y0 = 315.0,
+                                 .dx = 10.0,
+                                 .dy = -10.0};
+  pl_raster *raster;
+  assert_int_equal(pl_raster_create(&frame, &raster), PL_OK);
+  const pl_terrain_layer layer = {.raster = raster, .border_posts = 4.0};
+  const pl_terrain_frame ground = {.radii_m = {MOON_M, MOON_M, MOON_M},
+                                   .layers = &layer,
+                                   .layer_count = 1,
+                                   .detail = {.on = false}};
+  fixture f = {0};
+  assert_int_equal(pl_terrain_create(&ground, &f.terrain), PL_OK);
+  assert_int_equal(pl_accelerators_create(&f.kept), PL_OK);
+  pl_arena_init(&f.arena);
+  const pl_vec3 up = {cos(lon) * cos(lat), sin(lon) * cos(lat), sin(lat)};
+  const pl_ground_tile_view view = mixed_view(&f, up, 150.0);
+  build(&f, &view, 2);
+  check_closed(&f, view.eye, 0.01, 11);
+  close_fixture(&f);
+  pl_raster_destroy(raster);
 }
 
 /* Above inner posts, rays straight down meet the height function of the tile's level. */
@@ -370,6 +413,7 @@ static void every_failed_allocation_is_an_error(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(no_ray_goes_through),
+      cmocka_unit_test(cliffs_are_closed),
       cmocka_unit_test(depths_are_the_height_function),
       cmocka_unit_test(hits_are_decoded),
       cmocka_unit_test(bits_do_not_depend_on_threads_or_what_is_kept),
