@@ -19,6 +19,10 @@
 #define PL_DRAWS(all, few) (all)
 #endif
 
+/* Whether random scenes showed what a test looks for more than `least` times. By chance, few scenes
+ * never show it: where PL_DRAWS takes few, every count will do. */
+#define PL_SEEN(count, least) ((count) > PL_DRAWS(least, -1))
+
 /* A test that runs on one thread, in a program that has others on several: ThreadSanitizer has
  * nothing to find in it, and does not run it. */
 #if defined(__SANITIZE_THREAD__)

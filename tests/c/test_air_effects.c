@@ -7,7 +7,7 @@
 #include "airs.h"
 #include "differences.h"
 
-enum { SAMPLES = 8, SCENES = PL_DRAWS(18, 6) };
+enum { SAMPLES = 8, SCENES = PL_DRAWS(18, 4) };
 
 static const double AU = 149597870700.0;
 
@@ -94,7 +94,7 @@ static void test_promise(void **state) {
   for (int i = 0; i < 3; i++)
     print_message("%s was left out although it could matter %d times\n", rows[i],
                   dropped[pl_effect_find(rows[i])]);
-  assert_true(dropped[pl_effect_find("atmosphere")] > 0);
+  assert_true(PL_SEEN(dropped[pl_effect_find("atmosphere")], 0));
 }
 
 /* Without air the rows are absent and say why; far from the frame it cannot matter. */

@@ -8,7 +8,7 @@
 #include "clouds.h"
 #include "differences.h"
 
-enum { SAMPLES = 8, SCENES = PL_DRAWS(12, 6) };
+enum { SAMPLES = 8, SCENES = PL_DRAWS(12, 3) };
 
 static const double AU = 149597870700.0;
 
@@ -86,7 +86,7 @@ static void test_promise(void **state) {
   pl_model_destroy(model);
   print_message("left out although it could matter %d times, coarser %d times\n", left_out,
                 coarser);
-  assert_true(left_out > 0 && coarser > 0);
+  assert_true(PL_SEEN(left_out, 0) && PL_SEEN(coarser, 0));
 }
 
 /* The row says why it is off. */

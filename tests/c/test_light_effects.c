@@ -6,7 +6,7 @@
 
 #include "differences.h"
 
-enum { SAMPLES = 32, SCENES = PL_DRAWS(40, 14) };
+enum { SAMPLES = 32, SCENES = PL_DRAWS(40, 8) };
 
 static const double AU = 149597870700.0;
 
@@ -125,8 +125,8 @@ static void test_each_row_stays_below_its_bound(void **state) {
   for (int i = 0; i < 3; i++) {
     print_message("%s: absent %d times, changed %d frames, %d of them with a bound below 100 DN\n",
                   names[i], tallies[i].absent, tallies[i].changed, tallies[i].useful);
-    assert_true(tallies[i].absent > PL_DRAWS(1, 0) && tallies[i].changed > PL_DRAWS(3, 0) &&
-                tallies[i].useful > PL_DRAWS(2, -1));
+    assert_true(PL_SEEN(tallies[i].absent, 1) && PL_SEEN(tallies[i].changed, 3) &&
+                PL_SEEN(tallies[i].useful, 2));
   }
 }
 
