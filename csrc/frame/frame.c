@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "frame/subpixel_bodies.h"
 #include "frame/effects.h"
+#include "frame/height_fields.h"
 #include "frame/moving.h"
 #include "frame/output.h"
 #include "frame/renderer.h"
@@ -261,6 +262,7 @@ pl_status pl_renderer_frame(pl_renderer *renderer, const pl_frame_request *reque
   double start = now_s();
   const pl_choice choice = pl_choice_of_plan(request, result, colour);
   PL_TRY(pl_realise(renderer->accelerators, &survey, &choice, &renderer->arena, &instant));
+  pl_height_fields_report(renderer->accelerators, &instant->shot, result);
   pl_output output = {
       .request = request,
       .shot = &instant->shot,

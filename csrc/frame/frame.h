@@ -70,6 +70,10 @@ typedef struct pl_frame_result {
    * renderer's next frame. */
   const pl_seen_star *stars;
   size_t star_count;
+  /* Meshes of terrain: tiles in the middle of the frame, bytes that are kept for all frames, and
+   * the largest factor by which cells are wider than asked, for the limit of tiles; 1: none. */
+  size_t ground_tiles, ground_bytes;
+  double ground_widened;
   double seconds[PL_STAGE_COUNT]; /* wall time; never part of an output array */
 } pl_frame_result;
 

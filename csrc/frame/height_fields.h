@@ -11,4 +11,8 @@
 pl_status pl_height_fields_place(pl_accelerators *kept, const pl_choice *choice, pl_arena *arena,
                                  pl_snapshot *shot);
 
+/* Writes what the meshes of terrain of an instant are, see pl_frame_result. */
+void pl_height_fields_report(const pl_accelerators *kept, const pl_snapshot *shot,
+                             pl_frame_result *result);
+
 #endif

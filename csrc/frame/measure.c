@@ -49,6 +49,10 @@ static pl_status measure(const pl_snapshot *shot, pl_accelerators *kept, pl_cove
   rays second = {pl_arena_alloc(arena, pixels, sizeof(pl_ray)), 0};
   if (first.items == NULL || second.items == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for rays");
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].has_terrain)
+      return pl_fail(PL_E_RANGE, "body '%s' has terrain: its rays are not measured",
+                     shot->bodies[i].body->name);
   const pl_tracer *tracer;
   PL_TRY(pl_tracer_build(kept, shot, arena, &tracer));
   PL_TRY(pl_coverage_update(coverage, shot, 0, shot->camera.height, 1, 1));

@@ -169,6 +169,11 @@ class SeenStars(TypedDict):
     pixel: F64  # (n, 2)
     magnitude: NDArray[np.float32]  # (n,)
 
+class GroundUse(TypedDict):
+    tiles: int  # of terrain, in the middle of the frame
+    kept_bytes: int  # of tiles that are kept between frames
+    widened: float  # factor by which cells are wider than asked, for the limit of tiles; 1: none
+
 class FrameResult(TypedDict):
     white_radiance: float  # nan: automatic, and no colour was asked for
     exposure_s: float  # of the sensor; nan: none of its channels was asked for
@@ -176,6 +181,7 @@ class FrameResult(TypedDict):
     plan: list[PlanRow]
     timings_s: dict[str, float]
     stars: SeenStars  # that the colours show
+    ground: GroundUse  # zeros without terrain, and for plans
 
 class BandLight(TypedDict):
     part: tuple[float, float, float]  # of the sun's irradiance, by red, green and blue

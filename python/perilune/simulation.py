@@ -400,6 +400,13 @@ class Simulation:
         if unseen is not None:
             where = f"{self._document.source}: camera.trajectory.target"
             self._remarks.tell_of_key(where, unseen)
+        widened = result["ground"]["widened"]
+        if widened > 1.0:
+            self._remarks.tell_of_key(
+                f"{self._document.source}: bodies",
+                f"terrain needs more tiles than the limit: its cells are {widened:.3g} times as wide"
+                " as cells_per_pixel asks",
+            )
         label = camera_label(request, scene.sensor, not undistorted)
         stars = seen(result["stars"])
         return Sample(arrays, objects, label, meta, result["plan"], stars)
