@@ -1,0 +1,156 @@
+"""Frames of terrain: points beside the heights, shadows beside exact outlines, the same bits
+however a frame is made."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import perilune
+from perilune import _core
+from perilune.base import rotations
+from perilune.frame import shutter
+
+MOON_M = 1737.4e3
+LON_DEG, LAT_DEG = 20.0, 10.0
+SEED = 3
+
+
+def moon(terrain: dict[str, Any], camera: dict[str, Any], **more: Any) -> perilune.Simulation:
+    """A Moon of grey Lambert ground under a camera 64 pixels wide."""
+    size = {"width": 64, "height": 48, "fov_deg": 50.0, "exposure": {"mode": "auto"}}
+    tree = {
+        "version": 1,
+        "time": {"epoch": "2026-03-03T06:00:00Z"},
+        "root": "moon",
+        "sun": {"at": {"lon_deg": LON_DEG, "lat_deg": LAT_DEG, "azimuth_deg": 90.0,
+                       "elevation_deg": 30.0}},
+        "bodies": {"moon": {"kind": "moon", "albedo": 0.3, "terrain": terrain}},
+        "camera": size | camera,
+        "render": {"samples": 4, "max_bounces": 1},
+    } | more  # fmt: skip
+    return perilune.open(tree)
+
+
+def over(height_m: float, off_nadir_deg: float = 0.0) -> dict[str, Any]:
+    """A trajectory over the site."""
+    return {"kind": "hover", "target": "moon", "lon_deg": LON_DEG, "lat_deg": LAT_DEG,
+            "height_m": height_m, "altitude_above": "terrain", "off_nadir_deg": off_nadir_deg,
+            "clearance_m": None}  # fmt: skip
+
+
+def in_body_axes(sim: perilune.Simulation, sample: perilune.Sample) -> np.ndarray:
+    """(H, W, 3) points that are seen, body axes, m; nan where there is sky."""
+    pose = shutter.middle(sim.world(0)).poses["moon"][0]
+    axes = rotations.to_matrix(pose[3:])
+    return (sample["position"] - pose[:3]) @ axes
+
+
+VIEWS = {
+    "orbit": over(200e3),
+    "limb": over(100e3, 75.0),
+    "lander": over(500.0, 40.0),
+    "rover": over(1.5, 80.0),
+}
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_points_lie_on_the_heights(view):
+    """Cells are up to 1.4 pixels wide (2.8 near the horizon): what a mesh of them leaves out of a
+    ground with slopes of some degrees is a small part of a cell."""
+    sim = moon({"detail": {"seed": SEED}}, {"trajectory": VIEWS[view]})
+    sample = sim.frame(0, ["position", "range", "elevation"])
+    points, seen = in_body_axes(sim, sample), sample["range"] > 0.0
+    assert seen.mean() > (0.3 if view in ("limb", "rover") else 0.99)
+    away = np.linalg.norm(points[seen], axis=1)
+    terrain = _core.Terrain(np.full(3, MOON_M), [], {"seed": SEED})
+    heights = terrain.heights(points[seen] / away[:, None])
+    np.testing.assert_allclose(sample["elevation"][seen], away - MOON_M, atol=0.02)
+    pixel_m = sample["range"][seen] * math.radians(50.0) / 64
+    off = np.abs(away - MOON_M - heights) / np.maximum(pixel_m, 0.01)
+    assert np.median(off) < 0.1
+    assert np.percentile(off, 99.0) < 0.6
+    assert off.max() < 2.0
+
+
+def test_the_same_bits_for_any_threads_and_whatever_is_kept():
+    trajectory = over(300.0, 60.0) | {"lon_deg": {"uniform": [19.9, 20.1]}}
+    sim = moon({"detail": {"seed": SEED}}, {"trajectory": trajectory}, time={
+        "epoch": "2026-03-03T06:00:00Z", "step_s": 1.0})  # fmt: skip
+    channels = ["radiance", "depth", "normal", "slope"]
+    kept = [sim.frame(k, channels, threads=1) for k in (2, 0, 1)][2]
+    fresh = sim.with_overrides({}).frame(1, channels, threads=2)
+    for name in channels:
+        np.testing.assert_array_equal(kept[name], fresh[name])
+
+
+def test_ground_without_heights_is_the_ellipsoid():
+    camera = {"trajectory": over(200e3) | {"altitude_above": "datum"}}
+    quiet = {"samples": 4, "max_bounces": 1, "force_off": ["soft_sun"]}
+    flat = moon({"detail": {"strength": 0.0}}, camera, render=quiet)
+    left_out = quiet | {"force_off": ["soft_sun", "terrain"]}
+    smooth = moon({"detail": {"seed": SEED}}, camera, render=left_out)
+    a, b = (sim.frame(0, ["radiance", "depth", "instance"]) for sim in (flat, smooth))
+    np.testing.assert_array_equal(a["instance"], b["instance"])
+    np.testing.assert_allclose(a["radiance"], b["radiance"], rtol=0.01)
+    np.testing.assert_allclose(a["depth"], b["depth"], rtol=1e-4)
+    assert not next(row["on"] for row in b.plan if row["name"] == "terrain")
+
+
+def test_a_camera_below_the_ground_is_told_by_how_much():
+    low = over(0.001) | {"altitude_above": "datum"}
+    height = _core.Terrain(np.full(3, MOON_M), [], {"seed": SEED}).heights(
+        np.array([[math.cos(math.radians(LAT_DEG)) * math.cos(math.radians(LON_DEG)),
+                   math.cos(math.radians(LAT_DEG)) * math.sin(math.radians(LON_DEG)),
+                   math.sin(math.radians(LAT_DEG))]]))[0]  # fmt: skip
+    seed = SEED if height > 1.0 else SEED + 1
+    with pytest.raises(ValueError, match=r"below the ground|clearance|above the ground|inside"):
+        moon({"detail": {"seed": seed}}, {"trajectory": low}).frame(0, ["depth"])
+
+
+@pytest.fixture(scope="module")
+def cone(tmp_path_factory):
+    """A cone 60 m high and 200 m wide on a plane, posts of 2 m."""
+    x, y = np.meshgrid(np.arange(-400, 401) * 2.0, np.arange(400, -401, -1) * 2.0)
+    path = tmp_path_factory.mktemp("cone") / "cone.npy"
+    np.save(path, np.maximum(60.0 - 0.6 * np.hypot(x, y), 0.0).astype(np.float32))
+    return path
+
+
+def shadow_of_cone(x: np.ndarray, y: np.ndarray, elevation_deg: float) -> np.ndarray:
+    """How far points of the plane are inside the shadow of the cone, m: the Sun is in the east, and
+    the shadow is the hull of the base and of the shadow of the tip."""
+    tip = -60.0 / math.tan(math.radians(elevation_deg))
+    edge = math.acos(-100.0 / tip)  # tangents from the tip's shadow touch the base there
+    sides = [100.0 - (-np.cos(edge) * x + sign * np.sin(edge) * y) for sign in (-1.0, 1.0)]
+    west = x < -100.0 * math.cos(edge)
+    return np.where(west, np.minimum(*sides), 100.0 - np.hypot(x, y))
+
+
+@pytest.mark.parametrize(("elevation_deg", "height_m"), [(5.0, 1500.0), (20.0, 600.0)])
+def test_the_shadow_of_a_cone(cone, elevation_deg, height_m):
+    place = {"kind": "orthographic", "center_lon_lat_deg": [LON_DEG, LAT_DEG], "post_m": 2.0}
+    row = {"file": str(cone), "projection": place}
+    sun = {"at": {"lon_deg": LON_DEG, "lat_deg": LAT_DEG, "azimuth_deg": 90.0,
+                  "elevation_deg": elevation_deg}}  # fmt: skip
+    camera = {"trajectory": over(height_m), "fov_deg": 40.0,
+              "width": 128, "height": 96}  # fmt: skip
+    hard = {"samples": 1, "max_bounces": 0, "force_off": ["soft_sun", "antialiasing"]}
+    sim = moon({"elevation": [row], "detail": None}, camera, sun=sun, render=hard)
+    sample = sim.frame(0, ["radiance", "position"])
+    points = in_body_axes(sim, sample)
+    lon, lat = math.radians(LON_DEG), math.radians(LAT_DEG)
+    east = np.array([-math.sin(lon), math.cos(lon), 0.0])
+    north = np.array([-math.sin(lat) * math.cos(lon), -math.sin(lat) * math.sin(lon),
+                      math.cos(lat)])  # fmt: skip
+    x, y = points @ east, points @ north
+    deep = shadow_of_cone(x, y, elevation_deg)
+    on_plane = np.hypot(x, y) > 104.0
+    dark = sample["radiance"][..., 1] == 0.0
+    pixel_m = height_m * math.radians(40.0) / 128
+    sure = on_plane & (np.abs(deep) > pixel_m + 4.0)
+    assert (sure & (deep > 0)).sum() > 20
+    np.testing.assert_array_equal(dark[sure], deep[sure] > 0.0)
