@@ -404,8 +404,8 @@ class Simulation:
         if widened > 1.0:
             self._remarks.tell_of_key(
                 f"{self._document.source}: bodies",
-                f"terrain needs more tiles than the limit: its cells are {widened:.3g} times as wide"
-                " as cells_per_pixel asks",
+                "terrain needs more tiles than the limit: its cells are"
+                f" {widened:.3g} times as wide as cells_per_pixel asks",
             )
         label = camera_label(request, scene.sensor, not undistorted)
         stars = seen(result["stars"])
