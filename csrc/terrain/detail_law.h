@@ -30,8 +30,9 @@ typedef struct pl_terrain_detail {
 } pl_terrain_detail;
 
 /* Returns the highlands of the Moon: nu(17 m) = 1.9 m with H = 0.95 between 0.1 m and 1 km
- * (Rosenburg et al. 2011, table 2), 0.5 beyond, where the Moon is flatter, and 0.85 below 0.1 m, by
- * which slopes at 1 cm stay near 10 degrees; down to 1 cm. */
+ * (Rosenburg et al. 2011, table 2); beyond, what leads to the nu(L) of LOLA's model LDEM_4, within
+ * 10 % from 8 to 250 km; below 0.1 m 0.85, by which slopes at 1 cm stay near 10 degrees; down to 1
+ * cm. */
 pl_terrain_detail pl_terrain_detail_default(double radius_m);
 /* PL_E_RANGE with a text that names the field. */
 pl_status pl_terrain_detail_check(const pl_terrain_detail *detail);

@@ -12,6 +12,7 @@ from perilune import _core
 from perilune.bodies.craters import crater_field
 from perilune.bodies.elevation import ElevationRaster
 from perilune.bodies.polar import with_patches
+from perilune.bodies.roughness import BEND, of_elevation
 from perilune.config.terrain import Detail, Terrain
 from perilune.orbits.ground import Ground
 
@@ -31,12 +32,39 @@ def _detail(given: Detail) -> dict[str, Any]:
     return keys
 
 
+def _measured(model: ElevationRaster, radius_m: float) -> dict[str, Any]:
+    """The keys of the core's detail for the law of a model."""
+    found = of_elevation(model, radius_m)
+    if found is None:
+        raise ValueError(f"detail.from_elevation: {model.name}: is flat, or has too few posts")
+    law = {"baseline_m": found.baseline_m, "deviation_m": found.deviation_m}
+    return {"ranges": [(0.0, found.hurst)], **law}
+
+
+def remarks_of(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster]) -> list[str]:
+    """Remarks on the law of detail that is taken from a model, one per line."""
+    if given.detail is None or not given.detail.from_elevation:
+        return []
+    found = of_elevation(rasters[-1], float(radii_m[0]))
+    if found is None or abs(found.bend) <= BEND:
+        return []
+    kind = (
+        "smoothed, or flatter over longer distances" if found.bend > 0.0 else "noisy or has steps"
+    )
+    return [
+        f"heights over 1 to 8 posts follow no power law: {rasters[-1].name} is {kind}; the Hurst "
+        f"exponent of {found.hurst:.2f} may be wrong; give hurst and deviation_m instead"
+    ]
+
+
 def core_terrain(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster]) -> _core.Terrain:
     """The core's heights of a section. rasters: what its `elevation` was read to; those that
     reach a pole get a patch over it. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
     layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
+    if detail is not None and given.detail is not None and given.detail.from_elevation:
+        detail |= _measured(rasters[-1], float(radii_m[0]))
     field = None
     if given.craters is not None:
         field = crater_field(given.craters, float(np.cbrt(np.prod(radii_m))))

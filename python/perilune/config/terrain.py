@@ -31,9 +31,9 @@ class Detail(Strict):
     """Fractal detail below the posts of elevation models, or everywhere without any.
 
     The RMS difference nu(L) of heights over a baseline L is a power L^H, whose exponent may change
-    with scale. By default it is that of the highlands of the Moon (Rosenburg et al. 2011): nu(17 m)
-    = 1.9 m with H = 0.95 between 0.1 m and 1 km, 0.5 beyond, and 0.85 below 0.1 m. Posts keep their
-    heights."""
+    with scale. By default it is that of the highlands of the Moon: nu(17 m) = 1.9 m with H = 0.95
+    between 0.1 m and 1 km (Rosenburg et al. 2011), 0.86, 0.6 and 0.22 from 1, 8 and 25 km on
+    (LOLA's LDEM_4), and 0.85 below 0.1 m. Posts keep their heights."""
 
     seed: _Seed = 0
     """Number of the ground: another seed gives other detail of the same roughness."""
@@ -45,6 +45,10 @@ class Detail(Strict):
     """Hurst exponent at all scales, instead of ranges."""
     ranges: Annotated[tuple[HurstRange, ...], Field(min_length=1, max_length=8)] | None = None
     """Hurst exponents by baseline, from 0 upwards."""
+    from_elevation: bool = False
+    """Take the law from the last elevation model: that of its heights over 1 to 8 posts, assumed to
+    go on below them. Models that are smoothed or noisy break the assumption; a warning then says
+    so."""
     strength: NonNegative = 1.0
     """Factor on all heights of the detail; 0: none."""
     longest_m: Positive | None = None
@@ -58,6 +62,9 @@ class Detail(Strict):
         if (self.baseline_m is None) != (self.deviation_m is None):
             key = "deviation_m" if self.deviation_m is None else "baseline_m"
             fail(key, "baseline_m and deviation_m go together")
+        for key in ("hurst", "ranges", "deviation_m"):
+            if self.from_elevation and getattr(self, key) is not None:
+                fail("from_elevation", f"true: takes the law from the model; leave out {key}")
         rows = self.ranges or ()
         if rows and rows[0].from_m != 0.0:
             fail("ranges[0].from_m", "must be 0")
@@ -93,4 +100,6 @@ class Terrain(Strict):
         if not self.elevation and self.detail is None and self.craters is None:
             text = "null: without elevation or craters there is then no ground; leave terrain out"
             fail("detail", text)
+        if not self.elevation and self.detail is not None and self.detail.from_elevation:
+            fail("detail.from_elevation", "true: there is no elevation")
         return self

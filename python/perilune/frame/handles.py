@@ -361,6 +361,8 @@ class Handles:
             except ValueError as error:
                 where = f"{self.document.source}:\n  bodies.{name}.terrain"
                 raise ConfigError(f"{where}: {error}") from error
+            for text in terrains.remarks_of(given, radii, rasters):
+                self._tell_of_key(f"bodies.{name}.terrain.detail.from_elevation", text)
             ground = terrains.ground_of(core, radii, body.is_geodetic)
             self.assets.terrains[key] = core, ground
         return self.assets.terrains[key]
