@@ -13,6 +13,7 @@ static const pl_shot_body *body_of(const pl_label_run *run) {
     return &shot->bodies[pl_shot_object_of(shot, run->surface_id)->object->body];
   case PL_SURFACE_ELLIPSOID:
   case PL_SURFACE_HEIGHT_FIELD:
+  case PL_SURFACE_ROCKS:
     return pl_shot_body_of(shot, run->surface_id);
   default:
     return NULL;

@@ -203,12 +203,17 @@ static const char *turn_doc(size_t i) {
 static const char *crater_law_name(size_t i) { return pl_crater_laws[i].name; }
 static const char *crater_law_doc(size_t i) { return pl_crater_laws[i].doc; }
 
+static const char *rock_law_name(size_t i) { return pl_rock_laws[i].name; }
+static const char *rock_law_doc(size_t i) { return pl_rock_laws[i].doc; }
+static const char *rock_family_name(size_t i) { return pl_rock_families[i].name; }
+static const char *rock_family_doc(size_t i) { return pl_rock_families[i].doc; }
+
 static int execute(PyObject *module) {
   PyType_Spec *const specs[] = {
       &pl_py_model_spec,      &pl_py_map_spec,     &pl_py_scene_spec,        &pl_py_renderer_spec,
       &pl_py_propagator_spec, &pl_py_tree_spec,    &pl_py_articulation_spec, &pl_py_graph_spec,
       &pl_py_grid_spec,       &pl_py_stars_spec,   &pl_py_air_spec,          &pl_py_rings_spec,
-      &pl_py_raster_spec,     &pl_py_terrain_spec, &pl_py_craters_spec};
+      &pl_py_raster_spec,     &pl_py_terrain_spec, &pl_py_craters_spec,      &pl_py_rocks_spec};
   if (PyArray_ImportNumPyAPI() < 0)
     return -1;
   for (size_t i = 0; i < sizeof specs / sizeof specs[0]; i++)
@@ -231,7 +236,11 @@ static int execute(PyObject *module) {
       add(module, "LENSES", pl_py_lenses()) < 0 ||
       add(module, "CRATER", pl_py_crater_record()) < 0 ||
       add(module, "RIM_IMAGE", pl_py_rim_record()) < 0 ||
-      add(module, "CRATER_LAWS", named_rows(PL_CRATER_LAWS, crater_law_name, crater_law_doc)) < 0)
+      add(module, "CRATER_LAWS", named_rows(PL_CRATER_LAWS, crater_law_name, crater_law_doc)) < 0 ||
+      add(module, "ROCK", pl_py_rock_record()) < 0 ||
+      add(module, "ROCK_LAWS", named_rows(PL_ROCK_LAWS, rock_law_name, rock_law_doc)) < 0 ||
+      add(module, "ROCK_FAMILIES",
+          named_rows(PL_ROCK_FAMILIES, rock_family_name, rock_family_doc)) < 0)
     return -1;
   return pl_py_orbit_add_constants(module);
 }

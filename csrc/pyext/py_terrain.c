@@ -7,7 +7,7 @@
 
 typedef struct terrain_object {
   PyObject_HEAD pl_terrain *terrain; /* owned */
-  PyObject *kept;                    /* list of the rasters and craters */
+  PyObject *kept;                    /* list of the rasters, craters and rocks */
 } terrain_object;
 
 static void terrain_dealloc(PyObject *self) {
@@ -142,15 +142,23 @@ static int craters_of(PyObject *craters, PyObject *kept, const pl_crater_field *
   return *out != NULL ? PyList_Append(kept, craters) : -1;
 }
 
+static int rocks_of(PyObject *rocks, PyObject *kept, const pl_rock_field **out) {
+  if (rocks == Py_None)
+    return 0;
+  *out = pl_py_rocks_of(rocks);
+  return *out != NULL ? PyList_Append(kept, rocks) : -1;
+}
+
 static int create(terrain_object *self, const double radii_m[3], PyObject *layers, PyObject *detail,
-                  PyObject *craters) {
+                  PyObject *craters, PyObject *rocks) {
   pl_terrain_layer given[PL_TERRAIN_LAYERS];
   pl_terrain_frame frame = {.radii_m = {radii_m[0], radii_m[1], radii_m[2]}, .layers = given};
   self->kept = PyList_New(0);
   if (self->kept == NULL ||
       (layers != NULL && layers_of(layers, self->kept, given, &frame.layer_count) < 0) ||
       detail_of(detail, radii_m[0], &frame.detail) < 0 ||
-      craters_of(craters, self->kept, &frame.craters) < 0)
+      craters_of(craters, self->kept, &frame.craters) < 0 ||
+      rocks_of(rocks, self->kept, &frame.rocks) < 0)
     return -1;
   const pl_status status = pl_terrain_create(&frame, &self->terrain);
   if (status == PL_OK)
@@ -160,17 +168,18 @@ static int create(terrain_object *self, const double radii_m[3], PyObject *layer
 }
 
 static PyObject *terrain_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"radii_m", "layers", "detail", "craters", NULL};
-  PyObject *radii, *layers = NULL, *detail = Py_None, *craters = Py_None;
+  static char *names[] = {"radii_m", "layers", "detail", "craters", "rocks", NULL};
+  PyObject *radii, *layers = NULL, *detail = Py_None, *craters = Py_None, *rocks = Py_None;
   const npy_intp shape[1] = {3};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOO:Terrain", names, &radii, &layers, &detail,
-                                   &craters))
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOO:Terrain", names, &radii, &layers, &detail,
+                                   &craters, &rocks))
     return NULL;
   PyArrayObject *array = pl_py_array(radii, "radii_m", NPY_DOUBLE, 1, shape);
   if (array == NULL)
     return NULL;
   terrain_object *self = (terrain_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
-  const int failed = self == NULL || create(self, PyArray_DATA(array), layers, detail, craters) < 0;
+  const int failed =
+      self == NULL || create(self, PyArray_DATA(array), layers, detail, craters, rocks) < 0;
   Py_DECREF((PyObject *)array);
   if (!failed)
     return (PyObject *)self;
@@ -375,8 +384,8 @@ static PyGetSetDef terrain_getset[] = {
 };
 
 static PyType_Slot terrain_slots[] = {
-    {Py_tp_doc,
-     "Terrain(radii_m, layers=(), detail=None, craters=None)\n--\n\nHeights of a body's ground."},
+    {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None, craters=None, rocks=None)\n--\n\nHeights "
+                "of a body's ground."},
     {Py_tp_new, (void *)terrain_new},
     {Py_tp_dealloc, (void *)terrain_dealloc},
     {Py_tp_methods, terrain_methods},

@@ -39,7 +39,7 @@ typedef struct pl_geometry_kind {
 } pl_geometry_kind;
 
 extern const pl_geometry_kind pl_geometry_mesh, pl_geometry_shape, pl_geometry_ellipsoid,
-    pl_geometry_height_field;
+    pl_geometry_height_field, pl_geometry_rocks;
 extern const pl_geometry_kind *const pl_geometry_kinds[PL_SURFACE_KINDS];
 
 /* Returns the row of a surface; not for PL_NO_SURFACE. */
@@ -54,6 +54,9 @@ pl_vec3f pl_mesh_smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex)
 void pl_mesh_leave(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray);
 void pl_mesh_set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, pl_spot *spot);
 void pl_mesh_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
+/* What terrain and its rocks share. */
+void pl_height_field_leave(const pl_snapshot *shot, const pl_vertex *vertex, float side,
+                           pl_ray *ray);
 /* What terrain shares with ellipsoids. */
 void pl_body_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
 

@@ -72,7 +72,8 @@ static void shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail
  * single precision relative to the field's origin, and by a small part of a cell. */
 static const double ROUNDING = 0x1p-21, PART_OF_CELL = 0x1p-12;
 
-static void leave(const pl_snapshot *shot, const pl_vertex *vertex, float side, pl_ray *ray) {
+void pl_height_field_leave(const pl_snapshot *shot, const pl_vertex *vertex, float side,
+                           pl_ray *ray) {
   const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
   const pl_vec3 from =
       pl_vec3_sub(vertex->position,
@@ -95,7 +96,7 @@ const pl_geometry_kind pl_geometry_height_field = {
     .locate = locate,
     .smooth_normal = smooth_normal,
     .shade = shade,
-    .leave = leave,
+    .leave = pl_height_field_leave,
     .set_spot = set_spot,
     .label = pl_body_label,
 };

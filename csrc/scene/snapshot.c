@@ -3,6 +3,7 @@
 
 #include "scene/pieces.h"
 #include "scene/volumes.h"
+#include "terrain/rock_field.h"
 
 /* IAU 2012 resolution B2. */
 #define ASTRONOMICAL_UNIT_M 149597870700.0
@@ -113,7 +114,7 @@ static pl_status place_terrain(pl_shot_body *body) {
   const pl_terrain *terrain = body->body->terrain;
   double low_m, high_m;
   pl_terrain_bounds(terrain, &low_m, &high_m);
-  body->outer_m = body->radius_m + fmax(high_m, 0.0);
+  body->outer_m = body->radius_m + fmax(high_m, 0.0) + pl_rock_reach_m(pl_terrain_rocks(terrain));
   const double far = pl_vec3_norm(body->camera);
   if (far > body->outer_m)
     return PL_OK;

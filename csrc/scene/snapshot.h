@@ -139,7 +139,7 @@ static inline const pl_shot_object *pl_shot_object_of(const pl_snapshot *shot, p
   return &shot->objects[pl_surface_index(id)];
 }
 
-/* Returns the body of an ellipsoid or a height field. */
+/* Returns the body of an ellipsoid, a height field or rocks. */
 static inline const pl_shot_body *pl_shot_body_of(const pl_snapshot *shot, pl_surface_id id) {
   return &shot->bodies[pl_surface_index(id)];
 }

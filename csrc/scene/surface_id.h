@@ -13,6 +13,7 @@ typedef enum pl_surface_kind {
   PL_SURFACE_SHAPE,        /* mesh of a body's shape: index of the object that places it */
   PL_SURFACE_ELLIPSOID,    /* index of a body */
   PL_SURFACE_HEIGHT_FIELD, /* terrain of a body: index of the body */
+  PL_SURFACE_ROCKS,        /* rocks on the terrain of a body: index of the body */
   PL_SURFACE_KINDS
 } pl_surface_kind;
 

@@ -238,6 +238,7 @@ pl_status pl_ground_tile_make(const pl_terrain *terrain, pl_ground_tile_id id,
   const double cell_m = pl_cube_cell_m(pl_ground_tile_lattice(id), pl_terrain_radius_m(terrain));
   out->id = id;
   out->cell_m = cell_m;
+  out->rocks = NULL;
   work.terrain = terrain;
   work.tile = out;
   work.step_m = ldexp(1.0, ilogb(cell_m) - 17);

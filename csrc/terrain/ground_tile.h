@@ -55,7 +55,8 @@ typedef struct pl_ground_tile {
   float low_m, high_m; /* least and greatest height of the posts over the datum */
   /* All of the tile with its skirt is between these distances from the body's centre. */
   double least_m, most_m;
-  float slope_unit; /* slope that one step of `slopes` stands for */
+  float slope_unit;              /* slope that one step of `slopes` stands for */
+  struct pl_ground_rocks *rocks; /* its rocks, of whom keeps the tile; NULL for none */
   /* Posts relative to `origin`, m: rows of ascending t, in each ascending s. The outermost ring is
    * a skirt that closes what rounding opens between tiles: it leads from the edge a fraction of a
    * cell outwards, below the neighbour's surface. */
@@ -64,7 +65,7 @@ typedef struct pl_ground_tile {
   int16_t slopes[PL_GROUND_TILE_POSTS * PL_GROUND_TILE_POSTS][2];
 } pl_ground_tile;
 
-/* Makes a tile: a pure function of terrain and id. Allocates nothing. */
+/* Makes a tile without its rocks: a pure function of terrain and id. Allocates nothing. */
 pl_status pl_ground_tile_make(const pl_terrain *terrain, pl_ground_tile_id id, pl_ground_tile *out);
 
 /* Unit axes of slopes at a unit direction on or near a face: perpendicular to each other and to the

@@ -2,6 +2,7 @@
 #include "terrain/ground_tile_need.h"
 
 #include "terrain/cube.h"
+#include "terrain/rock_field.h"
 
 /* Sines of elevations at which ground is seen count as at least this. */
 #define LEAST_SINE 0.25
@@ -91,8 +92,13 @@ static void place(const pl_ground_tile_need *need, pl_ground_tile_node *node, co
   node->cell_m =
       pl_cube_cell_m(node->level + PL_GROUND_TILE_SHIFT, radius_m) * narrowing(at->x[1], at->y[1]);
   node->child = 0;
-  node->seen = in_frame(need, pl_vec3_sub(node->center, need->view->eye), node->radius_m) &&
-               !is_hidden(need, node);
+  /* Rocks reach into the frame from tiles beside it. Those that are wider than a tile are shown by
+   * the wider tiles out of the frame, too. */
+  const double rocks_m =
+      fmin(pl_rock_reach_m(pl_terrain_rocks(need->terrain)), pl_cube_cell_m(node->level, radius_m));
+  node->seen =
+      in_frame(need, pl_vec3_sub(node->center, need->view->eye), node->radius_m + rocks_m) &&
+      !is_hidden(need, node);
 }
 
 pl_status pl_ground_tile_need_place(const pl_ground_tile_need *need, pl_ground_tile_node *nodes,

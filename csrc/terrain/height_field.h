@@ -1,16 +1,20 @@
 /* The ground of a body in a frame: its tiles, and what a hit on them means.
  *
  * A hit on the ground is the index of a tile and Embree's coordinates u, v on its grid, which count
- * from 0 to 1 across all posts of a row and of a column, the skirt included. */
+ * from 0 to 1 across all posts of a row and of a column, the skirt included. A hit on a rock is the
+ * index of a triangle among those of all tiles' rocks, and barycentric weights. */
 #ifndef PL_TERRAIN_HEIGHT_FIELD_H
 #define PL_TERRAIN_HEIGHT_FIELD_H
 
 #include "terrain/ground_tile.h"
+#include "terrain/ground_tile_rocks.h"
 
 typedef struct pl_height_field {
   const pl_terrain *terrain;          /* borrowed */
   const pl_ground_tile *const *tiles; /* borrowed: valid until the tiles are next trimmed */
   size_t count;
+  /* Number of triangles of rocks in the tiles before each, and in all; NULL without rocks. */
+  const uint32_t *first_rocks;
   /* Origin of the mesh of the ground, body axes, m: mesh units are metres, its axes are the body's.
    */
   pl_vec3 origin;
@@ -22,6 +26,18 @@ typedef struct pl_height_field {
   double core_m;
   double widened; /* factor by which cells are wider than asked, for the limit of tiles; 1: none */
 } pl_height_field;
+
+/* A triangle of a rock. */
+typedef struct pl_rock_hit {
+  const pl_ground_tile *tile;
+  uint32_t triangle; /* of the tile's rocks */
+  const pl_rock *rock;
+} pl_rock_hit;
+pl_rock_hit pl_height_field_rock(const pl_height_field *field, uint32_t triangle);
+/* Its corners, relative to `field->origin` in body axes, m. */
+void pl_rock_hit_corners(const pl_height_field *field, const pl_rock_hit *hit, pl_vec3 out[3]);
+/* The normal interpolated between its corners, body axes, unit, outwards. */
+pl_vec3 pl_rock_hit_normal(const pl_rock_hit *hit, const float weights[3]);
 
 /* Place of a hit on the grid of its tile. */
 typedef struct pl_height_field_cell {

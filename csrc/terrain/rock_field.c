@@ -111,6 +111,11 @@ void pl_rock_field_destroy(pl_rock_field *field) {
 
 const pl_rock_frame *pl_rock_field_frame(const pl_rock_field *field) { return &field->frame; }
 
+/* Shapes reach to 1.2 diameters from their centres, which are within 0.8 of the ground. */
+double pl_rock_reach_m(const pl_rock_field *field) {
+  return field != NULL ? 2.0 * field->frame.max_m : 0.0;
+}
+
 const pl_rock_sphere *pl_rock_field_spheres(const pl_rock_field *field) { return field->spheres; }
 
 /* Whether a place in a cell, in 2^-53 of it, is in part `at` of its 2^below parts. */

@@ -45,12 +45,14 @@ typedef struct pl_rock_field pl_rock_field;
 pl_status pl_rock_field_create(const pl_rock_frame *frame, pl_rock_field **out);
 void pl_rock_field_destroy(pl_rock_field *field);
 const pl_rock_frame *pl_rock_field_frame(const pl_rock_field *field);
+/* No point of a rock is farther than this from where it is set on the ground; 0 without a field. */
+double pl_rock_reach_m(const pl_rock_field *field);
 /* Spheres that rocks are made from, by level of detail. */
 const pl_rock_sphere *pl_rock_field_spheres(const pl_rock_field *field);
 
 typedef struct pl_rock {
-  uint64_t id; /* below 2^63, not 0; the same at any level of detail */
-  pl_rock_family_kind family;
+  uint64_t id;       /* below 2^63, not 0; the same at any level of detail */
+  int64_t family;    /* pl_rock_family_kind */
   double diameter_m; /* seen from above */
   double height_m;   /* over the ground around it */
   double burial;     /* part of its height that is below the ground */

@@ -184,7 +184,7 @@ bool pl_rock_set(const pl_rock_field *field, const pl_terrain *terrain, const pl
                     .slope_rad = ground.slope_rad,
                     .direction = site->direction,
                     .up = ground.up};
-  pl_rock_shape_draw(rock->family, words, shape);
+  pl_rock_shape_draw((pl_rock_family_kind)rock->family, words, shape);
   const pl_rock_frame *frame = &field->frame;
   const double yaw = 2.0 * PL_PI * pl_philox_double(seat[1]);
   /* Uniform over the cap of tilts; both halves of one word. */

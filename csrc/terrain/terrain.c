@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 
 #include "base/memory.h"
+#include "terrain/rock_field.h"
 #include "terrain/terrain_parts.h"
 
 static pl_status check_layer(const pl_terrain_layer *layer, size_t n) {
@@ -33,6 +34,18 @@ static pl_status check_craters(const pl_terrain_frame *frame) {
   return PL_OK;
 }
 
+/* The lattices of ground and rocks must be the same. */
+static pl_status check_rocks(const pl_terrain_frame *frame) {
+  const double radius_m = mean_radius_m(frame->radii_m);
+  if (frame->rocks == NULL)
+    return PL_OK;
+  const double own = pl_rock_field_frame(frame->rocks)->radius_m;
+  if (fabs(own - radius_m) <= 1e-9 * radius_m)
+    return PL_OK;
+  return pl_fail(PL_E_RANGE, "rocks of a body of radius %.9g m on terrain of %.9g m", own,
+                 radius_m);
+}
+
 static pl_status check(const pl_terrain_frame *frame) {
   const pl_vec3 r = frame->radii_m;
   if (!pl_vec3_finite(r) || !(r.x > 0.0 && r.y > 0.0 && r.z > 0.0))
@@ -44,6 +57,7 @@ static pl_status check(const pl_terrain_frame *frame) {
   for (size_t n = 0; n < frame->layer_count; n++)
     PL_TRY(check_layer(&frame->layers[n], n));
   PL_TRY(check_craters(frame));
+  PL_TRY(check_rocks(frame));
   return frame->detail.on ? pl_terrain_detail_check(&frame->detail) : PL_OK;
 }
 
@@ -59,6 +73,7 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   t->radius_m = mean_radius_m(frame->radii_m);
   pl_fractal_detail_init(&frame->detail, t->radius_m, &t->detail);
   t->craters = frame->craters;
+  t->rocks = frame->rocks;
   t->layer_count = frame->layer_count;
   for (size_t n = 0; n < t->layer_count; n++) {
     pl_layer *layer = &t->layers[n];
@@ -75,6 +90,8 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
 void pl_terrain_destroy(pl_terrain *terrain) { pl_free(terrain); }
 
 uint64_t pl_terrain_number(const pl_terrain *terrain) { return terrain->number; }
+
+const pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain) { return terrain->rocks; }
 
 double pl_terrain_radius_m(const pl_terrain *terrain) { return terrain->radius_m; }
 

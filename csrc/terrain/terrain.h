@@ -39,12 +39,14 @@ typedef struct pl_terrain_frame {
   const pl_terrain_layer *layers; /* copied; each lies over those before it */
   size_t layer_count;             /* at most PL_TERRAIN_LAYERS */
   pl_terrain_detail detail;
-  const pl_crater_field *craters; /* borrowed; NULL: none */
+  const pl_crater_field *craters;    /* borrowed; NULL: none */
+  const struct pl_rock_field *rocks; /* borrowed; NULL: none */
 } pl_terrain_frame;
 
 typedef struct pl_terrain pl_terrain;
 
-/* PL_E_RANGE with a text that names what is wrong. Rasters and craters must outlive the terrain. */
+/* PL_E_RANGE with a text that names what is wrong. Rasters, craters and rocks must outlive the
+ * terrain. */
 pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out);
 void pl_terrain_destroy(pl_terrain *terrain);
 
@@ -53,6 +55,8 @@ void pl_terrain_destroy(pl_terrain *terrain);
 uint64_t pl_terrain_number(const pl_terrain *terrain);
 /* Geometric mean of the radii, of which the lattice's cells are a fraction. */
 double pl_terrain_radius_m(const pl_terrain *terrain);
+/* The rocks on the ground; NULL for none. They are no part of its heights. */
+const struct pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain);
 /* Distance of the ellipsoid from the centre, along a unit direction. */
 double pl_terrain_datum_m(const pl_terrain *terrain, pl_vec3 direction);
 

@@ -21,6 +21,7 @@ struct pl_terrain {
   double radius_m;
   pl_fractal_detail detail;
   const pl_crater_field *craters;
+  const struct pl_rock_field *rocks; /* borrowed, or NULL */
   size_t layer_count;
   pl_layer layers[PL_TERRAIN_LAYERS];
 };

@@ -309,7 +309,8 @@ static void place_field(const pl_shot_body *body, size_t index, pl_instance *out
   *out = (pl_instance){.scene = body->field->scene,
                        .surface_id = pl_surface_make(PL_SURFACE_HEIGHT_FIELD, index),
                        .size_m = body->outer_m,
-                       .tiled = true};
+                       .tiled = true,
+                       .first_rocks = body->field->first_rocks};
   pl_instance_place(out, &body->rotation, origin, body->center, body->outer_m * (1.0 + 1e-6));
 }
 

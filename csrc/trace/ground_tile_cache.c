@@ -33,6 +33,7 @@ static void release_grounds(pl_ground_tiles *tiles) {
 static void free_tile(pl_kept_tile *tile) {
   if (tile->scene != NULL)
     rtcReleaseScene(tile->scene);
+  pl_ground_rocks_destroy(tile->tile.rocks);
   pl_free(tile);
 }
 

@@ -14,10 +14,8 @@ typedef struct build {
 _Static_assert(offsetof(pl_ground_tile, slopes) + 16 <= sizeof(pl_ground_tile),
                "posts must have room behind");
 
-static pl_status build_grid(const pl_accelerators *kept, pl_kept_tile *tile) {
-  RTCScene scene = rtcNewScene(kept->device);
+static void attach_grid(const pl_accelerators *kept, RTCScene scene, const pl_kept_tile *tile) {
   RTCGeometry grid = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_GRID);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT | PL_EMBREE_QUERY_FILTERS);
   rtcSetSharedGeometryBuffer(grid, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                              tile->tile.positions, 0, 3 * sizeof(float),
                              PL_GROUND_TILE_SIDE * PL_GROUND_TILE_SIDE);
@@ -26,8 +24,29 @@ static pl_status build_grid(const pl_accelerators *kept, pl_kept_tile *tile) {
   if (shape != NULL)
     *shape = (struct RTCGrid){0, PL_GROUND_TILE_SIDE, PL_GROUND_TILE_SIDE, PL_GROUND_TILE_SIDE};
   rtcCommitGeometry(grid);
-  rtcAttachGeometry(scene, grid);
+  rtcAttachGeometryByID(scene, grid, PL_TILE_GRID);
   rtcReleaseGeometry(grid);
+}
+
+static void attach_rocks(const pl_accelerators *kept, RTCScene scene,
+                         const pl_ground_rocks *rocks) {
+  if (rocks == NULL)
+    return;
+  RTCGeometry mesh = rtcNewGeometry(kept->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, rocks->positions,
+                             0, 3 * sizeof(float), rocks->vertex_count);
+  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, rocks->triangles, 0,
+                             3 * sizeof(uint32_t), rocks->triangle_count);
+  rtcCommitGeometry(mesh);
+  rtcAttachGeometryByID(scene, mesh, PL_TILE_ROCKS);
+  rtcReleaseGeometry(mesh);
+}
+
+static pl_status build_tile(const pl_accelerators *kept, pl_kept_tile *tile) {
+  RTCScene scene = rtcNewScene(kept->device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT | PL_EMBREE_QUERY_FILTERS);
+  attach_grid(kept, scene, tile);
+  attach_rocks(kept, scene, tile->tile.rocks);
   rtcCommitScene(scene);
   tile->scene = scene;
   return pl_accelerator_check(kept, "building a tile of ground");
@@ -38,17 +57,22 @@ static pl_status make_tile(void *context, size_t item, int worker) {
   const build *build = context;
   pl_kept_tile *tile = build->tiles->list[build->first + item];
   const pl_ground_tile_id id = tile->tile.id;
+  const pl_rock_field *rocks = pl_terrain_rocks(build->terrain);
   PL_TRY(pl_ground_tile_make(build->terrain, id, &tile->tile));
-  return build_grid(build->kept, tile);
+  if (rocks != NULL)
+    PL_TRY(pl_ground_rocks_make(rocks, build->terrain, id, tile->tile.origin, &tile->tile.rocks));
+  return build_tile(build->kept, tile);
 }
 
-/* Each of the new tiles counts with an equal share of what Embree allocated. */
+/* Each of the new tiles counts with its rocks and an equal share of what Embree allocated. */
 static void count_new(const build *build, long long before) {
   pl_ground_tiles *tiles = build->tiles;
   const long long grids = atomic_load(&tiles->embree_bytes) - before;
   for (size_t k = build->first; k < tiles->count; k++) {
     const size_t made = tiles->count - build->first;
-    tiles->list[k]->bytes = sizeof(pl_kept_tile) + (size_t)(grids > 0 ? grids : 0) / made;
+    const pl_ground_rocks *rocks = tiles->list[k]->tile.rocks;
+    tiles->list[k]->bytes = sizeof(pl_kept_tile) + (rocks != NULL ? rocks->bytes : 0) +
+                            (size_t)(grids > 0 ? grids : 0) / made;
     tiles->bytes += tiles->list[k]->bytes;
   }
 }
@@ -104,7 +128,9 @@ static void measure(pl_height_field *field, pl_vec3 eye) {
   for (size_t k = 0; k < field->count; k++) {
     const pl_ground_tile *tile = field->tiles[k];
     const double away = pl_vec3_norm(pl_vec3_sub(tile->origin, eye));
-    field->radius_m = fmax(field->radius_m, tile->most_m);
+    const double rocks_m =
+        tile->rocks != NULL ? pl_vec3_norm(tile->origin) + tile->rocks->radius_m : 0.0;
+    field->radius_m = fmax(field->radius_m, fmax(tile->most_m, rocks_m));
     field->core_m = fmin(field->core_m, tile->least_m);
     if (tile->id.level < level || (tile->id.level == level && away >= nearest))
       continue;
@@ -112,6 +138,25 @@ static void measure(pl_height_field *field, pl_vec3 eye) {
     nearest = away;
     field->origin = tile->origin;
   }
+}
+
+/* Numbers the triangles of rocks of all tiles. */
+static pl_status number_rocks(pl_arena *arena, pl_height_field *field) {
+  if (pl_terrain_rocks(field->terrain) == NULL)
+    return PL_OK;
+  uint32_t *first = pl_arena_alloc(arena, field->count + 1, sizeof *first);
+  if (first == NULL)
+    return pl_fail(PL_E_MEMORY, "out of memory for the ground");
+  size_t sum = 0;
+  for (size_t k = 0; k <= field->count; k++) {
+    first[k] = (uint32_t)sum;
+    if (k < field->count && field->tiles[k]->rocks != NULL)
+      sum += field->tiles[k]->rocks->triangle_count;
+  }
+  if (sum >= UINT32_MAX)
+    return pl_fail(PL_E_RANGE, "rocks of %zu triangles; raise the least diameter of rocks", sum);
+  field->first_rocks = first;
+  return PL_OK;
 }
 
 pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain,
@@ -133,6 +178,7 @@ pl_status pl_height_field_build(pl_accelerators *kept, const pl_terrain *terrain
     tiles[k] = &pl_ground_tiles_find(build.tiles, build.number, ids[k])->tile;
   field->tiles = tiles;
   measure(field, view->eye);
+  PL_TRY(number_rocks(arena, field));
   PL_TRY(build_scene(&build, ids, field));
   *out = field;
   return PL_OK;

@@ -12,6 +12,9 @@
 
 enum { PL_PACKET = PL_TRACER_PACKET };
 
+/* Ids of the geometries in the scene of a tile of ground. */
+enum { PL_TILE_GRID, PL_TILE_ROCKS };
+
 typedef struct pl_instance {
   const pl_model *model;     /* NULL when absent, and for a height field */
   RTCScene scene;            /* of the model or height field; borrowed */
@@ -26,6 +29,8 @@ typedef struct pl_instance {
   bool cuts;                 /* graphs may cut holes into it */
   bool one_way;              /* some of its back faces do not exist for rays */
   bool tiled; /* a height field: its scene consists of instances, which are its tiles */
+  /* of a height field: number of triangles of rocks in the tiles before each; borrowed, or NULL */
+  const uint32_t *first_rocks;
 } pl_instance;
 
 /* Sets the transformation: mesh point p lies at linear p + origin, m. `center` and `radius_m`

@@ -147,17 +147,32 @@ static void fill_ray8(struct RTCRay8 *packet, const pl_approach *at, const pl_en
   }
 }
 
-/* Stores a hit on an instance as the ray's best, if it lies within the limit. hit->t is relative to
- * the start of the approach. */
-static void take(const pl_tracer *tracer, const pl_instance *instance, const pl_ray *ray,
-                 const pl_lone_approach *at, double limit_m, pl_mesh_hit *hit, pl_hit *best) {
+/* Returns the surface that was hit, by Embree's ids; `triangle` becomes the tile for the ground of
+ * a height field, and the triangle among those of all tiles for its rocks. */
+static pl_surface_id surface_of(const pl_instance *instance, unsigned geometry, unsigned tile,
+                                uint32_t *triangle) {
+  if (!instance->tiled)
+    return instance->surface_id;
+  if (geometry != PL_TILE_ROCKS) {
+    *triangle = tile;
+    return instance->surface_id;
+  }
+  *triangle += instance->first_rocks[tile];
+  return pl_surface_make(PL_SURFACE_ROCKS, pl_surface_index(instance->surface_id));
+}
+
+/* Stores a hit on a surface of an instance as the ray's best, if it lies within the limit. hit->t
+ * is relative to the start of the approach. */
+static void take(const pl_tracer *tracer, const pl_instance *instance, pl_surface_id id,
+                 const pl_ray *ray, const pl_lone_approach *at, double limit_m, pl_mesh_hit *hit,
+                 pl_hit *best) {
   if (instance->coincident != NULL) {
     const visit visit = {tracer, instance, ray, &at->start_m, &at->per_metre};
     pl_coincident_choose(instance, at, counts, &visit, hit);
   }
   const double t = at->start_m + (double)hit->t / at->per_metre;
   if (t <= limit_m)
-    *best = (pl_hit){.surface_id = instance->surface_id,
+    *best = (pl_hit){.surface_id = id,
                      .triangle = instance->first + hit->triangle,
                      .u = hit->u,
                      .v = hit->v,
@@ -188,9 +203,10 @@ static void closest_packet_in(const pl_tracer *tracer, const pl_instance *instan
         entry->start_m[i],
         at.per_metre[i],
     };
-    pl_mesh_hit hit = {instance->tiled ? query.hit.instID[0][i] : query.hit.primID[i],
-                       query.ray.tfar[i], query.hit.u[i], query.hit.v[i]};
-    take(tracer, instance, &rays[i], &lone, limit_m[i], &hit, &hits[i]);
+    pl_mesh_hit hit = {query.hit.primID[i], query.ray.tfar[i], query.hit.u[i], query.hit.v[i]};
+    const pl_surface_id id =
+        surface_of(instance, query.hit.geomID[i], query.hit.instID[0][i], &hit.triangle);
+    take(tracer, instance, id, &rays[i], &lone, limit_m[i], &hit, &hits[i]);
     packet->limit[i] = hits[i].t;
   }
 }
@@ -255,10 +271,12 @@ static void closest_single_in(const pl_tracer *tracer, const pl_instance *instan
   const visit visit = {tracer, instance, ray, &at.start_m, &at.per_metre};
   pl_embree_query way = query_of(&visit, 1);
   pl_embree_intersect1(instance->scene, &way, &query);
-  pl_mesh_hit hit = {instance->tiled ? query.hit.instID[0] : query.hit.primID, query.ray.tfar,
-                     query.hit.u, query.hit.v};
-  if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-    take(tracer, instance, ray, &at, limit_m, &hit, best);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    return;
+  pl_mesh_hit hit = {query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
+  const pl_surface_id id =
+      surface_of(instance, query.hit.geomID, query.hit.instID[0], &hit.triangle);
+  take(tracer, instance, id, ray, &at, limit_m, &hit, best);
 }
 
 static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *hit) {

@@ -32,7 +32,8 @@ typedef struct pl_ray {
 
 typedef struct pl_hit {
   pl_surface_id surface_id; /* or PL_NO_SURFACE */
-  uint32_t triangle;        /* of the object's model; of a height field the tile */
+  uint32_t triangle;        /* of the object's model; of a height field the tile; of rocks
+                             * among those of all tiles */
   /* barycentric weights of corners 1 and 2; on a tile of a height field coordinates of its grid */
   float u, v;
   double t; /* m along the unit direction */

@@ -90,6 +90,18 @@ set; 2: an ellipse), centre (2,), semi_axes (2,) (major first) and box (4,) (lea
 u and v; beyond the image, too) in pixels; angle_rad of the major axis from u towards v; facing
 (cosine between the outward normal and the direction to the camera)."""
 
+ROCK_LAWS: tuple[dict[str, str], ...]
+"""Every size-frequency law of rocks: {"name", "doc"}."""
+
+ROCK_FAMILIES: tuple[dict[str, str], ...]
+"""Every family of shapes of rocks: {"name", "doc"}."""
+
+ROCK: Sequence[tuple[Any, ...]]
+"""Description of the records of RockField.list: id, family (index in ROCK_FAMILIES), diameter_m
+(seen from above), height_m (over the ground), burial (part of the height below the ground),
+slope_rad (of the ground), direction (3,) (of the place), center (3,) (of the shape, body axes, m),
+up (3,) (normal of the ground), rotation (3, 3) (axes of the shape to those of the body)."""
+
 OBJECT_LABEL: Sequence[tuple[Any, ...]]
 """Description (name, type, shape) for numpy.dtype of one row of the object labels:
 
@@ -295,12 +307,30 @@ class CraterField:
         """(n,) of CRATER, with centres within radius_m of a direction (3,)."""
 
 @final
+class RockField:
+    """Rocks of a body as a function of place."""
+    def __new__(cls, settings: Mapping[str, object]) -> Self:
+        """settings: radius_m (geometric mean of the body's radii), and, all optional, law (a name of
+        ROCK_LAWS), density (factor), abundance and decay_per_m (of law "golombek"), coefficient and
+        exponent (of law "power"), cutoff_m (densities times exp(-D / cutoff_m); 0: none), table (of
+        law "table": (n, 2) diameters, m, and densities of rocks of these or more, 1/m^2), seed (0 to
+        2^64 - 1), min_diameter_m, max_diameter_m, least_burial and most_burial (parts of the height
+        below the ground), repose_rad (no rocks on steeper slopes), families (shares by names of
+        ROCK_FAMILIES; those not named have none)."""
+    def list(
+        self, terrain: Terrain, direction: F64, radius_m: float, min_diameter_m: float = 0.0,
+        max_diameter_m: float = 1e300
+    ) -> NDArray[np.void]:
+        """(n,) of ROCK: rocks on a terrain, with centres within radius_m of a direction (3,)."""
+
+@final
 class Terrain:
     """Heights of a body's ground over its ellipsoid, along directions from its centre: rasters, from
     coarse to fine, and fractal detail of wavelengths below their posts, which stay to the bit."""
     def __new__(
         cls, radii_m: F64, layers: Sequence[tuple[Raster, str, float, float]] = ...,
-        detail: Mapping[str, object] | None = None, craters: CraterField | None = None
+        detail: Mapping[str, object] | None = None, craters: CraterField | None = None,
+        rocks: RockField | None = None
     ) -> Self:
         """radii_m: (3,) of the ellipsoid. layers: (raster, interpolation, border_posts, datum_m), each
         over those before it: interpolation "bilinear" | "cubic"; the border is the width of blending
@@ -309,7 +339,8 @@ class Terrain:
         hurst), ...] (the first from 0), baseline_m and deviation_m (RMS difference of heights over
         that baseline), strength (factor of heights), longest_m and finest_m (widest and narrowest
         cells of noise). The defaults are the highlands of the Moon, without a seed: 0. craters: of a
-        body of the geometric mean of the radii; added where the uppermost raster cannot show them."""
+        body of the geometric mean of the radii; added where the uppermost raster cannot show them.
+        rocks: of such a body, too; they are no part of the heights."""
     def heights(self, directions: F64, cell_m: float = 0.0) -> F64:
         """(n,) heights, m, in directions (n, 3) in body axes, as a lattice with cells of at most
         cell_m resolves them; 0: of the finest level."""

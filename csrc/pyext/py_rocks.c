@@ -1,0 +1,238 @@
+/* The type RockField: rocks of a body as a function of place. */
+#include <string.h>
+
+#include "base/memory.h"
+#include "pyext/py_read.h"
+#include "pyext/py_types.h"
+#include "terrain/rock_field.h"
+
+typedef struct rocks_object {
+  PyObject_HEAD pl_rock_field *field; /* owned */
+} rocks_object;
+
+static void rocks_dealloc(PyObject *self) {
+  PyTypeObject *type = Py_TYPE(self);
+  pl_rock_field_destroy(((rocks_object *)self)->field);
+  ((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
+  Py_DECREF(type);
+}
+
+const pl_rock_field *pl_py_rocks_of(PyObject *object) {
+  if (!pl_py_is(object, (void *)rocks_dealloc)) {
+    PyErr_SetString(PyExc_TypeError, "rocks must be a perilune._core.RockField");
+    return NULL;
+  }
+  return ((rocks_object *)object)->field;
+}
+
+/* ---- creation ------------------------------------------------------------------------------- */
+
+static int seed_of(PyObject *settings, uint64_t *out) {
+  PyObject *seed;
+  if (pl_py_member(settings, "seed", 1, "rocks", &seed) < 0)
+    return -1;
+  if (seed != Py_None) {
+    *out = PyLong_AsUnsignedLongLong(seed);
+    if (PyErr_Occurred()) {
+      Py_DECREF(seed);
+      PyErr_Clear();
+      PyErr_SetString(PyExc_ValueError, "rocks: seed must be an integer from 0 to 2^64 - 1");
+      return -1;
+    }
+  }
+  Py_DECREF(seed);
+  return 0;
+}
+
+static int law_of(PyObject *settings, pl_rock_law_kind *out) {
+  const char *names[PL_ROCK_LAWS];
+  PyObject *law;
+  if (pl_py_member(settings, "law", 1, "rocks", &law) < 0)
+    return -1;
+  const int absent = law == Py_None;
+  Py_DECREF(law);
+  if (absent)
+    return 0;
+  for (int k = 0; k < PL_ROCK_LAWS; k++)
+    names[k] = pl_rock_laws[k].name;
+  const int kind = pl_py_member_choice(settings, "law", "rocks", names, PL_ROCK_LAWS);
+  *out = (pl_rock_law_kind)kind;
+  return kind < 0 ? -1 : 0;
+}
+
+/* The law's table: two columns, copied to rows of `*owner`, which pl_free frees. */
+static int table_of(PyObject *settings, pl_size_points *table, double **owner) {
+  const npy_intp shape[2] = {-1, 2};
+  PyObject *given;
+  if (pl_py_member(settings, "table", 1, "rocks", &given) < 0)
+    return -1;
+  PyArrayObject *array =
+      given != Py_None ? pl_py_array(given, "rocks: table", NPY_DOUBLE, 2, shape) : NULL;
+  const int failed = given != Py_None && array == NULL;
+  Py_DECREF(given);
+  if (array == NULL)
+    return failed ? -1 : 0;
+  table->count = (size_t)PyArray_DIM(array, 0);
+  *owner = pl_alloc(2 * table->count, sizeof **owner);
+  if (*owner == NULL) {
+    Py_DECREF((PyObject *)array);
+    PyErr_NoMemory();
+    return -1;
+  }
+  const double *from = PyArray_DATA(array);
+  for (size_t k = 0; k < table->count; k++) {
+    (*owner)[k] = from[2 * k];
+    (*owner)[table->count + k] = from[2 * k + 1];
+  }
+  table->diameters_m = *owner;
+  table->densities = *owner + table->count;
+  Py_DECREF((PyObject *)array);
+  return 0;
+}
+
+static pl_rock_family_kind find_family(const char *name) {
+  int k = 0;
+  while (k < PL_ROCK_FAMILIES && strcmp(name, pl_rock_families[k].name) != 0)
+    k++;
+  return (pl_rock_family_kind)k;
+}
+
+/* Shares of families by name; those that are not named have none. */
+static int families_of(PyObject *settings, double shares[PL_ROCK_FAMILIES]) {
+  PyObject *given, *name, *share;
+  if (pl_py_member(settings, "families", 1, "rocks", &given) < 0)
+    return -1;
+  if (given == Py_None) {
+    Py_DECREF(given);
+    return 0;
+  }
+  Py_ssize_t at = 0;
+  int failed = !PyDict_Check(given);
+  if (failed)
+    PyErr_SetString(PyExc_TypeError, "rocks: families must be a dict of names and shares");
+  memset(shares, 0, PL_ROCK_FAMILIES * sizeof *shares);
+  while (!failed && PyDict_Next(given, &at, &name, &share)) {
+    const char *text = PyUnicode_Check(name) ? PyUnicode_AsUTF8AndSize(name, NULL) : "";
+    const pl_rock_family_kind kind = text != NULL ? find_family(text) : PL_ROCK_FAMILIES;
+    if (kind < PL_ROCK_FAMILIES)
+      shares[kind] = PyFloat_AsDouble(share);
+    else if (text != NULL)
+      PyErr_Format(PyExc_ValueError, "rocks: no family '%s'; see ROCK_FAMILIES", text);
+    failed = PyErr_Occurred() != NULL;
+  }
+  Py_DECREF(given);
+  return failed ? -1 : 0;
+}
+
+static int frame_of(PyObject *settings, pl_rock_frame *frame, double **table) {
+  double radius_m;
+  if (pl_py_member_double(settings, "radius_m", "rocks", &radius_m) < 0)
+    return -1;
+  *frame = pl_rock_frame_default(radius_m);
+  const struct {
+    const char *key;
+    double *to;
+  } numbers[] = {{"density", &frame->law.factor},          {"abundance", &frame->law.abundance},
+                 {"decay_per_m", &frame->law.decay_per_m}, {"coefficient", &frame->law.coefficient},
+                 {"exponent", &frame->law.exponent},       {"cutoff_m", &frame->law.cutoff_m},
+                 {"min_diameter_m", &frame->min_m},        {"max_diameter_m", &frame->max_m},
+                 {"least_burial", &frame->least_burial},   {"most_burial", &frame->most_burial},
+                 {"repose_rad", &frame->repose_rad}};
+  for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
+    if (pl_py_optional_double(settings, numbers[k].key, "rocks", numbers[k].to) < 0)
+      return -1;
+  if (seed_of(settings, &frame->seed) < 0 || law_of(settings, &frame->law.kind) < 0 ||
+      families_of(settings, frame->families) < 0)
+    return -1;
+  return table_of(settings, &frame->law.table, table);
+}
+
+static PyObject *rocks_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"settings", NULL};
+  PyObject *settings;
+  pl_rock_frame frame;
+  double *table = NULL;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O:RockField", names, &settings))
+    return NULL;
+  rocks_object *self = NULL;
+  if (frame_of(settings, &frame, &table) == 0)
+    self = (rocks_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
+  const pl_status status = self != NULL ? pl_rock_field_create(&frame, &self->field) : PL_OK;
+  pl_free(table);
+  if (status == PL_OK)
+    return (PyObject *)self;
+  Py_DECREF((PyObject *)self);
+  return pl_py_raise(status);
+}
+
+/* ---- lists ---------------------------------------------------------------------------------- */
+
+PyObject *pl_py_rock_record(void) {
+  /* The struct has no padding, so the compiler's layout equals NumPy's packed layout. */
+  _Static_assert(sizeof(pl_rock) == 2 * 8 + 22 * 8, "pl_rock has padding");
+  return Py_BuildValue("[(ss),(ss),(ss),(ss),(ss),(ss),(ss(i)),(ss(i)),(ss(i)),(ss(ii))]", "id",
+                       "<u8", "family", "<i8", "diameter_m", "<f8", "height_m", "<f8", "burial",
+                       "<f8", "slope_rad", "<f8", "direction", "<f8", 3, "center", "<f8", 3, "up",
+                       "<f8", 3, "rotation", "<f8", 3, 3);
+}
+
+static PyObject *records_of(const pl_rock *rocks, size_t count) {
+  PyArray_Descr *descr = NULL;
+  PyObject *record = pl_py_rock_record();
+  npy_intp shape[1] = {(npy_intp)count};
+  const int known = record != NULL && PyArray_DescrConverter(record, &descr) == NPY_SUCCEED;
+  Py_XDECREF(record);
+  if (!known)
+    return NULL;
+  /* Steals the description. */
+  PyObject *out = PyArray_NewFromDescr(&PyArray_Type, descr, 1, shape, NULL, NULL, 0, NULL);
+  if (out != NULL && count > 0)
+    memcpy(PyArray_DATA((PyArrayObject *)out), rocks, count * sizeof *rocks);
+  return out;
+}
+
+static PyObject *list(PyObject *self, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"terrain",        "direction",      "radius_m",
+                          "min_diameter_m", "max_diameter_m", NULL};
+  const npy_intp shape[1] = {3};
+  PyObject *ground, *object;
+  double radius_m, min_m = 0.0, max_m = 1e300;
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "OOd|dd:list", names, &ground, &object, &radius_m,
+                                   &min_m, &max_m))
+    return NULL;
+  const pl_terrain *terrain = pl_py_terrain_of(ground);
+  PyArrayObject *array =
+      terrain != NULL ? pl_py_array(object, "direction", NPY_DOUBLE, 1, shape) : NULL;
+  if (array == NULL)
+    return NULL;
+  const pl_vec3 direction = *(const pl_vec3 *)PyArray_DATA(array);
+  Py_DECREF((PyObject *)array);
+  const pl_rock_field *field = ((rocks_object *)self)->field;
+  pl_rock *rocks;
+  size_t count;
+  pl_status status;
+  Py_BEGIN_ALLOW_THREADS status =
+      pl_rock_list(field, terrain, direction, radius_m, min_m, max_m, &rocks, &count);
+  Py_END_ALLOW_THREADS if (status != PL_OK) return pl_py_raise(status);
+  PyObject *out = records_of(rocks, count);
+  pl_free(rocks);
+  return out;
+}
+
+static PyMethodDef rocks_methods[] = {
+    {"list", (PyCFunction)(void (*)(void))list, METH_VARARGS | METH_KEYWORDS,
+     "list($self, terrain, direction, radius_m, min_diameter_m=0.0, max_diameter_m=1e300)\n--\n\n"
+     "Rocks of a region."},
+    {NULL, NULL, 0, NULL},
+};
+
+static PyType_Slot rocks_slots[] = {
+    {Py_tp_doc, "RockField(settings)\n--\n\nRocks of a body as a function of place."},
+    {Py_tp_new, (void *)rocks_new},
+    {Py_tp_dealloc, (void *)rocks_dealloc},
+    {Py_tp_methods, rocks_methods},
+    {0, NULL},
+};
+
+PyType_Spec pl_py_rocks_spec = {"perilune._core.RockField", sizeof(rocks_object), 0,
+                                Py_TPFLAGS_DEFAULT, rocks_slots};

@@ -1,0 +1,138 @@
+"""Rocks of a body from Python: lists, frames, errors."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from tests.python import moon
+
+from perilune import _core
+
+PLACE = np.array([0.9, 0.35, 0.2]) / np.linalg.norm([0.9, 0.35, 0.2])
+HEIGHT_M = 25.0
+
+
+def field(**settings: object) -> _core.RockField:
+    return _core.RockField({"radius_m": moon.RADIUS_M, "seed": 4, **settings})
+
+
+def ground(rocks: _core.RockField | None) -> _core.Terrain:
+    return _core.Terrain(np.full(3, moon.RADIUS_M), [], {"seed": 7}, None, rocks)
+
+
+def test_counts() -> None:
+    """3e-4 D^-2.482 rocks per m^2 (VIPER), of which few are left out on slopes."""
+    rocks = field(law="viper", cutoff_m=0.0, max_diameter_m=50.0)
+    listed = rocks.list(ground(None), PLACE, 100.0, 0.2)
+    expected = math.pi * 1e4 * 3e-4 * (0.2**-2.482 - 50.0**-2.482)
+    assert 0.85 * expected < len(listed) < expected + 4.5 * math.sqrt(expected)
+    assert listed.dtype == np.dtype(list(_core.ROCK))
+    assert len(set(listed["id"].tolist())) == len(listed)
+    assert (listed["diameter_m"] >= 0.2).all()
+    assert ((listed["burial"] >= 0.1) & (listed["burial"] <= 0.9)).all()
+    assert (listed["direction"] @ PLACE >= math.cos(100.0 / moon.RADIUS_M) - 1e-12).all()
+    turn = listed["rotation"]
+    np.testing.assert_allclose(
+        turn @ np.swapaxes(turn, 1, 2), np.eye(3)[None] + 0 * turn, atol=1e-9
+    )
+    assert set(listed["family"].tolist()) <= set(range(len(_core.ROCK_FAMILIES)))
+
+
+def test_families_are_chosen() -> None:
+    listed = field(law="haworth", families={"slab": 1.0, "cube": 0.0}).list(
+        ground(None), PLACE, 30.0, 0.2
+    )
+    names = [row["name"] for row in _core.ROCK_FAMILIES]
+    assert {names[k] for k in listed["family"].tolist()} == {"slab"}
+
+
+def frame(rocks: _core.RockField | None, size: int, height_m: float) -> NDArray[np.float32]:
+    """Straight down, the Sun 35 degrees high."""
+    terrain = ground(rocks)
+    scene = _core.Scene(1)
+    scene.add_body(
+        name="moon",
+        map=None,
+        map_center_lon_rad=0.0,
+        reflectance="lambert",
+        instance_id=1,
+        part_id=1,
+        class_ids=np.array([1], dtype=np.uint16),
+        regolith_map=None,
+        air=None,
+        terrain=terrain,
+    )
+    up = PLACE
+    right = np.cross([0.0, 0.0, 1.0], up)
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, np.cross(-up, right), -up], axis=1)
+    w = 0.5 * math.sqrt(1.0 + np.trace(axes))
+    turn = np.array([axes[2, 1] - axes[1, 2], axes[0, 2] - axes[2, 0], axes[1, 0] - axes[0, 1]]) / (
+        4.0 * w
+    )
+    eye = up * (moon.RADIUS_M + terrain.heights(up[None])[0] + height_m)
+    pose = np.concatenate([eye, [w], turn])
+    center = 0.5 * (size - 1)
+    asked: dict[str, Any] = moon.request(size, 0.0)
+    asked["K"] = np.array([[size, 0.0, center], [0.0, size, center], [0.0, 0.0, 1.0]])
+    asked["camera_pose"] = np.stack([pose, pose])
+    elevation = math.radians(35.0)
+    asked["sun_position"] = moon.AU_M * (math.cos(elevation) * right + math.sin(elevation) * up)
+    return moon.radiance(scene, asked)
+
+
+def test_rocks_are_seen() -> None:
+    """Rocks cast shadows: where they lie, and nowhere else, pixels change."""
+    size = 96
+    rocks = field(law="haworth", min_diameter_m=0.6, density=5.0)
+    change = frame(rocks, size, HEIGHT_M) - frame(None, size, HEIGHT_M)
+    changed = np.abs(change[..., 0]) > 0.02 * 25.0
+    listed = rocks.list(ground(rocks), PLACE, 0.45 * HEIGHT_M, 0.6)
+    assert len(listed) > 3
+    right = np.cross([0.0, 0.0, 1.0], PLACE)
+    right /= np.linalg.norm(right)
+    down = np.cross(-PLACE, right)
+    at = listed["center"] - PLACE * (listed["center"] @ PLACE)[:, None]
+    columns = 0.5 * (size - 1) + size * (at @ right) / HEIGHT_M
+    rows = 0.5 * (size - 1) + size * (at @ down) / HEIGHT_M
+    near = np.zeros((size, size), dtype=bool)
+    found = 0
+    y, x = np.indices((size, size))
+    for column, row, rock in zip(columns, rows, listed, strict=True):
+        inside = np.hypot(x - column, y - row) < 2.5 * size * rock["diameter_m"] / HEIGHT_M + 2.0
+        near |= inside
+        found += bool(changed[inside].any())
+    assert found >= 0.9 * len(listed)
+    edge = size // 8
+    inner = np.s_[edge:-edge, edge:-edge]
+    assert changed[inner].any()
+    assert changed[inner][~near[inner]].mean() < 0.01
+
+
+@pytest.mark.parametrize("height_m", [15.0, 150.0])
+def test_brightness_has_no_jump(height_m: float) -> None:
+    """Rocks of ordinary plains, seen from near or far, whether drawn or below the cells, change the
+    mean radiance by less than 2 %."""
+    rocks = field(law="viper")
+    with_rocks, without = frame(rocks, 64, height_m).mean(), frame(None, 64, height_m).mean()
+    assert with_rocks / without == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"law": "hawort"}, "law"),
+        ({"law": "golombek", "abundance": 0.003}, "decay_per_m"),
+        ({"density": 1e5}, "covers"),
+        ({"families": {"pebble": 1.0}}, "pebble"),
+        ({"seed": -1}, "seed"),
+        ({"table": [[0.1, 1.0]], "law": "table"}, "2 entries"),
+    ],
+)
+def test_errors(settings: dict[str, object], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        field(**settings)
