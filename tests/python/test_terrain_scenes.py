@@ -1,0 +1,41 @@
+"""The ready-to-run scenes with terrain: small frames of them show the ground that heights tell."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import perilune
+
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
+SMALL = {"camera.width": 32, "camera.height": 24, "render.samples": 1, "render.max_bounces": 0}
+SCENES = [
+    "lunar_rover",
+    *(
+        pytest.param(name, marks=pytest.mark.needs_data)
+        for name in ("lunar_orbiter", "lunar_lander", "lunar_pole", "apollo15", "mars_descent")
+    ),
+]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_is_seen_lies_on_the_ground(name):
+    sim = perilune.open(CONFIGS / f"{name}.yaml", overrides=SMALL)
+    body = sim.config.root
+    sample = sim.frame(1, channels=["radiance", "range", "position", "instance"], threads=1)
+    ids = {sim.taxonomy.instances[body]}
+    seen = np.isin(sample["instance"], list(ids))
+    assert seen.mean() > 0.5
+    assert np.isfinite(sample["radiance"]).all()
+    assert (sample["radiance"][seen] > 0.0).mean() > 0.05
+    world = sim.world(1)
+    ground = world.ground(body)
+    pixel = np.radians(sim.config.camera.fov_deg) / SMALL["camera.width"]
+    camera = sim.camera_poses(1)[0, :3]
+    for row, column in list(zip(*np.nonzero(seen), strict=True))[::9]:
+        place = world.body_axes(body, np.asarray(sample["position"][row, column], float))
+        away = float(np.linalg.norm(sample["position"][row, column] - camera))
+        # Heights of the mesh are off by what is finer than its cells, of a pixel or two at most.
+        assert abs(ground.height_m(place)) < 2.0 * pixel * away + 0.02, (row, column)
