@@ -2,8 +2,10 @@
 #include "harness.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "random.h"
 #include "terrain/raster.h"
 
@@ -472,6 +474,30 @@ static void test_errors(void **state) {
   pl_raster_destroy(NULL);
 }
 
+static void *allocate_some(void *context, size_t size) {
+  int *left = context;
+  return (*left)-- > 0 ? malloc(size) : NULL;
+}
+
+/* Nothing is lost when memory ends at any of the allocations. */
+static void test_out_of_memory(void **state) {
+  (void)state;
+  static int16_t cells[WIDTH * HEIGHT];
+  const pl_raster_frame frame = whole(cells);
+  pl_raster *raster = NULL;
+  int count = -1;
+  do {
+    int left = ++count;
+    assert_null(raster);
+    pl_memory_hook(allocate_some, &left);
+    const pl_status status = pl_raster_create(&frame, &raster);
+    pl_memory_hook(NULL, NULL);
+    assert_int_equal(status, raster != NULL ? PL_OK : PL_E_MEMORY);
+  } while (raster == NULL && count < 10);
+  assert_int_equal(count, 3);
+  pl_raster_destroy(raster);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_posts),
@@ -487,6 +513,7 @@ int main(void) {
       cmocka_unit_test(test_thin),
       cmocka_unit_test(test_spacing),
       cmocka_unit_test(test_errors),
+      cmocka_unit_test(test_out_of_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

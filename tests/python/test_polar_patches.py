@@ -104,6 +104,10 @@ def test_only_where_a_raster_reaches_the_pole() -> None:
     place = Place("cylindrical", 0.0, math.radians(89.75), math.radians(0.5), -math.radians(0.5))
     layers = with_patches(ElevationRaster(values, place, 1.0, 0.0, "cap"), RADIUS_M)
     assert [layer.name for layer in layers] == ["cap", "cap (north pole)"]
+    uneven = Place(
+        "cylindrical", 0.0, place.y0, 1.0007 * place.dx, place.dy
+    )  # no whole posts around
+    assert len(with_patches(ElevationRaster(values, uneven, 1.0, 0.0, "gap"), RADIUS_M)) == 1
     sector = ElevationRaster(values[:, :300], place, 1.0, 0.0, "sector")
     assert len(with_patches(sector, RADIUS_M)) == 1
 

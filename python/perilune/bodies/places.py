@@ -32,9 +32,10 @@ class Place:
         return dict(vars(self))
 
     def goes_round(self, columns: int) -> bool:
-        """Whether so many columns cover all longitudes."""
+        """Whether so many columns cover all longitudes, as _core.Raster takes them."""
         turn = 2.0 * math.pi / abs(self.dx)
-        return self.projection == "cylindrical" and columns > turn - 0.5
+        whole = round(turn)
+        return self.projection == "cylindrical" and abs(turn - whole) <= 0.01 and columns >= whole
 
     def flipped(self, rows: int) -> Place:
         """The place of the same raster with its rows in the opposite order."""
