@@ -6,7 +6,7 @@
 #include "scene/shutter.h"
 
 /* Number of instants at which the plan's view is evaluated. */
-enum { LOOKS = 9 };
+enum { PLAN_INSTANTS = 9 };
 /* Limit on the instants of a frame with blur and a rolling shutter: this many, plus four per row.
  */
 enum { INSTANTS_MAX = 256, INSTANTS_ROW = 4 };
@@ -29,9 +29,9 @@ pl_status pl_moving_plan(pl_renderer *renderer, const pl_frame_request *request,
                          const pl_view *middle, bool colour, pl_plan *plan) {
   pl_survey survey;
   pl_plan now;
-  for (int i = 0; i < LOOKS; i++) {
+  for (int i = 0; i < PLAN_INSTANTS; i++) {
     pl_arena_reset(&renderer->instants);
-    PL_TRY(pl_survey_at(renderer->scene, request, (double)i / (LOOKS - 1), middle, colour,
+    PL_TRY(pl_survey_at(renderer->scene, request, (double)i / (PLAN_INSTANTS - 1), middle, colour,
                         &renderer->instants, &survey));
     PL_TRY(pl_plan_solve(pl_effects, pl_effect_count, &survey.view, &request->wish, &now));
     for (size_t k = 0; k < plan->count; k++) {

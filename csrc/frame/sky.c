@@ -95,8 +95,8 @@ static pl_status find_seen(const pl_snapshot *shot, const pl_tracer *tracer,
         pl_sun_covers(&sun, pl_vec3_to_float(star->direction)) ||
         !pl_camera_project(&shot->camera, view, pixel))
       continue;
-    const pl_vec3f passed = passed_of(shot, settings, pl_vec3_to_float(star->direction));
-    sky->seen[sky->seen_count++] = (pl_seen_star){star->star, pixel[0], pixel[1], passed};
+    const pl_vec3f transmittance = passed_of(shot, settings, pl_vec3_to_float(star->direction));
+    sky->seen[sky->seen_count++] = (pl_seen_star){star->star, pixel[0], pixel[1], transmittance};
   }
   return PL_OK;
 }
@@ -138,11 +138,11 @@ static pl_status deposit(const pl_camera *camera, pl_arena *arena, pl_frame_sky 
     return pl_fail(PL_E_MEMORY, "out of memory for %zu stars", sky->seen_count);
   for (size_t i = 0; i < sky->seen_count; i++) {
     pl_star_splat splat;
-    const pl_vec3f passed = sky->seen[i].passed;
+    const pl_vec3f transmittance = sky->seen[i].transmittance;
     pl_star star = *sky->seen[i].star;
-    star.light[0] *= passed.x;
-    star.light[1] *= passed.y;
-    star.light[2] *= passed.z;
+    star.light[0] *= transmittance.x;
+    star.light[1] *= transmittance.y;
+    star.light[2] *= transmittance.z;
     pl_star_splat_at(camera, &star, sky->seen[i].u, sky->seen[i].v, &splat);
     for (int k = 0; k < splat.count; k++)
       light[count++] = (pl_star_light){splat.pixels[k], splat.light[k]};

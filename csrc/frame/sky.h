@@ -10,9 +10,9 @@
 
 /* A visible star, for labels. */
 typedef struct pl_seen_star {
-  const pl_star *star; /* borrowed from the catalogue */
-  double u, v;         /* pixel coordinates of its centre */
-  pl_vec3f passed;     /* transmittance of air and media towards it, per band */
+  const pl_star *star;    /* borrowed from the catalogue */
+  double u, v;            /* pixel coordinates of its centre */
+  pl_vec3f transmittance; /* of air and media towards it, per band */
 } pl_seen_star;
 
 /* Radiance that a star or sub-pixel body adds to a pixel. */

@@ -203,13 +203,14 @@ static pl_status render_dot(const pl_instant *instant, size_t body, pl_render_sc
   const size_t first = sky->subpixel_count;
   spread(g, &close, shot, sky);
   const pl_vec3 toward = pl_vec3_unit(ball.center), here = {0.0, 0.0, 0.0};
-  pl_vec3f passed = {1.0f, 1.0f, 1.0f};
+  pl_vec3f transmittance = {1.0f, 1.0f, 1.0f};
   if (air != NULL)
-    passed = pl_air_toward_sun(air, shot, here, pl_vec3_to_float(toward));
+    transmittance = pl_air_toward_sun(air, shot, here, pl_vec3_to_float(toward));
   if (media != NULL)
-    passed = pl_vec3f_mul(passed, pl_media_passed(media, shot, toward, pl_vec3_norm(ball.center)));
+    transmittance = pl_vec3f_mul(transmittance,
+                                 pl_media_passed(media, shot, toward, pl_vec3_norm(ball.center)));
   for (size_t i = first; i < sky->subpixel_count; i++)
-    sky->subpixel[i].light = pl_vec3f_mul(sky->subpixel[i].light, passed);
+    sky->subpixel[i].light = pl_vec3f_mul(sky->subpixel[i].light, transmittance);
   return PL_OK;
 }
 

@@ -82,7 +82,7 @@ static void look(const pl_rings *rings, const pl_rings_ray *ray, const pl_rings_
   const pl_rings_light light = pl_rings_seen(rings, ray, sun);
   for (int k = 0; k < 3; k++)
     scattered[k] = light.scattered[k];
-  *passed = light.passed;
+  *passed = light.transmittance;
 }
 
 static PyObject *rings_scatter(PyObject *self, PyObject *args, PyObject *kwargs) {

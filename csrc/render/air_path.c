@@ -171,7 +171,7 @@ static pl_vec3f scatter_between(const pl_air_view *view, const passage *p,
       before = light.scattered;
       way[k] = pl_vec3f_mul(way[k], light.transmitted);
     }
-    left = pl_vec3f_mul(left, list->items[k].passed);
+    left = pl_vec3f_mul(left, list->items[k].transmittance);
   }
   return pl_vec3f_add(sum, pl_vec3f_mul(left, pl_vec3f_sub(p->light.scattered, before)));
 }
@@ -183,7 +183,7 @@ static pl_vec3f add_media(const pl_medium_list *list, const pl_vec3f *way, pl_ve
   for (size_t k = 0; k < list->count; k++) {
     const pl_vec3f radiance = pl_vec3f_mul(way[k], list->items[k].radiance);
     *sum = pl_vec3f_add(*sum, pl_vec3f_mul(left, radiance));
-    left = pl_vec3f_mul(left, list->items[k].passed);
+    left = pl_vec3f_mul(left, list->items[k].transmittance);
   }
   return left;
 }

@@ -199,13 +199,13 @@ static float sent_by(const cloud_item *item, const pl_snapshot *shot, const ligh
 
 /* Means over the footprint of a ray in one crossing of the shell. */
 typedef struct means {
-  float cover, passed, sent, unsure;
+  float cover, transmittance, sent, unsure;
 } means;
 
 static void add_place(const cloud_item *item, const pl_snapshot *shot, const lighting *from,
                       const place *at, bool ground, float part, means *sum) {
   sum->cover += part * at->cover;
-  sum->passed += part * passed_at(at, ground);
+  sum->transmittance += part * passed_at(at, ground);
   sum->unsure = hypotf(sum->unsure, part * at->unsure); /* errors of the parts are independent */
   if (from != NULL)
     sum->sent += part * sent_by(item, shot, from, at);
@@ -251,7 +251,8 @@ static void cross_at(const cloud_item *item, const pl_media *media, const pl_sna
     look_closer(item, shot, m, t, ray, lit ? &from : NULL, ground, at, &mean);
   else
     add_place(item, shot, lit ? &from : NULL, &at, ground, 1.0f, &mean);
-  pl_medium_crossing crossing = {.t = t, .passed = {mean.passed, mean.passed, mean.passed}};
+  pl_medium_crossing crossing = {
+      .t = t, .transmittance = {mean.transmittance, mean.transmittance, mean.transmittance}};
   if (mean.sent > 0.0f) {
     const float *c = item->clouds->color;
     const pl_vec3f light =

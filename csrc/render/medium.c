@@ -95,7 +95,7 @@ pl_vec3f pl_media_passed(const pl_media *media, const pl_snapshot *shot, pl_vec3
   pl_vec3f out = ALL;
   pl_media_cross(media, shot, &ray, &list);
   for (size_t i = 0; i < list.count; i++)
-    out = pl_vec3f_mul(out, list.items[i].passed);
+    out = pl_vec3f_mul(out, list.items[i].transmittance);
   return out;
 }
 
@@ -189,13 +189,14 @@ pl_vec3f pl_media_sunlight(const pl_media *media, const pl_medium_kind *kind,
 static void pass(pl_path *path, const pl_medium_list *list, pl_vec3f *sink) {
   for (size_t i = 0; i < list->count; i++) {
     *sink = pl_vec3f_add(*sink, pl_vec3f_mul(path->throughput, list->items[i].radiance));
-    path->throughput = pl_vec3f_mul(path->throughput, list->items[i].passed);
+    path->throughput = pl_vec3f_mul(path->throughput, list->items[i].transmittance);
   }
 }
 
 pl_vec3f pl_media_seen(const pl_medium_list *list, pl_vec3f radiance) {
   for (size_t i = list->count; i-- > 0;)
-    radiance = pl_vec3f_add(list->items[i].radiance, pl_vec3f_mul(list->items[i].passed, radiance));
+    radiance =
+        pl_vec3f_add(list->items[i].radiance, pl_vec3f_mul(list->items[i].transmittance, radiance));
   return radiance;
 }
 

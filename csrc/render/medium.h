@@ -14,8 +14,8 @@ struct pl_tile_buffers;
 
 /* A ray's crossing of a medium. */
 typedef struct pl_medium_crossing {
-  double t;        /* m along the ray */
-  pl_vec3f passed; /* transmittance for light from beyond, 0..1 */
+  double t;               /* m along the ray */
+  pl_vec3f transmittance; /* for light from beyond, 0..1 */
   /* radiance that it adds by scattering sunlight and by emission, without the air between it and
    * the ray's start, W m-2 sr-1 */
   pl_vec3f radiance;

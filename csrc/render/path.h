@@ -42,7 +42,7 @@ typedef struct pl_tile_buffers {
   uint32_t slot[PL_TILE_PIXELS];
   pl_vec3f sample[PL_TILE_PIXELS], shared[PL_TILE_PIXELS];
   uint32_t seeds[PL_TILE_PIXELS];
-  int shares[PL_TILE_PIXELS]; /* for a slice: its number of samples */
+  int sample_counts[PL_TILE_PIXELS]; /* of a slice */
   /* Pixels that need more samples: the first active_meshes of them may see a mesh. */
   uint32_t active[PL_TILE_PIXELS];
   size_t active_count, active_meshes;

@@ -183,7 +183,7 @@ static float unsure_dn(const pl_render_settings *settings, const pl_medium_list 
   float unsure = 0.0f;
   for (size_t i = 0; i < list->count; i++) {
     const pl_medium_crossing *at = &list->items[i];
-    const float kept = pl_luminance(light) - pl_luminance(pl_vec3f_mul(light, at->passed));
+    const float kept = pl_luminance(light) - pl_luminance(pl_vec3f_mul(light, at->transmittance));
     unsure += at->unsure * fabsf(pl_luminance(at->radiance) - kept);
   }
   return unsure > 0.0f ? pl_path_error_dn(settings, pl_luminance(seen), unsure) : 0.0f;

@@ -282,7 +282,7 @@ static void fill_slice_points(const job *job, pl_tile tile, const content *conte
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++) {
       const int pixel = y * PL_TILE_SIDE + x;
-      if (b->shares[pixel] == 0 ||
+      if (b->sample_counts[pixel] == 0 ||
           pl_coverage_pixel(&job->scratch->coverage, tile.x0 + x, tile.y0 + y))
         b->points[pixel].surface_id = PL_NO_SURFACE;
     }

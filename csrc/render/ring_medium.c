@@ -91,7 +91,7 @@ static float look(const ring_item *item, const pl_media *media, const pl_snapsho
   if (pl_vec3f_max(scattered) > 0.0f)
     *radiance = pl_vec3f_mul(
         scattered, pl_media_sunlight(media, &pl_medium_rings, shot, point, &view, width_m));
-  return (float)light.passed;
+  return (float)light.transmittance;
 }
 
 static float straight(const pl_rings *rings, const pl_rings_piece *piece) {
@@ -112,22 +112,22 @@ static void cross_item(const ring_item *item, const pl_media *media, const pl_sn
   const bool dark = ray->dark || ray->from_body == item->body;
   pl_medium_crossing crossing = {0};
   float held = 0.0f;
-  double shares = 0.0;
+  double weights = 0.0;
   for (size_t i = 0; i < count; i++) {
     pl_vec3f radiance = {0.0f, 0.0f, 0.0f};
     const float share = (float)pieces[i].share;
-    const float passed = dark ? straight(item->rings, &pieces[i])
-                              : look(item, media, shot, &own, &pieces[i], &radiance);
-    held += share * (1.0f - passed);
+    const float transmittance = dark ? straight(item->rings, &pieces[i])
+                                     : look(item, media, shot, &own, &pieces[i], &radiance);
+    held += share * (1.0f - transmittance);
     crossing.radiance = pl_vec3f_madd(crossing.radiance, share, radiance);
     crossing.t += pieces[i].share * pieces[i].t;
-    shares += pieces[i].share;
+    weights += pieces[i].share;
   }
   if (!(held > 0.0f))
     return;
   const float left = pl_maxf(0.0f, 1.0f - held);
-  crossing.t = fmin(crossing.t / shares, ray->t_max);
-  crossing.passed = (pl_vec3f){left, left, left};
+  crossing.t = fmin(crossing.t / weights, ray->t_max);
+  crossing.transmittance = (pl_vec3f){left, left, left};
   pl_medium_list_add(out, &crossing);
 }
 

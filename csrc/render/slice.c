@@ -45,10 +45,10 @@ bool pl_path_share(const pl_path_context *context, pl_tile_buffers *b) {
     range_of(context->settings->slice, context->tile.y0 + y, context->settings->samples, range);
     for (int x = 0; x < context->tile.width; x++) {
       const int pixel = y * PL_TILE_SIDE + x;
-      b->shares[pixel] = 0;
+      b->sample_counts[pixel] = 0;
       for (int j = range[0]; j < range[1]; j++)
-        b->shares[pixel] += is_of(context, y, b->seeds[pixel], j);
-      any |= b->shares[pixel] > 0;
+        b->sample_counts[pixel] += is_of(context, y, b->seeds[pixel], j);
+      any |= b->sample_counts[pixel] > 0;
     }
   }
   return any;
@@ -63,7 +63,8 @@ static void choose(const pl_path_context *context, const uint32_t *all, size_t c
     if (i == meshes)
       b->active_meshes = b->active_count;
     const uint32_t pixel = all[i];
-    if (b->shares[pixel] > 0 && is_of(context, (int)(pixel / PL_TILE_SIDE), b->seeds[pixel], j))
+    if (b->sample_counts[pixel] > 0 &&
+        is_of(context, (int)(pixel / PL_TILE_SIDE), b->seeds[pixel], j))
       b->active[b->active_count++] = pixel;
   }
   if (meshes == count)
@@ -84,7 +85,7 @@ void pl_path_slice(const pl_path_context *context, pl_tile_buffers *b) {
     high = range[1] > high ? range[1] : high;
     for (int x = 0; x < context->tile.width; x++) { /* the pixels that need no samples */
       const int pixel = y * PL_TILE_SIDE + x;
-      b->radiance[pixel] = pl_vec3f_scale(b->radiance[pixel], (float)b->shares[pixel]);
+      b->radiance[pixel] = pl_vec3f_scale(b->radiance[pixel], (float)b->sample_counts[pixel]);
     }
   }
   for (int j = low; j < high; j++) {

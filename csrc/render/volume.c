@@ -118,7 +118,7 @@ size_t pl_volume_cross(const pl_volume_view *view, const pl_volume_ray *ray,
     if (!(part.start < part.end) || part.count == 0)
       continue;
     if (found == 0 || out[found - 1].end < part.start)
-      out[found++] = (pl_volume_stretch){.start = part.start, .passed = {1.0f, 1.0f, 1.0f}};
+      out[found++] = (pl_volume_stretch){.start = part.start, .transmittance = {1.0f, 1.0f, 1.0f}};
     out[found - 1].end = part.end;
     pl_volume_march(view, ray, &part, &out[found - 1]);
   }

@@ -43,9 +43,9 @@ typedef struct pl_volume_ray {
 
 /* A part of the ray without gaps between volumes. */
 typedef struct pl_volume_stretch {
-  double start, end; /* m along the ray */
-  pl_vec3f passed;   /* transmittance for light from beyond, 0..1 */
-  pl_vec3f radiance; /* towards the ray's start, W m-2 sr-1 */
+  double start, end;      /* m along the ray */
+  pl_vec3f transmittance; /* for light from beyond, 0..1 */
+  pl_vec3f radiance;      /* towards the ray's start, W m-2 sr-1 */
 } pl_volume_stretch;
 
 /* Single scattering, with extinction towards the sun by all volumes, and emission. Each of `steps`

@@ -86,11 +86,12 @@ static void step(const pl_volume_view *view, const pl_volume_ray *ray, const pl_
       source = pl_vec3f_add(source, pl_vec3f_mul(m.scattered, sun));
     }
     const pl_vec3f light = cut_off(pl_vec3f_mul(source, seen(m.extinction, length)));
-    sum->radiance = pl_vec3f_add(sum->radiance, pl_vec3f_mul(sum->passed, light));
+    sum->radiance = pl_vec3f_add(sum->radiance, pl_vec3f_mul(sum->transmittance, light));
   }
   const pl_vec3f e = m.extinction;
-  sum->passed = pl_vec3f_mul(
-      sum->passed, pl_vec3f_make(expf(-e.x * length), expf(-e.y * length), expf(-e.z * length)));
+  sum->transmittance =
+      pl_vec3f_mul(sum->transmittance,
+                   pl_vec3f_make(expf(-e.x * length), expf(-e.y * length), expf(-e.z * length)));
 }
 
 /* End of the fraction `part` of the steps, if each step extinguishes the same amount of light;
@@ -209,7 +210,7 @@ void pl_volume_march(const pl_volume_view *view, const pl_volume_ray *ray,
   }
   const spacing s = spacing_of(view, ray, part);
   const int steps = (int)s.steps;
-  for (int i = 0; i < steps && pl_vec3f_max(sum->passed) > DARK; i++) {
+  for (int i = 0; i < steps && pl_vec3f_max(sum->transmittance) > DARK; i++) {
     double ends[2], middle;
     step_of(&s, part, i, steps, ends, &middle);
     step(view, ray, part, ends[0], ends[1], middle, sum);

@@ -52,7 +52,7 @@ static void cross(const pl_media *media, const void *own, const pl_snapshot *sho
   const size_t count = pl_volume_cross(own, &asked, stretches);
   for (size_t i = 0; i < count; i++) {
     const pl_medium_crossing crossing = {.t = 0.5 * (stretches[i].start + stretches[i].end),
-                                         .passed = stretches[i].passed,
+                                         .transmittance = stretches[i].transmittance,
                                          .radiance = stretches[i].radiance};
     pl_medium_list_add(out, &crossing);
   }

@@ -82,8 +82,8 @@ size_t pl_rings_cut(const pl_rings *rings, const pl_rings_ray *ray,
 
 /* Transmitted and scattered light of a part. */
 typedef struct pl_rings_light {
-  double passed;       /* transmittance of the light from behind */
-  double scattered[3]; /* radiance for a solar irradiance of 1, 1/sr */
+  double transmittance; /* of the light from behind */
+  double scattered[3];  /* radiance for a solar irradiance of 1, 1/sr */
 } pl_rings_light;
 
 /* Direction and size of the sun as seen from the rings. */

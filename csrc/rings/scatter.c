@@ -44,23 +44,23 @@ pl_rings_light pl_rings_scatter(const pl_rings *rings, const pl_rings_piece *pie
   }
   const pl_rings_mean seen =
       pl_rings_average(rings, piece->low_m, piece->high_m, 1.0 / piece->sine);
-  return (pl_rings_light){.passed = 1.0 - seen.opacity,
+  return (pl_rings_light){.transmittance = 1.0 - seen.opacity,
                           .scattered = {phase * sum[0], phase * sum[1], phase * sum[2]}};
 }
 
 pl_rings_light pl_rings_seen(const pl_rings *rings, const pl_rings_ray *ray,
                              const pl_rings_sun *sun) {
   pl_rings_piece pieces[PL_RINGS_PIECES];
-  pl_rings_light sum = {.passed = 1.0};
+  pl_rings_light sum = {.transmittance = 1.0};
   const size_t count = pl_rings_cut(rings, ray, pieces);
   for (size_t i = 0; i < count; i++) {
     const double share = pieces[i].share;
     const pl_rings_light light = pl_rings_scatter(rings, &pieces[i], ray->direction, sun);
-    sum.passed -= share * (1.0 - light.passed);
+    sum.transmittance -= share * (1.0 - light.transmittance);
     for (int k = 0; k < 3; k++)
       sum.scattered[k] += share * light.scattered[k];
   }
-  sum.passed = fmax(0.0, sum.passed);
+  sum.transmittance = fmax(0.0, sum.transmittance);
   return sum;
 }
 

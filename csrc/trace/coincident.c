@@ -177,7 +177,7 @@ typedef struct search {
   pl_candidate_fn counts;
   const void *context;
   pl_mesh_hit *best;
-  bool *looks; /* whether the best hit faces the ray */
+  bool *facing; /* whether the best hit faces the ray */
 } search;
 
 /* Returns whether the triangle counts as facing a ray that meets it from behind: true for
@@ -189,8 +189,8 @@ static bool has_two_faces(const pl_model *model, uint32_t triangle) {
 
 /* Returns whether a hit is preferred to the best one so far: because only it faces the ray, or
  * because its index is higher. */
-static bool is_better(const search *search, uint32_t triangle, bool looks) {
-  return looks != *search->looks ? looks : triangle > search->best->triangle;
+static bool is_better(const search *search, uint32_t triangle, bool facing) {
+  return facing != *search->facing ? facing : triangle > search->best->triangle;
 }
 
 /* Examines every candidate and rejects it, so that Embree goes on to report all of them. */
@@ -202,12 +202,12 @@ static void look(const struct RTCFilterFunctionNArguments *arguments) {
     if (arguments->valid[i] == 0)
       continue;
     arguments->valid[i] = 0;
-    const bool looks = !pl_embree_from_behind(arguments->ray, arguments->hit, n, i) ||
-                       has_two_faces(search->model, triangle);
-    if (!is_better(search, triangle, looks) || search->marks[triangle] == 0 ||
+    const bool facing = !pl_embree_from_behind(arguments->ray, arguments->hit, n, i) ||
+                        has_two_faces(search->model, triangle);
+    if (!is_better(search, triangle, facing) || search->marks[triangle] == 0 ||
         !search->counts(search->context, arguments, i))
       continue;
-    *search->looks = looks;
+    *search->facing = facing;
     search->best->triangle = triangle;
     search->best->u = pl_embree_hit_u(arguments->hit, n, i);
     search->best->v = pl_embree_hit_v(arguments->hit, n, i);
@@ -215,7 +215,7 @@ static void look(const struct RTCFilterFunctionNArguments *arguments) {
   }
 }
 
-static bool looks_at(const pl_model *model, uint32_t triangle, pl_vec3f direction) {
+static bool faces_ray(const pl_model *model, uint32_t triangle, pl_vec3f direction) {
   const pl_vec3 a = point_of(corner(model, triangle, 0));
   const pl_vec3 e1 = pl_vec3_sub(point_of(corner(model, triangle, 1)), a);
   const pl_vec3 e2 = pl_vec3_sub(point_of(corner(model, triangle, 2)), a);
@@ -238,8 +238,8 @@ void pl_coincident_choose(const pl_instance *instance, const pl_lone_approach *a
                                     .tfar = hit->t + within,
                                     .mask = UINT32_MAX}};
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  bool looks = looks_at(instance->model, hit->triangle, at->direction);
-  const search search = {instance->model, instance->coincident, counts, context, hit, &looks};
+  bool facing = faces_ray(instance->model, hit->triangle, at->direction);
+  const search search = {instance->model, instance->coincident, counts, context, hit, &facing};
   pl_embree_query way = {.filter = look, .user = &search};
   pl_embree_intersect1(instance->scene, &way, &query);
 }

@@ -41,22 +41,22 @@ pl_status pl_solo_set(pl_solo *solo, const pl_shot_object *object) {
   return pl_accelerator_place(solo->kept, object, solo->instances, &solo->count);
 }
 
-typedef struct looks {
+typedef struct hole_query {
   const pl_shot_object *object;
   const pl_instance *instance;
   const pl_vec3 *directions; /* indexed by ray id */
-} looks;
+} hole_query;
 
 /* Rejects hits where a graph leaves no surface. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *arguments) {
-  const looks *looks = ((const pl_embree_query *)(const void *)arguments->context)->user;
+  const hole_query *query = ((const pl_embree_query *)(const void *)arguments->context)->user;
   const unsigned n = arguments->N;
   for (unsigned i = 0; i < n; i++) {
     if (arguments->valid[i] == 0)
       continue;
-    const uint32_t triangle = looks->instance->first + pl_embree_hit_triangle(arguments->hit, n, i);
-    const pl_vec3 direction = looks->directions[pl_embree_ray_id(arguments->ray, n, i)];
-    if (!pl_shot_is_there(looks->object, triangle, pl_embree_hit_u(arguments->hit, n, i),
+    const uint32_t triangle = query->instance->first + pl_embree_hit_triangle(arguments->hit, n, i);
+    const pl_vec3 direction = query->directions[pl_embree_ray_id(arguments->ray, n, i)];
+    if (!pl_shot_is_there(query->object, triangle, pl_embree_hit_u(arguments->hit, n, i),
                           pl_embree_hit_v(arguments->hit, n, i), pl_vec3_to_float(direction)))
       arguments->valid[i] = 0;
   }
@@ -97,8 +97,8 @@ static void cast_at(const pl_solo *solo, const pl_instance *instance, const pl_v
     ray->id[i] = (unsigned)(i < count ? i : 0);
     ray->flags[i] = 0;
   }
-  const looks looks = {solo->object, instance, directions};
-  pl_embree_query way = {.user = &looks, .filter = pass_holes};
+  const hole_query holes = {solo->object, instance, directions};
+  pl_embree_query way = {.user = &holes, .filter = pass_holes};
   meet(instance, entry->valid, solo->object != NULL ? &way : NULL, &query, met);
   for (size_t i = 0; i < count; i++)
     if (entry->valid[i] != 0 && met[i]) {

@@ -112,7 +112,7 @@ static void test_even_layer(void **state) {
     assert_true(fabs(light.scattered[0] - expected) < 1e-5 * expected + 1e-12);
     assert_true(fabs(light.scattered[1] - 0.5 * expected) < 1e-5 * expected + 1e-12);
     assert_true(light.scattered[2] == 0.0);
-    assert_true(fabs(light.passed - exp(-depth / mu)) < 1e-12);
+    assert_true(fabs(light.transmittance - exp(-depth / mu)) < 1e-12);
     pl_rings_destroy(rings);
   }
 }
@@ -271,16 +271,16 @@ static void test_special_rays(void **state) {
                                   .end_m = INFINITY};
         pl_rings_piece pieces[PL_RINGS_PIECES];
         const size_t count = pl_rings_cut(rings, &ray, pieces);
-        const double passed = pl_rings_passed(rings, &ray);
-        assert_true(passed >= 0.0 && passed <= 1.0);
+        const double transmittance = pl_rings_passed(rings, &ray);
+        assert_true(transmittance >= 0.0 && transmittance <= 1.0);
         for (size_t n = 0; n < count; n++) {
           const pl_rings_sun sun = {{1.0, 0.0, 0.0}, 0.005};
           const pl_rings_light light = pl_rings_scatter(rings, &pieces[n], ray.direction, &sun);
           assert_true(isfinite(light.scattered[0]) && light.scattered[0] >= 0.0);
-          assert_true(light.passed >= 0.0 && light.passed <= 1.0);
+          assert_true(light.transmittance >= 0.0 && light.transmittance <= 1.0);
         }
         if (origins[i].z == 0.0 && wide == 0)
-          assert_true(passed == 1.0);
+          assert_true(transmittance == 1.0);
       }
   /* Straight down on the middle of the rings. */
   const pl_rings_ray down = {.origin = {1.5e8, 0, 1e6}, .direction = {0, 0, -1}, .end_m = INFINITY};

@@ -87,7 +87,7 @@ static void test_slab(void **state) {
     assert_int_equal(pl_volume_cross(view, &ray, out), 1);
     const double light = 2.0 * henyey(0.4, -1.0) * -0.5 * expm1(-2.0 * (double)depths[i]);
     if (depths[i] < 100.0f)
-      near((double)out[0].passed.x, exp(-(double)depths[i]), 1e-5);
+      near((double)out[0].transmittance.x, exp(-(double)depths[i]), 1e-5);
     near((double)out[0].radiance.x, light, 1e-3);
     near((double)out[0].radiance.y, 0.25 * light, 1e-3);
     near(out[0].start, 48.0, 1e-9);
@@ -158,7 +158,7 @@ static void test_energy(void **state) {
       if (pl_volume_cross(view, &ray, out) == 0)
         continue;
       const double most =
-          2.0 * pl_volume_phase_max(&c.volumes[0]) * (1.0 - (double)out[0].passed.x);
+          2.0 * pl_volume_phase_max(&c.volumes[0]) * (1.0 - (double)out[0].transmittance.x);
       assert_true((double)out[0].radiance.x >= 0.0);
       assert_true((double)out[0].radiance.x <= most * (1.0 + 1e-5) + 1e-9);
     }
@@ -180,7 +180,7 @@ static void test_emission(void **state) {
   const pl_volume_ray ray = ray_of((pl_vec3){0, 0, -9}, (pl_vec3){0, 0, 1});
   assert_int_equal(pl_volume_cross(view, &ray, out), 1);
   near((double)out[0].radiance.x, 1.5, 1e-5);
-  near((double)out[0].passed.x, 1.0, 1e-6);
+  near((double)out[0].transmittance.x, 1.0, 1e-6);
   assert_true(out[0].radiance.y == 0.0f);
   near((double)out[0].radiance.z, 0.05, 1e-4);
   finish(&c);
@@ -195,10 +195,10 @@ static void test_ends(void **state) {
   const pl_volume_view *view = build(&c, 1, 16);
   pl_volume_ray ray = ray_of((pl_vec3){0, 0, 0}, (pl_vec3){1, 1, 0});
   assert_int_equal(pl_volume_cross(view, &ray, out), 1);
-  near((double)out[0].passed.x, exp(-1.0), 1e-5);
+  near((double)out[0].transmittance.x, exp(-1.0), 1e-5);
   ray.t_max = 0.4;
   assert_int_equal(pl_volume_cross(view, &ray, out), 1);
-  near((double)out[0].passed.x, exp(-0.2), 1e-5);
+  near((double)out[0].transmittance.x, exp(-0.2), 1e-5);
   near(out[0].end, 0.4, 1e-12);
   ray = ray_of((pl_vec3){0, 0, -5}, (pl_vec3){0, 0, 1});
   ray.t_max = 2.9;
@@ -228,7 +228,7 @@ static void test_several(void **state) {
     two.volumes[1].local.t.z -= kind == 0 ? 1.0 : 0.0;
     view = build(&two, 2, STEPS);
     assert_int_equal(pl_volume_cross(view, &ray, out), 1);
-    near((double)out[0].passed.x, (double)whole[0].passed.x, 1e-5);
+    near((double)out[0].transmittance.x, (double)whole[0].transmittance.x, 1e-5);
     near((double)out[0].radiance.x, (double)whole[0].radiance.x, 1e-3);
     finish(&two);
   }
@@ -297,7 +297,7 @@ static void test_linear_density(void **state) {
   assert_true(pl_volume_toward_sun(view, (pl_vec3){4.5, 0, 0}).x == 1.0f);
   const pl_volume_ray ray = ray_of((pl_vec3){0.1, 0.2, -9}, (pl_vec3){0, 0, 1});
   assert_int_equal(pl_volume_cross(view, &ray, out), 1);
-  near((double)out[0].passed.x, exp(-1.5), 1e-4);
+  near((double)out[0].transmittance.x, exp(-1.5), 1e-4);
   /* As in the slab: of depth u, exp(-2 u) comes back. */
   near((double)out[0].radiance.x, 2.0 / (4.0 * PL_PI) * 0.5 * (1.0 - exp(-3.0)), 2e-3);
   near((double)out[0].radiance.y, 0.5 * (double)out[0].radiance.x, 1e-5);
@@ -321,7 +321,7 @@ static void test_square_law(void **state) {
     const pl_volume_view *view = build(&c, 1, 16);
     const pl_volume_ray ray = ray_of((pl_vec3){pass, 0, -5000}, (pl_vec3){0, 0, 1});
     assert_int_equal(pl_volume_cross(view, &ray, out), 1);
-    near(-log((double)out[0].passed.x), 0.5 * 2.0 * acos(pass / 1000.0) / pass, 2e-3);
+    near(-log((double)out[0].transmittance.x), 0.5 * 2.0 * acos(pass / 1000.0) / pass, 2e-3);
     finish(&c);
   }
   /* Towards the sun, from (p, 0, z) on: the table's lines lie closer there, too. */
@@ -334,8 +334,8 @@ static void test_square_law(void **state) {
     const double p = i < 4 ? 2.5 : 30.0, z = i % 4 == 0 ? -20.0 : 15.0 * (i % 4 - 1);
     const double edge = sqrt(1e6 - p * p);
     const double column = (atan(edge / p) + atan(z / p)) / p;
-    const pl_vec3f passed = pl_volume_toward_sun(view, (pl_vec3){p * 0.6, p * 0.8, z});
-    near(-log((double)passed.x), 0.5 * column, 0.03);
+    const pl_vec3f transmittance = pl_volume_toward_sun(view, (pl_vec3){p * 0.6, p * 0.8, z});
+    near(-log((double)transmittance.x), 0.5 * column, 0.03);
   }
   finish(&c);
   pl_graph_destroy(graph);
