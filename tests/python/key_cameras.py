@@ -361,7 +361,14 @@ CAMERAS = [
         Flyby,
         AT_PLACES,
         {"kind": "flyby", "target": "b", "closest_m": 2e6, "before_m": 1e6},
-        AIMED | RUN | {"direction": [0.0, 1.0, 0.0], "side": [0.0, 1.0, 1.0], "after_m": 3e6},
+        AIMED
+        | RUN
+        | {
+            "direction": [0.0, 1.0, 0.0],
+            "side": [0.0, 1.0, 1.0],
+            "after_m": 3e6,
+            "altitude_above": "datum",
+        },
     ),
     Section(
         CentredTarget,

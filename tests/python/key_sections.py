@@ -224,6 +224,7 @@ THINGS = [
             "deviation_m": 100.0,
             "hurst": 0.9,
             "ranges": [{"from_m": 0.0, "hurst": 0.9}],
+            "from_elevation": True,
             "strength": 2.0,
             "longest_m": 1e5,
             "finest_m": 3e5,

@@ -315,6 +315,18 @@ def test_hover_counts_from_the_datum_of_a_shape_when_asked(scene, repo_dir, tmp_
         assert np.linalg.norm(place) == pytest.approx(distance_m + 1e5, rel=1e-9)
 
 
+def test_a_flyby_counts_its_height_from_the_ground_when_asked(scene):
+    pass_by = {"kind": "flyby", "target": "moon", "closest_m": 5e3, "before_m": 1e5,
+               "positions": 3, "frame": "target", "side": [0.0, 1.0, 1.0]}  # fmt: skip
+    (place,) = worlds(scene, {**pass_by, "altitude_above": "terrain"}, [1])
+    found = np.linalg.norm(trajectories.camera_poses(place)[0, :3])
+    assert found == pytest.approx(MOON_M + 5e3, abs=1e-3)
+    with pytest.raises(ConfigError, match=r"altitude_above.*only with frame: target"):
+        worlds(scene, {**pass_by, "frame": "icrf", "altitude_above": "datum"}, [1])
+    with pytest.raises(ConfigError, match=r"altitude_above.*sat is no body"):
+        worlds(scene, {**pass_by, "target": "sat", "altitude_above": "datum"}, [1])
+
+
 def test_a_craft_stands_on_a_shape(scene, repo_dir, tmp_path):
     corners = [(x, y, z) for x in (-900, 900) for y in (-900, 900) for z in (-900, 900)]
     faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]

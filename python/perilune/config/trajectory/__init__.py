@@ -81,7 +81,11 @@ def check_trajectory(config: Config) -> None:
     name = getattr(spec, "around" if isinstance(spec, RandomBox) else "target", None)
     if getattr(spec, "frame", "icrf") in moving and name == config.root:
         fail("camera.trajectory.frame", f"{name} is the root body and orbits nothing")
-    check_datum(config, "camera.trajectory", spec, getattr(spec, "target", None))
+    if isinstance(spec, Flyby):
+        if spec.altitude_above is not None and spec.target not in config.bodies:
+            fail("camera.trajectory.altitude_above", f"{spec.target} is no body with a ground")
+    else:
+        check_datum(config, "camera.trajectory", spec, getattr(spec, "target", None))
     if isinstance(spec, Run):
         _check_run(spec, config)
 

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
+from perilune.config.standing import AltitudeAbove
 from perilune.config.trajectory.common import Aimed, CameraAxes, Run
 from perilune.config.types import Direction, Finite, Integer, NonNegative, Positive, Strict, Vec3
 
@@ -112,7 +113,11 @@ class Flyby(Aimed, Run):
 
     kind: Literal["flyby"]
     closest_m: NonNegative
-    """Closest distance from the target's centre."""
+    """Closest distance from the target's centre, or height there with `altitude_above`."""
+    altitude_above: AltitudeAbove | None = None
+    """closest_m is a height at the closest point over a body, in `frame: target`. terrain: over the
+    ground itself, that of a `shape` too. datum: over the ellipsoid `radii_km`. Default: closest_m
+    is a distance from the centre."""
     direction: Direction = (1.0, 0.0, 0.0)
     """Direction of motion, in the axes of `frame`."""
     side: Direction = (0.0, 0.0, 1.0)
@@ -131,6 +136,8 @@ class Flyby(Aimed, Run):
         along = sum(a * b for a, b in zip(self.direction, self.side, strict=True))
         if abs(along) > 1.0 - 1e-12:
             fail("side", "must not be along `direction`")
+        if self.altitude_above is not None and self.frame != "target":
+            fail("altitude_above", "only with frame: target, in which the ground stands still")
         return self
 
 
