@@ -7,7 +7,8 @@ orbits. Figure 13: camera trajectories, sketched, with frames taken along them. 
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
 `light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. `shutter`:
-see shutter_figures.py. `shapes`: see shape_figures.py. Needs the extra `plot`.
+see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`: see ground_figures.py. Needs the
+extra `plot`.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import ground_figures
 import moon_figures
 import numpy as np
 import sensor_figures
@@ -169,6 +171,11 @@ def figure_moon() -> None:
     save(moon_figures.figure_moon(), "moon.png")
 
 
+def terrain() -> None:
+    views = ground_figures.views()
+    pictures("terrain.png", [views[:2], views[2:]], 9.6)
+
+
 def pictures(name: str, rows: list[list[tuple[str, Any]]], width: float) -> None:
     """Rows of titled images, on black."""
     height, wide = rows[0][0][1].shape[:2]
@@ -287,6 +294,7 @@ FIGURES = {
     "moon_sensor": moon_sensor,
     "shapes": shapes,
     "shutter": shutter,
+    "terrain": terrain,
 }
 
 

@@ -1,0 +1,33 @@
+"""The Moon's ground: `python docs/figures/make_figures.py terrain`. Needs the sample data.
+
+From configs/: highlands near the south pole under a Sun 1.5 degrees up; a mare from a lander; and
+views from a rover's mast, under a low and a high Sun.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import perilune
+
+CONFIGS = Path(__file__).resolve().parents[2] / "configs"
+SIZE = {"camera.width": 480, "camera.height": 360, "render.samples": 16}
+ROVER_SUN = "sun.at.elevation_deg"
+SCENES = (
+    ("the south pole, 8 to 15 km up, Sun 1.5 deg", "lunar_pole", {}),
+    ("a mare, from a lander", "lunar_lander", {}),
+    ("a rover's mast, Sun 8 deg", "lunar_rover", {ROVER_SUN: 8.0}),
+    ("the same, Sun 40 deg", "lunar_rover", {ROVER_SUN: 40.0}),
+)
+
+
+def views() -> list[tuple[str, NDArray[np.uint8]]]:
+    """Titles and images."""
+    out = []
+    for title, name, changes in SCENES:
+        sim = perilune.open(CONFIGS / f"{name}.yaml", overrides=SIZE | changes)
+        out.append((title, sim.frame(0, ["rgb"])["rgb"]))
+    return out
