@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pydantic import ValidationError
 from tests.python import moon
 
 from perilune import _core
+from perilune.bodies.rocks import rock_field
+from perilune.config.rocks import FITTED_ABUNDANCE, RockFamilies, RockLaw, Rocks
 
 PLACE = np.array([0.9, 0.35, 0.2]) / np.linalg.norm([0.9, 0.35, 0.2])
 HEIGHT_M = 25.0
@@ -136,3 +139,56 @@ def test_brightness_has_no_jump(height_m: float) -> None:
 def test_errors(settings: dict[str, object], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         field(**settings)
+
+
+# -- the section ---------------------------------------------------------------------------------
+
+
+def test_names_are_those_of_the_core() -> None:
+    assert list(get_args(RockLaw)) == [row["name"] for row in _core.ROCK_LAWS]
+    assert list(RockFamilies.model_fields) == [row["name"] for row in _core.ROCK_FAMILIES]
+
+
+def test_defaults_are_those_of_the_core() -> None:
+    ours = rock_field(Rocks(seed=4), moon.RADIUS_M).list(ground(None), PLACE, 40.0, 0.1)
+    np.testing.assert_array_equal(ours, field().list(ground(None), PLACE, 40.0, 0.1))
+    assert len(ours) > 100
+
+
+def test_a_table_gives_the_sizes() -> None:
+    given = Rocks(law="table", table=((0.2, 0.1), (2.0, 1e-4)), cutoff_m=0.0)
+    listed = rock_field(given, moon.RADIUS_M).list(ground(None), PLACE, 60.0)
+    assert listed["diameter_m"].min() >= 0.2
+    assert listed["diameter_m"].max() <= 2.0
+    expected = math.pi * 60.0**2 * 0.1
+    assert 0.85 * expected < len(listed) < expected + 4.5 * math.sqrt(expected)
+
+
+def test_slopes_of_repose() -> None:
+    steep = rock_field(Rocks(law="haworth", repose_deg=8.0), moon.RADIUS_M)
+    slopes = steep.list(ground(None), PLACE, 30.0, 0.2)["slope_rad"]
+    assert len(slopes) > 0
+    assert slopes.max() <= math.radians(8.0)
+
+
+@pytest.mark.parametrize(
+    ("keys", "text"),
+    [
+        ({"law": "gravel"}, "viper"),
+        ({"law": "power", "coefficient": 1.0}, "exponent"),
+        ({"coefficient": 1.0}, "power"),
+        ({"law": "golombek"}, "abundance"),
+        ({"law": "golombek", "abundance": 0.9 * FITTED_ABUNDANCE}, "decay_per_m"),
+        ({"law": "table", "table": [[1.0, 1.0], [0.5, 0.1]]}, "diameters rise"),
+        ({"law": "table", "table": [[1.0, 1.0], [2.0, 3.0]]}, "do not rise"),
+        ({"min_diameter_m": 2.0, "max_diameter_m": 1.0}, "below max_diameter_m"),
+        ({"least_burial": 0.6}, "most_burial"),
+        ({"families": {"pebble": 1.0}}, "pebble"),
+        ({"families": {"slab": 0.0}}, "above 0"),
+        ({"repose_deg": 90.0}, "repose_deg"),
+    ],
+)
+def test_errors_of_the_section(keys: dict[str, object], text: str) -> None:
+    with pytest.raises(ValidationError) as error:
+        Rocks.model_validate(keys)
+    assert text in f"{error.value} {error.value.errors()[0]}"

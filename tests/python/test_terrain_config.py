@@ -210,6 +210,25 @@ def test_craters_are_in_the_ground(scene, repo_dir):
     assert heights[2] == pytest.approx(heights[3], abs=1e-9)  # a density of 0 is none
 
 
+def test_rocks_are_on_the_ground(scene, repo_dir):
+    """They change what is seen, not heights; a density of 0 is none, and a driver draws it."""
+    scene["render"] = {"samples": 1, "channels": ["depth"]}
+    scene["camera"] |= {"width": 48, "height": 48, "fov_deg": 90.0}
+    scene["bodies"]["moon"]["terrain"]["rocks"] = {"law": "haworth", "density": 3.0, "seed": 3}
+    sim = opened(scene, repo_dir)
+    without = sim.with_overrides({"bodies.moon.terrain.rocks": None})
+    none = sim.with_overrides({"bodies.moon.terrain.rocks.density": 0.0})
+    drawn = sim.with_overrides({"bodies.moon.terrain.rocks.density": {"uniform": [1.0, 5.0]}})
+    depths = [each.frame(0, threads=1)["depth"] for each in (sim, without, none, drawn)]
+    poses = [each.camera_poses(0) for each in (sim, without)]
+    np.testing.assert_array_equal(poses[0], poses[1])
+    np.testing.assert_array_equal(depths[1], depths[2])
+    nearer = depths[1] - depths[0]
+    assert (nearer > 0.02).any()
+    assert nearer.min() > -1e-3
+    assert (depths[3] != depths[0]).any()
+
+
 def test_a_driver_draws_the_roughness(scene, repo_dir):
     scene["bodies"]["moon"]["terrain"]["detail"]["strength"] = {"uniform": [0.1, 3.0]}
     sim = opened(scene, repo_dir)

@@ -12,6 +12,7 @@ from perilune import _core
 from perilune.bodies.craters import crater_field
 from perilune.bodies.elevation import ElevationRaster
 from perilune.bodies.polar import with_patches
+from perilune.bodies.rocks import rock_field
 from perilune.bodies.roughness import BEND, of_elevation
 from perilune.config.terrain import Detail, Terrain
 from perilune.orbits.ground import Ground
@@ -65,10 +66,10 @@ def core_terrain(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster
     detail = None if given.detail is None else _detail(given.detail)
     if detail is not None and given.detail is not None and given.detail.from_elevation:
         detail |= _measured(rasters[-1], float(radii_m[0]))
-    field = None
-    if given.craters is not None:
-        field = crater_field(given.craters, float(np.cbrt(np.prod(radii_m))))
-    return _core.Terrain(radii_m, layers, detail, field)
+    radius_m = float(np.cbrt(np.prod(radii_m)))
+    craters = None if given.craters is None else crater_field(given.craters, radius_m)
+    rocks = None if given.rocks is None else rock_field(given.rocks, radius_m)
+    return _core.Terrain(radii_m, layers, detail, craters, rocks)
 
 
 def ground_of(terrain: _core.Terrain, radii_m: F64, geodetic: bool) -> Ground:

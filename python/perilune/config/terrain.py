@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from perilune.config.craters import Craters
 from perilune.config.elevation import Elevation
 from perilune.config.errors import fail
+from perilune.config.rocks import Rocks
 from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
 
 _Seed = Annotated[int, Field(strict=True, ge=0, lt=2**64)]
@@ -90,6 +91,8 @@ class Terrain(Strict):
     """Fractal detail below the posts, or everywhere without elevation. null: none."""
     craters: Craters | None = None
     """Craters where elevation models do not show them; none by default."""
+    rocks: Rocks | None = None
+    """Rocks on the ground; none by default."""
     cells_per_pixel: _Cells = 1.0
     """Accuracy: cells of the mesh along a pixel. Half as many build four times faster."""
     finest_cell_m: _Cell = 0.01

@@ -351,8 +351,8 @@ class Handles:
         body = config.bodies[name]
         assert body.terrain is not None  # it has one
         given, radii = body.terrain, orbits.radii_m(body)
-        heights = given.elevation, given.detail, given.craters
-        key = (name, *heights, tuple(radii), body.is_geodetic)
+        parts = given.elevation, given.detail, given.craters, given.rocks
+        key = (name, *parts, tuple(radii), body.is_geodetic)
         if key not in self.assets.terrains:
             rasters = [self._elevation(name, k, body) for k in range(len(given.elevation))]
             _make_room(self.assets.terrains, _GROUNDS)
