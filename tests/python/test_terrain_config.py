@@ -13,7 +13,7 @@ from perilune.base import rotations
 from perilune.config import ConfigError
 from perilune.config.terrain import Detail, Terrain
 from perilune.document.loader import read_tree
-from perilune.frame import handles
+from perilune.frame import terrains
 
 MOON_M = 1737.4e3
 PLACE = {"kind": "cylindrical", "west_deg": -180.0}
@@ -184,9 +184,9 @@ def test_the_way_to_the_sun_is_marched(scene, repo_dir):
 
 def test_rasters_are_read_once(scene, repo_dir, monkeypatch):
     read = []
-    own = handles.read_elevation
+    own = terrains.read_elevation
     monkeypatch.setattr(
-        handles, "read_elevation", lambda *args: (read.append(args[1]), own(*args))[1]
+        terrains, "read_elevation", lambda *args: (read.append(args[1]), own(*args))[1]
     )
     sim = opened(scene, repo_dir)
     for index in range(3):

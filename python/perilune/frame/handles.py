@@ -15,21 +15,19 @@ from numpy.typing import NDArray
 
 from perilune import _core, orbits
 from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
-from perilune.bodies import terrain as terrains
-from perilune.bodies.elevation import ElevationRaster, read_elevation
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, origin
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.config.shape import Shape
-from perilune.config.types import Latitudes
 from perilune.document.document import Document
 from perilune.document.fixed import fixed
 from perilune.frame.labels import Taxonomy, object_class, taxonomy, unmatched
 from perilune.frame.looks import Look, Looks
 from perilune.frame.pool import Pool
 from perilune.frame.remarks import Remarks
+from perilune.frame.terrains import Terrains
 from perilune.frame.volumes import Volumes
 from perilune.orbits.ground import Ground
 from perilune.sky.skies import Skies
@@ -42,13 +40,11 @@ F64 = NDArray[np.float64]
 
 _STAGES = 4
 """Number of scenes with renderers, and of atmospheres, to cache."""
-_GROUNDS = 16
-"""Number of grounds to cache, of which a body has one for each value of its drivers."""
 
 
-def _make_room(kept: dict[Any, Any], most: int = _STAGES) -> None:
+def _make_room(kept: dict[Any, Any]) -> None:
     """Removes the oldest entry if there are too many."""
-    if len(kept) >= most:
+    if len(kept) >= _STAGES:
         del kept[next(iter(kept))]
 
 
@@ -170,9 +166,7 @@ class Assets:
         self.regolith_maps: dict[tuple[Path, ...], _core.Grid] = {}
         self.skies = Skies(document.path)
         self.shapes: dict[tuple[str, Shape], shapes.BodyShape] = {}
-        self.elevations: dict[tuple[Any, ...], ElevationRaster] = {}
-        self.terrains: dict[tuple[Any, ...], tuple[_core.Terrain, Ground]] = {}
-        self.grounds: dict[tuple[Any, ...], Ground] = {}
+        self.terrains = Terrains()
         self.airs: dict[tuple[Any, ...], _core.Air | None] = {}
         self.ring_systems: dict[Rings, _core.Rings] = {}
         self.stages: dict[tuple[Any, ...], _Stage] = {}
@@ -219,9 +213,9 @@ class Handles:
                     where = f"{self.document.source}:\n  spacecraft.{name}.model"
                     raise ConfigError(f"{where}: {error}") from error
             model = files[key]
-            self._tell(f"spacecraft.{name}.model", path, model.warnings)
+            self.tell(f"spacecraft.{name}.model", path, model.warnings)
             for pattern, text in faces.unmatched(craft.faces, model.materials):
-                self._tell_of_key(f"spacecraft.{name}.faces.{pattern}", text)
+                self.tell_of_key(f"spacecraft.{name}.faces.{pattern}", text)
             bounds = model.bounds
             offset = bounds.mean(axis=0) if craft.centre == "bounds" else np.zeros(3)
             if not float((bounds[1] - bounds[0]).max()) > 0.0:
@@ -241,11 +235,11 @@ class Handles:
             )
         return result
 
-    def _tell(self, key: str, path: str, lines: tuple[str, ...]) -> None:
+    def tell(self, key: str, path: str, lines: tuple[str, ...]) -> None:
         where = origin(key, self.document.origins)
         self._remarks.tell(f"{self.document.source}: {where}", path, lines)
 
-    def _tell_of_key(self, key: str, text: str) -> None:
+    def tell_of_key(self, key: str, text: str) -> None:
         where = origin(key, self.document.origins)
         self._remarks.tell_of_key(f"{self.document.source}: {where}", text)
 
@@ -286,7 +280,7 @@ class Handles:
         parts = {name: cut.entries for name, cut in self.partitions.items()}
         found = taxonomy(self.document.config, parts)
         for key, text in self.unmatched():
-            self._tell_of_key(key, text)
+            self.tell_of_key(key, text)
         return found
 
     def unmatched(self) -> list[tuple[str, str]]:
@@ -317,55 +311,15 @@ class Handles:
     def ground_of(self, config: Config, name: str) -> Ground | None:
         """The ground of a body with a shape; None for a smooth ellipsoid."""
         body = config.bodies[name]
-        radii = orbits.radii_m(body)
         if body.terrain is not None:
             return self.terrain_of(config, name)[1]
         if body.shape is None:
             return None
-        key = (name, body.shape, tuple(radii.tolist()), body.is_geodetic)
-        if key not in self.assets.grounds:
-            _make_room(self.assets.grounds, _GROUNDS)
-            shape = self.shapes_of(config)[name]
-            self.assets.grounds[key] = Ground(radii, body.is_geodetic, shape.surfaces_m)
-        return self.assets.grounds[key]
-
-    def _elevation(self, name: str, k: int, body: Body) -> ElevationRaster:
-        """An elevation model of a body; each is read once."""
-        assert body.terrain is not None  # it has elevation models
-        given, key = body.terrain.elevation[k], f"bodies.{name}.terrain.elevation[{k}]"
-        path = self.document.path(given.file, f"{key}.file")
-        x, y, z = orbits.radii_m(body).tolist()
-        latitudes: Latitudes = "geodetic" if body.is_geodetic else "geocentric"
-        read = (path, given, (x, y, z), latitudes)
-        if read not in self.assets.elevations:
-            try:
-                self.assets.elevations[read] = read_elevation(given, path, (x, y, z), latitudes)
-            except ValueError as error:
-                raise ConfigError(f"{self.document.source}:\n  {key}.{error}") from error
-        found = self.assets.elevations[read]
-        self._tell(f"{key}.file", str(path), found.remarks)
-        return found
+        return self.assets.terrains.of_shape(name, body, lambda: self.shapes_of(config)[name])
 
     def terrain_of(self, config: Config, name: str) -> tuple[_core.Terrain, Ground]:
         """The terrain of a body that has one; the same objects as long as no driver changes it."""
-        body = config.bodies[name]
-        assert body.terrain is not None  # it has one
-        given, radii = body.terrain, orbits.radii_m(body)
-        parts = given.elevation, given.detail, given.craters, given.rocks
-        key = (name, *parts, tuple(radii), body.is_geodetic)
-        if key not in self.assets.terrains:
-            rasters = [self._elevation(name, k, body) for k in range(len(given.elevation))]
-            _make_room(self.assets.terrains, _GROUNDS)
-            try:
-                core = terrains.core_terrain(given, radii, rasters)
-            except ValueError as error:
-                where = f"{self.document.source}:\n  bodies.{name}.terrain"
-                raise ConfigError(f"{where}: {error}") from error
-            for text in terrains.remarks_of(given, radii, rasters):
-                self._tell_of_key(f"bodies.{name}.terrain.detail.from_elevation", text)
-            ground = terrains.ground_of(core, radii, body.is_geodetic)
-            self.assets.terrains[key] = core, ground
-        return self.assets.terrains[key]
+        return self.assets.terrains.of_terrain(self.document, name, config.bodies[name], self)
 
     def posed(self, scene: World) -> dict[str, articulation.Posed]:
         """Spacecraft entry -> poses of its moving parts in a frame, for those that have any."""
@@ -401,7 +355,7 @@ class Handles:
             except ValueError as error:
                 where = f"{self.document.source}: bodies.{name}.{key}"
                 raise ConfigError(f"{where}: {error}") from error
-            self._tell(f"bodies.{name}.{key}", str(path), file.remarks)
+            self.tell(f"bodies.{name}.{key}", str(path), file.remarks)
         return self.assets.files[read]
 
     def _cloud_map(self, name: str, body: Body) -> _core.Map | None:
@@ -424,7 +378,7 @@ class Handles:
                 except ValueError as error:
                     raise ConfigError(f"{self.document.source}:\n  {key}.{error}") from error
                 shape = self.assets.shapes[name, body.shape]
-                self._tell(f"bodies.{name}.shape.file", str(path), shape.warnings)
+                self.tell(f"bodies.{name}.shape.file", str(path), shape.warnings)
             found[name] = self.assets.shapes[name, body.shape]
             if body.kind == "ellipsoid" and body.may_be_dressed and found[name].color is None:
                 where = f"{self.document.source}:\n  bodies.{name}.albedo"
