@@ -1,0 +1,152 @@
+"""A descent to the ground of the Moon, from 200 km to 1.5 m straight down: holes, values that are
+not finite, and changes from frame to frame beside those of a mesh of four cells a pixel's width.
+
+Frames are a fixed factor of the height apart, so that the picture grows by the same factor."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import perilune
+
+FRAMES = 300
+HIGH_M, LOW_M = 200e3, 1.5
+REFERENCE = 4.0
+"""Cells per pixel of the mesh to compare with."""
+
+
+def height_m(step: int, ideal: float) -> float:
+    """The driver of the height: `ideal` at the first step, LOW_M at the last."""
+    return float(ideal * (LOW_M / ideal) ** (step / (FRAMES - 1)))
+
+
+def scene(width: int, height: int, cells_per_pixel: float) -> perilune.Simulation:
+    """Ground of detail and craters, which needs no data, under a fixed exposure."""
+    sys.path.insert(0, str(Path(__file__).resolve().parent))  # where the driver is found
+    place = {"lon_deg": 10.0, "lat_deg": 20.0}
+    terrain = {
+        "detail": {"seed": 3, "strength": 0.5},
+        "craters": {"seed": 3},
+        "cells_per_pixel": cells_per_pixel,
+    }
+    moon = {"kind": "moon", "reflectance": "hapke", "albedo": 0.33, "terrain": terrain}
+    hook = {
+        "hook": "terrain_descent:height_m",
+        "ideal": HIGH_M,
+        "clip_min": 1.0,
+        "clip_max": HIGH_M,
+    }
+    return perilune.open(
+        {
+            "version": 1,
+            "time": {"epoch": "2026-03-03T06:00:00Z", "step_s": 0.0},
+            "root": "moon",
+            "sun": {"at": place | {"azimuth_deg": 100.0, "elevation_deg": 25.0}},
+            "bodies": {"moon": moon},
+            "camera": {
+                "width": width,
+                "height": height,
+                "fov_deg": 50.0,
+                "trajectory": {"kind": "hover", "target": "moon", "height_m": hook} | place,
+                "exposure": {"mode": "fixed", "white_radiance_w_m2_sr": 60.0},
+            },
+            "render": {"samples": 8, "max_bounces": 1},
+        }
+    )
+
+
+@dataclass(frozen=True)
+class Frame:
+    rgb: NDArray[np.float64]
+    holes: int  # pixels of the sky
+    not_finite: int  # values of radiance, depth and normals
+
+
+def frames(sim: perilune.Simulation, indices: Iterable[int], threads: int = 1) -> Iterator[Frame]:
+    for k in indices:
+        seen = sim.frame(k, ["rgb", "radiance", "depth", "normal", "instance"], threads=threads)
+        values = [seen[name] for name in ("radiance", "depth", "normal")]
+        bad = sum(int((~np.isfinite(of)).sum()) for of in values)
+        sky = (seen["instance"] == 0) | ~(seen["depth"] > 0.0)
+        yield Frame(seen["rgb"].astype(np.float64), int(sky.sum()), bad)
+
+
+def change_dn(a: Frame, b: Frame) -> float:
+    """Root mean square over pixels and bands."""
+    return float(np.sqrt(np.mean((a.rgb - b.rgb) ** 2)))
+
+
+@dataclass
+class Report:
+    frames: int = 0
+    holes: int = 0
+    not_finite: int = 0
+    change_dn: float = 0.0  # largest between consecutive frames
+    reference_dn: float = 0.0  # of the reference
+    excess: float = 0.0  # largest ratio of the two, over the same frames
+    excess_at: int = 0  # its first frame
+    darkest_dn: float = 255.0  # least mean of a frame
+
+
+def descend(
+    size: tuple[int, int], runs: Iterable[Iterable[int]], threads: int = 1, compare: bool = True
+) -> Report:
+    """Runs: each of consecutive frames. Without `compare` there is no reference."""
+    report = Report()
+    sims = [scene(*size, 1.0)] + ([scene(*size, REFERENCE)] if compare else [])
+    for run in runs:
+        indices = list(run)
+        before: list[Frame] | None = None
+        ways = zip(*(frames(sim, indices, threads) for sim in sims), strict=True)
+        for k, now in zip(indices, ways, strict=True):
+            report.frames += 1
+            report.holes += now[0].holes
+            report.not_finite += now[0].not_finite
+            report.darkest_dn = min(report.darkest_dn, float(now[0].rgb.mean()))
+            if before is not None:
+                _compare(report, k - 1, [change_dn(a, b) for a, b in zip(before, now, strict=True)])
+            before = list(now)
+    return report
+
+
+def _compare(report: Report, k: int, changes: list[float]) -> None:
+    report.change_dn = max(report.change_dn, changes[0])
+    if len(changes) < 2:
+        return
+    report.reference_dn = max(report.reference_dn, changes[1])
+    if changes[0] / changes[1] > report.excess:
+        report.excess, report.excess_at = changes[0] / changes[1], k
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--size", type=int, nargs=2, default=(160, 120), metavar=("W", "H"))
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--last", type=int, default=FRAMES - 1)
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--alone", action="store_true", help="no reference")
+    asked: Any = parser.parse_args()
+    run = range(asked.first, asked.last + 1)
+    found = descend(tuple(asked.size), [run], asked.threads, not asked.alone)
+    print(
+        f"{found.frames} frames: {found.holes} holes, {found.not_finite} values not finite;"
+        f" largest change {found.change_dn:.2f} DN"
+    )
+    if not asked.alone:
+        print(
+            f"with {REFERENCE:g} cells a pixel {found.reference_dn:.2f} DN;"
+            f" largest ratio {found.excess:.3f}, after frame {found.excess_at}"
+        )
+    return 1 if found.holes or found.not_finite else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,29 @@
+"""A descent from 200 km to 1.5 m: no holes, and no jumps that a far finer mesh does not have."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import terrain_descent as descent
+
+SIZE = (48, 36)
+PLACES = (0, 75, 150, 224, 298)
+"""First frames of pairs; heights of 200 km, 10 km, 0.5 km, 30 m, 1.5 m."""
+
+
+def test_a_descent_has_no_holes_and_no_jumps():
+    found = descent.descend(SIZE, [(k, k + 1) for k in PLACES])
+    assert found.frames == 10
+    assert (found.holes, found.not_finite) == (0, 0)
+    assert found.darkest_dn > 20.0  # there is something to see
+    assert 1.0 < found.change_dn < 1.15 * found.reference_dn
+    assert found.excess < 1.25
+
+
+def test_the_sky_is_counted():
+    sim = descent.scene(*SIZE, 0.5).with_overrides({"camera.trajectory.off_nadir_deg": 60.0})
+    (frame,) = descent.frames(sim, [0])
+    assert 0 < frame.holes < SIZE[0] * SIZE[1]
+    assert frame.not_finite == 0
