@@ -506,6 +506,8 @@ def test_every_physical_key_has_its_unit():
         "hurst", "cells_per_pixel", "border_posts", "missing",  # of terrain
         "coefficient", "exponent", "density", "ellipticity", "irregularity", "model_posts",
         "diffusivity_exponent", "table",  # of craters
+        "block", "cube", "wedge", "slab", "tablet", "shard", "split", "cobble", "boulder", "egg",
+        "breccia", "pitted", "abundance", "least_burial", "most_burial",  # of rocks
     }  # fmt: skip
     schema = Config.model_json_schema()
     found = 0
