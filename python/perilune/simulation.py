@@ -23,7 +23,7 @@ from perilune.config import Config, ConfigError
 from perilune.config.errors import named, nearest
 from perilune.document import Document, load
 from perilune.document.references import OBJECTS, OF_SENSOR, check_channels, check_references
-from perilune.frame import labels, passes, shutter
+from perilune.frame import craters, labels, passes, shutter
 from perilune.frame.handles import Assets, Handles, ObjectModel
 from perilune.frame.remarks import Remarks
 from perilune.frame.request import arrays_of, camera_label, request_of
@@ -410,6 +410,32 @@ class Simulation:
         label = camera_label(request, scene.sensor, not undistorted)
         stars = seen(result["stars"])
         return Sample(arrays, objects, label, meta, result["plan"], stars)
+
+    def craters(
+        self,
+        index: int,
+        body: str | None = None,
+        least_px: float = 10.0,
+        most: int = 20_000,
+        threads: int | None = None,
+    ) -> Array:
+        """Drawn craters in view of a frame, largest first: rows of frame.craters.CRATER_LABEL.
+
+        body: default the only one with `terrain.craters`. least_px: least length of a rim's image,
+        pixels. most: ValueError if more craters lie about the ground in view. Renders labels of the
+        frame, to tell what is hidden. docs/craters.md explains the fields."""
+        if not least_px > 0.0:
+            raise ValueError(f"least_px: must be above 0, not {least_px}")
+        arguments.whole("most", most, 1)
+        scene = self.world(index)
+        name = craters.body_of(scene.config, body)
+        sample = self.frame(index, ["position", "instance"], threads)
+        seen = sample["instance"] == self.taxonomy.instances[name]
+        terrain, _ = self._mine().terrain_of(scene.config, name)
+        middle = shutter.middle(scene)
+        return craters.in_view(
+            sample["position"], seen, sample.camera, middle, name, terrain, least_px, most
+        )
 
     def _meta(
         self, scene: World, posed: Mapping[str, articulation.Posed], result: _core.FrameResult
