@@ -104,29 +104,63 @@ double pl_hapke_porosity(double filling) {
   return u < 1e-4 ? 1.0 + u * (0.5 + u / 3.0) : -log1p(-u) / u;
 }
 
-double pl_hapke_h(const pl_hapke *hapke, double x) {
-  const double gamma = sqrt(fmax(1.0 - hapke->w, 0.0));
-  if (hapke->simple_h)
-    return (1.0 + 2.0 * x) / (1.0 + 2.0 * x * gamma);
+/* H of 2002 at x, from log1p(1/x). */
+static double h_of(double w, double gamma, double x, double logarithm) {
   if (!(x > 1e-30)) /* 1/x would overflow; H - 1 is below the rounding error */
     return 1.0;
-  const double r0 = hapke->w / ((1.0 + gamma) * (1.0 + gamma));
-  return 1.0 / (1.0 - hapke->w * x * (r0 + 0.5 * (1.0 - 2.0 * r0 * x) * log1p(1.0 / x)));
+  const double r0 = w / ((1.0 + gamma) * (1.0 + gamma));
+  return 1.0 / (1.0 - w * x * (r0 + 0.5 * (1.0 - 2.0 * r0 * x) * logarithm));
 }
 
-double pl_hapke_reflect(const pl_hapke *hapke, const pl_hapke_angles *a,
-                        const pl_hapke_relief *relief) {
+static double simple_h(double gamma, double x) { return (1.0 + 2.0 * x) / (1.0 + 2.0 * x * gamma); }
+
+static double gamma_of(const pl_hapke *hapke) { return sqrt(fmax(1.0 - hapke->w, 0.0)); }
+
+/* log1p(1/x), where h_of needs it. */
+static double logarithm_of(const pl_hapke *hapke, double x) {
+  return !hapke->simple_h && x > 1e-30 ? log1p(1.0 / x) : 0.0;
+}
+
+double pl_hapke_h(const pl_hapke *hapke, double x) {
+  const double gamma = gamma_of(hapke);
+  return hapke->simple_h ? simple_h(gamma, x) : h_of(hapke->w, gamma, x, logarithm_of(hapke, x));
+}
+
+pl_hapke_terms pl_hapke_terms_of(const pl_hapke *hapke, const pl_hapke_angles *a,
+                                 const pl_hapke_relief *relief) {
   const double sum = relief->mu0e + relief->mue;
-  if (!(a->mu0 > 0.0 && a->mu > 0.0 && sum > 0.0))
+  pl_hapke_terms out = {.dark = !(a->mu0 > 0.0 && a->mu > 0.0 && sum > 0.0)};
+  if (out.dark)
+    return out;
+  out.k = hapke->filling > 0.0 ? pl_hapke_porosity(hapke->filling) : 1.0;
+  out.single = (1.0 + hapke->b_s0 * pl_hapke_shadow_surge(hapke, a)) * pl_hapke_phase(hapke, a);
+  out.coherent = 1.0 + hapke->b_c0 * pl_hapke_coherent_surge(hapke, a);
+  out.share = relief->mu0e / sum;
+  out.shadowing = relief->shadowing;
+  out.x[0] = relief->mu0e / out.k;
+  out.x[1] = relief->mue / out.k;
+  for (int k = 0; k < 2; k++)
+    out.logarithm[k] = logarithm_of(hapke, out.x[k]);
+  return out;
+}
+
+double pl_hapke_of_terms(const pl_hapke *hapke, const pl_hapke_terms *terms) {
+  if (terms->dark)
     return 0.0;
-  const double k = hapke->filling > 0.0 ? pl_hapke_porosity(hapke->filling) : 1.0;
-  const double single =
-      (1.0 + hapke->b_s0 * pl_hapke_shadow_surge(hapke, a)) * pl_hapke_phase(hapke, a);
-  const double multiple =
-      pl_hapke_h(hapke, relief->mu0e / k) * pl_hapke_h(hapke, relief->mue / k) - 1.0;
-  const double coherent = 1.0 + hapke->b_c0 * pl_hapke_coherent_surge(hapke, a);
-  return k * hapke->w / (4.0 * PL_PI) * (relief->mu0e / sum) * (single + multiple) * coherent *
-         relief->shadowing;
+  const double gamma = gamma_of(hapke);
+  double h[2];
+  for (int k = 0; k < 2; k++)
+    h[k] = hapke->simple_h ? simple_h(gamma, terms->x[k])
+                           : h_of(hapke->w, gamma, terms->x[k], terms->logarithm[k]);
+  const double multiple = h[0] * h[1] - 1.0;
+  return terms->k * hapke->w / (4.0 * PL_PI) * terms->share * (terms->single + multiple) *
+         terms->coherent * terms->shadowing;
+}
+
+double pl_hapke_reflect(const pl_hapke *hapke, const pl_hapke_angles *angles,
+                        const pl_hapke_relief *relief) {
+  const pl_hapke_terms terms = pl_hapke_terms_of(hapke, angles, relief);
+  return pl_hapke_of_terms(hapke, &terms);
 }
 
 double pl_hapke_reflectance(const pl_hapke *hapke, pl_vec3 l, pl_vec3 v) {

@@ -63,6 +63,22 @@ double pl_hapke_porosity(double filling);
 /* H function at the cosine (divided by K) x >= 0. */
 double pl_hapke_h(const pl_hapke *hapke, double x);
 
+/* What does not depend on the albedo: bands that differ in it alone share these terms. */
+typedef struct pl_hapke_terms {
+  bool dark;           /* the reflectance is 0 */
+  double k;            /* porosity factor */
+  double single;       /* single scattering with its surge */
+  double coherent;     /* factor of the coherent surge */
+  double share;        /* mu0e / (mu0e + mue) */
+  double shadowing;    /* S */
+  double x[2];         /* arguments of H: those of mu0e and mue */
+  double logarithm[2]; /* log1p(1/x), as H of 2002 needs it */
+} pl_hapke_terms;
+pl_hapke_terms pl_hapke_terms_of(const pl_hapke *hapke, const pl_hapke_angles *angles,
+                                 const pl_hapke_relief *relief);
+/* pl_hapke_reflect from its terms. */
+double pl_hapke_of_terms(const pl_hapke *hapke, const pl_hapke_terms *terms);
+
 /* Bidirectional reflectance r, 1/sr: radiance over the sun's irradiance on a plane perpendicular to
  * its light. 0 where i or e is 90 degrees or more. The BRDF is r/cos(i). */
 double pl_hapke_reflect(const pl_hapke *hapke, const pl_hapke_angles *angles,

@@ -1,10 +1,14 @@
 /* Reflectance model `hapke_smooth`: Hapke's model without macroscopic roughness. */
 #include "shade/regolith_law.h"
 
-static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {
+static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a,
+                  pl_regolith_shared *shared) {
   (void)limb;
-  const pl_hapke_relief relief = pl_hapke_plane(a);
-  return pl_hapke_reflect(band, a, &relief);
+  if (!shared->known) {
+    const pl_hapke_relief relief = pl_hapke_plane(a);
+    *shared = (pl_regolith_shared){true, pl_hapke_terms_of(band, a, &relief)};
+  }
+  return pl_hapke_of_terms(band, &shared->terms);
 }
 
 PL_REGOLITH_ROW(hapke_smooth, "Hapke 2012 without macroscopic roughness; base colour is w",

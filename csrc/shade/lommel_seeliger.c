@@ -1,7 +1,9 @@
 /* Lommel-Seeliger: single scattering in an optically thick layer of dark grains. */
 #include "shade/regolith_law.h"
 
-static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {
+static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a,
+                  pl_regolith_shared *shared) {
+  (void)shared;
   (void)limb;
   return band->w / (4.0 * PL_PI) * pl_regolith_single(band, a) * (a->mu0 / (a->mu0 + a->mu));
 }

@@ -8,7 +8,9 @@ static double lunar_part(double g_deg) {
   return fmax(l, 0.0);
 }
 
-static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {
+static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a,
+                  pl_regolith_shared *shared) {
+  (void)shared;
   (void)limb;
   const double part = lunar_part(2.0 * atan(a->half_tangent) * (180.0 / PL_PI));
   const double disc = 2.0 * part * a->mu0 / (a->mu0 + a->mu) + (1.0 - part) * a->mu0;

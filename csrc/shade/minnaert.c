@@ -4,7 +4,9 @@
 /* For k < 1 the function is infinite at the horizon: cosines are clamped to at least this. */
 static const double COSINE_MIN = 0.05;
 
-static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a) {
+static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a,
+                  pl_regolith_shared *shared) {
+  (void)shared;
   const double both = fmax(a->mu0, COSINE_MIN) * fmax(a->mu, COSINE_MIN);
   return band->w / PL_PI * pl_regolith_fall(band, a) * a->mu0 * pow(both, limb);
 }

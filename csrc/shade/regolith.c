@@ -24,8 +24,9 @@ static pl_hapke band_of(const pl_surface *surface, int k) {
   };
 }
 
-static bool same(const pl_hapke *a, const pl_hapke *b) {
-  return a->w == b->w && a->b == b->b && a->c == b->c && a->b_s0 == b->b_s0 && a->h_s == b->h_s &&
+/* True for bands that differ in the albedo alone. */
+static bool alike(const pl_hapke *a, const pl_hapke *b) {
+  return a->b == b->b && a->c == b->c && a->b_s0 == b->b_s0 && a->h_s == b->h_s &&
          a->b_c0 == b->b_c0 && a->h_c == b->h_c && a->roughness_rad == b->roughness_rad &&
          a->filling == b->filling;
 }
@@ -38,10 +39,14 @@ pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f w
     return pl_vec3f_make(0.0f, 0.0f, 0.0f);
   const pl_hapke_angles angles = pl_hapke_angles_of(pl_vec3_unit(pl_vec3f_to_double(wi)),
                                                     pl_vec3_unit(pl_vec3f_to_double(wo)));
+  pl_regolith_shared shared = {.known = false};
   for (int k = 0; k < 3; k++) {
     const pl_hapke band = band_of(surface, k);
-    value[k] = k > 0 && same(&band, &last) ? value[k - 1]
-                                           : law(&band, (double)surface->regolith.limb, &angles);
+    const bool known = k > 0 && alike(&band, &last);
+    shared.known = shared.known && known;
+    value[k] = known && band.w == last.w
+                   ? value[k - 1]
+                   : law(&band, (double)surface->regolith.limb, &angles, &shared);
     last = band;
   }
   for (int k = 0; k < 3; k++)

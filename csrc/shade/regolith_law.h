@@ -5,9 +5,17 @@
 #include "shade/hapke.h"
 #include "shade/reflectance.h"
 
+/* Terms of the band before, if it differs from this one in the albedo alone (`known`); else a law
+ * may leave its own there. */
+typedef struct pl_regolith_shared {
+  bool known;
+  pl_hapke_terms terms;
+} pl_regolith_shared;
+
 /* Bidirectional reflectance r of one band, 1/sr; i and e are below 90 degrees. `limb`: see
  * pl_regolith. */
-typedef double (*pl_regolith_law)(const pl_hapke *band, double limb, const pl_hapke_angles *angles);
+typedef double (*pl_regolith_law)(const pl_hapke *band, double limb, const pl_hapke_angles *angles,
+                                  pl_regolith_shared *shared);
 
 /* Evaluates the model in each band: `evaluate` of a row. */
 pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
