@@ -15,7 +15,14 @@ SCENES = [
     "lunar_rover",
     *(
         pytest.param(name, marks=pytest.mark.needs_data)
-        for name in ("lunar_orbiter", "lunar_lander", "lunar_pole", "apollo15", "mars_descent")
+        for name in (
+            "lunar_orbiter",
+            "lunar_lander",
+            "lunar_pole",
+            "apollo15",
+            "mars_descent",
+            "paper2_slope",
+        )
     ),
 ]
 
