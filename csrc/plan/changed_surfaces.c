@@ -1,0 +1,44 @@
+#include "plan/changed_surfaces.h"
+
+#include <math.h>
+
+#include "plan/view_tree.h"
+
+bool pl_view_has(const pl_view *view, pl_view_picks picks) {
+  for (size_t i = 0; i < view->thing_count; i++)
+    if (picks(&view->things[i]))
+      return true;
+  return false;
+}
+
+static double picked_light(const pl_view_thing *source, const void *context) {
+  const pl_view_picks *picks = context;
+  return (*picks)(source) ? pl_view_light(source) : 0.0;
+}
+
+/* Upper bound of the indirect light that picked things send onto things[i]. */
+static double indirect(const pl_view *view, pl_view_picks picks, size_t i) {
+  return pl_view_sum(view, &view->things[i], picked_light, &picks) *
+         pl_view_series(view, view->max_bounces);
+}
+
+/* Upper bound of the change of a thing's own radiance: a diffuse surface can gain or lose all light
+ * that it receives, a glossy one can reflect the sun to the camera. */
+static double own(const pl_view *view, size_t i) {
+  const pl_view_thing *thing = &view->things[i];
+  if (!thing->diffuse)
+    return view->white_radiance;
+  const double direct = thing->albedo_max * thing->irradiance / 3.14159265358979;
+  return (direct + thing->emission_max + pl_view_received(view, i)) *
+         pl_view_series(view, view->max_bounces + 1);
+}
+
+double pl_view_changed_dn(const pl_view *view, pl_view_picks picks) {
+  double radiance = 0.0;
+  pl_view_weigh(view, picked_light, &picks);
+  for (size_t i = 0; i < view->thing_count && radiance < view->white_radiance; i++)
+    if (view->things[i].in_frame)
+      radiance =
+          fmax(radiance, indirect(view, picks, i) + (picks(&view->things[i]) ? own(view, i) : 0.0));
+  return pl_view_dn(view, radiance);
+}

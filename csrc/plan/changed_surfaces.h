@@ -1,0 +1,14 @@
+/* Bound of what a pixel can change by when the normals, heights or shadows of some surfaces do. */
+#ifndef PL_PLAN_CHANGED_SURFACES_H
+#define PL_PLAN_CHANGED_SURFACES_H
+
+#include "plan/view.h"
+
+typedef bool (*pl_view_picks)(const pl_view_thing *thing);
+
+bool pl_view_has(const pl_view *view, pl_view_picks picks);
+/* Upper bound of the change of a pixel, digital numbers: by the picked things themselves, and by
+ * the light that they send onto others. */
+double pl_view_changed_dn(const pl_view *view, pl_view_picks picks);
+
+#endif
