@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.errors import fail
+from perilune.config.size_laws import check_diameters, check_rows
 from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
 
 RockLaw = Literal[
@@ -139,20 +140,12 @@ class Rocks(Strict):
 
     @model_validator(mode="after")
     def _rows(self) -> Rocks:
-        for k in range(1, len(self.table or ())):
-            assert self.table is not None
-            before, row = self.table[k - 1], self.table[k]
-            if row[0] <= before[0]:
-                fail(f"table[{k}]", f"diameters rise: must be above {before[0]:g} m")
-            if row[1] > before[1]:
-                fail(f"table[{k}]", f"numbers do not rise: must be at most {before[1]:g} per m^2")
+        check_rows(self.table)
         return self
 
     @model_validator(mode="after")
     def _ranges(self) -> Rocks:
-        low, high = self.min_diameter_m, self.max_diameter_m
-        if low is not None and high is not None and not low < high:
-            fail("min_diameter_m", f"must be below max_diameter_m, {high:g}")
+        check_diameters(self.min_diameter_m, self.max_diameter_m)
         if self.least_burial > self.most_burial:
             fail("least_burial", f"must not be above most_burial, {self.most_burial:g}")
         return self
