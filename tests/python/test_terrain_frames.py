@@ -4,6 +4,7 @@ however a frame is made."""
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -101,14 +102,18 @@ def test_ground_without_heights_is_the_ellipsoid():
 
 
 def test_a_camera_below_the_ground_is_told_by_how_much():
-    low = over(0.001) | {"altitude_above": "datum"}
-    height = _core.Terrain(np.full(3, MOON_M), [], {"seed": SEED}).heights(
-        np.array([[math.cos(math.radians(LAT_DEG)) * math.cos(math.radians(LON_DEG)),
-                   math.cos(math.radians(LAT_DEG)) * math.sin(math.radians(LON_DEG)),
-                   math.sin(math.radians(LAT_DEG))]]))[0]  # fmt: skip
-    seed = SEED if height > 1.0 else SEED + 1
-    with pytest.raises(ValueError, match=r"below the ground|clearance|above the ground|inside"):
+    lon, lat = math.radians(LON_DEG), math.radians(LAT_DEG)
+    up = np.array([math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)])
+
+    def height_m(seed: int) -> float:
+        return float(_core.Terrain(np.full(3, MOON_M), [], {"seed": seed}).heights(up[None])[0])
+
+    seed = next(k for k in range(20) if height_m(k) > 10.0)
+    low = over(1.0) | {"altitude_above": "datum"}
+    with pytest.raises(ValueError, match="ground") as caught:
         moon({"detail": {"seed": seed}}, {"trajectory": low}).frame(0, ["depth"])
+    told = [float(x) for x in re.findall(r"[0-9]+\.?[0-9]*(?:e[+-]?[0-9]+)?", str(caught.value))]
+    assert any(abs(x - (height_m(seed) - 1.0)) < 1e-3 * height_m(seed) for x in told)
 
 
 @pytest.fixture(scope="module")
@@ -154,3 +159,27 @@ def test_the_shadow_of_a_cone(cone, elevation_deg, height_m):
     sure = on_plane & (np.abs(deep) > pixel_m + 4.0)
     assert (sure & (deep > 0)).sum() > 20
     np.testing.assert_array_equal(dark[sure], deep[sure] > 0.0)
+
+
+def test_far_casters_are_fine_where_their_shadows_are_seen(cone):
+    """Beside the cone, which is outside of the frame: its shadow is as exact as if it were seen,
+    and that of a cone of wide cells is not."""
+    away = math.degrees(1500.0 / (MOON_M * math.cos(math.radians(LAT_DEG))))
+    place = {"kind": "orthographic", "center_lon_lat_deg": [LON_DEG, LAT_DEG], "post_m": 2.0}
+    terrain = {"elevation": [{"file": str(cone), "projection": place}], "detail": None}
+    sun = {"at": {"lon_deg": LON_DEG, "lat_deg": LAT_DEG, "azimuth_deg": 90.0,
+                  "elevation_deg": 2.0}}  # fmt: skip
+    camera = {"trajectory": over(300.0) | {"lon_deg": LON_DEG - away}, "fov_deg": 15.0}
+    dark = {}
+    for off in ((), ("far_casters",)):
+        hard = {"samples": 1, "max_bounces": 0,
+                "force_off": ["soft_sun", "antialiasing", *off]}  # fmt: skip
+        sample = moon(terrain, camera, sun=sun, render=hard).frame(0, ["radiance"])
+        dark[off] = sample["radiance"][..., 1] == 0.0
+    exact = moon(terrain | {"cells_per_pixel": 8.0}, camera, sun=sun,
+                 render={"samples": 1, "max_bounces": 0,
+                         "force_off": ["soft_sun", "antialiasing"]})  # fmt: skip
+    true = exact.frame(0, ["radiance"])["radiance"][..., 1] == 0.0
+    assert 0.05 < true.mean() < 0.95
+    assert (dark[()] != true).mean() < 0.01
+    assert (dark[("far_casters",)] != true).mean() > 3.0 * max((dark[()] != true).mean(), 0.003)
