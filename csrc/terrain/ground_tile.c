@@ -184,18 +184,12 @@ static pl_status set_seams(work *work) {
   return PL_OK;
 }
 
-/* Sets the distances from the centre. Between corners at the same distance, the middle of a cell is
- * nearer to it by up to c^2 / 4 R. The margins are for rounding to floats. */
-static void set_distances(const work *work) {
-  pl_ground_tile *tile = work->tile;
-  double most_m = 0.0, least_m = INFINITY;
-  for (int k = 0; k < SIDE * SIDE; k++) {
-    const double distance_m = pl_vec3_norm(work->posts[k]);
-    most_m = fmax(most_m, distance_m);
-    least_m = fmin(least_m, distance_m);
-  }
-  tile->most_m = most_m * (1.0 + 1e-7);
-  tile->least_m = least_m * (1.0 - 1e-7) - 0.5 * tile->cell_m * tile->cell_m / least_m;
+/* The margin is for rounding to floats. */
+static void set_distance(const work *work) {
+  double most_m = 0.0;
+  for (int k = 0; k < SIDE * SIDE; k++)
+    most_m = fmax(most_m, pl_vec3_norm(work->posts[k]));
+  work->tile->most_m = most_m * (1.0 + 1e-7);
 }
 
 static void set_positions(const work *work) {
@@ -251,7 +245,7 @@ pl_status pl_ground_tile_make(const pl_terrain *terrain, pl_ground_tile_id id,
       bound_height(out, work.heights[j * SIDE + i]);
   set_fine(&work);
   PL_TRY(set_seams(&work));
-  set_distances(&work);
+  set_distance(&work);
   set_positions(&work);
   set_slopes(&work);
   return PL_OK;

@@ -53,9 +53,8 @@ typedef struct pl_ground_tile {
   double radius_m;     /* of a sphere around `origin` that encloses all posts and the skirt */
   double cell_m;       /* nominal width of a cell */
   float low_m, high_m; /* least and greatest height of the posts over the datum */
-  /* All of the tile with its skirt is between these distances from the body's centre. */
-  double least_m, most_m;
-  float slope_unit;              /* slope that one step of `slopes` stands for */
+  double most_m;       /* nothing of the tile is farther from the body's centre */
+  float slope_unit;    /* slope that one step of `slopes` stands for */
   struct pl_ground_rocks *rocks; /* its rocks, of whom keeps the tile; NULL for none */
   /* Posts relative to `origin`, m: rows of ascending t, in each ascending s. The outermost ring is
    * a skirt that closes what rounding opens between tiles: it leads from the edge a fraction of a

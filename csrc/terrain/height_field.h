@@ -20,11 +20,7 @@ typedef struct pl_height_field {
   pl_vec3 origin;
   void *scene;     /* RTCScene with an instance a tile, of the index of the tile; borrowed */
   double radius_m; /* of a sphere around the body's centre that encloses the ground */
-  /* Of a sphere around the body's centre that is wholly below the ground: a ray that meets it has
-   * met the ground before. (At the very vertices of meshes, Embree misses one ray in ten thousand.)
-   */
-  double core_m;
-  double widened; /* factor by which cells are wider than asked, for the limit of tiles; 1: none */
+  double widened;  /* factor by which cells are wider than asked, for the limit of tiles; 1: none */
 } pl_height_field;
 
 /* A triangle of a rock. */

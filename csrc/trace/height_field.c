@@ -124,14 +124,12 @@ static pl_status build_scene(const build *build, const pl_ground_tile_id *ids,
 static void measure(pl_height_field *field, pl_vec3 eye) {
   double nearest = INFINITY;
   int level = -1;
-  field->core_m = INFINITY;
   for (size_t k = 0; k < field->count; k++) {
     const pl_ground_tile *tile = field->tiles[k];
     const double away = pl_vec3_norm(pl_vec3_sub(tile->origin, eye));
     const double rocks_m =
         tile->rocks != NULL ? pl_vec3_norm(tile->origin) + tile->rocks->radius_m : 0.0;
     field->radius_m = fmax(field->radius_m, fmax(tile->most_m, rocks_m));
-    field->core_m = fmin(field->core_m, tile->least_m);
     if (tile->id.level < level || (tile->id.level == level && away >= nearest))
       continue;
     level = tile->id.level;

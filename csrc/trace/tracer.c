@@ -7,6 +7,7 @@
 #include "scene/shot_frame.h"
 #include "trace/accelerator.h"
 #include "trace/coincident.h"
+#include "trace/ground_leak.h"
 
 #define PL_TEXT_OF(x) #x
 #define PL_TEXT(x) PL_TEXT_OF(x)
@@ -197,6 +198,8 @@ static void closest_packet_in(const pl_tracer *tracer, const pl_instance *instan
   for (size_t i = 0; i < count; i++) {
     if (entry->valid[i] == 0 || query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID)
       continue;
+    if (instance->tiled)
+      pl_ground_mend_lane(instance->scene, &way, &query, (unsigned)i);
     const pl_lone_approach lone = {
         {at.origin[0][i], at.origin[1][i], at.origin[2][i]},
         {at.direction[0][i], at.direction[1][i], at.direction[2][i]},
@@ -273,6 +276,8 @@ static void closest_single_in(const pl_tracer *tracer, const pl_instance *instan
   pl_embree_intersect1(instance->scene, &way, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
     return;
+  if (instance->tiled)
+    pl_ground_mend(instance->scene, &way, &query);
   pl_mesh_hit hit = {query.hit.primID, query.ray.tfar, query.hit.u, query.hit.v};
   const pl_surface_id id =
       surface_of(instance, query.hit.geomID, query.hit.instID[0], &hit.triangle);
