@@ -1,6 +1,7 @@
 /* The type CraterField: craters of a body as a function of place. */
 #include "base/memory.h"
 #include "pyext/py_read.h"
+#include "pyext/py_sizes.h"
 #include "pyext/py_types.h"
 #include "terrain/crater_field.h"
 
@@ -25,66 +26,14 @@ const pl_crater_field *pl_py_craters_of(PyObject *object) {
 
 /* ---- creation ------------------------------------------------------------------------------- */
 
-static int seed_of(PyObject *settings, uint64_t *out) {
-  PyObject *seed;
-  if (pl_py_member(settings, "seed", 1, "craters", &seed) < 0)
-    return -1;
-  if (seed != Py_None) {
-    *out = PyLong_AsUnsignedLongLong(seed);
-    if (PyErr_Occurred()) {
-      Py_DECREF(seed);
-      PyErr_Clear();
-      PyErr_SetString(PyExc_ValueError, "craters: seed must be an integer from 0 to 2^64 - 1");
-      return -1;
-    }
-  }
-  Py_DECREF(seed);
-  return 0;
-}
-
 static int law_of(PyObject *settings, pl_crater_law_kind *out) {
   const char *names[PL_CRATER_LAWS];
-  PyObject *law;
-  if (pl_py_member(settings, "law", 1, "craters", &law) < 0)
-    return -1;
-  const int absent = law == Py_None;
-  Py_DECREF(law);
-  if (absent)
-    return 0;
+  int kind = (int)*out;
   for (int k = 0; k < PL_CRATER_LAWS; k++)
     names[k] = pl_crater_laws[k].name;
-  const int kind = pl_py_member_choice(settings, "law", "craters", names, PL_CRATER_LAWS);
+  if (pl_py_optional_choice(settings, "law", "craters", names, PL_CRATER_LAWS, &kind) < 0)
+    return -1;
   *out = (pl_crater_law_kind)kind;
-  return kind < 0 ? -1 : 0;
-}
-
-/* The law's table: two columns, copied to rows of `*owner`, which pl_free frees. */
-static int table_of(PyObject *settings, pl_crater_law *law, double **owner) {
-  const npy_intp shape[2] = {-1, 2};
-  PyObject *given;
-  if (pl_py_member(settings, "table", 1, "craters", &given) < 0)
-    return -1;
-  PyArrayObject *array =
-      given != Py_None ? pl_py_array(given, "craters: table", NPY_DOUBLE, 2, shape) : NULL;
-  const int failed = given != Py_None && array == NULL;
-  Py_DECREF(given);
-  if (array == NULL)
-    return failed ? -1 : 0;
-  law->count = (size_t)PyArray_DIM(array, 0);
-  *owner = pl_alloc(2 * law->count, sizeof **owner);
-  if (*owner == NULL) {
-    Py_DECREF((PyObject *)array);
-    PyErr_NoMemory();
-    return -1;
-  }
-  const double *from = PyArray_DATA(array);
-  for (size_t k = 0; k < law->count; k++) {
-    (*owner)[k] = from[2 * k];
-    (*owner)[law->count + k] = from[2 * k + 1];
-  }
-  law->diameters_m = *owner;
-  law->densities = *owner + law->count;
-  Py_DECREF((PyObject *)array);
   return 0;
 }
 
@@ -110,9 +59,10 @@ static int frame_of(PyObject *settings, pl_crater_frame *frame, double **table) 
   for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
     if (pl_py_optional_double(settings, numbers[k].key, "craters", numbers[k].to) < 0)
       return -1;
-  if (seed_of(settings, &frame->seed) < 0 || law_of(settings, &frame->law.kind) < 0)
+  if (pl_py_optional_seed(settings, "seed", "craters", &frame->seed) < 0 ||
+      law_of(settings, &frame->law.kind) < 0)
     return -1;
-  return table_of(settings, &frame->law, table);
+  return pl_py_size_points_of(settings, "craters", &frame->law.table, table);
 }
 
 static PyObject *craters_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {

@@ -165,6 +165,36 @@ int pl_py_optional_double(PyObject *mapping, const char *key, const char *where,
   return there > 0 ? pl_py_member_double(mapping, key, where, out) : there;
 }
 
+int pl_py_optional_seed(PyObject *mapping, const char *key, const char *where, uint64_t *out) {
+  PyObject *item;
+  if (pl_py_member(mapping, key, 1, where, &item) < 0)
+    return -1;
+  if (item != Py_None) {
+    const uint64_t seed = PyLong_AsUnsignedLongLong(item);
+    if (PyErr_Occurred()) {
+      Py_DECREF(item);
+      PyErr_Clear();
+      PyErr_Format(PyExc_ValueError, "%s: %s must be an integer from 0 to 2^64 - 1", where, key);
+      return -1;
+    }
+    *out = seed;
+  }
+  Py_DECREF(item);
+  return 0;
+}
+
+int pl_py_optional_choice(PyObject *mapping, const char *key, const char *where,
+                          const char *const *allowed, int count, int *out) {
+  const int there = has_member(mapping, key, where);
+  if (there <= 0)
+    return there;
+  const int choice = pl_py_member_choice(mapping, key, where, allowed, count);
+  if (choice < 0)
+    return -1;
+  *out = choice;
+  return 0;
+}
+
 int pl_py_optional_doubles(PyObject *mapping, const char *key, const char *where, npy_intp count,
                            double *out) {
   const int there = has_member(mapping, key, where);

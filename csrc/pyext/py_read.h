@@ -29,6 +29,10 @@ PyArrayObject *pl_py_member_array(PyObject *mapping, const char *key, const char
                                   const npy_intp *shape);
 /* As the functions above, but a missing key or None leaves *out unchanged. */
 int pl_py_optional_double(PyObject *mapping, const char *key, const char *where, double *out);
+int pl_py_optional_seed(PyObject *mapping, const char *key, const char *where, uint64_t *out);
+/* An index as of pl_py_member_choice. */
+int pl_py_optional_choice(PyObject *mapping, const char *key, const char *where,
+                          const char *const *allowed, int count, int *out);
 int pl_py_optional_doubles(PyObject *mapping, const char *key, const char *where, npy_intp count,
                            double *out);
 

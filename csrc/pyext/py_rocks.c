@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "pyext/py_read.h"
+#include "pyext/py_sizes.h"
 #include "pyext/py_types.h"
 #include "terrain/rock_field.h"
 
@@ -27,66 +28,14 @@ const pl_rock_field *pl_py_rocks_of(PyObject *object) {
 
 /* ---- creation ------------------------------------------------------------------------------- */
 
-static int seed_of(PyObject *settings, uint64_t *out) {
-  PyObject *seed;
-  if (pl_py_member(settings, "seed", 1, "rocks", &seed) < 0)
-    return -1;
-  if (seed != Py_None) {
-    *out = PyLong_AsUnsignedLongLong(seed);
-    if (PyErr_Occurred()) {
-      Py_DECREF(seed);
-      PyErr_Clear();
-      PyErr_SetString(PyExc_ValueError, "rocks: seed must be an integer from 0 to 2^64 - 1");
-      return -1;
-    }
-  }
-  Py_DECREF(seed);
-  return 0;
-}
-
 static int law_of(PyObject *settings, pl_rock_law_kind *out) {
   const char *names[PL_ROCK_LAWS];
-  PyObject *law;
-  if (pl_py_member(settings, "law", 1, "rocks", &law) < 0)
-    return -1;
-  const int absent = law == Py_None;
-  Py_DECREF(law);
-  if (absent)
-    return 0;
+  int kind = (int)*out;
   for (int k = 0; k < PL_ROCK_LAWS; k++)
     names[k] = pl_rock_laws[k].name;
-  const int kind = pl_py_member_choice(settings, "law", "rocks", names, PL_ROCK_LAWS);
+  if (pl_py_optional_choice(settings, "law", "rocks", names, PL_ROCK_LAWS, &kind) < 0)
+    return -1;
   *out = (pl_rock_law_kind)kind;
-  return kind < 0 ? -1 : 0;
-}
-
-/* The law's table: two columns, copied to rows of `*owner`, which pl_free frees. */
-static int table_of(PyObject *settings, pl_size_points *table, double **owner) {
-  const npy_intp shape[2] = {-1, 2};
-  PyObject *given;
-  if (pl_py_member(settings, "table", 1, "rocks", &given) < 0)
-    return -1;
-  PyArrayObject *array =
-      given != Py_None ? pl_py_array(given, "rocks: table", NPY_DOUBLE, 2, shape) : NULL;
-  const int failed = given != Py_None && array == NULL;
-  Py_DECREF(given);
-  if (array == NULL)
-    return failed ? -1 : 0;
-  table->count = (size_t)PyArray_DIM(array, 0);
-  *owner = pl_alloc(2 * table->count, sizeof **owner);
-  if (*owner == NULL) {
-    Py_DECREF((PyObject *)array);
-    PyErr_NoMemory();
-    return -1;
-  }
-  const double *from = PyArray_DATA(array);
-  for (size_t k = 0; k < table->count; k++) {
-    (*owner)[k] = from[2 * k];
-    (*owner)[table->count + k] = from[2 * k + 1];
-  }
-  table->diameters_m = *owner;
-  table->densities = *owner + table->count;
-  Py_DECREF((PyObject *)array);
   return 0;
 }
 
@@ -141,10 +90,10 @@ static int frame_of(PyObject *settings, pl_rock_frame *frame, double **table) {
   for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
     if (pl_py_optional_double(settings, numbers[k].key, "rocks", numbers[k].to) < 0)
       return -1;
-  if (seed_of(settings, &frame->seed) < 0 || law_of(settings, &frame->law.kind) < 0 ||
-      families_of(settings, frame->families) < 0)
+  if (pl_py_optional_seed(settings, "seed", "rocks", &frame->seed) < 0 ||
+      law_of(settings, &frame->law.kind) < 0 || families_of(settings, frame->families) < 0)
     return -1;
-  return table_of(settings, &frame->law.table, table);
+  return pl_py_size_points_of(settings, "rocks", &frame->law.table, table);
 }
 
 static PyObject *rocks_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
@@ -176,21 +125,6 @@ PyObject *pl_py_rock_record(void) {
                        "<f8", 3, "rotation", "<f8", 3, 3);
 }
 
-static PyObject *records_of(const pl_rock *rocks, size_t count) {
-  PyArray_Descr *descr = NULL;
-  PyObject *record = pl_py_rock_record();
-  npy_intp shape[1] = {(npy_intp)count};
-  const int known = record != NULL && PyArray_DescrConverter(record, &descr) == NPY_SUCCEED;
-  Py_XDECREF(record);
-  if (!known)
-    return NULL;
-  /* Steals the description. */
-  PyObject *out = PyArray_NewFromDescr(&PyArray_Type, descr, 1, shape, NULL, NULL, 0, NULL);
-  if (out != NULL && count > 0)
-    memcpy(PyArray_DATA((PyArrayObject *)out), rocks, count * sizeof *rocks);
-  return out;
-}
-
 static PyObject *list(PyObject *self, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"terrain",        "direction",      "radius_m",
                           "min_diameter_m", "max_diameter_m", NULL};
@@ -214,7 +148,7 @@ static PyObject *list(PyObject *self, PyObject *args, PyObject *kwargs) {
   Py_BEGIN_ALLOW_THREADS status =
       pl_rock_list(field, terrain, direction, radius_m, min_m, max_m, &rocks, &count);
   Py_END_ALLOW_THREADS if (status != PL_OK) return pl_py_raise(status);
-  PyObject *out = records_of(rocks, count);
+  PyObject *out = pl_py_records(pl_py_rock_record(), rocks, count, sizeof *rocks);
   pl_free(rocks);
   return out;
 }

@@ -77,23 +77,6 @@ static int layers_of(PyObject *layers, PyObject *kept, pl_terrain_layer out[PL_T
   return 0;
 }
 
-static int seed_of(PyObject *detail, uint64_t *out) {
-  PyObject *seed;
-  if (pl_py_member(detail, "seed", 1, "detail", &seed) < 0)
-    return -1;
-  if (seed != Py_None) {
-    *out = PyLong_AsUnsignedLongLong(seed);
-    if (PyErr_Occurred()) {
-      Py_DECREF(seed);
-      PyErr_Clear();
-      PyErr_SetString(PyExc_ValueError, "detail: seed must be an integer from 0 to 2^64 - 1");
-      return -1;
-    }
-  }
-  Py_DECREF(seed);
-  return 0;
-}
-
 static int ranges_of(PyObject *detail, pl_terrain_detail *out) {
   const npy_intp shape[2] = {-1, 2};
   PyObject *given;
@@ -119,7 +102,7 @@ static int detail_of(PyObject *detail, double radius_m, pl_terrain_detail *out) 
   out->on = detail != Py_None;
   if (!out->on)
     return 0;
-  if (seed_of(detail, &out->seed) < 0 || ranges_of(detail, out) < 0)
+  if (pl_py_optional_seed(detail, "seed", "detail", &out->seed) < 0 || ranges_of(detail, out) < 0)
     return -1;
   const struct {
     const char *key;

@@ -4,42 +4,22 @@
 
 #include "terrain/crater_field.h"
 #include "terrain/crater_profile.h"
-#include "terrain/cube.h"
-#include "terrain/size_table.h"
-
-enum { PL_CRATER_LEVELS = 26, PL_CRATER_CELL_MOST = 1023 };
+#include "terrain/scatter.h"
 
 /* Harmonics of the rim's radius, from order 2 on, and of its height, from order 1 on. */
 enum { PL_CRATER_RADIUS_ORDERS = 4, PL_CRATER_HEIGHT_ORDERS = 3 };
 
-/* One octave of sizes and its lattice; empty if low_m >= high_m. */
-typedef struct pl_crater_octave {
-  double low_m, high_m;
-  const double *shares; /* shares[k]: probability of k craters or fewer in a cell */
-  size_t count;         /* of shares */
-} pl_crater_octave;
-
 struct pl_crater_field {
   pl_crater_frame frame;
   double *table; /* the law's table, owned */
-  pl_size_table *sizes;
   pl_crater_shapes *shapes;
-  double *shares;                  /* of all octaves */
-  int first, last;                 /* levels in use */
   double stretch;                  /* bound of a rim's radius over R */
   pl_vec3 faces[PL_CUBE_FACES][3]; /* outward, s, t */
-  pl_crater_octave octaves[PL_CRATER_LEVELS];
+  pl_scatter scatter;
 };
 
 /* Bound of a rim's radius over R, by the ellipse and the harmonics of a frame. */
 double pl_crater_stretch(const pl_crater_frame *frame);
-
-/* A crater as drawn: where and how large. */
-typedef struct pl_crater_site {
-  uint64_t id;
-  pl_vec3 direction;
-  double diameter_m;
-} pl_crater_site;
 
 /* Selects craters: those whose centre is within `angle_rad` plus `reach` of their radii (0: the
  * centre itself) of an axis, with diameters in [min_m, max_m). */
@@ -49,7 +29,7 @@ typedef struct pl_crater_query {
   double angle_rad, reach, min_m, max_m;
 } pl_crater_query;
 
-typedef pl_status (*pl_crater_visit_fn)(void *context, const pl_crater_site *site);
+typedef pl_status (*pl_crater_visit_fn)(void *context, const pl_scatter_site *site);
 
 /* Visits the craters by level, face, i, j and number, which is the order of their ids. */
 pl_status pl_crater_visit(const pl_crater_field *field, const pl_crater_query *query,
@@ -63,9 +43,9 @@ typedef struct pl_crater_draw {
   /* cosine and sine amplitudes by order */
   double radius[PL_CRATER_RADIUS_ORDERS][2], height[PL_CRATER_HEIGHT_ORDERS][2];
 } pl_crater_draw;
-void pl_crater_draw_age(const pl_crater_field *field, const pl_crater_site *site,
+void pl_crater_draw_age(const pl_crater_field *field, const pl_scatter_site *site,
                         pl_crater_draw *draw); /* age_ga and tau */
-void pl_crater_draw_shape(const pl_crater_field *field, const pl_crater_site *site,
+void pl_crater_draw_shape(const pl_crater_field *field, const pl_scatter_site *site,
                           pl_crater_draw *draw); /* the others */
 
 /* Whether crater a is younger than b; the later id of two of the same age. */

@@ -1,22 +1,19 @@
 #include "terrain/crater_field.h"
 
-#include <string.h>
-
 #include "base/memory.h"
 #include "terrain/crater_cells.h"
 
 #define ELLIPTICITY_MOST 0.6
 #define IRREGULARITY_MOST 3.0
 #define GEOMETRIC_SATURATION 1.54
-/* Diameters of an octave are from 1/16 to 1/8 of its lattice's cells. */
-#define CELLS_OVER_LEAST 16.0
+#define KEY_CRATERS UINT64_C(0x6372617465727321)
 
 pl_crater_frame pl_crater_frame_default(double radius_m) {
   return (pl_crater_frame){
       .radius_m = radius_m,
       .law = {.kind = PL_CRATERS_NEUKUM_EQUILIBRIUM, .surface_age_ga = 3.5, .factor = 1.0},
-      .min_m = fmax(0.1, PL_CRATER_MIN_OF_RADIUS * radius_m),
-      .max_m = fmin(300e3, PL_CRATER_MAX_OF_RADIUS * radius_m),
+      .min_m = fmax(0.1, PL_SCATTER_MIN_OF_RADIUS * radius_m),
+      .max_m = fmin(300e3, PL_SCATTER_MAX_OF_RADIUS * radius_m),
       .diffusivity_m2_per_myr = 5.5,
       .diffusivity_exponent = 0.9,
       .irregularity = 1.0,
@@ -24,16 +21,7 @@ pl_crater_frame pl_crater_frame_default(double radius_m) {
 }
 
 static pl_status check_frame(const pl_crater_frame *frame) {
-  const double r = frame->radius_m;
-  if (!(r > 0.0 && isfinite(r)))
-    return pl_fail(PL_E_RANGE, "craters on a body of radius %g m; must be above 0", r);
-  if (!(frame->min_m >= PL_CRATER_MIN_OF_RADIUS * r && frame->max_m > frame->min_m &&
-        frame->max_m <= PL_CRATER_MAX_OF_RADIUS * r))
-    return pl_fail(
-        PL_E_RANGE,
-        "craters of %g to %g m; on a body of radius %g m they must be of %.3g to %.6g m, "
-        "the least below the greatest",
-        frame->min_m, frame->max_m, r, PL_CRATER_MIN_OF_RADIUS * r, PL_CRATER_MAX_OF_RADIUS * r);
+  PL_TRY(pl_scatter_check("craters", frame->radius_m, frame->min_m, frame->max_m));
   if (!(frame->diffusivity_m2_per_myr >= 0.0 && isfinite(frame->diffusivity_m2_per_myr) &&
         fabs(frame->diffusivity_exponent) <= 3.0))
     return pl_fail(PL_E_RANGE,
@@ -51,37 +39,8 @@ static pl_status check_frame(const pl_crater_frame *frame) {
   return pl_crater_law_check(&frame->law, frame->min_m, frame->max_m);
 }
 
-static pl_status copy_law(pl_crater_field *field) {
-  pl_crater_law *law = &field->frame.law;
-  if (law->kind != PL_CRATERS_TABLE)
-    return PL_OK;
-  PL_TRY(pl_alloc_or_fail(2 * law->count, sizeof(double), "the table of craters",
-                          (void **)&field->table));
-  memcpy(field->table, law->diameters_m, law->count * sizeof(double));
-  memcpy(field->table + law->count, law->densities, law->count * sizeof(double));
-  law->diameters_m = field->table;
-  law->densities = field->table + law->count;
-  return PL_OK;
-}
-
-/* Cuts sizes into octaves by the widths of cells. Returns the mean number in a cell of the size of
- * those at the centres of faces. */
-static double octave_of(pl_crater_field *field, int level) {
-  const pl_crater_frame *frame = &field->frame;
-  const double cell = pl_cube_cell_m(level, frame->radius_m);
-  pl_crater_octave *octave = &field->octaves[level];
-  octave->low_m = fmax(cell / CELLS_OVER_LEAST, frame->min_m);
-  octave->high_m = fmin(2.0 * cell / CELLS_OVER_LEAST, frame->max_m);
-  if (octave->low_m >= octave->high_m)
-    return 0.0;
-  return cell * cell *
-         (pl_size_table_density(field->sizes, octave->low_m) -
-          pl_size_table_density(field->sizes, octave->high_m));
-}
-
-static pl_status check_density(const pl_crater_field *field, double diameter_m) {
-  const double n = pl_size_table_density(field->sizes, diameter_m),
-               cover = n * diameter_m * diameter_m;
+static pl_status check_density(const pl_crater_law *law, double diameter_m) {
+  const double n = pl_crater_density(law, diameter_m), cover = n * diameter_m * diameter_m;
   if (cover <= PL_CRATER_DENSEST)
     return PL_OK;
   return pl_fail(
@@ -89,46 +48,15 @@ static pl_status check_density(const pl_crater_field *field, double diameter_m) 
       "law '%s' has %.3g craters of %g m or more per km^2, %.3g times what a surface can "
       "hold (1.54 D^-2); use 'neukum_equilibrium', or a greater least diameter, or a "
       "lower density",
-      pl_crater_laws[field->frame.law.kind].name, 1e6 * n, diameter_m,
-      cover / GEOMETRIC_SATURATION);
+      pl_crater_laws[law->kind].name, 1e6 * n, diameter_m, cover / GEOMETRIC_SATURATION);
 }
 
-/* Cumulative Poisson probabilities, up to rounding to 1. Terms are computed from their logarithms:
- * exp(-mean) alone may underflow. Returns their number. */
-static size_t poisson_shares(double mean, double *shares) {
-  double log_factorial = 0.0, sum = 0.0;
-  size_t k = 0;
-  for (; k < PL_CRATER_CELL_MOST; k++) {
-    log_factorial += k > 0 ? log((double)k) : 0.0;
-    const double term =
-        mean > 0.0 ? exp((double)k * log(mean) - mean - log_factorial) : (k == 0 ? 1.0 : 0.0);
-    shares[k] = sum += term;
-    if ((double)k >= mean && term < 1e-18)
-      break;
-  }
-  const size_t count = k < PL_CRATER_CELL_MOST ? k + 1 : k;
-  shares[count - 1] = 1.0;
-  return count;
-}
-
-static pl_status make_octaves(pl_crater_field *field) {
-  field->first = PL_CRATER_LEVELS;
-  field->last = -1;
-  size_t used = 0;
-  PL_TRY(pl_alloc_or_fail((size_t)PL_CRATER_LEVELS * PL_CRATER_CELL_MOST, sizeof(double),
-                          "the numbers of craters", (void **)&field->shares));
-  for (int level = 0; level < PL_CRATER_LEVELS; level++) {
-    pl_crater_octave *octave = &field->octaves[level];
-    const double mean = octave_of(field, level);
-    if (octave->low_m >= octave->high_m)
-      continue;
-    PL_TRY(check_density(field, octave->low_m));
-    octave->shares = field->shares + used;
-    octave->count = poisson_shares(mean, field->shares + used);
-    used += octave->count;
-    field->first = field->first < level ? field->first : level;
-    field->last = level;
-  }
+/* Checks the density at the least diameter of each octave. */
+static pl_status check_densities(const pl_crater_frame *frame) {
+  double low_m, high_m;
+  for (int level = 0; level < PL_SCATTER_LEVELS; level++)
+    if (pl_scatter_sizes(level, frame->radius_m, frame->min_m, frame->max_m, &low_m, &high_m))
+      PL_TRY(check_density(&frame->law, low_m));
   return PL_OK;
 }
 
@@ -145,13 +73,14 @@ static void make_faces(pl_crater_field *field) {
 
 static pl_status fill(pl_crater_field *field, const pl_crater_frame *frame) {
   field->frame = *frame;
-  PL_TRY(copy_law(field));
-  PL_TRY(pl_size_table_create(pl_crater_density, &field->frame.law, frame->min_m, frame->max_m,
-                              &field->sizes));
+  if (frame->law.kind == PL_CRATERS_TABLE)
+    PL_TRY(pl_size_points_copy(&field->frame.law.table, &field->table));
   PL_TRY(pl_crater_shapes_create(&field->shapes));
   make_faces(field);
   field->stretch = pl_crater_stretch(frame);
-  return make_octaves(field);
+  PL_TRY(check_densities(frame));
+  return pl_scatter_init(frame->radius_m, frame->seed, KEY_CRATERS, pl_crater_density,
+                         &field->frame.law, frame->min_m, frame->max_m, &field->scatter);
 }
 
 pl_status pl_crater_field_create(const pl_crater_frame *frame, pl_crater_field **out) {
@@ -172,9 +101,8 @@ void pl_crater_field_destroy(pl_crater_field *field) {
   if (field == NULL)
     return;
   pl_free(field->table);
-  pl_size_table_destroy(field->sizes);
+  pl_scatter_clear(&field->scatter);
   pl_crater_shapes_destroy(field->shapes);
-  pl_free(field->shares);
   pl_free(field);
 }
 
@@ -183,9 +111,10 @@ const pl_crater_frame *pl_crater_field_frame(const pl_crater_field *field) { ret
 void pl_crater_bounds(const pl_crater_field *field, double largest_m, double *low_m,
                       double *high_m) {
   *low_m = *high_m = 0.0;
-  for (int level = field->first; level <= field->last; level++) {
-    const double d = fmin(field->octaves[level].high_m, largest_m);
-    if (field->octaves[level].low_m >= largest_m)
+  for (int level = field->scatter.first; level <= field->scatter.last; level++) {
+    const pl_scatter_octave *octave = &field->scatter.octaves[level];
+    const double d = fmin(octave->high_m, largest_m);
+    if (octave->low_m >= largest_m)
       continue;
     const pl_crater_dimensions fresh = pl_crater_fresh(d);
     /* Two craters of an octave, one on the other's rim, and its rim's harmonics. */

@@ -1,9 +1,7 @@
 /* Craters of a whole body as a function of place: nothing is stored, nothing depends on the view.
  *
- * Sizes are cut into octaves, each with a lattice of the cube (terrain/cube.h) whose cells are 8 to
- * 16 diameters wide. The craters of a cell are drawn from random numbers keyed by (seed, cell):
- * their number is Poisson, their centres are uniform on the sphere. A crater on an edge of cells or
- * of the cube is found from both sides.
+ * Craters are scattered by a size-frequency law (terrain/scatter.h). A crater on an edge of cells
+ * or of the cube is found from both sides.
  *
  * Relief is the sum of the profiles of craters. Inside the rim of a crater, older ones that are
  * smaller or about as large are gone; those that are larger stay, as the slope that it lies on.
@@ -19,10 +17,6 @@
 /* Craters are left out below 2 footprints of diameter, and at full height from 4 on. */
 #define PL_CRATER_FADE_FROM 2.0
 #define PL_CRATER_FADE_TO 4.0
-/* Greatest diameter over the body's radius: an eighth of a face of the cube. */
-#define PL_CRATER_MAX_OF_RADIUS 0.196
-/* Least diameter over the body's radius: 5 mm on the Moon. */
-#define PL_CRATER_MIN_OF_RADIUS 3e-9
 /* Greatest density times D^2; geometric saturation is 1.54. */
 #define PL_CRATER_DENSEST 2.5
 /* Most craters that a list may be expected to have. */

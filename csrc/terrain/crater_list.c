@@ -15,7 +15,7 @@ typedef struct crater_kept {
   double kept;
 } crater_kept;
 
-static pl_status erase(void *context, const pl_crater_site *site) {
+static pl_status erase(void *context, const pl_scatter_site *site) {
   crater_kept *kept = context;
   pl_crater_draw draw;
   pl_crater_draw_age(kept->field, site, &draw);
@@ -55,7 +55,7 @@ static void measure(const pl_crater_field *field, pl_crater *crater) {
   crater->depth_m = (double)high - (double)low;
 }
 
-static pl_status append(void *context, const pl_crater_site *site) {
+static pl_status append(void *context, const pl_scatter_site *site) {
   crater_list *list = context;
   if (list->count == list->capacity) {
     const size_t more = list->capacity > 0 ? 2 * list->capacity : 64;
@@ -87,8 +87,8 @@ static pl_status check_count(const pl_crater_field *field, double angle, double 
   const double from = fmax(min_m, field->frame.min_m), to = fmin(max_m, field->frame.max_m);
   if (from >= to)
     return PL_OK;
-  const double expected =
-      area * (pl_size_table_density(field->sizes, from) - pl_size_table_density(field->sizes, to));
+  const double expected = area * (pl_size_table_density(field->scatter.sizes, from) -
+                                  pl_size_table_density(field->scatter.sizes, to));
   if (expected <= PL_CRATER_LIST_MOST)
     return PL_OK;
   return pl_fail(

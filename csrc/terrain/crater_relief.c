@@ -60,7 +60,7 @@ static double fade_of(double diameter_m, double footprint_m) {
   return t > 0.0 ? t * t * (3.0 - 2.0 * t) : 0.0;
 }
 
-static pl_status touch(void *context, const pl_crater_site *site) {
+static pl_status touch(void *context, const pl_scatter_site *site) {
   gathered *all = context;
   const pl_crater_field *field = all->field;
   PL_TRY(grow((void **)&all->craters, sizeof *all->craters, all->count, &all->capacity));

@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-#include "terrain/size_points.h"
-
 #define OLDEST_SURFACE_GA 4.5
 
 /* Chronology of Neukum, Ivanov and Hartmann (2001, Space Sci. Rev. 96, 55), per km^2. */
@@ -93,8 +91,7 @@ static double density_power(const pl_crater_law *law, double d) {
   return law->coefficient * pow(d, law->exponent);
 }
 static double density_table(const pl_crater_law *law, double d) {
-  const pl_size_points points = {law->diameters_m, law->densities, law->count};
-  return pl_size_points_density(&points, d);
+  return pl_size_points_density(&law->table, d);
 }
 
 const pl_crater_law_row pl_crater_laws[PL_CRATER_LAWS] = {
@@ -132,14 +129,9 @@ pl_status pl_crater_law_check(const pl_crater_law *law, double min_m, double max
                    law->surface_age_ga, OLDEST_SURFACE_GA);
   if (!(law->factor >= 0.0 && isfinite(law->factor)))
     return pl_fail(PL_E_RANGE, "density factor %g of craters; must be 0 or more", law->factor);
-  if (law->kind == PL_CRATERS_POWER && !(law->coefficient >= 0.0 && isfinite(law->coefficient) &&
-                                         law->exponent <= 0.0 && isfinite(law->exponent)))
-    return pl_fail(PL_E_RANGE,
-                   "power law of craters %g D^%g; the coefficient must be 0 or more, the exponent "
-                   "0 or less",
-                   law->coefficient, law->exponent);
-  const pl_size_points points = {law->diameters_m, law->densities, law->count};
-  return law->kind == PL_CRATERS_TABLE ? pl_size_points_check(&points, "craters", min_m, max_m)
+  if (law->kind == PL_CRATERS_POWER)
+    return pl_size_power_check("craters", law->coefficient, law->exponent);
+  return law->kind == PL_CRATERS_TABLE ? pl_size_points_check(&law->table, "craters", min_m, max_m)
                                        : PL_OK;
 }
 

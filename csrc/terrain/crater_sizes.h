@@ -2,9 +2,7 @@
 #ifndef PL_TERRAIN_CRATER_SIZES_H
 #define PL_TERRAIN_CRATER_SIZES_H
 
-#include <stddef.h>
-
-#include "base/status.h"
+#include "terrain/size_points.h"
 
 typedef enum pl_crater_law_kind {
   PL_CRATERS_NEUKUM_1983,
@@ -23,10 +21,7 @@ typedef struct pl_crater_law {
   double surface_age_ga;        /* (0, 4.5]: no crater is older; production grows with it */
   double factor;                /* multiplies the density; 0 or more */
   double coefficient, exponent; /* power: coefficient D^exponent per m^2 with D in m */
-  /* table: densities (per m^2) of craters of these diameters or more; borrowed; diameters rise,
-   * densities fall; a power law between entries */
-  const double *diameters_m, *densities;
-  size_t count;
+  pl_size_points table;
 } pl_crater_law;
 
 typedef struct pl_crater_law_row {

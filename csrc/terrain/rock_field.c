@@ -41,16 +41,7 @@ static pl_status check_families(const pl_rock_frame *frame) {
 }
 
 static pl_status check_frame(const pl_rock_frame *frame) {
-  const double r = frame->radius_m;
-  if (!(r > 0.0 && isfinite(r)))
-    return pl_fail(PL_E_RANGE, "rocks on a body of radius %g m; must be above 0", r);
-  if (!(frame->min_m >= PL_SCATTER_MIN_OF_RADIUS * r && frame->max_m > frame->min_m &&
-        frame->max_m <= PL_SCATTER_MAX_OF_RADIUS * r))
-    return pl_fail(PL_E_RANGE,
-                   "rocks of %g to %g m; on a body of radius %g m they must be of %.3g to %.6g m, "
-                   "the least below the greatest",
-                   frame->min_m, frame->max_m, r, PL_SCATTER_MIN_OF_RADIUS * r,
-                   PL_SCATTER_MAX_OF_RADIUS * r);
+  PL_TRY(pl_scatter_check("rocks", frame->radius_m, frame->min_m, frame->max_m));
   if (!(frame->least_burial >= LEAST_BURIAL && frame->most_burial >= frame->least_burial &&
         frame->most_burial <= MOST_BURIAL))
     return pl_fail(PL_E_RANGE,
@@ -132,8 +123,8 @@ pl_status pl_rock_sites(const pl_rock_field *field, const pl_rock_square *square
     const uint64_t count = pl_scatter_count(scatter, &cell);
     for (uint64_t n = 0; n < count; n++) {
       pl_scatter_site site;
-      if (pl_scatter_draw(scatter, &cell, n, &site) && is_in(site.place[0], below, square->i) &&
-          is_in(site.place[1], below, square->j))
+      if (pl_scatter_draw(scatter, &cell, n, NULL, &site) &&
+          is_in(site.place[0], below, square->i) && is_in(site.place[1], below, square->j))
         PL_TRY(visit(context, &site));
     }
   }

@@ -47,7 +47,7 @@ static pl_status visit(rock_list *list, const pl_scatter_cell *cell) {
     const uint64_t count = pl_scatter_count(scatter, cell);
     pl_scatter_site site;
     for (uint64_t n = 0; n < count; n++)
-      if (pl_scatter_draw(scatter, cell, n, &site))
+      if (pl_scatter_draw(scatter, cell, n, NULL, &site))
         PL_TRY(append(list, &site));
   }
   if (cell->level >= scatter->last ||

@@ -135,12 +135,8 @@ pl_status pl_rock_law_check(const pl_rock_law *law, double min_m, double max_m) 
     return pl_fail(PL_E_RANGE, "cutoff_m = %g of rocks; must be 0 (none) or more", law->cutoff_m);
   if (law->kind == PL_ROCKS_GOLOMBEK)
     return check_golombek(law);
-  if (law->kind == PL_ROCKS_POWER && !(law->coefficient >= 0.0 && isfinite(law->coefficient) &&
-                                       law->exponent <= 0.0 && isfinite(law->exponent)))
-    return pl_fail(PL_E_RANGE,
-                   "power law of rocks %g D^%g; the coefficient must be 0 or more, the exponent 0 "
-                   "or less",
-                   law->coefficient, law->exponent);
+  if (law->kind == PL_ROCKS_POWER)
+    return pl_size_power_check("rocks", law->coefficient, law->exponent);
   return law->kind == PL_ROCKS_TABLE ? pl_size_points_check(&law->table, "rocks", min_m, max_m)
                                      : PL_OK;
 }

@@ -43,23 +43,34 @@ uint64_t pl_scatter_count(const pl_scatter *scatter, const pl_scatter_cell *cell
   return low;
 }
 
+static bool is_inside(const pl_scatter_window *window, double s, double t) {
+  return s >= window->from[0] && s <= window->to[0] && t >= window->from[1] && t <= window->to[1];
+}
+
 bool pl_scatter_draw(const pl_scatter *scatter, const pl_scatter_cell *cell, uint64_t n,
-                     pl_scatter_site *out) {
+                     const pl_scatter_window *window, pl_scatter_site *out) {
   uint64_t words[4];
   out->id = id_of(cell, n);
   out->cell = *cell;
   pl_scatter_words(scatter, out->id, FOR_SITE, words);
-  const double s = -1.0 + ldexp((double)cell->i + pl_philox_double(words[0]), 1 - cell->level);
-  const double t = -1.0 + ldexp((double)cell->j + pl_philox_double(words[1]), 1 - cell->level);
+  const pl_scatter_octave *octave = &scatter->octaves[cell->level];
+  const double s = -1.0 + octave->width * ((double)cell->i + pl_philox_double(words[0]));
+  const double t = -1.0 + octave->width * ((double)cell->j + pl_philox_double(words[1]));
+  if (window != NULL && !is_inside(window, s, t))
+    return false;
   const double a = pl_cube_tangent(s), b = pl_cube_tangent(t), a1 = 1.0 + a * a, b1 = 1.0 + b * b;
   const double q = a1 + b * b;
   /* Solid angle of a piece of the lattice over that at the centre of a face: a1 b1 / q^(3/2). */
   if (pl_philox_double(words[2]) * q * sqrt(q) >= a1 * b1)
     return false;
-  const pl_scatter_octave *octave = &scatter->octaves[cell->level];
+  out->direction = pl_cube_tangent_direction(cell->face, a, b);
+  if (window != NULL) {
+    const pl_vec3 to = pl_vec3_sub(out->direction, window->axis);
+    if (pl_vec3_dot(to, to) > window->chord2)
+      return false;
+  }
   out->place[0] = words[0] >> 11;
   out->place[1] = words[1] >> 11;
-  out->direction = pl_cube_tangent_direction(cell->face, a, b);
   out->diameter_m =
       pl_size_table_draw(scatter->sizes, octave->low_m, octave->high_m, pl_philox_double(words[3]));
   return true;
@@ -77,7 +88,28 @@ bool pl_scatter_find(const pl_scatter *scatter, uint64_t id, pl_scatter_site *ou
   cell.face = (int)(in_level >> (2 * cell.level));
   cell.i = (in_level >> cell.level) & mask;
   cell.j = in_level & mask;
-  return n < pl_scatter_count(scatter, &cell) && pl_scatter_draw(scatter, &cell, n, out);
+  return n < pl_scatter_count(scatter, &cell) && pl_scatter_draw(scatter, &cell, n, NULL, out);
+}
+
+pl_status pl_scatter_check(const char *things, double radius_m, double min_m, double max_m) {
+  const double least = PL_SCATTER_MIN_OF_RADIUS * radius_m;
+  const double most = PL_SCATTER_MAX_OF_RADIUS * radius_m;
+  if (!(radius_m > 0.0 && isfinite(radius_m)))
+    return pl_fail(PL_E_RANGE, "%s on a body of radius %g m; must be above 0", things, radius_m);
+  if (min_m >= least && max_m > min_m && max_m <= most)
+    return PL_OK;
+  return pl_fail(PL_E_RANGE,
+                 "%s of %g to %g m; on a body of radius %g m they must be of %.3g to %.6g m, the "
+                 "least below the greatest",
+                 things, min_m, max_m, radius_m, least, most);
+}
+
+bool pl_scatter_sizes(int level, double radius_m, double min_m, double max_m, double *low_m,
+                      double *high_m) {
+  const double cell = pl_cube_cell_m(level, radius_m);
+  *low_m = fmax(cell / PL_SCATTER_CELLS_OVER_LEAST, min_m);
+  *high_m = fmin(2.0 * cell / PL_SCATTER_CELLS_OVER_LEAST, max_m);
+  return *low_m < *high_m;
 }
 
 /* Cuts sizes into octaves by the widths of cells. Returns the mean number in a cell as large as
@@ -85,9 +117,8 @@ bool pl_scatter_find(const pl_scatter *scatter, uint64_t id, pl_scatter_site *ou
 static double octave_of(pl_scatter *scatter, int level, double min_m, double max_m) {
   const double cell = pl_cube_cell_m(level, scatter->radius_m);
   pl_scatter_octave *octave = &scatter->octaves[level];
-  octave->low_m = fmax(cell / PL_SCATTER_CELLS_OVER_LEAST, min_m);
-  octave->high_m = fmin(2.0 * cell / PL_SCATTER_CELLS_OVER_LEAST, max_m);
-  if (octave->low_m >= octave->high_m)
+  octave->width = ldexp(2.0, -level);
+  if (!pl_scatter_sizes(level, scatter->radius_m, min_m, max_m, &octave->low_m, &octave->high_m))
     return 0.0;
   return cell * cell *
          (pl_size_table_density(scatter->sizes, octave->low_m) -

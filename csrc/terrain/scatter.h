@@ -23,6 +23,7 @@ enum { PL_SCATTER_LEVELS = 26, PL_SCATTER_CELL_MOST = 1023 };
 /* One octave of sizes; empty if low_m >= high_m. */
 typedef struct pl_scatter_octave {
   double low_m, high_m;
+  double width;         /* of a cell in s and t */
   const double *shares; /* shares[k]: probability of k things or fewer in a cell */
   size_t count;         /* of shares */
 } pl_scatter_octave;
@@ -36,8 +37,15 @@ typedef struct pl_scatter {
   pl_scatter_octave octaves[PL_SCATTER_LEVELS];
 } pl_scatter;
 
+/* PL_E_RANGE unless the diameters are within the bounds above, on a body of a valid radius.
+ * `things` names them in the error. */
+pl_status pl_scatter_check(const char *things, double radius_m, double min_m, double max_m);
+/* Diameters of an octave of a range of diameters; false if it has none. */
+bool pl_scatter_sizes(int level, double radius_m, double min_m, double max_m, double *low_m,
+                      double *high_m);
+
 /* `purpose` makes numbers independent of those of other scatters of the same seed. Diameters must
- * be within the bounds above. PL_E_RANGE if the law rises or a cell would hold too many. */
+ * have been checked. PL_E_RANGE if the law rises or a cell would hold too many. */
 pl_status pl_scatter_init(double radius_m, uint64_t seed, uint64_t purpose,
                           pl_size_density_fn density, const void *law, double min_m, double max_m,
                           pl_scatter *out);
@@ -59,10 +67,17 @@ typedef struct pl_scatter_site {
 
 /* Number of candidates in a cell. */
 uint64_t pl_scatter_count(const pl_scatter *scatter, const pl_scatter_cell *cell);
+/* Part of a face: a range of each coordinate of the lattice, and a cap of the sphere. */
+typedef struct pl_scatter_window {
+  double from[2], to[2];
+  pl_vec3 axis;
+  double chord2; /* from the axis, squared */
+} pl_scatter_window;
 /* Draws candidate `n` of a cell. Returns false if there is nothing: candidates are thinned where
- * cells are smaller, so that things are uniform on the sphere. */
+ * cells are smaller, so that things are uniform on the sphere. Also false for what is outside of a
+ * window, which may be NULL. */
 bool pl_scatter_draw(const pl_scatter *scatter, const pl_scatter_cell *cell, uint64_t n,
-                     pl_scatter_site *out);
+                     const pl_scatter_window *window, pl_scatter_site *out);
 /* Finds the thing of an id; false if there is none. */
 bool pl_scatter_find(const pl_scatter *scatter, uint64_t id, pl_scatter_site *out);
 

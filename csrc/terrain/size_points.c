@@ -26,6 +26,15 @@ pl_status pl_size_points_check(const pl_size_points *points, const char *things,
   return PL_OK;
 }
 
+pl_status pl_size_power_check(const char *things, double coefficient, double exponent) {
+  if (coefficient >= 0.0 && isfinite(coefficient) && exponent <= 0.0 && isfinite(exponent))
+    return PL_OK;
+  return pl_fail(PL_E_RANGE,
+                 "power law of %s %g D^%g; the coefficient must be 0 or more, the exponent 0 or "
+                 "less",
+                 things, coefficient, exponent);
+}
+
 double pl_size_points_density(const pl_size_points *points, double diameter_m) {
   size_t k = 0;
   while (k + 2 < points->count && points->diameters_m[k + 1] <= diameter_m)

@@ -17,6 +17,9 @@ typedef struct pl_size_points {
 pl_status pl_size_points_check(const pl_size_points *points, const char *things, double min_m,
                                double max_m);
 
+/* PL_E_RANGE unless coefficient D^exponent per m^2 is a cumulative law. */
+pl_status pl_size_power_check(const char *things, double coefficient, double exponent);
+
 /* Density of things of diameter_m or more (per m^2), of a valid table. */
 double pl_size_points_density(const pl_size_points *points, double diameter_m);
 

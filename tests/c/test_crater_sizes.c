@@ -93,9 +93,9 @@ static pl_crater_law law_for_draws(int kind) {
   law.surface_age_ga = 3.5;
   law.coefficient = 1.54;
   law.exponent = -2.0;
-  law.diameters_m = user_diameters;
-  law.densities = user_densities;
-  law.count = 4;
+  law.table.diameters_m = user_diameters;
+  law.table.densities = user_densities;
+  law.table.count = 4;
   return law;
 }
 
@@ -175,10 +175,10 @@ static void test_errors(void **state) {
   law.coefficient = 1.0, law.exponent = 0.5;
   refuse(law, "exponent");
   law = law_for_draws(PL_CRATERS_TABLE);
-  law.count = 1;
+  law.table.count = 1;
   refuse(law, "2 entries");
   const double rising[] = {0.2, 0.3, 1e-4, 0.0};
-  law.count = 4, law.densities = rising;
+  law.table.count = 4, law.table.densities = rising;
   refuse(law, "entry 1");
   law = law_for_draws(PL_CRATERS_TABLE);
   assert_int_equal(pl_crater_law_check(&law, 0.1, 100.0), PL_E_RANGE);

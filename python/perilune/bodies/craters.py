@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from perilune import _core
+from perilune.bodies.size_laws import core_settings
 from perilune.config.craters import Craters
 
-_LARGEST_M, _LARGEST_OF_RADIUS = 300e3, 0.196
-_SMALLEST_M, _SMALLEST_OF_RADIUS = 0.1, 3e-9
+_SMALLEST_M, _LARGEST_M = 0.1, 300e3
 
 CATALOGUED = np.dtype(
     [
@@ -32,16 +32,7 @@ longitude, planetocentric latitude, diameter, and the unit direction of its cent
 
 def crater_field(given: Craters, radius_m: float) -> _core.CraterField:
     """The core's field of craters on a body of a mean radius. ValueError names the key."""
-    settings = given.model_dump(exclude_none=True)
-    first, last = 0.0, math.inf
-    if given.table is not None:
-        settings["table"] = np.array(given.table, dtype=np.float64)
-        first, last = given.table[0][0], given.table[-1][0]
-    low = max(_SMALLEST_M, _SMALLEST_OF_RADIUS * radius_m, first)
-    high = min(_LARGEST_M, _LARGEST_OF_RADIUS * radius_m, last)
-    settings.setdefault("min_diameter_m", low)
-    settings.setdefault("max_diameter_m", high)
-    return _core.CraterField({"radius_m": radius_m, **settings})
+    return _core.CraterField(core_settings(given, radius_m, _SMALLEST_M, _LARGEST_M))
 
 
 _COLUMNS = {

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
-from perilune.config.size_laws import check_diameters, check_rows
-from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
+from perilune.config.size_laws import (
+    Density,
+    Rows,
+    Seed,
+    Steepness,
+    check_diameters,
+    check_rows,
+)
+from perilune.config.types import NonNegative, Positive, Strict
 
 CraterLaw = Literal[
     "neukum_1983",
@@ -21,18 +28,11 @@ CraterLaw = Literal[
     "table",
 ]
 
-_Seed = Annotated[int, Field(strict=True, ge=0, lt=2**64)]
 _Age = Annotated[float, Field(strict=True, gt=0.0, le=4.5)]
-_Density = Annotated[float, Field(strict=True, ge=0.0, le=1000.0)]
-_Steepness = Annotated[float, Field(strict=True, ge=-10.0, le=0.0)]
 _Power = Annotated[float, Field(strict=True, ge=-3.0, le=3.0)]
 _Ellipticity = Annotated[float, Field(strict=True, ge=0.0, le=0.6)]
 _Irregularity = Annotated[float, Field(strict=True, ge=0.0, le=3.0)]
 _Posts = Annotated[float, Field(strict=True, ge=1.0, le=1000.0)]
-_Count = tuple[Positive, NonNegative]
-_Counts = Annotated[
-    tuple[_Count, ...], Field(min_length=2, max_length=10000), BeforeValidator(refuse_drawn)
-]
 
 
 class Craters(Strict):
@@ -48,13 +48,13 @@ class Craters(Strict):
     specification of VIPER for the south polar plains (viper), a power law, or a table."""
     surface_age_ga: _Age = 3.5
     """Age of the surface, in 10^9 years: production grows with it, and no crater is older."""
-    density: _Density = 1.0
+    density: Density = 1.0
     """Factor on the number of craters; 0: none."""
     coefficient: NonNegative | None = None
     """Of the power law: craters of 1 m or more per m^2."""
-    exponent: _Steepness | None = None
+    exponent: Steepness | None = None
     """Of the power law: exponent of the diameter, 0 or less."""
-    table: _Counts | None = None
+    table: Rows | None = None
     """Rows [diameter in m, craters of this diameter or more per m^2]; diameters rise. Power laws
     between the rows."""
     min_diameter_m: Positive | None = None
@@ -63,7 +63,7 @@ class Craters(Strict):
     max_diameter_m: Positive | None = None
     """Largest diameter. Default: 300 km, 0.196 radii of the body, or that of the table's last row,
     whichever is least."""
-    seed: _Seed = 0
+    seed: Seed = 0
     """Number of the craters: another seed gives others of the same law."""
     diffusivity_m2_per_myr: NonNegative = 5.5
     """Topographic diffusivity that wears down craters of 1 km, in m^2 per 10^6 years (Fassett and

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from perilune.config.errors import fail
-from perilune.config.size_laws import check_diameters, check_rows
-from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
+from perilune.config.size_laws import (
+    Density,
+    Rows,
+    Seed,
+    Steepness,
+    check_diameters,
+    check_rows,
+)
+from perilune.config.types import NonNegative, Positive, Strict
 
 RockLaw = Literal[
     "golombek",
@@ -21,16 +28,9 @@ RockLaw = Literal[
     "table",
 ]
 
-_Seed = Annotated[int, Field(strict=True, ge=0, lt=2**64)]
-_Density = Annotated[float, Field(strict=True, ge=0.0, le=1000.0)]
 _Abundance = Annotated[float, Field(strict=True, gt=0.0, le=1.0)]
-_Steepness = Annotated[float, Field(strict=True, ge=-10.0, le=0.0)]
 _Burial = Annotated[float, Field(strict=True, ge=0.05, le=0.9)]
 _Slope = Annotated[float, Field(strict=True, gt=0.0, lt=90.0)]
-_Count = tuple[Positive, NonNegative]
-_Counts = Annotated[
-    tuple[_Count, ...], Field(min_length=2, max_length=10000), BeforeValidator(refuse_drawn)
-]
 FITTED_ABUNDANCE = 0.02
 """Least abundance for which Golombek and Rapp (1997) give the decay."""
 
@@ -83,7 +83,7 @@ class Rocks(Strict):
     Chang'E-3 (change_3), power laws of the site of Surveyor 1 (surveyor_1), of the design
     specification of VIPER (viper), with fewer (intercrater) or more rocks (haworth), one's own
     power law, or a table."""
-    density: _Density = 1.0
+    density: Density = 1.0
     """Factor on the number of rocks; 0: none."""
     abundance: _Abundance | None = None
     """Of golombek: share of the ground that is covered by rocks."""
@@ -92,9 +92,9 @@ class Rocks(Strict):
     fit, 1.79 + 0.152 / abundance, for an abundance of 0.02 or more; below, it must be given."""
     coefficient: NonNegative | None = None
     """Of the power law: rocks of 1 m or more per m^2."""
-    exponent: _Steepness | None = None
+    exponent: Steepness | None = None
     """Of the power law: exponent of the diameter, 0 or less."""
-    table: _Counts | None = None
+    table: Rows | None = None
     """Rows [diameter in m, rocks of this diameter or more per m^2]; diameters rise. Power laws
     between the rows."""
     cutoff_m: NonNegative = 3.0
@@ -106,7 +106,7 @@ class Rocks(Strict):
     max_diameter_m: Positive | None = None
     """Largest diameter. Default: 20 m, 0.196 radii of the body, or that of the table's last row,
     whichever is least."""
-    seed: _Seed = 0
+    seed: Seed = 0
     """Number of the rocks: another seed gives others of the same law."""
     least_burial: _Burial = 0.1
     """Least part of a rock's height that is below the ground; drawn for each, up to most_burial.

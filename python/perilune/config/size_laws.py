@@ -3,8 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
+
+from pydantic import BeforeValidator, Field
 
 from perilune.config.errors import fail
+from perilune.config.types import NonNegative, Positive, refuse_drawn
+
+Seed = Annotated[int, Field(strict=True, ge=0, lt=2**64)]
+Density = Annotated[float, Field(strict=True, ge=0.0, le=1000.0)]
+"""Factor on the numbers of a law."""
+Steepness = Annotated[float, Field(strict=True, ge=-10.0, le=0.0)]
+"""Exponent of a power law."""
+_Row = tuple[Positive, NonNegative]
+Rows = Annotated[
+    tuple[_Row, ...], Field(min_length=2, max_length=10000), BeforeValidator(refuse_drawn)
+]
+"""Table of a cumulative law: diameter in m, number of this diameter or more per m^2."""
 
 
 def check_rows(table: Sequence[tuple[float, float]] | None) -> None:
