@@ -7,7 +7,8 @@ orbits. Figure 13: camera trajectories, sketched, with frames taken along them. 
 configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8: a noise of three
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
 `light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. `shutter`:
-see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`: see ground_figures.py. Needs the
+see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`: see
+ground_figures.py. `ground`: see ground_statistics.py. Needs the
 extra `plot`.
 """
 
@@ -20,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import ground_figures
+import ground_statistics
 import moon_figures
 import numpy as np
 import sensor_figures
@@ -176,6 +178,11 @@ def terrain() -> None:
     pictures("terrain.png", [views[:2], views[2:]], 9.6)
 
 
+def ground() -> None:
+    """Slopes and rocks of scenes beside published ones."""
+    save(ground_statistics.figure(), "ground.png")
+
+
 def pictures(name: str, rows: list[list[tuple[str, Any]]], width: float) -> None:
     """Rows of titled images, on black."""
     height, wide = rows[0][0][1].shape[:2]
@@ -289,6 +296,7 @@ FIGURES = {
     "10": figure_10,
     "13": figure_13,
     "glare": glare,
+    "ground": ground,
     "materials": materials,
     "moon": figure_moon,
     "moon_sensor": moon_sensor,

@@ -411,6 +411,22 @@ class Simulation:
         stars = seen(result["stars"])
         return Sample(arrays, objects, label, meta, result["plan"], stars)
 
+    def terrain(self, index: int, body: str | None = None) -> _core.Terrain:
+        """The ground of a body in a frame: heights, slopes and craters at any place.
+
+        body: default the only one with `terrain`. The same object as long as no driver of the
+        terrain changes. Raises ValueError for a body without terrain."""
+        config, _ = self.config_at(index)
+        having = [name for name, entry in config.bodies.items() if entry.terrain is not None]
+        if body is None and len(having) == 1:
+            body = having[0]
+        if body not in having:
+            said = "several bodies have" if body is None else f"'{body}' has no"
+            raise ValueError(
+                f"body: {said} terrain; those with terrain: {', '.join(having) or '-'}"
+            )
+        return self._mine().terrain_of(config, body)[0]
+
     def craters(
         self,
         index: int,

@@ -46,3 +46,25 @@ def test_what_is_seen_lies_on_the_ground(name):
         away = float(np.linalg.norm(sample["position"][row, column] - camera))
         # Heights of the mesh are off by what is finer than its cells, of a pixel or two at most.
         assert abs(ground.height_m(place)) < 2.0 * pixel * away + 0.02, (row, column)
+
+
+def test_the_ground_of_a_frame() -> None:
+    """Its heights are those that things stand on; the same object until a driver changes it."""
+    sim = perilune.open(CONFIGS / "lunar_rover.yaml")
+    terrain = sim.terrain(0)
+    assert terrain is sim.terrain(1, "moon")
+    up = np.array([[0.6, 0.0, 0.8], [0.0, -1.0, 0.0]])
+    ground = sim.world(0).ground("moon")
+    for place, height_m in zip(up, terrain.heights(up), strict=True):
+        assert abs(ground.height_m((1737.4e3 + height_m) * place)) < 1e-6
+    other = sim.with_overrides({"bodies.moon.terrain.detail.seed": 4})
+    assert other.terrain(0).heights(up) != pytest.approx(terrain.heights(up))
+
+
+def test_a_body_without_terrain_is_named() -> None:
+    demo = perilune.open(CONFIGS / "demo.yaml")
+    with pytest.raises(ValueError, match="'planet' has no terrain; those with terrain: -"):
+        demo.terrain(0, "planet")
+    rover = perilune.open(CONFIGS / "lunar_rover.yaml")
+    with pytest.raises(ValueError, match="'sun' has no terrain; those with terrain: moon"):
+        rover.terrain(0, "sun")
