@@ -152,6 +152,13 @@ const pl_channel pl_channels[] = {
     {"slope", "float32", 4, 0, "rad",
      "shading normal of the ground to its vertical, the radius; nan off the ground", PL_BLANK_NAN,
      pl_write_slope},
+    {"slope_sobel", "float32", 4, 0, "rad",
+     "slope from Sobel gradients of the elevation in view; nan off the ground and beside anything "
+     "else, at the picture's edge too",
+     PL_BLANK_NAN, NULL},
+    {"roughness_laplacian", "float32", 4, 0, "m",
+     "size of the Laplacian (four neighbours) of the elevation in view; nan as slope_sobel",
+     PL_BLANK_NAN, NULL},
 };
 const size_t pl_channel_count = sizeof pl_channels / sizeof pl_channels[0];
 
@@ -187,7 +194,7 @@ static void fill_blank(const pl_channel *channel, void *pixels, size_t bytes) {
 void pl_channels_blank(const pl_snapshot *shot, size_t count, size_t first, void *const *images) {
   for (size_t i = 0; i < pl_channel_count; i++) {
     size_t bytes;
-    if (images[i] == NULL)
+    if (images[i] == NULL || pl_channels[i].write == NULL)
       continue;
     void *out = place(&pl_channels[i], shot, first, images[i], &bytes);
     fill_blank(&pl_channels[i], out, bytes * count);
@@ -249,7 +256,7 @@ void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t 
     gather(points + x, &run);
     for (size_t i = 0; i < pl_channel_count; i++) {
       size_t bytes;
-      if (images[i] != NULL)
+      if (images[i] != NULL && pl_channels[i].write != NULL)
         pl_channels[i].write(&run, place(&pl_channels[i], shot, first + x, images[i], &bytes));
     }
   }

@@ -5,19 +5,21 @@
 
 #include "geom/ellipsoid.h"
 
-/* Returns the body whose surface a run shows; NULL for an object. */
-static const pl_shot_body *body_of(const pl_label_run *run) {
-  const pl_snapshot *shot = run->shot;
-  switch (pl_surface_kind_of(run->surface_id)) {
+const pl_shot_body *pl_ground_body(const pl_snapshot *shot, pl_surface_id id) {
+  switch (pl_surface_kind_of(id)) {
   case PL_SURFACE_SHAPE:
-    return &shot->bodies[pl_shot_object_of(shot, run->surface_id)->object->body];
+    return &shot->bodies[pl_shot_object_of(shot, id)->object->body];
   case PL_SURFACE_ELLIPSOID:
   case PL_SURFACE_HEIGHT_FIELD:
   case PL_SURFACE_ROCKS:
-    return pl_shot_body_of(shot, run->surface_id);
+    return pl_shot_body_of(shot, id);
   default:
     return NULL;
   }
+}
+
+static const pl_shot_body *body_of(const pl_label_run *run) {
+  return pl_ground_body(run->shot, run->surface_id);
 }
 
 static void fill(const pl_label_run *run, float value, float *out) {
@@ -31,8 +33,7 @@ static pl_vec3 from_center(const pl_label_run *run, const pl_shot_body *body, si
   return pl_vec3_sub(p, body->center);
 }
 
-/* Distance of the datum ellipsoid from the body's centre in the direction of a point, m. */
-static double datum_m(const pl_shot_body *body, pl_vec3 point) {
+double pl_ground_datum_m(const pl_shot_body *body, pl_vec3 point) {
   const pl_vec3 p = pl_mat3_mul_vec_t(body->rotation, point), r = body->state->radii_m;
   const pl_vec3 scaled = {p.x / r.x, p.y / r.y, p.z / r.z};
   return pl_vec3_norm(p) / pl_vec3_norm(scaled);
@@ -47,8 +48,9 @@ void pl_write_elevation(const pl_label_run *run, void *pixels) {
   }
   for (size_t i = 0; i < run->count; i++) {
     const pl_vec3 p = from_center(run, body, i);
-    out[i] = pl_surface_is_ellipsoid(run->surface_id) ? 0.0f
-                                                      : (float)(pl_vec3_norm(p) - datum_m(body, p));
+    out[i] = pl_surface_is_ellipsoid(run->surface_id)
+                 ? 0.0f
+                 : (float)(pl_vec3_norm(p) - pl_ground_datum_m(body, p));
   }
 }
 

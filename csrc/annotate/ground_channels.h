@@ -1,11 +1,21 @@
-/* Channels of the ground: heights and slopes on bodies. */
+/* Channels of the ground: heights, slopes and roughness on bodies. */
 #ifndef PL_ANNOTATE_GROUND_CHANNELS_H
 #define PL_ANNOTATE_GROUND_CHANNELS_H
 
-#include "annotate/channel.h"
+#include "annotate/ground_map.h"
+
+/* Returns the body whose surface an id is of; NULL for objects and for none. */
+const pl_shot_body *pl_ground_body(const pl_snapshot *shot, pl_surface_id id);
+/* Distance of the body's ellipsoid from its centre in the direction of a point (from the centre,
+ * root axes), m. */
+double pl_ground_datum_m(const pl_shot_body *body, pl_vec3 point);
 
 void pl_write_elevation(const pl_label_run *run, void *pixels);
 void pl_write_altitude(const pl_label_run *run, void *pixels);
 void pl_write_slope(const pl_label_run *run, void *pixels);
+
+/* From the elevations of neighbouring pixels. */
+pl_status pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1, void *image);
+pl_status pl_write_roughness_laplacian(const pl_ground_map *map, int y0, int y1, void *image);
 
 #endif

@@ -40,11 +40,22 @@ static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_
   return PL_OK;
 }
 
+static pl_status prepare_ground(pl_arena *arena, pl_labels *out) {
+  void *memory;
+  void *const *images = out->request->channels;
+  if (!pl_ground_map_needed(images))
+    return PL_OK;
+  PL_TRY(take(arena, pixels_of(out->shot), sizeof(pl_ground_point), &memory));
+  out->ground = (pl_ground_map){.shot = out->shot, .points = memory, .images = images};
+  return PL_OK;
+}
+
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
                             pl_label_tools *tools, pl_arena *arena, pl_labels *out) {
   void *memory;
   const size_t extents = (size_t)request->threads * shot->craft_count;
   *out = (pl_labels){.request = request, .shot = shot};
+  PL_TRY(prepare_ground(arena, out));
   if (request->objects == NULL && request->masks == NULL)
     return PL_OK;
   PL_TRY(take(arena, extents, sizeof(pl_extent), &memory));
@@ -54,9 +65,12 @@ pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *
   return request->amodal || request->masks != NULL ? prepare_silhouettes(tools, arena, out) : PL_OK;
 }
 
-void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int worker) {
+void pl_labels_tile(const pl_labels *labels, const pl_snapshot *shot, const pl_tile_result *result,
+                    int worker) {
   const size_t count = labels->shot->craft_count;
   const int tile[4] = {result->tile.x0, result->tile.y0, result->tile.width, result->tile.height};
+  if (labels->ground.points != NULL)
+    pl_ground_map_take(&labels->ground, shot, result->points, PL_TILE_SIDE, tile);
   if (labels->seen != NULL)
     pl_seen_write(result->points, PL_TILE_SIDE, tile, labels->shot->camera.width, labels->seen);
   if (labels->extents != NULL && !result->empty)
@@ -87,10 +101,27 @@ static pl_status label_object(const pl_labels *labels, const pl_silhouette_job *
   return labels->outlines != NULL ? find_silhouette(labels, job, index, &extent) : PL_OK;
 }
 
+static pl_status write_ground_rows(void *context, size_t item, int worker) {
+  const pl_ground_map *map = context;
+  const int height = map->shot->camera.height, y0 = (int)item * PL_GROUND_ROWS;
+  (void)worker;
+  return pl_ground_map_write(map, y0, y0 + PL_GROUND_ROWS < height ? y0 + PL_GROUND_ROWS : height);
+}
+
+static pl_status finish_ground(const pl_labels *labels) {
+  pl_ground_map map = labels->ground;
+  const size_t height = (size_t)labels->shot->camera.height;
+  if (map.points == NULL)
+    return PL_OK;
+  return pl_parallel_for(labels->request->threads, (height + PL_GROUND_ROWS - 1) / PL_GROUND_ROWS,
+                         write_ground_rows, &map, labels->request->cancel);
+}
+
 pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_label_tools *tools,
                            pl_arena *arena) {
   void *workers, *cells = NULL;
   const int threads = labels->request->threads;
+  PL_TRY(finish_ground(labels));
   if (labels->extents == NULL)
     return PL_OK;
   PL_TRY(take(arena, (size_t)threads, sizeof(pl_silhouette), &workers));

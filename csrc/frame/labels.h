@@ -3,6 +3,7 @@
 #ifndef PL_FRAME_LABELS_H
 #define PL_FRAME_LABELS_H
 
+#include "annotate/ground_map.h"
 #include "annotate/silhouette.h"
 #include "frame/frame.h"
 #include "render/render.h"
@@ -14,6 +15,7 @@ typedef struct pl_labels {
   pl_extent *extents;   /* workers x objects: for object labels or masks */
   pl_outline *outlines; /* per object, then per piece: for amodal labels or masks */
   pl_seen *seen;        /* whole image: for masks, or when an object may be occluded or cut off */
+  pl_ground_map ground; /* of channels that need one; without points: none does */
 } pl_labels;
 
 /* Kept from frame to frame; created on first use. */
@@ -24,12 +26,13 @@ typedef struct pl_label_tools {
 void pl_label_tools_init(pl_label_tools *tools);
 void pl_label_tools_clear(pl_label_tools *tools); /* call before the accelerators are destroyed */
 
-/* Allocates everything in the arena. Does nothing when neither objects nor masks are requested. */
+/* Allocates everything in the arena, which no label needs that is not requested. */
 pl_status pl_labels_prepare(const pl_frame_request *request, const pl_snapshot *shot,
                             pl_label_tools *tools, pl_arena *arena, pl_labels *out);
-/* Called by the worker threads. */
-void pl_labels_tile(const pl_labels *labels, const pl_tile_result *result, int worker);
-/* Writes the request's objects and masks. */
+/* Called by the worker threads; `shot`: that of the tile's instant. */
+void pl_labels_tile(const pl_labels *labels, const pl_snapshot *shot, const pl_tile_result *result,
+                    int worker);
+/* Writes the request's objects and masks, and the channels of the ground map. */
 pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_label_tools *tools,
                            pl_arena *arena);
 

@@ -39,6 +39,6 @@ pl_status pl_output_tile(void *context, const pl_tile_result *result, int worker
     else
       pl_channels_write(shot, result->points + y * PL_TILE_SIDE, count, first, channels);
   }
-  pl_labels_tile(&output->labels, result, worker);
+  pl_labels_tile(&output->labels, shot, result, worker);
   return PL_OK;
 }

@@ -86,4 +86,12 @@ static inline pl_vec3 pl_pose_apply(pl_pose pose, pl_vec3 p) {
   return pl_vec3_add(pl_quat_rotate(pose.q, p), pose.t);
 }
 
+/* Sets unit axes along the ground, for a unit vector up: east and north about z; at a pole x and y,
+ * or x and -y. */
+static inline void pl_ground_axes(pl_vec3 up, pl_vec3 *east, pl_vec3 *north) {
+  const double across = hypot(up.x, up.y);
+  *east = across > 0.0 ? (pl_vec3){-up.y / across, up.x / across, 0.0} : (pl_vec3){1.0, 0.0, 0.0};
+  *north = pl_vec3_cross(up, *east);
+}
+
 #endif

@@ -1,0 +1,96 @@
+/* Slope and roughness by filters over the elevation in view, pixel by pixel.
+ *
+ * With the distances of neighbouring points along the ground in place of one width of a pixel,
+ * Sobel gradients are exact on planes seen from any side. */
+#include <math.h>
+
+#include "annotate/ground_channels.h"
+#include "math/rotation.h"
+
+/* A pixel and its neighbours: elevations and places on the ground, m. */
+typedef struct window {
+  double height[3][3];
+  double east[3][3], north[3][3]; /* of the middle's axes */
+} window;
+
+static const pl_ground_point *point_at(const pl_ground_map *map, int x, int y) {
+  const pl_camera *camera = &map->shot->camera;
+  const bool inside = x >= 0 && y >= 0 && x < camera->width && y < camera->height;
+  return inside ? map->points + (size_t)y * (size_t)camera->width + (size_t)x : NULL;
+}
+
+/* The pixel's neighbour; NULL if it does not see the same body. */
+static const pl_ground_point *neighbour(const pl_ground_map *map, int x, int y, int dx, int dy) {
+  const pl_ground_point *at = point_at(map, x, y), *to = point_at(map, x + dx, y + dy);
+  return to != NULL && to->body == at->body ? to : NULL;
+}
+
+static bool look_around(const pl_ground_map *map, int x, int y, window *out) {
+  const pl_ground_point *at = point_at(map, x, y);
+  if (at->body < 0)
+    return false;
+  pl_vec3 east, north;
+  pl_ground_axes(pl_vec3_unit(at->position), &east, &north);
+  for (int j = 0; j < 3; j++)
+    for (int i = 0; i < 3; i++) {
+      const pl_ground_point *to = neighbour(map, x, y, i - 1, j - 1);
+      if (to == NULL)
+        return false;
+      out->height[j][i] = to->elevation_m;
+      out->east[j][i] = pl_vec3_dot(to->position, east);
+      out->north[j][i] = pl_vec3_dot(to->position, north);
+    }
+  return true;
+}
+
+/* Sobel's derivatives along columns and rows, per pixel. */
+static void sobel(const double v[3][3], double *along_x, double *along_y) {
+  *along_x = 0.125 * ((v[0][2] - v[0][0]) + 2.0 * (v[1][2] - v[1][0]) + (v[2][2] - v[2][0]));
+  *along_y = 0.125 * ((v[2][0] - v[0][0]) + 2.0 * (v[2][1] - v[0][1]) + (v[2][2] - v[0][2]));
+}
+
+static float slope_of(const window *w) {
+  double hx, hy, ex, ey, nx, ny;
+  sobel(w->height, &hx, &hy);
+  sobel(w->east, &ex, &ey);
+  sobel(w->north, &nx, &ny);
+  const double area = ex * ny - nx * ey;
+  if (!(fabs(area) > 1e-9 * (ex * ex + ey * ey + nx * nx + ny * ny)))
+    return NAN;
+  return (float)atan(hypot(hx * ny - hy * nx, hy * ex - hx * ey) / fabs(area));
+}
+
+pl_status pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1, void *image) {
+  const int width = map->shot->camera.width;
+  float *out = (float *)image + (size_t)y0 * (size_t)width;
+  for (int y = y0; y < y1; y++)
+    for (int x = 0; x < width; x++) {
+      window w;
+      *out++ = look_around(map, x, y, &w) ? slope_of(&w) : NAN;
+    }
+  return PL_OK;
+}
+
+static float laplacian_of(const pl_ground_map *map, int x, int y) {
+  static const int around[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+  const pl_ground_point *at = point_at(map, x, y);
+  double sum = 0.0;
+  if (at->body < 0)
+    return NAN;
+  for (int k = 0; k < 4; k++) {
+    const pl_ground_point *to = neighbour(map, x, y, around[k][0], around[k][1]);
+    if (to == NULL)
+      return NAN;
+    sum += to->elevation_m - at->elevation_m;
+  }
+  return (float)fabs(sum);
+}
+
+pl_status pl_write_roughness_laplacian(const pl_ground_map *map, int y0, int y1, void *image) {
+  const int width = map->shot->camera.width;
+  float *out = (float *)image + (size_t)y0 * (size_t)width;
+  for (int y = y0; y < y1; y++)
+    for (int x = 0; x < width; x++)
+      *out++ = laplacian_of(map, x, y);
+  return PL_OK;
+}
