@@ -8,7 +8,8 @@ configs/demo.yaml with the changes below. `moon`: see moon_figures.py. Figure 8:
 scales. Figure 10: foil under rising jitter. `materials`: a sheet of all ready materials.
 `light_curve`: an eclipse in low orbit. `glare` and `moon_sensor`: see sensor_figures.py. `shutter`:
 see shutter_figures.py. `shapes`: see shape_figures.py. `terrain`: see
-ground_figures.py. `ground`: see ground_statistics.py. Needs the
+ground_figures.py. `ground`: see ground_statistics.py. `lunar_...`: see
+lunar_paper.py. Needs the
 extra `plot`.
 """
 
@@ -22,6 +23,7 @@ from typing import Any
 
 import ground_figures
 import ground_statistics
+import lunar_paper
 import moon_figures
 import numpy as np
 import sensor_figures
@@ -183,6 +185,21 @@ def ground() -> None:
     save(ground_statistics.figure(), "ground.png")
 
 
+def lunar_02() -> None:
+    """The Moon's ground under rising phase angles."""
+    pictures("lunar_02.png", [lunar_paper.figure_02()], 9.6)
+
+
+def lunar_03() -> None:
+    """From an orbiter, a lander and a rover."""
+    pictures("lunar_03.png", [lunar_paper.figure_03()], 9.6)
+
+
+def lunar_photograph() -> None:
+    """Histograms and spectra beside those of a photograph."""
+    save(lunar_paper.photograph(), "lunar_photograph.png")
+
+
 def pictures(name: str, rows: list[list[tuple[str, Any]]], width: float) -> None:
     """Rows of titled images, on black."""
     height, wide = rows[0][0][1].shape[:2]
@@ -297,6 +314,9 @@ FIGURES = {
     "13": figure_13,
     "glare": glare,
     "ground": ground,
+    "lunar_02": lunar_02,
+    "lunar_03": lunar_03,
+    "lunar_photograph": lunar_photograph,
     "materials": materials,
     "moon": figure_moon,
     "moon_sensor": moon_sensor,
