@@ -159,6 +159,8 @@ const pl_channel pl_channels[] = {
     {"roughness_laplacian", "float32", 4, 0, "m",
      "size of the Laplacian (four neighbours) of the elevation in view; nan as slope_sobel",
      PL_BLANK_NAN, NULL},
+    {"rock_id", "int64", 8, 0, "id", "rock on the ground; 0 where there is none", PL_BLANK_ZERO,
+     pl_write_rock_id},
 };
 const size_t pl_channel_count = sizeof pl_channels / sizeof pl_channels[0];
 
@@ -203,6 +205,7 @@ void pl_channels_blank(const pl_snapshot *shot, size_t count, size_t first, void
 
 static void find_parts(const pl_vertex *points, pl_label_run *run) {
   const pl_object *parts = run->label.parts;
+  run->points = points;
   for (size_t i = 0; i < run->count; i++)
     run->parts[i] = parts != NULL ? pl_object_part(parts, points[i].triangle) : 0;
 }

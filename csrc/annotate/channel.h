@@ -15,6 +15,7 @@ typedef struct pl_label_run {
   pl_surface_id surface_id;
   pl_geometry_label label;
   size_t count;
+  const pl_vertex *points;          /* of the pixels */
   double position[3][PL_LABEL_RUN]; /* camera-relative, m */
   double normal[3][PL_LABEL_RUN];   /* unit shading normal, facing the viewer */
   double facet[3][PL_LABEL_RUN];    /* unit geometric normal, facing the viewer */

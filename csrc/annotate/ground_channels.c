@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "geom/ellipsoid.h"
+#include "terrain/height_field.h"
 
 const pl_shot_body *pl_ground_body(const pl_snapshot *shot, pl_surface_id id) {
   switch (pl_surface_kind_of(id)) {
@@ -77,4 +78,13 @@ void pl_write_slope(const pl_label_run *run, void *pixels) {
     out[i] =
         (float)pl_vec3_angle(from_center(run, body, i),
                              (pl_vec3){run->normal[0][i], run->normal[1][i], run->normal[2][i]});
+}
+
+void pl_write_rock_id(const pl_label_run *run, void *pixels) {
+  int64_t *out = pixels;
+  const bool rocks = pl_surface_kind_of(run->surface_id) == PL_SURFACE_ROCKS;
+  const pl_shot_body *body = rocks ? body_of(run) : NULL;
+  for (size_t i = 0; i < run->count; i++)
+    out[i] =
+        rocks ? (int64_t)pl_height_field_rock(body->field, run->points[i].triangle).rock->id : 0;
 }

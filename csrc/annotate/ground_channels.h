@@ -13,6 +13,8 @@ double pl_ground_datum_m(const pl_shot_body *body, pl_vec3 point);
 void pl_write_elevation(const pl_label_run *run, void *pixels);
 void pl_write_altitude(const pl_label_run *run, void *pixels);
 void pl_write_slope(const pl_label_run *run, void *pixels);
+/* Ids of rocks are those of pl_rock: the same in any frame. */
+void pl_write_rock_id(const pl_label_run *run, void *pixels);
 
 /* From the elevations of neighbouring pixels. */
 pl_status pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1, void *image);

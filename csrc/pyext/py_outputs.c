@@ -26,11 +26,8 @@ static int type_number(const char *dtype) {
   static const struct {
     const char *name;
     int number;
-  } types[] = {{"uint8", NPY_UINT8},
-               {"uint16", NPY_UINT16},
-               {"int32", NPY_INT32},
-               {"float32", NPY_FLOAT32},
-               {"float64", NPY_FLOAT64}};
+  } types[] = {{"uint8", NPY_UINT8}, {"uint16", NPY_UINT16},   {"int32", NPY_INT32},
+               {"int64", NPY_INT64}, {"float32", NPY_FLOAT32}, {"float64", NPY_FLOAT64}};
   for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
     if (strcmp(types[i].name, dtype) == 0)
       return types[i].number;

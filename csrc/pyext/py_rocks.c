@@ -153,6 +153,36 @@ static PyObject *list(PyObject *self, PyObject *args, PyObject *kwargs) {
   return out;
 }
 
+static pl_status find_all(const pl_rock_field *field, const pl_terrain *terrain,
+                          const uint64_t *ids, size_t count, pl_rock *out) {
+  pl_rock_shape shape;
+  for (size_t k = 0; k < count; k++)
+    if (!pl_rock_find(field, terrain, ids[k], &out[k], &shape))
+      return pl_fail(PL_E_RANGE, "no rock with the id %llu", (unsigned long long)ids[k]);
+  return PL_OK;
+}
+
+PyObject *pl_py_rocks_find(const pl_terrain *terrain, PyObject *object) {
+  const npy_intp shape[1] = {-1};
+  const pl_rock_field *field = pl_terrain_rocks(terrain);
+  if (field == NULL)
+    return PyErr_Format(PyExc_ValueError, "the terrain has no rocks");
+  PyArrayObject *ids = pl_py_array(object, "ids", NPY_UINT64, 1, shape);
+  if (ids == NULL)
+    return NULL;
+  const size_t count = (size_t)PyArray_DIM(ids, 0);
+  void *rocks = NULL;
+  pl_status status = pl_alloc_or_fail(count, sizeof(pl_rock), "rocks", &rocks);
+  if (status == PL_OK)
+    status = find_all(field, terrain, PyArray_DATA(ids), count, rocks);
+  PyObject *out = status == PL_OK
+                      ? pl_py_records(pl_py_rock_record(), rocks, count, sizeof(pl_rock))
+                      : pl_py_raise(status);
+  pl_free(rocks);
+  Py_DECREF((PyObject *)ids);
+  return out;
+}
+
 static PyMethodDef rocks_methods[] = {
     {"list", (PyCFunction)(void (*)(void))list, METH_VARARGS | METH_KEYWORDS,
      "list($self, terrain, direction, radius_m, min_diameter_m=0.0, max_diameter_m=1e300)\n--\n\n"

@@ -342,10 +342,15 @@ static PyObject *craters(PyObject *self, PyObject *args, PyObject *kwargs) {
   Py_END_ALLOW_THREADS return pl_py_crater_list(status, found, count);
 }
 
+static PyObject *rocks(PyObject *self, PyObject *ids) {
+  return pl_py_rocks_find(((terrain_object *)self)->terrain, ids);
+}
+
 static PyMethodDef terrain_methods[] = {
     {"craters", (PyCFunction)(void (*)(void))craters, METH_VARARGS | METH_KEYWORDS,
      "craters($self, direction, radius_m, min_diameter_m=0.0, max_diameter_m=1e300)\n--\n\n"
      "Craters of a region that are drawn."},
+    {"rocks", rocks, METH_O, "rocks($self, ids, /)\n--\n\nRocks of these ids."},
     {"heights", (PyCFunction)(void (*)(void))heights, METH_VARARGS | METH_KEYWORDS,
      "heights($self, directions, cell_m=0.0)\n--\n\n(n,) heights, m."},
     {"block", (PyCFunction)(void (*)(void))block, METH_VARARGS | METH_KEYWORDS,

@@ -38,6 +38,8 @@ PyObject *pl_py_rim_record(void);
 /* Returns CRATER, the description of CraterField.list's records, as documented in the stub. */
 PyObject *pl_py_crater_record(void);
 const pl_rock_field *pl_py_rocks_of(PyObject *object);
+/* Returns the records of the rocks of ids on a terrain. */
+PyObject *pl_py_rocks_find(const pl_terrain *terrain, PyObject *ids);
 /* Returns ROCK, the description of RockField.list's records, as documented in the stub. */
 PyObject *pl_py_rock_record(void);
 const pl_raster *pl_py_raster_of(PyObject *object);

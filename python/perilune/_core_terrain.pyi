@@ -114,6 +114,8 @@ class Terrain:
         max_diameter_m: float = 1e300
     ) -> NDArray[np.void]:
         """(n,) of CRATER that are drawn, with centres within radius_m of a direction (3,)."""
+    def rocks(self, ids: NDArray[np.uint64], /) -> NDArray[np.void]:
+        """(n,) of ROCK: the rocks of ids (n,). ValueError for an id of none."""
     def level(self, cell_m: float, /) -> int:
         """Coarsest level of the lattice with cells of at most cell_m; 0: the finest level."""
     def cell_m(self, level: int, /) -> float:

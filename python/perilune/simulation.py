@@ -23,7 +23,7 @@ from perilune.config import Config, ConfigError
 from perilune.config.errors import named, nearest
 from perilune.document import Document, load
 from perilune.document.references import OBJECTS, OF_SENSOR, check_channels, check_references
-from perilune.frame import craters, labels, passes, shutter
+from perilune.frame import craters, labels, passes, rocks, shutter
 from perilune.frame.handles import Assets, Handles, ObjectModel
 from perilune.frame.remarks import Remarks
 from perilune.frame.request import arrays_of, camera_label, request_of
@@ -444,7 +444,7 @@ class Simulation:
             raise ValueError(f"least_px: must be above 0, not {least_px}")
         arguments.whole("most", most, 1)
         scene = self.world(index)
-        name = craters.body_of(scene.config, body)
+        name = craters.body_of(scene.config, body, "craters")
         sample = self.frame(index, ["position", "instance"], threads)
         seen = sample["instance"] == self.taxonomy.instances[name]
         terrain, _ = self._mine().terrain_of(scene.config, name)
@@ -452,6 +452,16 @@ class Simulation:
         return craters.in_view(
             sample["position"], seen, sample.camera, middle, name, terrain, least_px, most
         )
+
+    def rocks(self, index: int, body: str | None = None, threads: int | None = None) -> Array:
+        """Rocks that a frame shows, most pixels first: rows of frame.rocks.ROCK_LABEL.
+
+        body: default the only one with `terrain.rocks`. docs/labels.md explains the fields."""
+        scene = self.world(index)
+        name = craters.body_of(scene.config, body, "rocks")
+        sample = self.frame(index, ["rock_id", "instance"], threads)
+        ids = np.where(sample["instance"] == self.taxonomy.instances[name], sample["rock_id"], 0)
+        return rocks.in_view(ids, sample.camera, self._mine().terrain_of(scene.config, name)[0])
 
     def _meta(
         self, scene: World, posed: Mapping[str, articulation.Posed], result: _core.FrameResult

@@ -42,21 +42,21 @@ _HIDDEN = 0.05  # of a diameter: what is no farther behind the picture's surface
 _WIDEST = 1.6  # the largest semi-axis over half the diameter, of an ellipticity of 0.6
 
 
-def body_of(config: Config, body: str | None) -> str:
-    """The body whose craters are asked for; None: the only one that has any."""
+def body_of(config: Config, body: str | None, what: str) -> str:
+    """The body whose craters or rocks (`what`) are asked for; None: the only one that has any."""
     having = [
         name
         for name, entry in config.bodies.items()
-        if entry.terrain is not None and entry.terrain.craters is not None
+        if entry.terrain is not None and getattr(entry.terrain, what) is not None
     ]
     if body is None and len(having) == 1:
         return having[0]
     if body in having:
         return str(body)
-    said = "several bodies have craters: name one" if body is None else f"'{body}' has no craters"
+    said = f"several bodies have {what}: name one" if body is None else f"'{body}' has no {what}"
     if not having:
-        raise ValueError("body: no body has terrain.craters")
-    raise ValueError(f"body: {said}; those with terrain.craters are {', '.join(having)}")
+        raise ValueError(f"body: no body has terrain.{what}")
+    raise ValueError(f"body: {said}; those with terrain.{what} are {', '.join(having)}")
 
 
 def in_view(

@@ -28,6 +28,8 @@ PNG, NPY = "png", "npy"
 _LARGEST_8, _LARGEST_16 = 255, 65535
 _OF_BOP = {"rgb", "depth", OBJECTS, MASKS}
 """Channels that a BOP dataset always has."""
+_NAMED = ("semantic", "part", "instance")
+"""Channels of ids that the taxonomy names. Those of rocks are too large for PNG."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +130,7 @@ def _files_of(sim: Simulation, name: str) -> ChannelFiles:
         shape, dtype = channel_layout(config.model_copy(update={"camera": camera}), name)
         counts.add(shape[2] if len(shape) == 3 else 0)
     components = counts.pop() if len(counts) == 1 else None
-    if dtype.kind in "iu" and name not in OF_SENSOR and components in range(4):
+    if name in _NAMED and components in range(4):
         largest = _largest_id(sim, name)
         if largest <= _LARGEST_8:
             return ChannelFiles(PNG, "uint8", 0 if components == 1 else 3 if components else 0)

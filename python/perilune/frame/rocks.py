@@ -1,0 +1,67 @@
+"""The rocks of a terrain in a frame: what is seen of them, and where they lie."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from perilune import _core
+from perilune.camera.label import CameraLabel
+
+Array = NDArray[np.void]
+
+ROCK_LABEL = np.dtype(
+    [
+        ("id", "i8"),
+        ("family", "U8"),
+        *((name, *rest) for name, *rest in _core.ROCK if name not in ("id", "family", "center")),
+        ("lon_deg", "f8"),
+        ("lat_deg", "f8"),
+        ("center_m", "f8", 3),
+        ("bbox_visib", "i4", 4),
+        ("px_count_visib", "i4"),
+        ("cut", "?"),
+    ]
+)
+"""A row of `Simulation.rocks`; docs/labels.md explains the fields."""
+
+_FAMILIES = np.array([row["name"] for row in _core.ROCK_FAMILIES])
+
+
+def pixels_of(ids: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
+    """The ids other than 0 of a channel (H, W), rising, and what pixels they have: rows of
+    bbox_visib, px_count_visib."""
+    height, width = ids.shape
+    known, of = np.unique(ids, return_inverse=True)
+    of = of.reshape(ids.shape)
+    boxes = np.zeros(len(known), [("bbox_visib", "i4", 4), ("px_count_visib", "i4")])
+    boxes["px_count_visib"] = np.bincount(of.ravel(), minlength=len(known))
+    lines, columns = np.indices(ids.shape)
+    for axis, (at, size) in enumerate(((columns, width), (lines, height))):
+        low, high = np.full(len(known), size), np.full(len(known), -1)
+        np.minimum.at(low, of.ravel(), at.ravel())
+        np.maximum.at(high, of.ravel(), at.ravel())
+        boxes["bbox_visib"][:, axis] = low
+        boxes["bbox_visib"][:, 2 + axis] = high - low + 1
+    return known[known != 0], boxes[known != 0]
+
+
+def in_view(ids: NDArray[np.int64], camera: CameraLabel, terrain: _core.Terrain) -> Array:
+    """Rows of ROCK_LABEL, most pixels first. ids: the channel `rock_id`, 0 off the body."""
+    known, pixels = pixels_of(ids)
+    found = terrain.rocks(known.astype(np.uint64))
+    rows = np.zeros(len(known), ROCK_LABEL)
+    shared = set(found.dtype.names or ()) & set(ROCK_LABEL.names or ())
+    for name in shared - {"family"}:
+        rows[name] = found[name]
+    rows["family"] = _FAMILIES[found["family"]]
+    up = found["direction"]
+    rows["lon_deg"] = np.degrees(np.arctan2(up[:, 1], up[:, 0]))
+    rows["lat_deg"] = np.degrees(np.arcsin(np.clip(up[:, 2], -1.0, 1.0)))
+    rows["center_m"] = found["center"]
+    for name in ("bbox_visib", "px_count_visib"):
+        rows[name] = pixels[name]
+    low, size = rows["bbox_visib"][:, :2], rows["bbox_visib"][:, 2:]
+    edge = np.array([camera.width, camera.height])
+    rows["cut"] = ((low == 0) | (low + size == edge)).any(axis=1)
+    return rows[np.lexsort((rows["id"], -rows["px_count_visib"]))]
