@@ -148,3 +148,14 @@ float pl_air_mie_phase(float cosine, float g) {
   return 3.0f / (8.0f * PL_PI_F) * (1.0f - g * g) * (1.0f + cosine * cosine) /
          ((2.0f + g * g) * base * sqrtf(base));
 }
+
+pl_vec3f pl_air_above(const pl_air *air, double height_m) {
+  float density[PL_AIR_PARTS], part[3];
+  pl_air_density(air, fmax(0.0, height_m), density);
+  for (int k = 0; k < 3; k++) {
+    const float gas = air->scattering[0][k] * (float)air->layers[0].scale_m[0];
+    const float dust = air->scattering[1][k] * (float)air->layers[1].scale_m[0];
+    part[k] = gas + dust > 0.0f ? (gas * density[0] + dust * density[1]) / (gas + dust) : 1.0f;
+  }
+  return pl_vec3f_make(part[0], part[1], part[2]);
+}

@@ -48,19 +48,24 @@ double pl_air_reach_m(const pl_air *air, double largest_m);
 enum { PL_AIR_PARTS = 3 };
 void pl_air_density(const pl_air *air, double height_m, float out[PL_AIR_PARTS]);
 
+/* Part of the scattering air above the surface that is above a height, per band: 1 or less. */
+pl_vec3f pl_air_above(const pl_air *air, double height_m);
+
 /* Phase functions, 1/sr, with a mean over the sphere of 1/(4 pi). The second is that of Cornette
  * and Shanks (1992), Applied Optics 31, 3152. */
 float pl_air_rayleigh_phase(float cosine);
 float pl_air_mie_phase(float cosine, float g);
 
 /* Points and directions are in body axes divided by the body's radii, in which the surface is the
- * unit sphere. A length along a direction is converted to metres by the scale of that direction, so
- * that optical depths hold for an oblate body too. Heights are (norm of the point - 1) radius_m.
- * They differ from the true heights by less than the flattening times the height. */
+ * unit sphere. Points may lie below it, on the ground of a basin: densities go on to grow there,
+ * and the horizon is level. A length along a direction is converted to metres by the scale of that
+ * direction, so that optical depths hold for an oblate body too. Heights are (norm of the point -
+ * 1) radius_m. They differ from the true heights by less than the flattening times the height. */
 
-/* Optical depth per band from a point outside the surface to the top of the air, or to infinity
+/* Optical depth per band from a point to the top of the air, or to infinity
  * past the limb. `direction` is a unit vector in the scaled axes; `stretch` is radius_m over its
- * length in metres, 1 on a sphere. A ray that meets the surface is treated as tangent to it. */
+ * length in metres, 1 on a sphere. A ray that meets the surface is treated as tangent to it,
+ * and one that descends from below it as level. */
 pl_vec3f pl_air_depth(const pl_air *air, pl_vec3 point, pl_vec3 direction, double stretch);
 
 /* Transmittance of that path, exp(-depth). */
@@ -85,11 +90,12 @@ typedef struct pl_air_rule {
 } pl_air_rule;
 pl_air_rule pl_air_rule_make(int count); /* clamped to 1..PL_AIR_STEPS_MAX */
 
-/* A ray from a point outside the surface. */
 typedef struct pl_air_ray {
   pl_vec3 origin, direction; /* `direction`: unit vector in the scaled axes */
   double stretch;            /* as for pl_air_depth */
-  double end;       /* in units of `direction`; INFINITY: to the surface or past the limb */
+  double end; /* in units of `direction`; INFINITY: to the surface or past the limb */
+  /* The body has ground of its own, which may lie below the surface: the ray goes on to its end. */
+  bool to_ground;
   float sun_cosine; /* of the true angle between the ray and the direction to the sun */
 } pl_air_ray;
 

@@ -21,6 +21,8 @@ static double height_at(const pl_air *air, const pl_air_column *column, int node
 
 static float node_at(const pl_air_column *column, double height_m) {
   const double x = height_m * column->per_height;
+  if (x <= 0.0)
+    return 0.0f;
   return (float)(x * (1.0 + column->bend) / (1.0 + column->bend * x)) * (PL_AIR_HEIGHTS - 1);
 }
 
@@ -152,10 +154,18 @@ static float up_from(const pl_air *air, int part, const pl_air_place *place, int
   return (float)air->layers[part].scale_m[0] * (place->density[part] - air->layers[part].rest);
 }
 
+/* Rays on ground of its own do not come near the centre of a body. */
+static const double LEAST_R = 1e-3;
+
+/* Below this height the density, exp(20) times that at the surface, no longer grows. */
+static double deepest_m(const pl_air *air) {
+  return -20.0 * fmin(air->layers[0].scale_m[0], air->layers[1].scale_m[0]);
+}
+
 pl_air_place pl_air_place_of(const pl_air *air, double squared_r_less_1) {
-  const double r = sqrt(fmax(1.0 + squared_r_less_1, 1.0));
-  pl_air_place place = {.height_m = fmax(0.0, squared_r_less_1 / (r + 1.0) * air->radius_m),
-                        .r = r};
+  const double r = sqrt(fmax(1.0 + squared_r_less_1, LEAST_R * LEAST_R));
+  const double height_m = squared_r_less_1 / (r + 1.0) * air->radius_m;
+  pl_air_place place = {.height_m = fmax(deepest_m(air), height_m), .r = r};
   pl_air_density(air, place.height_m, place.density);
   for (int part = 0; part < PL_AIR_PARTS; part++) {
     const pl_air_column *column = &air->columns[part];
@@ -201,7 +211,8 @@ void pl_air_column_any(const pl_air *air, const pl_air_place *place, double mu,
   }
   float behind[PL_AIR_PARTS];
   pl_air_column_up(air, place, -mu, behind);
-  const pl_air_place low = pl_air_place_of(air, lowest2_less_1);
+  const double level2_less_1 = fmin(0.0, (place->r - 1.0) * (place->r + 1.0));
+  const pl_air_place low = pl_air_place_of(air, fmax(lowest2_less_1, level2_less_1));
   pl_air_column_up(air, &low, 0.0, out);
   for (int part = 0; part < PL_AIR_PARTS; part++)
     out[part] = pl_maxf(0.0f, 2.0f * out[part] - behind[part]);

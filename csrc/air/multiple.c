@@ -181,7 +181,7 @@ void pl_air_build_multiple(pl_air *air) {
 }
 
 pl_vec3f pl_air_several(const pl_air *air, const pl_air_place *place, double sun_sine) {
-  const float y = sqrtf((float)fmin(1.0, place->height_m / air->settings.top_m)) *
+  const float y = sqrtf((float)fmax(0.0, fmin(1.0, place->height_m / air->settings.top_m))) *
                   (PL_AIR_MULTIPLE_HEIGHTS - 1);
   const float x = node_of(air, sun_sine, PL_AIR_MULTIPLE_SINES);
   const int i = y < PL_AIR_MULTIPLE_HEIGHTS - 2 ? (int)y : PL_AIR_MULTIPLE_HEIGHTS - 2;

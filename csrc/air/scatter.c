@@ -76,7 +76,7 @@ static bool set_chord(const pl_air *air, const pl_air_ray *ray, chord *c) {
   const double reach = sqrt(reach2);
   c->from = fmax(start, -reach);
   c->to = fmin(start + ray->end, reach);
-  if (c->low < 0.0 && start < 0.0) /* ends on the surface */
+  if (c->low < 0.0 && start < 0.0 && !ray->to_ground) /* ends on the surface */
     c->to = fmin(c->to, -sqrt(-c->low));
   return c->to > c->from;
 }

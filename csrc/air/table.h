@@ -71,7 +71,7 @@ void pl_air_build_columns(pl_air *air);
 /* Columns of the constituents upwards, as metres at density 1; mu >= 0. */
 void pl_air_column_up(const pl_air *air, const pl_air_place *place, double mu,
                       float out[PL_AIR_PARTS]);
-/* The same in any direction from any point outside the surface; see pl_air_depth. lowest2_less_1:
+/* The same in any direction; see pl_air_depth. lowest2_less_1:
  * squared distance of the whole line from the centre, less 1. */
 void pl_air_column_any(const pl_air *air, const pl_air_place *place, double mu,
                        double lowest2_less_1, float out[PL_AIR_PARTS]);

@@ -77,6 +77,7 @@ bool pl_air_item_ray(const pl_air_item *item, const pl_snapshot *shot, pl_vec3 o
       .direction = pl_vec3_scale(scaled, 1.0 / norm),
       .stretch = norm * pl_air_radius_m(item->air),
       .end = end_m * norm,
+      .to_ground = body->has_terrain,
       .sun_cosine = pl_vec3f_dot(pl_vec3_to_float(direction), item->toward_sun),
   };
   return pl_air_meets(item->air, ray);
@@ -212,7 +213,18 @@ static bool find_passage(const pl_path_context *context, int bounce, size_t i, b
   return true;
 }
 
-/* Light that a body's own air scatters onto it is part of its skylight and is not added twice. */
+/* Whether a surface is the ground of a body that is no ellipsoid, or lies on it. */
+static bool is_terrain(pl_surface_id id, uint32_t body) {
+  return pl_surface_same(id, pl_surface_make(PL_SURFACE_HEIGHT_FIELD, body)) ||
+         pl_surface_same(id, pl_surface_make(PL_SURFACE_ROCKS, body));
+}
+
+/* Whether the light that the air of a body scatters along a bounced ray is left out: where it is
+ * part of the body's own skylight already, or where the skylight of terrain is off. */
+static bool leaves_out(const pl_air_view *view, const pl_ray *ray, uint32_t body) {
+  return view->skylight ? ray->skip_body == body : is_terrain(ray->from_surface, body);
+}
+
 void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_medium_list *list,
                  pl_tile_buffers *b) {
   const pl_air_view *view = context->settings->air;
@@ -226,7 +238,7 @@ void pl_air_pass(const pl_path_context *context, int bounce, size_t i, const pl_
     passage p = {.item = known ? b->air.item : &view->items[n], .known = known};
     if (!find_passage(context, bounce, i, list->count > 0, b, &p))
       continue;
-    const bool scattered = !(view->skylight && bounce > 0 && b->rays[i].skip_body == p.item->body);
+    const bool scattered = !(bounce > 0 && leaves_out(view, &b->rays[i], p.item->body));
     const pl_vec3f light = scatter_between(view, &p, list, way, &b->air, path->pixel);
     if (scattered)
       *sink = pl_vec3f_madd(*sink, p.item->irradiance, pl_vec3f_mul(through, light));
@@ -266,11 +278,16 @@ static const float SKY_COSINE = 2.0f / 3.0f;
 
 /* Skylight by the sun's height over a vertex on the item's body. */
 static pl_vec3f skylight_at(const pl_air_view *view, const pl_air_item *item,
-                            const pl_snapshot *shot, pl_vec3 position) {
+                            const pl_snapshot *shot, const pl_vertex *vertex) {
   const pl_shot_body *body = &shot->bodies[item->body];
-  const pl_vec3 up =
-      pl_vec3_unit(pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, position)));
-  return pl_air_skylight(item->air, pl_vec3_dot(up, item->sun.direction), view->multiple);
+  const pl_vec3 point =
+      pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, vertex->position));
+  const double sine = pl_vec3_dot(pl_vec3_unit(point), item->sun.direction);
+  const pl_vec3f sky = pl_air_skylight(item->air, sine, view->multiple);
+  if (pl_surface_is_ellipsoid(vertex->surface_id))
+    return sky;
+  return pl_vec3f_mul(
+      sky, pl_air_above(item->air, (pl_vec3_norm(point) - 1.0) * pl_air_radius_m(item->air)));
 }
 
 static pl_vec3f reflect_sky(const pl_surface *s, pl_vec3f wo, pl_vec3f irradiance) {
@@ -284,12 +301,13 @@ static pl_vec3f reflect_sky(const pl_surface *s, pl_vec3f wo, pl_vec3f irradianc
 }
 
 pl_vec3f pl_air_sky_reflected(const pl_air_view *view, const pl_snapshot *shot,
-                              const pl_vertex *vertex, pl_vec3f wo) {
+                              const pl_vertex *vertex, pl_vec3f wo, bool traced) {
   for (size_t i = 0; view->skylight && i < view->count; i++) {
     const pl_air_item *item = &view->items[i];
-    if (!pl_surface_same(vertex->surface_id, pl_surface_of_body(item->body)))
+    if (!pl_surface_same(vertex->surface_id, pl_surface_of_body(item->body)) &&
+        (traced || !is_terrain(vertex->surface_id, item->body)))
       continue;
-    const pl_vec3f sky = skylight_at(view, item, shot, vertex->position);
+    const pl_vec3f sky = skylight_at(view, item, shot, vertex);
     return pl_vec3f_scale(reflect_sky(&vertex->surface, wo, sky), item->irradiance);
   }
   return (pl_vec3f){0.0f, 0.0f, 0.0f};
@@ -307,7 +325,7 @@ pl_vec3f pl_air_ground_light(const pl_path_context *context, uint32_t pixel,
       &vertex->surface, pl_vec3_to_float(pl_vec3_scale(pl_vec3_unit(vertex->position), -1.0)));
   if (b->air.known[pixel] != PL_AIR_GROUND || b->air.item == NULL ||
       !pl_surface_same(vertex->surface_id, pl_surface_of_body(b->air.item->body))) {
-    const pl_vec3f sky = pl_air_sky_reflected(view, shot, vertex, wo);
+    const pl_vec3f sky = pl_air_sky_reflected(view, shot, vertex, wo, false);
     return pl_vec3f_add(
         pl_vec3f_mul(direct, pl_air_toward_sun(view, shot, vertex->position, toward)),
         pl_media_dim_sky(context->settings->media, shot, vertex, width_m, sky));

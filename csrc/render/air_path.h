@@ -105,8 +105,10 @@ void pl_air_pass(const struct pl_path_context *context, int bounce, size_t i,
 /* Transmittance of the air from a point in a unit direction (towards the sun), 0..1. */
 pl_vec3f pl_air_toward_sun(const pl_air_view *view, const pl_snapshot *shot, pl_vec3 point,
                            pl_vec3f toward);
-/* Skylight that a shaded vertex on a body with an atmosphere reflects towards `wo`. */
+/* Skylight that a shaded vertex on a body with an atmosphere reflects towards `wo`. `traced`: paths
+ * go on from the vertex. From terrain, they then find the light of the sky by themselves, as far as
+ * hills do not hide it; where they end, that of a whole sky is taken. */
 pl_vec3f pl_air_sky_reflected(const pl_air_view *view, const pl_snapshot *shot,
-                              const pl_vertex *vertex, pl_vec3f wo);
+                              const pl_vertex *vertex, pl_vec3f wo, bool traced);
 
 #endif

@@ -47,6 +47,7 @@ static void work_out(const pl_path_context *context, const pl_air_item *item, do
   out->air = (pl_air_pixel){.light = {{0.0f, 0.0f, 0.0f}, {1.0f, 1.0f, 1.0f}}};
   if (!pl_air_item_ray(item, context->shot, (pl_vec3){0.0, 0.0, 0.0}, direction, INFINITY, &ray))
     return;
+  ray.to_ground = false; /* what is stored is for rays that meet the surface, or space */
   out->air.light = pl_air_scatter(item->air, &ray, &item->sun, &view->rule, view->multiple);
   if (!meet_ground(&ray, &point))
     return;

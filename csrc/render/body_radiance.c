@@ -54,7 +54,7 @@ static pl_vec3f ground_light(const pl_snapshot *shot, const pl_render_settings *
     out = pl_vec3f_mul(lit, s->reflectance->evaluate(s, wo, pl_surface_to_local(s, sun.direction)));
   if (settings->air == NULL)
     return out;
-  const pl_vec3f sky = pl_air_sky_reflected(settings->air, shot, &vertex, wo);
+  const pl_vec3f sky = pl_air_sky_reflected(settings->air, shot, &vertex, wo, false);
   return pl_vec3f_add(out, pl_media_dim_sky(media, shot, &vertex, width_m, sky));
 }
 
@@ -67,6 +67,7 @@ static pl_vec3f through_air(const pl_snapshot *shot, const pl_air_view *air, uin
     if (item->body != body ||
         !pl_air_item_ray(item, shot, beam->origin, beam->direction, INFINITY, &ray))
       continue;
+    ray.to_ground = false; /* the body stands for its ground as a smooth one */
     const pl_air_light light =
         pl_air_scatter(item->air, &ray, &item->sun, &air->rule, air->multiple);
     behind =

@@ -296,9 +296,10 @@ static void meet_solid(const pl_snapshot *shot, pl_vertex *vertex, pl_path *path
 
 /* Sky light that a vertex reflects. */
 static pl_vec3f sky_at(const pl_path_context *context, const pl_path *path, const pl_vertex *vertex,
-                       pl_vec3f wo) {
+                       int bounce, pl_vec3f wo) {
   const pl_render_settings *s = context->settings;
-  const pl_vec3f sky = pl_air_sky_reflected(s->air, context->shot, vertex, wo);
+  const pl_vec3f sky = pl_air_sky_reflected(s->air, context->shot, vertex, wo,
+                                            goes_on(context, path, vertex, bounce));
   return pl_media_dim_sky(s->media, context->shot, vertex, pl_beam_width(&path->beam, vertex->t),
                           sky);
 }
@@ -361,7 +362,7 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
   *queued = shade_sun(context, &path, vertex, u.sun, wo, way, *queued, b);
   if (context->settings->air != NULL)
     add(pl_path_sink(b, path.pixel, path.shared),
-        pl_vec3f_mul(path.throughput, sky_at(context, &path, vertex, wo)));
+        pl_vec3f_mul(path.throughput, sky_at(context, &path, vertex, bounce, wo)));
   if (context->settings->emitters != NULL)
     *queued = pl_emitters_shade(context, &path, vertex, bounce, wo, way, *queued, b);
   /* only from here on: the light added above is the pixel's own */
