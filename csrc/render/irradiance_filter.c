@@ -59,22 +59,19 @@ typedef struct answer {
   scatter scatter;
 } answer;
 
-/* The tile at an offset in columns and rows from another; NULL if there is none, or it is not lit.
- */
-static const pl_irradiance_tile *tile_beside(const pl_irradiance_record *share, size_t item, int u,
-                                             int v) {
-  const int column = (int)(item % (size_t)share->columns) + u;
-  const int row = (int)(item / (size_t)share->columns) + v;
+/* The tile at a place; NULL if there is none, or it is not lit. */
+static const pl_irradiance_tile *tile_beside(const pl_irradiance_record *share, int row,
+                                             int column) {
   if (column < 0 || column >= share->columns || row < 0 || row >= share->rows)
     return NULL;
-  const pl_irradiance_tile *tile = &share->tiles[row * share->columns + column];
+  const pl_irradiance_tile *tile = pl_irradiance_tile_at(share, row, column);
   return tile->lit ? tile : NULL;
 }
 
-static void look_around(const pl_irradiance_record *share, size_t item, window *out) {
+static void look_around(const pl_irradiance_record *share, int row, int column, window *out) {
   const pl_irradiance_tile *tiles[9];
   for (int i = 0; i < 9; i++)
-    tiles[i] = tile_beside(share, item, i % 3 - 1, i / 3 - 1);
+    tiles[i] = tile_beside(share, row + i / 3 - 1, column + i % 3 - 1);
   for (int k = 0; k < SIDE * SIDE; k++) {
     const int x = k % SIDE - REACH + PL_CELL_SIDE, y = k / SIDE - REACH + PL_CELL_SIDE;
     const pl_irradiance_tile *tile = tiles[y / PL_CELL_SIDE * 3 + x / PL_CELL_SIDE];
@@ -284,12 +281,12 @@ static void light_cell(const pl_irradiance_tile *tile, int i, const window *wind
   }
 }
 
-void pl_irradiance_filter_light(const pl_irradiance_record *share, size_t item,
+void pl_irradiance_filter_light(const pl_irradiance_record *share, int row, int column,
                                 const pl_render_settings *settings, double pixel_rad,
                                 pl_vec3f radiance[PL_TILE_PIXELS]) {
-  const pl_irradiance_tile *tile = &share->tiles[item];
+  const pl_irradiance_tile *tile = pl_irradiance_tile_at(share, row, column);
   window window;
-  look_around(share, item, &window);
+  look_around(share, row, column, &window);
   memcpy(radiance, tile->rest, sizeof tile->rest);
   for (int i = 0; i < PL_CELLS; i++)
     if (tile->patch_start[i] < tile->patch_start[i + 1])

@@ -4,8 +4,8 @@
 
 #include "render/irradiance_record.h"
 
-/* Writes the radiance of a tile that has `lit` set. All tiles must have been kept before. */
-void pl_irradiance_filter_light(const pl_irradiance_record *share, size_t item,
+/* Writes the radiance of a tile that has `lit` set. It and all tiles around it must be held. */
+void pl_irradiance_filter_light(const pl_irradiance_record *share, int row, int column,
                                 const pl_render_settings *settings, double pixel_rad,
                                 pl_vec3f radiance[PL_TILE_PIXELS]);
 

@@ -113,23 +113,40 @@ pl_continuation pl_path_continuation(const pl_path_context *context, const pl_su
   return followed ? PL_CONTINUATION_SHARED : PL_CONTINUATION_NONE;
 }
 
+/* As many records as a tile may have; cells are no more than patches. */
+enum { BLOCK = PL_TILE_PIXELS * PL_PATCHES };
+/* Tiles in a band: at least this many, and for each thread. */
+enum { BAND_TILES = 128, BAND_SHARE = 32 };
+
 pl_status pl_irradiance_init(pl_irradiance_record *share) {
-  *share = (pl_irradiance_record){.block_count = 0};
+  *share = (pl_irradiance_record){.held = 1};
+  for (int k = 0; k < 2; k++)
+    share->half[k] = (pl_irradiance_half){
+        .patches = {.bytes = sizeof(pl_irradiance_patch), .length = BLOCK},
+        .cells = {.bytes = sizeof(pl_irradiance_cell), .length = BLOCK},
+    };
   if (pthread_mutex_init(&share->lock, NULL) != 0)
     return pl_fail(PL_E_MEMORY, "cannot make a lock");
   return PL_OK;
 }
 
 void pl_irradiance_clear(pl_irradiance_record *share) {
-  for (size_t i = 0; i < share->block_count; i++)
-    pl_free(share->blocks[i]);
-  pl_free(share->blocks);
+  for (int k = 0; k < 2; k++) {
+    pl_record_pool_clear(&share->half[k].patches);
+    pl_record_pool_clear(&share->half[k].cells);
+  }
   pl_free(share->tiles);
   pthread_mutex_destroy(&share->lock);
 }
 
-pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows, int row0) {
-  const size_t count = (size_t)columns * (size_t)rows;
+pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows, int threads) {
+  const int least = BAND_SHARE * threads > BAND_TILES ? BAND_SHARE * threads : BAND_TILES;
+  const int wanted = (least + columns - 1) / columns;
+  share->band = wanted < 2 ? 2 : wanted < rows ? wanted : rows;
+  share->held = 2 * share->band < rows ? 2 * share->band : rows;
+  share->columns = columns;
+  share->rows = rows;
+  const size_t count = (size_t)columns * (size_t)share->held;
   if (count > share->room) {
     pl_irradiance_tile *grown = pl_realloc(share->tiles, count, sizeof *grown);
     if (grown == NULL)
@@ -137,75 +154,35 @@ pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows
     share->tiles = grown;
     share->room = count;
   }
-  for (size_t i = 0; i < count; i++)
-    share->tiles[i].lit = false;
-  share->block = share->used = share->kept = share->most = 0;
-  share->columns = columns;
-  share->rows = rows;
-  share->row0 = row0;
   return PL_OK;
 }
 
-static pl_status add_block(pl_irradiance_record *share) {
-  if (share->block_count == share->block_room) {
-    const size_t room = 2 * share->block_room + 8;
-    pl_irradiance_block **grown = pl_realloc(share->blocks, room, sizeof *grown);
-    if (grown == NULL)
-      return pl_fail(PL_E_MEMORY, "out of memory for %zu blocks of light", room);
-    share->blocks = grown;
-    share->block_room = room;
-  }
-  void *block;
-  PL_TRY(pl_alloc_or_fail(1, sizeof(pl_irradiance_block), "shared light", &block));
-  share->blocks[share->block_count++] = block;
-  return PL_OK;
+void pl_irradiance_turn(pl_irradiance_record *share, int row) {
+  share->current = row / share->band % 2;
+  pl_record_pool_reset(&share->half[share->current].patches);
+  pl_record_pool_reset(&share->half[share->current].cells);
+  for (int y = row; y < row + share->band && y < share->rows; y++)
+    for (int x = 0; x < share->columns; x++)
+      pl_irradiance_tile_at(share, y, x)->lit = false;
 }
 
-/* Takes room for `count` patches. The caller holds the lock. */
-static pl_status take_room(pl_irradiance_record *share, size_t count, pl_irradiance_tile *tile) {
-  if (share->used + count > PL_IRRADIANCE_BLOCK) {
-    share->block++;
-    share->used = 0;
-  }
-  if (share->block == share->block_count)
-    PL_TRY(add_block(share));
-  tile->patches = share->blocks[share->block]->patches + share->used;
-  tile->cells = share->blocks[share->block]->cells + share->used;
-  share->used += count;
-  share->kept += count;
-  share->most = count > share->most ? count : share->most;
-  return PL_OK;
-}
-
-/* A block is closed when the next tile does not fit. The block then has less unused room than that
- * tile needs, and the two together hold more than one full block. Each bounds the number of blocks.
- */
 pl_status pl_irradiance_reserve(pl_irradiance_record *share) {
-  if (share->kept == 0)
-    return PL_OK;
-  const size_t lacking = share->kept / (PL_IRRADIANCE_BLOCK + 1 - share->most) + 1;
-  const size_t pairs = 2 * share->kept / PL_IRRADIANCE_BLOCK + 1;
-  while (share->block_count < (lacking < pairs ? lacking : pairs))
-    PL_TRY(add_block(share));
-  return PL_OK;
+  PL_TRY(pl_record_pool_reserve(&share->half[share->current].patches));
+  return pl_record_pool_reserve(&share->half[share->current].cells);
 }
 
-static pl_status make_room(pl_irradiance_record *share, size_t count, pl_irradiance_tile *tile) {
+static pl_status make_room(pl_irradiance_record *share, size_t patches, size_t cells,
+                           pl_irradiance_tile *tile) {
+  pl_irradiance_half *half = &share->half[share->current];
+  void *room[2] = {NULL, NULL};
   pthread_mutex_lock(&share->lock);
-  const pl_status status = take_room(share, count, tile);
+  pl_status status = pl_record_pool_take(&half->patches, patches, &room[0]);
+  if (status == PL_OK)
+    status = pl_record_pool_take(&half->cells, cells, &room[1]);
   pthread_mutex_unlock(&share->lock);
+  tile->patches = room[0];
+  tile->cells = room[1];
   return status;
-}
-
-static size_t count_lit(const pl_tile_buffers *b, pl_tile tile) {
-  size_t count = 0;
-  for (int y = 0; y < tile.height; y++)
-    for (int x = 0; x < tile.width; x++) {
-      const pl_pixel_patches *patches = &b->patches[y * PL_TILE_SIDE + x];
-      for (uint32_t i = 0; i < patches->count; i++)
-        count += patches->patch[i].lit > 0;
-    }
-  return count;
 }
 
 /* Radiance of a pixel without the shared light. */
@@ -229,22 +206,32 @@ static void add_scatter(const pl_patch *patch, pl_irradiance_cell *cell) {
   cell->weight_square += weight * weight;
 }
 
-/* Adds a patch to the matching entry of its cell, or appends a new one; returns the index. */
-static uint32_t merge(const pl_patch *patch, float spread, pl_irradiance_cell *cells,
-                      uint32_t *count) {
+/* The surfaces that were met in one cell, each by the spot of its first patch. */
+typedef struct meeting {
+  const pl_spot *spots[PL_CELL * PL_CELL * PL_PATCHES];
+  uint32_t count;
+} meeting;
+
+/* The index of the surface that a patch belongs to; appends a new one. */
+static uint32_t meet(meeting *met, const pl_patch *patch, float spread) {
   uint32_t i = 0;
-  const float depth_m = *count > 0 ? pl_spot_depth(&patch->spot, spread) : 0.0f;
-  while (i < *count && !pl_spot_fits(&cells[i].spot, &patch->spot, depth_m))
+  const float depth_m = met->count > 0 ? pl_spot_depth(&patch->spot, spread) : 0.0f;
+  while (i < met->count && !pl_spot_fits(met->spots[i], &patch->spot, depth_m))
     i++;
-  if (i == *count)
-    cells[(*count)++] = (pl_irradiance_cell){.spot = patch->spot};
-  pl_irradiance_cell *cell = &cells[i];
+  if (i == met->count)
+    met->spots[met->count++] = &patch->spot;
+  return i;
+}
+
+/* Adds a patch to the entry of its surface, a new one if `first`. */
+static void merge(const pl_patch *patch, bool first, pl_irradiance_cell *cell) {
+  if (first)
+    *cell = (pl_irradiance_cell){.spot = patch->spot};
   cell->shared = pl_vec3f_add(cell->shared, patch->shared);
   cell->weight = pl_vec3f_add(cell->weight, patch->lit_weight);
   cell->square += patch->lit_square;
   cell->count += (float)patch->lit;
   add_scatter(patch, cell);
-  return i;
 }
 
 /* The tile that is being recorded, and what is recorded so far. */
@@ -255,7 +242,7 @@ typedef struct keeping {
   uint32_t patches, cells; /* their numbers */
 } keeping;
 
-static void keep_pixel(keeping *k, uint32_t pixel, pl_irradiance_cell *cells, uint32_t *count) {
+static void keep_pixel(keeping *k, uint32_t pixel, meeting *met) {
   const pl_pixel_patches *patches = &k->b->patches[pixel];
   const float each = 1.0f / (float)k->b->counts[pixel];
   k->tile->rest[pixel] = k->b->radiance[pixel];
@@ -263,9 +250,11 @@ static void keep_pixel(keeping *k, uint32_t pixel, pl_irradiance_cell *cells, ui
     const pl_patch *patch = &patches->patch[i];
     if (patch->lit == 0)
       continue;
+    const uint32_t known = met->count, cell = meet(met, patch, k->spread);
+    merge(patch, cell == known, k->tile->cells + k->cells + cell);
     k->tile->patches[k->patches++] =
         (pl_irradiance_patch){.pixel = (uint16_t)pixel,
-                              .cell = (uint16_t)merge(patch, k->spread, cells, count),
+                              .cell = (uint16_t)cell,
                               .lit = patch->lit,
                               .part = each * (float)patch->wide,
                               .level = pl_luminance(patch->own) / (float)patch->seen,
@@ -275,36 +264,48 @@ static void keep_pixel(keeping *k, uint32_t pixel, pl_irradiance_cell *cells, ui
   }
 }
 
-/* Cells are aligned to the image; rows of a tile may not be. */
-static void keep_cell(keeping *k, int column, int row) {
-  const pl_tile tile = k->tile->tile;
-  uint32_t count = 0;
-  for (int i = 0; i < PL_CELL * PL_CELL; i++) {
-    const int x = PL_CELL * column + i % PL_CELL;
-    const int y = PL_CELL * row + i / PL_CELL - tile.y0 % PL_TILE_SIDE;
-    if (y >= 0 && x < tile.width && y < tile.height)
-      keep_pixel(k, (uint32_t)(y * PL_TILE_SIDE + x), k->tile->cells + k->cells, &count);
-  }
-  k->cells += count;
+/* Counts the surfaces of a pixel's lit patches that are new in its cell. */
+static void count_pixel(keeping *k, uint32_t pixel, meeting *met) {
+  const pl_pixel_patches *patches = &k->b->patches[pixel];
+  for (uint32_t i = 0; i < patches->count; i++)
+    if (patches->patch[i].lit > 0) {
+      meet(met, &patches->patch[i], k->spread);
+      k->patches++;
+    }
 }
 
-pl_status pl_irradiance_keep(pl_irradiance_record *share, size_t item,
+/* Cells are aligned to the image; rows of a tile may not be. */
+static void visit_cell(keeping *k, pl_tile tile, int cell,
+                       void (*visit)(keeping *k, uint32_t pixel, meeting *met)) {
+  meeting met = {.count = 0};
+  for (int i = 0; i < PL_CELL * PL_CELL; i++) {
+    const int x = PL_CELL * (cell % PL_CELL_SIDE) + i % PL_CELL;
+    const int y = PL_CELL * (cell / PL_CELL_SIDE) + i / PL_CELL - tile.y0 % PL_TILE_SIDE;
+    if (y >= 0 && x < tile.width && y < tile.height)
+      visit(k, (uint32_t)(y * PL_TILE_SIDE + x), &met);
+  }
+  k->cells += met.count;
+}
+
+pl_status pl_irradiance_keep(pl_irradiance_record *share, int row, int column,
                              const pl_path_context *context, pl_tile_buffers *b) {
   const pl_tile tile = context->tile;
-  const size_t lit = context->filters_irradiance ? count_lit(b, tile) : 0;
+  keeping counted = {.b = b, .spread = (float)context->pixel_rad};
+  for (int i = 0; i < PL_CELLS && context->filters_irradiance; i++)
+    visit_cell(&counted, tile, i, count_pixel);
   for (int y = 0; y < tile.height; y++)
     for (int x = 0; x < tile.width; x++)
       b->radiance[y * PL_TILE_SIDE + x] = own_light(b, (uint32_t)(y * PL_TILE_SIDE + x));
-  if (lit == 0)
+  if (counted.patches == 0)
     return PL_OK;
-  pl_irradiance_tile *kept = &share->tiles[item];
-  PL_TRY(make_room(share, lit, kept));
+  pl_irradiance_tile *kept = pl_irradiance_tile_at(share, row, column);
+  PL_TRY(make_room(share, counted.patches, counted.cells, kept));
   kept->tile = tile;
-  keeping k = {.b = b, .tile = kept, .spread = (float)context->pixel_rad};
+  keeping k = {.b = b, .tile = kept, .spread = counted.spread};
   for (int i = 0; i < PL_CELLS; i++) {
     kept->patch_start[i] = k.patches;
     kept->cell_start[i] = k.cells;
-    keep_cell(&k, i % PL_CELL_SIDE, i / PL_CELL_SIDE);
+    visit_cell(&k, tile, i, keep_pixel);
   }
   kept->patch_start[PL_CELLS] = k.patches;
   kept->cell_start[PL_CELLS] = k.cells;

@@ -10,6 +10,7 @@
 #include <pthread.h>
 
 #include "render/path.h"
+#include "render/record_pool.h"
 
 /* Of each run of this many samples the first few are followed beyond the first surface; fewer of
  * them in frames that have no more samples than one run. */
@@ -42,49 +43,55 @@ typedef struct pl_irradiance_patch {
   pl_vec3f shared, lit_weight; /* as in pl_patch */
 } pl_irradiance_patch;
 
-/* Record of a tile, kept until all tiles are sampled. */
+/* Record of a tile, kept until those around it are sampled. */
 typedef struct pl_irradiance_tile {
   bool lit;                     /* some patch has indirect light; the rest is valid only if true */
-  pl_irradiance_patch *patches; /* in a block, ordered by cell */
+  pl_irradiance_patch *patches; /* in a pool, ordered by cell */
   pl_irradiance_cell *cells;    /* likewise */
   pl_tile tile;
   uint32_t patch_start[PL_CELLS + 1], cell_start[PL_CELLS + 1];
   pl_vec3f rest[PL_TILE_PIXELS]; /* radiance without the shared light, W m-2 sr-1 */
 } pl_irradiance_tile;
 
-/* The patches of any one tile fit into a block, and so do its cells, of which there are no more. */
-enum { PL_IRRADIANCE_BLOCK = PL_TILE_PIXELS * PL_PATCHES };
+/* Room for the records of some rows of tiles. */
+typedef struct pl_irradiance_half {
+  pl_record_pool patches, cells;
+} pl_irradiance_half;
 
-typedef struct pl_irradiance_block {
-  pl_irradiance_patch patches[PL_IRRADIANCE_BLOCK];
-  pl_irradiance_cell cells[PL_IRRADIANCE_BLOCK];
-} pl_irradiance_block;
-
-/* Kept from frame to frame: light that moves from tile to tile needs no new memory. */
+/* Large images are sampled in bands of rows of tiles: filters reach no farther than the next tile,
+ * so that only the tiles of a band and of the one before it are held. Kept from frame to frame:
+ * light that moves from tile to tile needs no new memory. */
 typedef struct pl_irradiance_record {
-  pthread_mutex_t lock;         /* guards the blocks */
-  pl_irradiance_block **blocks; /* owned, as are the blocks */
-  size_t block_count, block_room;
-  size_t block, used; /* the block that is being filled, and the number of patches in it */
-  size_t kept, most;  /* number of patches of all tiles so far, and of the largest tile */
-  pl_irradiance_tile
-      *tiles; /* owned, in rows of `columns`; the first row is row `row0` of the image */
-  int columns, rows, row0;
-  size_t room; /* capacity of `tiles` */
+  pthread_mutex_t lock;       /* guards the pools */
+  pl_irradiance_half half[2]; /* of bands with even and with odd numbers */
+  int current;                /* that of the present band */
+  pl_irradiance_tile *tiles;  /* owned; `held` rows of `columns` */
+  int columns, rows;          /* of the image, or of the rows of it that are rendered */
+  int band;                   /* rows of a band */
+  int held;                   /* row r is at r % held */
+  size_t room;                /* capacity of `tiles` */
 } pl_irradiance_record;
 
+static inline pl_irradiance_tile *pl_irradiance_tile_at(const pl_irradiance_record *share, int row,
+                                                        int column) {
+  return &share->tiles[row % share->held * share->columns + column];
+}
+
 pl_status pl_irradiance_init(pl_irradiance_record *share);
-/* Drops all tiles and makes room for those of an image, or of some of its rows of tiles. */
-pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows, int row0);
+/* Drops all tiles and sets the size of an image, or of some of its rows of tiles, and of bands:
+ * they are long enough for the threads to share. */
+pl_status pl_irradiance_start(pl_irradiance_record *share, int columns, int rows, int threads);
+/* Begins the band from a row on, and drops all tiles but those of the band before. */
+void pl_irradiance_turn(pl_irradiance_record *share, int row);
 void pl_irradiance_clear(pl_irradiance_record *share);
 
 /* Turns the sums of a sampled tile into means. If light is shared in the tile, keeps the data for
- * the filter, and leaves that light out of the radiance. Each item is handled by one worker. */
-pl_status pl_irradiance_keep(pl_irradiance_record *share, size_t item,
+ * the filter, and leaves that light out of the radiance. Each tile is handled by one worker. */
+pl_status pl_irradiance_keep(pl_irradiance_record *share, int row, int column,
                              const pl_path_context *context, pl_tile_buffers *buffers);
 
-/* To be called when all tiles are kept: allocates enough blocks for the same tiles in any other
- * order. Threads finish tiles in an order that varies from run to run. */
+/* To be called when all tiles of a band are kept: allocates enough room for the same tiles in any
+ * other order. Threads finish tiles in an order that varies from run to run. */
 pl_status pl_irradiance_reserve(pl_irradiance_record *share);
 
 #endif

@@ -69,7 +69,8 @@ typedef struct job {
   pl_render_scratch *scratch;
   pl_tile_fn done;
   void *context;
-  int columns; /* tiles per row */
+  int columns;   /* tiles per row */
+  size_t behind; /* tiles in the rows before those that are worked on */
   int row0, row1;
   double pixel_rad;
 } job;
@@ -303,6 +304,8 @@ static void sample_slice(const job *job, pl_tile tile, const content *content, p
 
 static pl_status sample_colour(const job *job, size_t item, int worker, const content *content) {
   const pl_tile tile = tile_of(job, item);
+  const int column = (int)(item % (size_t)job->columns);
+  const int row = (int)(item / (size_t)job->columns);
   pl_tile_buffers *b = &job->scratch->buffers[worker];
   const int samples = job->settings->samples;
   const pl_path_context context = context_of(job, tile, content);
@@ -323,7 +326,7 @@ static pl_status sample_colour(const job *job, size_t item, int worker, const co
     check *= 2;
     pl_path_adapt(&context, b);
   }
-  return pl_irradiance_keep(&job->scratch->share, item, &context, b);
+  return pl_irradiance_keep(&job->scratch->share, row, column, &context, b);
 }
 
 /* Fills the radiance behind everything, for all pixels of the tile. */
@@ -334,8 +337,9 @@ static void fill_backdrop(const job *job, pl_tile tile, pl_vec3f *out) {
           pl_backdrop_radiance(job->settings->backdrop, job->shot, tile.x0 + x, tile.y0 + y);
 }
 
-static pl_status render_tile(void *context, size_t item, int worker) {
+static pl_status render_tile(void *context, size_t nth, int worker) {
   const job *job = context;
+  const size_t item = job->behind + nth;
   pl_tile_buffers *b = &job->scratch->buffers[worker];
   const pl_tile tile = tile_of(job, item);
   const content content = tile_content(job, tile);
@@ -362,15 +366,42 @@ static pl_status render_tile(void *context, size_t item, int worker) {
 }
 
 /* Delivers a tile again, with the shared light added. */
-static pl_status light_tile(void *context, size_t item, int worker) {
+static pl_status light_tile(void *context, size_t nth, int worker) {
   const job *job = context;
   const pl_irradiance_record *share = &job->scratch->share;
+  const size_t item = job->behind + nth, columns = (size_t)job->columns;
+  const int row = (int)(item / columns), column = (int)(item % columns);
+  const pl_irradiance_tile *tile = pl_irradiance_tile_at(share, row, column);
   pl_vec3f *radiance = job->scratch->buffers[worker].radiance;
-  if (!share->tiles[item].lit)
+  if (!tile->lit)
     return PL_OK;
-  pl_irradiance_filter_light(share, item, job->settings, job->pixel_rad, radiance);
-  const pl_tile_result result = {share->tiles[item].tile, false, NULL, radiance};
+  pl_irradiance_filter_light(share, row, column, job->settings, job->pixel_rad, radiance);
+  const pl_tile_result result = {tile->tile, false, NULL, radiance};
   return job->done(job->context, &result, worker);
+}
+
+static pl_status run_rows(job *job, int from, int to, pl_item_fn work, pl_cancel *cancel) {
+  const size_t columns = (size_t)job->columns;
+  job->behind = (size_t)from * columns;
+  return pl_parallel_for(job->scratch->threads, (size_t)(to - from) * columns, work, job, cancel);
+}
+
+/* Samples band after band. The last row of each is lit with the next band, whose first row it
+ * needs.
+ */
+static pl_status render_bands(job *job, int rows, pl_cancel *cancel) {
+  pl_irradiance_record *share = &job->scratch->share;
+  PL_TRY(pl_irradiance_start(share, job->columns, rows, job->scratch->threads));
+  for (int row = 0, lit = 0; row < rows; row += share->band) {
+    const int end = row + share->band < rows ? row + share->band : rows;
+    const int ready = end < rows ? end - 1 : rows;
+    pl_irradiance_turn(share, row);
+    PL_TRY(run_rows(job, row, end, render_tile, cancel));
+    PL_TRY(pl_irradiance_reserve(share));
+    PL_TRY(run_rows(job, lit, ready, light_tile, cancel));
+    lit = ready;
+  }
+  return PL_OK;
 }
 
 /* Computes the sun as seen from each object's centre. */
@@ -415,12 +446,6 @@ pl_status pl_render(const pl_snapshot *shot, const pl_tracer *tracer,
   PL_TRY(view_suns(scratch, shot));
   PL_TRY(pl_coverage_update(&scratch->coverage, shot, row0, row1, rays_of(settings),
                             scratch->threads));
-  const size_t tiles = (size_t)columns * (size_t)rows;
-  if (is_adaptive(&job))
-    PL_TRY(pl_irradiance_start(&scratch->share, columns, rows, row0 / PL_TILE_SIDE));
-  PL_TRY(pl_parallel_for(scratch->threads, tiles, render_tile, &job, cancel));
-  if (!is_adaptive(&job))
-    return PL_OK;
-  PL_TRY(pl_irradiance_reserve(&scratch->share));
-  return pl_parallel_for(scratch->threads, tiles, light_tile, &job, cancel);
+  return is_adaptive(&job) ? render_bands(&job, rows, cancel)
+                           : run_rows(&job, 0, rows, render_tile, cancel);
 }

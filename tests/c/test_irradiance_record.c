@@ -289,12 +289,49 @@ static void test_any_order_fits(void **state) {
   pl_model_destroy(model);
 }
 
+/* One thread samples a high image in two bands, eight threads in one. */
+static void test_bands_do_not_show(void **state) {
+  (void)state;
+  enum { WIDE = 33, HIGH = 32 * 66 };
+  pl_model *model = cube_create(0.5);
+  stage s;
+  film f;
+  pl_renderer *renderer;
+  float *kept = malloc(3 * WIDE * HIGH * sizeof *kept);
+  assert_non_null(kept);
+  stage_init(&s, WIDE, HIGH, 1.5 * HIGH);
+  s.placement.sun.position_m = (pl_vec3){0.2 * AU, 0.1 * AU, AU};
+  stage_add_body(&s, (pl_vec3){-14, 0, -9}, (pl_vec3){12, 12, 12}, 0.9f);
+  stage_add_object(&s, model, (pl_vec3){0, 0, 12}, pl_quat_axis_angle((pl_vec3){0.6, 0.8, 0}, 0.7),
+                   9.0);
+  film_init(&f, &s);
+  pl_frame_request request = request_all(&s, &f);
+  request.samples = 2;
+  request.max_bounces = 1;
+  request.exposure = (pl_exposure){.white_radiance = WHITE};
+  request.wish = (pl_plan_wish){.tolerance_dn = 1.0};
+  request.threads = 1;
+  assert_int_equal(pl_renderer_create(&s.scene, &renderer), PL_OK);
+  render(renderer, &request);
+  memcpy(kept, f.radiance, 3 * WIDE * HIGH * sizeof *kept);
+  const float seam = kept[3 * WIDE * 2048]; /* the first row of the second band */
+  request.threads = 8;
+  render(renderer, &request);
+  assert_true(seam > 0.0f);
+  assert_memory_equal(kept, f.radiance, 3 * WIDE * HIGH * sizeof *kept);
+  pl_renderer_destroy(renderer);
+  film_clear(&f);
+  stage_clear(&s);
+  free(kept);
+  pl_model_destroy(model);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_any_order_fits),        serial_unit_test(test_noise_and_light),
-      serial_unit_test(test_light_of_glossy_faces), serial_unit_test(test_no_blotches),
-      serial_unit_test(test_dark_without_bounces),  serial_unit_test(test_draws_lie_evenly),
-      serial_unit_test(test_draws_are_keyed),
+      cmocka_unit_test(test_bands_do_not_show), cmocka_unit_test(test_any_order_fits),
+      serial_unit_test(test_noise_and_light),   serial_unit_test(test_light_of_glossy_faces),
+      serial_unit_test(test_no_blotches),       serial_unit_test(test_dark_without_bounces),
+      serial_unit_test(test_draws_lie_evenly),  serial_unit_test(test_draws_are_keyed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
