@@ -71,9 +71,11 @@ typedef struct pl_frame_result {
   const pl_seen_star *stars;
   size_t star_count;
   /* Meshes of terrain: tiles in the middle of the frame, bytes that are kept for all frames, and
-   * the largest factor by which cells are wider than asked, for the limit of tiles; 1: none. */
+   * the largest factor by which cells are wider than asked, for the limit of tiles (1: none), with
+   * the name of the body that it belongs to; borrowed from the scene, NULL for none. */
   size_t ground_tiles, ground_bytes;
   double ground_widened;
+  const char *ground_widened_body;
   double seconds[PL_STAGE_COUNT]; /* wall time; never part of an output array */
 } pl_frame_result;
 

@@ -85,12 +85,16 @@ void pl_height_fields_report(const pl_accelerators *kept, const pl_snapshot *sho
                              pl_frame_result *result) {
   result->ground_tiles = 0;
   result->ground_widened = 1.0;
+  result->ground_widened_body = NULL;
   for (size_t i = 0; i < shot->body_count; i++) {
     const pl_height_field *field = shot->bodies[i].field;
     if (field == NULL)
       continue;
     result->ground_tiles += field->count;
-    result->ground_widened = fmax(result->ground_widened, field->widened);
+    if (field->widened > result->ground_widened) {
+      result->ground_widened = field->widened;
+      result->ground_widened_body = shot->bodies[i].body->name;
+    }
   }
   result->ground_bytes = pl_ground_tiles_used(kept).bytes;
 }

@@ -5,6 +5,7 @@
 #include "frame/subpixel_bodies.h"
 #include "frame/effects.h"
 #include "plan/effects.h"
+#include "render/geometry.h"
 
 /* --- choices ---------------------------------------------------------------------------------- */
 
@@ -182,7 +183,7 @@ pl_status pl_realise(pl_accelerators *kept, const pl_survey *survey, const pl_ch
   made->settings = choice->settings;
   PL_TRY(cull(survey, choice, arena, &made->shot));
   PL_TRY(pl_height_fields_place(kept, choice, arena, &made->shot));
-  PL_TRY(pl_tracer_build(kept, &made->shot, arena, &made->tracer));
+  PL_TRY(pl_geometry_tracer(kept, &made->shot, arena, &made->tracer));
   if (choice->colour) {
     add_limb(choice, made);
     PL_TRY(add_emitters(choice, arena, made));

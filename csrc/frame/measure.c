@@ -3,6 +3,7 @@
 
 #include "light/sun.h"
 #include "render/coverage_mask.h"
+#include "render/geometry.h"
 #include "render/render.h"
 
 typedef struct rays {
@@ -54,7 +55,7 @@ static pl_status measure(const pl_snapshot *shot, pl_accelerators *kept, pl_cove
       return pl_fail(PL_E_RANGE, "body '%s' has terrain: its rays are not measured",
                      shot->bodies[i].body->name);
   const pl_tracer *tracer;
-  PL_TRY(pl_tracer_build(kept, shot, arena, &tracer));
+  PL_TRY(pl_geometry_tracer(kept, shot, arena, &tracer));
   PL_TRY(pl_coverage_update(coverage, shot, 0, shot->camera.height, 1, 1));
   gather_primary(shot, coverage, &first);
   gather_shadow(shot, tracer, &first, &second);

@@ -2,6 +2,8 @@
  * pixels. */
 #include "frame/subpixel_bodies.h"
 
+#include "render/geometry.h"
+
 /* Bodies of a smaller diameter are sub-pixel bodies. Above it, sixteen samples per pixel integrate
  * the light of a disc to within a few hundredths, and better for larger discs. */
 static const double DIAMETER_PX = 5.0;
@@ -21,24 +23,14 @@ static double across_px(const pl_camera *camera, pl_vec3 center, pl_vec3 side, d
   return hypot(a[0] - b[0], a[1] - b[1]);
 }
 
-/* Bounding sphere of a body, or of its shape if it has one. */
-typedef struct ball {
-  pl_vec3 center;
-  double radius_m;
-  pl_surface_id surface_id;
-  bool in_frame;
-} ball;
-
-static ball ball_of(const pl_snapshot *shot, size_t index) {
+/* Returns the surface of a body, or of its shape if it has one. */
+static pl_surface_id surface_of(const pl_snapshot *shot, size_t index) {
   const pl_shot_body *body = &shot->bodies[index];
-  const pl_shot_object *shape = body->shape;
-  if (shape != NULL)
-    return (ball){shape->center, shape->radius_m, shape->id, shape->in_frame};
-  return (ball){body->center, body->outer_m, pl_shot_surface_of(body, index), body->in_frame};
+  return body->shape != NULL ? body->shape->id : pl_shot_surface_of(body, index);
 }
 
 /* Returns the larger one of the radial and the tangential diameter: off the axis they differ. */
-static double diameter_px(const pl_snapshot *shot, const ball *ball) {
+static double diameter_px(const pl_snapshot *shot, const pl_geometry_bounds *ball) {
   const double distance = pl_vec3_norm(ball->center);
   if (!(distance > ball->radius_m))
     return INFINITY;
@@ -60,8 +52,9 @@ static const double HIGH = 0.02;
 static bool is_subpixel(const pl_snapshot *shot, const pl_view *view, double tolerance_dn,
                         size_t i) {
   const pl_shot_body *body = &shot->bodies[i];
-  const ball ball = ball_of(shot, i);
-  const pl_view_thing *thing = &view->things[pl_shot_slot(shot, ball.surface_id)];
+  const pl_surface_id id = surface_of(shot, i);
+  const pl_geometry_bounds ball = pl_geometry_of(id)->bounds(shot, id);
+  const pl_view_thing *thing = &view->things[pl_shot_slot(shot, id)];
   const double size = ball.in_frame ? diameter_px(shot, &ball) : INFINITY;
   const double covered = fmin(1.0, size * size);
   return shot->camera.aperture_m == 0.0 && body->body->rings == NULL &&
@@ -81,7 +74,7 @@ pl_status pl_subpixel_find(const pl_snapshot *shot, const pl_view *view, double 
 }
 
 /* Sets up a camera that frames one body. */
-static void aim(const pl_snapshot *shot, const ball *ball, pl_snapshot *out) {
+static void aim(const pl_snapshot *shot, const pl_geometry_bounds *ball, pl_snapshot *out) {
   const pl_vec3 forward = pl_vec3_unit(ball->center);
   const pl_vec3 seed = fabs(forward.x) < 0.7 ? (pl_vec3){1, 0, 0} : (pl_vec3){0, 1, 0};
   const pl_vec3 right = pl_vec3_unit(pl_vec3_cross(seed, forward));
@@ -179,9 +172,9 @@ static pl_status render_dot(const pl_instant *instant, size_t body, pl_render_sc
   const pl_snapshot *shot = &instant->shot;
   pl_render_settings settings = instant->settings;
   pl_snapshot close;
-  const ball ball = ball_of(shot, body);
+  g->surface_id = surface_of(shot, body);
+  const pl_geometry_bounds ball = pl_geometry_of(g->surface_id)->bounds(shot, g->surface_id);
   aim(shot, &ball, &close);
-  g->surface_id = ball.surface_id;
   const pl_air_view *air = settings.air;
   const pl_media *media = settings.media;
   pl_media own; /* media that the body carries itself are part of its image */

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "render/geometry.h"
 
 /* In pixels, inclusive, with the origin at the centre of pixel (0, 0). */
 typedef struct extent {
@@ -49,14 +50,6 @@ typedef struct placed {
   double rounding;   /* px m: divided by w and added to the margin */
   double rays;       /* per pixel */
 } placed;
-
-typedef struct job {
-  const pl_coverage *coverage;
-  const pl_snapshot *shot;
-  int rays;
-  size_t slices;
-  area rows; /* the rows of the image to fill */
-} job;
 
 /* A box being traversed, and the pixels that its contents may mark. Marks are limited to these
  * pixels; otherwise they would depend on whether another thread had marked all of the box before it
@@ -350,18 +343,22 @@ static bool visit(const placed *at, const pl_coverage *coverage, uint32_t index,
   return false;
 }
 
+static area rows_of(const pl_coverage_job *job) {
+  return (area){0, job->row0, job->coverage->width - 1, job->row1};
+}
+
 /* Marks one slice of the boxes of an object, or of its piece. A slice may begin within a box that
  * belongs to an earlier slice; the contents of that box are then visited here as well. The slices
  * do not depend on the number of threads. */
-static void mark_cover(const job *job, const pl_shot_object *object, const pl_shot_piece *piece,
-                       size_t slice) {
+static void mark_cover(const pl_coverage_job *job, const pl_shot_object *object,
+                       const pl_shot_piece *piece, size_t slice) {
   const pl_cover *cover = piece != NULL ? piece->cover : object->object->cover;
   const uint32_t first = (uint32_t)(cover->count * slice / job->slices);
   const uint32_t end = (uint32_t)(cover->count * (slice + 1) / job->slices);
   if (first == end)
     return;
   const placed at = place(job->shot, object, piece, job->rays);
-  opened open[PL_COVER_DEPTH + 1] = {{job->rows, UINT32_MAX}};
+  opened open[PL_COVER_DEPTH + 1] = {{rows_of(job), UINT32_MAX}};
   size_t last = 0;
   for (uint32_t i = first; i < end;) {
     area area;
@@ -375,18 +372,21 @@ static void mark_cover(const job *job, const pl_shot_object *object, const pl_sh
   }
 }
 
-static pl_status mark_item(void *context, size_t item, int worker) {
-  const job *job = context;
-  const pl_shot_object *object = &job->shot->objects[item / job->slices];
-  const size_t slice = item % job->slices;
-  (void)worker;
-  if (!object->in_frame)
-    return PL_OK;
+void pl_coverage_object(const pl_coverage_job *job, pl_surface_id id, size_t slice) {
+  const pl_shot_object *object = pl_shot_object_of(job->shot, id);
   if (object->pieces == NULL)
     mark_cover(job, object, NULL, slice);
   for (size_t k = 0; k < object->piece_count; k++)
     if (object->pieces[k].present)
       mark_cover(job, object, &object->pieces[k], slice);
+}
+
+static pl_status mark_item(void *context, size_t item, int worker) {
+  const pl_coverage_job *job = context;
+  const pl_shot_object *object = &job->shot->objects[item / job->slices];
+  (void)worker;
+  if (object->in_frame)
+    pl_geometry_of(object->id)->cover(job, object->id, item % job->slices);
   return PL_OK;
 }
 
@@ -404,10 +404,9 @@ static size_t boxes_of(const pl_snapshot *shot) {
 
 enum { BLOCK = 16 };
 
-/* Marks the blocks of pixels in which a sphere may be visible. */
-static void mark_sphere(const job *job, pl_vec3 center, double radius_m) {
-  const int x_end = job->rows.x1 + 1, y_end = job->rows.y1 + 1;
-  for (int y = job->rows.y0; y < y_end; y += BLOCK)
+void pl_coverage_sphere(const pl_coverage_job *job, pl_vec3 center, double radius_m) {
+  const int x_end = job->coverage->width, y_end = job->row1 + 1;
+  for (int y = job->row0; y < y_end; y += BLOCK)
     for (int x = 0; x < x_end; x += BLOCK) {
       const area block = {x, y, (x + BLOCK < x_end ? x + BLOCK : x_end) - 1,
                           (y + BLOCK < y_end ? y + BLOCK : y_end) - 1};
@@ -418,6 +417,16 @@ static void mark_sphere(const job *job, pl_vec3 center, double radius_m) {
       if (pl_snapshot_sees(job->shot, center, radius_m, axis, half_angle_rad))
         mark_area(job->coverage, &block);
     }
+}
+
+/* Marks bodies that rays do not meet in closed form; those with a shape are objects. */
+static void mark_bodies(const pl_coverage_job *job) {
+  for (size_t i = 0; i < job->shot->body_count; i++) {
+    const pl_shot_body *body = &job->shot->bodies[i];
+    const pl_surface_id id = pl_shot_surface_of(body, i);
+    if (body->in_frame && pl_geometry_of(id)->cover != NULL)
+      pl_geometry_of(id)->cover(job, id, 0);
+  }
 }
 
 pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int row0, int row1,
@@ -434,14 +443,13 @@ pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int
   }
   for (atomic_uchar *pixel = row_of(coverage, row0); pixel < row_of(coverage, row1); pixel++)
     atomic_init(pixel, 0);
-  job job = {.coverage = coverage,
-             .shot = shot,
-             .rays = rays,
-             .slices = shot->object_count > SLICED_MOST ? 1 : SLICES,
-             .rows = {0, row0, coverage->width - 1, row1 - 1}};
-  for (size_t i = 0; i < shot->body_count; i++)
-    if (shot->bodies[i].field != NULL && shot->bodies[i].in_frame)
-      mark_sphere(&job, shot->bodies[i].center, shot->bodies[i].outer_m);
+  pl_coverage_job job = {.coverage = coverage,
+                         .shot = shot,
+                         .rays = rays,
+                         .slices = shot->object_count > SLICED_MOST ? 1 : SLICES,
+                         .row0 = row0,
+                         .row1 = row1 - 1};
+  mark_bodies(&job);
   const int workers = boxes_of(shot) > ALONE ? threads : 1;
   return pl_parallel_for(workers, shot->object_count * job.slices, mark_item, &job, NULL);
 }

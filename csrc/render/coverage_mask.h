@@ -21,6 +21,20 @@ pl_status pl_coverage_update(pl_coverage *coverage, const pl_snapshot *shot, int
                              int rays, int threads);
 void pl_coverage_clear(pl_coverage *coverage);
 
+/* An update, as the rows of kinds of geometry see it. */
+typedef struct pl_coverage_job {
+  const pl_coverage *coverage;
+  const pl_snapshot *shot;
+  int rays;
+  size_t slices;  /* of each surface */
+  int row0, row1; /* first and last row of the image to fill */
+} pl_coverage_job;
+
+/* Marks the pixels of one slice of the boxes of an object, and of its pieces. */
+void pl_coverage_object(const pl_coverage_job *job, pl_surface_id id, size_t slice);
+/* Marks the blocks of pixels in which a sphere may be visible. */
+void pl_coverage_sphere(const pl_coverage_job *job, pl_vec3 center, double radius_m);
+
 static inline bool pl_coverage_pixel(const pl_coverage *coverage, int x, int y) {
   return atomic_load_explicit(&coverage->pixels[(size_t)y * (size_t)coverage->width + (size_t)x],
                               memory_order_relaxed) != 0;

@@ -1,10 +1,13 @@
-/* Kinds of geometry: one table, indexed by pl_surface_kind. Its rows say how a hit is located,
- * shaded and left. Each kind has a file of its own. */
+/* Kinds of geometry: one table, indexed by pl_surface_kind. Its rows say how rays meet a surface
+ * and which pixels it may cover, and how a hit is located, shaded, left and labelled. Each kind has
+ * a file of its own. */
 #ifndef PL_RENDER_GEOMETRY_H
 #define PL_RENDER_GEOMETRY_H
 
+#include "render/coverage_mask.h"
 #include "render/patch.h"
 #include "render/vertex.h"
+#include "trace/intersect.h"
 
 /* What labels say of a surface; arrays are borrowed. */
 typedef struct pl_geometry_label {
@@ -16,8 +19,20 @@ typedef struct pl_geometry_label {
   int32_t instance_id;
 } pl_geometry_label;
 
+/* Bounding sphere of a surface. */
+typedef struct pl_geometry_bounds {
+  pl_vec3 center; /* camera-relative, m */
+  double radius_m;
+  bool in_frame; /* it touches the frustum */
+} pl_geometry_bounds;
+
 typedef struct pl_geometry_kind {
   const char *name;
+  pl_geometry_bounds (*bounds)(const pl_snapshot *shot, pl_surface_id id);
+  const pl_intersect *intersect; /* NULL: rays meet it as part of another kind */
+  /* Marks the pixels in which a surface may be visible, or a slice of them; NULL: none, either
+   * because it has a closed form, or because those of another kind contain them. */
+  void (*cover)(const pl_coverage_job *job, pl_surface_id id, size_t slice);
   /* Sets position, t, edges, weights and geometric normal of a hit; see pl_vertex_locate. */
   void (*locate)(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
                  pl_vertex *out);
@@ -38,8 +53,9 @@ typedef struct pl_geometry_kind {
   void (*label)(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
 } pl_geometry_kind;
 
-extern const pl_geometry_kind pl_geometry_mesh, pl_geometry_shape, pl_geometry_ellipsoid,
-    pl_geometry_height_field, pl_geometry_rocks;
+#define PL_KIND(NAME, name) extern const pl_geometry_kind pl_geometry_##name;
+PL_SURFACE_KIND_LIST(PL_KIND)
+#undef PL_KIND
 extern const pl_geometry_kind *const pl_geometry_kinds[PL_SURFACE_KINDS];
 
 /* Returns the row of a surface; not for PL_NO_SURFACE. */
@@ -47,7 +63,12 @@ static inline const pl_geometry_kind *pl_geometry_of(pl_surface_id id) {
   return pl_geometry_kinds[pl_surface_kind_of(id)];
 }
 
+/* Builds the tracer of a snapshot with all kinds; see pl_tracer_build. */
+pl_status pl_geometry_tracer(pl_accelerators *kept, const pl_snapshot *shot, pl_arena *arena,
+                             const pl_tracer **out);
+
 /* What shapes share with other meshes. */
+pl_geometry_bounds pl_mesh_bounds(const pl_snapshot *shot, pl_surface_id id);
 void pl_mesh_locate(const pl_snapshot *shot, const pl_beam *beam, const pl_hit *hit, bool exact,
                     pl_vertex *out);
 pl_vec3f pl_mesh_smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex);
@@ -57,7 +78,8 @@ void pl_mesh_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label 
 /* What terrain and its rocks share. */
 void pl_height_field_leave(const pl_snapshot *shot, const pl_vertex *vertex, float side,
                            pl_ray *ray);
-/* What terrain shares with ellipsoids. */
+/* What terrain and its rocks share with ellipsoids. */
+pl_geometry_bounds pl_body_bounds(const pl_snapshot *shot, pl_surface_id id);
 void pl_body_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out);
 
 #endif

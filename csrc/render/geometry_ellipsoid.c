@@ -76,6 +76,11 @@ static void set_body_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 po
   spot->normal = body_normal(body, from_center);
 }
 
+pl_geometry_bounds pl_body_bounds(const pl_snapshot *shot, pl_surface_id id) {
+  const pl_shot_body *body = pl_shot_body_of(shot, id);
+  return (pl_geometry_bounds){body->center, body->outer_m, body->in_frame};
+}
+
 void pl_body_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
   const pl_shot_body *body = pl_shot_body_of(shot, id);
   *out = (pl_geometry_label){.origin = body->center,
@@ -87,6 +92,8 @@ void pl_body_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label 
 
 const pl_geometry_kind pl_geometry_ellipsoid = {
     .name = "ellipsoid",
+    .bounds = pl_body_bounds,
+    .intersect = &pl_intersect_ellipsoids,
     .locate = locate_body,
     .shade = shade_body,
     .leave = leave_body,

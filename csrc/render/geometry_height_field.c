@@ -91,8 +91,17 @@ static void set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, 
   spot->normal = to_root(body, pl_height_field_normal(body->field, hit->triangle, hit->u, hit->v));
 }
 
+static void cover(const pl_coverage_job *job, pl_surface_id id, size_t slice) {
+  const pl_geometry_bounds bounds = pl_body_bounds(job->shot, id);
+  if (slice == 0 && pl_shot_body_of(job->shot, id)->field != NULL)
+    pl_coverage_sphere(job, bounds.center, bounds.radius_m);
+}
+
 const pl_geometry_kind pl_geometry_height_field = {
     .name = "height field",
+    .bounds = pl_body_bounds,
+    .intersect = &pl_intersect_height_fields,
+    .cover = cover,
     .locate = locate,
     .smooth_normal = smooth_normal,
     .shade = shade,

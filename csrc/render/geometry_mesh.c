@@ -152,6 +152,11 @@ void pl_mesh_set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point,
   spot->normal = facet_normal(object, hit->triangle);
 }
 
+pl_geometry_bounds pl_mesh_bounds(const pl_snapshot *shot, pl_surface_id id) {
+  const pl_shot_object *object = pl_shot_object_of(shot, id);
+  return (pl_geometry_bounds){object->center, object->radius_m, object->in_frame};
+}
+
 void pl_mesh_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
   const pl_shot_object *object = pl_shot_object_of(shot, id);
   *out = (pl_geometry_label){.origin = object->position,
@@ -164,6 +169,9 @@ void pl_mesh_label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label 
 
 const pl_geometry_kind pl_geometry_mesh = {
     .name = "mesh",
+    .bounds = pl_mesh_bounds,
+    .intersect = &pl_intersect_objects,
+    .cover = pl_coverage_object,
     .locate = pl_mesh_locate,
     .smooth_normal = pl_mesh_smooth_normal,
     .shade = shade_mesh,

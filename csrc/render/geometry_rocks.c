@@ -75,6 +75,7 @@ static void set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, 
 
 const pl_geometry_kind pl_geometry_rocks = {
     .name = "rocks",
+    .bounds = pl_body_bounds,
     .locate = locate,
     .smooth_normal = smooth_normal,
     .shade = shade,

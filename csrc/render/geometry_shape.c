@@ -54,6 +54,9 @@ static void leave_shape(const pl_snapshot *shot, const pl_vertex *vertex, float 
 
 const pl_geometry_kind pl_geometry_shape = {
     .name = "shape",
+    .bounds = pl_mesh_bounds,
+    .intersect = &pl_intersect_objects,
+    .cover = pl_coverage_object,
     .locate = pl_mesh_locate,
     .smooth_normal = pl_mesh_smooth_normal,
     .shade = shade_shape,

@@ -7,14 +7,23 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Kinds of geometry. Those with a mesh come first. */
+/* Kinds of geometry: those with a mesh, whose index is that of an object, come first; the index of
+ * others is that of a body. To add a kind, add the file that defines its row, `pl_geometry_NAME`
+ * (render/geometry.h), and one line here. */
+/* clang-format off */
+#define PL_SURFACE_KIND_LIST(X) \
+  X(MESH, mesh) \
+  X(SHAPE, shape)               /* mesh of a body's shape */ \
+  X(ELLIPSOID, ellipsoid) \
+  X(HEIGHT_FIELD, height_field) /* terrain of a body */ \
+  X(ROCKS, rocks)               /* rocks on the terrain of a body */
+/* clang-format on */
+
 typedef enum pl_surface_kind {
-  PL_SURFACE_MESH,         /* index of an object */
-  PL_SURFACE_SHAPE,        /* mesh of a body's shape: index of the object that places it */
-  PL_SURFACE_ELLIPSOID,    /* index of a body */
-  PL_SURFACE_HEIGHT_FIELD, /* terrain of a body: index of the body */
-  PL_SURFACE_ROCKS,        /* rocks on the terrain of a body: index of the body */
-  PL_SURFACE_KINDS
+#define PL_KIND(NAME, name) PL_SURFACE_##NAME,
+  PL_SURFACE_KIND_LIST(PL_KIND)
+#undef PL_KIND
+      PL_SURFACE_KINDS
 } pl_surface_kind;
 
 /* The kind is in the upper 4 bits, the index in the other 28. Zero is the first object. */

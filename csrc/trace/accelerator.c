@@ -314,29 +314,74 @@ static void place_field(const pl_shot_body *body, size_t index, pl_instance *out
   pl_instance_place(out, &body->rotation, origin, body->center, body->outer_m * (1.0 + 1e-6));
 }
 
-static pl_status place_instances(pl_accelerators *kept, pl_tracer *tracer) {
-  const pl_snapshot *shot = tracer->snapshot;
+/* Instances of the objects of a kind, in their order. */
+static size_t count_objects(const pl_snapshot *shot, pl_surface_kind kind) {
+  size_t sum = 0;
   for (size_t i = 0; i < shot->object_count; i++) {
-    size_t count;
-    if (!shot->objects[i].kept)
-      continue;
-    PL_TRY(pl_accelerator_place(kept, &shot->objects[i], tracer->instances + tracer->instance_count,
-                                &count));
-    tracer->instance_count += count;
+    const pl_shot_object *object = &shot->objects[i];
+    sum +=
+        object->kept && pl_surface_kind_of(object->id) == kind ? pl_accelerator_count(object) : 0;
   }
-  for (size_t i = 0; i < shot->body_count; i++)
-    if (shot->bodies[i].field != NULL)
-      place_field(&shot->bodies[i], i, &tracer->instances[tracer->instance_count++]);
+  return sum;
+}
+
+static pl_status place_objects(pl_accelerators *kept, const pl_snapshot *shot, pl_surface_kind kind,
+                               pl_instance *out, size_t *count) {
+  *count = 0;
+  for (size_t i = 0; i < shot->object_count; i++) {
+    const pl_shot_object *object = &shot->objects[i];
+    size_t placed;
+    if (!object->kept || pl_surface_kind_of(object->id) != kind)
+      continue;
+    PL_TRY(pl_accelerator_place(kept, object, out + *count, &placed));
+    *count += placed;
+  }
   return PL_OK;
 }
 
-pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *shot, pl_arena *arena,
-                          const pl_tracer **out) {
-  size_t most = 0;
-  for (size_t i = 0; i < shot->object_count; i++)
-    most += shot->objects[i].kept ? pl_accelerator_count(&shot->objects[i]) : 0;
+static size_t count_fields(const pl_snapshot *shot, pl_surface_kind kind) {
+  size_t sum = 0;
+  (void)kind;
   for (size_t i = 0; i < shot->body_count; i++)
-    most += shot->bodies[i].field != NULL ? 1 : 0;
+    sum += shot->bodies[i].field != NULL ? 1 : 0;
+  return sum;
+}
+
+static pl_status place_fields(pl_accelerators *kept, const pl_snapshot *shot, pl_surface_kind kind,
+                              pl_instance *out, size_t *count) {
+  *count = 0;
+  (void)kept, (void)kind;
+  for (size_t i = 0; i < shot->body_count; i++)
+    if (shot->bodies[i].field != NULL)
+      place_field(&shot->bodies[i], i, &out[(*count)++]);
+  return PL_OK;
+}
+
+const pl_intersect pl_intersect_objects = {.count = count_objects, .place = place_objects};
+const pl_intersect pl_intersect_height_fields = {.count = count_fields, .place = place_fields};
+
+static pl_status place_kinds(pl_accelerators *kept, const pl_intersects *kinds, pl_tracer *tracer) {
+  for (int k = 0; k < PL_SURFACE_KINDS; k++) {
+    const pl_intersect *kind = kinds->of[k];
+    size_t count = 0;
+    if (kind == NULL)
+      continue;
+    if (kind->place != NULL)
+      PL_TRY(kind->place(kept, tracer->snapshot, (pl_surface_kind)k,
+                         tracer->instances + tracer->instance_count, &count));
+    tracer->instance_count += count;
+    if (kind->closest != NULL)
+      tracer->closed[tracer->closed_count++] = kind;
+  }
+  return PL_OK;
+}
+
+pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *shot,
+                          const pl_intersects *kinds, pl_arena *arena, const pl_tracer **out) {
+  size_t most = 0;
+  for (int k = 0; k < PL_SURFACE_KINDS; k++)
+    if (kinds->of[k] != NULL && kinds->of[k]->count != NULL)
+      most += kinds->of[k]->count(shot, (pl_surface_kind)k);
   pl_tracer *tracer = pl_arena_alloc(arena, 1, sizeof *tracer);
   pl_instance *instances = pl_arena_alloc(arena, most, sizeof *instances);
   /* A tree has fewer inner nodes than leaves; the leaves are sorted in the room behind it. */
@@ -344,7 +389,7 @@ pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *shot, pl_are
   if (tracer == NULL || instances == NULL || spheres == NULL)
     return pl_fail(PL_E_MEMORY, "out of memory for instances");
   *tracer = (pl_tracer){.instances = instances, .spheres = spheres, .snapshot = shot};
-  PL_TRY(place_instances(kept, tracer));
+  PL_TRY(place_kinds(kept, kinds, tracer));
   build_tree(spheres + 2 * most, tracer);
   *out = tracer;
   return PL_OK;

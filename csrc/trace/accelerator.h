@@ -3,6 +3,7 @@
 #define PL_TRACE_ACCELERATOR_H
 
 #include "trace/instance.h"
+#include "trace/intersect.h"
 
 typedef struct pl_model_accelerator {
   const pl_model *model; /* borrowed; the key */
@@ -34,6 +35,8 @@ struct pl_tracer {
   size_t instance_count;
   pl_sphere *spheres; /* tree in depth-first order: each sphere is followed by its subtree */
   size_t sphere_count;
+  const pl_intersect *closed[PL_SURFACE_KINDS]; /* kinds with a closed form */
+  size_t closed_count;
   const pl_snapshot *snapshot; /* borrowed */
 };
 

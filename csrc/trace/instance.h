@@ -8,14 +8,14 @@
 #define PL_TRACE_INSTANCE_H
 
 #include "trace/embree.h"
-#include "trace/tracer.h"
+#include "trace/intersect.h"
 
 enum { PL_PACKET = PL_TRACER_PACKET };
 
 /* Ids of the geometries in the scene of a tile of ground. */
 enum { PL_TILE_GRID, PL_TILE_ROCKS };
 
-typedef struct pl_instance {
+struct pl_instance {
   const pl_model *model;     /* NULL when absent, and for a height field */
   RTCScene scene;            /* of the model or height field; borrowed */
   const uint8_t *coincident; /* of the model, borrowed; NULL for none */
@@ -31,7 +31,7 @@ typedef struct pl_instance {
   bool tiled; /* a height field: its scene consists of instances, which are its tiles */
   /* of a height field: number of triangles of rocks in the tiles before each; borrowed, or NULL */
   const uint32_t *first_rocks;
-} pl_instance;
+};
 
 /* Sets the transformation: mesh point p lies at linear p + origin, m. `center` and `radius_m`
  * describe a sphere that encloses the mesh. The caller fills in model, scene and id. */

@@ -1,8 +1,7 @@
-/* Casts rays: first at the meshes whose bounding spheres they enter, then at the few bodies. The
- * nearest hit is returned. */
+/* Casts rays: first at the instances whose bounding spheres they enter, then at the kinds of
+ * geometry with a closed form. The nearest hit is returned. */
 #include "trace/tracer.h"
 
-#include "geom/ellipsoid.h"
 #include "scene/graph_point.h"
 #include "scene/shot_frame.h"
 #include "trace/accelerator.h"
@@ -294,36 +293,6 @@ static void closest_single(const pl_tracer *tracer, const pl_ray *ray, pl_hit *h
   }
 }
 
-/* Returns the distance to a body, or infinity. Its bounding sphere is tested first, with a margin
- * for rounding. */
-static double body_distance(const pl_shot_body *body, const pl_ray *ray) {
-  if (!pl_shot_is_smooth(body))
-    return INFINITY;
-  const pl_vec3 o = ray->origin, d = ray->direction;
-  const pl_vec3 to_center = pl_vec3_sub(body->center, o);
-  const double along = pl_vec3_dot(to_center, d), square = pl_vec3_dot(to_center, to_center);
-  const double reach = body->radius_m * body->radius_m * (1.0 + 1e-6) + 1e-6 * square;
-  if (square - along * along > reach || (along < 0.0 && square > reach))
-    return INFINITY;
-  const pl_vec3 origin = pl_vec3_add(body->camera_unit, pl_mat3_mul_vec(body->to_unit, o));
-  double t;
-  return pl_unit_sphere_intersect(origin, pl_mat3_mul_vec(body->to_unit, d), 0.0, &t) ? t
-                                                                                      : INFINITY;
-}
-
-static void closest_body(const pl_snapshot *shot, const pl_ray *ray, pl_hit *hit) {
-  if (ray->skip_body == PL_EVERY_BODY)
-    return;
-  for (size_t b = 0; b < shot->body_count; b++) {
-    if (ray->skip_body == b)
-      continue;
-    const double t = body_distance(&shot->bodies[b], ray);
-    const double limit = !pl_surface_is_none(hit->surface_id) ? hit->t : ray->t_max;
-    if (t < limit)
-      *hit = (pl_hit){.surface_id = pl_surface_of_body(b), .t = t};
-  }
-}
-
 void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits, size_t count,
                        bool coherent, bool meshes) {
   meshes = meshes && tracer->instance_count > 0;
@@ -336,8 +305,8 @@ void pl_tracer_closest(const pl_tracer *tracer, const pl_ray *rays, pl_hit *hits
     for (size_t i = 0; i < count; i++)
       if (!rays[i].no_meshes)
         closest_single(tracer, &rays[i], &hits[i]);
-  for (size_t i = 0; i < count; i++)
-    closest_body(tracer->snapshot, &rays[i], &hits[i]);
+  for (size_t k = 0; k < tracer->closed_count; k++)
+    tracer->closed[k]->closest(tracer->snapshot, rays, hits, count);
 }
 
 static void occluded_packet_in(const pl_tracer *tracer, const pl_instance *instance,
@@ -386,15 +355,6 @@ static bool occluded_single(const pl_tracer *tracer, const pl_ray *ray) {
   return false;
 }
 
-static bool occluded_by_body(const pl_snapshot *shot, const pl_ray *ray) {
-  if (ray->skip_body == PL_EVERY_BODY)
-    return false;
-  for (size_t b = 0; b < shot->body_count; b++)
-    if (ray->skip_body != b && body_distance(&shot->bodies[b], ray) < ray->t_max)
-      return true;
-  return false;
-}
-
 void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occluded, size_t count,
                         bool coherent) {
   for (size_t i = 0; i < count; i++)
@@ -406,6 +366,6 @@ void pl_tracer_occluded(const pl_tracer *tracer, const pl_ray *rays, bool *occlu
   else if (tracer->instance_count > 0)
     for (size_t i = 0; i < count; i++)
       occluded[i] = occluded_single(tracer, &rays[i]);
-  for (size_t i = 0; i < count; i++)
-    occluded[i] = occluded[i] || occluded_by_body(tracer->snapshot, &rays[i]);
+  for (size_t k = 0; k < tracer->closed_count; k++)
+    tracer->closed[k]->occluded(tracer->snapshot, rays, occluded, count);
 }

@@ -1,4 +1,5 @@
-/* Closest hits and occlusion in a snapshot: meshes with Embree, bodies analytically. */
+/* Closest hits and occlusion in a snapshot: meshes and terrain with Embree, ellipsoids in closed
+ * form. */
 #ifndef PL_TRACE_TRACER_H
 #define PL_TRACE_TRACER_H
 
@@ -48,9 +49,15 @@ void pl_accelerators_destroy(pl_accelerators *kept); /* NULL is allowed */
 
 /* Scene in which the rays of one snapshot are cast. Immutable: several may be used side by side. */
 typedef struct pl_tracer pl_tracer;
-/* Allocated in `arena`. Borrows the snapshot and the cached accelerators. */
-pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *snapshot, pl_arena *arena,
-                          const pl_tracer **out);
+/* How rays meet each kind of geometry, by pl_surface_kind (trace/intersect.h). */
+typedef struct pl_intersect pl_intersect;
+typedef struct pl_intersects {
+  const pl_intersect *of[PL_SURFACE_KINDS]; /* NULL: as part of another kind */
+} pl_intersects;
+/* Allocated in `arena`. Borrows the snapshot and the cached accelerators. `pl_geometry_tracer` of
+ * render/geometry.h does it for all kinds. */
+pl_status pl_tracer_build(pl_accelerators *kept, const pl_snapshot *snapshot,
+                          const pl_intersects *kinds, pl_arena *arena, const pl_tracer **out);
 
 /* Finds the closest hit of each ray. Thread-safe. `coherent` rays (neighbours with similar
  * directions) are traced in packets of PL_TRACER_PACKET, in their order. This choice and the

@@ -173,6 +173,7 @@ class GroundUse(TypedDict):
     tiles: int  # of terrain, in the middle of the frame
     kept_bytes: int  # of tiles that are kept between frames
     widened: float  # factor by which cells are wider than asked, for the limit of tiles; 1: none
+    widened_body: str | None  # the body whose cells are
 
 class FrameResult(TypedDict):
     white_radiance: float  # nan: automatic, and no colour was asked for

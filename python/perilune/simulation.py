@@ -400,12 +400,12 @@ class Simulation:
         if unseen is not None:
             where = f"{self._document.source}: camera.trajectory.target"
             self._remarks.tell_of_key(where, unseen)
-        widened = result["ground"]["widened"]
-        if widened > 1.0:
+        ground = result["ground"]
+        if ground["widened"] > 1.0:
             self._remarks.tell_of_key(
-                f"{self._document.source}: bodies",
-                "terrain needs more tiles than the limit: its cells are"
-                f" {widened:.3g} times as wide as cells_per_pixel asks",
+                f"{self._document.source}: bodies.{ground['widened_body']}.terrain",
+                "the view needs more tiles than the limit: cells are"
+                f" {ground['widened']:.3g} times as wide as cells_per_pixel asks",
             )
         label = camera_label(request, scene.sensor, not undistorted)
         stars = seen(result["stars"])

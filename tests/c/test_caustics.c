@@ -7,6 +7,7 @@
 #include "jointed.h"
 #include "math/sampler.h"
 #include "render/caustics.h"
+#include "render/geometry.h"
 #include "scene/shot_frame.h"
 #include "shade/reflectance.h"
 
@@ -206,7 +207,7 @@ static void build(const world *w, pl_arena *arena, pl_accelerators **kept, pl_sn
   assert_int_equal(pl_snapshot_build(&w->s.scene, &w->s.placement, arena, shot), PL_OK);
   const pl_tracer *tracer;
   assert_int_equal(pl_accelerators_create(kept), PL_OK);
-  assert_int_equal(pl_tracer_build(*kept, shot, arena, &tracer), PL_OK);
+  assert_int_equal(pl_geometry_tracer(*kept, shot, arena, &tracer), PL_OK);
   pl_caustics_build(shot, tracer, PL_DETAIL_FULL, out);
 }
 

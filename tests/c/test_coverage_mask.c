@@ -5,6 +5,7 @@
 #include "jointed.h"
 #include "render/focus.h"
 #include "scenes.h"
+#include "render/geometry.h"
 #include "trace/tracer.h"
 
 enum { WIDTH = 96, HEIGHT = 64, PIXELS = WIDTH * HEIGHT, TRIES = 12 };
@@ -32,7 +33,7 @@ static void world_set(world *w, int rays) {
   pl_arena_reset(&w->arena);
   assert_int_equal(pl_snapshot_build(&w->stage.scene, &w->stage.placement, &w->arena, &w->shot),
                    PL_OK);
-  assert_int_equal(pl_tracer_build(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
+  assert_int_equal(pl_geometry_tracer(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
   assert_int_equal(pl_coverage_update(&w->coverage, &w->shot, 0, HEIGHT, rays, 1), PL_OK);
 }
 

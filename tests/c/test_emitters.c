@@ -7,6 +7,7 @@
 #include "frames.h"
 #include "light/emitters.h"
 #include "math/color.h"
+#include "render/geometry.h"
 
 enum { SIDE = 24 };
 static const float RADIANCE = 50.0f; /* W m-2 sr-1 */
@@ -300,7 +301,7 @@ static void test_density_of_draws(void **state) {
   pl_accelerators *kept;
   const pl_tracer *tracer;
   assert_int_equal(pl_accelerators_create(&kept), PL_OK);
-  assert_int_equal(pl_tracer_build(kept, &shot, &arena, &tracer), PL_OK);
+  assert_int_equal(pl_geometry_tracer(kept, &shot, &arena, &tracer), PL_OK);
   int met[3] = {0}, drawn = 0;
   for (int i = 0; i < 20000; i++) {
     const pl_vec3 point = {random_range(&random, -2, 2), random_range(&random, -2, 2),

@@ -3,6 +3,7 @@
 #include "grounds.h"
 
 #include "random.h"
+#include "render/geometry.h"
 #include "scene/snapshot.h"
 #include "trace/embree.h"
 #include "trace/height_field.h"
@@ -40,7 +41,7 @@ static void open_world(world *w, pl_vec3 direction, double height_m, double stre
                            .center = pl_vec3_scale(view.eye, -1.0),
                            .outer_m = w->field->radius_m};
   w->shot = (pl_snapshot){.bodies = &w->body, .body_count = 1};
-  assert_int_equal(pl_tracer_build(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
+  assert_int_equal(pl_geometry_tracer(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
 }
 
 static void close_world(world *w) {

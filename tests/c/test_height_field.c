@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "frame/height_fields.h"
 #include "random.h"
 #include "terrain/cube.h"
 #include "trace/embree.h"
@@ -410,8 +411,31 @@ static void every_failed_allocation_is_an_error(void **state) {
   close_fixture(&f);
 }
 
+static void reports_name_the_body_of_the_widest_cells(void **state) {
+  (void)state;
+  char names[3][8] = {"moon", "mars", "phobos"};
+  pl_body bodies[3] = {{.name = names[0]}, {.name = names[1]}, {.name = names[2]}};
+  pl_height_field fields[2] = {{.count = 5, .widened = 1.0}, {.count = 7, .widened = 1.5}};
+  pl_shot_body shot_bodies[3] = {{.body = &bodies[0], .field = &fields[0]},
+                                 {.body = &bodies[1], .field = &fields[1]},
+                                 {.body = &bodies[2]}};
+  const pl_snapshot shot = {.bodies = shot_bodies, .body_count = 3};
+  pl_accelerators *kept;
+  pl_frame_result result;
+  assert_int_equal(pl_accelerators_create(&kept), PL_OK);
+  pl_height_fields_report(kept, &shot, &result);
+  assert_int_equal(result.ground_tiles, 12);
+  assert_true(result.ground_widened == 1.5);
+  assert_string_equal(result.ground_widened_body, "mars");
+  fields[1].widened = 1.0;
+  pl_height_fields_report(kept, &shot, &result);
+  assert_true(result.ground_widened == 1.0 && result.ground_widened_body == NULL);
+  pl_accelerators_destroy(kept);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(reports_name_the_body_of_the_widest_cells),
       cmocka_unit_test(no_ray_goes_through),
       cmocka_unit_test(cliffs_are_closed),
       cmocka_unit_test(depths_are_the_height_function),

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "annotate/silhouette.h"
+#include "render/geometry.h"
 #include "frames.h"
 
 enum { WIDTH = 48, HEIGHT = 36, THREADS = 3 };
@@ -317,7 +318,7 @@ static void bench_init(bench *b, const stage *s) {
   pl_arena_init(&b->arena);
   assert_int_equal(pl_snapshot_build(&s->scene, &s->placement, &b->arena, &b->shot), PL_OK);
   assert_int_equal(pl_accelerators_create(&b->kept), PL_OK);
-  assert_int_equal(pl_tracer_build(b->kept, &b->shot, &b->arena, &b->tracer), PL_OK);
+  assert_int_equal(pl_geometry_tracer(b->kept, &b->shot, &b->arena, &b->tracer), PL_OK);
   assert_int_equal(pl_solo_create(b->kept, &b->solo), PL_OK);
   for (size_t i = 0; i < STAGE_THINGS; i++)
     b->extents[i] = PL_EXTENT_NONE;

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "geom/ellipsoid.h"
+#include "render/geometry.h"
 #include "traced.h"
 
 enum { RAYS = 64 };
@@ -176,7 +177,7 @@ static void test_random_scenes(void **state) {
         objects[i].kept = i >= 5 || random_unit(&random) < 0.8;
       }
       w.shot.objects = objects;
-      assert_int_equal(pl_tracer_build(w.kept, &w.shot, &w.arena, &w.tracer), PL_OK);
+      assert_int_equal(pl_geometry_tracer(w.kept, &w.shot, &w.arena, &w.tracer), PL_OK);
       for (int k = 0; k < 12; k++) {
         pl_ray rays[RAYS];
         random_rays(&random, rays);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "random.h"
+#include "render/geometry.h"
 #include "render/vertex.h"
 #include "scenes.h"
 
@@ -108,7 +109,7 @@ static void test_own_triangle(void **state) {
     pl_arena_init(&arena);
     assert_int_equal(pl_accelerators_create(&kept), PL_OK);
     assert_int_equal(pl_snapshot_build(&s.scene, &s.placement, &arena, &shot), PL_OK);
-    assert_int_equal(pl_tracer_build(kept, &shot, &arena, &tracer), PL_OK);
+    assert_int_equal(pl_geometry_tracer(kept, &shot, &arena, &tracer), PL_OK);
     without += count_self_hits(&shot, tracer, false, &random);
     assert_int_equal(count_self_hits(&shot, tracer, true, &random), 0);
     pl_accelerators_destroy(kept);

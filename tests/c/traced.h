@@ -3,6 +3,7 @@
 #define PL_TEST_TRACED_H
 
 #include "scenes.h"
+#include "render/geometry.h"
 #include "trace/tracer.h"
 
 typedef struct world {
@@ -22,7 +23,7 @@ static inline void world_set(world *w) {
   pl_arena_reset(&w->arena);
   assert_int_equal(pl_snapshot_build(&w->stage.scene, &w->stage.placement, &w->arena, &w->shot),
                    PL_OK);
-  assert_int_equal(pl_tracer_build(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
+  assert_int_equal(pl_geometry_tracer(w->kept, &w->shot, &w->arena, &w->tracer), PL_OK);
 }
 static inline void world_clear(world *w) {
   pl_accelerators_destroy(w->kept);

@@ -11,9 +11,10 @@ import pytest
 import perilune
 from perilune.base import rotations
 from perilune.config import ConfigError
+from perilune.config.errors import ConfigWarning
 from perilune.config.terrain import Detail, Terrain
 from perilune.document.loader import read_tree
-from perilune.frame import terrains
+from perilune.frame import passes, terrains
 
 MOON_M = 1737.4e3
 PLACE = {"kind": "cylindrical", "west_deg": -180.0}
@@ -256,3 +257,20 @@ def test_a_frame_is_of_the_ground(scene, repo_dir):
     assert depth[4, 4] == pytest.approx(3000.0, abs=2.0)
     scene["bodies"]["moon"]["terrain"]["finest_cell_m"] = 2e4
     assert (opened(scene, repo_dir).frame(0, threads=1)["depth"] != depth).any()
+
+
+def test_a_view_beyond_the_limit_of_tiles_names_the_body(scene, repo_dir, monkeypatch):
+    """tests/c/test_height_field.c has what the core reports."""
+    scene["render"] = {"samples": 1, "channels": ["depth"]}
+    scene["camera"] |= {"width": 9, "height": 9}
+    sim = opened(scene, repo_dir)
+    render = passes.render
+
+    def limited(*given):
+        result = render(*given)
+        assert result["ground"]["widened_body"] is None
+        return result | {"ground": result["ground"] | {"widened": 1.5, "widened_body": "moon"}}
+
+    monkeypatch.setattr(passes, "render", limited)
+    with pytest.warns(ConfigWarning, match=r"bodies\.moon\.terrain: .* 1\.5 times"):
+        sim.frame(0, threads=1)
