@@ -194,6 +194,22 @@ static int parse_bodies(PyObject *dict, size_t count, pl_body_state *out) {
   return ok ? 0 : -1;
 }
 
+/* Contrast of the maps of bodies; when absent, as in the maps. */
+static int parse_contrast(PyObject *dict, size_t count, pl_body_state *out) {
+  const npy_intp shape[1] = {(npy_intp)count};
+  PyObject *given = Py_XNewRef(PyDict_GetItemString(dict, "body_contrast"));
+  for (size_t i = 0; i < count; i++)
+    out[i].contrast = 0.0f;
+  if (given == NULL)
+    return PyErr_Occurred() ? -1 : 0;
+  PyArrayObject *array = pl_py_array(given, "body_contrast", NPY_DOUBLE, 1, shape);
+  Py_DECREF(given);
+  for (size_t i = 0; array != NULL && i < count; i++)
+    out[i].contrast = (float)(((const double *)PyArray_DATA(array))[i] - 1.0);
+  Py_XDECREF((PyObject *)array);
+  return array != NULL ? 0 : -1;
+}
+
 /* Regolith parameters of bodies; when absent, all values are those of the map, or 0. */
 static int parse_regolith(PyObject *dict, size_t count, pl_body_state *out) {
   enum { BANDS = 3 * PL_REGOLITH_VALUES, ROW = BANDS + 3 };
@@ -370,6 +386,7 @@ int pl_py_request_parse(PyObject *request, const pl_scene *scene, pl_py_states *
       parse_objects(request, scene->craft_count, states->objects) < 0 ||
       parse_movers(request, scene, states) < 0 ||
       parse_bodies(request, scene->body_count, states->bodies) < 0 ||
+      parse_contrast(request, scene->body_count, states->bodies) < 0 ||
       parse_regolith(request, scene->body_count, states->bodies) < 0 ||
       pl_py_clouds_parse(request, scene->body_count, states->bodies) < 0 ||
       pl_py_ground_states(request, scene->body_count, states->bodies) < 0 ||

@@ -132,16 +132,56 @@ static int rocks_of(PyObject *rocks, PyObject *kept, const pl_rock_field **out) 
   return *out != NULL ? PyList_Append(kept, rocks) : -1;
 }
 
-static int create(terrain_object *self, const double radii_m[3], PyObject *layers, PyObject *detail,
-                  PyObject *craters, PyObject *rocks) {
+/* Reads a sequence of (raster, border_posts); None: no rasters. */
+static int stack_of(PyObject *given, const char *what, PyObject *kept, pl_raster_stack *out) {
+  pl_raster_sheet sheets[PL_RASTER_STACK];
+  const Py_ssize_t size = given != Py_None ? PySequence_Size(given) : 0;
+  if (size < 0)
+    return -1;
+  if (size > PL_RASTER_STACK) {
+    PyErr_Format(PyExc_ValueError, "%s: %zd rasters; at most %d are supported", what, size,
+                 PL_RASTER_STACK);
+    return -1;
+  }
+  for (Py_ssize_t n = 0; n < size; n++) {
+    PyObject *item = PySequence_GetItem(given, n), *raster = NULL;
+    const int read = item != NULL && PyTuple_Check(item) &&
+                     PyArg_ParseTuple(item, "Od:raster", &raster, &sheets[n].border_posts);
+    if (read)
+      sheets[n].raster = pl_py_raster_of(raster);
+    else if (!PyErr_Occurred())
+      PyErr_SetString(PyExc_TypeError, "must be (raster, border_posts)");
+    const int failed = !read || sheets[n].raster == NULL || PyList_Append(kept, raster) < 0;
+    Py_XDECREF(item);
+    if (failed)
+      return pl_py_prefix_error(what);
+  }
+  const pl_status status = pl_raster_stack_init(sheets, (size_t)size, out);
+  if (status == PL_OK)
+    return 0;
+  pl_py_raise(status);
+  return pl_py_prefix_error(what);
+}
+
+typedef struct parts {
+  PyObject *layers, *detail, *craters, *rocks, *albedo, *roughness;
+} parts;
+
+static int create(terrain_object *self, const double radii_m[3], const parts *in) {
   pl_terrain_layer given[PL_TERRAIN_LAYERS];
-  pl_terrain_frame frame = {.radii_m = {radii_m[0], radii_m[1], radii_m[2]}, .layers = given};
+  pl_raster_stack albedo, roughness;
+  pl_terrain_frame frame = {.radii_m = {radii_m[0], radii_m[1], radii_m[2]},
+                            .layers = given,
+                            .albedo = &albedo,
+                            .roughness = &roughness};
   self->kept = PyList_New(0);
   if (self->kept == NULL ||
-      (layers != NULL && layers_of(layers, self->kept, given, &frame.layer_count) < 0) ||
-      detail_of(detail, radii_m[0], &frame.detail) < 0 ||
-      craters_of(craters, self->kept, &frame.craters) < 0 ||
-      rocks_of(rocks, self->kept, &frame.rocks) < 0)
+      (in->layers != NULL && layers_of(in->layers, self->kept, given, &frame.layer_count) < 0) ||
+      detail_of(in->detail, radii_m[0], &frame.detail) < 0 ||
+      craters_of(in->craters, self->kept, &frame.craters) < 0 ||
+      rocks_of(in->rocks, self->kept, &frame.rocks) < 0 ||
+      stack_of(in->albedo, "albedo", self->kept, &albedo) < 0 ||
+      stack_of(in->roughness, "roughness", self->kept, &roughness) < 0)
     return -1;
   const pl_status status = pl_terrain_create(&frame, &self->terrain);
   if (status == PL_OK)
@@ -151,18 +191,19 @@ static int create(terrain_object *self, const double radii_m[3], PyObject *layer
 }
 
 static PyObject *terrain_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-  static char *names[] = {"radii_m", "layers", "detail", "craters", "rocks", NULL};
-  PyObject *radii, *layers = NULL, *detail = Py_None, *craters = Py_None, *rocks = Py_None;
+  static char *names[] = {"radii_m", "layers", "detail",    "craters",
+                          "rocks",   "albedo", "roughness", NULL};
+  PyObject *radii;
+  parts in = {NULL, Py_None, Py_None, Py_None, Py_None, Py_None};
   const npy_intp shape[1] = {3};
-  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOO:Terrain", names, &radii, &layers, &detail,
-                                   &craters, &rocks))
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O|OOOOOO:Terrain", names, &radii, &in.layers,
+                                   &in.detail, &in.craters, &in.rocks, &in.albedo, &in.roughness))
     return NULL;
   PyArrayObject *array = pl_py_array(radii, "radii_m", NPY_DOUBLE, 1, shape);
   if (array == NULL)
     return NULL;
   terrain_object *self = (terrain_object *)((allocfunc)PyType_GetSlot(type, Py_tp_alloc))(type, 0);
-  const int failed =
-      self == NULL || create(self, PyArray_DATA(array), layers, detail, craters, rocks) < 0;
+  const int failed = self == NULL || create(self, PyArray_DATA(array), &in) < 0;
   Py_DECREF((PyObject *)array);
   if (!failed)
     return (PyObject *)self;
@@ -372,8 +413,8 @@ static PyGetSetDef terrain_getset[] = {
 };
 
 static PyType_Slot terrain_slots[] = {
-    {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None, craters=None, rocks=None)\n--\n\nHeights "
-                "of a body's ground."},
+    {Py_tp_doc, "Terrain(radii_m, layers=(), detail=None, craters=None, rocks=None, "
+                "albedo=None, roughness=None)\n--\n\nGround of a body."},
     {Py_tp_new, (void *)terrain_new},
     {Py_tp_dealloc, (void *)terrain_dealloc},
     {Py_tp_methods, terrain_methods},

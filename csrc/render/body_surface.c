@@ -2,6 +2,7 @@
  * precision. */
 #include "render/body_surface.h"
 
+#include "render/body_albedo.h"
 #include "render/geometry.h"
 #include "render/ground.h"
 #include "render/regolith.h"
@@ -65,16 +66,17 @@ static void own_surface(const pl_shot_body *body, const pl_beam *beam, const pl_
     return;
   }
   body_color(body, place, detail, map);
-  surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
-                                 pl_minf(map[1] * state->albedo[1], 1.0f),
-                                 pl_minf(map[2] * state->albedo[2], 1.0f));
   surface->emission = pl_vec3f_make(state->emission[0], state->emission[1], state->emission[2]);
   surface->metallic = 0.0f;
   surface->alpha = 1.0f;
   surface->lobes = pl_lobes_plain();
   surface->reflectance = body->body->reflectance;
   if (surface->reflectance->photometric)
-    pl_regolith_shade(body, beam, detail.maps, vertex);
+    pl_regolith_shade(body, beam, detail.maps, vertex, map);
+  pl_body_albedo_finish(body, beam, detail.maps, vertex, map);
+  surface->color = pl_vec3f_make(pl_minf(map[0] * state->albedo[0], 1.0f),
+                                 pl_minf(map[1] * state->albedo[1], 1.0f),
+                                 pl_minf(map[2] * state->albedo[2], 1.0f));
 }
 
 /* The outward shading normal; interpolated on a body with a shape or terrain. */

@@ -2,6 +2,7 @@
 #include "render/planetshine.h"
 
 #include "math/color.h"
+#include "render/body_albedo.h"
 #include "render/render.h"
 #include "shade/reflectance.h"
 
@@ -44,8 +45,8 @@ static float mean_color(const pl_shot_body *body) {
   float map[4] = {1.0f, 1.0f, 1.0f, 1.0f};
   if (body->body->graph != NULL)
     return GRAPH;
-  if (body->body->map != NULL)
-    pl_texture_mean(body->body->map, map);
+  if (body->body->map != NULL || body->body->terrain != NULL)
+    pl_body_albedo_mean(body, map);
   const pl_vec3f color = {map[0] * state->albedo[0], map[1] * state->albedo[1],
                           map[2] * state->albedo[2]};
   const bool veiled = body->body->air != NULL || state->clouds.altitude_m > 0.0;

@@ -248,7 +248,9 @@ pl_status pl_reflectance_lod_fit(const pl_snapshot *shot, pl_arena *arena, pl_vi
       return pl_fail(PL_E_MEMORY, "out of memory for photometric laws");
     samples->shot = shot;
     samples->surface_id = pl_surface_of_body(i);
-    samples->mapped = body->body->map != NULL || body->body->regolith_map != NULL;
+    samples->mapped =
+        body->body->map != NULL || body->body->regolith_map != NULL ||
+        (body->body->terrain != NULL && pl_terrain_albedo(body->body->terrain)->count > 0);
     set_window(body, samples);
     take_samples(samples);
     if (!is_covered(samples))

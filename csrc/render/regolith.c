@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "geom/ellipsoid.h"
+#include "render/body_albedo.h"
 #include "shade/body_map.h"
 
 /* Reads the map at a vertex. */
@@ -25,23 +26,22 @@ static void read_map(const pl_shot_body *body, const pl_beam *beam, bool maps,
   pl_grid_sample(map, lon, lat, width / (body->radius_m * sqrt(fmax(cosine, 0.02))), (float *)out);
 }
 
-static float times(float factor, float value) { return pl_minf(factor * value, 1.0f); }
-
-void pl_regolith_shade(const pl_shot_body *body, const pl_beam *beam, bool maps,
-                       pl_vertex *vertex) {
+void pl_regolith_shade(const pl_shot_body *body, const pl_beam *beam, bool maps, pl_vertex *vertex,
+                       float color[3]) {
   pl_surface *surface = &vertex->surface;
   const pl_regolith *given = &body->state->regolith;
-  const float *albedo = body->state->albedo;
   pl_regolith_texel texel[3] = {0};
   if (body->body->regolith_map != NULL) {
     read_map(body, beam, maps, vertex, texel);
-    if (body->body->map == NULL)
-      surface->color = pl_vec3f_make(times(albedo[0], texel[0].w), times(albedo[1], texel[1].w),
-                                     times(albedo[2], texel[2].w));
+    for (int k = 0; body->body->map == NULL && k < 3; k++)
+      color[k] = texel[k].w;
   }
   surface->regolith = *given;
+  const pl_raster_mix roughness = pl_body_roughness(body, beam, maps, vertex);
   for (int k = 0; k < 3; k++) {
     surface->regolith.band[k] = texel[k].band;
     pl_regolith_band_take(&given->band[k], &surface->regolith.band[k]);
+    float *own = &surface->regolith.band[k].roughness_rad;
+    *own = (float)pl_raster_mixed(roughness, (double)*own);
   }
 }

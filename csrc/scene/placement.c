@@ -136,6 +136,8 @@ static pl_status check_body(const pl_body *body, const pl_body_state *state) {
         !(state->emission[k] >= 0.0f && state->emission[k] <= (float)RADIOMETRY_MAX))
       return pl_fail(PL_E_RANGE, "body '%s': albedo must be 0..10, emission 0..%g", body->name,
                      RADIOMETRY_MAX);
+  if (!(state->contrast >= -1.0f && state->contrast <= 9.0f))
+    return pl_fail(PL_E_RANGE, "body '%s': contrast of albedo must be 0..10", body->name);
   PL_TRY(check_ground(body->name, &state->ground));
   const pl_regolith *regolith = &state->regolith;
   bool valid = regolith->limb >= -1.0f && regolith->limb <= 1.0f;

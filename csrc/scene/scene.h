@@ -170,6 +170,7 @@ typedef struct pl_body_state {
   pl_motion motion;
   pl_vec3 radii_m;
   float albedo[3];            /* factor on the map, or the albedo if there is no map */
+  float contrast;             /* of the maps of albedo about their mean, less 1 */
   float emission[3];          /* W m-2 sr-1 */
   const pl_value *parameters; /* of the body's graph */
   pl_clouds clouds;           /* none by default */

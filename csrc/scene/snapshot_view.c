@@ -104,21 +104,37 @@ static void add_graph(const pl_body *body, pl_view_thing *thing) {
   thing->map_ranges = NULL; /* there is no bound on how the graph transforms a map */
 }
 
+/* Upper bound of the maps of albedo in a band, over which rasters and their contrast may go. */
+static float map_max(const pl_body *body, const pl_body_state *state, int band) {
+  const bool mapped = body->regolith_map != NULL && body->map == NULL;
+  float most = mapped ? body->brightest[band].w : 1.0f;
+  if (body->terrain != NULL)
+    most = fmaxf(most, (float)pl_terrain_albedo(body->terrain)->high);
+  return most * (1.0f + fmaxf(state->contrast, 0.0f));
+}
+
+static bool has_rasters(const pl_body *body) {
+  return body->terrain != NULL && (pl_terrain_albedo(body->terrain)->count > 0 ||
+                                   pl_terrain_roughness(body->terrain)->count > 0);
+}
+
 /* Upper bound of the albedo: the reflectance of the body's brightest soil in its brightest
  * direction. Coats over a diffuse base can reflect all light at grazing angles. */
 static double albedo_max(const pl_body *body, const pl_body_state *state) {
-  const double albedo = fmax(state->albedo[0], fmax(state->albedo[1], state->albedo[2]));
+  float color[3];
+  for (int k = 0; k < 3; k++)
+    color[k] = fminf(state->albedo[k] * map_max(body, state, k), 1.0f);
   if (body->reflectance == &pl_reflectance_lambert)
-    return fmin(albedo, 1.0);
+    return (double)fmaxf(color[0], fmaxf(color[1], color[2]));
   if (!body->reflectance->photometric)
     return 1.0;
   pl_surface surface = {.reflectance = body->reflectance, .regolith = state->regolith};
-  float color[3];
   for (int k = 0; k < 3; k++) {
-    const bool mapped = body->regolith_map != NULL && body->map == NULL;
-    color[k] = fminf(state->albedo[k] * (mapped ? body->brightest[k].w : 1.0f), 1.0f);
     surface.regolith.band[k] = body->brightest[k].band;
     pl_regolith_band_take(&state->regolith.band[k], &surface.regolith.band[k]);
+    float *roughness = &surface.regolith.band[k].roughness_rad; /* which takes light away */
+    if (body->terrain != NULL && pl_terrain_roughness(body->terrain)->count > 0)
+      *roughness = fminf(*roughness, (float)pl_terrain_roughness(body->terrain)->low);
   }
   surface.color = pl_vec3f_make(color[0], color[1], color[2]);
   return pl_regolith_peak(&surface);
@@ -175,12 +191,13 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
       .is_body = true,
       .is_world = true,
       .in_frame = body->in_frame || body->clouds_in_frame,
-      .textured = body->body->map != NULL || body->body->regolith_map != NULL,
+      .textured =
+          body->body->map != NULL || body->body->regolith_map != NULL || has_rasters(body->body),
       .radius_m = body->radius_m,
       .albedo_max = albedo_max(body->body, state),
       .ggx_alpha_min = 1.0,
       .diffuse = diffuse,
-      .pictured = body->body->regolith_map != NULL,
+      .pictured = body->body->regolith_map != NULL || has_rasters(body->body),
       .air = body->body->air,
       .air_in_frame = body->air_in_frame,
       .clouds = state->clouds.altitude_m > 0.0 ? &state->clouds : NULL,
@@ -188,7 +205,9 @@ static pl_view_thing body_thing(const pl_snapshot *shot, const pl_shot_body *bod
       .irradiance = pl_shot_irradiance_max(shot, body->center, body->radius_m),
       .emission_max = fmax(state->emission[0], fmax(state->emission[1], state->emission[2])),
   };
-  if (body->body->map != NULL) {
+  const bool plain = state->contrast == 0.0f && !has_rasters(body->body);
+  thing.pictured = thing.pictured || (body->body->map != NULL && !plain);
+  if (body->body->map != NULL && plain) {
     thing.map_ranges = pl_texture_ranges(body->body->map, &thing.map_levels);
     thing.map_texels_per_m = diffuse ? map_density(state, body->body->map) : 0.0;
   }

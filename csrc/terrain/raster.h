@@ -69,6 +69,11 @@ double pl_raster_value(const pl_raster *raster, int level, double u, double v,
  * derivatives; 0 outside. The border is at most half of the raster. Edges where a raster continues
  * around the body have no border. */
 double pl_raster_weight(const pl_raster *raster, double u, double v, double border_posts);
+/* Returns the mean of that weight over a box `width_rad` wide about a direction, seen from the
+ * body's centre, and writes its column and row: a share of the footprint, also of directions just
+ * outside. 0 where the raster is out of sight. */
+double pl_raster_cover(const pl_raster *raster, pl_vec3 direction, double width_rad,
+                       double border_posts, double *u, double *v);
 /* Writes bounds of pl_raster_value on all levels. */
 void pl_raster_bounds(const pl_raster *raster, pl_raster_interpolation how, double *low,
                       double *high);

@@ -68,6 +68,52 @@ double pl_raster_weight(const pl_raster *r, double u, double v, double border_po
          axis_weight(v, r->rows, border_posts, r->crosses);
 }
 
+/* Integral of ramp(x / width) from 0 to x. */
+static double ramp_area(double x, double width) {
+  if (!(x > 0.0))
+    return 0.0;
+  if (x >= width)
+    return x - 0.5 * width;
+  const double t = x / width, t2 = t * t;
+  return width * t2 * t2 * (2.5 + t * (t - 3.0));
+}
+
+/* Mean of axis_weight between u - half and u + half. Borders of both ends do not overlap, so it is
+ * the sum of both ramps, less 1. */
+static double axis_cover(double u, double half, int count, double border, const bool closed[2]) {
+  const double width = fmin(border, 0.5 * count);
+  double cover = 1.0;
+  if (!(half > 1e-6))
+    return axis_weight(u, count, border, closed);
+  for (int end = 0; end < 2; end++) {
+    const double inside = end == 0 ? u + 0.5 : count - 0.5 - u;
+    if (!closed[end] && !(inside - half >= width))
+      cover +=
+          (ramp_area(inside + half, width) - ramp_area(inside - half, width)) / (2.0 * half) - 1.0;
+  }
+  return fmax(cover, 0.0);
+}
+
+double pl_raster_cover(const pl_raster *r, pl_vec3 direction, double width_rad, double border_posts,
+                       double *u, double *v) {
+  const pl_raster_frame *f = &r->frame;
+  const bool around[2] = {r->wraps, r->wraps};
+  *u = *v = NAN;
+  pl_raster_find(r, direction, u, v);
+  if (isnan(*u))
+    return 0.0;
+  double across = width_rad / fabs(f->dx), along = width_rad / fabs(f->dy); /* in posts */
+  if (f->projection.kind == PL_PROJECTION_CYLINDRICAL) {
+    across = fmin(across / fmax(hypot(direction.x, direction.y), 1e-9), 2.0 * PL_PI / fabs(f->dx));
+  } else {
+    const double unit = pl_raster_spacing_m(r, 1.0) / sqrt(fabs(f->dx * f->dy)); /* rad of 1 m */
+    across /= unit;
+    along /= unit;
+  }
+  return axis_cover(*u, 0.5 * across, r->columns, border_posts, around) *
+         axis_cover(*v, 0.5 * along, r->rows, border_posts, r->crosses);
+}
+
 static int modulo(int i, int n) {
   const int rest = i % n;
   return rest < 0 ? rest + n : rest;

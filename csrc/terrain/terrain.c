@@ -46,6 +46,18 @@ static pl_status check_rocks(const pl_terrain_frame *frame) {
                  radius_m);
 }
 
+/* Values that the laws of reflectance can take. */
+static pl_status check_surface(const pl_terrain_frame *frame) {
+  const pl_raster_stack *albedo = frame->albedo, *roughness = frame->roughness;
+  if (albedo != NULL && !(albedo->low >= 0.0 && albedo->high <= PL_TERRAIN_ALBEDO_MOST))
+    return pl_fail(PL_E_RANGE, "rasters of albedo from %g to %g; must be from 0 to %g", albedo->low,
+                   albedo->high, PL_TERRAIN_ALBEDO_MOST);
+  if (roughness != NULL && !(roughness->low >= 0.0 && roughness->high <= PL_TERRAIN_ROUGHNESS_MOST))
+    return pl_fail(PL_E_RANGE, "rasters of roughness from %g to %g rad; must be from 0 to %g",
+                   roughness->low, roughness->high, PL_TERRAIN_ROUGHNESS_MOST);
+  return PL_OK;
+}
+
 static pl_status check(const pl_terrain_frame *frame) {
   const pl_vec3 r = frame->radii_m;
   if (!pl_vec3_finite(r) || !(r.x > 0.0 && r.y > 0.0 && r.z > 0.0))
@@ -58,6 +70,7 @@ static pl_status check(const pl_terrain_frame *frame) {
     PL_TRY(check_layer(&frame->layers[n], n));
   PL_TRY(check_craters(frame));
   PL_TRY(check_rocks(frame));
+  PL_TRY(check_surface(frame));
   return frame->detail.on ? pl_terrain_detail_check(&frame->detail) : PL_OK;
 }
 
@@ -74,6 +87,9 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
   pl_fractal_detail_init(&frame->detail, t->radius_m, &t->detail);
   t->craters = frame->craters;
   t->rocks = frame->rocks;
+  t->albedo = frame->albedo != NULL ? *frame->albedo : (pl_raster_stack){.mean = {0.0, 1.0}};
+  t->roughness =
+      frame->roughness != NULL ? *frame->roughness : (pl_raster_stack){.mean = {0.0, 1.0}};
   t->layer_count = frame->layer_count;
   for (size_t n = 0; n < t->layer_count; n++) {
     pl_layer *layer = &t->layers[n];
@@ -92,6 +108,12 @@ void pl_terrain_destroy(pl_terrain *terrain) { pl_free(terrain); }
 uint64_t pl_terrain_number(const pl_terrain *terrain) { return terrain->number; }
 
 const pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain) { return terrain->rocks; }
+
+const pl_raster_stack *pl_terrain_albedo(const pl_terrain *terrain) { return &terrain->albedo; }
+
+const pl_raster_stack *pl_terrain_roughness(const pl_terrain *terrain) {
+  return &terrain->roughness;
+}
 
 double pl_terrain_radius_m(const pl_terrain *terrain) { return terrain->radius_m; }
 

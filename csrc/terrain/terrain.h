@@ -24,8 +24,12 @@
 #include "terrain/crater_field.h"
 #include "terrain/detail_law.h"
 #include "terrain/raster.h"
+#include "terrain/raster_stack.h"
 
 #define PL_TERRAIN_LAYERS 16
+/* Greatest values of rasters of albedo and of roughness (rad; a little above 60 degrees). */
+#define PL_TERRAIN_ALBEDO_MOST 10.0
+#define PL_TERRAIN_ROUGHNESS_MOST 1.0473
 
 typedef struct pl_terrain_layer {
   const pl_raster *raster; /* borrowed */
@@ -41,6 +45,9 @@ typedef struct pl_terrain_frame {
   pl_terrain_detail detail;
   const pl_crater_field *craters;    /* borrowed; NULL: none */
   const struct pl_rock_field *rocks; /* borrowed; NULL: none */
+  /* Of the surface, with borrowed rasters; NULL: none. Albedo as in the body's colour map; Hapke's
+   * roughness, rad. */
+  const pl_raster_stack *albedo, *roughness;
 } pl_terrain_frame;
 
 typedef struct pl_terrain pl_terrain;
@@ -57,6 +64,9 @@ uint64_t pl_terrain_number(const pl_terrain *terrain);
 double pl_terrain_radius_m(const pl_terrain *terrain);
 /* The rocks on the ground; NULL for none. They are no part of its heights. */
 const struct pl_rock_field *pl_terrain_rocks(const pl_terrain *terrain);
+/* Rasters of the surface; empty without any. */
+const pl_raster_stack *pl_terrain_albedo(const pl_terrain *terrain);
+const pl_raster_stack *pl_terrain_roughness(const pl_terrain *terrain);
 /* Distance of the ellipsoid from the centre, along a unit direction. */
 double pl_terrain_datum_m(const pl_terrain *terrain, pl_vec3 direction);
 

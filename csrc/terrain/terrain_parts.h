@@ -22,6 +22,7 @@ struct pl_terrain {
   pl_fractal_detail detail;
   const pl_crater_field *craters;
   const struct pl_rock_field *rocks; /* borrowed, or NULL */
+  pl_raster_stack albedo, roughness;
   size_t layer_count;
   pl_layer layers[PL_TERRAIN_LAYERS];
 };

@@ -131,6 +131,7 @@ class FrameRequest(TypedDict):
     body_poses: F64  # (bodies, 2, 7)
     body_radii: F64  # (bodies, 3), m
     body_albedo: F64  # (bodies, 3), linear factor on the map (or the colour itself without one)
+    body_contrast: NotRequired[F64]  # (bodies,), of the maps of albedo about their mean; 1: theirs
     body_emission: F64  # (bodies, 3), W m-2 sr-1
     # (bodies, 27) for photometric reflectances: b, c, B_C0, h_C, B_S0, h_S, roughness in radians,
     # filling factor of each band (nan: the map's, or 0), Minnaert's k, 1 for the H function of 1981

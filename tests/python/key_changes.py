@@ -66,6 +66,8 @@ MODELS = {
 KEYS = {
     ("Body", "shape"): PLACED,
     ("Body", "terrain"): PLACED,
+    ("Terrain", "albedo"): LIGHT,
+    ("Terrain", "roughness"): LIGHT,
     ("Body", "class"): rule("names"),
     ("Shape", "smooth"): LIGHT,
     ("Spacecraft", "centre"): PLACED,

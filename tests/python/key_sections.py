@@ -146,6 +146,7 @@ THINGS = [
         {key: value for key, value in BODY.items() if key != "albedo"} | {"material": "m"},
         {
             "color_map": MAP,
+            "albedo_contrast": 2.0,
             "emission_w_m2_sr": 20.0,
             "reflectance": "lunar_lambert",
             "photometry": {"b": 0.2},
@@ -170,6 +171,7 @@ THINGS = [
             "terrain": {"elevation": [HEIGHTS], "detail": None},
             "color_map": MAP,
             "map_center_lon_deg": 30.0,
+            "albedo_contrast": 2.0,
             "emission_w_m2_sr": 20.0,
             "reflectance": "lunar_lambert",
             "photometry": {"b": 0.2},
@@ -192,7 +194,9 @@ THINGS = [
         },
         {"materials.m": LAMBERT},
     ),
-    Section(Body, AT_BODY, {**BODY, "color_map": MAP}, {"latitudes": "geodetic"}),
+    Section(
+        Body, AT_BODY, {**BODY, "color_map": MAP}, {"latitudes": "geodetic", "albedo_contrast": 2.0}
+    ),
     Section(Body, AT_BODY, BODY, {"classes": {"origin": "found"}}, {"labels.levels": ["origin"]}),
     Section(Clouds, (*AT_BODY, "clouds"), {"map": MAP}, {"latitudes": "geodetic"}),
     Section(
@@ -208,6 +212,8 @@ THINGS = [
         {
             "elevation": [HEIGHTS],
             "detail": None,
+            "albedo": [{"file": GREY_MAP, "scale": 0.01, "projection": HEIGHTS["projection"]}],
+            "roughness": [{"file": GREY_MAP, "scale": 0.3, "projection": HEIGHTS["projection"]}],
             "craters": {"density": 30.0},
             "rocks": {
                 "law": "power",
@@ -220,7 +226,7 @@ THINGS = [
             "cells_per_pixel": 0.25,
             "finest_cell_m": 4e4,
         },
-        {"camera.fov_deg": 2.0},
+        {"camera.fov_deg": 2.0, "bodies.b.reflectance": "hapke"},
     ),
     Section(
         Detail,

@@ -109,8 +109,8 @@ def test_a_failed_request_lets_go_of_the_renderer(world, reference):
     assert_same(rendered(world), reference)
 
 
-_OPTIONAL = {"lens", "focus", "motion", "body_clouds", "body_ground", "sky", "volumes", "sensor",
-             "sun_wavelengths", "amodal"}  # fmt: skip
+_OPTIONAL = {"lens", "focus", "motion", "body_clouds", "body_contrast", "body_ground", "sky",
+             "volumes", "sensor", "sun_wavelengths", "amodal"}  # fmt: skip
 
 
 def test_values_that_leave_their_dictionary(world, reference):

@@ -17,7 +17,7 @@ from perilune.bodies.destep import destepped
 from perilune.bodies.elevation_files import ElevationFile, read
 from perilune.bodies.gaps import filled, missing_in, share
 from perilune.bodies.places import Place
-from perilune.config.elevation import Elevation
+from perilune.config.elevation import Elevation, SurfaceRaster
 from perilune.config.types import Latitudes
 
 F64 = NDArray[np.float64]
@@ -31,7 +31,8 @@ _BLOCK = 1 << 22
 
 @dataclass(frozen=True, eq=False)
 class ElevationRaster:
-    """Heights along lines from a body's centre: scale_m * sample + offset_m.
+    """Heights along lines from a body's centre: scale_m * sample + offset_m; or other numbers of
+    its ground, without metres.
 
     Equal only to itself."""
 
@@ -75,18 +76,18 @@ def read_elevation(
     if given.scale_m is None and file.scale_m is None and path.suffix.lower() == ".png":
         raise ValueError(f"scale_m: {path}: is a PNG; give the metres of one of its levels")
     datum_m = file.datum_m if given.datum_radius_km is None else 1e3 * given.datum_radius_km
-    place = _place(given, file, path, datum_m or radii_m[0], radii_m, latitudes)
+    place = place_of(given, file, path, datum_m or radii_m[0], radii_m, latitudes)
     values = file.values
     if place.dy > 0.0:  # from south to north
         values, place = values[::-1], place.flipped(values.shape[0])
-    values, missing, remarks = _complete(values, given, file, path, place)
+    values, missing, remarks = complete(values, given, file, path, place)
     if given.destep:
         if file.values.dtype.kind == "f":
             raise ValueError(f"destep: {path}: holds floats, which have no steps")
         values = destepped(values, place.goes_round(values.shape[1]))
-    scale_m = _first(given.scale_m, file.scale_m, 1.0)
-    offset_m = _first(given.offset_m, file.offset_m, 0.0)
-    samples, mean = _samples(values)
+    scale_m = first_of(given.scale_m, file.scale_m, 1.0)
+    offset_m = first_of(given.offset_m, file.offset_m, 0.0)
+    samples, mean = samples_of(values)
     offset_m += scale_m * mean
     if datum_m is not None and max(radii_m) - min(radii_m) <= 1e-12 * max(radii_m):
         offset_m, datum_m = offset_m + (datum_m - radii_m[0]), None  # over the body's own sphere
@@ -101,18 +102,20 @@ def read_elevation(
     return found
 
 
-def _first(*values: float | None) -> float:
+def first_of(*values: float | None) -> float:
+    """The first that is given."""
     return next(value for value in values if value is not None)
 
 
-def _place(
-    given: Elevation,
+def place_of(
+    given: Elevation | SurfaceRaster,
     file: ElevationFile,
     path: Path,
     radius_m: float,
     radii_m: tuple[float, float, float],
     latitudes: Latitudes,
 ) -> Place:
+    """Where a raster lies, by its section or its file."""
     if given.projection is None:
         if file.place is None:
             why = file.misplaced or "does not say where it lies"
@@ -124,17 +127,24 @@ def _place(
     return places.given(given.projection, (rows, columns), radius_m, ratio)
 
 
-def _complete(
-    values: NDArray[Any], given: Elevation, file: ElevationFile, path: Path, place: Place
+def complete(
+    values: NDArray[Any],
+    given: Elevation | SurfaceRaster,
+    file: ElevationFile,
+    path: Path,
+    place: Place,
 ) -> tuple[NDArray[Any], float, tuple[str, ...]]:
     """The numbers without gaps, the fraction that was filled, and remarks."""
     marks = [file.no_data, given.missing, _MARK if values.dtype.kind == "f" else None]
     missing = _missing(values, marks)
+    heights = isinstance(given, Elevation)
+    noun = "heights" if heights else "numbers"
     if missing is None:
-        return values, 0.0, () if given.missing is not None else _holes(values, place)
+        of_heights = heights and given.missing is None
+        return values, 0.0, _holes(values, place) if of_heights else ()
     if missing.all():
-        raise ValueError(f"missing: {path}: holds no heights: all of its numbers are no-data")
-    remark = f"{share(missing, 'heights')} no-data: filled from those around them"
+        raise ValueError(f"missing: {path}: holds no {noun}: all of its numbers are no-data")
+    remark = f"{share(missing, noun)} no-data: filled from those around them"
     whole = filled(values, missing, place.goes_round(values.shape[1]))
     exact = values.dtype.newbyteorder("=").type in _SAMPLES  # float32 holds the known ones
     return whole.astype(np.float32) if exact else whole, float(missing.mean()), (remark,)
@@ -169,7 +179,7 @@ def _holes(values: NDArray[Any], place: Place) -> tuple[str, ...]:
     return (f"{text}: if they are missing, give missing: 0",)
 
 
-def _samples(values: NDArray[Any]) -> tuple[NDArray[Any], float]:
+def samples_of(values: NDArray[Any]) -> tuple[NDArray[Any], float]:
     """The numbers in a type of the core, and a number to be added to them; a copy only where it is
     needed. Of wider types the mean is taken away, which would cost 32-bit floats precision."""
     native = values.dtype.newbyteorder("=")

@@ -37,20 +37,25 @@ class ElevationFile:
     no_data: float | None = None
 
 
-def read(path: Path, raw: RawSamples | None) -> ElevationFile:
-    """ValueError that names a file that cannot be read."""
+def read(path: Path, raw: RawSamples | None, band: int | None = None) -> ElevationFile:
+    """ValueError that names a file that cannot be read. band: of a TIFF that has several, from
+    1 on."""
     if not path.is_file():
         raise ValueError(f"file: {path}: no such file")
     reader = _reader(path)
     if raw is not None and reader is not _image:
         raise ValueError(f"raw: {path}: only for images (.img) without a label")
+    if band is not None and reader is not _tiff:
+        raise ValueError(f"band: {path}: only for TIFF files of several bands")
     try:
-        return reader(path, raw)
+        return reader(path, raw) if band is None else _tiff(path, raw, band)
     except ModuleNotFoundError as error:
         raise ValueError(f"file: {path}: {error}") from None
     except ValueError as error:
         text = str(error)
-        raise ValueError(text if text.startswith("raw: ") else f"file: {text}") from None
+        raise ValueError(
+            text if text.startswith(("raw: ", "band: ")) else f"file: {text}"
+        ) from None
 
 
 def _reader(path: Path) -> Callable[[Path, RawSamples | None], ElevationFile]:
@@ -137,7 +142,7 @@ def _placed(place: Callable[[], Place | None]) -> tuple[Place | None, str]:
         return None, str(error)
 
 
-def _tiff(path: Path, _: RawSamples | None) -> ElevationFile:
+def _tiff(path: Path, _: RawSamples | None, band: int | None = None) -> ElevationFile:
     try:
         with tiff.first_page(path) as page:
             if page.nbytes > _BYTES_MAX:
@@ -148,20 +153,38 @@ def _tiff(path: Path, _: RawSamples | None) -> ElevationFile:
             metadata = page.tags.get(_METADATA_TAG)
             text = "" if metadata is None else str(metadata.value)
             place, misplaced = _placed(lambda: georeference.of_page(page))
+            planes = page.axes.startswith("S")
     except ModuleNotFoundError:
         raise
     except Exception as error:  # whatever a decoder makes of a broken file
         raise ValueError(f"{path}: not a TIFF that is read here: {error}") from None
+    if band is not None:
+        values = _band_of(values, planes, band, path)
     if values.ndim != 2 or values.dtype.kind not in "uif":
         what = f"{values.dtype} of shape {values.shape}"
-        raise ValueError(f"{path}: holds {what}, not one band of heights")
-    scale, offset = (_gdal_number(text, role) for role in ("scale", "offset"))
+        raise ValueError(f"{path}: holds {what}, not one band of numbers")
+    scale, offset = (_gdal_number(text, role, (band or 1) - 1) for role in ("scale", "offset"))
     return ElevationFile(values, place, misplaced, scale, offset, None, no_data)
 
 
-def _gdal_number(metadata: str, role: str) -> float | None:
-    found = re.search(rf'<Item\b[^>]*\brole="{role}"[^>]*>([^<]*)</Item>', metadata)
-    return None if found is None else float(found[1])
+def _band_of(values: NDArray[Any], planes: bool, band: int, path: Path) -> NDArray[Any]:
+    """A band of (rows, columns, bands), or, with `planes`, of (bands, rows, columns)."""
+    whole = (
+        values[..., None] if values.ndim == 2 else np.moveaxis(values, 0, -1) if planes else values
+    )
+    count = whole.shape[-1]
+    if whole.ndim != 3 or band > count:
+        raise ValueError(f"band: {path}: {band}; the file has {count}")
+    return np.ascontiguousarray(whole[:, :, band - 1])
+
+
+def _gdal_number(metadata: str, role: str, sample: int) -> float | None:
+    """What GDAL says of a band, from 0 on; without a number it speaks of the first."""
+    for attributes, text in re.findall(r"<Item\b([^>]*)>([^<]*)</Item>", metadata):
+        numbered = re.search(r'\bsample="(\d+)"', attributes)
+        if f'role="{role}"' in attributes and int(numbered[1] if numbered else 0) == sample:
+            return float(text)
+    return None
 
 
 def _rasterio(path: Path, _: RawSamples | None) -> ElevationFile:

@@ -19,7 +19,8 @@ F64 = NDArray[np.float64]
 
 _KEYS = ("b", "c", "b_c0", "h_c", "b_s0", "h_s", "roughness_deg", "filling")
 """Parameters in the core's order, which is that of the published maps after w."""
-_ROUGHNESS = _KEYS.index("roughness_deg")
+_ROUGH = "roughness_deg"
+_ROUGHNESS = _KEYS.index(_ROUGH)
 _LOW = (0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _HIGH = (1.0, 0.95, 2.0, 10.0, 10.0, 10.0, 10.0, 60.0, 0.75)
 """Upper limits of a map's bands: the ranges of the configuration."""
@@ -46,6 +47,11 @@ def check(config: Config) -> Iterator[tuple[str, str]]:
     """Key and message for each parameter that a body's model does not use."""
     for name, body in config.bodies.items():
         given = body.photometry
+        if body.terrain is not None and body.terrain.roughness:
+            laws = [row["name"] for row in _core.REFLECTANCES if _ROUGH in reads(row["name"])]
+            if body.reflectance not in laws:
+                key = f"bodies.{name}.terrain.roughness"
+                yield key, f"only for reflectance {', '.join(laws)}, not {body.reflectance}"
         if given is None or body.reflectance not in _core.NODES:
             continue
         known = reads(body.reflectance)

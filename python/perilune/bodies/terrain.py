@@ -58,9 +58,20 @@ def remarks_of(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster])
     ]
 
 
-def core_terrain(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster]) -> _core.Terrain:
-    """The core's heights of a section. rasters: what its `elevation` was read to; those that
-    reach a pole get a patch over it. Raises ValueError."""
+def _sheets(rasters: Sequence[ElevationRaster], radius_m: float) -> list[tuple[Any, float]]:
+    whole = [patch for row in rasters for patch in with_patches(row, radius_m)]
+    return [(row.raster, row.border_posts) for row in whole]
+
+
+def core_terrain(
+    given: Terrain,
+    radii_m: F64,
+    rasters: Sequence[ElevationRaster],
+    albedo: Sequence[ElevationRaster] = (),
+    roughness: Sequence[ElevationRaster] = (),
+) -> _core.Terrain:
+    """The core's ground of a section. rasters, albedo, roughness: what its keys were read to;
+    those that reach a pole get a patch over it. Raises ValueError."""
     whole = [patch for row in rasters for patch in with_patches(row, float(radii_m[0]))]
     layers = [(row.raster, row.interpolation, row.border_posts, row.datum_m) for row in whole]
     detail = None if given.detail is None else _detail(given.detail)
@@ -69,7 +80,8 @@ def core_terrain(given: Terrain, radii_m: F64, rasters: Sequence[ElevationRaster
     radius_m = float(np.cbrt(np.prod(radii_m)))
     craters = None if given.craters is None else crater_field(given.craters, radius_m)
     rocks = None if given.rocks is None else rock_field(given.rocks, radius_m)
-    return _core.Terrain(radii_m, layers, detail, craters, rocks)
+    sheets = [_sheets(rows, float(radii_m[0])) for rows in (albedo, roughness)]
+    return _core.Terrain(radii_m, layers, detail, craters, rocks, *sheets)
 
 
 def ground_of(terrain: _core.Terrain, radii_m: F64, geodetic: bool) -> Ground:

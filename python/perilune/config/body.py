@@ -64,6 +64,9 @@ class Body(Strict):
     albedo: _Albedo | None = None
     """Linear factor on the colour map (default 1). Without a map: the colour itself (default: the
     table's Bond albedo)."""
+    albedo_contrast: Annotated[float, Field(strict=True, ge=0.0, le=10.0)] = 1.0
+    """Contrast of its maps of albedo about their mean over the body: 1 as in the maps, 0 none, 2
+    twice. Of the color_map, of photometry.maps without one, and of terrain.albedo."""
     emission_w_m2_sr: Rgb = (0.0, 0.0, 0.0)
     """Radiance that the whole surface emits: a number for all bands, or [r, g, b]."""
     reflectance: str = "lambert"
@@ -171,6 +174,20 @@ class Body(Strict):
         for key in ("shape", "relief"):
             if self.terrain is not None and getattr(self, key) is not None:
                 fail("terrain", f"not with {key}: it is the ground, and has its slopes")
+        return self
+
+    @model_validator(mode="after")
+    def _surface_of_terrain(self) -> Body:
+        given = self.terrain
+        rasters = given is not None and (given.albedo or given.roughness)
+        if rasters and self.material is not None:
+            key = "albedo" if given is not None and given.albedo else "roughness"
+            fail(f"terrain.{key}", f"not for a body with a material; give it to '{self.material}'")
+        mapped = self.color_map is not None or self.has_parameter_maps
+        if not mapped and not (given is not None and given.albedo) and not self.is_replaced:
+            self._only_with("a color_map, photometry.maps or terrain.albedo", "albedo_contrast")
+        if self.material is not None:
+            self._only_with("a surface of its own, not a material", "albedo_contrast")
         return self
 
     @model_validator(mode="after")

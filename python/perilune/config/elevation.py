@@ -104,6 +104,38 @@ class RawSamples(Strict):
     """Numbers in a row. Default: twice the number of rows."""
 
 
+class SurfaceRaster(Strict):
+    """Numbers of a surface from one file: a whole body, or a patch that is laid over what comes
+    before it. Missing numbers are filled from those around them, with a warning."""
+
+    file: FileName
+    """As of elevation: PDS image, TIFF, NumPy array, grey PNG, or what rasterio reads. Relative to
+    this file, or data:... under PERILUNE_DATA."""
+    projection: Place | None = None
+    """Where the raster lies. Default: what the file's label or georeference says."""
+    raw: RawSamples | None = None
+    """Layout of an .img file without a label."""
+    band: Annotated[int, Field(strict=True, ge=1)] | None = None
+    """Band of a TIFF with several, from 1 on."""
+    scale: StaticFinite | None = None
+    """Factor on the file's numbers. Default: the file's own, else 1; a PNG needs it (8 bits from 0
+    to 1: 0.00392157). They are linear, without the curve of sRGB."""
+    offset: StaticFinite | None = None
+    """What is added then. Default: the file's own, else 0."""
+    missing: StaticFinite | None = None
+    """Number of the file that marks missing ones, besides those that the file declares, numbers
+    that are not finite or beyond 1e30, and -32768 unless bytes or unsigned."""
+    border_posts: _Posts = 8.0
+    """Width of the border in which a patch fades into what lies below it; at most half of the
+    patch."""
+
+    @model_validator(mode="after")
+    def _some_scale(self) -> SurfaceRaster:
+        if self.scale == 0.0:
+            fail("scale", "must not be 0")
+        return self
+
+
 class Elevation(Strict):
     """Heights from one file: a whole body, or a patch that is laid over what comes before it.
 

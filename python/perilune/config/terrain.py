@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.craters import Craters
-from perilune.config.elevation import Elevation
+from perilune.config.elevation import Elevation, SurfaceRaster
 from perilune.config.errors import fail
 from perilune.config.rocks import Rocks
 from perilune.config.types import NonNegative, Positive, Strict, refuse_drawn
@@ -89,6 +89,14 @@ class Terrain(Strict):
     """Elevation models, from coarse to fine: each lies over those before it."""
     detail: Detail | None = Detail.of_defaults()
     """Fractal detail below the posts, or everywhere without elevation. null: none."""
+    albedo: Annotated[tuple[SurfaceRaster, ...], Field(max_length=8)] = ()
+    """Rasters of albedo, from coarse to fine: each lies over those before it, the first over the
+    body's colour map or photometric maps. Their numbers, 0 to 10, mean what those maps' do: they
+    are multiplied by the body's `albedo`, and the product is at most 1."""
+    roughness: Annotated[tuple[SurfaceRaster, ...], Field(max_length=8)] = ()
+    """Rasters of Hapke's macroscopic roughness, 0 to 60 degrees, from coarse to fine: each lies
+    over those before it, the first over the body's photometry.roughness_deg; only for reflectance
+    with a roughness."""
     craters: Craters | None = None
     """Craters where elevation models do not show them; none by default."""
     rocks: Rocks | None = None

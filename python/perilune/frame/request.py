@@ -36,6 +36,7 @@ class _Surfaces(NamedTuple):
 
     radii: F64
     albedo: F64
+    contrast: F64
     emission: F64
     regolith: F64
     ground: F64
@@ -52,6 +53,7 @@ def _surfaces_of(scene: World) -> _Surfaces:
         found = _Surfaces(
             _stacked([scene.body_radii_m[name] for name in config.bodies], (3,)),
             _albedos(scene),
+            np.array([body.albedo_contrast for body in config.bodies.values()]),
             np.array([body.emission_w_m2_sr for body in config.bodies.values()]),
             photometry.regolith(config),
             ground.numbers(config),
@@ -113,6 +115,7 @@ def request_of(
         "motion": _motion(config, keys),
         "body_radii": surfaces.radii,
         "body_albedo": surfaces.albedo,
+        "body_contrast": surfaces.contrast,
         "body_emission": surfaces.emission,
         "body_regolith": surfaces.regolith,
         "body_clouds": clouds.rows(config, scene.t_s + 0.5 * scene.window_s),

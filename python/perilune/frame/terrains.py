@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from perilune import _core, orbits
 from perilune.bodies import terrain as terrains
 from perilune.bodies.elevation import ElevationRaster, read_elevation
 from perilune.bodies.shapes import BodyShape
+from perilune.bodies.surface_rasters import ALBEDO, ROUGHNESS, Quantity, read_surface
 from perilune.config.body import Body
+from perilune.config.elevation import Elevation, SurfaceRaster
 from perilune.config.errors import ConfigError
 from perilune.config.types import Latitudes
 from perilune.document.document import Document
@@ -48,19 +50,28 @@ class Terrains:
             self._shapes[key] = Ground(radii, body.is_geodetic, shape().surfaces_m)
         return self._shapes[key]
 
-    def _elevation(
-        self, document: Document, name: str, k: int, body: Body, teller: Teller
+    def _raster(
+        self,
+        document: Document,
+        key: str,
+        given: Elevation | SurfaceRaster,
+        quantity: Quantity | None,
+        body: Body,
+        teller: Teller,
     ) -> ElevationRaster:
-        """An elevation model of a body; each is read once."""
-        assert body.terrain is not None  # it has elevation models
-        given, key = body.terrain.elevation[k], f"bodies.{name}.terrain.elevation[{k}]"
+        """A raster of a body, at `key`; each is read once. quantity: None for elevation models."""
         path = document.path(given.file, f"{key}.file")
         x, y, z = orbits.radii_m(body).tolist()
         latitudes: Latitudes = "geodetic" if body.is_geodetic else "geocentric"
-        read = (path, given, (x, y, z), latitudes)
+        read = (path, given, quantity, (x, y, z), latitudes)
         if read not in self._elevations:
             try:
-                self._elevations[read] = read_elevation(given, path, (x, y, z), latitudes)
+                if isinstance(given, Elevation):
+                    found = read_elevation(given, path, (x, y, z), latitudes)
+                else:
+                    assert quantity is not None  # it is no elevation model
+                    found = read_surface(given, path, quantity, (x, y, z), latitudes)
+                self._elevations[read] = found
             except ValueError as error:
                 raise ConfigError(f"{document.source}:\n  {key}.{error}") from error
         found = self._elevations[read]
@@ -74,17 +85,28 @@ class Terrains:
         Raises ConfigError."""
         assert body.terrain is not None  # it has one
         given, radii = body.terrain, orbits.radii_m(body)
-        parts = given.elevation, given.detail, given.craters, given.rocks
+        surface = given.albedo, given.roughness
+        parts = (given.elevation, given.detail, given.craters, given.rocks, *surface)
         key = (name, *parts, tuple(radii), body.is_geodetic)
         if key not in self._terrains:
-            count = len(given.elevation)
-            rasters = [self._elevation(document, name, k, body, teller) for k in range(count)]
+            where = f"bodies.{name}.terrain"
+
+            def read(
+                key: str, rows: Sequence[Elevation | SurfaceRaster], quantity: Quantity | None
+            ) -> list[ElevationRaster]:
+                return [
+                    self._raster(document, f"{where}.{key}[{k}]", row, quantity, body, teller)
+                    for k, row in enumerate(rows)
+                ]
+
+            rasters = read("elevation", given.elevation, None)
+            albedo = read("albedo", given.albedo, ALBEDO)
+            roughness = read("roughness", given.roughness, ROUGHNESS)
             _make_room(self._terrains)
             try:
-                core = terrains.core_terrain(given, radii, rasters)
+                core = terrains.core_terrain(given, radii, rasters, albedo, roughness)
             except ValueError as error:
-                where = f"{document.source}:\n  bodies.{name}.terrain"
-                raise ConfigError(f"{where}: {error}") from error
+                raise ConfigError(f"{document.source}:\n  {where}: {error}") from error
             for text in terrains.remarks_of(given, radii, rasters):
                 teller.tell_of_key(f"bodies.{name}.terrain.detail.from_elevation", text)
             self._terrains[key] = core, terrains.ground_of(core, radii, body.is_geodetic)

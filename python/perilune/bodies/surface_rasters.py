@@ -1,0 +1,66 @@
+"""Rasters of the surface of terrain, albedo and roughness, from files of any supported kind."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from perilune.bodies.elevation import ElevationRaster, complete, first_of, place_of, samples_of
+from perilune.bodies.elevation_files import read
+from perilune.config.elevation import SurfaceRaster
+from perilune.config.types import Latitudes
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What the numbers of rasters are."""
+
+    name: str
+    """Key of `terrain`."""
+    most: float
+    """Greatest number; the least is 0."""
+    unit: float
+    """What 1 is in the core."""
+
+
+ALBEDO = Quantity("albedo", 10.0, 1.0)
+ROUGHNESS = Quantity("roughness", 60.0, math.pi / 180.0)
+
+
+def read_surface(
+    given: SurfaceRaster,
+    path: Path,
+    quantity: Quantity,
+    radii_m: tuple[float, float, float],
+    latitudes: Latitudes = "geocentric",
+) -> ElevationRaster:
+    """Numbers of a file. radii_m: of the body's ellipsoid, along its axes; latitudes: of its maps.
+
+    Raises ValueError that names the key, below the section, and the file."""
+    file = read(path, given.raw, given.band)
+    if given.scale is None and file.scale_m is None and path.suffix.lower() == ".png":
+        raise ValueError(f"scale: {path}: is a PNG; give what one of its levels stands for")
+    place = place_of(given, file, path, radii_m[0], radii_m, latitudes)
+    values = file.values
+    if place.dy > 0.0:  # from south to north
+        values, place = values[::-1], place.flipped(values.shape[0])
+    values, missing, remarks = complete(values, given, file, path, place)
+    scale = first_of(given.scale, file.scale_m, 1.0)
+    samples, mean = samples_of(values)
+    offset = first_of(given.offset, file.offset_m, 0.0) + scale * mean
+    found = ElevationRaster(
+        samples, place, scale * quantity.unit, offset * quantity.unit, str(path),
+        border_posts=given.border_posts, missing=missing, remarks=remarks,
+    )  # fmt: skip
+    try:
+        low, high = (number / quantity.unit for number in found.raster.bounds())
+    except ValueError as error:
+        raise ValueError(f"projection: {path}: {error}") from None
+    if low < 0.0 or high > quantity.most:
+        allowed = f"allowed: 0 to {quantity.most:g}"
+        raise ValueError(
+            f"scale: {path}: with scale {scale:g} and offset {offset - scale * mean:g} its numbers "
+            f"go from {low:.6g} to {high:.6g}; {allowed}"
+        )
+    return found
