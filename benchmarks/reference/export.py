@@ -18,7 +18,7 @@ from PIL import Image as Picture
 
 import perilune
 
-from . import gas, sheets
+from . import gas, ground, sheets
 from .gltf import File
 from .palette import split
 from .scene import Array, Image, Input, Material, Mesh, Scene
@@ -59,6 +59,9 @@ def _check(sim: perilune.Simulation, config: Any) -> None:
         wrong += [f"bodies.{name}.{key}" for key in extras if getattr(body, key, None) is not None]
         if body.atmosphere is not None and (names := gas.unknown(body.atmosphere)):
             wrong.append(f"bodies.{name}.atmosphere ({', '.join(names)})")
+        wrong += ground.check(name, body.terrain)
+        if body.terrain is not None and body.color_map is not None:
+            wrong.append(f"bodies.{name}.color_map (with terrain)")
         if body.reflectance != "lambert":
             wrong.append(f"bodies.{name}.reflectance: {body.reflectance}")
     wrong += [f"spacecraft.{n}.materials" for n, c in config.spacecraft.items() if c.materials]
@@ -110,8 +113,8 @@ def export(sim: perilune.Simulation, frame: int, rows: int = ROWS) -> Scene:
         place = camera @ middle(request["body_poses"][index])
         albedo = tuple(float(v) for v in request["body_albedo"][index])
         path = body.color_map and sim.document.path(body.color_map, f"bodies.{name}.color_map")
-        ground = Material(name, _map(path, albedo), lambert=True)
-        scene.materials.append(ground if body.ocean is None else _sea(sim, name, body))
+        soil = Material(name, _map(path, albedo), lambert=True)
+        scene.materials.append(soil if body.ocean is None else _sea(sim, name, body))
         geodetic = body.is_geodetic
         radii = request["body_radii"][index]
         if body.atmosphere is not None:
@@ -120,7 +123,9 @@ def export(sim: perilune.Simulation, frame: int, rows: int = ROWS) -> Scene:
                 below = np.zeros(3)
             scene.air.append(gas.gas_of(body, radii, below, place[:3, 3]))
         center = math.radians(body.map_center_lon_deg)
-        if name in shapes:
+        if body.terrain is not None:
+            mesh = ground.square(sim, frame, name, place)
+        elif name in shapes:
             mesh = _shape(shapes[name].model.mesh(), geodetic and radii, center)
         else:
             mesh = ellipsoid(radii, geodetic, center, rows)

@@ -167,6 +167,17 @@ FRAMES = {
         },
         fine_phobos,
     ),
+    "ground": Frame(
+        "paper2_slope.yaml",
+        0,
+        {
+            "bodies.moon.reflectance": "lambert",
+            "bodies.moon.albedo": 0.3,
+            "bodies.moon.terrain.rocks": None,
+            "sun.at.elevation_deg": 12.0,
+            "sun.at.azimuth_deg": 70.0,
+        },
+    ),
     "foil": Frame(alone(), make=foil),
     "air": Frame(air(multiple=True)),
     "air_once": Frame(air(multiple=False)),
