@@ -125,42 +125,6 @@ def cone(tmp_path_factory):
     return path
 
 
-def shadow_of_cone(x: np.ndarray, y: np.ndarray, elevation_deg: float) -> np.ndarray:
-    """How far points of the plane are inside the shadow of the cone, m: the Sun is in the east, and
-    the shadow is the hull of the base and of the shadow of the tip."""
-    tip = -60.0 / math.tan(math.radians(elevation_deg))
-    edge = math.acos(-100.0 / tip)  # tangents from the tip's shadow touch the base there
-    sides = [100.0 - (-np.cos(edge) * x + sign * np.sin(edge) * y) for sign in (-1.0, 1.0)]
-    west = x < -100.0 * math.cos(edge)
-    return np.where(west, np.minimum(*sides), 100.0 - np.hypot(x, y))
-
-
-@pytest.mark.parametrize(("elevation_deg", "height_m"), [(5.0, 1500.0), (20.0, 600.0)])
-def test_the_shadow_of_a_cone(cone, elevation_deg, height_m):
-    place = {"kind": "orthographic", "center_lon_lat_deg": [LON_DEG, LAT_DEG], "post_m": 2.0}
-    row = {"file": str(cone), "projection": place}
-    sun = {"at": {"lon_deg": LON_DEG, "lat_deg": LAT_DEG, "azimuth_deg": 90.0,
-                  "elevation_deg": elevation_deg}}  # fmt: skip
-    camera = {"trajectory": over(height_m), "fov_deg": 40.0,
-              "width": 128, "height": 96}  # fmt: skip
-    hard = {"samples": 1, "max_bounces": 0, "force_off": ["soft_sun", "antialiasing"]}
-    sim = moon({"elevation": [row], "detail": None}, camera, sun=sun, render=hard)
-    sample = sim.frame(0, ["radiance", "position"])
-    points = in_body_axes(sim, sample)
-    lon, lat = math.radians(LON_DEG), math.radians(LAT_DEG)
-    east = np.array([-math.sin(lon), math.cos(lon), 0.0])
-    north = np.array([-math.sin(lat) * math.cos(lon), -math.sin(lat) * math.sin(lon),
-                      math.cos(lat)])  # fmt: skip
-    x, y = points @ east, points @ north
-    deep = shadow_of_cone(x, y, elevation_deg)
-    on_plane = np.hypot(x, y) > 104.0
-    dark = sample["radiance"][..., 1] == 0.0
-    pixel_m = height_m * math.radians(40.0) / 128
-    sure = on_plane & (np.abs(deep) > pixel_m + 4.0)
-    assert (sure & (deep > 0)).sum() > 20
-    np.testing.assert_array_equal(dark[sure], deep[sure] > 0.0)
-
-
 def test_far_casters_are_fine_where_their_shadows_are_seen(cone):
     """Beside the cone, which is outside of the frame: its shadow is as exact as if it were seen,
     and that of a cone of wide cells is not."""
