@@ -159,6 +159,12 @@ const pl_channel pl_channels[] = {
     {"roughness_laplacian", "float32", 4, 0, "m",
      "size of the Laplacian (four neighbours) of the elevation in view; nan as slope_sobel",
      PL_BLANK_NAN, NULL},
+    {"slope_baseline", "float32", 4, PL_COMPONENTS_BASELINES, "rad",
+     "slope of the ground itself at each baseline; nan off bodies with terrain", PL_BLANK_NAN,
+     NULL},
+    {"rms_height", "float32", 4, PL_COMPONENTS_BASELINES, "m",
+     "RMS height of the ground over its plane at each baseline; nan off bodies with terrain",
+     PL_BLANK_NAN, NULL},
     {"rock_id", "int64", 8, 0, "id", "rock on the ground; 0 where there is none", PL_BLANK_ZERO,
      pl_write_rock_id},
 };

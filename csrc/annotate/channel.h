@@ -26,6 +26,9 @@ typedef struct pl_label_run {
 /* Value of pixels where nothing is hit. */
 typedef enum pl_label_blank { PL_BLANK_ZERO, PL_BLANK_NAN } pl_label_blank;
 
+/* Components of (H, W, baselines); see pl_ground_settings. */
+#define PL_COMPONENTS_BASELINES (-3)
+
 /* components is 0 for a plain (H, W) channel, n for (H, W, n), -1 for (H, W, levels). */
 typedef struct pl_channel {
   const char *name;

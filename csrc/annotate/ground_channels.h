@@ -16,8 +16,10 @@ void pl_write_slope(const pl_label_run *run, void *pixels);
 /* Ids of rocks are those of pl_rock: the same in any frame. */
 void pl_write_rock_id(const pl_label_run *run, void *pixels);
 
-/* From the elevations of neighbouring pixels. */
-pl_status pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1, void *image);
-pl_status pl_write_roughness_laplacian(const pl_ground_map *map, int y0, int y1, void *image);
+/* Rows y0 to y1 - 1 of images of the map. From the elevations of neighbouring pixels: */
+void pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1);
+void pl_write_roughness_laplacian(const pl_ground_map *map, int y0, int y1);
+/* From heights around the points, of bodies with terrain: slope_baseline and rms_height. */
+pl_status pl_write_planes(const pl_ground_map *map, int y0, int y1);
 
 #endif

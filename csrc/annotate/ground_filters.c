@@ -60,15 +60,14 @@ static float slope_of(const window *w) {
   return (float)atan(hypot(hx * ny - hy * nx, hy * ex - hx * ey) / fabs(area));
 }
 
-pl_status pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1, void *image) {
+void pl_write_slope_sobel(const pl_ground_map *map, int y0, int y1) {
   const int width = map->shot->camera.width;
-  float *out = (float *)image + (size_t)y0 * (size_t)width;
+  float *out = (float *)map->images[PL_GROUND_SLOPE_SOBEL] + (size_t)y0 * (size_t)width;
   for (int y = y0; y < y1; y++)
     for (int x = 0; x < width; x++) {
       window w;
       *out++ = look_around(map, x, y, &w) ? slope_of(&w) : NAN;
     }
-  return PL_OK;
 }
 
 static float laplacian_of(const pl_ground_map *map, int x, int y) {
@@ -86,11 +85,10 @@ static float laplacian_of(const pl_ground_map *map, int x, int y) {
   return (float)fabs(sum);
 }
 
-pl_status pl_write_roughness_laplacian(const pl_ground_map *map, int y0, int y1, void *image) {
+void pl_write_roughness_laplacian(const pl_ground_map *map, int y0, int y1) {
   const int width = map->shot->camera.width;
-  float *out = (float *)image + (size_t)y0 * (size_t)width;
+  float *out = (float *)map->images[PL_GROUND_ROUGHNESS_LAPLACIAN] + (size_t)y0 * (size_t)width;
   for (int y = y0; y < y1; y++)
     for (int x = 0; x < width; x++)
       *out++ = laplacian_of(map, x, y);
-  return PL_OK;
 }

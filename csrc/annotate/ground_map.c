@@ -4,29 +4,40 @@
 
 #include "annotate/ground_channels.h"
 
-/* Channels of rows; those of the table of channels without a function of their own. */
-static const struct {
-  const char *name;
-  pl_status (*write)(const pl_ground_map *map, int y0, int y1, void *image);
-} writers[] = {
-    {"slope_sobel", pl_write_slope_sobel},
-    {"roughness_laplacian", pl_write_roughness_laplacian},
+static const char *const names[PL_GROUND_IMAGES] = {
+    [PL_GROUND_SLOPE_SOBEL] = "slope_sobel",
+    [PL_GROUND_ROUGHNESS_LAPLACIAN] = "roughness_laplacian",
+    [PL_GROUND_SLOPE_BASELINE] = "slope_baseline",
+    [PL_GROUND_RMS_HEIGHT] = "rms_height",
 };
-enum { WRITERS = sizeof writers / sizeof writers[0] };
 
-/* The image of a channel; NULL if it is not asked for. */
-static void *image_of(void *const *images, const char *name) {
+bool pl_ground_map_init(const pl_snapshot *shot, const pl_ground_settings *settings,
+                        void *const *channels, pl_ground_map *out) {
+  bool needed = false;
+  *out = (pl_ground_map){.shot = shot, .settings = settings};
   for (size_t i = 0; i < pl_channel_count; i++)
-    if (strcmp(pl_channels[i].name, name) == 0)
-      return images[i];
-  return NULL;
+    for (size_t k = 0; k < PL_GROUND_IMAGES && channels[i] != NULL; k++)
+      if (strcmp(pl_channels[i].name, names[k]) == 0) {
+        out->images[k] = channels[i];
+        needed = true;
+      }
+  return needed;
 }
 
-bool pl_ground_map_needed(void *const *images) {
-  for (size_t k = 0; k < WRITERS; k++)
-    if (image_of(images, writers[k].name) != NULL)
-      return true;
-  return false;
+static bool has_planes(const pl_ground_map *map) {
+  return map->images[PL_GROUND_SLOPE_BASELINE] != NULL || map->images[PL_GROUND_RMS_HEIGHT] != NULL;
+}
+
+pl_status pl_ground_map_check(pl_ground_map *map) {
+  const pl_ground_settings *settings = map->settings;
+  if (!has_planes(map))
+    return PL_OK;
+  if (settings->baseline_count < 1)
+    return pl_fail(PL_E_ARGUMENT, "a channel at a baseline is asked for, but there is no baseline");
+  for (int k = 0; k < settings->baseline_count; k++)
+    if (!(settings->baselines_m[k] > 0.0 && isfinite(settings->baselines_m[k])))
+      return pl_fail(PL_E_RANGE, "a baseline of %g m; must be above 0", settings->baselines_m[k]);
+  return pl_disc_init(settings->disc_points, &map->disc);
 }
 
 void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const pl_vertex *points,
@@ -48,10 +59,9 @@ void pl_ground_map_take(const pl_ground_map *map, const pl_snapshot *shot, const
 }
 
 pl_status pl_ground_map_write(const pl_ground_map *map, int y0, int y1) {
-  for (size_t k = 0; k < WRITERS; k++) {
-    void *image = image_of(map->images, writers[k].name);
-    if (image != NULL)
-      PL_TRY(writers[k].write(map, y0, y1, image));
-  }
-  return PL_OK;
+  if (map->images[PL_GROUND_SLOPE_SOBEL] != NULL)
+    pl_write_slope_sobel(map, y0, y1);
+  if (map->images[PL_GROUND_ROUGHNESS_LAPLACIAN] != NULL)
+    pl_write_roughness_laplacian(map, y0, y1);
+  return has_planes(map) ? pl_write_planes(map, y0, y1) : PL_OK;
 }

@@ -6,9 +6,17 @@
 #define PL_ANNOTATE_GROUND_MAP_H
 
 #include "annotate/channel.h"
+#include "terrain/plane_fit.h"
 
 /* Rows that are written at once. */
 enum { PL_GROUND_ROWS = 8 };
+enum { PL_BASELINES_MAX = 8 };
+
+typedef struct pl_ground_settings {
+  double baselines_m[PL_BASELINES_MAX]; /* the components of slope_baseline and rms_height */
+  int baseline_count;                   /* 0: these channels are not available */
+  int disc_points;                      /* see terrain/plane_fit.h */
+} pl_ground_settings;
 
 /* What a pixel sees. */
 typedef struct pl_ground_point {
@@ -17,14 +25,28 @@ typedef struct pl_ground_point {
   int32_t body;       /* index among those of the snapshot; -1: no body is seen */
 } pl_ground_point;
 
+/* Images of the channels that need a map. */
+typedef enum pl_ground_image {
+  PL_GROUND_SLOPE_SOBEL,
+  PL_GROUND_ROUGHNESS_LAPLACIAN,
+  PL_GROUND_SLOPE_BASELINE,
+  PL_GROUND_RMS_HEIGHT,
+  PL_GROUND_IMAGES
+} pl_ground_image;
+
 typedef struct pl_ground_map {
   const pl_snapshot *shot; /* of the bodies */
-  pl_ground_point *points; /* a pixel each, row by row */
-  void *const *images;     /* indexed as pl_channels; those of other channels are ignored */
+  const pl_ground_settings *settings;
+  pl_ground_point *points;        /* a pixel each, row by row; NULL: no channel needs a map */
+  void *images[PL_GROUND_IMAGES]; /* NULL: not asked for */
+  pl_disc disc;
 } pl_ground_map;
 
-/* Whether any of the images is of a channel that needs a map. */
-bool pl_ground_map_needed(void *const *images);
+/* Sets everything but the points. Returns false if no channel that is asked for needs a map. */
+bool pl_ground_map_init(const pl_snapshot *shot, const pl_ground_settings *settings,
+                        void *const *channels, pl_ground_map *out);
+/* PL_E_RANGE or PL_E_ARGUMENT, naming what is wrong with the settings of channels asked for. */
+pl_status pl_ground_map_check(pl_ground_map *map);
 
 /* Takes the points of a tile, with `stride` points a row. `tile`: x0, y0, width, height. `shot`:
  * that of the tile's instant. */

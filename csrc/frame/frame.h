@@ -3,6 +3,7 @@
 #define PL_FRAME_FRAME_H
 
 #include "annotate/channel.h"
+#include "annotate/ground_map.h"
 #include "annotate/object_label.h"
 #include "base/parallel.h"
 #include "frame/sky.h"
@@ -41,7 +42,8 @@ typedef struct pl_frame_request {
   pl_object_label *objects;              /* one per object of the scene */
   /* one image per object: 1 on its full silhouette, including occluded parts, else 0 */
   uint8_t *masks;
-  bool amodal; /* compute the labels of full silhouettes; false skips the cost */
+  pl_ground_settings ground; /* of channels of the ground */
+  bool amodal;               /* compute the labels of full silhouettes; false skips the cost */
 } pl_frame_request;
 
 /* Stages of a frame, which are timed. */

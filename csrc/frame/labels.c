@@ -42,11 +42,12 @@ static pl_status prepare_silhouettes(pl_label_tools *tools, pl_arena *arena, pl_
 
 static pl_status prepare_ground(pl_arena *arena, pl_labels *out) {
   void *memory;
-  void *const *images = out->request->channels;
-  if (!pl_ground_map_needed(images))
+  pl_ground_map *map = &out->ground;
+  if (!pl_ground_map_init(out->shot, &out->request->ground, out->request->channels, map))
     return PL_OK;
+  PL_TRY(pl_ground_map_check(map));
   PL_TRY(take(arena, pixels_of(out->shot), sizeof(pl_ground_point), &memory));
-  out->ground = (pl_ground_map){.shot = out->shot, .points = memory, .images = images};
+  map->points = memory;
   return PL_OK;
 }
 
@@ -102,19 +103,20 @@ static pl_status label_object(const pl_labels *labels, const pl_silhouette_job *
 }
 
 static pl_status write_ground_rows(void *context, size_t item, int worker) {
-  const pl_ground_map *map = context;
+  const pl_labels *labels = context;
+  const pl_ground_map *map = &labels->ground;
   const int height = map->shot->camera.height, y0 = (int)item * PL_GROUND_ROWS;
   (void)worker;
   return pl_ground_map_write(map, y0, y0 + PL_GROUND_ROWS < height ? y0 + PL_GROUND_ROWS : height);
 }
 
 static pl_status finish_ground(const pl_labels *labels) {
-  pl_ground_map map = labels->ground;
   const size_t height = (size_t)labels->shot->camera.height;
-  if (map.points == NULL)
+  pl_labels all = *labels;
+  if (labels->ground.points == NULL)
     return PL_OK;
   return pl_parallel_for(labels->request->threads, (height + PL_GROUND_ROWS - 1) / PL_GROUND_ROWS,
-                         write_ground_rows, &map, labels->request->cancel);
+                         write_ground_rows, &all, labels->request->cancel);
 }
 
 pl_status pl_labels_finish(const pl_labels *labels, pl_accelerators *kept, pl_label_tools *tools,

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Number of components: equal to the camera's number of bands. */
+/* Number of components: equal to the camera's number of bands; -1 and -3 are of label channels. */
 #define PL_PY_BANDS (-2)
 
 /* Radiometric channels; all others are in the table of label channels. */
@@ -130,8 +130,10 @@ static int set_output(const char *name, PyObject *array, const pl_scene *scene,
     const pl_channel *channel = &pl_channels[i];
     if (strcmp(channel->name, name) != 0)
       continue;
+    const int many = channel->components == PL_COMPONENTS_BASELINES ? request->ground.baseline_count
+                                                                    : scene->levels;
     request->channels[i] =
-        channel_data(array, name, channel->dtype, channel->components, scene->levels, camera);
+        channel_data(array, name, channel->dtype, channel->components, many, camera);
     return request->channels[i] != NULL ? 0 : -1;
   }
   PyErr_Format(PyExc_ValueError, "unknown channel '%s'; see perilune._core.CHANNELS", name);

@@ -49,6 +49,8 @@ int pl_py_filters_parse(PyObject *sensor, pl_py_states *states, pl_sensor *out);
 int pl_py_clouds_parse(PyObject *request, size_t count, pl_body_state *out);
 /* Parses "bands" (bands, 3), which may be absent. */
 int pl_py_bands_parse(PyObject *request, pl_py_states *states, pl_frame_request *out);
+/* Parses "ground_labels", which may be absent or None. */
+int pl_py_ground_labels_parse(PyObject *request, pl_frame_request *out);
 /* Sets the request's output pointers to the arrays of `out` (a mapping name -> ndarray), and checks
  * type, shape and contiguity. References are appended to `kept`. */
 int pl_py_request_outputs(PyObject *out, const pl_scene *scene, PyObject *kept,

@@ -3,7 +3,7 @@
 
 #include "pyext/py_read.h"
 #include "pyext/py_types.h"
-#include "terrain/terrain.h"
+#include "terrain/plane_fit.h"
 
 typedef struct terrain_object {
   PyObject_HEAD pl_terrain *terrain; /* owned */
@@ -331,6 +331,38 @@ static PyObject *slopes(PyObject *self, PyObject *args, PyObject *kwargs) {
   return (PyObject *)out;
 }
 
+static PyObject *planes(PyObject *self, PyObject *args, PyObject *kwargs) {
+  static char *names[] = {"directions", "baseline_m", "points", NULL};
+  const pl_terrain *terrain = ((terrain_object *)self)->terrain;
+  PyObject *object;
+  double baseline_m;
+  int points = 32;
+  pl_disc disc;
+  _Static_assert(sizeof(pl_plane_fit) == 2 * sizeof(double), "pl_plane_fit is no pair");
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "Od|i:planes", names, &object, &baseline_m,
+                                   &points))
+    return NULL;
+  if (!(baseline_m > 0.0 && isfinite(baseline_m)))
+    return PyErr_Format(PyExc_ValueError, "baseline_m must be above 0");
+  pl_status status = pl_disc_init(points, &disc);
+  if (status != PL_OK)
+    return pl_py_raise(status);
+  PyArrayObject *directions = directions_of(object);
+  if (directions == NULL)
+    return NULL;
+  const npy_intp shape[2] = {PyArray_DIM(directions, 0), 2};
+  PyArrayObject *out = (PyArrayObject *)PyArray_SimpleNew(2, shape, NPY_DOUBLE);
+  if (out != NULL) {
+    const pl_vec3 *d = PyArray_DATA(directions);
+    pl_plane_fit *to = PyArray_DATA(out);
+    Py_BEGIN_ALLOW_THREADS status =
+        pl_plane_fits(terrain, &disc, d, (size_t)shape[0], baseline_m, to);
+    Py_END_ALLOW_THREADS out = checked(out, status);
+  }
+  Py_DECREF((PyObject *)directions);
+  return (PyObject *)out;
+}
+
 static PyObject *level_of_cell(PyObject *self, PyObject *cell) {
   int level;
   const double cell_m = PyFloat_AsDouble(cell);
@@ -398,6 +430,10 @@ static PyMethodDef terrain_methods[] = {
      "block($self, face, level, i0, j0, width, height)\n--\n\n(height, width) heights of nodes."},
     {"slopes", (PyCFunction)(void (*)(void))slopes, METH_VARARGS | METH_KEYWORDS,
      "slopes($self, directions, baseline_m)\n--\n\n(n, 3) slopes along the ground."},
+    {"planes", (PyCFunction)(void (*)(void))planes, METH_VARARGS | METH_KEYWORDS,
+     "planes($self, directions, baseline_m, points=32)\n--\n\n(n, 2) slope and RMS height of "
+     "fitted "
+     "planes."},
     {"level", level_of_cell, METH_O,
      "level($self, cell_m, /)\n--\n\nCoarsest level of cells of at most cell_m."},
     {"cell_m", cell_of_level, METH_O, "cell_m($self, level, /)\n--\n\nWidth of a level's cells."},

@@ -111,6 +111,10 @@ class Terrain:
     def slopes(self, directions: F64, baseline_m: float) -> F64:
         """(n, 3) slopes, rise over distance, between points baseline_m apart, as vectors along the
         ground in body axes."""
+    def planes(self, directions: F64, baseline_m: float, points: int = 32) -> F64:
+        """(n, 2) slope in rad and RMS height in m of the plane of least squares through `points`
+        heights (8 to 256) in a disc about each direction, with a diameter of baseline_m, as cells of
+        at most 1/8 of it resolve them."""
     def craters(
         self, direction: F64, radius_m: float, min_diameter_m: float = 0.0,
         max_diameter_m: float = 1e300

@@ -508,6 +508,7 @@ def test_every_physical_key_has_its_unit():
         "diffusivity_exponent", "table",  # of craters
         "block", "cube", "wedge", "slab", "tablet", "shard", "split", "cobble", "boulder", "egg",
         "breccia", "pitted", "abundance", "least_burial", "most_burial",  # of rocks
+        "points",  # of discs
     }  # fmt: skip
     schema = Config.model_json_schema()
     found = 0

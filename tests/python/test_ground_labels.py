@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy import ndimage
 from tests.python.test_terrain_frames import (
     LAT_DEG,
@@ -85,9 +87,93 @@ def test_filters_are_those_of_scipy(view: str) -> None:
     np.testing.assert_allclose(sample["slope_sobel"][whole], np.arctan(steep), atol=1e-5)
 
 
+ROUGH = {"detail": {"seed": 3}, "craters": {"seed": 5, "min_diameter_m": 2.0}}
+
+
+def test_cones_have_their_slope_and_roughness(tmp_path: Path) -> None:
+    """On the flank a plane; about the apex, heights s r over a disc of radius R have a variance of
+    s^2 R^2 / 18 and no slope."""
+    x = np.linspace(-200.0, 200.0, 401)
+    steep, flank_m = 0.5, 60.0
+    terrain = patch(tmp_path / "cone.npy", -steep * np.hypot(x[None, :], x[:, None]), 1.0)
+    ground = moon(terrain, {"trajectory": over(300.0)}).terrain(0)
+    east, _, up = axes()
+    places = np.stack([up, up + flank_m / MOON_M * east])
+    for baseline_m in (20.0, 50.0):
+        (at_apex, rough), (on_flank, _) = ground.planes(places, baseline_m, 256)
+        assert at_apex < 0.02
+        assert rough == pytest.approx(steep * 0.5 * baseline_m / np.sqrt(18.0), rel=0.03)
+        # A flank is curved across: its heights' mean gradient over the disc, to second order.
+        bent = (0.5 * baseline_m / flank_m) ** 2 / 12.0
+        assert np.tan(on_flank) == pytest.approx(steep * (1.0 - bent), rel=0.005)
+
+
+def test_waves_have_their_slope_and_roughness(tmp_path: Path) -> None:
+    """Far below a wave: its slope; heights c x^2 / 2 over a disc have an RMS of |c| R^2 / 8."""
+    x = np.arange(-250.0, 250.5, 0.5)
+    amplitude, k = 2.0, 2.0 * np.pi / 100.0
+    waves = np.broadcast_to(amplitude * np.sin(k * x), (len(x), len(x)))
+    terrain = patch(tmp_path / "waves.npy", waves.copy(), 0.5)
+    terrain["elevation"][0]["interpolation"] = "cubic"
+    ground = moon(terrain, {"trajectory": over(300.0)}).terrain(0)
+    east, north, up = axes()
+    shifts = np.random.default_rng(7).uniform(-100.0, 100.0, (40, 2))
+    places = up + (shifts / MOON_M) @ np.stack([east, north])
+    found = ground.planes(places, 8.0, 128)
+    slopes = np.abs(amplitude * k * np.cos(k * shifts[:, 0]))
+    np.testing.assert_allclose(np.tan(found[:, 0]), slopes, atol=0.002)
+    bent = np.abs(amplitude * k * k * np.sin(k * shifts[:, 0])) * 4.0**2 / 8.0
+    np.testing.assert_allclose(found[:, 1], bent, atol=5e-4)
+
+
+@pytest.mark.parametrize("baseline_m", [1.0, 30.0])
+def test_planes_are_those_of_least_squares(baseline_m: float) -> None:
+    """Beside numpy's through many random heights of the same disc."""
+    ground = moon(ROUGH, {"trajectory": over(300.0)}).terrain(0)
+    east, north, up = axes()
+    rng = np.random.default_rng(11)
+    places = up + (rng.uniform(-300.0, 300.0, (12, 2)) / MOON_M) @ np.stack([east, north])
+    found = ground.planes(places, baseline_m, 256)
+    for place, (slope, rough) in zip(places, found, strict=True):
+        up_here = place / np.linalg.norm(place)
+        a = np.cross(up_here, [0.3, 0.2, 0.9])
+        a /= np.linalg.norm(a)
+        r, turn = 0.5 * baseline_m * np.sqrt(rng.uniform(size=800)), rng.uniform(0, 7, 800)
+        xy = np.stack([r * np.cos(turn), r * np.sin(turn)], axis=1)
+        ways = up_here + (xy / MOON_M) @ np.stack([a, np.cross(up_here, a)])
+        heights = ground.heights(ways, baseline_m / 8.0)
+        design = np.concatenate([xy, np.ones((800, 1))], axis=1)
+        plane, rest, *_ = np.linalg.lstsq(design, heights, rcond=None)
+        assert np.hypot(*plane[:2]) == pytest.approx(np.tan(slope), abs=0.004)
+        assert np.sqrt(rest[0] / 800) == pytest.approx(rough, rel=0.08)
+
+
+@settings(max_examples=6, deadline=None)
+@given(
+    height_m=st.floats(2.0, 5e3),
+    off_nadir_deg=st.floats(0.0, 80.0),
+    cells=st.sampled_from([0.25, 1.0, 2.0]),
+)
+def test_baselines_know_no_camera(height_m: float, off_nadir_deg: float, cells: float) -> None:
+    """From any camera and with any mesh, the numbers are those of the place."""
+    terrain = ROUGH | {"cells_per_pixel": cells}
+    camera = {"trajectory": over(height_m, off_nadir_deg), "width": 24, "height": 16}
+    sim = moon(terrain, camera, labels={"ground": {"baseline_m": [2.0, 20.0], "points": 16}})
+    sample = sim.frame(0, ["position", "range", "slope_baseline", "rms_height"])
+    seen = sample["range"] > 0.0
+    places = in_body_axes(sim, sample)[seen]
+    assert sample["slope_baseline"].shape == (16, 24, 2)
+    for k, baseline_m in enumerate((2.0, 20.0)):
+        expected = sim.terrain(0).planes(places, baseline_m, 16)
+        np.testing.assert_allclose(sample["slope_baseline"][seen, k], expected[:, 0], atol=1e-5)
+        np.testing.assert_allclose(sample["rms_height"][seen, k], expected[:, 1], rtol=1e-3)
+    assert np.isnan(sample["slope_baseline"][~seen]).all()
+    assert np.isnan(sample["rms_height"][~seen]).all()
+
+
 def test_threads_do_not_matter() -> None:
-    sim = moon({"detail": {"seed": 3}}, {"trajectory": over(2e3, 30.0)})
-    names = ["slope_sobel", "roughness_laplacian"]
+    sim = moon(ROUGH, {"trajectory": over(2e3, 30.0)}, labels={"ground": {"baseline_m": 40}})
+    names = ["slope_sobel", "roughness_laplacian", "slope_baseline", "rms_height"]
     one, three = (sim.frame(0, names, threads=n) for n in (1, 3))
     for name in names:
         np.testing.assert_array_equal(one[name], three[name])
@@ -102,8 +188,18 @@ def test_spacecraft_are_not_ground(repo_dir: Path) -> None:
                   "heading_deg": 0.0},
     }  # fmt: skip
     sim = moon({}, {"trajectory": over(600.0)}, spacecraft={"sat": craft})
-    sample: perilune.Sample = sim.frame(0, ["instance", "slope_sobel"])
+    sample: perilune.Sample = sim.frame(0, ["instance", "slope_sobel", "slope_baseline"])
     ground = sample["instance"] == 1
     assert 0.2 < ground.mean() < 0.995
     whole = ndimage.binary_erosion(ground, np.ones((3, 3)))
     np.testing.assert_array_equal(np.isfinite(sample["slope_sobel"]), whole)
+    np.testing.assert_array_equal(np.isfinite(sample["slope_baseline"][..., 0]), ground)
+
+
+def test_smooth_bodies_are_flat_and_have_no_baselines() -> None:
+    keys = ("kind", "target", "lon_deg", "lat_deg", "height_m")
+    camera = {"trajectory": {key: over(100e3)[key] for key in keys}}
+    bodies = {"moon": {"kind": "moon", "albedo": 0.3}}
+    sample = moon({}, camera, bodies=bodies).frame(0, ["slope_sobel", "slope_baseline"])
+    assert np.nanmax(sample["slope_sobel"]) < 1e-6
+    assert np.isnan(sample["slope_baseline"]).all()

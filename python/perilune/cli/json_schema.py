@@ -157,7 +157,8 @@ class _Generator(GenerateJsonSchema):
         spread = _takes(function, 1.0)
         if isinstance(spread, tuple) and found.get("type") == "array":
             # A number stands for all items of the list.
-            return {"anyOf": [found["prefixItems"][0], found]}
+            item = found["prefixItems"][0] if "prefixItems" in found else found["items"]
+            return {"anyOf": [item, found]}
         return found
 
 
@@ -203,7 +204,7 @@ def _with_drivers(node: Any) -> Any:
     return node
 
 
-_UNDRIVEN = ("Drivers", "DriverGroup", "Labels")
+_UNDRIVEN = ("Drivers", "DriverGroup", "Labels", "GroundLabels")
 """Sections without drivers."""
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from perilune.config.errors import fail, nearest
-from perilune.config.types import Integer, Strict
+from perilune.config.types import Integer, Positive, Strict, refuse_drawn
 
 LEVELS = ("kind", "object", "part")
 """Levels that every object has."""
@@ -20,6 +20,27 @@ _SAID = {
 Level = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_-]*$")]
 Classes = dict[Level, Annotated[str, Field(min_length=1)]]
 """Level -> class of a body or spacecraft at that level."""
+
+
+def _several(value: Any) -> Any:
+    """A single number becomes a list of one."""
+    return value if isinstance(value, (list, tuple, Mapping, str, type(None))) else (value,)
+
+
+class GroundLabels(Strict):
+    """The ground around a point, for the channels `slope_baseline` and `rms_height`: functions of
+    the place, whatever the camera."""
+
+    baseline_m: Annotated[
+        tuple[Positive, ...],
+        Field(min_length=1, max_length=8),
+        BeforeValidator(_several),
+        BeforeValidator(refuse_drawn),
+    ] = (10.0,)
+    """Diameter of the disc through which a plane is laid: a number, or up to 8 in a list, one for
+    each layer of the channels."""
+    points: Annotated[Integer, Field(ge=8, le=256)] = 32
+    """Heights in the disc. Time grows with them; docs/labels.md has their errors."""
 
 
 class Labels(Strict):
@@ -38,6 +59,9 @@ class Labels(Strict):
         default_factory=dict
     )
     """Fixed ids of classes, per level; other classes are numbered in the order of the file."""
+
+    ground: GroundLabels = GroundLabels.of_defaults()
+    """Baselines of slope and roughness."""
 
     @model_validator(mode="after")
     def _unique(self) -> Labels:

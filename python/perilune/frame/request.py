@@ -21,6 +21,7 @@ from perilune.camera.optics import focus_of, lens_of
 from perilune.config import Config
 from perilune.config.camera import Exposure
 from perilune.config.errors import nearest
+from perilune.config.labels import GroundLabels
 from perilune.config.schema import Render, TextureFilter
 from perilune.document.references import MASKS, OBJECTS
 from perilune.frame.pool import Pool
@@ -128,6 +129,7 @@ def request_of(
         "exposure": _exposure(config.camera.exposure),
         "sensor": sensor,
         "bands": bands.matrix(config.camera, config.sun),
+        "ground_labels": _ground_labels(config.labels.ground),
         "amodal": config.render.amodal,
     }
 
@@ -152,6 +154,10 @@ def _exposure(exposure: Exposure) -> _core.Exposure:
         "key": exposure.key,
         "min_white_radiance": exposure.min_white_radiance_w_m2_sr,
     }
+
+
+def _ground_labels(ground: GroundLabels) -> dict[str, Any]:
+    return {"baselines_m": np.array(ground.baseline_m), "points": ground.points}
 
 
 def _motion(config: Config, keys: Keys | None) -> dict[str, Any] | None:
@@ -179,6 +185,15 @@ def object_dtype() -> np.dtype[Any]:
     return np.dtype(list(_core.OBJECT_LABEL))
 
 
+def _component_counts(config: Config) -> dict[int, Callable[[], int]]:
+    """What the core's negative numbers of components stand for."""
+    return {
+        -1: lambda: len(config.labels.levels),
+        -2: lambda: bands.count(config.camera),
+        -3: lambda: len(config.labels.ground.baseline_m),
+    }
+
+
 def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
     """Shape and dtype of a channel's array."""
     if name == OBJECTS:
@@ -191,7 +206,7 @@ def channel_layout(config: Config, name: str) -> tuple[tuple[int, ...], np.dtype
     if name == "raw" and bands.has_planes(config.camera):
         count = bands.count(config.camera)
     if count < 0:
-        count = bands.count(config.camera) if name == "bands" else len(config.labels.levels)
+        count = _component_counts(config)[count]()
     tail = () if count == 0 else (count,)
     return (config.camera.height, config.camera.width, *tail), np.dtype(channel["dtype"])
 

@@ -66,6 +66,15 @@ def scalar_panel(name: str, values: Array, context: Context) -> list[Panel]:
     return [Panel(title, image, bar=ends)]
 
 
+def layers_panel(name: str, values: Array, context: Context) -> list[Panel]:
+    """Quantities (H, W, n): a panel per layer."""
+    titles = [f"{name}/{layer}" for layer in range(values.shape[2])]
+    named = replace(context, units=dict.fromkeys(titles, context.units.get(name, "")))
+    return [
+        scalar_panel(title, values[:, :, layer], named)[0] for layer, title in enumerate(titles)
+    ]
+
+
 def image_panel(name: str, values: Array, context: Context) -> list[Panel]:
     """Display-encoded pixels as they are."""
     return [
@@ -189,6 +198,8 @@ KINDS: dict[str, Kind] = {
     "geometric_normal": normal_panel,
     "flow": flow_panel,
     "semantic": levels_panel,
+    "slope_baseline": layers_panel,
+    "rms_height": layers_panel,
 }
 """Channels with a panel of their own; others are shown by their shape and type."""
 

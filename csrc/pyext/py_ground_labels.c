@@ -1,0 +1,30 @@
+/* Settings of the channels of the ground. */
+#include "pyext/py_ground.h"
+#include "pyext/py_read.h"
+#include "pyext/py_request.h"
+
+int pl_py_ground_labels_parse(PyObject *request, pl_frame_request *out) {
+  static const char where[] = "ground_labels";
+  const npy_intp shape[1] = {-1};
+  PyObject *given = PyDict_GetItemString(request, where);
+  size_t points;
+  if (given == NULL || given == Py_None)
+    return PyErr_Occurred() ? -1 : 0;
+  Py_INCREF(given);
+  PyArrayObject *baselines = pl_py_member_array(given, "baselines_m", where, 1, shape);
+  int failed = baselines == NULL || pl_py_member_size(given, "points", where, &points) < 0;
+  if (!failed && PyArray_DIM(baselines, 0) > PL_BASELINES_MAX) {
+    PyErr_Format(PyExc_ValueError, "ground_labels: %zd baselines; at most %d are supported",
+                 (Py_ssize_t)PyArray_DIM(baselines, 0), PL_BASELINES_MAX);
+    failed = 1;
+  }
+  if (!failed) {
+    out->ground.baseline_count = (int)PyArray_DIM(baselines, 0);
+    out->ground.disc_points = points < INT_MAX ? (int)points : INT_MAX;
+    for (int k = 0; k < out->ground.baseline_count; k++)
+      out->ground.baselines_m[k] = ((const double *)PyArray_DATA(baselines))[k];
+  }
+  Py_XDECREF((PyObject *)baselines);
+  Py_DECREF(given);
+  return failed ? -1 : 0;
+}
