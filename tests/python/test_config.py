@@ -509,6 +509,7 @@ def test_every_physical_key_has_its_unit():
         "block", "cube", "wedge", "slab", "tablet", "shard", "split", "cobble", "boulder", "egg",
         "breccia", "pitted", "abundance", "least_burial", "most_burial",  # of rocks
         "points",  # of discs
+        "albedo_contrast", "band", "offset",  # of maps
     }  # fmt: skip
     schema = Config.model_json_schema()
     found = 0
