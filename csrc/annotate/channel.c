@@ -86,6 +86,11 @@ static void write_semantic(const pl_label_run *run, void *pixels) {
   for (size_t level = 0; level < levels; level++)
     for (size_t i = 0; i < run->count; i++)
       out[i * levels + level] = run->label.class_ids[run->parts[i] * levels + level];
+  if (run->label.crater_class_ids == NULL)
+    return;
+  for (size_t i = 0; i < run->count; i++)
+    if (run->craters[i] != 0)
+      memcpy(out + i * levels, run->label.crater_class_ids, levels * sizeof *out);
 }
 
 static void write_part(const pl_label_run *run, void *pixels) {
@@ -167,6 +172,10 @@ const pl_channel pl_channels[] = {
      PL_BLANK_NAN, NULL},
     {"rock_id", "int64", 8, 0, "id", "rock on the ground; 0 where there is none", PL_BLANK_ZERO,
      pl_write_rock_id},
+    {"crater_id", "int64", 8, 0, "id",
+     "smallest crater of the ground whose rim encloses the point; 0 where there is none, and on "
+     "rocks",
+     PL_BLANK_ZERO, pl_write_crater_id},
 };
 const size_t pl_channel_count = sizeof pl_channels / sizeof pl_channels[0];
 
@@ -248,10 +257,20 @@ static size_t length_of(const pl_vertex *points, size_t count) {
   return length;
 }
 
+static bool asks_for(void (*write)(const pl_label_run *, void *), void *const *images) {
+  for (size_t i = 0; i < pl_channel_count; i++)
+    if (images[i] != NULL && pl_channels[i].write == write)
+      return true;
+  return false;
+}
+
 void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t count, size_t first,
                        void *const *images) {
   pl_label_run run;
   run.shot = shot;
+  memset(run.craters, 0, sizeof run.craters);
+  const bool asked = asks_for(pl_write_crater_id, images),
+             classes = asks_for(write_semantic, images);
   for (size_t x = 0; x < count; x += run.count) {
     const size_t left = count - x;
     run.count = length_of(points + x, left < PL_LABEL_RUN ? left : PL_LABEL_RUN);
@@ -263,6 +282,8 @@ void pl_channels_write(const pl_snapshot *shot, const pl_vertex *points, size_t 
     run.surface_id = id;
     pl_geometry_of(id)->label(shot, id, &run.label);
     gather(points + x, &run);
+    if (asked || (classes && run.label.crater_class_ids != NULL))
+      pl_find_craters(&run);
     for (size_t i = 0; i < pl_channel_count; i++) {
       size_t bytes;
       if (images[i] != NULL && pl_channels[i].write != NULL)

@@ -2,8 +2,10 @@
 #include "annotate/ground_channels.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "geom/ellipsoid.h"
+#include "terrain/crater_marks.h"
 #include "terrain/height_field.h"
 
 const pl_shot_body *pl_ground_body(const pl_snapshot *shot, pl_surface_id id) {
@@ -87,4 +89,24 @@ void pl_write_rock_id(const pl_label_run *run, void *pixels) {
   for (size_t i = 0; i < run->count; i++)
     out[i] =
         rocks ? (int64_t)pl_height_field_rock(body->field, run->points[i].triangle).rock->id : 0;
+}
+
+void pl_find_craters(pl_label_run *run) {
+  if (pl_surface_kind_of(run->surface_id) != PL_SURFACE_HEIGHT_FIELD) {
+    memset(run->craters, 0, sizeof run->craters);
+    return;
+  }
+  const pl_shot_body *body = body_of(run);
+  const pl_camera *camera = &run->shot->camera;
+  const pl_crater_view view = {.eye = body->camera,
+                               .pixel_rad = 1.0 / fmax(camera->fx, camera->fy),
+                               .criteria = body->body->craters};
+  pl_vec3 points[PL_LABEL_RUN];
+  for (size_t i = 0; i < run->count; i++)
+    points[i] = pl_mat3_mul_vec_t(body->rotation, from_center(run, body, i));
+  pl_crater_marks(body->body->terrain, &view, points, run->count, run->craters);
+}
+
+void pl_write_crater_id(const pl_label_run *run, void *pixels) {
+  memcpy(pixels, run->craters, run->count * sizeof run->craters[0]);
 }

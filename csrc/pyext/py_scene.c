@@ -139,6 +139,22 @@ static int copy_classes(PyObject *classes, int count, uint16_t *out) {
   return 0;
 }
 
+/* Classes of rocks and craters, one row each; None: those of the body. */
+static int copy_ground_classes(PyObject *classes, int count, pl_body *out) {
+  const npy_intp shape[2] = {2, count};
+  out->ground_classes = classes != Py_None;
+  if (!out->ground_classes)
+    return 0;
+  PyArrayObject *ids = pl_py_array(classes, "ground_class_ids", NPY_UINT16, 2, shape);
+  if (ids == NULL)
+    return -1;
+  const uint16_t *rows = PyArray_DATA(ids);
+  memcpy(out->rock_class_ids, rows, (size_t)count * sizeof *rows);
+  memcpy(out->crater_class_ids, rows + count, (size_t)count * sizeof *rows);
+  Py_DECREF((PyObject *)ids);
+  return 0;
+}
+
 static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) {
   static char *names[] = {"name",
                           "map",
@@ -159,18 +175,22 @@ static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) 
                           "terrain",
                           "cells_per_pixel",
                           "finest_cell_m",
+                          "ground_class_ids",
+                          "crater_criteria",
                           NULL};
-  PyObject *classes, *ground = Py_None;
+  PyObject *classes, *ground_classes = Py_None, *ground = Py_None;
   body_arguments in = {
       .shape = Py_None, .rings = Py_None, .cloud_map = Py_None, .terrain = Py_None};
   const char *name, *reflectance;
   int geodetic = 0, geodetic_clouds = 0, dressed = 0;
-  pl_body body = {.cells_per_pixel = 1.0, .finest_cell_m = 0.01};
-  if (!PyArg_ParseTupleAndKeywords(
-          args, kwargs, "sOdsiiOOO|$OOOOpppOdd:add_body", names, &name, &in.map,
-          &body.map_center_lon_rad, &reflectance, &body.instance_id, &body.part_id, &classes,
-          &in.regolith, &in.air, &in.shape, &in.rings, &in.cloud_map, &ground, &geodetic,
-          &geodetic_clouds, &dressed, &in.terrain, &body.cells_per_pixel, &body.finest_cell_m))
+  pl_body body = {.cells_per_pixel = 1.0, .finest_cell_m = 0.01, .craters = PL_CRATER_CRITERIA};
+  if (!PyArg_ParseTupleAndKeywords(args, kwargs, "sOdsiiOOO|$OOOOpppOddO(ddd):add_body", names,
+                                   &name, &in.map, &body.map_center_lon_rad, &reflectance,
+                                   &body.instance_id, &body.part_id, &classes, &in.regolith,
+                                   &in.air, &in.shape, &in.rings, &in.cloud_map, &ground, &geodetic,
+                                   &geodetic_clouds, &dressed, &in.terrain, &body.cells_per_pixel,
+                                   &body.finest_cell_m, &ground_classes, &body.craters.least_px,
+                                   &body.craters.least_depth, &body.craters.least_kept))
     return NULL;
   body.dressed = dressed != 0 && in.shape != Py_None;
   body.geodetic = geodetic != 0;
@@ -179,7 +199,8 @@ static PyObject *add_body(scene_object *self, PyObject *args, PyObject *kwargs) 
   body.reflectance = find_reflectance(reflectance);
   if (body.reflectance == NULL || borrow(&in, self->kept, &body) < 0 ||
       pl_py_ground_parse(ground, self->kept, &body.ground) < 0 ||
-      copy_classes(classes, self->scene.levels, body.class_ids) < 0)
+      copy_classes(classes, self->scene.levels, body.class_ids) < 0 ||
+      copy_ground_classes(ground_classes, self->scene.levels, &body) < 0)
     return NULL;
   const pl_status status = pl_scene_add_body(&self->scene, &body);
   return status == PL_OK ? PyLong_FromSize_t(self->scene.body_count - 1) : pl_py_raise(status);

@@ -11,11 +11,12 @@
 
 /* What labels say of a surface; arrays are borrowed. */
 typedef struct pl_geometry_label {
-  pl_vec3 origin;            /* of its own axes, camera-relative, m */
-  pl_mat3 rotation;          /* own axes to root axes */
-  const pl_object *parts;    /* tells the part of a triangle; NULL: there is one part */
-  const uint16_t *class_ids; /* the scene's number of levels per part */
-  const int32_t *part_ids;   /* one per part */
+  pl_vec3 origin;                   /* of its own axes, camera-relative, m */
+  pl_mat3 rotation;                 /* own axes to root axes */
+  const pl_object *parts;           /* tells the part of a triangle; NULL: there is one part */
+  const uint16_t *class_ids;        /* the scene's number of levels per part */
+  const uint16_t *crater_class_ids; /* where the ground shows a crater; NULL: as elsewhere */
+  const int32_t *part_ids;          /* one per part */
   int32_t instance_id;
 } pl_geometry_label;
 

@@ -97,6 +97,13 @@ static void cover(const pl_coverage_job *job, pl_surface_id id, size_t slice) {
     pl_coverage_sphere(job, bounds.center, bounds.radius_m);
 }
 
+static void label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
+  const pl_body *body = pl_shot_body_of(shot, id)->body;
+  pl_body_label(shot, id, out);
+  if (body->ground_classes)
+    out->crater_class_ids = body->crater_class_ids;
+}
+
 const pl_geometry_kind pl_geometry_height_field = {
     .name = "height field",
     .bounds = pl_body_bounds,
@@ -107,5 +114,5 @@ const pl_geometry_kind pl_geometry_height_field = {
     .shade = shade,
     .leave = pl_height_field_leave,
     .set_spot = set_spot,
-    .label = pl_body_label,
+    .label = label,
 };

@@ -73,6 +73,13 @@ static void set_spot(const pl_snapshot *shot, const pl_hit *hit, pl_vec3 point, 
   spot->normal = to_root(body, pl_rock_hit_normal(&rock, weights));
 }
 
+static void label(const pl_snapshot *shot, pl_surface_id id, pl_geometry_label *out) {
+  const pl_body *body = pl_shot_body_of(shot, id)->body;
+  pl_body_label(shot, id, out);
+  if (body->ground_classes)
+    out->class_ids = body->rock_class_ids;
+}
+
 const pl_geometry_kind pl_geometry_rocks = {
     .name = "rocks",
     .bounds = pl_body_bounds,
@@ -81,5 +88,5 @@ const pl_geometry_kind pl_geometry_rocks = {
     .shade = shade,
     .leave = pl_height_field_leave,
     .set_spot = set_spot,
-    .label = pl_body_label,
+    .label = label,
 };

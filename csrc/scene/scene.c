@@ -278,6 +278,8 @@ pl_status pl_scene_add_body(pl_scene *scene, const pl_body *body) {
   PL_TRY(check_regolith_map(body));
   PL_TRY(check_terrain(body));
   pl_body added = *body;
+  if (!(added.craters.least_px > 0.0))
+    added.craters = PL_CRATER_CRITERIA;
   find_brightest(&added);
   added.name = pl_strdup(body->name);
   if (added.name == NULL)

@@ -22,7 +22,7 @@
 #include "shade/ground.h"
 #include "shade/material_surface.h"
 #include "shade/reflectance.h"
-#include "terrain/terrain.h"
+#include "terrain/crater_marks.h"
 
 enum { PL_LEVELS_MAX = 8 };
 
@@ -78,6 +78,10 @@ typedef struct pl_body {
   pl_ground ground; /* for a body without a graph; open water only with Lambert reflectance */
   int32_t instance_id, part_id;
   uint16_t class_ids[PL_LEVELS_MAX];
+  /* With `ground_classes`, rocks and craters of the terrain have classes of their own. */
+  bool ground_classes;
+  uint16_t rock_class_ids[PL_LEVELS_MAX], crater_class_ids[PL_LEVELS_MAX];
+  pl_crater_criteria craters; /* that labels show; least_px of 0: PL_CRATER_CRITERIA */
   const pl_graph *graph; /* borrowed: in place of or on top of the surface above; NULL for none */
   /* Set by pl_scene_add_body: */
   pl_regolith_texel brightest[3]; /* brightest cell of the map in each band at zero phase angle */

@@ -48,6 +48,9 @@ void pl_crater_draw_age(const pl_crater_field *field, const pl_scatter_site *sit
 void pl_crater_draw_shape(const pl_crater_field *field, const pl_scatter_site *site,
                           pl_crater_draw *draw); /* the others */
 
+/* Sets depth_m and rim_m by diameter_m and tau. */
+void pl_crater_measure(const pl_crater_field *field, pl_crater *crater);
+
 /* Whether crater a is younger than b; the later id of two of the same age. */
 static inline bool pl_crater_younger(double age_a, uint64_t id_a, double age_b, uint64_t id_b) {
   return age_a < age_b || (age_a == age_b && id_a > id_b);

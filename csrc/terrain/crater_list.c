@@ -42,7 +42,7 @@ static pl_status find_kept(const crater_list *list, pl_crater *crater) {
   return PL_OK;
 }
 
-static void measure(const pl_crater_field *field, pl_crater *crater) {
+void pl_crater_measure(const pl_crater_field *field, pl_crater *crater) {
   float profile[PL_CRATER_KNOTS];
   const pl_crater_dimensions fresh = pl_crater_fresh(crater->diameter_m);
   pl_crater_profile(field->shapes, &fresh, crater->tau, profile);
@@ -76,7 +76,7 @@ static pl_status append(void *context, const pl_scatter_site *site) {
                         .axis_ratio = draw.axis_ratio,
                         .age_ga = draw.age_ga,
                         .tau = draw.tau};
-  measure(list->field, crater);
+  pl_crater_measure(list->field, crater);
   return find_kept(list, crater);
 }
 

@@ -159,11 +159,15 @@ static double posts_m(const void *context, pl_vec3 direction) {
   return INFINITY;
 }
 
+pl_crater_model pl_terrain_crater_model(const pl_terrain *terrain) {
+  return (pl_crater_model){posts_m, terrain};
+}
+
 pl_status pl_terrain_craters(const pl_terrain *terrain, pl_vec3 direction, double radius_m,
                              double min_m, double max_m, pl_crater **out, size_t *count) {
   *out = NULL;
   *count = 0;
-  const pl_crater_model model = {posts_m, terrain};
+  const pl_crater_model model = pl_terrain_crater_model(terrain);
   return terrain->craters == NULL ? PL_OK
                                   : pl_crater_list(terrain->craters, &model, direction, radius_m,
                                                    min_m, max_m, out, count);
@@ -174,7 +178,7 @@ static pl_status full_heights(work *w, const pl_vec3 *directions, size_t count, 
   base_heights(w, directions, count, heights_m);
   if (terrain->craters == NULL)
     return PL_OK;
-  const pl_crater_model model = {posts_m, terrain};
+  const pl_crater_model model = pl_terrain_crater_model(terrain);
   const double cell_m = pl_cube_cell_m(w->level, terrain->radius_m);
   return pl_crater_add_heights(terrain->craters, &model, directions, count, cell_m, heights_m);
 }

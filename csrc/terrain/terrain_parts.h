@@ -27,6 +27,9 @@ struct pl_terrain {
   pl_layer layers[PL_TERRAIN_LAYERS];
 };
 
+/* What the rasters show of craters. */
+pl_crater_model pl_terrain_crater_model(const pl_terrain *terrain);
+
 /* Detail at posts of rasters: a hash table of those that the nodes at hand need. */
 enum { PL_POSTS = 4096, PL_STENCIL = 16 };
 

@@ -445,12 +445,20 @@ class Simulation:
         arguments.whole("most", most, 1)
         scene = self.world(index)
         name = craters.body_of(scene.config, body, "craters")
-        sample = self.frame(index, ["position", "instance"], threads)
+        sample = self.frame(index, ["position", "instance", "crater_id"], threads)
         seen = sample["instance"] == self.taxonomy.instances[name]
         terrain, _ = self._mine().terrain_of(scene.config, name)
         middle = shutter.middle(scene)
         return craters.in_view(
-            sample["position"], seen, sample.camera, middle, name, terrain, least_px, most
+            sample["position"],
+            sample["crater_id"],
+            seen,
+            sample.camera,
+            middle,
+            name,
+            terrain,
+            least_px,
+            most,
         )
 
     def rocks(self, index: int, body: str | None = None, threads: int | None = None) -> Array:

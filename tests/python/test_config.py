@@ -508,6 +508,7 @@ def test_every_physical_key_has_its_unit():
         "diffusivity_exponent", "table",  # of craters
         "block", "cube", "wedge", "slab", "tablet", "shard", "split", "cobble", "boulder", "egg",
         "breccia", "pitted", "abundance", "least_burial", "most_burial",  # of rocks
+        "least_depth", "least_kept",  # of labels
         "points",  # of discs
         "albedo_contrast", "band", "offset",  # of maps
     }  # fmt: skip

@@ -12,7 +12,11 @@ from perilune.config.types import Integer, Positive, Strict, refuse_drawn
 
 LEVELS = ("kind", "object", "part")
 """Levels that every object has."""
+GROUND = "ground"
+"""A level that is asked for: what of the ground is seen."""
+_BUILT_IN = (*LEVELS, GROUND)
 _SAID = {
+    GROUND: "follows from what is seen: terrain, crater, rock, spacecraft",
     "kind": "follows from the section: a body or a spacecraft",
     "object": "the key `class` says it",
     "part": "the key `part_classes` says it",
@@ -43,12 +47,25 @@ class GroundLabels(Strict):
     """Heights in the disc. Time grows with them; docs/labels.md has their errors."""
 
 
+class CraterLabels(Strict):
+    """Which craters the channel `crater_id` and the class `crater` show: all that meet these."""
+
+    least_px: Annotated[float, Field(strict=True, ge=1.0, le=1e5)] = 10.0
+    """Least diameter, as pixels at the distance of the crater's centre. Craters of less than four
+    cells of the mesh are drawn too low, or not at all."""
+    least_depth: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.2
+    """Least depth as it is now, over that of a fresh crater of the same size."""
+    least_kept: Annotated[float, Field(strict=True, ge=0.0, le=1.0)] = 0.5
+    """Least share of a crater's relief that younger ones left, at the point that is seen."""
+
+
 class Labels(Strict):
     """Levels and classes of the semantic labels; id 0 is the background at every level."""
 
     levels: Annotated[tuple[Level, ...], Field(min_length=1)] = LEVELS
     """Levels of `semantic`, in order. kind: body or spacecraft; object: class of the object; part:
-    class of the part. At levels of your own, `classes` of a body or spacecraft gives its class;
+    class of the part; ground: terrain, crater, rock, spacecraft, or body for one without terrain.
+    At levels of your own, `classes` of a body or spacecraft gives its class;
     without one it has id 0."""
     part_classes: dict[str, tuple[str, ...]] = Field(default_factory=dict)
     """Class of part -> shell patterns on part names, material names or `part/material`
@@ -62,6 +79,8 @@ class Labels(Strict):
 
     ground: GroundLabels = GroundLabels.of_defaults()
     """Baselines of slope and roughness."""
+    craters: CraterLabels = CraterLabels.of_defaults()
+    """Which craters of the ground are labelled."""
 
     @model_validator(mode="after")
     def _unique(self) -> Labels:
@@ -69,7 +88,7 @@ class Labels(Strict):
             fail("levels", "a level occurs twice")
         for level, names in self.ids.items():
             if level not in LEVELS and level not in self.levels:
-                allowed = [*LEVELS, *self.levels]
+                allowed = [*_BUILT_IN, *self.levels]
                 fail(f"ids.{level}", f"no level '{level}'{nearest(level, dict.fromkeys(allowed))}")
             if len(set(names.values())) != len(names):
                 fail(f"ids.{level}", "two names have the same id")
@@ -82,12 +101,14 @@ class Labels(Strict):
         used: set[str] = set()
         for where, classes in stated:
             for level in classes:
-                if level in LEVELS:
+                if level in _BUILT_IN:
                     fail(f"{where}.{level}", _SAID[level])
                 if level not in self.levels:
                     fail(f"{where}.{level}", f"none of labels.levels{nearest(level, self.levels)}")
             used.update(classes)
         for k, level in enumerate(self.levels):
-            if level not in LEVELS and level not in used:
-                text = f"no '{level}'{nearest(level, LEVELS)}; or say `classes: {{{level}: ...}}` "
+            if level not in _BUILT_IN and level not in used:
+                text = (
+                    f"no '{level}'{nearest(level, _BUILT_IN)}; or say `classes: {{{level}: ...}}` "
+                )
                 fail(f"labels.levels[{k}]", text + "of bodies or spacecraft")

@@ -11,6 +11,7 @@ from perilune import _core
 from perilune.base import rotations
 from perilune.camera.label import CameraLabel
 from perilune.config import Config
+from perilune.frame.rocks import pixels_of
 from perilune.world import World
 
 F64 = NDArray[np.float64]
@@ -18,7 +19,8 @@ Array = NDArray[np.void]
 
 CRATER_LABEL = np.dtype(
     [
-        *((name, *rest) for name, *rest in _core.CRATER),
+        ("id", "i8"),
+        *((name, *rest) for name, *rest in _core.CRATER if name != "id"),
         ("lon_deg", "f8"),
         ("lat_deg", "f8"),
         ("center_m", "f8", 3),
@@ -31,6 +33,8 @@ CRATER_LABEL = np.dtype(
         ("visib_fract", "f8"),
         ("center_visible", "?"),
         ("cut", "?"),
+        ("bbox_visib", "i4", 4),
+        ("px_count_visib", "i4"),
     ]
 )
 """A row of `Simulation.craters`; docs/craters.md explains the fields."""
@@ -61,6 +65,7 @@ def body_of(config: Config, body: str | None, what: str) -> str:
 
 def in_view(
     position_m: F64,
+    ids: NDArray[np.int64],
     on_body: NDArray[np.bool_],
     camera: CameraLabel,
     world: World,
@@ -69,8 +74,8 @@ def in_view(
     least_px: float,
     most: int,
 ) -> Array:
-    """Rows of CRATER_LABEL. position_m: the channel `position`. on_body: pixels that show the body.
-    world: in the middle of the exposure."""
+    """Rows of CRATER_LABEL. position_m, ids: the channels `position` and `crater_id`. on_body:
+    pixels that show the body. world: in the middle of the exposure."""
     pose = world.poses[body][0]
     range_m = np.linalg.norm(position_m - camera.position_m, axis=-1)
     ground = (position_m[on_body] - pose[:3]) @ rotations.to_matrix(pose[3:])
@@ -81,12 +86,27 @@ def in_view(
         for found in _listed(terrain, ground, eye, least_px / focal, most)
     ]
     rows = np.concatenate(parts) if parts else np.zeros(0, CRATER_LABEL)
+    shown = _set_pixels(rows, np.where(on_body, ids, 0))
     seen_rows = (rows["inside_fract"] > 0.0) | _around(rows, camera)
     large = ~(2.0 * rows["semi_axes"][:, 0] < least_px)  # nan: cut by the camera's plane
-    rows = rows[seen_rows & large & ((rows["facing"] > 0.0) | (rows["visib_fract"] > 0.0))]
+    faced = (rows["facing"] > 0.0) | (rows["visib_fract"] > 0.0)
+    away = np.linalg.norm(rows["center_m"] - eye, axis=1)
+    counted = shown & (focal * rows["diameter_m"] >= least_px * away)
+    rows = rows[(seen_rows & large & faced) | counted]
     _, first = np.unique(rows["id"], return_index=True)
     rows = rows[first]
-    return rows[np.lexsort((rows["id"], -rows["diameter_m"]))]
+    return np.asarray(rows[np.lexsort((rows["id"], -rows["diameter_m"]))])
+
+
+def _set_pixels(rows: Array, ids: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Sets what pixels of `crater_id` rows have; returns whether they have any."""
+    known, pixels = pixels_of(ids)
+    at = np.searchsorted(known, rows["id"])
+    shown = at < len(known)
+    shown[shown] = known[at[shown]] == rows["id"][shown]
+    for name in ("bbox_visib", "px_count_visib"):
+        rows[name][shown] = pixels[name][at[shown]]
+    return np.asarray(shown)
 
 
 def _around(rows: Array, camera: CameraLabel) -> NDArray[np.bool_]:

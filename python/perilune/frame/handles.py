@@ -17,13 +17,22 @@ from perilune import _core, orbits
 from perilune.bodies import atmospheres, ground, maps, photometry, rings, shapes
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, origin
+from perilune.config.labels import GROUND
 from perilune.config.photometry import Photometry
 from perilune.config.rings import Rings
 from perilune.config.schema import Config, Spacecraft, Symmetries
 from perilune.config.shape import Shape
 from perilune.document.document import Document
 from perilune.document.fixed import fixed
-from perilune.frame.labels import Taxonomy, object_class, taxonomy, unmatched
+from perilune.frame.labels import (
+    CRATER,
+    ROCK,
+    Taxonomy,
+    ground_class,
+    object_class,
+    taxonomy,
+    unmatched,
+)
 from perilune.frame.looks import Look, Looks
 from perilune.frame.pool import Pool
 from perilune.frame.remarks import Remarks
@@ -511,6 +520,7 @@ class Handles:
     ) -> None:
         """part_ids, part_classes: those of each entry's parts."""
         labels, meshes = self.taxonomy, self.shapes_of(config)
+        shown = self.document.config.labels.craters
         for name, body in config.bodies.items():
             scene.add_body(
                 name=name,
@@ -532,6 +542,8 @@ class Handles:
                 instance_id=labels.instances[name],
                 part_id=part_ids[name][0],
                 class_ids=_class_ids(labels, name, body, part_classes[name])[0],
+                ground_class_ids=_ground_class_ids(labels, name, body, part_classes[name]),
+                crater_criteria=(shown.least_px, shown.least_depth, shown.least_kept),
             )
 
     def _add_crafts(
@@ -564,4 +576,17 @@ def _class_ids(
 ) -> NDArray[np.uint16]:
     kind = "body" if isinstance(entry, Body) else "spacecraft"
     known = {**entry.classes, "kind": kind, "object": object_class(name, entry)}
+    known[GROUND] = ground_class(entry)
     return labels.class_ids(*({**known, "part": part} for part in parts))
+
+
+def _ground_class_ids(
+    labels: Taxonomy, name: str, body: Body, parts: Sequence[str]
+) -> NDArray[np.uint16] | None:
+    """(2, levels) of the rocks and craters of a body; None if no level tells them apart."""
+    if GROUND not in labels.levels or body.terrain is None:
+        return None
+    rows = np.repeat(_class_ids(labels, name, body, parts)[:1], 2, axis=0)
+    ids = labels.classes[GROUND]
+    rows[:, labels.levels.index(GROUND)] = ids[ROCK], ids[CRATER]
+    return rows

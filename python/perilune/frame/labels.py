@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from perilune.config.body import Body
 from perilune.config.errors import ConfigError, nearest
+from perilune.config.labels import GROUND
 from perilune.config.schema import Config, Spacecraft
 from perilune.frame.html import taxonomy_html
 from perilune.spacecraft.parts import PartEntry
@@ -75,6 +76,18 @@ class Taxonomy:
             for name in names
         ]
         return np.array(rows, dtype=np.uint16).reshape(len(names), len(self.levels))
+
+
+TERRAIN, CRATER, ROCK, SPACECRAFT, BODY = "terrain", "crater", "rock", "spacecraft", "body"
+"""Classes of the level `ground`, with ids from 1 on in this order; `body` is one without terrain.
+"""
+
+
+def ground_class(entry: Body | Spacecraft) -> str:
+    """Class of an entry at the level `ground`, but for the craters and rocks of a body."""
+    if isinstance(entry, Spacecraft):
+        return SPACECRAFT
+    return BODY if entry.terrain is None else TERRAIN
 
 
 def object_class(name: str, entry: Body | Spacecraft) -> str:
@@ -153,6 +166,8 @@ def taxonomy(config: Config, parts: Mapping[str, Sequence[PartEntry]]) -> Taxono
         ],
         "part": [_SURFACE, *(name for table in tables for name in table), config.labels.other_part],
     }
+    if GROUND in config.labels.levels:
+        names[GROUND] = [TERRAIN, CRATER, ROCK, SPACECRAFT, BODY]
     own = [body.classes for body in config.bodies.values()]
     own += [craft.classes for craft in config.spacecraft.values()]
     for level in config.labels.levels:
