@@ -27,6 +27,7 @@
   X(surface_maps) \
   X(terrain) \
   X(far_casters) \
+  X(sub_cell_normals) \
   X(bump_detail) \
   X(relief) \
   X(glint) \

@@ -2,7 +2,10 @@
  * is the tile, and the last two weights are the tile's grid coordinates. */
 #include "render/body_surface.h"
 #include "render/geometry.h"
+#include "scene/shot_frame.h"
+#include "shade/reflectance.h"
 #include "terrain/height_field.h"
+#include "terrain/sub_cell.h"
 
 static pl_vec3f to_root(const pl_shot_body *body, pl_vec3 v) {
   return pl_vec3_to_float(pl_mat3_mul_vec(body->rotation, v));
@@ -63,9 +66,45 @@ static pl_vec3f smooth_normal(const pl_snapshot *shot, const pl_vertex *vertex) 
                  pl_height_field_normal(body->field, vertex->triangle, vertex->w[1], vertex->w[2]));
 }
 
+/* Views of the ground count as at least this steep: footprints are no longer than that. */
+static const double LEAST_COSINE = 0.02;
+
+/* Width of a square as large as a beam's footprint. */
+static double footprint_m(const pl_vertex *vertex, const pl_beam *beam) {
+  const double cosine = fabs(pl_vec3_dot(beam->direction, pl_vec3f_to_double(vertex->ng)));
+  return (double)pl_beam_width(beam, vertex->t) / sqrt(fmax(cosine, LEAST_COSINE));
+}
+
+/* A slope over the horizon as one to a surface with a unit normal, on which it is laid. */
+static pl_vec3 slope_on(pl_vec3 normal, pl_vec3 up, pl_vec3 slope) {
+  static const double LEAST = 0.1; /* where both are so steep that the sum overhangs */
+  const double height = pl_vec3_dot(normal, up), along = pl_vec3_dot(slope, normal);
+  const pl_vec3 on = pl_vec3_madd(slope, -along, normal);
+  return pl_vec3_scale(on, fmax(height, 0.0) / fmax(1.0 - height * along, LEAST));
+}
+
+/* Slopes finer than the mesh are facets, which models that know none have as a bent normal. */
+static void add_slopes(const pl_shot_body *body, const pl_beam *beam, pl_vertex *vertex) {
+  pl_surface *surface = &vertex->surface;
+  const pl_ground_tile *tile = body->field->tiles[vertex->triangle];
+  const pl_vec3 up =
+      pl_vec3_unit(pl_mat3_mul_vec_t(body->rotation, pl_vec3_sub(vertex->position, body->center)));
+  const pl_sub_cell left = pl_terrain_sub_cell(
+      body->field->terrain, up, pl_ground_tile_lattice(tile->id), footprint_m(vertex, beam));
+  const pl_vec3 normal = pl_mat3_mul_vec_t(body->rotation, pl_vec3f_to_double(surface->n));
+  const pl_vec3f slope = to_root(body, slope_on(normal, up, left.slope));
+  if (surface->reflectance->photometric || surface->reflectance == &pl_reflectance_lambert)
+    surface->rough = (pl_rough){slope, (float)fmax(left.variance, 0.0), (float)left.whole};
+  else
+    pl_surface_set_frame(surface, pl_vec3f_unit(pl_vec3f_sub(surface->n, slope)), surface->t, 1.0f);
+}
+
 static void shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                   pl_vertex *vertex) {
-  pl_body_surface_shade(shot, pl_shot_body_of(shot, vertex->surface_id), beam, detail, vertex);
+  const pl_shot_body *body = pl_shot_body_of(shot, vertex->surface_id);
+  pl_body_surface_shade(shot, body, beam, detail, vertex);
+  if (detail.sub_cell)
+    add_slopes(body, beam, vertex);
 }
 
 /* Secondary rays start above the surface by several rounding errors of the hit, which was found in

@@ -339,7 +339,9 @@ static void shade_hit(const pl_path_context *context, int bounce, size_t i, pl_v
                       size_t *kept, size_t *queued, pl_tile_buffers *b) {
   pl_path path = b->paths[i];
   const vertex_draws u = draws_of(b, i);
-  pl_vertex_shade(context->shot, &path.beam, context->settings->detail, vertex);
+  pl_detail detail = context->settings->detail;
+  detail.sub_cell = detail.sub_cell && bounce == 0; /* what lights others is seen from all sides */
+  pl_vertex_shade(context->shot, &path.beam, detail, vertex);
   if (bounce == 0)
     pl_reflectance_lod_apply(context->shot, context->settings, vertex);
   pl_surface *s = &vertex->surface;

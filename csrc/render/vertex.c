@@ -70,6 +70,7 @@ void pl_vertex_orient(const pl_snapshot *shot, const pl_beam *beam, pl_vertex *v
 void pl_vertex_shade(const pl_snapshot *shot, const pl_beam *beam, pl_detail detail,
                      pl_vertex *vertex) {
   const pl_geometry_kind *kind = pl_geometry_of(vertex->surface_id);
+  vertex->surface.rough = (pl_rough){0};
   kind->shade(shot, beam, detail, vertex);
   face_viewer(&vertex->surface, vertex->ng, pl_vec3_to_float(pl_vec3_scale(beam->direction, -1.0)));
   if (kind->set_horizon != NULL)

@@ -4,9 +4,12 @@
 
 static double length2(double x, double y, double z) { return x * x + y * y + z * z; }
 
+/* Of components of unit vectors: nothing overflows, as hypot would guard against. */
+static double length(double x, double y) { return sqrt(x * x + y * y); }
+
 /* Sets the azimuth psi from the unit vectors of both directions projected onto the surface. */
 static void set_azimuth(pl_hapke_angles *a, double lx, double ly, double vx, double vy) {
-  const double apart = hypot(lx - vx, ly - vy), together = hypot(lx + vx, ly + vy);
+  const double apart = length(lx - vx, ly - vy), together = length(lx + vx, ly + vy);
   a->psi = 2.0 * atan2(apart, together);
   a->psi_tangent = apart / together;
   a->psi_sine2 = 0.25 * apart * apart;
@@ -18,8 +21,8 @@ pl_hapke_angles pl_hapke_angles_of(pl_vec3 l, pl_vec3 v) {
   pl_hapke_angles a = {
       .mu0 = l.z,
       .mu = v.z,
-      .sin_i = hypot(l.x, l.y),
-      .sin_e = hypot(v.x, v.y),
+      .sin_i = length(l.x, l.y),
+      .sin_e = length(v.x, v.y),
       .half_sine2 = 0.25 * apart2,
       .half_cosine2 = 0.25 * together2,
       .half_tangent = sqrt(apart2 / together2),

@@ -1,10 +1,17 @@
 /* Lambert: radiance independent of direction, albedo = base colour. */
 #include "math/sampling.h"
+#include "shade/rough.h"
 #include "shade/reflectance.h"
 
-static pl_vec3f evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {
+static pl_vec3f facet(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, const void *context) {
   (void)wo;
+  (void)context;
   return pl_vec3f_scale(surface->color, pl_cosine_hemisphere_pdf(wi.z));
+}
+
+static pl_vec3f evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {
+  return pl_rough_on(&surface->rough) ? pl_rough_reflect(surface, wo, wi, facet, NULL)
+                                      : facet(surface, wo, wi, NULL);
 }
 
 static float pdf(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi) {

@@ -13,6 +13,7 @@ typedef struct pl_detail {
   bool maps;        /* false: textures are replaced by their mean */
   bool bumps;       /* false: normal maps and bumps are ignored */
   bool relief;      /* of bodies; false: they are smooth */
+  bool sub_cell;    /* of terrain; false: slopes finer than the cells of its mesh are left out */
   bool glint;       /* of open water; false: it is shaded like ground */
   bool lights;      /* of bodies at night; false: dark */
   pl_filter filter; /* of textures */
@@ -22,6 +23,7 @@ typedef struct pl_detail {
   ((pl_detail){.maps = true,                                                                       \
                .bumps = true,                                                                      \
                .relief = true,                                                                     \
+               .sub_cell = true,                                                                   \
                .glint = true,                                                                      \
                .lights = true,                                                                     \
                .filter = PL_FILTER_FINEST})

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "math/sampling.h"
+#include "shade/rough.h"
 #include "shade/regolith_law.h"
 
 static pl_hapke band_of(const pl_surface *surface, int k) {
@@ -31,8 +32,8 @@ static bool alike(const pl_hapke *a, const pl_hapke *b) {
          a->filling == b->filling;
 }
 
-pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
-                              pl_regolith_law law) {
+static pl_vec3f evaluate_plane(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
+                               pl_regolith_law law) {
   double value[3];
   pl_hapke last = {0};
   if (!(wi.z > 0.0f && wo.z > 0.0f))
@@ -52,6 +53,23 @@ pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f w
   for (int k = 0; k < 3; k++)
     value[k] *= 1.0 + (double)surface->regolith.excess[k];
   return pl_vec3f_make((float)value[0], (float)value[1], (float)value[2]);
+}
+
+/* A law as the context of a function. */
+typedef struct plane {
+  pl_regolith_law law;
+} plane;
+
+static pl_vec3f facet(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi, const void *context) {
+  const plane *of = context;
+  return evaluate_plane(surface, wo, wi, of->law);
+}
+
+pl_vec3f pl_regolith_evaluate(const pl_surface *surface, pl_vec3f wo, pl_vec3f wi,
+                              pl_regolith_law law) {
+  const plane of = {law};
+  return pl_rough_on(&surface->rough) ? pl_rough_reflect(surface, wo, wi, facet, &of)
+                                      : evaluate_plane(surface, wo, wi, law);
 }
 
 /* Probability of sampling the backscattering lobe, and its Henyey-Greenstein parameter. */
@@ -95,7 +113,7 @@ bool pl_regolith_sample(const pl_surface *surface, pl_vec3f wo, const float u[2]
   *pdf = pl_regolith_pdf(surface, wo, *wi);
   if (!(*pdf > 0.0f))
     return false;
-  *weight = pl_vec3f_scale(pl_regolith_evaluate(surface, wo, *wi, law), 1.0f / *pdf);
+  *weight = pl_vec3f_scale(evaluate_plane(surface, wo, *wi, law), 1.0f / *pdf);
   return true;
 }
 

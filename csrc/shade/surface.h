@@ -8,6 +8,14 @@
 
 typedef struct pl_reflectance pl_reflectance;
 
+/* Facets too small for the geometry; see shade/rough.h. All zero: there are none. */
+typedef struct pl_rough {
+  pl_vec3f slope; /* mean of their slopes to the shading frame: rise over distance, along it */
+  /* Of slopes along any one axis: variance around the mean, and of the mean itself and around it,
+   * from place to place */
+  float variance, whole;
+} pl_rough;
+
 /* Directions point away from the surface. wo and wi below are in the local frame (t, b, n). */
 typedef struct pl_surface {
   pl_vec3f t, b, n;     /* shading frame, right-handed, unit; n on the viewer's side */
@@ -16,6 +24,7 @@ typedef struct pl_surface {
   pl_vec3f emission;    /* W m-2 sr-1 */
   float metallic;       /* 0..1 */
   float alpha;          /* GGX alpha = roughness^2 */
+  pl_rough rough;       /* read by photometric models and Lambert only */
   float water;          /* 0..1: part that is open water; read by the water model only */
   pl_vec3f below;       /* part of color that is light from below the water; read likewise */
   pl_lobes lobes;       /* read by layered models only */

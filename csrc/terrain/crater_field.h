@@ -67,6 +67,12 @@ pl_status pl_crater_add_heights(const pl_crater_field *field, const pl_crater_mo
 void pl_crater_bounds(const pl_crater_field *field, double largest_m, double *low_m,
                       double *high_m);
 
+/* Writes, for meshes with cells of these widths, the variance of slopes along any one axis that
+ * such a mesh leaves out of the relief of craters: those below PL_CRATER_FADE_TO cells, and what
+ * normals between posts lose of larger ones. It is that of the law, a mean over the ground. */
+void pl_crater_slope_variances(const pl_crater_field *field, const double *cells_m, size_t count,
+                               double *variances);
+
 typedef struct pl_crater {
   uint64_t id; /* below 2^63, not 0; the same in any query */
   pl_vec3 direction;

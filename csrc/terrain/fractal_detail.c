@@ -283,57 +283,83 @@ double pl_fractal_detail_height(const pl_fractal_detail *detail, pl_vec3 directi
   return pl_fractal_detail_cut(sum_m, PL_DETAIL_BOUND * deviation_m);
 }
 
-/* Weights of four cells and their slopes along one axis; returns the first cell. */
-static uint32_t slopes_along(double x, double weight[4], double slope[4]) {
-  double f;
-  const uint32_t cell = (split(x, &f) - 1u) * PRIME;
-  const double g = 1.0 - f;
-  weight[0] = g * g * g * (1.0 / 6.0);
-  weight[1] = (4.0 - 3.0 * f * f * (2.0 - f)) * (1.0 / 6.0);
-  weight[2] = (4.0 - 3.0 * g * g * (2.0 - g)) * (1.0 / 6.0);
-  weight[3] = f * f * f * (1.0 / 6.0);
-  slope[0] = -0.5 * g * g;
-  slope[1] = 0.5 * f * (3.0 * f - 4.0);
-  slope[2] = -0.5 * g * (3.0 * g - 4.0);
-  slope[3] = 0.5 * f * f;
-  return cell;
+/* Weights of four cells along one axis, and their slopes. */
+typedef struct slope_axis {
+  uint32_t cell; /* the first of four */
+  float weight[4], slope[4];
+} slope_axis;
+
+static slope_axis slopes_along(double x) {
+  slope_axis out;
+  double fraction;
+  out.cell = (split(x, &fraction) - 1u) * PRIME;
+  const float f = (float)fraction, g = 1.0f - f;
+  out.weight[0] = g * g * g * (1.0f / 6.0f);
+  out.weight[1] = (4.0f - 3.0f * f * f * (2.0f - f)) * (1.0f / 6.0f);
+  out.weight[2] = (4.0f - 3.0f * g * g * (2.0f - g)) * (1.0f / 6.0f);
+  out.weight[3] = f * f * f * (1.0f / 6.0f);
+  out.slope[0] = -0.5f * g * g;
+  out.slope[1] = 0.5f * f * (3.0f * f - 4.0f);
+  out.slope[2] = -0.5f * g * (3.0f * g - 4.0f);
+  out.slope[3] = 0.5f * f * f;
+  return out;
+}
+
+/* Sums rows of four numbers along x, by their weights and by their slopes. */
+PL_WIDE static void sum_rows(const uint32_t *restrict key, const slope_axis *restrict x,
+                             float *restrict rows, float *restrict along) {
+  for (int k = 0; k < 16; k++) {
+    const float value[4] = {
+        (float)number(key[k], x->cell), (float)number(key[k], x->cell + 1u * PRIME),
+        (float)number(key[k], x->cell + 2u * PRIME), (float)number(key[k], x->cell + 3u * PRIME)};
+    rows[k] = x->weight[0] * value[0] + x->weight[1] * value[1] +
+              (x->weight[2] * value[2] + x->weight[3] * value[3]);
+    along[k] = x->slope[0] * value[0] + x->slope[1] * value[1] +
+               (x->slope[2] * value[2] + x->slope[3] * value[3]);
+  }
 }
 
 static pl_vec3 octave_gradient(uint32_t key, pl_vec3 place) {
-  double wx[4], wy[4], wz[4], sx[4], sy[4], sz[4];
-  const uint32_t x = slopes_along(place.x, wx, sx);
-  const uint32_t y = slopes_along(place.y, wy, sy);
-  const uint32_t z = slopes_along(place.z, wz, sz);
-  pl_vec3 sum = {0.0, 0.0, 0.0};
+  const slope_axis x = slopes_along(place.x), y = slopes_along(place.y), z = slopes_along(place.z);
+  uint32_t keys[16];
+  float rows[16], along[16], sum[3] = {0.0f, 0.0f, 0.0f};
   for (uint32_t a = 0; a < 4; a++) {
-    const uint32_t key_z = hash(key, z + a * PRIME);
-    for (uint32_t b = 0; b < 4; b++) {
-      const uint32_t key_y = hash(key_z, y + b * PRIME);
-      double row = 0.0, along = 0.0;
-      for (uint32_t c = 0; c < 4; c++) {
-        const double value = (double)number(key_y, x + c * PRIME);
-        row += wx[c] * value;
-        along += sx[c] * value;
-      }
-      sum.x += wz[a] * wy[b] * along;
-      sum.y += wz[a] * sy[b] * row;
-      sum.z += sz[a] * wy[b] * row;
-    }
+    const uint32_t key_z = hash(key, z.cell + a * PRIME);
+    for (uint32_t b = 0; b < 4; b++)
+      keys[4 * a + b] = hash(key_z, y.cell + b * PRIME);
   }
-  return sum;
+  sum_rows(keys, &x, rows, along);
+  for (int a = 0; a < 4; a++)
+    for (int b = 0; b < 4; b++) {
+      sum[0] += z.weight[a] * y.weight[b] * along[4 * a + b];
+      sum[1] += z.weight[a] * y.slope[b] * rows[4 * a + b];
+      sum[2] += z.slope[a] * y.weight[b] * rows[4 * a + b];
+    }
+  return (pl_vec3){(double)sum[0], (double)sum[1], (double)sum[2]};
+}
+
+pl_vec3 pl_fractal_detail_octave_gradient(const pl_fractal_detail *detail, pl_vec3 direction,
+                                          int octave) {
+  const pl_vec3 *axes = detail->axes[octave];
+  const pl_vec3 place = {pl_vec3_dot(axes[0], direction), pl_vec3_dot(axes[1], direction),
+                         pl_vec3_dot(axes[2], direction)};
+  const pl_vec3 slope =
+      pl_vec3_scale(octave_gradient(detail->key[octave], place), unit_of(detail, octave));
+  const pl_vec3 sum = pl_vec3_madd(pl_vec3_scale(axes[0], slope.x), slope.y, axes[1]);
+  return pl_vec3_madd(sum, slope.z, axes[2]);
 }
 
 pl_vec3 pl_fractal_detail_gradient(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
                                    int level) {
   pl_vec3 sum = {0.0, 0.0, 0.0};
-  for (int k = finest_of(detail, level); k >= coarsest_of(detail, coarsest); k--) {
-    const pl_vec3 *axes = detail->axes[k];
-    const pl_vec3 place = {pl_vec3_dot(axes[0], direction), pl_vec3_dot(axes[1], direction),
-                           pl_vec3_dot(axes[2], direction)};
-    const pl_vec3 slope = pl_vec3_scale(octave_gradient(detail->key[k], place), unit_of(detail, k));
-    sum = pl_vec3_madd(sum, slope.x, axes[0]);
-    sum = pl_vec3_madd(sum, slope.y, axes[1]);
-    sum = pl_vec3_madd(sum, slope.z, axes[2]);
-  }
+  for (int k = finest_of(detail, level); k >= coarsest_of(detail, coarsest); k--)
+    sum = pl_vec3_add(sum, pl_fractal_detail_octave_gradient(detail, direction, k));
   return pl_vec3_madd(sum, -pl_vec3_dot(sum, direction), direction);
+}
+
+/* The squares of the slopes of the spline's weights have the mean sum 2/3. */
+double pl_fractal_detail_slope_variance(const pl_fractal_detail *detail, int octave,
+                                        double radius_m) {
+  const double ratio = detail->sigma_m[octave] / pl_cube_cell_m(octave, radius_m);
+  return ratio * ratio * (2.0 / 3.0) / WEIGHTS;
 }

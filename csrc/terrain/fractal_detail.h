@@ -79,5 +79,12 @@ static inline double pl_fractal_detail_cut(double sum_m, double bound_m) {
  * m by distance in units of the radius; divide by the radius for a slope. */
 pl_vec3 pl_fractal_detail_gradient(const pl_fractal_detail *detail, pl_vec3 direction, int coarsest,
                                    int level);
+/* Returns the gradient of one octave, in the same units, with its part along `direction`. */
+pl_vec3 pl_fractal_detail_octave_gradient(const pl_fractal_detail *detail, pl_vec3 direction,
+                                          int octave);
+/* Returns the variance of an octave's slopes along any one axis, rise over distance, on a body of
+ * the radius; its mean over places. */
+double pl_fractal_detail_slope_variance(const pl_fractal_detail *detail, int octave,
+                                        double radius_m);
 
 #endif

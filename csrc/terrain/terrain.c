@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "terrain/rock_field.h"
+#include "terrain/sub_cell.h"
 #include "terrain/terrain_parts.h"
 
 static pl_status check_layer(const pl_terrain_layer *layer, size_t n) {
@@ -99,6 +100,7 @@ pl_status pl_terrain_create(const pl_terrain_frame *frame, pl_terrain **out) {
     if (layer->coarsest < t->detail.first)
       layer->coarsest = t->detail.first;
   }
+  pl_slope_table_init(t);
   *out = t;
   return PL_OK;
 }
@@ -219,9 +221,4 @@ pl_status pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double 
   *out = pl_vec3_madd(pl_vec3_scale(east, (h[1] - h[0]) / baseline_m), (h[3] - h[2]) / baseline_m,
                       north);
   return PL_OK;
-}
-
-pl_vec3 pl_terrain_detail_gradient(const pl_terrain *terrain, pl_vec3 direction, int from, int to) {
-  const pl_vec3 rise = pl_fractal_detail_gradient(&terrain->detail, direction, from, to);
-  return pl_vec3_scale(rise, 1.0 / terrain->radius_m);
 }

@@ -111,8 +111,4 @@ double pl_terrain_relief_m(const pl_terrain *terrain, int level);
 pl_status pl_terrain_slope(const pl_terrain *terrain, pl_vec3 direction, double baseline_m,
                            pl_vec3 *out);
 
-/* Returns the slope of the detail of levels `from` to `to` alone: of what is drawn too fine for
- * cells. */
-pl_vec3 pl_terrain_detail_gradient(const pl_terrain *terrain, pl_vec3 direction, int from, int to);
-
 #endif

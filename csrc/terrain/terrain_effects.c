@@ -1,6 +1,5 @@
-/* The effect rows `terrain` and `far_casters`: heights of bodies, and shadows from beyond the
- * frame.
- */
+/* The effect rows `terrain`, `far_casters` and `sub_cell_normals`: heights of bodies, shadows from
+ * beyond the frame, and slopes finer than the mesh. */
 #include "plan/changed_surfaces.h"
 #include "plan/effects.h"
 
@@ -41,4 +40,19 @@ const pl_effect pl_effect_far_casters = {
     .ceiling = pl_effect_ceiling_one,
     .bound_dn = bound_dn,
     .cost_ms = casters_cost_ms,
+};
+
+static double normals_cost_ms(const pl_view *view, int value) {
+  (void)value;
+  return 1e-3 * view->width * view->height * view->samples;
+}
+
+const pl_effect pl_effect_sub_cell_normals = {
+    .name = "sub_cell_normals",
+    .doc = "Slopes of terrain that are finer than the cells of its mesh, in normals down to the "
+           "footprint of a sample and beyond in the reflectance; off: left out",
+    .absent = terrain_absent,
+    .ceiling = pl_effect_ceiling_one,
+    .bound_dn = bound_dn,
+    .cost_ms = normals_cost_ms,
 };

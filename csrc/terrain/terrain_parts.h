@@ -15,6 +15,13 @@ typedef struct pl_layer {
   int coarsest; /* level of detail */
 } pl_layer;
 
+/* Variances of slopes along any one axis, by level of the lattice; of the laws, thus means. */
+typedef struct pl_slope_table {
+  double octave[PL_CUBE_LEVELS];     /* of the octave of detail of this level */
+  double beyond[PL_CUBE_LEVELS + 1]; /* of all octaves from this level on */
+  double craters[PL_CUBE_LEVELS];    /* of what cells of this level leave out of craters */
+} pl_slope_table;
+
 struct pl_terrain {
   uint64_t number;
   pl_vec3 radii_m;
@@ -25,10 +32,13 @@ struct pl_terrain {
   pl_raster_stack albedo, roughness;
   size_t layer_count;
   pl_layer layers[PL_TERRAIN_LAYERS];
+  pl_slope_table slopes;
 };
 
 /* What the rasters show of craters. */
 pl_crater_model pl_terrain_crater_model(const pl_terrain *terrain);
+/* Sets terrain->slopes from the laws of detail and craters. */
+void pl_slope_table_init(pl_terrain *terrain);
 
 /* Detail at posts of rasters: a hash table of those that the nodes at hand need. */
 enum { PL_POSTS = 4096, PL_STENCIL = 16 };

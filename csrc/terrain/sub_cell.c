@@ -1,0 +1,79 @@
+/* Slopes that a mesh leaves out. */
+#include "terrain/sub_cell.h"
+
+#include <math.h>
+
+#include "terrain/terrain_parts.h"
+
+/* What interpolated normals keep of an octave that is by `n` levels wider than cells: of the
+ * variance of its slopes, and of the covariance with the true ones (measured; a test repeats it).
+ * With ADDED times its true slope the variance is right. Further octaves are kept. */
+enum { KEPT = 4 };
+static const double VARIANCE[KEPT] = {0.212, 0.610, 0.868, 0.967};
+static const double COVARIANCE[KEPT] = {0.375, 0.766, 0.930, 0.983};
+static const double ADDED[KEPT] = {0.58865, 0.2223, 0.0, 0.0};
+
+void pl_slope_table_init(pl_terrain *terrain) {
+  pl_slope_table *out = &terrain->slopes;
+  double cells_m[PL_CUBE_LEVELS];
+  out->beyond[PL_CUBE_LEVELS] = 0.0;
+  for (int k = PL_CUBE_LEVELS - 1; k >= 0; k--) {
+    cells_m[k] = pl_cube_cell_m(k, terrain->radius_m);
+    out->octave[k] = pl_fractal_detail_slope_variance(&terrain->detail, k, terrain->radius_m);
+    out->beyond[k] = out->beyond[k + 1] + out->octave[k];
+    out->craters[k] = 0.0;
+  }
+  if (terrain->craters != NULL)
+    pl_crater_slope_variances(terrain->craters, cells_m, PL_CUBE_LEVELS, out->craters);
+}
+
+/* The coarsest octave that is drawn in a direction: elsewhere, wider waves are the model's. */
+static int coarsest_at(const pl_terrain *terrain, pl_vec3 direction) {
+  for (size_t n = terrain->layer_count; n-- > 0;) {
+    const pl_layer *layer = &terrain->layers[n];
+    double u, v;
+    if (pl_raster_find(layer->given.raster, direction, &u, &v) &&
+        pl_raster_weight(layer->given.raster, u, v, layer->given.border_posts) >= 0.5)
+      return pl_cube_level(layer->spacing_m, terrain->radius_m);
+  }
+  return terrain->detail.first;
+}
+
+pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, int level,
+                                double footprint_m) {
+  const pl_slope_table *table = &terrain->slopes;
+  const int last = terrain->detail.last, coarsest = coarsest_at(terrain, direction);
+  pl_sub_cell out = {.variance = table->craters[level]};
+  int k = level - (KEPT - 1) > 0 ? level - (KEPT - 1) : 0;
+  /* Of octaves with cells as wide as the footprint all is resolved, of half as wide ones none. */
+  const double finest = 1.0 + log2(pl_cube_cell_m(0, terrain->radius_m) / footprint_m);
+  for (; k <= last; k++) {
+    const double share = k < coarsest ? 0.0 : fmin(fmax(finest - k, 0.0), 1.0);
+    if (k > level && k >= coarsest && !(share > 0.0))
+      break;
+    const int wider = level - k;
+    const double added = share * (wider >= 0 ? ADDED[wider] : 1.0);
+    const double kept = wider >= 0 ? VARIANCE[wider] + 2.0 * added * COVARIANCE[wider] : 0.0;
+    if (table->octave[k] > 0.0 && added > 0.0)
+      out.slope = pl_vec3_madd(out.slope, added,
+                               pl_fractal_detail_octave_gradient(&terrain->detail, direction, k));
+    out.variance += table->octave[k] * (1.0 - kept - added * added);
+    out.whole += table->octave[k] * added * added;
+  }
+  out.variance += k <= last ? table->beyond[k] : 0.0;
+  out.whole += out.variance;
+  out.slope = pl_vec3_madd(out.slope, -pl_vec3_dot(out.slope, direction), direction);
+  out.slope = pl_vec3_scale(out.slope, 1.0 / terrain->radius_m);
+  return out;
+}
+
+/* Linear between the levels on both sides. */
+double pl_terrain_slope_variance(const pl_terrain *terrain, double cell_m) {
+  const pl_slope_table *table = &terrain->slopes;
+  const double widest_m = pl_cube_cell_m(0, terrain->radius_m);
+  const double at = fmin(fmax(log2(widest_m / cell_m), 0.0), PL_CUBE_LEVELS - 1.0);
+  const int level = (int)at < PL_CUBE_LEVELS - 2 ? (int)at : PL_CUBE_LEVELS - 2;
+  const double part = at - level;
+  return (1.0 - part) * (table->beyond[level] + table->craters[level]) +
+         part * (table->beyond[level + 1] + table->craters[level + 1]);
+}

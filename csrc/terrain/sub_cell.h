@@ -1,0 +1,28 @@
+/* What a mesh of the ground leaves out, at a place: slopes of detail that is finer than its cells,
+ * and how steep is what is finer still.
+ *
+ * A normal of the mesh is interpolated between posts, whose slopes are differences across two
+ * cells. So it lacks not only the octaves of detail that are finer than its cells, but also parts
+ * of those as wide. Down to the footprint of a sample they are evaluated here, to be added; of
+ * everything else the laws of detail and craters have the variance. */
+#ifndef PL_TERRAIN_SUB_CELL_H
+#define PL_TERRAIN_SUB_CELL_H
+
+#include "terrain/terrain.h"
+
+typedef struct pl_sub_cell {
+  pl_vec3 slope; /* to add to that of the mesh: rise over distance, along the ground, body axes */
+  /* Of slopes along any one axis: of those that are still left out, and of `slope` and those. */
+  double variance, whole;
+} pl_sub_cell;
+
+/* In a unit direction, on a mesh with cells of a level of the lattice, over a footprint. Below the
+ * posts of an elevation model, heights are taken to go on as the law of detail does. */
+pl_sub_cell pl_terrain_sub_cell(const pl_terrain *terrain, pl_vec3 direction, int level,
+                                double footprint_m);
+
+/* Returns the variance of the slopes along any one axis that cells of a width leave out of the laws
+ * of detail and craters. */
+double pl_terrain_slope_variance(const pl_terrain *terrain, double cell_m);
+
+#endif

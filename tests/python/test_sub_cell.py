@@ -1,0 +1,98 @@
+"""Brightness of ground whose detail is finer than its mesh, and frames that do not shimmer."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import perilune
+
+SITE = {"lon_deg": 10.0, "lat_deg": 20.0}
+
+
+def ground(
+    cells: float,
+    sun_deg: float,
+    normals: bool = True,
+    lon_deg: float = SITE["lon_deg"],
+    body: dict[str, Any] | None = None,
+) -> dict[str, np.ndarray]:
+    """Lunar highlands under a camera, pixels of 15 mm."""
+    terrain = {"detail": {"seed": 3}, "cells_per_pixel": cells, "finest_cell_m": 0.001}
+    moon = {"kind": "moon", "reflectance": "hapke", "albedo": 0.33, "terrain": terrain}
+    place = {"lon_deg": lon_deg, "lat_deg": SITE["lat_deg"]}
+    tree = {
+        "version": 1,
+        "time": {"epoch": "2026-03-03T06:00:00Z"},
+        "root": "moon",
+        "sun": {"at": SITE | {"azimuth_deg": 100.0, "elevation_deg": sun_deg}},
+        "bodies": {"moon": moon | (body or {})},
+        "camera": {
+            "width": 48,
+            "height": 48,
+            "fov_deg": 20.0,
+            "trajectory": {"kind": "hover", "target": "moon", "height_m": 2.0} | place,
+            "exposure": {"mode": "fixed", "white_radiance_w_m2_sr": 60.0},
+        },
+        "render": {
+            "samples": 16,
+            "max_bounces": 0,
+            "force_off": ["soft_sun"] if normals else ["soft_sun", "sub_cell_normals"],
+            "force_on": ["antialiasing"],
+        },
+    }
+    sample = perilune.open(tree).frame(0, ["rgb", "radiance", "depth", "normal"])
+    return {key: sample[key] for key in ("rgb", "radiance", "depth", "normal")}
+
+
+BODIES = {
+    "hapke": {},
+    "lambert": {"reflectance": "lambert", "albedo": 0.2},
+    "minnaert": {"reflectance": "minnaert", "albedo": 0.2},
+}
+
+
+@pytest.mark.parametrize(
+    ("model", "sun_deg", "limit"),
+    [
+        ("hapke", 10.0, 0.015),
+        ("hapke", 20.0, 0.013),
+        ("hapke", 45.0, 0.006),
+        ("lambert", 20.0, 0.013),
+        ("minnaert", 20.0, 0.017),
+    ],
+)
+def test_brightness_does_not_depend_on_cells(model: str, sun_deg: float, limit: float) -> None:
+    """The mean over a field with cells of four pixels, of one and of an eighth, in which all
+    detail is geometry. The limits are mostly the chance of 700 mm of ground."""
+
+    def mean(cells: float, normals: bool = True) -> float:
+        drawn = ground(cells, sun_deg, normals, body=BODIES[model])
+        return float(drawn["radiance"].mean())
+
+    fine = mean(8.0)
+    assert abs(mean(0.25) / fine - 1.0) < limit
+    assert abs(mean(1.0) / fine - 1.0) < limit
+    if sun_deg == 20.0:  # what is left out would be missed
+        assert abs(mean(0.25, normals=False) / fine - 1.0) > 0.024
+
+
+def test_no_more_shimmer_than_with_fine_cells() -> None:
+    """Of two frames a third of a pixel apart, with coarse cells and with four a pixel."""
+    step_deg = float(np.degrees(0.3 * 0.0147 / (1737.4e3 * np.cos(np.radians(SITE["lat_deg"])))))
+
+    def change(cells: float) -> float:
+        a, b = (ground(cells, 20.0, lon_deg=SITE["lon_deg"] + k * step_deg) for k in (0, 1))
+        return float(np.abs(a["rgb"].astype(float) - b["rgb"]).mean())
+
+    assert change(1.0) < 1.02 * change(4.0)
+    assert change(0.25) < 1.02 * change(4.0)
+
+
+def test_labels_are_of_the_mesh() -> None:
+    on, off = (ground(0.5, 20.0, normals) for normals in (True, False))
+    assert (on["radiance"] != off["radiance"]).mean() > 0.9
+    assert np.array_equal(on["depth"], off["depth"])
+    assert np.array_equal(on["normal"], off["normal"])
