@@ -159,3 +159,96 @@ def test_shadows_have_exact_outlines(tmp_path: Path, name: str, elevation_deg: f
     assert sure[: len(near)].mean() > 0.4
     np.testing.assert_array_equal(dark[sure], found[0][sure])
     assert (dark != found[0]).mean() < 0.08
+
+
+class Heights:
+    """Heights of the ground about the south pole, between nodes of one lattice of a face of the
+    cube."""
+
+    def __init__(self, terrain: Any, level: int, middle: F64, half: int) -> None:
+        self.level = level
+        i, j = (int(k) for k in self.columns(middle[None])[0])
+        self.corner = np.array([i - half, j - half])
+        self.nodes = terrain.block(5, level, i - half, j - half, 2 * half, 2 * half)
+
+    def columns(self, directions: F64) -> F64:
+        tangents = directions[:, 1::-1] / np.abs(directions[:, 2:])
+        return 2.0 ** (self.level - 1) * (1.0 + np.arctan(tangents) * (4.0 / math.pi))
+
+    def __call__(self, directions: F64) -> F64:
+        """NaN beyond the nodes."""
+        place = self.columns(directions) - self.corner
+        low = np.clip(place.astype(int), 0, len(self.nodes) - 2)
+        i, j = low.T
+        x, y = (place - low).T
+        south = self.nodes[j, i] * (1.0 - x) + self.nodes[j, i + 1] * x
+        north = self.nodes[j + 1, i] * (1.0 - x) + self.nodes[j + 1, i + 1] * x
+        within = (place >= 0.0).all(axis=1) & (place < len(self.nodes) - 1).all(axis=1)
+        return np.where(within, south * (1.0 - y) + north * y, np.nan)
+
+
+def hidden(grids: list[Heights], d: F64, sun: F64, cell_m: float) -> NDArray[np.bool_]:
+    """Whether the ground, of the finest of the grids that reaches a place, is anywhere above the
+    way from points on it to the Sun."""
+    start = d * (RADIUS_M + grids[0](d))[:, None]
+    dark = np.zeros(len(d), bool)
+    t = 0.5 * cell_m
+    while t < 1.2e5:
+        at = start + t * sun
+        away = np.linalg.norm(at, axis=1)
+        h = np.full(len(d), np.nan)
+        for grid in grids:
+            h = np.where(np.isnan(h), grid(at / away[:, None]), h)
+        assert not np.isnan(h).any()
+        dark |= away - RADIUS_M < h
+        t += max(0.5 * cell_m, 0.01 * t)
+    return dark
+
+
+@pytest.mark.needs_data
+def test_shadows_at_the_pole_are_those_of_a_march() -> None:
+    """Of pixels of configs/lunar_pole.yaml: where the ground hides the whole Sun, or none of it, on
+    lattices of both widths that a pixel's cells may have, the frame says so, but for a few pixels
+    right at the borders of shadows."""
+    width, fov = 160, 30.0
+    changes = {
+        "camera.width": width, "camera.height": 120, "camera.fov_deg": fov,
+        "camera.trajectory.height_m": 8000.0, "camera.trajectory.off_nadir_deg": 30.0,
+        "render.samples": 1, "render.max_bounces": 0,
+        "render.force_off": ["soft_sun", "antialiasing"],
+    }  # fmt: skip
+    config = Path(__file__).resolve().parents[2] / "configs/lunar_pole.yaml"
+    sim = perilune.open(config, overrides=changes)
+    sample = sim.frame(0, ["radiance", "position", "range"], threads=1)
+    middle = shutter.middle(sim.world(0))
+    pose = middle.poses["moon"][0]
+    axes = rotations.to_matrix(pose[3:])
+    rng = np.random.default_rng(2)
+    pick = rng.permutation(sample["range"].size)[:2000]
+    place = (sample["position"].reshape(-1, 3)[pick].astype(float) - pose[:3]) @ axes
+    d = place / np.linalg.norm(place, axis=1, keepdims=True)
+    dark = sample["radiance"].reshape(-1, 3)[pick, 1] == 0.0
+    pixel_m = float(np.median(sample["range"])) * math.radians(fov) / width
+    sun = (middle.sun_position_m - pose[:3]) @ axes
+    sun /= np.linalg.norm(sun)
+    terrain = sim.terrain(0)
+    up = d.mean(axis=0) / np.linalg.norm(d.mean(axis=0))
+    level = terrain.level(pixel_m)
+    coarse = [Heights(terrain, level - k, up, half) for k, half in ((2, 400), (4, 500))]
+    upper = np.cross(np.cross(sun, up), sun)
+    found = []
+    for finest in (level - 1, level):
+        grids = [Heights(terrain, finest, up, 400), *coarse]
+        for limb_rad in (-0.00466, 0.0, 0.00466):
+            toward = sun + limb_rad * upper / np.linalg.norm(upper)
+            found.append(hidden(grids, d, toward, terrain.cell_m(finest)))
+    sure = np.all(found, axis=0) | ~np.any(found, axis=0)
+    wrong = sure & (dark != found[0])
+    shown = np.pad(sample["radiance"][..., 1] == 0.0, 1, mode="edge")
+    around = np.stack([shown[i : i + 120, j : j + width] for i in range(3) for j in range(3)])
+    border = (around.any(axis=0) & ~around.all(axis=0)).ravel()[pick]
+    assert 0.1 < dark.mean() < 0.9
+    assert sure.mean() > 0.9
+    assert wrong.mean() < 0.01
+    assert not (wrong & ~border).any()
+    assert (dark & ~border).sum() > 50
