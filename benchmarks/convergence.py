@@ -4,12 +4,16 @@ The error is the root mean square over pixels and bands, in digital numbers of 2
 of frame 0 at the exposure of the reference. The reference is `--seeds` frames of `--reference`
 samples each at a tolerance of 0, in two halves whose radiances are averaged: the mean product of
 the differences to the one and to the other is the square of the error, without the noise of the
-reference. These frames are the curve's last point at a tolerance of 0 too, each beside the others.
+reference. Its pixels are means of 3 x 3 smaller ones, of 5 x 5, 7 x 7 and 9 x 9: samples have the
+same places in all pixels and for all seeds, so that frames of equal pixels have errors in common.
 
 Every point is the mean square of several frames whose samplers have seeds of their own, more where
 samples are few, and has a standard error: a few pixels that meet the sun by chance hold most of the
-error of a frame, so one frame alone says little. The positions of samples in a pixel are one
-sequence for all seeds, but for its signs along both axes.
+error of a frame, so one frame alone says little.
+
+Without `--windows` the frame has `--width` pixels, each with as much in it as many pixels of the
+frame at its own size. With it, so many windows of that width are measured, at random places of the
+frame at its own size.
 
 `slope` is that of the error in logarithms from the first number of samples to the last, by least
 squares, with its standard error; `last step` that from the last number but one. A curve converges
@@ -47,8 +51,11 @@ REFERENCE_SEED = 0x5EED0000
 SEEDS_MOST = 4
 """Frames of few samples are so many times as many as those of the most."""
 LEAST_DN = 1e-3
+PARTS = (3, 5, 7, 9)
+"""Frames of the reference divide pixels into so many parts along both axes."""
 
 F64 = NDArray[np.float64]
+Radiance = NDArray[np.float32]
 
 
 def shipped() -> dict[str, Path]:
@@ -62,7 +69,16 @@ def needs_data(path: Path) -> bool:
     return "data:" in path.read_text()
 
 
-def encode(radiance: NDArray[np.float32], white: float) -> F64:
+def corners(depth: Radiance, size: tuple[int, int], count: int) -> list[tuple[int, int]]:
+    """Column and row of windows at random places of the frame in which anything is seen."""
+    rows, columns = np.nonzero(np.isfinite(depth) & (depth > 0.0))
+    most = depth.shape[1] - size[0], depth.shape[0] - size[1]
+    seen = np.stack((columns - size[0] // 2, rows - size[1] // 2), axis=1)
+    chosen = seen[np.random.default_rng(1).integers(len(seen), size=count)]
+    return [(int(x), int(y)) for x, y in np.clip(chosen, 0, most)]
+
+
+def encode(radiance: Radiance, white: float) -> F64:
     """Display values of 255, sRGB (IEC 61966-2-1), not rounded."""
     x = np.clip(radiance.astype(float) / white, 0.0, 1.0)
     low = x <= 0.0031308
@@ -70,22 +86,41 @@ def encode(radiance: NDArray[np.float32], white: float) -> F64:
 
 
 class Asked(Simulation):
-    """Frames with another quality, noise and exposure; what they show stays."""
+    """Frames of `whole`, with another quality, noise and exposure, or windows of them: as many
+    pixels as this simulation's camera has, `parts` of them in a row for each pixel of `whole`."""
 
+    whole: Simulation
+    parts = 1
+    corner: tuple[int, int] = (0, 0)
+    """Of the window, in pixels of `whole`: column, row."""
     quality: Mapping[str, float] = {}
     noise = 0
-    white: float | None = None
+    white: float
+
+    @classmethod
+    def of(cls, whole: Simulation, size: tuple[int, int], parts: int) -> Asked:
+        """size: of the window, in pixels of `whole`: columns, rows."""
+        width, height = parts * size[0], parts * size[1]
+        sized = whole.with_overrides({"camera.width": width, "camera.height": height})
+        out = cls(*sized.__reduce__()[1])
+        out.whole, out.parts = whole, parts
+        return out
 
     def _request(self, *args: Any) -> Any:
-        request = super()._request(*args)
+        request = self.whole._request(self.whole.world(0))
+        camera = self.config.camera
+        request["width"], request["height"] = camera.width, camera.height
+        request["K"] = request["K"].copy()
+        request["K"][:2, 2] -= self.corner
+        request["K"][:2] *= self.parts
+        request["K"][:2, 2] += 0.5 * (self.parts - 1)
         request["quality"].update(self.quality)  # type: ignore[typeddict-item]
         request["seed"] ^= self.noise
-        if self.white is not None:
-            request["exposure"].update(mode="fixed", white_radiance=self.white)
+        request["exposure"].update(mode="fixed", white_radiance=self.white)
         return request
 
     def _metered(self, *args: Any) -> Any:
-        return None if self.white is not None else super()._metered(*args)
+        return None
 
 
 @dataclass(frozen=True)
@@ -136,32 +171,53 @@ class Scene:
         threads: int = 1,
         changes: Mapping[str, Any] | None = None,
         seeds: int = 2,
+        windows: int | Sequence[tuple[int, int]] = 0,
     ) -> None:
-        overrides = {"camera.width": size[0], "camera.height": size[1]} | dict(changes or {})
-        opened = perilune.open(str(path), overrides=overrides)
-        self._sim = Asked(*opened.__reduce__()[1])
+        """windows: how many, or their corners (column, row); none: the frame is of that size."""
+        whole = perilune.open(str(path), overrides=dict(changes or {}))
+        if not windows:
+            whole = whole.with_overrides({"camera.width": size[0], "camera.height": size[1]})
+        self._sim = Asked.of(whole, size, 1)
         self._threads = threads
-        first = self._sim.frame(0, channels=["rgb"], threads=threads)
+        first = whole.frame(0, channels=["rgb", "depth"], threads=threads)
         self._sim.white = first.meta["white_radiance"]
-        self._samples = reference
-        self._frames = [self.radiance(reference, 0.0, REFERENCE_SEED + k) for k in range(seeds)]
-        self.reference = self._halves(self._frames)
+        if isinstance(windows, int):
+            windows = corners(first["depth"], size, windows) if windows else [(0, 0)]
+        self._corners = windows
+        frames = []
+        for k in range(seeds):
+            fine = Asked.of(whole, size, PARTS[k % len(PARTS)])
+            fine.white = self._sim.white
+            frames.append(self._averaged(fine, reference, REFERENCE_SEED + k))
+        self.reference = self._halves(frames)
 
-    def _halves(self, frames: Sequence[NDArray[np.float32]]) -> tuple[F64, F64]:
-        assert self._sim.white is not None
+    def _halves(self, frames: Sequence[Radiance]) -> tuple[F64, F64]:
         one, other = (np.mean(frames[k::2], axis=0) for k in range(2))
         return encode(one, self._sim.white), encode(other, self._sim.white)
 
-    def radiance(self, samples: int, tolerance_dn: float, noise: int = 0) -> NDArray[np.float32]:
-        """(height, width, 3), W m-2 sr-1."""
-        self._sim.quality = {"samples": samples, "tolerance_dn": tolerance_dn}
-        self._sim.noise = noise
-        # rgb too, as sampling serves the pictures that are asked for
-        return self._sim.frame(0, channels=["rgb", "radiance"], threads=self._threads)["radiance"]
+    def _windows(self, sim: Asked, quality: Mapping[str, float], noise: int) -> list[Radiance]:
+        sim.quality, sim.noise = quality, noise
+        seen = []
+        for sim.corner in self._corners:
+            # rgb too, as sampling serves the pictures that are asked for
+            sample = sim.frame(0, channels=["rgb", "radiance"], threads=self._threads)
+            seen.append(sample["radiance"])
+        return seen
+
+    def _averaged(self, fine: Asked, samples: int, noise: int) -> Radiance:
+        """Of so many samples a pixel at a tolerance of 0, from frames of smaller pixels."""
+        quality = {"samples": -(-samples // fine.parts**2), "tolerance_dn": 0.0}
+        shown = np.concatenate(self._windows(fine, quality, noise))
+        rows, columns = shown.shape[0] // fine.parts, shown.shape[1] // fine.parts
+        return shown.reshape(rows, fine.parts, columns, fine.parts, 3).mean(axis=(1, 3))
+
+    def radiance(self, samples: int, tolerance_dn: float, noise: int = 0) -> Radiance:
+        """(height, width, 3), W m-2 sr-1; windows below each other."""
+        quality = {"samples": samples, "tolerance_dn": tolerance_dn}
+        return np.concatenate(self._windows(self._sim, quality, noise))
 
     def picture(self, samples: int, tolerance_dn: float, noise: int = 0) -> F64:
         """(height, width, 3): display values."""
-        assert self._sim.white is not None
         return encode(self.radiance(samples, tolerance_dn, noise), self._sim.white)
 
     def square(self, picture: F64, reference: tuple[F64, F64] | None = None) -> float:
@@ -174,19 +230,8 @@ class Scene:
         """Root mean square error, digital numbers."""
         return float(np.sqrt(max(self.square(picture), 0.0)))
 
-    def _own_squares(self) -> list[float]:
-        """Of the frames of the reference, each beside the halves of the others."""
-        assert self._sim.white is not None
-        out = []
-        for k, frame in enumerate(self._frames):
-            others = self._frames[:k] + self._frames[k + 1 :]
-            out.append(self.square(encode(frame, self._sim.white), self._halves(others)))
-        return out
-
     def squares(self, samples: int, tolerance_dn: float, seeds: int) -> list[float]:
         """Square errors of so many frames, each with a seed of its own."""
-        if tolerance_dn == 0.0 and samples == self._samples and len(self._frames) == seeds > 2:
-            return self._own_squares()
         noises = (samples * 1000 + k for k in range(seeds))
         return [self.square(self.picture(samples, tolerance_dn, noise)) for noise in noises]
 
@@ -280,19 +325,28 @@ def main() -> None:
     parser.add_argument("--reference", type=int, default=1024, help="samples of each of its frames")
     parser.add_argument("--seeds", type=int, default=6, help="frames of the reference")
     parser.add_argument("--samples", type=int, nargs="+", default=SAMPLES)
+    parser.add_argument(
+        "--windows",
+        type=int,
+        default=0,
+        help="measure this many windows of "
+        "--width in the frame at its own size, not the frame at that width",
+    )
     parser.add_argument("--figure", help="file to draw the curves to; needs the extra `plot`")
     parser.add_argument("--keep", help="file of JSON that results are added to, and taken from")
     options = parser.parse_args()
     samples, seeds = list(options.samples), options.seeds
     size = (options.width, options.width * 3 // 4)
     how = {"samples": samples, "size": size, "reference": options.reference, "seeds": seeds}
+    how |= {"windows": options.windows} if options.windows else {}
     kept = Kept(options.keep, how)
     found = shipped()
     for name in options.only or found:
         skipped = needs_data(found[name]) and "PERILUNE_DATA" not in os.environ
         if name in kept.curves or skipped:
             continue
-        scene = Scene(found[name], size, options.reference, options.threads, seeds=seeds)
+        scene = Scene(found[name], size, options.reference, options.threads, seeds=seeds,
+                      windows=options.windows)  # fmt: skip
         kept.add(name, {f"{dn:g}": scene.curve(samples, dn, seeds) for dn in TOLERANCES})
     results = {name: kept.curves[name] for name in found if name in kept.curves}
     rows = [row(name, key, curve) for name, curves in results.items()

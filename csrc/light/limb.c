@@ -82,14 +82,17 @@ pl_vec3f pl_limb_ratio(const pl_limb *limb, const pl_sun_view *view, pl_vec3f di
 
 pl_vec3f pl_limb_sample(const pl_limb *limb, const pl_sun_view *view, const float u[2],
                         pl_vec3f *ratio) {
-  const pl_vec3f even = pl_sample_disc(u[0], u[1]);
-  const float s = pl_minf(even.x * even.x + even.y * even.y, 1.0f);
+  /* In polar coordinates u[0] alone is the ring, and so the colour, of which few samples have no
+   * noise left. A map that keeps squares together (pl_sample_disc) has three times the variance of
+   * colour at 4 samples, and of penumbrae four fifths at 4 samples, the same at 16. */
+  const float s = u[0], turn = 2.0f * PL_PI_F * u[1];
   const float place = s * (float)PL_LIMB_RINGS;
   const int ring = place < (float)PL_LIMB_RINGS ? (int)place : PL_LIMB_RINGS - 1;
   const float *spread = limb->spread + ring;
   const float out = spread[0] + (place - (float)ring) * (spread[1] - spread[0]);
+  const float radius = sqrtf(s * out);
+  const pl_vec3f at = {radius * cosf(turn), radius * sinf(turn), 0.0f};
   const pl_basis basis = pl_basis_make(view->direction);
   *ratio = ratio_at(limb, s * out);
-  return pl_basis_to_world(&basis,
-                           pl_disc_to_cone(pl_vec3f_scale(even, sqrtf(out)), view->one_minus_cos));
+  return pl_basis_to_world(&basis, pl_disc_to_cone(at, view->one_minus_cos));
 }

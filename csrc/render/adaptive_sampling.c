@@ -128,9 +128,16 @@ static void measure(const pl_path_context *context, const pl_tile_buffers *b, mo
     }
 }
 
+/* Above white an error is not visible. Where it reaches that far, as it does around glints, a mean
+ * that is too low by as much counts, too: a pixel may be dark although its neighbours are white on
+ * average. */
 static float error_dn(float white, float mean, float error) {
-  const float low = pl_minf(mean / white, 1.0f), high = pl_minf((mean + error) / white, 1.0f);
-  return 255.0f * (pl_srgb_encode(high) - pl_srgb_encode(low));
+  const float shown = pl_srgb_encode(pl_minf(mean / white, 1.0f));
+  const float more = pl_srgb_encode(pl_minf((mean + error) / white, 1.0f)) - shown;
+  if (!(mean + error > white))
+    return 255.0f * more;
+  const float least = pl_srgb_encode(pl_minf(pl_maxf(mean - error, 0.0f) / white, 1.0f));
+  return 255.0f * pl_maxf(more, shown - least);
 }
 
 float pl_path_error_dn(const pl_render_settings *settings, float mean, float error) {
@@ -147,6 +154,21 @@ static float sum8(const float *values, size_t k) {
   return sum;
 }
 
+/* Mean over the neighbours of a pixel as it is shown: if some are below white, the others are no
+ * more than white. Some bright ones would else stand for all. */
+static float shown_mean(const moments *moments, size_t k, float white) {
+  float sum = 0.0f, shown = 0.0f, count = 0.0f, above = 0.0f;
+  for (size_t row = k - SIDE; row <= k + SIDE; row += SIDE)
+    for (size_t i = row - 1; i <= row + 1; i++) {
+      const float weight = i == k ? 0.0f : moments->weight[i], mean = moments->mean[i];
+      sum += weight * mean;
+      shown += weight * pl_minf(mean, white);
+      above += mean > white ? weight : 0.0f;
+      count += weight;
+    }
+  return (above < count ? shown : sum) / count;
+}
+
 /* Standard error of a pixel's mean after n samples, in digital numbers, estimated from its
  * neighbours only. With its own samples, a pixel would finish early where they agree by chance and
  * continue where one is bright. Features that few paths find would then be too dark in the mean. */
@@ -156,7 +178,10 @@ static float standard_error_dn(const pl_render_settings *settings, const moments
   if (!(count > 0.0f))
     return INFINITY; /* a tile of one pixel has no neighbours to estimate the noise from */
   const float around = sqrtf(sum8(moments->variance, k) / (count * n));
-  return pl_path_error_dn(settings, sum8(moments->mean, k) / count, around);
+  const float white = settings->white_radiance, other = settings->white_other;
+  const float found = error_dn(white, shown_mean(moments, k, white), around);
+  return other > 0.0f ? pl_maxf(found, error_dn(other, shown_mean(moments, k, other), around))
+                      : found;
 }
 
 static bool is_finished(const pl_render_settings *settings, const moments *moments, uint32_t pixel,

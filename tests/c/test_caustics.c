@@ -107,8 +107,10 @@ static void test_second_sun(void **state) {
     const double noise = table.deviation / sqrt(PIXELS);
     assert_true(fabs(table.mean - 0.8) < 0.8 * cases[i].tolerance + 4.0 * noise);
     assert_true(table.deviation < 0.1 * chance.deviation);
-    /* The two agree within the noise of the second. */
-    assert_true(fabs(chance.mean - table.mean) < 4.0 * chance.deviation / sqrt(PIXELS) + 1e-3);
+    /* The two agree within the noise of the second. A smooth mirror's light is found by chance once
+     * or twice a frame or not at all, which says nothing: 0.83 +- 0.10 over 150 frames. */
+    assert_true(cases[i].roughness == 0.0f ||
+                fabs(chance.mean - table.mean) < 4.0 * chance.deviation / sqrt(PIXELS) + 1e-3);
     world_clear(&w);
   }
 }
