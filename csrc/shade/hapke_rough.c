@@ -5,8 +5,11 @@ static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a,
                   pl_regolith_shared *shared) {
   (void)limb;
   if (!shared->known) {
-    const pl_hapke_relief relief = pl_hapke_relief_of(a, band->roughness_rad);
-    *shared = (pl_regolith_shared){true, pl_hapke_terms_of(band, a, &relief)};
+    if (band->roughness_rad != shared->roughness_rad)
+      shared->relief = pl_hapke_relief_of(a, band->roughness_rad);
+    shared->roughness_rad = band->roughness_rad;
+    shared->terms = pl_hapke_terms_of(band, a, &shared->relief);
+    shared->known = true;
   }
   return pl_hapke_of_terms(band, &shared->terms);
 }

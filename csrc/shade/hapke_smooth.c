@@ -6,7 +6,8 @@ static double law(const pl_hapke *band, double limb, const pl_hapke_angles *a,
   (void)limb;
   if (!shared->known) {
     const pl_hapke_relief relief = pl_hapke_plane(a);
-    *shared = (pl_regolith_shared){true, pl_hapke_terms_of(band, a, &relief)};
+    shared->terms = pl_hapke_terms_of(band, a, &relief);
+    shared->known = true;
   }
   return pl_hapke_of_terms(band, &shared->terms);
 }

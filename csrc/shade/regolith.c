@@ -40,7 +40,7 @@ static pl_vec3f evaluate_plane(const pl_surface *surface, pl_vec3f wo, pl_vec3f 
     return pl_vec3f_make(0.0f, 0.0f, 0.0f);
   const pl_hapke_angles angles = pl_hapke_angles_of(pl_vec3_unit(pl_vec3f_to_double(wi)),
                                                     pl_vec3_unit(pl_vec3f_to_double(wo)));
-  pl_regolith_shared shared = {.known = false};
+  pl_regolith_shared shared = {.known = false, .roughness_rad = -1.0};
   for (int k = 0; k < 3; k++) {
     const pl_hapke band = band_of(surface, k);
     const bool known = k > 0 && alike(&band, &last);

@@ -10,6 +10,8 @@
 typedef struct pl_regolith_shared {
   bool known;
   pl_hapke_terms terms;
+  double roughness_rad;   /* of the last relief; negative for none */
+  pl_hapke_relief relief; /* depends on the roughness alone */
 } pl_regolith_shared;
 
 /* Bidirectional reflectance r of one band, 1/sr; i and e are below 90 degrees. `limb`: see
